@@ -1,12 +1,13 @@
 #include "input/input.h"
 
-/* 1, 0 or -1. */
+/* 1 if only the key `plus` is held, -1 if only `minus` is, 0 if both or neither are. */
 static float axis_of_keys(const bool *held, stilb_window_key plus, stilb_window_key minus)
 {
 	return (float)held[plus] - (float)held[minus];
 }
 
-/* A key that switches something: pressed twice between two frames it has switched there and back. */
+/* True if a key that switches something on and off has an effect in this frame: after an even number of presses since
+ * the last frame the switch is where it was. */
 static bool pressed_odd(const stilb_window_state *window, stilb_window_key key)
 {
 	return window->pressed[key] % 2 > 0;

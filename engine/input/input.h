@@ -28,15 +28,15 @@ typedef struct stilb_input_state {
 	float look[2];
 	/* Fly STILB_INPUT_FAST times as fast. */
 	bool fast;
-	/* Write a trace; write a picture. */
+	/* Write a trace (the profiler's recording of the last frames) to a file; write a picture to a file. */
 	bool capture, screenshot;
 	/* Open or close the profiler; open or close the materials' window. */
 	bool overlay, inspector;
 	/* Freeze the profiler, or let it run again. */
 	bool freeze;
-	/* Go on by so many views. */
+	/* Go on by so many views; the program decides what its views are. */
 	uint32_t next_view;
-	/* Add so many workers; negative: remove them. */
+	/* Add so many worker threads; negative: remove them. */
 	int32_t workers;
 } stilb_input_state;
 

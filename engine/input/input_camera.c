@@ -4,9 +4,9 @@
 
 #define CAMERA_FULL_TURN 6.28318530717958647692
 #define CAMERA_MOVE_MAX 1e6f  /* larger than any wish, and its square is still finite */
-#define CAMERA_TURN_MAX 10.0f /* times the turning rate */
+#define CAMERA_TURN_MAX 10.0f /* of a wish, in multiples of settings.turn_rate */
 #define CAMERA_BOOST_MAX 8.0f
-#define CAMERA_SETTLED 1e-9 /* m/s or radians/s: a difference below this counts as none */
+#define CAMERA_SETTLED 1e-9 /* m/s or radians/s: velocity and wish that differ by less count as equal */
 
 /* ---- following --------------------------------------------------------------------------------------------------- */
 
@@ -20,7 +20,7 @@ double stilb_input_follow(double value, double target, double a, double dt, doub
 		*sum += value * dt;
 		return value;
 	}
-	double gone = -expm1(-a * dt); /* 1 - e */
+	double gone = -expm1(-a * dt); /* 1 - exp(-a dt): the part of the difference that has gone */
 	*sum += target * dt + (value - target) * gone / a;
 	return target + (value - target) * (1.0 - gone);
 }
@@ -54,7 +54,7 @@ stilb_input_camera_settings stilb_input_camera_settings_default(void)
 		.speed = 12.0f, .turn_rate = 2.2f, .accelerate = 12.0f, .brake = 16.0f, .turn_follow = 24.0f};
 }
 
-/* A setting of 0 means no smoothing. */
+/* The rate in 1/s of a setting. The setting 0 means no smoothing, which is an infinite rate. */
 static double camera_rate(float a)
 {
 	return a > 0.0f ? (double)a : (double)INFINITY;
@@ -133,7 +133,7 @@ static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 	for (int i = 0; i < 2; i++)
 		camera->turning[i] = camera_settle(camera_turned(camera, i, dt, angles[i]), camera->wanted_turning[i]);
 	camera->yaw = remainder(camera->yaw, CAMERA_FULL_TURN);
-	if (camera->pitch != camera_clamp_pitch(camera->pitch)) { /* at the limit the turning ends */
+	if (camera->pitch != camera_clamp_pitch(camera->pitch)) { /* at the limit the turning upwards or downwards ends */
 		camera->pitch = camera_clamp_pitch(camera->pitch);
 		camera->turning[1] = 0.0;
 	}
@@ -142,7 +142,7 @@ static void camera_step(stilb_input_camera *camera, uint64_t dt_us)
 
 /* ---- the camera -------------------------------------------------------------------------------------------------- */
 
-/* For STILB_CHECK: finite, and the angles within their limits. */
+/* For STILB_CHECK: all numbers are finite, and the angles are within their limits. */
 static bool camera_is_sound(const stilb_input_camera *camera)
 {
 	bool sound = camera->follow > 0.0 && isfinite(camera->yaw) && fabs(camera->yaw) <= CAMERA_FULL_TURN / 2 &&
@@ -164,7 +164,7 @@ static bool camera_stands(const stilb_input_camera *camera)
 	return stands;
 }
 
-/* Microseconds from the camera's time to time_us, 0 if that is in the past. Unsigned, because times come from
+/* Microseconds from camera->time_us to time_us, 0 if time_us is the earlier one. Unsigned, because times come from
  * recordings and the difference of any two int64_t must not overflow. */
 static uint64_t camera_until(const stilb_input_camera *camera, int64_t time_us)
 {
@@ -195,7 +195,7 @@ void stilb_input_camera_advance(stilb_input_camera *camera, int64_t time_us)
 	STILB_CHECK(camera_is_sound(camera));
 }
 
-/* Advances to exactly time_us, from where ticks are counted from now on. */
+/* Advances to exactly time_us; from now on ticks are counted from there. */
 static void camera_reach(stilb_input_camera *camera, int64_t time_us)
 {
 	stilb_input_camera_advance(camera, time_us);

@@ -11,17 +11,17 @@
 
 #define CONTROL_TRIGGER_INNER 0.05f /* dead zone: worn triggers do not return to 0 */
 #define CONTROL_TOUCH_MIN 0.1f      /* least movement that counts as a touch, also without a dead zone */
-#define CONTROL_DRIFT 0.1f          /* 1/s: an axis that moves more slowly than this is not being touched */
+#define CONTROL_DRIFT 0.1f          /* axis units per second: an axis that moves more slowly is drift, not a touch */
 
 typedef struct control_pad {
 	uint32_t number; /* 0: this entry is free */
 	bool denied;
-	bool readable;    /* there is a layout */
-	char unread[160]; /* the reason if there is none */
+	bool readable;    /* `layout` was found, so reports can be decoded */
+	char unread[160]; /* the reason if it was not found */
 	stilb_input_pad_info info;
 	stilb_input_layout layout;
 	stilb_input_pad_state state;
-	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, following the axes by CONTROL_DRIFT since */
+	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, moved towards the axes by CONTROL_DRIFT since */
 	uint64_t reports, corrupt;
 	int64_t last_us;
 } control_pad;
@@ -31,8 +31,8 @@ struct stilb_input_control {
 	stilb_input_control_settings settings;
 	stilb_input_camera camera;
 	bool focused;
-	stilb_input_wish keys;     /* held at the last frame */
-	int64_t keys_until_us;     /* the time from which they count as released */
+	stilb_input_wish keys;     /* the movement that the keys held in the last frame ask for */
+	int64_t keys_until_us;     /* the time from which those keys count as released */
 	stilb_input_state actions; /* presses on the leading pad since the last frame */
 	uint32_t leader;
 	control_pad pads[STILB_INPUT_PADS_MAX];
@@ -59,7 +59,7 @@ static bool control_settings_are_sound(const stilb_input_control_settings *setti
 	return sound;
 }
 
-/* For STILB_CHECK: no pad is there twice, and the leading one is there. */
+/* For STILB_CHECK: no pad has two entries, and the leading pad, if any, has one. */
 static bool control_is_sound(const stilb_input_control *control)
 {
 	bool leader_is_there = control->leader == 0;
@@ -101,7 +101,7 @@ void stilb_input_control_destroy(stilb_input_control *control)
 
 /* ---- what is wanted ---------------------------------------------------------------------------------------------- */
 
-/* The pad of this number, 0: a free entry; NULL if there is none. */
+/* The entry of the pad of this number; for the number 0 a free entry. NULL if there is none. */
 static control_pad *control_find(stilb_input_control *control, uint32_t number)
 {
 	for (uint32_t i = 0; i < STILB_INPUT_PADS_MAX; i++)
@@ -117,7 +117,7 @@ static float control_trigger(float value)
 	return out[0];
 }
 
-/* 1 or 0. */
+/* 1 while the button is down, else 0. */
 static float control_button(const stilb_input_pad_state *state, stilb_input_button button)
 {
 	return (float)(state->buttons >> button & 1u);
@@ -166,7 +166,8 @@ static void control_steer(stilb_input_control *control, int64_t time_us)
 	stilb_input_camera_steer(&control->camera, time_us, &wish);
 }
 
-/* Releases the keys at the time until which they counted as held, so that a stalled program does not fly on. */
+/* If time_us is past keys_until_us, the keys are released as of keys_until_us, so that the camera does not fly on while
+ * the program is stalled. */
 static void control_forget_keys(stilb_input_control *control, int64_t time_us)
 {
 	if (time_us <= control->keys_until_us)
@@ -208,7 +209,7 @@ static void control_remove(stilb_input_control *control, control_pad *pad, int64
 		return;
 	control->leader = 0;
 	stilb_input_camera_stop(&control->camera, time_us);
-	control_steer(control, time_us); /* held keys fly on */
+	control_steer(control, time_us); /* keys that are still held go on to move the camera */
 }
 
 /* True if the pad's new state is a touch, as input_control.h defines it. */
@@ -267,7 +268,8 @@ static void control_state(stilb_input_control *control, control_pad *pad, const 
                           int64_t time_us)
 {
 	STILB_CHECK(input_pad_state_is_sound(state));
-	if (pad->reports == 0 && control->leader) { /* a pad that lies with its sticks pushed does not take the lead */
+	/* A pad's first state is its rest position: a pad plugged in with a stick pushed does not take the lead by that. */
+	if (pad->reports == 0 && control->leader) {
 		pad->state = *state;
 		memcpy(pad->rest, state->axes, sizeof pad->rest);
 	}
@@ -366,7 +368,7 @@ static void control_look(stilb_input_control *control, int64_t time_us, const fl
 		stilb_input_camera_turn(&control->camera, time_us, look[0], look[1]);
 }
 
-/* The actions of the keys together with those of the pads' buttons, which are taken. */
+/* The actions of the keys together with those of the pads' buttons since the last frame, which are thereby used up. */
 static stilb_input_state control_take(stilb_input_control *control, stilb_input_state state)
 {
 	stilb_input_state pad = control->actions;

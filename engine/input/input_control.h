@@ -40,9 +40,9 @@ typedef struct stilb_input_control_settings {
 	stilb_input_camera_settings camera;
 	/* Response of both sticks; see stilb_input_stick. */
 	float inner, outer, curve;
-	/* Factors of left x, left y, right x, right y; 0..10. */
+	/* Factors for the values of the left stick's x and y and the right stick's x and y; 0..10. */
 	float sensitivity[4];
-	/* The right stick looks down when it is pushed up. */
+	/* True: pushing the right stick up looks down. */
 	bool invert_y;
 	/* The right trigger pulled to its end doubles the speed so many times, the left one halves it as often; 0..8. */
 	float boost;
@@ -62,12 +62,12 @@ stilb_result stilb_input_control_create(const stilb_input_control_settings *sett
 void stilb_input_control_destroy(stilb_input_control *control);
 
 /* Takes one event. Events of one pad come in time order, its ADDED or DENIED first; what comes of a pad that was not
- * added, or was removed, is ignored, and so is a pad beyond STILB_INPUT_PADS_MAX. Nothing of the event is kept by
- * pointer. [owner-thread] */
+ * added, or was removed, is ignored, and so is a pad beyond STILB_INPUT_PADS_MAX. What the event points to is copied.
+ * [owner-thread] */
 void stilb_input_control_event(stilb_input_control *control, const stilb_input_event *event);
 
-/* Microseconds after a frame for which its keys still count as held. After that the program is stalled and nobody knows
- * whether they are: they count as released until the next frame. */
+/* Microseconds after a frame for which the keys held in it still count as held. If no frame follows by then, the
+ * program is stalled and cannot learn of their release: they count as released until the next frame. */
 #define STILB_INPUT_KEYS_US 100000
 
 /* Ends the frame at time_us. keys is what stilb_input_from_window said; *out gets the actions of keys and pads
@@ -77,8 +77,8 @@ void stilb_input_control_event(stilb_input_control *control, const stilb_input_e
 void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, const stilb_input_state *keys,
                                bool focused, stilb_input_state *out, stilb_input_pose *pose);
 
-/* Puts the camera elsewhere at time_us, standing still; what is wanted then accelerates it again. Asserts that the pose
- * is finite. [owner-thread] */
+/* Puts the camera elsewhere at time_us, standing still; keys and sticks that are held then accelerate it again. Asserts
+ * that the pose is finite. [owner-thread] */
 void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose);
 
 /* One pad as it is now. */
@@ -89,7 +89,7 @@ typedef struct stilb_input_control_pad {
 	const stilb_input_pad_info *info;
 	/* Name of the layout and how it was found; for a pad without a layout its own name and the reason. */
 	const char *name, *recognised;
-	/* It may not be opened (no permission); it is the leading one. */
+	/* denied: it may not be opened (no permission). leads: it is the leading pad. */
 	bool denied, leads;
 	stilb_input_pad_state state;
 	/* Reports that were decoded, and reports that were refused: a wrong CRC, or too short. */

@@ -1,6 +1,7 @@
 /*
- * input_look: what the system knows of one hidraw node, gamepad or not. The node is not opened, so no permission is
- * needed; a few small files of sysfs are read.
+ * input_look: what the system knows of the device behind one hidraw node (/dev/hidrawN, Linux's access to a HID device:
+ * a gamepad, mouse or keyboard). The node is not opened, so no permission is needed; a few small files of sysfs are
+ * read.
  *
  *     stilb_input_pad_info info;
  *     if (stilb_input_look("/dev/hidraw3", &info) == STILB_OK)

@@ -67,8 +67,8 @@ typedef struct stilb_input_pad_state {
 /* Bytes of the longest report descriptor. Source: HID_MAX_DESCRIPTOR_SIZE of linux/hidraw.h. */
 #define STILB_INPUT_DESCRIPTOR_MAX 4096u
 
-/* Bytes of the longest report, its id included. The kernel's HID_MAX_BUFFER_SIZE is larger; no known pad comes near
- * it. */
+/* Bytes of the longest report, its id included. The kernel allows longer ones (HID_MAX_BUFFER_SIZE); no known pad has a
+ * report nearly as long as this. */
 #define STILB_INPUT_REPORT_MAX 4096u
 
 /* All that can be known of a device without opening it. Texts are UTF-8 without control characters, end with a zero,
@@ -80,7 +80,7 @@ typedef struct stilb_input_pad_info {
 	char name[128];
 	/* Serial number or Bluetooth address, or "". */
 	char unique[64];
-	/* Its folder in sysfs, links resolved, which also holds its driver and its other nodes; or "". */
+	/* The device's folder in sysfs, links resolved, which also holds links to its driver and other nodes; or "". */
 	char device[256];
 	uint16_t bus, vendor, product;
 	/* Bytes of the descriptor; 0: the pad has none. */
@@ -88,9 +88,9 @@ typedef struct stilb_input_pad_info {
 	uint8_t descriptor[STILB_INPUT_DESCRIPTOR_MAX];
 } stilb_input_pad_info;
 
-/* ADDED: a pad was opened and reports from now on. DENIED: a pad is there but may not be opened (no permission). Both
- * have info. REMOVED: the pad of an ADDED or DENIED is gone. REPORT: bytes as the pad sent them. STATE: a state that
- * was decoded elsewhere, by the window library. */
+/* ADDED: a pad was opened and sends reports from now on. DENIED: a pad is plugged in but may not be opened (no
+ * permission). Both have info. REMOVED: a pad that was ADDED or DENIED is gone. REPORT: bytes as the pad sent them.
+ * STATE: sticks and buttons that the window library has decoded. */
 typedef enum stilb_input_event_kind {
 	STILB_INPUT_PAD_ADDED,
 	STILB_INPUT_PAD_DENIED,
@@ -106,13 +106,13 @@ typedef struct stilb_input_event {
 	uint32_t pad;
 	/* CLOCK_MONOTONIC, or a recording's own time; whole microseconds, as recordings keep no more. */
 	int64_t time_us;
-	/* ADDED and DENIED; else NULL or the same. */
+	/* Set for ADDED and DENIED; with other kinds it is NULL or the same as in the pad's ADDED. */
 	const stilb_input_pad_info *info;
-	/* REPORT: size bytes as hidraw gives them, 1..STILB_INPUT_REPORT_MAX; the first is the id if the pad numbers its
-	 * reports. */
+	/* For REPORT: size bytes as hidraw (Linux's interface to raw HID reports) gives them, 1..STILB_INPUT_REPORT_MAX;
+	 * the first is the report's id if the pad numbers its reports. */
 	const uint8_t *bytes;
 	uint32_t size;
-	/* STATE. */
+	/* For STATE: the decoded state. */
 	stilb_input_pad_state state;
 } stilb_input_event;
 

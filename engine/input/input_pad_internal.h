@@ -4,7 +4,7 @@
 
 #include "input/input_pad.h"
 
-/* Every axis is a number in its range, and only buttons that there are are down. [any-thread] */
+/* True if every axis is a number in its range, and no bit beyond the last button is set. [any-thread] */
 bool input_pad_state_is_sound(const stilb_input_pad_state *state);
 
 #endif

@@ -1,4 +1,4 @@
-/* The writer of input_recording. An event's lines are composed in one buffer and written in one go. */
+/* The writer of input_recording.h. All lines of an event are composed in one buffer and written by one call. */
 #include "input/input_recording_internal.h"
 
 #include "base/base_contract.h"
@@ -14,19 +14,19 @@
 struct stilb_input_recorder {
 	stilb_owner owner;
 	stilb_file file;
-	bool failed; /* nothing more is written; why says the reason */
+	bool failed; /* nothing more is written; `why` is the reason */
 	char why[256];
 	int64_t start_us, last_us;
-	uint32_t described;                      /* pads that were added so far */
-	uint32_t count;                          /* pads that are there now, */
-	uint32_t pads[INPUT_RECORDING_PADS_MAX]; /* and their numbers */
-	uint32_t current;                        /* pad of the last D line; 0: there is none yet */
+	uint32_t described;                      /* pads that were added so far, removed ones included */
+	uint32_t count;                          /* pads that were added and not removed, */
+	uint32_t pads[INPUT_RECORDING_PADS_MAX]; /* and their numbers (stilb_input_event.pad) */
+	uint32_t current;                        /* number of the pad of the last D line; 0: there is none yet */
 	uint64_t reports;
 	size_t length;
 	char text[RECORDER_TEXT_MAX + 3 * (STILB_INPUT_DESCRIPTOR_MAX + STILB_INPUT_REPORT_MAX)];
 };
 
-/* For STILB_CHECK: pads that are there were added, and the last time is not before the first. */
+/* For STILB_CHECK: no more pads are present than were added, and the last time is not before the first. */
 static bool recorder_is_sound(const stilb_input_recorder *recorder)
 {
 	return recorder->count <= recorder->described && recorder->described <= INPUT_RECORDING_PADS_MAX &&
@@ -83,7 +83,7 @@ static void recorder_print_time(stilb_input_recorder *recorder, const char *befo
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* The pad's index among those that are there; recorder->count if it is not. */
+/* Index in recorder->pads of the pad with this number; recorder->count if it is not among them. */
 static uint32_t recorder_find(const stilb_input_recorder *recorder, uint32_t pad)
 {
 	uint32_t i = 0;
@@ -107,7 +107,8 @@ static bool recorder_keeps(const stilb_input_recorder *recorder, const stilb_inp
 	return false;
 }
 
-/* Time 0 of the file is the first event that is written; no time is before the one above it. */
+/* Time 0 of the file is that of the first event written. An event earlier than the one written before it gets that
+ * one's time. */
 static void recorder_note_time(stilb_input_recorder *recorder, int64_t time_us)
 {
 	if (recorder->described == 0)
@@ -202,7 +203,7 @@ stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder 
 	return STILB_OK;
 }
 
-/* A recording without a report cannot be read, so it does not replace a file that can. */
+/* A recording without a report could not be loaded, so it is not allowed to replace an older file at its path. */
 static stilb_result recorder_commit(stilb_input_recorder *recorder)
 {
 	if (recorder->failed)

@@ -1,4 +1,4 @@
-/* The reader of input_recording. The file may come from anywhere: everything is checked before it is used. */
+/* The reader of input_recording.h. The file may come from anywhere: everything is checked before it is used. */
 #include "input/input_recording_internal.h"
 
 #include "base/base_contract.h"
@@ -11,20 +11,20 @@
 #include <string.h>
 
 #define RECORDING_LINE_MAX 16384u /* characters; the longest valid line has about 12,300: a report of 4096 bytes */
-#define RECORDING_BACK_US 1000000 /* a pad's time that goes back further is not just lines written out of order */
+#define RECORDING_BACK_US 1000000 /* a file in which a pad's time goes back by more than this is refused */
 
 typedef struct recording_pad {
 	stilb_input_pad_info info;
 	uint32_t number; /* event.pad: from 1 */
 	bool identified; /* an I line was read */
 	bool removed;
-	bool timed; /* a line with a time was read, the latest of which is */
-	int64_t last_us;
+	bool timed;      /* a line with a time was read */
+	int64_t last_us; /* the latest of those times, in the file's time */
 } recording_pad;
 
 typedef struct recording_event {
 	int64_t time_us;
-	size_t offset; /* of a report's bytes in recording->bytes */
+	size_t offset; /* REPORT: index of its first byte in recording->bytes */
 	uint16_t pad;  /* index into recording->pads */
 	uint16_t size;
 	stilb_input_event_kind kind;
@@ -49,9 +49,9 @@ typedef struct recording_parser {
 	const char *name;
 	uint64_t line;    /* from 1 */
 	uint32_t number;  /* of the pad of the last D line, from 1 */
-	bool timed;       /* a time was read: */
-	int64_t first_us; /* the first one, in the file's time, */
-	int64_t last_us;  /* and the latest, in the recording's, which begins at 0 */
+	bool timed;       /* a line with a time was read */
+	int64_t first_us; /* the file's first time, which becomes 0 */
+	int64_t last_us;  /* the latest time, counted from first_us */
 	char text[RECORDING_LINE_MAX];
 } recording_parser;
 
@@ -203,7 +203,8 @@ static stilb_result parser_push(recording_parser *parser, stilb_input_event_kind
 	return STILB_OK;
 }
 
-/* The first time of the file becomes 0, and a time before the one above it becomes that one. */
+/* Sets parser->last_us for a line with this time: the file's first time becomes 0, and a time before the latest one
+ * counts as the latest. */
 static void parser_advance(recording_parser *parser, int64_t time_us)
 {
 	if (!parser->timed)
@@ -213,7 +214,7 @@ static void parser_advance(recording_parser *parser, int64_t time_us)
 		parser->last_us = time_us - parser->first_us;
 }
 
-/* Takes the time of a line about one pad. */
+/* Takes the time of a line about one pad; refuses one that goes back by more than RECORDING_BACK_US. */
 static stilb_result parser_take_pad_time(recording_parser *parser, recording_pad *pad, int64_t time_us)
 {
 	if (pad->timed && pad->last_us - time_us > RECORDING_BACK_US)
@@ -226,7 +227,7 @@ static stilb_result parser_take_pad_time(recording_parser *parser, recording_pad
 	return STILB_OK;
 }
 
-/* Index of the pad that the lines are about; pad_count if nothing was said of it yet. */
+/* Index of the pad of the last D line; pad_count if no line has described it yet. */
 static uint32_t parser_find_pad(const recording_parser *parser)
 {
 	const stilb_input_recording *r = parser->recording;
@@ -236,7 +237,7 @@ static uint32_t parser_find_pad(const recording_parser *parser)
 	return i;
 }
 
-/* The pad that a line of a description is about; its first line adds it. */
+/* The pad that an R, N, P or I line describes; its first such line adds it to the recording. */
 static stilb_result parser_describe_pad(recording_parser *parser, recording_pad **pad)
 {
 	stilb_input_recording *r = parser->recording;
@@ -262,7 +263,7 @@ static bool pad_is_described(const recording_pad *pad)
 	return pad->info.descriptor_size > 0 && pad->identified;
 }
 
-/* Index of the pad that a report or a removal is about: one that was described and is there. */
+/* Index of the pad that a report or a removal is about; refuses one that was not described or was removed. */
 static stilb_result parser_known_pad(const recording_parser *parser, uint32_t *pad)
 {
 	const stilb_input_recording *r = parser->recording;
@@ -351,7 +352,7 @@ static stilb_result parser_report(recording_parser *parser, const char *at)
 	return result == STILB_OK ? parser_push(parser, STILB_INPUT_PAD_REPORT, pad, bytes, size) : result;
 }
 
-/* "# added TIME" and "# removed TIME" count, the time being optional; any other remark is skipped. */
+/* Reads "# added TIME" and "# removed TIME", the time being optional, as events; any other remark is skipped. */
 static stilb_result parser_remark(recording_parser *parser, const char *at)
 {
 	uint32_t pad;
@@ -397,7 +398,7 @@ static stilb_result parser_take_line(recording_parser *parser)
 	return parser_refuse(parser, "does not begin with D: R: N: P: I: E: or #; is it a recording of hid-recorder?");
 }
 
-/* For STILB_CHECK: times do not go back, and every event is of a pad and within the bytes that there are. */
+/* For STILB_CHECK: times do not go back, every event has a pad, and its bytes are within r->bytes. */
 static bool recording_is_sound(const stilb_input_recording *r)
 {
 	int64_t last_us = 0;
@@ -412,7 +413,7 @@ static bool recording_is_sound(const stilb_input_recording *r)
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* Checks that every pad is described, and that there is a report: without one a flight would stand still. */
+/* Checks that every pad is described, and that there is a report: without one the replay could not move the camera. */
 static stilb_result parser_check_end(const recording_parser *parser)
 {
 	const stilb_input_recording *r = parser->recording;

@@ -8,15 +8,16 @@
  *   N: Wireless Controller       its name (optional)
  *   P: /dev/hidraw3              its path (optional)
  *   I: 3 054c 05c4               bus, vendor, product, hexadecimal
- *   E: 000001.250000 64 01 80 .. a report: time, size, bytes
+ *   E: 000001.250000 64 01 80 .. a report: time in seconds, size, bytes
  *   # ...                        a remark. Other programs skip all of them; here two have a meaning:
  *                                "# added 000001.250000" is the time at which the pad described next came, "# removed
  *                                000009.500000" the time at which the pad of the last D line went. Without a time they
  *                                are at the time of the line before.
  *
  * Events are read back with the numbers, times and bytes that were written, times beginning at 0. Of a pad's info,
- * `unique` and `device` are not kept. A time before that of the line above counts as that time. If it is more than a
- * second before the last time of the same pad, the file is refused, because it is probably several recordings in one.
+ * `unique` and `device` are not kept. A time earlier than one before it in the file counts as equal to that one. If it
+ * is more than a second before the last time of the same pad, the file is refused, because it is probably several
+ * recordings in one.
  *
  * Life cycle.  recorder: create -> add for each event -> close. recording: load -> next until false -> free.
  *
@@ -35,17 +36,19 @@
 
 typedef struct stilb_input_recorder stilb_input_recorder;
 
-/* Begins a file beside path, which takes path's name in close; "-" is standard output. STILB_ERROR_FILE: it cannot be
- * written there. STILB_ERROR_MEMORY. *recorder is NULL after an error. */
+/* Begins a temporary file beside path, which close renames to path; "-" is standard output. STILB_ERROR_FILE: no file
+ * can be written there. STILB_ERROR_MEMORY. *recorder is NULL after an error. */
 stilb_result stilb_input_recorder_create(const char *path, stilb_input_recorder **recorder);
 
-/* Writes one event. Left out are DENIED and STATE, pads without a descriptor, and events of pads that were not added
- * here. STILB_ERROR_FILE: the recording has failed (disk full, more than 4096 pads or 2^24 reports); nothing more is
- * written and close will return the same error. Asserts that a pad is added once. [owner-thread] */
+/* Writes one event. Left out are DENIED and STATE, pads without a report descriptor, and events of pads whose ADDED was
+ * not given to this recorder. STILB_ERROR_FILE: the recording has failed (disk full, more than 4096 pads or 2^24
+ * reports); nothing more is written and close will return the same error. Asserts that a pad is added once.
+ * [owner-thread] */
 stilb_result stilb_input_recorder_add(stilb_input_recorder *recorder, const stilb_input_event *event);
 
-/* Completes the file and frees the recorder. STILB_ERROR_FILE: it failed, or holds no report and could not be read
- * again; then nothing is left behind, and a file that was there before stays. NULL is allowed. [owner-thread] */
+/* Completes the file and frees the recorder. STILB_ERROR_FILE: writing failed, or there was no report, without which
+ * the file could not be loaded; then no new file is left, and an older file at path stays. NULL is allowed.
+ * [owner-thread] */
 stilb_result stilb_input_recorder_close(stilb_input_recorder *recorder);
 
 typedef struct stilb_input_recording stilb_input_recording;
@@ -58,8 +61,9 @@ stilb_result stilb_input_recording_load(const char *path, stilb_input_recording 
 /* NULL is allowed. [owner-thread] */
 void stilb_input_recording_free(stilb_input_recording *recording);
 
-/* The next event, if its time is at most until_us, microseconds of the recording; false: there is none. Events come in
- * time order, each pad's ADDED first. What the event points to is valid until the recording is freed. [owner-thread] */
+/* The next event, if its time is at most until_us, microseconds from the recording's begin; false: there is none.
+ * Events come in time order, each pad's ADDED first. What the event points to is valid until the recording is freed.
+ * [owner-thread] */
 bool stilb_input_recording_next(stilb_input_recording *recording, int64_t until_us, stilb_input_event *event);
 
 /* Time of the last event, microseconds. [owner-thread] */

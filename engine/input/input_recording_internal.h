@@ -1,4 +1,4 @@
-/* input_recording_internal: the limits that writer and reader share, and reading from any stream. */
+/* input_recording_internal: the limits that writer and reader of recordings share, and reading one from any stream. */
 #ifndef STILB_INPUT_RECORDING_INTERNAL_H
 #define STILB_INPUT_RECORDING_INTERNAL_H
 

@@ -1,6 +1,6 @@
 /*
- * input_text: names from outside (a device's own, a file's) made fit for terminals, windows and files of lines: valid
- * UTF-8 without control characters.
+ * input_text: names from outside (reported by a device, or read from a file) made fit to be shown in terminals and
+ * windows and to be written as a line of a text file: valid UTF-8 without control characters.
  *
  * Pure function of its arguments. [any-thread]
  */

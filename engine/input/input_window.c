@@ -28,7 +28,8 @@ stilb_input_pad_state stilb_input_window_state(const stilb_window_gamepad *gamep
 	STILB_ASSERT(gamepad);
 	stilb_input_pad_state state = {0};
 	state.axes[STILB_INPUT_LEFT_X] = clamped(gamepad->axes[0]);
-	state.axes[STILB_INPUT_LEFT_Y] = 0.0f - clamped(gamepad->axes[1]); /* 0 - 0, not -0: a pad at rest is {0} */
+	/* 0 - y, not -y, which for 0 is -0: states are compared byte by byte, and a pad at rest is {0}. */
+	state.axes[STILB_INPUT_LEFT_Y] = 0.0f - clamped(gamepad->axes[1]);
 	state.axes[STILB_INPUT_RIGHT_X] = clamped(gamepad->axes[2]);
 	state.axes[STILB_INPUT_RIGHT_Y] = 0.0f - clamped(gamepad->axes[3]);
 	state.axes[STILB_INPUT_LEFT_TRIGGER] = 0.5f * (clamped(gamepad->axes[4]) + 1.0f);
@@ -59,7 +60,8 @@ static bool guid_has_ids(const char *guid)
 bool stilb_input_window_same(const char *guid, const char *name, const stilb_input_pad_info *info)
 {
 	STILB_ASSERT(guid && name && info);
-	/* The kernel may append to the name (hid-input.c: " Gamepad"), and a driver may change the product (xpadneo). */
+	/* info has the name and product of the HID device; in its input device, which GLFW sees, the kernel may append to
+	 * the name (hid-input.c: " Gamepad"), and a driver may change the product (xpadneo). */
 	char clean[sizeof info->name];
 	input_text_copy(clean, sizeof clean, name, strlen(name));
 	bool same_name = info->name[0] && strncmp(clean, info->name, strlen(info->name)) == 0;

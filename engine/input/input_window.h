@@ -4,9 +4,9 @@
  *
  * A pad that input_pads.h reads directly is left out here, so that no pad appears twice. The library does not say which
  * device it opened; it gives bus, vendor, product and name, which the kernel copies from the HID device to its input
- * device. So among several equal pads all of the library's are left out as soon as one of them is read directly. A new
- * pad of the library's has to be there for STILB_INPUT_WINDOW_WAIT_US before it counts, because the library may find it
- * before it could be opened directly.
+ * device. So of several pads of one model the library's are all left out as soon as one of them is read directly. A new
+ * pad of the library's has to be there for STILB_INPUT_WINDOW_WAIT_US before it is used, because the library may find
+ * it before it could be opened directly.
  *
  * Life cycle.  A stilb_input_window of {0} -> feed once a frame, before stilb_input_control_frame:
  *
@@ -21,21 +21,21 @@
 #include "input/input_control.h"
 #include "window/window.h"
 
-/* Microseconds for which a pad may be opened directly before the library's counts. */
+/* Microseconds that a pad of the library's waits before it is used, so that input_pads.h may open it first. */
 #define STILB_INPUT_WINDOW_WAIT_US 500000
 
-/* The library's gamepads as the control knows them; {0} at first. */
+/* The library's gamepads, one for each of its places, as the control was told of them; {0} at first. */
 typedef struct stilb_input_window {
 	struct {
-		/* Its number as an event; 0: the control does not know it. */
+		/* The number under which its events go to the control; 0: the control was not told of it. */
 		uint32_t pad;
-		/* Time at which it was first seen. */
+		/* Time at which this gamepad was first seen in this place. */
 		int64_t since_us;
-		/* "": there is none here. */
+		/* The gamepad's GUID as GLFW gives it; "": there is no gamepad in this place. */
 		char guid[33];
 		stilb_input_pad_state state;
 	} places[STILB_WINDOW_GAMEPADS];
-	/* Pads added to the control so far: the next number. */
+	/* Number of pads added to the control so far, from which the next pad gets its number. */
 	uint32_t told;
 } stilb_input_window;
 

@@ -3,8 +3,9 @@
  * the call draws it and returns at once what the user did with it.
  *
  * How it works.  Everything is added to one draw list (ui_draw.h), later calls in front of earlier ones, and recorded
- *                as a 2D pass. When a frame begins, the mouse is given to the frontmost of the last frame's areas that
- *                it is over: a new widget reacts from its second frame on. An area is identified by a hash of its label
+ *                as a 2D pass of the renderer. An area is a rectangle that reacts to mouse or keys; every widget has
+ *                one. When a frame begins, the mouse is given to the frontmost of the last frame's areas that it is
+ *                over: a new widget reacts from its second frame on. An area is identified by a hash of its label
  *                and of the ids pushed around it (stilb_ui_id_push). The part of a label after "##" is hashed, but not
  *                shown: "Open##2".
  * Layout         is the caller's: every widget is given its rectangle, usually cut off an area (stilb_ui_cut_top, ...).
@@ -67,7 +68,7 @@ typedef struct stilb_ui_style {
 	stilb_ui_color control, control_hot, control_active, control_border; /* buttons, boxes, tracks */
 	stilb_ui_color accent;                         /* lines and marks of what is on, chosen or focused */
 	stilb_ui_color accent_face, accent_text;       /* face and text of a control that is on */
-	stilb_ui_color row_odd, row_hot, row_selected; /* over the panel */
+	stilb_ui_color row_odd, row_hot, row_selected; /* of a list: odd rows, under the mouse, selected; over `panel` */
 	stilb_ui_color plot_background, plot_grid;
 	stilb_ui_color good, warning, bad;
 	float margin;         /* around a panel's content */
@@ -82,13 +83,13 @@ typedef struct stilb_ui_style {
 /* The style that widgets are drawn with; may be changed between frames. Valid until the ui is destroyed. */
 stilb_ui_style *stilb_ui_style_get(stilb_ui *ui);
 
-/* How the edges of the shapes that follow are smoothed. */
+/* Sets how the edges of the shapes drawn from here on are smoothed. */
 void stilb_ui_aa_set(stilb_ui *ui, stilb_ui_aa aa);
 
 typedef enum stilb_ui_text_kind {
-	STILB_UI_TEXT_SMALL,  /* 11 pixels an em at scale 1 */
-	STILB_UI_TEXT_NORMAL, /* 13 */
-	STILB_UI_TEXT_STRONG, /* 13, bold */
+	STILB_UI_TEXT_SMALL,  /* font size (em) of 11 pixels at scale 1 */
+	STILB_UI_TEXT_NORMAL, /* 13 pixels */
+	STILB_UI_TEXT_STRONG, /* 13 pixels, bold */
 	STILB_UI_TEXT_KINDS
 } stilb_ui_text_kind;
 
@@ -119,23 +120,23 @@ typedef struct stilb_ui_input {
 	bool mouse_present;               /* the pointer is over the picture and not captured by the program */
 	float mouse_x, mouse_y;           /* pixels from the top left corner */
 	bool mouse_down;                  /* the left button is held now */
-	uint8_t mouse_presses;            /* times that it went down, so that no click within a frame is missed */
-	float wheel;                      /* notches; away from the user is positive */
-	uint8_t keys[STILB_UI_KEY_COUNT]; /* times that each key went down, repeats included */
-	bool shift, control;              /* are held now */
+	uint8_t mouse_presses;            /* times that the left button went down: also one that is up again is a click */
+	float wheel;                      /* notches that the wheel was turned; away from the user is positive */
+	uint8_t keys[STILB_UI_KEY_COUNT]; /* times that each key went down, repeats of a held key included */
+	bool shift, control;              /* the key is held now */
 	float seconds;                    /* since the last frame, >= 0 */
 } stilb_ui_input;
 
-/* Begins a frame with an empty list and decides what the mouse and the keys do to the areas of the last frame. Copies
+/* Begins a frame with an empty draw list and decides what mouse and keys do to the areas of the last frame. Copies
  * *input. */
 void stilb_ui_begin(stilb_ui *ui, const stilb_ui_input *input);
 
 /* Draws the tooltip and ends the frame. Every panel, list, id and clip that was begun in it has been ended. */
 void stilb_ui_end(stilb_ui *ui);
 
-/* Records the list of the frame that has ended as pass number `pass` of the renderer's frame: of kind 2D, with no other
- * segments, on the context of this worker. An empty list draws nothing. STILB_ERROR_ARGUMENT: created without a
- * renderer. STILB_ERROR_MEMORY: shapes are missing. [main-thread] */
+/* Records the draw list of the frame that has ended as pass number `pass` of the renderer's frame, which is of kind 2D
+ * and has no other segment (part recorded by one worker), on the context of this worker. An empty list draws nothing.
+ * STILB_ERROR_ARGUMENT: created without a renderer. STILB_ERROR_MEMORY: shapes are missing. [main-thread] */
 stilb_result stilb_ui_record(stilb_ui *ui, uint32_t pass, uint32_t worker);
 
 /* True if the mouse is over an area or drags one, so that the program should ignore it; as of the last begin. */
@@ -166,15 +167,15 @@ void stilb_ui_id_pop(stilb_ui *ui);
 
 /* The user's actions on an area in this frame. */
 typedef struct stilb_ui_action {
-	bool hovered;           /* the mouse is over it and over no area in front of it */
-	bool pressed;           /* the button went down on it in this frame */
+	bool hovered;           /* the mouse is over the area and over no area in front of it */
+	bool pressed;           /* the left mouse button went down on it in this frame */
 	bool held;              /* the button went down on it and is still down, wherever the mouse is */
 	bool clicked;           /* the button came up on it, or it was pressed with a key */
 	bool double_clicked;    /* pressed again within STILB_UI_DOUBLE_CLICK seconds and four pixels */
 	bool focused;           /* it has the keys */
 	float mouse_x, mouse_y; /* pixels from the picture's top left corner */
 	float drag_x, drag_y;   /* movement of the mouse in this frame while held, pixels */
-	float total_x, total_y; /* movement since the button went down: tells a drag from a click */
+	float total_x, total_y; /* movement since the button went down, pixels: tells a drag from a click */
 	float wheel;            /* notches while the mouse is over it; 0 if an area in front takes the wheel */
 } stilb_ui_action;
 
@@ -281,7 +282,7 @@ typedef struct stilb_ui_rows {
 	uint32_t clicked;      /* row that was clicked in this frame, or STILB_UI_NO_ROW */
 	bool changed;          /* the user selected another row in this frame */
 	stilb_ui_rect area;    /* of the rows, without the scroll bar */
-	float row_height, top; /* top: y of row 0, which may be above the area */
+	float row_height, top; /* pixels; top: y of row 0's upper edge, which may be above the area */
 	uint32_t selected;     /* row, or STILB_UI_NO_ROW */
 } stilb_ui_rows;
 
@@ -306,7 +307,7 @@ typedef struct stilb_ui_column {
 	stilb_ui_align align; /* of its name and cells */
 } stilb_ui_column;
 
-/* How a table is sorted; the caller keeps it and sorts. */
+/* How a table is sorted. The caller keeps this from frame to frame and sorts its rows by it. */
 typedef struct stilb_ui_sort {
 	uint32_t column; /* < column_count */
 	bool descending;

@@ -73,7 +73,7 @@ static inline stilb_ui_rect stilb_ui_cut_left(stilb_ui_rect *area, float width)
 	return (stilb_ui_rect){x, area->y0, area->x0, area->y1};
 }
 
-/* At the right. */
+/* Cuts off a strip `width` pixels wide at the right. */
 static inline stilb_ui_rect stilb_ui_cut_right(stilb_ui_rect *area, float width)
 {
 	float x = area->x1;
@@ -81,7 +81,7 @@ static inline stilb_ui_rect stilb_ui_cut_right(stilb_ui_rect *area, float width)
 	return (stilb_ui_rect){area->x1, area->y0, x, area->y1};
 }
 
-/* A strip `height` pixels high at the top. */
+/* Cuts off a strip `height` pixels high at the top. */
 static inline stilb_ui_rect stilb_ui_cut_top(stilb_ui_rect *area, float height)
 {
 	float y = area->y0;
@@ -89,7 +89,7 @@ static inline stilb_ui_rect stilb_ui_cut_top(stilb_ui_rect *area, float height)
 	return (stilb_ui_rect){area->x0, y, area->x1, area->y0};
 }
 
-/* At the bottom. */
+/* Cuts off a strip `height` pixels high at the bottom. */
 static inline stilb_ui_rect stilb_ui_cut_bottom(stilb_ui_rect *area, float height)
 {
 	float y = area->y1;
@@ -97,7 +97,7 @@ static inline stilb_ui_rect stilb_ui_cut_bottom(stilb_ui_rect *area, float heigh
 	return (stilb_ui_rect){area->x0, area->y1, area->x1, y};
 }
 
-/* Smaller by margin on all sides (larger where it is negative). */
+/* The rectangle with each side moved inwards by margin pixels, outwards if margin is negative. */
 static inline stilb_ui_rect stilb_ui_inset(stilb_ui_rect rect, float margin)
 {
 	return (stilb_ui_rect){rect.x0 + margin, rect.y0 + margin, rect.x1 - margin, rect.y1 - margin};
@@ -109,13 +109,13 @@ static inline bool stilb_ui_contains(stilb_ui_rect rect, float x, float y)
 	return x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1;
 }
 
-/* True also if a side is NaN. */
+/* True if the rectangle has no area, and also if one of its sides is NaN. */
 static inline bool stilb_ui_is_empty(stilb_ui_rect rect)
 {
 	return !(rect.x1 > rect.x0 && rect.y1 > rect.y0);
 }
 
-/* The part that both share; empty if there is none. */
+/* The part that a and b share; empty if they do not overlap. */
 stilb_ui_rect stilb_ui_intersection(stilb_ui_rect a, stilb_ui_rect b);
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
@@ -131,7 +131,7 @@ typedef enum stilb_ui_aa {
 /* Triangles that are drawn within one clip rectangle: indices[first_index .. first_index + index_count - 1]. */
 typedef struct stilb_ui_draw_command {
 	float clip[4];                     /* left, top, right, bottom, whole pixels */
-	uint32_t first_index, index_count; /* multiples of 3 */
+	uint32_t first_index, index_count; /* into the list's indices; multiples of 3 */
 } stilb_ui_draw_command;
 
 #define STILB_UI_CLIP_DEPTH 32
@@ -144,7 +144,7 @@ typedef struct stilb_ui_draw_command {
  *     A vertex's colour is its sRGB code made linear and premultiplied by its alpha; interpolate that, and multiply it
  *     by the texture's coverage at uv, filtered linearly. Blend over the picture in linear light. */
 typedef struct stilb_ui_draw_list {
-	stilb_ui_aa aa;                   /* of the shapes that follow */
+	stilb_ui_aa aa;                   /* how the shapes added from now on are smoothed */
 	stilb_render_vertex_2d *vertices; /* [vertex_count] */
 	uint32_t *indices;                /* [index_count] into vertices, three for each triangle */
 	stilb_ui_draw_command *commands;  /* [command_count] in drawing order, which together hold all indices; no two in a
@@ -153,7 +153,7 @@ typedef struct stilb_ui_draw_list {
 	uint32_t vertex_capacity, index_capacity, command_capacity;
 	stilb_ui_rect clips[STILB_UI_CLIP_DEPTH]; /* [clip_count], each within the one before; the first is the picture */
 	uint32_t clip_count;                      /* 0: the list has not begun */
-	bool out_of_memory;                       /* since begin: shapes are missing */
+	bool out_of_memory;                       /* memory was short since begin: shapes are missing */
 } stilb_ui_draw_list;
 
 /* Empties the list and its clips for a picture of this size, pixels, >= 0. [one-writer] */
@@ -238,13 +238,13 @@ float stilb_ui_font_ascent(const stilb_ui_font *font);
 /* Width of UTF-8 text in one line, pixels. All digits are equally wide. [any-thread] */
 float stilb_ui_text_width(const stilb_ui_font *font, const char *text);
 
-/* Draws UTF-8 text from x on; its baseline is rounded to whole pixels. Returns the x at which the text ends, also if it
- * is clipped. [one-writer] */
+/* Draws UTF-8 text from x on, its baseline at the y `baseline`, rounded to whole pixels. Returns the x at which the
+ * text ends, also if it is clipped. [one-writer] */
 float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font, float x, float baseline,
                             stilb_ui_color color, const char *text);
 
-/* Draws UTF-8 text within rect: aligned across, in the middle of the height. A text that is too long is cut short with
- * an ellipsis; if not even one letter and the ellipsis fit, nothing is drawn. [one-writer] */
+/* Draws UTF-8 text within rect: horizontally as `align` says, vertically in the middle. A text that is too long is cut
+ * short with an ellipsis; if not even one letter and the ellipsis fit, nothing is drawn. [one-writer] */
 void stilb_ui_draw_text(stilb_ui_draw_list *list, const stilb_ui_font *font, stilb_ui_rect rect, stilb_ui_align align,
                         stilb_ui_color color, const char *text);
 

@@ -28,18 +28,18 @@ static inline float ui_clamp(float value, float low, float high)
 typedef struct ui_mesh {
 	stilb_render_vertex_2d *vertices;
 	uint32_t *indices;
-	uint32_t first; /* index of vertices[0] in the list */
+	uint32_t first; /* index of vertices[0] in the list's vertices, which the mesh's indices count from */
 } ui_mesh;
 
 /* Adds a shape with the list's current clip. The caller fills all vertices and indices of *mesh. False: no memory, and
- * the list is marked. */
+ * the list's out_of_memory is set. */
 bool ui_list_add(stilb_ui_draw_list *list, uint32_t vertex_count, uint32_t index_count, ui_mesh *mesh);
 
 /* True if the rectangle overlaps the clip; false if a coordinate is NaN. */
 bool ui_list_sees(const stilb_ui_draw_list *list, float x0, float y0, float x1, float y1);
 
-/* For STILB_CHECK: the commands hold all indices in order, neighbours have different clips, and all indices are of
- * vertices. */
+/* For STILB_CHECK: the commands together hold all indices in order, consecutive commands have different clips, and all
+ * indices are of vertices that exist. */
 bool ui_list_is_sound(const stilb_ui_draw_list *list);
 
 /* A vertex of a shape without texture: uv (0, 0) is a white texel at a corner of the texture, so that filtering and
@@ -66,11 +66,11 @@ static inline void ui_quad_indices(uint32_t *indices, uint32_t a, uint32_t b, ui
 extern const uint8_t ui_text_sans[] __attribute__((visibility("hidden")));
 extern const uint8_t ui_text_bold[] __attribute__((visibility("hidden")));
 
-/* Glyphs are placed at whole pixels vertically and at quarters of a pixel horizontally, with a picture for each
- * quarter. */
+/* Glyphs are placed at whole pixels vertically and at quarters of a pixel horizontally: each has one picture for each
+ * of the four offsets within a pixel, its phases. */
 #define UI_GLYPH_PHASES 4
 
-/* Glyph 0 is the box for characters that the font lacks. */
+/* Most glyphs of a font. Glyph 0 is the box for characters that the font lacks. */
 #define UI_GLYPHS_MAX 256
 
 /* A glyph's picture in the atlas; a texel is a pixel. */
@@ -86,18 +86,18 @@ struct stilb_ui_font {
 	ui_glyph glyphs[UI_GLYPHS_MAX][UI_GLYPH_PHASES];
 };
 
-/* All fonts in one picture of coverage. Its four corners are 255, for shapes without texture. The lower half repeats
- * the glyphs with the coverage for dark letters. */
+/* All fonts in one picture of coverage (the share of each pixel that a letter covers). Its four corners are 255, for
+ * shapes without texture. The lower half repeats the glyphs with the coverage for dark letters. */
 typedef struct ui_fonts {
 	stilb_ui_font fonts[STILB_UI_TEXT_KINDS];
 	uint32_t width, height;
 	uint8_t *coverage; /* [height][width] */
 } ui_fonts;
 
-/* Draws the glyphs of all kinds of text at this scale, 0.5..4. STILB_ERROR_MEMORY: nothing is to be finished. */
+/* Draws the glyphs of all kinds of text at this scale, 0.5..4. STILB_ERROR_MEMORY: *fonts needs no ui_fonts_finish. */
 stilb_result ui_fonts_init(ui_fonts *fonts, float scale);
 
-/* Accepts {0}. */
+/* Frees the picture of the fonts. Accepts {0}. */
 void ui_fonts_finish(ui_fonts *fonts);
 
 /* The index of a character in the tables of glyphs; 0 if the fonts lack it. */
@@ -138,7 +138,7 @@ struct stilb_ui {
 	stilb_ui_draw_list list;
 	stilb_ui_style style;
 	ui_fonts fonts;
-	float scale;
+	float scale;                  /* see stilb_ui_desc */
 	stilb_render *render;         /* NULL: nothing can be recorded */
 	stilb_render_texture texture; /* of the fonts */
 
@@ -151,12 +151,12 @@ struct stilb_ui {
 	uint64_t active;                           /* the button went down on it and is still held */
 	uint64_t pressed, double_clicked, clicked; /* in this frame */
 	uint64_t focus;                            /* has the keys */
-	uint64_t press_id;                         /* of the last press, unless it was a double click */
+	uint64_t press_id;                         /* of the area last pressed; 0 if that was a double click */
 	float press_x, press_y;                    /* where the button went down last, pixels */
 	float press_age;                           /* how long ago that was, seconds */
 	float move_x, move_y;                      /* of the mouse in this frame, pixels */
 
-	uint64_t ids[STILB_UI_ID_DEPTH]; /* [id_count] hashes that the ids of areas continue, see stilb_ui_id_push */
+	uint64_t ids[STILB_UI_ID_DEPTH]; /* [id_count] hashes of the pushed names; area ids continue the last one */
 	uint32_t id_count;
 	ui_panel panels[UI_PANEL_DEPTH]; /* [panel_count] begun and not ended */
 	uint32_t panel_count;
@@ -179,8 +179,8 @@ typedef struct ui_label {
 } ui_label;
 ui_label ui_label_shown(const char *label);
 
-/* Makes an array of `count` elements of `size` bytes hold `more` further ones; *memory and *capacity follow. False: no
- * memory, and the array is as before. */
+/* Grows an array of `count` elements of `size` bytes so that `more` further ones fit; updates *memory and *capacity.
+ * False: no memory, and the array is as before. */
 bool ui_reserve(void **memory, uint32_t *capacity, uint32_t count, uint32_t more, size_t size);
 
 /* The outline around an area that has the keys; nothing if it has not. */

@@ -4,7 +4,7 @@
  *   headline          the frame in words: how long, what limits it, who waited for whom
  *   history           the last 100 frames as bars; a click on a bar shows that frame
  *   table             the frame's zones: calls, inclusive, self, off the CPU
- *   timeline          a lane for each thread and the GPU; wheel zooms, drag pans, double click fits a zone
+ *   timeline          a lane (row) for each thread and the GPU; wheel zooms, drag pans, double click fits a zone
  *   counters          a curve for each recorded counter, below the lanes
  *
  * Which frame.  The slowest of the last 100 unless told otherwise: the window stands still until a slower frame comes
@@ -15,7 +15,7 @@
  * Life cycle.   stilb_ui_profiler_create -> stilb_ui_profiler_draw once a frame -> stilb_ui_profiler_destroy.
  * Threads.      [main-thread]: the thread that creates it makes all other calls. Everything it shows comes from
  *               snapshots (prof_snapshot.h), so no thread that records is held up.
- * Memory.       Grows with the largest frame shown, then stays. Without memory the window says so and goes on.
+ * Memory.       Grows with the largest frame shown and is kept. If there is none left, the window says so and goes on.
  * Example.      Within a frame of the user interface:
  *
  *   stilb_ui_profiler *profiler;
@@ -46,8 +46,9 @@ typedef struct stilb_ui_profiler_desc {
 	int (*take)(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window);
 	void (*frames)(void *user, stilb_prof_frame_stats *stats, double budget_ms);
 	void *user;
-	double budget_ms; /* milliseconds: a frame below it is never called a spike; 0: none */
-	bool whole;       /* a finished recording: the window fills the picture, and there is nothing to freeze */
+	double
+		budget_ms; /* milliseconds that a frame may take: a shorter frame is never called a spike; 0: no such limit */
+	bool whole;    /* what is shown is a finished recording: the window fills the picture, and nothing is frozen */
 } stilb_ui_profiler_desc;
 
 /* desc may be NULL for {0}; take and frames are both set or both NULL. On failure *profiler is NULL.

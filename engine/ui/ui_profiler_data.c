@@ -1,4 +1,5 @@
-/* Walks over lanes, merging of narrow zones, counters and history. The report of a frame is in ui_profiler_report.c. */
+/* Walks over the zones of a lane (a thread's or the GPU's row of the timeline), merging of narrow zones, counters and
+ * history. The report of a frame is in ui_profiler_report.c. */
 #include "ui/ui_profiler_data.h"
 
 #include <stdio.h>
@@ -38,8 +39,8 @@ static uint32_t lane_begun(const stilb_prof_lane *lane, uint64_t ns)
 	return low;
 }
 
-/* The outermost zone that holds ns, or the last one before it; 0 if there is none. All outermost zones before it have
- * ended at ns, because siblings do not overlap. */
+/* Index of the outermost zone that holds the time ns, or else of the last outermost zone before ns; 0 if there is none.
+ * All outermost zones before that one have ended at ns, because siblings do not overlap. */
 static uint32_t lane_first(const stilb_prof_lane *lane, uint64_t ns)
 {
 	uint32_t zone = lane_begun(lane, ns);
@@ -121,13 +122,14 @@ uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uin
 
 /* ---- merging ----------------------------------------------------------------------------------------------------- */
 
-/* Deeper zones, which only files of other programs have, are left out. */
+/* Levels of nesting that are drawn. Zones nested deeper, which only traces of other programs have, are left out. */
 #define SPANS_LEVELS (STILB_PROF_DEPTH_MAX + 1u)
 
 typedef struct spans_builder {
 	ui_profiler_spans *out;
-	ui_profiler_span runs[SPANS_LEVELS]; /* the narrow zones that each level has collected so far; count 0: none */
-	double narrow_ns;
+	/* For each level a run: neighbouring narrow zones merged so far into one span, not yet in `out`; count 0: none. */
+	ui_profiler_span runs[SPANS_LEVELS];
+	double narrow_ns; /* a zone shorter than this is narrow */
 } spans_builder;
 
 static bool spans_push(ui_profiler_spans *spans, const ui_profiler_span *span)
@@ -144,7 +146,8 @@ static bool spans_push(ui_profiler_spans *spans, const ui_profiler_span *span)
 	return true;
 }
 
-/* Ends the runs of this level and all deeper ones: the next zone is wide, and a run must not reach across it. */
+/* Puts the runs of this level and all deeper ones into the spans: the next zone, at this level, is not narrow, and a
+ * run must not reach across it. */
 static bool spans_flush(spans_builder *builder, uint32_t level)
 {
 	for (; level < SPANS_LEVELS; level++) {
@@ -176,7 +179,7 @@ static bool spans_narrow(spans_builder *builder, const stilb_prof_lane *lane, ui
 	return true;
 }
 
-/* Each span holds its longest zone, and the spans of one level ascend and do not overlap. */
+/* For STILB_CHECK: each span encloses its longest zone, and the spans of one level ascend and do not overlap. */
 static bool spans_are_sound(const ui_profiler_spans *spans, const stilb_prof_lane *lane)
 {
 	uint64_t reached[SPANS_LEVELS] = {0};
@@ -249,7 +252,8 @@ uint32_t ui_profiler_frame_find(const stilb_prof_snapshot *snapshot, uint64_t nu
 {
 	if (snapshot->frame_count == 0 || number < snapshot->frames[0].number)
 		return STILB_PROF_NONE;
-	/* Numbers are consecutive, except in trace files of other programs: then the frame is further to the front. */
+	/* Frame numbers are consecutive, except in trace files of other programs, which have gaps: then the frame is before
+	 * the place computed from its number. */
 	uint64_t guess = number - snapshot->frames[0].number;
 	for (uint64_t i = guess < snapshot->frame_count ? guess + 1 : snapshot->frame_count; i-- > 0;)
 		if (snapshot->frames[i].number == number)

@@ -1,12 +1,13 @@
 /*
- * ui_profiler_data: what the profiler's window says about a frame, worked out from a snapshot alone, without drawing,
- * clock or state: sums, the verdict and the longest wait in words; zones merged for a scale.
+ * ui_profiler_data: what the profiler's window says about a frame, computed from a snapshot alone, without drawing,
+ * clock or state: each lane's time by kind; in words, what limits the frame and its longest wait; and zones merged
+ * where they are too narrow for the scale of the timeline. A lane is one thread or the GPU with its zones.
  *
  *   ui_profiler_data_build(&data, &snapshot, frame)   -> data.report, data.lanes, data.counters
  *   ui_profiler_spans_build(&spans, lane, ...)        -> spans.spans, the rectangles of one lane
  *
- * Times are nanoseconds as in the snapshot (prof_snapshot.h). Every function is [any-thread], one thread at a time for
- * each structure.
+ * Times are nanoseconds on the snapshot's clock (prof_snapshot.h). Every function is [any-thread], one thread at a time
+ * for each structure.
  */
 #ifndef STILB_UI_PROFILER_DATA_H
 #define STILB_UI_PROFILER_DATA_H
@@ -54,13 +55,13 @@ typedef struct ui_profiler_walk {
 
 ui_profiler_walk ui_profiler_walk_begin(const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns);
 
-/* False: the walk is over, *stretch is as it was. */
+/* Gives the next stretch. False: the walk is over, *stretch is unchanged. */
 bool ui_profiler_walk_next(ui_profiler_walk *walk, ui_profiler_stretch *stretch);
 
 /* The innermost zone at that time, or STILB_PROF_NONE. */
 uint32_t ui_profiler_zone_at(const stilb_prof_lane *lane, uint64_t ns);
 
-/* Index of the first switch that ends after that time; switch_count: there is none. */
+/* Index of the lane's first switch (time off the CPU) that ends after that time; switch_count: there is none. */
 uint32_t ui_profiler_switch_after(const stilb_prof_lane *lane, uint64_t ns);
 
 /* Nanoseconds of begin_ns..end_ns in which the lane's thread did not run; *preempted is the part of them in which
@@ -73,9 +74,9 @@ uint64_t ui_profiler_off_cpu(const stilb_prof_lane *lane, uint64_t begin_ns, uin
  * nested in them. */
 typedef struct ui_profiler_span {
 	uint64_t begin_ns, end_ns;
-	uint32_t zone;  /* the longest zone of this level in it */
-	uint32_t count; /* zones in it, nested ones included */
-	uint32_t label; /* that all its zones of this level have, or STILB_PROF_NONE: they differ */
+	uint32_t zone;  /* index of the longest of the span's outermost zones */
+	uint32_t count; /* zones in the span, nested ones included */
+	uint32_t label; /* the label that all its outermost zones have, or STILB_PROF_NONE: they differ */
 	uint16_t level; /* nesting depth of the outermost zones in it */
 } ui_profiler_span;
 
@@ -84,8 +85,8 @@ typedef struct ui_profiler_spans {
 	uint32_t count, capacity;
 } ui_profiler_spans;
 
-/* Replaces spans ({0} at first) by the lane's zones that touch begin_ns..end_ns. Zones shorter than narrow_ns and less
- * than that apart are merged. False: no memory. */
+/* Replaces spans ({0} at first) by the lane's zones that touch begin_ns..end_ns. Neighbouring zones that are each
+ * shorter than narrow_ns, with gaps shorter than narrow_ns between them, are merged into one span. False: no memory. */
 bool ui_profiler_spans_build(ui_profiler_spans *spans, const stilb_prof_lane *lane, uint64_t begin_ns, uint64_t end_ns,
                              double narrow_ns);
 
@@ -130,17 +131,17 @@ uint32_t ui_profiler_parts(stilb_prof_lane_kind kind, const ui_profiler_lane_sum
 /* All waits of one thread for the same reason in the same zone of work, taken together. Times in which it had lost the
  * CPU are one group, whichever zone they were in. */
 typedef struct ui_profiler_wait {
-	uint32_t lane;             /* that waited; STILB_PROF_NONE: no wait was long enough to be named */
+	uint32_t lane;             /* of the thread that waited; STILB_PROF_NONE: no wait was long enough to be named */
 	uint32_t label;            /* of the zone of waiting; STILB_PROF_NONE: off the CPU in the middle of work */
 	uint32_t in_label;         /* the zone of work around the longest wait, or STILB_PROF_NONE */
 	uint32_t count;            /* waits in the group */
 	uint64_t total_ns;         /* their sum */
-	uint64_t begin_ns, end_ns; /* the longest of them */
+	uint64_t begin_ns, end_ns; /* of the longest wait in the group */
 	bool preempted;            /* with label STILB_PROF_NONE: another thread had taken the CPU; else it slept */
 	uint32_t for_lane;         /* the lane that was waited for, or STILB_PROF_NONE: not known */
 	uint32_t for_label;        /* the zone in which that lane spent most of the waits, or STILB_PROF_NONE */
-	uint64_t for_off_ns;       /* time off the CPU in that lane's work during the waits, */
-	uint64_t for_preempted_ns; /* and the part of it in which another thread had taken the CPU */
+	uint64_t for_off_ns;       /* time in the waits in which that lane's thread was off the CPU in its work, */
+	uint64_t for_preempted_ns; /* and the part of it in which another thread had taken its CPU */
 	uint64_t for_late_ns;      /* time in the waits before that lane began its work */
 	uint64_t after_ns;         /* time in the waits after that lane had finished its work, */
 	uint64_t after_lost_ns;    /* and the part of it in which the waiting thread had lost the CPU */
@@ -154,9 +155,9 @@ typedef struct ui_profiler_report {
 	                          outside all zones */
 	uint64_t stage_ns;     /* its length */
 	uint64_t gpu_ns;       /* time in the frame in which the GPU was busy */
-	ui_profiler_wait wait; /* the longest */
-	uint32_t events;       /* recorded in the frame, all lanes */
-	uint64_t cost_ns;      /* the time that recording them took, all threads together */
+	ui_profiler_wait wait; /* the group of waits that took longest */
+	uint32_t events;       /* events that were recorded in the frame, in all lanes */
+	uint64_t cost_ns;      /* the time that recording these events took, all threads together */
 	char verdict[192];     /* the limit in a sentence */
 	char wait_text[320];   /* the wait in a sentence */
 } ui_profiler_report;
@@ -177,7 +178,7 @@ typedef struct ui_profiler_data {
 	uint32_t counter_count;
 	uint32_t *counter_of; /* [snapshot->label_count] index into counters, or STILB_PROF_NONE */
 	uint32_t *points;     /* the counters' points, see ui_profiler_counter */
-	uint32_t capacity[7]; /* of the seven arrays */
+	uint32_t capacity[7]; /* elements for which each of the seven arrays above has memory */
 } ui_profiler_data;
 
 /* Fills data ({0} at first) for snapshot->frames[frame]. False: no memory. */
@@ -186,7 +187,7 @@ bool ui_profiler_data_build(ui_profiler_data *data, const stilb_prof_snapshot *s
 /* Frees; accepts {0}. */
 void ui_profiler_data_finish(ui_profiler_data *data);
 
-/* Index into data->points of the counter's last point at that time or before; STILB_PROF_NONE: there is none. */
+/* Index into data->points of the counter's last point at the time ns or before; STILB_PROF_NONE: there is none. */
 uint32_t ui_profiler_counter_at(const ui_profiler_data *data, const stilb_prof_snapshot *snapshot,
                                 const ui_profiler_counter *counter, uint64_t ns);
 

@@ -1,4 +1,5 @@
-/* Inside the profiler's window: its state, and the functions that its files share. From the top down:
+/* Inside the profiler's window (ui_profiler.h): its state, and the functions that its files share. A lane is the row of
+ * one thread or of the GPU in the timeline. The files, in the order of the window's parts from the top down:
  *
  *   ui_profiler.c            which frame is shown, its snapshot, the window as a whole
  *   ui_profiler_panel.c      the upper part: words, history, table; and the legend
@@ -15,11 +16,12 @@
 #include "ui/ui_profiler_data.h"
 
 typedef enum ui_profiler_mode {
-	UI_PROFILER_SLOWEST, /* the slowest frame of the history */
+	UI_PROFILER_SLOWEST, /* the window shows the slowest frame of the history */
 	UI_PROFILER_LATEST,  /* the last frame of the history */
-	UI_PROFILER_PICKED,  /* the frame number `picked` */
+	UI_PROFILER_PICKED,  /* the frame whose number is stilb_ui_profiler.picked */
 } ui_profiler_mode;
 
+/* The colour in which the zones of each label (name and place in the source) are drawn. */
 typedef struct ui_profiler_colors {
 	uint32_t *rgb; /* [snapshot->label_count] 0xRRGGBB */
 	uint32_t capacity;
@@ -28,13 +30,14 @@ typedef struct ui_profiler_colors {
 /* One lane on the screen. */
 typedef struct ui_profiler_row {
 	uint32_t lane;  /* index into the snapshot's lanes */
-	uint32_t depth; /* levels of zones that are drawn, 1..10 */
-	uint32_t lines; /* lines of text below its name */
+	uint32_t depth; /* levels of nested zones that are drawn, 1..10 */
+	uint32_t lines; /* lines of text below the lane's name */
 	float top;      /* y of its first level in this frame, pixels */
 	float height;   /* pixels, including the gap below it */
 } ui_profiler_row;
 
-/* The GPU's zones of a frame arrive with its timestamps, at most this many frames after the frame has ended. */
+/* The GPU's zones of a frame are known once its timestamps have been read, at most this many frames after the frame has
+ * ended. */
 #define UI_PROFILER_LATE 4u
 
 struct stilb_ui_profiler {
@@ -43,10 +46,11 @@ struct stilb_ui_profiler {
 
 	stilb_prof_frame_stats history;
 	ui_profiler_mode mode;
-	uint64_t picked;      /* frame number, for UI_PROFILER_PICKED */
-	bool frozen;          /* the history stands still */
-	bool freeze_on_spike; /* a spike is shown and freezes the history */
-	uint32_t settle;      /* while frozen: draws until the GPU's zones of all frames have arrived */
+	uint64_t picked; /* frame number, for UI_PROFILER_PICKED */
+	bool frozen;     /* the history stands still */
+	bool
+		freeze_on_spike; /* the user's choice: a spike (frame far longer than usual) is shown and freezes the history */
+	uint32_t settle;     /* while frozen: draws until the GPU's zones of all frames have arrived */
 
 	stilb_prof_snapshot live;            /* of mode LATEST, taken on every draw */
 	stilb_prof_snapshot held;            /* of the other modes, taken when another frame is shown */
@@ -63,7 +67,7 @@ struct stilb_ui_profiler {
 	stilb_ui_list_state table;
 	ui_profiler_colors colors;
 
-	double view_begin_ns, view_ns; /* the time that the lanes show: its begin, counted from the frame's, and length */
+	double view_begin_ns, view_ns; /* the lanes show view_ns from view_begin_ns on, counted from the frame's begin */
 	float scroll;                  /* how far the lanes are scrolled down, pixels */
 	uint32_t hot_label;            /* of the table's row under the mouse, or STILB_PROF_NONE */
 	ui_profiler_row *rows;         /* lanes with zones, in the order in which they are drawn */
@@ -81,10 +85,12 @@ static inline const stilb_prof_frame *ui_profiler_frame(const stilb_ui_profiler 
 
 /* ---- ui_profiler_choice.c ---------------------------------------------------------------------------------------- */
 
-/* For areas that take the keys: the space key freezes and unfreezes also while one of them has the focus. */
+/* Called for each area of the window that takes the keys, with the user's action on it: the space key freezes and
+ * unfreezes also while that area has the focus. */
 void ui_profiler_freeze_key(stilb_ui_profiler *profiler, const stilb_ui *ui, const stilb_ui_action *action);
 
-/* Makes the lanes show begin_ns..end_ns, or the frame, with a margin at both ends. A frame is shown. */
+/* Makes the lanes show begin_ns..end_ns, or the frame, with a margin at both ends. To be called only while a frame is
+ * shown. */
 void ui_profiler_fit(stilb_ui_profiler *profiler, uint64_t begin_ns, uint64_t end_ns);
 void ui_profiler_fit_frame(stilb_ui_profiler *profiler);
 
@@ -92,10 +98,10 @@ void ui_profiler_fit_frame(stilb_ui_profiler *profiler);
 
 /* Colours with a meaning, 0xRRGGBB, the same in all parts of the window and in its legend. */
 #define UI_PROFILER_ATTENTION 0xffb224u /* the longest wait */
-#define UI_PROFILER_BAD 0xff5c5cu       /* spikes, a CPU lost to another thread */
-#define UI_PROFILER_RUNNING 0x3fa98au   /* on a CPU */
-#define UI_PROFILER_WAITING 0x566175u   /* zones of waiting */
-#define UI_PROFILER_PARKED 0x343c49u    /* zones with nothing to do; asleep */
+#define UI_PROFILER_BAD 0xff5c5cu       /* frames that are spikes; times in which another thread took a thread's CPU */
+#define UI_PROFILER_RUNNING 0x3fa98au   /* times in which a thread ran on a CPU */
+#define UI_PROFILER_WAITING 0x566175u   /* zones in which a thread waits for something (UI_PROFILER_WAIT) */
+#define UI_PROFILER_PARKED 0x343c49u    /* zones in which a thread has no work (UI_PROFILER_IDLE), and threads asleep */
 #define UI_PROFILER_FLOW 0x9fd0ffu      /* arrows from where a job was submitted to where it ran */
 #define UI_PROFILER_AVERAGE_LINE 0xf2f5fau
 
@@ -112,7 +118,8 @@ enum {
 /* Sorts profiler->stats by the table's column. */
 void ui_profiler_sort_table(stilb_ui_profiler *profiler);
 
-/* Heights are pixels. The legend is drawn only while a frame is shown. */
+/* The upper part (words, history, table) and the legend of colours: their heights in pixels, and drawing them. The
+ * legend is drawn only while a frame is shown. */
 float ui_profiler_top_height(const stilb_ui_profiler *profiler, stilb_ui *ui);
 void ui_profiler_draw_top(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect area);
 float ui_profiler_legend_height(const stilb_ui *ui);

@@ -22,7 +22,7 @@ struct stilb_window {
 	bool focused;
 	bool capturing; /* pressing the right button captures the mouse */
 	bool captured;
-	bool fresh;  /* captured since the last poll: capturing moves the pointer, which is no movement of the mouse */
+	bool fresh;  /* captured since the last poll: the next movement is ignored, as capturing itself moves the pointer */
 	double x, y; /* of the pointer at the last poll */
 };
 
@@ -37,7 +37,7 @@ static void window_on_error(int code, const char *text)
 	snprintf(window_error, sizeof window_error, "%s", text);
 }
 
-/* GLFW's key and ours; several of GLFW's may be one of ours. */
+/* GLFW's number of each key of stilb_window_key; several of GLFW's may be one key here. */
 static const struct {
 	int glfw;
 	stilb_window_key key;
@@ -69,7 +69,7 @@ static const struct {
 };
 #define WINDOW_KEYS (sizeof window_keys / sizeof *window_keys)
 
-/* STILB_WINDOW_KEY_COUNT: it is none of ours. */
+/* The key with this number of GLFW's; STILB_WINDOW_KEY_COUNT: it is not in the table. */
 static stilb_window_key window_key(int glfw)
 {
 	for (size_t i = 0; i < WINDOW_KEYS; i++)
@@ -78,7 +78,7 @@ static stilb_window_key window_key(int glfw)
 	return STILB_WINDOW_KEY_COUNT;
 }
 
-/* For STILB_CHECK. */
+/* For STILB_CHECK: `fresh` only while captured, and typed characters are never repeated. */
 static bool window_is_sound(const stilb_window *window)
 {
 	return window->handle && (!window->fresh || window->captured) && !window->repeated[STILB_WINDOW_KEY_MINUS] &&
@@ -118,7 +118,7 @@ static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int ac
 		window_capture(window, false);
 }
 
-/* - and + are in other positions on every layout, so the typed characters count. */
+/* - and + are in different positions on different layouts, so they are read as typed characters, not as keys. */
 static void window_on_character(GLFWwindow *handle, unsigned character)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
@@ -145,8 +145,8 @@ static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
 	window->wheel += (float)notches;
 }
 
-/* Only changes that the system reports count: without a window manager a window that glfwGetWindowAttrib calls
- * unfocused gets keys all the same. */
+/* The window counts as focused until this reports that it is not. glfwGetWindowAttrib is not asked, because without a
+ * window manager it calls a window unfocused that gets keys all the same. */
 static void window_on_focus(GLFWwindow *handle, int focused)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
@@ -303,7 +303,7 @@ static void window_read_pointer(stilb_window *window, stilb_window_state *state)
 {
 	int width, height;
 	glfwGetWindowSize(window->handle, &width,
-	                  &height); /* in units of the pointer's position, which may differ from pixels */
+	                  &height); /* in the unit of the pointer's position, which may differ from a pixel */
 	state->button = glfwGetMouseButton(window->handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
 	state->pointer = !window->captured && (state->button || glfwGetWindowAttrib(window->handle, GLFW_HOVERED));
 	if (state->pointer && width > 0 && height > 0) {
@@ -358,7 +358,7 @@ void stilb_window_wait(stilb_window *window, double seconds, stilb_window_state 
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS])
 {
 	STILB_ASSERT(window && gamepads);
-	STILB_ASSERT_OWNER(window->owner); /* the window is not needed for more: GLFW's gamepads are the process's */
+	STILB_ASSERT_OWNER(window->owner); /* the only use of `window`: GLFW has one set of gamepads for the process */
 	static_assert(STILB_WINDOW_GAMEPADS == GLFW_JOYSTICK_LAST + 1, "a place for each");
 	for (int i = 0; i < STILB_WINDOW_GAMEPADS; i++) {
 		stilb_window_gamepad *pad = &gamepads[i];

@@ -23,8 +23,8 @@
 typedef struct stilb_window stilb_window;
 
 /* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout. MINUS and PLUS are
- * characters typed on any layout and never held; '=' counts as PLUS, because there + needs shift. SHIFT, CONTROL and
- * ENTER are either of their keys. */
+ * characters typed on any layout, so they can be pressed but are never held; '=' is PLUS too, because on many layouts +
+ * is shift and =. SHIFT, CONTROL and ENTER are either of their two keys. */
 typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_W,
 	STILB_WINDOW_KEY_A,
@@ -60,9 +60,9 @@ typedef struct stilb_window_state {
 	bool close;
 	/* The display has gone; everything else is {0}. */
 	bool lost;
-	/* The window has the keyboard; true until the system says otherwise. */
+	/* The window has the keyboard; true until the system reports that it has not. */
 	bool focused;
-	/* The key is down now. */
+	/* True for each key that is down now. */
 	bool held[STILB_WINDOW_KEY_COUNT];
 	/* Number of times that the key was pressed, and number of times that it was repeated while it was held. */
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT];
@@ -72,7 +72,7 @@ typedef struct stilb_window_state {
 	float mouse_x, mouse_y;
 	/* The pointer is visible and over the picture, or the left button was pressed there and is still held. */
 	bool pointer;
-	/* Its position, pixels of the picture from the top left; 0 if there is none. */
+	/* The pointer's position, pixels of the picture from the top left; 0 if `pointer` is false. */
 	float pointer_x, pointer_y;
 	/* The left button is down now. */
 	bool button;
@@ -97,8 +97,8 @@ void stilb_window_title(stilb_window *window, const char *title);
  * Does not wait. [main-thread] */
 void stilb_window_poll(stilb_window *window, stilb_window_state *state);
 
-/* Sets if pressing the right button captures the mouse, true at first; to be false while the pointer is over something
- * that takes clicks itself. A mouse that is captured stays so. [main-thread] */
+/* True, as at first: pressing the right button captures the mouse. The program sets false while the pointer is over a
+ * part of its user interface that takes clicks itself. A mouse that is already captured stays so. [main-thread] */
 void stilb_window_set_capturing(stilb_window *window, bool capturing);
 
 /* As stilb_window_poll, after waiting for an event for at most `seconds` (0 or less: not at all): for a minimised
@@ -121,7 +121,7 @@ typedef struct stilb_window_gamepad {
 /* Gamepads at a time: GLFW_JOYSTICK_LAST + 1. */
 #define STILB_WINDOW_GAMEPADS 16
 
-/* Fills all entries with the gamepads as of the last poll. [main-thread] */
+/* Fills all entries with GLFW's gamepads, entry i with joystick number i, as of the last poll. [main-thread] */
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS]);
 
 /* For stilb_render_surface, user being the window: the names of the Vulkan instance extensions that a surface needs,
@@ -133,7 +133,7 @@ const char *const *stilb_window_surface_extensions(void *user, uint32_t *count);
  * is lost. [main-thread] */
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface);
 
-/* "3.3.8 X11 GLX ..."; a static string. [any-thread] */
+/* GLFW's version and what it was built with, like "3.3.8 X11 GLX ..."; a static string. [any-thread] */
 const char *stilb_window_library_version(void);
 
 #endif

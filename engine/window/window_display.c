@@ -18,8 +18,8 @@ static struct {
 	void *connection;            /* the Display; NULL: GLFW is opening it, or has none */
 	x11_error_handler *previous; /* handles other connections of the process; NULL: there is none */
 	stilb_owner owner;           /* the thread that calls GLFW */
-	jmp_buf back;                /* into window_display_call, */
-	bool calling;                /* while this is true */
+	jmp_buf back;                /* where display_on_error jumps to, in window_display_call; set while `calling` */
+	bool calling;                /* window_display_call runs a call to GLFW */
 	/* Relaxed everywhere, because no other data depends on it. Written by the thread whose call failed, which may be
 	 * one of the Vulkan driver's. */
 	atomic_bool lost;
@@ -30,10 +30,11 @@ bool window_display_is_lost(void)
 	return atomic_load_explicit(&display.lost, memory_order_relaxed); /* partner: display_on_error */
 }
 
-/* Replaces Xlib's handler, which prints two lines, for our connection; the caller of the window reports the loss. Xlib
- * has released its locks before this. On another thread, or outside of window_display_call, it returns, then so does
- * display_on_exit, and Xlib gives its caller (the Vulkan driver) an error. While GLFW opens the connection it is not
- * known yet: then the one that fails in a call of ours is ours. */
+/* Replaces Xlib's handler of broken connections, which prints two lines, for GLFW's connection; the program learns of
+ * the loss from stilb_window_state. Xlib has released its locks before it calls this. Within window_display_call the
+ * handler jumps back there. On another thread, or outside of that call, it returns, display_on_exit returns too, and
+ * Xlib gives its caller (the Vulkan driver) an error. While GLFW opens its connection display.connection is not known
+ * yet: then a connection that breaks within window_display_call is taken for GLFW's. */
 static int display_on_error(void *connection)
 {
 	bool calling = stilb_owner_is_me(&display.owner) && display.calling;
@@ -48,7 +49,7 @@ static int display_on_error(void *connection)
 	return 0;
 }
 
-/* Replaces exit(1). */
+/* Xlib calls this instead of exit(1) after display_on_error has returned. */
 static void display_on_exit(void *connection, void *data)
 {
 	(void)connection, (void)data;

@@ -79,7 +79,7 @@ static int uevent_id(const char *uevent, stilb_input_pad_info *info)
 	return 0;
 }
 
-/* The device's folder in sysfs, links resolved; left empty if it does not fit. */
+/* Sets info->device, the device's folder in sysfs with links resolved; it stays empty if the path does not fit. */
 static void device_folder(const input_roots *roots, const char *name, stilb_input_pad_info *info)
 {
 	char path[PATH_MAX];
@@ -122,7 +122,7 @@ int input_device_open(const input_backend *backend, const char *path, input_devi
 	int fd = open(path, O_RDWR | O_CLOEXEC | O_NONBLOCK);
 	if (fd < 0)
 		return errno == ENOENT || errno == ENXIO ? -ENODEV : -errno;
-	int size; /* of its descriptor; only a hidraw node answers this */
+	int size; /* of the report descriptor; it is asked for because only a hidraw node answers the question */
 	if (ioctl(fd, HIDIOCGRDESCSIZE, &size) < 0) {
 		close(fd);
 		return -ENODEV;

@@ -1,6 +1,7 @@
 /*
- * input_device: hidraw nodes: what sysfs says of them, and two ways to talk to one: the kernel's interface directly,
- * and hidapi. hidapi is never asked to list devices: its enumeration crashes if a pad is unplugged meanwhile.
+ * input_device: hidraw nodes (/dev/hidrawN, Linux's access to a HID device's raw reports): what sysfs says of them, and
+ * two ways to talk to one, called backends: the kernel's interface directly, and the library hidapi. hidapi is never
+ * asked to list devices: its enumeration crashes if a pad is unplugged meanwhile.
  *
  * Life cycle.  input_device_info -> input_device_open -> the backend's read, write, get_feature -> its close.
  * Threads.     A device belongs to one thread at a time; the rest is [any-thread].
@@ -11,7 +12,7 @@
 
 #include "input/input_pad.h"
 
-/* Folders of the system's files: "/sys" and "/dev"; tests have their own. */
+/* The folders in which devices are looked for: "/sys" and "/dev"; tests give folders with made-up devices. */
 typedef struct input_roots {
 	const char *sys, *dev;
 } input_roots;
@@ -19,8 +20,8 @@ typedef struct input_roots {
 /* True if name is "hidraw" and a decimal number. */
 bool input_device_is_hidraw(const char *name);
 
-/* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that it is such a
- * name. */
+/* Fills *info with what sysfs knows of the node `name` ("hidraw3"). -ENODEV: it is gone. Asserts that name is
+ * one of a hidraw node. */
 int input_device_info(const input_roots *roots, const char *name, stilb_input_pad_info *info);
 
 struct input_backend;
@@ -44,9 +45,10 @@ typedef struct input_backend {
 	/* Waits at most timeout_ms (-1: without limit) until there is a report or wake_fd is readable. Returns the report's
 	 * bytes; 0: there is no report; a negative errno: the device was unplugged or failed, close it. */
 	int (*read)(input_device *device, int wake_fd, int timeout_ms, uint8_t *report, size_t size);
-	/* Bytes written, or a negative errno. */
+	/* Sends an output report of size bytes. Returns the bytes written, or a negative errno. */
 	int (*write)(input_device *device, const uint8_t *report, size_t size);
-	/* report[0] is the feature's id. Bytes read, or a negative errno. */
+	/* Reads a feature report of up to size bytes, whose id the caller has put into report[0]. Returns the bytes read,
+	 * or a negative errno. */
 	int (*get_feature)(input_device *device, uint8_t *report, size_t size);
 } input_backend;
 

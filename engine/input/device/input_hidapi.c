@@ -1,7 +1,7 @@
 /*
  * Talks to a node through hidapi. Version 0.13.1, Debian 12's, uses freed memory if it opens a node that is not a
- * hidraw node (its pull request 559), so input_device_open checks the node first. What remains is a pad that is
- * unplugged between two system calls of hid_open_path; input_hidraw.c does not have this race.
+ * hidraw node (its pull request 559), so input_device_open checks the node first. A pad that is unplugged between two
+ * system calls of hid_open_path can still trigger the fault; input_hidraw.c does not have this race.
  */
 #include "input/device/input_device_internal.h"
 
@@ -16,7 +16,7 @@
  * a second, a busy one none. */
 #define HIDAPI_SLICE_MS 8
 
-/* Held around hid_open_path, which writes the message of its last error to a global. */
+/* Held around hid_open_path, which writes the message of its last error to a global of the library. */
 static pthread_mutex_t hidapi_lock = PTHREAD_MUTEX_INITIALIZER;
 
 static int hidapi_open(const char *path, int fd, input_device *device)

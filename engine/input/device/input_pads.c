@@ -49,7 +49,7 @@ struct stilb_input_pads {
 	/* The watcher's own. */
 	stilb_owner watcher_owner;
 	uint32_t number; /* of the newest pad */
-	bool is_crowded; /* a pad was left out for want of a slot */
+	bool is_crowded; /* a pad was left out for want of a slot: look again when one becomes free */
 	uint32_t retry_count;
 	pads_retry retries[PADS_RETRIES];
 
@@ -65,12 +65,12 @@ struct stilb_input_pads {
 
 static input_reader *pads_slot(const stilb_input_pads *pads, uint32_t i)
 {
-	/* Acquire: pairs with pads_publish for the frame. The watcher reads its own store, or the frame's that emptied
-	 * it. */
+	/* Acquire: pairs with the release in pads_publish when the frame calls this. The watcher reads what it has stored
+	 * itself, or the NULL by which the frame emptied the slot. */
 	return __atomic_load_n(&pads->slots[i], __ATOMIC_ACQUIRE);
 }
 
-/* An empty slot; PADS_MAX: there is none. The watcher's. */
+/* Index of an empty slot; PADS_MAX: there is none. Called by the watcher. */
 static uint32_t pads_free_slot(const stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++)
@@ -79,7 +79,7 @@ static uint32_t pads_free_slot(const stilb_input_pads *pads)
 	return PADS_MAX;
 }
 
-/* Shows the reader to the frame. The watcher's. */
+/* Puts the reader into the slot, where the frame sees it. Called by the watcher. */
 static void pads_publish(stilb_input_pads *pads, uint32_t i, input_reader *reader)
 {
 	STILB_ASSERT(i < PADS_MAX && !pads_slot(pads, i) && reader->number == pads->number);
@@ -87,14 +87,14 @@ static void pads_publish(stilb_input_pads *pads, uint32_t i, input_reader *reade
 	input_hub_tell(&pads->hub);
 }
 
-/* Gives a reader whose events were all taken back to the watcher. The frame's. */
+/* Gives a reader whose events were all taken back to the watcher. Called by the frame. */
 static void pads_return(stilb_input_pads *pads, uint32_t i)
 {
 	input_reader *reader = __atomic_load_n(&pads->slots[i], __ATOMIC_RELAXED); /* this thread has seen it before */
 	STILB_ASSERT(reader && input_reader_has_ended(reader));
 	/* Relaxed: the release below orders it, so whoever gets the reader from the list sees the slot empty. */
 	__atomic_store_n(&pads->slots[i], (input_reader *)NULL, __ATOMIC_RELAXED);
-	reader->next = __atomic_load_n(&pads->returned, __ATOMIC_RELAXED); /* the exchange compares it again */
+	reader->next = __atomic_load_n(&pads->returned, __ATOMIC_RELAXED); /* checked by the exchange below */
 	/* Release: pairs with pads_reap. Only this thread adds, and pads_reap takes the whole list. */
 	while (
 		!__atomic_compare_exchange_n(&pads->returned, &reader->next, reader, true, __ATOMIC_RELEASE, __ATOMIC_RELAXED))
@@ -109,7 +109,7 @@ static void pads_end(input_reader *reader)
 	input_reader_destroy(reader);
 }
 
-/* Destroys the readers that the frame gave back. True: there was one. The watcher's. */
+/* Destroys the readers that the frame gave back. True: there was one. Called by the watcher. */
 static bool pads_reap(stilb_input_pads *pads)
 {
 	/* Acquire: pairs with pads_return. */
@@ -159,7 +159,7 @@ static int pads_add(stilb_input_pads *pads, uint32_t slot, input_reader *reader)
 	return 0;
 }
 
-/* Has the node tried again after PADS_GRACE_US. False: too many are waiting. */
+/* Notes that the node is to be tried again after PADS_GRACE_US. False: too many nodes are waiting. */
 static bool pads_wait_for(stilb_input_pads *pads, const char *name)
 {
 	for (uint32_t i = 0; i < pads->retry_count; i++)
@@ -304,7 +304,7 @@ static int pads_retry_all(stilb_input_pads *pads)
 	return next_us == INT64_MAX ? -1 : (int)((next_us - now_us + 999) / 1000);
 }
 
-/* Tells all readers to stop before it waits for the first one. */
+/* Ends all readers: tells each to stop before it waits for the first, so that they stop at the same time. */
 static void pads_end_all(stilb_input_pads *pads)
 {
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
@@ -327,7 +327,8 @@ static void *pads_watch(void *user)
 	stilb_prof_thread_begin("pads");
 	pthread_setname_np(pthread_self(), "pads");
 	pads_scan(pads);
-	__atomic_store_n(&pads->looked, 1, __ATOMIC_RELAXED); /* ordered by input_hub_tell; read by pads_has_news */
+	/* Relaxed: input_hub_tell below makes it visible to the frame; read by pads_has_news. */
+	__atomic_store_n(&pads->looked, 1, __ATOMIC_RELAXED);
 	input_hub_tell(&pads->hub);
 	/* Acquire: pairs with stilb_input_pads_destroy, so that the slots are seen as the frame left them. */
 	while (__atomic_load_n(&pads->stop, __ATOMIC_ACQUIRE) == 0) {
@@ -346,7 +347,7 @@ static void *pads_watch(void *user)
 
 /* ---- the frame --------------------------------------------------------------------------------------------------- */
 
-/* Takes the event that was returned last. */
+/* Removes the event that was returned last from its reader; until now it stayed there for the caller to read. */
 static void pads_take(stilb_input_pads *pads)
 {
 	if (!pads->held)
@@ -377,8 +378,8 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 	}
 	if (!pads->held)
 		return false;
-	/* A report may be published after a later one of another pad was returned, because readers do not wait for each
-	 * other. */
+	/* A report may become visible after a later one of another pad was returned, because readers do not wait for each
+	 * other: it gets the later time, so that times do not go back. */
 	if (event->time_us < pads->last_us)
 		event->time_us = pads->last_us;
 	pads->last_us = event->time_us;
@@ -388,7 +389,7 @@ bool stilb_input_pads_next(stilb_input_pads *pads, int64_t until_us, stilb_input
 static bool pads_has_news(stilb_input_pads *pads)
 {
 	if (!pads->has_looked) {
-		pads->has_looked = __atomic_load_n(&pads->looked, __ATOMIC_RELAXED) != 0; /* of pads_watch */
+		pads->has_looked = __atomic_load_n(&pads->looked, __ATOMIC_RELAXED) != 0; /* stored by pads_watch */
 		return pads->has_looked;
 	}
 	for (uint32_t i = 0; i < PADS_MAX; i++) {
@@ -407,7 +408,7 @@ void stilb_input_pads_wait(stilb_input_pads *pads, int timeout_ms)
 	int64_t until_us = input_now_us() + 1000 * (int64_t)timeout_ms;
 	pads_take(pads);
 	while (true) {
-		/* Acquire and release: pairs with input_hub_tell, where the reason is. */
+		/* Acquire and release: pairs with input_hub_tell, which says why. */
 		__atomic_exchange_n(&pads->hub.waiting, 1, __ATOMIC_ACQ_REL);
 		int64_t left_us = until_us - input_now_us();
 		if (pads_has_news(pads) || left_us <= 0)

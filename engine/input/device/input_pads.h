@@ -5,8 +5,8 @@
  *   reader thread    one for each pad        -> stamps each report, stores it in the pad's ring; writes rumble
  *   frame            stilb_input_pads_next   <- everything since the last frame, nothing lost, each with its own time
  *
- * Only destroy waits for a device on the caller's thread. Reports are not decoded here but by the reader of the events,
- * so that a recording takes the same path.
+ * Only destroy waits for a device on the caller's thread. Reports are not decoded here but by whoever takes the events
+ * (input_control.h), so that events of a recording are decoded by the same code.
  *
  * Life cycle.  create -> once a frame next until false; rumble at any time -> destroy.
  *
@@ -22,7 +22,7 @@
 
 #include "input/input_pad.h"
 
-/* The way to a node: the kernel's interface directly, or the library hidapi. */
+/* The way to talk to a pad's hidraw node: the kernel's interface directly, or the library hidapi. */
 typedef enum stilb_input_backend { STILB_INPUT_BACKEND_HIDRAW, STILB_INPUT_BACKEND_HIDAPI } stilb_input_backend;
 
 typedef struct stilb_input_pads stilb_input_pads;

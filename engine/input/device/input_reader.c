@@ -11,8 +11,10 @@
 #include <unistd.h>
 
 #define READER_RUMBLE_US 30000 /* least time between two output reports; faster ones hang pads: xpadneo, issue 303 */
-#define READER_REPEAT_US 40000 /* a Switch pad stops by itself; SDL repeats every 40 ms, hid-nintendo every 50 ms */
-#define READER_LATE_MS 5       /* time after which a report that did not fit into the ring tries again */
+/* Time after which rumble is sent again, because a Switch pad stops by itself; SDL repeats every 40 ms, hid-nintendo
+ * every 50 ms. */
+#define READER_REPEAT_US 40000
+#define READER_LATE_MS 5 /* time after which a report that did not fit into the ring tries again */
 
 STILB_PROF_FLOW(reader_flow, "pad report", 0x4fa3d1);
 
@@ -78,7 +80,8 @@ bool input_reader_has_ended(const input_reader *reader)
 
 /* ---- the motors -------------------------------------------------------------------------------------------------- */
 
-/* The word is bit 63, so that it is never 0, and 16 bits each of heavy, light and milliseconds. */
+/* The request goes to the reader in one word: bit 63 set, so that it is never 0, and 16 bits each for heavy, light and
+ * the duration in milliseconds. */
 void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_t duration_ms)
 {
 	STILB_ASSERT(heavy >= 0.0f && heavy <= 1.0f && light >= 0.0f && light <= 1.0f && duration_ms <= UINT16_MAX);
@@ -117,7 +120,7 @@ static void motors_write(input_reader *reader)
 	reader->motors.written_us = input_now_us();
 }
 
-/* Time at which the next report is to be written; INT64_MAX: there is none. */
+/* Time at which the next rumble report is to be written; INT64_MAX: none is to be. */
 static int64_t motors_due(const input_reader *reader)
 {
 	bool repeats = reader->layout.rumble == STILB_INPUT_RUMBLE_SWITCH && reader->motors.until_us != 0;
@@ -126,7 +129,7 @@ static int64_t motors_due(const input_reader *reader)
 	return repeats ? reader->motors.written_us + READER_REPEAT_US : INT64_MAX;
 }
 
-/* Writes a report if one is due. Returns the time of the next call; INT64_MAX: none is needed. */
+/* Writes a rumble report if one is due. Returns the time at which to call this again; INT64_MAX: not needed. */
 static int64_t motors_update(input_reader *reader, int64_t now_us)
 {
 	motors_fetch(reader, now_us);
@@ -164,12 +167,12 @@ static void reader_pause(const input_reader *reader, int ms)
 		struct pollfd wake = {.fd = reader->wake_fd, .events = POLLIN};
 		eventfd_t woken;
 		poll(&wake, 1, left_ms);
-		eventfd_read(reader->wake_fd, &woken); /* other reasons to wake are dealt with by reader_loop */
+		eventfd_read(reader->wake_fd, &woken); /* rumble, the other reason to be woken, is dealt with by reader_loop */
 		left_ms = (int)((until_us - input_now_us() + 999) / 1000);
 	}
 }
 
-/* Sends what the layout wants said at first. A pad that does not answer is read all the same. */
+/* Sends the messages of layout.hello. A pad that does not answer them is read all the same. */
 static void reader_hello(input_reader *reader)
 {
 	PROFILE("pad hello");
@@ -200,8 +203,8 @@ static void reader_retry(input_reader *reader)
 }
 
 /* Stores a report for the frame. If the ring is full, the newest report is kept aside, because it has the present
- * position of the sticks, and the one kept aside before is lost. The profiler's arrow of a report that did not fit has
- * no end. */
+ * position of the sticks, and the one kept aside before is lost. The arrow that the profiler draws from a report's
+ * arrival to the frame that takes it has no end if the report did not fit. */
 static void reader_keep(input_reader *reader, int64_t now_us, const uint8_t *report, uint32_t size)
 {
 	PROFILE("pad report");
@@ -320,7 +323,8 @@ bool input_reader_peek(const input_reader *reader, stilb_input_event *event)
 		event->time_us = reader->added_us;
 		return true;
 	}
-	bool has_ended = input_reader_has_ended(reader); /* before the ring is read: the last reports are then in it */
+	/* Asked before the ring is read: if the reader has ended, its last reports are in the ring by now. */
+	bool has_ended = input_reader_has_ended(reader);
 	const input_record *record = reader->denied ? NULL : input_ring_peek(&reader->ring);
 	if (record) {
 		event->kind = STILB_INPUT_PAD_REPORT;
@@ -350,7 +354,8 @@ void input_reader_take(input_reader *reader, stilb_input_event_kind kind)
 		reader->late.size = 0;
 		return;
 	}
-	/* A short zone: the profiler counts the zone in which an arrow ends for the frame in which the arrow began. */
+	/* A zone of its own, and a short one, for the end of the arrow: the profiler counts the zone in which an arrow ends
+	 * for the frame in which the arrow began. */
 	PROFILE("pad report");
 	stilb_prof_flow_end(reader_flow, record->flow);
 	input_ring_pop(&reader->ring);

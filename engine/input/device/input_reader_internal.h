@@ -1,13 +1,14 @@
 /*
- * input_reader: one pad that is plugged in: the thread that reads and writes it, and the frame's side of its events.
+ * input_reader: one pad that is plugged in: the thread that reads and writes it (the reader), and the functions by
+ * which the frame's thread takes its events. The watcher is the thread of input_pads.c that finds pads.
  *
  *   watcher   create, then start (or denied) -> the reader lives -> join, destroy
- *   reader    sends the hello, stamps reports, rumbles; ends when the pad is unplugged or it is told to
+ *   reader    sends the layout's first messages to the pad, stamps reports with their time, rumbles; ends when the pad
+ *             is unplugged or when it is told to
  *   frame     peek, take -> until the pad's REMOVED was taken; from then on the reader is the watcher's again
  *
  * Between threads.  Reports go through the ring. Everything else is one atomic word each: stop and rumble (frame or
- * watcher
- *                   to reader, which is woken by wake_fd), ended (reader to frame and watcher).
+ *                   watcher to reader, which is woken by wake_fd), ended (reader to frame and watcher).
  */
 #ifndef STILB_INPUT_READER_INTERNAL_H
 #define STILB_INPUT_READER_INTERNAL_H
@@ -53,7 +54,7 @@ typedef struct input_reader {
 	int64_t added_us;
 	stilb_input_pad_info info;
 	stilb_input_layout layout;
-	int wake_fd; /* an eventfd; -1 if denied */
+	int wake_fd; /* an eventfd that wakes the reader thread; -1 if denied */
 	pthread_t thread;
 
 	/* Atomic; each use says order and partner. */
@@ -62,7 +63,7 @@ typedef struct input_reader {
 	uint32_t ended;
 	uint64_t rumble; /* the newest request; 0: none since the last one was taken */
 
-	/* The reader thread's, and once it has ended the frame's. */
+	/* Used by the reader thread, and once that has ended by the frame. */
 	input_late late;
 	int64_t ended_us;
 
@@ -93,14 +94,14 @@ void input_reader_destroy(input_reader *reader);
  * errno. [one-writer], the watcher */
 int input_reader_start(input_reader *reader, uint64_t ring_bytes);
 
-/* Tells the thread to stop the motors and end; does not wait for it. [any-thread] */
+/* Tells the reader's thread to stop the motors and end; does not wait for it. [any-thread] */
 void input_reader_stop(input_reader *reader);
 
 /* The pad is gone at time_us: after the reports that are in the ring REMOVED follows. Once for each reader; by its own
  * thread, or by the watcher if it was denied. */
 void input_reader_end(input_reader *reader, int64_t time_us);
 
-/* [any-thread] */
+/* True once input_reader_end was called: the last report is in the ring. [any-thread] */
 bool input_reader_has_ended(const input_reader *reader);
 
 /* Asks for strengths heavy and light, both 0..1, for duration_ms <= 65535; replaces what was asked for and not done

@@ -22,7 +22,7 @@ static uint64_t ring_length(uint32_t size)
 	return (sizeof(input_record) + size + 7) & ~UINT64_C(7);
 }
 
-/* For STILB_CHECK, on either side: positions are aligned, and no more is in use than there is. */
+/* For STILB_CHECK, by producer or consumer: positions are aligned, and no more bytes are in use than the capacity. */
 static bool ring_is_sound(const input_ring *ring, uint64_t head, uint64_t tail)
 {
 	return ring->memory && head - tail <= ring->capacity && head % 8 == 0 && tail % 8 == 0;
@@ -77,7 +77,7 @@ const input_record *input_ring_peek(const input_ring *ring)
 void input_ring_pop(input_ring *ring)
 {
 	uint64_t tail = __atomic_load_n(&ring->tail, __ATOMIC_RELAXED); /* written by this thread alone */
-	/* Relaxed: only compared; input_ring_peek has acquired the record. */
+	/* Relaxed: head is only compared here; reading the record is allowed since input_ring_peek has acquired it. */
 	STILB_ASSERT(__atomic_load_n(&ring->head, __ATOMIC_RELAXED) != tail && "there is a record to remove");
 	/* Release: pairs with input_ring_push, which may overwrite the record from here on. */
 	__atomic_store_n(&ring->tail, tail + ring_length(ring_at(ring, tail)->size), __ATOMIC_RELEASE);

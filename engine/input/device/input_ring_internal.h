@@ -1,6 +1,7 @@
 /*
  * input_ring: the queue of reports from the thread that reads a pad (the producer) to the frame (the consumer): records
- * of varying size in memory of fixed size, single producer, single consumer, wait-free. A push into a full ring fails.
+ * (a report with its time) of varying size in memory of fixed size, single producer, single consumer, wait-free. A push
+ * into a full ring fails.
  *
  * Life cycle.  init -> push by one thread, peek and pop by one other -> finish when both are done.
  * Threads.     init and finish while nobody else uses the ring; the others as each one says.

@@ -25,8 +25,8 @@ enum { LOCAL_USAGE, LOCAL_USAGE_MIN, LOCAL_USAGE_MAX, LOCAL_DELIMITER = 10 };
 enum { COLLECTION_PHYSICAL, COLLECTION_APPLICATION };
 
 #define LONG_ITEM 0xfeu
-#define STACK_MAX 8u        /* pushes; Linux allows 4 */
-#define COLLECTIONS_MAX 32u /* nested */
+#define STACK_MAX 8u        /* states of the global items kept by nested push items; Linux allows 4 */
+#define COLLECTIONS_MAX 32u /* collections nested in one another */
 #define RANGES_MAX STILB_INPUT_FIELDS_MAX
 #define REPORT_BITS_MAX ((STILB_INPUT_REPORT_MAX - 1) * 8) /* without the id */
 
@@ -48,7 +48,7 @@ typedef struct descriptor_globals {
 /* The usages of one Usage item, or of a Usage Minimum and a Usage Maximum. */
 typedef struct descriptor_range {
 	uint16_t page, first, last;
-	bool extended; /* the item gave the page too */
+	bool extended; /* `page` was in the item; else it is the page set by the last Usage Page item */
 } descriptor_range;
 
 /* Set by local items; it holds until the next main item. */
@@ -60,22 +60,22 @@ typedef struct descriptor_locals {
 } descriptor_locals;
 
 typedef struct descriptor_collection {
-	uint32_t application;
-	uint16_t group;
+	uint32_t application; /* stilb_input_field.collection of the fields in it */
+	uint16_t group;       /* stilb_input_field.group of the fields in it */
 } descriptor_collection;
 
 typedef struct descriptor_parser {
 	stilb_input_descriptor *out;
-	size_t offset; /* of the present item */
+	size_t offset; /* bytes from the descriptor's start to the item being read, for messages too */
 	descriptor_globals global, stack[STACK_MAX];
 	uint32_t stack_depth;
 	descriptor_locals local;
 	descriptor_range ranges[RANGES_MAX];                    /* local.range_count of them */
 	descriptor_collection collections[COLLECTIONS_MAX + 1]; /* [depth] is the innermost, [0] is outside of all */
 	uint32_t depth;
-	uint16_t groups;                /* physical collections so far */
-	uint16_t report_number[3][256]; /* by kind and id: 1 + index in out->reports; 0: there is none yet */
-	uint32_t report_bits[STILB_INPUT_REPORTS_MAX];
+	uint16_t groups;                               /* physical collections so far */
+	uint16_t report_number[3][256];                /* by kind and id: 1 + index in out->reports; 0: there is none yet */
+	uint32_t report_bits[STILB_INPUT_REPORTS_MAX]; /* bits of each of out->reports so far, without the id */
 } descriptor_parser;
 
 static stilb_result descriptor_refuse(const descriptor_parser *parser, const char *format, ...)
@@ -93,7 +93,7 @@ static stilb_result descriptor_refuse(const descriptor_parser *parser, const cha
 
 /* ---- items ------------------------------------------------------------------------------------------------------- */
 
-/* The data in two's complement of its size. */
+/* The item's data as a signed number in two's complement, as long as the data. */
 static int64_t item_signed(const descriptor_item *item)
 {
 	STILB_ASSERT(item->size <= 4 && item->size != 3);

@@ -1,10 +1,11 @@
 /*
- * input_descriptor: a HID report descriptor as a table of fields: the meaning of each bit of each report.
+ * input_descriptor: a HID report descriptor (the bytes by which a device declares the layout of its reports) as a table
+ * of fields: the meaning of each bit of each report.
  *
- * Reads every item of the HID specification 1.11, section 6.2.2: push and pop, long items (none is defined; skipped),
- * arrays, signed and 32-bit values, several reports, delimiters (the first usage of a set counts). Common mistakes of
- * real pads are read as Linux reads them (drivers/hid/hid-core.c); what cannot be read is refused with the byte's
- * offset and the reason.
+ * Reads every item (a tag with up to four bytes of data) of the HID specification 1.11, section 6.2.2: push and pop,
+ * long items (none is defined; skipped), arrays, signed and 32-bit values, several reports, delimiters (the first usage
+ * of a set is taken). Common mistakes of real pads are read as Linux reads them (drivers/hid/hid-core.c); a descriptor
+ * that cannot be read is refused with the reason and the offset of the byte in it.
  *
  * Life cycle.  A plain value that parse fills; nothing is allocated. Time is linear in the descriptor's size.
  *
@@ -40,9 +41,10 @@ typedef struct stilb_input_field {
 	/* 0: the reports have no ids. */
 	uint8_t report_id;
 	uint16_t flags;
-	/* page << 16 | usage; 0: none was given. Element i of a variable has the usage `usage + i`; those beyond usage_last
-	 * share usage_last. The value of an array's element names the usage `usage + value - logical_min`. An array whose
-	 * usages are not consecutive becomes several fields of the same bits, each with its part of the values. */
+	/* The usage is HID's number for the meaning of an element, as page << 16 | usage; 0: none was given. Element i of a
+	 * variable has the usage `usage + i`; those beyond usage_last share usage_last. The value of an array's element
+	 * names the usage `usage + value - logical_min`. An array whose usages are not consecutive becomes several fields
+	 * of the same bits, each with its part of the values. */
 	uint32_t usage, usage_last;
 	/* First bit of the first element, from the start of the report as hidraw gives it, the id included. */
 	uint32_t bit;
@@ -50,10 +52,10 @@ typedef struct stilb_input_field {
 	uint32_t size;
 	/* Elements. */
 	uint32_t count;
-	/* The range of the values; negative values are in two's complement if logical_min is negative. Physical: the same
-	 * range in units. */
+	/* The range of the values as sent; negative values are in two's complement if logical_min is negative. Physical:
+	 * the same range in the unit below. */
 	int64_t logical_min, logical_max, physical_min, physical_max;
-	/* Nibbles of HID 1.11, section 6.2.2.7, and the power of ten. */
+	/* The unit as coded by HID 1.11, section 6.2.2.7, a nibble for each base unit, and the power of ten before it. */
 	uint32_t unit;
 	int32_t exponent;
 	/* Usage of the innermost application collection, or 0. */
@@ -77,9 +79,9 @@ typedef struct stilb_input_descriptor {
 	uint32_t field_count, report_count;
 	/* The first byte of each report is its id. */
 	bool numbered;
-	/* In the order of the descriptor, without constants and without fields of 0 bits. */
+	/* In the order of the descriptor, without constant fields (padding) and without fields of 0 bits. */
 	stilb_input_field fields[STILB_INPUT_FIELDS_MAX];
-	/* One for each kind and id that occurs. */
+	/* One for each pair of kind and id that occurs. */
 	stilb_input_report reports[STILB_INPUT_REPORTS_MAX];
 } stilb_input_descriptor;
 

@@ -8,7 +8,8 @@
 
 /* ---- sources ----------------------------------------------------------------------------------------------------- */
 
-/* `at` is a byte of the report, the id being byte 0. */
+/* Sources of a report. AXIS: `first` is its first bit, `from` and `to` its values at the ends of the range. In the
+ * other macros `at` is a byte of the report, of which byte 0 is the report's id. */
 #define AXIS(axis, first, size, from, to)                                                                              \
 	{                                                                                                                  \
 		.kind = STILB_INPUT_SOURCE_AXIS, .target = STILB_INPUT_##axis, .bit = (first), .bits = (size), .low = (from),  \
@@ -24,13 +25,13 @@
 		.kind = STILB_INPUT_SOURCE_HAT, .bit = 8 * (at), .bits = 4, .low = 0, .high = 7                                \
 	}
 
-/* Four bytes; 0 is left and up. */
+/* Four bytes: left x, left y, right x, right y; 0 is left and up. */
 #define STICKS(at)                                                                                                     \
 	AXIS(LEFT_X, 8 * (at), 8, 0, 255), AXIS(LEFT_Y, 8 * (at) + 8, 8, 255, 0), AXIS(RIGHT_X, 8 * (at) + 16, 8, 0, 255), \
 		AXIS(RIGHT_Y, 8 * (at) + 24, 8, 255, 0)
 #define TRIGGERS(at) AXIS(LEFT_TRIGGER, 8 * (at), 8, 0, 255), AXIS(RIGHT_TRIGGER, 8 * (at) + 8, 8, 0, 255)
 
-/* Three bytes, the same on DualShock 4 and DualSense. */
+/* Three bytes with the d-pad and all buttons, the same on DualShock 4 and DualSense. */
 #define PLAYSTATION_BUTTONS(at)                                                                                        \
 	HAT(at), BUTTON(at, 4, WEST), BUTTON(at, 5, SOUTH), BUTTON(at, 6, EAST), BUTTON(at, 7, NORTH),                     \
 		BUTTON((at) + 1, 0, LEFT_SHOULDER), BUTTON((at) + 1, 1, RIGHT_SHOULDER), BUTTON((at) + 1, 4, BACK),            \
@@ -110,7 +111,7 @@ static const stilb_input_layout_report ds3_usb[] = {
 	{.size = 0},
 };
 
-/* Over USB the pad sends no reports before these two were read. */
+/* Over USB the pad sends no reports before these two feature reports were read. */
 static const stilb_input_hello ds3_hello[] = {
 	{.kind = STILB_INPUT_HELLO_GET_FEATURE, .size = 17, .bytes = {0xf2}},
 	{.kind = STILB_INPUT_HELLO_GET_FEATURE, .size = 8, .bytes = {0xf5}},
@@ -122,7 +123,7 @@ static const stilb_input_hello ds3_hello[] = {
 /* The range of a stick that hid-nintendo uses if the pad's calibration cannot be read; up is the larger value. */
 #define SWITCH_STICK(bit, axis) AXIS(axis, bit, 12, 500, 3500)
 
-/* A trigger that is a button. */
+/* A trigger that is a button: its axis is 0 or 1. */
 #define SWITCH_TRIGGER(at, number, axis) AXIS(axis, 8 * (at) + (number), 1, 0, 1)
 
 #define SWITCH_FULL                                                                                                    \
@@ -134,7 +135,7 @@ static const stilb_input_hello ds3_hello[] = {
 
 static const stilb_input_layout_report switch_pro[] = {
 	{.id = 0x30, .size = 49, .sources = {SWITCH_FULL}},
-	{.id = 0x21, .size = 49, .sources = {SWITCH_FULL}}, /* an answer, which begins with the state */
+	{.id = 0x21, .size = 49, .sources = {SWITCH_FULL}}, /* the answer to a subcommand, which begins with the state */
 	{
 		.id = 0x3f, /* the simple report that it sends over Bluetooth until full ones are requested */
 		.size = 12,
@@ -310,7 +311,8 @@ static const input_known known[] = {
 		.rumble = STILB_INPUT_RUMBLE_SWITCH,
 		.hello = switch_bluetooth_hello,
 	},
-	/* Firmware updates change the reports without changing the product number, so the descriptor decides. */
+	/* Firmware updates change the reports without changing the product number, so the row gives no reports: they are
+	 * found by the descriptor's fields. */
 	{
 		.name = "Xbox One S Controller",
 		.bus = STILB_INPUT_BUS_BLUETOOTH,
@@ -351,7 +353,8 @@ static bool is_product(const input_known *row, uint16_t product)
 	return false;
 }
 
-/* Copies of a pad may have its vendor and product and other reports; then the descriptor decides. */
+/* True if the descriptor has this report. A copy of a known pad may have its vendor and product but other reports: then
+ * the row is not used, and the reports are found by the descriptor's fields. */
 static bool has_report(const stilb_input_descriptor *descriptor, const stilb_input_layout_report *report)
 {
 	for (uint32_t i = 0; i < descriptor->report_count; i++) {

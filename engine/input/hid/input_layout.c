@@ -9,8 +9,8 @@
 uint32_t stilb_input_crc32(uint32_t crc, const void *data, size_t size)
 {
 	STILB_ASSERT(data || size == 0);
-	/* CRCs of half bytes, 64 bytes of table. A table for whole bytes has 1 KiB, which would have left the cache again
-	 * in the 4 ms between two reports of a Bluetooth pad. */
+	/* CRCs of half bytes, a table of 64 bytes. A table for whole bytes saves half of the steps but has 1 KiB, which the
+	 * cache would have dropped again in the 4 ms between two reports of a Bluetooth pad. */
 	static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4,
 	                                   0x4db26158, 0x5005713c, 0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c,
 	                                   0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
@@ -62,7 +62,8 @@ static uint32_t hat_directions(int64_t value, int64_t low, int64_t high)
 	return directions[((value - low) * 16 + steps) / (2 * steps) % 8];
 }
 
-/* Bits of the buttons that a report has sources for, and of those that are down. */
+/* told: bits 1 << stilb_input_button of the buttons that this report has sources for; down: those of them that are
+ * down. */
 typedef struct decoded_buttons {
 	uint32_t told, down;
 } decoded_buttons;
@@ -90,7 +91,7 @@ static void decode_source(const stilb_input_source *source, int64_t value, stilb
 	}
 }
 
-/* False: the report is too short. */
+/* Reads the source's bits as a number. False: the report is too short to hold them. */
 static bool source_value(const stilb_input_source *source, const uint8_t *report, size_t size, int64_t *value)
 {
 	uint32_t bits;
@@ -156,7 +157,7 @@ stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const u
 	return any ? STILB_INPUT_DECODED : STILB_INPUT_CORRUPT;
 }
 
-/* For STILB_CHECK. */
+/* For STILB_CHECK: kind and target exist, and the bits are within a report of this many. */
 static bool source_is_sound(const stilb_input_source *source, uint32_t report_bits)
 {
 	uint32_t targets = source->kind == STILB_INPUT_SOURCE_AXIS ? STILB_INPUT_AXIS_COUNT : STILB_INPUT_BUTTON_COUNT;
@@ -189,7 +190,8 @@ static const char *name_or(const stilb_input_pad_info *info, const char *otherwi
 	return info->name[0] != '\0' ? info->name : otherwise;
 }
 
-/* The table's rows end with an empty report, and reports with an empty source. */
+/* Copies the reports of a row of the table of known pads, which end with one of size 0 and their sources with one of 0
+ * bits. */
 static void copy_reports(const stilb_input_layout_report *reports, stilb_input_layout *out)
 {
 	while (out->report_count < STILB_INPUT_LAYOUT_REPORTS_MAX && reports[out->report_count].size != 0) {
@@ -206,7 +208,7 @@ static void copy_hello(const stilb_input_hello *hello, stilb_input_layout *out)
 		out->hello[i] = hello[i];
 }
 
-/* "'Mouse' (046d:c077) is not a gamepad: ..." */
+/* Fails with a message like "'Mouse' (046d:c077) is not a gamepad: ...". */
 static stilb_result not_a_gamepad(const stilb_input_pad_info *info, const char *why)
 {
 	return stilb_fail(STILB_ERROR_ARGUMENT, "'%s' (%04x:%04x) is not a gamepad: %s", name_or(info, "this device"),

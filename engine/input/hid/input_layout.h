@@ -22,9 +22,8 @@
 
 /* Meaning of a source's value, with its low and high:
  *   AXIS     target is a stilb_input_axis; low and high are the ends of the range, low may be the larger one. A stick
- * is
- *            at rest in the middle, of an even number of values at the upper of the two middle ones (128 of 0..255); a
- *            trigger is at rest at low
+ *            is at rest in the middle, of an even number of values at the upper of the two middle ones (128 of 0..255);
+ *            a trigger is at rest at low
  *   BUTTON   target is a stilb_input_button, which is down while the value of any of its sources is in [low, high]
  *   HAT      low is up, larger values follow clockwise, evenly spaced up to high; any other value is centred */
 typedef enum stilb_input_source_kind {
@@ -33,32 +32,34 @@ typedef enum stilb_input_source_kind {
 	STILB_INPUT_SOURCE_HAT
 } stilb_input_source_kind;
 
-/* A few adjacent bits of a report. */
+/* A few adjacent bits of a report that give an axis, a button or the d-pad its value. */
 typedef struct stilb_input_source {
-	/* stilb_input_source_kind; stilb_input_axis or stilb_input_button. */
+	/* kind: a stilb_input_source_kind. target: the stilb_input_axis or stilb_input_button that gets the value. */
 	uint8_t kind, target;
 	/* Number of bits, 1..32; is_signed: the value is in two's complement. */
 	uint8_t bits;
 	bool is_signed;
-	/* The first bit, from the start of the report, id included. */
+	/* The first bit, counted from the start of the report, id included. */
 	uint32_t bit;
+	/* See stilb_input_source_kind. */
 	int64_t low, high;
 } stilb_input_source;
 
-/* Sources and reports that a layout holds; further ones are left out. */
+/* Most sources of a report, and most reports of a layout; further ones are left out. */
 #define STILB_INPUT_SOURCES_MAX 40u
 #define STILB_INPUT_LAYOUT_REPORTS_MAX 4u
 
 /* One of the reports that carry state. */
 typedef struct stilb_input_layout_report {
-	/* 0: the pad's reports have no ids. */
+	/* The report's id; 0: the pad's reports have no ids. */
 	uint8_t id;
-	/* Bytes of a whole report. A shorter one leaves the state of the missing sources as it was. */
+	/* Bytes of a whole report, id included. A shorter one leaves the state of the missing sources as it was. */
 	uint16_t size;
-	/* Offset of a CRC-32, little endian, over 0xa1 and all bytes before it; 0: there is none. */
+	/* Byte of the report at which a little-endian CRC-32 begins, computed over Bluetooth's header byte 0xa1 and all
+	 * bytes of the report before the CRC; 0: there is none. */
 	uint16_t crc;
-	/* While this bit is set no pad is connected (to a wireless adaptor), and everything is at rest; 0: there is
-	 * none. */
+	/* Number of a bit, counted as in stilb_input_source. While it is set no pad is connected (to a wireless adaptor),
+	 * and everything is at rest; 0: there is no such bit. */
 	uint16_t absent;
 	uint32_t source_count;
 	stilb_input_source sources[STILB_INPUT_SOURCES_MAX];
@@ -90,11 +91,11 @@ typedef struct stilb_input_hello {
 #define STILB_INPUT_HELLO_MAX 8u
 
 typedef struct stilb_input_layout {
-	/* "DualShock 4, Bluetooth". */
+	/* Name for the user, like "DualShock 4, Bluetooth". */
 	char name[64];
 	/* The way it was found: "known pad 054c:05c4", "its descriptor: two sticks, ...". */
 	char recognised[96];
-	/* By the table. */
+	/* Found in the table of known pads. */
 	bool known;
 	uint32_t report_count;
 	stilb_input_layout_report reports[STILB_INPUT_LAYOUT_REPORTS_MAX];

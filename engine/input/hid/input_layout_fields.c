@@ -1,5 +1,5 @@
 /* The layout of a pad that is not in the table, from the fields of its report descriptor. HID usages do not say which
- * axes are the right stick or which button is in which position; that is decided as most pads have it. */
+ * axes are the right stick or which button is in which position; here it is assumed to be as on most pads. */
 #include "input/hid/input_layout_internal.h"
 
 #include <stdio.h>
@@ -51,7 +51,8 @@ static const input_button_order android_order = {
      STILB_INPUT_BACK, STILB_INPUT_START, STILB_INPUT_GUIDE, STILB_INPUT_LEFT_STICK, STILB_INPUT_RIGHT_STICK},
 };
 
-/* The order of Xbox pads with their first firmware; the driver xpadneo adds the last two to all Xbox pads. */
+/* The order of Xbox pads with their first firmware; under the driver xpadneo all Xbox pads have it, with the last two
+ * buttons added. */
 static const input_button_order xbox_order = {
 	"in the Xbox order",
 	12,
@@ -62,7 +63,7 @@ static const input_button_order xbox_order = {
 
 /* ---- finding elements -------------------------------------------------------------------------------------------- */
 
-/* One element of a field. */
+/* One element of a field: one axis or button. */
 typedef struct element {
 	const stilb_input_field *field; /* NULL: there is no such element */
 	uint32_t index;
@@ -78,7 +79,7 @@ static bool is_array(const stilb_input_field *f)
 	return !(f->flags & STILB_INPUT_VARIABLE);
 }
 
-/* An input with absolute number values. */
+/* True for input fields whose values are numbers, and absolute. */
 static bool is_readable(const stilb_input_field *f)
 {
 	return f->kind == STILB_INPUT_FIELD_INPUT && !(f->flags & (STILB_INPUT_CONSTANT | STILB_INPUT_RELATIVE)) &&
@@ -90,7 +91,8 @@ static uint32_t last_usage(const stilb_input_field *f)
 	return f->usage_last > f->usage ? f->usage_last : f->usage;
 }
 
-/* The first element of this usage, in the given report, NULL: in any. Usages of arrays are not elements. */
+/* The first element of this usage in the given report; if report is NULL, in any report. Arrays are not searched: their
+ * elements have no fixed usage. */
 static element find(const stilb_input_descriptor *descriptor, const stilb_input_report *report, uint32_t usage)
 {
 	for (uint32_t i = 0; i < descriptor->field_count; i++) {
@@ -102,8 +104,8 @@ static element find(const stilb_input_descriptor *descriptor, const stilb_input_
 	return (element){NULL, 0};
 }
 
-/* The first report with both axes of a stick, or NULL. An adaptor for several pads has one for each of them: the first
- * counts. */
+/* The first report with both axes of a stick, or NULL. An adaptor for several pads has such a report for each of them,
+ * of which only the first is read. */
 static const stilb_input_report *find_main_report(const stilb_input_descriptor *descriptor)
 {
 	for (uint32_t i = 0; i < descriptor->report_count; i++) {
@@ -145,7 +147,8 @@ static stilb_input_layout_report *layout_report(builder *b, uint8_t id)
 	return report;
 }
 
-/* Adds a source. One that does not fit is left out: 40 sources are more than a pad's state has. */
+/* Adds a source. One that does not fit is left out: no pad needs 40 sources (STILB_INPUT_SOURCES_MAX) for 6 axes and 16
+ * buttons. */
 static void add(builder *b, element e, stilb_input_source_kind kind, uint32_t target, int64_t low, int64_t high)
 {
 	STILB_ASSERT(e.field && e.index < e.field->count && e.field->size <= 32);
@@ -200,13 +203,14 @@ static bool same_range(element a, element b)
 	       a.field->logical_max == b.field->logical_max;
 }
 
-/* Two axes in one physical collection, which is not the left stick's. */
+/* True if the axes a and b are in one physical collection, and x, the left stick's axis, is not in it. */
 static bool is_grouped(element a, element b, element x)
 {
 	return a.field->group != 0 && a.field->group == b.field->group && a.field->group != x.field->group;
 }
 
-/* The remaining pair of axes is the triggers if it can rest at its lowest value; a throttle and a rudder do not. */
+/* Makes the pair of axes that is not a stick the triggers, if they may be triggers: of a gamepad, and without negative
+ * values. A joystick's throttle and rudder are not. False: nothing was added. */
 static bool add_trigger_pair(builder *b, element left, element right)
 {
 	if (!same_range(left, right) || left.field->logical_min < 0 || left.field->collection != USAGE_GAME_PAD)
@@ -245,7 +249,8 @@ static void add_axes(builder *b)
 
 /* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
-/* Eight directions clockwise from up, or four, or an angle. With 9 or 16 values only the first eight are directions. */
+/* Adds the d-pad's hat: eight directions clockwise from up, or four, or an angle. If the descriptor declares 9 or 16
+ * values, only the first eight are directions; the others mean that nothing is pressed. */
 static void add_hat(builder *b)
 {
 	element hat = find(b->descriptor, b->main, USAGE_HAT);
@@ -256,8 +261,8 @@ static void add_hat(builder *b)
 	add(b, hat, STILB_INPUT_SOURCE_HAT, STILB_INPUT_UP, first, has_more ? first + 7 : hat.field->logical_max);
 }
 
-/* Buttons with a usage of their own. Some firmware sends home by its usage in a separate report, some by its number,
- * and the descriptor has both, so either counts. */
+/* Adds the buttons that have a usage of their own. Some firmware sends the home button by its usage in a separate
+ * report, some by its number among the numbered buttons; as the descriptor has both, either puts the button down. */
 static void add_named_buttons(builder *b)
 {
 	static const struct {
@@ -306,7 +311,8 @@ static uint32_t count_numbered(const builder *b)
 	return most;
 }
 
-/* The nth button of an array is down while any of the array's elements has its value. */
+/* Adds the button number nth, from 0, of an array: it is down while any of the array's elements has the value
+ * logical_min + nth. */
 static void add_array_button(builder *b, const stilb_input_field *f, uint32_t nth, uint32_t target)
 {
 	int64_t value = f->logical_min + nth;
@@ -347,7 +353,8 @@ static const input_button_order *likely_order(const builder *b)
 
 /* ---- the whole layout -------------------------------------------------------------------------------------------- */
 
-/* Xbox pads and compatible ones: four magnitudes of 0..100 in the output report 3 of nine bytes. */
+/* True for Xbox pads and compatible ones, told by the output report with the id 3: from its byte 2 on it has the
+ * strengths of four motors (left and right trigger, heavy, light), a byte each, in per cent. */
 static bool has_xbox_rumble(const stilb_input_descriptor *descriptor)
 {
 	for (uint32_t i = 0; i < descriptor->field_count; i++) {

@@ -7,7 +7,7 @@
 
 #include "input/hid/input_layout.h"
 
-/* Targets of a descriptor's numbered button besides stilb_input_button. */
+/* Meanings of a descriptor's numbered button besides those of stilb_input_button. */
 enum {
 	INPUT_BUTTON_LEFT_TRIGGER = STILB_INPUT_BUTTON_COUNT, /* a trigger that is only on or off */
 	INPUT_BUTTON_RIGHT_TRIGGER,
@@ -20,7 +20,7 @@ enum {
 typedef struct input_button_order {
 	const char *words; /* "in the usual order": follows the number of buttons in stilb_input_layout.recognised */
 	uint32_t count;
-	uint8_t targets[INPUT_BUTTONS_MAX];
+	uint8_t targets[INPUT_BUTTONS_MAX]; /* [count] of button 1, 2, ...: stilb_input_button or INPUT_BUTTON_... */
 } input_button_order;
 
 /* A row of the table of known pads (input_known.c). */
@@ -28,8 +28,8 @@ typedef struct input_known {
 	const char *name;
 	uint16_t bus; /* 0: any */
 	uint16_t vendor, products[8];
-	/* Its reports, ended by one of size 0; the sources of each are ended by one of 0 bits. The row only counts if the
-	 * descriptor has the first report. NULL: the reports are found by the descriptor's fields. */
+	/* Its reports, ended by one of size 0; the sources of each are ended by one of 0 bits. A pad whose descriptor lacks
+	 * the first of these reports is not of this row. NULL: the reports are found by the descriptor's fields. */
 	const stilb_input_layout_report *reports;
 	/* Order of the buttons if reports is NULL; NULL: the most likely one. */
 	const input_button_order *buttons;
@@ -45,7 +45,7 @@ const input_known *input_known_find(const stilb_input_pad_info *info, const stil
 bool input_layout_from_fields(const stilb_input_descriptor *descriptor, const input_button_order *order,
                               stilb_input_layout *out, char *found, size_t size);
 
-/* Every source is of a target that there is and within its report. [any-thread] */
+/* True if every source has a target that exists, and its bits are within its report. [any-thread] */
 bool input_layout_is_sound(const stilb_input_layout *layout);
 
 #endif

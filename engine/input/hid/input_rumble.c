@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* [0, 1] to 0..most, rounded. */
+/* A strength in [0, 1] as a whole number in 0..most. */
 static uint8_t scaled(float strength, float most)
 {
 	return (uint8_t)(fminf(fmaxf(strength, 0.0f), 1.0f) * most + 0.5f);
@@ -23,7 +23,7 @@ static size_t with_crc(uint8_t *report, size_t size)
 	return size;
 }
 
-/* Byte 0: which parts the report sets (the motors, not the light bar); 3: light motor; 4: heavy motor. */
+/* at[0]: which parts the report sets (the motors, not the light bar); at[3]: light motor; at[4]: heavy motor. */
 static void ds4_motors(uint8_t *at, float heavy, float light)
 {
 	at[0] = 0x01;
@@ -31,8 +31,8 @@ static void ds4_motors(uint8_t *at, float heavy, float light)
 	at[4] = scaled(heavy, 255.0f);
 }
 
-/* Byte 0: which parts the report sets (the motors, in the mode compatible with a DualShock 4, in place of audio
- * haptics); 2: light motor; 3: heavy motor. */
+/* at[0]: which parts the report sets (the motors, in the mode compatible with a DualShock 4, in place of audio
+ * haptics); at[2]: light motor; at[3]: heavy motor. */
 static void dualsense_motors(uint8_t *at, float heavy, float light)
 {
 	at[0] = 0x03;
@@ -40,7 +40,8 @@ static void dualsense_motors(uint8_t *at, float heavy, float light)
 	at[3] = scaled(heavy, 255.0f);
 }
 
-/* Sets the two main motors, not those in the triggers, for 2.55 s, repeated 255 times: until the next report. */
+/* Sets the two main motors, not those in the triggers, in per cent, for 255 x 10 ms repeated 255 times: practically
+ * until the next report. */
 static void xbox_motors(uint8_t *report, float heavy, float light)
 {
 	report[0] = 0x03;
@@ -51,7 +52,8 @@ static void xbox_motors(uint8_t *report, float heavy, float light)
 	report[8] = 0xff;
 }
 
-/* The step in 0..100 whose amplitude is closest to `strength`: the table of hid-nintendo in closed form. */
+/* The pad is told an amplitude by its number in a table of 101 steps. Returns the step in 0..100 whose amplitude is
+ * closest to `strength`: the table of hid-nintendo in closed form. */
 static uint32_t switch_amplitude(float strength)
 {
 	float amplitude = fminf(fmaxf(strength, 0.0f), 1.0f);
@@ -63,7 +65,8 @@ static uint32_t switch_amplitude(float strength)
 	return (uint32_t)(fminf(step, 100.0f) + 0.5f);
 }
 
-/* One side's actuator: high band 320 Hz and low band 160 Hz with the same amplitude; amplitude 0 is 00 01 40 40. */
+/* Four bytes for one side's motor, which vibrates at 320 Hz and at 160 Hz at once, here with the same amplitude; with
+ * amplitude 0 they are 00 01 40 40. */
 static void switch_motor(uint8_t at[4], float strength)
 {
 	uint32_t step = switch_amplitude(strength);
