@@ -81,7 +81,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 	return stilb_render_create(&render, &engine->render);
 }
 
-/* The tables of views and passes: one of each. */
+/* Fills the engine's tables of views and passes with one view and one pass, "scene". */
 static void engine_fill_passes(stilb_engine *engine)
 {
 	engine->view_count = 1;
@@ -96,7 +96,7 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (desc->window)
 		result = stilb_window_create("Stilb", desc->width, desc->height, &engine->window);
 	if (result == STILB_OK)
-		result = engine_create_render(engine); /* before the scene: without a driver its work would be wasted */
+		result = engine_create_render(engine); /* before the scene, which would be made in vain without a driver */
 	if (result == STILB_OK)
 		result = engine_start_workers(engine, desc->workers);
 	if (result == STILB_OK)
@@ -179,7 +179,7 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(path);
-	PROFILE("screenshot"); /* takes longer than most frames: the lanes should tell why the next one is late */
+	PROFILE("screenshot"); /* longer than most frames: the profiler shall show why the next frame is late */
 	stilb_image image = {0};
 	stilb_result result;
 	{

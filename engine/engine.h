@@ -68,15 +68,15 @@ typedef struct stilb_engine_desc {
 	const char *gpu;            /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height;     /* of the picture, pixels, 1..16384 */
 	uint32_t samples;           /* of multisampling: 1, 4, or 0 for the device's own choice */
-	bool window;                /* else headless: the picture goes to memory */
-	bool present;               /* else pictures are drawn, but not shown */
-	bool animate;               /* a tenth of the models moves */
+	bool window;                /* true: in a window; false: headless, the picture is drawn to memory */
+	bool present;               /* false: pictures are drawn, but not shown in the window */
+	bool animate;               /* true: a tenth of the models moves */
 	bool validate;              /* with Vulkan's validation layer */
 	stilb_render_faults faults; /* errors to simulate, for tests */
-	uint64_t slow_frame;        /* this frame, counted from 1, takes 100 ms longer, for tests; 0: none */
+	uint64_t slow_frame;        /* number, from 1, of a frame that is made 100 ms longer, for tests; 0: none */
 	bool overlay;               /* the profiler's window is open from the start */
 	bool inspector;             /* the materials' window is open from the start */
-	stilb_ui_aa ui_aa;          /* how the edges of both are smoothed */
+	stilb_ui_aa ui_aa;          /* how edges in these two windows are smoothed */
 
 	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of
 	 * records, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used. */
@@ -128,8 +128,8 @@ typedef struct stilb_engine_report {
 	stilb_cull_method cull; /* the method that found them; never AUTO */
 	stilb_render_stats render;
 	stilb_input_state input; /* {0} without a window and gamepads */
-	int64_t time_us; /* the camera's time, microseconds: since the start if headless, of the recording in a replay, else
-	                    CLOCK_MONOTONIC */
+	int64_t time_us; /* the camera's time, microseconds: since the start if headless, since a recording's begin in its
+	                    replay, else CLOCK_MONOTONIC */
 	bool replayed;   /* the gamepads' recording has ended */
 	bool close;      /* the user closed the window */
 	bool lost;       /* the window's display has gone; frames are still drawn, to memory, and nobody can close them */
@@ -196,13 +196,14 @@ typedef struct stilb_engine_library {
 #define STILB_ENGINE_LIBRARIES 2
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
 
-/* How the next frame is shaded. The user changes it in the inspector, the program here. */
+/* How the next frame is shaded. The user changes it in the materials' window, the program by the second function. */
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
 
 /* To be called after another BRDF or normal distribution was chosen; *before is the shading before the choice. Wrapped
  * light and anisotropic GGX look different from the others only if materials have wrap or anisotropy: choosing one of
- * them adds wrap 0.5 or anisotropy 0.6 if nothing is added yet, and choosing another removes exactly that again.
+ * them sets the value added to all materials to wrap 0.5 or anisotropy 0.6 if it is 0, and choosing another model sets
+ * it back to 0 if it still has that value.
  * [any-thread] */
 void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading);
 
@@ -219,9 +220,9 @@ uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_p
 
 /* Reports of all gamepads since the engine was created. */
 typedef struct stilb_engine_gamepad_counts {
-	uint64_t reports; /* taken by frames */
-	uint64_t corrupt; /* the ones of them that were refused */
-	uint64_t lost;    /* overwritten: more came between two frames than the buffer holds */
+	uint64_t reports; /* reports that frames have taken */
+	uint64_t corrupt; /* those of them that were refused: damaged, or too short */
+	uint64_t lost;    /* reports that no frame could take: more came between two frames than the buffer holds */
 } stilb_engine_gamepad_counts;
 
 /* {0} without gamepads. */

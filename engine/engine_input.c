@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-#define INPUT_FRAMES 60u /* frames a second, headless */
+#define INPUT_FRAMES 60u /* frames in a second of the camera's time, without a window */
 #define INPUT_RUMBLE_HEAVY 0.4f
 #define INPUT_RUMBLE_LIGHT 0.8f
 #define INPUT_RUMBLE_MS 150u
@@ -102,7 +102,7 @@ void engine_input_finish(engine_input *input)
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* The number of refused reports of the pad of this number; 0: of all pads together. */
+/* How many reports of the pad of this number were refused; for pad = 0, of all pads together. */
 static uint64_t engine_input_corrupt(const engine_input *input, uint32_t pad)
 {
 	stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
@@ -172,7 +172,8 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 		return time_us;
 	input->newest_us = 0;
 	stilb_input_pose before = stilb_engine_pose(engine);
-	if (memcmp(&before, &input->pose, sizeof before) != 0) /* the program has moved the camera itself */
+	/* The camera is not where the last frame's input left it: the program has moved it itself. */
+	if (memcmp(&before, &input->pose, sizeof before) != 0)
 		stilb_input_control_place(input->control, input->time_us, &before);
 	if (input->recording)
 		engine_input_take_replay(engine, time_us);

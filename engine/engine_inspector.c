@@ -14,7 +14,7 @@
 #define INSPECTOR_LOBE_POINTS 181 /* directions that are plotted */
 #define INSPECTOR_ARROW 7.0f      /* length of the arrowhead of the light, pixels */
 #define INSPECTOR_BORDER 2.0f     /* pixels: the panel's border is no thicker */
-#define INSPECTOR_WRAP 0.5f       /* see stilb_engine_shading_chosen */
+#define INSPECTOR_WRAP 0.5f       /* wrap and anisotropy that a choice of model adds: stilb_engine_shading_chosen */
 #define INSPECTOR_ANISOTROPY 0.6f
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
@@ -43,8 +43,9 @@ static bool inspector_is_anisotropic(const stilb_render_shading *shading)
 	return shading->brdf == SHADE_BRDF_MICROFACET && shading->ndf == SHADE_NDF_GGX_ANISOTROPIC;
 }
 
-/* The value added to materials when a model that reads it is chosen (now) or another than before is (before): `shown`
- * comes if nothing was added, and goes if the user has not changed it. */
+/* The value that is added to all materials after another model was chosen. before, now: the model before and the model
+ * chosen now read the value. It becomes `shown` if only the new one does and nothing was added, and 0 again if only the
+ * old one did and the user has not changed it from `shown`. */
 static float inspector_added(float added, bool before, bool now, float shown)
 {
 	if (before == now || added != (now ? 0.0f : shown))
@@ -68,9 +69,9 @@ void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_rende
 typedef struct inspector_list {
 	const char *heading;
 	const char *const *words; /* [count] */
-	uint32_t *chosen;         /* index of the chosen one */
+	uint32_t *chosen;         /* index of the chosen word */
 	uint32_t count;
-	uint32_t rows; /* visible ones: all, unless the column is too high for the window */
+	uint32_t rows; /* number of visible rows: all, unless the column of lists is too high for the window */
 } inspector_list;
 
 /* Pixels that a column of this many lists needs if `rows` rows of all of them together are visible. */
@@ -96,7 +97,7 @@ static void inspector_fit(const stilb_ui_style *style, stilb_ui_rect area, inspe
 	}
 }
 
-/* If the chosen row is another one than in the last frame, scrolls as little as brings it into view. */
+/* If another row is chosen than in the last frame, scrolls the list by as little as brings the row into view. */
 static void inspector_follow(const stilb_ui_style *style, const inspector_list *list, stilb_ui_list_state *state)
 {
 	STILB_ASSERT(*list->chosen < list->count);
@@ -167,7 +168,7 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 
 /* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
-/* Sliders that the chosen models do not read are muted. */
+/* Draws the sliders for the values added to all materials; one whose value the chosen models do not read is muted. */
 static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
 {
 	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
@@ -202,7 +203,7 @@ static float inspector_sliders_height(const stilb_ui_style *style)
 
 /* ---- the lobe ---------------------------------------------------------------------------------------------------- */
 
-/* A grey material plus the values that are added to all materials. */
+/* The material that the plot shows: a grey one plus the values that are added to all materials. */
 static shade_material inspector_sample(const stilb_render_shading *shading)
 {
 	float specular = 0.2f + shading->specular;
@@ -217,8 +218,9 @@ static shade_material inspector_sample(const stilb_render_shading *shading)
 	};
 }
 
-/* f n.l, 1 / sr, of the sample for light from the left, 45 degrees above the horizon, in INSPECTOR_LOBE_POINTS viewing
- * directions from the left horizon to the right one. Returns the largest. */
+/* The sample's BRDF times the cosine of the light's angle to the normal, 1 / sr, for light from the left, 45 degrees
+ * above the horizon, in INSPECTOR_LOBE_POINTS viewing directions from the left horizon to the right one. Returns the
+ * largest. */
 static float inspector_lobe(const stilb_render_shading *shading, float values[INSPECTOR_LOBE_POINTS])
 {
 	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};

@@ -18,17 +18,18 @@
 typedef struct engine_inspector {
 	stilb_ui_rect place;          /* empty: not drawn yet */
 	bool beside;                  /* the sliders are beside the lists instead of below */
-	stilb_ui_list_state lists[5]; /* model, light, D, G, F */
+	stilb_ui_list_state lists[5]; /* model (BRDF), light; of microfacets: normals D, shadowing G, Fresnel term F */
 } engine_inspector;
 
-/* A panel, shown for a while, that names the gamepads without permission and the udev rule that gives it. {0}: none. */
+/* A panel, shown for a while, that names the gamepads that may not be opened and the udev rule that would permit it.
+ * {0}: it is not shown. */
 #define ENGINE_NOTICE_PADS 3u
 #define ENGINE_NOTICE_FILE "/etc/udev/rules.d/70-stilb-pads.rules"
 typedef struct engine_notice {
 	struct {
-		uint32_t pad; /* its number, stilb_input_event.pad */
-		char who[256], rule[512];
-	} pads[ENGINE_NOTICE_PADS]; /* [pad_count] in the order in which they came */
+		uint32_t pad;             /* its number, stilb_input_event.pad */
+		char who[256], rule[512]; /* its name with ids and path; the udev rule for it */
+	} pads[ENGINE_NOTICE_PADS];   /* [pad_count] in the order in which they came */
 	uint32_t pad_count;
 	float seconds; /* that the panel is still shown */
 } engine_notice;
@@ -43,20 +44,20 @@ typedef struct engine_overlay {
 	bool profiler_open, inspector_open;
 } engine_overlay;
 
-/* The control of the camera; {0}: nobody moves it, as in a headless run without gamepads. */
+/* The input that moves the camera; {0}: there is none, as in a headless run without gamepads. */
 typedef struct engine_input {
 	stilb_input_control *control;
 	stilb_input_pads *pads;           /* NULL: the kernel's gamepads are not read */
 	stilb_input_recording *recording; /* NULL: none is replayed */
 	stilb_input_window window;        /* the window library's gamepads */
-	stilb_input_pose pose;            /* that the camera was given last, */
-	int64_t time_us;                  /* and the time of that, microseconds */
+	stilb_input_pose pose;            /* the pose that this module has set the camera to last */
+	int64_t time_us;                  /* the time of the frame that set it, microseconds */
 	bool focused;                     /* the window has the keyboard */
 	bool pad_captures;                /* a gamepad's button asked for the last frame's capture */
 	bool replayed;                    /* the recording has ended */
 	int64_t start_us;                 /* clock at which a replay in a window began; 0: not yet */
 	int64_t newest_us;                /* time of this frame's newest report; 0: none came since the last frame */
-	uint64_t reports, corrupt;        /* see stilb_engine_gamepad_counts; corrupt: of pads that are gone */
+	uint64_t reports, corrupt;        /* see stilb_engine_gamepad_counts; corrupt: only of pads that were removed */
 } engine_input;
 
 struct stilb_engine {
@@ -73,7 +74,7 @@ struct stilb_engine {
 	stilb_render_view views[ENGINE_MAX_VIEWS];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	uint32_t view_count;
-	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count], and behind them the overlay's */
+	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
 	uint32_t pass_count;
 	uint32_t frame_passes; /* in this frame: pass_count, or one more for the overlay */
 	engine_overlay overlay;
@@ -92,8 +93,9 @@ struct stilb_engine {
  * "main". STILB_ERROR_ARGUMENT: desc->profile_ring_mib. STILB_ERROR_FILE: desc->capture.path. */
 stilb_result engine_profile_start(const stilb_engine_desc *desc);
 
-/* The first writes the captures that were requested, while all threads' rings still exist; the second, after the
- * workers have ended, shuts the profiler down. Both may be called after a failed start. */
+/* engine_profile_stop_capture writes the captures that were requested, while all threads' rings (their recorded events)
+ * still exist; engine_profile_stop, after the workers have ended, shuts the profiler down. Both may be called after a
+ * failed start. */
 void engine_profile_stop_capture(void);
 void engine_profile_stop(void);
 
@@ -107,7 +109,7 @@ static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0;
 }
 
-/* Accepts {0}; the renderer still exists. */
+/* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
 void engine_overlay_finish(engine_overlay *overlay);
 
 /* Gives the window's input to the overlay. If the overlay has the keys, they are removed from *input. */
@@ -123,7 +125,8 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input);
 /* A window's state as input of the user interface, all members but the picture's size and the time. */
 stilb_ui_input engine_ui_input(const stilb_window_state *window);
 
-/* Builds the overlay, which is open, and records it as `pass`, of kind 2D. Fails as stilb_ui_record does. */
+/* Builds the overlay, of which a window is open, and records it as pass number `pass`, of kind 2D. Fails as
+ * stilb_ui_record does. */
 stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
 
 /* engine_input.c */
@@ -132,7 +135,7 @@ stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t
  * STILB_ERROR_DEVICE, STILB_ERROR_THREAD. */
 stilb_result engine_input_start(stilb_engine *engine);
 
-/* Accepts {0}. */
+/* Closes the gamepads or the recording and frees the control. Accepts {0}. */
 void engine_input_finish(engine_input *input);
 
 /* Combines the window's input in *state with all gamepad events since the last frame, and moves the scene's camera.

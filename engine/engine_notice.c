@@ -1,6 +1,6 @@
 /*
- * The notice of gamepads without permission: their names and the udev rules that give it. It disappears after a while,
- * when it is closed, and when the gamepads have been removed.
+ * The notice of gamepads that may not be opened: their names and the udev rules that would permit it. It disappears
+ * after a while, when the user closes it, and when the gamepads have been removed.
  */
 #include "engine_internal.h"
 
@@ -26,7 +26,7 @@ void engine_notice_remove(engine_notice *notice, uint32_t pad)
 void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pad_info *info)
 {
 	STILB_ASSERT(info);
-	engine_notice_remove(notice, pad); /* it may have been named already */
+	engine_notice_remove(notice, pad); /* the notice may name this pad already */
 	if (notice->pad_count == ENGINE_NOTICE_PADS)
 		engine_notice_remove(notice, notice->pads[0].pad);
 	uint32_t place = notice->pad_count++;

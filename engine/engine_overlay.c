@@ -72,7 +72,7 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window)
 void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window, stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
-	/* The user acted on what the last frame showed, so the focus is that frame's. */
+	/* The user acted on what the last frame showed, so the focus of that frame decides who gets the keys. */
 	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
 		*input = stilb_input_without_keys(*input);
 	overlay->input = engine_ui_input(window);

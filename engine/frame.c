@@ -1,6 +1,7 @@
 /*
- * One frame: seven stages, called from top to bottom. Each has one owner and one output and reads only what a stage
- * above it wrote. GPU times and the window's size come back later and enter with the next frame's input.
+ * One frame: seven stages, called in the order of the table. Each has one owner and one output and reads only what a
+ * stage above it wrote. GPU times and a new size of the window are known only later and enter with the next frame's
+ * input.
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
@@ -18,7 +19,7 @@
 #include <time.h>
 
 #define FRAME_STEP (1.0f / 60.0f)
-#define FRAME_MAX_STEP 0.1f /* seconds: longer after a stall, and everything that moves would jump */
+#define FRAME_MAX_STEP 0.1f /* seconds: after a stall a longer step would make everything that moves jump */
 #define FRAME_OWNER 0u      /* the main thread's worker index */
 
 /* Ends a stage that began at *since: *ms is its time, and the next stage begins now. */
@@ -90,7 +91,7 @@ static void update_scene(stilb_engine *engine)
 	PROFILE("scene update");
 	if (engine->frame + 1 == engine->desc.slow_frame)
 		frame_stall();
-	frame_input(engine, &engine->report); /* as late as possible, for the picture shows the camera of this moment */
+	frame_input(engine, &engine->report); /* as late as possible: the picture shows the camera of this moment */
 	stilb_scene *scene = engine->scene;
 	scene->moved_count = 0;
 	if (engine->desc.animate)

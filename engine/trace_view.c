@@ -1,4 +1,4 @@
-/* A device and a window of their own for the profiler's window over a trace. */
+/* Shows the profiler's user interface over a trace file, on a device and in a window opened for it alone. */
 #include "trace_view.h"
 
 #include "engine_internal.h"
@@ -24,7 +24,8 @@ struct stilb_engine_trace_view {
 
 /* ---- the source of the profiler's window ------------------------------------------------------------------------- */
 
-/* Gives the whole trace, whichever frames are asked for: it is in memory already. */
+/* The source of snapshots for the profiler's window (stilb_ui_profiler_desc.take). Gives the whole trace, whichever
+ * frames are asked for: it is in memory already. */
 static int view_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
 	(void)window;

@@ -27,7 +27,7 @@ typedef struct stilb_engine_trace_view_desc {
 	const stilb_prof_snapshot *trace; /* the caller keeps it until destroy */
 	uint32_t frame;                   /* index of the frame shown at first; the history has the 100 frames around it */
 	uint32_t width, height;           /* of the picture, pixels, 1..16384 */
-	bool window;                      /* else the picture goes to memory */
+	bool window;                      /* true: in a window; false: the picture is drawn to memory */
 	stilb_ui_aa aa;                   /* how edges are smoothed */
 	const char *gpu;                  /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 } stilb_engine_trace_view_desc;

@@ -13,8 +13,8 @@
 #define VIEWER_WORKER 0u    /* there is only the main thread */
 #define VIEWER_STRIP 26u    /* height of the line of text, pixels */
 #define VIEWER_GREY 0.02f   /* of the surroundings of the picture, linear light */
-#define VIEWER_LEAST 384u   /* pixels: smaller pictures are enlarged to it at first */
-#define VIEWER_WIDEST 1280u /* the window's size at first at most, pixels, without the line of text */
+#define VIEWER_LEAST 384u   /* pixels a side: the window of a smaller picture is enlarged to it at first */
+#define VIEWER_WIDEST 1280u /* largest width and height of the window at first, pixels, without the line of text */
 #define VIEWER_HIGHEST 800u
 #define VIEWER_MAX_SCALE 64.0f /* pixels of the window for one of the picture */
 
@@ -25,14 +25,14 @@ struct stilb_engine_viewer {
 	stilb_window *window; /* NULL: none */
 	stilb_render *render;
 	stilb_ui *ui;
-	stilb_image picture;          /* U8_SRGB */
+	stilb_image picture;          /* the picture as the program gave it, U8_SRGB */
 	stilb_image shown;            /* the part in the window at the window's size, F32_LINEAR */
 	stilb_render_texture texture; /* of `shown` */
 	bool stale;                   /* `shown` is to be resampled before the next frame */
 	float scale;                  /* pixels of the window for one of the picture; 0: fit the picture to the window */
-	float center[2];              /* if scale > 0: the point of the picture in the middle of the window, its pixels */
-	bool dragging;                /* the button was down in the last frame, */
-	float drag[2];                /* with the pointer here, pixels of the window */
+	float center[2];              /* if scale > 0: the point in the middle of the window, pixels of the picture */
+	bool dragging;                /* the left button was down in the last frame */
+	float drag[2];                /* if dragging: the pointer's place in the last frame, pixels of the window */
 	float light[256];             /* linear light of each sRGB code */
 };
 
@@ -46,8 +46,8 @@ static float viewer_fit(const stilb_image *picture, uint32_t width, uint32_t hei
 	return scale >= 1.0f ? fminf(floorf(scale), VIEWER_MAX_SCALE) : scale;
 }
 
-/* Along one axis: the picture's pixels span[0] .. span[1] - 1, of `size`, that pixel i of the window's `count` shows;
- * none outside the picture. */
+/* Along one axis: sets span so that pixel i of the window's `count` pixels shows the pixels span[0] .. span[1] - 1 of
+ * the picture's `size`; none if it lies outside the picture. */
 static void viewer_span(uint32_t i, uint32_t count, float scale, float center, uint32_t size, uint32_t span[2])
 {
 	STILB_ASSERT(scale > 0.0f && size > 0);
@@ -64,7 +64,8 @@ static void viewer_span(uint32_t i, uint32_t count, float scale, float center, u
 	}
 }
 
-/* The mean of a rectangle of the picture, linear light; VIEWER_GREY if it is empty. */
+/* The mean colour of the picture's pixels in x[0] .. x[1] - 1 and y[0] .. y[1] - 1, linear light; VIEWER_GREY if there
+ * are none. */
 static void viewer_average(const stilb_engine_viewer *viewer, const uint32_t x[2], const uint32_t y[2], float out[3])
 {
 	STILB_ASSERT(x[1] <= viewer->picture.width && y[1] <= viewer->picture.height);
@@ -207,7 +208,8 @@ void stilb_engine_viewer_picture(stilb_engine_viewer *viewer, const uint8_t *srg
 
 /* ---- input ------------------------------------------------------------------------------------------------------- */
 
-/* Before the first zoom or drag: makes the scale and centre that fitted the picture those that the user changes. */
+/* Called before a zoom or drag. If the picture has been fitted to the window until now, sets scale and centre to those
+ * of the fit, so that the user's change starts from what is shown. */
 static void viewer_take_over(stilb_engine_viewer *viewer, uint32_t width, uint32_t height)
 {
 	if (viewer->scale > 0.0f)

@@ -29,8 +29,8 @@ typedef struct stilb_engine_viewer stilb_engine_viewer;
 
 typedef struct stilb_engine_viewer_desc {
 	const char *title;      /* of the window, UTF-8 */
-	uint32_t width, height; /* of the picture, pixels, >= 1; the window is as large, between 384 and 1280 x 800 */
-	bool window;            /* else what it would show is drawn to memory */
+	uint32_t width, height; /* of the picture, pixels, >= 1; the window is as large, but within 384 and 1280 x 800 */
+	bool window;            /* false: the content of the window is drawn to memory instead */
 	bool validate;          /* with Vulkan's validation layer */
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 } stilb_engine_viewer_desc;

@@ -81,11 +81,11 @@ typedef struct stilb_input_camera {
 	double wanted_motion[3], wanted_turning[2];
 	/* Rate at which the velocity follows, 1/s. */
 	double follow;
-	/* The time that the members below are for: that of the last wish, or some ticks after it. */
+	/* The time at which the members below hold: that of the last wish, or some ticks after it. */
 	int64_t time_us;
-	/* Metres, in the world; m/s to the right, up and forward. */
+	/* position: metres, in the world; motion: m/s to the right, up and forward. */
 	double position[3], motion[3];
-	/* Radians; radians/s to the left and upwards. */
+	/* yaw, pitch: radians; turning: radians/s to the left and upwards. */
 	double yaw, pitch, turning[2];
 } stilb_input_camera;
 
@@ -102,7 +102,8 @@ void stilb_input_camera_steer(stilb_input_camera *camera, int64_t time_us, const
  * [any-thread] */
 void stilb_input_camera_turn(stilb_input_camera *camera, int64_t time_us, float left, float up);
 
-/* Stands still at once and wants nothing: the pad was unplugged, or the window lost the keyboard. [any-thread] */
+/* Stands still at once and ends the wish; for when the pad was unplugged or the window lost the keyboard.
+ * [any-thread] */
 void stilb_input_camera_stop(stilb_input_camera *camera, int64_t time_us);
 
 /* Advances the state by whole ticks up to time_us, once a frame, so that stilb_input_camera_at has few ticks to

@@ -180,7 +180,7 @@ static uint64_t item_under_mouse(const stilb_ui *ui, uint32_t takes)
 	return 0;
 }
 
-/* The button went down, on the area ui->hot if that is not 0. */
+/* Handles that the left button went down, on the area ui->hot if that is not 0. */
 static void mouse_press(stilb_ui *ui)
 {
 	const stilb_ui_input *input = &ui->input;
@@ -189,14 +189,14 @@ static void mouse_press(stilb_ui *ui)
 	             fabsf(input->mouse_y - ui->press_y) <= DOUBLE_CLICK_REACH;
 	ui->pressed = ui->hot;
 	ui->double_clicked = again || input->mouse_presses > 1 ? ui->hot : 0;
-	ui->press_id = ui->double_clicked ? 0 : ui->hot; /* a third press is the first of another double click */
+	ui->press_id = ui->double_clicked ? 0 : ui->hot; /* 0: a third press begins a new double click */
 	ui->press_x = input->mouse_x;
 	ui->press_y = input->mouse_y;
 	ui->press_age = 0.0f;
 	ui->focus = 0; /* stilb_ui_area gives it to the pressed area if that takes the focus */
 }
 
-/* Works out what this frame's mouse does to the areas of the last frame. */
+/* Decides which area of the last frame the mouse is over, presses, holds or clicks in this frame. */
 static void mouse_update(stilb_ui *ui)
 {
 	const stilb_ui_input *input = &ui->input;
@@ -237,7 +237,7 @@ static void focus_step(stilb_ui *ui, bool back)
 	}
 }
 
-/* Works out what this frame's keys do; an area that is no longer drawn loses the focus. */
+/* Applies the keys of this frame: moves the focus or takes it away. An area that is no longer drawn loses the focus. */
 static void keys_update(stilb_ui *ui)
 {
 	bool drawn = false;

@@ -186,8 +186,8 @@ typedef struct draw_slice {
 	float share;    /* covered, 0..1 */
 } draw_slice;
 
-/* Cuts [from, to] at pixel boundaries into the pixels at its ends, which it covers in part, and those between, which it
- * covers wholly. Returns the number of slices, 1..3. */
+/* Cuts the interval [from, to] at pixel boundaries into the pixels at its ends, which it covers in part, and those
+ * between, which it covers wholly. Returns the number of slices, 1..3. */
 static uint32_t slice_pixels(float from, float to, draw_slice slices[3])
 {
 	STILB_ASSERT(from < to);
@@ -208,8 +208,9 @@ static uint32_t slice_pixels(float from, float to, draw_slice slices[3])
 	return count;
 }
 
-/* A rectangle covers a pixel square by the product of its shares across and down. Cut along pixel boundaries into at
- * most nine parts of equal shares, it is therefore drawn exactly. */
+/* The share of a pixel that a rectangle covers is the product of the shares that it covers across and down. So it is
+ * cut along pixel boundaries into at most nine parts, in each of which all pixels have the same share, and is drawn
+ * exactly. */
 static void draw_rect_exact(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_color color)
 {
 	draw_slice across[3], down[3];
@@ -232,7 +233,7 @@ void stilb_ui_draw_rect(stilb_ui_draw_list *list, stilb_ui_rect rect, stilb_ui_c
 		stilb_ui_draw_convex(list, corners, 4, color);
 		return;
 	}
-	rect = stilb_ui_intersection(rect, stilb_ui_clip(list)); /* cuts at pixel boundaries: the rest looks the same */
+	rect = stilb_ui_intersection(rect, stilb_ui_clip(list)); /* clips end at whole pixels: what is left is unchanged */
 	if (stilb_ui_is_empty(rect))
 		return;
 	ui_mesh mesh;

@@ -2,8 +2,9 @@
  *
  * A convex shape is a path: its corners, and for each corner the mitre, the vector by which the corner moves when all
  * edges move outwards by one pixel. Between edges with unit normals n0 and n1 the mitre is (n0 + n1) / (1 + n0.n1): its
- * component along either normal is 1. On an arc it is the direction of the radius. Feathered, the path moved inwards by
- * half a pixel is filled, and a ring fades from there to the path moved outwards by half a pixel. Across an edge, alpha
+ * component along either normal is 1. On an arc it is the direction of the radius. With feathering (ui_draw.h) the path
+ * moved inwards by half a pixel is filled, and a ring fades from there to the path moved outwards by half a pixel.
+ * Across an edge, alpha
  * is then the share of a pixel square that the shape covers: exactly for edges along pixel boundaries, approximated by
  * a linear ramp for others. */
 #include "ui/ui_internal.h"
@@ -11,9 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-#define MITRE_LIMIT 4.0f    /* longest mitre; sharper corners are cut off */
+#define MITRE_LIMIT 4.0f    /* longest mitre, as its length above; sharper corners are cut off */
 #define ARC_STEPS_MAX 32    /* chords of a quarter circle */
-#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords, up to ARC_STEPS_MAX */
+#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords at most, while ARC_STEPS_MAX suffice */
 #define PATH_MAX (4 * (ARC_STEPS_MAX + 1))
 
 typedef struct draw_path {
@@ -46,7 +47,7 @@ static float triangle_area(stilb_ui_point a, stilb_ui_point b, stilb_ui_point c)
 	return 0.5f * point_cross((stilb_ui_point){b.x - a.x, b.y - a.y}, (stilb_ui_point){c.x - a.x, c.y - a.y});
 }
 
-/* The unit vector from a to b and their distance; (0, 0) if they are equal. */
+/* The unit vector from a to b, (0, 0) if they are equal; *length is their distance. */
 static stilb_ui_point point_direction(stilb_ui_point a, stilb_ui_point b, float *length)
 {
 	stilb_ui_point d = {b.x - a.x, b.y - a.y};
@@ -82,11 +83,12 @@ static stilb_ui_point corner_half_sum(stilb_ui_point n0, stilb_ui_point n1, floa
 
 /* ---- paths ------------------------------------------------------------------------------------------------------- */
 
-/* Positive when the path runs clockwise on the screen. */
+/* The area that the path encloses, positive when it runs clockwise on the screen. */
 static float path_area(const draw_path *path)
 {
 	float area = 0.0f;
-	for (uint32_t i = 2; i < path->count; i++) /* a fan around the first corner: shapes far from 0 lose no digits */
+	/* Triangles from the first corner, not from the origin: shapes far from it would lose digits. */
+	for (uint32_t i = 2; i < path->count; i++)
 		area += triangle_area(path->corners[0], path->corners[i - 1], path->corners[i]);
 	return area;
 }
@@ -100,7 +102,7 @@ static stilb_ui_point path_normal(const draw_path *path, uint32_t i, bool last)
 	return point_normal(point_direction(path->corners[from], path->corners[(from + 1) % path->count], &length));
 }
 
-/* Fills mitres and shares from the corners, by one of the two functions above. */
+/* Fills mitres and shares from the corners, by corner_mitre or corner_half_sum. */
 static void path_find_mitres(draw_path *path,
                              stilb_ui_point (*corner)(stilb_ui_point n0, stilb_ui_point n1, float *share))
 {
@@ -165,7 +167,7 @@ static uint32_t *fan_indices(uint32_t *indices, uint32_t first, uint32_t count)
 	return indices;
 }
 
-/* Without antialiasing. */
+/* Fills the path without antialiasing. */
 static void draw_hard(stilb_ui_draw_list *list, const draw_path *path, stilb_ui_color color)
 {
 	ui_mesh mesh;
@@ -217,8 +219,8 @@ static float mesh_volume(const ui_mesh *mesh, uint32_t index_count)
 	return volume;
 }
 
-/* A path that is too small to move inwards by half a pixel moves by `inset`, and its alpha is reduced until the
- * integral over all pixels is its area. */
+/* Fills a path that is too small to be moved inwards by half a pixel: it is moved by `inset`, and its alpha is reduced
+ * until the sum over all pixels is the path's area. */
 static void draw_small(stilb_ui_draw_list *list, const draw_path *path, float inset, stilb_ui_color color)
 {
 	uint32_t n = path->count, index_count = 6 * n + 3 * (n - 2);
@@ -283,7 +285,7 @@ static stilb_ui_rect rect_near_clip(const stilb_ui_draw_list *list, stilb_ui_rec
 	return stilb_ui_intersection(rect, stilb_ui_inset(stilb_ui_clip(list), -reach));
 }
 
-/* The radius, reduced to half the shorter side. */
+/* The radius, or half of the rectangle's shorter side if that is less. */
 static float rounded_radius(stilb_ui_rect rect, float radius)
 {
 	return ui_min(radius, 0.5f * ui_min(rect.x1 - rect.x0, rect.y1 - rect.y0));
@@ -292,7 +294,7 @@ static float rounded_radius(stilb_ui_rect rect, float radius)
 void stilb_ui_draw_rounded(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, stilb_ui_color color)
 {
 	radius = rounded_radius(rect, radius);
-	if (!(radius > 0.5f)) { /* invisible: feathering alone rounds a corner as much */
+	if (!(radius > 0.5f)) { /* such a radius is invisible: feathering alone rounds a corner as much */
 		stilb_ui_draw_rect(list, rect, color);
 		return;
 	}
@@ -316,7 +318,7 @@ void stilb_ui_draw_circle(stilb_ui_draw_list *list, stilb_ui_point center, float
 
 void stilb_ui_draw_shadow(stilb_ui_draw_list *list, stilb_ui_rect rect, float radius, float reach, stilb_ui_color color)
 {
-	enum { RINGS = 4 }; /* of growing width, on top of each other: their sum falls off nearly as a parabola */
+	enum { RINGS = 4 }; /* fading rings of growing width, one over the other: their sum falls nearly as a parabola */
 	radius = ui_max(rounded_radius(rect, radius), 0.5f);
 	if (stilb_ui_is_empty(rect) ||
 	    !ui_list_sees(list, rect.x0 - reach, rect.y0 - reach, rect.x1 + reach, rect.y1 + reach))
@@ -337,8 +339,8 @@ typedef struct line_profile {
 	stilb_ui_color color;
 } line_profile;
 
-/* A line of width w convolved with a pixel is a trapezoid of height min(w, 1), |w - 1| wide at the top and w + 1 at the
- * bottom. */
+/* The share of a pixel that a line of width w covers, over the pixel's distance from the line's middle, is a trapezoid
+ * of height min(w, 1), |w - 1| pixels wide at the top and w + 1 at the bottom. */
 static line_profile profile_of(const stilb_ui_draw_list *list, float width, stilb_ui_color color)
 {
 	if (list->aa == STILB_UI_AA_OFF)
@@ -349,7 +351,8 @@ static line_profile profile_of(const stilb_ui_draw_list *list, float width, stil
 	return (line_profile){full, 0.5f * (width + 1.0f) - full, stilb_ui_fade(color, width)};
 }
 
-/* The four vertices of the cross-section at a place. mitre: the vector to one side, as of paths. */
+/* The four vertices of the line's cross-section at a place. mitre: as of a path (see the top of this file), to one side
+ * of the line. */
 static void line_vertices(stilb_render_vertex_2d vertices[4], stilb_ui_point place, stilb_ui_point mitre,
                           const line_profile *profile, float opacity)
 {

@@ -1,4 +1,4 @@
-/* The profiler's window: takes snapshots, works out what is said about the frame that is shown, and draws its parts. */
+/* The profiler's window: takes snapshots, has the data about the frame that is shown computed, and draws the parts. */
 #include "ui/ui_profiler_internal.h"
 
 #include "profiler/prof.h"
@@ -9,7 +9,7 @@
 
 #define PROFILER_WIDTH 480.0f /* pixels: a smaller picture gets one line of text instead of the window */
 #define PROFILER_HEIGHT 270.0f
-#define PROFILER_SEED 8227u /* of the hash that picks a colour: with it the engine's own stages get different ones */
+#define PROFILER_SEED 8227u /* of the hash of names that picks colours: chosen so that the engine's stages differ */
 
 static int profiler_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window)
 {
@@ -67,7 +67,8 @@ void stilb_ui_profiler_destroy(stilb_ui_profiler *profiler)
 static const uint32_t PROFILER_PALETTE[] = {0x74a9f7, 0x7fd39b, 0xc99cf0, 0x62d0d6, 0xa9c765, 0xd9a0d8, 0x8f9ff5,
                                             0xc9c07a, 0x57b8a3, 0xb8b4e8, 0x9cc3d9, 0x8cc08c, 0xc4a98f, 0xa58be0};
 
-/* Depends on the name alone, so that a zone has the same colour in every run and pictures can be compared. */
+/* The colour of zones of that name. It depends on the name alone, so that a zone has the same colour in every run and
+ * pictures can be compared. */
 static uint32_t profiler_color(const char *name)
 {
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START ^ PROFILER_SEED, name, strlen(name));
@@ -141,10 +142,10 @@ static uint64_t profiler_choose(const stilb_ui_profiler *profiler)
 	return profiler->history.last;
 }
 
-/* Fills `held` with the frame of that number unless it is held already. A frame younger than UI_PROFILER_LATE frames is
- * taken again on every draw, because the GPU's zones of it arrive late. Once they have arrived, a frozen history is
- * taken as a whole, so that the user can step through it while the rings are overwritten. False: `held` did not
- * change. */
+/* Fills profiler->held with the frame of that number unless it is held already. A frame younger than UI_PROFILER_LATE
+ * frames is taken again on every draw, because the GPU's zones of it arrive late. Once they have arrived, a frozen
+ * history is taken as a whole, so that the user can step through it while the rings (the threads' memory of recorded
+ * events) are overwritten. False: `held` did not change. */
 static bool profiler_hold(stilb_ui_profiler *profiler, uint64_t number)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
@@ -181,14 +182,14 @@ static void profiler_leave_out_idle(stilb_ui_profiler *profiler)
 	stats->row_count = count;
 }
 
-/* Works out everything that is said and drawn about the snapshot's frame of that number. False: the snapshot does not
+/* Computes everything that is said and drawn about the snapshot's frame of that number. False: the snapshot does not
  * hold it, or there is no memory (profiler->out_of_memory). */
 static bool profiler_look(stilb_ui_profiler *profiler, const stilb_prof_snapshot *snapshot, uint64_t number)
 {
 	uint32_t frame = ui_profiler_frame_find(snapshot, number);
 	if (frame == STILB_PROF_NONE)
 		return false;
-	/* The frame's time, as in the lanes; the GPU's zones in it are charged to earlier frames. */
+	/* The table sums the zones within the frame's time, as the lanes show it; GPU zones in it are of earlier frames. */
 	stilb_prof_stats_range range = {.begin_ns = snapshot->frames[frame].begin_ns,
 	                                .end_ns = snapshot->frames[frame].end_ns};
 	bool other = !profiler->snapshot || profiler->number != number;
@@ -274,7 +275,7 @@ void stilb_ui_profiler_draw(stilb_ui_profiler *profiler, stilb_ui *ui)
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
 
 	stilb_ui_id_push(ui, "profiler");
-	stilb_ui_area(ui, "panel", panel, STILB_UI_TAKES_WHEEL); /* the mouse does not reach what lies behind */
+	stilb_ui_area(ui, "panel", panel, STILB_UI_TAKES_WHEEL); /* takes the mouse from areas behind the window */
 	stilb_ui_draw_shadow(list, panel, style->radius, 12.0f, style->shadow);
 	stilb_ui_draw_rounded(list, panel, style->radius, style->panel);
 	stilb_ui_draw_rounded_outline(list, panel, style->radius, 1.0f, style->panel_border);

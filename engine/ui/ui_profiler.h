@@ -46,9 +46,8 @@ typedef struct stilb_ui_profiler_desc {
 	int (*take)(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_window *window);
 	void (*frames)(void *user, stilb_prof_frame_stats *stats, double budget_ms);
 	void *user;
-	double
-		budget_ms; /* milliseconds that a frame may take: a shorter frame is never called a spike; 0: no such limit */
-	bool whole;    /* what is shown is a finished recording: the window fills the picture, and nothing is frozen */
+	double budget_ms; /* milliseconds that a frame may take: a shorter one is never called a spike; 0: no such limit */
+	bool whole;       /* what is shown is a finished recording: the window fills the picture, and nothing is frozen */
 } stilb_ui_profiler_desc;
 
 /* desc may be NULL for {0}; take and frames are both set or both NULL. On failure *profiler is NULL.

@@ -1,5 +1,5 @@
-/* What the user chose to see: which frame, frozen or not, and which stretch of time the lanes show. Nothing is drawn or
- * worked out here; the panel, the timeline and the window itself call these. */
+/* The user's choices: which frame is shown, if the history is frozen, and which stretch of time the timeline's lanes
+ * show. Nothing is drawn or computed here; the panel, the timeline and the window itself call these. */
 #include "ui/ui_profiler_internal.h"
 
 #define FIT_MARGIN 0.02 /* at each end, as a share of the time that is fitted */

@@ -1,5 +1,5 @@
-/* The curves of the counters, below the lanes. A counter keeps its value until the next one is recorded, so a curve is
- * made of steps. */
+/* The curves of the counters (values that the program records by name), below the timeline's lanes. A counter keeps its
+ * value until the next one is recorded, so a curve is made of steps. */
 #include "ui/ui_internal.h"
 #include "ui/ui_profiler_internal.h"
 
@@ -15,11 +15,11 @@ typedef struct counter_curve {
 	stilb_ui_draw_list *list;
 	const ui_profiler_view *view;
 	stilb_ui_rect area;
-	stilb_ui_color line, ground; /* ground: between the curve and 0 */
+	stilb_ui_color line, ground; /* line: of the curve; ground: of the area between it and the value 0 */
 	double low, high;            /* values at the area's bottom and top: low <= 0 <= high, low < high */
 } counter_curve;
 
-/* All values that were recorded within one column of pixels. */
+/* The values that were recorded within one column of pixels, whose left edge is x: their range and the last one. */
 typedef struct counter_column {
 	float x;
 	double least, most, last;
@@ -30,7 +30,7 @@ float ui_profiler_counters_height(const stilb_ui_profiler *profiler, float level
 	return (float)profiler->data.counter_count * (COUNTER_LINES * level + COUNTER_GAP);
 }
 
-/* The column of pixels of a time, clamped to the area. */
+/* The x of the column of pixels in which a time is drawn, clamped to the area. */
 static float counter_x(const counter_curve *curve, uint64_t ns)
 {
 	double x = ((double)ns - curve->view->begin_ns) * curve->view->pixels_per_ns;
@@ -56,7 +56,7 @@ static void counter_draw_value(const counter_curve *curve, float x0, float x1, d
 	stilb_ui_draw_rect(curve->list, (stilb_ui_rect){x0, y, x1, y + COUNTER_LINE}, curve->line);
 }
 
-/* A column, and its last value up to the next column at x1. Several values in a column become a vertical line. */
+/* Draws a column's last value up to the next column at x1; several values in the column become a vertical line. */
 static void counter_draw_column(const counter_curve *curve, const counter_column *column, float x1)
 {
 	counter_draw_value(curve, column->x, x1, column->last);
@@ -108,7 +108,7 @@ static const char *counter_text(char *text, size_t size, double value)
 	return text;
 }
 
-/* The name; below it the last value in the frame, and the range over the whole snapshot. */
+/* The counter's name; below it its last value in the frame shown, and the range of its values in the whole snapshot. */
 static void counter_draw_name(const stilb_ui_profiler *profiler, stilb_ui *ui, const ui_profiler_view *view, float top,
                               const ui_profiler_counter *counter)
 {

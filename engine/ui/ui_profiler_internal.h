@@ -46,11 +46,10 @@ struct stilb_ui_profiler {
 
 	stilb_prof_frame_stats history;
 	ui_profiler_mode mode;
-	uint64_t picked; /* frame number, for UI_PROFILER_PICKED */
-	bool frozen;     /* the history stands still */
-	bool
-		freeze_on_spike; /* the user's choice: a spike (frame far longer than usual) is shown and freezes the history */
-	uint32_t settle;     /* while frozen: draws until the GPU's zones of all frames have arrived */
+	uint64_t picked;      /* frame number, for UI_PROFILER_PICKED */
+	bool frozen;          /* the history stands still */
+	bool freeze_on_spike; /* a spike (a frame far longer than usual) is shown and freezes the history */
+	uint32_t settle;      /* while frozen: draws until the GPU's zones of all frames have arrived */
 
 	stilb_prof_snapshot live;            /* of mode LATEST, taken on every draw */
 	stilb_prof_snapshot held;            /* of the other modes, taken when another frame is shown */

@@ -10,8 +10,8 @@
 #define PANEL_ROWS 7         /* visible rows of the table */
 #define PANEL_ROWS_WHOLE 11  /* visible rows if the window fills the picture */
 #define PANEL_TABLE 0.40f    /* the table's share of the width */
-#define PANEL_SCALE_MAX 4.0f /* the top of the history in medians at most, so that one slow frame does not flatten it */
-#define PANEL_HEADROOM 1.15f /* the top of the history over its highest bar */
+#define PANEL_SCALE_MAX 4.0f /* the bars' scale ends at most at this many medians: one slow frame must not flatten it */
+#define PANEL_HEADROOM 1.15f /* the end of the bars' scale, as a multiple of the highest bar */
 #define PANEL_LEVELS 92.0f   /* pixels at the right of the history for "p50 12.34" and "p99 12.34" */
 
 static float panel_line(const stilb_ui *ui)
@@ -39,7 +39,7 @@ static bool panel_toggle(stilb_ui *ui, stilb_ui_rect *area, const char *label, b
 static void panel_draw_controls(stilb_ui_profiler *profiler, stilb_ui *ui, stilb_ui_rect *area)
 {
 	const char *spike = "freeze on spikes";
-	if (profiler->desc.whole) { /* nothing moves on, so there is nothing to freeze */
+	if (profiler->desc.whole) { /* no new frames come, so there is nothing to freeze */
 		if (panel_toggle(ui, area, "Slowest", profiler->mode == UI_PROFILER_SLOWEST))
 			profiler->mode = UI_PROFILER_SLOWEST;
 		return;
@@ -57,7 +57,7 @@ static void panel_draw_controls(stilb_ui_profiler *profiler, stilb_ui *ui, stilb
 		profiler->mode = UI_PROFILER_SLOWEST;
 }
 
-/* "the slowest of the last" and so on: what the frame shown is among the frames of the history. */
+/* Words for the place of the shown frame among those of the history, like "the slowest of the last". */
 static const char *panel_which(const stilb_ui_profiler *profiler)
 {
 	const stilb_prof_frame_stats *history = &profiler->history;
@@ -90,8 +90,8 @@ static void panel_draw_title(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 	stilb_ui_label(ui, area, STILB_UI_ALIGN_LEFT, text);
 }
 
-/* Breaks the text at a blank into two lines as wide as area at most and cuts them off its top; a text that fits takes
- * one line. */
+/* Draws the text in the area's topmost line if it fits there, else broken at a blank into two lines; cuts the lines
+ * off the area. */
 static void panel_draw_lines(stilb_ui *ui, stilb_ui_rect *area, stilb_ui_color color, const char *text)
 {
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
@@ -132,7 +132,7 @@ typedef struct panel_history {
 	float top_ms;       /* frame time at the area's top, > 0 */
 } panel_history;
 
-/* The y of a frame time; longer ones stop at the top. */
+/* The y of a frame time; times above the scale's end are at the top. */
 static float panel_y(const panel_history *h, float ms)
 {
 	STILB_ASSERT(h->top_ms > 0.0f);
@@ -316,8 +316,8 @@ static void panel_fit_longest(stilb_ui_profiler *profiler, uint32_t label)
 		ui_profiler_fit(profiler, longest->begin_ns, longest->end_ns);
 }
 
-/* If the columns are wider than the room, drops the least important numbers first, so that the names keep theirs. A
- * dropped column stays in the array, practically without width. */
+/* If the columns together are wider than `room` pixels, drops columns, the least important numbers first, so that the
+ * names keep their width. A dropped column stays in the array, practically without width. */
 static void panel_fit_columns(stilb_ui_column *columns, float room)
 {
 	static const uint32_t LEAST_WANTED[] = {UI_PROFILER_OFF_CPU, UI_PROFILER_SELF, UI_PROFILER_CALLS};

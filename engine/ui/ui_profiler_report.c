@@ -1,4 +1,5 @@
-/* The report of a frame: where each thread's time went, what limits the frame, and who waited longest for whom. */
+/* The report of a frame: where each thread's time went, what limits the frame, and which thread waited longest for
+ * which. A lane is one thread or the GPU with its zones. */
 #include "ui/ui_profiler_data.h"
 
 #include <math.h>
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define REPORT_GROUPS 32 /* groups of waits that are kept for each lane */
+#define REPORT_GROUPS 32 /* groups of waits (those of one reason, see ui_profiler_wait) that are kept for each lane */
 
 /* The input of the functions below, and the data that they fill. */
 typedef struct report_input {
@@ -30,7 +31,7 @@ static ui_profiler_kind report_kind(const report_input *in, const stilb_prof_lan
 	return (ui_profiler_kind)in->data->kinds[lane->zones[zone].label];
 }
 
-/* Time outside all zones counts as work: a thread does something there that nobody has marked. */
+/* The kind of time in a stretch. Time outside all zones counts as work: the thread does something unmarked there. */
 static ui_profiler_kind report_stretch_kind(const report_input *in, const stilb_prof_lane *lane,
                                             const ui_profiler_stretch *stretch)
 {
@@ -84,8 +85,8 @@ static void report_sum_lane(const report_input *in, const stilb_prof_lane *lane,
 	             in->end_ns - in->begin_ns);
 }
 
-/* How long the frame is covered by the lane's outermost zones other than idle ones; *longest is the zone that covers
- * most, or STILB_PROF_NONE. */
+/* Nanoseconds of the frame that are covered by the lane's outermost zones other than idle ones; *longest is the zone
+ * that covers most of it, or STILB_PROF_NONE. */
 static uint64_t report_cover(const report_input *in, const stilb_prof_lane *lane, uint32_t *longest)
 {
 	uint64_t cover = 0, most = 0;
@@ -124,8 +125,8 @@ static void report_find_lane(report_input *in)
 	}
 }
 
-/* Finds the part of the frame that takes longest, by label: among the wrapper's children if there is a wrapper, else
- * among the outermost zones. The time that they leave over counts as the wrapper's own. */
+/* Finds the label whose zones take most of the frame: among the wrapper's children if there is a wrapper, else among
+ * the outermost zones. The time that they leave over counts for the wrapper's label. */
 static void report_find_stage(const report_input *in)
 {
 	ui_profiler_report *report = &in->data->report;
@@ -219,12 +220,12 @@ static void report_count_events(const report_input *in)
 typedef struct report_waits {
 	const report_input *in;
 	uint32_t lane;
-	ui_profiler_wait groups[REPORT_GROUPS + 1]; /* one more than waits get, so that a lost CPU always has a group */
+	ui_profiler_wait groups[REPORT_GROUPS + 1]; /* the last one is only for times in which the CPU was lost */
 	uint32_t count;
 } report_waits;
 
-/* The label of the zone of work around a zone, or STILB_PROF_NONE. The wrapper does not count: that a wait was in
- * "frame" tells nothing. */
+/* The label of the innermost zone of work around a zone, or STILB_PROF_NONE. The wrapper is passed over: it spans the
+ * frame, so that a wait was in it tells nothing. */
 static uint32_t report_wait_place(const report_input *in, uint32_t lane, uint32_t zone)
 {
 	const stilb_prof_lane *l = &in->snapshot->lanes[lane];
@@ -235,7 +236,8 @@ static uint32_t report_wait_place(const report_input *in, uint32_t lane, uint32_
 	return l->zones[zone].label;
 }
 
-/* True if a wait belongs to the group. A lost CPU is one reason, whichever zone it interrupts. */
+/* True if a wait of this label, in the zone of work `place`, belongs to the group. Losing the CPU to another thread is
+ * one reason, whichever zone it interrupts. */
 static bool report_wait_is(const ui_profiler_wait *group, uint32_t label, uint32_t place, bool preempted)
 {
 	return group->label == label && group->preempted == preempted && (preempted || group->in_label == place);
@@ -283,8 +285,8 @@ static void report_wait_off(report_waits *waits, const stilb_prof_lane *lane, co
 	}
 }
 
-/* Fills waits with those of its lane in the frame. idle_too: having nothing to do is a wait as well, as for the frame's
- * own thread, which cannot go on until others are done. */
+/* Fills `waits` with the waits of its lane in the frame. idle_too: zones with nothing to do are waits as well; so it is
+ * for the thread that runs frames, which cannot go on until others are done. */
 static void report_collect_waits(report_waits *waits, bool idle_too)
 {
 	const report_input *in = waits->in;
@@ -325,8 +327,8 @@ static uint64_t report_last_work(const report_input *in, const stilb_prof_lane *
 	return last;
 }
 
-/* The thread that the group's waits were for: in each wait it is the one that worked last; of these, the one with the
- * most time of waiting. STILB_PROF_NONE: nobody worked meanwhile. */
+/* The lane of the thread that the group's waits were for. Each wait is taken to be for the thread that worked last in
+ * it; of these threads, the one with the longest waits together. STILB_PROF_NONE: no thread worked during the waits. */
 static uint32_t report_wait_for_thread(const report_input *in, const ui_profiler_wait *group)
 {
 	ui_profiler_walk walk = ui_profiler_walk_begin(&in->snapshot->lanes[group->lane], in->begin_ns, in->end_ns);
@@ -388,7 +390,7 @@ static void report_wait_explain(const report_input *in, ui_profiler_wait *group)
 	group->for_label = report_most_label(in);
 }
 
-/* *best becomes the longest group of waits if that is longer. */
+/* Sets *best to the group of waits with the longest total time, if that is longer than *best. */
 static void report_consider(report_waits *waits, ui_profiler_wait *best)
 {
 	for (uint32_t i = 0; i < waits->count; i++)
@@ -396,15 +398,15 @@ static void report_consider(report_waits *waits, ui_profiler_wait *best)
 			*best = waits->groups[i];
 }
 
-/* Shorter waits are not mentioned: 2 % of the frame, but at least 20 µs. Nanoseconds. */
+/* The shortest wait that is mentioned, nanoseconds: 2 % of the frame, but at least 20 µs. */
 static uint64_t report_threshold(const report_input *in)
 {
 	uint64_t share = (in->end_ns - in->begin_ns) / 50;
 	return share > 20000 ? share : 20000;
 }
 
-/* Finds the longest wait. Those of the frame's own thread come first, because only they surely make the frame longer;
- * other threads count only if that one hardly waited. */
+/* Finds the longest group of waits. Waits of the thread that runs frames are preferred, because only they surely make
+ * the frame longer; waits of other threads are considered only if that thread hardly waited. */
 static void report_find_wait(const report_input *in, uint32_t device)
 {
 	ui_profiler_wait *wait = &in->data->report.wait;
@@ -434,7 +436,8 @@ static void report_find_wait(const report_input *in, uint32_t device)
 
 /* ---- the verdict ------------------------------------------------------------------------------------------------- */
 
-/* Time that the frame's thread spent in waits for the GPU; if presenting, in zones of ui_profiler_presents. */
+/* Nanoseconds that the thread that runs frames waited for the GPU; if presenting, only those in zones for which
+ * ui_profiler_presents is true. */
 static uint64_t report_waited(const report_input *in, bool presenting)
 {
 	const stilb_prof_lane *lane = &in->snapshot->lanes[in->data->report.lane];
@@ -466,9 +469,10 @@ static bool report_display_limits(const report_input *in)
 	return off > report->stage_ns / 2;
 }
 
-/* The GPU limits the frame if it is busy for three quarters of it and the frame's thread waits for it, be it in
- * presenting. A wait alone does not suffice: a frame that the CPU made slow may begin with a wait for the frame before,
- * and then the GPU is idle later. Without a GPU lane, the waits are all there is to judge by. */
+/* Decides what limits the frame. It is the GPU if that is busy for three quarters of the frame and the thread that runs
+ * frames waits for it, also while presenting. A wait alone does not suffice: a frame that the CPU made slow may begin
+ * with a wait for the GPU's work of the frame before, and then the GPU is idle later. Without a lane of the GPU, the
+ * waits alone decide. */
 static void report_find_limit(const report_input *in, uint32_t device)
 {
 	ui_profiler_report *report = &in->data->report;
@@ -491,8 +495,8 @@ static void report_find_limit(const report_input *in, uint32_t device)
 	}
 }
 
-/* If the longest part is the time outside all zones: how much of it was on a CPU, as words for the verdict; else "".
- * For zones the table tells it. */
+/* If the longest part of the frame is the time outside all zones: how much of it was on a CPU, as words for the
+ * verdict. Else "", because for zones the table has that number. */
 static const char *report_outside_text(const report_input *in, char *text, size_t size)
 {
 	const ui_profiler_report *report = &in->data->report;
@@ -681,8 +685,8 @@ static bool report_memory(ui_profiler_data *data, const stilb_prof_snapshot *sna
 	       report_reserve(&data->points, &data->capacity[6], snapshot->point_count, sizeof *data->points);
 }
 
-/* The zones of a lane as prof_snapshot.h promises them: ascending, parents before children, subtrees within their
- * parents', labels in range; and switches that ascend. */
+/* For STILB_CHECK: the lane's zones are as prof_snapshot.h promises: ascending, parents before children, subtrees
+ * within their parents', labels in range; and its switches (times off the CPU) ascend. */
 static bool lane_is_sound(const stilb_prof_snapshot *snapshot, const stilb_prof_lane *lane)
 {
 	for (uint32_t i = 0; i < lane->zone_count; i++) {

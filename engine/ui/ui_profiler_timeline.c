@@ -13,14 +13,14 @@
 #define TIMELINE_GROUND 0x1d232cu /* background of the lanes, 0xRRGGBB */
 #define TIMELINE_NARROW 2.0f      /* pixels: narrower zones are merged with their neighbours */
 #define TIMELINE_TEXT 30.0f       /* pixels: a narrower zone gets no name */
-#define TIMELINE_FLOWS 24u        /* if more arrows are visible, only those of the zone under the mouse are drawn */
+#define TIMELINE_FLOWS 24u        /* if more arrows of jobs are visible, only those of the hovered zone are drawn */
 #define TIMELINE_LOST 220.0f      /* pixels: a wider time without the CPU gets the words "lost the CPU" */
 #define TIMELINE_FRAME 8.0f       /* pixels: frames narrower than that get no boundaries */
 #define TIMELINE_PART 200u        /* parts of a lane's time under a 200th of the frame are not named */
 #define TIMELINE_GAP 8.0f         /* pixels between the names and the lanes */
-#define TIMELINE_STRIP 4.0f       /* pixels: height of the strip of context switches below a lane's zones */
-#define TIMELINE_MIN_NS 100.0     /* shortest and longest time that the lanes can show */
-#define TIMELINE_MAX_NS 60.0e9
+#define TIMELINE_STRIP 4.0f       /* pixels: height of the bar below a lane's zones that shows when its thread ran */
+#define TIMELINE_MIN_NS 100.0     /* shortest time that the lanes can be zoomed to show, nanoseconds */
+#define TIMELINE_MAX_NS 60.0e9    /* longest one */
 
 /* The state of drawing the lanes once. */
 typedef struct timeline {
@@ -50,8 +50,8 @@ static uint32_t timeline_depth(const stilb_prof_lane *lane)
 	return depth < TIMELINE_MAX_DEPTH ? depth : TIMELINE_MAX_DEPTH;
 }
 
-/* Threads first, then devices. A lane that was deeper in the frame before keeps that depth, so that the picture does
- * not jump from frame to frame. */
+/* Threads first, then devices. A lane whose zones were nested more deeply in the frame shown before keeps that depth,
+ * so that the picture does not jump from frame to frame. */
 bool ui_profiler_layout_lanes(stilb_ui_profiler *profiler)
 {
 	const stilb_prof_snapshot *snapshot = profiler->snapshot;
@@ -88,7 +88,8 @@ static float timeline_level(const stilb_ui *ui)
 	return stilb_ui_font_line(stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL)) + 1.0f;
 }
 
-/* Width of the column of names: two parts of a lane's time of the usual length fit side by side. */
+/* Width of the column of lanes' names, pixels: wide enough for two parts of a lane's time side by side, as in the text
+ * below. */
 static float timeline_names_width(const stilb_ui *ui)
 {
 	const stilb_ui_font *small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
@@ -105,8 +106,8 @@ static uint32_t timeline_parts(const stilb_ui_profiler *profiler, const ui_profi
 	                         (frame->end_ns - frame->begin_ns) / TIMELINE_PART, parts);
 }
 
-/* Writes the text of each part and breaks the texts into lines of that width: lines[i] is the line of texts[i], counted
- * from 0. Returns the number of lines. */
+/* Writes the text of each part of a lane's time and breaks the texts into lines of `width` pixels: lines[i] is the line
+ * of texts[i], counted from 0. Returns the number of lines. */
 static uint32_t timeline_lay_parts(const stilb_ui_font *font, float width, const ui_profiler_part *parts,
                                    uint32_t count, char texts[][48], uint32_t *lines)
 {
@@ -156,7 +157,7 @@ float ui_profiler_timeline_height(stilb_ui_profiler *profiler, const stilb_ui *u
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
-/* The x of a time, and the time of an x. */
+/* The x at which a time is drawn, and below the reverse, the time that is drawn at an x. */
 static float timeline_x(const timeline *t, double ns)
 {
 	return t->area.x0 + (float)((ns - t->begin_ns) * t->pixels_per_ns);
@@ -181,7 +182,7 @@ static bool timeline_clip_x(const timeline *t, uint64_t begin_ns, uint64_t end_n
 	return true;
 }
 
-/* The first of 1, 2, 5, 10, 20, ... ns that is at least that many pixels wide. */
+/* The time between the ruler's marks: the first of 1, 2, 5, 10, 20, ... ns that is at least that many pixels wide. */
 static double timeline_step(const timeline *t, double pixels)
 {
 	static const double FACTORS[] = {1.0, 2.0, 5.0};
@@ -276,7 +277,7 @@ static void timeline_draw_frames(const timeline *t)
 
 /* ---- lanes ------------------------------------------------------------------------------------------------------- */
 
-/* The top of a level of zones; levels that are too deep to be drawn share the last one's. */
+/* The y at which a level of nested zones begins; levels that are too deep to be drawn share that of the last one. */
 static float timeline_y(const timeline *t, const ui_profiler_row *row, uint32_t level)
 {
 	STILB_ASSERT(row->depth > 0);
@@ -350,7 +351,7 @@ static void timeline_tip_name(const timeline *t)
 	}
 }
 
-/* The words in a span `width` pixels wide. */
+/* Writes the words for a span (a zone, or several narrow ones merged) that is `width` pixels wide. */
 static void timeline_span_text(const timeline *t, const ui_profiler_span *span, float width, char *text, size_t size)
 {
 	const char *name = t->snapshot->labels[span->label == STILB_PROF_NONE ? 0 : span->label].name;
@@ -410,7 +411,8 @@ static void timeline_draw_span(timeline *t, const ui_profiler_row *row, const ui
 	stilb_ui_draw_rect(t->list, rect, color);
 }
 
-/* The name, drawn after the shadows, in black or white, whichever is readable on the colour below its first letters. */
+/* Draws the span's name, after the shadows of times off the CPU, in black or white, whichever is readable on the colour
+ * below its first letters. */
 static void timeline_draw_span_name(const timeline *t, const ui_profiler_row *row, const ui_profiler_span *span)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
@@ -448,13 +450,13 @@ static void timeline_draw_off(const timeline *t, const ui_profiler_row *row, flo
 	}
 }
 
-/* The lane's strip of context switches, as far as they are known. Neighbours of one kind less than a pixel apart are
- * drawn as one: there may be thousands. */
+/* The strip below a lane's zones that shows when its thread ran, slept or lost the CPU, as far as that is known.
+ * Neighbouring times of one kind less than a pixel apart are drawn as one: there may be thousands. */
 static void timeline_draw_switches(const timeline *t, const ui_profiler_row *row)
 {
 	const stilb_prof_lane *lane = &t->snapshot->lanes[row->lane];
 	float strip = row->top + (float)row->depth * t->level;
-	float x0, x1, from = 0.0f, to = -1.0f; /* the neighbours collected so far; none while to < from */
+	float x0, x1, from = 0.0f, to = -1.0f; /* from..to: x range of the neighbours merged so far; to < from: none */
 	bool preempted = false;
 	if (lane->kind != STILB_PROF_LANE_THREAD || lane->no_switches ||
 	    !timeline_clip_x(t, lane->switches_ns > t->snapshot->begin_ns ? lane->switches_ns : t->snapshot->begin_ns,
@@ -598,7 +600,7 @@ static void timeline_navigate(timeline *t)
 		((double)keys[STILB_UI_KEY_RIGHT] - (double)keys[STILB_UI_KEY_LEFT]) * 0.1 * profiler->view_ns;
 }
 
-/* Dragging scrolls lanes that do not fit up and down. */
+/* If the lanes do not all fit into the area, dragging scrolls them up and down. */
 static void timeline_scroll(timeline *t)
 {
 	stilb_ui_profiler *profiler = t->profiler;
@@ -610,7 +612,8 @@ static void timeline_scroll(timeline *t)
 	profiler->scroll = profiler->scroll < 0.0f ? 0.0f : floorf(profiler->scroll);
 }
 
-/* The table's row of a label: how often it was recorded in the frame and for how long. NULL: it is not in the table. */
+/* The row of the zone table with this label and kind of lane: how often such zones were recorded in the frame and for
+ * how long. NULL: the table has none. */
 static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t label, stilb_prof_lane_kind kind)
 {
 	const stilb_prof_stats *stats = &t->profiler->stats;
@@ -620,8 +623,8 @@ static const stilb_prof_row *timeline_label_row(const timeline *t, uint32_t labe
 	return NULL;
 }
 
-/* The arrow of the job that the zone under the mouse ran: it ends in that zone itself, not in one nested in it. NULL:
- * none does. */
+/* The arrow of the job that ran in the zone under the mouse: the one that ends in that zone itself, not in a zone
+ * nested in it. NULL: there is none. */
 static const stilb_prof_flow *timeline_job_of(const timeline *t)
 {
 	STILB_ASSERT(t->hot_lane < t->snapshot->lane_count);

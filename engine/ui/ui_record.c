@@ -1,5 +1,5 @@
-/* Hands the draw list to the renderer: one copy of all triangles, and a draw with the texture of the glyphs for each
- * command. */
+/* Hands the draw list to the renderer: copies all triangles once, and adds a draw with the texture of the glyphs for
+ * each command of the list. */
 #include "ui/ui_internal.h"
 
 #include <stdlib.h>

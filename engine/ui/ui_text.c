@@ -16,12 +16,13 @@ float stilb_ui_font_ascent(const stilb_ui_font *font)
 	return font->ascent;
 }
 
-/* Source: RFC 3629. Surrogates and overlong forms are decoded, not refused: the worst that comes of them is a box. */
+/* Source: RFC 3629. Surrogates and overlong forms, which it forbids, are decoded all the same: a box is drawn at worst.
+ */
 uint32_t ui_text_next(const char **text)
 {
 	STILB_ASSERT(text && *text);
 	const uint8_t *bytes = (const uint8_t *)*text;
-	/* more: bytes that follow; 4: a continuation byte, which begins no character. */
+	/* more: number of bytes that follow the first one; 4: it is a continuation byte, which begins no character. */
 	uint32_t first = bytes[0], more = first < 0x80 ? 0 : first < 0xc0 ? 4 : first < 0xe0 ? 1 : first < 0xf0 ? 2 : 3;
 	if (more == 0) {
 		*text += first != 0;
@@ -98,8 +99,8 @@ float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font,
 	return draw_characters(list, font, x, baseline, color, text, text + strlen(text));
 }
 
-/* The end of the longest beginning of a text that fits with an ellipsis into `room` pixels; NULL: not even one letter
- * fits. The text as a whole is wider than that. */
+/* Cuts short a text that is wider than `room` pixels: returns the end of its longest beginning that fits into them
+ * together with an ellipsis; NULL: not even one letter fits. */
 static const char *text_fitting(const stilb_ui_font *font, const char *text, float room)
 {
 	const char *end = NULL;

@@ -7,7 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Without memory stb_truetype leaves out a part of the glyph and goes on: *user, a bool, becomes true. */
+/* Memory for stb_truetype. If there is none, the library leaves out a part of the glyph and goes on; so that this is
+ * noticed, *user, a bool, becomes true. */
 static void *glyph_alloc(size_t size, void *user)
 {
 	void *memory = malloc(size);
@@ -18,7 +19,7 @@ static void *glyph_alloc(size_t size, void *user)
 
 #define STBTT_malloc(size, user) glyph_alloc(size, user)
 #define STBTT_free(memory, user) ((void)(user), free(memory))
-#define STBTT_assert(condition) ((void)sizeof(condition)) /* its asserts do not hold without memory */
+#define STBTT_assert(condition) ((void)sizeof(condition)) /* off: they would fail when memory runs out */
 #define STB_TRUETYPE_IMPLEMENTATION
 #define STBTT_STATIC
 #include <stb_truetype.h>
@@ -82,7 +83,8 @@ uint32_t ui_glyph_character(uint32_t index)
 
 /* ---- fitting ----------------------------------------------------------------------------------------------------- */
 
-/* A piecewise linear map of heights, in the typeface's units: from[i], ascending, goes to to[i], a whole pixel row. */
+/* A piecewise linear map of heights, in the typeface's units: from[i], ascending, goes to to[i], the boundary of a row
+ * of pixels. */
 #define FIT_KNOTS 8
 typedef struct glyph_fit {
 	float from[FIT_KNOTS], to[FIT_KNOTS];
@@ -96,8 +98,8 @@ static float letter_edge(const stbtt_fontinfo *face, int letter, bool top)
 	return (float)(top ? y1 : y0);
 }
 
-/* Round letters (o, O) reach a little beyond flat ones (x, H). At the sizes of a screen that would be a blurred row, so
- * both are mapped to the same height. */
+/* The map for a typeface at this scale. Round letters (o, O) reach a little beyond flat ones (x, H). At the sizes of a
+ * screen the difference would be a blurred row, so both are mapped to the same height. */
 static glyph_fit fit_of(const stbtt_fontinfo *face, float scale)
 {
 	float x_height = letter_edge(face, 'x', true), capitals = letter_edge(face, 'H', true);
@@ -140,7 +142,7 @@ static stbtt_vertex_type fit_unit(const glyph_fit *fit, stbtt_vertex_type y)
 /* The picture of all glyphs, filled in rows from the top down. The outermost columns and rows stay empty for the white
  * corners. */
 typedef struct glyph_atlas {
-	uint8_t *coverage; /* [height][width]; NULL: glyphs are only given their positions */
+	uint8_t *coverage; /* [height][width]; NULL: glyphs are given their positions, and are not drawn */
 	uint32_t width, height;
 	uint32_t x, y, row; /* position of the next glyph, and the height of the current row so far */
 	bool out_of_memory; /* parts of glyphs are missing */
@@ -220,7 +222,7 @@ static void glyph_draw(stilb_ui_font *font, uint32_t index, const stbtt_fontinfo
 	stbtt_FreeShape(face, outline);
 }
 
-/* All glyphs of a typeface at `em` pixels an em. */
+/* Measures, places and draws all glyphs of a typeface at `em` pixels an em (the font's size). */
 static void font_draw(stilb_ui_font *font, const uint8_t *file, float em, glyph_atlas *atlas)
 {
 	stbtt_fontinfo face;
@@ -256,8 +258,8 @@ static void fonts_draw(ui_fonts *fonts, float scale, glyph_atlas *atlas)
 }
 
 /* Appends the lower half with the coverage for dark letters. Colours are blended in linear light, in which a pixel half
- * covered by black still looks bright, so dark letters would look thin. Their coverage is raised nearly as far as if
- * sRGB codes were blended. Light letters look right as they are. */
+ * covered by black still looks bright, so dark letters would look thin. Their coverage is raised until they look nearly
+ * as if sRGB codes were blended. Light letters look right as they are. */
 static void atlas_add_dark(glyph_atlas *atlas)
 {
 	uint8_t curve[256];
@@ -269,7 +271,7 @@ static void atlas_add_dark(glyph_atlas *atlas)
 	atlas->height *= 2;
 }
 
-/* Every glyph lies within the upper half of the atlas, off its border. */
+/* For STILB_CHECK: every glyph lies within the upper half of the atlas, off its border. */
 static bool fonts_are_sound(const ui_fonts *fonts)
 {
 	for (uint32_t kind = 0; kind < STILB_UI_TEXT_KINDS; kind++)

@@ -32,7 +32,7 @@ static float line_width(const stilb_ui *ui)
 	return ui_max(1.0f, roundf(ui->scale));
 }
 
-/* The color of a control's face while the user does this with it. */
+/* The color of a control's face while the user's action on it is *action. */
 static stilb_ui_color control_color(const stilb_ui *ui, const stilb_ui_action *action)
 {
 	if (action->held && action->hovered)
@@ -57,7 +57,7 @@ static void draw_control(stilb_ui *ui, stilb_ui_rect rect, float radius, stilb_u
 
 /* ---- panels ------------------------------------------------------------------------------------------------------ */
 
-/* Moves [*from, *to] into [0, limit]; if it is longer than that, to 0. */
+/* Moves the interval [*from, *to] into [0, limit]; if it is longer than limit, so that it begins at 0. */
 static void keep_within(float *from, float *to, float limit)
 {
 	float size = *to - *from;
@@ -104,7 +104,7 @@ stilb_ui_rect stilb_ui_panel_begin(stilb_ui *ui, const char *title, stilb_ui_rec
 	STILB_ASSERT((flags & ~(uint32_t)(STILB_UI_PANEL_MOVABLE | STILB_UI_PANEL_RESIZABLE)) == 0);
 	STILB_ASSERT(ui->panel_count < UI_PANEL_DEPTH);
 	stilb_ui_id_push(ui, title);
-	stilb_ui_area(ui, "##panel", *rect, STILB_UI_TAKES_WHEEL); /* the mouse does not reach what lies behind */
+	stilb_ui_area(ui, "##panel", *rect, STILB_UI_TAKES_WHEEL); /* takes the mouse from areas behind the panel */
 	panel_move(ui, rect, flags);
 	ui->panels[ui->panel_count++] = (ui_panel){rect, flags};
 
@@ -128,7 +128,7 @@ stilb_ui_rect stilb_ui_panel_begin(stilb_ui *ui, const char *title, stilb_ui_rec
 	return stilb_ui_inset(content, style->margin);
 }
 
-/* The lower right corner, by which a panel is resized, down to a title and a few rows of text. */
+/* The lower right corner, by which the user resizes a panel; it stays large enough for its title and a few rows. */
 static void panel_resize(stilb_ui *ui, stilb_ui_rect *rect)
 {
 	float side = roundf(14.0f * ui->scale), least = 4.0f * ui->style.title_height;
@@ -200,7 +200,7 @@ void stilb_ui_label_muted(stilb_ui *ui, stilb_ui_rect rect, stilb_ui_align align
 
 /* ---- buttons ----------------------------------------------------------------------------------------------------- */
 
-/* All kinds of buttons; on: drawn as held down. True if it was pressed. */
+/* Draws a button of any kind; on: it is drawn as held down. True if the user pressed it. */
 static bool button(stilb_ui *ui, stilb_ui_rect rect, const char *label, float radius, bool on)
 {
 	const stilb_ui_style *style = &ui->style;
@@ -296,7 +296,8 @@ static float slider_value(const stilb_ui *ui, stilb_ui_rect track, float knob, c
 	return slider_snap(range, value);
 }
 
-/* The track with the knob, below the label and the value so that it covers neither. share: of the way, 0..1. */
+/* The track with the knob, below the label and the value so that it covers neither. share: the knob's place on its way
+ * from left to right, 0..1. */
 static void draw_slider_track(stilb_ui *ui, stilb_ui_rect inside, float knob, float share, stilb_ui_color color)
 {
 	float height = roundf(5.0f * ui->scale), radius = 0.5f * height;
@@ -359,7 +360,7 @@ void stilb_ui_tooltip(stilb_ui *ui, const char *text)
 	snprintf(ui->tooltip, sizeof ui->tooltip, "%s", text);
 }
 
-/* One line of the tooltip, in place: its two columns, and where the next begins (NULL: nowhere). */
+/* One line of the tooltip's text, as pointers into it: its two columns, and the begin of the next line; NULL: none. */
 typedef struct tooltip_line {
 	char *left, *right, *next;
 } tooltip_line;
@@ -375,7 +376,7 @@ static tooltip_line tooltip_split(char *text)
 	return line;
 }
 
-/* Near the mouse, below it and to the right; on the other sides at the picture's right and lower edges. */
+/* The tooltip's rectangle: below the mouse and to the right, or above it and to the left where the picture ends. */
 static stilb_ui_rect tooltip_place(const stilb_ui *ui, float width, float height)
 {
 	const stilb_ui_input *input = &ui->input;

@@ -8,7 +8,7 @@
 
 #define WHEEL_ROWS 3.0f /* rows that a notch of the wheel scrolls */
 
-/* The arrow keys: selects another row and scrolls it into view. */
+/* Applies the arrow keys: selects another row and scrolls it into view. */
 static void list_keys(const stilb_ui *ui, stilb_ui_rows *rows, uint32_t row_count, stilb_ui_list_state *state)
 {
 	int64_t step = (int64_t)ui->input.keys[STILB_UI_KEY_DOWN] - ui->input.keys[STILB_UI_KEY_UP];
@@ -24,7 +24,7 @@ static void list_keys(const stilb_ui *ui, stilb_ui_rows *rows, uint32_t row_coun
 	state->scroll = ui_clamp(state->scroll, top + rows->row_height - height, top);
 }
 
-/* The row under the mouse, and whether it was pressed. */
+/* Finds the row under the mouse, and selects it if it was pressed. */
 static void list_mouse(const stilb_ui_action *action, stilb_ui_rows *rows, uint32_t row_count,
                        stilb_ui_list_state *state)
 {
@@ -218,7 +218,7 @@ static stilb_ui_point plot_point(const plot_frame *frame, uint32_t i, float valu
 	                        frame->rect.y1 - ui_clamp(up, -1.0f, 2.0f) * (frame->rect.y1 - frame->rect.y0)};
 }
 
-/* If the caller gave no range: that of the finite values, widened if it is empty. */
+/* If the caller gave no range of values for the plot: sets that of the finite values, widened if it is empty. */
 static void plot_range(plot_frame *frame, const float *values)
 {
 	if (frame->maximum > frame->minimum)

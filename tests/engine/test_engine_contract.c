@@ -1,5 +1,5 @@
-/* The contracts of the engine, its viewers and its windows, each broken on purpose. On the null device, without workers
- * and without the profiler, whose threads a child process would lack. */
+/* The asserts of the engine, its viewers and its windows, each made to fail on purpose in a forked child process. On
+ * the null device, without workers and without the profiler, because a fork does not copy their threads. */
 #include "engine_internal.h"
 #include "replay.h"
 #include "support/contract.h"
@@ -53,7 +53,7 @@ static void *destroy_of(void *engine)
 	return NULL;
 }
 
-/* The engine's call on a thread that is not the main one. */
+/* Runs a call of the engine on a thread that is not the main one. */
 static void call_on_another_thread(void *(*call)(void *engine), stilb_engine *engine)
 {
 	pthread_t thread;

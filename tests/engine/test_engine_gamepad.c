@@ -1,5 +1,5 @@
-/* The engine's camera moved by gamepads that sockets simulate: plugged in, pulled out, stalled, without permission and
- * rumbling. On the null device. */
+/* The engine's camera moved by gamepads, whose hidraw nodes sockets simulate: plugged in, pulled out, without
+ * permission, rumbling, and read by frames that stall. On the null device. */
 #include "engine_internal.h"
 #include "support/fake_hidraw.h"
 #include "support/test.h"
@@ -9,7 +9,7 @@
 #include <stddef.h>
 
 #define NODE 3
-#define TRIES 300000 /* of 1 ms each: a limit against hangs */
+#define TRIES 300000 /* frames with pauses of 1 ms after which a wait fails: a limit against hangs only */
 
 static stilb_engine *engine;
 static stilb_engine_report report;
@@ -150,7 +150,8 @@ static void headless_it_must_be_asked_for(void **state)
 	engine = NULL;
 }
 
-/* Half a second without a frame at 1000 reports a second: the next frame takes all of them and moves by the last. */
+/* Half a second without a frame at 1000 reports a second: the next frame takes all these reports, and the camera moves
+ * as the last one asks. */
 static void a_stalled_frame_loses_nothing(void **state)
 {
 	(void)state;
@@ -240,7 +241,7 @@ static void a_denied_pad_is_named_until_it_is_granted(void **state)
 
 /* ---- captures ---------------------------------------------------------------------------------------------------- */
 
-/* Runs frames until one wants a capture. */
+/* Runs frames until the input of one asks for a capture. */
 static void expect_capture(void)
 {
 	for (int i = 0; i < TRIES && !report.input.capture; i++, usleep(1000))

@@ -67,7 +67,7 @@ static void key(stilb_ui_key which)
 	draw();
 }
 
-/* x within the panel, from its left 0 to its right 1. */
+/* The x at this share of the panel's width: 0 is its left edge, 1 its right one. */
 static float across(float share)
 {
 	return inspector.place.x0 + share * (inspector.place.x1 - inspector.place.x0);
@@ -108,7 +108,7 @@ static uint32_t count_seen(int list)
 	return count;
 }
 
-/* Every row of every list can be clicked. */
+/* Clicking a row of any list chooses the model that it names. */
 static void test_each_word(void **state)
 {
 	(void)state;
@@ -117,7 +117,7 @@ static void test_each_word(void **state)
 	click_down(0.2f, 0.72f, false, look_at_choice);
 	assert_int_equal(count_seen(0), SHADE_BRDF_COUNT);
 	assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
-	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* no list there */
+	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* clicks there have not changed D, G and F */
 	memset(seen, 0, sizeof seen);
 	click_down(0.7f, 0.72f, false, look_at_choice);
 	assert_int_equal(count_seen(1), SHADE_NDF_COUNT);
@@ -145,7 +145,7 @@ static void test_a_part_chooses_its_model(void **state)
 	click_down(0.7f, 0.72f, true, look_at_model);
 	const uint32_t rows = SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT;
 	assert_in_range(seen[0][SHADE_BRDF_MICROFACET], 3 * rows, 4 * rows); /* a row is 18 pixels high */
-	assert_true(seen[0][SHADE_BRDF_LAMBERT] > 0);                        /* headings */
+	assert_true(seen[0][SHADE_BRDF_LAMBERT] > 0);                        /* clicks on headings choose nothing */
 }
 
 static float wrap_then_anisotropy(uint32_t brdf, uint32_t ndf)
@@ -244,7 +244,7 @@ static void test_sliders(void **state)
 	memset(moved, 0, sizeof moved);
 	click_down(0.9f, 1.0f, false, look_at_sliders);
 	for (int i = 0; i < 4; i++)
-		assert_in_range(moved[i], 3, 5); /* clicks on 22 pixels */
+		assert_in_range(moved[i], 3, 5); /* as many of the clicks fall on a slider, which is 22 pixels high */
 	memset(moved, 0, sizeof moved);
 	click_down(0.53f, 1.0f, false, look_at_sliders);
 	for (int i = 0; i < 4; i++)

@@ -1,5 +1,5 @@
-/* The notice of gamepads without permission, over the picture: it appears, names them and the udev rules, and
- * disappears. */
+/* The notice over the picture about gamepads that may not be opened: it appears, names them and the udev rules that
+ * would permit it, and disappears. */
 #include "engine_internal.h"
 #include "image/image.h"
 #include "support/test.h"
@@ -102,7 +102,7 @@ static void it_comes_and_goes(void **state)
 	assert_int_equal(none[1], 0);
 }
 
-/* Pads of one make need one rule. */
+/* Pads with the same vendor and product need the same udev rule, which is shown once. */
 static void equal_rules_are_said_once(void **state)
 {
 	(void)state;
@@ -139,7 +139,7 @@ static void resize(uint32_t to_width, uint32_t to_height)
 	assert_int_equal(stilb_engine_resize(engine, width, height), STILB_OK);
 }
 
-/* The log has the same, in lines of limited length. */
+/* The log says the same as the notice, in lines of limited length. */
 static void it_is_logged(void **state)
 {
 	(void)state;
@@ -164,7 +164,7 @@ static void it_is_logged(void **state)
 		assert_true(said[i]);
 }
 
-/* A panel that would not fit the picture refers to the terminal instead, and then fits. */
+/* If the notice with its rules would not fit the picture, it refers to the terminal for them, and then fits. */
 static void half_a_rule_is_not_shown(void **state)
 {
 	(void)state;

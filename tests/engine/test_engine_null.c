@@ -13,7 +13,7 @@
 
 /* ---- memory that runs out ---------------------------------------------------------------------------------------- */
 
-/* Relaxed: a counter, orders nothing. */
+/* Allocations until one fails. Relaxed: only a count; no other data depends on it. */
 static _Atomic int64_t allocations_left = INT64_MAX;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
@@ -77,8 +77,8 @@ static bool model_visible(const stilb_scene *scene, uint32_t model, const stilb_
 	return true;
 }
 
-/* The stream hash, worked out here, of the models that the scene's camera sees, continued from hash; *visible is their
- * number. */
+/* The stream hash (the renderer's hash of a frame's draws) of the models that the scene's camera sees, computed by this
+ * test and continued from hash; *visible is their number. */
 static uint64_t scene_hash(uint64_t hash, const stilb_scene *scene, const stilb_mat4 *matrix, uint32_t *visible)
 {
 	stilb_frustum frustum = stilb_frustum_from_matrix(matrix);
@@ -153,7 +153,7 @@ static void moving_models_come_and_go(void **state)
 			assert_frame(engine);
 			changes += engine->report.visible != before;
 			before = engine->report.visible;
-			engine->frame += 13; /* on in time: the scene's is the frame's number */
+			engine->frame += 13; /* advances the time by 13 frames: the scene's time follows from the frame's number */
 			engine->seconds = (double)engine->frame / 60.0;
 		}
 		assert_true(changes > 30);
@@ -250,8 +250,8 @@ static void formulas_are_part_of_the_stream(void **state)
 
 /* ---- the tables -------------------------------------------------------------------------------------------------- */
 
-/* frame.c runs the tables of views and passes: here with a second view from elsewhere, drawn before the first one, and
- * then the first view again. */
+/* A frame draws what the engine's tables of views and passes say: here a second view from another place first, then the
+ * first view in two passes. */
 static void the_tables_drive_the_frame(void **state)
 {
 	(void)state;
@@ -317,7 +317,8 @@ static void what_cannot_start_says_why(void **state)
 	assert_string_equal(stilb_error_message(), "no Vulkan in this test");
 }
 
-/* Every allocation of creation and of the first frames fails once. What is left behind the leak check finds. */
+/* Lets each allocation of the engine's creation and of its first frames fail once. Memory that is then not freed is
+ * found by the leak check. */
 static void no_memory(const stilb_engine_desc *desc)
 {
 	bool created = false, drawn = false;

@@ -49,7 +49,7 @@ static void test_overlay_draws_and_leaves_the_stream_alone(void **state)
 	stilb_engine_destroy(engine);
 }
 
-/* Frames, the overlay's snapshots, the capturing thread and a trace at the same time; none waits for another. */
+/* Frames, the overlay's snapshots of the profiler, the thread that writes captures and a trace at the same time. */
 static void test_all_at_once(void **state)
 {
 	(void)state;

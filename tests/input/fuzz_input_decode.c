@@ -1,8 +1,9 @@
 /* Any descriptor and any reports: stilb_input_layout_find gives a sound layout or a reason, and stilb_input_decode
  * gives a sound state or changes nothing.
  *
- * An input is a byte that says whose numbers the pad has, two for the descriptor's length, the descriptor, and reports,
- * each with a byte for its length in front; 0x80 in that has its CRC made right, where it has one. */
+ * The fuzzer's input is: a byte that chooses the real pad whose bus, vendor and product are used; two bytes for the
+ * descriptor's length; the descriptor; and reports, each with a byte for its length in front. If that byte has the bit
+ * 0x80 and the layout has a CRC, the CRC is corrected before the report is decoded. */
 #include "input/hid/input_layout.h"
 #include "support/input_descriptors.h"
 
@@ -144,7 +145,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	for (size_t at = 3 + info.descriptor_size; at < size;) {
 		uint8_t length = data[at++];
 		size_t here = (length & 0x7fu) < size - at ? length & 0x7fu : size - at;
-		uint8_t *report = malloc(here > 0 ? here : 1); /* of just that size: what reads beyond it is seen */
+		uint8_t *report = malloc(here > 0 ? here : 1); /* of exactly that size: a read beyond its end is noticed */
 		require(report);
 		memcpy(report, data + at, here);
 		if (length & 0x80 && here > 0)

@@ -1,6 +1,7 @@
 /* Report descriptors of any bytes: stilb_input_descriptor_parse returns a table or a reason; all that is in the table
  * is within the reports, the reports have the sizes that a plain walk over the items finds, and values of a report of
- * any bytes are read, or refused, by the bit. The mutator knows items: few other changes would be one. */
+ * any bytes are read, or refused, by the bit. The mutator changes whole items of the descriptor, because random changes
+ * of bytes seldom give a valid one. */
 #include "input/hid/input_descriptor.h"
 
 #include "support/input_descriptors.h"
@@ -57,7 +58,7 @@ UNTRACED static size_t item_size(const uint8_t *data, size_t left)
 	return size < left ? size : left;
 }
 
-/* The beginning of the item at a byte. */
+/* The offset at which the item begins that holds the byte at this offset. */
 UNTRACED static size_t item_at(const uint8_t *data, size_t size, size_t byte)
 {
 	size_t at = 0;
@@ -72,7 +73,7 @@ UNTRACED static size_t replace(uint8_t *data, size_t size, size_t max_size, size
 	uint8_t copy[8];
 	if (length > sizeof copy || size - old + length > max_size)
 		return size;
-	memcpy(copy, with, length); /* it may lie in data */
+	memcpy(copy, with, length); /* copied first, because `with` may lie in the data that is moved */
 	memmove(data + at + length, data + at + old, size - at - old);
 	memcpy(data + at, copy, length);
 	return size - old + length;
@@ -110,7 +111,7 @@ UNTRACED size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_s
 
 /* ---- what must hold ---------------------------------------------------------------------------------------------- */
 
-/* Sizes in bits by kind and id, from the items that say them and no others. */
+/* Sizes of reports in bits by kind and id, from a walk that looks only at the items that determine them. */
 typedef struct plain_sizes {
 	uint32_t bits[3][256];
 	bool seen[3][256], numbered;
@@ -165,7 +166,7 @@ UNTRACED static void require_reports(const stilb_input_descriptor *parsed, plain
 	for (uint32_t i = 0; i < parsed->report_count; i++) {
 		const stilb_input_report *report = &parsed->reports[i];
 		require(report->kind < 3 && sizes->seen[report->kind][report->id]);
-		sizes->seen[report->kind][report->id] = false; /* there is one of each */
+		sizes->seen[report->kind][report->id] = false; /* each report is listed once */
 		require(report->size == (sizes->bits[report->kind][report->id] + 7) / 8 + sizes->numbered);
 		require(report->size <= STILB_INPUT_REPORT_MAX);
 	}
@@ -213,7 +214,7 @@ UNTRACED static void require_field(const stilb_input_field *field, const plain_s
 UNTRACED int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	static stilb_input_descriptor parsed;
-	uint8_t *copy = malloc(size ? size : 1); /* of just that size: what reads beyond it is seen */
+	uint8_t *copy = malloc(size ? size : 1); /* of exactly that size: a read beyond its end is noticed */
 	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);

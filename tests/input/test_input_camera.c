@@ -21,7 +21,7 @@
 
 /* ---- the helpers ------------------------------------------------------------------------------------------------- */
 
-/* From 0 towards 1 for a second in equal steps. */
+/* stilb_input_follow from 0 towards 1 at the rate a for a second, in `steps` equal steps. */
 static double followed(double a, int steps, double *area)
 {
 	double value = 0.0;
@@ -31,7 +31,7 @@ static double followed(double a, int steps, double *area)
 	return value;
 }
 
-/* The same by the common Euler step value += (target - value) a dt, with the area summed from the new values. */
+/* The same by the common Euler step value += (target - value) a dt. */
 static double lerped(double a, int steps)
 {
 	double value = 0.0;
@@ -51,7 +51,7 @@ static void test_follow_is_the_same_at_every_rate(void **state)
 		double area;
 		assert_close(followed(1.0, rates[i], &area), 1.0 - exp(-1.0), 1e-12);
 		assert_close(area, exp(-1.0), 1e-12);
-		/* The error of the plain forms here is between 0.4 and 5.6 %. */
+		/* The area must be exact; summing the stepped values instead would be wrong by 0.4 to 5.6 %. */
 		followed(10.0, rates[i], &area);
 		assert_close(area, 1.0 - (1.0 - exp(-10.0)) / 10.0, 1e-12);
 	}
@@ -95,7 +95,7 @@ static void test_step_towards(void **state)
 	assert_true(stilb_input_step_towards(1.0f, 1.0f, 0.1f) == 1.0f &&
 	            stilb_input_step_towards(0.5f, 1.0f, 0.0f) == 0.5f);
 	assert_true(stilb_input_step_towards(-3.0f, 3.0f, INFINITY) == 3.0f);
-	for (uint64_t i = 0; i < 1000; i++) { /* from anywhere, to anywhere: lands exactly, never beyond, and stays */
+	for (uint64_t i = 0; i < 1000; i++) { /* from a random value to a random target, never beyond it, where it stays */
 		float value = 2.0f * stilb_random_float(1, i) - 1.0f, target = 2.0f * stilb_random_float(2, i) - 1.0f;
 		float step = 0.01f + stilb_random_float(3, i), first = value;
 		for (int n = 0; n < 300; n++) {
@@ -104,7 +104,9 @@ static void test_step_towards(void **state)
 		}
 		assert_true(value == target);
 	}
-	float value = 0.0f; /* a target moving away at half the step is caught, one that turns back is met */
+	/* A target that moves away by half a step each time is caught; then, at 3, a target on the other side turns the
+	 * value round at once, by one step to 2.5. */
+	float value = 0.0f;
 	for (int n = 1; n <= 40; n++)
 		value = stilb_input_step_towards(value, 1.0f + 0.05f * (float)n, 0.1f);
 	assert_true(value == 1.0f + 0.05f * 40.0f);
@@ -124,7 +126,7 @@ static void test_stick(void **state)
 	for (int angle = 0; angle < 360; angle += 7) {
 		float x = cosf((float)angle * PI / 180.0f), y = sinf((float)angle * PI / 180.0f);
 		float before = 0.0f;
-		for (int i = 0; i <= 140; i++) { /* beyond 1: the corners of a square gate */
+		for (int i = 0; i <= 140; i++) { /* up to length 1.4: a stick that can be pushed into the corners of a square */
 			float m = (float)i * 0.01f, in[2] = {x * m, y * m};
 			float out[2];
 			stilb_input_stick(in, inner, outer, 2.0f, out);
@@ -139,9 +141,9 @@ static void test_stick(void **state)
 		}
 	}
 	float out[2] = {0.5f, 0.0f};
-	stilb_input_stick(out, 0.0f, 1.0f, 1.0f, out); /* in place; nothing is done to it */
+	stilb_input_stick(out, 0.0f, 1.0f, 1.0f, out); /* out is in; without a dead zone and a curve it is unchanged */
 	assert_true(out[0] == 0.5f && out[1] == 0.0f);
-	stilb_input_stick((const float[2]){0.5f, 0.0f}, 0.4f, 0.4f, 2.0f, out); /* a switch */
+	stilb_input_stick((const float[2]){0.5f, 0.0f}, 0.4f, 0.4f, 2.0f, out); /* outer <= inner: 0 or 1 */
 	assert_true(out[0] == 1.0f && out[1] == 0.0f);
 	stilb_input_stick((const float[2]){0.3f, 0.0f}, 0.4f, 0.2f, 2.0f, out);
 	assert_true(out[0] == 0.0f && out[1] == 0.0f);
@@ -153,7 +155,7 @@ static void test_stick(void **state)
 
 /* ---- flying ------------------------------------------------------------------------------------------------------ */
 
-/* Rates 0 follow at once, so that positions need no exponentials. */
+/* All rates are 0: velocity and turning follow at once, so that the expected positions need no exponentials. */
 static const stilb_input_camera_settings stiff = {.speed = 12.0f, .turn_rate = 2.0f};
 
 static stilb_input_camera camera_at_origin(const stilb_input_camera_settings *settings, float yaw, float pitch)
@@ -215,7 +217,7 @@ static void test_axes(void **state)
 	assert_position(&pose, -back.position[0], -back.position[1], -back.position[2]);
 }
 
-/* Forward and right are those of a camera with this yaw and pitch. */
+/* The camera flies along the axes (forward and right) that its pose's yaw and pitch give. */
 static void test_axes_are_the_views(void **state)
 {
 	(void)state;
@@ -311,7 +313,8 @@ static void test_mouse_turns_at_once(void **state)
 	assert_position(&pose, -12.0f, 0, -12.0f);
 }
 
-/* From rest, x(t) = u (t - (1 - e) / a); braking from v, x = v (1 - e) / a more. Each has its own a. */
+/* With e = exp(-a t): from rest towards the speed u, x(t) = u (t - (1 - e) / a); braking from v, x grows by
+ * v (1 - e) / a. Accelerating, braking and turning have a rate a each. */
 static void test_speed_follows(void **state)
 {
 	(void)state;
@@ -413,7 +416,7 @@ static stilb_input_pose flight_frame(flight *f, int64_t time_us)
 	return stilb_input_camera_at(&f->camera, time_us);
 }
 
-/* Frames of this rate; poses at the whole seconds. */
+/* Flies through the wishes with `rate` frames a second; poses[i] is the pose after i + 1 seconds. */
 static void fly_at_rate(int rate, const timed_wish *wishes, int64_t start_us, stilb_input_pose poses[WISHES_SECONDS])
 {
 	flight f = flight_begin(wishes, start_us);
@@ -458,7 +461,7 @@ static void test_path_is_the_same_at_every_rate(void **state)
 	assert_memory_equal(poses, wanted, sizeof poses);
 }
 
-/* The camera by its differential equations: ten numbers and their derivatives. */
+/* The camera's state for a reference solution of its differential equations: ten numbers, or their derivatives. */
 typedef struct motion_state {
 	double v[10]; /* position, motion, yaw, pitch, turning */
 } motion_state;
@@ -570,14 +573,15 @@ static void test_nonsense(void **state)
 	pose = flown(0, 0, &(stilb_input_wish){.turn = {-1e30f, 0}});
 	assert_float_equal(pose.yaw, -20.0f + 6.0f * PI, 1e-5f);
 
-	/* A time in the past counts as the camera's own. */
+	/* A time before the camera's time_us counts as time_us. */
 	camera = camera_at_origin(&settings, 0, 0);
 	stilb_input_camera_steer(&camera, SECOND, &(stilb_input_wish){.move = {1, 0, 0}});
 	stilb_input_camera_steer(&camera, 0, &(stilb_input_wish){.move = {0, 1, 0}});
 	pose = stilb_input_camera_at(&camera, INT64_MIN);
 	assert_same_pose(&pose, &start);
 	assert_true(camera.time_us == SECOND && camera.wish.move[1] == 1.0f);
-	/* After a gap without calls it is where it was; so it is for the largest gap between two int64_t times. */
+	/* After more than STILB_INPUT_GAP_US without a call the camera is where it was at the last call; so it is after the
+	 * largest gap between two int64_t times. */
 	pose = stilb_input_camera_at(&camera, SECOND + STILB_INPUT_GAP_US);
 	assert_true(pose.position[1] > 700.0f);
 	pose = stilb_input_camera_at(&camera, SECOND + STILB_INPUT_GAP_US + 1);

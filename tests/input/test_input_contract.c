@@ -1,4 +1,4 @@
-/* The contracts of input, each broken on purpose: threads, states, ranges, numbers. */
+/* The asserts of the input headers, each made to fail on purpose: threads, states, ranges, numbers. */
 #include "input/device/input_device_internal.h"
 #include "input/device/input_pads.h"
 #include "input/device/input_ring_internal.h"
@@ -45,7 +45,7 @@ static void *close_recorder(void *recorder)
 	return NULL;
 }
 
-/* Created in the child: its watcher is a thread. */
+/* The pads are created here, in the forked child, as they have a watcher thread, which a fork would not copy. */
 static void pads_on_another_thread(void)
 {
 	stilb_input_pads *pads;

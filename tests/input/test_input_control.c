@@ -1,5 +1,5 @@
-/* input_control: pads, keys and mouse together: the mapping, who leads, what is pressed, when the camera stands still,
- * and the same path at every frame rate from the same reports. */
+/* input_control: pads, keys and mouse together: what each stick and button does, which pad leads (was touched last),
+ * what is pressed, when the camera stands still, and the same path at every frame rate from the same reports. */
 #include "input/hid/input_layout.h"
 #include "input/input_control.h"
 #include "support/input_descriptors.h"
@@ -189,7 +189,7 @@ static void test_keys_and_pad_add_up(void **state)
 	push(1, 0, STILB_INPUT_LEFT_X, 0.55f);
 	frame_with(0, ahead);
 	assert_pose(0, 0, 0, 0, 0);
-	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* and is reported */
+	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* the frame's output has the movement, too */
 	assert_true(out.move[2] == 1.0f);
 	frame_with(SECOND / 10, ahead);
 	float s = 0.1f / hypotf(1.0f, 0.5f); /* no faster together */
@@ -213,7 +213,7 @@ static void test_mouse(void **state)
 	(void)state;
 	frame_with(0, (stilb_input_state){.look = {0.25f, -0.5f}});
 	assert_pose(0, 0, 0, 0.25f, -0.5f);
-	frame(SECOND); /* once */
+	frame(SECOND); /* the mouse's movement is applied only once */
 	assert_pose(0, 0, 0, 0.25f, -0.5f);
 }
 
@@ -252,7 +252,7 @@ static void test_buttons(void **state)
 		press(1, 10, 1u << i);
 		frame(20);
 		assert_actions(rows[i].wanted);
-		press(1, 30, 1u << i); /* held: once per press */
+		press(1, 30, 1u << i); /* still held: a press acts only once */
 		frame(40);
 		assert_actions(no_keys);
 		press(1, 50, 0); /* a release is not a press */
@@ -275,7 +275,7 @@ static void test_presses_between_frames_count(void **state)
 	press(1, 43, 0);
 	frame(50);
 	assert_actions((stilb_input_state){.next_view = 3, .overlay = true, .workers = 3, .capture = true});
-	/* Actions of keys and pad are combined; toggled by both it stays. */
+	/* Actions of keys and pad are combined; a switch that both toggle stays as it was. */
 	press(1, 60, BUTTON(NORTH) | BUTTON(DOWN) | BUTTON(RIGHT) | BUTTON(SOUTH));
 	frame_with(
 		70, (stilb_input_state){.overlay = true, .inspector = true, .workers = 4, .next_view = 2, .screenshot = true});
@@ -310,11 +310,11 @@ static void test_the_last_touched_leads(void **state)
 	frame(SECOND);
 	assert_int_equal(leader(), 2);
 	assert_memory_equal(&pose, &before, sizeof pose);
-	press(1, SECOND, BUTTON(WEST)); /* a press leads, and counts at once */
+	press(1, SECOND, BUTTON(WEST)); /* a press makes the pad lead, and its action is taken at once */
 	frame(SECOND);
 	assert_int_equal(leader(), 1);
 	assert_true(out.capture);
-	press(2, SECOND + 1, 0); /* letting go of a trigger, too */
+	press(2, SECOND + 1, 0); /* letting go of a trigger makes the pad lead, too */
 	assert_int_equal(leader(), 2);
 }
 
@@ -329,11 +329,11 @@ static void test_drift_is_no_touch(void **state)
 		push(2, i * SECOND / 5, STILB_INPUT_LEFT_X, (float)i * 0.01f);
 		assert_int_equal(leader(), 1);
 	}
-	push(2, 20 * SECOND + 250000, STILB_INPUT_LEFT_X, 0.8f); /* and is then moved */
+	push(2, 20 * SECOND + 250000, STILB_INPUT_LEFT_X, 0.8f); /* the stick is moved by a hand: a touch */
 	assert_int_equal(leader(), 2);
 }
 
-/* Without a dead zone noise moves the camera, but still is not a touch. */
+/* With a dead zone of 0 a stick's noise moves the camera, but is no touch that would make the pad lead. */
 static void test_without_dead_zone(void **state)
 {
 	(void)state;
@@ -350,8 +350,8 @@ static void test_without_dead_zone(void **state)
 	assert_int_equal(leader(), 2);
 }
 
-/* The first report of a pad plugged in while another leads is not a touch, as it may lie on its sticks; of the only pad
- * it is. */
+/* The first report of a pad that is plugged in while another pad leads is not a touch, because the pad may lie on its
+ * sticks; if no pad leads, it is a touch. */
 static void test_first_report(void **state)
 {
 	(void)state;
@@ -433,7 +433,7 @@ static void test_focus(void **state)
 	stilb_input_control_frame(control, 2 * SECOND, &keys, false, &out, &pose);
 	assert_memory_equal(&lost, &pose, sizeof pose);
 	assert_false(out.capture);
-	frame(2 * SECOND); /* the focus is back: the stick still counts, presses meanwhile do not */
+	frame(2 * SECOND); /* the focus is back: the stick moves the camera, presses made meanwhile are dropped */
 	assert_false(out.capture);
 	frame(3 * SECOND);
 	assert_true(pose.position[0] > lost.position[0] + 10.0f);
@@ -447,7 +447,7 @@ static void test_keys_end_in_a_stall(void **state)
 	frame_with(0, ahead);
 	frame_with(SECOND, ahead);
 	assert_pose(0, 0, -0.1f, 0, 0);
-	frame_with(SECOND + SECOND / 10, ahead); /* and they go on */
+	frame_with(SECOND + SECOND / 10, ahead); /* the next frame within 100 ms: held throughout */
 	assert_pose(0, 0, -0.2f, 0, 0);
 	plug(1, SECOND + SECOND / 10);
 	push(1, 2 * SECOND, STILB_INPUT_LEFT_X, 1); /* reports come before the frame that ends the stall */
@@ -471,7 +471,7 @@ static void test_place(void **state)
 		assert_memory_equal(&pose, &place, sizeof pose);
 	}
 	push(1, 3 * SECOND, STILB_INPUT_LEFT_X, 1);
-	stilb_input_control_place(control, 3 * SECOND, &place); /* the wish goes on, from rest */
+	stilb_input_control_place(control, 3 * SECOND, &place); /* the held input goes on to move it, from rest */
 	frame(3 * SECOND);
 	assert_memory_equal(&pose, &place, sizeof pose);
 	frame(4 * SECOND);
@@ -528,7 +528,7 @@ static void test_list(void **state)
 	assert_true(pads[1].denied && !pads[1].leads && pads[1].pad == 6);
 	assert_non_null(strstr(pads[1].name, "DualShock 4")); /* recognised without being opened */
 	assert_string_equal(pads[2].name, "Broken");
-	assert_true(strlen(pads[2].recognised) > 10); /* the reason */
+	assert_true(strlen(pads[2].recognised) > 10); /* the reason why it has no layout */
 	/* Reports of a pad without a layout are ignored. */
 	stilb_input_control_event(control, &(stilb_input_event){.kind = STILB_INPUT_PAD_REPORT,
 	                                                        .pad = 7,
@@ -620,7 +620,7 @@ static void test_corrupt_reports_move_nothing(void **state)
 	assert_int_equal(stilb_input_control_pads(control, pads), 1);
 	assert_true(pads[0].corrupt == 10 && pads[0].reports == 1 && pads[0].last_us == 0);
 	ds4_bluetooth(bytes, (ds4_sticks){255, 128, 128, 128});
-	report(1, SECOND, bytes, sizeof bytes); /* a valid report counts */
+	report(1, SECOND, bytes, sizeof bytes); /* a valid report moves the camera */
 	frame(2 * SECOND);
 	assert_pose(1, 0, 0, 0, 0);
 }
@@ -659,7 +659,8 @@ static int64_t next_at_rate(int64_t time_us, uint64_t frame, int rate)
 	return (int64_t)(frame + 1) * SECOND / rate;
 }
 
-/* Between 0 and 40 ms, and every thirtieth half a second late; none goes past a whole second without stopping there. */
+/* Frames of random length between 0 and 40 ms, every thirtieth half a second longer; there is a frame at each whole
+ * second. */
 static int64_t next_at_odd_times(int64_t time_us, uint64_t frame, int rate)
 {
 	(void)rate;
@@ -668,7 +669,7 @@ static int64_t next_at_odd_times(int64_t time_us, uint64_t frame, int rate)
 	return time_us + step < second ? time_us + step : second;
 }
 
-/* Plays the reports into frames; poses at the whole seconds. */
+/* Gives the reports to a control, with frames at the times of `next`; poses[i] is the pose after i + 1 seconds. */
 static void play(const timed_report reports[REPORTS], next_frame *next, int rate, stilb_input_pose poses[SECONDS])
 {
 	stilb_input_control_settings settings = stilb_input_control_settings_default();

@@ -1,4 +1,5 @@
-/* input_descriptor: every item of the specification, every refusal, and the tables of real pads' descriptors. */
+/* input_descriptor: parses a HID report descriptor into fields. Every item of the specification, every refusal, and the
+ * fields of real pads' descriptors. */
 #include "input/hid/input_descriptor.h"
 
 #include "support/input_descriptors.h"
@@ -15,7 +16,7 @@ static stilb_input_descriptor parsed;
 
 /* ---- descriptors in few words ------------------------------------------------------------------------------------ */
 
-/* Parses a copy of just that size, so that the address sanitizer sees what reads beyond it. */
+/* Parses a copy in memory of exactly that size, so that the address sanitizer notices a read beyond its end. */
 static stilb_result parse_bytes(const uint8_t *bytes, size_t size)
 {
 	uint8_t *copy = malloc(size ? size : 1);
@@ -58,7 +59,7 @@ static void good(const char *hex)
 	assert_int_equal(result, STILB_OK);
 }
 
-/* The descriptor is refused with this message, and no fields are left. */
+/* Checks that the descriptor is refused with this message, and that no fields are left. */
 static void refused(const char *hex, const char *message)
 {
 	assert_int_equal(parse_hex(hex), STILB_ERROR_ARGUMENT);
@@ -89,7 +90,7 @@ static void field_text(const stilb_input_field *field, char *text, size_t size)
 	assert_true(n < size);
 }
 
-/* All fields of a kind, a line each. */
+/* Checks that the fields of this kind, written by field_text with a line each, are the expected ones. */
 static void fields_are(stilb_input_field_kind kind, const char *expected)
 {
 	char text[8192] = "";
@@ -117,7 +118,7 @@ static void reports_are(const char *expected)
 
 /* ---- real descriptors -------------------------------------------------------------------------------------------- */
 
-/* The report of a field; every field has one. */
+/* The report that a field is in; it must exist. */
 static const stilb_input_report *report_of(const stilb_input_field *field)
 {
 	for (uint32_t i = 0; i < parsed.report_count; i++)
@@ -145,7 +146,7 @@ static void test_tables(void **state)
 	}
 }
 
-/* The output report for rumble is described like the inputs. */
+/* The fields of an output report, here that for rumble, are read like those of input reports. */
 static void test_outputs_of_an_xbox_pad(void **state)
 {
 	(void)state;
@@ -166,16 +167,16 @@ static void test_outputs_of_an_xbox_pad(void **state)
 	}
 }
 
-/* Cut anywhere, a descriptor is refused where it stops, inside an item or a collection; but for the few that stop
- * between two collections. */
+/* A descriptor that is cut off anywhere is refused, because it then ends inside an item or a collection; the exception
+ * are the few places between two collections. */
 static void test_prefixes_are_refused(void **state)
 {
 	(void)state;
 	for (size_t i = 0; i < input_test_descriptor_count; i++) {
 		const input_test_descriptor *pad = &input_test_descriptors[i];
-		size_t whole = pad->size - (pad->bytes[pad->size - 1] == 0); /* the zero after the end means nothing */
+		size_t whole = pad->size - (pad->bytes[pad->size - 1] == 0); /* some have a superfluous zero at their end */
 		uint32_t good_ones = 0;
-		for (size_t size = 8; size < whole; size++) { /* the first collection has begun */
+		for (size_t size = 8; size < whole; size++) { /* from 8 bytes on the first collection has begun */
 			stilb_result result = parse_bytes(pad->bytes, size);
 			good_ones += result == STILB_OK;
 			if (result == STILB_OK)
@@ -231,7 +232,8 @@ static void write_bits(uint8_t *report, uint32_t bit, uint32_t count, uint64_t v
 	}
 }
 
-/* Element i of the field gives back each value of its range that was written, whatever the bits around it are. */
+/* Checks that each value of the field's range, written into element i, is read back, with `around` in all other bytes
+ * of the report. */
 static void element_says(const stilb_input_field *field, uint32_t i, size_t size, uint8_t around)
 {
 	uint8_t report[STILB_INPUT_REPORT_MAX];
@@ -289,7 +291,7 @@ static void test_signed_values(void **state)
 	                                    "00@16 8 0 -2..-1 (-32768..-32768)\n");
 }
 
-/* An element wider than 32 bits takes its bits, but has no number. */
+/* An element wider than 32 bits takes its place in the report, but cannot be read as a number. */
 static void test_wide_elements(void **state)
 {
 	(void)state;
@@ -309,13 +311,14 @@ static void test_wide_elements(void **state)
 static void test_usages_of_elements(void **state)
 {
 	(void)state;
-	good("05 01 25 7f 75 08 | 95 03 09 30 09 31 09 32 81 02"); /* as many usages as elements */
+	/* As many usages as elements. */
+	good("05 01 25 7f 75 08 | 95 03 09 30 09 31 09 32 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n00@16 8 10032 0..127\n");
 	good("05 01 25 7f 75 08 | 95 04 09 30 09 31 81 02"); /* fewer usages: the last one repeats */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8*3 10031 0..127\n");
 	good("05 01 25 7f 75 08 | 95 02 09 30 09 31 09 32 81 02"); /* more usages: the rest is unused */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n");
-	good("25 7f 75 08 | 95 02 81 02"); /* none */
+	good("25 7f 75 08 | 95 02 81 02"); /* no usages at all */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*2 0 0..127\n");
 	good("05 09 25 01 75 01 | 95 08 19 01 29 08 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 1*8 90001-90008 0..1\n");
@@ -357,7 +360,7 @@ static void test_pages_of_usages(void **state)
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90007-90086 0..127 array\n00@8 8 9fffe-9ffff -32768..-32767 array\n");
 	good(AXIS "07 00 ff 34 12 09 20 81 02 | 06 00 ff 0a 20 01 81 02"); /* a page has 16 bits */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 ff000020 0..127\n00@8 8 ff000120 0..127\n");
-	good("09 05 05 01 a1 01 " AXIS "09 30 81 02 c0"); /* of a collection too */
+	good("09 05 05 01 a1 01 " AXIS "09 30 81 02 c0"); /* a collection's usage gets the page after it, too */
 	assert_int_equal(parsed.fields[0].collection, 0x10005);
 }
 
@@ -366,7 +369,7 @@ static void test_local_items_end_with_the_main_item(void **state)
 	(void)state;
 	good("05 01 " AXIS "09 30 81 02 81 02"); /* the second has no usage */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 0 0..127\n");
-	good("05 01 " AXIS "09 30 50 81 02 | 09 31 00 81 02 | 09 32 f0 81 02"); /* also with one that is not defined */
+	good("05 01 " AXIS "09 30 50 81 02 | 09 31 00 81 02 | 09 32 f0 81 02"); /* undefined main items clear usages, too */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 0 0..127\n00@8 8 0 0..127\n00@16 8 0 0..127\n");
 }
 
@@ -387,7 +390,7 @@ static void test_delimiters(void **state)
 	good("05 01 " AXIS "95 02 | a9 01 09 30 09 31 09 32 a9 00 | a9 01 0b c4 00 02 00 09 33 a9 00 | 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 200c4 0..127\n");
 	good("05 09 " AXIS
-	     "95 03 | 09 07 | a9 01 19 01 29 02 19 03 29 04 09 05 a9 00 | 81 02"); /* the preferred is a range */
+	     "95 03 | 09 07 | a9 01 19 01 29 02 19 03 29 04 09 05 a9 00 | 81 02"); /* the set's first usage is a range */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90007 0..127\n00@8 8*2 90001-90002 0..127\n");
 	refused("a9 01 09 30 a9 01", "report descriptor, byte 4: a delimited set within another");
 	refused("09 30 a9 00", "report descriptor, byte 2: the end of a delimited set that did not begin");
@@ -471,11 +474,11 @@ static void test_arrays(void **state)
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*6 70000-70065 0..101 array\n");
 	good("05 09 15 01 25 04 75 04 95 02 19 11 29 14 81 00"); /* the smallest value names the first usage */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 4*2 90011-90014 1..4 array\n");
-	good("05 09 15 01 25 06 75 08 95 01 | 09 07 19 01 29 03 05 0c 0a 23 02 81 00"); /* a list: values in turn */
+	good("05 09 15 01 25 06 75 08 95 01 | 09 07 19 01 29 03 05 0c 0a 23 02 81 00"); /* values name usages in turn */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90007 1..1 array\n"
 	                                    "00@0 8 90001-90003 2..4 array\n"
 	                                    "00@0 8 c0223 5..5 array\n");
-	good("05 09 15 01 25 02 75 08 95 01 | 09 07 19 01 29 03 09 09 81 00"); /* usages without a value */
+	good("05 09 15 01 25 02 75 08 95 01 | 09 07 19 01 29 03 09 09 81 00"); /* more usages than values */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90007 1..1 array\n00@0 8 90001 2..2 array\n");
 	good("05 09 15 ff 25 03 75 08 95 01 | 19 01 29 09 81 00");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 90001-90005 -1..3 array\n");
@@ -535,7 +538,7 @@ static void test_reports(void **state)
 	good("25 01 75 01 95 09 81 02 91 02 b1 02"); /* without ids: each kind is padded to whole bytes */
 	assert_false(parsed.numbered);
 	reports_are("i00:2 o00:2 f00:2");
-	good("25 01 75 01 95 03 | 85 01 81 02 | 85 ff 81 02 91 02 | 85 01 81 02 b1 02"); /* a report goes on later */
+	good("25 01 75 01 95 03 | 85 01 81 02 | 85 ff 81 02 91 02 | 85 01 81 02 b1 02"); /* report 1 is continued later */
 	assert_true(parsed.numbered);
 	reports_are("i01:2 iff:2 off:2 f01:2");
 	fields_are(STILB_INPUT_FIELD_INPUT, "01@8 1*3 0 0..1\nff@8 1*3 0 0..1\n01@11 1*3 0 0..1\n");
@@ -602,21 +605,21 @@ static void made_is(stilb_result expected, const char *message)
 static void test_as_many_fields_as_fit(void **state)
 {
 	(void)state;
-	for (uint32_t extra = 0; extra < 2; extra++) { /* main items */
+	for (uint32_t extra = 0; extra < 2; extra++) { /* as many main items as there may be fields, and one more */
 		made.size = 0;
 		made_add("25 01 75 01 95 01");
 		made_times(STILB_INPUT_FIELDS_MAX + extra, "81 02");
 		made_is(extra ? STILB_ERROR_ARGUMENT : STILB_OK, "report descriptor, byte 1030: more than 512 fields");
 	}
 	assert_int_equal(made.size, 6 + 2 * 513);
-	for (uint32_t extra = 0; extra < 2; extra++) { /* usages of elements */
+	for (uint32_t extra = 0; extra < 2; extra++) { /* the same by the usages of elements */
 		made.size = 0;
 		made_add("25 01 75 01 96 00 02");
 		made_times(STILB_INPUT_FIELDS_MAX, "09 30");
 		made_add(extra ? "81 02 81 02" : "81 02");
 		made_is(extra ? STILB_ERROR_ARGUMENT : STILB_OK, "report descriptor, byte 1033: more than 512 fields");
 	}
-	for (uint32_t extra = 0; extra < 2; extra++) { /* usages of an array */
+	for (uint32_t extra = 0; extra < 2; extra++) { /* the same by the usages of an array */
 		made.size = 0;
 		made_add("26 ff 7f 75 10 95 01");
 		if (extra)
@@ -660,7 +663,7 @@ static void test_as_many_reports_as_fit(void **state)
 	made_add("91 02");
 	made_is(STILB_OK, NULL);
 	assert_int_equal(parsed.report_count, STILB_INPUT_REPORTS_MAX);
-	made_add("91 02"); /* of the same report */
+	made_add("91 02"); /* adds to the output report 255: no new report */
 	made_is(STILB_OK, NULL);
 	made_add("b1 02");
 	made_is(STILB_ERROR_ARGUMENT, "report descriptor, byte 1030: more than 256 reports");

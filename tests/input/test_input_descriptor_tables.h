@@ -1,5 +1,6 @@
-/* The contents of the descriptors of input_descriptors.c: every report with its size, and every input field. Compared
- * element by element with what the parser of hid-tools (hidtools/hid.py, 0579ecd) makes of the same bytes. */
+/* The expected contents of the report descriptors of input_descriptors.c: every report with its size, and every input
+ * field. They were compared, element by element, with the output of the parser of hid-tools (hidtools/hid.py, 0579ecd)
+ * for the same bytes. */
 #ifndef STILB_TEST_INPUT_DESCRIPTOR_TABLES_H
 #define STILB_TEST_INPUT_DESCRIPTOR_TABLES_H
 

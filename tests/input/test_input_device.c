@@ -1,5 +1,5 @@
-/* Reading a hidraw node's description from sysfs, also a broken one, and opening nodes that are none; on simulated
- * files. */
+/* input_device: reading a hidraw node's description from sysfs, also a broken one, and opening files that are no hidraw
+ * nodes; on simulated files. */
 #include "input/device/input_device_internal.h"
 #include "input/device/input_pads.h"
 #include "support/fake_hidraw.h"
@@ -64,7 +64,7 @@ static void what_sysfs_says_is_read(void **state)
 	assert_memory_equal(info.descriptor, bytes, 507);
 }
 
-/* Without a name and a serial number; lines that look like others; no line end. */
+/* A uevent file may lack the name and the serial number, have lines that look like others, and no last line end. */
 static void a_uevent_file_may_say_little(void **state)
 {
 	(void)state;
@@ -112,7 +112,7 @@ static void what_is_not_there_is_no_pad(void **state)
 		fake_unplug(0);
 	}
 	char path[PATH_MAX];
-	fake_describe(0, &pad, NULL); /* gone between two looks */
+	fake_describe(0, &pad, NULL); /* the pad is unplugged while its files are read: one of them is gone */
 	fake_path(path, fake.sys, "devices/pad%d/report_descriptor", 0);
 	unlink(path);
 	assert_int_equal(look("hidraw0"), -ENODEV);
@@ -230,6 +230,6 @@ int main(void)
 		TEST(a_device_is_read_until_it_is_gone),
 		TEST(the_rule_names_the_kind_of_pad),
 	};
-	signal(SIGPIPE, SIG_IGN); /* a socket that is closed; a hidraw says it with an error */
+	signal(SIGPIPE, SIG_IGN); /* raised by a write to a closed socket, which stands in for a hidraw node here */
 	return cmocka_run_group_tests_name("input_device", tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* input: keys and mouse of a window become wishes. */
+/* input: keys and mouse of a window become a frame's requests (stilb_input_state). */
 #include "input/input.h"
 #include "support/test.h"
 
@@ -33,7 +33,7 @@ static void test_keys(void **state)
 		wanted.move[moves[i].axis] = moves[i].way;
 		assert_memory_equal(input.move, wanted.move, sizeof input.move);
 		assert_false(input.fast || input.capture || input.screenshot || input.workers);
-		input = pressed(moves[i].key, 3); /* it is up again */
+		input = pressed(moves[i].key, 3); /* pressed three times since the last frame, and up again now */
 		assert_true(input.move[0] == 0.0f && input.move[1] == 0.0f && input.move[2] == 0.0f);
 	}
 	stilb_window_state both = {.held = {[STILB_WINDOW_KEY_W] = true, [STILB_WINDOW_KEY_S] = true}};
@@ -45,7 +45,7 @@ static void test_actions(void **state)
 {
 	(void)state;
 	assert_true(pressed(STILB_WINDOW_KEY_P, 1).capture);
-	assert_false(held(STILB_WINDOW_KEY_P).capture); /* once per press */
+	assert_false(held(STILB_WINDOW_KEY_P).capture); /* held since an earlier frame: a press acts only once */
 	assert_true(pressed(STILB_WINDOW_KEY_F12, 2).screenshot);
 	assert_false(held(STILB_WINDOW_KEY_F12).screenshot);
 	assert_true(pressed(STILB_WINDOW_KEY_F1, 1).overlay && pressed(STILB_WINDOW_KEY_F1, 3).overlay);
@@ -72,7 +72,7 @@ static void test_keys_of_a_user_interface(void **state)
 	(void)state;
 	stilb_window_state window = {.mouse_captured = true, .mouse_x = 5.0f, .mouse_y = -7.0f};
 	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
-		bool typed = key == STILB_WINDOW_KEY_MINUS || key == STILB_WINDOW_KEY_PLUS; /* counts, but is never held */
+		bool typed = key == STILB_WINDOW_KEY_MINUS || key == STILB_WINDOW_KEY_PLUS; /* can be pressed, but not held */
 		window.held[key] =
 			!typed && key != STILB_WINDOW_KEY_S && key != STILB_WINDOW_KEY_A && key != STILB_WINDOW_KEY_Q;
 		window.pressed[key] = key != STILB_WINDOW_KEY_MINUS;

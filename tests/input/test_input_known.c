@@ -31,7 +31,7 @@ static void find(const stilb_input_pad_info *info, stilb_input_layout *layout)
 
 /* ---- recordings -------------------------------------------------------------------------------------------------- */
 
-/* "left_x=-1.000000 south+up", "rest": zeros are left out. */
+/* Writes a state like "left_x=-1.000000 south+up", without axes that are 0; "rest" if all is at rest. */
 static void state_text(const stilb_input_pad_state *state, char text[512])
 {
 	int used = 0;
@@ -66,7 +66,7 @@ static bool next_line(FILE *file, char line[512])
 	return false;
 }
 
-/* Every report of the recording decodes to the state in the text. */
+/* Checks that every report of recordings/NAME.rec decodes to the state in the next line of recordings/NAME.txt. */
 static void replay(const char *name)
 {
 	static stilb_input_layout layout;
@@ -149,7 +149,7 @@ static const struct {
      STILB_INPUT_RUMBLE_XBOX_BLUETOOTH},
 };
 
-/* A row with reports needs no descriptor: sysfs may have none. */
+/* A row of the table that gives the reports needs no descriptor of the pad, which sysfs may lack. */
 static void test_names(void **user)
 {
 	(void)user;
@@ -179,7 +179,8 @@ static void assert_same_reports(const stilb_input_layout *a, const stilb_input_l
 	}
 }
 
-/* A first firmware's descriptor under a newer pad's number, and the other way round: the descriptor counts. */
+/* An Xbox pad with the first firmware's descriptor and a newer pad's product number, and the other way round, is read
+ * by its descriptor. */
 static void test_xbox_by_its_descriptor(void **user)
 {
 	(void)user;
@@ -218,7 +219,7 @@ static void test_copies(void **user)
 	find(&info, &layout);
 	assert_false(layout.known);
 	info.bus = STILB_INPUT_BUS_USB;
-	/* an output report of that id and size does not count */
+	/* The row needs an input report of its id and size; an output report like it does not suffice. */
 	static const uint8_t small[] = {0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x85, 0x01, 0x75, 0x08, 0x95,
 	                                0x3f, 0x09, 0x01, 0x91, 0x02, 0x09, 0x30, 0x09, 0x31, 0x15, 0x00,
 	                                0x26, 0xff, 0x00, 0x95, 0x02, 0x81, 0x02, 0x05, 0x09, 0x19, 0x01,
@@ -234,7 +235,7 @@ static void test_copies(void **user)
 	assert_string_equal(layout.name, "a pad");
 }
 
-/* A broken descriptor does not matter if the row has reports. */
+/* A broken descriptor does no harm to a pad whose row in the table gives the reports. */
 static void test_broken_descriptors(void **user)
 {
 	(void)user;
@@ -324,7 +325,8 @@ static void test_hello(void **user)
 
 /* ---- rumble ------------------------------------------------------------------------------------------------------ */
 
-/* These and no other bytes are not zero; Bluetooth's CRCs were computed by zlib. */
+/* Checks a rumble report: its first `known` bytes are these, and zeros follow. The CRC at the end of a Sony pad's
+ * report over Bluetooth is left to test_rumble_crc. */
 static void rumble_is(uint16_t bus, uint16_t vendor, uint16_t product, float heavy, float light, uint32_t sequence,
                       size_t size, const uint8_t *bytes, size_t known)
 {
@@ -355,14 +357,14 @@ static void test_rumble(void **user)
 	RUMBLE(5, 0x045e, 0x02e0, 1.0f, 0.5f, 7, 9, 0x03, 0x03, 0, 0, 100, 50, 0xff, 0, 0xff);
 	RUMBLE(5, 0x045e, 0x02fd, 0.0f, 0.01f, 7, 9, 0x03, 0x03, 0, 0, 0, 1, 0xff, 0, 0xff);
 	RUMBLE(3, 0x057e, 0x2009, 0.0f, 0.0f, 0x1f, 10, 0x10, 0x0f, 0x00, 0x01, 0x40, 0x40, 0x00, 0x01, 0x40, 0x40);
-	/* the rows 1.003 (0xc8, 0x0072) and 0.501 (0x88, 0x0062) of hid-nintendo's table */
+	/* amplitudes 1.003 (bytes 0xc8, 0x0072) and 0.501 (0x88, 0x0062) of hid-nintendo's table */
 	RUMBLE(5, 0x057e, 0x2009, 1.0f, 0.501f, 2, 10, 0x10, 0x02, 0x00, 0xc9, 0x40, 0x72, 0x00, 0x89, 0x40, 0x62);
 	/* 0.112 (0x1e, 0x8047) and 0.020 (0x0a, 0x8042) */
 	RUMBLE(5, 0x057e, 0x2009, 0.112f, 0.020f, 2, 10, 0x10, 0x02, 0x00, 0x1f, 0xc0, 0x47, 0x00, 0x0b, 0xc0, 0x42);
 	/* 0.173 (0x32, 0x804c) and 0.355 (0x68, 0x005a); less than the table's first row */
 	RUMBLE(5, 0x057e, 0x2009, 0.173f, 0.355f, 2, 10, 0x10, 0x02, 0x00, 0x33, 0xc0, 0x4c, 0x00, 0x69, 0x40, 0x5a);
 	RUMBLE(5, 0x057e, 0x2009, 0.009f, 0.004f, 2, 10, 0x10, 0x02, 0x00, 0x01, 0x40, 0x40, 0x00, 0x01, 0x40, 0x40);
-	/* beyond 0..1 */
+	/* strengths beyond 0..1 */
 	RUMBLE(3, 0x054c, 0x05c4, 9.0f, -1.0f, 7, 32, 0x05, 0x01, 0, 0, 0, 255);
 	RUMBLE(5, 0x057e, 0x2009, -1.0f, 9.0f, 0, 10, 0x10, 0x00, 0x00, 0x01, 0x40, 0x40, 0x00, 0xc9, 0x40, 0x72);
 	RUMBLE(3, 0x054c, 0x0268, 1.0f, 1.0f, 7, 0, 0);

@@ -9,7 +9,7 @@
 
 /* ---- CRC --------------------------------------------------------------------------------------------------------- */
 
-/* By definition: a bit at a time. */
+/* The CRC-32 by its definition, a bit at a time, to compare with. */
 static uint32_t crc32_bit_by_bit(uint32_t crc, const uint8_t *bytes, size_t size)
 {
 	crc = ~crc;
@@ -66,7 +66,8 @@ static stilb_input_pad_state decode_u32(stilb_input_source source, uint32_t valu
 	return state;
 }
 
-/* The ends are exact, rest is 0, and a value beyond the range counts as its end. */
+/* The ends of an axis's range become exactly -1 (0 for triggers) and 1, its rest 0, and values beyond the range become
+ * its ends. */
 static void test_axes(void **user)
 {
 	(void)user;
@@ -163,7 +164,7 @@ static void test_hats(void **user)
 		assert_int_equal(hat_buttons(0, 7, i), around[i]);
 		assert_int_equal(hat_buttons(1, 8, i + 1), around[i]);
 		for (uint32_t k = 0; k < 45; k++) {              /* an angle is rounded to the nearest direction */
-			uint32_t degrees = (45 * i + k + 338) % 360; /* from 22 below to 22 above */
+			uint32_t degrees = (45 * i + k + 338) % 360; /* from 22 degrees below direction i to 22 above */
 			assert_int_equal(hat_buttons(0, 359, degrees), around[i]);
 		}
 	}
@@ -203,7 +204,8 @@ static stilb_input_source axis_byte(stilb_input_axis axis, uint32_t byte)
 		.kind = STILB_INPUT_SOURCE_AXIS, .target = (uint8_t)axis, .bits = 8, .bit = 8 * byte, .high = 255};
 }
 
-/* A short report leaves the missing controls as they were; one without any control is corrupt and changes nothing. */
+/* A short report leaves the axes and buttons that it lacks as they were; one that lacks all is corrupt and changes
+ * nothing. */
 static void test_short_reports(void **user)
 {
 	(void)user;
@@ -239,7 +241,7 @@ static void test_corrupt_reports(void **user)
 	for (int i = 0; i < 4; i++)
 		report[6 + i] = (uint8_t)(crc >> 8 * i);
 	stilb_input_pad_state state = {0};
-	for (uint32_t bit = 8; bit < 72; bit++) { /* not of the id */
+	for (uint32_t bit = 8; bit < 72; bit++) { /* all bits but those of the id */
 		report[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
 		assert_int_equal(stilb_input_decode(&layout, report + 1, 9, &state), STILB_INPUT_CORRUPT);
 		report[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
@@ -281,7 +283,8 @@ static stilb_result find_bytes(const uint8_t *bytes, size_t size, stilb_input_la
 	return stilb_input_layout_find(&info, layout);
 }
 
-/* "1 left_x@8+8[0,255] south@24+1[1,1] ...", a line a report. */
+/* Writes a layout as text, a line for each report: its id:size, then each source as target@bit+bits[low,high], with s
+ * in place of + for signed values; the usual range of a single bit is left out. */
 static void layout_text(const stilb_input_layout *layout, char *text)
 {
 	*text = '\0';
@@ -354,17 +357,17 @@ static void test_plain_pads(void **user)
 	/* without report ids, without a second stick */
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@16+1 south@17+1", GAME_PAD, X_AND_Y, BUTTONS(2), SIZE(6, 1),
 	          PADDING, END);
-	/* Z and Rz are like X and Y: a stick; signed */
+	/* Z and Rz have the range of X and Y, so they are a stick; with signed values */
 	LAYOUT_IS("0:5 left_x@0s8[-127,127] left_y@8s8[127,-127] right_x@16s8[-127,127] right_y@24s8[127,-127] west@32+1",
 	          JOYSTICK,
 	          AXES(USAGE(0x30), USAGE(0x31), USAGE(0x32), USAGE(0x35), LOGICAL(-127, 127), SIZE(8, 4), VARIABLE),
 	          BUTTONS(1), SIZE(7, 1), PADDING, END);
-	/* so are Rx and Ry where there is nothing else */
+	/* Rx and Ry are the right stick if there is no Z and Rz */
 	LAYOUT_IS("0:5 left_x@0+8[0,255] left_y@8+8[255,0] right_x@16+8[0,255] right_y@24+8[255,0] west@32+1", GAME_PAD,
 	          X_AND_Y, USAGE(0x33), USAGE(0x34), VARIABLE, BUTTONS(1), SIZE(7, 1), PADDING, END);
 }
 
-/* Both pairs are alike: only their collections tell them apart. */
+/* The pairs Z, Rz and Rx, Ry both have the range of a stick: only their collections tell which is the right stick. */
 static void test_pairs(void **user)
 {
 	(void)user;
@@ -385,15 +388,15 @@ static void test_pairs(void **user)
 	          " right_trigger@40+8[0,255] west@48+1",
 	          GAME_PAD, X_AND_Y, USAGE(1), PHYSICAL, USAGE(0x32), USAGE(0x35), VARIABLE, END, USAGE(1), PHYSICAL,
 	          USAGE(0x33), USAGE(0x34), VARIABLE, END, BUTTONS(1), SIZE(7, 1), PADDING, END);
-	/* brake and accelerator take precedence over the remaining pair */
+	/* brake and accelerator are the triggers rather than the pair of axes that is not a stick */
 	LAYOUT_IS("0:9 left_x@0+8[0,255] left_y@8+8[255,0] right_x@16+8[0,255] right_y@24+8[255,0] left_trigger@48+8[0,255]"
 	          " right_trigger@56+8[0,255] south@64+1",
 	          GAME_PAD, X_AND_Y, USAGE(0x32), USAGE(0x35), USAGE(0x33), USAGE(0x34), SIZE(8, 4), VARIABLE, PAGE(2),
 	          USAGE(0xc5), USAGE(0xc4), SIZE(8, 2), VARIABLE, BUTTONS(1), SIZE(7, 1), PADDING, END);
 }
 
-/* A pair with another range than the left stick is the triggers of a pad; on a joystick it is a throttle or the
- * like. */
+/* A pair of axes with another range than the left stick is the triggers of a gamepad; on a joystick it is a throttle or
+ * the like and is not read. */
 static void test_other_ranges(void **user)
 {
 	(void)user;
@@ -440,8 +443,8 @@ static void test_hat_ranges(void **user)
 	ONE_HAT("[0,7]", 0, 7);
 	ONE_HAT("[1,8]", 1, 8);
 	ONE_HAT("[0,3]", 0, 3);
-	ONE_HAT("[0,7]", 0, 8);  /* 8 is inside the range and means nothing */
-	ONE_HAT("[0,7]", 0, 15); /* four whole bits */
+	ONE_HAT("[0,7]", 0, 8);  /* the descriptor declares 0..8: 8 is the hat at rest, no direction */
+	ONE_HAT("[0,7]", 0, 15); /* it declares all values of four bits: 8..15 are no directions */
 	ONE_HAT("[0,359]", 0, 359);
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] up@16+1 down@17+1 left@19+1 right@18+1 west@20+1 south@21+1"
 	          " east@22+1 north@23+1",
@@ -484,7 +487,7 @@ static void test_odd_buttons(void **user)
 	          LOGICAL(0, 1), SIZE(1, 3), VARIABLE, SIZE(5, 1), PADDING, END);
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@16+1 south@17+1", GAME_PAD, X_AND_Y, PAGE(9), USAGES(1, 8),
 	          LOGICAL(0, 1), SIZE(1, 2), VARIABLE, SIZE(6, 1), PADDING, END);
-	/* an array: each element says which, 0 is none; a trigger cannot be one of them */
+	/* an array: each element's value names the button that is down, 0 none; a trigger among them is left out */
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] west@16+4[1,1] west@20+4[1,1] south@16+4[2,2] south@20+4[2,2]",
 	          GAME_PAD, X_AND_Y, PAGE(9), USAGES(1, 2), LOGICAL(1, 2), SIZE(4, 2), ARRAY, END);
 	LAYOUT_IS("0:3 left_x@0+8[0,255] left_y@8+8[255,0] right_shoulder@16+8[1,1] back@16+8[4,4]", GAME_PAD, X_AND_Y,
@@ -505,7 +508,7 @@ static void test_odd_buttons(void **user)
 	          LOGICAL(0, 1), SIZE(1, 8), VARIABLE, END);
 }
 
-/* Of an adaptor for two pads the first pad counts; else the second one would press the first one's buttons. */
+/* Of an adaptor for two pads only the first pad is read; else the second one would press the first one's buttons. */
 static void test_two_pads_in_one(void **user)
 {
 	(void)user;
@@ -532,7 +535,7 @@ static void test_half_a_stick(void **user)
 	REFUSED("no stick with buttons", GAME_PAD, ONE_AXIS(0x31), BUTTONS(8), END);
 }
 
-/* More than a layout holds: what comes first stays. */
+/* Of more sources than a layout holds, the first ones are kept. */
 static void test_too_many_sources(void **user)
 {
 	(void)user;

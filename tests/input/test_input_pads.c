@@ -1,4 +1,4 @@
-/* input_pads: coming and going, reports, rumble, and failures, on simulated nodes. */
+/* input_pads: gamepads plugged in and out, their reports, rumble, and failures, on simulated hidraw nodes. */
 #include "input/device/input_pads.h"
 
 #include "input/device/input_reader_internal.h"
@@ -11,7 +11,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-/* Replaces the real one, so that hidapi is not loaded: the thread sanitizer does not see into it. */
+/* Replaces the real hidapi backend, so that hidapi is not loaded: the thread sanitizer does not see into that. */
 const input_backend input_backend_hidapi = {.name = "none"};
 
 static stilb_input_pads *pads;
@@ -52,7 +52,7 @@ static void sleep_ms(int ms)
 	nanosleep(&(struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000L}, NULL);
 }
 
-/* The next event, waited for as long as a slow machine may need. */
+/* Waits for the next event, as long as a slow machine may need, and returns it. */
 static stilb_input_event next(void)
 {
 	stilb_input_event event;
@@ -154,7 +154,7 @@ static void a_pad_comes_reports_and_goes(void **state)
 		for (uint32_t i = 0; i < 20; i++)
 			send_number(0, i);
 		fake_unplug(0);
-		for (uint32_t i = 0; i < 20; i++) { /* what it sent comes before its end */
+		for (uint32_t i = 0; i < 20; i++) { /* the reports that it sent come before its REMOVED */
 			stilb_input_event event = next();
 			assert_int_equal(number_of(&event), i);
 			assert_int_equal(event.pad, life);
@@ -287,12 +287,12 @@ static void a_new_node_has_time_to_be_opened_up(void **state)
 	sleep_ms(30);
 	fake_chmod(0, 0600);
 	assert_int_equal(next_of(STILB_INPUT_PAD_ADDED).info->vendor, ds4->vendor);
-	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* permission never came */
+	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED); /* permission did not come in its time of grace */
 	assert_int_equal(denied.info->vendor, asus->vendor);
 	assert_in_range(denied.time_us - before_us, 500000, 5000000);
 	fake_plug_mode(2, ds4, 0);
 	sleep_ms(10);
-	fake_unplug(2); /* in its time of grace */
+	fake_unplug(2); /* within the time for which a new node may still get permission */
 	assert_true(is_quiet(10));
 }
 
@@ -309,7 +309,7 @@ static void events_come_in_time_order_until_a_time(void **state)
 	int64_t before_us = input_now_us();
 	for (uint32_t i = 0; i < 40; i++) {
 		send_number((int)(i & 1), i);
-		do /* until its reader has published it */
+		do /* until the pad's reader has read the report */
 			sleep_ms(1);
 		while (stilb_input_pads_stats_get(pads).reports <= i);
 	}
@@ -370,7 +370,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 		assert_true(times_us[i] >= sent_us[i]);
 		late += times_us[i] - sent_us[i] > 100000;
 	}
-	assert_true(late < 300); /* a frame's time would be up to 500 ms late for most */
+	assert_true(late < 300); /* stamped with the frame's time instead, most reports would be late, by up to 500 ms */
 }
 
 /* With a full ring reports are lost and counted, but never the newest. */
@@ -390,7 +390,7 @@ static void a_full_ring_keeps_the_newest(void **state)
 	for (; last != 999; count++) {
 		event = next();
 		last = number_of(&event);
-		assert_true(last == count || last == 999); /* the oldest, and the newest */
+		assert_true(last == count || last == 999); /* first the oldest ones in order, then the newest of all */
 	}
 	assert_in_range(count, 16384 / (64 + 32), 16384 / 64 + 1);
 	assert_int_equal(stilb_input_pads_stats_get(pads).lost, 1000 - count);
@@ -459,7 +459,7 @@ static void a_pad_shakes_for_a_while(void **state)
 	assert_int_equal(stilb_input_pads_stats_get(pads).written, 4);
 }
 
-/* Requests come faster than the rate limit: those in between are skipped, and the newest counts. */
+/* Requests come faster than rumble reports may be sent: those in between are skipped, and the newest is sent. */
 static void rumble_is_limited_in_rate(void **state)
 {
 	(void)state;
@@ -481,7 +481,7 @@ static void rumble_is_limited_in_rate(void **state)
 		size = stilb_input_rumble_report(&layout, 1, 1, ++count, newest);
 		assert_int_equal(fake_receive(0, report, sizeof report, 5000), size);
 	} while (memcmp(report, newest, size) != 0);
-	assert_in_range(count, 1, 1 + (input_now_us() - before_us) / 30000); /* of 501: one in 30 ms */
+	assert_in_range(count, 1, 1 + (input_now_us() - before_us) / 30000); /* of 501 requests one in 30 ms is sent */
 }
 
 /* A Switch Pro stops by itself unless the report is repeated. */
@@ -526,7 +526,7 @@ static void what_shakes_is_stopped_at_the_end(void **state)
 	assert_int_equal(recv(fake.nodes[0].device, report, 1, 0), 0); /* and the node is closed */
 }
 
-/* The program ends while the stop of a rumble waits for the rate limit. */
+/* The program ends while the report that stops a rumble has to wait, as reports may be 30 ms apart at least. */
 static void what_should_have_stopped_is_stopped_at_the_end(void **state)
 {
 	(void)state;
@@ -541,7 +541,7 @@ static void what_should_have_stopped_is_stopped_at_the_end(void **state)
 	pads = NULL;
 	assert_shakes(0, &layout, 0, 0, 1);
 	uint8_t report[STILB_INPUT_OUTPUT_MAX];
-	assert_int_equal(fake_receive(0, report, sizeof report, 0), 0); /* once */
+	assert_int_equal(fake_receive(0, report, sizeof report, 0), 0); /* the stop was sent only once */
 }
 
 static void a_pad_that_does_not_answer_is_waited_for(void **state)
@@ -576,7 +576,7 @@ static void a_pad_is_greeted(void **state)
 
 /* ---- many -------------------------------------------------------------------------------------------------------- */
 
-static uint32_t lives = 100; /* as many as the program was told to try */
+static uint32_t lives = 100; /* how many times a pad comes and goes; the program's argument replaces it */
 
 static void many_lives_leave_nothing(void **state)
 {
@@ -592,7 +592,7 @@ static void many_lives_leave_nothing(void **state)
 	}
 	assert_true(is_quiet(1)); /* the last one is taken */
 	for (int i = 0; i < 5000 && count_entries("/proc/self/fd") > fds; i++)
-		sleep_ms(1); /* what is closed last */
+		sleep_ms(1); /* the last pad's descriptors are closed after its REMOVED was taken */
 	assert_int_equal(count_entries("/proc/self/task"), threads);
 	assert_int_equal(count_entries("/proc/self/fd"), fds);
 	stilb_input_pads_destroy(pads);
@@ -636,10 +636,10 @@ static void a_flood_of_events_hides_no_pad(void **state)
 	fake_path(plugged, fake.dev, "hidraw%d", 2);
 	fake_plug_mode(1, asus, 0);
 	fake_plug(2, ds4);
-	unlink(plugged); /* sysfs has it already */
+	unlink(plugged); /* the node is missing in /dev, while sysfs has the device */
 	begin();
 	next_of(STILB_INPUT_PAD_DENIED);
-	pthread_mutex_lock(&fake.lock); /* the watcher stands still when it opens the next node */
+	pthread_mutex_lock(&fake.lock); /* holds the watcher up when it opens the next node */
 	fake_describe(7, ds4, NULL);
 	fake_path(path, fake.dev, "hidraw%d", 7);
 	fake_write(path, "", 0, 0600);
@@ -734,7 +734,7 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 	return __atomic_load_n(&memory_fails, __ATOMIC_RELAXED) ? NULL : __real_stilb_memory_alloc(count, size);
 }
 
-/* Reports the failure, leaks nothing, and still reads the next pad. */
+/* After a failure to read a pad nothing leaks, and the next pad is still read. */
 static void a_pad_that_cannot_be_read_is_left(void **state)
 {
 	(void)state;

@@ -1,4 +1,5 @@
-/* input_recording: what is written comes back, other programs' files are read, and damaged ones are refused by line. */
+/* input_recording: events written to a file are read back, other programs' files are read, and damaged files are
+ * refused with the line. */
 #include "input/input_recording_internal.h"
 #include "input/input_text_internal.h"
 #include "jobs/job_random.h"
@@ -53,7 +54,7 @@ typedef struct made_event {
 	uint8_t bytes[64];
 } made_event;
 
-#define MADE_START 7200000123 /* the clock did not begin with the recording */
+#define MADE_START 7200000123 /* microseconds of the clock at the first event: a recording's own times begin at 0 */
 
 static void made_info(stilb_input_pad_info *info, const char *name, const char *path, size_t descriptor)
 {
@@ -169,10 +170,10 @@ static void test_round_trip(void **state)
 		made[count++] = made_other(STILB_INPUT_PAD_REPORT, pad, 100 * (int64_t)i, 1 + i % 64);
 	}
 	made[count++] = made_other(STILB_INPUT_PAD_REMOVED, 900000, 3599999999, 0);
-	made[count++] = made_other(STILB_INPUT_PAD_REPORT, 900000, 3600000000, 9); /* of a pad that is gone */
+	made[count++] = made_other(STILB_INPUT_PAD_REPORT, 900000, 3600000000, 9); /* of a pad that was removed */
 	made[count++] = made_other(STILB_INPUT_PAD_REMOVED, 2, 3600000001, 0);
 	assert_int_equal(stilb_input_recorder_create("a.rec", &recorder), STILB_OK);
-	static const uint32_t pads[] = {2, 3, 900000}; /* those that are recorded */
+	static const uint32_t pads[] = {2, 3, 900000}; /* numbers of the pads that are recorded */
 	bool there[3] = {false};
 	for (size_t i = 0; i < count; i++) {
 		const stilb_input_event *event = &made[i].event;
@@ -242,7 +243,7 @@ static void test_text(void **state)
 	assert_int_equal(folder_clear(), 2);
 }
 
-/* Events up to a time, inclusive. */
+/* stilb_input_recording_next gives the events up to a time, that time included. */
 static void test_until(void **state)
 {
 	(void)state;
@@ -375,7 +376,7 @@ static void test_names(void **state)
 	char cut[8];
 	input_text_copy(cut, sizeof cut, "\xe2\x82\xac", 2); /* the third byte is beyond the length */
 	assert_string_equal(cut, "??");
-	for (size_t size = 1; size <= sizeof cut; size++) { /* at whole characters */
+	for (size_t size = 1; size <= sizeof cut; size++) { /* text is cut after a whole character */
 		static const size_t fits[] = {0, 1, 1, 1, 4, 4, 4, 7};
 		input_text_copy(cut, size, "a\xe2\x82\xac\xe2\x82\xac", 7);
 		assert_int_equal(strlen(cut), fits[size - 1]);
@@ -467,7 +468,7 @@ static void test_refusals(void **state)
 	folder_clear();
 }
 
-/* 16382 bytes and their end fit, one more does not. */
+/* A line of 16382 bytes and its line end is read, one of a byte more is refused. */
 static void test_line_length(void **state)
 {
 	(void)state;
@@ -480,7 +481,7 @@ static void test_line_length(void **state)
 	line[16382] = '\n';
 	write_text("a.rec", text, before + 16383);
 	stilb_input_recording_free(load("a.rec"));
-	write_text("a.rec", text, before + 16382); /* without an end */
+	write_text("a.rec", text, before + 16382); /* the last line without a line end */
 	stilb_input_recording_free(load("a.rec"));
 	line[16382] = '#';
 	line[16383] = '\n';
@@ -489,7 +490,8 @@ static void test_line_length(void **state)
 	folder_clear();
 }
 
-/* A pad's time may go back by a second, another pad's by more: both count as the time above. */
+/* A time may go back by up to a second for one pad, and by more if it is another pad's: it then counts as the time of
+ * the line before. */
 static void test_disorder(void **state)
 {
 	(void)state;
@@ -620,7 +622,7 @@ static void test_no_memory(void **state)
 
 /* ---- damaged files ----------------------------------------------------------------------------------------------- */
 
-/* Checks that events are of pads that are there and in time order. Returns their number. */
+/* Checks that events are of pads that were added and not removed, and in time order. Returns their number. */
 static size_t walk(stilb_input_recording *recording)
 {
 	size_t count = 0;
@@ -676,7 +678,7 @@ static void test_damaged(void **state)
 		if (input_recording_read(stream, "damaged", &recording) == STILB_OK) {
 			taken++;
 			size_t events = walk(recording);
-			if (taken % 32 == 0) { /* takes time: it is synced to the disk */
+			if (taken % 32 == 0) { /* not every time: writing a recording is slow, as it is synced to the disk */
 				stilb_input_recording_free(recording);
 				rewind(stream);
 				assert_int_equal(input_recording_read(stream, "damaged", &recording), STILB_OK);

@@ -1,4 +1,4 @@
-/* input_ring: records come out in order and whole, and as many fit as the capacity says. */
+/* input_ring, the queue of reports: records come out in order and whole, and as many fit as its capacity allows. */
 #include "input/device/input_ring_internal.h"
 #include "support/test.h"
 
@@ -34,7 +34,7 @@ static bool is_record(const input_record *record, uint64_t number)
 	       memcmp(record->bytes, bytes, size) == 0;
 }
 
-/* Against a model: the number of records in the queue and their lengths. */
+/* Compares the ring with a model of it: the number of records in the queue and their lengths. */
 static void it_is_a_queue_of_whole_records(void **state)
 {
 	(void)state;
@@ -44,7 +44,7 @@ static void it_is_a_queue_of_whole_records(void **state)
 	assert_null(input_ring_peek(&ring));
 	for (uint64_t step = 0; step < 200000; step++) {
 		uint8_t bytes[LONGEST];
-		/* Now it is mostly full, now mostly empty. */
+		/* For 1000 steps pushes are more likely, so that the ring is mostly full, for the next 1000 pops. */
 		if (stilb_random_u64(2, step) % 100 < (step / 1000 % 2 ? 70 : 30)) {
 			uint64_t length = (sizeof(input_record) + make(pushed, bytes) + 7) / 8 * 8;
 			bool fits = used + length <= CAPACITY;

@@ -137,7 +137,7 @@ static void a_device_is_read_and_asked(void **state)
 	int size = 0;
 	while ((size = DEVICE_BACKEND.read(&device, wake_fd, -1, report, sizeof report)) > 0)
 		stream_add(&got, report, (size_t)size);
-	assert_int_equal(size, 0); /* it was woken */
+	assert_int_equal(size, 0); /* read returned without a report, because wake_fd was written */
 	assert_int_equal(eventfd_read(wake_fd, &woken), 0);
 	while (got.next < REPORTS) {
 		size = DEVICE_BACKEND.read(&device, wake_fd, 5000, report, sizeof report);
@@ -158,7 +158,7 @@ static void a_device_is_read_and_asked(void **state)
 	close(wake_fd);
 }
 
-/* Cases in which hidapi 0.13.1 crashes. */
+/* Files that are no hidraw nodes: hidapi 0.13.1 crashes when it opens them, so it must not get them. */
 static void what_is_no_hidraw_is_not_opened(void **state)
 {
 	(void)state;
@@ -207,7 +207,7 @@ static size_t write_hex(char *out, const uint8_t *bytes, size_t size)
 	return 2 * size;
 }
 
-/* A line of a script: bytes up to 32 are ^ and a letter, ^ itself is ^`. */
+/* Adds a line of umockdev's script format: bytes below 32 are written as ^ and a letter, ^ itself as ^`. */
 static void script_add(char operation, const uint8_t *bytes, size_t size)
 {
 	char *at = bed_script + bed_script_size;

@@ -12,7 +12,7 @@
 #define MS 1000
 #define NEAR(a, b) assert_float_equal(a, b, 1e-6f)
 
-/* As GLFW 3.3.8 writes them. */
+/* GUIDs of gamepads as GLFW 3.3.8 writes them. */
 #define GUID_XBOX_USB "030000005e0400008e02000010010000" /* xpad: no hidraw node */
 #define GUID_XBOX_BLUETOOTH "050000005e040000fd02000003090000"
 #define GUID_DS4_USB "030000004c050000c405000011810000"
@@ -93,7 +93,7 @@ static void sticks_point_up_and_triggers_begin_at_zero(void **state)
 	NEAR(got.axes[STILB_INPUT_RIGHT_TRIGGER], 1.0f);
 }
 
-/* In the order of glfw3.h; EXTRA is not among them. */
+/* GLFW's buttons in the order of glfw3.h; it has none for STILB_INPUT_EXTRA. */
 static void each_button_has_its_place(void **state)
 {
 	(void)state;
@@ -149,7 +149,7 @@ static void a_pad_comes_acts_and_goes(void **state)
 	gamepads[3] = at_rest(GUID_XBOX_USB, "Microsoft X-Box 360 pad");
 	feed(0);
 	feed(STILB_INPUT_WINDOW_WAIT_US - 1);
-	assert_int_equal(pads(now), 0); /* it may still come directly */
+	assert_int_equal(pads(now), 0); /* not added yet: input_pads may still open it directly */
 	feed(1);
 	assert_int_equal(pads(now), 1);
 	assert_string_equal(now[0].info->path, "window:3");
@@ -213,7 +213,7 @@ static void a_pad_never_appears_twice(void **state)
 
 	direct(STILB_INPUT_PAD_REMOVED, 1, STILB_INPUT_BUS_USB, 0x054c, 0x05c4); /* as if its udev rule was removed */
 	feed(4 * MS);
-	assert_int_equal(pads(now), 2); /* the library's was there for long enough */
+	assert_int_equal(pads(now), 2); /* the library's pad has been there for the waiting time already */
 	direct(STILB_INPUT_PAD_ADDED, 2, STILB_INPUT_BUS_USB, 0x054c, 0x05c4);
 	feed(4 * MS);
 	assert_int_equal(pads(now), 2);
@@ -221,7 +221,7 @@ static void a_pad_never_appears_twice(void **state)
 		assert_string_equal(now[i].info->path, now[i].pad == 2 ? "/dev/hidraw3" : "window:1");
 }
 
-/* The node may not be opened, so the library's gamepad counts. */
+/* A pad whose hidraw node may not be opened is read through the window's library. */
 static void a_denied_pad_is_read_through_the_window(void **state)
 {
 	(void)state;

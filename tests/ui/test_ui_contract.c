@@ -1,5 +1,5 @@
-/* The contracts of the user interface, each broken on purpose; and a draw list and a snapshot that are damaged fail
- * their checks. */
+/* The asserts of the user interface, each made to fail on purpose; and damaged draw lists and snapshots, which must
+ * fail their checks (STILB_CHECK). */
 #include "support/contract.h"
 #include "support/test.h"
 #include "ui/ui_internal.h"
@@ -26,7 +26,7 @@ static void *begin(void *ui)
 	return NULL;
 }
 
-/* A frame that another thread has begun. */
+/* Draws a label in a frame that another thread has begun. */
 static void label_beside_another_thread(stilb_ui *ui)
 {
 	pthread_t thread;
@@ -159,7 +159,7 @@ static void profiler_windows(void **state)
 	stilb_ui_profiler_destroy(profiler);
 }
 
-/* Zones of one lane: a frame with two zones in it. */
+/* Builds the data of a snapshot with one lane, a frame with two zones in it, of which zone number `at` is `damaged`. */
 static void build_with(stilb_prof_zone damaged, uint32_t at)
 {
 	stilb_prof_zone zones[3] = {

@@ -21,7 +21,7 @@ typedef struct test_shape {
 	const char *name;
 	void (*draw)(stilb_ui_draw_list *list);
 	bool (*inside)(double x, double y);
-	double worst, edge_mean; /* limits of the errors, see `deviation` below */
+	double worst, edge_mean; /* largest errors allowed, see shape_error below */
 } test_shape;
 
 /* The errors of a drawn shape: drawn alpha against the share of the pixel that the shape covers, the largest over all
@@ -72,7 +72,7 @@ static bool in_rounded(double x, double y, double x0, double y0, double x1, doub
 	return x >= x0 && x < x1 && y >= y0 && y < y1 && dx * dx + dy * dy <= r * r;
 }
 
-/* Inside the strip of this width from a to b, with square ends. */
+/* True if (x, y) is on the line of this width from a to b, which ends squarely. */
 static bool in_line(double x, double y, double ax, double ay, double bx, double by, double width)
 {
 	double length = hypot(bx - ax, by - ay), ux = (bx - ax) / length, uy = (by - ay) / length;
@@ -148,7 +148,7 @@ static bool in_diamond(double x, double y)
 static const stilb_ui_point triangle[3] = {{12.0f, 10.0f}, {38.0f, 24.0f}, {12.0f, 38.0f}};
 static void draw_triangle(stilb_ui_draw_list *list)
 {
-	stilb_ui_draw_triangle(list, triangle[2], triangle[1], triangle[0], white); /* the other way around */
+	stilb_ui_draw_triangle(list, triangle[2], triangle[1], triangle[0], white); /* corners counterclockwise */
 }
 static bool in_triangle(double x, double y)
 {
@@ -212,7 +212,7 @@ static const test_shape shapes[] = {
 	{"needle", draw_needle, in_needle, 0.27, 0.1},
 	{"line 1.5 wide", draw_line, in_thick_line, 0.19, 0.03},
 	{"line 0.3 wide", draw_hair, in_hair, 0.085, 0.035},
-	{"rectangle", draw_between, in_between, 0.003, 0.002}, /* 8 bits of alpha */
+	{"rectangle", draw_between, in_between, 0.003, 0.002}, /* exact but for the rounding of alpha to 8 bits */
 	{"sliver", draw_sliver, in_sliver, 0.003, 0.002},
 };
 #define SHAPES (sizeof shapes / sizeof *shapes)
@@ -239,7 +239,7 @@ static void test_other_modes_are_worse(void **state)
 		shape_error ours = shape_measure(&shapes[i], STILB_UI_AA_FEATHER);
 		shape_error article = shape_measure(&shapes[i], STILB_UI_AA_ARTICLE);
 		shape_error off = shape_measure(&shapes[i], STILB_UI_AA_OFF);
-		assert_true(article.area > 1.015); /* it grows */
+		assert_true(article.area > 1.015); /* AA_ARTICLE enlarges the shape */
 		assert_true(article.edge_mean > 2.5 * ours.edge_mean);
 		assert_true(off.edge_mean > 2.5 * ours.edge_mean);
 	}
@@ -314,7 +314,8 @@ static void test_rectangles_on_pixels_are_one_quad(void **state)
 	}
 }
 
-/* The cross-section of a straight line of any width is a strip convolved with a pixel. */
+/* Across a straight line of any width, alpha is the share of each pixel that the line covers, also when the width is
+ * below a pixel. */
 static void test_lines_keep_their_width(void **state)
 {
 	(void)state;
@@ -346,7 +347,7 @@ static void test_clips_nest_and_merge(void **state)
 	stilb_ui_rect clip = stilb_ui_clip(&list);
 	assert_true(clip.x0 == 10 && clip.y0 == 20 && clip.x1 == 50 && clip.y1 == 50);
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){-1e9f, -1e9f, 1e9f, 1e9f}, white);
-	assert_true(list.vertices[4].position[0] == 10 && list.vertices[6].position[1] == 50); /* cut here already */
+	assert_true(list.vertices[4].position[0] == 10 && list.vertices[6].position[1] == 50); /* rectangles are cut here */
 	stilb_ui_draw_circle(&list, (stilb_ui_point){60, 30}, 8, white);                       /* outside */
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){50, 20, 60, 30}, white);
 	stilb_ui_draw_line(&list, (stilb_ui_point){0, 0}, (stilb_ui_point){1, 70}, 1, white);
@@ -354,7 +355,7 @@ static void test_clips_nest_and_merge(void **state)
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){20, 20, 21, 21}, white);
 	stilb_ui_clip_pop(&list);
 	stilb_ui_clip_pop(&list);
-	stilb_ui_clip_push(&list, (stilb_ui_rect){0, 0, 100, 80}); /* the same as without */
+	stilb_ui_clip_push(&list, (stilb_ui_rect){0, 0, 100, 80}); /* the whole picture: the clip does not change */
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){0, 0, 10, 10}, white);
 	stilb_ui_clip_pop(&list);
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){0, 0, 10, 10}, white);
@@ -364,7 +365,7 @@ static void test_clips_nest_and_merge(void **state)
 		assert_int_equal(list.commands[i].first_index, first);
 		assert_int_equal(list.commands[i].index_count, counts[i]);
 	}
-	stilb_ui_clip_push(&list, (stilb_ui_rect){30, 30, 20, 20}); /* nothing */
+	stilb_ui_clip_push(&list, (stilb_ui_rect){30, 30, 20, 20}); /* an empty clip: nothing is drawn */
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){0, 0, 100, 100}, white);
 	draw_box(&list);
 	assert_int_equal(list.command_count, 3);
@@ -475,7 +476,7 @@ static void test_colors(void **state)
 		stilb_ui_color back = stilb_ui_rgb(rgb), text = stilb_ui_text_color_on(back);
 		double other = contrast(back, stilb_ui_rgb(text.r ? 0x000000 : 0xffffff));
 		assert_true(contrast(back, text) >= 0.96 * other);
-		assert_true(contrast(back, text) >= 4.4); /* WCAG's AA is 4.5 */
+		assert_true(contrast(back, text) >= 4.4); /* nearly the 4.5 that WCAG's level AA demands */
 	}
 }
 

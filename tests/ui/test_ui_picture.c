@@ -99,7 +99,7 @@ static void test_the_gpu_draws_the_list(void **state)
 		raster_draw(&picture, stilb_ui_list(s.ui), &s.ui->fonts);
 		uint32_t off = 0;
 		for (uint32_t i = 0; i < 400 * 240 * 3; i++)
-			/* Blending in an 8-bit target rounds after each layer, in steps of a code. */
+			/* Up to 4 codes of difference: blending in an 8-bit target rounds after each layer. */
 			off += abs(((const uint8_t *)image.pixels)[i] - raster_code(picture.rgb[i])) > 4;
 		assert_true(off < 60); /* pixels whose centre is on an edge belong to either side */
 		free(picture.rgb);
@@ -134,7 +134,8 @@ typedef struct edge_case {
 	const char *name;
 	void (*draw)(stilb_ui *ui);
 	double x0, y0, x1, y1, radius;
-	double limits[3]; /* of the mean error on the edge: at most if feathered, at least in the article's way and hard */
+	/* Mean error on the edge: at most [0] with feathering, at least [1] with AA_ARTICLE, at least [2] without either. */
+	double limits[3];
 } edge_case;
 
 static void white_box(stilb_ui *ui)
@@ -158,7 +159,7 @@ static double coverage_of(const edge_case *edge, uint32_t x, uint32_t y)
 	return (double)inside / (SAMPLES * SAMPLES);
 }
 
-/* The mean error over the pixels that are neither wholly in nor wholly out, or are drawn so. */
+/* The mean error over the pixels that the shape covers in part, or that are drawn so. */
 static double edge_error(screen *s, const edge_case *edge, stilb_ui_aa aa, double *worst)
 {
 	stilb_ui_style *style = stilb_ui_style_get(s->ui);

@@ -1,4 +1,5 @@
-/* ui: the report of a frame in the profiler's window, on snapshots made by hand. */
+/* ui: the data of the profiler's window: walking a lane (a thread's zones), merging narrow zones, the report of a frame
+ * and the counters, on snapshots made by hand. */
 #include "support/test.h"
 #include "test_ui_profiler_made.h"
 #include "ui/ui_profiler_data.h"
@@ -103,7 +104,7 @@ static void test_spans(void **state)
 	ui_profiler_spans spans = {0};
 	const stilb_prof_lane *lane = &m->lanes[made_lane(m, "main", STILB_PROF_LANE_THREAD)];
 	made_zone(m, 0, "record", 0, 1000);
-	for (int i = 0; i < 100; i++) { /* 1 us each, 2 us apart, with something in them */
+	for (int i = 0; i < 100; i++) { /* 1 us long, 2 us apart, with a zone nested in each */
 		made_zone(m, 1, i == 40 ? "long" : "segment", i * 3, i * 3 + (i == 40 ? 1.5 : 1));
 		made_zone(m, 2, "inner", i * 3, i * 3 + 0.5);
 	}
@@ -127,19 +128,19 @@ static void test_spans(void **state)
 	assert_string_equal(m->labels[spans.spans[2].label].name, "wide");
 	assert_string_equal(m->labels[spans.spans[3].label].name, "segment");
 
-	assert_true(ui_profiler_spans_build(&spans, lane, 0, made_ns(1000), 1400.0)); /* narrow, but too far apart */
+	assert_true(ui_profiler_spans_build(&spans, lane, 0, made_ns(1000), 1400.0)); /* zones narrow, but far apart */
 	assert_int_equal(spans_zones(&spans), 203);
-	assert_int_equal(spans.count, 104); /* the long one and its inner one are two */
+	assert_int_equal(spans.count, 104); /* "long" is not narrow, so it and the zone in it are two spans */
 	for (uint32_t i = 0; i < spans.count; i++)
 		assert_true(spans.spans[i].label != STILB_PROF_NONE);
 
-	assert_true(ui_profiler_spans_build(&spans, lane, made_ns(450), made_ns(500), 10.0)); /* only what is seen */
+	assert_true(ui_profiler_spans_build(&spans, lane, made_ns(450), made_ns(500), 10.0)); /* only zones in this time */
 	assert_int_equal(spans.count, 2);
 	ui_profiler_spans_finish(&spans);
 	free(m);
 }
 
-/* Two runs of different parents are not merged over the gap between wide parents. */
+/* Narrow zones of two different parents are not merged with each other if the parents are not narrow. */
 static void test_spans_stay_in_parents(void **state)
 {
 	(void)state;
@@ -244,7 +245,7 @@ static void assert_verdict(made *m, ui_profiler_limit limit, const char *expecte
 	free(m);
 }
 
-/* The worker that was waited for had lost its core: the article's third experiment. */
+/* The worker that was waited for had lost its CPU to another thread: the article's third experiment. */
 static void test_wait_for_preempted(void **state)
 {
 	(void)state;
@@ -258,7 +259,7 @@ static void test_wait_for_preempted(void **state)
 		"2.80 ms.");
 }
 
-/* The worker woke up late. */
+/* The worker that was waited for began its work late. */
 static void test_wait_for_late(void **state)
 {
 	(void)state;
@@ -274,7 +275,7 @@ static void test_wait_for_late(void **state)
 	assert_wait_text(m, 0, "In cull, main waited 4.00 ms for worker 1, which began 2.00 ms late and was in job.");
 }
 
-/* The worker was done, but main went on late: it was woken late, or had no CPU. */
+/* The worker was done, but main went on late: it was woken late, or had lost the CPU. */
 static void test_wait_goes_on_late(void **state)
 {
 	(void)state;
@@ -293,7 +294,7 @@ static void test_wait_goes_on_late(void **state)
 	}
 }
 
-/* Many short waits for the same thing are one long one. */
+/* Many short waits for the same reason are one group, and are reported like one long wait. */
 static void test_wait_in_pieces(void **state)
 {
 	(void)state;
@@ -318,7 +319,7 @@ static void test_wait_in_pieces(void **state)
 		data.report.wait_text,
 		"In record, main waited 545 µs for worker 2 in 10 pieces, which was in two; main went on 145 µs after "
 		"that.");
-	ASSERT_NS(data.report.wait.begin_ns, 6800); /* the longest */
+	ASSERT_NS(data.report.wait.begin_ns, 6800); /* that of the group's longest wait */
 	ui_profiler_data_finish(&data);
 	free(m);
 }
@@ -348,7 +349,7 @@ static void test_wait_for_gpu(void **state)
 	               "GPU-limited: the GPU was busy for 9.20 ms of 10.00 ms; main decides, 8.80 ms.");
 }
 
-/* A zone called "wait ..." on a device is a wait of the device and not a pass that could limit the frame. */
+/* A zone called "wait ..." in a device's lane is a wait of the device, and not a pass that could limit the frame. */
 static void test_gpu_that_waits(void **state)
 {
 	(void)state;
@@ -437,7 +438,7 @@ static void test_lost_cpu(void **state)
 	made_switch(m, 7000, 7200, false);
 	assert_wait_text(m, 0, "In record, main lost the CPU to other threads for 900 µs.");
 
-	m = made_new(); /* in several places, but for one reason */
+	m = made_new(); /* waits in several zones of work, but for one reason */
 	made_frame(m, 7, 0, 16000);
 	made_lane(m, "main", STILB_PROF_LANE_THREAD);
 	made_zone(m, 0, "frame", 0, 16000);
@@ -565,7 +566,7 @@ static void test_empty_frames(void **state)
 {
 	(void)state;
 	made *m = made_new();
-	made_frame(m, 0, 0, 0); /* no length */
+	made_frame(m, 0, 0, 0); /* a frame of length 0 */
 	assert_verdict(m, UI_PROFILER_LIMIT_UNKNOWN, "Nothing was recorded in this frame.");
 	m = made_new();
 	made_frame(m, 0, 0, 100);
@@ -679,7 +680,7 @@ static void test_history(void **state)
 		history.ms[i] = i == 90 ? 50.0 : 10.0 + 0.001 * (i % 10);
 	assert_int_equal(ui_profiler_slowest(&history), 90);
 	assert_int_equal(ui_profiler_frame_number(&history, 90), 120);
-	history.ms[20] = 50.0; /* as slow, but longer ago */
+	history.ms[20] = 50.0; /* as slow as frame 90, but longer ago */
 	assert_int_equal(ui_profiler_slowest(&history), 90);
 	history.ms[20] = 10.0;
 	ui_profiler_average(&history, average);

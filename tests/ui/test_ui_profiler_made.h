@@ -1,4 +1,5 @@
-/* Snapshots made by hand: lanes, zones, switches and frames in microseconds. */
+/* Snapshots of the profiler made by hand for tests: frames, lanes (threads and devices), their zones and switches
+ * (times off the CPU), with times in microseconds. */
 #ifndef TEST_UI_PROFILER_MADE_H
 #define TEST_UI_PROFILER_MADE_H
 

@@ -13,15 +13,15 @@
 #define DEEPEST 70u /* levels: more than are ever drawn */
 
 static made *recorded;
-static uint64_t seed, drawn; /* of the random numbers, and how many have been drawn */
+static uint64_t seed, drawn; /* the seed of the random numbers, and how many have been drawn */
 
-/* In [0, below). */
+/* A random number in [0, below). */
 static uint64_t any(uint64_t below)
 {
 	return below ? stilb_random_u64(seed, drawn++) % below : 0;
 }
 
-/* In [from, to]. */
+/* A random time in [from, to]. */
 static uint64_t any_ns(uint64_t from, uint64_t to)
 {
 	return from + any(to - from + 1);

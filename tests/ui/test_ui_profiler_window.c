@@ -47,9 +47,9 @@ void *__wrap_realloc(void *memory, size_t size)
 /* Frames of 10 ms, frame 60 of 30 ms; each has record and, in it, a wait for the worker. */
 static made *recorded;
 static uint64_t latest;         /* the last whole frame so far */
-static uint64_t oldest;         /* frame that is still in the rings */
-static bool out_of_memory;      /* take fails */
-static stilb_prof_window asked; /* window of the last take */
+static uint64_t oldest;         /* the oldest frame that can still be taken */
+static bool out_of_memory;      /* the next calls of `take` fail */
+static stilb_prof_window asked; /* the frames that the last call of `take` asked for */
 static uint32_t takes;
 
 static void record_frames(void)
@@ -177,7 +177,7 @@ static void key(stilb_ui_key which)
 	draw();
 }
 
-/* The first entry of the tooltip. Drawing it has replaced the tabs and newlines by ends of strings. */
+/* True if the tooltip's first entry is this text. Drawing it has replaced tabs and newlines by ends of strings. */
 static bool tip_is(const char *text)
 {
 	return strcmp(ui->tooltip, text) == 0;
@@ -263,7 +263,7 @@ static void test_click_on_bar(void **state)
 	draw();
 	assert_true(stilb_ui_profiler_frozen(profiler));
 	assert_int_equal(profiler->number, 77);
-	show_frames(40); /* while frozen; the rings overwrite the older ones */
+	show_frames(40); /* while frozen: the older frames can no longer be taken */
 	assert_int_equal(profiler->history.last, 99);
 	assert_int_equal(asked.first_frame, 0);
 	assert_int_equal(asked.frame_count, 100);
@@ -280,7 +280,7 @@ static void test_click_on_bar(void **state)
 	assert_int_equal(profiler->history.last, latest);
 }
 
-/* As over a trace file: a frame is chosen before the first draw, and the window fills the picture. */
+/* The window as it is used over a trace file: a frame is chosen before the first draw, and it fills the picture. */
 static void test_show(void **state)
 {
 	(void)state;
@@ -493,7 +493,7 @@ static void test_counters(void **state)
 	assert_true(x > 100.0f);
 }
 
-/* The height of the curve at x: where its line is, from the bottom of the list's last rectangles. */
+/* A counter's curve is drawn at heights in proportion to its values: the rectangles of the draw list show it. */
 static void test_a_curve_is_as_high_as_its_values(void **state)
 {
 	(void)state;
@@ -511,7 +511,7 @@ static void test_a_curve_is_as_high_as_its_values(void **state)
 	for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
 		const float x = ui->list.vertices[v].position[0], y = ui->list.vertices[v].position[1];
 		full |= x == 300.0f && y == 100.0f;
-		quarter |= x == 700.0f && y == 173.0f;  /* of 198.5 - 0.25 * 98.5 the pixel */
+		quarter |= x == 700.0f && y == 173.0f;  /* the row of pixels of 198.5 - 0.25 * 98.5 */
 		assert_false(x > 192.0f && x < 299.0f); /* no curve before the first value */
 	}
 	assert_true(full);

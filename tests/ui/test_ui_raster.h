@@ -1,5 +1,5 @@
-/* A draw list as a picture, without a GPU: each triangle of each command, at the centres of pixels, blended in linear
- * light. In double, and written for being read. */
+/* Draws a draw list (ui_draw.h) as a picture without a GPU, to compare with: each triangle of each command, sampled at
+ * the centres of pixels, blended in linear light, in double precision; written to be plain, not fast. */
 #ifndef TEST_UI_RASTER_H
 #define TEST_UI_RASTER_H
 
@@ -46,12 +46,15 @@ static inline const double *raster_at(const raster_picture *picture, uint32_t x,
 	return picture->rgb + 3 * ((size_t)y * picture->width + x);
 }
 
-/* Twice the area of a, b and the point; a point on an edge counts for the triangle to its right or below. */
+/* Twice the signed area of the triangle of a, b and the point (x, y): positive on one side of the edge from a to b,
+ * negative on the other. */
 static inline double raster_side(const float a[2], const float b[2], double x, double y)
 {
 	return ((double)b[0] - (double)a[0]) * (y - (double)a[1]) - ((double)b[1] - (double)a[1]) * (x - (double)a[0]);
 }
 
+/* True if the point with this raster_side is on the triangle's side of the edge; a point on the edge belongs to the
+ * triangle to the edge's right or below it. */
 static inline bool raster_inside(const float a[2], const float b[2], double side)
 {
 	bool top = a[1] == b[1] && b[0] > a[0], left = b[1] < a[1];
@@ -115,7 +118,7 @@ static inline void raster_triangle(const raster_picture *picture, const ui_fonts
 		}
 }
 
-/* fonts: those of the list's text; NULL if it has none. */
+/* Draws the list over the picture. fonts: those of the list's text; NULL if it has none. */
 static inline void raster_draw(const raster_picture *picture, const stilb_ui_draw_list *list, const ui_fonts *fonts)
 {
 	assert_false(list->out_of_memory);

@@ -163,7 +163,7 @@ static void test_letters_stand_on_rows(void **state)
 	assert_int_equal(glyph_of(font(), 'o', 0)->height, glyph_of(font(), 'x', 0)->height);
 }
 
-/* The middle of the ink of an o whose pen is at x. */
+/* The x of the middle of the drawn letter o if it is placed at x. */
 static double ink_middle(float x)
 {
 	stilb_ui_draw_list list = {0};
@@ -196,7 +196,7 @@ static void test_text_stands_on_the_nearest_quarter(void **state)
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
-/* The columns with ink, and how many glyphs there were. */
+/* The drawn text's extent from x0 to x1, pixels, and the number of its glyphs. */
 typedef struct ink {
 	float x0, x1;
 	uint32_t glyphs;

@@ -11,7 +11,7 @@
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static uint64_t allocations;
-static uint64_t failing; /* the allocation that fails, counted from now on; 0: none */
+static uint64_t failing; /* number, counted down from now, of the allocation that fails; 0: none fails */
 
 static bool allocation_fails(void)
 {
@@ -108,7 +108,7 @@ static void user_destroy(user *u)
 
 /* ---- areas ------------------------------------------------------------------------------------------------------- */
 
-static stilb_ui_action back, front; /* as returned in the last frame */
+static stilb_ui_action back, front; /* the actions on two overlapping areas that the last frame returned */
 static const stilb_ui_rect back_rect = {100, 100, 300, 200}, front_rect = {200, 150, 400, 250};
 
 static void two_areas(stilb_ui *ui)
@@ -199,12 +199,12 @@ static void test_double_click(void **state)
 	user_press(&u); /* the third press begins another double click */
 	assert_false(back.double_clicked);
 	user_release(&u);
-	u.input.seconds = 2.0f; /* too late */
+	u.input.seconds = 2.0f; /* too long after the first press for a double click */
 	user_press(&u);
 	assert_false(back.double_clicked);
 	user_release(&u);
 	u.input.seconds = 0.01f;
-	user_click(&u, 170, 120); /* too far away */
+	user_click(&u, 170, 120); /* too far from the next press for a double click */
 	user_click(&u, 150, 120);
 	assert_false(back.double_clicked);
 	u.input.mouse_presses = 2; /* both presses in one frame */
@@ -672,7 +672,7 @@ static void test_plots(void **state)
 	assert_non_null(strstr(u.ui->tooltip, "ms 150: ") ? u.ui->tooltip : strstr(u.ui->tooltip, "ms 149: "));
 	plotted[20] = NAN;
 	plotted[299] = INFINITY;
-	plot_maximum = 0.0f; /* the range of the values */
+	plot_maximum = 0.0f; /* no range is given: that of the values is taken */
 	user_frame(&u);
 	for (uint32_t i = 0; i < stilb_ui_list(u.ui)->vertex_count; i++)
 		assert_true(isfinite(stilb_ui_list(u.ui)->vertices[i].position[1]));
@@ -802,7 +802,7 @@ static void test_without_memory(void **state)
 	}
 	user u = list_user(100);
 	u.screen = all_there_is;
-	for (uint64_t call = 1; call < 12; call++) { /* while the lists grow */
+	for (uint64_t call = 1; call < 12; call++) { /* allocations of the first frames, in which the lists grow */
 		stilb_ui_destroy(u.ui);
 		stilb_ui_desc desc = stilb_ui_desc_default();
 		assert_int_equal(stilb_ui_create(&desc, &u.ui), STILB_OK);

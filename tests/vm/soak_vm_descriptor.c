@@ -1,5 +1,5 @@
 /* input_descriptor against the kernel: every pad's report descriptor, and random variations of them, are given to Linux
- * through /dev/uhid; Linux's fields (debugfs, hid/.../rdesc) must be equal to ours.
+ * through /dev/uhid; the fields that Linux reads (debugfs, hid/.../rdesc) must be those of our parser.
  *
  *   soak_vm_descriptor COUNT        number of random variations */
 #include "input/hid/input_descriptor.h"
@@ -28,7 +28,7 @@ typedef struct kernel_field {
 	bool constant, variable, relative, null,
 		ranged; /* ranged: the logical range is printed, which it is not if its ends are equal */
 	int32_t logical_min, logical_max;
-	uint32_t size, count, offset; /* bits; without the id */
+	uint32_t size, count, offset; /* size and offset in bits; the offset from the end of the report's id */
 	uint32_t usage_count;
 	uint32_t usages[USAGES_MAX]; /* NO_NUMBER: the kernel prints a name that is not in the list here */
 } kernel_field;
@@ -56,7 +56,7 @@ static uint32_t usage_number(const char *text)
 	return NO_NUMBER;
 }
 
-/* The kernel's text of the one pad that is plugged in. */
+/* Opens the kernel's text about the fields of the one pad that is plugged in. */
 static FILE *kernel_open(const input_test_descriptor *pad)
 {
 	char start[32], path[512];
@@ -77,7 +77,8 @@ static FILE *kernel_open(const input_test_descriptor *pad)
 
 /* ---- our fields -------------------------------------------------------------------------------------------------- */
 
-/* Our field with the element that begins at the kernel's bit; of an array's fields the one with the value, if given. */
+/* Our field with the element that begins at this bit, counted as the kernel does. Of the fields that an array has
+ * become it is the one with this value; with value NULL the first. */
 static const stilb_input_field *field_at(const kernel_field *theirs, uint32_t bit, const int64_t *value)
 {
 	const uint32_t id_bits = parsed.numbered ? 8 : 0;
@@ -109,7 +110,8 @@ static void same_element(const kernel_field *theirs, const stilb_input_field *ou
 	same(!(ours->flags & STILB_INPUT_NULL) != theirs->null, "null", theirs);
 }
 
-/* Returns the number of elements that have a usage in our field; usage 0 of page 0 is none. */
+/* Compares a field of variables with ours. Returns the number of its elements that have a usage in our field; usage 0
+ * of page 0 is none. */
 static uint32_t compare_variable(const kernel_field *theirs)
 {
 	const uint32_t id_bits = parsed.numbered ? 8 : 0;
@@ -130,7 +132,8 @@ static uint32_t compare_variable(const kernel_field *theirs)
 	return elements;
 }
 
-/* The same for an array. Usages beyond the values are unused; the kernel repeats the last one. */
+/* The same for an array, whose values name the usages in turn. Usages for which it has no value are not compared: the
+ * kernel fills its list with repetitions of the last usage. */
 static uint32_t compare_array(const kernel_field *theirs)
 {
 	uint32_t values = 0;
@@ -148,7 +151,8 @@ static uint32_t compare_array(const kernel_field *theirs)
 	return first->usage ? theirs->count : 0;
 }
 
-/* Number of our elements with a usage; those of an array count once, however many fields it has. */
+/* Number of elements with a usage in our fields; an array's elements count once, though it may have become several
+ * fields. */
 static uint32_t our_elements(void)
 {
 	uint32_t count = 0;
@@ -300,7 +304,8 @@ static size_t change(const input_test_descriptor *pad, uint64_t *state, uint8_t 
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-/* hid-generic reads all of them, because the drivers of known pads replace the pads' descriptors by their own. */
+/* Lets the kernel's driver hid-generic read all pads, because the drivers of known pads replace the pads' descriptors
+ * by their own. */
 static int generic_alone(void **state)
 {
 	(void)state;

@@ -86,8 +86,8 @@ static void test_every_pad_is_found(void **state)
 		assert_null(vm_fixture_find(fixture, side, "mouse"));
 }
 
-/* A node that this user may not open is DENIED, with the rule that it needs; once the mode allows it the pad is ADDED.
- * Runs in a child process as another user. */
+/* A pad whose node this user may not open is DENIED, with the udev rule that would permit it; once the node's mode
+ * allows it the pad is ADDED. Runs in a child process as another user. */
 static int denied_then_granted(const char *path)
 {
 	vm_fixture *fixture;
@@ -169,7 +169,7 @@ static uint32_t missing(const vm_heard *heard, uint32_t count)
 
 /* Time from the pad's write to the backend's stamp. */
 typedef struct latency {
-	int64_t median, p99, longest; /* us */
+	int64_t median, p99, longest; /* us; p99: 99 % of the reports took less */
 } latency;
 
 static latency print_latency(const vm_side *side, const vm_heard *heard, const vm_sender *sender)
@@ -354,13 +354,13 @@ static void per_frame_read(per_frame *naive)
 }
 
 #define STALLED 1000u
-#define RING_US 60000 /* a reader that does not run for longer loses reports: the kernel's ring holds 64 */
+#define RING_US 60000 /* a program that does not read for longer loses reports: the kernel keeps 64, one in a ms */
 #define STATE_US 5000 /* the state after a stall may be this far behind the pad, or as far as 1 % of all reports are */
 #define STALL_TRIES 5
 
 typedef struct stall {
 	int64_t us;
-	int64_t frame_us[VM_SIDES], naive_us; /* time of the first frame after it */
+	int64_t frame_us[VM_SIDES], naive_us; /* time of the first frame after the stall, of each side and of per_frame */
 	uint32_t newest[VM_SIDES], naive_newest;
 } stall;
 
@@ -386,8 +386,8 @@ static void run_frames(vm_fixture *fixture, per_frame *naive, int frames)
 	}
 }
 
-/* How long ago the report after the newest one had been sent at that time; 0: there was none. (The age of the newest
- * one would include the delay of the pad's own thread.) */
+/* How far a side's newest report is behind the pad at the time us: how long ago the pad had sent the report after it;
+ * 0: it had sent none. (The age of the newest report would include the delay of the pad's own thread.) */
 static int64_t behind_us(const vm_sender *sender, uint32_t newest, int64_t us)
 {
 	int64_t next_us = newest < sender->count ? sender->sent_us[newest + 1] : us;
@@ -397,8 +397,8 @@ static int64_t behind_us(const vm_sender *sender, uint32_t newest, int64_t us)
 #define STALLS 2
 #define ALL_PROVED ((1u << VM_SIDES * STALLS) - 1)
 
-/* A thousand reports in a second, with two long frames. Returns a bit for each side and long frame after which the
- * state was new: on a busy machine the readers may not have run. */
+/* Sends a thousand reports in a second, while two frames take long. Returns a bit for each side (backend) and long
+ * frame after which the pad's state was up to date: on a busy machine the readers may not have run. */
 static uint32_t stalls_prove(vm_fixture *fixture, uhid_pad *pad, per_frame *naive)
 {
 	static vm_sender sender;

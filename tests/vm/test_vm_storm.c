@@ -29,7 +29,7 @@ typedef struct subject {
 	uint32_t crashes;
 	int last_signal;
 	unsigned long long added, removed, reports; /* of enumerate: enumerations that found a pad */
-	int descriptors, threads;                   /* more than at the start */
+	int descriptors, threads;                   /* open descriptors and threads at its end, less those at its start */
 } subject;
 
 static void subject_start(subject *who)
@@ -49,12 +49,13 @@ static void subject_start(subject *who)
 	close(from[1]);
 	who->input = to[1];
 	who->output = from[0];
-	char ready[6]; /* nothing if it crashes at once */
+	char ready[6]; /* "ready\n"; nothing comes if the subject crashes at once */
 	ssize_t size = read(who->output, ready, sizeof ready);
 	assert_true(size == 0 || size == sizeof ready);
 }
 
-/* Waits for its end. Reads its counts if it ended normally. */
+/* To be called when a subject's process has ended with this status: reads its counts if it ended normally, else counts
+ * a crash. */
 static void subject_ended(subject *who, int status)
 {
 	char said[128] = "";
@@ -91,7 +92,8 @@ static void subject_finish(subject *who)
 	subject_ended(who, status);
 }
 
-/* Some pads are there for a moment, some for as long as opening and enumerating takes; they report all the time. */
+/* Plugs a pad in and out again: in some cycles it is there for a moment, in others for as long as opening and
+ * enumerating take; it sends reports all the time. */
 static void plug_and_pull(const input_test_descriptor *kind, uint32_t cycle)
 {
 	uint8_t report[VM_DS4_USB_BYTES];

@@ -66,8 +66,8 @@ static void gadget_plug(const char *gadget, const char *controller, const input_
 	put_text(gadget, "UDC", controller);
 }
 
-/* The host removes it. (Unbinding the gadget from its controller instead crashes dummy_hcd of Linux 6.1 while a report
- * is being sent.) */
+/* Lets the host remove the pad. (Unbinding the gadget from its controller instead crashes dummy_hcd of Linux 6.1 while
+ * a report is being sent.) */
 static void gadget_pull(const vm_heard *heard)
 {
 	char path[512], *slash;
@@ -115,7 +115,7 @@ static void send_all(vm_fixture *fixture, const char *node)
 	close(fd);
 }
 
-/* The output reports that arrive at the gadget when a side makes it rumble. */
+/* Checks the output reports that arrive at the gadget (the simulated USB device) when a side makes the pad rumble. */
 static void check_rumble(vm_fixture *fixture, int side, const char *unique, const char *node)
 {
 	int fd = open(node, O_RDWR | O_CLOEXEC | O_NONBLOCK);
@@ -128,7 +128,7 @@ static void check_rumble(vm_fixture *fixture, int side, const char *unique, cons
 	assert_int_equal(read(fd, got, sizeof got), size);
 	assert_memory_equal(got, wanted, size);
 	stilb_input_rumble_report(&heard->layout, 0, 0, 1, wanted);
-	assert_int_equal(read(fd, got, sizeof got), size); /* the stop */
+	assert_int_equal(read(fd, got, sizeof got), size); /* the report that stops the rumble */
 	assert_memory_equal(got, wanted, size);
 	close(fd);
 }

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #define OUTPUTS_MAX 256u
-#define OUTPUT_BYTES 16u /* kept of each output report */
+#define OUTPUT_BYTES 16u /* the first bytes of each output report, which are kept */
 
 struct uhid_pad {
 	int fd, stop;
@@ -62,9 +62,9 @@ static void calibrate(uint8_t *report)
 		put16(report + 23 + 2 * i, i % 2 == 0 ? 8192 : -8192);
 }
 
-/* Sizes with the id: DualShock 4: 0x02, 0x05 calibration, 0x81, 0x12 address, 0xa3 version; DualSense: 0x05
- * calibration, 0x09 address, 0x20 version. Reports of a feature over Bluetooth end in a CRC over 0xa3 and all before
- * it. 0: there is none. */
+/* Writes the feature report with this id; returns its size in bytes, id included, 0 if there is none. DualShock 4: 0x02
+ * and 0x05 calibration, 0x81 and 0x12 address, 0xa3 version; DualSense: 0x05 calibration, 0x09 address, 0x20 version.
+ * Over Bluetooth a feature report ends in a CRC over the byte 0xa3 and all bytes before the CRC. */
 static size_t feature(const uhid_pad *pad, uint8_t id, uint8_t *report)
 {
 	static const struct {
@@ -105,7 +105,7 @@ static void answer(uhid_pad *pad, const struct uhid_event *asked)
 		reply.type = UHID_SET_REPORT_REPLY;
 		reply.u.set_report_reply.id = asked->u.set_report.id;
 	}
-	if (write(pad->fd, &reply, sizeof reply) < 0 && errno != EINVAL) /* EINVAL: it is being unplugged */
+	if (write(pad->fd, &reply, sizeof reply) < 0 && errno != EINVAL) /* EINVAL: the pad is being unplugged */
 		die("answer to the kernel");
 }
 

@@ -24,7 +24,7 @@ void uhid_pad_destroy(uhid_pad *pad);
 /* Sends a report. */
 void uhid_pad_send(uhid_pad *pad, const uint8_t *report, size_t size);
 
-/* Number of output reports sent to the pad that begin with these bytes: drivers of the kernel write others. */
+/* Number of output reports sent to the pad that begin with these bytes; the kernel's drivers may send others. */
 uint32_t uhid_pad_outputs(uhid_pad *pad, const uint8_t *start, size_t size);
 
 /* Number of feature reports that were requested. */

@@ -1,4 +1,4 @@
-/* vm_ds4: numbered reports of a DualShock 4. */
+/* vm_ds4: input reports of a DualShock 4, each with a number in it by which a test recognises it. */
 #ifndef STILB_VM_DS4_H
 #define STILB_VM_DS4_H
 

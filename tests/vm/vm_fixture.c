@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define WAIT_US 10000000 /* longer than any wait takes, also on a busy machine */
+#define WAIT_US 10000000 /* after so long a wait fails: longer than any takes, also on a busy machine */
 
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
@@ -55,7 +55,7 @@ static void forget(vm_heard *heard)
 	*heard = (vm_heard){.removed = true};
 }
 
-/* Reuses the entry of a pad that is gone. */
+/* Notes a pad that was added or denied, in a free entry or in that of a pad that was removed. */
 static void meet(vm_side *side, const stilb_input_event *event)
 {
 	vm_heard *heard = by_number(side, event->pad);

@@ -15,8 +15,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-#define VM_SIDES 2        /* hidraw, hidapi */
-#define VM_REPORTS 2048u  /* numbered reports of one pad */
+#define VM_SIDES 2        /* a side: one of the two backends, hidraw and hidapi, with what it read */
+#define VM_REPORTS 2048u  /* most numbered reports of one pad */
 #define VM_FRAME_US 16667 /* 60 frames a second */
 
 /* A pad as read by one of the backends, with a control and camera of its own. */
@@ -32,7 +32,7 @@ typedef struct vm_heard {
 	uint32_t decoded, other, corrupt;
 	uint32_t disorders;             /* reports whose number is not larger than that of the report before */
 	uint32_t last_number;           /* of the newest valid report */
-	int64_t stamped_us[VM_REPORTS]; /* by number; 0: it did not come */
+	int64_t stamped_us[VM_REPORTS]; /* time stamp of the report with each number; 0: it did not come */
 } vm_heard;
 
 typedef struct vm_side {
@@ -68,7 +68,7 @@ void vm_fixture_wait(vm_fixture *fixture, const char *unique, bool there);
 /* Runs frames for a while. */
 void vm_fixture_run(vm_fixture *fixture, int64_t us);
 
-/* CLOCK_MONOTONIC. */
+/* CLOCK_MONOTONIC in microseconds; and a sleep until that clock has reached us. */
 int64_t vm_now_us(void);
 void vm_sleep_until_us(int64_t us);
 
@@ -79,7 +79,7 @@ typedef struct vm_sender {
 	int64_t period_us;
 	size_t (*report)(uint32_t number, uint8_t report[STILB_INPUT_REPORT_MAX]); /* numbers from 1 to count */
 	pthread_t thread;
-	int64_t sent_us[VM_REPORTS]; /* by number; to be read after finish */
+	int64_t sent_us[VM_REPORTS]; /* time at which each report was sent, by number; to be read after finish */
 	atomic_bool done;            /* release by the thread, pairs with the acquire of vm_sender_runs */
 } vm_sender;
 

@@ -3,8 +3,7 @@
  * standard input ends.
  *
  *   hidraw, hidapi   reads pads with that backend, a frame every 16 ms. Prints at the end how many pads came and went,
- * the
- *                    reports, and how many descriptors and threads are open more than at the start
+ *                    how many reports were read, and how many more descriptors and threads are open than at the start
  *   enumerate        calls hid_enumerate all the time, as a program would that relies on hidapi
  */
 #include "input/device/input_pads.h"

@@ -1,4 +1,4 @@
-/* The contracts of window, each broken on purpose. No display is needed: the asserts come before GLFW is called. */
+/* The asserts of window.h, each made to fail on purpose. No display is needed: they come before GLFW is called. */
 #include "support/contract.h"
 #include "support/test.h"
 #include "window/window.h"
@@ -35,7 +35,7 @@ static void a_window_has_a_title_and_a_size(void **state)
 static void calls_want_a_window_and_a_place(void **state)
 {
 	(void)state;
-	static char memory[4096] __attribute__((aligned(64))); /* of a window that belongs to nobody */
+	static char memory[4096] __attribute__((aligned(64))); /* a window of zeros: no thread is its owner */
 	stilb_window *window = (stilb_window *)memory;
 	stilb_window_state seen;
 	stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS];

@@ -5,7 +5,7 @@
 
 static x11_server server;
 static Display *other; /* the test's own connection: broken too, so never closed */
-static char error[64]; /* Xlib's handler of the test's own connection was asked */
+static char error[64]; /* name of the display that was given to the test's own handler of broken connections */
 
 static int other_lost(Display *display)
 {
@@ -38,7 +38,7 @@ static void test_every_call_outlives_the_display(void **state)
 	assert_false(now.lost);
 	assert_true(now.width > 0);
 	x11_server_kill(&server);
-	stilb_window_wait(window, 600.0, &now); /* does not wait */
+	stilb_window_wait(window, 600.0, &now); /* returns at once, as the display is lost */
 	assert_true(now.lost);
 	assert_int_equal(now.width, 0);
 	assert_false(now.close);
@@ -55,7 +55,7 @@ static void test_every_call_outlives_the_display(void **state)
 	assert_int_equal(stilb_window_create("again", 200, 100, &second), STILB_ERROR_WINDOW);
 	assert_null(second);
 	assert_non_null(strstr(stilb_error_message(), "display has gone"));
-	XSync(other, False); /* another connection keeps its own handlers */
+	XSync(other, False); /* the test's own connection breaks, too: its own handlers must be called */
 	assert_string_equal(error, server.name);
 	assert_true(other_ended);
 }

@@ -1,6 +1,6 @@
 /*
- * The engine in a window under a virtual display: what a window manager and a user do to it comes from a second
- * connection to the display, so it falls into the middle of frames. All under Vulkan validation.
+ * The engine in a window under a virtual display. The test plays window manager and user through a second connection to
+ * the display, so their actions fall into the middle of frames. All under Vulkan validation.
  */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
@@ -67,7 +67,7 @@ static void run_frames(fixture *f, int count)
 		run_frame(f);
 }
 
-/* The picture has followed the window within a few frames. */
+/* Runs frames until the picture has this size, which it must have within a limit of frames. */
 static void expect_size(fixture *f, uint32_t width, uint32_t height)
 {
 	uint32_t w = 0, h = 0;
@@ -79,13 +79,13 @@ static void expect_size(fixture *f, uint32_t width, uint32_t height)
 	assert_int_equal(h, height);
 }
 
-/* The window shows the whole picture: the share of sky is the same at every size. */
+/* The window shows the drawn picture: both the colour of the sky and other colours. */
 static void test_shows_picture(void **state)
 {
 	fixture *f = *state;
 	run_frames(f, 5);
 	stilb_engine_report report;
-	do /* the blit of the last frame may still be on its way */
+	do /* several frames, because the copy of the last one to the window may not be done yet */
 		report = run_frame(f);
 	while (report.frame < 10);
 	double gpu_ms;
@@ -105,7 +105,7 @@ static void test_shows_picture(void **state)
 		unsigned blue = corner & 0xff, red = corner >> 16 & 0xff;
 		XDestroyImage(image);
 		if (blue <= red)
-			sky_pixels = 0; /* not drawn yet */
+			sky_pixels = 0; /* the window is not drawn yet: look again */
 		usleep(20000);
 	}
 	assert_true(sky_pixels > 320 * 200 / 20);
@@ -127,7 +127,7 @@ static void test_resize(void **state)
 
 typedef struct shaker {
 	Window window;
-	_Atomic bool stop; /* relaxed both ways: it only ends the loop */
+	_Atomic bool stop; /* relaxed in both threads: it only ends the loop, and no other data depends on it */
 } shaker;
 
 static void *shake(void *data)
@@ -144,7 +144,7 @@ static void *shake(void *data)
 	return NULL;
 }
 
-/* Resized from another thread, at any point of a frame: between polling and presenting too. */
+/* The window is resized from another thread, at any point of a frame: between polling and presenting, too. */
 static void test_resize_during_frames(void **state)
 {
 	fixture *f = *state;
@@ -242,7 +242,7 @@ static void test_keys(void **state)
 	send_key(f, XK_w, false);
 	assert_true(camera->position[2] < before); /* forward is -Z */
 	float way = 1.0f, rest;
-	for (int i = 0; i < 10000 && way > 1e-5f; i++) { /* released: it slows down and stands still */
+	for (int i = 0; i < 10000 && way > 1e-5f; i++) { /* the key is released: the camera slows down and stands still */
 		rest = camera->position[2];
 		run_frames(f, 30);
 		way = fabsf(camera->position[2] - rest);
@@ -250,7 +250,7 @@ static void test_keys(void **state)
 	assert_true(way <= 1e-5f);
 }
 
-/* The keyboard goes elsewhere with a key held: the camera does not glide on. */
+/* The window loses the keyboard while a key is held: the camera does not glide on. */
 static void test_focus(void **state)
 {
 	fixture *f = *state;
@@ -321,7 +321,7 @@ static bool overlay_feels_wheel(const fixture *f)
 	return f->engine->overlay.input.wheel == 1.0f && f->engine->overlay.input.mouse_y == 400.0f;
 }
 
-/* Runs frames until it is as wanted. */
+/* Runs frames until what(f) == wanted. */
 static void expect(fixture *f, bool (*what)(const fixture *f), bool wanted)
 {
 	for (int i = 0; i < 10000 && what(f) != wanted; i++)
@@ -329,8 +329,7 @@ static void expect(fixture *f, bool (*what)(const fixture *f), bool wanted)
 	assert_true(what(f) == wanted);
 }
 
-/* F1 opens and closes the profiler, space freezes it; what the mouse and the keys do in it they do not do to the
- * camera. */
+/* F1 opens and closes the profiler, space freezes it; mouse and keys that are used in it do not move the camera. */
 static void test_overlay(void **state)
 {
 	fixture *f = *state;
@@ -361,7 +360,7 @@ static void test_overlay(void **state)
 	XWarpPointer(f->display, None, f->window, 0, 0, 0, 0, 350, 410);
 	XSync(f->display, False);
 	run_frames(f, 5);
-	assert_true(camera->yaw == yaw); /* the right button does not turn it over there */
+	assert_true(camera->yaw == yaw); /* over the profiler the right button does not turn the camera */
 	send_button(f, 3, false);
 
 	type_key(f, XK_Tab);
@@ -375,7 +374,7 @@ static void test_overlay(void **state)
 	for (int i = 0; i < 10000 && camera->position[2] == before; i++)
 		run_frame(f);
 	send_key(f, XK_w, false);
-	assert_true(camera->position[2] < before); /* still held: now it flies */
+	assert_true(camera->position[2] < before); /* the key is still held: now the camera flies */
 
 	type_key(f, XK_F1);
 	expect(f, overlay_is_open, false);
@@ -429,7 +428,7 @@ static void test_inspector(void **state)
 	expect(f, inspector_is_open, true);
 	assert_false(overlay_is_open(f));
 	run_frames(f, 2);
-	type_key(f, XK_space); /* means nothing to it */
+	type_key(f, XK_space); /* has no effect in the materials' window */
 	run_frames(f, 2);
 	uint64_t hash = stilb_engine_stream_hash(f->engine);
 	stilb_ui_rect place = f->engine->overlay.inspector.place;
@@ -442,7 +441,7 @@ static void test_inspector(void **state)
 	run_frames(f, 3);
 	assert_true(stilb_engine_stream_hash(f->engine) != hash);
 
-	type_key(f, XK_F1); /* both at once */
+	type_key(f, XK_F1); /* the profiler, beside the materials' window */
 	expect(f, overlay_is_open, true);
 	assert_true(inspector_is_open(f));
 	run_frames(f, 3);
@@ -451,11 +450,11 @@ static void test_inspector(void **state)
 	assert_true(overlay_is_open(f));
 	type_key(f, XK_F1);
 	expect(f, overlay_is_open, false);
-	assert_true(shades_as_microfacets(f)); /* stays */
+	assert_true(shades_as_microfacets(f)); /* the choice stays when the window is closed */
 	type_key(f, XK_F2);
 	expect(f, inspector_is_open, true);
 	run_frames(f, 2);
-	click_at(f, place.x1 - 14.0f, place.y0 + 13.0f); /* its box */
+	click_at(f, place.x1 - 14.0f, place.y0 + 13.0f); /* the box with the cross */
 	expect(f, inspector_is_open, false);
 	run_frames(f, 2);
 }

@@ -12,7 +12,7 @@
 #include <stddef.h>
 
 #define NODE 3
-#define TRIES 100000 /* frames, a few milliseconds each: against hangs alone */
+#define TRIES 100000 /* frames of a few milliseconds after which a wait fails: a limit against hangs only */
 
 /* ---- what umockdev is told --------------------------------------------------------------------------------------- */
 
@@ -20,11 +20,11 @@ typedef struct evdev_pad {
 	int event; /* /dev/input/event<this> */
 	const char *name;
 	struct input_id id;
-	const char *events; /* what it does, time in seconds */
-	int pressed;        /* and then again and again, as it is not known when somebody looks; 0: none */
+	const char *events; /* the events that it sends first, in umockdev's format, times in seconds */
+	int pressed;        /* button that it presses after those, again and again, so that none misses it; 0: none */
 } evdev_pad;
 
-/* No SYN_REPORT in these: GLFW then asks for all axes, and umockdev would answer what they were at first. */
+/* The events have no SYN_REPORT: after one GLFW asks for all axes, and umockdev would answer their first values. */
 static const evdev_pad evdev_pads[] = {
 	{5,
      "Microsoft X-Box 360 pad",
@@ -44,7 +44,7 @@ static void put_bytes(FILE *file, const char *what, int result, const void *byte
 	fputc('\n', file);
 }
 
-/* The first `size` bytes of a set of bits. */
+/* Writes the first `size` bytes of a set of bits, as answer to the ioctl `what`. */
 static void put_bits(FILE *file, const char *what, const int *bits, size_t count, size_t size)
 {
 	uint8_t bytes[96] = {0};
@@ -168,7 +168,7 @@ static const stilb_input_control_pad *leader(void)
 	return NULL;
 }
 
-/* True if there are so many pads, of which `windows` are read through the window's library. */
+/* True if there are `count` pads, of which `windows` are read through the window's library. */
 static bool there_are(uint32_t count, uint32_t windows)
 {
 	for (uint32_t i = 0; i < pad_count; i++)
@@ -215,7 +215,7 @@ static void test_both_ways_to_a_pad(void **state)
 		run_frame();
 	assert_true(views > 0);
 
-	pull_evdev(5); /* with the stick pushed */
+	pull_evdev(5); /* unplugged while its stick is pushed */
 	expect_pads(1, 0);
 	expect_rest();
 
@@ -226,7 +226,7 @@ static void test_both_ways_to_a_pad(void **state)
 	fake_unplug(NODE);
 	expect_pads(1, 1); /* its evdev node is still there */
 	fake_plug_mode(NODE, dualshock, 0);
-	expect_pads(2, 1); /* denied; the window's way stays */
+	expect_pads(2, 1); /* the hidraw node is denied, so the pad is still read through the window's library */
 	assert_int_equal(engine->overlay.notice.pad_count, 1);
 	fake_chmod(NODE, 0600);
 	expect_pads(1, 0);

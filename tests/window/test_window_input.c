@@ -31,7 +31,7 @@ static int tear_down(void **state)
 	return 0;
 }
 
-/* Polls until what was sent is there: events travel through the server. */
+/* Polls until there(state) is true: events that the test sends travel through the X server. */
 static stilb_window_state polled(bool (*there)(const stilb_window_state *state))
 {
 	stilb_window_state state;
@@ -74,7 +74,7 @@ static void send_button(unsigned button, bool down)
 	XSendEvent(display, target, True, down ? ButtonPressMask : ButtonReleaseMask, (XEvent *)&event);
 }
 
-static const stilb_window_state nothing; /* what the second poll in a row says, but for the pointer's place */
+static const stilb_window_state nothing; /* the expected state without new events, but for the pointer's place */
 
 static void assert_quiet(void)
 {
@@ -147,7 +147,7 @@ static void test_held_key_repeats(void **state)
 	awaited = STILB_WINDOW_KEY_DOWN;
 	send_key(XK_Down, true);
 	assert_int_equal(polled(key_came).repeated[awaited], 0);
-	send_key(XK_Down, true); /* again, and no release in between: so does a keyboard */
+	send_key(XK_Down, true); /* a second press without a release: so a keyboard repeats a held key */
 	stilb_window_state now = polled(key_repeated);
 	assert_int_equal(now.pressed[awaited], 0);
 	assert_int_equal(now.repeated[awaited], 1);
@@ -245,7 +245,7 @@ static void test_left_button(void **state)
 	send_button(1, true);
 	now = polled(button_down);
 	assert_int_equal(now.clicks, 1);
-	move_pointer(DefaultRootWindow(display), 1000, 700); /* held, it stays with the window */
+	move_pointer(DefaultRootWindow(display), 1000, 700); /* outside, but with the button held it is the window's */
 	assert_true(polled(button_down).pointer);
 	assert_quiet();
 	send_button(1, false);
@@ -261,7 +261,7 @@ static bool wheel_came(const stilb_window_state *state)
 static void test_wheel(void **state)
 {
 	(void)state;
-	for (unsigned button = 4; button <= 5; button++) { /* what X makes of a wheel */
+	for (unsigned button = 4; button <= 5; button++) { /* X reports the wheel as the buttons 4 (up) and 5 (down) */
 		for (int i = 0; i < 3; i++) {
 			send_button(button, true);
 			send_button(button, false);
@@ -301,7 +301,7 @@ static void test_right_button_captures(void **state)
 	send_button(3, true);
 	now = polled(captured);
 	assert_false(now.pointer);
-	stilb_window_set_capturing(window, false); /* what has been captured stays so */
+	stilb_window_set_capturing(window, false); /* a mouse that is captured already stays captured */
 	stilb_window_poll(window, &now);
 	assert_true(now.mouse_captured);
 	send_button(3, false);

@@ -55,7 +55,8 @@ typedef struct stilb_input_field {
 	/* The range of the values as sent; negative values are in two's complement if logical_min is negative. Physical:
 	 * the same range in the unit below. */
 	int64_t logical_min, logical_max, physical_min, physical_max;
-	/* The unit as coded by HID 1.11, section 6.2.2.7, a nibble for each base unit, and the power of ten before it. */
+	/* unit: as coded by HID 1.11, section 6.2.2.7, a nibble for each base unit; exponent: the power of ten by which the
+	 * unit is multiplied. */
 	uint32_t unit;
 	int32_t exponent;
 	/* Usage of the innermost application collection, or 0. */

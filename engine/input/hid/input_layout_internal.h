@@ -37,7 +37,7 @@ typedef struct input_known {
 	const stilb_input_hello *hello; /* ended by STILB_INPUT_HELLO_END, or NULL */
 } input_known;
 
-/* The row of this pad, or NULL. descriptor is the pad's own, NULL if it has none or a broken one. */
+/* The row of the table for this pad, or NULL. descriptor is the pad's own, NULL if it has none or a broken one. */
 const input_known *input_known_find(const stilb_input_pad_info *info, const stilb_input_descriptor *descriptor);
 
 /* Fills reports and rumble of the layout from a descriptor's fields, and writes into `found`, of size bytes, what was
