@@ -47,12 +47,12 @@ typedef enum stilb_engine_gamepad {
 	STILB_ENGINE_GAMEPAD_OFF,    /* none */
 	STILB_ENGINE_GAMEPAD_HIDRAW, /* the kernel's hidraw devices; in a window also the window library's gamepads */
 	STILB_ENGINE_GAMEPAD_HIDAPI, /* as HIDRAW, but through hidapi */
-	STILB_ENGINE_GAMEPAD_REPLAY  /* a recording: the same camera in every run */
+	STILB_ENGINE_GAMEPAD_REPLAY  /* a recorded file, which moves the camera the same way in every run */
 } stilb_engine_gamepad;
 
 typedef struct stilb_engine_desc {
 	uint32_t models;              /* 1..STILB_SCENE_MAX_MODELS */
-	uint64_t seed;                /* of the stress test's scene */
+	uint64_t seed;                /* of the random numbers by which the stress test's scene is made */
 	uint32_t workers;             /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull;       /* how visible models are found */
 	stilb_scene_stress_view view; /* the camera's place at first, by the share of the models that it sees */
@@ -86,7 +86,7 @@ typedef struct stilb_engine_desc {
 
 	stilb_engine_gamepad gamepad;
 	const char *gamepad_recording;         /* for REPLAY: the file, see input_recording.h */
-	const char *gamepad_sys, *gamepad_dev; /* NULL: /sys and /dev; others for tests */
+	const char *gamepad_sys, *gamepad_dev; /* folders to look in for gamepads, for tests; NULL: /sys and /dev */
 	stilb_input_control_settings control;  /* how gamepads and keys move the camera */
 } stilb_engine_desc;
 
@@ -124,8 +124,8 @@ typedef struct stilb_engine_times {
 typedef struct stilb_engine_report {
 	uint64_t frame; /* frames drawn so far, this one included */
 	stilb_engine_times times;
-	uint32_t visible;       /* models */
-	stilb_cull_method cull; /* the method that found them; never AUTO */
+	uint32_t visible;       /* number of models that the camera sees */
+	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;
 	stilb_input_state input; /* {0} without a window and gamepads */
 	int64_t time_us; /* the camera's time, microseconds: since the start if headless, since a recording's begin in its

@@ -16,7 +16,7 @@
 
 /* The materials' window, in which shading models are chosen; {0} at first. */
 typedef struct engine_inspector {
-	stilb_ui_rect place;          /* empty: not drawn yet */
+	stilb_ui_rect place;          /* its place in the picture; empty: it has not been drawn yet */
 	bool beside;                  /* the sliders are beside the lists instead of below */
 	stilb_ui_list_state lists[5]; /* model (BRDF), light; of microfacets: normals D, shadowing G, Fresnel term F */
 } engine_inspector;
@@ -31,7 +31,7 @@ typedef struct engine_notice {
 		char who[256], rule[512]; /* its name with ids and path; the udev rule for it */
 	} pads[ENGINE_NOTICE_PADS];   /* [pad_count] in the order in which they came */
 	uint32_t pad_count;
-	float seconds; /* that the panel is still shown */
+	float seconds; /* for which the panel is still shown */
 } engine_notice;
 
 /* The windows over the picture; {0} until one of them is opened for the first time. */
@@ -53,7 +53,7 @@ typedef struct engine_input {
 	stilb_input_pose pose;            /* the pose that this module has set the camera to last */
 	int64_t time_us;                  /* the time of the frame that set it, microseconds */
 	bool focused;                     /* the window has the keyboard */
-	bool pad_captures;                /* a gamepad's button asked for the last frame's capture */
+	bool pad_captures;                /* in the last frame a gamepad's button, not a key, asked for a capture */
 	bool replayed;                    /* the recording has ended */
 	int64_t start_us;                 /* clock at which a replay in a window began; 0: not yet */
 	int64_t newest_us;                /* time of this frame's newest report; 0: none came since the last frame */
@@ -82,7 +82,7 @@ struct stilb_engine {
 
 	uint64_t frame;   /* frames drawn */
 	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
-	double seconds;   /* the scene's time */
+	double seconds;   /* the scene's time, from 0 */
 	float step;       /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };

@@ -85,7 +85,7 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	if ((input->overlay || input->inspector) &&
 	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
 	                        overlay->inspector_open != input->inspector) != STILB_OK)
-		stilb_log("%s", stilb_error_message()); /* frames go on without the window */
+		stilb_log("%s", stilb_error_message()); /* only logged: frames go on without that window */
 	if (overlay->profiler_open && input->freeze)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	if (engine->window)

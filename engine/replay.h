@@ -31,7 +31,7 @@ typedef struct stilb_engine_replay_desc {
 	stilb_render_device_kind device;
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
-	const stilb_render_output *output; /* NULL: the dump's own */
+	const stilb_render_output *output; /* NULL: the output that the dump was made with */
 	const char *gpu;                   /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height;            /* pixels, 1..16384, or 0 for the dump's own; other proportions stretch it */
 	bool validate;                     /* with Vulkan's validation layer */

@@ -31,7 +31,7 @@ static int view_take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof
 	(void)window;
 	const stilb_engine_trace_view *view = user;
 	*snapshot = *view->trace;
-	snapshot->memory = NULL; /* the trace's owner frees it, not the borrower */
+	snapshot->memory = NULL; /* so that the profiler's window does not free the trace, which is the caller's */
 	return 0;
 }
 

@@ -16,7 +16,7 @@
 typedef struct recording_pad {
 	stilb_input_pad_info info;
 	uint32_t number; /* event.pad: from 1 */
-	bool identified; /* an I line was read */
+	bool identified; /* its I line (bus, vendor, product) was read */
 	bool removed;
 	bool timed;      /* a line with a time was read */
 	int64_t last_us; /* the latest of those times, in the file's time */
@@ -36,7 +36,7 @@ struct stilb_input_recording {
 	recording_pad *pads[INPUT_RECORDING_PADS_MAX];
 	recording_event *events;
 	size_t event_count, event_capacity, next;
-	uint8_t *bytes; /* of all reports */
+	uint8_t *bytes; /* the bytes of all reports, one after the other */
 	size_t byte_count, byte_capacity;
 	uint64_t reports;
 };
@@ -47,8 +47,8 @@ typedef struct recording_parser {
 	stilb_input_recording *recording;
 	FILE *stream;
 	const char *name;
-	uint64_t line;    /* from 1 */
-	uint32_t number;  /* of the pad of the last D line, from 1 */
+	uint64_t line;    /* number of the line in `text`, from 1 */
+	uint32_t number;  /* number of the pad of the last D line, from 1 */
 	bool timed;       /* a line with a time was read */
 	int64_t first_us; /* the file's first time, which becomes 0 */
 	int64_t last_us;  /* the latest time, counted from first_us */

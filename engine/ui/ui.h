@@ -74,7 +74,7 @@ typedef struct stilb_ui_style {
 	float margin;         /* around a panel's content */
 	float gap;            /* between controls */
 	float control_height; /* of a button, a check box, a slider */
-	float row_height;     /* of a row of a list, > 0 */
+	float row_height;     /* of each row of a list, > 0 */
 	float title_height;   /* of a panel's title bar */
 	float radius;         /* of rounded corners */
 	float scroll_bar;     /* width of the bar of a list */
@@ -170,9 +170,9 @@ typedef struct stilb_ui_action {
 	bool hovered;           /* the mouse is over the area and over no area in front of it */
 	bool pressed;           /* the left mouse button went down on it in this frame */
 	bool held;              /* the button went down on it and is still down, wherever the mouse is */
-	bool clicked;           /* the button came up on it, or it was pressed with a key */
+	bool clicked;           /* the mouse button was released on it, or it was pressed with a key */
 	bool double_clicked;    /* pressed again within STILB_UI_DOUBLE_CLICK seconds and four pixels */
-	bool focused;           /* it has the keys */
+	bool focused;           /* it has the focus: keys act on it */
 	float mouse_x, mouse_y; /* pixels from the picture's top left corner */
 	float drag_x, drag_y;   /* movement of the mouse in this frame while held, pixels */
 	float total_x, total_y; /* movement since the button went down, pixels: tells a drag from a click */
@@ -185,7 +185,7 @@ typedef struct stilb_ui_action {
 enum {
 	STILB_UI_TAKES_WHEEL = 1,
 	STILB_UI_TAKES_KEYS = 2,  /* Tab stops at it */
-	STILB_UI_TAKES_FOCUS = 4, /* a click gives it the keys */
+	STILB_UI_TAKES_FOCUS = 4, /* a click on it gives it the focus */
 };
 
 /* Makes the part of rect within the clip an area that reacts to the user; takes: STILB_UI_TAKES_... Draws nothing.
@@ -309,7 +309,7 @@ typedef struct stilb_ui_column {
 
 /* How a table is sorted. The caller keeps this from frame to frame and sorts its rows by it. */
 typedef struct stilb_ui_sort {
-	uint32_t column; /* < column_count */
+	uint32_t column; /* index of the column that is sorted by, < column_count */
 	bool descending;
 } stilb_ui_sort;
 

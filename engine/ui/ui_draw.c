@@ -182,8 +182,8 @@ static void mesh_quad(const ui_mesh *mesh, size_t quad, stilb_ui_rect rect, stil
 
 /* Consecutive pixels along one axis that are covered by the same share. */
 typedef struct draw_slice {
-	float from, to; /* pixel boundaries */
-	float share;    /* covered, 0..1 */
+	float from, to; /* pixel boundaries between which the pixels lie */
+	float share;    /* how much of each is covered, 0..1 */
 } draw_slice;
 
 /* Cuts the interval [from, to] at pixel boundaries into the pixels at its ends, which it covers in part, and those

@@ -4,17 +4,16 @@
  * edges move outwards by one pixel. Between edges with unit normals n0 and n1 the mitre is (n0 + n1) / (1 + n0.n1): its
  * component along either normal is 1. On an arc it is the direction of the radius. With feathering (ui_draw.h) the path
  * moved inwards by half a pixel is filled, and a ring fades from there to the path moved outwards by half a pixel.
- * Across an edge, alpha
- * is then the share of a pixel square that the shape covers: exactly for edges along pixel boundaries, approximated by
- * a linear ramp for others. */
+ * Across an edge, alpha is then the share of a pixel square that the shape covers: exactly for edges along pixel
+ * boundaries, approximated by a linear ramp for others. */
 #include "ui/ui_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define MITRE_LIMIT 4.0f    /* longest mitre, as its length above; sharper corners are cut off */
+#define MITRE_LIMIT 4.0f    /* longest mitre, pixels; sharper corners are cut off */
 #define ARC_STEPS_MAX 32    /* chords of a quarter circle */
-#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords at most, while ARC_STEPS_MAX suffice */
+#define ARC_TOLERANCE 0.02f /* pixels between an arc and its chords at most, if ARC_STEPS_MAX chords suffice for it */
 #define PATH_MAX (4 * (ARC_STEPS_MAX + 1))
 
 typedef struct draw_path {
@@ -334,8 +333,8 @@ void stilb_ui_draw_shadow(stilb_ui_draw_list *list, stilb_ui_rect rect, float ra
 
 /* The cross-section of a line: four vertices with the alphas 0, full, full, 0. */
 typedef struct line_profile {
-	float full; /* half the width with full alpha, pixels */
-	float ring; /* from there to alpha 0, pixels */
+	float full; /* half the width of the middle with full alpha, pixels */
+	float ring; /* width of the fade from there to alpha 0, pixels */
 	stilb_ui_color color;
 } line_profile;
 

@@ -51,17 +51,17 @@ struct stilb_ui_profiler {
 	bool freeze_on_spike; /* a spike (a frame far longer than usual) is shown and freezes the history */
 	uint32_t settle;      /* while frozen: draws until the GPU's zones of all frames have arrived */
 
-	stilb_prof_snapshot live;            /* of mode LATEST, taken on every draw */
-	stilb_prof_snapshot held;            /* of the other modes, taken when another frame is shown */
+	stilb_prof_snapshot live;            /* for mode LATEST, taken on every draw */
+	stilb_prof_snapshot held;            /* for the other modes, taken when another frame is to be shown */
 	const stilb_prof_snapshot *snapshot; /* the one of the two that is shown; NULL: no frame is shown */
 	uint64_t number;                     /* of the frame shown */
-	uint64_t taken_at;                   /* history.last when `held` was taken */
+	uint64_t taken_at;                   /* the newest frame's number (history.last) when `held` was taken */
 	uint64_t held_number;                /* the frame number that `held` was taken for; UINT64_MAX: none */
 	bool held_all;                       /* `held` has all frames of the frozen history */
 	bool out_of_memory;
 
 	ui_profiler_data data;  /* of the frame shown */
-	stilb_prof_stats stats; /* its zones without those of kind UI_PROFILER_IDLE */
+	stilb_prof_stats stats; /* sums of that frame's zones for the table, without zones of kind UI_PROFILER_IDLE */
 	stilb_ui_sort sort;
 	stilb_ui_list_state table;
 	ui_profiler_colors colors;

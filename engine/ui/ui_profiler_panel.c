@@ -127,7 +127,7 @@ static void panel_draw_words(const stilb_ui_profiler *profiler, stilb_ui *ui, st
 /* ---- history ----------------------------------------------------------------------------------------------------- */
 
 typedef struct panel_history {
-	stilb_ui_rect area; /* the bars */
+	stilb_ui_rect area; /* where the bars are, one for each frame */
 	float step;         /* from one bar to the next, pixels */
 	float top_ms;       /* frame time at the area's top, > 0 */
 } panel_history;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define TIMELINE_MAX_DEPTH 10u    /* levels of a lane that are drawn */
+#define TIMELINE_MAX_DEPTH 10u    /* levels of nested zones that are drawn in a lane */
 #define TIMELINE_GROUND 0x1d232cu /* background of the lanes, 0xRRGGBB */
 #define TIMELINE_NARROW 2.0f      /* pixels: narrower zones are merged with their neighbours */
 #define TIMELINE_TEXT 30.0f       /* pixels: a narrower zone gets no name */

@@ -145,7 +145,7 @@ typedef struct glyph_atlas {
 	uint8_t *coverage; /* [height][width]; NULL: glyphs are given their positions, and are not drawn */
 	uint32_t width, height;
 	uint32_t x, y, row; /* position of the next glyph, and the height of the current row so far */
-	bool out_of_memory; /* parts of glyphs are missing */
+	bool out_of_memory; /* memory was short: parts of glyphs are missing */
 } glyph_atlas;
 
 /* Gives a glyph of known size its position. */
@@ -290,7 +290,7 @@ stilb_result ui_fonts_init(ui_fonts *fonts, float scale)
 	STILB_ASSERT(scale >= 0.5f && scale <= 4.0f);
 	glyph_atlas atlas = {.width = 512 * (uint32_t)ceilf(scale)};
 	*fonts = (ui_fonts){0};
-	fonts_draw(fonts, scale, &atlas); /* finds positions and the atlas' height */
+	fonts_draw(fonts, scale, &atlas); /* first without memory: finds the positions and the atlas' height */
 	if (!atlas.out_of_memory)
 		atlas.coverage = calloc((size_t)2 * atlas.height, atlas.width);
 	if (atlas.coverage)

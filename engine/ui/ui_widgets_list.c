@@ -203,8 +203,8 @@ bool stilb_ui_table_header(stilb_ui *ui, stilb_ui_rect rect, const char *label, 
 
 typedef struct plot_frame {
 	stilb_ui_rect rect;
-	float minimum, maximum; /* values at its bottom and top, minimum < maximum */
-	uint32_t count;         /* values, from its left to its right */
+	float minimum, maximum; /* values at rect's bottom and top, minimum < maximum */
+	uint32_t count;         /* number of values plotted from rect's left to its right */
 } plot_frame;
 
 /* The point of value number i. Values far outside the range are clamped: clipping hides them anyway. */

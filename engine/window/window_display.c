@@ -15,7 +15,7 @@ typedef void x11_set_exit(void *connection, x11_exit_handler *handler, void *dat
 
 static struct {
 	void *x11;                   /* libX11, never closed; NULL: there is none */
-	void *connection;            /* the Display; NULL: GLFW is opening it, or has none */
+	void *connection;            /* GLFW's connection, a Display *; NULL: GLFW is opening it, or has none */
 	x11_error_handler *previous; /* handles other connections of the process; NULL: there is none */
 	stilb_owner owner;           /* the thread that calls GLFW */
 	jmp_buf back;                /* where display_on_error jumps to, in window_display_call; set while `calling` */

@@ -134,7 +134,7 @@ typedef struct edge_case {
 	const char *name;
 	void (*draw)(stilb_ui *ui);
 	double x0, y0, x1, y1, radius;
-	/* Mean error on the edge: at most [0] with feathering, at least [1] with AA_ARTICLE, at least [2] without either. */
+	/* Mean error on the edge: at most [0] with feathering, at least [1] with AA_ARTICLE, [2] without smoothing. */
 	double limits[3];
 } edge_case;
 

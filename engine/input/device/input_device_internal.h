@@ -30,8 +30,8 @@ struct input_backend;
 typedef struct input_device {
 	const struct input_backend *backend;
 	union {
-		int fd;    /* input_hidraw.c */
-		void *hid; /* input_hidapi.c */
+		int fd;    /* used by input_hidraw.c: the node's descriptor */
+		void *hid; /* used by input_hidapi.c: hidapi's device */
 	};
 } input_device;
 

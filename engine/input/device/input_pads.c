@@ -35,20 +35,20 @@ struct stilb_input_pads {
 	input_hub hub;
 	const input_backend *backend;
 	input_roots roots;
-	char *root_texts; /* the two strings of roots */
+	char *root_texts; /* memory of the two strings in `roots` */
 	uint64_t ring_bytes;
 	pthread_t watcher;
 	int inotify_fd, wake_fd;
 
 	/* Atomic; each use says order and partner. */
 	input_reader *slots[PADS_MAX];
-	input_reader *returned; /* linked by next: readers whose events were all taken */
+	input_reader *returned; /* readers whose events were all taken, linked by input_reader.next */
 	uint32_t stop;
 	uint32_t looked; /* 1 once all pads that were plugged in at the start were found */
 
 	/* The watcher's own. */
 	stilb_owner watcher_owner;
-	uint32_t number; /* of the newest pad */
+	uint32_t number; /* number of the newest pad (stilb_input_event.pad) */
 	bool is_crowded; /* a pad was left out for want of a slot: look again when one becomes free */
 	uint32_t retry_count;
 	pads_retry retries[PADS_RETRIES];
@@ -90,7 +90,7 @@ static void pads_publish(stilb_input_pads *pads, uint32_t i, input_reader *reade
 /* Gives a reader whose events were all taken back to the watcher. Called by the frame. */
 static void pads_return(stilb_input_pads *pads, uint32_t i)
 {
-	input_reader *reader = __atomic_load_n(&pads->slots[i], __ATOMIC_RELAXED); /* this thread has seen it before */
+	input_reader *reader = __atomic_load_n(&pads->slots[i], __ATOMIC_RELAXED); /* acquired by pads_slot before */
 	STILB_ASSERT(reader && input_reader_has_ended(reader));
 	/* Relaxed: the release below orders it, so whoever gets the reader from the list sees the slot empty. */
 	__atomic_store_n(&pads->slots[i], (input_reader *)NULL, __ATOMIC_RELAXED);
@@ -219,7 +219,7 @@ static void pads_look(stilb_input_pads *pads, const char *name, bool has_grace)
 		pads_deny(pads, slot, reader);
 		return;
 	}
-	if (known) /* the denied pad may be opened now, or is gone */
+	if (known) /* the pad was denied before; now it may be opened, or is gone */
 		input_reader_end(known, input_now_us());
 	if (error == 0)
 		error = pads_add(pads, slot, reader);
@@ -477,7 +477,7 @@ static stilb_result pads_set_up(stilb_input_pads *pads, const stilb_input_pads_d
 	}
 	pads->roots = (input_roots){.sys = pads->root_texts, .dev = pads->root_texts + strlen(sys) + 1};
 	pads->backend = desc->backend == STILB_INPUT_BACKEND_HIDAPI ? &input_backend_hidapi : &input_backend_hidraw;
-	pads->ring_bytes = 16384; /* the least: room for several of the longest reports */
+	pads->ring_bytes = 16384; /* the smallest ring: room for several of the longest reports */
 	while (pads->ring_bytes < 1024 * (uint64_t)(desc->ring_kib > 0 ? desc->ring_kib : 256))
 		pads->ring_bytes *= 2;
 	pads->inotify_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);

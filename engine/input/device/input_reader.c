@@ -95,7 +95,7 @@ void input_reader_rumble(input_reader *reader, float heavy, float light, uint32_
 static void motors_fetch(input_reader *reader, int64_t now_us)
 {
 	uint64_t word =
-		__atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* of input_reader_rumble; no other data */
+		__atomic_exchange_n(&reader->rumble, 0, __ATOMIC_RELAXED); /* stored by input_reader_rumble; no other data */
 	if (word == 0)
 		return;
 	reader->motors.heavy = (float)(word >> 32 & 0xffff) / 65535.0f;

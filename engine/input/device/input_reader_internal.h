@@ -42,7 +42,7 @@ int input_thread_create(pthread_t *thread, void *(*run)(void *), void *user);
 /* The newest report that did not fit into the ring. */
 typedef struct input_late {
 	int64_t time_us;
-	uint32_t size; /* 0: there is none */
+	uint32_t size; /* bytes; 0: there is no such report */
 	uint8_t bytes[STILB_INPUT_REPORT_MAX];
 } input_late;
 
@@ -73,10 +73,10 @@ typedef struct input_reader {
 	struct {
 		float heavy, light; /* the strength to write */
 		int64_t until_us;   /* time at which the motors are to stop; 0: they are stopped */
-		int64_t written_us; /* time of the last report */
+		int64_t written_us; /* time at which the last rumble report was written */
 		bool is_new;        /* heavy and light were not written yet */
 		bool moves;         /* the last report turned a motor on */
-		uint32_t sequence;  /* reports written */
+		uint32_t sequence;  /* number of rumble reports written so far */
 	} motors;
 
 	/* The frame's own. */

@@ -70,7 +70,7 @@ typedef struct descriptor_parser {
 	descriptor_globals global, stack[STACK_MAX];
 	uint32_t stack_depth;
 	descriptor_locals local;
-	descriptor_range ranges[RANGES_MAX];                    /* local.range_count of them */
+	descriptor_range ranges[RANGES_MAX];                    /* [local.range_count] */
 	descriptor_collection collections[COLLECTIONS_MAX + 1]; /* [depth] is the innermost, [0] is outside of all */
 	uint32_t depth;
 	uint16_t groups;                               /* physical collections so far */

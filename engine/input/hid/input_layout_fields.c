@@ -125,7 +125,7 @@ typedef struct builder {
 	const stilb_input_descriptor *descriptor;
 	const stilb_input_report *main;
 	stilb_input_layout *out;
-	uint32_t axes, buttons; /* bits of the axes and buttons that have a source */
+	uint32_t axes, buttons; /* bit 1 << n is set if the axis or button n has a source */
 	uint32_t numbered;      /* the highest number of a numbered button */
 	bool z_is_trigger;      /* Z and Rz are the triggers, as on Xbox pads with their first firmware */
 } builder;
@@ -236,7 +236,7 @@ static void add_axes(builder *b)
 		add_axis(b, r_is_right ? rx : z, STILB_INPUT_RIGHT_X);
 		add_axis(b, r_is_right ? ry : rz, STILB_INPUT_RIGHT_Y);
 	} else if (x.field && x.field->collection == USAGE_JOYSTICK) {
-		add_axis(b, rz, STILB_INPUT_RIGHT_X); /* twisting the stick */
+		add_axis(b, rz, STILB_INPUT_RIGHT_X); /* of a joystick: twisting the stick */
 		add_axis(b, find(d, b->main, USAGE_RUDDER), STILB_INPUT_RIGHT_X);
 	}
 	add_axis(b, find(d, b->main, USAGE_BRAKE), STILB_INPUT_LEFT_TRIGGER);

@@ -26,7 +26,7 @@ typedef struct input_button_order {
 /* A row of the table of known pads (input_known.c). */
 typedef struct input_known {
 	const char *name;
-	uint16_t bus; /* 0: any */
+	uint16_t bus; /* 0: pads on any bus */
 	uint16_t vendor, products[8];
 	/* Its reports, ended by one of size 0; the sources of each are ended by one of 0 bits. A pad whose descriptor lacks
 	 * the first of these reports is not of this row. NULL: the reports are found by the descriptor's fields. */
