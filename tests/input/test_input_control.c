@@ -30,7 +30,7 @@ static stilb_input_control_settings plain_settings(void)
 
 static stilb_input_control *control;
 static const stilb_input_state no_keys;
-static stilb_input_state out; /* of the last frame */
+static stilb_input_state out; /* the output of the last stilb_input_control_frame, as is `pose` */
 static stilb_input_pose pose;
 
 static int begin_with(const stilb_input_control_settings *settings)
@@ -117,7 +117,7 @@ static void test_sticks_and_triggers(void **state)
 {
 	static const struct {
 		stilb_input_pad_state pad;
-		float x, y, z, yaw, pitch; /* after a second */
+		float x, y, z, yaw, pitch; /* the camera's expected pose after a second */
 	} rows[] = {
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1}}, 1, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = -1}}, -1, 0, 0, 0, 0},
@@ -135,7 +135,12 @@ static void test_sticks_and_triggers(void **state)
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 1}}, 2, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_LEFT_TRIGGER] = 1}}, 0.5f, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.525f}}, 1.41421356f, 0, 0, 0, 0},
-		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.04f}}, 1, 0, 0, 0, 0}, /* worn */
+		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.04f}},
+	     1,
+	     0,
+	     0,
+	     0,
+	     0}, /* in its dead zone */
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_LEFT_TRIGGER] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 1}},
 	     1,
 	     0,
@@ -192,9 +197,9 @@ static void test_keys_and_pad_add_up(void **state)
 	assert_float_equal(out.move[0], 0.5f, 1e-6f); /* the frame's output has the movement, too */
 	assert_true(out.move[2] == 1.0f);
 	frame_with(SECOND / 10, ahead);
-	float s = 0.1f / hypotf(1.0f, 0.5f); /* no faster together */
+	float s = 0.1f / hypotf(1.0f, 0.5f); /* stick and key together fly no faster than one */
 	assert_pose(0.5f * s, 0, -s, 0, 0);
-	push(1, SECOND / 10, STILB_INPUT_LEFT_Y, -1); /* opposed: they cancel */
+	push(1, SECOND / 10, STILB_INPUT_LEFT_Y, -1); /* stick back and key ahead cancel each other */
 	frame_with(SECOND / 5, ahead);
 	assert_pose(0.5f * s, 0, -s, 0, 0);
 }
@@ -293,7 +298,7 @@ static void test_the_last_touched_leads(void **state)
 	plug(1, 0);
 	plug(2, 0);
 	assert_int_equal(leader(), 0);
-	push(1, 10, STILB_INPUT_LEFT_X, 0.05f); /* noise */
+	push(1, 10, STILB_INPUT_LEFT_X, 0.05f); /* noise of a stick is not a touch */
 	assert_int_equal(leader(), 0);
 	push(1, 20, STILB_INPUT_LEFT_X, 1);
 	assert_int_equal(leader(), 1);
@@ -380,7 +385,7 @@ static void test_unplug_stops(void **state)
 	push(2, 0, STILB_INPUT_LEFT_X, 0.0f);
 	touch(1, 0, (stilb_input_pad_state){.axes = {1, 1, 1, 1, 0, 1}});
 	frame(SECOND / 2);
-	pull(2, SECOND / 2); /* not the one that leads */
+	pull(2, SECOND / 2); /* unplugs the pad that does not lead */
 	assert_int_equal(leader(), 1);
 	frame(SECOND);
 	stilb_input_pose at_second = pose;
@@ -399,7 +404,7 @@ static void test_unplug_stops(void **state)
 	frame(4 * SECOND);
 	assert_int_equal(leader(), 3);
 	assert_true(pose.position[0] != rest.position[0]);
-	touch(1, 4 * SECOND, (stilb_input_pad_state){.axes = {1}}); /* by a pad that is gone */
+	touch(1, 4 * SECOND, (stilb_input_pad_state){.axes = {1}}); /* an event of a removed pad is ignored */
 	assert_int_equal(leader(), 3);
 }
 

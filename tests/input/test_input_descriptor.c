@@ -341,7 +341,7 @@ static void test_usages_of_elements(void **state)
 static void test_pages_of_usages(void **state)
 {
 	(void)state;
-	good(AXIS "09 30 05 01 81 02"); /* the page after the usage */
+	good(AXIS "09 30 05 01 81 02"); /* the page may come after the usage */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n");
 	good(AXIS "05 02 09 30 09 31 95 02 05 01 81 02"); /* the last page before the main item is that of all usages */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 10031 0..127\n");
@@ -351,7 +351,7 @@ static void test_pages_of_usages(void **state)
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 200c4 0..127\n00@8 8 10001 0..127\n");
 	good(AXIS "05 01 1b 01 00 09 00 2b 04 00 09 00 95 04 81 02");
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*4 90001-90004 0..127\n");
-	good(AXIS "05 01 1b 01 00 09 00 29 02 95 03 81 02 | 19 01 2b 02 00 09 00 81 02"); /* the page given once */
+	good(AXIS "05 01 1b 01 00 09 00 29 02 95 03 81 02 | 19 01 2b 02 00 09 00 81 02"); /* page in one end only */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*3 90001-90002 0..127\n00@24 8*3 90001-90002 0..127\n");
 	good(AXIS "1b 01 00 09 00 2b 04 00 0a 00 95 04 81 02"); /* a range from one page into another stays in the first */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*4 90001-90004 0..127\n");
@@ -367,7 +367,7 @@ static void test_pages_of_usages(void **state)
 static void test_local_items_end_with_the_main_item(void **state)
 {
 	(void)state;
-	good("05 01 " AXIS "09 30 81 02 81 02"); /* the second has no usage */
+	good("05 01 " AXIS "09 30 81 02 81 02"); /* the second main item has no usage left */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 10030 0..127\n00@8 8 0 0..127\n");
 	good("05 01 " AXIS "09 30 50 81 02 | 09 31 00 81 02 | 09 32 f0 81 02"); /* undefined main items clear usages, too */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8 0 0..127\n00@8 8 0 0..127\n00@16 8 0 0..127\n");
@@ -470,7 +470,7 @@ static void test_constants_and_nothing(void **state)
 static void test_arrays(void **state)
 {
 	(void)state;
-	good("05 07 15 00 25 65 75 08 95 06 19 00 29 65 81 00"); /* a keyboard's */
+	good("05 07 15 00 25 65 75 08 95 06 19 00 29 65 81 00"); /* the array of keys of a keyboard */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 8*6 70000-70065 0..101 array\n");
 	good("05 09 15 01 25 04 75 04 95 02 19 11 29 14 81 00"); /* the smallest value names the first usage */
 	fields_are(STILB_INPUT_FIELD_INPUT, "00@0 4*2 90011-90014 1..4 array\n");
@@ -571,7 +571,7 @@ static void test_refusals(void **state)
 	refused("75 01 97 ff ff ff ff 81 02", "report descriptor, byte 7: report 0 is longer than 4096 bytes");
 	refused("77 ff ff ff ff 97 ff ff ff ff 81 02", "report descriptor, byte 10: report 0 is longer than 4096 bytes");
 	refused("75 08 96 fe 0f 81 03 95 01 81 03 81 03",
-	        "report descriptor, byte 11: report 0 is longer than 4096 bytes"); /* 4095 fit */
+	        "report descriptor, byte 11: report 0 is longer than 4096 bytes"); /* 4095 and an id's byte fit */
 }
 
 /* A descriptor that repeats the same bytes `count` times, with changes by the caller. */

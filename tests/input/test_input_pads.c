@@ -250,7 +250,7 @@ static void a_pad_without_permission_is_told_of(void **state)
 	stilb_input_event denied = next_of(STILB_INPUT_PAD_DENIED);
 	assert_string_equal(stilb_input_udev_rule(denied.info, rule, sizeof rule),
 	                    "KERNEL==\"hidraw*\", KERNELS==\"*:054C:05C4.*\", MODE=\"0660\", TAG+=\"uaccess\"");
-	stilb_input_pads_rumble(pads, denied.pad, 1, 1, 100); /* does nothing */
+	stilb_input_pads_rumble(pads, denied.pad, 1, 1, 100); /* does nothing for a denied pad */
 	fake_chmod(5, 0200);
 	assert_true(is_quiet(20));
 	fake_chmod(5, 0600);
@@ -357,7 +357,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 		assert_int_equal(number_of(&event), count);
 		times_us[count++] = event.time_us;
 	}
-	assert_in_range(count, 100, 600); /* all that came during the stall came at once */
+	assert_in_range(count, 100, 600); /* the frame gets all reports of the stall at once */
 	for (; count < 600; count++) {
 		event = next();
 		assert_int_equal(number_of(&event), count);
@@ -477,7 +477,7 @@ static void rumble_is_limited_in_rate(void **state)
 	uint8_t report[STILB_INPUT_OUTPUT_MAX], newest[STILB_INPUT_OUTPUT_MAX];
 	uint32_t count = 0;
 	size_t size;
-	do { /* until the newest, with its number, has come */
+	do { /* until the report of the newest request has come, which depends on the number of reports */
 		size = stilb_input_rumble_report(&layout, 1, 1, ++count, newest);
 		assert_int_equal(fake_receive(0, report, sizeof report, 5000), size);
 	} while (memcmp(report, newest, size) != 0);
@@ -590,7 +590,7 @@ static void many_lives_leave_nothing(void **state)
 		fake_unplug((int)(i % 3));
 		next_of(STILB_INPUT_PAD_REMOVED);
 	}
-	assert_true(is_quiet(1)); /* the last one is taken */
+	assert_true(is_quiet(1)); /* takes the last REMOVED, so that the reader can be destroyed */
 	for (int i = 0; i < 5000 && count_entries("/proc/self/fd") > fds; i++)
 		sleep_ms(1); /* the last pad's descriptors are closed after its REMOVED was taken */
 	assert_int_equal(count_entries("/proc/self/task"), threads);
@@ -758,7 +758,7 @@ static void a_pad_without_memory_is_left(void **state)
 	begin();
 	fail_memory(false);
 	assert_true(is_quiet(1));
-	fake_chmod(0, 0600); /* looked at again */
+	fake_chmod(0, 0600); /* the watcher looks at the node again when its mode changes */
 	assert_int_equal(next_of(STILB_INPUT_PAD_ADDED).pad, 1);
 }
 

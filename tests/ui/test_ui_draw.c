@@ -295,7 +295,7 @@ static void test_sharp_corners_are_limited(void **state)
 	const stilb_ui_point corners[3] = {{20, 20}, {390, 24}, {390, 28}};
 	stilb_ui_draw_convex(&list, corners, 3, white);
 	float reach = hypotf(list.vertices[3].position[0] - 20.0f, list.vertices[3].position[1] - 20.0f);
-	assert_float_equal(reach, 4.0f * 0.5f, 1e-3f); /* not 0.5 / sin(half the angle), some 90 */
+	assert_float_equal(reach, 4.0f * 0.5f, 1e-3f); /* unlimited it would be 0.5 / sin(half the angle), some 90 */
 	assert_true(list.vertices[0].color[3] < 20);   /* the tip is much thinner than a pixel */
 	stilb_ui_list_finish(&list);
 }
@@ -348,7 +348,7 @@ static void test_clips_nest_and_merge(void **state)
 	assert_true(clip.x0 == 10 && clip.y0 == 20 && clip.x1 == 50 && clip.y1 == 50);
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){-1e9f, -1e9f, 1e9f, 1e9f}, white);
 	assert_true(list.vertices[4].position[0] == 10 && list.vertices[6].position[1] == 50); /* rectangles are cut here */
-	stilb_ui_draw_circle(&list, (stilb_ui_point){60, 30}, 8, white);                       /* outside */
+	stilb_ui_draw_circle(&list, (stilb_ui_point){60, 30}, 8, white);                       /* outside the clip */
 	stilb_ui_draw_rect(&list, (stilb_ui_rect){50, 20, 60, 30}, white);
 	stilb_ui_draw_line(&list, (stilb_ui_point){0, 0}, (stilb_ui_point){1, 70}, 1, white);
 	assert_int_equal(list.vertex_count, 8);

@@ -398,7 +398,7 @@ static void test_double_click(void **state)
 	double_click();
 	assert_true(fabs(profiler->view_ns - 1.04 * 2e6) < 1.0);
 	input.seconds = 1.0f;
-	while (!tip_is("")) /* down to a place without a zone */
+	while (!tip_is("")) /* moves the mouse down to a place without a zone, which has no tooltip */
 		point_at(input.mouse_x, input.mouse_y + 3.0f);
 	double_click();
 	assert_true(fabs(profiler->view_ns - 1.04 * 30e6) < 1.0);

@@ -283,7 +283,7 @@ static void test_slider(void **state)
 {
 	(void)state;
 	user u = control_user();
-	user_move(&u, 114, 100); /* the middle */
+	user_move(&u, 114, 100); /* the middle of the slider */
 	user_press(&u);
 	assert_float_equal(value, 5.0f, 0.05f);
 	assert_int_equal(slid, 1);

@@ -177,7 +177,7 @@ static uint32_t compare(const kernel_field *field)
 static uint32_t compare_all(FILE *file)
 {
 	static kernel_field field;
-	static char line[4 * STILB_INPUT_DESCRIPTOR_MAX]; /* the first line has all bytes */
+	static char line[4 * STILB_INPUT_DESCRIPTOR_MAX]; /* the first line has all bytes of the descriptor */
 	uint32_t elements = 0, id;
 	while (fgets(line, sizeof line, file)) {
 		char *text = line + strspn(line, " "), *end = text + strlen(text);

@@ -181,7 +181,7 @@ static latency print_latency(const vm_side *side, const vm_heard *heard, const v
 			took[count++] = heard->stamped_us[number] - sender->sent_us[number];
 	}
 	assert_true(count > 0);
-	latency all = {.median = vm_median(took, count)}; /* sorts them */
+	latency all = {.median = vm_median(took, count)}; /* sorts `took`, as p99 needs it */
 	all.p99 = took[count * 99 / 100];
 	all.longest = took[count - 1];
 	printf("  %s: %u sent, %u lost, sent to stamped: median %lld us, p99 %lld us, max %lld us\n", side->name,

@@ -25,7 +25,7 @@ static const char *program;
 typedef struct subject {
 	const char *kind;
 	pid_t pid;
-	int input, output; /* our ends of its pipes */
+	int input, output; /* this program's ends of the pipes to the subject's standard input and output */
 	uint32_t crashes;
 	int last_signal;
 	unsigned long long added, removed, reports; /* of enumerate: enumerations that found a pad */
@@ -79,7 +79,7 @@ static void subject_restart_if_crashed(subject *who)
 	if (waitpid(who->pid, &status, WNOHANG) != who->pid)
 		return;
 	close(who->input);
-	assert_true(WIFSIGNALED(status)); /* it was not told to end */
+	assert_true(WIFSIGNALED(status)); /* a crash, as the subject was not told to end */
 	subject_ended(who, status);
 	subject_start(who);
 }

@@ -107,7 +107,7 @@ static void send_all(vm_fixture *fixture, const char *node)
 		uint8_t report[VM_DS4_USB_BYTES];
 		size_t size = vm_ds4_usb(number, 0, report);
 		if (write(fd, report, size) == (ssize_t)size)
-			number++; /* else the last one was not polled yet */
+			number++; /* else the host has not polled the last report yet: send it again */
 		vm_sleep_until_us(vm_now_us() + 2000);
 		vm_fixture_frame(fixture);
 	}

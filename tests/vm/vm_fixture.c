@@ -251,7 +251,7 @@ static int entries(const char *path)
 
 int vm_descriptors(void)
 {
-	return entries("/proc/self/fd") - 1; /* without that of opendir */
+	return entries("/proc/self/fd") - 1; /* without the descriptor that opendir uses for counting */
 }
 
 int vm_threads(void)
