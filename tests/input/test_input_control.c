@@ -135,12 +135,7 @@ static void test_sticks_and_triggers(void **state)
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 1}}, 2, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_LEFT_TRIGGER] = 1}}, 0.5f, 0, 0, 0, 0},
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.525f}}, 1.41421356f, 0, 0, 0, 0},
-		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.04f}},
-	     1,
-	     0,
-	     0,
-	     0,
-	     0}, /* in its dead zone */
+		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 0.04f}}, 1, 0, 0, 0, 0}, /* dead zone */
 		{{.axes = {[STILB_INPUT_LEFT_X] = 1, [STILB_INPUT_LEFT_TRIGGER] = 1, [STILB_INPUT_RIGHT_TRIGGER] = 1}},
 	     1,
 	     0,
