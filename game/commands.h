@@ -10,7 +10,7 @@ int bench_command(int argc, char **argv); /* replaces the process by stilb-bench
 int demo_command(int argc, char **argv);
 int info_command(int argc, char **argv);
 int pads_command(int argc, char **argv);
-int offline_command(int argc, char **argv); /* stilb render; render_ is the prefix of real time */
+int offline_command(int argc, char **argv); /* stilb render; the prefix render_ is engine/render's */
 int replay_command(int argc, char **argv);
 int shade_command(int argc, char **argv);
 int trace_command(int argc, char **argv);

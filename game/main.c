@@ -46,7 +46,7 @@ static int finish(int code)
 }
 
 /* Keeps freed memory in the process. A Vulkan driver that draws on the CPU frees and allocates the same sizes in each
- * frame; returning them to the kernel in between takes a tenth of the frame and more. */
+ * frame; returning them to the kernel in between takes a tenth of the frame's time or more. */
 static void keep_freed_memory(void)
 {
 	mallopt(M_TRIM_THRESHOLD, INT_MAX);
@@ -56,7 +56,7 @@ static void keep_freed_memory(void)
 int main(int argc, char **argv)
 {
 	keep_freed_memory();
-	stilb_prof_record_set(false); /* commands that show or write a profile switch it on */
+	stilb_prof_record_set(false); /* commands that show or write a profile switch recording on */
 	signal(SIGPIPE, SIG_IGN);     /* a closed pipe becomes an error of one output; the others are still written */
 	if (argc < 2) {
 		stilb_log("no command; 'stilb demo' runs the stress test, 'stilb --help' lists all");

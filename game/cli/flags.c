@@ -53,7 +53,7 @@ static flags_result parse_between(const flag *f, const char *value, double low, 
 	return FLAGS_REFUSED;
 }
 
-/* Overwrites the commas of text. */
+/* Reads `low` to `high` numbers, separated by commas, into *list. Overwrites the commas of text by '\0'. */
 static bool split_numbers(char *text, uint32_t low, uint32_t high, flag_list *list)
 {
 	char *next = text;
@@ -195,7 +195,8 @@ static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
 	return 0;
 }
 
-/* Stores a word that is no flag. Returns 1, the number of arguments used, or 0 when it is refused. */
+/* Stores a word that is no flag in the row of kind FLAG_WORD. Returns 1, the number of arguments used, or 0 when it is
+ * refused. */
 static int parse_word(const flag *flags, size_t flag_count, const char *word)
 {
 	for (size_t i = 0; i < flag_count; i++) {

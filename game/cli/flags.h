@@ -1,7 +1,7 @@
 /*
- * flags: reads a command line by a table with one row a flag. `--flag value` and `--flag=value` mean the same, and of a
- * flag that is given twice the last value counts. A word that is neither a flag nor the value of one goes to the row of
- * kind FLAG_WORD, wherever it stands.
+ * flags: reads a command line by a table with one row for each flag. `--flag value` and `--flag=value` mean the same,
+ * and of a flag that is given twice the last value counts. A word that is neither a flag nor the value of one goes to
+ * the row of kind FLAG_WORD, wherever it stands.
  *
  *   uint64_t frames = 120;
  *   bool headless = false;
@@ -15,7 +15,7 @@
  *
  * Errors.   A command line that is not understood is one line on stderr that names the flag, the value and the values
  *           that are accepted. A faulty table is the programmer's error: an assert.
- * Threads.  No function keeps anything. All are [any-thread], as long as nobody else writes the values of the table.
+ * Threads.  No function keeps state. All are [any-thread], as long as nobody else writes the values of the table.
  */
 #ifndef STILB_FLAGS_H
 #define STILB_FLAGS_H
@@ -62,7 +62,8 @@ typedef enum flags_result {
 	FLAGS_REFUSED, /* the error is printed, some values may have changed: exit with EXIT_REFUSED */
 } flags_result;
 
-/* Reads argv[0] to argv[argc - 1] and stores the values. */
+/* Reads the arguments argv[0], which is not the program's name, to argv[argc - 1] and stores their values in the
+ * variables that the rows' `value` points to. */
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv);
 
 /* Reads from low to high numbers separated by commas, low <= high <= FLAG_LIST_MAX, into *list. Returns false, and

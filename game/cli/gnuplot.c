@@ -42,7 +42,8 @@ static void copy(FILE *from, stilb_file *to)
 }
 
 /* Copies an SVG picture, with title in place of the title "Gnuplot" that every picture gets, and without its empty
- * groups <g ...></g>, which are an eighth of the file. Both are lines of their own. */
+ * groups <g ...></g>, which are an eighth of the file. gnuplot writes the title, <g ...> and </g> each on a line of its
+ * own. */
 static void copy_svg(FILE *from, stilb_file *to, const char *title)
 {
 	char *line = NULL, *group = NULL;

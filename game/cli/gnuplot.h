@@ -19,13 +19,14 @@
 
 #include <stdio.h>
 
-/* Writes the commands that follow gnuplot's `set terminal` and `set output`. Errors of the stream are found later. */
+/* Writes the commands that follow gnuplot's `set terminal` and `set output`. It need not check the stream for
+ * errors: gnuplot_save does. */
 typedef void gnuplot_script(FILE *script, const void *context);
 
 /* True if the program gnuplot is installed and runs. Starts it, which takes some milliseconds. */
 bool gnuplot_found(void);
 
-/* The message for when it is not, without a program's or a file's name in front. */
+/* The message for when gnuplot_found returns false; the caller puts the name of its command in front. */
 #define GNUPLOT_MISSING "gnuplot is not installed, or does not run (Debian package gnuplot-nox)"
 
 /* Draws the script on a terminal, for example "pngcairo size 800,600", and saves the picture as path. svg_title is the

@@ -47,7 +47,8 @@ static int compare_floats(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The value of `count` > 0 ascending values below which the share `share`, 0..1, of them lies, by nearest rank. */
+/* Returns the quantile `share`, 0..1 (0.5: the median), of `count` > 0 ascending values by nearest rank: always one of
+ * the values, never a mean of two. */
 static double quantile(const float *sorted, uint64_t count, double share)
 {
 	STILB_ASSERT(count > 0 && share >= 0.0 && share <= 1.0);

@@ -22,7 +22,7 @@ typedef enum stage {
 	STAGE_REPLAY,
 	STAGE_PRESENT,
 	STAGE_GPU, /* the device's own time; 0: not known for this frame */
-	STAGE_PAD, /* no stage: age of the newest gamepad report when the draws went to the device; 0: no report */
+	STAGE_PAD, /* not a stage: age of the newest gamepad report when the draws went to the device; 0: no report */
 	STAGE_COUNT
 } stage;
 
@@ -39,7 +39,7 @@ typedef struct stage_times {
 	uint32_t capacity;
 } stage_times;
 
-/* Milliseconds. Quantiles are by nearest rank. */
+/* The times of one stage over the frames, milliseconds. p99: 99 % of the frames took at most that long. */
 typedef struct stage_summary {
 	double median, p99, min;
 } stage_summary;
@@ -52,8 +52,8 @@ bool stage_times_add(stage_times *times, const stilb_engine_times *frame);
 void stage_times_last_gpu(stage_times *times, double ms);
 
 /* Summarises all kept frames but the first tenth of the run, its warm-up, whose length goes to *warmup. A stage without
- * frames is all 0; STAGE_GPU and STAGE_PAD count only frames for which they are known.
- * False: out of memory, and the summary is all 0. */
+ * frames is all 0; frames for which STAGE_GPU or STAGE_PAD is not known (0) are left out of its summary. Quantiles are
+ * by nearest rank. False: out of memory, and the summary is all 0. */
 bool stage_times_summarise(const stage_times *times, stage_summary summary[STAGE_COUNT], uint64_t *warmup);
 
 /* Frees the frames; times is {0} again. */

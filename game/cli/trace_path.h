@@ -1,4 +1,4 @@
-/* trace_path: checks the names of files that traces are to be written to, before the run that they are of. */
+/* trace_path: checks, before a run, the name of the file that the run's trace (its profile) is to be written to. */
 #ifndef STILB_TRACE_PATH_H
 #define STILB_TRACE_PATH_H
 

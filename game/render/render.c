@@ -28,7 +28,8 @@ static void offline_on_signal(int signal_number)
 	offline_interrupted = 1; /* stops the work, which writes the picture so far */
 }
 
-/* A second signal kills. SIGHUP stays ignored if it is (nohup). */
+/* The first signal stops the work; a second one kills the program. SIGHUP stays ignored if the program was started with
+ * it ignored, as nohup does. */
 static void offline_catch_signals(void)
 {
 	static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -47,7 +48,7 @@ static void offline_catch_signals(void)
 typedef struct offline_window {
 	stilb_engine_viewer *viewer;
 	float *radiance; /* the picture, 3 floats a pixel */
-	uint8_t *srgb;   /* the same for display */
+	uint8_t *srgb;   /* the picture for display, 3 bytes a pixel */
 	size_t pixels;
 	float exposure;
 	uint64_t next_ns; /* time of the next update of the picture */
@@ -155,7 +156,8 @@ static void offline_linger(offline_window *window, const offline_result *result)
 
 /* ---- the command ------------------------------------------------------------------------------------------------- */
 
-/* Refuses --integrator montecarlo if its number of rays, which grows by a power of --depth, would take hours. */
+/* Refuses --integrator montecarlo if its number of rays, which grows exponentially with --depth, is above
+ * RENDER_MANY_RAYS. */
 static bool offline_check_rays(const offline_options *o)
 {
 	static const stilb_scene nothing;

@@ -26,11 +26,11 @@ static const char *const cache_choices[] = {"frozen", "live", NULL};
 static const char *const switch_choices[] = {"off", "on", NULL};
 
 #define RENDER_MAX_SAMPLES 65536
-#define RENDER_BRANCHED_DEPTH 2 /* of montecarlo, whose N rays a hit become N^depth at the last bounce */
+#define RENDER_BRANCHED_DEPTH 2 /* default of --integrator montecarlo: N rays from each hit are N^depth at last */
 
 /* ---- defaults ---------------------------------------------------------------------------------------------------- */
 
-/* Sets what differs between integrators so that a picture of the default size takes some seconds. */
+/* Sets the defaults that differ between integrators, so that a picture of the default size takes some seconds. */
 static void options_default_of(int integrator, stilb_gi_settings *settings)
 {
 	switch (integrator) {
@@ -160,14 +160,15 @@ static void options_say_unused(const offline_options *o, const flag *flags, size
 static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
 	stilb_gi_settings s = options_settings_default(o->integrator);
-	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* then they end the run, not a number of samples */
+	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* then time or error ends the run, not a number of samples */
 	if (!flags_given(flags, count, argc, argv, "--spp"))
 		o->samples = limited ? RENDER_MAX_SAMPLES : s.samples;
 	if (!flags_given(flags, count, argc, argv, "--rays"))
 		o->rays = s.rays;
 	if (!flags_given(flags, count, argc, argv, "--depth"))
 		o->depth = s.depth;
-	/* Without an overture records are made while rendering, so they cannot be frozen. */
+	/* The overture computes the records of the irradiance cache before the picture. Without it they are made while
+	 * rendering, so the cache cannot be frozen. */
 	if (o->cache == RENDER_NOT_GIVEN)
 		o->cache = o->overture ? STILB_GI_CACHE_FROZEN : STILB_GI_CACHE_LIVE;
 	const char *extension = ".checkpoint";

@@ -1,5 +1,6 @@
 /*
- * offline_options: the command line of `stilb render`, read, checked, and turned into the settings of gi.
+ * offline_options: the command line of `stilb render`, read, checked, and turned into the settings of the ray tracer,
+ * engine/gi.
  *
  *   static offline_options options;
  *   if (offline_options_parse(&options, argc, argv) == FLAGS_OK && offline_options_check(&options))
@@ -27,12 +28,13 @@ typedef struct offline_options {
 	uint32_t size[2], workers;
 	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
-	int brdf, ndf, g, f; /* SHADE_BRDF_ and so on, or RENDER_NOT_GIVEN */
+	int brdf, ndf, g, f; /* a SHADE_BRDF_, SHADE_NDF_, SHADE_G_ and SHADE_F_, or RENDER_NOT_GIVEN */
 	bool preview, resume, dry_run, force, show_records, allow_outside;
 	flag_list camera;
 } offline_options;
 
-/* What the flags of choice accept, in the order of gi's enumerations; NULL-terminated. */
+/* The words that the flags --integrator, --sampler, --filter and --cache-radius accept, in the order of the
+ * enumerations of engine/gi; NULL-terminated. */
 extern const char *const offline_integrators[];
 extern const char *const offline_samplers[];
 extern const char *const offline_filters[];
@@ -42,11 +44,11 @@ extern const char *const offline_cache_radii[];
  * flags_parse returns. A flag that the integrator has no use for is one line on stderr, not an error. */
 flags_result offline_options_parse(offline_options *o, int argc, char **argv);
 
-/* Checks what a table of flags cannot: flags that contradict each other, and the files. Returns false after one line on
- * stderr. Starts nothing and writes nothing. */
+/* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
+ * one line on stderr. Starts nothing and writes nothing. */
 bool offline_options_check(const offline_options *o);
 
-/* The settings for a scene. The camera is the scene's unless --camera is given. They point to strings of *o. */
+/* The settings for a scene. The camera is the scene's unless --camera is given. The settings point to strings of *o. */
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene);
 
 /* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.

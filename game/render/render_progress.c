@@ -73,7 +73,7 @@ void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t si
 		snprintf(text, size, "the first pixels");
 }
 
-/* "pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
+/* Writes the state without the percentage: "pass 9, 64 samples a pixel, 5.31 Mrays/s, 0:12 left". */
 static void progress_describe(const offline_progress *progress, offline_stage stage, const stilb_gi_progress *at,
                               char *text, size_t size)
 {

@@ -11,10 +11,11 @@
 #include "render_work.h"
 
 typedef struct offline_progress {
-	bool terminal;    /* stderr is one that can redraw a line */
+	bool terminal;    /* stderr is a terminal that can redraw a line */
 	uint64_t last_ns; /* time of the last bar or line */
-	/* Time and done share when the stage RENDER_RENDERING was first seen: the share that a checkpoint brought took no
-	 * time of this run. first_ns is 0 until then. */
+	/* The time, and the share of the render that was done, 0..1, when the stage RENDER_RENDERING was first seen. The
+	 * time left is estimated from the progress since then: the share that a resumed checkpoint brought took no time of
+	 * this run. first_ns is 0 until then. */
 	uint64_t first_ns;
 	double first_done;
 } offline_progress;

@@ -12,7 +12,7 @@ static double report_rate(const stilb_gi_progress *progress)
 	return progress->seconds > 0.0 ? (double)progress->rays / progress->seconds : 0.0;
 }
 
-/* The reason why it ended: "failure" if an error kept it from its end. */
+/* Returns why the render ended; "failure": an error ended it before it was finished. */
 static const char *report_end(const offline_result *result)
 {
 	if (result->code != EXIT_DONE && result->progress.end == STILB_GI_END_NOT)
@@ -69,7 +69,7 @@ static void report_put_scene(stilb_json *json, const char *name, const stilb_gi_
 	stilb_json_end(json, '}');
 }
 
-/* In metres and degrees, as --camera takes them. */
+/* Writes position, yaw, pitch and field of view in metres and degrees, as --camera takes them. */
 static void report_put_camera(stilb_json *json, const stilb_scene_camera *camera)
 {
 	double degrees = 180.0 / M_PI;

@@ -4,7 +4,7 @@
 
 #include "render_work.h"
 
-/* Writes the report as JSON to options->stats, which is given; also for a render that failed.
+/* Writes the report as JSON to the file options->stats, which must not be NULL; also for a render that failed.
  * STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result offline_report_save(const offline_options *options, const offline_result *result);
 

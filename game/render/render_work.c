@@ -129,7 +129,8 @@ void offline_work_checkpoint(offline_work *work)
 
 /* ---- failures ---------------------------------------------------------------------------------------------------- */
 
-/* Keeps the error for the main thread: stilb_error_message belongs to this one. Returns false. */
+/* Keeps the error for the main thread, since stilb_error_message gives only errors of the calling thread. Returns
+ * false. */
 static bool work_fail(work_pieces *p, int code)
 {
 	p->result->code = code;
@@ -194,8 +195,8 @@ static bool work_build(work_pieces *p)
 	return true;
 }
 
-/* Loads the checkpoint if --resume is given; one of another picture is refused. Without --resume a checkpoint of an
- * earlier run stays until this one writes its own. */
+/* Loads the checkpoint if --resume is given; a checkpoint of another picture is refused. Without --resume a checkpoint
+ * of an earlier run stays until this run writes its own. */
 static bool work_resume(work_pieces *p)
 {
 	const char *path = p->options->checkpoint;
@@ -290,7 +291,7 @@ static void work_finish(work_pieces *p)
 	stilb_job_pool_destroy(p->pool);
 }
 
-/* The thread. Its whole work is one frame of the profile. */
+/* The function of the work's thread. In the profile, the whole work is one frame. */
 static void *work_main(void *data)
 {
 	offline_work *work = data;
@@ -312,7 +313,8 @@ static void *work_main(void *data)
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
-/* Blocks all signals in the new thread and in those it starts: they must wake the main thread from its sleep. */
+/* Blocks all signals in the new thread and in the threads that it starts, so that every signal goes to the main thread
+ * and wakes it from its sleep. */
 static int work_create_thread(offline_work *work)
 {
 	sigset_t all, before;

@@ -32,8 +32,8 @@ typedef struct offline_result {
 	int code;                       /* exit code of the program */
 	char message[512];              /* the error, if code is not 0 */
 	bool prepared;                  /* the scene could be built; else settings, scene and progress are {0} */
-	bool stopped;                   /* it ended before it was finished */
-	bool saved, checkpointed;       /* the picture, the last checkpoint were written */
+	bool stopped;                   /* the render ended before it was finished */
+	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
 	uint32_t workers;               /* threads that rendered */
 	double open_s, build_s, save_s; /* seconds of the stages */
 	stilb_gi_settings settings;

@@ -30,8 +30,8 @@ typedef struct replay_run {
 	replay_options options;
 	stilb_engine_replay *replay;
 	stage_times times;
-	stilb_render_stats render; /* of the last frame before the measurement */
-	uint64_t hash;             /* of its command stream */
+	stilb_render_stats render; /* of the last frame that was drawn before the costs of commands are measured */
+	uint64_t hash;             /* of the command stream of that frame */
 } replay_run;
 
 /* ---- flags ------------------------------------------------------------------------------------------------------- */
@@ -84,7 +84,8 @@ static bool replay_check_file(const char *path)
 	return error == 0;
 }
 
-/* Checks what a table of flags cannot. Starts and writes nothing. Returns false after one line on stderr. */
+/* Checks what the table of flags cannot express: the files, and flags that contradict each other. Writes nothing.
+ * Returns false after one line on stderr. */
 static bool replay_check(const replay_options *o)
 {
 	if (!replay_check_file(o->file))
@@ -158,7 +159,8 @@ static stilb_result replay_play(replay_run *run)
 static const stage replay_stages[] = {STAGE_FRAME, STAGE_RECORD, STAGE_REPLAY, STAGE_GPU};
 #define REPLAY_STAGES (sizeof replay_stages / sizeof *replay_stages)
 
-/* Milliseconds that the commands of a frame take together, without the submission, which is the last kind. */
+/* Milliseconds that all commands of a frame take, summed over their kinds; the last kind, the submission of the command
+ * buffer to the device, is left out. */
 static double replay_kinds_ms(const stilb_render_dump_costs *costs)
 {
 	double ns = 0.0;
@@ -312,7 +314,8 @@ static int replay_main(replay_run *run)
 	stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
 	if (played != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-		/* A damaged file may show only in the first frame, when its draws differ from its hash. */
+		/* Damage to a file may be noticed only in the first frame, when the hash of its draws differs from the
+		 * file's. */
 		return started != STILB_OK || played == STILB_ERROR_FILE ? exit_code_of(played) : EXIT_FAILED;
 	}
 	return replay_finish(run) ? EXIT_DONE : EXIT_FAILED;

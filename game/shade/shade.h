@@ -1,7 +1,7 @@
 /*
- * stilb shade: shows the formulas of engine/shading. shade.c has the command, shade_draw.c the parts list, plot and
- * catalog, shade_table.c the table, shade_spheres.c the part spheres. shade_plot.h makes diagrams, shade_plots.h lists
- * them, shade_strip.h draws spheres. All [main-thread].
+ * stilb shade: shows the formulas of engine/shading. Its parts are `list`, `plot` and `catalog` (shade_draw.c), `table`
+ * (shade_table.c) and `spheres` (shade_spheres.c); shade.c runs the one that the user names. shade_plot.h makes
+ * diagrams, shade_plots.h lists them, shade_strip.h draws rows of spheres. All [main-thread].
  */
 #ifndef STILB_SHADE_H
 #define STILB_SHADE_H

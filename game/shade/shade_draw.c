@@ -86,10 +86,10 @@ static const char *take_name(int *argc, char **argv)
 }
 
 #define NAME_SIZE 64
-#define NEAR_NAMES 6 /* names that a message offers */
+#define NEAR_NAMES 6 /* similar names that the message about an unknown one offers at most */
 
-/* The least number of letters to insert, remove or change that turns a into b, which is in small letters; the case of
- * a does not count. Source: Levenshtein (1965). */
+/* The least number of letters to insert, remove or change that turns a into b. Upper case letters of a count as lower
+ * case; b has only lower case ones. Source: Levenshtein (1965). */
 static int edits(const char *a, const char *b)
 {
 	STILB_ASSERT(strlen(b) < NAME_SIZE);
@@ -129,7 +129,7 @@ typedef struct near_names {
 	int count;
 } near_names;
 
-/* Appends the name, as it is typed, if it is near and there are not enough yet. */
+/* Appends the name, with '-' for each '_', if it is near to the typed word and fewer than NEAR_NAMES are there yet. */
 static void offer(near_names *near, const char *name)
 {
 	char word[NAME_SIZE];
@@ -202,7 +202,8 @@ int shade_plot_command(int argc, char **argv)
 
 /* ---- catalog ----------------------------------------------------------------------------------------------------- */
 
-/* The rows of numeric's catalogue that get a picture each; all other pairs of D and G are in the table alone. */
+/* The formulas of numeric's catalogue (numeric_catalog.h) that get a picture each. The other microfacet models, each a
+ * pair of a distribution D and a shadowing term G, are in the table alone. */
 static const char *const catalog_rows[] = {
 	"d-blinn",
 	"d-beckmann",
@@ -254,7 +255,7 @@ static stilb_result catalog_plots(const char *folder)
 	return result;
 }
 
-/* Pixels; the documentation shows the pictures without scaling. */
+/* Width of a sphere in pixels; the documentation shows the pictures without scaling. */
 #define CATALOG_SPHERE 64.0f
 
 static stilb_result catalog_strips(const char *folder)

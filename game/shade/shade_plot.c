@@ -11,7 +11,7 @@
 #include <strings.h>
 
 #define PANEL_WIDTH 520
-#define NARROW_PANEL_WIDTH 400 /* with three columns or more */
+#define NARROW_PANEL_WIDTH 400 /* of plots with three columns of panels or more */
 #define PANEL_HEIGHT 380
 #define TITLE_HEIGHT 76
 
@@ -76,7 +76,8 @@ static void commands_curves(plot_page *page)
 	        "linetype 1\n");
 }
 
-/* Draws the surface and the normal; the half circles of the lengths 1/2 and 1 are clauses of the plot command. */
+/* Draws the surface and the normal. The half circles that show the lengths 1/2 and 1 are curves, which plot_panel_begin
+ * adds. */
 static void commands_lobes(plot_page *page)
 {
 	fprintf(
@@ -164,7 +165,7 @@ static double distance_from_line(const trace *t, uint32_t i, uint32_t from, uint
 	return hypot(x - share * dx, y - share * dy);
 }
 
-/* Marks the points between first and last without which the curve would change.
+/* Marks the points between first and last without which the drawn curve would change by more than STRAIGHT.
  * Source: Douglas and Peucker, "Algorithms for the Reduction of the Number of Points Required to Represent a Digitized
  * Line" (1973). */
 static void keep_corners(trace *t, uint32_t first, uint32_t last)
@@ -212,7 +213,7 @@ static void choose_points(const plot_page *page, trace *t, uint32_t count)
 		scale_axis(t->x, count, is_logarithmic(page, 'x'), page->panel.x_range);
 		scale_axis(t->y, count, is_logarithmic(page, 'y'), page->panel.y_range);
 	}
-	uint32_t first = 0; /* of the present part without a gap */
+	uint32_t first = 0; /* first point of the present part without a gap */
 	for (uint32_t i = 0; i < count; i++) {
 		bool gap = !isfinite(t->x[i] + t->y[i]);
 		t->kept[i] = gap || i == first || i + 1 == count;
@@ -252,6 +253,8 @@ static double parameter(const plot_page *page, double from, double to, double sh
 	return from + (to - from) * share;
 }
 
+/* Writes the points of the curve f as a data block. angles: f gives an angle and a length, as for plot_lobe. line: the
+ * points are joined by lines, so those that make no difference are left out. */
 static void write_block(plot_page *page, plot_function *f, const void *context, double from, double to, uint32_t points,
                         bool angles, bool line)
 {

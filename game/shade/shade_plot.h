@@ -96,8 +96,8 @@ void plot_panel_skip(plot_page *page, int count);
 /* Draws given points, or the lines between them: style says which. */
 void plot_points(plot_page *page, const plot_point *points, uint32_t count, const char *style, const char *words);
 
-/* Draws an arrow for the light in a panel of the kind PLOT_LOBES. It comes from the left; angle is that from the
- * normal, radians. color is "#rrggbb". */
+/* Draws an arrow for the light in a panel of the kind PLOT_LOBES. The light comes from the left of the normal, by
+ * `angle` radians. color is "#rrggbb". */
 #define PLOT_LIGHT_COLOR "#303030"
 void plot_light(plot_page *page, double angle, const char *color);
 

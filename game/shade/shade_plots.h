@@ -1,4 +1,5 @@
-/* The plots: a table for each topic, and a plot for each row of numeric's catalogue. [main-thread] */
+/* The plots of `stilb shade plot`: a table of them for each topic, and one for each row, which is a formula, of
+ * numeric's catalogue (numeric_catalog.h). [main-thread] */
 #ifndef STILB_SHADE_PLOTS_H
 #define STILB_SHADE_PLOTS_H
 
@@ -8,11 +9,11 @@ extern const plot_topic shade_plots_brdf, shade_plots_light, shade_plots_sg, sha
 	shade_plots_sampling;
 
 typedef struct row_plot {
-	plot plot; /* its texts are the arrays below: not to be copied or moved */
+	plot plot; /* points to the texts below, so a row_plot must not be copied or moved */
 	char title[64], formula[256];
 } row_plot;
 
-/* Copies a name as it is typed, with '-' for each '_', cut to size. */
+/* Copies a name as users type it, with '-' for each '_', cut to size. */
 void shade_plot_typed(char *out, size_t size, const char *words);
 
 /* Makes the plot of the row of numeric's catalogue with that name, in which '-' and '_' are the same. False: there is

@@ -34,7 +34,8 @@ static plot_point wrapped_old(double degrees, const void *context)
 	return (plot_point){degrees, wrapped_light(degrees, context).y * (1.0 + (double)*wrap)};
 }
 
-/* The albedo of a view under uniform light; *conserving selects the factor with which energy is conserved. */
+/* The albedo of a white surface seen along the normal under uniform light; *conserving: with the factor 1 / (1 + w)^2,
+ * which conserves energy, else with 1 / (1 + w). */
 static plot_point wrapped_total(double wrap, const void *context)
 {
 	const bool *conserving = context;
@@ -106,7 +107,8 @@ static void draw_limited(plot_page *page, const void *subject)
 
 /* ---- Schueler's zoo ---------------------------------------------------------------------------------------------- */
 
-/* A normalisation factor as a function of the exponent; exact is the one that it approximates, or NULL. */
+/* A normalisation factor, sr^-1, as a function of the exponent n of a highlight; exact: the factor that `value` is a
+ * bound of, or NULL. */
 typedef struct factor {
 	const char *words;
 	float (*value)(float n);
@@ -272,7 +274,8 @@ static void draw_ndf(plot_page *page, const void *subject)
 static const char *const g_words[] = {"implicit",       "Neumann",   "Cook-Torrance",    "Kelemen",
                                       "Smith-Beckmann", "Smith-GGX", "Schlick-Beckmann", "Schlick-GGX"};
 
-/* The light comes along the normal, or from the mirror direction of the view. */
+/* A curve of the shadowing term `g`, a SHADE_G_. The light comes along the normal, or, if mirrored, from the mirror
+ * direction of the view. */
 typedef struct shadowing {
 	int g;
 	bool mirrored;
@@ -324,7 +327,7 @@ static void draw_shadowing(plot_page *page, const void *subject)
 	}
 }
 
-/* The light comes from the mirror direction of the view. */
+/* The visibility V of GGX by the angle of the view; the light comes from the mirror direction of the view. */
 static plot_point visibility(double degrees, const void *context)
 {
 	const float *roughness = context;

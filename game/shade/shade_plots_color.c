@@ -108,7 +108,7 @@ static plot_point weighted_mean(double firefly, const void *context)
 	return (plot_point){firefly, (double)shade_luminance(shade_firefly_mean(sums))};
 }
 
-/* A luma: mapped_mean tone maps every pixel by it, averages, and maps the mean back. */
+/* A measure of brightness: mapped_mean tone maps every pixel by it, averages, and maps the mean back. */
 typedef float luma_function(stilb_vec3 color);
 
 static float by_luminance(stilb_vec3 color)
@@ -169,7 +169,7 @@ static stilb_vec3 random_color(double largest, uint64_t i)
 
 #define COLORS_EACH 400
 
-/* The largest relative error of the largest channel. */
+/* The largest relative error, percent, of the largest channel of random colours that were stored as RGBM. */
 static plot_point rgbm_error(double largest, const void *context)
 {
 	const float *gamma = context;
@@ -183,7 +183,8 @@ static plot_point rgbm_error(double largest, const void *context)
 	return (plot_point){largest, 100.0 * worst};
 }
 
-/* The bound that the header states for a largest channel x: gamma k / (k - 1) / 510, k = 255 m. */
+/* The bound on that error, percent, that shade_encoding.h states: gamma k / (k - 1) / 510, with k = 255 m the byte in
+ * which the factor m of RGBM is stored. */
 static plot_point rgbm_bound(double largest, const void *context)
 {
 	const float *gamma = context;
@@ -191,7 +192,8 @@ static plot_point rgbm_bound(double largest, const void *context)
 	return (plot_point){largest, 100.0 * (double)*gamma * k / (k - 1.0) / 510.0};
 }
 
-/* The error of multiplying the stored colour by a tint instead of the decoded one, percent. */
+/* The error, percent, of multiplying a colour by a tint while both are encoded, instead of after decoding: with a pure
+ * power (tint_error_power) and with the curve of sRGB (tint_error_srgb). */
 static plot_point tint_error_power(double tint, const void *context)
 {
 	(void)context;
@@ -238,7 +240,8 @@ static void draw_rgbm(plot_page *page, const void *subject)
 	plot_panel_end(page);
 }
 
-/* The largest errors of the luminance, and of any channel relative to the largest; percent, at a luminance of 2^x. */
+/* The largest error, percent, among random colours with luminances from 2^power to twice that: of the luminance, or of
+ * any channel relative to the largest channel. */
 static plot_point logluv_error(double power, bool of_luminance)
 {
 	double worst = 0.0;

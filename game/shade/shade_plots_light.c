@@ -1,4 +1,5 @@
-/* Plots of lights: sky and ground, falloffs, the cones that cull highlights. */
+/* Plots of lights: sky and ground, falloff with distance, and the cones of light directions beyond which a highlight is
+ * too dim to compute. */
 #include "shade_plots.h"
 
 #include "numeric/numeric_quadrature.h"
@@ -68,7 +69,7 @@ static void draw_hemisphere(plot_page *page, const void *subject)
 #define LAMP_RADIUS 0.5f
 #define LAMP_REACH 5.0f
 
-/* E / I at distance d; *light is a SHADE_LIGHT_, or negative for the inverse square alone. */
+/* Irradiance over intensity, m^-2, at distance d, metres; *light is a SHADE_LIGHT_, or negative for 1 / d^2 alone. */
 static plot_point falloff(double d, const void *context)
 {
 	const int *light = context;
@@ -124,8 +125,8 @@ typedef enum lobe_kind { LOBE_PHONG, LOBE_BLINN_PHONG, LOBE_GGX, LOBE_KINDS } lo
 
 static const char *const lobe_words[LOBE_KINDS] = {"Phong", "Blinn-Phong", "GGX"};
 
-/* The cone of light directions that a lobe of this roughness needs. Phong gets the exponent that looks like the one of
- * Blinn-Phong. */
+/* The cone of light directions outside of which a lobe of this roughness is below the tolerance, sr^-1. Phong's
+ * exponent is converted from that of Blinn-Phong so that both highlights look alike. */
 static shade_cone cone_of(lobe_kind kind, float roughness, stilb_vec3 v, float tolerance)
 {
 	float alpha = shade_alpha_from_roughness(roughness), n = shade_exponent_from_alpha(alpha);

@@ -1,4 +1,5 @@
-/* Plots of the rows of numeric's catalogue: distributions, models and samplers. */
+/* Plots of the rows of numeric's catalogue (numeric_catalog.h), each a formula: a distribution of normals, a reflection
+ * model or a sampler of directions. */
 #include "shade_plots.h"
 
 #include "numeric/numeric_catalog.h"
@@ -11,13 +12,14 @@
 
 static const float roughnesses[] = {0.1f, 0.3f, 0.5f, 0.7f, 1.0f};
 
-/* A row of the catalogue with the parameters of a curve, which lies in the plane of light and normal. */
+/* One curve: a row of the catalogue and its parameters. The directions of the curve lie in the plane of light and
+ * normal. */
 typedef struct subject {
 	const stilb_numeric_row *row;
 	stilb_numeric_shape shape;
 	double light; /* angle of the light from the normal to the left, radians */
-	double scale;
-	double end; /* largest angle of the curve, degrees */
+	double scale; /* factor of the values */
+	double end;   /* largest angle of the curve, degrees */
 } subject;
 
 static stilb_vec3 row_in_plane(double angle)
@@ -64,7 +66,8 @@ static plot_point density_across(double t, const void *context)
 	return (plot_point){degrees, (double)s->row->density(&s->shape, stilb_vec3_make(0.0f, h[0], h[2]))};
 }
 
-/* The integral that normalises the row, over the directions up to an angle from the axis. */
+/* The integral of D or of D cos, whichever must be 1 over all directions for this row, over those up to an angle from
+ * the axis. */
 static plot_point measured_within(double share, const void *context)
 {
 	const subject *s = context;
@@ -135,7 +138,7 @@ static shade_brdf_parameters white_of(const subject *s)
 	return stilb_numeric_white(s->shape.roughness, s->shape.anisotropy);
 }
 
-/* The radiance at the view angle under a light whose irradiance on a facing surface is 1. */
+/* The radiance, times scale, at a view angle in radians under a light whose irradiance on a facing surface is 1. */
 static plot_point lobe_at(const subject *s, double angle)
 {
 	stilb_vec3 radiance =
@@ -143,7 +146,8 @@ static plot_point lobe_at(const subject *s, double angle)
 	return (plot_point){angle, (double)radiance[0] * s->scale};
 }
 
-/* The same for t in [-1, 1]: points are denser around the mirror direction, where smooth surfaces reflect most. */
+/* lobe_at for all view angles, t in [-1, 1]: points are denser around the mirror direction (t = 0), where smooth
+ * surfaces reflect most. */
 static plot_point row_lobe(double t, const void *context)
 {
 	const subject *s = context;
@@ -197,7 +201,7 @@ static plot_point albedo_of_light(double degrees, const void *context)
 		degrees, stilb_numeric_albedo_of_light(&s->row->model, &white, (stilb_numeric_angles){degrees / DEGREES, 0.0})};
 }
 
-/* The arrows have the colours of the lobes. */
+/* The curves have the colours of the lobes of the same roughness in the panel before. */
 static void draw_albedos(plot_page *page, const stilb_numeric_row *row)
 {
 	bool high = row->largest_albedo > 2.0;
@@ -244,7 +248,8 @@ static shade_sample draw_sample(const subject *s, uint64_t i)
 	return s->row->sample(&s->shape, u);
 }
 
-/* Directions seen from above, one from each cell of the unit square. */
+/* Draws directions from the sampler, seen from above: one for a pair of random numbers in each cell of a grid over the
+ * unit square. */
 static void draw_cloud(plot_page *page, const subject *s, const char *title)
 {
 	plot_point above[GRID * GRID], below[GRID * GRID];
@@ -273,7 +278,7 @@ static void draw_cloud(plot_page *page, const subject *s, const char *title)
 	plot_panel_end(page);
 }
 
-/* The density of directions at a height, summed around the axis. */
+/* The density of directions at the height z, integrated around the axis. */
 static plot_point ring_density(double z, const void *context)
 {
 	const subject *s = context;
@@ -411,7 +416,7 @@ static bool depends_on_roughness(const stilb_numeric_row *row)
 	return row->density(&a.shape, row_in_plane(0.0)) != row->density(&b.shape, row_in_plane(0.0));
 }
 
-/* Writes the parameters with which the row is drawn. */
+/* Appends the parameters with which the row is drawn to the text of its formula. */
 static void add_remark(char *formula, size_t size, const stilb_numeric_row *row)
 {
 	size_t length = strlen(formula);

@@ -23,7 +23,8 @@ static shade_sg lobe_of(double angle, float sharpness, float amplitude)
 	return (shade_sg){sg_in_plane(angle), sharpness, stilb_vec3_make(amplitude, amplitude, amplitude)};
 }
 
-/* The value of a lobe in a plane through its axis, by the angle in radians and in degrees. */
+/* The value of a lobe in a direction of the plane x, z: by the direction's angle from z in radians (around) and in
+ * degrees (along). */
 static plot_point around(double angle, const void *context)
 {
 	const shade_sg *g = context;
@@ -90,7 +91,7 @@ typedef struct pair {
 	shade_sg g1, g2;
 } pair;
 
-/* Both lobes lie in the plane x, z; the pole of the quadrature is z. */
+/* The product of the two lobes in the direction d, computed in double for the exact curves. */
 static double product_at(const double d[3], const void *context)
 {
 	const pair *p = context;
@@ -124,7 +125,8 @@ static plot_point inner_product_true(double degrees, const void *context)
 	return (plot_point){degrees, stilb_numeric_integrate_sphere(product_at, &p, -1.0, 1.0, 4)};
 }
 
-/* The inner product as the article prints it: with the length of the average divided by lambda_m. */
+/* The inner product as Karis's article prints it. The true formula has the length of the sum of the axes, each times
+ * its sharpness; printed is that length divided by lambda_m, the sum of both sharpnesses. */
 static plot_point inner_product_printed(double degrees, const void *context)
 {
 	(void)context;
@@ -208,7 +210,7 @@ typedef struct inverse {
 	float (*of_variance)(float variance);
 } inverse;
 
-/* The sharpness computed from the length of the mean vector, relative to the true one. */
+/* The sharpness that is computed back from the length of the mean vector, as a share of the true sharpness. */
 static plot_point sharpness_share(double sharpness, const void *context)
 {
 	const inverse *i = context;

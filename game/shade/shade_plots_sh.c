@@ -50,7 +50,8 @@ static void draw_function(plot_page *page, int index, int right, int up, const c
 	plot_panel_end(page);
 }
 
-/* Draws a row of panels for each band, and each function in a plane of two axes in which it shows. */
+/* Draws a row of panels for each band (the functions Y_l^m of one l). A panel shows a function in a plane of two axes
+ * in which it is not zero everywhere. */
 static void draw_basis(plot_page *page, const void *subject)
 {
 	(void)subject;
@@ -229,8 +230,8 @@ static void draw_surroundings(plot_page *page, const void *subject)
 
 /* ---- bumps ------------------------------------------------------------------------------------------------------- */
 
-#define WAVES 20.0 /* radians per metre */
-#define WAVE_HEIGHT 0.02
+#define WAVES 20.0       /* radians per metre */
+#define WAVE_HEIGHT 0.02 /* metres */
 
 static double height(double x, double y)
 {
@@ -267,7 +268,8 @@ static stilb_vec3 bumped_true(double x, double y)
 	return stilb_vec3_normalize(stilb_vec3_make((float)-dx, (float)-dy, 1.0f));
 }
 
-/* The largest error of the normal over a patch, degrees. */
+/* The largest error of the bumped normal over a patch, degrees, by the distance between neighbouring pixels in mm;
+ * `step` is that distance in metres. */
 static plot_point bump_error(double step, const void *context)
 {
 	const bump_kind *kind = context;
@@ -280,7 +282,8 @@ static plot_point bump_error(double step, const void *context)
 	return (plot_point){step * 1000.0, worst};
 }
 
-/* The relative error of the ray differential: it predicts where the ray of the neighbouring pixel meets the ground. */
+/* The relative error of the ray differential, which predicts how far from here the ray of the neighbouring pixel meets
+ * the ground. The eye is 1 m above the ground; *pixel is the angle between the rays, radians. */
 static plot_point ray_error(double degrees, const void *context)
 {
 	const double *pixel = context;

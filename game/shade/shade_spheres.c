@@ -1,4 +1,4 @@
-/* stilb shade spheres: saves a strip of spheres as a picture. */
+/* stilb shade spheres: saves a strip, which is rows of spheres with captions (shade_strip.h), as a picture. */
 #include "shade.h"
 
 #include "base/base_file.h"

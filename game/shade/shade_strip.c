@@ -1,4 +1,5 @@
-/* Draws strips: layout, lights, pixels and captions. */
+/* Draws strips, which are pictures of spheres in rows (shade_strip.h): their layout, the lamps that light the spheres,
+ * the pixels and the captions. */
 #include "shade_strip.h"
 
 #include "game/cli/lettering.h"
@@ -10,7 +11,7 @@
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
-/* All in units of a cell's side. */
+/* All in units of the side of a cell, the square around a sphere. */
 #define CAPTION_WIDTH 2.05f
 #define TITLE_HEIGHT 0.42f
 #define MARGIN 0.12f
@@ -81,8 +82,8 @@ static surroundings studio(void)
 	};
 }
 
-/* The number of points that give a smooth highlight of this roughness; an anisotropic one may be narrower in one
- * direction, and may take more. */
+/* The number of points of the lamp that give a smooth highlight: at most 64, or LAMP_POINTS_MAX for an anisotropic one,
+ * which may be narrower in one direction. */
 static int lamp_points(const lamp *light, const shade_brdf_parameters *highlight)
 {
 	float across = 4.0f * light->angle / shade_alpha_from_roughness(highlight->roughness);
@@ -102,8 +103,8 @@ static stilb_vec3 lamp_point(const lamp *light, int i, int count)
 }
 
 /* The roughness that makes a highlight as wide as light from a part of a lamp with that angular radius would:
- * alpha'^2 = alpha^2 + 2 sigma^2, with sigma half the radius because a lobe about h widens by half as much as the
- * light. Parts are as wide as their distance, so that their highlights merge. */
+ * alpha'^2 = alpha^2 + 2 sigma^2, with sigma half the radius because a lobe about the half vector h widens by
+ * half as much as the light. Parts are as wide as their distance, so that their highlights merge. */
 static float widened_roughness(float roughness, float radius)
 {
 	float alpha = shade_alpha_from_roughness(roughness), sigma = 0.5f * radius;
@@ -221,7 +222,8 @@ static stilb_vec3 backdrop(const painting *p, float x, float y)
 	return stilb_vec3_make(light * 0.93f, light, light * 1.12f);
 }
 
-/* The share of a pixel, whose centre is that far from the circle's, that lies inside. For a radius of many pixels. */
+/* The share of a pixel, 0..1, that lies inside a circle; distance is that between their centres. All in pixels; good
+ * for radii of many pixels, where the edge is nearly straight. */
 static float circle_coverage(float distance, float radius)
 {
 	return fminf(fmaxf(radius - distance + 0.5f, 0.0f), 1.0f);

@@ -38,7 +38,7 @@ typedef stilb_vec3 strip_radiance(const strip_sphere *sphere, stilb_vec3 n);
 struct strip_sphere {
 	stilb_vec3 diffuse;
 	float wrap;
-	float diffuse_gain; /* factor, 1; another cancels a factor of the model, to show what that does */
+	float diffuse_gain; /* factor, 1; another cancels a factor of the model, to show the effect of that */
 	shade_brdf_model model;
 	shade_brdf_parameters highlight;
 	float highlight_gain; /* likewise, for the highlight */

@@ -20,7 +20,7 @@ static stilb_vec3 even(float value)
 #define LAMP_RADIUS 0.25f
 #define LAMP_REACH 4.0f
 
-/* The distance between the centres of lamp and ball, metres; each is 1.19 times the one before. */
+/* The distance between the centres of lamp and ball in a column, metres; in each column 1.19 times that before. */
 static float lamp_distance(int column)
 {
 	return 0.8f * powf(1.19f, (float)column);
@@ -64,8 +64,9 @@ static shade_sun harmonic_sun(void)
 	return (shade_sun){stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.45f, 0.55f)), stilb_vec3_make(2.8f, 2.5f, 1.9f)};
 }
 
-/* One channel of a sky of two colours, times share. Band 0 is the mean; band 1 is vertical, and its coefficient follows
- * from the irradiance E(n) = pi (mean + (sky - ground) n_y / 2), whose second term must be A_1 c_1 Y_1. */
+/* One channel of the light of sky and ground, times share, as spherical harmonics. Band 0 is the mean of both; of band
+ * 1 only the vertical coefficient c_1 is not 0: the irradiance is E(n) = pi (mean + (sky - ground) n_y / 2), and its
+ * second term must equal A_1 c_1 Y_1(n). */
 static shade_sh sky_channel(int channel, float share)
 {
 	shade_sh f = shade_sh_ambient(0.5f * (sky_above[channel] + ground_below[channel]));
@@ -81,6 +82,7 @@ static shade_sh_rgb surroundings_of(const strip_sphere *sphere)
 	return shade_sh_rgb_add(shade_sh_rgb_directional(sun.direction, sun.irradiance), sky);
 }
 
+/* The radiance that a diffuse surface reflects; purple marks a negative irradiance. */
 static stilb_vec3 reflected(const strip_sphere *sphere, stilb_vec3 irradiance)
 {
 	if (fminf(irradiance[0], fminf(irradiance[1], irradiance[2])) < 0.0f)

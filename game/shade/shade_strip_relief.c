@@ -18,7 +18,7 @@ static stilb_vec2 bump_uv(stilb_vec3 p)
 	return (stilb_vec2){atan2f(p[0], p[2]), asinf(fminf(fmaxf(p[1], -1.0f), 1.0f))};
 }
 
-/* The height of a grid of hills. */
+/* The height of a grid of hills above the smooth sphere, whose radius is 1. */
 static float bump_height(stilb_vec2 uv)
 {
 	return BUMP_HEIGHT * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[0])) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[1]));
@@ -31,7 +31,8 @@ static stilb_vec2 bump_derivatives(stilb_vec2 uv)
 	                    slope * sinf(BUMP_WAVES * uv[1]) * (0.5f - 0.5f * cosf(BUMP_WAVES * uv[0]))};
 }
 
-/* Position and texture coordinates at a place, as differences to the places one step to the right and one step down. */
+/* The texture coordinates at a place, and the differences of the position p and of the coordinates uv between it and
+ * the places one step to the right (dx) and one step down (dy). */
 typedef struct bump_steps {
 	stilb_vec3 dp_dx, dp_dy;
 	stilb_vec2 uv, duv_dx, duv_dy;
@@ -65,7 +66,8 @@ static void bump_by_derivatives(const strip_sphere *sphere, strip_place place, u
 	                                 sphere->relief_scale);
 }
 
-/* By derivatives along the circles of longitude and latitude, which needs no neighbouring pixel. */
+/* Bumps the normal by the derivatives of position and height along the circles of longitude and latitude, which are
+ * known at the point itself: no neighbouring pixel is needed. */
 static void bump_by_uv(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
 	(void)place;
@@ -194,8 +196,8 @@ static void map_normal_alone(const strip_sphere *sphere, strip_place place, uint
 	*roughness = before;
 }
 
-/* The reference: a texel of level 0 below the texel of the level. i selects a stratum of that texel, the pixel a random
- * place in it. */
+/* The reference: one texel of level 0 out of those that the texel at the sphere's mip level averages. Sample i selects
+ * a stratum (a cell of a grid over the averaging texel), and the pixel selects a random point in the stratum. */
 static void map_true(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness)
 {
 	uint32_t side = TRUTH_SIDE, width = chain.levels[sphere->relief_level].width;

@@ -11,7 +11,8 @@ static bool trace_is_help(const char *word)
 	return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
 }
 
-/* True if a flag stands where the file must be: after it, a value could not be told from a file. */
+/* True if the first argument is a flag. Files must come first: a word behind a flag could be the flag's value or a
+ * file. */
 static bool trace_begins_with_a_flag(int argc, char **argv)
 {
 	return argc > 0 && argv[0][0] == '-' && argv[0][1] != '\0' && !trace_is_help(argv[0]);

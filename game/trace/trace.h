@@ -1,5 +1,6 @@
 /*
- * stilb trace: analyses trace files. trace.c has the command, trace_top.c the table of zones, trace_diff.c the
+ * stilb trace: analyses trace files, each the profile of a run: zones (named spans of time) on lanes (a thread or a
+ * device each), and the frames of the run. trace.c has the command, trace_top.c the table of zones, trace_diff.c the
  * comparison of two files, trace_show.c the window, and trace_common.c the functions that these share, which are
  * declared here.
  *
@@ -27,7 +28,7 @@ int trace_show_command(int argc, char **argv);
 
 typedef struct trace_files {
 	const char *path[2];
-	int wanted, count; /* how many the part needs; how many are named */
+	int wanted, count; /* how many files the part needs, 1 or 2; how many the arguments name */
 } trace_files;
 
 /* Takes up to `wanted` files, 1 or 2, from the front of the arguments; argc and argv are left with the rest, which are
@@ -38,7 +39,8 @@ trace_files trace_take_files(int wanted, int *argc, char ***argv);
  * the name of the part, for the message. */
 bool trace_check(const char *command, const trace_files *files, const char *output);
 
-/* Reads a trace, which must have zones. *trace is to be finished in both cases. */
+/* Reads a trace, which must have zones. The caller finishes *trace (stilb_prof_snapshot_finish), also after an
+ * error. */
 bool trace_load(const char *path, stilb_prof_snapshot *trace);
 
 /* Finds the frame that text names: its number in the file, or "slowest". *frame becomes its index in trace->frames.
@@ -48,14 +50,14 @@ bool trace_choose_frame(const stilb_prof_snapshot *trace, const char *file, cons
 /* Prints one line on the size of the trace, and one for each kind of data that it lacks. */
 void trace_print_summary(FILE *out, const char *path, const stilb_prof_snapshot *trace);
 
-/* Prints a zone's name, which ends a line of a table. Control characters become '?': the name comes from the file, and
- * must not control the terminal. */
+/* Prints a zone's name, "(device)" if its lane is one, and the end of the line. Control characters become '?': the name
+ * comes from the file, and must not control the terminal. */
 void trace_print_name(FILE *out, const char *name, stilb_prof_lane_kind kind);
 
 /* The number of zones on all lanes. */
 uint64_t trace_zone_count(const stilb_prof_snapshot *trace);
 
-/* Writes nanoseconds as a whole number; more than 2^63 - 1 are cut to that. */
+/* Writes nanoseconds as a whole number; a larger one than 2^63 - 1 becomes 2^63 - 1. */
 void trace_json_ns(stilb_json *json, const char *key, uint64_t ns);
 
 static inline uint64_t trace_frame_ns(const stilb_prof_frame *frame)

@@ -56,7 +56,7 @@ bool trace_load(const char *path, stilb_prof_snapshot *trace)
 void trace_print_name(FILE *out, const char *name, stilb_prof_lane_kind kind)
 {
 	for (const unsigned char *c = (const unsigned char *)name; *c; c++) {
-		if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) { /* U+0080..U+009F */
+		if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) { /* U+0080..U+009F: control characters in UTF-8 */
 			fputc('?', out);
 			c++;
 		} else {

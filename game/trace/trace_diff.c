@@ -95,7 +95,8 @@ static bool diff_load(diff_run *run)
 	return false;
 }
 
-/* A total per frame if both traces have frames, so that traces of different length can be compared. side: 0 is A. */
+/* Returns a total of trace A (side 0) or B (side 1), divided by its number of frames if both traces have frames, so
+ * that traces of different length can be compared. */
 static double diff_mean(const diff_run *run, int side, double total)
 {
 	return run->diff.frames ? total / run->trace[side].frame_count : total;
@@ -104,7 +105,7 @@ static double diff_mean(const diff_run *run, int side, double total)
 static void diff_print_row(FILE *out, const diff_run *run, const stilb_prof_diff_row *row)
 {
 	char change[16] = "-", p[16] = "-";
-	int digits = run->diff.frames ? 2 : 0; /* after the point, of the number of calls */
+	int digits = run->diff.frames ? 2 : 0; /* decimals of the number of calls; a number per frame has a fraction */
 	if (row->a.calls > 0 && row->b.calls > 0) {
 		if (row->ratio < 10.0)
 			snprintf(change, sizeof change, "%+.1f %%", 100.0 * (row->ratio - 1.0));
@@ -181,7 +182,7 @@ static stilb_result diff_save(const diff_run *run)
 	return stilb_json_save(&json, run->options.json);
 }
 
-/* Errors are EXIT_REFUSED, even while running: exit status 1 means that a zone is slower, and nothing else. */
+/* Errors are EXIT_REFUSED, even while running: exit status 1 (EXIT_FAILED) means only that a zone is slower. */
 static int diff_main(diff_run *run)
 {
 	const char *json = run->options.json;

@@ -14,7 +14,7 @@ typedef struct show_options {
 	int aa;
 } show_options;
 
-static const char *const aa_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
+static const char *const aa_choices[] = {"feather", "article", "off", NULL}; /* in the order of stilb_ui_aa */
 
 static flags_result show_parse(show_options *o, int argc, char **argv)
 {

@@ -15,7 +15,7 @@ typedef struct top_options {
 	int sort;
 } top_options;
 
-/* Time of jobs in a queue, from their submission to the start of their run. */
+/* How long jobs waited in a queue, from their submission until a worker began to run them. */
 typedef struct top_delays {
 	uint32_t jobs;
 	uint64_t p50_ns, p99_ns, max_ns;
@@ -26,7 +26,7 @@ typedef struct top_run {
 	stilb_prof_snapshot trace;
 	stilb_prof_stats stats;
 	stilb_prof_stats_range range;
-	uint64_t self_ns; /* sum over all rows */
+	uint64_t self_ns; /* sum of the self times of all rows */
 	top_delays delays;
 } top_run;
 
@@ -91,7 +91,8 @@ static bool top_is_in_frame(const top_run *run, uint64_t ns)
 	return ns >= frame->begin_ns && ns < frame->end_ns;
 }
 
-/* True if the job ran in the chosen lane and frame, and its submission was recorded. */
+/* A flow leads from the submission of a job to its start. True if both were recorded, and the job started in the chosen
+ * lane and frame. */
 static bool top_has_job(const top_run *run, const stilb_prof_flow *flow)
 {
 	return flow->from_lane != STILB_PROF_NONE && flow->to_lane != STILB_PROF_NONE &&
@@ -108,7 +109,7 @@ static bool top_take_delays(top_run *run)
 	for (uint32_t i = 0; i < trace->flow_count; i++)
 		if (top_has_job(run, &trace->flows[i]))
 			ns[delays->jobs++] = trace->flows[i].to_ns - trace->flows[i].from_ns;
-	if (delays->jobs > 0) { /* by nearest rank */
+	if (delays->jobs > 0) { /* percentiles by nearest rank */
 		qsort(ns, delays->jobs, sizeof *ns, top_compare_ns);
 		delays->p50_ns = ns[((uint64_t)delays->jobs * 50 + 99) / 100 - 1];
 		delays->p99_ns = ns[((uint64_t)delays->jobs * 99 + 99) / 100 - 1];
