@@ -16,8 +16,8 @@
 #include <string.h>
 
 #define DEMO_FRAMES 120u        /* of a headless run without --frames */
-#define DEMO_TRACE_FRAMES 1000u /* in the file of --trace, at most */
-#define DEMO_VIEWS 3u           /* values of stilb_scene_stress_view */
+#define DEMO_TRACE_FRAMES 1000u /* frames in the file of --trace, at most */
+#define DEMO_VIEWS 3u           /* number of values of stilb_scene_stress_view */
 
 typedef struct demo_run {
 	demo_options options;
@@ -30,7 +30,8 @@ typedef struct demo_run {
 	int view; /* a stilb_scene_stress_view */
 	bool window;
 	bool lost; /* the window's display has gone */
-	/* Both belong to the capturing thread until the engine has been destroyed. */
+	/* Both are written by demo_on_captured on the profiler's capturing thread. The main thread reads them after it has
+	 * destroyed the engine, which ends that thread. */
 	int capture_error;   /* of the last capture: negative errno, or 0 */
 	bool capture_failed; /* true if any capture failed */
 } demo_run;
@@ -39,7 +40,7 @@ static volatile sig_atomic_t demo_interrupted; /* number of the signal; 0: none 
 
 static void demo_on_signal(int signal_number)
 {
-	demo_interrupted = signal_number; /* ends the loop; the outputs are written all the same */
+	demo_interrupted = signal_number; /* ends demo_loop; pictures, traces and statistics are written all the same */
 }
 
 /* Called on the capturing thread after each capture. An error that repeats, like a full disk, is printed once, not for
@@ -137,7 +138,7 @@ static uint64_t demo_frames_wanted(const demo_run *run)
 	return run->options.frames > 0 ? run->options.frames : open_ended ? 0 : DEMO_FRAMES;
 }
 
-/* True if the run has ended. Without a window, a recording is replayed to its end. */
+/* True if the run has ended. Without a window and --frames, a run that replays a gamepad recording ends with it. */
 static bool demo_is_over(const demo_run *run, const stilb_engine_report *report)
 {
 	uint64_t wanted = demo_frames_wanted(run);
@@ -252,11 +253,11 @@ static int demo_main(demo_run *run)
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(started);
 	}
-	struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second signal kills */
+	struct sigaction once = {.sa_handler = demo_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
 	sigaction(SIGINT, &once, NULL);
 	sigaction(SIGTERM, &once, NULL);
 	if (run->options.no_profile)
-		signal(SIGUSR1, SIG_IGN); /* requests a capture; without a profiler it would end the process */
+		signal(SIGUSR1, SIG_IGN); /* SIGUSR1 requests a capture; without a profiler it would kill the process */
 	if (run->window)
 		fprintf(demo_message_stream(&run->options), DEMO_KEYS ";\nclose the window to end\n");
 	fflush(stdout);

@@ -1,6 +1,6 @@
 #include "demo_gamepads.h"
 
-/* A pad of a recording may have no path. */
+/* Prints the line on a gamepad that is new. A gamepad of a recording may have no path. */
 static void demo_gamepads_came(const stilb_input_control_pad *pad, FILE *out)
 {
 	const char *path = pad->info->path;
@@ -26,7 +26,7 @@ void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool
 		now.count++;
 	}
 	if (replayed && !gamepads->replayed)
-		fprintf(out, "recording ended\n"); /* in place of a line for each of its pads: none was unplugged */
+		fprintf(out, "recording ended\n"); /* instead of "gamepad gone" for each of its pads */
 	for (uint32_t k = 0; !replayed && k < gamepads->count; k++) {
 		bool there = false;
 		for (uint32_t i = 0; i < now.count; i++)

@@ -17,8 +17,8 @@ typedef struct demo_gamepads {
 } demo_gamepads;
 
 /* Prints the changes since the last call, for example "gamepad: Wireless Controller at /dev/hidraw3, known pad
- * 054c:05c4". A gamepad without permission is left out: the engine prints a line on it. replayed: the recording has
- * ended, which removes all its gamepads at once and is one line. */
+ * 054c:05c4". A gamepad without permission is left out: the engine prints a line on it. replayed: the gamepad recording
+ * has ended, which removes all its gamepads at once; one line says so. */
 void demo_gamepads_say(demo_gamepads *gamepads, const stilb_engine *engine, bool replayed, FILE *out);
 
 #endif

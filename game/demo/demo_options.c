@@ -14,8 +14,8 @@
 #include <sys/stat.h>
 
 static const char *const view_choices[] = {"all", "half", "few", NULL};
-static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* stilb_ui_aa */
-const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* stilb_cull_method */
+static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
+const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* as stilb_cull_method */
 const char *const demo_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const demo_materials_choices[] = {"index", "bind", "pipeline", NULL};
 const char *const demo_device_choices[] = {"vulkan", "null", NULL};
@@ -246,7 +246,8 @@ bool demo_options_is_replay(const demo_options *o)
 	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && recording;
 }
 
-/* True if a file can be checked now and read again at the start. A pipe or a terminal can be read only once. */
+/* True if a file can be read now, to check it, and again when the run starts. A pipe or a terminal can be read only
+ * once. */
 static bool demo_is_readable_twice(const char *path)
 {
 	struct stat info;
@@ -414,7 +415,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	STILB_ASSERT(gamepad && spike && fault && "demo_options_check accepted the options");
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
-	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* the window, too, then shows radiance, clipped */
+	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* then the window shows clipped radiance, too */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

@@ -34,16 +34,17 @@ typedef struct demo_options {
 	uint64_t models, frames, seed, samples, profile_ring; /* frames, samples: 0 if not given */
 	uint32_t workers, size[2];
 	int view, cull, replay, materials, device, ui_aa; /* values of the engine's enumerations */
-	int brdf, ndf, g, f;                              /* likewise, SHADE_BRDF_ and so on, or DEMO_NOT_GIVEN */
+	int brdf, ndf, g, f;                              /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or DEMO_NOT_GIVEN */
 	int light;
-	float roughness, anisotropy, wrap, specular; /* added to each material's; NaN: the default of the chosen BRDF */
+	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool headless, no_present, animate, validate, overlay, inspector, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
 	/* NULL if not given: */
 	const char *gpu, *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track;
 } demo_options;
 
-/* What the flags of choice accept, in the order of the engine's enumerations; NULL-terminated. */
+/* The words that --cull, --replay, --materials and --device accept, in the order of the engine's enumerations;
+ * NULL-terminated. */
 extern const char *const demo_cull_choices[];
 extern const char *const demo_replay_choices[];
 extern const char *const demo_materials_choices[];
@@ -55,8 +56,8 @@ demo_options demo_options_default(void);
 /* Reads the flags into *o; prints the help or the error instead, as flags_parse returns. */
 flags_result demo_options_parse(demo_options *o, int argc, char **argv);
 
-/* Checks what a table of flags cannot: flags that contradict each other, and the files. Returns false after one line on
- * stderr. Starts nothing and writes nothing. */
+/* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
+ * one line on stderr. Starts nothing and writes nothing. */
 bool demo_options_check(const demo_options *o);
 
 /* The description of the engine for options that demo_options_check accepted. It points to strings of *o. */

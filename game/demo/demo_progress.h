@@ -11,13 +11,14 @@
 #include <stdint.h>
 
 typedef struct demo_progress {
-	uint64_t start_ns, last_ns; /* of the run; of the last drawing of the line */
+	uint64_t start_ns, last_ns; /* time of the start of the run; time of the last drawing of the line */
 	bool terminal, shown;
 } demo_progress;
 
 void demo_progress_begin(demo_progress *progress);
 
-/* Draws the line if it is time to: frames drawn, and of how many; wanted is 0 for a run without a fixed number. */
+/* Draws the line if it is time to: `frames` drawn so far, and `wanted`, the number after which the run ends; 0: the run
+ * has no fixed number. */
 void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted);
 
 /* Clears the line. */

@@ -5,7 +5,8 @@
 
 #include <inttypes.h>
 
-/* The stage with the greatest median among those that bound the frame rate: presenting waits for the screen. */
+/* Returns the stage with the greatest median time among those that can limit the frame rate by their work. Presenting
+ * is not among them: it waits for the screen. */
 static stage demo_bound(const stage_summary *summary)
 {
 	stage bound = STAGE_CULL;

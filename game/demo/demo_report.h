@@ -17,7 +17,8 @@ typedef struct demo_report {
 /* Prints the report on demo_message_stream. */
 void demo_report_print(const demo_report *report);
 
-/* Writes the report as JSON to options->stats, which is given. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+/* Writes the report as JSON to the file options->stats, which must not be NULL. STILB_ERROR_FILE,
+ * STILB_ERROR_MEMORY. */
 stilb_result demo_report_save(const demo_report *report);
 
 #endif

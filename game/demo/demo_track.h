@@ -1,6 +1,6 @@
 /*
- * demo_track: the camera's path through a run of `stilb demo`, a text file with one pose a frame. A recording that is
- * replayed headless gives the same bytes in every run.
+ * demo_track: the camera's path through a run of `stilb demo`, a text file with one pose a frame. A gamepad recording
+ * that is replayed headless gives the same bytes in every run.
  *
  *   demo_track_open -> demo_track_add after each frame -> demo_track_save -> demo_track_finish.   All [main-thread].
  */

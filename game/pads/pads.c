@@ -54,7 +54,7 @@ static bool pads_check_together(const bool given[PADS_FLAGS])
 	enum { WATCH, RECORD, REPLAY, SECONDS, RUMBLE, DESCRIBE, ID, BUS, BACKEND, JSON };
 	static const struct {
 		int flag;
-		uint32_t without; /* bits of the flags that cannot be combined with it */
+		uint32_t without; /* a bit for each flag that cannot be combined with `flag` */
 	} rules[] = {
 		{DESCRIBE, 1u << WATCH | 1u << RECORD | 1u << REPLAY | 1u << SECONDS | 1u << RUMBLE | 1u << BACKEND},
 		{REPLAY, 1u << RUMBLE | 1u << BACKEND},

@@ -43,18 +43,18 @@ stilb_result pads_open(const pads_options *o, stilb_input_pads **pads);
 extern volatile sig_atomic_t pads_interrupted;
 void pads_catch_signals(void);
 
-/* "USB", "Bluetooth", "bus 0x18". */
+/* Returns the name of a bus number of Linux: "USB", "Bluetooth" or, written into text, "bus 0x18". */
 const char *pads_bus_text(uint16_t bus, char text[16]);
 
-/* "south, left_shoulder", or "-". */
+/* Writes the names of the pressed buttons, one for each bit that is set: "south,left_shoulder"; "-" for none. */
 #define PADS_BUTTONS_SIZE 256
 const char *pads_buttons_text(uint32_t buttons, char text[PADS_BUTTONS_SIZE]);
 
 /* Prints the title and the text, wrapped at blanks to PADS_COLUMNS; further lines are indented by the title's width. */
 void pads_print_wrapped(FILE *out, const char *title, const char *text);
 
-/* The way a pad was recognised: "DualShock 4, USB: known pad 054c:05c4"; without the layout's name if it only repeats
- * the pad's. */
+/* Writes the name of the pad's layout (the mapping of its reports to axes and buttons) and how it was recognised:
+ * "DualShock 4, USB: known pad 054c:05c4". The layout's name is left out if it only repeats the pad's. */
 #define PADS_RECOGNISED_SIZE 512
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE]);
 
@@ -64,17 +64,17 @@ bool pads_has_rumble(const stilb_input_pad_info *info);
 /* Prints the udev rule that a pad without permission needs, and the file to put it into. */
 void pads_print_rule(FILE *out, const stilb_input_pad_info *info);
 
-/* Writes the members path, name, bus, vendor and product. */
+/* Writes the members path, name, bus, vendor and product into the open JSON object. */
 void pads_json_info(stilb_json *json, const stilb_input_pad_info *info);
 
 /* ---- the terminal ------------------------------------------------------------------------------------------------ */
 
 typedef struct pads_view {
 	int lines;        /* of the last drawing */
-	uint64_t rate_ns; /* time at which the rates were measured */
+	uint64_t rate_ns; /* time at which the rates were last measured */
 	struct {
 		uint32_t pad;
-		uint64_t reports; /* at that time */
+		uint64_t reports; /* of the pad until rate_ns */
 		double rate;      /* reports a second */
 	} rates[STILB_INPUT_PADS_MAX];
 } pads_view;

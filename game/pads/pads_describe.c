@@ -1,4 +1,5 @@
-/* stilb pads --describe: the fields of a report descriptor, and the layout that follows from it. */
+/* stilb pads --describe: the fields of a report descriptor, by which a HID device describes the reports that it sends,
+ * and the layout (the mapping to axes and buttons) that follows from it. */
 #include "game/cli/flags.h"
 #include "pads.h"
 
@@ -22,7 +23,7 @@ static const char *const kinds[] = {"input", "output", "feature"};
 
 /* ---- reading the descriptor -------------------------------------------------------------------------------------- */
 
-/* "054c:05c4" */
+/* Reads vendor and product as --id takes them: "054c:05c4". */
 static bool describe_take_id(const char *text, stilb_input_pad_info *info)
 {
 	static const char digits[] = "0123456789abcdefABCDEF";
@@ -45,7 +46,7 @@ static bool describe_is_recording(FILE *file)
 	return first != EOF && first != 0 && strchr("#DRNPI", first);
 }
 
-/* Takes descriptor, name, bus and numbers of the first pad of a recording. */
+/* Takes descriptor, name, bus, vendor and product of the first pad of a recording. */
 static bool describe_take_recording(const pads_options *o, describe_run *run)
 {
 	stilb_input_recording *recording;
@@ -99,7 +100,8 @@ static bool describe_take_file(const pads_options *o, describe_run *run)
 	return recorded ? describe_take_recording(o, run) : taken;
 }
 
-/* A node is looked up in sysfs, which needs no permission; anything else is read as a file. */
+/* Reads what --describe names. A node /dev/hidrawN is looked up in sysfs, which needs no permission; anything else is
+ * read as a file. */
 static bool describe_take(const pads_options *o, describe_run *run)
 {
 	static const uint16_t buses[] = {STILB_INPUT_BUS_USB, STILB_INPUT_BUS_BLUETOOTH};
@@ -117,7 +119,7 @@ static bool describe_take(const pads_options *o, describe_run *run)
 
 /* ---- as a table -------------------------------------------------------------------------------------------------- */
 
-/* "Button / 1 .. 14", "Generic Desktop / X". */
+/* Writes the usages of a field, which say what its values mean: "Button / 1 .. 14", "Generic Desktop / X". */
 static const char *describe_usages(const stilb_input_field *field, char text[160])
 {
 	char last[80];

@@ -12,15 +12,15 @@
 #include <unistd.h>
 
 #define FOLLOW_TICK_MS 33   /* between two drawings */
-#define FOLLOW_LOOK_MS 1000 /* longest wait for the first pads; the rings hold the reports of two seconds */
+#define FOLLOW_LOOK_MS 1000 /* longest wait for the first pads; their reports of two seconds are kept */
 
 typedef struct follow_run {
 	const pads_options *o;
-	stilb_input_pads *pads;           /* one of these is the source, */
-	stilb_input_recording *recording; /* the other is NULL */
+	stilb_input_pads *pads;           /* the source of live events; NULL: a recording is replayed */
+	stilb_input_recording *recording; /* the source of recorded events; NULL: events are live */
 	stilb_input_recorder *recorder;   /* NULL: nothing is recorded */
 	stilb_input_control *control;
-	int64_t start_us;         /* CLOCK_MONOTONIC */
+	int64_t start_us;         /* start of the run, CLOCK_MONOTONIC */
 	int64_t last_us;          /* time of the last event, since start_us or in the recording's time */
 	uint32_t added, gamepads; /* pads that came; those of them with a layout: a recording may be of other devices */
 	uint64_t reports, corrupt;
@@ -274,7 +274,8 @@ static stilb_result follow_open(follow_run *run)
 	return result;
 }
 
-/* Without a drawing: says what is going on, and that there is no pad yet. */
+/* For output without a live drawing: prints what the command does, waits for the first pads, and says if there is
+ * none. */
 static void follow_greet(follow_run *run)
 {
 	double look_ms = (double)run->o->seconds * 1e3;

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <time.h>
 
-#define LIST_LOOK_MS 3000 /* finding all pads takes milliseconds; this is for a pad that does not answer */
-#define LIST_NODES 64     /* HIDRAW_MAX_DEVICES of Linux, drivers/hid/hidraw.c */
+#define LIST_LOOK_MS 3000 /* longest wait; finding all pads takes milliseconds unless one does not answer */
+#define LIST_NODES 64     /* nodes /dev/hidrawN at most: HIDRAW_MAX_DEVICES of Linux, drivers/hid/hidraw.c */
 
 static void list_print_pad(FILE *out, const pads_options *o, const stilb_input_control_pad *pad)
 {
@@ -102,7 +102,7 @@ static const char *list_rumble_pad(stilb_input_pads *pads, const stilb_input_con
 	return stilb_input_pads_stats_get(pads).written > written ? "rumbled" : "refused the request";
 }
 
-/* One after the other, so that the user can feel which is which. */
+/* Makes the pads rumble one after the other, so that the user can feel which is which. */
 static void list_rumble(FILE *out, stilb_input_pads *pads, const stilb_input_control_pad *seen, uint32_t count)
 {
 	pads_catch_signals();

@@ -77,7 +77,8 @@ static double view_rate(const pads_view *view, uint32_t pad)
 	return 0.0;
 }
 
-/* Measures the rates again every VIEW_RATE_NS; all reports of a new pad count as come since the last time. */
+/* Measures the report rate of each pad again every VIEW_RATE_NS. All reports of a new pad count as received since the
+ * last measurement. */
 static void view_measure(pads_view *view, const stilb_input_control_pad *pads, uint32_t count)
 {
 	uint64_t now = stilb_time_ns(), passed = now - view->rate_ns;
@@ -128,14 +129,14 @@ static void view_print_pad(view_text *text, const pads_view *view, const stilb_i
 	view_end_line(text);
 }
 
-/* Rows of the terminal: the cursor must be able to go back to the first line. */
+/* Returns the rows of the terminal. A drawing must have fewer lines, so that the cursor can go back to the first. */
 static int view_rows(void)
 {
 	struct winsize size;
 	return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 1 ? size.ws_row : 24;
 }
 
-/* Drops the lines that do not fit. */
+/* Drops the last lines if the text does not fit into a terminal of so many rows. */
 static void view_cut(view_text *text, int rows)
 {
 	char *end = text->bytes;

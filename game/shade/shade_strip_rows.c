@@ -1,4 +1,5 @@
-/* The table of strips, and the materials of the spheres in each row. */
+/* The table of all strips, which are pictures of spheres in rows, and the materials of the spheres in most of the
+ * rows. */
 #include "shade_strip.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@ static stilb_vec3 gray(float reflectance)
 	return stilb_vec3_make(reflectance, reflectance, reflectance);
 }
 
-/* The reflectance of the diffuse rows. */
+/* The diffuse reflectance of the spheres that show wrapped light and the sum of diffuse and specular. */
 static stilb_vec3 clay(void)
 {
 	return stilb_vec3_make(0.62f, 0.26f, 0.15f);
@@ -75,7 +76,7 @@ static void make_wrapped(const strip_row *row, int column, strip_sphere *sphere,
 	snprintf(words, sizeof(strip_words), "w = %.1f", (double)wrap);
 }
 
-/* Wrapped diffuse without the second factor 1 / (1 + w), which conserves energy. */
+/* Wrapped diffuse divided by 1 + w once instead of twice, so that it reflects more light than comes. */
 static void make_wrapped_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	make_wrapped(row, column, sphere, words);
@@ -92,7 +93,7 @@ static void make_mixed(const strip_row *row, int column, strip_sphere *sphere, s
 	snprintf(words, sizeof(strip_words), "%d %% + %d %%", 100 - 10 * column, 10 * column);
 }
 
-/* The diffuse part stays the same, however much the highlight reflects. */
+/* As make_mixed, but the diffuse part stays the same, however much the highlight reflects. */
 static void make_mixed_old(const strip_row *row, int column, strip_sphere *sphere, strip_words words)
 {
 	make_mixed(row, column, sphere, words);

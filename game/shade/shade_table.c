@@ -1,5 +1,6 @@
-/* stilb shade table: compares what the catalogue promises of each row with a measurement, and lists the albedo of each
- * combination of D, G and F. */
+/* stilb shade table: compares what numeric's catalogue (numeric_catalog.h) promises of each formula, a row, with a
+ * measurement, and lists the albedo of each combination of a distribution D, a shadowing term G and a Fresnel term
+ * F. */
 #include "shade_table.h"
 #include "shade.h"
 
@@ -15,7 +16,7 @@
 
 /* ---- the catalogue ----------------------------------------------------------------------------------------------- */
 
-/* The integral that normalises the row, at the roughness and view at which it is farthest from 1. */
+/* The integral that the row's formula must keep at 1, at the roughness and view at which it is farthest from 1. */
 static double table_measure(const stilb_numeric_row *row)
 {
 	double worst = 1.0;

@@ -1,4 +1,4 @@
-/* shade_table: measures the formulas of the catalogue. [main-thread] */
+/* shade_table: measures the formulas of numeric's catalogue (numeric_catalog.h). [main-thread] */
 #ifndef STILB_SHADE_TABLE_H
 #define STILB_SHADE_TABLE_H
 

@@ -60,7 +60,9 @@ fresh_project() {
 	: >"$calls"
 }
 
-junit() { # NAME 'TEST STATUS'...: what ctest will have written; skip and gone are kinds of notrun
+# Writes the results that the stand-in for ctest reports for NAME, a build and a label. To ctest, both skip (the test
+# asked for it) and gone (its program is missing) are "notrun".
+junit() { # NAME 'TEST STATUS'...
 	local file=$scratch/junit-$1 name status
 	shift
 	printf '<?xml version="1.0"?>\n<testsuite name="x"\n\ttests="2"\n\t>\n' >"$file"
@@ -76,7 +78,7 @@ junit() { # NAME 'TEST STATUS'...: what ctest will have written; skip and gone a
 	echo '</testsuite>' >>"$file"
 }
 
-dev() { # EXPECTED-EXIT ARGS...
+dev() { # EXPECTED-EXIT ARGS...: runs the copy of ./dev
 	local wanted=$1 status
 	shift
 	(cd "$scratch" && env -i PATH="$scratch/bin" ${require:+STILB_REQUIRE="$require"} "$scratch/project/dev" "$@") \
@@ -85,11 +87,11 @@ dev() { # EXPECTED-EXIT ARGS...
 	[ $status -eq "$wanted" ] || fail "exit status $status, not $wanted"
 }
 
-called() { # LINE: some call is exactly this
+called() { # LINE: one of the calls written down is exactly LINE
 	grep -qxF -- "$1" "$calls" || fail "was not called: $1"
 }
 
-not_called() { # START: no call begins so
+not_called() { # START: no call written down begins with START
 	! grep -q -- "^$1" "$calls" || fail "was called: $1"
 }
 
@@ -368,7 +370,7 @@ test_packages() {
 	[ -z "$wrong" ] || fail "these rows are wrong: $wrong"
 }
 
-# How ./dev configures where there is no compiler cache.
+# The options that ./dev gives to cmake if no compiler cache is installed.
 options="-DSTILB_WERROR=ON -DCMAKE_C_COMPILER_LAUNCHER= -DCMAKE_CXX_COMPILER_LAUNCHER="
 require=
 test_refuses_before_anything_else

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test_game_articles.sh PROGRAM BENCH PAGE: checks that --help lists every command in PAGE, docs/articles.md, with its flags,
-# plots, strips and suites.
+# test_game_articles.sh PROGRAM BENCH PAGE: checks that --help knows every `stilb ...` command line in PAGE, which is
+# docs/articles.md, with its flags, plots, strips of spheres and bench suites.
 set -euo pipefail
 program=$1 bench=$2 page=$3
 failures=0 commands=0

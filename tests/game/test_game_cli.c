@@ -203,7 +203,8 @@ static void test_bench_is_another_program(void **state)
 	assert_string_equal(run.err, "");
 }
 
-/* A program without its loadable modules runs and writes pictures; for foreign formats it names what is missing. */
+/* A copy of the program without the modules that it loads from ../lib/stilb runs and writes pictures; for foreign
+ * formats it names the missing folder. */
 static void test_pictures_need_no_module(void **state)
 {
 	(void)state;
@@ -255,7 +256,7 @@ static void test_full_disk(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Standard output is a closed pipe: an error of that output alone, the other file is written. */
+/* If standard output is a closed pipe, only the output that goes there fails; the other file is still written. */
 static void test_closed_pipe(void **state)
 {
 	(void)state;
@@ -321,7 +322,8 @@ static void test_defaults(void **state)
 	assert_true(stat_int("workers") >= 1);
 }
 
-/* STILB_ISA selects the instruction set, which does not change the draws; an unknown one is refused at the start. */
+/* STILB_ISA selects the instruction set, which does not change the draws (their hash stays the same); an unknown one is
+ * refused at the start. */
 static void test_isa(void **state)
 {
 	(void)state;
@@ -342,7 +344,8 @@ static void test_isa(void **state)
 	assert_said(run.err, "avx512");
 }
 
-/* Any method of culling, recording and replay gives the same draws; another seed or moving models give others. */
+/* Any method of culling, recording and replay gives the same draws, whose hash is the stream hash; another seed or
+ * moving models give other draws. */
 static void test_stream_hash(void **state)
 {
 	(void)state;

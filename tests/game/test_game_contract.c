@@ -1,4 +1,5 @@
-/* The contracts of game/cli and of the plots, each broken on purpose. */
+/* Calls that break what game/cli and game/shade/shade_plot.h demand of their callers; each must end in the right
+ * assert. */
 #include "game/cli/flags.h"
 #include "game/cli/gnuplot.h"
 #include "game/cli/stage_times.h"

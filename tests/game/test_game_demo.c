@@ -134,7 +134,7 @@ static void test_flags_change_the_picture(void **state)
 
 #define SHADED "demo --headless --models 100 --size 200x150 --frames 2 "
 
-/* Each name gives another picture, and --stats names it. */
+/* Each reflection model, light or added number gives another picture, and --stats names it. */
 static void test_each_name_is_another_picture(void **state)
 {
 	(void)state;
@@ -183,7 +183,8 @@ static void test_each_name_is_another_picture(void **state)
 		stilb_image_finish(&pictures[i]);
 }
 
-/* --stats has the added numbers; one that is given replaces the default of the chosen model. */
+/* --stats has the numbers that are added to all materials; a number that a flag gives replaces the default of the
+ * chosen model. */
 static void test_numbers_added_to_materials(void **state)
 {
 	(void)state;

@@ -24,7 +24,7 @@ static void start_until_the_server_dies(const char *line, const char *title)
 	assert_true(shown);
 }
 
-/* Waits until the run has reported that the display is gone, and has worked on for a while. */
+/* Waits until the run has reported that the display is gone and has worked on for a while; then interrupts it. */
 static void interrupt_after_the_loss(void)
 {
 	struct stat said = {0};
@@ -67,7 +67,7 @@ static void assert_demo_wrote_all(void)
 static void test_demo_without_end(void **state)
 {
 	(void)state;
-	start_until_the_server_dies(DEMO, "Stilb: "); /* the title after the first frame */
+	start_until_the_server_dies(DEMO, "Stilb: "); /* so the title begins after the first frame */
 	program_wait(&run);
 	assert_error_lines(1);
 	assert_said(run.err, "the display has gone after ");

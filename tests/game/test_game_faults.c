@@ -24,7 +24,7 @@ static int code_within(rlim_t bytes, const char *line)
 	return run.code;
 }
 
-/* The stacks of 256 threads do not fit into the address space. */
+/* The stacks of 256 threads do not fit into an address space of 1 GiB. */
 static void test_a_render_without_threads_reports(void **state)
 {
 	(void)state;
@@ -40,7 +40,7 @@ static void test_a_render_without_threads_reports(void **state)
 	assert_string_equal(stat_text("finished", 'w'), "false");
 }
 
-/* The message names the resource that ran out. */
+/* The message names the part that memory was missing for. */
 static void test_memory_is_said(void **state)
 {
 	(void)state;
@@ -64,7 +64,7 @@ static void every_allocation_fails_once(const char *line)
 		snprintf(at, sizeof at, "STILB_FAIL_AT=%d", i);
 		int code = stilb_code(environment, line);
 		if (remove("mark") != 0) {
-			assert_int_equal(code, 0); /* the run makes fewer allocations than this */
+			assert_int_equal(code, 0); /* none failed: the run makes fewer allocations than this */
 			assert_true(failed > 0 && i > 20);
 			return;
 		}

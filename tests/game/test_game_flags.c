@@ -41,7 +41,7 @@ static const flag table[] = {
 };
 #define TABLE (sizeof table / sizeof *table)
 
-/* A table with a word. */
+/* A table with a row of the kind FLAG_WORD. */
 static const flag table_with_word[] = {
 	{"--number", FLAG_NUMBER, &v.number, "N", "a number", 3, 4000, NULL},
 	{"thing", FLAG_WORD, &v.thing, NULL, NULL, 0, 0, NULL},
@@ -158,7 +158,7 @@ static void test_bounds(void **state)
 		assert_true(v.share == shares[i].share);
 	}
 	assert_right(PARSE("--share=-0"));
-	assert_false(signbit(v.share)); /* -0 becomes 0: bits are hashed */
+	assert_false(signbit(v.share)); /* -0 becomes 0: equal values have equal bits, which are hashed */
 }
 
 static void test_wrong_values(void **state)
@@ -369,7 +369,7 @@ static void test_the_last_one_counts(void **state)
 	assert_wrong(PARSE("--number", "bad", "--number", "5"), "bad"); /* a repeated flag is checked each time */
 }
 
-/* The word may stand anywhere; the value of a flag does not count as one. */
+/* The word of a FLAG_WORD may stand anywhere; the value of a flag is not taken for it. */
 static void test_a_word(void **state)
 {
 	(void)state;
@@ -509,7 +509,7 @@ static void test_median_and_p99(void **state)
 	stage_times_finish(&times);
 }
 
-/* An endless run keeps the latest million frames. */
+/* Of an endless run only the latest million frames, STAGE_TIMES_MAX, are kept. */
 static void test_ring(void **state)
 {
 	(void)state;
@@ -526,7 +526,7 @@ static void test_ring(void **state)
 	assert_summary(&summary[STAGE_FRAME], 2.0, 3.0, 0.5);
 	stage_times_last_gpu(&times, 0.25);
 	assert_true(stage_times_summarise(&times, summary, &warmup));
-	assert_summary(&summary[STAGE_GPU], 1.0, 1.0, 0.25); /* the frame that was added last */
+	assert_summary(&summary[STAGE_GPU], 1.0, 1.0, 0.25); /* the least is the last frame's 0.25; before all were 1 */
 	for (uint32_t i = 0; i < STAGE_TIMES_MAX; i++)
 		add(&times, 7.0, 0.0);
 	assert_int_equal(times.capacity, STAGE_TIMES_MAX);

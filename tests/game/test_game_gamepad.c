@@ -8,11 +8,12 @@
 #include <math.h>
 
 #define FLIGHT "demo --headless --device null --models 100 --workers 0 "
-#define MS 1000
+#define MS 1000 /* microseconds in a millisecond */
 
 /* ---- recordings -------------------------------------------------------------------------------------------------- */
 
-/* A DualShock 4 over USB: bytes 1 to 4 are the sticks, 5 and 6 the buttons, 8 and 9 the triggers. */
+/* A recording of a DualShock 4 over USB, and the report that it sends: bytes 1 to 4 are the sticks, 5 and 6 the
+ * buttons, 8 and 9 the triggers. */
 static stilb_input_recorder *recorder;
 static uint8_t report[64];
 static int64_t now_us;
@@ -61,7 +62,7 @@ static void say_bytes(const uint8_t *bytes, uint32_t size)
 	                 STILB_OK);
 }
 
-/* Adds the present report to the recording, 250 times a second. */
+/* Adds the present report to the recording for `ms` milliseconds, 250 times a second. */
 static void say(int64_t ms)
 {
 	for (int64_t end = now_us + ms * MS; now_us < end; now_us += 4 * MS)
@@ -89,7 +90,8 @@ static void recorded(void)
 	assert_int_equal(stilb_input_recorder_close(recorder), STILB_OK);
 }
 
-/* Records a flight: ahead for half a second, a turn to the right, upwards and faster, then at rest. */
+/* Records a flight: ahead for 0.5 s; ahead, faster and turning to the right for 0.3 s; upwards for 0.2 s; then at
+ * rest. */
 static void record_flight(const char *path)
 {
 	record(path);
@@ -184,7 +186,7 @@ static void test_the_flight(void **state)
 		faster += (turned->place[i] - ahead->place[i]) * (turned->place[i] - ahead->place[i]);
 	}
 	assert_true(way > 9.0 && way < 36.0); /* 12 m/s for 0.5 s, from rest */
-	assert_true(faster > 36.0);           /* 2^1.5 times as fast */
+	assert_true(faster > 36.0);           /* the trigger makes it 2^1.5 times as fast */
 	assert_true(turned->yaw < ahead->yaw - 0.3);
 	assert_true(up->place[1] > at_ms(1000)->place[1] + 0.5);
 	const track_line *last = &track[track_count - 1], *before = last - 1;
@@ -261,7 +263,8 @@ static void test_a_pad_without_a_path(void **state)
 	assert_said(run.out, "gamepad: DualShock 4, USB, known pad");
 }
 
-/* Bluetooth reports with a wrong checksum would turn the camera; they are ignored. The others are at rest. */
+/* Bluetooth reports with a wrong checksum, which would turn the camera, are ignored. In the other reports the sticks
+ * are at rest. */
 static void test_corrupt_reports(void **state)
 {
 	(void)state;
@@ -310,7 +313,7 @@ static void test_buttons(void **state)
 	stilb_good(FLIGHT "--frames 2 --view half --track b.txt");
 	track_line seen = *half;
 	read_track("b.txt");
-	assert_memory_equal(seen.place, track[0].place, 5 * sizeof(double)); /* where --view half looks */
+	assert_memory_equal(seen.place, track[0].place, 5 * sizeof(double)); /* the pose of --view half */
 	assert_int_equal(folder_entries(), 5);
 }
 

@@ -18,7 +18,7 @@ for page in "$1"/*.1; do
 		[ -z "$said" ] || { echo "$name: groff warns: $said"; failures=$((failures + 1)); }
 	fi
 done
-# Its exit status 1 is a result, not a failure.
+# stilb trace diff exits with 1 for a result, not for a failure, so its page has an EXIT STATUS of its own.
 grep -qx 'a zone is slower' "$1/stilb-trace-diff.1" || { echo "stilb-trace-diff: another EXIT STATUS"; failures=$((failures + 1)); }
 [ $pages -ge 16 ] || { echo "only $pages pages in $1"; exit 1; }
 [ $failures -eq 0 ] && echo "$pages pages have all flags"

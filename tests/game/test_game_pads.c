@@ -185,7 +185,8 @@ static void test_describe_keyboard(void **state)
 
 /* ---- recordings -------------------------------------------------------------------------------------------------- */
 
-/* Writes a recording of a DualShock 4: a report every 10 ms, at rest but for right x and south. */
+/* Writes a recording of a DualShock 4: a report every 10 ms, in which only the right stick's x and the button south
+ * change. */
 static void write_recording(const char *path, int reports)
 {
 	const input_test_descriptor *ds4 = ds4_usb();
@@ -208,7 +209,7 @@ static void write_recording(const char *path, int reports)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Only reports that change the state are printed. */
+/* Only reports that change the state of the pad are printed. */
 static void test_replay(void **state)
 {
 	(void)state;
@@ -221,7 +222,7 @@ static void test_replay(void **state)
 				 "    0.040000  1  left +0.000 +0.000  right +0.000 +0.000  triggers 0.000 0.000  -\n"
 				 "    0.060000  1  removed\n"
 				 "6 reports of 1 pad in 0.060 s, 0 corrupt\n");
-	stilb_good("pads --replay a.rec --record b.rec --seconds 0.035"); /* its first part */
+	stilb_good("pads --replay a.rec --record b.rec --seconds 0.035"); /* its first four reports */
 	assert_string_equal(run.out,
 	                    "    0.000000  1  added: /dev/hidraw0 Wireless Controller; DualShock 4, USB: known pad "
 	                    "054c:05c4\n"
@@ -232,7 +233,7 @@ static void test_replay(void **state)
 	assert_int_equal(folder_entries(), 2);
 }
 
-/* A recording is described by its first pad, with the bus, numbers and name of that. */
+/* --describe shows the first pad of a recording, with the bus, vendor, product and name that it has there. */
 static void test_describe_recording(void **state)
 {
 	(void)state;
@@ -250,7 +251,7 @@ static void test_describe_recording(void **state)
 	assert_string_equal(run.err, "");
 }
 
-/* Valid items that describe no field. */
+/* A file of valid items (the elements of a descriptor) that describe no field. */
 static void test_describe_rubbish(void **state)
 {
 	(void)state;
@@ -326,7 +327,7 @@ static double seconds_now(void)
 	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* With --watch a recording takes its own time; without, a few milliseconds. */
+/* With --watch a recording is replayed at its own pace; without, in a few milliseconds. */
 static void test_replay_pace(void **state)
 {
 	(void)state;
@@ -348,7 +349,7 @@ static void test_full_disk(void **state)
 	assert_error_lines(1);
 }
 
-/* It ends when its standard output is closed. */
+/* stilb pads ends when its standard output is closed. */
 static void test_closed_pipe(void **state)
 {
 	(void)state;
@@ -356,7 +357,7 @@ static void test_closed_pipe(void **state)
 	write_recording("a.rec", 99);
 	FILE *file = fopen("a.rec", "a");
 	assert_non_null(file);
-	fputs("D: 1\n# added 000030.000000\nR: 1 c0\nI: 3 1 2\n", file); /* 30 seconds later */
+	fputs("D: 1\n# added 000030.000000\nR: 1 c0\nI: 3 1 2\n", file); /* 30 s later: not waited for */
 	fclose(file);
 	double start = seconds_now();
 	assert_int_equal(pipe2(ends, O_CLOEXEC), 0);

@@ -60,7 +60,8 @@ static void write_script(void)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Runs stilb with the devices of the file `devices`; further words for umockdev-run stand before those for stilb. */
+/* Runs the shell command `words`, in which "STILB " stands for the program's path, among the devices that `devices`,
+ * the arguments of umockdev-run, simulates. Returns the exit code. */
 static int live_code(const char *devices, const char *words)
 {
 	char line[2 * PATH_MAX];
@@ -176,7 +177,8 @@ static void test_others(void **state)
 		assert_true(end - at <= 80);
 }
 
-/* A node without permission is named, with the udev rule that helps. Root may open it unless it drops that right. */
+/* A node without permission is named, with the udev rule that helps. Root may open every node, so the test drops root's
+ * capabilities. */
 static void test_denied(void **state)
 {
 	(void)state;

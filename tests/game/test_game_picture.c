@@ -1,4 +1,5 @@
-/* Names of the pictures that F12 saves: no file is replaced, nor is the name used that the run saves to at its end. */
+/* Names of the pictures that F12 saves: no file is replaced, and the name of the picture that the run saves at its end
+ * stays free. */
 #include "game/demo/demo_picture.h"
 #include "support/folder.h"
 #include "support/test.h"

@@ -41,7 +41,8 @@ static bool await_file(const char *path)
 
 /* ---- traces ------------------------------------------------------------------------------------------------------ */
 
-/* A trace has the zones of every thread: stages, jobs with their arrows, sleep. */
+/* A trace has the zones of every thread: the stages of frames, and the workers' jobs, each with an arrow (a flow) from
+ * its submission, and sleep ("parked"). */
 static void test_trace_tells_all(void **state)
 {
 	(void)state;
@@ -119,8 +120,8 @@ static void test_slow_frame_is_captured(void **state)
 static void test_signal_captures(void **state)
 {
 	(void)state;
-	/* Frames of a millisecond: the last 1,024 are remembered, and on a busy machine it takes tenths of a second until
-	 * the thread of the lowest priority copies them. */
+	/* Frames take a millisecond: the last 1,024 are remembered, and on a busy machine it takes tenths of a second until
+	 * the capturing thread, of the lowest priority, copies them. Shorter frames would be overwritten by then. */
 	stilb_start(no_display, -1, SMALL "--models 200000 --frames 1000000 --capture c.json");
 	bool ready = catches_interrupts(run.pid), first = false, second = false;
 	if (ready) {
@@ -143,7 +144,7 @@ static void test_signal_captures(void **state)
 	assert_int_equal(folder_entries(), 2);
 }
 
-/* An error is printed once, however many frames are slow; all frames are drawn, and no partial file is left. */
+/* An error is printed once, however many captures fail; the run goes on, and no partial file is left. */
 static void test_capture_that_cannot_be_written(void **state)
 {
 	(void)state;

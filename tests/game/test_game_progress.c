@@ -1,4 +1,4 @@
-/* The text on the samples so far: it never says 0 once there is a coarse picture. */
+/* The text on a render's progress: its number of samples is never 0 once there is a coarse picture. */
 #include "game/render/render_progress.h"
 #include "support/test.h"
 

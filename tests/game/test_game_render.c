@@ -156,7 +156,8 @@ static void test_interrupt(void **state)
 	interrupt_with(SIGINT);
 }
 
-/* An interrupt writes the picture and a checkpoint; the checkpoint is refused with other settings. */
+/* SIGTERM and SIGHUP, as SIGINT, make the run write the picture and a checkpoint; the checkpoint is refused with other
+ * settings. */
 static void test_other_signals(void **state)
 {
 	(void)state;
@@ -183,8 +184,7 @@ static void test_checkpoints_that_are_none(void **state)
 	assert_int_equal(stilb_code(no_display, SMALL "-o a.png --resume"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "a.png.checkpoint");
-	assert_int_equal(stilb_code(no_display, SMALL "-o a.png"),
-	                 0); /* without a display the run does not wait for a viewer */
+	assert_int_equal(stilb_code(no_display, SMALL "-o a.png"), 0); /* without --resume it is not read */
 	assert_error_lines(1);
 	assert_said(run.err, "--resume");
 }
@@ -354,7 +354,7 @@ static void test_dry_run(void **state)
 	(void)state;
 	stilb_good("render cornell --integrator montecarlo --size 10x10 --spp 2 --rays 3 --depth 2 --dry-run");
 	assert_said(run.out, "100 pixels, 2 samples a pixel");
-	assert_said(run.out, " 2600 rays"); /* 200 (1 + 3 + 9) */
+	assert_said(run.out, " 2600 rays"); /* 200 samples of 1 + 3 + 9 rays */
 	stilb_good("render cornell --integrator montecarlo --rays 1000 --depth 20 --dry-run");
 	stilb_good("render cornell --dry-run");
 	assert_int_equal(folder_entries(), 0);
@@ -417,7 +417,7 @@ static void test_no_display(void **state)
 	assert_true(exists("a.png"));
 }
 
-/* The bar in a terminal of 100 columns, which is cleared at the end. */
+/* In a terminal of 100 columns the progress is a bar, which is cleared at the end. */
 static void test_terminal(void **state)
 {
 	(void)state;

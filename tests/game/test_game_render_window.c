@@ -68,7 +68,7 @@ static void close_window(Window window)
 	XSync(display, False);
 }
 
-/* Ends a run that a failed test has left. */
+/* Kills the run if a failed test has left it running. */
 static int end_run(void **state)
 {
 	(void)state;
@@ -127,7 +127,8 @@ static void test_it_shows_what_is_saved(void **state)
 	stilb_image_finish(&saved);
 }
 
-/* A run that ends by itself closes its window, unless stderr is a terminal. */
+/* A run that finishes its picture closes its window at once. (Only if stderr is a terminal, so that a user is watching,
+ * the window stays open until the user closes it; here it is a file.) */
 static void test_it_ends_by_itself(void **state)
 {
 	(void)state;

@@ -154,7 +154,7 @@ static void test_refusals(void **state)
 	}
 }
 
-/* Files that exist but are no dumps: refused when they are read. */
+/* Asserts that stilb replay refuses a file that exists but is no dump, and names the file and the reason. */
 static void assert_bad(const char *path, const char *reason)
 {
 	char line[256], quoted[64];
@@ -168,7 +168,7 @@ static void assert_bad(const char *path, const char *reason)
 	assert_int_not_equal(access("a.json", F_OK), 0);
 }
 
-/* Changes 32 bits at an offset and corrects the checksum of the file. */
+/* Changes 32 bits at an offset in bytes from the start of the file, and corrects the file's checksum. */
 static void forge(const char *path, size_t offset, uint32_t value)
 {
 	FILE *file = fopen(path, "r+b");
@@ -293,7 +293,7 @@ static void test_the_same_picture_in_other_ways(void **state)
 	stilb_good("demo --headless --frames 2 " SMALL "--dump a.dump --screenshot a.exr");
 	stilb_good("replay a.dump --frames 1 --screenshot b.exr --validate");
 	assert_true(same_picture("a.exr", "b.exr"));
-	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* the null device's */
+	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* a dump of the null device */
 	stilb_good("replay a.dump --frames 1 --screenshot c.exr");
 	assert_true(same_picture("a.exr", "c.exr"));
 }

@@ -115,7 +115,7 @@ static void test_all_plots(void **state)
 			continue;
 		plots++;
 		if (strstr(name, "-neumann") || strstr(name, "-kelemen") || strstr(name, "-schlick-"))
-			continue; /* drawn by the same functions as the rest of D x G */
+			continue; /* drawn by the same functions as the other pairs of D and G */
 		snprintf(words, sizeof words, "shade plot %s -o %s.svg", name, name);
 		int code = stilb_code(with_fake, words);
 		if (code != 0)
@@ -161,7 +161,7 @@ static void test_catalog(void **state)
 
 #define SIZE "659x454" /* cells of 50 pixels */
 
-/* The centre of a sphere in the strip `classic` at that size, by the layout in shade_strip.c. */
+/* The centre of a sphere, in pixels, in the strip `classic` at the size SIZE, by the layout in shade_strip.c. */
 static void middle(int row, int column, int *x, int *y)
 {
 	double cell = 50.0, left = 0.5 * (659.0 - cell * 13.17);
@@ -177,7 +177,7 @@ static double radiance(const stilb_image *picture, int row, int column, int dx, 
 	                    picture->pixels)[3 * ((size_t)(y + dy) * picture->width + (size_t)(x + dx)) + (size_t)channel];
 }
 
-/* The mean over the pixels of a sphere. */
+/* The largest green radiance of the pixels of a sphere. */
 static double brightest(const stilb_image *picture, int row, int column)
 {
 	double most = 0.0;
@@ -195,7 +195,7 @@ static void test_spheres_in_little_memory(void **state)
 	(void)state;
 	struct rlimit before;
 	if (SANITIZED)
-		return; /* sanitizers need terabytes of addresses */
+		return; /* sanitizers need terabytes of address space */
 	assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
 	setrlimit(RLIMIT_AS, &(struct rlimit){300u << 20, before.rlim_max});
 	int code = stilb_code(no_display, "shade spheres --size " SIZE " -o little.png");
@@ -233,7 +233,8 @@ static void test_spheres(void **state)
 	stilb_image_finish(&picture);
 }
 
-/* Three bands of a sun alone are negative on the dark side, which is shown in magenta; windowed ones are not. */
+/* The irradiance of a sun alone is negative on the dark side if it is computed with three bands of spherical harmonics,
+ * which is shown in magenta; with windowed bands it is not. */
 static void test_spheres_negative(void **state)
 {
 	(void)state;

@@ -22,7 +22,8 @@ static void save(const made *m, const char *path)
 	assert_int_equal(stilb_prof_trace_save(&m->snapshot, "test", path), 0);
 }
 
-/* 40 frames from number 100 on: cull takes cull_ns, record 5,000 ns; frame 120 takes longer. */
+/* Writes a trace of the frames 100 to 139, in which the zone cull takes about cull_ns and record 5,000 ns, but 35,000
+ * ns in frame 120. */
 static void make_trace(const char *path, uint64_t seed, uint64_t cull_ns)
 {
 	made m;
@@ -134,7 +135,7 @@ static void test_diff(void **state)
 	assert_said(run.out, "a zone's time in a frame");
 }
 
-/* A trace of the program itself through a pipe, as table and as JSON. */
+/* A trace that stilb demo wrote: as a table, by name and on standard input, and compared with itself. */
 static void test_of_the_demo(void **state)
 {
 	(void)state;
@@ -262,7 +263,7 @@ static void test_refusals(void **state)
 	}
 }
 
-/* A full disk ends with 2: 1 means a difference between the traces. */
+/* On a full disk trace top ends with 1 and trace diff with 2, since its 1 means that a zone is slower. */
 static void test_full_disk(void **state)
 {
 	(void)state;

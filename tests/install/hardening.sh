@@ -35,7 +35,8 @@ for flag in $flags; do
 	without=$(grep -v -- " $flag " <<<"$compiled")
 	[ -z "$without" ] || lacks "$commands" "compiled without $flag: $(sed 's/.* -c //' <<<"$without" | paste -sd ' ')"
 done
-# What reads files, devices and arguments is never among the hot files.
+# The hot files are compiled without canaries on the stack. Code that reads files, devices or arguments must not be
+# among them.
 outside=$(grep -- ' -fno-stack-protector ' <<<"$compiled" | grep -E ' -c [^ ]*/(game|engine/(base|image|input|scene|window))/')
 [ -z "$outside" ] || lacks "$commands" "hot, but reads what comes from outside: $(sed 's/.* -c //' <<<"$outside" | paste -sd ' ')"
 

@@ -20,7 +20,7 @@ quietly() { # shows what a command said only when it fails
 	}
 }
 
-runs() { # PROGRAM: must print the sum that it can have from the libraries alone
+runs() { # PROGRAM: must print the sum that it computes with the libraries
 	local said
 	said=$("$1") || { echo "$1: exit status $?"; exit 1; }
 	[ "$said" = "sum 499500" ] || { echo "$1 printed: $said"; exit 1; }

@@ -21,7 +21,7 @@ symbols() {
 	for name in stilb stilb-bench; do
 		find "$build" -type d -path "*/CMakeFiles/$name.dir" | while read -r folder; do
 			find "$folder" -name '*.o' | sort | while read -r object; do
-				# A build folder keeps the objects of sources that were moved or removed.
+				# Skips objects that a build folder keeps of sources that were moved or removed.
 				source=${folder#"$build"/}
 				source=${source%%/CMakeFiles/*}/${object#"$folder"/}
 				source=${source//__/..}

@@ -15,7 +15,7 @@ these() {
 sources='\.([ch]|cpp|hpp|glsl|vert|frag|comp|sh|py)$|(^|/)(dev|CMakeLists.txt)$'
 [ -n "$(these "$sources" | tr -d '\0')" ] || { echo "shape.sh: found no source at all"; exit 1; }
 
-# A file that is longer is cut in two.
+# A source file of more than 1,500 lines must be cut in two.
 long_files() {
 	these "$sources" | xargs -0 awk '
 		FNR == 1 { if (last != "" && lines > 1500) print last ": " lines " lines; 1500 is the most" }
@@ -23,7 +23,7 @@ long_files() {
 		END { if (lines > 1500) print last ": " lines " lines; 1500 is the most" }'
 }
 
-# clang-format does not wrap comments. A tab counts as four columns.
+# Lines of more than 120 columns, which clang-format leaves in comments. A tab counts as four columns.
 wide_lines() {
 	these '\.([ch]|cpp|hpp|glsl|vert|frag|comp)$' | xargs -0 awk '
 		length($0) > 105 {
@@ -68,7 +68,8 @@ dialect() {
 		code ~ /^\t+const ((struct|enum|unsigned|signed|long) )*[a-z0-9_]+ [A-Za-z0-9_]+( =|[;,])/ { bad("a local goes without const") }'
 }
 
-# A folder with more files is cut into subfolders, but for docs/, whose pictures one command writes into one folder.
+# A folder with more than 30 files must be cut into subfolders, but for docs/, whose pictures one command writes into one
+# folder.
 full_folders() {
 	printf '%s\n' "$files" | grep -v '^docs/' | sed 's|[^/]*$||' | sort | uniq -c |
 		awk '$1 > 30 { print $2 ": " $1 " files in one folder; 30 are the most" }'

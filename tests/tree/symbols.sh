@@ -19,7 +19,7 @@ prefixes_of() {
 	esac
 }
 
-# fits SYMBOL MODULE
+# fits SYMBOL MODULE: succeeds if the symbol begins with a prefix of the module.
 fits() {
 	local prefix
 	for prefix in $(prefixes_of "$2"); do
@@ -36,7 +36,7 @@ for archive in "${archives[@]}"; do
 	name=$(basename "$archive")
 	module=${name#libstilb-}
 	module=${module%.a}
-	# A build folder keeps the libraries of targets that were renamed or removed.
+	# Skips libraries that a build folder keeps of targets that were renamed or removed.
 	[ ! -e "$build/build.ninja" ] || grep -qE "^build ([^ ]*/)?$name:" "$build/build.ninja" || continue
 	symbols=$(nm --extern-only --defined-only --format=posix "$archive" | awk 'NF >= 3 && $2 !~ /[WwVvu]/ { print $1 }')
 	for symbol in $symbols; do

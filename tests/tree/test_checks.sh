@@ -49,7 +49,7 @@ expect() { # WHAT-THE-CHECK-SAYS CHECK FOLDER: the check must fail and say so
 	fi
 }
 
-expect_good() { # CHECK FOLDER
+expect_good() { # CHECK FOLDER: the check must pass
 	local said
 	said=$("$checks/$1" "${@:2}" 2>&1) || {
 		printf 'a tree without fault fails in %s:\n%s\n' "$1" "$said"
@@ -57,7 +57,7 @@ expect_good() { # CHECK FOLDER
 	}
 }
 
-include() { # FILE INCLUDE WHAT-THE-CHECK-SAYS
+include() { # FILE INCLUDE WHAT-THE-CHECK-SAYS: layers.sh must report this #include, planted in FILE
 	fresh_tree
 	printf '#include %s\n' "$2" >>"$1"
 	expect "$3" layers.sh "$scratch/tree"
@@ -151,13 +151,13 @@ test_shape() {
 	expect 'STILB_REQUIRE does not name the tier model' shape.sh "$scratch/tree"
 }
 
-dialect() { # STATEMENT WHAT-THE-CHECK-SAYS
+dialect() { # STATEMENT WHAT-THE-CHECK-SAYS: shape.sh must report this statement, planted in game/main.c
 	fresh_tree
 	printf '\t%s\n' "$1" >>game/main.c
 	expect "game/main.c:3: $2" shape.sh "$scratch/tree"
 }
 
-library() { # MODULE CODE
+library() { # MODULE CODE: compiles CODE to a library of that module, which symbols.sh can check
 	rm -rf "${scratch:?}/lib" && mkdir -p "$scratch/lib/sub"
 	printf '%s\n' "$2" >"$scratch/lib/a.c"
 	"${CC:-cc}" -c "$scratch/lib/a.c" -o "$scratch/lib/a.o"

@@ -1,4 +1,4 @@
-// The public headers are valid C++, and none needs another before it.
+// The public headers are valid C++, and none needs another to be included before it.
 #include <stilb/job_prof.h>
 
 #include <stilb/prof.h>

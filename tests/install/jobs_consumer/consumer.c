@@ -1,4 +1,5 @@
-/* Takes numbers through both kinds of queue and adds them up on the worker pool. C, and C++ by way of consumer.cpp. */
+/* Writes numbers on the worker pool, passes them through both kinds of queue, and adds them up. Compiled as C, and as
+ * C++ by way of consumer.cpp. */
 #include <stilb/job.h>
 #include <stilb/job_queue.h>
 #include <stilb/job_spsc.h>

@@ -1,2 +1,2 @@
-// The public headers are valid C++ and link from it.
+// The public headers are valid C++, and a C++ program can be linked with the library.
 #include "consumer.c"

@@ -1,4 +1,4 @@
-/* Adds up inside zones, and prints the sum only if the table has all of them. */
+/* Adds up numbers, each inside a zone of the profiler, and prints the sum only if the profiler counted all zones. */
 #include <stilb/prof.h>
 #include <stilb/prof_snapshot.h>
 #include <stilb/prof_stats.h>
