@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Decimal digits alone, without a sign; false if text is anything else or the number is outside [low, high]. */
+/* Reads decimal digits, without a sign, into *out; false if text is anything else or the number is outside [low,
+ * high]. */
 static bool parse_number(const char *text, uint64_t low, uint64_t high, uint64_t *out)
 {
 	if (text[0] == '\0' || strspn(text, "0123456789") != strlen(text))

@@ -73,7 +73,7 @@ bool flags_numbers(const char *text, uint32_t low, uint32_t high, flag_list *lis
 /* True if the flag of this name is among argv[0] to argv[argc - 1], for which flags_parse returned FLAGS_OK. */
 bool flags_given(const flag *flags, size_t flag_count, int argc, char **argv, const char *name);
 
-/* Copies a choice into text as it is typed and shown, with '-' for each '_', cut to the size. Returns text. */
+/* Copies a choice into text as users type and see it, with '-' for each '_', cut to FLAG_CHOICE_SIZE. Returns text. */
 #define FLAG_CHOICE_SIZE 64
 const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice);
 

@@ -32,7 +32,7 @@ extern const char *const stage_names[STAGE_COUNT];
 /* Only this many of the latest frames are kept, so that the memory of an endless run does not grow: 32 MB. */
 #define STAGE_TIMES_MAX 1000000u
 
-/* {0} is an empty one. */
+/* The times of the frames of a run; {0} has none. */
 typedef struct stage_times {
 	float (*frames)[STAGE_COUNT]; /* milliseconds; a ring of `capacity` frames */
 	uint64_t count;               /* frames added, also those overwritten since */

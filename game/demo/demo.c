@@ -1,4 +1,4 @@
-/* stilb demo: the stress test, in a window or headless. */
+/* stilb demo: draws the stress test, a scene of thousands of models, in a window or headless, which is without one. */
 #include "base/base_file.h"
 #include "demo_gamepads.h"
 #include "demo_options.h"
@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEMO_FRAMES 120u        /* of a headless run without --frames */
+#define DEMO_FRAMES 120u        /* frames of a headless run without --frames */
 #define DEMO_TRACE_FRAMES 1000u /* frames in the file of --trace, at most */
 #define DEMO_VIEWS 3u           /* number of values of stilb_scene_stress_view */
 
@@ -24,7 +24,7 @@ typedef struct demo_run {
 	stilb_engine *engine;
 	stilb_engine_report report; /* of the last frame that was drawn */
 	stage_times times;
-	uint64_t frames; /* drawn */
+	uint64_t frames; /* number of frames drawn */
 	demo_track track;
 	demo_gamepads gamepads;
 	int view; /* a stilb_scene_stress_view */
@@ -43,8 +43,8 @@ static void demo_on_signal(int signal_number)
 	demo_interrupted = signal_number; /* ends demo_loop; pictures, traces and statistics are written all the same */
 }
 
-/* Called on the capturing thread after each capture. An error that repeats, like a full disk, is printed once, not for
- * every slow frame. */
+/* Called on the capturing thread after each capture, a trace that is written during the run. An error that repeats,
+ * like a full disk, is printed once, not for every slow frame. */
 static void demo_on_captured(void *user, const stilb_prof_captured *captured)
 {
 	demo_run *run = user;

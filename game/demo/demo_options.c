@@ -254,8 +254,8 @@ static bool demo_is_readable_twice(const char *path)
 	return strcmp(path, "-") != 0 && (stat(path, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
 }
 
-/* Checks the source of gamepads: a recording must be sound, as far as it can be read before the start, and no output
- * may replace it. */
+/* Checks the source of gamepads that --gamepad names: a recording must be sound, as far as it can be read before the
+ * start, and no output may replace it. */
 static bool demo_check_recording(const demo_options *o)
 {
 	stilb_engine_gamepad gamepad;
@@ -308,7 +308,7 @@ static bool demo_check_profile(const demo_options *o)
 	return true;
 }
 
-/* True if D, G or F of the microfacet model is chosen. */
+/* True if a part of the microfacet model is chosen: its distribution D, shadowing term G or Fresnel term F. */
 static bool demo_wants_parts(const demo_options *o)
 {
 	return o->ndf != DEMO_NOT_GIVEN || o->g != DEMO_NOT_GIVEN || o->f != DEMO_NOT_GIVEN;
@@ -415,7 +415,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	STILB_ASSERT(gamepad && spike && fault && "demo_options_check accepted the options");
 	desc.faults = faults.render;
 	desc.slow_frame = faults.slow_frame;
-	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* then the window shows clipped radiance, too */
+	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* .exr, .hdr: the window has radiance, too */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

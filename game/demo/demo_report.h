@@ -9,7 +9,7 @@ typedef struct demo_report {
 	const demo_options *options;
 	const stilb_engine *engine;
 	stilb_engine_report last; /* of the last frame that was drawn */
-	uint64_t frames;          /* drawn */
+	uint64_t frames;          /* number of frames drawn */
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup; /* frames at the start that the summary leaves out */
 } demo_report;

@@ -1,4 +1,5 @@
-/* stilb info: lists the CPU's features, the GPUs, the libraries and the guards of the import process. */
+/* stilb info: lists the CPU's features, the GPUs, the libraries, and the guards (like seccomp) of the process in which
+ * foreign scenes and pictures are read. */
 #include "game/cli/flags.h"
 #include "game/commands.h"
 

@@ -1,7 +1,7 @@
 /*
  * stilb pads: gamepads as the engine sees them. pads.c has the command and its flags, pads_list.c lists what is plugged
- * in, pads_describe.c explains report descriptors, pads_follow.c follows events, live or recorded, pads_view.c draws
- * them in a terminal, and pads_common.c has what these share.
+ * in, pads_describe.c explains report descriptors (in which a device describes its reports), pads_follow.c follows
+ * events, live or recorded, pads_view.c draws them in a terminal, and pads_common.c has what these share.
  */
 #ifndef STILB_PADS_H
 #define STILB_PADS_H

@@ -80,7 +80,7 @@ void pads_print_wrapped(FILE *out, const char *title, const char *text)
 const char *pads_recognised_text(const stilb_input_control_pad *pad, char text[PADS_RECOGNISED_SIZE])
 {
 	const char *own = pad->info->name;
-	size_t length = strlen(own) < 50 ? strlen(own) : 50; /* of a pad's name, its layout's has at most 50 bytes */
+	size_t length = strlen(own) < 50 ? strlen(own) : 50; /* a layout's name repeats at most 50 bytes of the pad's */
 	bool repeated = length > 0 && strncmp(pad->name, own, length) == 0;
 	if (repeated && (pad->name[length] == ',' || pad->name[length] == '\0'))
 		snprintf(text, PADS_RECOGNISED_SIZE, "%s", pad->recognised);

@@ -36,8 +36,8 @@ static bool describe_take_id(const char *text, stilb_input_pad_info *info)
 	return true;
 }
 
-/* True if the file begins with a character that recordings begin with. No descriptor does: as items these bytes are
- * reserved or cannot come first (HID 1.11, section 6.2.2). */
+/* True if the file begins with a character that recordings begin with. No descriptor does: as items, the elements of a
+ * descriptor, these bytes are reserved or cannot come first (HID 1.11, section 6.2.2). */
 static bool describe_is_recording(FILE *file)
 {
 	int first = getc(file);

@@ -26,7 +26,7 @@ typedef struct follow_run {
 	uint64_t reports, corrupt;
 	FILE *words;   /* stream for text; NULL: none */
 	bool terminal; /* draw the pads instead of printing lines */
-	bool states;   /* print a line for each new state */
+	bool states;   /* print a line for each new state of a pad's axes and buttons */
 	bool failed;   /* the recorder failed; closing it gives the reason */
 	pads_view view;
 	stilb_json json;
@@ -48,7 +48,7 @@ typedef enum follow_what {
 	FOLLOW_STATE
 } follow_what;
 
-/* "added: /dev/hidraw0 Wireless Controller; DualShock 4, USB: known pad 054c:05c4" */
+/* Prints a pad that came: "added: /dev/hidraw0 Wireless Controller; DualShock 4, USB: known pad 054c:05c4". */
 static void follow_print_added(follow_run *run, const stilb_input_control_pad *pad)
 {
 	const stilb_input_pad_info *info = pad->info;

@@ -145,7 +145,7 @@ static void offline_attend(const offline_options *o, offline_work *work, offline
 		offline_progress_clear();
 }
 
-/* Keeps the window with the finished picture open until the user closes it, if the program runs from a terminal. */
+/* Keeps the window with the finished picture open until the user closes it, if stderr is a terminal. */
 static void offline_linger(offline_window *window, const offline_result *result)
 {
 	if (!window->viewer || result->code != EXIT_DONE || !isatty(STDERR_FILENO))

@@ -26,7 +26,7 @@ static const char *const cache_choices[] = {"frozen", "live", NULL};
 static const char *const switch_choices[] = {"off", "on", NULL};
 
 #define RENDER_MAX_SAMPLES 65536
-#define RENDER_BRANCHED_DEPTH 2 /* default of --integrator montecarlo: N rays from each hit are N^depth at last */
+#define RENDER_BRANCHED_DEPTH 2 /* default for montecarlo, whose N rays from each hit make N^depth at the last */
 
 /* ---- defaults ---------------------------------------------------------------------------------------------------- */
 

@@ -50,7 +50,7 @@ static double progress_left(const offline_progress *progress, const stilb_gi_pro
 	return passed > 0.3 && done > 0.0 ? passed * (1.0 - at->done) / done : -1.0;
 }
 
-/* Samples of each pixel that has any, after the last complete pass. */
+/* The number of samples in a pixel that has any, after the last complete pass; coarse passes leave pixels out. */
 static uint32_t progress_pass_samples(const stilb_gi_progress *at)
 {
 	uint32_t samples = 0;

@@ -1,4 +1,4 @@
-/* stilb shade list, plot and catalog: finds plots by name and draws one or all. */
+/* stilb shade list, plot and catalog: lists the names of all plots, draws the one of a name, or draws all. */
 #include "shade.h"
 
 #include "base/base_file.h"
@@ -124,7 +124,7 @@ static bool is_near(const char *name, const char *typed, nearness how)
 typedef struct near_names {
 	const char *typed;
 	nearness how;
-	char words[NEAR_NAMES * (NAME_SIZE + 2)]; /* "a, b" */
+	char words[NEAR_NAMES * (NAME_SIZE + 2)]; /* the names that are offered: "a, b" */
 	size_t length;                            /* of words */
 	int count;
 } near_names;

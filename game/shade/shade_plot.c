@@ -1,4 +1,4 @@
-/* Writes panels and curves as commands of gnuplot, and saves the pictures. */
+/* Writes the panels and curves of a plot as commands of gnuplot, and saves the picture that it draws. */
 #include "shade_plot.h"
 
 #include "game/cli/gnuplot.h"
@@ -19,7 +19,7 @@ struct plot_page {
 	FILE *script;
 	plot_panel panel;
 	bool open;           /* between plot_panel_begin and plot_panel_end */
-	uint32_t blocks;     /* number of data blocks so far */
+	uint32_t blocks;     /* number of data blocks, each the points of a curve, so far */
 	uint32_t curves;     /* number of curves in this panel that have taken a colour */
 	char clauses[16384]; /* arguments of the panel's `plot` command */
 };
@@ -150,7 +150,7 @@ static void add_block(plot_page *page, const char *style, const char *words)
 #define CURVE_POINTS_MAX 1024
 #define STRAIGHT 4e-4 /* largest distance from a straight line, as a share of the panel: a tenth of a pixel */
 
-/* A curve in the coordinates of its panel. */
+/* The points of a curve, in units in which the part of an axis that the panel shows is [0, 1]; kept: to be written. */
 typedef struct trace {
 	double x[CURVE_POINTS_MAX], y[CURVE_POINTS_MAX];
 	bool kept[CURVE_POINTS_MAX];

@@ -1,5 +1,5 @@
-/* Plots of the reflection models' parts: diffuse, Schueler's factors, distributions, shadowing, Fresnel. The models
- * themselves are rows of numeric's catalogue: shade_plots_row.c. */
+/* Plots of the parts of reflection models: diffuse, Schueler's normalisation factors of highlights, distributions of
+ * normals, shadowing, Fresnel. The models themselves are rows of numeric's catalogue, drawn by shade_plots_row.c. */
 #include "shade_plots.h"
 
 #include "numeric/numeric_albedo.h"

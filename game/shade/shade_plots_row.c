@@ -237,7 +237,7 @@ void shade_plot_typed(char *out, size_t size, const char *words)
 
 /* ---- samplers ---------------------------------------------------------------------------------------------------- */
 
-#define GRID 24 /* strata along each side */
+#define GRID 24 /* cells along each side of the unit square of random numbers */
 #define BINS 60
 #define DRAWS 200000
 #define SAMPLER_ROUGHNESS 0.6f

@@ -11,7 +11,7 @@
 typedef struct spheres_options {
 	const char *output;
 	int strip;
-	uint32_t size[2]; /* {0, 0}: the size of the strip */
+	uint32_t size[2]; /* of the picture; {0, 0}: the size in which spheres are 100 pixels wide */
 	uint32_t workers;
 } spheres_options;
 

@@ -19,9 +19,9 @@
 #define SPHERE_RADIUS 0.46f
 
 typedef struct layout {
-	float cell;      /* pixels */
-	float left, top; /* of the first cell */
-	float row;       /* height of a row with the numbers below its spheres */
+	float cell;      /* side of a cell, pixels */
+	float left, top; /* of the first cell, pixels from the picture's upper left corner */
+	float row;       /* height of a row with the numbers below its spheres, pixels */
 } layout;
 
 static float layout_columns(const strip *s)

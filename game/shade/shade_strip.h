@@ -30,8 +30,8 @@ typedef struct strip_place {
  * sphere's relief_samples, whose radiance is averaged. [any-thread] */
 typedef void strip_relief(const strip_sphere *sphere, strip_place place, uint32_t i, stilb_vec3 *n, float *roughness);
 
-/* Returns the radiance, seen along -z, of a place with the normal n, in place of the light of the studio.
- * [any-thread] */
+/* Returns the radiance, seen along -z, of a place with the normal n. Without this callback the place is lit by the
+ * studio, the lamps and the sky in shade_strip.c. [any-thread] */
 typedef stilb_vec3 strip_radiance(const strip_sphere *sphere, stilb_vec3 n);
 
 /* The material of a sphere: a diffuse part and a highlight. */
@@ -41,14 +41,14 @@ struct strip_sphere {
 	float diffuse_gain; /* factor, 1; another cancels a factor of the model, to show the effect of that */
 	shade_brdf_model model;
 	shade_brdf_parameters highlight;
-	float highlight_gain; /* likewise, for the highlight */
+	float highlight_gain; /* factor of the highlight, as diffuse_gain of the diffuse part */
 	float mirror;         /* share of the surroundings that the highlight reflects */
 	strip_relief *relief; /* NULL: smooth */
 	float relief_scale;
 	uint32_t relief_level, relief_samples;
-	strip_radiance *radiance; /* NULL: the studio's */
+	strip_radiance *radiance; /* NULL: that under the light of the studio */
 	float number;             /* for the callback radiance: the number that changes from column to column */
-	int light;                /* likewise: the lamp, a SHADE_LIGHT_ */
+	int light;                /* for the callback radiance: the lamp, a SHADE_LIGHT_ */
 };
 
 /* The normal of a smooth sphere of radius 1 at a place; beyond its rim that of the rim. [any-thread] */
@@ -81,13 +81,13 @@ typedef struct strip {
 	void (*finish)(void);          /* called after prepare, also if that failed, or NULL */
 } strip;
 
-/* shade_strip_relief.c */
+/* Defined in shade_strip_relief.c. */
 extern const strip_row strip_bump_rows[], strip_filter_rows[];
 #define STRIP_BUMP_ROWS 3
 #define STRIP_FILTER_ROWS 3
 stilb_result strip_filter_prepare(void);
 void strip_filter_finish(void);
-/* shade_strip_light.c */
+/* Defined in shade_strip_light.c. */
 extern const strip_row strip_light_rows[], strip_sh_rows[], strip_tonemap_rows[];
 #define STRIP_LIGHT_ROWS 4
 #define STRIP_SH_ROWS 4

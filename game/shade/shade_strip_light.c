@@ -132,7 +132,7 @@ const strip_row strip_sh_rows[STRIP_SH_ROWS] = {
 
 /* ---- tone curves ------------------------------------------------------------------------------------------------- */
 
-/* A red ball under a light that gets stronger, and a little light from everywhere. */
+/* A red ball under a light of the strength sphere->number, with a little light from everywhere. */
 static stilb_vec3 exposed(const strip_sphere *sphere, stilb_vec3 n)
 {
 	stilb_vec3 l = stilb_vec3_normalize(stilb_vec3_make(-0.5f, 0.6f, 0.6f));

@@ -117,7 +117,7 @@ const strip_row strip_bump_rows[STRIP_BUMP_ROWS] = {
 #define MAP_ROUGHNESS 0.25f
 #define TRUTH_SIDE 6u /* strata along each side of a texel */
 
-static stilb_image_normals chain; /* mip levels, from strip_filter_prepare to strip_filter_finish */
+static stilb_image_normals chain; /* mip levels of the map; empty before strip_filter_prepare */
 
 /* A normal map of bumps that are a few texels wide, without a larger pattern: random slopes, averaged over 3 x 3
  * texels. */

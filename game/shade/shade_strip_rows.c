@@ -18,7 +18,8 @@ static stilb_vec3 clay(void)
 	return stilb_vec3_make(0.62f, 0.26f, 0.15f);
 }
 
-/* F0 of metals. Source: Hoffman, "Background: Physics and Math of Shading" (2013), table 1. */
+/* F0, the reflectance along the normal, of gold. Source: Hoffman, "Background: Physics and Math of Shading" (2013),
+ * table 1. */
 static stilb_vec3 gold(void)
 {
 	return stilb_vec3_make(1.000f, 0.766f, 0.336f);
