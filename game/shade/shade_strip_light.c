@@ -82,7 +82,7 @@ static shade_sh_rgb surroundings_of(const strip_sphere *sphere)
 	return shade_sh_rgb_add(shade_sh_rgb_directional(sun.direction, sun.irradiance), sky);
 }
 
-/* The radiance that a diffuse surface reflects; purple marks a negative irradiance. */
+/* The radiance that a diffuse surface reflects; magenta marks a negative irradiance. */
 static stilb_vec3 reflected(const strip_sphere *sphere, stilb_vec3 irradiance)
 {
 	if (fminf(irradiance[0], fminf(irradiance[1], irradiance[2])) < 0.0f)

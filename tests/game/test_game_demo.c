@@ -52,7 +52,7 @@ static int colours(void)
 /* ---- the same from any number of workers ------------------------------------------------------------------------- */
 
 static const char *const ways[] = {"--workers 0",
-                                   "--workers 0", /* a second time */
+                                   "--workers 0", /* again: two equal runs */
                                    "--workers 1",
                                    "--workers 2",
                                    "--workers 3",
@@ -203,7 +203,7 @@ static void test_numbers_added_to_materials(void **state)
 	stilb_good(SHADED "--brdf microfacet --screenshot first.png");
 	read_picture("first.png");
 	stilb_good(SHADED "--ndf ggx-anisotropic --anisotropy 0 --screenshot other.png");
-	assert_true(same_picture("other.png")); /* to 8 bits a channel; the lowest bits of the floats differ */
+	assert_true(same_picture("other.png")); /* an anisotropy of 0 is isotropic GGX, to 8 bits a channel */
 	stilb_good(SHADED "--ndf ggx-anisotropic --roughness -0.25 --specular +1 --stats a.json");
 	read_stats("a.json");
 	assert_string_equal(stat_text("added.roughness", '0'), "-0.250000");

@@ -29,7 +29,7 @@ static void test_a_render_without_threads_reports(void **state)
 {
 	(void)state;
 	if (!preload[0])
-		skip(); /* a sanitizer needs more addresses itself */
+		skip(); /* a sanitizer needs more address space than the limit */
 	assert_int_equal(code_within(1 << 30, "render cornell --preview --workers 256 --stats a.json"), 1);
 	assert_said(run.err, "no memory for 256 threads; try fewer with --workers");
 	assert_said(run.out, "stats: a.json\n");
@@ -45,7 +45,7 @@ static void test_memory_is_said(void **state)
 {
 	(void)state;
 	if (!preload[0])
-		skip(); /* a sanitizer needs more addresses itself */
+		skip(); /* a sanitizer needs more address space than the limit */
 	assert_int_equal(code_within(200 << 20, SMALL "--stats a.json"), 1);
 	assert_said(run.err, "no memory to start Embree; raise the limit");
 	read_stats("a.json");

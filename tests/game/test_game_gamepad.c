@@ -368,7 +368,7 @@ static void test_an_output_never_replaces_the_recording(void **state)
 	assert_true(same_file("flight.png", "same.rec"));
 }
 
-/* Live gamepads without a window, if asked for; none is plugged in, so the camera does not move. */
+/* A headless run accepts every source of live gamepads, and works although none is plugged in. */
 static void test_live_and_headless(void **state)
 {
 	(void)state;

@@ -3,7 +3,7 @@
 
 #define SMALL "demo --headless --device null --models 400 --size 320x180 "
 
-/* Frames that are long enough for slow ones to stand out. */
+/* Frames that are long compared with the noise of the machine, so that a frame slowed on purpose stands out. */
 #define LARGE "demo --headless --device null --models 10000 --size 320x180 --workers 0 --replay direct "
 
 static trace_check_report trace;

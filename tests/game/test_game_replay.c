@@ -276,7 +276,7 @@ static void test_the_same_picture(void **state)
 	stilb_good("replay a.dump --frames 1 --size 160x180 --screenshot b.png");
 	assert_false(same_picture("a.png", "b.png"));
 	stilb_good("demo --headless --frames 2 --animate " SMALL "--screenshot b.png");
-	assert_false(same_picture("a.png", "b.png")); /* another frame */
+	assert_false(same_picture("a.png", "b.png")); /* another frame of the animation */
 }
 
 static void test_the_same_picture_in_other_ways(void **state)

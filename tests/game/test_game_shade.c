@@ -1,5 +1,5 @@
 /* stilb shade: plots, spheres, the table, refusals. A script of this test stands in for gnuplot and keeps its input;
- * with the argument "gnuplot" the real one draws every plot. */
+ * with the argument "gnuplot" the real one draws every plot. With the argument "long" the tests that take seconds. */
 #include "image/image.h"
 #include "support/stilb_program.h"
 
@@ -101,7 +101,7 @@ static void test_plot_svg(void **state)
 	assert_string_equal(read_text("a.svg"), "<title>Fresnel</title>\n<g b>\n<path/>\n</g>\n<g c>\n");
 }
 
-/* The curves of all plots are finite numbers, and no two plots are equal. */
+/* The curves of all plots are finite numbers, and every plot draws something. */
 static void test_all_plots(void **state)
 {
 	(void)state;
@@ -159,7 +159,7 @@ static void test_catalog(void **state)
 
 /* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
-#define SIZE "659x454" /* cells of 50 pixels */
+#define SIZE "659x454" /* pixels; in the strip `classic` a cell, the square around a sphere, is then 50 wide */
 
 /* The centre of a sphere, in pixels, in the strip `classic` at the size SIZE, by the layout in shade_strip.c. */
 static void middle(int row, int column, int *x, int *y)

@@ -1,5 +1,5 @@
-// The same in C++, with a zone in a template too: g++ cannot keep the static data of that zone in the same section of the
-// object file as the data of zones in other functions.
+// The same in C++, with a zone in a template too: g++ cannot keep the static data of that zone in the same section of
+// the object file as the data of zones in other functions.
 #include <stilb/prof.h>
 #include <stilb/prof_snapshot.h>
 #include <stilb/prof_stats.h>
