@@ -70,7 +70,7 @@ void pads_json_info(stilb_json *json, const stilb_input_pad_info *info);
 /* ---- the terminal ------------------------------------------------------------------------------------------------ */
 
 typedef struct pads_view {
-	int lines;        /* of the last drawing */
+	int lines;        /* number of lines of the last drawing */
 	uint64_t rate_ns; /* time at which the rates were last measured */
 	struct {
 		uint32_t pad;

@@ -22,7 +22,7 @@ typedef struct follow_run {
 	stilb_input_control *control;
 	int64_t start_us;         /* start of the run, CLOCK_MONOTONIC */
 	int64_t last_us;          /* time of the last event, since start_us or in the recording's time */
-	uint32_t added, gamepads; /* pads that came; those of them with a layout: a recording may be of other devices */
+	uint32_t added, gamepads; /* pads that came; those of them that are gamepads: a recording may be of others */
 	uint64_t reports, corrupt;
 	FILE *words;   /* stream for text; NULL: none */
 	bool terminal; /* draw the pads instead of printing lines */

@@ -17,7 +17,7 @@
 #include <unistd.h>
 
 #define RENDER_TICK 0.1           /* seconds between two updates of progress and window */
-#define RENDER_PREVIEW_SHARE 0.04 /* of the main thread's time may go into the window's pictures */
+#define RENDER_PREVIEW_SHARE 0.04 /* share of the main thread's time that updates of the window's picture may take */
 #define RENDER_MANY_RAYS 1e10     /* --integrator montecarlo needs --force for more: they take minutes to hours */
 
 static volatile sig_atomic_t offline_interrupted;

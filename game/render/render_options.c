@@ -118,7 +118,7 @@ static void options_print(const flag *flags, size_t count)
 #define RENDER_INDIRECT (RENDER_PATHS | RENDER_BIT(MONTECARLO))
 #define RENDER_LIT (RENDER_INDIRECT | RENDER_BIT(DIRECT))
 
-/* Flags that only some integrators use. */
+/* The flags that only some integrators use, with a bit for each of those: 1 << STILB_GI_INTEGRATOR_... */
 static const struct {
 	const char *flag;
 	uint32_t integrators;

@@ -103,7 +103,7 @@ static void record_flight(const char *path)
 	report[9] = 0x7f;
 	say(300);
 	let_go();
-	report[6] = 2; /* R1 */
+	report[6] = 2; /* R1, the right shoulder: upwards */
 	say(200);
 	let_go();
 	say(400);
@@ -298,8 +298,8 @@ static void test_buttons(void **state)
 	plug(STILB_INPUT_BUS_USB, 0x05c4);
 	say(100);
 	press(5, 0x40); /* circle: the next view */
-	press(5, 0x10); /* square: a trace */
-	press(5, 0x80); /* triangle: the profiler */
+	press(5, 0x10); /* square: captures a trace */
+	press(5, 0x80); /* triangle: shows the profiler */
 	press(5, 0x40);
 	press(5, 0x40); /* back to the first view */
 	recorded();
