@@ -18,10 +18,10 @@
  *           its command line and its output. The program measures, verifies its own result and fails if that is wrong.
  *           A run that exceeds its bench_limit is killed and reported as timed out.
  * Rounds.   A round runs every subject in every case once. The subjects of a case run one after the other, and each
- *           round starts with the next one, so that a disturbance of the machine hits all of them alike.
+ *           round starts with the next subject, so that a disturbance of the machine hits all of them alike.
  * Missing.  A subject whose program was not built, because its library is not installed, is named and skipped.
  * Limits.   Each round also measures the machine: an atomic add with and without contention, a futex wake, a read of
- *           the clock. A metric may name the one that bounds it.
+ *           the clock. A metric may name the limit that bounds it.
  * Report.   Tables on stdout, three sentences that sum them up, JSON, a picture drawn by gnuplot.
  * Traces.   A suite that draws frames may keep a timeline of each subject's slowest frame.
  *
@@ -42,18 +42,20 @@ typedef struct bench_metric {
 	const char *name; /* no white space; as the program prints it; shorter than 48 characters */
 	const char *unit; /* "Mops/s" and "Mjobs/s" (10^6 a second), "ns", "us", "ms", "%", ... */
 	bool less_is_better;
-	const char *limit; /* the machine's limit that bounds it, a BENCH_LIMIT_... in ns, or NULL; rates: 1 / limit */
+	const char *limit; /* BENCH_LIMIT_..., ns: no time can be less, and no rate more than 1 / limit; NULL: none */
 } bench_metric;
 
-/* The number of items that a run verified. A metric of this name becomes a column of the other metrics' tables. */
+/* A metric of this name is the number of items (passed through a queue, for example) that a run verified. It has no
+ * table of its own, but is a column of the other metrics' tables. */
 #define BENCH_METRIC_ITEMS "items"
 
 /* The machine's limits, in ns for each operation; contended: elapsed time / operations of all threads together. */
 #define BENCH_LIMIT_UNCONTENDED "uncontended-atomic" /* fetch_add by one thread */
 #define BENCH_LIMIT_CONTENDED "contended-atomic"     /* fetch_add on one cache line by one thread for each CPU */
-#define BENCH_LIMIT_WAKE "futex-wake-p50" /* median from the waker's call to the sleeper's first instruction, both */
+/* WAKE: from a thread's call of futex to the first instruction of the thread that it wakes, both pinned to CPUs. */
+#define BENCH_LIMIT_WAKE "futex-wake-p50" /* median */
 #define BENCH_LIMIT_WAKE_P99                                                                                           \
-	"futex-wake-p99"              /* pinned, the sleeper asleep for more than 100 us; p99: 99th percentile */
+	"futex-wake-p99"              /* 99th percentile; the woken thread has slept for more than 100 us before */
 #define BENCH_LIMIT_CLOCK "clock" /* one read of the time-stamp counter */
 
 typedef struct bench_case {
@@ -61,13 +63,13 @@ typedef struct bench_case {
 	const char *title;           /* one line for the tables */
 	const bench_metric *metrics; /* [metric_count], at least one */
 	size_t metric_count;
-	uint32_t
-		needs;     /* a set of bits that the suite defines; a subject runs the case if its abilities include them all */
+	/* A set of bits that the suite defines; a subject runs the case if its abilities include all of them. */
+	uint32_t needs;
 	double length; /* a run lasts this many times --seconds; 0 means 1 */
 } bench_case;
 
 typedef struct bench_subject {
-	const char *name;    /* no white space; Stilb's own start with "stilb", all others but references are peers */
+	const char *name;    /* no white space; starts with "stilb": Stilb's own; all others but references: peers */
 	const char *program; /* file name, in the folder of stilb-bench */
 	const char *package; /* Debian package that the build needs for it, or NULL */
 	const char *note;    /* one line printed below the tables: how it was used; or NULL */
@@ -79,7 +81,7 @@ typedef struct bench_subject {
 typedef struct bench_panel {
 	const char *title;
 	const char *const *cases; /* names, NULL-terminated */
-	const char *metric;       /* of all these cases */
+	const char *metric;       /* its name; all of these cases have it */
 	bool logarithmic;
 } bench_panel;
 
@@ -99,7 +101,8 @@ typedef struct bench_suite {
 	/* Called once before the first run. Returns the last argument of every program of the suite, for example a
 	 * calibration or a reference result; it must live until bench_run returns. NULL: failed, after a line on stderr. */
 	const char *(*prepare)(const bench_options *options);
-	/* Called once after the last run: fills rows that follow from other rows, with bench_set_value. */
+	/* Called once after the last run: computes metrics from measured ones (a speed-up from two times) and stores them
+	 * with bench_set_value. */
 	void (*finish)(bench_results *results);
 	/* Prints the suite's own tables after those of the harness. */
 	void (*report)(FILE *out, const bench_results *results);
@@ -109,10 +112,12 @@ typedef struct bench_suite {
 	/* Replaces the panels: writes gnuplot commands for plot_rows rows of two diagrams each. */
 	void (*plot)(FILE *out, const bench_results *results);
 	size_t plot_rows;
-	bool traces;              /* true: the programs can write timelines, for --traces */
-	uint32_t quick_rounds;    /* rounds with --quick; 0: the harness' own number */
-	double start_seconds;     /* from a program's start until it measures, if more than some milliseconds */
-	double quick_cpu_seconds; /* with --quick: CPU time for each CPU beyond a run's length, s; 0: the harness' own */
+	bool traces;           /* true: the programs can write timelines, for --traces */
+	uint32_t quick_rounds; /* rounds with --quick; 0: the harness' own number */
+	double start_seconds;  /* from a program's start until it measures, if more than some milliseconds */
+	/* With --quick a run is killed if it uses more CPU time than 1.5 times its length and this, in s, on each CPU; 0:
+	 * the harness' own number. */
+	double quick_cpu_seconds;
 } bench_suite;
 
 #define BENCH_MAX_SUBJECTS 256
@@ -131,7 +136,7 @@ struct bench_options {
 	const char *json, *plot; /* files to write, or NULL; json "-" is stdout, and the tables then go to stderr */
 	const char *traces;      /* folder for timelines, or NULL; only if suite->traces */
 	uint32_t rounds;         /* at least 1 */
-	double seconds;          /* length of a run; 0: chosen so that --quick keeps its promise */
+	double seconds;          /* length of a run; 0: chosen so that the suite ends in time with --quick */
 	bool quick;              /* the whole suite in less than 30 s */
 	bool list;               /* print subjects and cases, run nothing */
 	bool goals;              /* call suite->goals */
@@ -145,7 +150,7 @@ int bench_run(const bench_suite *suite, const bench_options *options);
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-/* All runs of one (case, subject, metric). */
+/* The values of one metric of one subject in one case, one value for each round. */
 typedef struct bench_row {
 	const bench_case *on; /* the case */
 	const bench_subject *subject;
@@ -194,7 +199,7 @@ typedef struct bench_child_result {
 	size_t value_count;
 	double seconds; /* wall-clock time from start to end */
 	double peak_mb; /* largest resident set, MiB */
-	double steal;   /* meanwhile, percent of the machine's CPU time that the hypervisor gave to others */
+	double steal;   /* percent of the machine's CPU time during the run that the hypervisor gave to other machines */
 } bench_child_result;
 
 /* When a run is killed. CPU time tells an endless run from one on a busy machine; wall-clock time only ends a run that
@@ -205,8 +210,8 @@ typedef struct bench_limit {
 } bench_limit;
 
 /* Runs PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT] within the limit and waits for its end. program is a file name in
- * the folder of stilb-bench; seconds >= 0; argument may be NULL. It has no error of its own: result->state is the
- * outcome. */
+ * the folder of stilb-bench; seconds >= 0; argument may be NULL. result->state is the outcome, and also tells that the
+ * program could not be started. */
 void bench_child_run(const char *program, const char *subject, const char *case_name, double seconds, uint32_t round,
                      const char *argument, bench_limit limit, bench_child_result *result);
 

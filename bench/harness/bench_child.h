@@ -1,5 +1,6 @@
 /*
- * bench_child: helpers for the program of a subject, which stilb-bench starts as
+ * bench_child: helpers for the program of a subject (an implementation that is measured, such as a queue), which
+ * stilb-bench starts for one run in one case (a workload) as
  *
  *   PROGRAM SUBJECT CASE SECONDS ROUND [ARGUMENT]
  *
@@ -61,7 +62,7 @@ static inline void bench_child_metric(const char *metric, double value)
 	printf("%s %.12g\n", metric, value);
 }
 
-/* Ends the program with status 1 and this line on stderr, the reason in the report. */
+/* Ends the program with status 1 and this line on stderr, which stilb-bench reports as the reason of the failure. */
 __attribute__((format(printf, 1, 2), noreturn)) static inline void bench_child_fail(const char *format, ...)
 {
 	va_list arguments;
@@ -80,15 +81,16 @@ static inline uint64_t bench_child_now_ns(void)
 	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* The number of CPUs that this process may use: the affinity of its main thread, so a program must not pin that one. */
+/* The number of CPUs that this process may use. They are read from the affinity mask of its main thread, so a program
+ * must not pin its main thread. */
 static inline uint32_t bench_child_cpu_count(void)
 {
 	cpu_set_t set;
 	return sched_getaffinity(getpid(), sizeof set, &set) == 0 ? (uint32_t)CPU_COUNT(&set) : 1;
 }
 
-/* Pins the calling thread, which is not the main one, to CPU i modulo bench_child_cpu_count of those allowed. Does
- * nothing if the system refuses. */
+/* Pins the calling thread, which must not be the main thread, to one of the CPUs that this process may use: to number
+ * i modulo bench_child_cpu_count of them. Does nothing if the system refuses. */
 static inline void bench_child_pin(uint32_t i)
 {
 	cpu_set_t all, one;

@@ -1,6 +1,6 @@
 /*
- * bench_internal: shared by the files of the harness, and by suites that compute rows or print tables of their own.
- * [main-thread] throughout.
+ * bench_internal: shared by the files of the benchmark harness (bench.h introduces its terms: suite, subject, case,
+ * round), and by suites that compute rows or print tables of their own. [main-thread] throughout.
  */
 #ifndef BENCH_INTERNAL_H
 #define BENCH_INTERNAL_H
@@ -13,9 +13,9 @@
 /* The path of a subject's program, beside stilb-bench. False if there is no such executable: it was not built. */
 bool bench_program_path(const char *program, char *path, size_t size);
 
-/* One subject in one case, with the outcome of its runs. */
+/* One subject (an implementation) in one case (a workload), with the outcome of its runs so far. */
 typedef struct bench_pair {
-	const bench_case *on;
+	const bench_case *on; /* the case */
 	const bench_subject *subject;
 	uint32_t attempts, timeouts, failures; /* attempts >= timeouts + failures */
 	bool skipped;                          /* its program exited with BENCH_CHILD_SKIP */
@@ -26,17 +26,17 @@ struct bench_results {
 	const bench_suite *suite;
 	const bench_options *options;
 	uint32_t rounds;   /* begun so far, at most options->rounds */
-	double seconds;    /* length of a run, before bench_case.length */
+	double seconds;    /* length of a run; bench_case.length is a factor of it */
 	double load;       /* the machine's load average over the minute before the first run */
-	bench_pair *pairs; /* the limits' first, then case by case in the suite's order */
+	bench_pair *pairs; /* [pair_count]: the machine's limits, then case by case in the suite's order */
 	size_t pair_count;
-	bench_row *rows; /* in the order of the pairs' cases; in a case, metric by metric */
+	bench_row *rows; /* [row_count]: case by case as in pairs; in a case, metric by metric */
 	size_t row_count, row_capacity;
 };
 
 #define BENCH_NO_NUMBER ((double)NAN)
 
-/* Appends the row of a metric, all values NaN. STILB_OK or STILB_ERROR_MEMORY. */
+/* Appends the row of a metric of a subject in a case, with a NaN for each round. STILB_OK or STILB_ERROR_MEMORY. */
 stilb_result bench_add_row(bench_results *results, const bench_case *on, const bench_subject *subject,
                            const bench_metric *metric);
 
@@ -48,17 +48,20 @@ void bench_summarise(bench_results *results);
 void bench_set_value(bench_results *results, const bench_case *on, const bench_subject *subject, const char *metric,
                      uint32_t round, double value);
 
-/* Metrics that the harness itself measures for every pair: peak resident memory, MiB, and steal, percent. */
+/* Metrics that the harness itself measures for every pair: peak resident memory, MiB, and steal, the percentage of CPU
+ * time that the hypervisor gave to other machines. */
 #define BENCH_METRIC_MEMORY "peak-memory"
 #define BENCH_METRIC_STEAL "steal"
 
+/* The pair under which the machine's limits (BENCH_LIMIT_...) are measured. */
 extern const bench_case bench_limits_case;
 extern const bench_subject bench_limits_subject;
 
-/* The row's median in units of a limit (ns): time / limit, or rate * limit for rates. NaN for other units. */
+/* The row's median in units of one of the machine's limits, whose row is in ns: time / limit, or rate * limit for
+ * rates; 1 is the machine's best. NaN for units that are neither time nor rate. */
 double bench_of_limit(const bench_row *row, const bench_row *limit);
 
-/* Above either of them the report says that the machine was busy. */
+/* If the load average or the steal exceeds its bound, the report says that the machine was busy. */
 #define BENCH_BUSY_LOAD 0.25 /* load average for each CPU */
 #define BENCH_BUSY_STEAL 2.0 /* percent */
 
@@ -83,7 +86,7 @@ uint32_t bench_cpu_count(void);
 int bench_digits(double value);
 /* Prints a blank and the value in `width` columns, with bench_digits; "-" if it is not finite. */
 void bench_print_number(FILE *out, int width, double value);
-/* The same as "12.3 [10.1-14.2]": median, least, most. */
+/* Prints a median with the least and the largest value as "12.3 [10.1-14.2]"; width as in bench_print_number. */
 void bench_print_range(FILE *out, int width, double median, double least, double most);
 
 #endif

@@ -1,4 +1,5 @@
-/* The picture of a suite: writes a gnuplot script and lets gnuplot draw it. */
+/* The picture of a benchmark suite's results: writes a gnuplot script and lets gnuplot draw it. A panel is one diagram;
+ * a subject is one of the implementations that it compares. */
 #include "bench/harness/bench_internal.h"
 
 #include "game/cli/flags.h"
@@ -48,8 +49,8 @@ static size_t subjects_in_panel(const bench_results *results, const bench_panel 
 	return count;
 }
 
-/* A data block $panelP_S for each subject S: x, median, least, most. The subjects of case i lie side by side around
- * x = i. */
+/* Writes gnuplot's data block $panelP_S for panel number P and each subject S, with a line "x median least most" for
+ * each case. The subjects of case i lie side by side around x = i. */
 static void write_data(FILE *out, const bench_results *results, const bench_panel *panel, size_t p, const bool *in,
                        size_t count)
 {

@@ -1,4 +1,5 @@
-/* One run: starts a program, reads its output, and kills it when it exceeds its limit. */
+/* One run of a benchmark: starts the program, reads its output, and kills it when it exceeds its limit of CPU time or
+ * of wall-clock time. */
 #include "bench/harness/bench.h"
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
@@ -60,9 +61,9 @@ bool bench_program_path(const char *program, char *path, size_t size)
 /* Turns the forked process into the program. Does not return. */
 static void become(const char *path, char *const *argv, const int out[2], const int error[2], rlim_t cpu_seconds)
 {
-	struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU, then SIGKILL */
+	struct rlimit cpu = {cpu_seconds, cpu_seconds + 1}; /* SIGXCPU at the limit, SIGKILL one second of CPU time later */
 	setrlimit(RLIMIT_CPU, &cpu);
-	prctl(PR_SET_PDEATHSIG, SIGKILL); /* the program ends with stilb-bench, which reads its output */
+	prctl(PR_SET_PDEATHSIG, SIGKILL); /* if stilb-bench dies, the kernel kills the program, too */
 	signal(SIGPIPE, SIG_DFL);
 	int nothing = open("/dev/null", O_RDONLY);
 	dup2(nothing, STDIN_FILENO);

@@ -53,7 +53,7 @@ static bool shown_beside(const char *metric)
 	       strcmp(metric, BENCH_METRIC_ITEMS) == 0;
 }
 
-/* The end of the rows that have the case and the metric of row `first`. */
+/* The index after the last of the consecutive rows that have the case and the metric of row `first`: one table. */
 static size_t end_of_table(const bench_results *results, size_t first)
 {
 	size_t end = first;
@@ -73,7 +73,7 @@ static const bench_row *best_peer(const bench_row *rows, size_t count)
 	return best;
 }
 
-/* The BENCH_LIMIT_... that bounds the row's metric, or NULL. */
+/* The name of the machine's limit that bounds the row's metric, a BENCH_LIMIT_..., or NULL. */
 static const char *limit_name(const bench_row *row)
 {
 	for (size_t i = 0; i < row->on->metric_count; i++)
@@ -180,13 +180,13 @@ void bench_print_range(FILE *out, int width, double median, double least, double
 	fprintf(out, " %*s", width, text);
 }
 
-/* True if a run of the pair gave a result. */
+/* True if at least one run of the pair (a subject in a case) gave a result. */
 static bool any_run(const bench_pair *pair)
 {
 	return pair->attempts > pair->failures + pair->timeouts && !pair->skipped;
 }
 
-/* True if a chosen subject may have the case: none is known to have skipped it. */
+/* True if at least one chosen subject has not skipped the case. */
 static bool case_was_run(const bench_results *results, const bench_case *on)
 {
 	for (size_t p = 0; p < results->pair_count; p++)
@@ -239,7 +239,7 @@ static void print_limits(FILE *out, const bench_results *results)
 	}
 }
 
-/* The number of metrics that are no column of another one's table. */
+/* The number of metrics of the case that have a table of their own and are no column of other metrics' tables. */
 static size_t own_tables(const bench_case *on)
 {
 	size_t count = 0;
@@ -270,7 +270,8 @@ static const bench_row *panel_row(const bench_results *results, const bench_pane
 	return bench_find(results, case_name, subject->name, panel->metric);
 }
 
-/* "3.10 [2.50-4.40]": our value / theirs of each round, or theirs / ours if less is better; above 1 ours is better. */
+/* Prints "3.10 [2.50-4.40]", how many times as good as theirs our row is: the median and range over the rounds of our
+ * value / theirs, or theirs / ours if less is better. */
 static void print_times(FILE *out, const bench_results *results, const bench_row *our, const bench_row *their)
 {
 	bench_ratio ratio = {BENCH_NO_NUMBER, 0.0, 0.0};
@@ -335,12 +336,12 @@ static void print_comparisons(FILE *out, const bench_results *results)
 
 /* ---- in words ---------------------------------------------------------------------------------------------------- */
 
-/* The best of Stilb's subjects beside the best peer, over all tables that have both. */
+/* The best of Stilb's subjects beside the best peer (another library), over all tables that have both. */
 typedef struct standing {
 	uint32_t tables;              /* that have both */
 	uint32_t first;               /* those in which Stilb's is at least as good */
-	double least;                 /* how many times as good as the peer Stilb's is where it is furthest behind; or 1 */
-	const bench_row *our, *their; /* of the table with that ratio; NULL if Stilb's is behind in none */
+	double least;                 /* least "times as good as the peer" of all tables; 1 if Stilb's is behind in none */
+	const bench_row *our, *their; /* the two of the table with that ratio; NULL if Stilb's is behind in none */
 } standing;
 
 /* The best median of Stilb's subjects; NULL if none ran. */
@@ -379,7 +380,7 @@ static int compare_spread(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The median over all rows of (max - min) / median; NaN if no row has two runs. */
+/* How much runs differ: the median over all rows of a row's (max - min) / median; NaN if no row has two runs. */
 static double scatter_of(const bench_results *results)
 {
 	size_t count = 0;
@@ -409,7 +410,7 @@ static double most_stolen(const bench_results *results)
 static void say_what_ran(FILE *out, const bench_results *results)
 {
 	uint32_t pairs = 0, runs = 0, ended = 0;
-	for (size_t p = 1; p < results->pair_count; p++) { /* pair 0 has the machine's limits */
+	for (size_t p = 1; p < results->pair_count; p++) { /* pair 0 measures the machine's limits, no subject */
 		const bench_pair *pair = &results->pairs[p];
 		pairs += !pair->skipped;
 		runs += pair->skipped ? 0 : pair->attempts;
@@ -476,7 +477,7 @@ static bool subject_ran(const bench_results *results, const bench_subject *subje
 	return false;
 }
 
-/* Notes of the subjects that ran, and every subject that is not built. */
+/* Prints the notes of the subjects that ran, and names every subject that is not built. */
 static void print_notes(FILE *out, const bench_results *results)
 {
 	const bench_suite *suite = results->suite;
@@ -512,12 +513,12 @@ void bench_print(FILE *out, const bench_results *results)
 	if (results->suite->goals && results->options->goals)
 		results->suite->goals(out, results);
 	print_notes(out, results);
-	fflush(out); /* lines on stderr then follow it, also if both streams are one file */
+	fflush(out); /* later lines on stderr then follow the tables, even if both streams go to one file */
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/* One row as an object of the array. */
+/* Writes one row as an object of the JSON array that the caller has begun. */
 static void json_row(stilb_json *json, const bench_row *row, const char *metric, const char *unit,
                      const bench_ratio *values, uint32_t runs)
 {
@@ -533,7 +534,7 @@ static void json_row(stilb_json *json, const bench_row *row, const char *metric,
 	stilb_json_end(json, '}');
 }
 
-/* Every row that has a value, and for each pair that timed out the number of such runs. */
+/* Writes every row that has a value, and for each pair with runs that timed out their number. */
 static void json_rows(stilb_json *json, const bench_results *results)
 {
 	for (size_t i = 0; i < results->row_count; i++) {

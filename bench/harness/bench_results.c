@@ -1,4 +1,5 @@
-/* The rows of a suite's results: adding them, their medians, and ratios of rows. */
+/* The rows of a benchmark suite's results, each the values of one metric of one subject in one case: adding rows, their
+ * medians, and ratios of two rows. */
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
 

@@ -1,4 +1,5 @@
-/* Runs a suite: chooses the subjects and cases, runs them in rounds within their time limits, and reports. */
+/* Runs a benchmark suite: chooses the subjects (implementations) and cases (workloads), runs them in rounds within
+ * their time limits, and reports. */
 #include "bench/harness/bench_child.h"
 #include "bench/harness/bench_internal.h"
 
@@ -13,14 +14,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#define QUICK_BUDGET 17.0     /* --quick: seconds that all runs share, without process starts and killed runs */
+#define QUICK_BUDGET 17.0     /* --quick: seconds for all runs of the suite and for the starts of their processes */
 #define QUICK_DEADLINE 25.0   /* --quick: seconds after which no run starts */
-#define QUICK_CPU_SECONDS 1.5 /* --quick: CPU time that a run gets for each CPU, beyond 1.5 times its length */
+#define QUICK_CPU_SECONDS 1.5 /* --quick: a run is killed after 1.5 times its length and this, in s, on each CPU */
 #define CPU_SECONDS 20.0      /* the same without --quick */
 #define MAX_TIMEOUTS 2        /* a subject that timed out so often in a case is not run in it again; --quick: 1 */
 #define PROCESS_SECONDS 0.008 /* the time to start and end a process */
 
-#define LIST_WIDTH 25 /* of the names that --list prints */
+#define LIST_WIDTH 25 /* columns for a name that --list prints */
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
@@ -108,7 +109,8 @@ static stilb_result add_rows(bench_results *results, const bench_case *on)
 	return STILB_OK;
 }
 
-/* Fills pairs and rows: the limits, then every chosen subject that is built, in every chosen case that it can do. */
+/* Fills results->pairs and ->rows: the machine's limits, then every chosen subject that is built, in every chosen case
+ * that it can do. */
 static stilb_result plan(bench_results *results)
 {
 	const bench_suite *suite = results->suite;
@@ -143,7 +145,7 @@ static void results_finish(bench_results *results)
 	free(results->pairs);
 }
 
-/* Sets a value of the current round. */
+/* Sets the value of a pair's metric in the current round. */
 static void set_value(bench_results *results, const bench_pair *pair, const char *metric, double value)
 {
 	bench_set_value(results, pair->on, pair->subject, metric, results->rounds - 1, value);
@@ -205,8 +207,8 @@ static bool left_out(const bench_results *results, const bench_pair *pair)
 	return pair->skipped || pair->timeouts >= (results->options->quick ? 1 : MAX_TIMEOUTS);
 }
 
-/* Runs the pairs [first, end) of one case. Each round starts with another one, since a run influences the next one
- * (clock frequency, temperature, caches). False: the deadline has passed. */
+/* Runs each of the pairs [first, end), which are the subjects of one case, once. Each round starts with another pair,
+ * since a run influences the next one (clock frequency, temperature, caches). False: the deadline has passed. */
 static bool run_case(bench_results *results, size_t first, size_t end, const char *argument, uint64_t deadline_ns)
 {
 	size_t count = end - first, turn = results->rounds - 1;
@@ -271,7 +273,7 @@ static int run_and_report(bench_results *results)
 	bench_summarise(results);
 	if (results->suite->finish) {
 		results->suite->finish(results);
-		bench_summarise(results); /* the rows that it has filled */
+		bench_summarise(results); /* again, for the rows that suite->finish has filled */
 	}
 	FILE *out = options->json && stilb_file_is_stdout(options->json) ? stderr : stdout;
 	bench_print(out, results);
@@ -307,7 +309,8 @@ static bool case_has_metric(const bench_suite *suite, const char *case_name, con
 	return false;
 }
 
-/* The demands of bench.h on a suite's tables; all of them are written by programmers. */
+/* True if the suite's tables meet the demands of bench.h. Tables are part of the source, so false is a programmer's
+ * mistake. */
 static bool suite_is_sound(const bench_suite *suite)
 {
 	bool sound = suite->name && suite->help && suite->case_count > 0 && suite->subject_count <= BENCH_MAX_SUBJECTS &&

@@ -94,7 +94,7 @@ static struct {
 	ALIGNED _Atomic uint32_t word;
 	/* Number of times that the sleeper has gone to sleep. Release by it, pairs with the acquire in wait_until_slept. */
 	ALIGNED _Atomic uint32_t slept;
-	ALIGNED uint64_t awake_ns; /* when it woke up last; published by slept */
+	ALIGNED uint64_t awake_ns; /* when the sleeper last woke up; its next store to `slept` publishes it */
 } bed;
 
 static void *sleeper_main(void *unused)
@@ -109,7 +109,7 @@ static void *sleeper_main(void *unused)
 		bed.awake_ns = bench_child_now_ns();
 		if (word == 2)
 			return NULL;
-		atomic_store_explicit(&bed.word, 0, memory_order_relaxed); /* relaxed: published by slept */
+		atomic_store_explicit(&bed.word, 0, memory_order_relaxed); /* relaxed: the next store to `slept` publishes it */
 	}
 }
 

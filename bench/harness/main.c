@@ -20,7 +20,8 @@ static const bench_suite *const suites[] = {&bench_queue_suite,  &bench_jobs_sui
                                             &bench_record_suite, &bench_profiler_suite, &bench_shade_suite,
                                             &bench_gi_suite,     &bench_furnace_suite,  &bench_input_suite};
 
-/* The i-th suite; NULL after the last. The one of threads is filled when it is first asked for. */
+/* The i-th suite; NULL after the last. The last is `threads`, whose tables the first call of bench_threads_suite
+ * fills. */
 static const bench_suite *suite_at(size_t i)
 {
 	size_t count = sizeof suites / sizeof *suites;

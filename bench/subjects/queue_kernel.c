@@ -1,5 +1,5 @@
-/* The mutex queue behind a lock that enters the kernel for every lock and unlock, as Windows' mutex objects do and
- * uncontended pthread mutexes do not: a binary semaphore in an eventfd. */
+/* The queue of queue_mutex.c (a linked list) behind a second lock, which enters the kernel for every lock and unlock,
+ * as Windows' mutex objects do and uncontended pthread mutexes do not: a binary semaphore in an eventfd. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>
@@ -17,7 +17,7 @@ static kernel_queue *lock(stilb_job_queue *base)
 {
 	kernel_queue *queue = (kernel_queue *)base;
 	eventfd_t taken;
-	while (eventfd_read(queue->lock, &taken) != 0) { /* interrupted by a signal */
+	while (eventfd_read(queue->lock, &taken) != 0) { /* again if a signal interrupted the read */
 	}
 	return queue;
 }

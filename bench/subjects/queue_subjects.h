@@ -1,6 +1,6 @@
 /*
- * queue_subjects: other queues behind the operations of stilb_job_queue (jobs/job_queue_internal.h), to measure and to
- * test against:
+ * queue_subjects: queues of other designs with the interface of stilb_job_queue (jobs/job_queue_internal.h), with which
+ * benchmarks and tests compare Stilb's own:
  *
  *   stilb_job_queue_desc desc = stilb_job_queue_desc_default();
  *   stilb_job_queue *queue;

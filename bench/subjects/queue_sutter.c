@@ -4,7 +4,8 @@
  * cache line. The list always starts with a node without an item, so producers and consumers share one word: the `next`
  * of that node if the queue is empty.
  *
- * close is an addition: push reads one more flag under the producers' lock, pop only if the queue is empty.
+ * close is an addition to the article's queue: push reads the flag `closed` under the producers' lock, and pop reads it
+ * only if the queue is empty.
  */
 #include "bench/subjects/queue_subjects.h"
 
@@ -86,7 +87,7 @@ static int sutter_pop(stilb_job_queue *base, void **item, uint32_t thread)
 	node *old = queue->first;
 	node *next = atomic_load_explicit(&old->next, memory_order_acquire); /* pairs with sutter_push */
 	if (!next) {
-		/* Acquire, pairs with the release in sutter_close: makes items visible that were pushed before it. */
+		/* Acquire, pairs with the release in sutter_close: makes items visible that were pushed before the close. */
 		bool closed = atomic_load_explicit(&queue->closed, memory_order_acquire);
 		next = closed ? atomic_load_explicit(&old->next, memory_order_acquire) : NULL; /* pairs with sutter_push */
 		if (!next) {

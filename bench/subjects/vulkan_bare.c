@@ -1,4 +1,5 @@
-/* The program of the subject vulkan-bare: draws and times frames, and prints the checksum of the last picture. */
+/* vulkan-bare, a plain Vulkan program with which the suite `record` compares the engine: draws and times frames, and
+ * checks the last picture. vulkan_bare.h describes it. */
 #include "bench/subjects/vulkan_bare.h"
 
 #include "bench/record/record_child.h"
@@ -56,7 +57,8 @@ static void image_barrier(VkCommandBuffer commands, const VkImageMemoryBarrier2 
 	                                                    .pImageMemoryBarriers = &whole});
 }
 
-/* Barriers: the targets are taken over from the frame before, their contents discarded. */
+/* Barriers: this frame's drawing waits until the previous frame no longer uses the render targets, and discards their
+ * contents. */
 static void take_targets(const bare *b, VkCommandBuffer commands)
 {
 	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE | COPY_STAGE,
@@ -213,7 +215,8 @@ static void measure(const bare *b, const stilb_scene *scene, const bench_child *
 	record_picture_print(&times, &samples);
 }
 
-/* Draws one frame and prints its checksum, for the suite's prepare. */
+/* Draws one frame and prints the upper and lower 24 bits of its checksum, from which the suite's `prepare` makes the
+ * reference for all subjects. */
 static void show_sum(const bare *b, const stilb_scene *scene)
 {
 	draw_frame(b, &b->frames[0], scene);

@@ -1,8 +1,8 @@
 /*
- * vulkan_bare: the stress test drawn by a plain Vulkan 1.3 program, with the least work that gives the engine's
- * picture: one pipeline with the engine's shaders, a buffer of rows and one of indirect commands for each of two frames
- * in flight, one multi-draw-indirect, the picture copied to memory. It uses no part of the engine but the scene and the
- * shaders.
+ * vulkan_bare: the stress test (stilb_scene_create_stress) drawn by a plain Vulkan 1.3 program, with the least work
+ * that gives the engine's picture: one pipeline with the engine's shaders; for each of two frames in flight a buffer of
+ * rows (each the transform and material of a draw) and one of indirect commands; one multi-draw-indirect; the picture
+ * copied to memory. It uses no part of the engine but the scene and the shaders.
  *
  *   bare b = {0};
  *   if (!bare_open(&b))
@@ -38,7 +38,7 @@ typedef struct bare_material {
 typedef struct bare_view {
 	float view_projection[16];
 	float camera_position[4], sun_direction[4], sun_irradiance[4], sky[4], ground[4];
-	float lamp[12], added[4]; /* 0: no lamp but the sun, and nothing added to materials */
+	float lamp[12], added[4]; /* all 0: no lamp but the sun, and nothing added to the materials' colours */
 } bare_view;
 
 typedef struct bare_push {
@@ -87,7 +87,8 @@ typedef struct bare {
 /* Ends the program, naming the call, if the result is an error. */
 void bare_check(VkResult result, const char *call);
 
-/* Opens lavapipe. False if there is none, after a line on stderr; other errors end the program. */
+/* Opens lavapipe, Mesa's Vulkan driver that draws on the CPU. False if it is not installed, after a line on stderr;
+ * other errors end the program. */
 bool bare_open(bare *b);
 /* Creates the scene's meshes and materials, targets of this size in pixels, the pipeline and the frames. */
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height);

@@ -19,7 +19,7 @@ void bare_check(VkResult result, const char *call)
 
 /* ---- device ------------------------------------------------------------------------------------------------------ */
 
-/* Chooses the first software device. */
+/* Chooses the first device that draws on the CPU; false, after a line on stderr, if there is none. */
 static bool find_gpu(bare *b)
 {
 	VkPhysicalDevice gpus[16];

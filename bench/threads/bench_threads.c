@@ -1,6 +1,6 @@
 /*
- * The suite `threads`: the whole frame by number of workers, and the experiments of the article that the stress test
- * comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009).
+ * The suite `threads`: times whole frames of the stress test with different numbers of workers, and repeats the
+ * experiments of the article that the stress test comes from (Rory Driscoll, "Direct3D 11 Multithreading", 2009).
  */
 #include "bench/threads/bench_threads.h"
 #include "bench/harness/bench_internal.h"
@@ -50,7 +50,7 @@ static const bench_metric stolen_metrics[] = {
 
 /* ---- cases and subjects ------------------------------------------------------------------------------------------ */
 
-/* Abilities of subjects that cases need. */
+/* Bits of bench_subject.abilities and bench_case.needs: the kinds of case that a subject can run. */
 enum { SWEEP = 1, TWO_POOLS = 2, DEDICATED = 4, QUEUES = 8, STOLEN = 16, REPLAYS = 32 };
 
 #define CASE(NAME, TITLE, METRICS, NEEDS, LENGTH)                                                                      \
@@ -78,7 +78,7 @@ static const bench_case cases[] = {
 	CASE("vulkan-few", "Vulkan, one model in a hundred in view", sweep, SWEEP, 1.0),
 };
 
-/* fill_subjects appends the number of workers to the first two names. */
+/* The subjects beside stilb-workers-N. fill_subjects appends the number of workers to the first two names. */
 static const bench_subject others[] = {
 	{.name = "sutter-",
      .program = PROGRAM,
@@ -121,7 +121,7 @@ static const bench_subject others[] = {
 	{.name = "stilb-lock-free", .program = PROGRAM, .abilities = QUEUES},
 };
 
-static char names[2][32]; /* of the first two of `others`, with their numbers of workers */
+static char names[2][32]; /* names of the first two of `others`, with their numbers of workers */
 static bench_subject subjects[BENCH_THREADS_MAX_COUNTS + COUNT(others)];
 
 static size_t fill_subjects(void)
@@ -160,7 +160,8 @@ static bool find_hash(const char *view, uint64_t *hash)
 	return true;
 }
 
-/* The programs' argument: the stream hashes that every run must have, and the folder for timelines. */
+/* The programs' argument: the stream hashes (stilb_render_stream_hash) that every run must have, and the folder for
+ * timelines. */
 static const char *prepare(const bench_options *options)
 {
 	static char argument[PATH_MAX + 64];
@@ -179,7 +180,8 @@ static const char *prepare(const bench_options *options)
 
 /* ---- after the last run ------------------------------------------------------------------------------------------ */
 
-/* Every run, even a failed one, may have left the timeline of its slowest frame: keeps the one of the slowest run. */
+/* Each run of the row's subject and case, even a failed one, may have left the timeline of its slowest frame: keeps
+ * that of the run with the largest value of `row`, and removes the others. */
 static void keep_worst(const bench_results *results, const bench_row *row)
 {
 	const char *folder = results->options->traces;
@@ -193,8 +195,8 @@ static void keep_worst(const bench_results *results, const bench_row *row)
 	}
 }
 
-/* Sets speed-up, the frame time without workers in the same round / the frame time, and efficiency, the percentage of
- * the number of threads that can run at once. */
+/* Sets two metrics of each round: speed-up, the frame time without workers / the frame time, and efficiency, 100 *
+ * speed-up / the number of threads that can run at once (the workers and the main thread, at most one for each CPU). */
 static void add_gain(bench_results *results, const bench_case *on, const bench_subject *subject, uint32_t workers)
 {
 	const bench_row *alone = bench_find(results, on->name, subjects[0].name, "frame");

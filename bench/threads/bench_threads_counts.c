@@ -42,7 +42,8 @@ static void add_count(uint32_t workers)
 	}
 }
 
-/* 0 to twice the CPUs; on machines with many CPUs only powers of two, and numbers around the number of CPUs. */
+/* Chooses 0 to twice the number of CPUs; on more than 4 CPUs only powers of two and a few around and above the number
+ * of CPUs. */
 void bench_threads_choose_counts(void)
 {
 	uint32_t fitting = bench_threads_fitting(), most = bench_threads_too_many();

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-#define BAR 0.8 /* width */
+#define BAR 0.8 /* width of a bar; the distance of two bars is 1 */
 
 static const char *const views[] = {"all", "half", "few"};
 
@@ -23,7 +23,7 @@ static double median_of(const bench_results *results, const char *on, const char
 	return row ? row->median : 0.0;
 }
 
-/* Begins a diagram; sets everything that the one before may have changed. */
+/* Begins a diagram; resets all of gnuplot's settings that the diagram before it may have changed. */
 static void begin(FILE *out, const char *title, const char *y)
 {
 	fprintf(out,
@@ -48,7 +48,8 @@ static const struct {
 	const char *metric, *colour;
 } stages[] = {{"cull", "#228833"}, {"record", "#4477aa"}, {"replay", "#ee6677"}, {"rest", "#bbbbbb"}};
 
-/* Writes lines "x top top ..." with the tops of the stages, lowest first; returns the number of bars. */
+/* Writes a line "x top top ..." for each stacked bar: the heights at which its stages end, lowest first. Returns the
+ * number of bars. */
 static size_t write_stages(FILE *out, const bench_results *results, const char *device)
 {
 	size_t written = 0;
@@ -103,7 +104,7 @@ static bool write_gain(FILE *out, const bench_results *results, const char *devi
 	fprintf(out, "$gain%zu << END\n", view);
 	for (size_t n = 0; n < bench_threads_count; n++) {
 		const bench_row *gain = row_of(results, device, view, n, "speed-up");
-		double x = bench_threads_counts[n] + 0.06 * ((double)view - 1.0); /* error bars of the views lie side by side */
+		double x = bench_threads_counts[n] + 0.06 * ((double)view - 1.0); /* keeps the views' error bars apart */
 		if (gain)
 			fprintf(out, "%g %.6g %.6g %.6g\n", x, gain->median, gain->min, gain->max);
 		any |= !!gain;
@@ -112,7 +113,8 @@ static bool write_gain(FILE *out, const bench_results *results, const char *devi
 	return any;
 }
 
-/* Upper bounds of the speed-up: the number of CPUs, and Amdahl's law with the stages that workers do not share. */
+/* Writes two upper bounds of the speed-up: the number of CPUs, and Amdahl's law, since workers share only culling and
+ * recording. */
 static void write_bounds(FILE *out, const bench_results *results, const char *device)
 {
 	const bench_row *frame = row_of(results, device, 0, 0, "frame"), *cull = row_of(results, device, 0, 0, "cull"),
@@ -157,10 +159,11 @@ static void plot_gain(FILE *out, const bench_results *results, const char *devic
 
 /* ---- frames of the experiments ----------------------------------------------------------------------------------- */
 
-/* A place on the x axis: the frame times of a subject in a case. */
+/* A place on the x axis, at which the frame times of one subject (an implementation, such as a worker pool) in one case
+ * (a workload) are drawn. */
 typedef struct place {
-	const char *on, *subject;
-	const char *usual, *p99, *worst; /* metrics; worst may be NULL */
+	const char *on, *subject;        /* names of the case and the subject */
+	const char *usual, *p99, *worst; /* names of the metrics drawn; worst may be NULL */
 	const char *label;               /* "\n" is a new line to gnuplot */
 	bool apart;                      /* a vertical line separates it from the place before */
 } place;
@@ -266,7 +269,8 @@ static const struct {
              {"waiting", "#ee6677", "in the queue"},
              {"no-work", "#cccccc", "nothing to do, or asleep"}};
 
-/* Writes lines "x top top ... waiting": the tops of the parts, and the share of waiting for the queue. */
+/* Writes a line "x top top ... waiting" for each stacked bar: the heights at which its parts end, lowest first, and the
+ * share of waiting for the queue. */
 static size_t write_shares(FILE *out, const bench_results *results)
 {
 	size_t written = 0;

@@ -12,7 +12,7 @@ static double median_of(const bench_results *results, const char *on, const char
 	return row ? row->median : BENCH_NO_NUMBER;
 }
 
-/* The ratio of two subjects in one case, round by round; false if they did not both run. */
+/* The ratio of a metric of two subjects in one case, round by round; false if they did not both run. */
 static bool ratio_of(const bench_results *results, const char *on, const char *numerator, const char *denominator,
                      const char *metric, bench_ratio *ratio)
 {
@@ -124,7 +124,8 @@ static void print_experiment(FILE *out, const bench_results *results, const benc
 	}
 }
 
-/* "  A / B, frame: 1.20 [1.10-1.31]; remark" */
+/* Prints "  A / B, METRIC: 1.20 [1.10-1.31]; REMARK", the ratio of subjects a and b. article: the remark, for example
+ * the ratio in the article, or NULL. */
 static void print_ratio(FILE *out, const bench_results *results, const char *on, const char *a, const char *b,
                         const char *metric, const char *article)
 {

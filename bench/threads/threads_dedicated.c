@@ -22,7 +22,7 @@
 
 typedef struct dedicated_frame {
 	stilb_cull_visible visible;
-	uint64_t begin_ns; /* time at which the main thread began it */
+	uint64_t begin_ns; /* time at which the main thread began the frame */
 } dedicated_frame;
 
 typedef struct dedicated {
@@ -31,12 +31,12 @@ typedef struct dedicated {
 	stilb_job_spsc *queue;
 	dedicated_frame frames[FRAMES_IN_FLIGHT];
 	sem_t free_frames;
-	_Atomic bool over;                   /* relaxed: a hint to stop, which orders nothing */
-	uint32_t frame_count;                /* so far, the warm-up included */
+	_Atomic bool over;                   /* enough frames; relaxed: a few more do no harm, and it orders nothing */
+	uint32_t frame_count;                /* frames drawn so far, the warm-up included */
 	threads_series intervals, latencies; /* written by the render thread, read after it is joined */
 } dedicated;
 
-/* The item pushed after the last model of a frame. */
+/* Its address is the item that is pushed after the last model of a frame. */
 static uint32_t end_of_frame;
 
 static const uint32_t *take_model(dedicated *d)
@@ -72,7 +72,7 @@ static void count_frame(dedicated *d, uint64_t begin_ns, uint64_t last_ns)
 		atomic_store_explicit(&d->over, true, memory_order_relaxed);
 }
 
-/* The render thread. A frame's time is from the end of the frame before to its own. */
+/* The render thread. The time of a frame is counted from the end of the previous frame to its own end. */
 static void *render_main(void *data)
 {
 	dedicated *d = data;
@@ -85,7 +85,7 @@ static void *render_main(void *data)
 		record_frame(d, model);
 		threads_hand_replay(&d->hand);
 		count_frame(d, d->frames[d->frame_count % FRAMES_IN_FLIGHT].begin_ns, last_ns);
-		last_ns = bench_child_now_ns(); /* again, since writing a timeline takes time */
+		last_ns = bench_child_now_ns(); /* read again: count_frame may have spent time on writing a timeline */
 		stilb_prof_frame_mark();
 		sem_post(&d->free_frames);
 	}

@@ -9,8 +9,8 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 
-/* Size of the picture: small, since lavapipe draws on the CPU; the default's aspect ratio, so that the same models are
- * visible. */
+/* Size of the picture in pixels: small, since lavapipe draws on the CPU; the aspect ratio is that of the engine's
+ * default size, so that the same models are visible. */
 #define PICTURE_WIDTH 320u
 #define PICTURE_HEIGHT 180u
 
@@ -62,7 +62,7 @@ static void warm_up(stilb_engine *engine, double seconds)
 
 /* ---- stages ------------------------------------------------------------------------------------------------------ */
 
-/* Times of the stages; rest: waiting for the device, updating the scene, presenting. */
+/* Times of whole frames and of their stages; rest: waiting for the device, updating the scene, presenting. */
 typedef struct stages {
 	threads_series frame, cull, record, replay, rest;
 } stages;
@@ -113,8 +113,8 @@ void threads_run_engine(threads_run *run, const threads_setup *setup)
 
 /* ---- an occupied CPU --------------------------------------------------------------------------------------------- */
 
-/* Starts a process that spins whenever it is not stopped; it is stopped now. Must be called before threads are created,
- * since it forks. */
+/* Starts the thief, a process that spins and so occupies a CPU; on return it is stopped until it gets SIGCONT. Must be
+ * called before threads are created, since it forks. */
 static pid_t thief_start(void)
 {
 	pid_t parent = getpid(), thief = fork();
@@ -143,7 +143,7 @@ static void thief_end(pid_t thief)
 #define RECOVERY_FRAMES 16u
 #define RECOVERY_SLOWDOWN 1.1
 
-/* The time, in ms of frames, from frame `first` until the frame rate has recovered. */
+/* The sum of the frame times, in ms, from frame `first` until the frame rate has recovered. */
 static double recovery_ms(const threads_series *frames, uint32_t first, double usual)
 {
 	double sum = 0.0;
@@ -177,8 +177,8 @@ static void print_stolen(const threads_series *frames, uint32_t taken, uint32_t 
 	bench_child_metric("recovery", recovery_ms(frames, given_back, usual));
 }
 
-/* A third of the run alone, a third with the other process, a third alone. The timeline shows the slowest frame of the
- * second third. */
+/* A third of the run is measured without the thief, a third while it spins, a third without it. The timeline shows the
+ * slowest frame of the second third. */
 void threads_run_stolen(threads_run *run, uint32_t workers)
 {
 	pid_t thief = thief_start();

@@ -1,4 +1,5 @@
-/* The stress test's frame from the modules scene, culling and render, without engine/frame.c. */
+/* Draws the stress test's frame by calls of the modules scene, culling and render, without the engine's own frame
+ * (engine/frame.c). */
 #include "bench/threads/threads_hand.h"
 
 #include "bench/harness/bench_child.h"

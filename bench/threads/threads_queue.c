@@ -1,19 +1,19 @@
 /*
- * The article's pool: the main thread puts every draw into a queue, each worker takes draws out and records them into
- * its own list, and the main thread waits for the workers and replays the lists. Only the queue varies. With several
- * workers the order of the draws depends on timing, as it did in the article, so the stream hash is checked only for
- * one list.
+ * The worker pool of the article that the suite `threads` repeats (bench_threads.c): the main thread puts every draw
+ * into a queue, each worker takes draws out and records them into its own list, and the main thread waits for the
+ * workers and replays the lists. Only the queue varies. With several workers the order of the draws depends on timing,
+ * as it did in the article, so the stream hash, which depends on the order, is checked only if there is one list.
  *
  *   no-queue          one thread does everything
  *   mutex             a linked list under a mutex
  *   kernel-mutex      the same under a lock that enters the kernel every time, as Windows' mutex objects do
- *   sutter            the article's second queue
+ *   sutter            Herb Sutter's queue, the second that the article tried
  *   stilb-low-lock, stilb-lock-free
  *
  * Workers that find the queue empty look again for a while and then sleep on an event, as in the article; sleeping at
  * once makes no measurable difference. A worker's time from the first push of a frame until the last draw is recorded
  * has three parts: recording; waiting, the time in calls to the queue that returned an item; and the rest, in which the
- * queue was empty. The first two include one read of the clock each, whose cost is subtracted.
+ * queue was empty. The first two each include one read of the clock for each item, whose cost is subtracted.
  *
  * A draw costs either what it does today or what it did in the article: 50 ms for 20,000 draws on one thread, and 30 ms
  * on two threads with 3.5 ms of replay, so half of a draw's cost lies on each side of the queue.
@@ -114,7 +114,8 @@ static uint64_t ticks_of_clock(void)
 
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
-/* Consecutive draws of a frame. An item without draws ends the frame; there is one for each worker. */
+/* Consecutive draws of a frame. An item without draws ends the frame for the worker that takes it; the main thread
+ * pushes one of them for each worker. */
 typedef struct item {
 	const uint32_t *parts;
 	uint32_t count;
@@ -127,8 +128,8 @@ typedef struct worker {
 	pthread_t thread;
 	uint32_t index;                /* of the worker and of its list */
 	stilb_render_context *context; /* its list of this frame; NULL before the first draw */
-	uint64_t waited, recorded;     /* ticks since the start; published by frames */
-	_Atomic uint32_t frames;       /* ended since the start; release, pairs with the acquire in wait_for_all */
+	uint64_t waited, recorded;     /* ticks spent since the start; the store to `frames` publishes them */
+	_Atomic uint32_t frames;       /* frames that it has ended; release, pairs with the acquire in wait_for_all */
 } worker;
 
 struct pool {
@@ -137,12 +138,12 @@ struct pool {
 	event event;
 	uint64_t look_ticks;
 	uint64_t clock_ticks; /* cost of one read of the clock */
-	uint32_t half_a_draw; /* multiplications in place of preparing a draw, and of the driver's work; 0: none */
+	uint32_t half_a_draw; /* multiplications that stand for preparing a draw, as many for the driver's work; 0: none */
 	uint32_t draws_an_item;
 	uint32_t worker_count;
 	worker workers[MAX_WORKERS];
 	stilb_cull_visible visible;
-	uint32_t *parts; /* of this frame */
+	uint32_t *parts; /* parts of the scene that this frame draws, in order */
 	item *items;
 	/* Frames that all workers have ended. Release in release_all, pairs with the acquire in end_frame. */
 	alignas(LINE) _Atomic uint32_t frames;
@@ -179,7 +180,7 @@ static void record_item(const pool *p, stilb_render_context *context, const item
 		burn(i->count * p->half_a_draw);
 }
 
-/* A zone from the first item until the queue is empty: one for each draw would cost more than the draw. */
+/* A profiler zone from the first item until the queue is empty: a zone for each draw would cost more than the draw. */
 STILB_PROF_SITE(site_record, "record", 0);
 
 /* Pops the next item, waiting and sleeping as needed: 0, or -EPIPE if the queue is closed. *since, in ticks: on entry
@@ -219,7 +220,8 @@ static void record(worker *w, const item *i)
 	}
 }
 
-/* Ends the frame for this worker, and waits for the others; a worker that continued could take their end items. */
+/* Ends the frame for this worker and waits until all have ended it. A worker that continued could take the item that
+ * ends the frame for another one. */
 static void end_frame(worker *w)
 {
 	uint32_t turns = 0;
@@ -301,7 +303,7 @@ static void stop_workers(pool *p)
 	stilb_job_queue_destroy(p->queue);
 }
 
-/* The main thread's part of the cost of an item's draws. */
+/* Spends the time that preparing an item's draws costs the main thread. */
 static void prepare(const pool *p, const item *i)
 {
 	if (p->half_a_draw)
@@ -330,7 +332,8 @@ static void feed(pool *p, uint32_t items)
 static void wait_for_all(pool *p)
 {
 	PROFILE("wait for the workers");
-	uint32_t turns = 0, frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: its own */
+	/* Relaxed: only this thread writes p->frames. */
+	uint32_t turns = 0, frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1;
 	for (uint32_t i = 0; i < p->worker_count; i++)
 		while (atomic_load_explicit(&p->workers[i].frames, memory_order_acquire) != frames) /* pairs with end_frame */
 			job_sys_relax(&turns);
@@ -339,7 +342,7 @@ static void wait_for_all(pool *p)
 /* Lets the workers continue with the next frame. */
 static void release_all(pool *p)
 {
-	uint32_t frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: its own */
+	uint32_t frames = atomic_load_explicit(&p->frames, memory_order_relaxed) + 1; /* relaxed: as in wait_for_all */
 	atomic_store_explicit(&p->frames, frames, memory_order_release);              /* pairs with end_frame */
 }
 
@@ -366,8 +369,9 @@ static uint32_t cut_items(pool *p)
 	return items;
 }
 
-/* Sums over the measured frames and all workers, in ticks: span, from the first push to the last draw, and its parts;
- * feed: the main thread's time to push. */
+/* Times in ticks, summed over frames. span: from a frame's first push until its last draw is recorded, for each worker;
+ * waited, recorded: the parts of span that workers spent in calls of the queue and on recording; feed: the time that
+ * the main thread took to push. */
 typedef struct shares {
 	uint64_t span, waited, recorded, feed;
 } shares;
@@ -392,7 +396,7 @@ static shares record_frame(pool *p, uint32_t items)
 	uint64_t span = bench_child_ticks() - first;
 	shares after = worker_ticks(p);
 	release_all(p);
-	uint64_t clock = (items + p->worker_count) * p->clock_ticks; /* in each of waited and recorded */
+	uint64_t clock = (items + p->worker_count) * p->clock_ticks; /* waited and recorded each include it */
 	return (shares){
 		.span = span * p->worker_count - 2 * clock,
 		.waited = after.waited - before.waited - clock,

@@ -78,7 +78,7 @@ static void write_trace(const char *path)
 {
 	stilb_prof_window window = {.last_frames = TRACED_FRAMES};
 	stilb_prof_snapshot snapshot = {0};
-	stilb_prof_frame_mark(); /* ends the frame, so that the snapshot has all of it */
+	stilb_prof_frame_mark(); /* ends the slowest frame for the profiler, so that its snapshot has all of the frame */
 	int error = stilb_prof_snapshot_take(&snapshot, &window);
 	if (error == 0)
 		error = stilb_prof_trace_save(&snapshot, "stilb-bench-threads", path);

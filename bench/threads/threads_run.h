@@ -1,5 +1,7 @@
 /*
- * threads_run: shared by the files of the program stilb-bench-threads, which makes one run: one subject in one case.
+ * threads_run: shared by the files of the program stilb-bench-threads, which makes one run: one subject (the engine or
+ * a pool to compare it with) in one case (a workload). DEVICE is vulkan or null; VIEW tells how many models are in the
+ * picture: all, half or few; N is the number of workers.
  *
  *   case              subject           run                                           file
  *   DEVICE-VIEW       stilb-workers-N   the engine's frame with N workers             threads_engine.c
@@ -24,9 +26,9 @@
 
 #define THREADS_MODELS 10000u
 #define THREADS_SEED 1u
-#define THREADS_VIEWS 3u        /* of stilb_scene_stress_view */
+#define THREADS_VIEWS 3u        /* number of views in stilb_scene_stress_view */
 #define THREADS_LEAST_FRAMES 2u /* measured in every run, however long they take */
-#define THREADS_CALM_FRAMES 2u  /* not measured after a timeline was written, which leaves cold caches */
+#define THREADS_CALM_FRAMES 2u  /* frames not measured after a timeline was written, which leaves cold caches */
 
 extern const char *const threads_view_names[THREADS_VIEWS];
 
@@ -49,7 +51,7 @@ void threads_print_frames(const threads_series *frames);
 
 /* ---- a run ------------------------------------------------------------------------------------------------------- */
 
-/* CPU time and involuntary switches of the process so far. */
+/* CPU time and involuntary context switches of the process so far. */
 typedef struct threads_usage {
 	double cpu_ms;
 	double switched_out;
@@ -61,9 +63,9 @@ typedef struct threads_run {
 	bench_child child;
 	uint64_t hash[THREADS_VIEWS]; /* stream hashes that every run must have */
 	const char *trace;            /* file for the timeline of the slowest frame, or NULL */
-	double worst_ms;              /* the slowest measured frame so far */
+	double worst_ms;              /* time of the slowest measured frame so far */
 	uint32_t calm;                /* number of next frames that are not measured */
-	uint64_t begin_ns, end_ns;    /* of the measured time */
+	uint64_t begin_ns, end_ns;    /* start and planned end of the measured time, as bench_child_now_ns counts */
 } threads_run;
 
 /* Frames are measured from now on. */
@@ -73,7 +75,7 @@ void threads_run_begin(threads_run *run);
  * is not to be measured. Called by the thread that marks the profiler's frames. */
 bool threads_run_frame(threads_run *run, double ms);
 
-/* True if the run's time is over and `frames` are enough. */
+/* True if the run's time is over and `frames`, the number measured, is at least THREADS_LEAST_FRAMES. */
 bool threads_run_over(const threads_run *run, uint32_t frames);
 
 void threads_run_check(const threads_run *run, stilb_scene_stress_view view, uint64_t hash);
