@@ -14,10 +14,10 @@ static const bench_metric metrics[] = {
 	{"visible", "%", true, NULL},
 };
 
-/* Abilities of subjects that cases need. */
+/* Bits of bench_subject.abilities and bench_case.needs. */
 enum {
-	LOOK = 1, /* cull a scene in which nothing moves */
-	MOVE = 2  /* update its structure in each frame */
+	LOOK = 1, /* the subject can cull a scene in which nothing moves */
+	MOVE = 2  /* it can update its octree in each frame, as models move */
 };
 
 static const bench_case cases[] = {

@@ -1,4 +1,4 @@
-/* The suite `cull`: its table, its bounds, each met or missed, and its picture. */
+/* The suite `cull`: its table, its goals (bounds of the measured times), each met or missed, and its picture. */
 #include "bench/cull/bench_cull.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
@@ -38,7 +38,7 @@ static void print_table(FILE *out, const bench_results *results)
 
 /* ---- goals ------------------------------------------------------------------------------------------------------- */
 
-/* The time of `theirs` divided by that of `ours` must be at least `least`; 0: no bound. */
+/* In the case `on` the time of subject `theirs` divided by that of `ours` must be at least `least`; 0: only printed. */
 typedef struct ratio_goal {
 	const char *on, *ours, *theirs;
 	double least;
@@ -104,7 +104,7 @@ static void print_choice(FILE *out, const bench_results *results, const char *on
 		        our->median, better->name, ratio.median, ratio.min, ratio.max, verdict(ratio.median <= 1.1));
 }
 
-/* Bounds of the median, microseconds. */
+/* The median time of a subject in a case must be at most `most`, in microseconds. */
 static const struct {
 	const char *on, *subject;
 	double most;

@@ -1,5 +1,6 @@
 /*
- * cull_cases: the cases of the suite `cull`, known to stilb-bench and to the program that runs them.
+ * cull_cases: the cases (scenes and views) of the suite `cull`, which times finding the models that a camera sees.
+ * Included by stilb-bench and by the program that runs them.
  *
  * Scene: bounding spheres of 0.5 to 2 m radius, evenly distributed over a cube, one for each 4 m x 4 m x 4 m. View: 60
  * degrees high, 16:9, oblique to the axes, turning by half a degree a frame and back again. The far plane is set so

@@ -1,5 +1,5 @@
-/* The program of the suite `cull`: runs one case with one way of culling, and compares the visible set with that of a
- * plain loop. */
+/* The program of the suite `cull`: runs one case (a scene and its views, cull_cases.h) with one way of culling, and
+ * compares the ids of the visible models with those that a plain loop finds. */
 #include "bench/cull/cull_cases.h"
 #include "bench/harness/bench_child.h"
 
@@ -12,7 +12,7 @@
 
 #define SPACING 4.0f /* metres: one sphere for each cube of this side, on average */
 #define VIEWS 4u
-#define TURN 0.00872664626f /* half a degree, in radians */
+#define TURN 0.00872664626f /* angle between two successive views: half a degree, in radians */
 #define MAX_SAMPLES (1u << 16)
 
 typedef struct run {
@@ -73,7 +73,8 @@ static void make_scene(run *r)
 	}
 }
 
-/* The reference: writes the ids of the models inside the first `planes` planes; returns their number. */
+/* The reference for verification: writes the ids of the models that are not wholly outside one of the frustum's first
+ * `planes` planes; returns their number. */
 static uint32_t plain_cull(const stilb_scene *scene, const stilb_frustum *frustum, uint32_t planes, uint32_t *ids)
 {
 	const stilb_scene_bounds *b = &scene->bounds;
@@ -106,7 +107,7 @@ static void set_far_plane(run *r, stilb_frustum *view)
 	uint32_t count = plain_cull(&r->scene, view, 5, r->expected);
 	if (count < wanted)
 		bench_child_fail("the view holds only %u of %u models", count, wanted);
-	float *distances = allocate(count, sizeof *distances); /* of the far plane at which each model becomes visible */
+	float *distances = allocate(count, sizeof *distances); /* plane distance from which on each model is visible */
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t id = r->expected[i];
 		float sum = (b->x[id] * far_plane->x + b->y[id] * far_plane->y) + b->z[id] * far_plane->z;
@@ -148,7 +149,7 @@ static void verify(run *r, const stilb_frustum *view)
 
 /* ---- subjects ---------------------------------------------------------------------------------------------------- */
 
-/* Moves a tenth of the models, the next tenth in each frame, by up to 25 cm. */
+/* Moves a tenth of the models, another tenth in each frame, to up to 25 cm beside their home positions. */
 static void move_models(run *r)
 {
 	r->scene.moved_count = 0;
@@ -173,7 +174,7 @@ static void rebuild_frame(run *r, const stilb_frustum *view)
 	check(stilb_cull_run(r->cull, STILB_CULL_OCTREE, &r->scene, view, NULL, 0, &r->visible));
 }
 
-/* The least that a method that tests every sphere must do: read 16 bytes of each model. */
+/* Only reads the 16 bytes of each model's bounding sphere: the lower bound for every method that tests each sphere. */
 static void stream_frame(run *r, const stilb_frustum *view)
 {
 	typedef uint64_t two __attribute__((vector_size(16), may_alias)); /* 4 models */
@@ -193,8 +194,8 @@ typedef struct subject {
 	void (*frame)(run *r, const stilb_frustum *view);
 	stilb_cull_method method;
 	const char *isa;  /* instruction set; NULL: the widest of this CPU */
-	uint32_t workers; /* besides the caller */
-	bool sees;        /* produces a visible set, which is verified */
+	uint32_t workers; /* threads besides the caller */
+	bool sees;        /* true: it finds the visible models, which are verified; false: it only reads memory */
 } subject;
 
 static const subject subjects[] = {
@@ -289,7 +290,7 @@ int main(int argc, char **argv)
 {
 	static run r;
 	bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
+	stilb_prof_record_set(false); /* else the cost of recording profiler zones would be measured, too */
 	const subject *s = find_subject(child.subject);
 	r.on = find_case(child.case_name);
 	r.method = s->method;

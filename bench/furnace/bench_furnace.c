@@ -21,7 +21,7 @@ static const bench_metric equal_metrics[] = {{"path", "%", true, NULL}, FURNACE_
 static const unsigned bounces[] = {FURNACE_BOUNCES(LIST)};
 static const unsigned survivals[] = {FURNACE_SURVIVALS(LIST)};
 
-/* Abilities of subjects that cases need. */
+/* Bits of bench_subject.abilities and bench_case.needs: sources of random numbers, integrators that make pictures. */
 #define NUMBERS 1u
 #define PICTURES 2u
 
@@ -69,9 +69,9 @@ static const bench_row *row_of(const bench_results *results, const char *on, con
 	return bench_find(results, on, subject, name);
 }
 
-/* The expected error, in percent, of the mean of independent paths if it is normally distributed. Just above the
- * survival at which the variance becomes infinite, 1,000 paths are too few for that: most experiments miss the rare
- * bright paths. */
+/* The expected error, in percent, of the mean of 1,000 independent paths with survival probability `percent`, if the
+ * mean is normally distributed. Just above the probability at which the variance becomes infinite it is not: with so
+ * few paths most experiments miss the rare bright ones. */
 static double expected_error(unsigned percent)
 {
 	return 100.0 * sqrt(2.0 / M_PI * furnace_variance(percent / 100.0) / FURNACE_RUNS) / FURNACE_RADIANCE;
@@ -201,7 +201,7 @@ static void begin(FILE *out, const char *title, const char *x, const char *y)
 	        title, x, y);
 }
 
-/* Adds the subjects' points to the plot command begun before, and ends it. */
+/* Adds the points of all subjects to the plot command that the caller has begun, and ends the command. */
 static void plot_block(FILE *out, const char *name)
 {
 	for (size_t s = 0; s < COUNT(subjects); s++)
@@ -213,7 +213,7 @@ static void plot_block(FILE *out, const char *name)
 	fputc('\n', out);
 }
 
-/* Marks the survival below which the variance is infinite. */
+/* Marks in the diagram the survival probability, in percent, below which the variance is infinite. */
 static void mark_limit(FILE *out)
 {
 	double limit = 100.0 * FURNACE_REFLECTANCE * FURNACE_REFLECTANCE;

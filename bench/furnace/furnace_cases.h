@@ -1,7 +1,8 @@
 /*
- * furnace_cases: the cases of the suite `furnace`, known to stilb-bench and to its program. Scene: the inside of a ball
- * that emits Le = 1 everywhere and reflects rho = 1/2, so the radiance is Le / (1 - rho) = 2 in every direction. The
- * numbers below are parts of metric names.
+ * furnace_cases: the cases of the suite `furnace`, which compares path tracing with a known radiance; included by
+ * stilb-bench and by the program that it starts. Scene: the inside of a ball that emits Le = 1 everywhere and reflects
+ * rho = 1/2, so the radiance is Le / (1 - rho) = 2 in every direction. The lists of numbers below are also parts of
+ * metric names (error-3).
  */
 #ifndef FURNACE_CASES_H
 #define FURNACE_CASES_H

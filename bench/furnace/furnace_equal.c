@@ -33,7 +33,7 @@ static void check(stilb_result result)
 		bench_child_fail("%s", stilb_error_message());
 }
 
-/* Renders once, adds the picture to the kind's sums if wanted, and returns the time in seconds. */
+/* Renders the picture once, adds it to the sums of its kind if `wanted`, and returns the time in seconds. */
 static double render_once(const furnace_world *world, kind *k, uint32_t samples, uint64_t seed, bool wanted)
 {
 	stilb_gi_settings settings = stilb_gi_settings_default(world->scene);
@@ -58,7 +58,8 @@ static double render_once(const furnace_world *world, kind *k, uint32_t samples,
 	return seconds;
 }
 
-/* The mean of the picture, and the variance of a pixel's value among the renderings. */
+/* The mean of all values of all renderings of a kind. *error_squared: the variance of a value among the renderings,
+ * averaged over the picture. */
 static double kind_mean(const kind *k, double *error_squared)
 {
 	double mean = 0.0, variance = 0.0;
@@ -91,7 +92,8 @@ void furnace_equal_time(const bench_child *child)
 			bench_child_fail(
 				"wrong result: the means of path and of montecarlo with %u rays differ by %.3g, sigma %.3g",
 				kinds[i].rays, mean - path_mean, sigma);
-		/* A kind that took longer than its slot has its variance scaled to the slot: variance * time is constant. */
+		/* A kind's renderings took longer or shorter than their slots of equal time. variance * time is constant, so
+		 * this is the variance that they would have after exactly their slots. */
 		double equal = squared * kinds[i].seconds / (slot * RENDERINGS);
 		char metric[32];
 		snprintf(metric, sizeof metric, kinds[i].rays ? "montecarlo-%u" : "path", kinds[i].rays);

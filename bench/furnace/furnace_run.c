@@ -1,5 +1,5 @@
-/* The program of the suite `furnace`: paths inside a ball, traced by Embree with the engine's surfaces and the
- * subject's random numbers. A path that leaves the ball is a failure. */
+/* The program of the suite `furnace`: traces paths inside a glowing ball (furnace_cases.h) by Embree, with the engine's
+ * surfaces and the subject's random numbers. A path that leaves the ball is a failure. */
 #include "bench/furnace/furnace_run.h"
 #include "bench/furnace/furnace_cases.h"
 
@@ -12,7 +12,7 @@
 
 #define EXPERIMENTS_A_SECOND 40.0
 #define EXPERIMENTS_LEAST 4u
-#define SERIES_TOLERANCE 1e-5 /* relative, for paths of n bounces, which have no variance */
+#define SERIES_TOLERANCE 1e-5 /* largest error of the share of light that paths of n bounces lose, without variance */
 #define SIGMAS 5.0
 
 static const uint32_t survivals[] = {
@@ -164,7 +164,7 @@ static void run_survival(const furnace_world *world, const furnace_numbers *numb
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
+	stilb_prof_record_set(false); /* else the cost of recording profiler zones would be measured, too */
 	if (strcmp(child.case_name, FURNACE_CASE_EQUAL_TIME) == 0) {
 		furnace_equal_time(&child);
 		return 0;

@@ -8,12 +8,12 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
-/* A source of random numbers. Experiments follow each other, and in them paths (runs), and in those vertices;
- * generators with a single sequence ignore all of these and continue their sequence. */
+/* A source of random numbers. It is told which numbers are asked for: those of a vertex of a path (run) of an
+ * experiment (FURNACE_RUNS paths). Generators with a single sequence ignore that and continue their sequence. */
 typedef struct furnace_numbers {
 	const char *name;
 	void (*seed)(uint32_t seed);
-	void (*run)(uint32_t experiment, uint32_t run);    /* NULL: just goes on */
+	void (*run)(uint32_t experiment, uint32_t run);    /* called when a path begins; NULL: not needed */
 	void (*vertex)(uint32_t vertex, float numbers[3]); /* in [0, 1): two for a direction, one for the roulette */
 } furnace_numbers;
 

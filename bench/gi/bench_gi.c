@@ -1,5 +1,5 @@
-/* The suite `gi`: the offline renderer beside Embree alone and beside a plain path tracer, and its techniques beside
- * each other. The cases are in gi_cases.h. */
+/* The suite `gi`: compares the offline renderer (engine/gi) with Embree alone and with a plain path tracer, and its
+ * techniques with each other. The cases are in gi_cases.h. */
 #include "bench/gi/gi_cases.h"
 #include "bench/harness/bench.h"
 
@@ -139,7 +139,8 @@ static void remove_reference(void)
 	unlink(reference);
 }
 
-/* Renders the reference of the Cornell box into a file, once for all rounds. */
+/* Lets the suite's program render the reference picture of the Cornell box into a file, once for all rounds; the file's
+ * path is the argument of later runs. */
 static const char *prepare(const bench_options *options)
 {
 	const char *folder = getenv("TMPDIR");

@@ -22,7 +22,8 @@ static void mesh_alloc(stilb_scene_mesh *mesh, uint32_t vertices, uint32_t indic
 	mesh->index_count = indices;
 }
 
-/* A bumpy ball of bands that leave out the poles, so that every triangle has an area. */
+/* Makes ball `number`: a bumpy sphere of rings of triangles. They leave out the poles, where triangles would have no
+ * area. */
 static void ball(stilb_scene_mesh *mesh, uint32_t number)
 {
 	float center[3];

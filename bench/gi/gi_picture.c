@@ -1,4 +1,4 @@
-/* Pictures of the Cornell box, and their error against a reference rendered here. */
+/* Pictures of the Cornell box, and their error against a reference picture that this program renders, too. */
 #include "bench/gi/gi_run.h"
 
 #include <math.h>
@@ -48,7 +48,8 @@ stilb_gi_settings gi_run_cornell(const stilb_scene *scene)
 
 /* ---- the reference ----------------------------------------------------------------------------------------------- */
 
-/* Renders two independent pictures into their mean; returns the mean square error of that, from their difference. */
+/* Renders two independent pictures and stores their mean; returns the mean square error of the mean, estimated from the
+ * pictures' difference. */
 static double reference_half(const gi_run_world *world, stilb_gi_settings settings, float *mean)
 {
 	gi_run_picture a = gi_run_render(world, &settings);

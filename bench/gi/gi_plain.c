@@ -10,7 +10,7 @@
 
 #define TILE 32u
 #define ROULETTE_FROM 3u
-#define EPSILON 1e-4f /* offset of ray origins, metres; the scene is a metre wide */
+#define EPSILON 1e-4f /* offset of ray origins from their surface, metres; the scene is a metre wide */
 
 typedef struct vec {
 	float x, y, z;
@@ -53,7 +53,7 @@ typedef struct light {
 struct gi_plain {
 	RTCDevice device;
 	RTCScene scene;
-	vec *diffuse, *emission; /* [triangle_count] reflectance, and radiance */
+	vec *diffuse, *emission; /* [triangle_count] diffuse reflectance, and emitted radiance */
 	light *lights;
 	uint32_t triangle_count, light_count;
 	float light_area;
@@ -195,7 +195,7 @@ static vec direct(const gi_plain *plain, vec position, vec n, vec diffuse, uint6
 static vec trace(const gi_plain *plain, vec origin, vec direction, uint32_t depth, uint64_t *random, uint64_t *rays)
 {
 	vec sum = {0}, throughput = {1, 1, 1};
-	float pdf = 0.0f; /* of the direction; 0 for camera rays, whose emission is not weighted */
+	float pdf = 0.0f; /* density with which `direction` was sampled, for MIS; 0: a camera ray, which needs no weight */
 	for (uint32_t bounce = 0;; bounce++) {
 		struct RTCRayHit ray = ray_from(origin, direction);
 		struct RTCIntersectContext context;

@@ -1,4 +1,5 @@
-/* Stages of the renderer beside Embree alone on the same rays; the difference is the renderer's cost. One thread. */
+/* Times stages of the offline renderer, and Embree alone on the same rays; the difference is the renderer's own cost.
+ * Rays are traced on one thread. */
 #include "bench/gi/gi_run.h"
 #include "gi/film/gi_primary.h"
 #include "gi/gi_scene_internal.h"
@@ -68,7 +69,8 @@ void gi_run_build(const bench_child *child)
 		geometries[p] = geometry_of(&scene->meshes[scene->part_mesh[p]]);
 	double own = (double)INFINITY, theirs = (double)INFINITY, spent = 0.0;
 	for (uint32_t turn = 0; turn < 3 || spent < child->seconds; turn++) {
-		/* The least time of each, since every build is the same work. */
+		/* The least time of the renderer's builds and of Embree's is kept: each build is the same work, so longer times
+		 * are disturbances. */
 		stilb_job_pool *pool;
 		stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 		desc.worker_count = bench_child_cpu_count() - 1;
@@ -98,9 +100,9 @@ void gi_run_build(const bench_child *child)
 
 /* ---- recording --------------------------------------------------------------------------------------------------- */
 
-/* Records rays in the order in which they are traced. */
+/* Stands in for the renderer's tracer: records rays in the order in which they are traced, and passes them on. */
 typedef struct tape {
-	gi_tracer behind; /* the tracer that finds the hits */
+	gi_tracer behind; /* the renderer's tracer, which finds the hits */
 	gi_ray_hit *closest;
 	gi_ray *shadow;
 	size_t closest_count, closest_room, shadow_count, shadow_room;
@@ -135,7 +137,7 @@ static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_h
 	for (uint32_t i = 0; i < 16; i++)
 		if (valid[i]) {
 			gi_ray_hit ray = gi_ray_of(rays, i);
-			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* as before tracing */
+			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* no hit yet: it is not traced */
 			record_closest(t, &ray);
 		}
 	t->behind.intersect16(&t->behind, valid, rays);
@@ -152,7 +154,7 @@ static void tape_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 	t->behind.occluded(&t->behind, rays, count);
 }
 
-/* All rays that a rendering of this scene traces. */
+/* Renders a picture and returns all rays that this traced. */
 static tape record(gi_run_world *world, const stilb_gi_settings *settings)
 {
 	tape t = {.behind = world->gi->tracer};
@@ -185,7 +187,7 @@ static void raw_shadow(RTCScene scene, const tape *t)
 	}
 }
 
-/* Packets of sixteen, in the order in which they were traced. */
+/* Traces the packets of sixteen rays by Embree alone, in their order. */
 static void raw_packets(RTCScene scene, const gi_ray_hit16 *packets, size_t count)
 {
 	static const int valid[16]
@@ -206,7 +208,8 @@ static double seconds_since(uint64_t begin)
 	return 1e-9 * (double)(bench_child_now_ns() - begin);
 }
 
-/* Prints rates from the least times of the two, in seconds, and their ratio. */
+/* Prints rates in million rays a second and their ratio. own, raw: the least times, in seconds, that the renderer and
+ * Embree alone took for so many rays. */
 static void report_rates(double rays, double own, double raw)
 {
 	bench_child_metric("stilb", 1e-6 * rays / own);

@@ -1,3 +1,4 @@
+/* The program of the suite `gi`: its cases that compare techniques of the offline renderer (engine/gi), and main. */
 #include "bench/gi/gi_run.h"
 
 #include "base/base.h"
@@ -98,7 +99,8 @@ static void run_workers(const bench_child *child)
 
 /* ---- speed and error --------------------------------------------------------------------------------------------- */
 
-/* Sums over several pictures: time, squared error, bias and cache records. */
+/* Sums over several pictures: rendering time, squared error, bias in percent (gi_run_error), and records, the points at
+ * which the irradiance cache stores light. */
 typedef struct tally {
 	double seconds, square, bias, records;
 	uint32_t count;
@@ -187,7 +189,7 @@ static void run_cache_time(const bench_child *child)
 	gi_run_world_finish(&world);
 }
 
-/* Both renderings end after the same time. */
+/* Compares the error of the irradiance cache with that of path tracing if both render for `budget` seconds. */
 static void run_equal_time(const bench_child *child, double budget)
 {
 	gi_run_reference reference = gi_run_reference_read(child->argument);
@@ -217,8 +219,8 @@ static void run_equal_time(const bench_child *child, double budget)
 	gi_run_world_finish(&world);
 }
 
-#define HESSIAN_RAYS 2048u /* for each record: enough that noise does not hide the error of interpolation */
-#define RECORDS_APART 0.02 /* relative difference of record numbers that counts as equal */
+#define HESSIAN_RAYS 2048u /* for each cache record: enough that noise does not hide the error of interpolation */
+#define RECORDS_APART 0.02 /* two numbers of records whose relative difference is less count as equal */
 #define RECORD_SEARCHES 12
 
 static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius radius, float error)
@@ -232,8 +234,8 @@ static gi_run_picture indirect(const gi_run_world *world, stilb_gi_cache_radius 
 	return gi_run_render(world, &settings);
 }
 
-/* Renders with about `records` records: searches for the cache's error setting, using that a record's area is
- * proportional to its square. */
+/* Renders with about `records` cache records: searches for the error setting of the cache that gives so many. The area
+ * for which a record is used is proportional to the square of that setting. */
 static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_radius radius, uint64_t records)
 {
 	gi_run_picture picture = {0};
@@ -249,7 +251,8 @@ static gi_run_picture indirect_with(const gi_run_world *world, stilb_gi_cache_ra
 	return picture;
 }
 
-/* The occlusion Hessian against Ward's split-sphere radii, plain and bounded. */
+/* Compares three rules for the radii of cache records, with equal numbers of records: the occlusion Hessian, and Ward's
+ * split-sphere radii, plain (harmonic mean of distances) and bounded. */
 static void run_hessian(const bench_child *child)
 {
 	gi_run_reference reference = gi_run_reference_read(child->argument);
@@ -297,7 +300,7 @@ static double pathtracer_rate(void)
 	return rate;
 }
 
-/* Its model with the camera and light that its command line sets. */
+/* The model of Embree's example program, with the camera and light that its file of options (.ecs) sets. */
 static stilb_scene *pathtracer_scene(void)
 {
 	stilb_scene *scene;
@@ -357,7 +360,7 @@ static bool is_case(const bench_child *child, const char *name)
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
+	stilb_prof_record_set(false); /* else the cost of recording profiler zones would be measured, too */
 	if (is_case(&child, "reference")) {
 		gi_run_reference_write(child.argument, child.round);
 		bench_child_metric("samples", child.round); /* a run must print at least one metric */

@@ -1,7 +1,7 @@
 /*
- * gi_run: shared by the files of the program of the suite `gi`. Whatever a case compares takes turns in one process, on
- * the same scene and the same rays, so that disturbances of the machine cancel in ratios. The cases are in gi_cases.h.
- * Errors end the program. [main-thread]
+ * gi_run: shared by the files of the program of the suite `gi`, which measures the offline renderer (engine/gi). The
+ * things that a case compares take turns in one process, on the same scene and the same rays, so that disturbances of
+ * the machine cancel in ratios. The cases are in gi_cases.h. Errors end the program. [main-thread]
  */
 #ifndef GI_RUN_H
 #define GI_RUN_H
@@ -47,18 +47,21 @@ void gi_run_picture_finish(gi_run_picture *picture);
 /* Settings of the Cornell box: GI_RUN_SIDE x GI_RUN_SIDE pixels, at most 64 bounces. */
 stilb_gi_settings gi_run_cornell(const stilb_scene *scene);
 
-/* Means of two independent renderings, with their error as estimated from their difference. */
+/* The picture with which others are compared: the mean of two independent renderings, with its error as estimated from
+ * their difference; with all light, and with indirect light only. */
 typedef struct gi_run_reference {
 	float *all, *indirect;
 	double all_noise, indirect_noise; /* mean square error of `all` and `indirect` */
 	bool *left_out;                   /* pixels within 2 pixels of the visible light (radiance above 4) */
 } gi_run_reference;
 
-/* The case `reference` writes the file, the other cases read it. samples: for each pixel. */
+/* Write the reference into a file, in the case `reference`, and read it, in the other cases. samples: paths for each
+ * pixel. */
 void gi_run_reference_write(const char *path, uint32_t samples);
 gi_run_reference gi_run_reference_read(const char *path);
 
-/* Mean square error of a picture, minus the reference's own, and the difference of the means in percent. */
+/* square: mean square difference of a picture and the reference, minus the reference's own mean square error; bias:
+ * difference of their means in percent. */
 typedef struct gi_run_error {
 	double square, bias;
 } gi_run_error;

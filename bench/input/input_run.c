@@ -1,4 +1,5 @@
-/* The program of the suite `input`. Every measured call is checked for its result. */
+/* The program of the suite `input`, which measures the handling of gamepads. Every measured call is checked for its
+ * result. */
 #include "bench/harness/bench_child.h"
 
 #include "input/hid/input_layout.h"
@@ -34,7 +35,8 @@ static void check(bool condition, const char *what)
 
 #define BATCH_NS 100000.0
 
-/* The time of one call of step, ns: the least over batches of about BATCH_NS, which the clock resolves well. */
+/* The time of one call of step, ns: the least mean of a batch of calls. A batch takes about BATCH_NS, much longer than
+ * the clock's resolution. */
 static double least_ns(double seconds, void (*step)(void *), void *user)
 {
 	uint32_t calls = 1;
@@ -76,7 +78,8 @@ static double parse_us(double seconds, const uint8_t *bytes, size_t size, uint32
 	return 1e-3 * ns;
 }
 
-/* Fills a descriptor with as many fields as fit, with usages that no layout knows; returns its size. */
+/* Makes a report descriptor with as many fields as are allowed, whose usages no gamepad layout knows; returns its size
+ * in bytes. */
 static size_t fullest(uint8_t bytes[STILB_INPUT_DESCRIPTOR_MAX])
 {
 	static const uint8_t begin[] = {0x25, 0x01, 0x75, 0x01, 0x95, 0x01}, field[] = {0x09, 0x30, 0x81, 0x02};
@@ -148,7 +151,7 @@ static void crc(void *user)
 	crc_seen = stilb_input_crc32(0, step->report, 74);
 }
 
-/* A DualShock 4's report with the left stick fully to the right, everything else at rest. */
+/* The layout and a report of a DualShock 4 with the left stick fully to the right, everything else at rest. */
 static decode_step dualshock(uint16_t bus)
 {
 	bool usb = bus == STILB_INPUT_BUS_USB;
@@ -186,7 +189,7 @@ static void run_decode(const bench_child *child)
 typedef struct frame_step {
 	stilb_input_control *control;
 	decode_step pad;
-	uint32_t reports; /* in each frame */
+	uint32_t reports; /* number of reports that the pad sends in each frame */
 	int64_t time_us;
 	stilb_input_pose pose;
 } frame_step;

@@ -1,14 +1,15 @@
-/* The suite `queue`: concurrent queues of Stilb and of other libraries. queue_load.h describes a run. */
+/* The suite `queue` of stilb-bench: compares concurrent queues of Stilb and of other libraries. queue_load.h describes
+ * the load under which each of them is measured. */
 #include "bench/queue/bench_queue.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
 
-/* Abilities of subjects that cases need. */
+/* Bits of bench_subject.abilities and bench_case.needs: the kinds of load that a queue can take. */
 enum {
 	SINGLE = 1,     /* push and pop of one item */
 	BATCH = 2,      /* push and pop of sixteen items in one call */
 	ONE_TO_ONE = 4, /* one producer, one consumer */
-	MANY = 8        /* several of both */
+	MANY = 8        /* several producers and several consumers */
 };
 
 static const bench_subject subjects[] = {
@@ -67,7 +68,7 @@ static const bench_metric gaps[] = {
 	{BENCH_METRIC_ITEMS, "items", false, NULL},
 };
 
-#define STALL_LENGTH 3.0 /* some seventy stalls in a run: one every 22 ms */
+#define STALL_LENGTH 3.0 /* times --seconds (0.5 s): some seventy stalls in a run, one every 22 ms */
 
 #define THROUGHPUT(name, title, needs)                                                                                 \
 	{                                                                                                                  \

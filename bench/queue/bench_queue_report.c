@@ -1,4 +1,4 @@
-/* The suite `queue`: its bounds, each met or missed. */
+/* The suite `queue`: the goals (bounds of the measured numbers), each printed as met or missed. */
 #include "bench/queue/bench_queue.h"
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
@@ -68,7 +68,7 @@ static const char *verdict(bool met)
 	return met ? "met" : "MISSED";
 }
 
-/* The others' row with the largest median; NULL if none of them ran. */
+/* The row of the fastest of goal->others; NULL if none of them ran. */
 static const bench_row *fastest(const bench_results *results, const ratio_goal *goal)
 {
 	const bench_row *best = NULL;

@@ -48,7 +48,7 @@ static const bench_row *row_of(const bench_results *results, size_t size, size_t
 	return bench_find(results, combinations[size][producers][consumers].name, subject, metrics[0].name);
 }
 
-/* Indices into counts: do these threads outnumber the CPUs? */
+/* True if the threads outnumber the CPUs; producers and consumers are indices into counts. */
 static bool threads_exceed_cpus(size_t producers, size_t consumers)
 {
 	return counts[producers] + counts[consumers] > bench_cpu_count();
@@ -180,7 +180,7 @@ static void write_diagram(FILE *out, const bench_results *results, size_t size, 
 	}
 	fprintf(out, "plot ");
 	for (size_t s = 0; s < COUNT(subjects); s++) {
-		double shift = ((double)s - 1.5) * 0.06; /* error bars of the subjects lie side by side */
+		double shift = ((double)s - 1.5) * 0.06; /* in x, keeps the error bars of the four subjects apart */
 		fprintf(out,
 		        "%s$curve%zu using ($1%+.2f):2:3:4 with yerrorbars linestyle %zu notitle, "
 		        "$curve%zu using ($1%+.2f):2 with linespoints linestyle %zu title \"%s: %s\"",

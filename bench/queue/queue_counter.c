@@ -1,5 +1,6 @@
-/* No queue: every call is an atomic add to one number that all threads share. An upper bound for every queue that
- * writes a shared word in each call, and a measure of how steady the machine is. */
+/* The subject `counter` of the suite `queue`, which is no queue: every push and every pop is an atomic add to one
+ * number that all threads share. An upper bound of the throughput of every queue that writes a shared word in each
+ * call, and a measure of how steady the machine is. */
 #include <stdint.h>
 
 typedef uint64_t subject_queue;
@@ -28,7 +29,7 @@ static inline bool subject_push(subject_queue *queue, subject_thread *self, void
 static inline bool subject_pop(subject_queue *queue, subject_thread *self, void **item)
 {
 	(void)self;
-	*item = (void *)__atomic_fetch_add(queue, 1, __ATOMIC_RELAXED); /* as above */
+	*item = (void *)__atomic_fetch_add(queue, 1, __ATOMIC_RELAXED); /* relaxed: as in subject_push */
 	return true;
 }
 

@@ -1,6 +1,7 @@
 /*
- * queue_load: the load under which every queue is measured. It is compiled into the program of each queue, in C or C++,
- * so that inline functions of a queue are inlined. A program defines, before it includes this header,
+ * queue_load: the load under which the suite `queue` measures every subject (a queue). It is compiled into the program
+ * of each queue, in C or C++, so that inline functions of a queue are inlined. A program defines, before it includes
+ * this header,
  *
  *   typedef ... subject_queue;    the queue; one object, zero-initialised
  *   typedef ... subject_thread;   state of one thread: tokens, spare nodes; zero-initialised
@@ -8,7 +9,9 @@
  *
  * and after it the subject_... functions declared below and a main that returns queue_load_main(argc, argv).
  *
- * Cases.    [batch16- | latency- | stall- | calm-][pinned-]<producers>P<consumers>C
+ * Cases.    [batch16- | latency- | stall- | calm-][pinned-]<producers>P<consumers>C: throughput item by item or in
+ *           batches of 16; the time of each call; the longest gap without a successful call, while threads are stopped
+ *           at random (stall) or not (calm).
  * Run.      Producers push for the given time; then consumers take the rest. A thread whose push finds the queue full,
  *           or whose pop finds it empty, executes a pause instruction for the first 16 tries and yields after that.
  *           Threads are left to the scheduler or pinned: thread i, producers first, to CPU i modulo the number of CPUs.
@@ -37,7 +40,7 @@
 #endif
 #define QUEUE_LOAD_LOOK_EVERY                                                                                          \
 	(QUEUE_LOAD_BACKLOG >= 100000 ? 1024 : 16) /* items between two looks of a producer at the backlog */
-#define QUEUE_LOAD_STALL_BACKLOG 8000000       /* producers never wait for a stopped consumer */
+#define QUEUE_LOAD_STALL_BACKLOG 8000000       /* items: so many that no producer waits for a stopped consumer */
 /* Calls between two yields when gaps are measured. Without yields the scheduler itself would cause gaps: time slices of
  * some milliseconds in which only producers, or only consumers, run. */
 #define QUEUE_LOAD_YIELD_EVERY 256
@@ -45,7 +48,7 @@
 #define QUEUE_LOAD_STALL_EVERY_NS 22000000
 #define QUEUE_LOAD_STALL_NS 20000000
 
-/* Two cache lines: the adjacent-line prefetcher pairs them. */
+/* Alignment by two cache lines, since the adjacent-line prefetcher fetches them in pairs. */
 #define QUEUE_LOAD_ALIGNED __attribute__((aligned(128)))
 
 typedef enum queue_load_mode {
@@ -59,7 +62,7 @@ typedef struct queue_load {
 	queue_load_mode mode;
 	bool batch, pinned, stall;
 	uint32_t producers, consumers;
-	uint32_t threads; /* producers, consumers and the main thread, in this order */
+	uint32_t threads; /* their number; thread indices: producers first, then consumers, the main thread last */
 	double seconds;
 } queue_load;
 
@@ -79,13 +82,13 @@ static inline size_t subject_push_n(subject_queue *queue, subject_thread *self, 
 static inline size_t subject_pop_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
 #endif
 #ifdef SUBJECT_ENDLESS
-/* The subject is no queue: pop always succeeds. True if it counted so many calls. */
+/* The subject is no queue but counts calls, and pop always succeeds. True if it counted so many calls. */
 static bool subject_verify(subject_queue *queue, uint64_t pushes, uint64_t pops);
 #endif
 
 /* ---- cases ------------------------------------------------------------------------------------------------------- */
 
-/* Reads the case's name; exits with BENCH_CHILD_SKIP if it is none of these. */
+/* Reads the case's name; exits with BENCH_CHILD_SKIP if it is none of those that the head of this file lists. */
 static inline queue_load queue_load_parse(const bench_child *child)
 {
 	queue_load load;
@@ -140,19 +143,20 @@ typedef struct queue_load_sums {
 } queue_load_sums;
 
 typedef struct QUEUE_LOAD_ALIGNED queue_load_thread {
-	uint64_t count;       /* items pushed or popped; relaxed: producers only estimate the backlog from it */
+	/* Items pushed or popped. Relaxed: producers only estimate the backlog from it, so an old value is harmless. */
+	uint64_t count;
 	queue_load_sums sums; /* of the items that a consumer popped */
 	subject_thread own;
 	uint32_t index;
 	uint64_t end_ns;
 	uint32_t *times; /* [QUEUE_LOAD_BUCKETS] histogram of call times, or NULL */
-	uint8_t *marks;  /* [load_mark_count], or NULL: 1 for each time step in which a call succeeded */
+	uint8_t *marks;  /* [load_mark_count] or NULL: 1 for each step of 2^QUEUE_LOAD_MARK_SHIFT ticks with a success */
 	pthread_t thread;
 } queue_load_thread;
 
 static QUEUE_LOAD_ALIGNED subject_queue load_queue;
 static queue_load_thread load_threads[QUEUE_LOAD_MAX_THREADS];
-/* Set once by the main thread. Relaxed: a hint that producers see eventually, which orders nothing. */
+/* Tells producers to end; set once by the main thread. Relaxed: it orders nothing, and a few pushes more do no harm. */
 static QUEUE_LOAD_ALIGNED bool load_stop;
 /* Set by the main thread after it joined all producers. Release, pairs with the acquire of the consumers: a queue that
  * is then empty stays empty. */
@@ -186,13 +190,14 @@ static inline void load_take(queue_load_thread *self, void *item)
 	self->sums.squares += (uint64_t)item * (uint64_t)item;
 }
 
-/* Producer i pushes the items (i + 1) * 2^40 + 1, + 2, + 3, ...: distinct numbers. This is the one before the first. */
+/* Producer i pushes the items (i + 1) * 2^40 + 1, + 2, + 3, ...: distinct numbers. Returns the number before the
+ * first. */
 static inline uint64_t load_first_item(const queue_load_thread *self)
 {
 	return (uint64_t)(self->index + 1) << 40;
 }
 
-/* Records a successful call that began at `begin` (ticks). */
+/* Notes a successful call in the thread's histogram or marks. begin, in ticks, is when it began, for latencies. */
 static inline void load_note(queue_load_thread *self, queue_load_mode mode, uint64_t begin)
 {
 	if (mode == QUEUE_LOAD_LATENCY) {
@@ -230,7 +235,7 @@ LOAD_INLINE void load_produce(queue_load_thread *self, queue_load_mode mode)
 	do { /* at least once: on a busy machine a short run may be over before this thread gets a CPU */
 		uint32_t turns = 0;
 		uint64_t begin =
-			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* waiting for a full queue is included */
+			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* so the latency includes waiting while it is full */
 		while (!subject_push(&load_queue, &self->own, (void *)++item))
 			item--, load_wait(&turns);
 		load_note(self, mode, begin);
@@ -312,7 +317,7 @@ static void load_work(queue_load_thread *self)
 		return;
 	}
 #endif
-	switch (load_setup.mode) { /* a constant mode in each call: the compiler makes loops without tests of it */
+	switch (load_setup.mode) { /* each inlined call has a constant mode, so its loop does not test the mode */
 	case QUEUE_LOAD_PLAIN:
 		if (producer)
 			load_produce(self, QUEUE_LOAD_PLAIN);
@@ -379,7 +384,7 @@ static void load_sleep(uint64_t nanoseconds)
 	nanosleep(&time, NULL);
 }
 
-/* Signal handler: the thread stops for QUEUE_LOAD_STALL_NS between any two instructions. */
+/* Signal handler that stops its thread for QUEUE_LOAD_STALL_NS, wherever in a push or pop it happens to be. */
 static void load_fall_asleep(int number)
 {
 	(void)number;
@@ -469,7 +474,8 @@ static uint64_t load_verify(uint64_t in, uint64_t out)
 
 #endif
 
-/* Prints percentiles over the histograms of threads [first, end), to the middle of a bucket. */
+/* Prints percentiles of the call times of threads [first, end), from their histograms: each is the middle of the bucket
+ * that it falls into. */
 static void load_report_times(const char *call, uint32_t first, uint32_t end, double ns_per_tick)
 {
 	static const struct {
@@ -535,7 +541,7 @@ static int queue_load_main(int argc, char **argv)
 		return BENCH_CHILD_SKIP;
 	uint32_t workers = load_setup.threads - 1;
 	load_backlog = load_setup.mode == QUEUE_LOAD_GAPS ? QUEUE_LOAD_STALL_BACKLOG : QUEUE_LOAD_BACKLOG;
-	load_mark_count = (uint64_t)(load_setup.seconds * 6e9) >> QUEUE_LOAD_MARK_SHIFT; /* for any clock below 6 GHz */
+	load_mark_count = (uint64_t)(load_setup.seconds * 6e9) >> QUEUE_LOAD_MARK_SHIFT; /* enough if ticks are < 6 GHz */
 	load_threads[workers].index = workers;
 	struct sigaction action;
 	memset(&action, 0, sizeof action);
@@ -547,7 +553,7 @@ static int queue_load_main(int argc, char **argv)
 	load_start(workers);
 
 	uint64_t start_ns = bench_child_now_ns(), end_ns = start_ns;
-	load_start_ticks = bench_child_ticks(); /* published by the barrier */
+	load_start_ticks = bench_child_ticks(); /* the barrier publishes it to the threads */
 	pthread_barrier_wait(&load_barrier);
 	load_pass_time(workers, child.round);
 	uint64_t stop_ticks = bench_child_ticks();

@@ -1,4 +1,5 @@
-/* Queues behind stilb_job_queue: Stilb's two kinds, Sutter's and the mutex queue. */
+/* Subjects of the suite `queue` with the interface stilb_job_queue: Stilb's two kinds of queue, and Sutter's and the
+ * mutex queue of bench/subjects. */
 #include "bench/subjects/queue_subjects.h"
 
 #include <errno.h>

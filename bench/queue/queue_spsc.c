@@ -1,4 +1,4 @@
-/* stilb_job_spsc, Stilb's queue for one producer and one consumer. */
+/* A subject of the suite `queue`: stilb_job_spsc, Stilb's queue for a single producer and a single consumer. */
 #include "jobs/job_spsc.h"
 
 typedef stilb_job_spsc *subject_queue;

@@ -32,7 +32,7 @@ typedef struct subject_thread {
 /* ---- items ------------------------------------------------------------------------------------------------------- */
 
 typedef struct item {
-	void *number; /* the load's item */
+	void *number; /* the item that queue_load.h pushes, a distinct number by which it verifies the run */
 	uint32_t count;
 	char *strings[];
 } item;
@@ -186,7 +186,7 @@ static item *pop(steps_queue *queue)
 	bool frees = queue->step >= STEP_CONSUMER_FREES;
 	lock(queue->consumers);
 	node *old =
-		frees ? *queue->first : atomic_load_explicit(queue->divider, memory_order_relaxed); /* as in pop_plain */
+		frees ? *queue->first : atomic_load_explicit(queue->divider, memory_order_relaxed); /* ordered by the lock */
 	node *next = node_next(old);
 	if (!next) {
 		unlock(queue->consumers);
@@ -199,7 +199,7 @@ static item *pop(steps_queue *queue)
 	else
 		pass(queue, next);
 	unlock(queue->consumers);
-	item *out = item_copy(value); /* the copy into the caller's variable */
+	item *out = item_copy(value); /* in the article, the copy into the caller's variable */
 	item_free(value);
 	if (frees)
 		free(old);

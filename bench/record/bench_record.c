@@ -53,7 +53,7 @@ static const bench_metric picture_metrics[] = {
 /* Length of a case: a single frame on lavapipe takes longer than most other runs. */
 #define LENGTH(KIND) (RECORD_##KIND == RECORD_PICTURE ? 6.0 : 1.0)
 
-/* Abilities of subjects that cases need. */
+/* The bit of bench_subject.abilities and bench_case.needs for a kind of case. */
 #define CAN(KIND) (1u << RECORD_##KIND)
 
 static const bench_case cases[] = {
@@ -125,7 +125,8 @@ static const bench_subject subjects[] = {
 
 /* ---- the suite --------------------------------------------------------------------------------------------------- */
 
-/* Draws the picture of the plain Vulkan program; every other subject's picture must have the same checksum. */
+/* Lets the plain Vulkan program draw its picture, and returns the checksum, which every other subject's picture must
+ * have, as the programs' argument (record_child.h). */
 static const char *prepare(const bench_options *options)
 {
 	static char sum[32];

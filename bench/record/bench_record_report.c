@@ -1,16 +1,17 @@
-/* The suite `record`: its bounds, each met or missed, and its picture. */
+/* The suite `record`: its goals (bounds of the measured numbers), each met or missed, and its picture. */
 #include "bench/record/bench_record.h"
 
 #include "base/base.h"
 
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 
-/* A median, or the ratio of two rows in each round, that must be at most the bound if less is better, else at least. */
+/* The median of a row, or the median ratio of two rows, that must be at most `bound` if less is better, else at least.
+ * A row is named by its case (on), subject and metric. */
 typedef struct goal {
 	const char *what;
 	const char *on, *subject, *metric;
 	const char *of_on, *of_subject; /* case and subject of the denominator, with the same metric; NULL: no ratio */
-	double bound;                   /* 0: none */
+	double bound;                   /* 0: the value is only printed */
 	const char *note;
 } goal;
 
@@ -91,7 +92,7 @@ void bench_record_goals(FILE *out, const bench_results *results)
 
 /* ---- picture ----------------------------------------------------------------------------------------------------- */
 
-/* A box of the diagram: its place on the x axis, and the row that it shows. */
+/* A box of the diagram: its place on the x axis, and the case, subject and metric whose median it shows. */
 typedef struct box {
 	double x;
 	const char *on, *subject, *metric;
@@ -216,7 +217,7 @@ static void plot_stages(FILE *out, const bench_results *results)
 		fprintf(out, "\n");
 	}
 	fprintf(out, "END\nset boxwidth 0.6\nplot ");
-	for (int s = 2; s >= 0; s--) /* the tallest first, since later ones are drawn over it */
+	for (int s = 2; s >= 0; s--) /* the tallest box first, since later boxes are drawn over earlier ones */
 		fprintf(out, "$stages using 1:(%s) with boxes linecolor rgb '%s' title '%s', ",
 		        s == 0   ? "$2"
 		        : s == 1 ? "$2+$3"

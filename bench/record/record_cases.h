@@ -1,4 +1,5 @@
-/* record_cases: the cases of the suite `record`, known to stilb-bench and to the programs of the subjects. */
+/* record_cases: the cases (workloads) of the suite `record`, which measures recording and replay of draws. Included by
+ * stilb-bench and by the programs that it starts, one for each group of subjects (implementations to compare). */
 #ifndef RECORD_CASES_H
 #define RECORD_CASES_H
 
@@ -7,8 +8,8 @@
 /* The kinds of measurement. A draw is a mesh, a material and a transform; a model has two draws. */
 typedef enum record_kind {
 	RECORD_DRAWS,   /* recording on one thread */
-	RECORD_PHASE,   /* recording on two threads beside recording on one; workers are awake */
-	RECORD_PARKED,  /* the same; workers are asleep when the pass begins */
+	RECORD_PHASE,   /* recording on two threads and on one; workers are awake */
+	RECORD_PARKED,  /* the same, but workers are asleep when recording begins */
 	RECORD_REPLAY,  /* converting recorded lists to device commands, on the null device */
 	RECORD_SORT,    /* sorting recorded draws by their keys */
 	RECORD_FRAME,   /* cull + record + replay, on the null device */

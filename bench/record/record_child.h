@@ -42,7 +42,7 @@ static inline void *record_alloc(size_t count, size_t size)
 
 #define RECORD_MAX_SAMPLES 65536u
 
-/* Samples of one kind, ns; those beyond the capacity are dropped. */
+/* Measured times of one kind, ns; those beyond the capacity are dropped. */
 typedef struct record_samples {
 	uint32_t count;
 	double at[RECORD_MAX_SAMPLES];
@@ -89,8 +89,8 @@ static inline bool record_picture_skips(const record_case *on, const char *argum
 
 /* Time and CPU time of a sequence of frames. */
 typedef struct record_picture_times {
-	uint32_t frames;    /* so far, the first ones included */
-	uint64_t last;      /* time at which the last one was submitted, ns */
+	uint32_t frames;    /* frames so far, those that are not measured included */
+	uint64_t last;      /* time at which the last frame was submitted, ns */
 	uint64_t first_cpu; /* CPU time of all threads when the first measured frame began, ns */
 	uint64_t last_cpu;  /* the same at the end of the last frame */
 } record_picture_times;
@@ -102,7 +102,8 @@ static inline uint64_t record_cpu_ns(void)
 	return (uint64_t)used.tv_sec * 1000000000u + (uint64_t)used.tv_nsec;
 }
 
-/* Call it after each frame. A frame's time is from the end of the frame before to its own. False: enough frames. */
+/* Call it after each frame. The time of a frame runs from the end of the previous frame to its own end. False: at least
+ * one frame is measured, and the time `until` (ns) has passed. */
 static inline bool record_picture_frame(record_picture_times *times, record_samples *samples, uint64_t until)
 {
 	uint64_t now = bench_child_now_ns();

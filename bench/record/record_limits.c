@@ -1,5 +1,5 @@
-/* References of the suite `record`: writing the memory of a list of draws in a loop, a radix sort, one atomic add for
- * each draw, one malloc for each draw. */
+/* References of the suite `record`, with which the engine's recording and sorting are compared: writing the memory of a
+ * list of draws in a loop, a radix sort, one atomic add for each draw, one malloc for each draw. */
 #include "bench/record/record_child.h"
 
 #include <stdatomic.h>
@@ -7,7 +7,8 @@
 #include <emmintrin.h>
 #endif
 
-/* As large as the engine's command and row; the content does not matter here. */
+/* As large as the two things that the engine writes for a draw, its command and its row (with the transform); the
+ * content does not matter here. */
 typedef struct limit_command {
 	uint64_t key;
 	uint32_t words[6];
@@ -204,7 +205,7 @@ int main(int argc, char **argv)
 	if (limit == end)
 		bench_child_fail("no subject %s", child.subject);
 	limit_work work = work_make(2 * on->models);
-	limit->turn(&work); /* not measured: page faults */
+	limit->turn(&work); /* not measured, since it takes the page faults */
 	for (uint64_t until = record_deadline(child.seconds), now = 0; now < until || times.count < 3;) {
 		uint64_t begin = bench_child_now_ns();
 		limit->turn(&work);

@@ -10,9 +10,9 @@
 #include <stdatomic.h>
 
 #define SEGMENT_DRAWS 256u /* draws that one job records by hand */
-#define WARM_UP_FRAMES 4   /* until the buffers of both frame slots have grown */
+#define WARM_UP_FRAMES 4   /* not measured: until the buffers of both frames in flight have grown */
 #define BLOCK_FRAMES 16    /* frames of one kind in a row, if two kinds take turns */
-#define BUSY_NS 300000     /* the main thread works alone, ten times as long as a worker spins before it sleeps */
+#define BUSY_NS 300000     /* be_busy lasts ten times as long as a worker spins before it sleeps */
 #define OWNER 0u           /* worker index of a pool's owner */
 
 /* ---- the subjects ------------------------------------------------------------------------------------------------ */
@@ -150,7 +150,7 @@ static uint64_t frame_replaying(run *r)
 
 /* ---- the kinds of case ------------------------------------------------------------------------------------------- */
 
-static record_samples first, second, third, fourth; /* each kind of case uses them for other times */
+static record_samples first, second, third, fourth; /* times; which ones depends on the kind of case */
 
 static void measure_draws(run *r)
 {
@@ -190,7 +190,8 @@ static void be_busy(void)
 		;
 }
 
-/* The time at which the job of wake_worker ran, 0 before. Release in that job, pairs with the acquire after it. */
+/* The time at which wake_worker's job, `woken`, ran, ns; 0 before. Release in `woken`, pairs with the acquire in
+ * wake_worker. */
 static _Atomic uint64_t woken_at;
 
 static void woken(void *data, uint32_t worker)
@@ -204,7 +205,7 @@ static void woken(void *data, uint32_t worker)
 static void wake_worker(run *r, record_samples *wake, record_samples *cost)
 {
 	stilb_job_group group = {0};
-	atomic_store_explicit(&woken_at, 0, memory_order_relaxed); /* relaxed: published by submit */
+	atomic_store_explicit(&woken_at, 0, memory_order_relaxed); /* relaxed: submitting the job publishes it */
 	uint64_t begin = bench_child_now_ns(), started;
 	if (stilb_job_submit(r->pool, woken, NULL, &group, OWNER) != 0)
 		bench_child_fail("out of memory");
@@ -217,8 +218,9 @@ static void wake_worker(run *r, record_samples *wake, record_samples *cost)
 	record_samples_add(cost, end - begin);
 }
 
-/* Work of T1 on one thread: in a time T the waker does T - cost of it and the woken worker T - wake, so at best
- * T = (T1 + wake + cost) / 2. of-best is the measured time divided by that. */
+/* A frame's recording takes T1 on one thread (metric one). On two, of which one sleeps at first, in a time T the waker
+ * can work for T - wake-cost and the woken worker for T - wake, so at best T = (T1 + wake + wake-cost) / 2. The metric
+ * of-best is the measured time (two) divided by that. */
 static void measure_parked(run *r)
 {
 	for (int i = 0; i < WARM_UP_FRAMES; i++)
@@ -275,7 +277,8 @@ static void measure_sort(run *r)
 	bench_child_metric("replay", sorted);
 }
 
-/* Draws one frame in the stages of the engine's frame; at: the times between them, ns. */
+/* Draws one frame in the stages cull, record and replay of the engine's frame. at: the times, in ns, at which the first
+ * begins, the second, the third, and at which the third ends. */
 static void frame_stages(run *r, const stilb_frustum *frustum, uint64_t at[4])
 {
 	expect(stilb_render_frame_begin(r->render));
@@ -336,7 +339,7 @@ static void (*const measures[])(run *r) = {
 
 /* ---- verification ------------------------------------------------------------------------------------------------ */
 
-static const uint64_t *sorted_keys; /* for order_by_key, since qsort passes no context */
+static const uint64_t *sorted_keys; /* the keys that order_by_key compares, since qsort passes no context */
 
 static int order_by_key(const void *a, const void *b)
 {
@@ -450,7 +453,7 @@ static const struct subject *find_subject(const char *name)
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
-	stilb_prof_record_set(false); /* the profiler's zones would be measured too */
+	stilb_prof_record_set(false); /* else the cost of recording profiler zones would be measured, too */
 	run r = {.subject = find_subject(child.subject), .on = record_case_find(child.case_name), .child = &child};
 	if (record_picture_skips(r.on, child.argument))
 		return BENCH_CHILD_SKIP;

@@ -81,7 +81,7 @@ static const bar errors[] = {
 	{"error", "engine/shading", "#0040a0"},
 };
 
-/* One bar for each of these metrics, side by side at every case that ran. */
+/* Plots the bars, each the median of one metric, side by side for every case that ran. name: gnuplot's data block. */
 static void plot_bars(FILE *out, const bench_results *results, const char *name, const bar *bars, size_t count)
 {
 	size_t ran = 0;

@@ -1,4 +1,5 @@
-/* shade_cases: the cases of the suite `shade`, known to stilb-bench and to its program. */
+/* shade_cases: the cases of the suite `shade`, each a BRDF whose evaluation is timed; included by stilb-bench and by
+ * the program that it starts. */
 #ifndef BENCH_SHADE_CASES_H
 #define BENCH_SHADE_CASES_H
 

@@ -1,5 +1,5 @@
-/* The formulas of the suite `shade` in double, as published: h is normalized, cosines are dot products, no term is
- * shared. */
+/* The reflectance formulas of the suite `shade` in double, as published: h, the half vector of the directions to light
+ * (l) and viewer (v), is normalized, cosines are dot products, no term is computed once for several uses. */
 #include "bench/shade/shade_run.h"
 
 #include <math.h>
@@ -20,7 +20,8 @@ static void unit(double a[3])
 		a[c] *= scale;
 }
 
-/* The point's directions in double, not normalized again: the formulas must get the same input as the other ways. */
+/* The point's directions in double. n, l and v are not normalized again, since the exact formulas must get the same
+ * input as the implementations that are compared with them. */
 static directions directions_of(const shade_run_point *p)
 {
 	directions d;

@@ -1,4 +1,5 @@
-/* The formulas of the suite `shade`, fused by hand: plain floats, nothing computed twice, h never normalized. */
+/* The reflectance formulas of the suite `shade`, fused by hand: plain floats, nothing computed twice, the half vector
+ * h = l + v never normalized. n: normal; l, v: directions to the light and to the viewer, of length 1. */
 #include "bench/shade/shade_run.h"
 
 #include <math.h>
@@ -23,7 +24,8 @@ static inline dots dots_of(const shade_run_point *p)
 	return (dots){n_l, n_v, (n_l + n_v) * inverse, 0.5f * h2 * inverse, inverse};
 }
 
-/* sin^2 of the angle between n and h, from their cross product, since 1 - (n.h)^2 cancels in a narrow highlight. */
+/* sin^2 of the angle between n and h, from their cross product: where n.h is close to 1, as in a narrow highlight,
+ * 1 - (n.h)^2 would lose most of its digits. */
 static inline float sine2(const shade_run_point *p, float inverse_h)
 {
 	stilb_vec4 h = p->l + p->v;
@@ -73,7 +75,8 @@ static inline stilb_vec4 minimalist(const shade_run_point *p)
 	return p->f0 * ((n + 1.0f) * powf(d.n_h, n) * d.n_l / (8.0f * PI * d.v_h * d.v_h * d.v_h));
 }
 
-/* D V n.l with D = a2 / (pi (n.h^2 a2 + sin^2)^2), with a single division. */
+/* The GGX BRDF times n.l, F D V n.l, with a single division: Schlick's Fresnel term F, Smith's visibility term V, and
+ * the distribution D = a2 / (pi (n.h^2 a2 + s2)^2) with a2 = alpha^2 and s2 = sin^2 of the angle between n and h. */
 static inline stilb_vec4 ggx(const shade_run_point *p)
 {
 	dots d = dots_of(p);

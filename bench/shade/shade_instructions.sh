@@ -15,7 +15,7 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The forms to compare, all with the same arguments; c is l.h, and the roughness of the whole BRDFs.
+# The forms to compare, all with the same arguments; c is l.h, but in minimalist_whole and schlick_whole the roughness.
 arguments="vec3 f0, vec3 n, vec3 l, vec3 v, float c"
 cat > "$work/cases.h" << END
 #include "shading/shade_brdf.h"
@@ -36,7 +36,7 @@ SHADE_FN vec3 schlick_whole($arguments) { return whole(SHADE_BRDF_MICROFACET, f0
 #include "shading/glsl_end.h"
 END
 
-# count_c FUNCTION
+# count_c FUNCTION: prints the number of x86-64 instructions of one of these functions.
 count_c() {
 	cat > "$work/case.c" <<- END
 		#include "cases.h"
@@ -51,7 +51,7 @@ count_c() {
 		END { print count + 0 }'
 }
 
-# count_spirv FUNCTION
+# count_spirv FUNCTION: prints the number of its SPIR-V instructions that compute.
 count_spirv() {
 	cat > "$work/case.comp" <<- END
 		#version 460

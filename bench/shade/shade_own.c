@@ -1,4 +1,5 @@
-/* The suite `shade`: evaluations through engine/shading, as the renderer and the path tracer make them. */
+/* The suite `shade`: the kernels that evaluate BRDFs by the functions of engine/shading, as the renderer and the path
+ * tracer do. */
 #include "bench/shade/shade_run.h"
 
 #include "shading/shade_brdf.h"
@@ -12,7 +13,7 @@ static inline stilb_vec4 evaluate(const shade_run_point *p, shade_brdf_model mod
 	return shade_brdf_cos(model, parameters, frame, p->l, p->v);
 }
 
-/* A kernel whose model is a compile-time constant, as it is in a pipeline. */
+/* A kernel (shade_run.h) whose BRDF model is a compile-time constant, as it is in a graphics pipeline. */
 #define OWN_KERNEL(symbol, ...)                                                                                        \
 	void shade_own_##symbol(const shade_run_inputs *inputs, shade_run_results *results)                                \
 	{                                                                                                                  \

@@ -1,5 +1,5 @@
-/* The program of the suite `shade`: the implementations are compared with the formula in double, then timed in turns in
- * one process, so that disturbances of the machine cancel in their ratios. */
+/* The program of the suite `shade`: three ways to evaluate a BRDF (shade_run.h) are compared with its formula in
+ * double, then timed in turns in one process, so that disturbances of the machine cancel in their ratios. */
 #include "bench/shade/shade_run.h"
 
 #include "base/base.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define TURNS_MAX 65536u
-#define TURN_PASSES 40 /* passes over all points in a turn: tens of microseconds, less than a time slice */
+#define TURN_PASSES 40 /* passes over all points in a turn of one way: tens of us, less than a time slice */
 #define WAYS 3
 
 static const struct shade_case {
@@ -25,7 +25,7 @@ static const struct shade_case {
 #undef CASE
 };
 
-/* The number of ways to measure: 2 without AVX2, which the wide one needs. */
+/* The number of ways to measure: 2 on x86-64 CPUs without AVX2, which the wide way needs. */
 static uint32_t way_count(void)
 {
 #ifdef __x86_64__
@@ -112,8 +112,8 @@ static double error_of(const struct shade_case *on, uint32_t way)
 	return worst;
 }
 
-/* Ends the program if an error is too large. The bounds allow for powers: an exponent of up to 4,000 multiplies the
- * relative error of its base. */
+/* Ends the program if a way's error is too large. The bound is larger for formulas with powers: an exponent of up to
+ * 4,000 multiplies the relative error of its base. */
 static void check(const struct shade_case *on)
 {
 	double limit = on->powers ? 5e-3 : 2e-5;
@@ -171,7 +171,8 @@ static void run_turns(const struct shade_case *on, double seconds)
 
 /* ---- the machine's limit ----------------------------------------------------------------------------------------- */
 
-/* Independent divisions, at their throughput; the next functions do the same for other operations. */
+/* Divides for each point; the divisions are independent, so their throughput is measured, not their latency. The next
+ * functions do the same for other operations. */
 static void limit_division(const shade_run_inputs *in, shade_run_results *out)
 {
 	for (int i = 0; i < SHADE_RUN_COUNT; i++) {

@@ -3,8 +3,8 @@
  * (shade_own.c), the same formulas fused by hand in plain floats (shade_hand.c), and the headers' functions on eight
  * points at a time (shade_wide.c). All are verified against the formulas in double (shade_exact.c).
  *
- * An evaluation is BRDF x n.l in three channels. Every point has its own normal, light, viewer, roughness and F0.
- * [any-thread]
+ * An evaluation is BRDF x n.l in three channels. Every point has its own normal n, directions l to the light and v to
+ * the viewer, roughness and F0 (reflectance at normal incidence). [any-thread]
  */
 #ifndef SHADE_RUN_H
 #define SHADE_RUN_H
@@ -27,7 +27,7 @@ typedef struct shade_run_point {
 	float roughness, unused[3];
 } shade_run_point;
 
-/* The same points by component, for eight at a time. */
+/* The same points as an array for each component, from which eight points can be loaded at a time. */
 typedef struct shade_run_lanes {
 	float n[3][SHADE_RUN_COUNT], l[3][SHADE_RUN_COUNT], v[3][SHADE_RUN_COUNT];
 	float f0[3][SHADE_RUN_COUNT];

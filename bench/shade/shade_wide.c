@@ -24,7 +24,7 @@ static inline float dot_at(const float a[3][SHADE_RUN_COUNT], const float b[3][S
 	return a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i];
 }
 
-/* shade_angles_of of point i, from lanes. */
+/* Computes what shade_angles_of (engine/shading) returns for point i, from the arrays by component. */
 static inline shade_angles angles_at(const shade_run_lanes *in, int i)
 {
 	float nx = in->n[0][i], ny = in->n[1][i], nz = in->n[2][i];
@@ -39,7 +39,7 @@ static inline shade_angles angles_at(const shade_run_lanes *in, int i)
 	                      .sin2_h = (tx * tx + ty * ty + tz * tz) * (inverse * inverse)};
 }
 
-/* shade_sin2_r of point i, from lanes. */
+/* Computes what shade_sin2_r (engine/shading) returns for point i, from the arrays by component. */
 static inline float sin2_r_at(const shade_run_lanes *in, int i)
 {
 	float twice = 2.0f * dot_at(in->n, in->v, i), apart2 = 0.0f;
