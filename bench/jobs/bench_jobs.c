@@ -1,4 +1,5 @@
-/* The suite `jobs`: job systems of Stilb and of other libraries. The cases are in jobs_cases.h. */
+/* The suite `jobs` of stilb-bench: compares job systems of Stilb and of other libraries. The cases are in
+ * jobs_cases.h. */
 #include "bench/jobs/bench_jobs.h"
 #include "bench/jobs/jobs_cases.h"
 
@@ -8,7 +9,8 @@
 
 /* ---- metrics ------------------------------------------------------------------------------------------------- */
 
-/* One list for each kind of case; p50, p99 and worst are over the turns of a run. */
+/* A list of metrics for each kind of case. A run repeats the same turn (one spawn of all jobs, one fork-join); p50, p99
+ * and worst are over its turns. */
 static const bench_metric rates[] = {
 	{"rate", "Mjobs/s", false, BENCH_LIMIT_UNCONTENDED},
 	{"slowest", "Mjobs/s", false, NULL},
@@ -139,7 +141,8 @@ static const bench_subject subjects[] = {
 
 /* ---- the suite ----------------------------------------------------------------------------------------------- */
 
-/* Measures how many multiplications take a microsecond, so that the jobs of all subjects are the same work. */
+/* Measures how many multiplications take a microsecond and returns that as the programs' argument, so that the jobs of
+ * all subjects are the same work. */
 static const char *prepare(const bench_options *options)
 {
 	static char per_us[32];

@@ -24,11 +24,12 @@ static const bench_row *best_peer(const bench_results *results, const char *case
 
 /* ---- text ---------------------------------------------------------------------------------------------------- */
 
-/* The ratio of Stilb's median to another subject's: at most `ratio` for times, at least for rates; 0: no bound. */
+/* The ratio of Stilb's median to another subject's must be at most `ratio` for times, at least `ratio` for rates; 0: it
+ * is only printed. on: the case. */
 typedef struct goal {
 	const char *on, *metric;
-	const char *subject;  /* the other one; NULL: the best peer */
-	const char *their_on; /* the other one's case; NULL: the same */
+	const char *subject;  /* the other subject; NULL: the best peer */
+	const char *their_on; /* the other subject's case; NULL: the same */
 	double ratio;
 } goal;
 
@@ -108,7 +109,7 @@ void bench_jobs_goals(FILE *out, const bench_results *results)
 
 /* ---- picture ------------------------------------------------------------------------------------------------- */
 
-/* A place on the x axis: a case, and the metric shown. */
+/* A place on the x axis: a case (a workload), and the metric of it that is shown. */
 typedef struct place {
 	const char *on, *metric;
 } place;
@@ -160,7 +161,7 @@ static const place tails[] = {
 	{"steal", "start-p99"},
 };
 
-/* Line styles: Stilb's subjects in strong colours with filled marks, limits with crosses. */
+/* Line styles of the subjects: Stilb's in strong colours with filled marks, references with crosses. */
 static const struct {
 	const char *subject, *style;
 } marks[] = {
@@ -178,13 +179,15 @@ static const struct {
 	{"stilb", "linecolor rgb '#c00000' linewidth 2 pointtype 7 pointsize 1.6"},
 };
 
-/* A value of the row as a time relative to the peer's median time: rates are inverted. */
+/* A value of the row as a time, in units of the peer's median time: less than 1 is faster than the peer. Rates are
+ * inverted. */
 static double relative(const bench_row *row, const bench_row *peer, double value)
 {
 	return row->less_is_better ? value / peer->median : peer->median / value;
 }
 
-/* Writes lines "x ratio least most": subject `mark` relative to the best peer at every place. Returns their number. */
+/* Writes a line "x ratio least most" for each place: the times of subject marks[mark] in units of the best peer's.
+ * Returns the number of lines. */
 static size_t write_relative(FILE *out, const bench_results *results, const place *places, size_t count, size_t mark)
 {
 	size_t written = 0;

@@ -1,4 +1,5 @@
-/* jobs_cases: the cases of the suite `jobs`, known to stilb-bench and to the programs of the subjects. */
+/* jobs_cases: the cases (workloads) of the suite `jobs`; included by stilb-bench and by the programs that it starts,
+ * which measure the subjects (job systems). */
 #ifndef JOBS_CASES_H
 #define JOBS_CASES_H
 
@@ -7,15 +8,15 @@
 
 /* The kinds of measurement. */
 typedef enum jobs_kind {
-	JOBS_SPAWN,   /* rate of empty jobs, submitted one by one from one thread */
-	JOBS_ARRAY,   /* rate of empty jobs, submitted in one call */
-	JOBS_OUTSIDE, /* rate of empty jobs, submitted one by one by threads that do not belong to the job system */
+	JOBS_SPAWN,   /* jobs a second, for empty jobs submitted one by one from one thread */
+	JOBS_ARRAY,   /* the same for empty jobs submitted in one call */
+	JOBS_OUTSIDE, /* the same for empty jobs submitted one by one by threads that do not belong to the job system */
 	JOBS_JOIN,    /* time of a fork-join of a few chunks of 1 us */
 	JOBS_LOOP,    /* time of a loop over 20,000 items of 200 ns */
 	JOBS_FIB,     /* time of fib(20): 10,945 jobs that submit jobs and wait for them */
 	JOBS_WAKE,    /* one job for a sleeping worker: time until it starts, and time that submit takes */
 	JOBS_STEAL,   /* one job for a worker that looks for work: time until it is taken, if known, and until it starts */
-	JOBS_IDLE     /* CPU time of the other threads after all work is done */
+	JOBS_IDLE     /* CPU time that the job system's threads use after all work is done */
 } jobs_kind;
 
 typedef struct jobs_case {
@@ -26,7 +27,7 @@ typedef struct jobs_case {
 	uint32_t outside;    /* number of outside threads */
 	double microseconds; /* of work in each job, chunk or item */
 	uint32_t pause_us;   /* the caller sleeps this long before each turn */
-	bool phase;          /* in a phase (stilb_job_phase_begin), for subjects that have them */
+	bool phase;          /* in a phase, which keeps threads awake (jobs_subject.phase_begin), if the subject has it */
 	bool pinned;         /* thread i of the process is pinned to CPU i modulo their number; else left to the library */
 } jobs_case;
 

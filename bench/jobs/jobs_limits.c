@@ -1,4 +1,5 @@
-/* References of the suite `jobs`: the serial loop, one futex wake, one number handed from one thread to another. */
+/* References of the suite `jobs`, with which job systems are compared: the serial loop, one futex wake, one number
+ * handed from one thread to another. */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_subject.h"
 
@@ -59,7 +60,7 @@ static struct {
 	void *data;
 	_Alignas(128) uint64_t seen;
 	bool spin;
-	_Atomic bool stop; /* relaxed: published by number */
+	_Atomic bool stop; /* relaxed: the release of `number` publishes it */
 	pthread_t thread;
 } hand;
 

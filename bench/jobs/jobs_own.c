@@ -1,12 +1,13 @@
-/* Stilb's pool with its two kinds of queue, with the queue of Sutter's article and with a mutex queue. */
+/* Subjects of the suite `jobs`: Stilb's job pool with its two kinds of queue, with the queue of Sutter's article and
+ * with a mutex queue (bench/subjects). */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_subject.h"
 #include "bench/subjects/queue_subjects.h"
 #include "jobs/job_internal.h"
 
 static stilb_job_pool *pool;
-static stilb_job_group group; /* of the job of `submit` */
-static uint64_t last_steal;   /* ns; written by the thief before the job runs, read after the wait for the job */
+static stilb_job_group group; /* contains the job of `submit` until `wait` returns */
+static uint64_t last_steal;   /* ns; the thief writes it before the job runs, stolen_at reads it after `wait` */
 
 static void note_steal(void *user, uint32_t worker, uint32_t victim)
 {

@@ -1,4 +1,5 @@
-/* main of the suite's programs: runs one case with one subject, verifies the jobs, prints the metrics. */
+/* main of the programs of the suite `jobs`: runs one case (a workload) with one subject (a job system), verifies that
+ * each job ran exactly once, prints the metrics. */
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_cases.h"
 #include "bench/jobs/jobs_subject.h"
@@ -15,14 +16,14 @@
 #define NS_PER_MS UINT64_C(1000000)
 #define LINE 128                         /* two cache lines: the adjacent-line prefetcher pairs them */
 #define MAX_THREADS 16                   /* outside threads of a case */
-#define MAX_SAMPLES (1u << 20)           /* of a metric; later ones are dropped */
-#define START_TIMEOUT (200 * NS_PER_MS)  /* the submitter then helps by waiting, if no worker has started the job */
-#define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* the warm-up then ends, if some thread never runs a job */
-#define BURN_WINDOW (20 * NS_PER_MS)     /* after the last job, for the metric `burnt` */
+#define MAX_SAMPLES (1u << 20)           /* of a metric; later samples are dropped */
+#define START_TIMEOUT (200 * NS_PER_MS)  /* if no worker has started the job by then, the submitter waits and helps */
+#define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* the warm-up ends then, even if some thread has not run a job */
+#define BURN_WINDOW (20 * NS_PER_MS)     /* time after the last job for whose CPU time the metric `burnt` stands */
 
 /* ---- samples ------------------------------------------------------------------------------------------------- */
 
-/* Samples of one metric, ns; times from 2^32 ns on are stored as 2^32 - 1. */
+/* Measured times of one metric, ns; times from 2^32 ns on are stored as 2^32 - 1. */
 typedef struct samples {
 	uint32_t count;
 	uint32_t at[MAX_SAMPLES];
@@ -65,7 +66,7 @@ static double samples_mean(const samples *set)
  * repeated or replaced by another. Tallies form a list, one for each thread that has ever run a job. */
 typedef struct tally {
 	alignas(LINE) uint64_t count;
-	uint64_t squares; /* of the jobs' numbers */
+	uint64_t squares; /* sum of the squares of the jobs' numbers */
 	uint64_t results;
 	struct tally *next;
 } tally;
@@ -78,7 +79,7 @@ static __attribute__((noinline)) tally *tally_create(void)
 	tally *own = aligned_alloc(LINE, sizeof *own);
 	if (!own)
 		bench_child_fail("out of memory");
-	*own = (tally){.next = atomic_load_explicit(&tallies, memory_order_relaxed)}; /* checked by the exchange */
+	*own = (tally){.next = atomic_load_explicit(&tallies, memory_order_relaxed)}; /* an old value fails the exchange */
 	/* Release pairs with the acquires in tally_take and tally_count. */
 	while (
 		!atomic_compare_exchange_weak_explicit(&tallies, &own->next, own, memory_order_release, memory_order_relaxed))
@@ -98,8 +99,8 @@ static inline void tally_add(tally *own, uint64_t number, uint64_t result)
 	own->results += result;
 }
 
-/* The sums of all threads since the last call, and resets them. No job may run: the subject's wait orders their writes
- * before this. */
+/* Returns the sums of all threads since the last call, and resets them. No job may run meanwhile: the job system's wait
+ * for the jobs has made the threads' writes visible. */
 static tally tally_take(void)
 {
 	tally sum = {0};
@@ -158,11 +159,12 @@ typedef struct run {
 	double per_us;      /* multiplications in a microsecond */
 	uint32_t chain;     /* multiplications in each job */
 	uint64_t turns;     /* measured so far */
-	uint32_t divisor;   /* of all times: 1, or for `ideal` the number of threads that can run at once */
-	samples turn_times; /* of each turn */
+	uint32_t divisor;   /* all times are divided by it: 1, or for `ideal` the number of threads that can run at once */
+	samples turn_times; /* the time of each turn */
 	samples starts, submits,
 		steals; /* JOBS_WAKE, JOBS_STEAL: from submit until the job starts, submit returns, it is taken */
-	/* The time at which that job started, 0 before. Release in start_job, pairs with the acquire in turn_start. */
+	/* The time at which the job of turn_start started, ns; 0 before. Release in start_job, pairs with the acquire in
+	 * turn_start. */
 	alignas(LINE) _Atomic uint64_t started;
 } run;
 
@@ -239,11 +241,12 @@ static void turn_outside(run *r)
 		pthread_join(threads[i], NULL);
 }
 
-/* One job for another thread: the submitter watches `started` and does not run the job itself. */
+/* One turn of JOBS_WAKE and JOBS_STEAL: submits one job for another thread. The submitter watches r->started instead of
+ * waiting, since a wait would run the job here. */
 static void turn_start(run *r)
 {
 	const jobs_subject *subject = r->subject;
-	atomic_store_explicit(&r->started, 0, memory_order_relaxed); /* relaxed: published by submit */
+	atomic_store_explicit(&r->started, 0, memory_order_relaxed); /* relaxed: submitting the job publishes it */
 	uint64_t before = bench_child_now_ns();
 	subject->submit(start_job, r);
 	uint64_t after = bench_child_now_ns();
@@ -263,7 +266,7 @@ static void sleep_ns(uint64_t ns)
 	nanosleep(&(struct timespec){.tv_sec = (time_t)(ns / 1000000000u), .tv_nsec = (long)(ns % 1000000000u)}, NULL);
 }
 
-/* Ends the program if the sums of all threads are not those of the turns measured. */
+/* Ends the program if the sums over all threads are not those of the jobs of all measured turns. */
 static void verify(const run *r)
 {
 	const jobs_case *on = r->on;
@@ -282,10 +285,10 @@ static void verify(const run *r)
 		                 (unsigned long long)sum.count, (unsigned long long)r->turns);
 }
 
-/* Times turns for the run's duration, at least three. */
+/* Repeats `turn` for the run's duration, at least three times, and notes the time of each. */
 static void measure(run *r, void (*turn)(run *r))
 {
-	turn(r); /* not measured: page faults */
+	turn(r); /* not measured, since it takes the page faults */
 	tally_take();
 	r->starts.count = r->submits.count = r->steals.count = 0;
 	uint64_t now = bench_child_now_ns(), until = now + r->duration;
@@ -321,7 +324,8 @@ static uint64_t cpu_time_of_others(void)
 	return sum;
 }
 
-/* Work for 5 ms, then idleness: CPU time of the other threads in its first 20 ms (burnt) and in the long run (idle). */
+/* Lets the job system work for 5 ms and then be idle, and measures the CPU time of its threads in the first 20 ms of
+ * idleness (metric burnt) and in the rest (idle). */
 static void measure_idle(run *r)
 {
 	const jobs_subject *subject = r->subject;
@@ -434,7 +438,7 @@ static void warm_up(run *r)
 	tally_take();
 }
 
-/* For each kind of case: one turn, and the metrics printed. */
+/* For each kind of case the function that runs one turn, and the one that prints the metrics. */
 static const struct {
 	void (*turn)(run *r);
 	void (*print)(run *r);

@@ -1,9 +1,9 @@
 /*
- * jobs_subject: the interface between the suite `jobs` and a job system. C and C++.
+ * jobs_subject: the interface between the suite `jobs` and a subject, which is a job system. C and C++.
  *
- * A subject fills the table below; its program is that table linked with jobs_run.c, which runs one case (jobs_cases.h)
- * and verifies that each job ran exactly once with the right result. Jobs are C functions called through a pointer, for
- * every subject.
+ * A subject fills the table below; its program is that table linked with jobs_run.c, which runs one case (a workload,
+ * jobs_cases.h) and verifies that each job ran exactly once with the right result. Jobs are C functions called through
+ * a pointer, for every subject.
  */
 #ifndef JOBS_SUBJECT_H
 #define JOBS_SUBJECT_H
@@ -23,7 +23,8 @@ typedef void jobs_range_fn(uint32_t begin, uint32_t end, uint32_t worker, void *
  * and is skipped in cases that need it. */
 typedef struct jobs_subject {
 	const char *name;
-	/* True: times are divided by the number of threads that can run at once, the lower bound of a parallel loop. */
+	/* True for a serial loop that stands for an ideal job system: its times are divided by the number of threads that
+	 * can run at once, which gives the lower bound of a parallel loop. */
 	bool ideal;
 	/* Starts the job system with `threads` threads, the caller included; false if it failed. steals: stolen_at will be
 	 * called. */
@@ -34,7 +35,8 @@ typedef struct jobs_subject {
 	void (*inside)(void (*body)(void *context), void *context);
 	/* Submits jobs fn(data + i), i in [0, count), one by one; returns when all have run. */
 	void (*spawn)(jobs_fn *fn, char *data, uint32_t count);
-	/* The same from a thread that does not belong to the job system. [any-thread]: several call it at once. */
+	/* The same as spawn, called by a thread that does not belong to the job system. [any-thread]: several call it at
+	 * once. */
 	void (*outside)(jobs_fn *fn, char *data, uint32_t count);
 	/* Submits the jobs fn(i, i + 1), i in [0, count), in one call; returns when all have run. */
 	void (*array)(jobs_range_fn *fn, void *context, uint32_t count);
@@ -47,7 +49,7 @@ typedef struct jobs_subject {
 	/* Submits one job without waiting for it; `wait` returns when it has run. */
 	void (*submit)(jobs_fn *fn, void *data);
 	void (*wait)(void);
-	/* Between these two calls the subject may keep its threads awake. */
+	/* Begin and end a phase, in which the subject may keep its threads awake. */
 	void (*phase_begin)(void);
 	void (*phase_end)(void);
 	/* The time (bench_child_now_ns) at which a thread took the last job from another thread's queue. */

@@ -1,4 +1,5 @@
-/* OpenMP. Tasks need a parallel region, so every spawn opens one. Its threads spin between regions. */
+/* OpenMP as a subject of the suite `jobs`. Tasks need a parallel region, so every spawn opens one. OpenMP's threads
+ * spin between regions. */
 #include "bench/jobs/jobs_subject.h"
 
 #include <omp.h>

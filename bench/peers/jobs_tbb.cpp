@@ -1,5 +1,5 @@
-/* oneTBB. A case runs inside an arena of the requested number of threads; the default arena has no more threads than
- * there are CPUs. */
+/* oneTBB as a subject of the suite `jobs`. A case runs inside an arena of the requested number of threads, since the
+ * default arena has no more threads than there are CPUs. */
 #include "bench/jobs/jobs_subject.h"
 
 #include <atomic>
@@ -104,7 +104,7 @@ jobs_subject describe()
 	return tbb;
 }
 
-/* The static partitioner: every thread gets an equal part in advance. */
+/* oneTBB with the static partitioner, which gives every thread an equal part of a loop in advance. */
 jobs_subject describe_static()
 {
 	jobs_subject tbb = {};

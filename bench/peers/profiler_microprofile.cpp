@@ -1,5 +1,5 @@
-/* microprofile, all groups enabled. MicroProfileFlip empties the buffers of all threads; it is called between the
- * turns. */
+/* The profiler microprofile as a subject of the suite `profiler`, all groups of zones enabled. MicroProfileFlip empties
+ * the buffers of all threads; it is called after each turn (PROFILER_TURN zones), untimed. */
 #define MICROPROFILE_WEBSERVER 0
 #include <microprofile.h>
 

@@ -16,7 +16,7 @@ typedef struct entry {
 typedef struct subject_queue {
 	ck_fifo_mpmc_t fifo;
 	__attribute__((aligned(128)))
-	entry *chains; /* returned by consumers. Release in give_entry, pairs with the acquire in take_entry */
+	entry *chains; /* used, given back by consumers. Release in give_entry, pairs with the acquire in take_entry */
 } subject_queue;
 
 typedef struct subject_thread {
@@ -38,7 +38,7 @@ static void subject_enter(subject_queue *queue, subject_thread *self, uint32_t t
 	(void)queue, (void)self, (void)thread;
 }
 
-/* Allocates a chain as one block. */
+/* Allocates a chain of CHAIN entries as one block of memory. */
 static entry *new_chain(void)
 {
 	entry *block = load_allocate(CHAIN * sizeof *block);

@@ -13,7 +13,7 @@ typedef struct cell {
 
 typedef struct subject_queue {
 	cell cells[CELLS];
-	__attribute__((aligned(128))) uint64_t in; /* next ticket; relaxed: the cells' turns order the items */
+	__attribute__((aligned(128))) uint64_t in; /* next ticket of push; relaxed: the cells' turns order the items */
 	__attribute__((aligned(128))) uint64_t out;
 } subject_queue;
 

@@ -1,5 +1,6 @@
-/* The suite `profiler`: the cost of recording beside the cost of reading the clock, and of captures, files and
- * snapshots of recorded events. The cases are in profiler_cases.h. */
+/* The suite `profiler`: compares the cost of recording a zone (a named span of code) with that of reading the clock,
+ * for Stilb's profiler and others, and measures captures, files and snapshots of recorded events. The cases are in
+ * profiler_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/profiler/profiler_cases.h"
 
@@ -34,7 +35,7 @@ static const bench_metric frame_metrics[] = {
 	{"mark", "ns", true, NULL},
 };
 static const bench_metric capture_metrics[] = {
-	{"frame", "us", true, NULL}, /* median before the capture */
+	{"frame", "us", true, NULL}, /* median frame time before the capture */
 	{"worst-before", "us", true, NULL}, {"worst-during", "us", true, NULL},
 	{"stall", "us", true, NULL}, /* worst-during minus frame */
 	{"mark", "us", true, NULL},  /* the longest frame mark during the capture */
@@ -109,7 +110,7 @@ static const bench_subject subjects[] = {
 
 typedef struct goal {
 	const char *what, *on, *subject, *metric;
-	double bound; /* of the median; 0: none */
+	double bound; /* bound of the median; 0: it is only printed */
 	bool at_least;
 	const char *note;
 } goal;

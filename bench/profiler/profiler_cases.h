@@ -1,17 +1,18 @@
-/* profiler_cases: the cases of the suite `profiler`, known to stilb-bench and to the programs of the subjects. */
+/* profiler_cases: the cases (measurements) of the suite `profiler`; included by stilb-bench and by the programs that it
+ * starts, one for each subject (a profiler). A zone is a named span of code whose begin and end are recorded. */
 #ifndef PROFILER_CASES_H
 #define PROFILER_CASES_H
 
-/* The kinds of measurement. "In turns": two loops alternate in one process. */
+/* The kinds of measurement. "In turns": the two loops that are compared alternate in one process. */
 typedef enum profiler_kind {
 	PROFILER_ZONE,     /* an empty zone and two bare reads of the clock, in turns */
-	PROFILER_NEXT,     /* a zone that begins at the end of the one before, the same way */
-	PROFILER_PRECISE,  /* an empty zone whose end waits for the instructions before it, the same way */
+	PROFILER_NEXT,     /* a zone that begins where the last one ended, and bare reads of the clock, in turns */
+	PROFILER_PRECISE,  /* an empty zone whose end waits for the instructions before it, and bare reads, in turns */
 	PROFILER_WORK,     /* work of 41 ns with and without a zone around it, in turns */
 	PROFILER_OFF,      /* a loop with and without a zone in it, in turns, while recording is off */
-	PROFILER_TWO,      /* an empty zone on one thread and on two at once, in turns */
+	PROFILER_TWO,      /* an empty zone on one thread and on two at once, in turns: do threads slow each other? */
 	PROFILER_WORST,    /* the slowest of ten million zones */
-	PROFILER_FRAME,    /* a frame mark */
+	PROFILER_FRAME,    /* a frame mark, which ends one frame of the program and begins the next */
 	PROFILER_CAPTURE,  /* capturing 300 frames, 2 threads with 5,000 zones each, while further frames are recorded */
 	PROFILER_FILE,     /* writing such a capture to a file, and reading it back */
 	PROFILER_LIVE,     /* the snapshot that an overlay takes in every frame */

@@ -1,4 +1,4 @@
-/* References of the suite `profiler`: two reads of a clock, nothing recorded. */
+/* References of the suite `profiler`, lower bounds for its zones: two reads of a clock, nothing recorded. */
 #include "bench/profiler/profiler_run.h"
 
 static void thread_nothing(const char *name)

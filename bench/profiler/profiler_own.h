@@ -1,5 +1,6 @@
-/* profiler_own: the cases of the suite `profiler` that only Stilb's profiler has. Each function runs one case for about
- * `seconds`, prints its metrics and returns the exit status. [main-thread] */
+/* profiler_own: the cases of the suite `profiler` that only Stilb's profiler has (profiler_cases.h). Each function runs
+ * one case, if it has a parameter `seconds` for about that long, prints its metrics and returns the exit status.
+ * [main-thread] */
 #ifndef PROFILER_OWN_H
 #define PROFILER_OWN_H
 

@@ -15,8 +15,8 @@
 #include <sys/stat.h>
 
 #define FRAMES 300u
-#define ZONES 5000u        /* of each thread in each frame */
-#define RING (1u << 21)    /* events: 300 frames, and those recorded while they are copied */
+#define ZONES 5000u        /* zones (named spans of code) of each thread in each frame */
+#define RING (1u << 21)    /* events that a thread's ring holds: 300 frames, and those recorded during the copy */
 #define PERIOD_NS 5000000u /* length of a frame */
 #define SAMPLES_MAX 65536u
 
@@ -38,7 +38,7 @@ static double median(double *values, uint32_t count)
 	return 0.5 * (values[count / 2] + values[(count - 1) / 2]);
 }
 
-/* Records ZONES zones: groups of ten inside an outer one. */
+/* Records ZONES zones: groups of ten, of which one encloses the other nine. */
 static void record_frame(void)
 {
 	for (uint32_t i = 0; i < ZONES / 10; i++) {
@@ -62,7 +62,7 @@ static void temporary_path(char *path, size_t size)
 static struct {
 	pthread_t thread;
 	sem_t begin, end;
-	_Atomic int stop; /* relaxed: published by the semaphores */
+	_Atomic int stop; /* relaxed: the semaphores publish it */
 } second;
 
 static void *second_main(void *unused)
@@ -120,7 +120,7 @@ static frame_times frame_run(uint64_t *due)
 }
 
 static struct {
-	atomic_int done; /* release by the capturing thread, pairs with the acquire of the frame loop */
+	atomic_int done; /* release in on_captured, by the capturing thread; pairs with the acquire in the frame loop */
 	int error;
 	uint32_t frames;
 } captured;
@@ -228,7 +228,7 @@ int profiler_own_file(void)
 	bench_child_metric("read", megabytes_a_second(bytes, begin));
 	unlink(path);
 	uint64_t zones = count_zones(&taken), again = count_zones(&back);
-	/* In the file, frames are zones of a lane of their own. */
+	/* At least as many: in the file each frame is a zone, too, in a lane (row of the timeline) for frames. */
 	if (zones < UINT64_C(2) * FRAMES * ZONES || again < zones)
 		bench_child_fail("wrong result: %llu zones written, %llu read back", (unsigned long long)zones,
 		                 (unsigned long long)again);
@@ -270,7 +270,7 @@ int profiler_own_live(double seconds)
 
 /* ---- switches ---------------------------------------------------------------------------------------------------- */
 
-/* The kernel's count of context switches of the calling thread. */
+/* The number of context switches of the calling thread, voluntary and not, that the kernel has counted. */
 static uint64_t kernel_switches(void)
 {
 	FILE *file = fopen("/proc/thread-self/status", "r");
@@ -286,7 +286,8 @@ static uint64_t kernel_switches(void)
 	return slept + preempted;
 }
 
-/* Reads both counts with no switch in between: the kernel's is the same before and after the snapshot. */
+/* Reads the kernel's count of switches and the number that the profiler has recorded, again until the kernel's count is
+ * the same before and after the profiler's snapshot, so that no switch lies between the two. */
 static void count_switches(uint64_t *kernel, uint64_t *seen)
 {
 	stilb_prof_snapshot snapshot = {0};
@@ -304,11 +305,11 @@ static void count_switches(uint64_t *kernel, uint64_t *seen)
 
 int profiler_own_switches(double seconds)
 {
-	uint64_t most = 1000; /* so few always fit into the kernel's ring */
+	uint64_t most = 1000; /* so few switches always fit into the ring buffer from which the profiler reads them */
 	uint64_t kernel_before, kernel_after, seen_before, seen_after;
 	stilb_prof_switches_set(true);
 	check(stilb_prof_thread_begin("main"), "a ring");
-	PROFILE("switches"); /* switches are kept from the first zone on */
+	PROFILE("switches"); /* the profiler keeps a thread's switches from its first zone on */
 	count_switches(&kernel_before, &seen_before);
 	for (uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9), i = 0; i < most && bench_child_now_ns() < end;
 	     i++)

@@ -1,5 +1,5 @@
-/* main of the programs of the suite `profiler`: runs one case with one subject, checks that every zone was recorded,
- * prints the metrics. */
+/* main of the programs of the suite `profiler`: runs one case (profiler_cases.h) with one subject (a profiler), checks
+ * that every zone was recorded, prints the metrics. */
 #include "bench/profiler/profiler_run.h"
 
 #include <pthread.h>
@@ -38,7 +38,8 @@ static void loop_work(uint32_t count)
 
 /* ---- turns ------------------------------------------------------------------------------------------------------- */
 
-/* Times of two loops that take turns. */
+/* Times of two loops that take turns, ns for each pass through the body: those of the loops, second / first, and
+ * second - first. */
 typedef struct turns {
 	uint32_t count;
 	double first[TURNS_MAX], second[TURNS_MAX], ratio[TURNS_MAX], difference[TURNS_MAX];
@@ -74,11 +75,11 @@ static void turns_add(double first, double second)
 	samples.difference[i] = second - first;
 }
 
-/* Runs the two loops in turns for so many seconds; returns the number of zones of the second. */
+/* Runs the two loops in turns for so many seconds; returns the number of zones that the second loop has recorded. */
 static uint64_t turns_run(const profiler_subject *subject, profiler_loop *first, profiler_loop *second, double seconds)
 {
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
-	second(PROFILER_TURN); /* not measured: page faults */
+	second(PROFILER_TURN); /* not measured, since it takes the page faults */
 	uint64_t zones = PROFILER_TURN;
 	while (samples.count < TURNS_MAX && (samples.count < 8 || bench_child_now_ns() < end)) {
 		if (subject->frame)
@@ -133,8 +134,8 @@ static void run_off(const profiler_subject *subject, double seconds)
 static struct {
 	const profiler_subject *subject;
 	pthread_barrier_t barrier;
-	_Atomic int stop; /* relaxed: published by the barrier */
-	double ns;        /* of the second thread's turn; published by the barrier */
+	_Atomic int stop; /* relaxed: the barrier publishes it */
+	double ns;        /* time of a zone in the second thread's turn; the barrier publishes it */
 } two;
 
 static void *two_second(void *unused)
@@ -234,7 +235,7 @@ static void run_worst(const profiler_subject *subject)
 	uint32_t *ticks = malloc(WORST_ZONES * sizeof *ticks);
 	if (!ticks)
 		bench_child_fail("out of memory");
-	memset(ticks, 1, WORST_ZONES * sizeof *ticks); /* page faults happen now */
+	memset(ticks, 1, WORST_ZONES * sizeof *ticks); /* page faults happen now, not while zones are timed */
 	double scale = ns_per_tick();
 	worst_fill(subject, ticks);
 	qsort(ticks, WORST_ZONES, sizeof *ticks, order_ticks);

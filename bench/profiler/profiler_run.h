@@ -1,7 +1,7 @@
 /*
- * profiler_run: the interface between the suite `profiler` and a profiler, and the loops that all profilers are
- * measured with. C and C++. A subject's file defines PROFILER_SCOPE, a zone that lasts to the end of the enclosing
- * scope, includes this header and defines profiler_subjects; profiler_run.c has main.
+ * profiler_run: the interface between the suite `profiler` and a subject, which is a profiler, and the loops that all
+ * profilers are measured with. C and C++. A subject's file defines PROFILER_SCOPE, a zone (recorded span of code) that
+ * lasts to the end of the enclosing scope, includes this header and defines profiler_subjects; profiler_run.c has main.
  */
 #ifndef PROFILER_RUN_H
 #define PROFILER_RUN_H
@@ -35,8 +35,8 @@ typedef struct profiler_subject {
 extern const profiler_subject *const profiler_subjects[];
 
 /* Steps of profiler_work, the work of the case `work`: multiplications and additions that depend on each other, 4
- * cycles each; 41 ns at 3.7 GHz, the work with which other profilers were measured. It has no branch: a mispredicted
- * one, which depends on the code around it, would be measured instead. */
+ * cycles each; 41 ns at 3.7 GHz, the work with which other profilers were measured. It has no branch: the code around a
+ * branch affects how often it is mispredicted, and that would be measured instead. */
 #define PROFILER_WORK_STEPS 38
 
 extern uint64_t profiler_work_value;

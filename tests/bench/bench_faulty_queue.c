@@ -1,11 +1,12 @@
-/* Stands in for stilb-bench-queue-own, with faults that the load must notice: sutter returns an item twice,
- * stilb-low-lock loses one, stilb-lock-free changes one, so that only the sums differ. mutex has no fault. */
+/* Stands in for stilb-bench-queue-own, the benchmark program of the queues named below, with faults that the check of
+ * queue_load.h must notice: sutter returns an item twice, stilb-low-lock loses an item, stilb-lock-free changes an
+ * item, which only the sums of the items show. mutex has no fault. */
 #include <stdint.h>
 
 typedef struct subject_queue {
 	struct stilb_job_queue *queue;
 	uint64_t pops; /* counted by the only consumer */
-	char fault;    /* '1': an item twice, '0': an item lost, '~': an item changed, ' ': none */
+	char fault;    /* '1': an item comes twice, '0': one is lost, '~': one is changed, ' ': no fault */
 } subject_queue;
 
 typedef char subject_thread;

@@ -10,7 +10,8 @@ static int bench_code(const char *line)
 	return stilb_code(NULL, line);
 }
 
-/* stilb_good would want an empty stderr, but finished rounds are printed there. */
+/* Runs stilb-bench, which must succeed. stilb_good would require an empty stderr, but stilb-bench prints there each
+ * round that it has finished. */
 static void bench_good(const char *line)
 {
 	int code = bench_code(line);
@@ -86,7 +87,7 @@ static void test_refusals(void **state)
 
 /* ---- a small run ------------------------------------------------------------------------------------------------- */
 
-/* The index in the array "rows" of a case, a subject and a metric, or -1. */
+/* The index, in the JSON file's array "rows", of the row of a case, a subject and a metric, or -1. */
 static int row_of(const char *case_name, const char *subject, const char *metric)
 {
 	for (int i = 0;; i++) {
@@ -118,7 +119,8 @@ static double row_value(const char *case_name, const char *subject, const char *
 	return strtod(stat_text(path, '0'), NULL);
 }
 
-/* Asserts min <= median <= max and the number of runs; returns the median. */
+/* Asserts that the row of a case, a subject and a metric has min <= median <= max and this number of runs; returns the
+ * median. */
 static double assert_row(const char *case_name, const char *subject, const char *metric, int runs)
 {
 	double median = row_value(case_name, subject, metric, "median");
@@ -167,7 +169,7 @@ static void test_small_run(void **state)
 	assert_int_equal(folder_entries(), 1);
 }
 
-/* Every run of a cull subject verifies its visible set, so a run that succeeds was right. */
+/* Every run of the suite `cull` checks which models its way of culling finds, so a run that succeeds was right. */
 static void test_small_run_of_cull(void **state)
 {
 	(void)state;
@@ -211,7 +213,7 @@ static void test_json_goes_where_it_is_told(void **state)
 
 /* ---- programs with faults ---------------------------------------------------------------------------------------- */
 
-/* The load notices an item that is lost, repeated or changed, and the program reports it. */
+/* The check of queue_load.h notices an item that is lost, repeated or changed, and stilb-bench reports it. */
 static void test_wrong_results_are_failures(void **state)
 {
 	(void)state;
@@ -230,7 +232,7 @@ static void test_wrong_results_are_failures(void **state)
 		read_stats("a.json");
 		assert_int_equal(row_of("1P1C", faulty[i], "throughput"), -1);
 		assert_row("1P1C", "mutex", "throughput", 1);
-		/* The run was long enough: the others' fault is at item 1000. */
+		/* The run was long enough for the faults, which the other queues have at item 1000. */
 		assert_true(row_value("1P1C", "mutex", "items", "median") > 2000.0);
 	}
 }
@@ -247,7 +249,7 @@ static void test_programs_that_hang_or_die(void **state)
 		copy_code(NULL,
 	              "queue --give-up 2 --quick --seconds 0.01 --rounds 2 --case 1P1C --only mutex,sutter --json a.json"),
 		0);
-	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* and is not run in the second round */
+	assert_said(run.out, "TIMED OUT in 1 of 1 runs"); /* so sutter was not run again in the second round */
 	read_stats("a.json");
 	assert_true(assert_row("1P1C", "mutex", "throughput", 2) == 7.0);
 	assert_true(row_value("1P1C", "sutter", "timed-out", "median") == 1.0);
@@ -278,7 +280,8 @@ static void test_programs_that_hang_or_die(void **state)
 
 /* ---- in words ---------------------------------------------------------------------------------------------------- */
 
-/* The three sentences at the end of stdout; without --goals nothing says "goal" or "MISSED". */
+/* Returns the three sentences at the end of stdout. Asserts that nothing says "goal" or "MISSED", which only runs with
+ * --goals do. */
 static const char *last_words(void)
 {
 	const char *words = strstr(run.out, "\nqueue: ");

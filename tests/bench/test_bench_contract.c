@@ -1,4 +1,5 @@
-/* Violations of the contracts of bench/harness, planted: unsound tables of suites, wrong options, rows, child runs. */
+/* Breaks the contracts of the benchmark harness (bench/harness) on purpose, and expects the assertion that names each:
+ * unsound tables of suites, wrong options, wrong rows, wrong calls to run a child process. */
 #include "support/test.h"
 
 #include "support/contract.h"

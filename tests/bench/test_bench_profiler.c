@@ -1,5 +1,5 @@
-/* stilb-bench profiler: short runs of the real programs, which check their own results, and verdicts of goals for given
- * numbers. */
+/* stilb-bench profiler: short runs of the real programs, which check their own results, and the verdicts (met, MISSED)
+ * of goals for numbers that stand-ins for the programs print. */
 #include "support/bench_program.h"
 
 static void test_list(void **state)
@@ -14,7 +14,7 @@ static void test_list(void **state)
 		assert_said(run.out, words[i]);
 }
 
-/* Each program fails if its zones were not recorded, or if they were recorded while recording was off. */
+/* Each program fails if its profiler did not record all zones, or recorded zones while recording was off. */
 static void test_runs(void **state)
 {
 	(void)state;

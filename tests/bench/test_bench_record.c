@@ -1,4 +1,5 @@
-/* stilb-bench record: short runs of the real programs, verdicts of goals for given numbers, and wrong pictures. */
+/* stilb-bench record: short runs of the real programs; verdicts (met, MISSED) of goals for numbers that stand-ins for
+ * the programs print; wrong pictures. */
 #include "support/bench_program.h"
 
 static char programs[PATH_MAX]; /* folder of stilb-bench and its programs */
@@ -57,7 +58,8 @@ static void test_list(void **state)
 
 /* ---- the real programs ------------------------------------------------------------------------------------------- */
 
-/* Each run verifies its stream hash, so exit code 0 is the main assertion here. */
+/* Each run compares its stream hash, a checksum of all draws in order, with the expected one, so exit code 0 is the
+ * main assertion here. */
 static void test_null_device(void **state)
 {
 	(void)state;
@@ -109,7 +111,7 @@ static void test_pictures_are_the_same(void **state)
 		for (int i = 0; i < 3; i++)
 			assert_true(some(cases[c], replays[i], "least") <= some(cases[c], replays[i], "frame"));
 	assert_true(some("picture", "vulkan-bare", "cpu") > 0.0);
-	assert_true(isnan(row_median("picture-bind", "vulkan-bare", "frame"))); /* it has no such case */
+	assert_true(isnan(row_median("picture-bind", "vulkan-bare", "frame"))); /* vulkan-bare does not have the case */
 	assert_said(run.out, "lavapipe frame / bare Vulkan");
 }
 
@@ -199,7 +201,7 @@ static void test_goals(void **state)
 
 /* ---- picture of the numbers -------------------------------------------------------------------------------------- */
 
-/* gnuplot is a stand-in that keeps its script and writes a word into the file that it names. */
+/* gnuplot is a stand-in that keeps a copy of its script and writes a word into the picture file that it names. */
 static void test_plot(void **state)
 {
 	(void)state;

@@ -1,5 +1,5 @@
-/* stilb-bench shade: short runs of the real program, which compares every implementation with the formula in double,
- * and the verdict of the goal for given numbers. */
+/* stilb-bench shade: short runs of the real program, which compares every implementation of a BRDF with its formula in
+ * double, and the verdict of the goal for numbers that a stand-in for the program prints. */
 #include "support/bench_program.h"
 
 static const char *const names[] = {"wrapped", "phong-modified", "blinn-phong-modified", "minimalist",
@@ -30,7 +30,7 @@ static void test_runs(void **state)
 	assert_said(run.out, "goal: ggx within 1.1 x");
 }
 
-/* Asserts the goal's verdict if the program prints this ratio. */
+/* Asserts that the goal has this verdict if the program prints `ratio` as the ratio of-hand (headers / by hand). */
 static void assert_goal(const char *ratio, const char *verdict)
 {
 	char program[256];

@@ -81,7 +81,7 @@ static void test_sweep(void **state)
 	assert_said(run.out, "null-few: null device, one model in a hundred in view (101)");
 	assert_said(run.out, "efficiency");
 	assert_said(run.out, "cull and record, which workers share, are");
-	assert_null(strstr(run.out, "vulkan-all:")); /* was not chosen */
+	assert_null(strstr(run.out, "vulkan-all:")); /* a case that --case did not choose */
 	read_stats("a.json");
 	assert_string_equal(stat_text("suite", '"'), "threads");
 	static const char *const cases[] = {"null-all", "null-half", "null-few"};
@@ -152,12 +152,12 @@ static void test_experiments(void **state)
 	assert_true(some("dedicated", "dedicated", "latency") > 0.0);
 	assert_true(zones("dedicated", "dedicated", "render", "record") >= 1);
 	some("mutex-vs-lowlock", "no-queue", "frame");
-	assert_true(isnan(row_median("mutex-vs-lowlock", "no-queue", "waiting"))); /* it has no workers */
+	assert_true(isnan(row_median("mutex-vs-lowlock", "no-queue", "waiting"))); /* no-queue has no workers that wait */
 	for (size_t q = 0; q < sizeof queues / sizeof *queues; q++) {
 		double recording = some("mutex-vs-lowlock", queues[q], "recording");
 		double waiting = some("mutex-vs-lowlock", queues[q], "waiting");
 		assert_true(recording < 100.0 && waiting < 100.0);
-		/* It may be a little below 0, since the clock's cost is subtracted from the other parts. */
+		/* no-work is the rest to 100 %. The cost of reading the clock is subtracted elsewhere, so it may be below 0. */
 		assert_true(row_median("mutex-vs-lowlock", queues[q], "no-work") > -1.0);
 		assert_true(zones("mutex-vs-lowlock", queues[q], "worker 1", "record") >= 1);
 		assert_true(zones("mutex-vs-lowlock", queues[q], "main", "feed") >= 1);
@@ -167,11 +167,11 @@ static void test_experiments(void **state)
 	assert_true(some("stolen", "stilb-workers-0", "worst") >= some("stolen", "stilb-workers-0", "during"));
 	assert_true(zones("stolen", "stilb-workers-0", "main", "record segment") >= 40);
 	assert_said(run.out, "timelines of the slowest frames: traces/");
-	/* One timeline for each pair: those of single rounds were removed. */
+	/* One timeline is left for each subject in each case: that of the slowest round. */
 	assert_int_equal(system("test $(ls traces | wc -l) = 9 && rm -r traces"), 0);
 }
 
-/* A run fails if its command stream is not the expected one. */
+/* A run fails if its stream hash, a checksum of its draws in order, is not the expected one in its argument. */
 static void test_another_stream_is_a_failure(void **state)
 {
 	(void)state;
