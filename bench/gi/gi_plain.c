@@ -165,7 +165,8 @@ static float power_heuristic(float a, float b)
 	return a * a / (a * a + b * b);
 }
 
-/* Radiance reflected directly from one light sample, uniform over the area of all lights, with MIS weight. */
+/* Radiance reflected directly from one point on a light, chosen uniformly over the area of all lights, with the weight
+ * of multiple importance sampling (MIS). */
 static vec direct(const gi_plain *plain, vec position, vec n, vec diffuse, uint64_t *random, uint64_t *rays)
 {
 	float at = random_next(random) * plain->light_area;

@@ -237,7 +237,8 @@ static samples *samples_make(const gi_view *view)
 	return s;
 }
 
-/* Runs the camera stage over the picture; returns its time in seconds. */
+/* Runs the renderer's camera stage (camera rays and the surfaces that they hit) over the picture; returns its time in
+ * seconds. */
 static double primary_pass(const gi_view *view, const gi_camera *camera, const samples *s, gi_primary *primary)
 {
 	stilb_isa isa;

@@ -270,8 +270,8 @@ static const bench_row *panel_row(const bench_results *results, const bench_pane
 	return bench_find(results, case_name, subject->name, panel->metric);
 }
 
-/* Prints "3.10 [2.50-4.40]", how many times as good as theirs our row is: the median and range over the rounds of our
- * value / theirs, or theirs / ours if less is better. */
+/* Prints how many times as good as row `their` row `our` is, as "3.10 [2.50-4.40]": the median and range over the
+ * rounds of our value / their value, inverted if less is better. */
 static void print_times(FILE *out, const bench_results *results, const bench_row *our, const bench_row *their)
 {
 	bench_ratio ratio = {BENCH_NO_NUMBER, 0.0, 0.0};

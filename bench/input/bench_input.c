@@ -1,4 +1,5 @@
-/* The suite `input`: the CPU time that gamepads take. The cases are in input_cases.h. */
+/* The suite `input`: measures the CPU time that recognising and reading gamepads takes. The cases are in
+ * input_cases.h. */
 #include "bench/harness/bench.h"
 #include "bench/input/input_cases.h"
 

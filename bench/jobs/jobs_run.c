@@ -17,7 +17,7 @@
 #define LINE 128                         /* two cache lines: the adjacent-line prefetcher pairs them */
 #define MAX_THREADS 16                   /* outside threads of a case */
 #define MAX_SAMPLES (1u << 20)           /* of a metric; later samples are dropped */
-#define START_TIMEOUT (200 * NS_PER_MS)  /* if no worker has started the job by then, the submitter waits and helps */
+#define START_TIMEOUT (200 * NS_PER_MS)  /* the submitter then waits, and so helps, if no worker has started the job */
 #define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* the warm-up ends then, even if some thread has not run a job */
 #define BURN_WINDOW (20 * NS_PER_MS)     /* time after the last job for whose CPU time the metric `burnt` stands */
 
@@ -161,8 +161,9 @@ typedef struct run {
 	uint64_t turns;     /* measured so far */
 	uint32_t divisor;   /* all times are divided by it: 1, or for `ideal` the number of threads that can run at once */
 	samples turn_times; /* the time of each turn */
-	samples starts, submits,
-		steals; /* JOBS_WAKE, JOBS_STEAL: from submit until the job starts, submit returns, it is taken */
+	/* JOBS_WAKE, JOBS_STEAL: times from the call of submit until the job starts, until submit returns, and until
+	 * another thread takes the job. */
+	samples starts, submits, steals;
 	/* The time at which the job of turn_start started, ns; 0 before. Release in start_job, pairs with the acquire in
 	 * turn_start. */
 	alignas(LINE) _Atomic uint64_t started;

@@ -1,4 +1,4 @@
-// boost::lockfree::queue, unbounded, with QUEUE_LOAD_BOUNDED nodes allocated in advance.
+// A subject of the suite `queue`: boost::lockfree::queue, unbounded; QUEUE_LOAD_BOUNDED nodes are allocated in advance.
 #include <boost/lockfree/queue.hpp>
 
 typedef boost::lockfree::queue<void *> *subject_queue;

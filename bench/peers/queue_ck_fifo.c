@@ -1,6 +1,6 @@
-/* Concurrency Kit's linked queue for many producers and consumers. Its user provides the nodes: here consumers return
- * used ones to the producers in chains of 256, so memory is allocated only while the queue grows. This is an advantage
- * over queues that allocate in each call. */
+/* A subject of the suite `queue`: Concurrency Kit's linked queue for many producers and consumers. Its user provides
+ * the nodes: here consumers return used nodes to the producers in chains of 256, so memory is allocated only while the
+ * queue grows. This is an advantage over queues that allocate in each call. */
 #include <ck_fifo.h>
 
 #include <stdint.h>
@@ -20,7 +20,7 @@ typedef struct subject_queue {
 } subject_queue;
 
 typedef struct subject_thread {
-	entry *free, *chains; /* producer: entries to use, and chains to continue with; consumer: free is its chain */
+	entry *free, *chains; /* producer: entries to use, then chains of them; consumer: free is the chain of used ones */
 	uint32_t count;       /* consumer: length of free */
 } subject_thread;
 #define SUBJECT_BATCH 0

@@ -1,4 +1,4 @@
-/* Concurrency Kit's bounded ring for many producers and consumers. */
+/* A subject of the suite `queue`: Concurrency Kit's bounded ring for many producers and consumers. */
 #include <ck_ring.h>
 
 typedef struct subject_queue {

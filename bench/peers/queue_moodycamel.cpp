@@ -1,4 +1,5 @@
-// moodycamel::ConcurrentQueue. MOODYCAMEL_TOKENS 1: every thread has a token, and batches use the bulk calls.
+// Two subjects of the suite `queue`: moodycamel::ConcurrentQueue; with MOODYCAMEL_TOKENS 1 every thread has a token,
+// the library's object for a thread's faster access to the queue, and batches use the bulk calls.
 #include <concurrentqueue/concurrentqueue.h>
 
 typedef moodycamel::ConcurrentQueue<void *> queue_type;

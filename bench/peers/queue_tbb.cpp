@@ -1,4 +1,4 @@
-// oneTBB: tbb::concurrent_queue, unbounded.
+// A subject of the suite `queue`: oneTBB's tbb::concurrent_queue, unbounded.
 #include <tbb/concurrent_queue.h>
 
 typedef tbb::concurrent_queue<void *> *subject_queue;

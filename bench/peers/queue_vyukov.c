@@ -1,5 +1,5 @@
-/* Vyukov's bounded queue (Dmitry Vyukov, "Bounded MPMC queue", 1024cores.net): a ring of cells, each with a turn number
- * that tells whether it is to be filled or emptied next, and in which round. */
+/* A subject of the suite `queue`: Vyukov's bounded queue (Dmitry Vyukov, "Bounded MPMC queue", 1024cores.net), a ring
+ * of cells, each with a turn number that tells whether the cell is to be filled or emptied next, and in which round. */
 #include <assert.h>
 #include <stddef.h>
 #include <stdint.h>

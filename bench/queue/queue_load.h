@@ -119,7 +119,7 @@ static inline uint32_t queue_load_bucket(uint64_t ticks)
 {
 	if (ticks < QUEUE_LOAD_STEPS)
 		return (uint32_t)ticks;
-	uint32_t shift = 57u - (uint32_t)__builtin_clzll(ticks); /* ticks >> shift is 64..127 */
+	uint32_t shift = 57u - (uint32_t)__builtin_clzll(ticks); /* so that ticks >> shift is 64..127 */
 	uint32_t bucket = shift * QUEUE_LOAD_STEPS + (uint32_t)(ticks >> shift);
 	return bucket < QUEUE_LOAD_BUCKETS ? bucket : QUEUE_LOAD_BUCKETS - 1;
 }
@@ -145,7 +145,7 @@ typedef struct queue_load_sums {
 typedef struct QUEUE_LOAD_ALIGNED queue_load_thread {
 	/* Items pushed or popped. Relaxed: producers only estimate the backlog from it, so an old value is harmless. */
 	uint64_t count;
-	queue_load_sums sums; /* of the items that a consumer popped */
+	queue_load_sums sums; /* sums over the items that a consumer has popped */
 	subject_thread own;
 	uint32_t index;
 	uint64_t end_ns;
@@ -219,7 +219,7 @@ static uint64_t load_sum_counts(uint32_t first, uint32_t end)
 	return sum;
 }
 
-/* Waits while the backlog is too large. */
+/* Waits while the backlog, the number of items pushed but not yet popped, is larger than load_backlog. */
 static void load_throttle(void)
 {
 	uint32_t turns = 0, producers = load_setup.producers;

@@ -87,7 +87,8 @@ typedef struct node {
 	struct node *_Atomic next; /* release in append, pairs with the acquire in node_next */
 } node;
 
-/* The shared variables lie in one block of memory: each on its own cache line in step 4, side by side before. */
+/* The shared variables lie in one block of memory: in steps 1 to 3 side by side, in step 4 each on its own cache
+ * line. */
 typedef struct steps_queue {
 	step step;
 	uint32_t item_strings;

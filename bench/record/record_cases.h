@@ -18,7 +18,7 @@ typedef enum record_kind {
 
 /* The way in which a draw refers to its material. */
 typedef enum record_materials {
-	RECORD_INDEX,    /* an index in the draw's row */
+	RECORD_INDEX,    /* an index in the draw's row, the data of the draw that the shader reads */
 	RECORD_BIND,     /* a descriptor set bound for each draw */
 	RECORD_PIPELINE, /* two pipelines that alternate */
 } record_materials;

@@ -83,7 +83,7 @@ static double ns_per_draw(const run *r, record_samples *samples)
 
 /* ---- the stages of a frame --------------------------------------------------------------------------------------- */
 
-/* Loop body over segments: records the draws of segments [begin, end). */
+/* Body of a parallel loop over segments, each SEGMENT_DRAWS draws: records segments [begin, end). */
 static void hand_record(uint32_t begin, uint32_t end, uint32_t worker, void *data)
 {
 	const run *r = data;
