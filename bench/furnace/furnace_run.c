@@ -12,7 +12,7 @@
 
 #define EXPERIMENTS_A_SECOND 40.0
 #define EXPERIMENTS_LEAST 4u
-#define SERIES_TOLERANCE 1e-5 /* largest error of the share of light that paths of n bounces lose, without variance */
+#define SERIES_TOLERANCE 1e-5 /* largest error of the share of light that paths of n bounces lose; they do not vary */
 #define SIGMAS 5.0
 
 static const uint32_t survivals[] = {

@@ -137,7 +137,7 @@ static void tape_intersect16(const gi_tracer *tracer, const int *valid, gi_ray_h
 	for (uint32_t i = 0; i < 16; i++)
 		if (valid[i]) {
 			gi_ray_hit ray = gi_ray_of(rays, i);
-			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* no hit yet: it is not traced */
+			ray.hit = (gi_hit){.part = GI_NO_PART, .instance = GI_NO_PART}; /* no hit: not traced yet */
 			record_closest(t, &ray);
 		}
 	t->behind.intersect16(&t->behind, valid, rays);
@@ -154,7 +154,7 @@ static void tape_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t count)
 	t->behind.occluded(&t->behind, rays, count);
 }
 
-/* Renders a picture and returns all rays that this traced. */
+/* Renders a picture and returns all rays that the renderer traced for it. */
 static tape record(gi_run_world *world, const stilb_gi_settings *settings)
 {
 	tape t = {.behind = world->gi->tracer};

@@ -69,7 +69,7 @@ typedef struct bench_case {
 } bench_case;
 
 typedef struct bench_subject {
-	const char *name;    /* no white space; starts with "stilb": Stilb's own; all others but references: peers */
+	const char *name;    /* no white space; Stilb's own start with "stilb", the others are peers or references */
 	const char *program; /* file name, in the folder of stilb-bench */
 	const char *package; /* Debian package that the build needs for it, or NULL */
 	const char *note;    /* one line printed below the tables: how it was used; or NULL */
@@ -115,7 +115,7 @@ typedef struct bench_suite {
 	bool traces;           /* true: the programs can write timelines, for --traces */
 	uint32_t quick_rounds; /* rounds with --quick; 0: the harness' own number */
 	double start_seconds;  /* from a program's start until it measures, if more than some milliseconds */
-	/* With --quick a run is killed if it uses more CPU time than 1.5 times its length and this, in s, on each CPU; 0:
+	/* CPU time, in s, that a run with --quick may use on each CPU beyond 1.5 times its length, before it is killed; 0:
 	 * the harness' own number. */
 	double quick_cpu_seconds;
 } bench_suite;

@@ -340,7 +340,7 @@ static void print_comparisons(FILE *out, const bench_results *results)
 typedef struct standing {
 	uint32_t tables;              /* that have both */
 	uint32_t first;               /* those in which Stilb's is at least as good */
-	double least;                 /* least "times as good as the peer" of all tables; 1 if Stilb's is behind in none */
+	double least;                 /* smallest ratio of ours to theirs (1: equally good); 1 if ours is behind in none */
 	const bench_row *our, *their; /* the two of the table with that ratio; NULL if Stilb's is behind in none */
 } standing;
 

@@ -16,7 +16,7 @@
 
 #define QUICK_BUDGET 17.0     /* --quick: seconds for all runs of the suite and for the starts of their processes */
 #define QUICK_DEADLINE 25.0   /* --quick: seconds after which no run starts */
-#define QUICK_CPU_SECONDS 1.5 /* --quick: a run is killed after 1.5 times its length and this, in s, on each CPU */
+#define QUICK_CPU_SECONDS 1.5 /* --quick: CPU time, s, that a run may use on each CPU beyond 1.5 times its length */
 #define CPU_SECONDS 20.0      /* the same without --quick */
 #define MAX_TIMEOUTS 2        /* a subject that timed out so often in a case is not run in it again; --quick: 1 */
 #define PROCESS_SECONDS 0.008 /* the time to start and end a process */

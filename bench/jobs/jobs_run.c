@@ -19,7 +19,7 @@
 #define MAX_SAMPLES (1u << 20)           /* of a metric; later samples are dropped */
 #define START_TIMEOUT (200 * NS_PER_MS)  /* the submitter then waits, and so helps, if no worker has started the job */
 #define WARM_UP_TIMEOUT (50 * NS_PER_MS) /* the warm-up ends then, even if some thread has not run a job */
-#define BURN_WINDOW (20 * NS_PER_MS)     /* time after the last job for whose CPU time the metric `burnt` stands */
+#define BURN_WINDOW (20 * NS_PER_MS)     /* the metric `burnt` is the CPU time used in this time after the last job */
 
 /* ---- samples ------------------------------------------------------------------------------------------------- */
 

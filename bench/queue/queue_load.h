@@ -235,7 +235,7 @@ LOAD_INLINE void load_produce(queue_load_thread *self, queue_load_mode mode)
 	do { /* at least once: on a busy machine a short run may be over before this thread gets a CPU */
 		uint32_t turns = 0;
 		uint64_t begin =
-			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* so the latency includes waiting while it is full */
+			mode == QUEUE_LOAD_LATENCY ? bench_child_ticks() : 0; /* waiting while the queue is full is included */
 		while (!subject_push(&load_queue, &self->own, (void *)++item))
 			item--, load_wait(&turns);
 		load_note(self, mode, begin);

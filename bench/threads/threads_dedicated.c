@@ -31,7 +31,7 @@ typedef struct dedicated {
 	stilb_job_spsc *queue;
 	dedicated_frame frames[FRAMES_IN_FLIGHT];
 	sem_t free_frames;
-	_Atomic bool over;                   /* enough frames; relaxed: a few more do no harm, and it orders nothing */
+	_Atomic bool over;                   /* enough frames measured; relaxed: orders nothing, more are harmless */
 	uint32_t frame_count;                /* frames drawn so far, the warm-up included */
 	threads_series intervals, latencies; /* written by the render thread, read after it is joined */
 } dedicated;
