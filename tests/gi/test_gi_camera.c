@@ -54,7 +54,7 @@ static void rays_undo_the_projection(void **state)
 	}
 }
 
-/* Depth along the view, and the place on the picture plane at 1 m, of a point. */
+/* The depth of a point: its distance from the camera along the direction of view, in metres. */
 static float depth_of(const gi_camera *camera, stilb_vec3 p)
 {
 	return stilb_vec3_dot(p - camera->position, camera->forward);

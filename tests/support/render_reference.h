@@ -1,5 +1,5 @@
-/* Shared by the tests of render and engine: what the null device must report as the hash of the stream of draws, as
- * render.h defines it, computed from the scene alone; and a test that the process has loaded no third-party library. */
+/* Shared by the tests of render and engine: the hash of the stream of draws that a frame must report, as render.h
+ * defines it, computed from the scene alone; and a test that the process has loaded no third-party library. */
 #ifndef RENDER_REFERENCE_H
 #define RENDER_REFERENCE_H
 

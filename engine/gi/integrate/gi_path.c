@@ -18,7 +18,7 @@
 
 #define VERTICES 32       /* that are shaded together: their data fits into the first-level cache */
 #define ROULETTE_BOUNCE 3 /* first bounce at which a path may end by Russian roulette */
-/* The probability of surviving is this times the square root of the throughput; measured best in the Cornell box. */
+/* The probability of surviving is this times the square root of the throughput; measured in the Cornell box. */
 #define ROULETTE_SCALE 1.15f
 
 /* The state of a path; its ray is in path_wave.rays. */
