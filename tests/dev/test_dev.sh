@@ -26,7 +26,7 @@ fresh_project() {
 	touch "$scratch"/project/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
 	cp "$source/dev" "$source/packages.txt" "$scratch/project"
 	local tool
-	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nproc paste rm sed setarch sleep tail true xargs; do
+	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nice nproc paste rm sed setarch sleep tail true xargs; do
 		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
 	done
 	awk '!/^#/ && NF { print "installed", $2 }' "$source/packages.txt" >"$scratch/installed"
@@ -279,6 +279,8 @@ test_summary() {
 	for preset in release clang asan tsan arm64; do
 		called "cmake --preset $preset $options -DSTILB_TESTS=ON"
 	done
+	called "cmake --build --preset asan"
+	called "cmake --build --preset clang --target$(printf ' stilb-tests-%s' jobs profiler base shading numeric culling render gi)"
 	! grep -qE '^(model|truth|viewer|fuzz)' "$scratch/out" || fail "a tier without tests is in the summary"
 
 	grep -q -- '^ctest .*/build/asan .* -LE ^fuzz\$$' "$calls" || fail "the fuzzers run twice"
@@ -300,6 +302,19 @@ test_summary() {
 		require=unit,analyze dev 1 test
 		last_line "14 passed, 1 failed, 0 skipped"
 	done
+
+	fresh_project "the analysis ends with the rest"
+	touch "$scratch/project/build/release/compile_commands.json"
+	rm -f "$scratch/analyzer"
+	stand_in analyze.sh "echo \$\$ >$scratch/analyzer; exec sleep 100"
+	mv "$scratch/bin/analyze.sh" "$scratch/project/tests/tree"
+	stand_in ctest "[[ \$* != *--print-labels* ]] || exit 0; until [ -s $scratch/analyzer ]; do sleep 0.01; done; kill \$PPID"
+	dev 143 test
+	tries=0
+	while kill -0 "$(cat "$scratch/analyzer")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
+		sleep 0.1
+	done
+	[ $tries -le 50 ] || fail "the analysis still runs"
 
 	fresh_project quick
 	dev 0 test --quick
