@@ -17,7 +17,8 @@ typedef enum measure_variant {
 	MEASURE_VARIANTS,
 } measure_variant;
 
-/* One frame: nanoseconds of each stage, and counts of the commands that the device was given. */
+/* One frame: nanoseconds of each stage, and counts of the commands that the device was given. `pass` is the time in
+ * which the device made its commands from all passes. */
 typedef struct measure_frame {
 	double record, order, pass, submit;
 	uint64_t draws, runs, material_binds, pipeline_binds;
@@ -30,7 +31,9 @@ typedef struct measure_job {
 	uint32_t worker;
 	uint32_t order[STILB_RENDER_MAX_PASSES]; /* indices of the passes in replay order */
 	uint32_t lists;                          /* command buffers of a pass: 1, or one for each thread */
-	render_run *runs; /* [draws of the dump] runs (draws with the same bindings) of all streams */
+	/* [draws of the dump] The runs of all streams, one stream after the other; a run is a group of consecutive draws
+	 * with the same bindings, and a stream is one pass as the device gets it: its runs in their final order. */
+	render_run *runs;
 	render_stream streams[STILB_RENDER_MAX_PASSES];
 } measure_job;
 
@@ -83,7 +86,8 @@ static uint32_t measure_runs(const measure_job *job, measure_variant variant, co
 /* Adds a pass's commands to the counts of its frame. */
 static void measure_count(const render_stream *stream, stilb_render_materials materials, measure_frame *frame)
 {
-	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0; /* the first bindings are part of KIND_BEGIN */
+	/* Starts from the first run's own state, so its bindings are not counted: they are part of KIND_BEGIN's cost. */
+	uint64_t state = stream->run_count > 0 ? stream->runs[0].state : 0;
 	for (uint32_t r = 0; r < stream->run_count; r++) {
 		uint32_t binds = render_binds_between(materials, state, stream->runs[r].state);
 		frame->material_binds += (binds & RENDER_BIND_MATERIAL) != 0;
@@ -94,7 +98,8 @@ static void measure_count(const render_stream *stream, stilb_render_materials ma
 	frame->runs += stream->run_count;
 }
 
-/* Builds the streams of a variant, so that only the device's work is left to be timed. */
+/* Builds the streams of all passes for a variant and counts their commands into *frame. The caller does this before it
+ * reads the clock, so that it times the device's work alone. */
 static void measure_streams(measure_job *job, measure_variant variant, measure_frame *frame)
 {
 	stilb_render *render = job->render;
@@ -173,7 +178,8 @@ static stilb_result measure_frame_run(measure_job *job, measure_variant variant,
 enum { KIND_RECORD, KIND_ORDER, KIND_BEGIN, KIND_DRAW, KIND_INDIRECT, KIND_MATERIAL, KIND_PIPELINE, KIND_SUBMIT };
 static_assert(KIND_SUBMIT + 1 == STILB_RENDER_DUMP_COSTS, "one row a kind");
 
-/* Nanoseconds of one command of each kind, in one round. */
+/* What one round gives, in nanoseconds: ns, the cost of one command of each kind (KIND_...), NAN where it is unknown;
+ * frame, the time of the whole frame `real` without its submission. */
 typedef struct measure_round {
 	double ns[STILB_RENDER_DUMP_COSTS], frame;
 } measure_round;
@@ -199,7 +205,7 @@ static double measure_pipeline(const measure_frame *real, const measure_frame *o
 	return (real->pass - one->pass - binds) / (double)(real->pipeline_binds - one->pipeline_binds);
 }
 
-/* The costs that one round gives; NAN where unknown. */
+/* The costs from the frames of one round, one frame of each variant; NAN where unknown. */
 static measure_round measure_divide(const measure_job *job, const measure_frame frames[MEASURE_VARIANTS])
 {
 	const measure_frame *real = &frames[MEASURE_REAL], *few = &frames[MEASURE_FEW], *plain = &frames[MEASURE_PLAIN];

@@ -131,7 +131,7 @@ struct stilb_render_context {
 	uint32_t overflow_count; /* in this frame */
 	uint32_t overflow_capacity;
 	bool failed;                /* out of memory: pass_end reports it */
-	render_run *runs;           /* [run_count] */
+	render_run *runs;           /* [run_count] of all segments that it has recorded in this frame */
 	render_segment *segment;    /* being recorded, or NULL */
 	uint32_t first_run;         /* index in `runs` of that segment's first */
 	render_overflow *overflows; /* [overflow_count] */
@@ -201,7 +201,7 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 
 typedef struct render_device render_device;
 
-/* A pass ready for the device: its draws in their final order. */
+/* A stream: one pass as the device gets it, with its draws in their final order. */
 typedef struct render_stream {
 	const stilb_render_pass *pass;
 	const stilb_render_view *view;  /* NULL: a 2D pass */
@@ -209,13 +209,13 @@ typedef struct render_stream {
 	const render_command *commands; /* of the frame; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
-	uint64_t draws;
+	uint64_t draws;       /* of all runs together */
 	uint64_t states;      /* bitwise or of all runs' states */
 	stilb_job_pool *pool; /* records secondary command buffers, one a worker */
 	uint32_t worker;      /* the caller's index in pool */
 } render_stream;
 
-/* Part of a stream: count draws, from draw `offset` of run `run` on. */
+/* Part of a stream: `count` consecutive draws; the first is draw number `offset`, from 0, of the stream's run `run`. */
 typedef struct render_part {
 	uint32_t run, offset;
 	uint64_t count;
