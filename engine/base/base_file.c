@@ -12,13 +12,13 @@
 
 /* How a path can be written. */
 typedef enum file_kind {
-	FILE_KIND_REGULAR, /* a regular file, or nothing yet: written beside its place and renamed */
+	FILE_KIND_REGULAR, /* a regular file, or nothing yet: a temporary file beside it is written and renamed to it */
 	FILE_KIND_DIRECT,  /* stdout, a device, a pipe: opened and written */
 	FILE_KIND_REFUSED, /* not at all; the message says why */
 } file_kind;
 
-/* A closed file owns nothing. An open one has a path; if it is written beside its place it has a target, too, and until
- * the rename a temporary name. */
+/* A closed file owns nothing. An open one has a path. One that is written to a temporary file also has a target, the
+ * path with its symbolic links resolved, and until the rename to the target the temporary file's name. */
 static bool file_is_sound(const stilb_file *file)
 {
 	if (!file->stream)
@@ -168,10 +168,10 @@ static FILE *file_open_direct(const char *path)
 
 /* ---- temporary files ------------------------------------------------------------------------------------------------
  *
- * "<target>.<pid>.tmp" beside the target, "<target>.<pid>-<number>.tmp" if that name is taken. Its writer holds its
- * lock (flock) until the file is renamed or removed, and the kernel releases the lock of a process that dies: a
- * temporary file without a lock was left behind and may be removed. Unlike a process number, a lock is also seen from
- * other containers.
+ * Named "<target>.<pid>.tmp" beside the target, the file that it will replace; "<target>.<pid>-<number>.tmp" if that
+ * name is taken. Its writer holds its lock (flock) until the file is renamed or removed, and the kernel releases the
+ * lock of a process that dies: a temporary file without a lock was left behind and may be removed. Unlike a process
+ * number, a lock is also seen from other containers.
  */
 
 #define FILE_TEMPORARY_MAX 48 /* bytes of ".<pid>-<number>.tmp" and its 0; at most 26 are used */
