@@ -289,7 +289,7 @@ static bool pop_hopeless(low_lock *self)
 /* For asserts: count <= stop <= end, and end is the end of the segment being emptied. Caller holds pop.lock. */
 static bool pop_is_sound(const low_lock *self)
 {
-	uint64_t count = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* both ordered by the lock */
+	uint64_t count = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* as stop: ordered by the lock */
 	uint64_t stop = atomic_load_explicit(&self->pop.stop, memory_order_relaxed);
 	return job_lock_is_mine(&self->pop.lock) && count <= stop && stop <= self->pop.end &&
 	       self->pop.end - count <= JOB_SEGMENT_CELLS && self->pop.end % JOB_SEGMENT_CELLS == 0;
@@ -328,7 +328,7 @@ static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 	void **cell = self->pop.at->cell + popped % JOB_SEGMENT_CELLS;
 	*item = *cell;
 	assert(*item && "a published cell holds an item");
-	*cell = NULL; /* for speed, see the head of this file */
+	*cell = NULL; /* fetches the line for this CPU alone, which makes the next push into it faster: see Speed above */
 	/* Release pairs with the acquire in push: the cell has been read before it is overwritten. */
 	atomic_store_explicit(&self->pop.count, popped + 1, memory_order_release);
 	JOB_CHECK(pop_is_sound(self));
@@ -355,7 +355,7 @@ static int low_lock_pop_n(stilb_job_queue *queue, void **items, size_t max, uint
 		size_t part = least(max - taken, stop - popped);
 		void **cell = self->pop.at->cell + popped % JOB_SEGMENT_CELLS;
 		memcpy(items + taken, cell, part * sizeof *items);
-		memset(cell, 0, part * sizeof *items); /* for speed, see the head of this file */
+		memset(cell, 0, part * sizeof *items); /* makes later pushes into these cells faster, as in low_lock_pop */
 		taken += part;
 		popped += part;
 	}
