@@ -53,8 +53,9 @@ stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the irradiance cache");
 }
 
-/* No cell is deeper than DEPTH, and every mention has a record and a sphere. For STILB_CHECK, while nobody inserts; so
- * there is no store that the loads must be ordered after, and they are relaxed. */
+/* True if no cell from this one down is deeper than DEPTH, and every mention (entry in a cell's list) has a record and
+ * a sphere. For STILB_CHECK, while nobody inserts; so there is no store that the loads must be ordered after, and they
+ * are relaxed. */
 static bool cell_is_sound(const octree_cell *cell, uint32_t depth)
 {
 	if (depth > DEPTH)
@@ -95,7 +96,8 @@ const gi_cache_record *gi_cache_octree_record(const gi_cache_octree *octree, uin
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
-/* The 16-bit integer of a position on one axis. Positions outside the root cell count as at its border. */
+/* The 16-bit integer, of the position x on one axis, whose bits name the cells from the root (highest bit) down to
+ * DEPTH. Positions outside the root cell count as at its border. */
 static uint32_t axis_place(const gi_cache_octree *octree, float x, int axis)
 {
 	STILB_ASSERT(axis >= 0 && axis < 3);
@@ -146,6 +148,7 @@ static octree_cell *cell_want(gi_cache_octree *octree, const uint32_t place[3], 
 	return at;
 }
 
+/* Puts a mention of the record, and of its bounding sphere, at the head of the cell's list. False: no memory. */
 static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cache_record *record, float radius)
 {
 	STILB_ASSERT(radius > 0.0f);
@@ -155,8 +158,8 @@ static bool mention_add(gi_cache_octree *octree, octree_cell *cell, const gi_cac
 	made->sphere = record->position;
 	made->sphere[3] = radius * radius;
 	made->record = record;
-	/* relaxed: this thread does not read the older mention. Others that reach it through this one see its contents,
-	 * because it was stored with release and the exchange below continues that release sequence. */
+	/* relaxed: this thread does not read the older mention. Threads that reach the older one through the new one see
+	 * its contents, because it was stored with release and the exchange below continues that release sequence. */
 	made->next = atomic_load_explicit(&cell->mentions, memory_order_relaxed);
 	/* release: pairs with the acquire in first_mention: who finds the mention sees it and its record complete */
 	while (!atomic_compare_exchange_weak_explicit(&cell->mentions, &made->next, made, memory_order_release,
@@ -231,7 +234,7 @@ static void walk_down(octree_walk *walk)
 		walk->cell = NULL;
 		return;
 	}
-	/* acquire: pairs with the release in cell_want, so that the child is seen zeroed or later */
+	/* acquire: pairs with the release in cell_want, so that the child is seen zeroed or as changed later */
 	walk->cell = atomic_load_explicit(&walk->cell->children[child_of(walk->place, walk->depth)], memory_order_acquire);
 	walk->depth++;
 }

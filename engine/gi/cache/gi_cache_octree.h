@@ -22,7 +22,8 @@ typedef struct gi_cache_octree gi_cache_octree;
 stilb_result gi_cache_octree_create(const float low[3], const float high[3], gi_cache_octree **out);
 void gi_cache_octree_destroy(gi_cache_octree *octree);
 
-/* Copies the record, whose radii are positive. False: no memory, and the record is not found. [any-thread] */
+/* Copies the record, whose radii are positive. False: no memory; then lookups find it in a part of its ellipsoid, or
+ * nowhere. [any-thread] */
 bool gi_cache_octree_insert(gi_cache_octree *octree, const gi_cache_record *record);
 
 /* Irradiance at a position, the weighted mean of all records that are valid there. False: none is, and irradiance is
