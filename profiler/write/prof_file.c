@@ -163,7 +163,7 @@ static void file_remove_abandoned(int folder, const char *name)
 	close(file);
 }
 
-/* Removes the abandoned temporary files of this target. */
+/* Removes the temporary files that killed processes have left for this target (file->target, the path to write). */
 static void file_clean(const prof_file *file)
 {
 	assert(file->target);

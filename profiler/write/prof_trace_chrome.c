@@ -1,13 +1,14 @@
 /*
- * Chrome trace JSON from a snapshot. Source of the format: Google, "Trace Event Format"; what the importers of
- * Perfetto and chrome://tracing need beyond it: displayTimeUnit "ns" (otherwise they round to microseconds and lose
- * nesting), parents before children at equal times, three decimals.
+ * Chrome trace JSON from a snapshot. Source of the format: Google, "Trace Event Format", where times are microseconds;
+ * what the importers of Perfetto and chrome://tracing need beyond it: displayTimeUnit "ns" (otherwise they round to
+ * microseconds and lose nesting), parents before children at equal times, and times with three decimals at least, that
+ * is to the nanosecond.
  *
- * Ends that touch. Viewers written in JavaScript add ts and dur as doubles, so ends that are equal in decimals may come
- * out in either order, and speedscope then drops zones. It also takes a zone that begins where one of the same name
- * ends for a child of that one. Therefore times are counted in tenths of nanoseconds here, and each zone ends a tenth
- * before its next sibling begins and before its parent ends. Doubles tell tenths apart for three days. Rounding to the
- * nearest nanosecond restores the true ends.
+ * Ends that touch. Viewers written in JavaScript add ts (begin) and dur (duration) as doubles, so ends that are equal
+ * in decimals may come out in either order, and speedscope then drops zones. It also takes a zone that begins where one
+ * of the same name ends for a child of that one. Therefore times are counted in tenths of nanoseconds here, and each
+ * zone ends a tenth before its next sibling begins and before its parent ends: such times have a fourth decimal.
+ * Doubles tell tenths apart for three days. Rounding to the nearest nanosecond restores the true ends.
  *
  * The cost is in formatting: three million zones are 250 MB. Repeated text is made once: the beginning of an event for
  * each lane, and the name for each label. So writing a zone takes four copies of text and two formatted numbers.
@@ -113,7 +114,7 @@ static uint64_t chrome_min(uint64_t a, uint64_t b)
 	return a < b ? a : b;
 }
 
-/* The end to be written for something that begins at begin and must end before limit; all in tenths. */
+/* The end to be written for something that begins at begin and must end before limit; all in tenths of nanoseconds. */
 static uint64_t chrome_end(uint64_t begin, uint64_t end, uint64_t limit)
 {
 	if (end <= begin)
@@ -292,8 +293,8 @@ static void chrome_points_before(chrome *c, uint32_t lane, uint64_t limit_ns)
 
 /* ---- lanes ------------------------------------------------------------------------------------------------------- */
 
-/* The begin and end to be written for a zone, in tenths: it ends before its parent and before the next zone after its
- * subtree begins. */
+/* The begin and end to be written for a zone, in tenths of nanoseconds: it ends before its parent ends, and before its
+ * next sibling begins. */
 static chrome_span chrome_place(chrome *c, const stilb_prof_lane *lane, uint32_t i)
 {
 	assert(lane->zones[i].size > 0 && i + lane->zones[i].size <= lane->zone_count);
@@ -365,7 +366,7 @@ static void chrome_account(chrome *c, const char *name, uint64_t value)
 	prof_text_u64(c->text, value);
 }
 
-/* ns with three decimals. */
+/* A member of otherData: a number of nanoseconds, rounded to three decimals. */
 static void chrome_account_ns(chrome *c, const char *name, double ns)
 {
 	uint64_t thousandths = ns > 0 && ns < 1e12 ? (uint64_t)(ns * 1000 + 0.5) : 0;
