@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #define PROGRESS_QUIET_NS 2000000000u  /* a shorter run shows nothing */
-#define PROGRESS_BETWEEN_NS 200000000u /* between two drawings of the line */
+#define PROGRESS_BETWEEN_NS 200000000u /* between two updates of the line */
 
 void demo_progress_begin(demo_progress *progress)
 {

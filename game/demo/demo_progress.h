@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 typedef struct demo_progress {
-	uint64_t start_ns, last_ns; /* time of the start of the run; time of the last drawing of the line */
+	uint64_t start_ns, last_ns; /* time of the start of the run; time at which the line was last printed */
 	bool terminal, shown;
 } demo_progress;
 

@@ -70,7 +70,7 @@ void pads_json_info(stilb_json *json, const stilb_input_pad_info *info);
 /* ---- the terminal ------------------------------------------------------------------------------------------------ */
 
 typedef struct pads_view {
-	int lines;        /* number of lines of the last drawing */
+	int lines;        /* number of lines that pads_view_draw wrote last */
 	uint64_t rate_ns; /* time at which the rates were last measured */
 	struct {
 		uint32_t pad;
@@ -83,7 +83,7 @@ typedef struct pads_view {
 void pads_view_begin(pads_view *view);
 void pads_view_finish(void);
 
-/* Draws all pads over the last drawing. time_us is the present time on the clock of the events. */
+/* Draws all pads over the lines that it wrote last. time_us is the present time on the clock of the events. */
 void pads_view_draw(pads_view *view, const stilb_input_control *control, int64_t time_us);
 
 #endif

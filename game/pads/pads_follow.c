@@ -11,8 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FOLLOW_TICK_MS 33   /* between two drawings */
-#define FOLLOW_LOOK_MS 1000 /* longest wait for the first pads; their reports of two seconds are kept */
+#define FOLLOW_TICK_MS 33   /* at most, between two looks at the events; with a live view, between two updates of it */
+#define FOLLOW_LOOK_MS 1000 /* longest wait for the first pads; their buffers hold reports of two seconds meanwhile */
 
 typedef struct follow_run {
 	const pads_options *o;
@@ -178,14 +178,14 @@ static bool follow_next(follow_run *run, int64_t until_us, stilb_input_event *ev
 	                      : stilb_input_pads_next(run->pads, run->start_us + until_us, event);
 }
 
-/* Waits up to FOLLOW_TICK_MS for further events. */
+/* Waits FOLLOW_TICK_MS, or less if events of live pads come that are to be printed. */
 static void follow_wait(follow_run *run)
 {
 	struct timespec time = {.tv_nsec = FOLLOW_TICK_MS * 1000000L};
 	if (run->pads && !run->terminal)
 		stilb_input_pads_wait(run->pads, FOLLOW_TICK_MS);
 	else
-		nanosleep(&time, NULL); /* drawings come at a fixed rate */
+		nanosleep(&time, NULL); /* the live view is redrawn at a fixed rate, and a recording cannot be waited for */
 }
 
 /* Runs until a signal, the end of the time or of the recording, or an error of the recorder or the output. */
@@ -274,7 +274,7 @@ static stilb_result follow_open(follow_run *run)
 	return result;
 }
 
-/* For output without a live drawing: prints what the command does, waits for the first pads, and says if there is
+/* For output without the live view: prints what the command does, waits for the first pads, and says if there is
  * none. */
 static void follow_greet(follow_run *run)
 {

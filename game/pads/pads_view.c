@@ -10,7 +10,7 @@
 #define VIEW_BAR 21             /* columns; odd, so that there is a middle for a stick at rest */
 #define VIEW_RATE_NS 1000000000 /* time over which rates are measured */
 
-/* A drawing, composed here and written in one go. */
+/* The lines of all pads, composed here and written to the terminal in one go. */
 typedef struct view_text {
 	size_t length;
 	int lines;
@@ -129,7 +129,7 @@ static void view_print_pad(view_text *text, const pads_view *view, const stilb_i
 	view_end_line(text);
 }
 
-/* Returns the rows of the terminal. A drawing must have fewer lines, so that the cursor can go back to the first. */
+/* Returns the rows of the terminal. The view must have fewer lines, so that the cursor can go back to the first. */
 static int view_rows(void)
 {
 	struct winsize size;

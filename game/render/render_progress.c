@@ -6,7 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#define PROGRESS_BAR_NS 100000000u    /* between two drawings of the bar */
+#define PROGRESS_BAR_NS 100000000u    /* between two updates of the bar */
 #define PROGRESS_LINE_NS 10000000000u /* between two plain lines */
 #define PROGRESS_BAR_MAX 40
 #define PROGRESS_BAR_MIN 8

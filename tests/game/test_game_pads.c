@@ -402,7 +402,7 @@ static const char *terminal_run(const char *words, const char *until, int *statu
 	return drawn;
 }
 
-/* Each drawing covers the one before, and Ctrl-C shows the cursor again. */
+/* Each update of the live view is drawn over the one before, and Ctrl-C shows the cursor again. */
 static void test_terminal(void **state)
 {
 	(void)state;
