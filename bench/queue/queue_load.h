@@ -82,7 +82,8 @@ static inline size_t subject_push_n(subject_queue *queue, subject_thread *self, 
 static inline size_t subject_pop_n(subject_queue *queue, subject_thread *self, void **items, size_t count);
 #endif
 #ifdef SUBJECT_ENDLESS
-/* The subject is no queue but counts calls, and pop always succeeds. True if it counted so many calls. */
+/* The subject is no queue but a counter that every call of push and pop increments; a pop always succeeds. True if the
+ * counter is pushes + pops. */
 static bool subject_verify(subject_queue *queue, uint64_t pushes, uint64_t pops);
 #endif
 
@@ -431,7 +432,8 @@ static void load_sweep(queue_load_thread *self)
 
 #ifdef SUBJECT_ENDLESS
 
-/* Ends the program if the subject lost calls; returns the number of items, a push and a pop for each. */
+/* The subject is a counter of calls: `in` calls of push and `out` calls of pop were made. Ends the program with an
+ * error if the counter is not their sum; returns half the sum, since a queue needs a push and a pop for each item. */
 static uint64_t load_verify(uint64_t in, uint64_t out)
 {
 	if (!subject_verify(&load_queue, in, out))
@@ -456,7 +458,8 @@ static void load_add_sums(queue_load_sums *total, queue_load_sums more)
 	total->squares += more.squares;
 }
 
-/* Ends the program if the items popped are not those pushed; returns their number. */
+/* The threads counted `in` items pushed and `out` items popped. Ends the program with an error if the items popped are
+ * not those pushed; returns their number. */
 static uint64_t load_verify(uint64_t in, uint64_t out)
 {
 	queue_load_sums pushed = {0, 0}, popped = {0, 0};
