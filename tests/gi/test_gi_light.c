@@ -658,8 +658,10 @@ static stilb_image map_of(uint32_t width, uint32_t height, uint32_t channels)
 	return map;
 }
 
-/* The hemisphere +Y of radiance 1, as two colours and as a map: E = pi / 2 (1 + cos t). Harmonics of the map's samples:
- * sqrt(pi) and 0.488603 pi, and 0 of the second band. */
+/* A sky of radiance 1 in the hemisphere +Y and 0 below, given as two colours and as a map. A receiver whose normal has
+ * the angle t to +Y gets the irradiance pi / 2 (1 + cos t). Light samples of the map, projected onto the 9 spherical
+ * harmonics sh, give their integrals over the hemisphere: sqrt(pi) for the constant sh[0], 0.488603 pi for sh[1], the
+ * linear one along Y (whose sign is a convention), and 0 for all others. */
 static void hemisphere_of_sky_has_its_closed_form(void **state)
 {
 	(void)state;
@@ -692,9 +694,9 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	stilb_image_finish(&mapped.environment);
 }
 
-/* A map with a sun 1e5 times as bright as its dim and partly black sky: samples' harmonics are those of the exact
- * integral, radiance over density is the same for all, densities integrate to 1, and each texel is chosen as often as
- * it should. */
+/* A map with a sun 1e5 times as bright as its dim and partly black sky: the light samples, projected onto spherical
+ * harmonics, give the coefficients of the exact integral over the map, radiance over density is the same for all
+ * samples, densities integrate to 1, and each texel is chosen as often as it should. */
 static void map_is_chosen_by_its_brightness(void **state)
 {
 	(void)state;

@@ -39,8 +39,8 @@ static stilb_vec3 mean_at(const gi_view *view, float x, float z, uint32_t first,
 
 static path_samples samples;
 
-/* The plane is 200 m wide: rays leave it, and are told what light there is, some hundredths of a millimetre above
- * it. */
+/* Relative tolerance of the light on the plane. The plane is 200 m wide, so rays leave it some hundredths of a
+ * millimetre above it (gi_surface.error), and the light is computed for that point. */
 #define OFFSET 2e-4
 
 /* One sample from above the plane. */
@@ -85,7 +85,7 @@ static void color_is_all_that_a_surface_reflects(void **state)
 
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
-/* Of the plane, from I cos / d^2. */
+/* The plane's radiance, 0.5 / pi times its irradiance I cos / d^2 from a light of intensity I at the distance d. */
 static double from_point_light(const stilb_scene_light *light, double x, double z, int channel)
 {
 	const double dx = (double)light->position[0] - x, dy = (double)light->position[1],
@@ -102,7 +102,8 @@ static void a_point_light_falls_with_the_square_and_casts_hard_shadows(void **st
 	const stilb_scene_light light = scene->lights[0];
 	path_fixture fixture = path_fixture_make(scene);
 	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, 1);
-	/* The light looks over the wall's upper edge: its shadow ends at x = 1, on this line and on every other. */
+	/* The light, at x = -0.5 and y = 1.5, is above the wall's edge, at x = 0 and y = 1: the ray past the edge meets the
+	 * plane at x = 1, for every z, so that the wall's shadow ends there. */
 	for (int i = 0; i < 40; i++) {
 		const float x = 0.08f + 0.05f * (float)i, z = 0.1f * (float)(i % 7) - 0.3f;
 		const stilb_vec3 seen = mean_at(&view, x, z, 0, 1, &samples);
@@ -218,7 +219,8 @@ static void a_mirror_shows_the_sky(void **state)
 
 /* ---- ambient occlusion ------------------------------------------------------------------------------------------- */
 
-/* Below a wall that ends at the angle a over the horizon, and has no ends to its sides: (1 + cos a) / 2. */
+/* The share of cosine-weighted directions that stay open beside a wall of endless length, whose upper edge is seen at
+ * the angle a above the horizon: (1 + cos a) / 2. */
 static double open_beside_wall(double height, double distance)
 {
 	return 0.5 * (1.0 + cos(atan2(height, distance)));
@@ -265,7 +267,8 @@ static void ao_of_a_miss_is_open(void **state)
 	path_fixture_finish(&fixture);
 }
 
-/* Rays of many samples share a stream, which ends anywhere in one of them. */
+/* The ambient occlusion rays of many samples are traced together, in blocks that may end between the rays of one
+ * sample: the results are the same bits as when each sample is computed alone. */
 static void ao_does_not_depend_on_the_batch(void **state)
 {
 	(void)state;

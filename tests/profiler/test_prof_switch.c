@@ -25,11 +25,12 @@ static void sleep_ns(long ns)
 	nanosleep(&(struct timespec){.tv_nsec = ns}, NULL);
 }
 
-/* The calling thread's switches so far as the kernel counts them. */
+/* A thread's context switches, those away from its CPU: because it slept, and because it was preempted. */
 typedef struct proc_counts {
 	uint64_t slept, preempted;
 } proc_counts;
 
+/* The switches of the calling thread until now, as the kernel counts them; UINT64_MAX: /proc does not tell. */
 static proc_counts proc_count(void)
 {
 	proc_counts counts = {UINT64_MAX, UINT64_MAX};
@@ -44,7 +45,7 @@ static proc_counts proc_count(void)
 	return counts;
 }
 
-/* True if times ascend, and leaving a CPU and coming back take turns. */
+/* True if the times in the list ascend, and its events alternate: the thread leaves a CPU, comes back (in), leaves. */
 static bool events_are_whole(const prof_switch_event *list, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++)
@@ -54,6 +55,7 @@ static bool events_are_whole(const prof_switch_event *list, uint32_t count)
 	return true;
 }
 
+/* The same counts from events[0 .. count - 1], the switches that the profiler recorded. */
 static proc_counts events_count(uint32_t count)
 {
 	proc_counts counts = {0, 0};
@@ -146,7 +148,7 @@ static void rival_join(pthread_t thread)
 	pthread_join(thread, NULL);
 }
 
-/* Sleeps; and is preempted, when another thread has work for its CPU. */
+/* A thread that only sleeps, and then one that is also preempted, because a second thread runs on its only CPU. */
 static void every_switch_is_noted(void **state)
 {
 	(void)state;
