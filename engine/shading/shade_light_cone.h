@@ -76,8 +76,8 @@ SHADE_FN float shade_cone_chord_of_facets(float sin2)
 	return 2.0f * sqrt(clamp(sin2, 0.0f, 1.0f));
 }
 
-/* Blinn-Phong: (n.h)^n > share, so sin(b)^2 = 1 - share^(2 / n). A share of 1 and above leaves no direction; below
- * 1e-30 every one. n > 0. */
+/* Blinn-Phong with the exponent n > 0: cos(b)^n > share, where b is the angle between the normal and h, so
+ * sin(b)^2 < 1 - share^(2 / n). A share of 1 and above leaves no direction; one below 1e-30 leaves every direction. */
 SHADE_FN float shade_cone_chord_blinn_phong(float share, float n)
 {
 	if (share >= 1.0f)

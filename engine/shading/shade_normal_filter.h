@@ -148,8 +148,9 @@ SHADE_STRUCT(shade_lean)
 	vec3 covariance;
 };
 
-/* +Z is the surface's own normal. A lobe of alpha has the variance alpha^2 / 2 (Beckmann; 1 / s of Olano and Baker)
- * along each axis. Normals below z = SHADE_LEAN_Z_MIN count as if they had it. */
+/* The texel's normal, where +Z is the surface's own normal, gives the centre; its alpha gives the variance alpha^2 / 2
+ * along each axis, that of Beckmann's distribution (Olano and Baker: 1 / s, with Blinn-Phong's exponent s). A normal
+ * with a z below SHADE_LEAN_Z_MIN is taken as if it had that z. */
 SHADE_FN shade_lean shade_lean_from_normal(shade_rough_normal texel)
 {
 	float inverse_z = 1.0f / max(texel.normal[2], SHADE_LEAN_Z_MIN);

@@ -217,8 +217,8 @@ SHADE_FN shade_sample shade_sample_reflected(vec3 v, shade_sample h)
 	return chosen;
 }
 
-/* Blinn's microfacet normals h, density D(h) n.h = (n + 2) / (2 pi) (n.h)^(n + 1), where n is the exponent, and in n.h
- * the normal: the cosine lobe of exponent n + 1.
+/* Blinn's microfacet normals h. n is the exponent, and z = h[2] the cosine of h to the surface's normal: the density
+ * D(h) z = (n + 2) / (2 pi) z^(n + 1) is that of the cosine lobe of exponent n + 1.
  * n = 2 / alpha^2 - 2 in [0, 1e7]. Source: Walter et al. (2007), eq. 37 f. with Karis's exponent, "Specular BRDF
  * Reference" (2013). */
 SHADE_FN shade_sample shade_sample_blinn_normal(float n, vec2 u)
@@ -257,8 +257,9 @@ SHADE_FN float shade_pdf_phong(float n, vec3 v, vec3 l)
 	return shade_pdf_power(n, shade_frame_to_local(mirror, l));
 }
 
-/* GGX normals, density D(h) n.h with D = shade_d_ggx_anisotropic: the surface is that of an ellipsoid, so they are the
- * unit sphere's normals, cosine distributed, stretched. Both alphas in [SHADE_ALPHA_MIN, 1]. */
+/* GGX normals h, density D(h) h[2] with D = shade_d_ggx_anisotropic (h[2]: the cosine to the surface's normal): the
+ * surface is that of an ellipsoid, so they are the unit sphere's normals, cosine distributed, stretched. Both alphas in
+ * [SHADE_ALPHA_MIN, 1]. */
 SHADE_FN shade_sample shade_sample_ggx_normal(shade_alphas alphas, vec2 u)
 {
 	vec3 unit = shade_sample_cosine(u).direction;

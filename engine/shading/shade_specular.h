@@ -214,12 +214,13 @@ SHADE_FN float shade_v_kelemen(float v_dot_h)
 	return 0.25f / (c * c);
 }
 
-/* Smith's V is the product of two factors, one for x = l and one for x = v: G1(x) / (2 (n.x)). G1 is the share of
- * facets that x sees unshadowed; each shade_v1_... below has its own and returns the factor.
+/* Smith's V is the product of two factors, one for x = l and one for x = v: G1(x) / (2 (n.x)). G1(x) is the share of
+ * facets that are not shadowed seen from the direction x; each shade_v1_... below has its own and returns the factor.
  * Source: Smith, "Geometrical shadowing of a random rough surface" (1967). */
 
-/* Beckmann: with c = (n.x) / (alpha sin x), G1 = (3.535 c + 2.181 c^2) / (1 + 2.276 c + 2.577 c^2) for c < 1.6,
- * otherwise 1. Source: Walter et al. (2007), table 1 and its rational fit. */
+/* Beckmann's factor for the direction x (l or v), at the angle t to the normal n: with c = (n.x) / (alpha sin t),
+ * G1 = (3.535 c + 2.181 c^2) / (1 + 2.276 c + 2.577 c^2) for c < 1.6, otherwise 1. Source: Walter et al. (2007), table
+ * 1 and its rational fit. */
 SHADE_FN float shade_v1_smith_beckmann(float n_dot_x, float alpha)
 {
 	float slope = alpha * sqrt(max(1.0f - n_dot_x * n_dot_x, SHADE_SINE2_EPSILON));
@@ -228,15 +229,16 @@ SHADE_FN float shade_v1_smith_beckmann(float n_dot_x, float alpha)
 	return 0.5f * select(c < 1.6f, fit, 1.0f / n_dot_x);
 }
 
-/* GGX: G1 = 2 (n.x) / ((n.x) + sqrt(alpha^2 + (1 - alpha^2) (n.x)^2)). Source: Walter et al. (2007), eq. 34. */
+/* GGX's factor for the direction x (l or v), with its G1 = 2 (n.x) / ((n.x) + sqrt(alpha^2 + (1 - alpha^2) (n.x)^2)).
+ * Source: Walter et al. (2007), eq. 34. */
 SHADE_FN float shade_v1_smith_ggx(float n_dot_x, float alpha)
 {
 	float alpha2 = alpha * alpha;
 	return 1.0f / (n_dot_x + sqrt(alpha2 + (1.0f - alpha2) * n_dot_x * n_dot_x));
 }
 
-/* Schlick's form, G1 = (n.x) / ((n.x) (1 - k) + k). Source: Schlick, "An Inexpensive BRDF Model for Physically-based
- * Rendering" (1994), eq. 19. */
+/* Schlick's form of the factor for x (l or v), G1 = (n.x) / ((n.x) (1 - k) + k); k: see below. Source: Schlick, "An
+ * Inexpensive BRDF Model for Physically-based Rendering" (1994), eq. 19. */
 SHADE_FN float shade_v1_schlick(float n_dot_x, float k)
 {
 	return 0.5f / (n_dot_x * (1.0f - k) + k);
