@@ -88,8 +88,8 @@ bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread);
  * can be popped, or is refused. May be called more than once. [any-thread] */
 void stilb_job_queue_close(stilb_job_queue *queue);
 
-/* Declares that the calling thread refers to no part of the queue until its next call (see Threads). Costs a few
- * stores. [any-thread] */
+/* Declares that the calling thread reads no part of the queue until its next call, so that a lock-free queue can reuse
+ * all its segments meanwhile (see Threads). Costs a few stores. [any-thread] */
 void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread);
 
 #ifdef __cplusplus

@@ -96,7 +96,9 @@ static void wake_waiter(stilb_job_pool *pool, uint32_t waiter)
 	 * finds its group unfinished and sleeps again. */
 	for (uint32_t i = 0; i <= pool->worker_count && waiter == WAITERS_MANY; i++)
 		job_parker_wake(&pool->slot[i].parker);
-	job_lock_take(&pool->visitors_lock); /* keeps visitors, which are on stacks, alive while they are woken */
+	/* A visitor is the entry of an outside thread that waits, on that thread's stack; it takes the lock to leave the
+	 * list, so it stays alive while it is woken. */
+	job_lock_take(&pool->visitors_lock);
 	for (job_visitor *visitor = pool->visitors; visitor; visitor = visitor->next)
 		job_parker_wake(&visitor->parker);
 	job_lock_give(&pool->visitors_lock);
@@ -179,6 +181,7 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 
 /* ---- waiting --------------------------------------------------------------------------------------------------- */
 
+/* Takes the entry of an outside thread, which waits no longer, out of the list. */
 static void visitor_leave(stilb_job_pool *pool, job_visitor *visitor)
 {
 	job_lock_take(&pool->visitors_lock);
@@ -211,13 +214,15 @@ static void wait_outside(stilb_job_pool *pool, stilb_job_group *group)
 	job_hook_wait_end(pool, STILB_JOB_OUTSIDE);
 }
 
+/* For job_work_park: makes the thread the waiter of the group; true if the group has finished, so it need not sleep. */
 static bool announce_or_done(job_slot *slot, void *group)
 {
 	return !group_announce(group, slot->index + 1);
 }
 
 /* Spins, then sleeps, until there seems to be work that the scope allows or the group has finished. *announced is set
- * if group_announce may have been called. */
+ * if this thread may have entered itself into the group as its waiter (group_announce), which the caller must then
+ * withdraw with group_forget. */
 static void wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *group, bool *announced)
 {
 	if (job_work_spin(slot, scope, group))
