@@ -18,7 +18,7 @@
 #define SMALLEST_TILE 4u      /* side of a tile where TILE would give too few tiles for the workers */
 #define TILES_FOR_A_WORKER 8u /* so that no worker waits long for another's last tile */
 #define RAYS_OF_BATCH 0x40000 /* rays in a batch, about: few enough that a stop, seen between batches, comes soon */
-#define RAYS_OF_PATH 8        /* rays that one path takes, estimated */
+#define RAYS_OF_PATH 8        /* rays of one path after its camera ray: an estimate, for the size of a batch */
 #define OVERTURE_SHARE 0.5    /* of the time limit, for filling the irradiance cache before the picture */
 #define FIRST_SAMPLES 16u     /* of each pixel in the first round of a progressive render: see first_samples */
 

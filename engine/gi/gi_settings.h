@@ -1,6 +1,6 @@
 /*
- * gi_settings: the fields of stilb_gi_settings as a table of names: to check ranges, to write them into pictures, to
- * compare them with those of a checkpoint. [any-thread]
+ * gi_settings: the fields of stilb_gi_settings as a table of names: to check ranges, to write them into the attributes
+ * of a picture's file, to compare them with those of a checkpoint. [any-thread]
  */
 #ifndef GI_SETTINGS_H
 #define GI_SETTINGS_H

@@ -28,9 +28,9 @@ typedef struct gi_surface {
 /* Fills surface for a ray that hit something: gi_is_hit(ray). */
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);
 
-/* The origin of a ray that leaves the surface in this direction: the position, moved along geometric to the
- * direction's side by the error and no more. From there the ray's t_min may be 0: it does not hit this triangle again,
- * and does not slip through a neighbouring one. */
+/* The origin of a ray that leaves the surface in this direction: surface->position, moved along the triangle's normal
+ * (surface->geometric), to the side where the direction points, by surface->error and no more. From there the ray's
+ * t_min may be 0: it does not hit this triangle again, and does not slip through a neighbouring one. */
 stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction);
 
 /* The part of gi_surface.error that depends on the triangle's shape alone, metres in the space of its corners. For

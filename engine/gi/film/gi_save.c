@@ -108,7 +108,8 @@ static void save_attribute(save_attributes *attributes, const char *name, const 
 	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
 }
 
-/* Only settings that decide about samples are written, so that the same picture is the same file, stopped or not. */
+/* Writes all settings but those of the display (GI_SETTING_VIEW) and nothing about the run itself, so that a picture is
+ * the same file whether its render ran through or was stopped and continued. */
 static void save_settings(const stilb_gi_render *render, save_attributes *attributes)
 {
 	attributes->count = 0;
