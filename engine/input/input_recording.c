@@ -301,7 +301,8 @@ static stilb_result parser_descriptor(recording_parser *parser, const char *at)
 	return result;
 }
 
-/* N: and P:, the pad's name and path. */
+/* Reads an N: or P: line, which gives the name or the path of the pad of the last D: line; `at` is the text behind the
+ * colon. */
 static stilb_result parser_name_or_path(recording_parser *parser, const char *at)
 {
 	recording_pad *pad;

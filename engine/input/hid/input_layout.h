@@ -39,7 +39,7 @@ typedef struct stilb_input_source {
 	/* Number of bits, 1..32; is_signed: the value is in two's complement. */
 	uint8_t bits;
 	bool is_signed;
-	/* The first bit, counted from the start of the report, id included. */
+	/* Number of the first bit, counted from the start of the report, whose first byte is the id if it has one. */
 	uint32_t bit;
 	/* See stilb_input_source_kind. */
 	int64_t low, high;
