@@ -82,8 +82,9 @@ static inline bool prof_kind_is_zone(uint32_t kind)
 	return kind == STILB_PROF_KIND_ZONE || kind == STILB_PROF_KIND_PRECISE;
 }
 
-/* Unpacks an event. It holds only the low 52 bits of its time; they are taken for the latest time up to limit (in the
- * ticks of its lane's clock) that has these bits, which is right for events up to ten days old (at 5 GHz). */
+/* Unpacks an event. The event holds only the low 52 bits of its time, in ticks of its lane's clock; the time is taken
+ * to be the latest one up to `limit`, in the same ticks, that has these bits, which is right for events up to ten days
+ * older than limit (at 5 GHz). */
 static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint64_t limit)
 {
 	uint64_t offset = (event->end & 0x3ffff) << 12 | (event->begin & 0xfc0);
