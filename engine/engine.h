@@ -207,7 +207,8 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
  * [any-thread] */
 void stilb_engine_shading_chosen(const stilb_render_shading *before, stilb_render_shading *shading);
 
-/* The names of all models that stilb_render_shading can choose: the index is the number there; NULL-terminated. */
+/* The names of all models that stilb_render_shading can choose, one table for each choice; the index of a name is the
+ * value of that choice's field there. NULL-terminated. */
 extern const char *const stilb_engine_brdf_names[];
 extern const char *const stilb_engine_ndf_names[];
 extern const char *const stilb_engine_g_names[];

@@ -40,8 +40,9 @@ stilb_result stilb_engine_trace_view_create(const stilb_engine_trace_view_desc *
 /* Closes the window and frees everything. NULL is accepted. */
 void stilb_engine_trace_view_destroy(stilb_engine_trace_view *view);
 
-/* Waits for input, a tenth of a second at most, and draws. *close: the user closed the window. STILB_ERROR_WINDOW: the
- * window's display has gone, and only destroy may follow. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE_LOST. */
+/* Waits for input, a tenth of a second at most, and draws the window anew. *close: the user closed the window.
+ * STILB_ERROR_WINDOW: the window's display has gone, and only destroy may follow. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE_LOST. */
 stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *close);
 
 /* Writes the last picture as .png, .exr or .hdr. Fails as stilb_render_read_image and stilb_image_save do. */

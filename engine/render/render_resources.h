@@ -110,7 +110,8 @@ typedef struct render_resources {
 	uint64_t frame; /* frames begun so far */
 } render_resources;
 
-/* Overwrites *resources. After STILB_ERROR_MEMORY render_resources_destroy is still due. */
+/* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). After
+ * STILB_ERROR_MEMORY render_resources_destroy must still be called. */
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
 /* Accepts a zeroed struct too. */
 void render_resources_destroy(render_resources *resources);

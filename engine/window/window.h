@@ -83,8 +83,9 @@ typedef struct stilb_window_state {
 } stilb_window_state;
 
 /* Opens a window whose picture has about width x height pixels, both 1..16384, which the system may change. title is
- * UTF-8. STILB_ERROR_WINDOW: there is no display, no Vulkan driver for windows, or a display was lost before; *window
- * is then NULL. The calling thread becomes the owner. [main-thread] */
+ * UTF-8. STILB_ERROR_WINDOW: there is no display, no Vulkan driver for windows, or the display was lost earlier in this
+ * process, after which GLFW is not called any more; *window is then NULL. The calling thread becomes the owner.
+ * [main-thread] */
 stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t height, stilb_window **window);
 
 /* NULL is allowed. Surfaces of the window must be destroyed before. [main-thread] */

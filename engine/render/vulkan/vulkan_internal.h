@@ -244,7 +244,7 @@ VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags 
                                               VkAccessFlags2 to_access);
 /* Records several of them as one command. */
 void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count);
-/* Records a single transition. */
+/* The transition of vulkan_image_transition, recorded as one command. */
 void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                           VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
                           VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);

@@ -26,16 +26,17 @@ typedef enum scene_message_kind {
 	SCENE_MESSAGE_HELLO,   /* first, once; text: of scene_stream_version; flags: of scene_protection */
 	SCENE_MESSAGE_WARNING, /* at any time; text: for the user */
 	SCENE_MESSAGE_OPEN,    /* asks for a file; text: its name in the scene */
-	SCENE_MESSAGE_PICTURE, /* a shape with the descriptor of its pixels: a scene's next texture, or the result */
-	SCENE_MESSAGE_ERROR,   /* the result; text: the reason; result: its kind */
-	SCENE_MESSAGE_SCENE,   /* the result; the scene follows */
+	/* Size and format, with the descriptor of the pixels: a scene's next texture, or the result of READ_PICTURE. */
+	SCENE_MESSAGE_PICTURE,
+	SCENE_MESSAGE_ERROR,   /* the result of any request that failed; text: the reason; result: its kind */
+	SCENE_MESSAGE_SCENE,   /* the result of READ_SCENE; the scene itself follows (scene_stream_write) */
 	SCENE_MESSAGE_VERSION, /* the result of ABOUT; text: lines of a library and its version */
 	/* to the import process */
 	SCENE_MESSAGE_FILE,         /* the answer to OPEN: a descriptor, or text: why there is none */
-	SCENE_MESSAGE_READ_SCENE,   /* with the file's descriptor; text: its path */
-	SCENE_MESSAGE_READ_PICTURE, /* with the file's descriptor; text: its path */
+	SCENE_MESSAGE_READ_SCENE,   /* asks for the scene in a file, whose descriptor comes with it; text: its path */
+	SCENE_MESSAGE_READ_PICTURE, /* asks for the picture in a file, whose descriptor comes with it; text: its path */
 	SCENE_MESSAGE_READ_LIGHT,   /* as READ_PICTURE, converted to three channels of linear floats, finite and >= 0 */
-	SCENE_MESSAGE_ABOUT,        /* asks for the versions of the libraries */
+	SCENE_MESSAGE_ABOUT,        /* asks for the names and versions of the libraries that decode files */
 } scene_message_kind;
 
 /* The protections of the import process, as flags. A kernel may lack some of them. */
