@@ -77,8 +77,8 @@ typedef struct strip {
 	const strip_row *rows;
 	int row_count, column_count;
 	bool tone_mapped;              /* the rows apply tone mapping themselves */
-	stilb_result (*prepare)(void); /* called before the rows are drawn, or NULL */
-	void (*finish)(void);          /* called after prepare, also if that failed, or NULL */
+	stilb_result (*prepare)(void); /* called before the rows are drawn; NULL: nothing to prepare */
+	void (*finish)(void);          /* called after they were drawn, or after prepare has failed; NULL: nothing to do */
 } strip;
 
 /* Defined in shade_strip_relief.c. */
