@@ -153,12 +153,14 @@ static void set_value(bench_results *results, const bench_pair *pair, const char
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
+/* A run of this case lasts so many times run_seconds. */
 static double length_of(const bench_case *on)
 {
 	return on->length > 0.0 ? on->length : 1.0;
 }
 
-/* The length of a run: as asked for, or with --quick a share of QUICK_BUDGET, from 0.01 to 0.2 s. */
+/* The length, seconds, of a run of a case of length 1: that of --seconds. Without it, as --quick allows: so long that
+ * all runs of all rounds, with the starts of their processes, fit into QUICK_BUDGET, but from 0.01 to 0.2 s. */
 static double run_seconds(const bench_results *results)
 {
 	const bench_options *options = results->options;

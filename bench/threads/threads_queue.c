@@ -40,7 +40,7 @@
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */
 
-/* Workers without work sleep on it; a producer wakes one of them. */
+/* What workers without work sleep on; the producer, which is the main thread, wakes one of them for each push. */
 typedef struct event {
 	/* Number of workers that sleep or are about to. Acquire-release read-modify-writes in event_sleep and event_wake,
 	 * which are totally ordered: either the producer, after its push, sees the sleeper, or the sleeper, before its last
@@ -126,9 +126,10 @@ typedef struct pool pool;
 typedef struct worker {
 	alignas(LINE) pool *pool;
 	pthread_t thread;
-	uint32_t index;                /* of the worker and of its list */
-	stilb_render_context *context; /* its list of this frame; NULL before the first draw */
-	uint64_t waited, recorded;     /* ticks spent since the start; the store to `frames` publishes them */
+	uint32_t index;                /* of the worker, and of the command list that it records in each frame */
+	stilb_render_context *context; /* that list, while it is recorded; NULL before the frame's first draw */
+	uint64_t waited, recorded;     /* ticks since the start that it took to pop items and to record their draws; the
+	                                * store to `frames` publishes them to the main thread */
 	_Atomic uint32_t frames;       /* frames that it has ended; release, pairs with the acquire in wait_for_all */
 } worker;
 

@@ -163,7 +163,7 @@ static bool parse_numbered(const char *text, const char *name, uint32_t *number)
 	return *end == '\0';
 }
 
-/* The engine's settings for a case and a subject; false if it is not a run of the engine. */
+/* Fills in the engine's settings for the run's case and subject; false if the subject is not the engine. */
 static bool parse_setup(const bench_child *child, threads_setup *setup)
 {
 	static const char *const devices[] = {[STILB_RENDER_DEVICE_VULKAN] = "vulkan", [STILB_RENDER_DEVICE_NULL] = "null"};
