@@ -33,7 +33,8 @@ static bool same_picture(const char *path)
 	return same;
 }
 
-/* Counts the colours in the picture, at 5 bits a channel; an empty picture has one. */
+/* Counts the colours in the picture that was read last, at 5 bits a channel; a picture of the background alone has
+ * one. */
 static int colours(void)
 {
 	static uint8_t seen[32768];

@@ -177,7 +177,8 @@ static inline uint64_t stat_hash(const char *path)
 	return strtoull(text, NULL, 16);
 }
 
-/* Each stage has its three times, in order. */
+/* Asserts that the file of --stats has the three times of each stage of a frame, ms, in ascending order; presented:
+ * the run presented its frames in a window, else the time of that stage is 0. */
 static inline void assert_stages(bool presented)
 {
 	static const char *const stages[] = {"frame", "cull", "record", "ui", "replay", "present"};
@@ -195,7 +196,8 @@ static inline void assert_stages(bool presented)
 	}
 }
 
-/* Every key that a reader of the file may rely on. */
+/* Asserts that the file of --stats that read_stats read last has every key that a reader of it may rely on, with right
+ * values: the arguments are the settings of the run that wrote it. */
 static inline void assert_stats(const char *device, const char *replay, const char *cull, long long models,
                                 long long workers, long long frames)
 {

@@ -463,7 +463,7 @@ typedef struct track {
 	size_t depth, capacity;
 } track;
 
-/* One arrow: its two ends. */
+/* The arrow that viewers draw for a flow: its two ends, the events with ph "s" and "f"; NULL: that one has not come. */
 typedef struct arrow {
 	const event *from, *to;
 } arrow;
@@ -474,8 +474,8 @@ typedef struct judge {
 	size_t lane_count, lane_capacity;
 	int64_t pid;
 	bool has_pid, has_process_name;
-	uint64_t complete; /* X zones */
-	arrow *arrows;     /* by id: 1, 2, 3... */
+	uint64_t complete; /* zones whose begin and end are one event, with ph "X" */
+	arrow *arrows;     /* [arrow_count] the arrow with the flow id i is arrows[i - 1] */
 	size_t arrow_count, arrow_capacity;
 } judge;
 
