@@ -8,7 +8,7 @@
 typedef struct sort_item {
 	uint64_t key;
 	uint32_t command; /* index among the frame's commands */
-	uint32_t texture; /* index; the material's when the draw was recorded: it may be destroyed by now */
+	uint32_t texture; /* index of the material's texture when the draw was recorded; it may be destroyed by now */
 } sort_item;
 
 /* Sorts count items by ascending key; scratch has as many. Returns the array that holds the result: items or

@@ -33,9 +33,9 @@ typedef struct null_device {
 	render_device base;
 	null_frame frames[RENDER_FRAMES_IN_FLIGHT];
 	uint32_t frame;
-	null_draw *draws; /* [draw_capacity] what the last pass drew */
+	null_draw *draws; /* [draw_capacity] the draws of the last pass, one for each; unused with indirect replay */
 	uint64_t draw_capacity;
-	null_indirect *indirect; /* [indirect_capacity] what the last pass drew */
+	null_indirect *indirect; /* [indirect_capacity] the indirect draws of the last pass, one for each run */
 	uint64_t indirect_capacity;
 	null_list *lists;   /* [list_capacity] */
 	render_part *parts; /* [list_capacity] */
