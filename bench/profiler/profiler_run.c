@@ -75,7 +75,8 @@ static void turns_add(double first, double second)
 	samples.difference[i] = second - first;
 }
 
-/* Runs the two loops in turns for so many seconds; returns the number of zones that the second loop has recorded. */
+/* Runs the two loops in turns for so many seconds and adds their times to samples. Returns the number of zones that the
+ * second loop has recorded. */
 static uint64_t turns_run(const profiler_subject *subject, profiler_loop *first, profiler_loop *second, double seconds)
 {
 	uint64_t end = bench_child_now_ns() + (uint64_t)(seconds * 1e9);
