@@ -58,12 +58,13 @@ static float length_of(stilb_vec3 v)
 	return sqrtf(stilb_vec3_dot(v, v));
 }
 
+/* The i-th of a row of sampler points; another stream gives a row of other random numbers. */
 static gi_point numbered(uint64_t stream, uint32_t i)
 {
 	return (gi_point){.hash = stream, .index = i, .count = 1};
 }
 
-/* One light sample's estimate of the irradiance, of colour channel 0. */
+/* One light sample's estimate of the irradiance (colour channel 0) of a receiver at position with this normal. */
 static double contribution(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, gi_point point)
 {
 	float u[8];
@@ -144,7 +145,7 @@ static void irradiance_is_lamberts(void **state)
 		gi_lights lights = shape_over(&random, kind, emitters, corners);
 		assert_int_equal(lights.shape_count, kind == TWO_TRIANGLES ? 2 : 1);
 		double want = 2.0 * polygon_irradiance(corners, kind == ONE_TRIANGLE ? 3 : 4, origin, up);
-		if (stilb_vec3_dot(lights.shapes[0].normal, corners[0]) >= 0.0f) { /* the origin sees the back */
+		if (stilb_vec3_dot(lights.shapes[0].normal, corners[0]) >= 0.0f) { /* the origin sees the dark back */
 			want = 0.0;
 			dark++;
 		}
@@ -180,8 +181,9 @@ static gi_lights lights_of_ball(bool inwards, float least_height, double *area)
 	return lights;
 }
 
-/* Inside a sphere a patch of it gives everyone L A / (4 R^2). The patch is within 60 degrees of the top, the receivers
- * are on the lower half. */
+/* A patch of the inside of a sphere of radius R, with the radiance L and the area A, gives every point of the inside
+ * the irradiance L A / (4 R^2); here R = 1 and L = 3. The patch is within 60 degrees of the top, the receivers are on
+ * the lower half. */
 static void patch_of_a_sphere_lights_its_inside_evenly(void **state)
 {
 	(void)state;
@@ -195,8 +197,8 @@ static void patch_of_a_sphere_lights_its_inside_evenly(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* A glowing ball gives pi L (R / d)^2 to who faces it; of the mesh's own R^2, area / (4 pi). Half of its triangles look
- * away and are seldom asked. */
+/* A ball of radius R and radiance L gives a receiver that faces it, d from its centre, the irradiance pi L (R / d)^2.
+ * The ball is a mesh, so R^2 is its area / (4 pi). Half of its triangles look away, and samples seldom choose them. */
 static void ball_is_seen_as_a_disk(void **state)
 {
 	(void)state;
@@ -220,8 +222,9 @@ static void ball_is_seen_as_a_disk(void **state)
 #define RECEIVERS 4096
 #define ASKED 32 /* light samples of each receiver */
 
-/* F12 from surface 1, whose points are corner + edge_1 s + edge_2 t (disk: within the unit disk of edges), to the
- * lights: irradiance over pi, mean over surface 1. */
+/* The form factor F12, the share of the light leaving surface 1 that arrives at surface 2, which are the lights, of
+ * radiance 1: their irradiance on surface 1 over pi, mean over its points corner + edge_1 s + edge_2 t. (s, t) fills
+ * the unit square; disk: the unit disk. */
 static double form_factor(const gi_lights *lights, stilb_vec3 corner, stilb_vec3 edge_1, stilb_vec3 edge_2, bool disk,
                           stilb_vec3 normal)
 {
@@ -238,7 +241,7 @@ static double form_factor(const gi_lights *lights, stilb_vec3 corner, stilb_vec3
 	return sum / RECEIVERS / ASKED / M_PI;
 }
 
-/* Values: docs/gi.md. */
+/* Where the expected form factors come from: docs/gi.md. */
 static void form_factors_of_rectangles(void **state)
 {
 	(void)state;
@@ -260,7 +263,7 @@ static void form_factors_of_rectangles(void **state)
 
 #define DISK_TRIANGLES 64
 
-/* A fan of triangles of the disk's area, at height h over the origin, looking down. */
+/* A disk of this radius as a fan of triangles, which has the disk's area, at height h over the origin, looking down. */
 static gi_lights disk_of(float radius, float h)
 {
 	static gi_emitter emitters[DISK_TRIANGLES];
@@ -285,7 +288,7 @@ static void form_factors_of_disks_and_reciprocity(void **state)
 	double small = form_factor(&lights, o, x, z, true, y);
 	SHADE_PROOF_NEAR(small, 0.0480590, 1e-3, 0.0);
 	gi_lights_destroy(&lights);
-	lights = disk_of(1.0f, 2.0f); /* A1 F12 = A2 F21 */
+	lights = disk_of(1.0f, 2.0f); /* the roles exchanged: A1 F12 = A2 F21, with the areas A1 = 4 A2 */
 	double large = form_factor(&lights, o, x * 0.5f, z * 0.5f, true, y);
 	SHADE_PROOF_NEAR(0.25 * large, small, 2e-3, 0.0);
 	gi_lights_destroy(&lights);
@@ -360,8 +363,8 @@ static int emitter_at(const gi_emitter *emitters, stilb_vec3 position, stilb_vec
 	return found;
 }
 
-/* What a sample says of its density is what gi_light_pdf and gi_environment_pdf say of its direction; and its distance
- * ends short of the light, by little. */
+/* The density that a light sample comes with is what gi_light_pdf and gi_environment_pdf give for its direction; and
+ * its distance is a little less than the distance to the light, so that a shadow ray does not hit the light. */
 static void density_of_a_sample_is_that_of_its_direction(void **state)
 {
 	(void)state;
@@ -399,8 +402,9 @@ static void density_of_a_sample_is_that_of_its_direction(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* Chances of all leaves add up to 1, less those of boxes that seemed to hold light for this point and do not; they are
- * those with which they are chosen, and none that shines here is left out. */
+/* The light tree tells the probabilities with which it chooses its leaves, the lights, for a point. They add up to 1,
+ * less those of boxes that seemed to hold light for the point and do not; leaves are chosen as often as they say; and
+ * every leaf that shines on the point has one above 0. */
 static void tree_chooses_with_its_probabilities(void **state)
 {
 	(void)state;
@@ -450,7 +454,7 @@ static void tree_chooses_with_its_probabilities(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* Boxes, cones and power of a node hold those of its children. */
+/* Box and cone of directions of a node of the light tree enclose those of its children, and its power is their sum. */
 static void nodes_hold_their_children(void **state)
 {
 	(void)state;
@@ -511,8 +515,9 @@ static void lights_add_up(void **state)
 
 #define CELLS 8
 
-/* Where on the shape samples fall, in cells of its own coordinates, against the cells' solid angles. Pearson's
- * chi-square over independent numbers, four standard deviations. */
+/* How many samples fall into each cell of a shape, a grid in the shape's own coordinates, against the solid angle of
+ * the cell seen from the origin. Pearson's chi-square over independent numbers must be within four standard
+ * deviations. */
 static void samples_fill_solid_angles_evenly(void **state)
 {
 	(void)state;
@@ -614,7 +619,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 		assert_true(angle < 0.505f || intensity == 0.0);
 		before = intensity;
 	}
-	const float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer)); /* t^2 (3 - 2 t) */
+	/* The intensity falls as t^2 (3 - 2 t), with t from 1 at cos_inner to 0 at cos_outer; here t = 1/4. */
+	const float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer));
 	assert_true(
 		gi_light_sample_at(&lights, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	SHADE_PROOF_NEAR(sample.radiance[0] * sample.distance * sample.distance, 8.0 * 0.15625, 1e-4, 0.0);
@@ -630,7 +636,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 
 /* ---- surroundings ------------------------------------------------------------------------------------------------ */
 
-/* Of a sky of radiance 1: pi; with everything below elevation a hidden: pi cos^2 a. */
+/* The irradiance from a sky of radiance 1 on a level receiver is pi; with everything below the elevation a hidden it is
+ * pi cos^2 a. */
 static void raised_horizon_leaves_a_squared_cosine(void **state)
 {
 	(void)state;
@@ -790,7 +797,8 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 	return allocations_left >= 0 && allocations_left-- == 0 ? NULL : __real_aligned_alloc(alignment, size);
 }
 
-/* Each allocation fails once: a message, and nothing is left behind (which the address sanitizer sees). */
+/* Each allocation of gi_lights_create fails once, which gives a message and leaves no memory behind (the address
+ * sanitizer would see it). */
 static void no_memory_is_an_error(void **state)
 {
 	(void)state;
@@ -833,7 +841,7 @@ static void lights_that_give_nothing_are_never_asked(void **state)
 	gi_lights_destroy(&(gi_lights){0});
 }
 
-/* One shape of two triangles only where they are one rectangle. */
+/* Two triangles are joined to one shape only where together they are a rectangle. */
 static void only_rectangles_are_joined(void **state)
 {
 	(void)state;
