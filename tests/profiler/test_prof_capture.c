@@ -39,7 +39,7 @@ uint64_t __real_prof_frames_begun(void);
 uint64_t __wrap_prof_frames_begun(void);
 uint64_t __wrap_prof_frames_begun(void)
 {
-	/* Relaxed: a number; pairs with synthetic_frame. */
+	/* Relaxed: the number is all that synthetic_frame, which stores it, shares with the threads that ask for it. */
 	return synthetic ? __atomic_load_n(&synthetic_begun, __ATOMIC_RELAXED) : __real_prof_frames_begun();
 }
 

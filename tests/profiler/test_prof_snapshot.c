@@ -1,4 +1,5 @@
-/* Snapshots: the tree from the order of ends, times, windows, charging, flows, points, what they cost. */
+/* Snapshots of what was recorded: the tree of zones, made from the order in which they end; times; windows (the last
+ * frames alone); jobs charged to the frame that submitted them; flows, points, context switches; and their cost. */
 #include "profiler/prof_internal.h"
 #include "support/failing_memory.h"
 #include "support/test.h"
@@ -52,7 +53,7 @@ static void sleep_ms(long ms)
 	nanosleep(&(struct timespec){.tv_nsec = ms * 1000000}, NULL);
 }
 
-static stilb_prof_snapshot s; /* {0} between tests */
+static stilb_prof_snapshot s; /* the snapshot that take() made last; {0} between tests */
 
 static int begin_thread(void **state)
 {
@@ -228,7 +229,7 @@ static void overlaps_are_cut(void **state)
 	record(&site_b, t + 3000, t + 9000, 0);
 	record(&site_c, t + 8000, t + 20000, 1);
 	record(&site_d, t + 7000, t + 10000, 0);
-	record(&site_a, t + 2000, t + 2000, 0); /* begins before the zone recorded before it, which has ended */
+	record(&site_a, t + 2000, t + 2000, 0); /* begins and ends before the zone that was recorded before it */
 	take(0);
 	assert_int_equal(s.lanes[0].zone_count, 5);
 }
@@ -306,7 +307,8 @@ static void open_zones(void **state)
 	assert_false(find_zone(0, "outer")->open);
 }
 
-/* A zone's length lies between those of two intervals, one inside and one around it; its time of day as well. */
+/* A zone is recorded between two reads of another clock, with two more reads inside of it: its length and its begin lie
+ * between what these give. */
 static void times_are_true(void **state)
 {
 	(void)state;
@@ -344,11 +346,11 @@ static void the_last_frames_are_remembered(void **state)
 	for (int i = 0; i < 3000; i++)
 		stilb_prof_frame_mark();
 	take(0);
-	assert_int_equal(s.frame_count, PROF_FRAMES_MAX - 2); /* the oldest mark may be about to be overwritten */
+	assert_int_equal(s.frame_count, PROF_FRAMES_MAX - 2); /* not all: the oldest mark may be about to be overwritten */
 	assert_int_equal(s.frames[s.frame_count - 1].number, 2998);
 	assert_int_equal(s.begin_ns, s.frames[0].begin_ns);
 	PROFILE("open");
-	for (uint64_t first = 0; first < 5000; first += 4000) { /* frames forgotten, and frames that have not begun */
+	for (uint64_t first = 0; first < 5000; first += 4000) { /* frames that are forgotten by now; that have not begun */
 		stilb_prof_window window = {.first_frame = first, .frame_count = 2};
 		assert_int_equal(stilb_prof_snapshot_take(&s, &window), 0);
 		check_snapshot();
@@ -676,7 +678,7 @@ static void switches_become_time_off_the_cpu(void **state)
 	(void)state;
 	enum { US = 1000, MARGIN = 500 };
 	prof_switch_event events[] = {
-		{.ns = 100 * US, .in = true}, /* since when it was out is not known */
+		{.ns = 100 * US, .in = true}, /* comes back; since when it was out is not known */
 		{.ns = 500 * US, .preempted = true},
 		{.ns = 3000 * US, .in = true},
 		{.ns = 6000 * US},
@@ -779,7 +781,8 @@ static void threads_that_come_and_go(void **state)
 	assert_int_equal(lane->switches[0].in_ns, s.end_ns);
 }
 
-/* The kernel's ring has gone round: before the first switch that is held nothing is known, not that the thread ran. */
+/* The kernel has overwritten the oldest switches in its ring: before the oldest one left, it is unknown whether the
+ * thread ran; the snapshot must not say that it did. */
 static void switches_that_are_lost_are_not_known(void **state)
 {
 	(void)state;
@@ -788,7 +791,7 @@ static void switches_that_are_lost_are_not_known(void **state)
 		events[i] = (prof_switch_event){.ns = 200000000 + 100 * (uint64_t)i, .in = i % 2 == 0};
 	begin_thread_with_switches(events, PROF_SWITCHES_MAX - 1);
 	{
-		PROFILE("zone"); /* begins before the first of them, on a busy machine too */
+		PROFILE("zone"); /* begins before events[0], which is 200 ms from now, on a busy machine too */
 		sleep_ms(210);
 	}
 	take(0);
@@ -952,7 +955,7 @@ static void *be_busy(void *unused)
 	(void)unused;
 	uint64_t id = 0;
 	stilb_prof_thread_begin("busy");
-	/* Relaxed: nothing depends on it. */
+	/* Relaxed: the flag only ends the loop, and no other data is published with it. */
 	while (!__atomic_load_n(&stop, __ATOMIC_RELAXED)) {
 		PROFILE("outer");
 		stilb_prof_flow_end(flow_job, id);

@@ -59,7 +59,7 @@ static inline void forget_progress(char *text)
 	}
 }
 
-/* A run that must go well and say nothing on stderr but its progress. */
+/* Runs stilb with the words of a line; the run must succeed and print nothing on stderr but lines of progress. */
 static inline void stilb_good(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 static inline void stilb_good(const char *format, ...)
@@ -77,7 +77,7 @@ static inline void stilb_good(const char *format, ...)
 	assert_string_equal(run.err, "");
 }
 
-/* stderr has that many lines, and each begins with the program's name. */
+/* Asserts that the last run's stderr has that many lines, each of which begins with the program's name. */
 static inline void assert_error_lines(int lines)
 {
 	int begun = strncmp(run.err, "stilb: ", 7) == 0;
@@ -119,7 +119,7 @@ static inline int folder_fresh(void **state)
 	return 0;
 }
 
-/* argument: the program. A new folder becomes the current one. */
+/* Makes a new folder, whose name begins with `name`, the current one. argument: the path of the program stilb. */
 static inline bool folder_enter(const char *argument, const char *name)
 {
 	char parent[PATH_MAX / 2];
@@ -167,7 +167,7 @@ static inline double stat_ms(const char *path)
 	return strtod(text, NULL);
 }
 
-/* The hash of a run; the string is the caller's next's. */
+/* The stream hash in the file of --stats at this path, which it reads. */
 static inline uint64_t stat_hash(const char *path)
 {
 	read_stats(path);
@@ -210,7 +210,7 @@ static inline void assert_stats(const char *device, const char *replay, const ch
 	assert_true(stat_text("device_name", '"')[0] != '\0');
 	assert_string_equal(stat_text("replay", '"'), replay);
 	assert_string_equal(stat_text("cull", '"'), cull);
-	const char *by = stat_text("culled_by", '"'); /* auto tells which it took */
+	const char *by = stat_text("culled_by", '"'); /* with "auto": the method that was chosen */
 	assert_true(strcmp(cull, "auto") == 0 ? strcmp(by, "octree") == 0 || strcmp(by, "flat") == 0
 	                                      : strcmp(by, cull) == 0);
 	assert_int_equal(strlen(stat_text("stream_hash", '"')), 16);
@@ -236,7 +236,8 @@ static inline void assert_trace(const char *path, uint32_t workers, uint64_t fra
 	trace_check_finish(&report);
 }
 
-/* The process catches SIGINT and has worked for a while since; false: it ended, or five minutes went by. */
+/* Waits until the process catches SIGINT and has then used some CPU time, so that an interrupt meets it at work. False:
+ * the process ended before, or five minutes went by. */
 static inline bool catches_interrupts(pid_t pid)
 {
 	char path[64], line[512];

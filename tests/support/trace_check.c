@@ -14,7 +14,7 @@
 /* ---- memory: growing arrays, and strings that are kept once ------------------------------------------------------ */
 
 typedef struct strings {
-	char **slot; /* open addressing, a power of two */
+	char **slot; /* [capacity] hash table with open addressing; capacity is a power of two */
 	size_t capacity, count;
 } strings;
 
@@ -75,7 +75,7 @@ typedef struct event {
 	text_span arg_sort, arg_value;
 	size_t line;
 	int64_t pid_value, tid_value, id_value;
-	uint64_t begin, end; /* tenths of nanoseconds; X: both; others: begin */
+	uint64_t begin, end; /* tenths of nanoseconds; end: of events with ph "X" only */
 } event;
 
 typedef struct parser {
@@ -449,7 +449,7 @@ static bool member_top(parser *p, const char *key, int depth)
 typedef struct open_zone {
 	const char *name;
 	uint64_t begin, end;
-	bool unended; /* a B whose E has not come */
+	bool unended; /* begun by an event with ph "B" whose "E" has not come */
 } open_zone;
 
 typedef struct track {
@@ -479,7 +479,7 @@ typedef struct judge {
 	size_t arrow_count, arrow_capacity;
 } judge;
 
-/* Whole numbers alone, up to 18 digits. */
+/* Reads the text as a whole number of up to 18 digits; false: it is none. */
 static bool span_integer(text_span span, int64_t *value)
 {
 	const bool negative = *span.begin == '-';
@@ -495,7 +495,8 @@ static bool span_integer(text_span span, int64_t *value)
 	return true;
 }
 
-/* Microseconds, not negative, with three decimals or a fourth that is not 0. */
+/* Reads microseconds, not negative, with three decimals or a fourth that is not 0, as tenths of nanoseconds; false: the
+ * text is none. */
 static bool span_tenths(text_span span, uint64_t *tenths)
 {
 	const char *point = memchr(span.begin, '.', (size_t)(span.end - span.begin));
@@ -563,7 +564,7 @@ static bool ends_in(const char *text, const char *ending)
 	return length >= size && strcmp(text + length - size, ending) == 0;
 }
 
-/* An off-CPU thread belongs to the thread of the same name before it. */
+/* A track "NAME: off the CPU" must follow the track of the thread NAME, to which it belongs. */
 static bool judge_off_cpu_thread(judge *j, const track *lane)
 {
 	const track *owner = lane > j->lanes ? lane - 1 : NULL;
@@ -596,7 +597,7 @@ static bool judge_metadata(judge *j, const event *e)
 	return true;
 }
 
-/* Keys, process, names: everything that does not depend on order. */
+/* Judges what does not depend on the order of events: their keys, the process, names. */
 static bool judge_events(judge *j)
 {
 	parser *p = j->p;
@@ -637,7 +638,7 @@ static bool judge_names(judge *j)
 	return true;
 }
 
-/* Pops the zones that ended by the time of e. */
+/* Takes the zones that ended by the time of the event e off the lane's stack of open zones. */
 static bool judge_pop(judge *j, track *lane, const event *e)
 {
 	for (; lane->depth > 0; lane->depth--) {
