@@ -21,7 +21,9 @@ typedef struct control_pad {
 	stilb_input_pad_info info;
 	stilb_input_layout layout;
 	stilb_input_pad_state state;
-	float rest[STILB_INPUT_AXIS_COUNT]; /* the axes at the last touch, moved towards the axes by CONTROL_DRIFT since */
+	/* The axes' values at the last touch, moved since towards the present ones at the speed CONTROL_DRIFT. An axis that
+	 * is farther from its value here than the dead zone is a touch. */
+	float rest[STILB_INPUT_AXIS_COUNT];
 	uint64_t reports, corrupt;
 	int64_t last_us;
 } control_pad;
