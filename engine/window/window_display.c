@@ -20,8 +20,8 @@ static struct {
 	stilb_owner owner;           /* the thread that calls GLFW */
 	jmp_buf back;                /* where display_on_error jumps to, in window_display_call; set while `calling` */
 	bool calling;                /* window_display_call runs a call to GLFW */
-	/* Relaxed everywhere, because no other data depends on it. Written by the thread whose call failed, which may be
-	 * one of the Vulkan driver's. */
+	/* The connection broke. Relaxed everywhere, because no other data is published with it. Written by the thread whose
+	 * call failed, which may be one of the Vulkan driver's. */
 	atomic_bool lost;
 } display;
 
