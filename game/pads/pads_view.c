@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #define VIEW_BAR 21             /* columns; odd, so that there is a middle for a stick at rest */
-#define VIEW_RATE_NS 1000000000 /* time over which rates are measured */
+#define VIEW_RATE_NS 1000000000 /* time over which the rates of reports are measured */
 
 /* The lines of all pads, composed here and written to the terminal in one go. */
 typedef struct view_text {
@@ -30,14 +30,14 @@ static void view_print(view_text *text, const char *format, ...)
 	text->length += length < 0 ? 0 : (size_t)length < room ? (size_t)length : room - 1;
 }
 
-/* Ends a line and clears the rest of the old one. */
+/* Ends a line and clears what the line that it overwrites had to its right. */
 static void view_end_line(view_text *text)
 {
 	view_print(text, "\033[K\n");
 	text->lines++;
 }
 
-/* A bar from `from` to `to`, both 0..1. */
+/* A bar of VIEW_BAR columns that is filled from `from` to `to`, 0 (left end) .. 1 (right end). */
 static void view_print_bar(view_text *text, float from, float to)
 {
 	int first = (int)((from < to ? from : to) * (VIEW_BAR - 1) + 0.5f);
