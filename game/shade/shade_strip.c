@@ -11,7 +11,7 @@
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
-/* All in units of the side of a cell, the square around a sphere. */
+/* Sizes of the parts of a picture of spheres, all in units of the side of a cell, the square around a sphere. */
 #define CAPTION_WIDTH 2.05f
 #define TITLE_HEIGHT 0.42f
 #define MARGIN 0.12f
