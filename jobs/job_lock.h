@@ -31,7 +31,7 @@
 #define JOB_LOCK_YIELDS 8
 #endif
 
-/* All zero: free. */
+/* A lock; with all members 0 it is free. */
 typedef struct job_lock {
 	_Atomic uint32_t held;
 	_Atomic uint32_t sleepers; /* a futex */
