@@ -270,7 +270,7 @@ static void prof_capture_end(void)
 	prof_capture_file_forget();
 }
 
-/* After an error nothing has changed. */
+/* Does the work of stilb_prof_capture_start. Returns 0 or a negative errno, after which nothing has changed. */
 static int prof_capture_begin(const stilb_prof_capture_desc *desc)
 {
 	if (__atomic_load_n(&prof_capture.running, __ATOMIC_RELAXED) != 0) /* only start and stop write it, one at a time */

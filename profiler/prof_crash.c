@@ -119,7 +119,7 @@ void prof_crash_stop(void)
 		return;
 	for (size_t i = 0; i < PROF_CRASH_SIGNALS; i++)
 		prof_signal_restore(prof_crash_signals[i], (void (*)(void))prof_crash_handler, &prof_crash.old[i]);
-	/* Relaxed: they publish no other data. */
+	/* Relaxed: running and stop publish no other data. */
 	__atomic_store_n(&prof_crash.running, 0, __ATOMIC_RELAXED);
 	__atomic_store_n(&prof_crash.stop, 1, __ATOMIC_RELAXED);
 	sem_post(&prof_crash.wake);
