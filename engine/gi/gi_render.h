@@ -115,9 +115,11 @@ typedef struct stilb_gi_lens {
 
 /* When records of the irradiance cache are made. */
 typedef enum stilb_gi_cache_mode {
-	/* In rounds before the picture (the overture), then only read: the same bits for any number of workers. */
+	/* Records are made in rounds before the picture (the overture) and only read after that: the picture has the same
+	 * bits for any number of workers. */
 	STILB_GI_CACHE_FROZEN,
-	/* Whenever a sample finds no valid one: faster; the bits depend on timing and differ from run to run. */
+	/* A record is made whenever a sample finds no valid one. This is faster, but the picture's bits depend on timing
+	 * and differ from run to run. */
 	STILB_GI_CACHE_LIVE,
 } stilb_gi_cache_mode;
 
@@ -259,9 +261,10 @@ typedef struct stilb_gi_progress {
 	/* Traced rays of all kinds, and how many of these were camera rays and shadow rays. */
 	uint64_t rays;
 	uint64_t camera_rays, shadow_rays;
-	/* Every pixel has at least so many samples. */
+	/* Least number of samples that a pixel has by now. */
 	uint32_t samples;
-	/* For a progressive render: one pixel of every block x block pixels has samples; 1: all pixels have. */
+	/* Side, pixels, of the squares of which only one pixel has samples so far in a progressive render; 1: all pixels
+	 * have samples. */
 	uint32_t block;
 	/* The current stage, for people: "overture 3", "pass 2", ... */
 	char stage[32];

@@ -98,7 +98,8 @@ static void normal_to_world(const float matrix[9], const float n[3], float out[3
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
-/* Which meshes are shared by instances, and how many vertices, triangles and meshes the result will have. */
+/* Decided before anything is copied: which meshes are shared by instances, and how many vertices, triangles and meshes
+ * the gi_scene will have. */
 typedef struct mesh_plan {
 	uint32_t *uses; /* [mesh_count] parts of each mesh that may be instances */
 	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */

@@ -48,7 +48,7 @@ typedef struct stilb_gi_scene_desc {
 	/* Its threads build the tree; it is not used after stilb_gi_scene_create. */
 	stilb_job_pool *pool;
 	const stilb_gi_intersector *intersector;
-	/* For Embree; brute ignores it. */
+	/* The instruction set that Embree may use; stilb_gi_brute ignores it. */
 	stilb_gi_isa isa;
 	/* Bytes that Embree may take; 0: what the machine has free (MemAvailable). */
 	uint64_t memory;

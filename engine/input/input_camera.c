@@ -235,7 +235,7 @@ static double camera_length(const double v[3])
 	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* All are numbers of at least 0; speed and turning rate are finite. */
+/* True if all settings are numbers of at least 0, and speed and turning rate are finite. */
 static bool settings_are_sound(const stilb_input_camera_settings *settings)
 {
 	return settings->speed >= 0.0f && isfinite(settings->speed) && settings->turn_rate >= 0.0f &&

@@ -112,7 +112,7 @@ typedef struct stilb_input_event {
 	 * the first is the report's id if the pad numbers its reports. */
 	const uint8_t *bytes;
 	uint32_t size;
-	/* For STATE: the decoded state. */
+	/* For STATE: the sticks, triggers and buttons as the window library has decoded them. */
 	stilb_input_pad_state state;
 } stilb_input_event;
 

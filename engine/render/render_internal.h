@@ -163,12 +163,14 @@ static inline uint32_t render_material_mask(stilb_render_materials materials)
 	                                                      : 0u;
 }
 
+/* Index of the texture that a draw with this state needs; 0: none. */
 static inline uint32_t render_state_texture(uint64_t state)
 {
 	return (uint32_t)state & RENDER_INDEX_MASK;
 }
 
-/* Of a scene pass's draw: the material with BIND, the pipeline's number with PIPELINE, else 0. */
+/* What the state of a scene pass's draw has of its material: the index with STILB_RENDER_MATERIALS_BIND, the index's
+ * lowest bit, which is the number of a pipeline, with _PIPELINE, else 0. */
 static inline uint32_t render_state_material(uint64_t state)
 {
 	return (uint32_t)(state >> 24);

@@ -367,7 +367,8 @@ static inline void record_write(stilb_render_context *context, uint64_t key, sti
 	record_write_command(context->command++, &context->meshes[mesh_index], context->row_index++, material_index, key);
 }
 
-/* Not inlined, and called as a tail call: the common case of stilb_render_draw then saves no registers. */
+/* Records a draw that needs a new chunk or a new run. Not inlined, and called as a tail call: stilb_render_draw then
+ * saves no registers in the common case, a draw that needs neither. */
 __attribute__((noinline)) static void record_draw_making_room(stilb_render_context *context, uint64_t key,
                                                               stilb_render_mesh mesh, stilb_render_material material,
                                                               const stilb_mat4 *transform, uint64_t state)

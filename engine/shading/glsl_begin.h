@@ -170,7 +170,8 @@
 #define GLSL_COUNT(...) GLSL_FIFTH(__VA_ARGS__, 4, 3, 2, 1, 0)
 #define GLSL_FIFTH(a, b, c, d, e, ...) e
 
-/* Which function: by the type of the first operand, then by whether the other one is a float. */
+/* Names the C function that an overloaded GLSL function stands for: its suffix follows from the type of the first
+ * operand x and, where a vector may be combined with a number, from whether the other operand is a float ("f"). */
 #define GLSL_PICK1(name, x) \
 	_Generic((x), float: glsl_##name##_1, stilb_vec2: glsl_##name##_2, stilb_vec4: glsl_##name##_4)
 #define GLSL_PICK2(name, x, other) \

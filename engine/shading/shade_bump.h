@@ -84,7 +84,8 @@ SHADE_FN vec3 shade_bump_from_derivatives(vec3 n, vec3 dp_dx, vec3 dp_dy, vec2 d
 
 #define SHADE_RAY_COSINE_MIN 1e-4f
 
-/* How the ray of the next pixel differs: its origin (metres) and its unit direction. */
+/* The differences between the ray of the next pixel and that of this one: of the origins (metres) and of the unit
+ * directions. */
 SHADE_STRUCT(shade_ray_differential)
 {
 	vec3 origin;

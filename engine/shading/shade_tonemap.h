@@ -83,25 +83,26 @@ SHADE_FN vec3 shade_tonemap_unscaled(vec3 color, float luma, float a, float b)
 	return color * select(luma <= a, 1.0f, shade_tonemap_curve_inverse(luma, a, b) / max(luma, a));
 }
 
-/* By the largest channel: each channel of the result is in [0, b]. */
+/* Tone maps a color by its largest channel, scaling all channels alike: each channel of the result is in [0, b]. */
 SHADE_FN vec3 shade_tonemap(vec3 color, float a, float b)
 {
 	return min(shade_tonemap_scaled(color, shade_largest(color), a, b), b);
 }
 
-/* color: a result of shade_tonemap with its largest channel below b. */
+/* The inverse of shade_tonemap. color: a result of it with its largest channel below b. */
 SHADE_FN vec3 shade_tonemap_inverse(vec3 color, float a, float b)
 {
 	return shade_tonemap_unscaled(color, shade_largest(color), a, b);
 }
 
-/* By the luminance: that of the result is in [0, b], up to rounding. */
+/* Tone maps a color by its luminance, scaling all channels alike: the luminance of the result is in [0, b], up to
+ * rounding; a channel may be above b. */
 SHADE_FN vec3 shade_tonemap_luminance(vec3 color, float a, float b)
 {
 	return shade_tonemap_scaled(color, shade_luminance(color), a, b);
 }
 
-/* color: a result of shade_tonemap_luminance with its luminance below b. */
+/* The inverse of shade_tonemap_luminance. color: a result of it with its luminance below b. */
 SHADE_FN vec3 shade_tonemap_luminance_inverse(vec3 color, float a, float b)
 {
 	return shade_tonemap_unscaled(color, shade_luminance(color), a, b);

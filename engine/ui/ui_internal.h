@@ -163,7 +163,7 @@ struct stilb_ui {
 	char tooltip[STILB_UI_TOOLTIP_SIZE]; /* "": none */
 };
 
-/* In functions that are called between stilb_ui_begin and stilb_ui_end, by the thread that began. */
+/* Asserts that a function is called between stilb_ui_begin and stilb_ui_end, by the thread that called the first. */
 #define UI_ASSERT_IN_FRAME(ui)                                                                                         \
 	do {                                                                                                               \
 		STILB_ASSERT((ui)->in_frame && "between begin and end");                                                       \

@@ -18,7 +18,7 @@ typedef struct report_input {
 	uint32_t wrapper;          /* zone of the frame's thread that spans the frame ("frame"), or STILB_PROF_NONE */
 } report_input;
 
-/* How long the zone lies in the frame, nanoseconds. */
+/* The part of the zone's time that lies in the frame, nanoseconds. */
 static uint64_t report_overlap(const report_input *in, const stilb_prof_zone *zone)
 {
 	uint64_t from = zone->begin_ns > in->begin_ns ? zone->begin_ns : in->begin_ns;

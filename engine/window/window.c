@@ -78,7 +78,8 @@ static stilb_window_key window_key(int glfw)
 	return STILB_WINDOW_KEY_COUNT;
 }
 
-/* For STILB_CHECK: `fresh` only while captured, and typed characters are never repeated. */
+/* For STILB_CHECK: `fresh` is set only while the mouse is captured, and the keys that are known by the characters they
+ * type are never counted as repeated. */
 static bool window_is_sound(const stilb_window *window)
 {
 	return window->handle && (!window->fresh || window->captured) && !window->repeated[STILB_WINDOW_KEY_MINUS] &&

@@ -98,7 +98,7 @@ static stilb_result check_header(const char *path, const cache_header *header, c
 	return STILB_OK;
 }
 
-/* All numbers are finite and all radii positive. */
+/* True if all numbers of a record that was read are finite and all its radii positive. */
 static bool record_is_sound(const gi_cache_record *record)
 {
 	const float *numbers = (const float *)record;

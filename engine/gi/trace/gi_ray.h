@@ -40,7 +40,7 @@ static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 /* The last four 4-byte words of a gi_ray or of a gi_hit. */
 typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
-/* From origin (t_min is 0) to t_max = length; id 0. */
+/* A ray from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id is 0. */
 static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
 {
 	stilb_vec4 tail = {length};
@@ -56,7 +56,7 @@ static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float 
 	return ray;
 }
 
-/* From origin to infinity, with no hit yet. */
+/* A ray from origin to infinity, with room for its nearest hit, which is "none" until it is traced. */
 static inline gi_ray_hit gi_ray_hit_make(stilb_vec3 origin, stilb_vec3 direction)
 {
 	gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};

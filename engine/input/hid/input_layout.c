@@ -157,7 +157,7 @@ stilb_input_decoded stilb_input_decode(const stilb_input_layout *layout, const u
 	return any ? STILB_INPUT_DECODED : STILB_INPUT_CORRUPT;
 }
 
-/* For STILB_CHECK: kind and target exist, and the bits are within a report of this many. */
+/* For STILB_CHECK: true if the source's kind and target exist, and its bits are within a report of report_bits bits. */
 static bool source_is_sound(const stilb_input_source *source, uint32_t report_bits)
 {
 	uint32_t targets = source->kind == STILB_INPUT_SOURCE_AXIS ? STILB_INPUT_AXIS_COUNT : STILB_INPUT_BUTTON_COUNT;

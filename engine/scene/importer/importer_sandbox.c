@@ -66,7 +66,7 @@ void importer_sandbox_allow_time(uint64_t seconds)
 #define SANDBOX_ACCESS_READ                                                                                            \
 	(LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR | LANDLOCK_ACCESS_FS_EXECUTE) /* libraries are mapped */
 
-/* All rights that this version can forbid. */
+/* All rights, as bits, that this version of Landlock can forbid. */
 static uint64_t sandbox_access(long version)
 {
 	STILB_ASSERT(version >= 1);
