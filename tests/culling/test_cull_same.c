@@ -97,6 +97,8 @@ static void run_views(uint32_t model_count, float extent, uint32_t views, sphere
 {
 	fixture f;
 	reference_random random = {.seed = seed};
+	if (TEST_TSAN)
+		views = 4 + views / 10;
 	fixture_init(&f, model_count, sphere, &random);
 	for (uint32_t view = 0; view < views; view++) {
 		stilb_frustum frustum = random_view(&random, extent);

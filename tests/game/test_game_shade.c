@@ -6,14 +6,6 @@
 #include <math.h>
 #include <sys/resource.h>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED true
-#elif defined(__has_feature)
-#define SANITIZED __has_feature(address_sanitizer)
-#else
-#define SANITIZED false
-#endif
-
 /* ---- gnuplot ----------------------------------------------------------------------------------------------------- */
 
 static char path_here[PATH_MAX + 16];
@@ -194,7 +186,7 @@ static void test_spheres_in_little_memory(void **state)
 {
 	(void)state;
 	struct rlimit before;
-	if (SANITIZED)
+	if (TEST_ASAN)
 		return; /* sanitizers need terabytes of address space */
 	assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
 	setrlimit(RLIMIT_AS, &(struct rlimit){300u << 20, before.rlim_max});

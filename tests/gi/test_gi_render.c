@@ -16,9 +16,9 @@ static const stilb_gi_integrator INTEGRATORS[] = {STILB_GI_INTEGRATOR_PATH, STIL
 static void same_bits_for_workers_and_passes(void **state)
 {
 	(void)state;
-	static const uint32_t workers[] = {0, 1, 2, 6};
+	static const uint32_t workers[] = {0, 6, 1, 2};
 	uint64_t hashes[INTEGRATOR_COUNT][2];
-	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++) {
+	for (size_t w = 0; w < (TEST_TSAN ? 2 : 4); w++) {
 		render_fixture fixture = render_fixture_make("cornell", workers[w]);
 		stilb_gi_settings settings = render_fixture_settings(&fixture);
 		settings.samples = 3;
@@ -181,6 +181,8 @@ static void passes(void **state)
 	};
 	render_fixture fixture = render_fixture_make("cornell", 1);
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.width = 19;
+	settings.height = 11;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
 		settings.progressive = cases[i].progressive;
 		settings.error = cases[i].error;
@@ -198,7 +200,7 @@ static void passes(void **state)
 		}
 		assert_int_equal(progress.samples, settings.samples);
 		assert_int_equal(progress.block, 1);
-		assert_int_equal(progress.camera_rays, 37 * 21 * settings.samples);
+		assert_int_equal(progress.camera_rays, 19 * 11 * settings.samples);
 		assert_true(progress.rays > progress.camera_rays + progress.shadow_rays && progress.shadow_rays > 0);
 		assert_true(progress.done == 1.0 && progress.bad_samples == 0);
 		stilb_gi_render_destroy(render);
@@ -240,13 +242,15 @@ static void error_limit(void **state)
 	for (uint32_t workers = 0; workers < 3; workers++) {
 		render_fixture fixture = render_fixture_make("cornell", workers);
 		stilb_gi_settings settings = render_fixture_settings(&fixture);
+		settings.width = 19;
+		settings.height = 11;
 		settings.samples = 65536;
-		settings.error = 0.5f;
+		settings.error = 1.0f;
 		stilb_gi_render *render = render_fixture_create(&fixture, &settings);
 		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
 		stilb_gi_progress progress = progress_of(render);
 		assert_int_equal(progress.end, STILB_GI_END_ERROR);
-		assert_true(progress.error > 0.0 && progress.error <= 0.5 && progress.samples >= 2 && progress.samples < 65536);
+		assert_true(progress.error > 0.0 && progress.error <= 1.0 && progress.samples >= 8 && progress.samples < 65536);
 		assert_true(workers == 0 || film_hash(render) == hash);
 		hash = film_hash(render);
 		stilb_gi_render_destroy(render);

@@ -934,7 +934,7 @@ static void test_threads_from_outside(void **state)
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
 		/* without workers only the owner's waits run jobs, and here the owner joins those threads */
 		if (s.workers > 0) {
-			run_guests(s, 8, 1, 10000);
+			run_guests(s, 8, 1, TEST_TSAN ? 1000 : 10000);
 			run_guests(s, 40, 10, 20); /* more threads than can be inside calls at once */
 		}
 }

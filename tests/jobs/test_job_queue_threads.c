@@ -16,18 +16,8 @@
 #include "job_random.h"
 #include "support/test.h"
 
-#if defined(__SANITIZE_THREAD__)
-#define SLOWER 8
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define SLOWER 8
-#endif
-#endif
-#ifndef SLOWER
-#define SLOWER 1
-#endif
-
 enum {
+	SLOWER = TEST_TSAN ? 8 : 1,
 	SIDE_MOST = 8,
 	THREADS = 2 * SIDE_MOST,
 	ITEMS = 120000 / SLOWER,

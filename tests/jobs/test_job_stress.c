@@ -8,18 +8,7 @@
 #include "jobs/job.h"
 #include "support/test.h"
 
-#if defined(__SANITIZE_THREAD__)
-#define ROUNDS 800
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define ROUNDS 800
-#endif
-#endif
-#ifndef ROUNDS
-#define ROUNDS 6000
-#endif
-
-enum { FAN = 3, CELLS = 48 };
+enum { ROUNDS = TEST_TSAN ? 800 : 6000, FAN = 3, CELLS = 48 };
 
 /* A node of a random tree of work. All of its members are plain memory. */
 typedef struct task {

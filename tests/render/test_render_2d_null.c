@@ -345,9 +345,9 @@ static void workers_share_the_memory(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(memory_outgrows_and_stays), cmocka_unit_test(draws_are_counted),
-		cmocka_unit_test(empty_geometry_is_none),    cmocka_unit_test(without_memory_the_frame_fails),
-		cmocka_unit_test(no_part_of_hash_and_dump),  cmocka_unit_test(workers_share_the_memory),
+		test_one_thread(memory_outgrows_and_stays), cmocka_unit_test(draws_are_counted),
+		cmocka_unit_test(empty_geometry_is_none),   test_one_thread(without_memory_the_frame_fails),
+		cmocka_unit_test(no_part_of_hash_and_dump), cmocka_unit_test(workers_share_the_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -623,11 +623,11 @@ int main(void)
 		cmocka_unit_test(the_same_stream_comes_back),
 		cmocka_unit_test(only_what_is_used_is_in_it),
 		cmocka_unit_test(what_cannot_be_dumped),
-		cmocka_unit_test(every_change_is_noticed),
-		cmocka_unit_test(every_signed_change_is_refused_or_plays),
+		test_one_thread(every_change_is_noticed),
+		test_one_thread(every_signed_change_is_refused_or_plays),
 		cmocka_unit_test(the_message_names_the_place),
 		cmocka_unit_test(files_that_cannot_be_read),
-		cmocka_unit_test(without_memory),
+		test_one_thread(without_memory),
 		cmocka_unit_test(each_kind_has_its_cost),
 	};
 	return cmocka_run_group_tests(tests, NULL, remove_files);

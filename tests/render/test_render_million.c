@@ -90,7 +90,7 @@ static void a_million_draws(uint32_t workers, int replay)
 	draw(render, &one_pass, 5, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_few);
 	stilb_render_destroy(render);
-	if (!FIXTURE_SANITIZED) /* sanitizers keep freed memory for a while */
+	if (!TEST_ASAN) /* sanitizers keep freed memory for a while */
 		assert_in_range(memory_in_use(), 0, before + (1u << 20));
 	stilb_job_pool_destroy(pool);
 }

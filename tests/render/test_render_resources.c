@@ -268,7 +268,7 @@ static void assert_nothing_lives(const stilb_render *render)
 
 /* ---- ten thousand of each, from all workers --------------------------------------------------------------------- */
 
-#define CHURN_FRAMES 50u
+#define CHURN_FRAMES (TEST_TSAN ? 10u : 50u)
 #define CHURN_SEGMENTS 40u
 #define CHURN_EACH 5u    /* resources of each kind that a segment creates */
 #define CHURN_BESIDE 20u /* created in a frame by the thread outside the pool */
@@ -276,7 +276,7 @@ static void assert_nothing_lives(const stilb_render *render)
 #define CHURN_SEGMENT_DRAWS ((CHURN_STAYS + 1) * CHURN_EACH)
 #define CHURN_MOST_INDICES 8192u
 
-static_assert(CHURN_FRAMES * CHURN_SEGMENTS * CHURN_EACH == 10000, "of each kind");
+static_assert(CHURN_FRAMES * CHURN_SEGMENTS * CHURN_EACH == (TEST_TSAN ? 2000 : 10000), "of each kind");
 
 typedef struct churn {
 	stilb_render *render;
@@ -849,7 +849,7 @@ static void no_more_meshes_or_materials(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(ranges_are_sets),
+		test_one_thread(ranges_are_sets),
 		cmocka_unit_test(ten_thousand_of_each),
 		cmocka_unit_test(indices_come_back_later),
 		cmocka_unit_test(generations_come_round),
@@ -858,7 +858,7 @@ int main(void)
 		cmocka_unit_test(a_lost_frame_is_made_up_for),
 		cmocka_unit_test(frames_without_replay),
 		cmocka_unit_test(a_texture_that_the_device_refuses),
-		cmocka_unit_test(every_allocation_fails_once),
+		test_one_thread(every_allocation_fails_once),
 		cmocka_unit_test(creation_without_memory),
 		cmocka_unit_test(bad_meshes),
 		cmocka_unit_test(bad_textures),

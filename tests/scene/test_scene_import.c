@@ -17,14 +17,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#elif defined(__has_feature)
-#define SANITIZED __has_feature(address_sanitizer)
-#else
-#define SANITIZED 0
-#endif
-
 static char folder[] = "/tmp/test_scene_import_XXXXXX";
 
 static const char *in_folder(const char *name)
@@ -372,7 +364,7 @@ static void a_crash_is_an_error(void **state)
 	                                           "property float y\nproperty float z\nelement face 1\n"
 	                                           "property list uchar int vertex_indices\nend_header\n"
 	                                           "0 0 0\n1 0 0\n0 1 0\n3 0 1 999999999\n");
-	assert_refused(path, STILB_ERROR_FILE, SANITIZED ? "ended early" : "Assimp crashed on it (Segmentation fault)");
+	assert_refused(path, STILB_ERROR_FILE, TEST_ASAN ? "ended early" : "Assimp crashed on it (Segmentation fault)");
 }
 
 /* A file that claims a billion vertices, and limits of almost no time and memory. */
@@ -384,7 +376,7 @@ static void memory_and_time_have_an_end(void **state)
 	assert_int_equal(scene_import_within(in_folder("square.obj"), &quick, &scene), STILB_ERROR_FILE);
 	assert_null(scene);
 	assert_non_null(strstr(stilb_error_message(), "STILB_IMPORT_SECONDS"));
-	if (SANITIZED)
+	if (TEST_ASAN)
 		return; /* there is no limit of memory under sanitizers */
 	assert_refused(write_text("large.off", "OFF\n999999999 6 0\n0 0 0\n"), STILB_ERROR_MEMORY, "memory");
 	scene_import_limits small = {.bytes = 1 << 20, .seconds = 60};
@@ -400,7 +392,7 @@ static void damaged_files_end_in_a_scene_or_a_message(void **state)
 	(void)state;
 	unsigned char whole[8192], damaged[8192];
 	size_t size = read_file(gltf("whole.gltf", "\"doubleSided\":true", ""), whole, sizeof whole);
-	int scenes = 0, tried = SANITIZED ? 10 : 24;
+	int scenes = 0, tried = TEST_ASAN ? 10 : 24;
 	for (int i = 0; i < tried; i++) {
 		stilb_scene *scene;
 		memcpy(damaged, whole, size);

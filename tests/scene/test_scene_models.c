@@ -17,14 +17,6 @@
 
 #define MODELS "/usr/share/assimp/models"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#elif defined(__has_feature)
-#define SANITIZED __has_feature(address_sanitizer)
-#else
-#define SANITIZED 0
-#endif
-
 static void assert_usable(const stilb_scene *scene)
 {
 	uint64_t triangles = 0;
@@ -83,7 +75,7 @@ static void named_files_end_as_they_should(void **state)
 	for (size_t i = 0; i < sizeof models_named / sizeof *models_named; i++) {
 		char path[512];
 		stilb_scene *scene;
-		if (SANITIZED && strstr(models_named[i].name, "OutOfMemory"))
+		if (TEST_ASAN && strstr(models_named[i].name, "OutOfMemory"))
 			continue; /* there is no limit of memory under sanitizers */
 		snprintf(path, sizeof path, MODELS "/%s", models_named[i].name);
 		stilb_result result = stilb_scene_open(path, &scene);
@@ -135,7 +127,7 @@ static void every_file_ends_in_a_scene_or_a_message(void **state)
 	for (FTSENT *entry; (entry = fts_read(walk));) {
 		stilb_scene *scene;
 		if (entry->fts_info != FTS_F || models_skip(entry->fts_path, models_all) ||
-		    (SANITIZED && strstr(entry->fts_path, "OutOfMemory")))
+		    (TEST_ASAN && strstr(entry->fts_path, "OutOfMemory")))
 			continue;
 		files++;
 		if (stilb_scene_open(entry->fts_path, &scene) == STILB_OK) {

@@ -7,18 +7,6 @@
 
 #include <stdlib.h>
 
-/* With sanitizers everything is some ten times slower, so tests with repetitions make fewer of them. */
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-#define FIXTURE_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define FIXTURE_SANITIZED 1
-#endif
-#endif
-#ifndef FIXTURE_SANITIZED
-#define FIXTURE_SANITIZED 0
-#endif
-
 #define FIXTURE_REPLAYS 3
 #define FIXTURE_MATERIALS 3
 
