@@ -16,7 +16,8 @@
  *                   stilb_job_spsc_destroy(queue);                     // after both have ended
  * Threads.      [producer]: the thread that pushes; [consumer]: the thread that pops; [any-thread]: every thread.
  * Items.        Pointers that are not NULL; the queue does not follow them. Everything the producer wrote before it
- *               pushed an item is visible to the consumer that popped it.
+ *               pushed an item is visible to the consumer that popped it, and everything it wrote before it closed the
+ *               queue to the consumer that was told so by -EPIPE.
  * Memory.       8 bytes an item, in blocks of 511 items. Blocks that the consumer has left are reused: a queue has at
  *               most two blocks more than its longest length filled, and allocates nothing once it has those. Only
  *               stilb_job_spsc_destroy frees them.

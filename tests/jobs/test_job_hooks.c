@@ -209,6 +209,59 @@ static void test_every_way_of_submitting_has_its_tag(void **state)
 	}
 }
 
+/* Threads from outside that are held inside their submit until `open`. */
+typedef struct crowd {
+	stilb_job_pool *pool;
+	counter inside, open, done;
+} crowd;
+
+static uint64_t hold_in_submit(void *user, uint32_t worker)
+{
+	crowd *c = user;
+	(void)worker;
+	count_up(&c->inside);
+	while (!count_of(&c->open))
+		nap_us(50);
+	return 0;
+}
+
+static void do_nothing(void *data, uint32_t worker)
+{
+	(void)data, (void)worker;
+}
+
+static void *submit_in_crowd(void *data)
+{
+	crowd *c = data;
+	if (stilb_job_submit(c->pool, do_nothing, NULL, NULL, STILB_JOB_OUTSIDE) == 0)
+		count_up(&c->done);
+	return NULL;
+}
+
+/* 32 threads from outside can be inside a submit at once; others wait until one of these leaves. The second crowd finds
+ * all 32 places free again. */
+static void test_a_crowd_from_outside(void **state)
+{
+	(void)state;
+	enum { PLACES = 32, CROWD = PLACES + 4 };
+	static crowd c;
+	pthread_t thread[CROWD];
+	c.pool = pool_with_hooks((shape){.workers = 1}, (stilb_job_hooks){.user = &c, .submit = hold_in_submit});
+	for (int round = 0; round < 2; round++) {
+		c.inside = c.open = c.done = 0;
+		for (uint32_t i = 0; i < CROWD; i++)
+			thread[i] = outside_start(submit_in_crowd, &c);
+		assert_true(await(&c.inside, PLACES));
+		nap_us(2000); /* the others look for a place meanwhile */
+		assert_int_equal(count_of(&c.inside), PLACES);
+		count_up(&c.open);
+		assert_true(await(&c.done, CROWD));
+		for (uint32_t i = 0; i < CROWD; i++)
+			pthread_join(thread[i], NULL);
+	}
+	stilb_job_pool_destroy(c.pool);
+}
+
 static void test_cancelled_jobs_do_not_begin(void **state)
 {
 	(void)state;
@@ -439,6 +492,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_jobs_pair_and_nest),
 		cmocka_unit_test(test_every_way_of_submitting_has_its_tag),
+		cmocka_unit_test(test_a_crowd_from_outside),
 		cmocka_unit_test(test_cancelled_jobs_do_not_begin),
 		cmocka_unit_test(test_without_submit_tags_are_zero),
 		cmocka_unit_test(test_helpers_of_a_loop_know_its_tag),

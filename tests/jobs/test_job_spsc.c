@@ -170,14 +170,17 @@ typedef struct parcel {
 } parcel;
 
 static parcel parcels[MANY];
+static uint32_t sent; /* written after the last push and before the close */
 
 static void *produce(void *data)
 {
-	for (uint32_t i = 0; i < MANY; i++) {
+	uint32_t i;
+	for (i = 0; i < MANY; i++) {
 		parcels[i] = (parcel){i, 2 * i};
 		if (stilb_job_spsc_push(data, &parcels[i]) != 0)
 			break; /* the test then fails because items are missing */
 	}
+	sent = i;
 	stilb_job_spsc_close(data);
 	return NULL;
 }
@@ -200,7 +203,9 @@ static void test_two_threads(void **state)
 		wrong += got != &parcels[received] || got->number != received || got->twice != 2 * received;
 		received++;
 	}
+	const uint32_t told = sent; /* before the join, which would order it in any case */
 	assert_int_equal(pthread_join(producer, NULL), 0);
+	assert_int_equal(told, MANY);
 	assert_int_equal(received, MANY);
 	assert_int_equal(wrong, 0);
 	stilb_job_spsc_destroy(queue);
