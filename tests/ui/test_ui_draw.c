@@ -117,6 +117,15 @@ static bool in_frame(double x, double y)
 	return in_rounded(x, y, 8, 10, 40, 38, 8) && !in_rounded(x, y, 10, 12, 38, 36, 6);
 }
 
+static void draw_sharp_frame(stilb_ui_draw_list *list)
+{
+	stilb_ui_draw_rect_outline(list, (stilb_ui_rect){8.3f, 10.4f, 40.2f, 37.6f}, 2.5f, white);
+}
+static bool in_sharp_frame(double x, double y)
+{
+	return in_rounded(x, y, 8.3, 10.4, 40.2, 37.6, 0) && !in_rounded(x, y, 10.8, 12.9, 37.7, 35.1, 0);
+}
+
 static void draw_disc(stilb_ui_draw_list *list)
 {
 	stilb_ui_draw_circle(list, (stilb_ui_point){23.7f, 24.2f}, 13.3f, white);
@@ -205,6 +214,7 @@ static const test_shape shapes[] = {
 	{"check box", draw_box, in_box, 0.035, 0.015},
 	{"rounded button", draw_button, in_button, 0.05, 0.015},
 	{"rounded frame", draw_frame, in_frame, 0.065, 0.025},
+	{"frame", draw_sharp_frame, in_sharp_frame, 0.1, 0.01},
 	{"circle", draw_disc, in_disc, 0.065, 0.015},
 	{"dot", draw_dot, in_dot, 0.03, 0.015},
 	{"diamond", draw_diamond, in_diamond, 0.26, 0.025}, /* its corners: the lesser of two shares for their product */

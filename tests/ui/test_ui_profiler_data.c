@@ -294,6 +294,25 @@ static void test_wait_goes_on_late(void **state)
 	}
 }
 
+/* Main is said to have lost the CPU only if that took more than half of the 1.99 ms. */
+static void test_wait_goes_on_late_for_half(void **state)
+{
+	(void)state;
+	for (int most = 0; most < 2; most++) {
+		made *m = made_record_wait();
+		m->zones[1][3].end_ns = made_ns(6000);
+		m->zones[1][1].end_ns = made_ns(6010);
+		m->switches[0][0] = (stilb_prof_switch){made_ns(most ? 6900 : 7100), made_ns(8000), true};
+		m->lanes[0].switch_count = 1;
+		assert_wait_text(
+			m, 1,
+			most ? "In record, main waited 3.10 ms for worker 1, which was in record segment; main had lost the "
+				   "CPU itself and went on 1.99 ms after that."
+				 : "In record, main waited 3.10 ms for worker 1, which was in record segment; main went on 1.99 "
+				   "ms after that.");
+	}
+}
+
 /* Many short waits for the same reason are one group, and are reported like one long wait. */
 static void test_wait_in_pieces(void **state)
 {
@@ -706,6 +725,7 @@ int main(void)
 		cmocka_unit_test(test_wait_for_preempted),
 		cmocka_unit_test(test_wait_for_late),
 		cmocka_unit_test(test_wait_goes_on_late),
+		cmocka_unit_test(test_wait_goes_on_late_for_half),
 		cmocka_unit_test(test_wait_in_pieces),
 		cmocka_unit_test(test_wait_for_gpu),
 		cmocka_unit_test(test_gpu_that_waits),

@@ -349,16 +349,23 @@ static double time_at(float x, float x0, float x1)
 	return profiler->view_begin_ns + (double)(x - x0) / (double)(x1 - x0) * profiler->view_ns;
 }
 
-static void test_zoom_and_pan(void **state)
+/* Moves the mouse to a zone of the lanes; returns their rectangle. */
+static stilb_ui_rect find_lanes(void)
 {
-	(void)state;
-	draw();
 	find(700.0f, "record", "record");
 	const ui_item *lanes = &ui->before.items[0];
 	for (uint32_t i = 0; i < ui->before.count; i++)
 		if (ui->before.items[i].id == ui->hot)
 			lanes = &ui->before.items[i];
-	const float x0 = lanes->rect.x0, x1 = lanes->rect.x1;
+	return lanes->rect;
+}
+
+static void test_zoom_and_pan(void **state)
+{
+	(void)state;
+	draw();
+	const stilb_ui_rect lanes = find_lanes();
+	const float x0 = lanes.x0, x1 = lanes.x1;
 	const double span = profiler->view_ns, at = time_at(input.mouse_x, x0, x1);
 	input.wheel = 2.0f;
 	draw();
@@ -381,6 +388,91 @@ static void test_zoom_and_pan(void **state)
 		draw();
 	}
 	assert_true(profiler->view_ns <= 60e9);
+}
+
+/* The x of the next upright line of that colour from y0 to y1, one pixel wide, in the draw list from vertex *v on;
+ * negative: there are no more. */
+static float next_line(uint32_t *v, float y0, float y1, stilb_ui_color color)
+{
+	for (; *v + 4 <= ui->list.vertex_count; ++*v) {
+		const float *from = ui->list.vertices[*v].position, *to = ui->list.vertices[*v + 2].position;
+		if (from[1] == y0 && to[1] == y1 && to[0] == from[0] + 1.0f &&
+		    memcmp(ui->list.vertices[*v].color, &color, sizeof color) == 0)
+			return ui->list.vertices[(*v)++].position[0];
+	}
+	return -1.0f;
+}
+
+/* The ruler has marks at every zoom, 92 pixels apart or up to 2.5 times that, as the steps go from 2 to 5. */
+static void test_ruler(void **state)
+{
+	(void)state;
+	draw();
+	const stilb_ui_rect lanes = find_lanes();
+	const stilb_ui_color color = stilb_ui_style_get(ui)->text_muted;
+	for (double ns = 1e3; ns < 60e9; ns *= 1.7) {
+		profiler->view_ns = ns;
+		draw();
+		uint32_t marks = 0;
+		float last = 0.0f;
+		for (uint32_t v = 0;; marks++) {
+			const float x = next_line(&v, lanes.y0 - 5.0f, lanes.y0, color);
+			if (x < 0.0f)
+				break;
+			if (marks > 0)
+				assert_true(x - last >= 91.0f && x - last <= 92.0f * 2.5f + 1.0f); /* they stand at whole pixels */
+			last = x;
+		}
+		assert_true((float)marks >= floorf((lanes.x1 - lanes.x0) / (92.0f * 2.5f)));
+	}
+}
+
+/* A line stands where the frame begins and where it ends. */
+static void test_frame_boundaries(void **state)
+{
+	(void)state;
+	draw();
+	const stilb_ui_rect lanes = find_lanes();
+	const stilb_ui_color color = stilb_ui_fade(stilb_ui_style_get(ui)->text_strong, 0.75f);
+	const double pixels_per_ns = (double)(lanes.x1 - lanes.x0) / profiler->view_ns;
+	const float begin = lanes.x0 - (float)(profiler->view_begin_ns * pixels_per_ns);
+	const float end = begin + (float)(30e6 * pixels_per_ns);
+	bool begins = false, ends = false;
+	for (uint32_t v = 0;;) {
+		const float x = next_line(&v, lanes.y0, lanes.y1, color);
+		if (x < 0.0f)
+			break;
+		assert_true(x == floorf(begin) || x == floorf(end));
+		begins |= x == floorf(begin);
+		ends |= x == floorf(end);
+	}
+	assert_true(begins && ends);
+}
+
+/* A name that is longer than its zone ends 3 pixels before the zone does. */
+static void test_names_end_in_their_zones(void **state)
+{
+	(void)state;
+	recorded->labels[made_label(recorded, "job")].name = "iiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiii";
+	draw();
+	const stilb_ui_rect lanes = find_lanes();
+	input.mouse_present = false; /* no tooltip */
+	draw();
+	for (double width = 60.0; width < 64.0; width += 0.5) {
+		profiler->view_ns = (double)(lanes.x1 - lanes.x0) * 4e6 / width; /* the job takes 4 ms, up to the frame's end */
+		profiler->view_begin_ns = 30e6 - 0.5 * profiler->view_ns;
+		draw();
+		const float end = 0.5f * (lanes.x0 + lanes.x1), top = profiler->rows[1].top;
+		float reached = 0.0f;
+		for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
+			const stilb_render_vertex_2d *at = &ui->list.vertices[v];
+			if (at->uv[0] != ui->list.vertices[0].uv[0] && at->position[0] > end - 60.0f &&
+			    at->position[0] < end + 60.0f && at->position[1] > top &&
+			    at->position[1] < top + profiler->rows[1].height)
+				reached = fmaxf(reached, at->position[0]);
+		}
+		assert_true(reached > end - 10.0f && reached <= end - 2.0f); /* a letter's picture may end a pixel later */
+	}
 }
 
 static void double_click(void)
@@ -653,6 +745,9 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_freeze_on_spike, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_zoom_and_pan, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_ruler, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_frame_boundaries, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_names_end_in_their_zones, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_double_click, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_merged_tooltip, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_job_tooltip, set_up, tear_down),
