@@ -105,6 +105,26 @@ static void stopped_overture_ends_with_the_same_records(void **state)
 	render_fixture_finish(&fixture);
 }
 
+/* Light is reflected at most twice: at the record, and where the ray through a cell of its hemisphere hits. So a cell
+ * has that ray, and at its hit a shadow ray and one that may find a light; each record is gathered once. */
+static void records_are_gathered_once(void **state)
+{
+	(void)state;
+	render_fixture fixture = render_fixture_make("cornell", 1);
+	stilb_gi_settings settings = cached(&fixture);
+	settings.depth = 2;
+	overture o = overture_make(&fixture, &settings);
+	assert_int_equal(gi_cache_fill_create(&o.view, fixture.pool, &o.fill), STILB_OK);
+	assert_int_equal(gi_cache_fill_run(o.fill, NULL, NULL), STILB_OK);
+	gi_cache_progress progress = gi_cache_fill_progress(o.fill);
+	uint32_t cells = gi_cache_strata_cells(&gi_cache_fill_records(o.fill)->strata);
+	assert_true(progress.records > 10);
+	assert_in_range(progress.shadow_rays, 1, progress.records * cells);
+	assert_in_range(progress.rays - progress.shadow_rays, progress.records * cells, progress.records * cells * 2);
+	gi_cache_fill_destroy(o.fill);
+	render_fixture_finish(&fixture);
+}
+
 /* ---- live -------------------------------------------------------------------------------------------------------- */
 
 static double mean_of(const render_fixture *fixture, const stilb_gi_settings *settings, uint32_t *records)
@@ -291,6 +311,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(frozen_has_the_same_bits_for_every_worker_count),
 		test_one_thread(stopped_overture_ends_with_the_same_records),
+		cmocka_unit_test(records_are_gathered_once),
 		cmocka_unit_test(live_is_as_bright_as_frozen),
 		cmocka_unit_test(final_pass_adds_no_record),
 		test_one_thread(furnace_stays_even),

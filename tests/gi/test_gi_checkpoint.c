@@ -239,6 +239,24 @@ static size_t read_file(unsigned char *data, size_t size)
 	return got;
 }
 
+/* A line of the checkpoint's text has a name that is not known here, as after a setting was renamed. */
+static void another_version(void **state)
+{
+	(void)state;
+	static unsigned char whole[200000];
+	render_fixture fixture = render_fixture_make("cornell", 0);
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.samples = 1;
+	write_checkpoint(&fixture, &settings);
+	size_t size = read_file(whole, sizeof whole);
+	char *line = memmem(whole, size, "\nwidth 37\n", 10);
+	assert_non_null(line);
+	line[1] = 'W';
+	write_file(whole, size);
+	refuses(&fixture, &settings, path, "it was made by another version");
+	render_fixture_finish(&fixture);
+}
+
 /* Checkpoints with a changed byte, cut anywhere, or too long are refused. */
 static void damaged_files(void **state)
 {
@@ -321,14 +339,18 @@ static void no_files(void **state)
 /* ---- no memory --------------------------------------------------------------------------------------------------- */
 
 static uint32_t allocations_left = UINT32_MAX; /* of stilb_memory_alloc, until one fails; by this thread alone */
+static bool allocation_failed;
 
 void *__real_stilb_memory_alloc(size_t count, size_t size);
 void *__wrap_stilb_memory_alloc(size_t count, size_t size);
 
 void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 {
-	if (allocations_left == 0)
+	if (allocations_left == 0) {
+		allocations_left = UINT32_MAX;
+		allocation_failed = true;
 		return NULL;
+	}
 	if (allocations_left != UINT32_MAX)
 		allocations_left--;
 	return __real_stilb_memory_alloc(count, size);
@@ -349,13 +371,14 @@ static void no_memory(void **state)
 	for (uint32_t i = 0; !resumed; i++) {
 		stilb_gi_render *render;
 		allocations_left = i;
+		allocation_failed = false;
 		stilb_result result = stilb_gi_render_create(fixture.gi, &settings, fixture.pool, &render);
 		if (result == STILB_OK)
 			result = stilb_gi_render_resume(render, path);
 		allocations_left = UINT32_MAX;
 		resumed = result == STILB_OK;
 		failures += result == STILB_ERROR_MEMORY;
-		assert_true(resumed || result == STILB_ERROR_MEMORY);
+		assert_int_equal(result, allocation_failed ? STILB_ERROR_MEMORY : STILB_OK);
 		stilb_gi_render_destroy(render);
 	}
 	assert_true(failures > 10);
@@ -395,9 +418,10 @@ static void full_disk(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(same_bits_in_parts), cmocka_unit_test(other_limits), cmocka_unit_test(fewer_samples),
-		cmocka_unit_test(foreign_settings),   test_one_thread(damaged_files), test_one_thread(forged_files),
-		cmocka_unit_test(no_files),           test_one_thread(no_memory),     cmocka_unit_test(full_disk),
+		cmocka_unit_test(same_bits_in_parts), cmocka_unit_test(other_limits),    cmocka_unit_test(fewer_samples),
+		cmocka_unit_test(foreign_settings),   cmocka_unit_test(another_version), test_one_thread(damaged_files),
+		test_one_thread(forged_files),        cmocka_unit_test(no_files),        test_one_thread(no_memory),
+		cmocka_unit_test(full_disk),
 	};
 	return cmocka_run_group_tests(tests, folder_make, tear_down);
 }

@@ -191,13 +191,16 @@ static void passes(void **state)
 		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
 		stilb_gi_progress progress = progress_of(render);
 		assert_int_equal(progress.pass_count, cases[i].count);
+		double seconds = 0.0;
 		for (uint32_t p = 0; p < progress.pass_count; p++) {
 			const stilb_gi_pass *pass = &progress.passes[p], *expected = &cases[i].passes[p];
 			assert_true(pass->finished && pass->seconds > 0.0);
+			seconds += pass->seconds;
 			assert_int_equal(pass->block, expected->block);
 			assert_int_equal(pass->first_sample, expected->first_sample);
 			assert_int_equal(pass->sample_count, expected->sample_count);
 		}
+		assert_true(seconds <= progress.seconds);
 		assert_int_equal(progress.samples, settings.samples);
 		assert_int_equal(progress.block, 1);
 		assert_int_equal(progress.camera_rays, 19 * 11 * settings.samples);
