@@ -574,6 +574,16 @@ static void assert_cost(const stilb_render_dump_costs *costs, const char *kind, 
 	assert_true(isfinite(cost->ns) && cost->low <= cost->ns && cost->ns <= cost->high);
 }
 
+static uint32_t ordered[2]; /* how often the measurement has ordered each pass */
+
+stilb_result __real_render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);
+stilb_result __wrap_render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);
+stilb_result __wrap_render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
+{
+	ordered[lists - render->passes]++;
+	return __real_render_order(render, pass, lists);
+}
+
 static void each_kind_has_its_cost(void **state)
 {
 	(void)state;
@@ -587,7 +597,9 @@ static void each_kind_has_its_cost(void **state)
 		stilb_render_dump_costs costs;
 		assert_int_equal(stilb_render_dump_load(PATH, &dump), STILB_OK);
 		assert_int_equal(stilb_render_dump_upload(dump, render), STILB_OK);
+		memset(ordered, 0, sizeof ordered);
 		assert_int_equal(stilb_render_dump_measure(dump, render, pool, 0, 0.001, &costs), STILB_OK);
+		assert_true(ordered[0] >= costs.rounds && ordered[1] == ordered[0]); /* each pass once in a frame */
 		assert_true(costs.rounds >= STILB_RENDER_DUMP_MIN_ROUNDS && costs.frame_ns > 0.0);
 		assert_cost(&costs, "record a draw", 42, true);
 		assert_cost(&costs, "order a draw", 42, true);

@@ -435,6 +435,41 @@ static void host_allocations_fail(void **state)
 	assert_true(died < trials / 2 && silent < trials / 10);
 }
 
+/* ---- commands that cannot be recorded ---------------------------------------------------------------------------- */
+
+/* Numbers of command buffers that were ended, and of the one that fails. Relaxed, as host_allocations. */
+static uint32_t ends, end_fault;
+
+VkResult __real_vkEndCommandBuffer(VkCommandBuffer commands);
+VkResult __wrap_vkEndCommandBuffer(VkCommandBuffer commands);
+VkResult __wrap_vkEndCommandBuffer(VkCommandBuffer commands)
+{
+	VkResult result = __real_vkEndCommandBuffer(commands);
+	return __atomic_add_fetch(&ends, 1, __ATOMIC_RELAXED) == end_fault ? VK_ERROR_OUT_OF_HOST_MEMORY : result;
+}
+
+/* Vulkan reports a failure to record commands when their buffer is ended, also a secondary one. */
+static void every_end_of_commands_fails_once(void **state)
+{
+	(void)state;
+	trial t = trial_make(ways[1], 0);
+	assert_int_equal(step_create(&t), STILB_OK);
+	assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+	assert_int_equal(step_texture(&t), STILB_OK);
+	assert_int_equal(step_material(&t), STILB_OK);
+	do {
+		int errors = t.errors;
+		ends = 0;
+		end_fault = (uint32_t)errors + 1;
+		trial_must(&t, step_frame);
+		assert_int_equal(t.errors - errors, ends >= end_fault);
+	} while (ends >= end_fault);
+	end_fault = 0;
+	printf("%d ends of command buffers failed\n", t.errors);
+	assert_true(t.errors > 2); /* at least two secondary ones and the frame's own */
+	trial_finish(&t);
+}
+
 /* ---- the device is lost ------------------------------------------------------------------------------------------ */
 
 static void lost_trial(stilb_render_desc desc, uint32_t lost, stilb_image *picture)
@@ -489,6 +524,7 @@ int main(int argc, char **argv)
 	}
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_device_allocation_fails_once),
+		cmocka_unit_test(every_end_of_commands_fails_once),
 		cmocka_unit_test(lost_with_every_frame),
 		cmocka_unit_test(host_allocations_fail),
 	};

@@ -231,6 +231,38 @@ static void without_common_clocks_it_says_so(void **state)
 	stage_close(&s);
 }
 
+/* Zones of a name that began at `since` or later, on all threads. */
+static uint32_t count_zones(const char *name, uint64_t since)
+{
+	stilb_prof_snapshot snapshot = {0};
+	uint32_t count = 0;
+	assert_int_equal(stilb_prof_snapshot_take(&snapshot, NULL), 0);
+	for (uint32_t l = 0; l < snapshot.lane_count; l++)
+		for (uint32_t z = 0; z < snapshot.lanes[l].zone_count; z++) {
+			const stilb_prof_zone *zone = &snapshot.lanes[l].zones[z];
+			bool named = strcmp(snapshot.labels[zone->label].name, name) == 0;
+			count += named && snapshot.epoch_ns + zone->begin_ns >= since;
+		}
+	stilb_prof_snapshot_finish(&snapshot);
+	return count;
+}
+
+/* The frame that is slow because it makes a pipeline shows why. */
+static void making_a_pipeline_is_a_zone(void **state)
+{
+	(void)state;
+	uint64_t since = stilb_time_ns();
+	stage s = stage_open((stilb_render_desc){0});
+	for (uint32_t made = 1; made <= 2; made++) {
+		for (int again = 0; again < 2; again++) {
+			assert_int_equal(stage_frame(&s, false), STILB_OK);
+			assert_int_equal(count_zones("make a pipeline", since), made);
+		}
+		s.view.shading.brdf++; /* other formulas */
+	}
+	stage_close(&s);
+}
+
 /* ---- interrupted readings ---------------------------------------------------------------------------------------- */
 
 /* Deviations of successive readings, ns; the last one is repeated for all later readings. */
@@ -304,13 +336,10 @@ int main(void)
 	return 77;
 #endif
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(frames_are_where_they_were),
-		cmocka_unit_test(frames_in_flight_are_read_in_order),
-		cmocka_unit_test(a_lost_frame_is_none),
-		cmocka_unit_test(a_short_clock),
-		cmocka_unit_test(the_best_of_four_tries),
-		cmocka_unit_test(hopeless_from_the_start),
-		cmocka_unit_test(without_common_clocks_it_says_so),
+		cmocka_unit_test(frames_are_where_they_were),  cmocka_unit_test(frames_in_flight_are_read_in_order),
+		cmocka_unit_test(a_lost_frame_is_none),        cmocka_unit_test(a_short_clock),
+		cmocka_unit_test(making_a_pipeline_is_a_zone), cmocka_unit_test(the_best_of_four_tries),
+		cmocka_unit_test(hopeless_from_the_start),     cmocka_unit_test(without_common_clocks_it_says_so),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
