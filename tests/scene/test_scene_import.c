@@ -2,6 +2,7 @@
  * Scene files: the contents of glTF and OBJ files in the scene, and files that are missing or damaged, or take too long
  * or too much memory. The test writes all files itself.
  */
+#include "scene/open/scene_files.h"
 #include "scene/open/scene_import.h"
 #include "scene/open/scene_stream.h"
 #include "scene/scene.h"
@@ -15,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/test_scene_import_XXXXXX";
@@ -417,7 +419,9 @@ static void the_library_has_a_version(void **state)
 	assert_int_equal(sscanf(info.assimp, "%d.%d.%d", &major, &minor, &patch), 3);
 	assert_true(major >= 5);
 	assert_int_equal(sscanf(info.openimageio, "%d.%d.%d", &major, &minor, &patch), 3);
-	assert_true(info.privileges && info.limits); /* every kernel has them */
+	assert_true(info.privileges && info.limits);      /* every kernel has them */
+	assert_int_equal(waitpid(-1, NULL, WNOHANG), -1); /* its process has ended */
+	assert_int_equal(errno, ECHILD);
 }
 
 static int folder_make(void **state)
@@ -497,6 +501,28 @@ static void files_stay_in_their_folder(void **state)
 	assert_int_equal(mkfifo(in_folder("deep/scene/fifo.png"), 0600), 0);
 	assert_int_equal(textures_of("fifo.png", false, said), 0);
 	assert_non_null(strstr(said, "not a regular file"));
+}
+
+/* 0 is a descriptor as any other, in a program that was started without a standard input. */
+static void no_descriptor_stays_open(void **state)
+{
+	(void)state;
+	scene_files files;
+	char why[256];
+	int input = dup(STDIN_FILENO);
+	write_text("square.mtl", "");
+	close(STDIN_FILENO);
+	stilb_result result = scene_files_init(&files, in_folder("square.obj"), false);
+	int file = scene_files_open(&files, "square.mtl", why), folder_file = files.folder;
+	scene_files_finish(&files);
+	bool open_still = fcntl(folder_file, F_GETFD) >= 0;
+	dup2(input, STDIN_FILENO);
+	close(input);
+	close(file);
+	assert_int_equal(result, STILB_OK);
+	assert_int_equal(folder_file, 0);
+	assert_true(file > 0);
+	assert_false(open_still);
 }
 
 /* Assimp does not read ".5" as a number. */
@@ -589,6 +615,9 @@ stilb_result __wrap_scene_stream_take_picture(scene_stream *stream, const scene_
 
 /* The errno of every start of a process; 0: it is started. */
 static int spawn_error;
+static pid_t spawned; /* the process started last */
+
+#define STRIP 4000 /* vertices */
 
 int __real_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actions_t *actions,
                        const posix_spawnattr_t *attributes, char *const arguments[], char *const environment[]);
@@ -598,7 +627,55 @@ int __wrap_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actio
 int __wrap_posix_spawn(pid_t *id, const char *path, const posix_spawn_file_actions_t *actions,
                        const posix_spawnattr_t *attributes, char *const arguments[], char *const environment[])
 {
-	return spawn_error ? spawn_error : __real_posix_spawn(id, path, actions, attributes, arguments, environment);
+	int error = spawn_error ? spawn_error : __real_posix_spawn(id, path, actions, attributes, arguments, environment);
+	spawned = error ? 0 : *id;
+	return error;
+}
+
+/* The memory that a process has mapped, bytes. */
+static uint64_t memory_of(pid_t id)
+{
+	char path[64];
+	unsigned long long pages = 0;
+	snprintf(path, sizeof path, "/proc/%d/statm", (int)id);
+	FILE *file = fopen(path, "r");
+	assert_non_null(file);
+	assert_int_equal(fscanf(file, "%llu", &pages), 1);
+	fclose(file);
+	return (uint64_t)pages * (uint64_t)sysconf(_SC_PAGESIZE);
+}
+
+/* The limit of memory is one for each scene, not for all that a process reads: nothing of a scene stays. */
+static void scenes_leave_no_memory(void **state)
+{
+	(void)state;
+	scene_importer *importer;
+	scene_import_limits limits = scene_import_limits_default();
+	uint64_t before = 0;
+	char path[512];
+	if (TEST_ASAN)
+		return; /* what is freed stays mapped */
+	snprintf(path, sizeof path, "%s", in_folder("strip.obj"));
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	for (int i = 0; i < STRIP; i++)
+		fprintf(file, "v %d %d 0\n", i / 2, i % 2);
+	for (int i = 0; i + 2 < STRIP; i++)
+		fprintf(file, "f %d %d %d\n", i + 1, i + 2, i + 3);
+	assert_int_equal(fclose(file), 0);
+	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
+	for (int i = 0; i < 12; i++) {
+		stilb_scene *scene;
+		assert_int_equal(scene_importer_scene(importer, path, &scene), STILB_OK);
+		assert_in_range(scene->meshes[0].vertex_count, STRIP, 3 * STRIP);
+		stilb_scene_destroy(scene);
+		if (i == 3) /* by then the allocator has what it needs */
+			before = memory_of(spawned);
+	}
+	uint64_t grown = memory_of(spawned) - before, scene_bytes = STRIP * sizeof(stilb_scene_vertex);
+	if ((int64_t)grown > (int64_t)(4 * scene_bytes))
+		fail_msg("%llu bytes more for 8 scenes of %llu", (unsigned long long)grown, (unsigned long long)scene_bytes);
+	scene_importer_stop(importer);
 }
 
 /* The reason is that the process cannot be started, not how the one before it ended. */
@@ -724,9 +801,11 @@ int main(void)
 		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
 		cmocka_unit_test(the_library_has_a_version),
 		cmocka_unit_test(files_stay_in_their_folder),
+		cmocka_unit_test(no_descriptor_stays_open),
 		cmocka_unit_test(numbers_may_begin_with_a_point),
 		cmocka_unit_test(one_process_serves_many),
 		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
+		cmocka_unit_test(scenes_leave_no_memory),
 		cmocka_unit_test(a_restart_that_fails_says_why),
 		cmocka_unit_test(surroundings_have_three_channels),
 		cmocka_unit_test(cameras_of_points_project),
