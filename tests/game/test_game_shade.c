@@ -84,6 +84,69 @@ static void test_plot_points(void **state)
 	assert_in_range(count, 20, 60);
 }
 
+/* Copies the points of the curve of this number, from 1, out of the script; returns their number. */
+static int points_of(int number, double points[][2], int room)
+{
+	char name[32];
+	snprintf(name, sizeof name, "$block%d << END\n", number);
+	const char *at = strstr(read_text("script"), name);
+	assert_non_null(at);
+	int count = 0;
+	for (at = strchr(at, '\n') + 1; count < room && sscanf(at, "%lf %lf", &points[count][0], &points[count][1]) == 2;
+	     at = strchr(at, '\n') + 1)
+		count++;
+	return count;
+}
+
+static void assert_point(const double point[2], double x, double y)
+{
+	if (fabs(point[0] - x) > 1e-5 * fabs(x) || fabs(point[1] - y) > 1e-5 * fabs(y))
+		fail_msg("%g %g instead of %g %g", point[0], point[1], x, y);
+}
+
+/* A curve has a point where it bends: 0.6 diffuse and over 0.4 specular reflectance are limited to a sum of one. */
+static void test_plot_corner(void **state)
+{
+	(void)state;
+	static const double bends[3] = {0.6, 0.4, 1.0}; /* at 0.4: diffuse, specular and their sum */
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade plot limit-to-one -o a.svg"), 0);
+	for (int curve = 0; curve < 3; curve++) {
+		double points[101][2];
+		int count = points_of(curve + 1, points, 101);
+		assert_true(count >= 3);
+		assert_point(points[1], 0.4, bends[curve]); /* straight up to there */
+		assert_point(points[count - 1], 1.0, (const double[]){0.375, 0.625, 1.0}[curve]);
+	}
+}
+
+/* The integral of exp(λ (cos - 1)) over the sphere, 2π (1 - exp(-2λ)) / λ, and the amplitude that makes it 1. */
+static void test_plot_integrals(void **state)
+{
+	(void)state;
+	double points[101][2];
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade plot sg-integrals -o a.svg"), 0);
+	for (int curve = 1; curve <= 2; curve++) {
+		int count = points_of(curve, points, 101);
+		assert_true(count >= 2);
+		for (int i = 0; i < count; i++) {
+			double x = points[i][0], integral = -2.0 * M_PI * expm1(-2.0 * x) / x;
+			assert_point(points[i], x, curve == 1 ? integral : 1.0 / integral);
+		}
+	}
+}
+
+/* The page of all samplers has a panel for each that draws directions. */
+static void test_plot_samplers(void **state)
+{
+	(void)state;
+	make_gnuplot("");
+	assert_int_equal(stilb_code(with_fake, "shade plot samplers -o a.svg"), 0);
+	assert_said(read_text("script"), "set title \"ggx-visible\"");
+	assert_null(strstr(text, "set title \"stratified\"")); /* it moves numbers, and has a plot of its own */
+}
+
 /* An .svg has the title of its plot, and no empty groups. */
 static void test_plot_svg(void **state)
 {
@@ -449,6 +512,9 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(test_help, folder_fresh),
 		cmocka_unit_test_setup(test_plot, folder_fresh),
 		cmocka_unit_test_setup(test_plot_points, folder_fresh),
+		cmocka_unit_test_setup(test_plot_corner, folder_fresh),
+		cmocka_unit_test_setup(test_plot_integrals, folder_fresh),
+		cmocka_unit_test_setup(test_plot_samplers, folder_fresh),
 		cmocka_unit_test_setup(test_plot_svg, folder_fresh),
 		cmocka_unit_test_setup(test_plot_failures, folder_fresh),
 		cmocka_unit_test_setup(test_catalog, folder_fresh),
