@@ -268,7 +268,7 @@ static void assert_nothing_lives(const stilb_render *render)
 
 /* ---- ten thousand of each, from all workers --------------------------------------------------------------------- */
 
-#define CHURN_FRAMES (TEST_TSAN ? 10u : 50u)
+#define CHURN_FRAMES (TEST_TSAN || TEST_ASAN ? 10u : 50u)
 #define CHURN_SEGMENTS 40u
 #define CHURN_EACH 5u    /* resources of each kind that a segment creates */
 #define CHURN_BESIDE 20u /* created in a frame by the thread outside the pool */
@@ -276,7 +276,7 @@ static void assert_nothing_lives(const stilb_render *render)
 #define CHURN_SEGMENT_DRAWS ((CHURN_STAYS + 1) * CHURN_EACH)
 #define CHURN_MOST_INDICES 8192u
 
-static_assert(CHURN_FRAMES * CHURN_SEGMENTS * CHURN_EACH == (TEST_TSAN ? 2000 : 10000), "of each kind");
+static_assert(CHURN_FRAMES * CHURN_SEGMENTS * CHURN_EACH == (TEST_TSAN || TEST_ASAN ? 2000 : 10000), "of each kind");
 
 typedef struct churn {
 	stilb_render *render;
