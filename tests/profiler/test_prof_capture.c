@@ -43,6 +43,15 @@ uint64_t __wrap_prof_frames_begun(void)
 	return synthetic ? __atomic_load_n(&synthetic_begun, __ATOMIC_RELAXED) : __real_prof_frames_begun();
 }
 
+static int strings_left = -1; /* copies of strings until one fails; negative: none fails */
+
+char *__real_strdup(const char *text);
+char *__wrap_strdup(const char *text);
+char *__wrap_strdup(const char *text)
+{
+	return strings_left < 0 || strings_left-- > 0 ? __real_strdup(text) : NULL;
+}
+
 static void synthetic_frame(double ms)
 {
 	uint64_t number = synthetic_begun - 1;
@@ -524,6 +533,21 @@ static void refused(void **state)
 	assert_int_equal(stilb_prof_capture_stop(), 0);
 }
 
+static void no_memory_to_start(void **state)
+{
+	(void)state;
+	stilb_prof_capture_desc desc = desc_for("a.json");
+	desc.process_name = "a program";
+	for (int copies = 0; copies < 2; copies++) {
+		strings_left = copies;
+		assert_int_equal(stilb_prof_capture_start(&desc), -ENOMEM);
+		assert_int_equal(stilb_prof_capture_now(), -ESRCH);
+	}
+	strings_left = -1;
+	start(&desc);
+	assert_int_equal(stilb_prof_capture_stop(), 0);
+}
+
 static void cannot_be_written(void **state)
 {
 	(void)state;
@@ -903,6 +927,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(stop_writes_what_is_pending, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(a_signal_asks, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(refused, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(no_memory_to_start, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(cannot_be_written, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(nothing_half_written, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(tried_anew, set_up, tear_down),
