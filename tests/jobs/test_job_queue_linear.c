@@ -22,7 +22,7 @@
 #include "jobs/job_sys.h"
 #include "support/test.h"
 
-#define OPERATIONS 200000
+#define OPERATIONS (TEST_EMULATED ? 25000 : 200000)
 static uint32_t operations = OPERATIONS;
 
 enum { MOST_THREADS = 16, MOST_BATCH = 8, CAPACITY = 3 };
@@ -530,7 +530,7 @@ static void test_against_search(void **state)
 	(void)state;
 	uint32_t verdicts[HISTORY_NO_MEMORY] = {0};
 	uint64_t random = 1;
-	for (uint32_t i = 0; i < 200000; i++) {
+	for (uint32_t i = 0; i < (TEST_EMULATED ? 100000 : 200000); i++) {
 		history_op ops[8];
 		uint32_t count = random_run(&random, ops);
 		history_violation violation = history_check(ops, count, 8);

@@ -28,6 +28,11 @@
 #endif
 #endif
 
+/* 1 in builds for another processor, whose tests run in an emulator at a tenth of the speed. */
+#ifndef TEST_EMULATED
+#define TEST_EMULATED 0
+#endif
+
 /* Stands in the list of a group for cmocka_unit_test(f), if f takes long and neither starts nor wakes another thread:
  * the thread sanitizer, which sees only races, skips it by name. */
 #define test_one_thread(f)                                                                                             \
