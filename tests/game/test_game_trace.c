@@ -39,7 +39,7 @@ static void make_trace(const char *path, uint64_t seed, uint64_t cull_ns)
 		made_push(&m, 0, 2, at);
 		made_push(&m, 1, 11, at + 100);
 		made_flow(&m, (stilb_prof_flow){
-						  .id = f + 1, .from_ns = at, .to_ns = at + 100 + 10 * f, .to_lane = 1, .frame = (uint32_t)f});
+						  .id = f + 1, .from_ns = at, .to_ns = at + 490 - 10 * f, .to_lane = 1, .frame = (uint32_t)f});
 		made_pop(&m, 1, at + 4000);
 		made_pop(&m, 0, at += 5000 + made_below(&random, 50) + (f == 20 ? 30000 : 0));
 		made_push(&m, 2, 2, begin);
@@ -83,7 +83,7 @@ static void test_top(void **state)
 	assert_true(calls == 1 && total > 0.034);
 	assert_false(strstr(run.out, "in the queue")); /* no job ran on that lane */
 	stilb_good("trace top a.json --frame 101");
-	assert_said(run.out, "1 job ran after a delay of p50 0.110 us");
+	assert_said(run.out, "1 job ran after a delay of p50 0.480 us");
 	stilb_good("trace top a.json --frame 139 --lines 2");
 	assert_said(run.out, "frame 139: 0.007 ms");
 	assert_said(run.out, "and 3 more: --lines 5");
