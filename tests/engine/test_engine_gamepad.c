@@ -101,7 +101,7 @@ static void fly_frames(int count)
 
 static bool moved_since(const stilb_input_pose *before)
 {
-	const stilb_input_pose now = stilb_engine_pose(engine);
+	stilb_input_pose now = stilb_engine_pose(engine);
 	return memcmp(&now, before, sizeof now) != 0;
 }
 
@@ -169,7 +169,7 @@ static void a_stalled_frame_loses_nothing(void **state)
 	for (int i = 0; i < TRIES && stilb_input_pads_stats_get(engine->input.pads).reports < REPORTS; i++)
 		usleep(1000);
 	run_frame();
-	const stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(engine);
+	stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(engine);
 	assert_int_equal(counts.reports, REPORTS);
 	assert_int_equal(counts.lost, 0);
 	assert_int_equal(counts.corrupt, 0);
@@ -311,7 +311,7 @@ static void reports_are_seen_in_the_profile(void **state)
 		to_camera += strstr(line, "\"ph\":\"C\"") && strstr(line, "pad report to camera, ms");
 		to_submit += strstr(line, "\"ph\":\"C\"") && strstr(line, "pad report to submit, ms");
 		flows += strstr(line, "\"ph\":\"f\"") && strstr(line, "report");
-		readers += strstr(line, "pad hidraw3") != NULL;
+		readers += strstr(line, "pad hidraw3") ? 1 : 0;
 	}
 	fclose(file);
 	unlink(path);

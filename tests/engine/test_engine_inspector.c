@@ -18,7 +18,7 @@ static bool open;
 static int set_up(void **state)
 {
 	(void)state;
-	const stilb_ui_desc desc = stilb_ui_desc_default();
+	stilb_ui_desc desc = stilb_ui_desc_default();
 	input = (stilb_ui_input){.width = 1280.0f, .height = 720.0f, .seconds = 1.0f};
 	inspector = (engine_inspector){0};
 	shading = stilb_render_shading_default();
@@ -77,7 +77,7 @@ static float across(float share)
  * the shading is reset to the default, or to Lambert. */
 static void click_down(float share, float end, bool lambert, void (*look)(void))
 {
-	const float height = inspector.place.y1 - inspector.place.y0;
+	float height = inspector.place.y1 - inspector.place.y0;
 	for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y0 + end * height; y += 5.0f) {
 		shading = stilb_render_shading_default();
 		if (lambert)
@@ -129,7 +129,7 @@ static void test_each_word(void **state)
 
 static void look_at_model(void)
 {
-	const stilb_render_shading at_first = stilb_render_shading_default();
+	stilb_render_shading at_first = stilb_render_shading_default();
 	bool same = shading.ndf == at_first.ndf && shading.g == at_first.g && shading.f == at_first.f;
 	seen[0][shading.brdf]++;
 	assert_true(same || shading.brdf == SHADE_BRDF_MICROFACET);
@@ -143,14 +143,14 @@ static void test_a_part_chooses_its_model(void **state)
 	memset(seen, 0, sizeof seen);
 	draw();
 	click_down(0.7f, 0.72f, true, look_at_model);
-	const uint32_t rows = SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT;
+	uint32_t rows = SHADE_NDF_COUNT + SHADE_G_COUNT + SHADE_F_COUNT;
 	assert_in_range(seen[0][SHADE_BRDF_MICROFACET], 3 * rows, 4 * rows); /* a row is 18 pixels high */
 	assert_true(seen[0][SHADE_BRDF_LAMBERT] > 0);                        /* clicks on headings choose nothing */
 }
 
 static float wrap_then_anisotropy(uint32_t brdf, uint32_t ndf)
 {
-	const stilb_render_shading before = shading;
+	stilb_render_shading before = shading;
 	shading.brdf = brdf;
 	shading.ndf = ndf;
 	stilb_engine_shading_chosen(&before, &shading);
@@ -182,7 +182,7 @@ static void test_wrapped_clicked(void **state)
 {
 	(void)state;
 	draw();
-	const float first = inspector.place.y0 + 34.0f + 18.0f + 9.0f;
+	float first = inspector.place.y0 + 34.0f + 18.0f + 9.0f;
 	click(across(0.2f), first + 18.0f);
 	assert_int_equal(shading.brdf, SHADE_BRDF_WRAPPED);
 	assert_true(shading.wrap == 0.5f);
@@ -249,7 +249,7 @@ static void test_sliders(void **state)
 	click_down(0.53f, 1.0f, false, look_at_sliders);
 	for (int i = 0; i < 4; i++)
 		assert_in_range(moved[i], 300, 500);
-	const stilb_render_shading at_first = stilb_render_shading_default();
+	stilb_render_shading at_first = stilb_render_shading_default();
 	shading =
 		(stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK, .wrap = 0.5f, .specular = 1.0f};
 	click(across(0.75f), inspector.place.y1 - 18.0f);
@@ -266,7 +266,7 @@ static void test_window(void **state)
 	assert_true(stilb_ui_wants_mouse(ui));
 	point_at(20.0f, 700.0f);
 	assert_false(stilb_ui_wants_mouse(ui));
-	const stilb_ui_rect before = inspector.place;
+	stilb_ui_rect before = inspector.place;
 	point_at(across(0.4f), before.y0 + 10.0f);
 	input.mouse_down = true;
 	input.mouse_presses = 1;
@@ -277,7 +277,7 @@ static void test_window(void **state)
 	input.mouse_down = false;
 	draw();
 	assert_true(inspector.place.x0 == before.x0 - 300.0f && inspector.place.y0 == before.y0 + 50.0f);
-	const stilb_render_shading at_first = stilb_render_shading_default();
+	stilb_render_shading at_first = stilb_render_shading_default();
 	assert_memory_equal(&shading, &at_first, sizeof shading);
 	click(inspector.place.x1 - 14.0f, inspector.place.y0 + 13.0f);
 	assert_false(open);
@@ -288,10 +288,10 @@ static void test_low_picture(void **state)
 {
 	(void)state;
 	draw();
-	const stilb_ui_rect tall = inspector.place;
+	stilb_ui_rect tall = inspector.place;
 	input.height = 480.0f;
 	draw();
-	const stilb_ui_rect low = inspector.place;
+	stilb_ui_rect low = inspector.place;
 	assert_true(low.y0 >= 0.0f && low.y1 <= 480.0f && low.x1 == tall.x1 && low.x0 < tall.x0);
 	memset(moved, 0, sizeof moved);
 	click_down(0.95f, 1.0f, false, look_at_sliders);
@@ -338,7 +338,7 @@ static void test_small_picture(void **state)
 		input.height = sizes[s][1];
 		inspector = (engine_inspector){0};
 		draw();
-		const stilb_ui_rect place = inspector.place;
+		stilb_ui_rect place = inspector.place;
 		assert_true(place.x0 >= 0.0f && place.y0 >= 0.0f && place.x1 <= input.width && place.y1 <= input.height);
 		memset(seen, 0, sizeof seen);
 		each_word_of_column(0.15f);
@@ -352,7 +352,7 @@ static void test_small_picture(void **state)
 		click_down(0.93f, 1.0f, false, look_at_sliders);
 		for (int i = 0; i < 4; i++)
 			assert_in_range(moved[i], 3, 5);
-		const stilb_render_shading at_first = stilb_render_shading_default();
+		stilb_render_shading at_first = stilb_render_shading_default();
 		shading.wrap = 1.0f;
 		click(across(0.85f), place.y1 - 18.0f);
 		assert_memory_equal(&shading, &at_first, sizeof shading);
@@ -364,7 +364,7 @@ static void test_small_picture(void **state)
 
 static bool list_shows(size_t list, uint32_t row, float rows)
 {
-	const float scroll = inspector.lists[list].scroll, top = 18.0f * (float)row;
+	float scroll = inspector.lists[list].scroll, top = 18.0f * (float)row;
 	return scroll <= top && top + 18.0f <= scroll + 18.0f * rows;
 }
 

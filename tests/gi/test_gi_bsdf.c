@@ -91,7 +91,7 @@ static void check_furnace(const stilb_numeric_row *row)
 	shade_proof_random random = {.seed = 3};
 	for (int r = 0; r < 3; r++)
 		for (int p = 0; p < 3; p++) {
-			const stilb_numeric_angles view = {polars[p], 0.7};
+			stilb_numeric_angles view = {polars[p], 0.7};
 			float anisotropy = row->model.ndf == SHADE_NDF_GGX_ANISOTROPIC ? 0.4f : 0.0f;
 			gi_surface surface = make_surface(0.0f, 1.0f, roughnesses[r], anisotropy);
 			if (row->model.kind == SHADE_BRDF_LAMBERT)
@@ -102,7 +102,7 @@ static void check_furnace(const stilb_numeric_row *row)
 				gi_bsdf_sample chosen;
 				estimate_add(&albedo, draw(&bsdf, &random, &chosen) ? (double)chosen.weight[0] : 0.0);
 			}
-			const shade_brdf_parameters white = stilb_numeric_white(roughnesses[r], anisotropy);
+			shade_brdf_parameters white = stilb_numeric_white(roughnesses[r], anisotropy);
 			double truth = stilb_numeric_albedo_of_view(&row->model, &white, view);
 			double off = fabs(estimate_mean(&albedo) - truth);
 			if (!(off <= 4.5 * estimate_sigma(&albedo) + 1e-3))
@@ -196,7 +196,7 @@ static void reciprocal_models_stay_reciprocal(void **state)
 static void nothing_comes_from_below(void **state)
 {
 	(void)state;
-	const shade_brdf_model ggx = stilb_numeric_catalog_find("ggx_smith_ggx")->model;
+	shade_brdf_model ggx = stilb_numeric_catalog_find("ggx_smith_ggx")->model;
 	shade_proof_random random = {.seed = 13};
 	int below = 0;
 	for (int i = 0; i < 5000; i++) {

@@ -96,7 +96,7 @@ static void the_circle_of_confusion(void **state)
 	(void)state;
 	enum { COUNT = 20000 };
 	shade_proof_random random = {.seed = 4};
-	const float radius = 0.25f, focus = 4.0f;
+	float radius = 0.25f, focus = 4.0f;
 	stilb_scene_camera from = some_camera(0.0f);
 	gi_camera camera = gi_camera_make(&from, &(stilb_gi_lens){.radius = radius, .focus = focus}, WIDTH, HEIGHT);
 	for (float z = 1.0f; z < 20.0f; z += 2.5f) {
@@ -132,7 +132,7 @@ static void polygons(void **state)
 	for (uint32_t blades = 3; blades <= 16; blades += blades < 6 ? 1 : 5) {
 		stilb_gi_lens lens = {.radius = 2.0f, .focus = 1.0f, .blades = blades, .rotation = 0.4f};
 		gi_camera camera = gi_camera_make(&from, &lens, WIDTH, HEIGHT);
-		const double pi = 3.14159265358979, step = 2.0 * pi / blades, inner = 2.0 * cos(0.5 * step);
+		double pi = 3.14159265358979, step = 2.0 * pi / blades, inner = 2.0 * cos(0.5 * step);
 		uint32_t sectors[16] = {0}, small = 0;
 		double farthest = 0.0;
 		for (int i = 0; i < COUNT; i++) {

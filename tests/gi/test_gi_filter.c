@@ -21,12 +21,12 @@ static double blackman_harris(double x, const void *context)
 
 static void assert_spread(stilb_gi_filter_kind kind, stilb_numeric_function *weight, double radius)
 {
-	const double whole = stilb_numeric_integrate(weight, NULL, -radius, radius, 4);
+	double whole = stilb_numeric_integrate(weight, NULL, -radius, radius, 4);
 	float before = -2.0f;
 	for (int i = 0; i <= 1000; i++) {
-		const float u = fminf((float)i / 1000.0f, 0x1.fffffep-1f);
+		float u = fminf((float)i / 1000.0f, 0x1.fffffep-1f);
 		stilb_vec2 place = gi_filter_offset(kind, (stilb_vec2){u, 1.0f - 0x1p-24f - u});
-		const double x = (double)place[0];
+		double x = (double)place[0];
 		assert_true(fabs(x) <= radius && place[0] >= before);
 		SHADE_PROOF_NEAR(stilb_numeric_integrate(weight, NULL, -radius, x, 4) / whole, u, 0.0, 3e-6);
 		SHADE_PROOF_NEAR(stilb_numeric_integrate(weight, NULL, -radius, (double)place[1], 4) / whole, 1.0 - (double)u,
@@ -56,7 +56,7 @@ static void ends_stay_inside(void **state)
 	static const float ends[] = {0.0f, 0x1p-24f, 1e-6f, 1e-5f, 1e-4f};
 	for (int kind = 0; kind < STILB_GI_FILTER_COUNT; kind++)
 		for (int i = 0; i < 5; i++) {
-			const double radius = kind == STILB_GI_FILTER_BOX ? 0.5 : RADIUS;
+			double radius = kind == STILB_GI_FILTER_BOX ? 0.5 : RADIUS;
 			stilb_vec2 place =
 				gi_filter_offset((stilb_gi_filter_kind)kind, (stilb_vec2){ends[i], 0x1.fffffep-1f - ends[i]});
 			assert_true((double)place[0] >= -radius && place[0] < 0.0f);

@@ -115,11 +115,11 @@ enum { ONE_TRIANGLE, TWO_TRIANGLES, RECTANGLE };
 /* A shape over the origin, looking down more or less, from very near to far away. */
 static gi_lights shape_over(shade_proof_random *random, int kind, gi_emitter emitters[2], stilb_vec3 corners[4])
 {
-	const stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
-	const float turn = shade_proof_range(random, 0.0f, 6.0f), tilt = shade_proof_range(random, 0.0f, 0.5f);
-	const stilb_vec3 x = vec(cosf(turn), 0.0f, sinf(turn)), z = vec(-sinf(turn), 0.0f, cosf(turn));
-	const stilb_vec3 edge_1 = x * shade_proof_range(random, 0.2f, 2.0f) + z * (kind == RECTANGLE ? 0.0f : 0.3f);
-	const stilb_vec3 edge_2 = z * cosf(tilt) + up * sinf(tilt);
+	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
+	float turn = shade_proof_range(random, 0.0f, 6.0f), tilt = shade_proof_range(random, 0.0f, 0.5f);
+	stilb_vec3 x = vec(cosf(turn), 0.0f, sinf(turn)), z = vec(-sinf(turn), 0.0f, cosf(turn));
+	stilb_vec3 edge_1 = x * shade_proof_range(random, 0.2f, 2.0f) + z * (kind == RECTANGLE ? 0.0f : 0.3f);
+	stilb_vec3 edge_2 = z * cosf(tilt) + up * sinf(tilt);
 	corners[0] = vec(shade_proof_range(random, -1.0f, 1.0f), shade_proof_log_range(random, 0.02f, 20.0f),
 	                 shade_proof_range(random, -1.0f, 1.0f));
 	corners[1] = corners[0] + edge_1;
@@ -136,10 +136,10 @@ static void irradiance_is_lamberts(void **state)
 	(void)state;
 	static const double bars[] = {[ONE_TRIANGLE] = 1e-3, [TWO_TRIANGLES] = 3e-2, [RECTANGLE] = 3e-4};
 	shade_proof_random random = {.seed = 1};
-	const stilb_vec3 origin = {0}, up = vec(0.0f, 1.0f, 0.0f);
+	stilb_vec3 origin = {0}, up = vec(0.0f, 1.0f, 0.0f);
 	int dark = 0;
 	for (int trial = 0; trial < 90; trial++) {
-		const int kind = trial % 3;
+		int kind = trial % 3;
 		gi_emitter emitters[2];
 		stilb_vec3 corners[4];
 		gi_lights lights = shape_over(&random, kind, emitters, corners);
@@ -205,9 +205,9 @@ static void ball_is_seen_as_a_disk(void **state)
 	double area;
 	gi_lights lights = lights_of_ball(false, -2.0f, &area);
 	assert_int_equal(lights.placed_count, 5120);
-	const stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
+	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
 	for (float d = 1.5f; d < 20.0f; d *= 2.0f) {
-		const stilb_vec3 position = vec(0.0f, -d, 0.0f);
+		stilb_vec3 position = vec(0.0f, -d, 0.0f);
 		SHADE_PROOF_NEAR(irradiance(&lights, position, up, 8192), 3.0 * area / 4.0 / (double)(d * d), 1e-2, 0.0);
 		int found = 0;
 		for (uint32_t i = 0; i < 512; i++)
@@ -230,7 +230,7 @@ static double form_factor(const gi_lights *lights, stilb_vec3 corner, stilb_vec3
 {
 	double sum = 0.0;
 	for (uint32_t i = 0; i < RECEIVERS; i++) {
-		const gi_point receiver = numbered(23, i);
+		gi_point receiver = numbered(23, i);
 		stilb_vec2 at = gi_sample_2d(&sampler, receiver, 0);
 		if (disk)
 			at = shade_sample_disk(at);
@@ -245,7 +245,7 @@ static double form_factor(const gi_lights *lights, stilb_vec3 corner, stilb_vec3
 static void form_factors_of_rectangles(void **state)
 {
 	(void)state;
-	const stilb_vec3 x = vec(1.0f, 0.0f, 0.0f), y = vec(0.0f, 1.0f, 0.0f), z = vec(0.0f, 0.0f, 1.0f), o = {0};
+	stilb_vec3 x = vec(1.0f, 0.0f, 0.0f), y = vec(0.0f, 1.0f, 0.0f), z = vec(0.0f, 0.0f, 1.0f), o = {0};
 	gi_emitter emitters[2];
 	quad(emitters, y, x, z, 1.0f); /* looks down */
 	gi_lights lights = lights_of(NULL, emitters, 2);
@@ -267,7 +267,7 @@ static void form_factors_of_rectangles(void **state)
 static gi_lights disk_of(float radius, float h)
 {
 	static gi_emitter emitters[DISK_TRIANGLES];
-	const double step = 2.0 * M_PI / DISK_TRIANGLES;
+	double step = 2.0 * M_PI / DISK_TRIANGLES;
 	radius *= (float)sqrt(step / sin(step));
 	for (int i = 0; i < DISK_TRIANGLES; i++) {
 		stilb_vec3 a = vec(radius * (float)cos(step * i), h, radius * (float)sin(step * i));
@@ -280,7 +280,7 @@ static gi_lights disk_of(float radius, float h)
 static void form_factors_of_disks_and_reciprocity(void **state)
 {
 	(void)state;
-	const stilb_vec3 x = vec(1.0f, 0.0f, 0.0f), y = vec(0.0f, 1.0f, 0.0f), z = vec(0.0f, 0.0f, 1.0f), o = {0};
+	stilb_vec3 x = vec(1.0f, 0.0f, 0.0f), y = vec(0.0f, 1.0f, 0.0f), z = vec(0.0f, 0.0f, 1.0f), o = {0};
 	gi_lights lights = disk_of(1.0f, 1.0f);
 	SHADE_PROOF_NEAR(form_factor(&lights, o, x, z, true, y), 0.5 * (3.0 - sqrt(5.0)), 1e-3, 0.0);
 	gi_lights_destroy(&lights);
@@ -327,7 +327,7 @@ static gi_lights busy_lights(gi_emitter emitters[BUSY_TRIANGLES])
 	shade_proof_random random = {.seed = 3};
 	for (int i = 0; i < BUSY_TRIANGLES; i++) {
 		stilb_vec3 p[3];
-		const float size = shade_proof_log_range(&random, 0.05f, 3.0f);
+		float size = shade_proof_log_range(&random, 0.05f, 3.0f);
 		for (int k = 0; k < 3; k++)
 			for (int axis = 0; axis < 3; axis++) {
 				p[k][axis] = k ? p[0][axis] : shade_proof_range(&random, -5.0f, 5.0f);
@@ -413,7 +413,7 @@ static void tree_chooses_with_its_probabilities(void **state)
 	assert_int_equal(lights.shape_count, BUSY_TRIANGLES - 1);
 	assert_int_equal(lights.placed_count, BUSY_TRIANGLES - 1 + 2);
 	shade_proof_random random = {.seed = 5};
-	const uint32_t nodes = 2 * lights.placed_count - 1;
+	uint32_t nodes = 2 * lights.placed_count - 1;
 	double found = 0.0;
 	for (int trial = 0; trial < 40; trial++) {
 		stilb_vec3 position = vec(shade_proof_range(&random, -6.0f, 6.0f), shade_proof_range(&random, -6.0f, 6.0f),
@@ -427,7 +427,7 @@ static void tree_chooses_with_its_probabilities(void **state)
 			float chance = gi_light_tree_probability(lights.nodes, position, normal, i);
 			sum += (double)chance;
 			gi_light_sample sample;
-			const uint32_t light = lights.nodes[i].light;
+			uint32_t light = lights.nodes[i].light;
 			bool lit = light < lights.shape_count &&
 			           gi_light_shape_sample(&lights.shapes[light], position, (stilb_vec2){0.3f, 0.6f}, &sample) &&
 			           stilb_vec3_dot(normal, sample.direction) > 0.0f;
@@ -491,7 +491,7 @@ static void lights_add_up(void **state)
 	gi_emitter emitters[BUSY_TRIANGLES];
 	static stilb_scene_light points[3];
 	gi_lights lights = busy_lights(emitters);
-	const stilb_vec3 position = vec(0.3f, -0.2f, 0.1f), normal = vec(0.0f, 1.0f, 0.0f);
+	stilb_vec3 position = vec(0.3f, -0.2f, 0.1f), normal = vec(0.0f, 1.0f, 0.0f);
 	double sum = 0.0;
 	for (uint32_t i = 0; i < BUSY_TRIANGLES; i++) {
 		gi_lights one = lights_of(NULL, &emitters[i], 1);
@@ -523,7 +523,7 @@ static void samples_fill_solid_angles_evenly(void **state)
 	(void)state;
 	shade_proof_random random = {.seed = 6};
 	for (int trial = 0; trial < 12; trial++) {
-		const int kind = trial & 1 ? RECTANGLE : ONE_TRIANGLE;
+		int kind = trial & 1 ? RECTANGLE : ONE_TRIANGLE;
 		gi_emitter emitters[2];
 		stilb_vec3 corners[4];
 		gi_lights lights = shape_over(&random, kind, emitters, corners);
@@ -587,7 +587,7 @@ static void samples_fill_solid_angles_evenly(void **state)
 static void lights_without_a_size_follow_their_formulas(void **state)
 {
 	(void)state;
-	const stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
+	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
 	stilb_scene_light light = {
 		.kind = STILB_SCENE_LIGHT_POINT, .position = {3.0f, 4.0f, 0.0f}, .intensity = {10, 20, 30}};
 	stilb_scene scene = {.light_count = 1, .lights = &light};
@@ -608,7 +608,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	lights = lights_of(&scene, NULL, 0);
 	double before = 1e9;
 	for (float angle = 0.0f; angle < 0.6f; angle += 0.01f) { /* full, then falling without a step, then nothing */
-		const stilb_vec3 position = vec(2.0f * tanf(angle), 0.0f, 0.0f);
+		stilb_vec3 position = vec(2.0f * tanf(angle), 0.0f, 0.0f);
 		double intensity = 0.0;
 		if (gi_light_sample_at(&lights, position, up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample))
 			intensity = (double)(sample.radiance[0] * sample.distance * sample.distance);
@@ -620,7 +620,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 		before = intensity;
 	}
 	/* The intensity falls as t^2 (3 - 2 t), with t from 1 at cos_inner to 0 at cos_outer; here t = 1/4. */
-	const float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer));
+	float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer));
 	assert_true(
 		gi_light_sample_at(&lights, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	SHADE_PROOF_NEAR(sample.radiance[0] * sample.distance * sample.distance, 8.0 * 0.15625, 1e-4, 0.0);
@@ -641,8 +641,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 static void raised_horizon_leaves_a_squared_cosine(void **state)
 {
 	(void)state;
-	const stilb_scene scene = {.sky = {.sky = {1.0f, 1.0f, 1.0f}, .ground = {1.0f, 1.0f, 1.0f}}};
-	const stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
+	stilb_scene scene = {.sky = {.sky = {1.0f, 1.0f, 1.0f}, .ground = {1.0f, 1.0f, 1.0f}}};
+	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	for (double a = 0.0; a < 1.5; a += 0.3) {
 		double sum = 0.0;
@@ -714,12 +714,12 @@ static void map_is_chosen_by_its_brightness(void **state)
 		texels[i] = i / 3 % 5 == 0 ? 0.0f : stilb_random_float(8, i / 3) * (float)(1 + i % 3);
 	texels[3 * (3 * W + 20) + 1] = 1e5f;
 	gi_lights lights = lights_of(&scene, NULL, 0);
-	const stilb_vec3 o = {0}, up = vec(0.0f, 1.0f, 0.0f);
+	stilb_vec3 o = {0}, up = vec(0.0f, 1.0f, 0.0f);
 	double whole = 0.0, chosen[W * H] = {0.0};
 	shade_sh_rgb want;
 	assert_int_equal(stilb_numeric_sh_project_map(&scene.environment, &want), STILB_OK);
 	double have[9] = {0.0};
-	const uint32_t count = 65536;
+	uint32_t count = 65536;
 	for (uint32_t i = 0; i < count; i++) {
 		gi_light_sample sample;
 		stilb_vec2 u = gi_sample_2d(&sampler, numbered(37, i), 0);
@@ -803,7 +803,7 @@ static void no_memory_is_an_error(void **state)
 {
 	(void)state;
 	stilb_scene scene = {.environment = map_of(4, 2, 3)};
-	const gi_emitter emitter = triangle(vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), 1.0f);
+	gi_emitter emitter = triangle(vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), 1.0f);
 	gi_lights lights;
 	int failures = 0;
 	stilb_result result;
@@ -824,7 +824,7 @@ static void lights_that_give_nothing_are_never_asked(void **state)
 	(void)state;
 	stilb_scene_light dark = {.kind = STILB_SCENE_LIGHT_POINT}, odd = {.intensity = {NAN, 1.0f, 1.0f}};
 	stilb_scene_light points[] = {dark, odd};
-	const stilb_scene scene = {.light_count = 2, .lights = points};
+	stilb_scene scene = {.light_count = 2, .lights = points};
 	const gi_emitter emitters[] = {
 		triangle(vec(0, 1, 0), vec(0, 1, 0), vec(1, 1, 0), 1.0f),                  /* no area */
 		triangle(vec(0, 1, 0), vec(1, 1, 0), vec(2, 1, 0), 1.0f),                  /* a line */
@@ -845,7 +845,7 @@ static void lights_that_give_nothing_are_never_asked(void **state)
 static void only_rectangles_are_joined(void **state)
 {
 	(void)state;
-	const stilb_vec3 o = {0}, x = vec(2, 0, 0), y = vec(0, 1, 0);
+	stilb_vec3 o = {0}, x = vec(2, 0, 0), y = vec(0, 1, 0);
 	gi_light_shape shape;
 	gi_emitter pair[2];
 	quad(pair, o, x, y, 1.0f);

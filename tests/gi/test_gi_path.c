@@ -141,7 +141,7 @@ static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
 	gi_ray_hit ray = gi_ray_hit_make(vertex->origin, chosen.direction);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	gi_surface surface;
-	const bool hit = gi_is_hit(&ray);
+	bool hit = gi_is_hit(&ray);
 	if (hit)
 		gi_surface_at(view->scene, &ray, &surface);
 	return chosen.weight * gi_direct_found(view, 0.0f, vertex->bsdf.frame.n, &ray, hit ? &surface : NULL);
@@ -186,7 +186,7 @@ static void three_ways_to_find_light_agree(void **state)
 			found_by_path(&view, samples);
 			for (uint32_t i = 0; i < GI_BATCH; i++) {
 				first_vertex vertex;
-				const bool hit = first_vertex_of(&view, samples, i, &vertex);
+				bool hit = first_vertex_of(&view, samples, i, &vertex);
 				path_mean_add(&bsdf, hit ? found_by_bsdf(&view, &vertex) : (stilb_vec3){0});
 				path_mean_add(&light, hit ? found_by_light(&view, &vertex) : (stilb_vec3){0});
 				path_mean_add(&both, samples->radiance[i]);

@@ -142,7 +142,7 @@ static void every_aligned_run_of_sobol_points_is_a_net(void **state)
 	gi_sampler sampler = gi_sampler_make(STILB_GI_SAMPLER_SOBOL, 1, 1024);
 	stilb_vec2 points[1024];
 	for (uint32_t pixel = 0; pixel < 12; pixel++) {
-		const uint32_t dimension = 2 * pixel + 8 * (pixel % 3);
+		uint32_t dimension = 2 * pixel + 8 * (pixel % 3);
 		for (uint32_t i = 0; i < 1024; i++)
 			points[i] = gi_sample_2d(&sampler, gi_sampler_point(&sampler, pixel, 9, i), dimension);
 		for (uint32_t k = 0; k <= 10; k++)
@@ -192,7 +192,7 @@ static void stratified_points_have_cells_of_their_own(void **state)
 		uint32_t count, columns, rows;
 	} grids[] = {{1, 1, 1}, {2, 1, 2}, {5, 2, 3}, {16, 4, 4}, {30, 5, 6}, {64, 8, 8}, {200, 14, 15}, {256, 16, 16}};
 	for (size_t g = 0; g < sizeof grids / sizeof *grids; g++) {
-		const uint32_t count = grids[g].count, cells = grids[g].columns * grids[g].rows;
+		uint32_t count = grids[g].count, cells = grids[g].columns * grids[g].rows;
 		gi_sampler sampler = gi_sampler_make(STILB_GI_SAMPLER_STRATIFIED, 3, count);
 		uint8_t cell[256] = {0}, x_seen[256] = {0}, y_seen[256] = {0};
 		for (uint32_t i = 0; i < count; i++) {
@@ -231,7 +231,7 @@ static void branches_of_stratified_points_have_cells_of_their_own(void **state)
  * deviations above the mean. */
 static void assert_even(const uint32_t bins[BINS * BINS], uint32_t count, const char *what, int kind)
 {
-	const double expected = (double)count / (BINS * BINS), freedom = BINS * BINS - 1;
+	double expected = (double)count / (BINS * BINS), freedom = BINS * BINS - 1;
 	double sum = 0.0;
 	for (int i = 0; i < BINS * BINS; i++)
 		sum += (bins[i] - expected) * (bins[i] - expected) / expected;
@@ -355,7 +355,7 @@ static double square_error(stilb_gi_sampler_kind kind, double (*f)(stilb_vec2 u)
 static void samplers_differ_in_variance(void **state)
 {
 	(void)state;
-	const double theory = WALL_TRUTH * (1.0 - WALL_TRUTH) / 256.0;
+	double theory = WALL_TRUTH * (1.0 - WALL_TRUTH) / 256.0;
 	double random = square_error(STILB_GI_SAMPLER_RANDOM, wall_occlusion, WALL_TRUTH);
 	double stratified = square_error(STILB_GI_SAMPLER_STRATIFIED, wall_occlusion, WALL_TRUTH);
 	double sobol = square_error(STILB_GI_SAMPLER_SOBOL, wall_occlusion, WALL_TRUTH);

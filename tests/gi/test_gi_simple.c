@@ -21,8 +21,8 @@ static stilb_scene *plane_wall(uint32_t light_count)
 /* Samples first .. first + count - 1 of one pixel that looks at a point of the plane from above, and their mean. */
 static stilb_vec3 mean_at(const gi_view *view, float x, float z, uint32_t first, uint32_t count, path_samples *samples)
 {
-	const stilb_vec3 origin = stilb_vec3_make(x + 0.1f, 0.5f, z - 0.2f), target = stilb_vec3_make(x, 0.0f, z);
-	const stilb_vec3 direction = stilb_vec3_normalize(target - origin);
+	stilb_vec3 origin = stilb_vec3_make(x + 0.1f, 0.5f, z - 0.2f), target = stilb_vec3_make(x, 0.0f, z);
+	stilb_vec3 direction = stilb_vec3_normalize(target - origin);
 	samples->count = count;
 	for (uint32_t i = 0; i < count; i++) {
 		samples->points[i] = gi_sampler_point(&view->sampler, 0, 0, first + i);
@@ -71,8 +71,8 @@ static void color_is_all_that_a_surface_reflects(void **state)
 	                                             .emission = {7.0f, 7.0f, 7.0f},
 	                                             .roughness = 0.5f};
 	path_fixture fixture = path_fixture_make(scene);
-	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_COLOR, 1, 1);
-	const stilb_vec3 seen = mean_at(&view, 1.0f, 0.0f, 0, 1, &samples);
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_COLOR, 1, 1);
+	stilb_vec3 seen = mean_at(&view, 1.0f, 0.0f, 0, 1, &samples);
 	const float truth[3] = {0.5f, 0.5f, 0.4f};
 	for (int c = 0; c < 3; c++)
 		assert_near((double)seen[c], (double)truth[c], 1e-6, "reflectance");
@@ -88,8 +88,8 @@ static void color_is_all_that_a_surface_reflects(void **state)
 /* The plane's radiance, 0.5 / pi times its irradiance I cos / d^2 from a light of intensity I at the distance d. */
 static double from_point_light(const stilb_scene_light *light, double x, double z, int channel)
 {
-	const double dx = (double)light->position[0] - x, dy = (double)light->position[1],
-				 dz = (double)light->position[2] - z, d2 = dx * dx + dy * dy + dz * dz;
+	double dx = (double)light->position[0] - x, dy = (double)light->position[1], dz = (double)light->position[2] - z,
+		   d2 = dx * dx + dy * dy + dz * dz;
 	return 0.5 / M_PI * (double)light->intensity[channel] * dy / (d2 * sqrt(d2));
 }
 
@@ -99,14 +99,14 @@ static void a_point_light_falls_with_the_square_and_casts_hard_shadows(void **st
 	stilb_scene *scene = plane_wall(1);
 	scene->lights[0] = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_POINT, .position = {-0.5f, 1.5f, 0.25f}, .intensity = {1.0f, 2.0f, 30.0f}};
-	const stilb_scene_light light = scene->lights[0];
+	stilb_scene_light light = scene->lights[0];
 	path_fixture fixture = path_fixture_make(scene);
 	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, 1);
 	/* The light, at x = -0.5 and y = 1.5, is above the wall's edge, at x = 0 and y = 1: the ray past the edge meets the
 	 * plane at x = 1, for every z, so that the wall's shadow ends there. */
 	for (int i = 0; i < 40; i++) {
-		const float x = 0.08f + 0.05f * (float)i, z = 0.1f * (float)(i % 7) - 0.3f;
-		const stilb_vec3 seen = mean_at(&view, x, z, 0, 1, &samples);
+		float x = 0.08f + 0.05f * (float)i, z = 0.1f * (float)(i % 7) - 0.3f;
+		stilb_vec3 seen = mean_at(&view, x, z, 0, 1, &samples);
 		for (int c = 0; c < 3; c++)
 			if (x < 1.0f)
 				assert_true(seen[c] == 0.0f);
@@ -126,7 +126,7 @@ static void a_directional_light_is_the_same_everywhere(void **state)
 	scene->lights[0] = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.6f, -0.8f, 0.0f}, .intensity = {3.0f, 2.0f, 1.0f}};
 	path_fixture fixture = path_fixture_make(scene);
-	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, 1);
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, 1);
 	/* The wall's shadow is 1 x 0.6 / 0.8 long. */
 	assert_true(mean_at(&view, 0.74f, 0.0f, 0, 1, &samples)[0] == 0.0f);
 	const float places[] = {0.76f, 2.0f, 50.0f};
@@ -143,15 +143,15 @@ static void many_lights_add_up(void **state)
 	stilb_scene *scene = plane_wall(3);
 	double truth = 0.0;
 	for (uint32_t i = 0; i < 3; i++) {
-		const float at = (float)i;
+		float at = (float)i;
 		scene->lights[i] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT,
 		                                       .position = {1.0f + at, 1.0f + 0.5f * at, -at},
 		                                       .intensity = {1.0f + at, 1.0f, 1.0f}};
 		truth += from_point_light(&scene->lights[i], 1.0, 0.0, 0);
 	}
 	path_fixture fixture = path_fixture_make(scene);
-	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, GI_BATCH);
-	const stilb_vec3 seen = mean_at(&view, 1.0f, 0.0f, 0, GI_BATCH, &samples);
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, GI_BATCH);
+	stilb_vec3 seen = mean_at(&view, 1.0f, 0.0f, 0, GI_BATCH, &samples);
 	assert_near((double)seen[0], truth, 5e-3, "three lights, one asked a sample");
 	path_fixture_finish(&fixture);
 }
@@ -164,7 +164,7 @@ static double polygon_irradiance(const double (*corner)[3], int count)
 	for (int i = 0; i < count; i++) {
 		const double *a = corner[i], *b = corner[(i + 1) % count];
 		const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-		const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+		double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 		sum += atan2(length, a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * n[1] / length;
 	}
 	return 0.5 * fabs(sum);
@@ -184,7 +184,7 @@ static void an_area_light_is_seen_and_shines(void **state)
 			corner[i][c] = (double)wall->vertices[i].position[c] - (c == 0 ? 1.0 : 0.0); /* seen from (1, 0, 0) */
 	path_fixture fixture = path_fixture_make(scene);
 	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, GI_BATCH);
-	const double irradiance = 4.0 * polygon_irradiance(corner, 4);
+	double irradiance = 4.0 * polygon_irradiance(corner, 4);
 	assert_near((double)mean_at(&view, 1.0f, 0.0f, 0, GI_BATCH, &samples)[0], 0.5 / M_PI * irradiance, 1e-2,
 	            "a wall of light");
 	assert_near((double)look(&view, stilb_vec3_make(-1.0f, 0.0f, 0.0f))[1], 4.0, 1e-6, "the lamp itself");
@@ -195,8 +195,8 @@ static void the_sky_is_seen_and_shines(void **state)
 {
 	(void)state;
 	path_fixture fixture = path_fixture_open("plane-wall");
-	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, GI_BATCH);
-	const double open = 0.5 * (1.0 + cos(M_PI / 4.0));
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_DIRECT, 1, GI_BATCH);
+	double open = 0.5 * (1.0 + cos(M_PI / 4.0));
 	assert_near((double)mean_at(&view, 1.0f, 0.0f, 0, GI_BATCH, &samples)[2], 0.5 * open, 1e-2, "the sky past a wall");
 	assert_true(look(&view, stilb_vec3_make(0.0f, 1.0f, 0.0f))[2] == 1.0f);
 	path_fixture_finish(&fixture);
@@ -230,8 +230,8 @@ static double open_beside_wall(double height, double distance)
  * and the wall is met after distance / w where w is the disk's coordinate towards it. */
 static double taken_by_wall(double distance, double reach, bool weighted)
 {
-	const double c = distance / reach, s = sqrt(1.0 - c * c);
-	const double chord = 0.5 * (acos(c) - c * s);
+	double c = distance / reach, s = sqrt(1.0 - c * c);
+	double chord = 0.5 * (acos(c) - c * s);
 	return 2.0 / M_PI * (weighted ? chord - c * (log((1.0 + s) / c) - s) : chord);
 }
 
@@ -259,7 +259,7 @@ static void ao_of_a_miss_is_open(void **state)
 {
 	(void)state;
 	path_fixture fixture = path_fixture_make(plane_wall(0));
-	const gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_AO, 1, 1);
+	gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_AO, 1, 1);
 	mean_at(&view, 1.0f, 0.0f, 0, 1, &samples);
 	samples.rays[0].hit.part = GI_NO_PART;
 	path_samples_shade(&view, &samples);

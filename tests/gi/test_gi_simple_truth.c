@@ -48,8 +48,8 @@ static void ao_beside_walls(void **state)
 		gi_view view = path_view(&fixture, STILB_GI_INTEGRATOR_AO, 1, 1);
 		view.settings.rays = 65536;
 		for (size_t d = 0; d < sizeof distances / sizeof *distances; d++) {
-			const double truth = 0.5 * (1.0 + cos(atan2((double)heights[h], (double)distances[d])));
-			const double value = openness(&view, distances[d]);
+			double truth = 0.5 * (1.0 + cos(atan2((double)heights[h], (double)distances[d])));
+			double value = openness(&view, distances[d]);
 			if (!(fabs(value - truth) <= 1e-3))
 				fail_msg("height %g, distance %g: %.6f, not %.6f", (double)heights[h], (double)distances[d], value,
 				         truth);
@@ -71,7 +71,7 @@ static void expect_same(const char *name, gi_view a, gi_view b, double largest)
 	for (uint32_t r = 0; r < RENDERINGS; r++) {
 		a.sampler = gi_sampler_make(a.settings.sampler, 1 + r, a.settings.samples);
 		b.sampler = gi_sampler_make(b.settings.sampler, 1 + r, b.settings.samples);
-		const path_mean of_a = path_picture_mean(&a), of_b = path_picture_mean(&b);
+		path_mean of_a = path_picture_mean(&a), of_b = path_picture_mean(&b);
 		stilb_vec3 d = {0}, l = {0};
 		for (int c = 0; c < 3; c++) {
 			d[c] = (float)(path_mean_of(&of_a, c) - path_mean_of(&of_b, c));
@@ -81,8 +81,8 @@ static void expect_same(const char *name, gi_view a, gi_view b, double largest)
 		path_mean_add(&level, l);
 	}
 	for (int c = 0; c < 3; c++) {
-		const double off = path_mean_of(&difference, c) / path_mean_of(&level, c);
-		const double sigma = path_mean_error(&difference, c) / path_mean_of(&level, c);
+		double off = path_mean_of(&difference, c) / path_mean_of(&level, c);
+		double sigma = path_mean_error(&difference, c) / path_mean_of(&level, c);
 		printf("%s, channel %d: mean %.5f, off by %+.4f %%, sigma %.4f %%\n", name, c, path_mean_of(&level, c),
 		       100.0 * off, 100.0 * sigma);
 		if (!(fabs(off) <= 5.0 * sigma && sigma <= largest)) /* 15 degrees of freedom */

@@ -207,7 +207,7 @@ static void shadow_rays_end_at_the_light(void **state)
 	stilb_vec3 normal = stilb_vec3_normalize(stilb_vec3_cross(corner[1] - corner[0], corner[2] - corner[0]));
 	gi_emitter emitter = {.emission = {1.0f, 1.0f, 1.0f}};
 	memcpy(emitter.position, corners, sizeof corners);
-	const gi_light_shape light = gi_light_shape_make(&emitter);
+	gi_light_shape light = gi_light_shape_make(&emitter);
 	float error = gi_triangle_error(corners[0], corners[1], corners[2]);
 	assert_true(error < 1e-4f);
 	int asked = 0;

@@ -35,7 +35,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
 		fprintf(stderr, "usage: fuzz_input_descriptor [-OPTION=VALUE ...] FOLDER\n");
 		exit(1);
 	}
-	require((random_bytes = malloc(STILB_INPUT_REPORT_MAX)) != NULL);
+	require((random_bytes = malloc(STILB_INPUT_REPORT_MAX)));
 	for (size_t i = 0; i < STILB_INPUT_REPORT_MAX; i++)
 		random_bytes[i] = (uint8_t)stilb_random_u64(1, i);
 	mkdir(seeds, 0777);

@@ -85,7 +85,7 @@ static void two_threads_agree(void **state)
 	assert_int_equal(pthread_create(&reader, NULL, push_many, &ring), 0);
 	for (uint64_t i = 0; i < MANY; i++) {
 		const input_record *record;
-		while ((record = input_ring_peek(&ring)) == NULL)
+		while (!(record = input_ring_peek(&ring)))
 			sched_yield();
 		assert_true(is_record(record, i));
 		input_ring_pop(&ring);

@@ -45,7 +45,7 @@ static uint32_t zone_count(const char *lane, const char *name)
 {
 	uint32_t count = 0;
 	for (uint32_t l = 0; l < s.lane_count; l++)
-		for (uint32_t i = 0; i < s.lanes[l].zone_count && (lane == NULL || strcmp(s.lanes[l].name, lane) == 0); i++)
+		for (uint32_t i = 0; i < s.lanes[l].zone_count && (!lane || strcmp(s.lanes[l].name, lane) == 0); i++)
 			count += strcmp(zone_name(&s.lanes[l], i), name) == 0;
 	return count;
 }
@@ -158,7 +158,7 @@ static void a_wait_is_a_wait_and_sleep_is_parked(void **state)
 	pthread_t thread;
 	stilb_job_pool *pool = pool_make(2, NULL);
 	stilb_job_group group = {0};
-	const stilb_job_options to_worker_1 = {.pinned = true, .target = 1};
+	stilb_job_options to_worker_1 = {.pinned = true, .target = 1};
 	sem_init(&go, 0, 0);
 	assert_int_equal(stilb_job_submit_with(pool, wait_for_go, NULL, &group, &to_worker_1, 0), 0);
 	assert_int_equal(pthread_create(&thread, NULL, let_go, NULL), 0);

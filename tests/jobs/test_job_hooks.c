@@ -404,7 +404,7 @@ static void *wait_from_outside(void *data)
 {
 	until_waiting *u = data;
 	stilb_job_group group = {0};
-	const stilb_job_options on_first = {.pinned = true, .target = 1};
+	stilb_job_options on_first = {.pinned = true, .target = 1};
 	if (stilb_job_submit_with(u->log->pool, end_when_waited_for, u, &group, &on_first, STILB_JOB_OUTSIDE) != 0)
 		count_up(&u->log->wrong);
 	stilb_job_wait(u->log->pool, &group, STILB_JOB_OUTSIDE);

@@ -22,7 +22,7 @@
 #include "jobs/job_sys.h"
 #include "support/test.h"
 
-#define OPERATIONS (TEST_EMULATED ? 25000 : 200000)
+#define OPERATIONS (TEST_EMULATED ? 25000 : 100000)
 static uint32_t operations = OPERATIONS;
 
 enum { MOST_THREADS = 16, MOST_BATCH = 8, CAPACITY = 3 };

@@ -79,7 +79,7 @@ static void check_measure(const stilb_numeric_row *row)
 {
 	int count = row->measure == STILB_NUMERIC_MEASURE_SMOOTH ? 1 : ROUGHNESS_COUNT;
 	for (int i = 0; i < count; i++) {
-		const stilb_numeric_shape shape = make_shape(ROUGHNESSES[i]);
+		stilb_numeric_shape shape = make_shape(ROUGHNESSES[i]);
 		double measure = stilb_numeric_measure_of(row, &shape);
 		if (!(fabs(measure - 1.0) <= 1e-4))
 			fail_msg("%s, roughness %g: %s is %.7f", row->name, (double)ROUGHNESSES[i],
@@ -111,7 +111,7 @@ static void ndf_row_is_not_a_heightfield(void **state)
 	(void)state;
 	stilb_numeric_row row = *stilb_numeric_catalog_find("d_blinn_phong");
 	row.measure = STILB_NUMERIC_MEASURE_D_COS;
-	const stilb_numeric_shape shape = make_shape(0.7f);
+	stilb_numeric_shape shape = make_shape(0.7f);
 	double n = 2.0 / pow(0.7, 4.0) - 2.0;
 	SHADE_PROOF_NEAR(stilb_numeric_measure_of(&row, &shape), (n + 1.0) / (n + 2.0), 1e-5, 0.0);
 }
@@ -152,7 +152,7 @@ static void some_gains_have_no_bound(void **state)
  * cosines, and 0.01 is added to the divisor so that values too dark to be seen do not matter. */
 static double asymmetry(const stilb_numeric_row *row, shade_proof_random *random)
 {
-	const shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+	shade_frame frame = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
 	stilb_vec3 l = shade_proof_random_above(random, frame.n), v = shade_proof_random_above(random, frame.n);
 	shade_brdf_parameters white = stilb_numeric_white(shade_proof_range(random, 0.3f, 0.7f), 0.5f);
 	SHADE_PROOF_LIGHT3(shade_brdf_cos(row->model, white, frame, l, v));
@@ -256,7 +256,7 @@ static double density_in_sector(double z, const void *context)
 static double expected_share(const spread *s, int bin)
 {
 	int ring = bin / SECTORS, i = bin % SECTORS;
-	const sector part = {*s, ((double)i / SECTORS - 0.5) * 2.0 * M_PI, ((i + 1.0) / SECTORS - 0.5) * 2.0 * M_PI};
+	sector part = {*s, ((double)i / SECTORS - 0.5) * 2.0 * M_PI, ((i + 1.0) / SECTORS - 0.5) * 2.0 * M_PI};
 	double low = ring_height(s, ring), high = ring_height(s, ring - 1);
 	/* Densities jump to 0 at the horizon z = 0, so a ring across it is integrated in two parts. */
 	if (low < 0.0 && high > 0.0)
@@ -296,8 +296,8 @@ static void check_spread(const stilb_numeric_row *row)
 {
 	static const float roughnesses[] = {0.1f, 0.4f, 0.8f};
 	for (size_t i = 0; i < sizeof roughnesses / sizeof roughnesses[0]; i++) {
-		const stilb_numeric_shape shape = make_shape(roughnesses[i]);
-		const spread s = make_spread(row, &shape);
+		stilb_numeric_shape shape = make_shape(roughnesses[i]);
+		spread s = make_spread(row, &shape);
 		double above = chi_square(&s, &s);
 		if (!(above < 4.0))
 			fail_msg("%s, roughness %g: chi-square is %.1f standard deviations too large", row->name,
@@ -315,10 +315,10 @@ static void samples_are_spread_as_their_density(void **state)
 static void chi_square_sees_a_wrong_density(void **state)
 {
 	(void)state;
-	const stilb_numeric_shape shape = make_shape(0.4f), wider = make_shape(0.41f);
-	const spread cosine = make_spread(stilb_numeric_catalog_find("sample_cosine"), &shape);
-	const spread hemisphere = make_spread(stilb_numeric_catalog_find("sample_hemisphere"), &shape);
-	const spread visible = make_spread(stilb_numeric_catalog_find("sample_ggx_visible"), &shape);
+	stilb_numeric_shape shape = make_shape(0.4f), wider = make_shape(0.41f);
+	spread cosine = make_spread(stilb_numeric_catalog_find("sample_cosine"), &shape);
+	spread hemisphere = make_spread(stilb_numeric_catalog_find("sample_hemisphere"), &shape);
+	spread visible = make_spread(stilb_numeric_catalog_find("sample_ggx_visible"), &shape);
 	spread visible_wider = visible;
 	visible_wider.shape = &wider;
 	assert_true(chi_square(&cosine, &hemisphere) > 100.0);

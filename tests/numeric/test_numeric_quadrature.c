@@ -98,13 +98,13 @@ static double of_light(const double v[3], const void *context)
 static void check_against_plain(shade_brdf_model model)
 {
 	static const double degrees[] = {0.0, 35.0, 70.0};
-	const shade_brdf_parameters parameters = {
+	shade_brdf_parameters parameters = {
 		.specular = {1.0f, 0.0f, 0.0f}, .roughness = 0.6f, .anisotropy = 0.5f, .wrap = 0.3f};
 	for (size_t i = 0; i < sizeof degrees / sizeof degrees[0]; i++) {
-		const stilb_numeric_angles angles = {degrees[i] * M_PI / 180.0, 0.7};
+		stilb_numeric_angles angles = {degrees[i] * M_PI / 180.0, 0.7};
 		stilb_vec3 fixed = stilb_vec3_make((float)(sin(angles.polar) * cos(angles.azimuth)),
 		                                   (float)(sin(angles.polar) * sin(angles.azimuth)), (float)cos(angles.polar));
-		const plain p = {model, parameters, fixed};
+		plain p = {model, parameters, fixed};
 		double view = stilb_numeric_integrate_sphere(of_view, &p, -1.0, 0.0, 8) +
 		              stilb_numeric_integrate_sphere(of_view, &p, 0.0, 1.0, 8);
 		double light = stilb_numeric_integrate_sphere(of_light, &p, 0.0, 1.0, 8);
@@ -127,10 +127,10 @@ static void albedo_of_every_model(void **state)
 static void smooth_surfaces_reflect_fresnel(void **state)
 {
 	(void)state;
-	const shade_brdf_parameters parameters = {.specular = {0.04f, 0.0f, 0.0f}, .roughness = 0.0f};
+	shade_brdf_parameters parameters = {.specular = {0.04f, 0.0f, 0.0f}, .roughness = 0.0f};
 	for (double degrees = 0.0; degrees < 85.0; degrees += 20.0) {
-		const stilb_numeric_angles angles = {degrees * M_PI / 180.0, 0.0};
-		const shade_brdf_model schlick = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK};
+		stilb_numeric_angles angles = {degrees * M_PI / 180.0, 0.0};
+		shade_brdf_model schlick = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK};
 		double want = 0.04 + 0.96 * pow(1.0 - cos(angles.polar), 5.0);
 		SHADE_PROOF_NEAR(stilb_numeric_albedo_of_view(&schlick, &parameters, angles), want, 1e-3, 0.0);
 	}

@@ -98,7 +98,7 @@ static void assert_green_by_midpoints(const stilb_image *map, shade_sh got)
 {
 	enum { PIECES = 60 };
 	const float *values = map->pixels;
-	const uint32_t width = map->width * PIECES, height = map->height * PIECES;
+	uint32_t width = map->width * PIECES, height = map->height * PIECES;
 	double sum[9] = {0};
 	for (uint32_t y = 0; y < height; y++)
 		for (uint32_t x = 0; x < width; x++) {
@@ -178,7 +178,7 @@ static void map_has_its_directions(void **state)
 static void bright_texel_is_a_light(void **state)
 {
 	(void)state;
-	const uint32_t width = 64, height = 32;
+	uint32_t width = 64, height = 32;
 	for (uint32_t k = 0; k < 40; k++) {
 		uint32_t x = k * 37 % width, y = 3 + k * 11 % (height - 6);
 		stilb_image map = made_map(width, height, 4);

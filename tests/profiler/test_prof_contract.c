@@ -309,7 +309,7 @@ static void unsound_snapshots(void **state)
 	lane.zones = &zone;
 	snapshot.lanes = &lane;
 	assert_true(prof_snapshot_is_sound(&snapshot));
-	const stilb_prof_zone whole = zone;
+	stilb_prof_zone whole = zone;
 #define zone_breaks(member, value)                                                                                     \
 	do {                                                                                                               \
 		zone = whole;                                                                                                  \
@@ -347,7 +347,7 @@ static void unsound_snapshots(void **state)
 	lane = (stilb_prof_lane){.name = "main", .switches = switches, .switch_count = 2};
 	assert_false(prof_snapshot_is_sound(&snapshot));
 	const stilb_prof_point points[] = {{.ns = 2, .lane = STILB_PROF_NONE}, {.ns = 1, .lane = STILB_PROF_NONE}};
-	const stilb_prof_flow late = {.from_ns = 2, .to_ns = 1, .from_lane = 0, .to_lane = 0, .frame = STILB_PROF_NONE};
+	stilb_prof_flow late = {.from_ns = 2, .to_ns = 1, .from_lane = 0, .to_lane = 0, .frame = STILB_PROF_NONE};
 	const stilb_prof_frame frames[] = {{.number = 1, .begin_ns = 1, .end_ns = 2},
 	                                   {.number = 1, .begin_ns = 2, .end_ns = 3}};
 	snapshot = good, snapshot.points = points, snapshot.point_count = 1;

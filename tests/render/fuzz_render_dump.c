@@ -196,7 +196,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
 	stilb_render_dump *dump;
 	uint8_t *copy = malloc(size ? size : 1); /* of exactly that size, so that the sanitizer sees reads beyond it */
-	require(copy != NULL);
+	require(copy);
 	if (size > 0)
 		memcpy(copy, data, size);
 	stilb_result result = render_dump_read(copy, size, "a.dump", &dump);

@@ -249,7 +249,7 @@ static void hits_differ_as_their_neighbours(void **state)
 {
 	(void)state;
 	shade_proof_random random = {.seed = 4};
-	const double e = 1e-5;
+	double e = 1e-5;
 	for (int k = 0; k < 300; k++) {
 		stilb_vec3 n = shade_proof_random_direction(&random), side = shade_proof_random_direction(&random);
 		stilb_vec3 d = stilb_vec3_normalize(side * 0.9f - n * (k % 2 ? 1.0f : -1.0f));

@@ -11,10 +11,10 @@ static const stilb_vec3 COLOR = {3.0f, 0.5f, 7e5f};
 static void units_are_the_ones_of_their_formulas(void **state)
 {
 	(void)state;
-	const double r0 = 0.25, disc = M_PI * r0 * r0;
+	double r0 = 0.25, disc = M_PI * r0 * r0;
 	SHADE_PROOF_NEAR3(shade_intensity_from_radiance(COLOR, 0.25f), 3.0 * disc, 0.5 * disc, 7e5 * disc, 3e-7, 0.0);
 	SHADE_PROOF_NEAR3(shade_radiance_from_intensity(COLOR, 0.25f), 3.0 / disc, 0.5 / disc, 7e5 / disc, 3e-7, 0.0);
-	const double sphere = 4.0 * M_PI, face = M_PI;
+	double sphere = 4.0 * M_PI, face = M_PI;
 	SHADE_PROOF_NEAR3(shade_flux_from_intensity_sphere(COLOR), 3.0 * sphere, 0.5 * sphere, 7e5 * sphere, 3e-7, 0.0);
 	SHADE_PROOF_NEAR3(shade_intensity_from_flux_sphere(COLOR), 3.0 / sphere, 0.5 / sphere, 7e5 / sphere, 3e-7, 0.0);
 	SHADE_PROOF_NEAR3(shade_flux_from_intensity_disk(COLOR), 3.0 * face, 0.5 * face, 7e5 * face, 3e-7, 0.0);
@@ -129,7 +129,7 @@ static void lamps_are_seen_as_suns(void **state)
 static void every_light_is_chosen_by_its_number(void **state)
 {
 	(void)state;
-	const shade_sun sun = {{0.0f, 1.0f, 0.0f}, {4.0f, 3.0f, 2.0f}};
+	shade_sun sun = {{0.0f, 1.0f, 0.0f}, {4.0f, 3.0f, 2.0f}};
 	stilb_vec3 position = stilb_vec3_make(2.0f, 4.0f, 3.0f);
 	SHADE_PROOF_NEAR3(shade_light_at(SHADE_LIGHT_SUN, sun, LAMP, position).irradiance, 4.0, 3.0, 2.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR3(shade_light_at(SHADE_LIGHT_HEMISPHERE, sun, LAMP, position).irradiance, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -168,7 +168,7 @@ static void spheres_are_exact_above_the_horizon(void **state)
 		double sine = 1.0 / distance, cosine = sqrt(1.0 - sine * sine);
 		for (int step = 0; step <= 10; step++) {
 			double tilt = step / 10.0 * acos(sine); /* at the end the sphere touches the horizon */
-			const receiver r = {{sin(tilt), 0.0, cos(tilt)}};
+			receiver r = {{sin(tilt), 0.0, cos(tilt)}};
 			double truth = stilb_numeric_integrate_sphere(cosine_of_receiver, &r, cosine, 1.0, 4);
 			stilb_vec3 intensity = shade_intensity_from_radiance(stilb_vec3_make(1.0f, 1.0f, 1.0f), 1.0f);
 			double irradiance = (double)(intensity[0] * shade_falloff_sphere((float)(distance * distance), 1.0f));
@@ -195,9 +195,9 @@ static double ring_of_disk(double radius, const void *context)
 static void disks_are_exact_on_the_axis_and_far_away(void **state)
 {
 	(void)state;
-	const shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {(float)M_PI, 0.0f, 0.0f}, 1.0f, 0.0f};
+	shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {(float)M_PI, 0.0f, 0.0f}, 1.0f, 0.0f};
 	for (double h = 0.01; h < 100.0; h *= 1.5) {
-		const shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make(0.0f, (float)h, 0.0f));
+		shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make(0.0f, (float)h, 0.0f));
 		double truth = stilb_numeric_integrate(ring_of_disk, &h, 0.0, 1.0, 200);
 		SHADE_PROOF_NEAR(seen.irradiance[0], truth, 1e-6, 0.0);
 		SHADE_PROOF_NEAR(foote(h, 0.0), truth, 1e-9, 0.0);
@@ -207,7 +207,7 @@ static void disks_are_exact_on_the_axis_and_far_away(void **state)
 	for (double distance = 5.0; distance < 100.0; distance *= 1.4)
 		for (int step = 0; step < 9; step++) {
 			double angle = step * M_PI / 18.0, h = distance * cos(angle), x = distance * sin(angle);
-			const shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make((float)x, (float)h, 0.0f));
+			shade_sun seen = shade_lamp_at(SHADE_LIGHT_DISK, lamp, stilb_vec3_make((float)x, (float)h, 0.0f));
 			double n_dot_l = -(double)seen.direction[1];
 			double order = 1.0 / (distance * distance), share = 1.0 - 3.0 * sin(angle) * sin(angle) * order;
 			SHADE_PROOF_NEAR((double)seen.irradiance[0] * n_dot_l, share * foote(h, x), 8.0 * order * order + 1e-6,
@@ -218,8 +218,8 @@ static void disks_are_exact_on_the_axis_and_far_away(void **state)
 /* Through a sphere about a lamp flows the lamp's flux, at any distance. */
 static double through_height(double y, const void *context)
 {
-	const int light = *(const int *)context;
-	const shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {2.0f, 2.0f, 2.0f}, 0.1f, 0.0f};
+	int light = *(const int *)context;
+	shade_lamp lamp = {{0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {2.0f, 2.0f, 2.0f}, 0.1f, 0.0f};
 	float x = (float)sqrt(1.0 - y * y);
 	shade_sun seen = shade_lamp_at(light, lamp, stilb_vec3_make(5.0f * x, 5.0f * (float)y, 0.0f));
 	return 2.0 * M_PI * 25.0 * (double)seen.irradiance[0];
@@ -271,7 +271,7 @@ static void a_lobe_is_cut_by_the_horizon_as_one_angle_says(void **state)
 	for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++)
 		for (int step = -3; step <= 3; step++) {
 			double y = step / 4.0;
-			const lobe l = {{sqrt(1.0 - y * y), 0.0, y}, exponents[i]};
+			lobe l = {{sqrt(1.0 - y * y), 0.0, y}, exponents[i]};
 			double above = stilb_numeric_integrate_sphere(lobe_at, &l, 0.0, 1.0, 24);
 			double below = stilb_numeric_integrate_sphere(lobe_at, &l, -1.0, 0.0, 24);
 			SHADE_PROOF_NEAR(above / (above + below), exact_share(y, exponents[i]), 0.0, 1e-4);

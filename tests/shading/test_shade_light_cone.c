@@ -106,7 +106,7 @@ static double highlight(int lobe, const surface *s, vector l)
 static void phong_has_both_of_karis_forms(void **state)
 {
 	(void)state;
-	const stilb_vec3 n = {0.0f, 0.0f, 1.0f}, v = {0.6f, 0.0f, 0.8f};
+	stilb_vec3 n = {0.0f, 0.0f, 1.0f}, v = {0.6f, 0.0f, 0.8f};
 	static const float exponents[] = {0.5f, 1.0f, 10.0f, 300.0f, 2e6f};
 	for (size_t i = 0; i < sizeof exponents / sizeof exponents[0]; i++) {
 		double exponent = (double)exponents[i], folded = 0.2 * (exponent + 2.0) / 2.0;
@@ -174,7 +174,7 @@ static void rims_are_at_the_tolerance(void **state)
 static void cones_keep_to_their_range(void **state)
 {
 	(void)state;
-	const stilb_vec3 n = {0.0f, 0.0f, 1.0f};
+	stilb_vec3 n = {0.0f, 0.0f, 1.0f};
 	assert_true(shade_cone_mirrored(n, n, -0.5f).chord == -1.0f);
 	SHADE_PROOF_NEAR(shade_cone_mirrored(n, n, 3.0f).chord, 2.0, 0.0, WITHIN);
 	SHADE_PROOF_NEAR(shade_cone_mirrored(n, n, 1.0f).chord, 1.0, 0.0, WITHIN);
@@ -224,8 +224,8 @@ static void unions_are_the_smallest(void **state)
 static void unions_of_special_cones(void **state)
 {
 	(void)state;
-	const shade_cone up = cone_at(0.0, 0.5), down = cone_at(M_PI, 0.4);
-	const shade_cone none = {up.axis, -1.0f}, all = {down.axis, 2.0f}, point = {up.axis, 0.0f};
+	shade_cone up = cone_at(0.0, 0.5), down = cone_at(M_PI, 0.4);
+	shade_cone none = {up.axis, -1.0f}, all = {down.axis, 2.0f}, point = {up.axis, 0.0f};
 	assert_true(shade_cone_union(up, none).chord == up.chord && shade_cone_union(none, up).chord == up.chord);
 	assert_true(shade_cone_union(none, none).chord < 0.0f);
 	assert_true(shade_cone_union(up, all).chord >= 2.0f && shade_cone_union(all, up).chord >= 2.0f);

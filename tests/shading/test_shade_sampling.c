@@ -481,7 +481,7 @@ static double chi_square(const sampler *s, const lobe *on, const double expected
 static void samples_fill_the_sphere_as_they_say(void **state)
 {
 	(void)state;
-	const lobe on = {.n = 3.0f, .alphas = {0.7f, 0.45f}, .v = stilb_vec3_normalize(stilb_vec3_make(0.7f, 0.3f, 0.6f))};
+	lobe on = {.n = 3.0f, .alphas = {0.7f, 0.45f}, .v = stilb_vec3_normalize(stilb_vec3_make(0.7f, 0.3f, 0.6f))};
 	for (int k = 0; k < SAMPLER_COUNT; k++) {
 		shade_proof_random random = {40 + (uint64_t)k, 0};
 		double expected[BINS], total = 0.0;
@@ -507,7 +507,7 @@ static void samples_fill_the_sphere_as_they_say(void **state)
 static void visible_normals_waste_less(void **state)
 {
 	(void)state;
-	const lobe on = {.alphas = {0.5f, 0.5f}, .v = stilb_vec3_normalize(stilb_vec3_make(1.0f, 0.0f, 0.1f))};
+	lobe on = {.alphas = {0.5f, 0.5f}, .v = stilb_vec3_normalize(stilb_vec3_make(1.0f, 0.0f, 0.1f))};
 	shade_proof_random random = {7, 0};
 	int all = 0, visible = 0;
 	for (int i = 0; i < 100000; i++) {

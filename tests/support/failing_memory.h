@@ -40,9 +40,9 @@ void *__wrap_realloc(void *memory, size_t size)
 {
 	if (allocation_fails())
 		return NULL;
-	const size_t old_size = memory != NULL ? malloc_usable_size(memory) : 0;
+	size_t old_size = memory ? malloc_usable_size(memory) : 0;
 	void *moved = __real_malloc(size);
-	if (moved != NULL && memory != NULL) {
+	if (moved && memory) {
 		memcpy(moved, memory, old_size < size ? old_size : size);
 		memset(memory, 0xdd, old_size);
 		free(memory);

@@ -33,7 +33,7 @@ static int note_program(struct dl_phdr_info *info, size_t size, void *data)
 	program_begin = UINTPTR_MAX;
 	for (int i = 0; i < info->dlpi_phnum; i++) {
 		const ElfW(Phdr) *part = &info->dlpi_phdr[i];
-		const uintptr_t begin = info->dlpi_addr + part->p_vaddr, end = begin + part->p_memsz;
+		uintptr_t begin = info->dlpi_addr + part->p_vaddr, end = begin + part->p_memsz;
 		if (part->p_type != PT_LOAD)
 			continue;
 		program_begin = begin < program_begin ? begin : program_begin;
@@ -52,14 +52,14 @@ __attribute__((constructor)) static void begin(void)
 
 static bool fails(const void *caller)
 {
-	const uintptr_t place = (uintptr_t)caller;
+	uintptr_t place = (uintptr_t)caller;
 	if (fail_at < 0 || place < program_begin || place >= program_end)
 		return false;
 	/* Relaxed: all that matters is that each allocation gets a number of its own. */
 	if (atomic_fetch_add_explicit(&allocations, 1, memory_order_relaxed) != fail_at)
 		return false;
 	const char *mark = getenv("STILB_FAIL_MARK");
-	const int file = mark ? open(mark, O_CREAT | O_WRONLY | O_CLOEXEC, 0666) : -1;
+	int file = mark ? open(mark, O_CREAT | O_WRONLY | O_CLOEXEC, 0666) : -1;
 	if (file >= 0)
 		close(file);
 	errno = ENOMEM;

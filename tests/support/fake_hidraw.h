@@ -53,7 +53,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...);
 static inline int fake_number(const char *path)
 {
 	unsigned number = FAKE_NODES;
-	const size_t length = strlen(fake.dev);
+	size_t length = strlen(fake.dev);
 	if (length > 0 && strncmp(path, fake.dev, length) == 0 && path[length] == '/')
 		sscanf(path + length + 1, "hidraw%u", &number);
 	return number < FAKE_NODES ? (int)number : -1;
@@ -68,7 +68,7 @@ static inline int fake_open(const char *path, int number)
 	if ((info.st_mode & 0600) != 0600)
 		return errno = EACCES, -1;
 	pthread_mutex_lock(&fake.lock);
-	const int fd = fake.nodes[number].host;
+	int fd = fake.nodes[number].host;
 	fake.nodes[number].host = -1;
 	pthread_mutex_unlock(&fake.lock);
 	if (fd < 0)
@@ -80,9 +80,9 @@ int __wrap_open(const char *path, int flags, ...)
 {
 	va_list arguments;
 	va_start(arguments, flags);
-	const mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;
+	mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;
 	va_end(arguments);
-	const int number = fake_number(path);
+	int number = fake_number(path);
 	return number >= 0 && !(flags & O_CREAT) ? fake_open(path, number) : __real_open(path, flags, mode);
 }
 
@@ -102,7 +102,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
 	pthread_mutex_lock(&fake.lock);
 	if (fake.feature_count < FAKE_FEATURES)
 		fake.features[fake.feature_count++] = bytes[0];
-	const int ms = fake.feature_ms;
+	int ms = fake.feature_ms;
 	pthread_mutex_unlock(&fake.lock);
 	poll(NULL, 0, ms);
 	return (int)_IOC_SIZE(request);
@@ -112,7 +112,7 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
 
 static inline void fake_write(const char *path, const void *bytes, size_t size, mode_t mode)
 {
-	const int fd = __real_open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode);
+	int fd = __real_open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, mode);
 	if (fd < 0 || write(fd, bytes, size) != (ssize_t)size)
 		abort();
 	close(fd);
@@ -120,7 +120,7 @@ static inline void fake_write(const char *path, const void *bytes, size_t size, 
 
 static inline void fake_path(char path[PATH_MAX], const char *folder, const char *format, int number)
 {
-	const int length = snprintf(path, PATH_MAX, "%s/", folder);
+	int length = snprintf(path, PATH_MAX, "%s/", folder);
 	snprintf(path + length, (size_t)(PATH_MAX - length), format, number);
 }
 
@@ -128,7 +128,7 @@ static inline void fake_begin(void)
 {
 	fake = (typeof(fake)){.lock = PTHREAD_MUTEX_INITIALIZER};
 	snprintf(fake.folder, sizeof fake.folder, "/tmp/stilb-pads-XXXXXX");
-	if (mkdtemp(fake.folder) == NULL)
+	if (!mkdtemp(fake.folder))
 		abort();
 	snprintf(fake.sys, sizeof fake.sys, "%s/sys", fake.folder);
 	snprintf(fake.dev, sizeof fake.dev, "%s/dev", fake.folder);
@@ -152,7 +152,7 @@ static inline void fake_describe(int number, const input_test_descriptor *pad, c
 	fake_path(path, fake.sys, "devices/pad%d", number);
 	mkdir(path, 0700);
 	fake_path(path, fake.sys, "devices/pad%d/uevent", number);
-	fake_write(path, uevent != NULL ? uevent : text, strlen(uevent != NULL ? uevent : text), 0600);
+	fake_write(path, uevent ? uevent : text, strlen(uevent ? uevent : text), 0600);
 	fake_path(path, fake.sys, "devices/pad%d/report_descriptor", number);
 	fake_write(path, pad->bytes, pad->size, 0600);
 	fake_path(path, fake.sys, "class/hidraw/hidraw%d", number);
@@ -230,7 +230,7 @@ static inline void fake_end(void)
 /* Sends a report; waits where the reader is behind. False: nobody has the node open. */
 static inline bool fake_send(int number, const void *report, size_t size)
 {
-	const int fd = fake.nodes[number].device;
+	int fd = fake.nodes[number].device;
 	while (send(fd, report, size, MSG_NOSIGNAL) < 0) {
 		if (errno != EAGAIN)
 			return false;
@@ -242,9 +242,9 @@ static inline bool fake_send(int number, const void *report, size_t size)
 /* The next output report; its size, or 0: none came in time, or the node was closed. */
 static inline size_t fake_receive(int number, void *report, size_t size, int timeout_ms)
 {
-	const int fd = fake.nodes[number].device;
+	int fd = fake.nodes[number].device;
 	poll(&(struct pollfd){.fd = fd, .events = POLLIN}, 1, timeout_ms);
-	const ssize_t got = recv(fd, report, size, 0);
+	ssize_t got = recv(fd, report, size, 0);
 	return got > 0 ? (size_t)got : 0;
 }
 

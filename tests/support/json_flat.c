@@ -14,9 +14,9 @@ static bool flat_value(parser *p, int depth);
 /* Parses one value inside an object or array; step (".key" or "[index]") is appended to the path meanwhile. */
 static bool flat_step(flat_parser *f, const char *step, int depth)
 {
-	const size_t length = strlen(f->path);
+	size_t length = strlen(f->path);
 	snprintf(f->path + length, sizeof f->path - length, "%s", step);
-	const bool good = flat_value(&f->parser, depth);
+	bool good = flat_value(&f->parser, depth);
 	f->path[length] = '\0';
 	return good;
 }
@@ -49,7 +49,7 @@ static bool flat_value(parser *p, int depth)
 	flat_parser *f = (flat_parser *)p;
 	skip_space(p);
 	const char *begin = p->at, *string;
-	const char c = begin < p->end ? *begin : 0;
+	char c = begin < p->end ? *begin : 0;
 	if (c == '{' || c == '[') {
 		flat_add(f, c, c == '{' ? "{}" : "[]", 2);
 		f->index[depth + 1] = 0;
@@ -102,7 +102,7 @@ bool json_flat_file(const char *path, json_flat *flat)
 		size += got;
 	} while (got > 0);
 	fclose(file);
-	const bool good = json_flat_text(text, size, flat);
+	bool good = json_flat_text(text, size, flat);
 	free(text);
 	return good;
 }

@@ -219,7 +219,7 @@ typedef struct picture_desc {
 /* Every model of scene as the camera sees it, drawn by a device of its own. */
 static inline stilb_image picture_make(const stilb_scene *scene, const reference_camera *camera, picture_desc how)
 {
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.replay = how.replay,
 		.materials = how.materials,
 		.output = how.output,
@@ -228,7 +228,7 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 		.samples = how.samples ? how.samples : 1,
 		.context_count = how.workers + 1,
 	};
-	const stilb_render_pass pass = {.name = "main"};
+	stilb_render_pass pass = {.name = "main"};
 	stilb_render_view view = {
 		.view_projection = reference_matrix(camera),
 		.sun = scene->sun,

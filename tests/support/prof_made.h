@@ -31,7 +31,7 @@ static inline void *made_more(void *array, size_t count, size_t size)
 	if ((count & (count - 1)) != 0) /* it grows at powers of two */
 		return array;
 	void *more = realloc(array, (count > 0 ? 2 * count : 1) * size);
-	if (more == NULL)
+	if (!more)
 		abort();
 	return more;
 }
@@ -152,7 +152,7 @@ static inline uint32_t made_frame_at(const made *m, uint64_t ns)
 
 static inline uint64_t made_overlap(uint64_t begin, uint64_t end, uint64_t other_begin, uint64_t other_end)
 {
-	const uint64_t from = begin > other_begin ? begin : other_begin, to = end < other_end ? end : other_end;
+	uint64_t from = begin > other_begin ? begin : other_begin, to = end < other_end ? end : other_end;
 	return to > from ? to - from : 0;
 }
 
@@ -162,7 +162,7 @@ static inline bool made_charge(const made *m, uint32_t lane, uint32_t zone, uint
 	bool found = false;
 	const stilb_prof_zone *zones = m->zones[lane];
 	for (uint32_t f = 0; f < m->snapshot.flow_count; f++) {
-		const uint64_t ns = m->flows[f].to_ns;
+		uint64_t ns = m->flows[f].to_ns;
 		uint32_t inside = STILB_PROF_NONE; /* the innermost */
 		for (uint32_t i = 0; m->flows[f].to_lane == lane && i < m->lanes[lane].zone_count; i++)
 			if (zones[i].begin_ns <= ns && (ns < zones[i].end_ns || zones[i].begin_ns == ns))
@@ -179,7 +179,7 @@ static inline bool made_charge(const made *m, uint32_t lane, uint32_t zone, uint
 static inline void made_derive(made *m)
 {
 	for (uint32_t l = 0; l < m->snapshot.lane_count; l++) {
-		const uint32_t count = m->lanes[l].zone_count;
+		uint32_t count = m->lanes[l].zone_count;
 		stilb_prof_zone *zones = m->zones[l];
 		for (uint32_t i = 0; i < count; i++) {
 			zones[i].self_ns = zones[i].end_ns - zones[i].begin_ns;
@@ -224,11 +224,10 @@ static inline void made_tree(made *m, made_random *random, uint32_t lane, uint64
 {
 	static const uint64_t lengths[] = {600, 250, 80, 30};
 	for (uint64_t at = begin; at < end;) {
-		const uint64_t kind = made_below(random, 8), room = end - at, gap = kind < 4 ? 0 : made_below(random, 30);
-		const uint64_t from = at + (gap < room ? gap : 0),
-					   length = made_below(random, lengths[level]) + random->no_empty;
-		const bool to_end = from + length > end || (level > 0 && kind == 1);
-		const uint64_t to = kind == 2 && !random->no_empty ? from : to_end ? end : from + length;
+		uint64_t kind = made_below(random, 8), room = end - at, gap = kind < 4 ? 0 : made_below(random, 30);
+		uint64_t from = at + (gap < room ? gap : 0), length = made_below(random, lengths[level]) + random->no_empty;
+		bool to_end = from + length > end || (level > 0 && kind == 1);
+		uint64_t to = kind == 2 && !random->no_empty ? from : to_end ? end : from + length;
 		made_push(m, lane, (uint32_t)made_below(random, 12), from);
 		if (level < 3 && to > from && made_below(random, 3) > 0)
 			made_tree(m, random, lane, from, to, level + 1);
@@ -241,14 +240,14 @@ static inline void made_tree(made *m, made_random *random, uint32_t lane, uint64
 static inline void made_by_chance_from(made *m, made_random random)
 {
 	made_init(m, 1 + (uint32_t)made_below(&random, MADE_LANES));
-	const uint64_t begin = made_below(&random, 3) * 1000000007, frames = made_below(&random, 6);
+	uint64_t begin = made_below(&random, 3) * 1000000007, frames = made_below(&random, 6);
 	uint64_t at = begin;
 	for (uint64_t i = 0; i < frames; i++) {
-		const uint64_t end = at + 500 + made_below(&random, 1000);
+		uint64_t end = at + 500 + made_below(&random, 1000);
 		made_frame(m, 70000 + i, at, end);
 		at = end;
 	}
-	const uint64_t end = at + 300;
+	uint64_t end = at + 300;
 	m->snapshot.begin_ns = begin;
 	m->snapshot.end_ns = end;
 	for (uint32_t l = 0; l < m->snapshot.lane_count; l++) {
@@ -274,7 +273,7 @@ static inline void made_by_chance_from(made *m, made_random random)
 		                                 .counter = true});
 	uint64_t id = 1;
 	for (uint64_t to = begin; (to += 1 + made_below(&random, 200)) < end;) {
-		const uint64_t from = begin + made_below(&random, to - begin + 1);
+		uint64_t from = begin + made_below(&random, to - begin + 1);
 		made_flow(m, (stilb_prof_flow){.id = id++,
 		                               .from_ns = from,
 		                               .to_ns = to,
@@ -310,12 +309,12 @@ static inline bool made_lane_holds(const stilb_prof_snapshot *s, const stilb_pro
 			continue;
 		}
 		const stilb_prof_zone *parent = zone->parent < i ? &lane->zones[zone->parent] : NULL;
-		if (parent == NULL || i >= zone->parent + parent->size || zone->begin_ns < parent->begin_ns ||
+		if (!parent || i >= zone->parent + parent->size || zone->begin_ns < parent->begin_ns ||
 		    zone->end_ns > parent->end_ns || (zone->level != parent->level + 1 && parent->level != UINT16_MAX))
 			return false;
 	}
 	for (uint32_t i = 0; i < lane->zone_count; i++) { /* siblings do not overlap */
-		const uint32_t next = i + lane->zones[i].size;
+		uint32_t next = i + lane->zones[i].size;
 		if (next < lane->zone_count && lane->zones[next].begin_ns < lane->zones[i].end_ns)
 			return false;
 	}
@@ -323,7 +322,7 @@ static inline bool made_lane_holds(const stilb_prof_snapshot *s, const stilb_pro
 		if (lane->switches[i].in_ns < lane->switches[i].out_ns ||
 		    (i > 0 && lane->switches[i].out_ns < lane->switches[i - 1].in_ns))
 			return false;
-	return lane->name != NULL;
+	return lane->name;
 }
 
 static inline bool made_lane_is(const stilb_prof_snapshot *s, uint32_t lane)
@@ -334,7 +333,7 @@ static inline bool made_lane_is(const stilb_prof_snapshot *s, uint32_t lane)
 static inline bool made_holds(const stilb_prof_snapshot *s)
 {
 	for (uint32_t i = 0; i < s->label_count; i++)
-		if (s->labels[i].name == NULL || s->labels[i].function == NULL || s->labels[i].file == NULL)
+		if (!s->labels[i].name || !s->labels[i].function || !s->labels[i].file)
 			return false;
 	for (uint32_t i = 0; i < s->lane_count; i++)
 		if (!made_lane_holds(s, &s->lanes[i]))

@@ -71,7 +71,7 @@ static inline bool reference_library_loaded(const char *text)
 	bool found = false;
 	FILE *maps = fopen("/proc/self/maps", "r");
 	while (maps && fgets(line, sizeof line, maps))
-		found |= strstr(line, text) != NULL;
+		found = found || strstr(line, text);
 	if (maps)
 		fclose(maps);
 	return found;

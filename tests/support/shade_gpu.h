@@ -82,7 +82,7 @@ static inline void shade_gpu_fill_inputs(void)
 /* Device, buffers and code; the pipeline is the test's to make. */
 static inline void shade_gpu_start(const uint32_t *words, size_t size)
 {
-	const stilb_render_desc desc = {.width = 1, .height = 1, .samples = 1, .context_count = 1, .validate = true};
+	stilb_render_desc desc = {.width = 1, .height = 1, .samples = 1, .context_count = 1, .validate = true};
 	const VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 	const VkDeviceSize results = SHADE_GPU_COUNT * sizeof(stilb_vec4);
 	if (stilb_render_create(&desc, &shade_gpu.render) != STILB_OK)
@@ -126,7 +126,7 @@ static inline void shade_gpu_run(int32_t row)
 	};
 	const VkDependencyInfo dependency = {
 		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
-	const shade_gpu_push values = {shade_gpu.inputs.address, shade_gpu.results.address, row, SHADE_GPU_COUNT};
+	shade_gpu_push values = {shade_gpu.inputs.address, shade_gpu.results.address, row, SHADE_GPU_COUNT};
 	memset(shade_gpu.results.mapped, 0xff, SHADE_GPU_COUNT * sizeof(stilb_vec4)); /* NaN: what is not written fails */
 	vkResetCommandPool(shade_gpu.device->device, shade_gpu.device->slots[0].pool, 0);
 	vkBeginCommandBuffer(commands, &begin);

@@ -107,7 +107,7 @@ static inline void shade_proof_near(const char *file, int line, const char *what
 /* The three lanes of a vec3 against three doubles. */
 #define SHADE_PROOF_NEAR3(got, x, y, z, relative, absolute)                                                            \
 	do {                                                                                                               \
-		const stilb_vec3 shade_proof_got = (got);                                                                      \
+		stilb_vec3 shade_proof_got = (got);                                                                            \
 		const double shade_proof_want[3] = {(double)(x), (double)(y), (double)(z)};                                    \
 		for (int shade_proof_lane = 0; shade_proof_lane < 3; shade_proof_lane++)                                       \
 			shade_proof_near(__FILE__, __LINE__, #got, (double)shade_proof_got[shade_proof_lane],                      \
@@ -125,7 +125,7 @@ static inline void shade_proof_light(const char *file, int line, const char *wha
 
 #define SHADE_PROOF_LIGHT3(color)                                                                                      \
 	do {                                                                                                               \
-		const stilb_vec3 shade_proof_color = (color);                                                                  \
+		stilb_vec3 shade_proof_color = (color);                                                                        \
 		for (int shade_proof_lane = 0; shade_proof_lane < 3; shade_proof_lane++)                                       \
 			shade_proof_light(__FILE__, __LINE__, #color, shade_proof_color[shade_proof_lane]);                        \
 	} while (0)

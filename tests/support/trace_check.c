@@ -24,7 +24,7 @@ static void *grow(void *array, size_t count, size_t *capacity, size_t size)
 		return array;
 	*capacity = *capacity > 0 ? 2 * *capacity : 64;
 	array = realloc(array, *capacity * size);
-	if (array == NULL)
+	if (!array)
 		abort();
 	return array;
 }
@@ -35,7 +35,7 @@ static size_t strings_slot(const strings *set, const char *text, size_t size)
 	for (size_t i = 0; i < size; i++)
 		hash = (hash ^ (unsigned char)text[i]) * 0x100000001b3u;
 	size_t at = hash & (set->capacity - 1);
-	while (set->slot[at] != NULL && (strlen(set->slot[at]) != size || memcmp(set->slot[at], text, size) != 0))
+	while (set->slot[at] && (strlen(set->slot[at]) != size || memcmp(set->slot[at], text, size) != 0))
 		at = (at + 1) & (set->capacity - 1);
 	return at;
 }
@@ -43,18 +43,18 @@ static size_t strings_slot(const strings *set, const char *text, size_t size)
 static const char *strings_keep(strings *set, const char *text, size_t size)
 {
 	if (2 * set->count >= set->capacity) {
-		const strings old = *set;
+		strings old = *set;
 		set->capacity = old.capacity > 0 ? 2 * old.capacity : 256;
 		set->slot = calloc(set->capacity, sizeof *set->slot);
-		if (set->slot == NULL)
+		if (!set->slot)
 			abort();
 		for (size_t i = 0; i < old.capacity; i++)
-			if (old.slot[i] != NULL)
+			if (old.slot[i])
 				set->slot[strings_slot(set, old.slot[i], strlen(old.slot[i]))] = old.slot[i];
 		free(old.slot);
 	}
-	const size_t at = strings_slot(set, text, size);
-	if (set->slot[at] == NULL) {
+	size_t at = strings_slot(set, text, size);
+	if (!set->slot[at]) {
 		set->slot[at] = strndup(text, size);
 		set->count++;
 	}
@@ -159,10 +159,8 @@ static bool parse_hex4(parser *p, uint32_t *value)
 {
 	*value = 0;
 	for (int i = 0; i < 4; i++) {
-		const char c = p->at < p->end ? *p->at++ : 0;
-		const int digit = c >= '0' && c <= '9'                 ? c - '0'
-		                  : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10
-		                                                       : -1;
+		char c = p->at < p->end ? *p->at++ : 0;
+		int digit = c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
 		if (digit < 0)
 			return fail(p, "four hex digits expected after \\u");
 		*value = *value << 4 | (uint32_t)digit;
@@ -197,11 +195,11 @@ static bool parse_unicode_escape(parser *p)
 static bool parse_escape(parser *p)
 {
 	static const char from[] = "\"\\/bfnrt", to[] = "\"\\/\b\f\n\r\t";
-	const char c = p->at < p->end ? *p->at++ : 0;
+	char c = p->at < p->end ? *p->at++ : 0;
 	if (c == 'u')
 		return parse_unicode_escape(p);
 	const char *found = c != 0 ? strchr(from, c) : NULL;
-	if (found == NULL)
+	if (!found)
 		return fail(p, "unknown escape in a string");
 	scratch_byte(p, (unsigned char)to[found - from]);
 	return true;
@@ -210,8 +208,8 @@ static bool parse_escape(parser *p)
 /* A multi-byte UTF-8 sequence whose first byte is at p->at: shortest form, no surrogates, up to U+10FFFF. */
 static bool parse_utf8(parser *p)
 {
-	const unsigned char first = (unsigned char)*p->at++;
-	const int more = first >= 0xf0 && first <= 0xf4 ? 3 : first >= 0xe0 ? 2 : 1;
+	unsigned char first = (unsigned char)*p->at++;
+	int more = first >= 0xf0 && first <= 0xf4 ? 3 : first >= 0xe0 ? 2 : 1;
 	uint32_t c = first & (0x3fu >> more);
 	if (first < 0xc2 || first > 0xf4)
 		return fail(p, "a string is not UTF-8");
@@ -232,7 +230,7 @@ static bool parse_string(parser *p, const char **out)
 	if (!take(p, '"'))
 		return fail(p, "a string expected");
 	for (;;) {
-		const unsigned char c = p->at < p->end ? (unsigned char)*p->at : 0;
+		unsigned char c = p->at < p->end ? (unsigned char)*p->at : 0;
 		if (c < 0x20)
 			return fail(p, p->at < p->end ? "control byte in a string" : "a string does not end");
 		if (c >= 0x80) {
@@ -248,7 +246,7 @@ static bool parse_string(parser *p, const char **out)
 		else if (!parse_escape(p))
 			return false;
 	}
-	*out = strings_keep(&p->strings, p->scratch != NULL ? p->scratch : "", p->scratch_size);
+	*out = strings_keep(&p->strings, p->scratch ? p->scratch : "", p->scratch_size);
 	return true;
 }
 
@@ -304,7 +302,7 @@ static bool parse_object(parser *p, member_fn *member, int depth)
 			if (keys[i] == key) /* strings are kept once */
 				return fail(p, "key \"%.40s\" twice in an object", key);
 		keys[count++] = key;
-		if (!(member != NULL ? member(p, key, depth + 1) : parse_value(p, depth + 1)))
+		if (!(member ? member(p, key, depth + 1) : parse_value(p, depth + 1)))
 			return false;
 	} while (take(p, ','));
 	return take(p, '}') || fail(p, "',' or '}' expected");
@@ -329,7 +327,7 @@ static bool parse_word(parser *p)
 {
 	static const char *const words[] = {"true", "false", "null"};
 	for (size_t i = 0; i < 3; i++) {
-		const size_t length = strlen(words[i]);
+		size_t length = strlen(words[i]);
 		if ((size_t)(p->end - p->at) >= length && memcmp(p->at, words[i], length) == 0) {
 			p->at += length;
 			return true;
@@ -343,7 +341,7 @@ static bool parse_value(parser *p, int depth)
 	const char *string;
 	text_span number;
 	skip_space(p);
-	const char c = p->at < p->end ? *p->at : 0;
+	char c = p->at < p->end ? *p->at : 0;
 	if (c == '{')
 		return parse_object(p, NULL, depth);
 	if (c == '[')
@@ -382,7 +380,7 @@ static bool member_event(parser *p, const char *key, int depth)
 	};
 	for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
 		if (strcmp(key, known[i].key) == 0)
-			return known[i].string != NULL ? parse_string(p, known[i].string) : parse_number(p, known[i].number);
+			return known[i].string ? parse_string(p, known[i].string) : parse_number(p, known[i].number);
 	if (strcmp(key, "args") == 0) {
 		e->has_args = true;
 		return parse_object(p, member_args, depth);
@@ -482,7 +480,7 @@ typedef struct judge {
 /* Reads the text as a whole number of up to 18 digits; false: it is none. */
 static bool span_integer(text_span span, int64_t *value)
 {
-	const bool negative = *span.begin == '-';
+	bool negative = *span.begin == '-';
 	*value = 0;
 	if (span.end - span.begin - negative > 18)
 		return false;
@@ -500,7 +498,7 @@ static bool span_integer(text_span span, int64_t *value)
 static bool span_tenths(text_span span, uint64_t *tenths)
 {
 	const char *point = memchr(span.begin, '.', (size_t)(span.end - span.begin));
-	const ptrdiff_t decimals = point != NULL ? span.end - point - 1 : 0;
+	ptrdiff_t decimals = point ? span.end - point - 1 : 0;
 	*tenths = 0;
 	if (span.end - span.begin > 19 || decimals < 3 || decimals > 4 || (decimals == 4 && span.end[-1] == '0'))
 		return false;
@@ -527,30 +525,30 @@ static track *judge_lane(judge *j, int64_t tid)
 static bool judge_keys(judge *j, event *e)
 {
 	parser *p = j->p;
-	if (e->ph == NULL)
+	if (!e->ph)
 		return fail_at(p, e->line, "event without ph");
-	if (strlen(e->ph) != 1 || strchr("MXBEiCsf", e->ph[0]) == NULL)
+	if (strlen(e->ph) != 1 || !strchr("MXBEiCsf", e->ph[0]))
 		return fail_at(p, e->line, "unknown ph \"%.20s\"", e->ph);
-	const char ph = e->ph[0];
-	if (e->name == NULL && ph != 'E')
+	char ph = e->ph[0];
+	if (!e->name && ph != 'E')
 		return fail_at(p, e->line, "event without name");
-	if (e->pid.begin == NULL || !span_integer(e->pid, &e->pid_value))
+	if (!e->pid.begin || !span_integer(e->pid, &e->pid_value))
 		return fail_at(p, e->line, "event without an integer pid");
-	if (e->tid.begin == NULL || !span_integer(e->tid, &e->tid_value))
+	if (!e->tid.begin || !span_integer(e->tid, &e->tid_value))
 		return fail_at(p, e->line, "event without an integer tid");
 	if (ph == 'M')
 		return e->has_args || fail_at(p, e->line, "M event without args");
-	if (e->ts.begin == NULL || !span_tenths(e->ts, &e->begin))
+	if (!e->ts.begin || !span_tenths(e->ts, &e->begin))
 		return fail_at(p, e->line, "%c event without a ts of three decimals", ph);
-	if (ph == 'X' && (e->dur.begin == NULL || !span_tenths(e->dur, &e->end)))
+	if (ph == 'X' && (!e->dur.begin || !span_tenths(e->dur, &e->end)))
 		return fail_at(p, e->line, "X event without a dur of three decimals");
-	if (ph == 'i' && (e->scope == NULL || (strcmp(e->scope, "g") != 0 && strcmp(e->scope, "t") != 0)))
+	if (ph == 'i' && (!e->scope || (strcmp(e->scope, "g") != 0 && strcmp(e->scope, "t") != 0)))
 		return fail_at(p, e->line, "i event without s \"g\" or \"t\"");
-	if (ph == 'C' && e->arg_value.begin == NULL)
+	if (ph == 'C' && !e->arg_value.begin)
 		return fail_at(p, e->line, "C event without a number args.value");
-	if ((ph == 's' || ph == 'f') && (e->cat == NULL || e->id.begin == NULL || !span_integer(e->id, &e->id_value)))
+	if ((ph == 's' || ph == 'f') && (!e->cat || !e->id.begin || !span_integer(e->id, &e->id_value)))
 		return fail_at(p, e->line, "%c event without cat and an integer id", ph);
-	if (ph == 'f' && (e->bind == NULL || strcmp(e->bind, "e") != 0))
+	if (ph == 'f' && (!e->bind || strcmp(e->bind, "e") != 0))
 		return fail_at(p, e->line, "f event without bp \"e\"");
 	e->end += e->begin;
 	return true;
@@ -560,7 +558,7 @@ static bool judge_keys(judge *j, event *e)
 
 static bool ends_in(const char *text, const char *ending)
 {
-	const size_t length = strlen(text), size = strlen(ending);
+	size_t length = strlen(text), size = strlen(ending);
 	return length >= size && strcmp(text + length - size, ending) == 0;
 }
 
@@ -568,8 +566,8 @@ static bool ends_in(const char *text, const char *ending)
 static bool judge_off_cpu_thread(judge *j, const track *lane)
 {
 	const track *owner = lane > j->lanes ? lane - 1 : NULL;
-	const size_t length = strlen(lane->name) - strlen(OFF_CPU);
-	return (owner != NULL && strlen(owner->name) == length && strncmp(owner->name, lane->name, length) == 0) ||
+	size_t length = strlen(lane->name) - strlen(OFF_CPU);
+	return (owner && strlen(owner->name) == length && strncmp(owner->name, lane->name, length) == 0) ||
 	       fail_at(j->p, 0, "\"%.60s\" does not follow its thread", lane->name);
 }
 
@@ -578,18 +576,18 @@ static bool judge_metadata(judge *j, const event *e)
 	parser *p = j->p;
 	track *lane = judge_lane(j, e->tid_value);
 	if (strcmp(e->name, "process_name") == 0) {
-		if (e->arg_name == NULL || j->has_process_name)
+		if (!e->arg_name || j->has_process_name)
 			return fail_at(p, e->line, "process_name without args.name, or a second one");
 		j->has_process_name = true;
 	} else if (strcmp(e->name, "thread_name") == 0) {
-		if (e->arg_name == NULL || lane->name != NULL)
+		if (!e->arg_name || lane->name)
 			return fail_at(p, e->line, "thread_name without args.name, or a second one of tid %" PRId64, e->tid_value);
 		lane->name = e->arg_name;
 		lane->is_frames = strcmp(e->arg_name, "frames") == 0;
 		lane->is_off_cpu = ends_in(e->arg_name, OFF_CPU);
 	} else if (strcmp(e->name, "thread_sort_index") == 0) {
 		int64_t index;
-		if (e->arg_sort.begin == NULL || !span_integer(e->arg_sort, &index) || lane->has_sort)
+		if (!e->arg_sort.begin || !span_integer(e->arg_sort, &index) || lane->has_sort)
 			return fail_at(p, e->line, "thread_sort_index without an integer, or a second one of tid %" PRId64,
 			               e->tid_value);
 		lane->has_sort = true;
@@ -622,7 +620,7 @@ static bool judge_names(judge *j)
 	for (size_t i = 0; i < p->event_count; i++)
 		judge_lane(j, p->events[i].tid_value);
 	for (size_t i = 0; i < j->lane_count; i++) {
-		if (j->lanes[i].name == NULL)
+		if (!j->lanes[i].name)
 			return fail_at(p, 0, "tid %" PRId64 " without a thread_name", j->lanes[i].tid);
 		if (!j->lanes[i].has_sort)
 			return fail_at(p, 0, "tid %" PRId64 " without a thread_sort_index", j->lanes[i].tid);
@@ -646,8 +644,7 @@ static bool judge_pop(judge *j, track *lane, const event *e)
 		if (top->unended || top->end > e->begin)
 			return true;
 		if (top->end == e->begin && top->end > top->begin)
-			return fail_at(j->p, e->line, "the end of \"%.60s\" touches \"%.60s\"", top->name,
-			               e->name != NULL ? e->name : "E");
+			return fail_at(j->p, e->line, "the end of \"%.60s\" touches \"%.60s\"", top->name, e->name ? e->name : "E");
 	}
 	return true;
 }
@@ -671,7 +668,7 @@ static bool judge_inside(judge *j, const track *lane, const event *e)
 static bool judge_push(judge *j, track *lane, const event *e)
 {
 	parser *p = j->p;
-	const bool begin = e->ph[0] == 'B';
+	bool begin = e->ph[0] == 'B';
 	if (!judge_pop(j, lane, e) || (lane->depth > 0 && !judge_inside(j, lane, e)))
 		return false;
 	if (lane->is_frames && (begin || strcmp(e->name, "frame") != 0))
@@ -680,7 +677,7 @@ static bool judge_push(judge *j, track *lane, const event *e)
 		return fail_at(p, e->line, "\"%.60s\" on an off-CPU thread", e->name);
 	lane->open = grow(lane->open, lane->depth, &lane->capacity, sizeof *lane->open);
 	lane->open[lane->depth++] = (open_zone){e->name, e->begin, e->end, begin};
-	const bool zone = !lane->is_frames && !lane->is_off_cpu;
+	bool zone = !lane->is_frames && !lane->is_off_cpu;
 	j->complete += zone && !begin;
 	p->report->frames += lane->is_frames;
 	p->report->switches += lane->is_off_cpu;
@@ -699,7 +696,7 @@ static bool judge_end(judge *j, track *lane, const event *e)
 	const open_zone *top = &lane->open[lane->depth - 1];
 	if (!top->unended)
 		return fail_at(p, e->line, "E while \"%.60s\" is open", top->name);
-	if (e->name != NULL && e->name != top->name)
+	if (e->name && e->name != top->name)
 		return fail_at(p, e->line, "E of \"%.60s\" while \"%.60s\" is open", e->name, top->name);
 	lane->depth--;
 	p->report->open_zones--;
@@ -709,7 +706,7 @@ static bool judge_end(judge *j, track *lane, const event *e)
 static bool judge_point(judge *j, const track *lane, const event *e)
 {
 	parser *p = j->p;
-	const bool global = e->ph[0] == 'i' && strcmp(e->scope, "g") == 0;
+	bool global = e->ph[0] == 'i' && strcmp(e->scope, "g") == 0;
 	if (global != lane->is_frames || lane->is_off_cpu)
 		return fail_at(p, e->line, global ? "mark on a thread other than \"frames\"" : "%c on the thread \"%.60s\"",
 		               e->ph[0], lane->name);
@@ -723,7 +720,7 @@ static bool judge_point(judge *j, const track *lane, const event *e)
 static bool judge_arrow_end(judge *j, const track *lane, const event *e)
 {
 	parser *p = j->p;
-	const bool from = e->ph[0] == 's';
+	bool from = e->ph[0] == 's';
 	size_t around = lane->depth;
 	while (around > 0 && !lane->open[around - 1].unended && lane->open[around - 1].end / 10 * 10 <= e->begin)
 		around--;
@@ -735,7 +732,7 @@ static bool judge_arrow_end(judge *j, const track *lane, const event *e)
 		j->arrows[j->arrow_count++] = (arrow){0};
 	}
 	const event **end = from ? &j->arrows[e->id_value - 1].from : &j->arrows[e->id_value - 1].to;
-	if (*end != NULL)
+	if (*end)
 		return fail_at(p, e->line, "a second %c of flow %" PRId64, e->ph[0], e->id_value);
 	*end = e;
 	return true;
@@ -746,11 +743,11 @@ static bool judge_arrows(judge *j)
 	parser *p = j->p;
 	for (size_t i = 0; i < j->arrow_count; i++) {
 		const event *from = j->arrows[i].from, *to = j->arrows[i].to;
-		if (from == NULL && to == NULL)
+		if (!from && !to)
 			continue;
-		if (from == NULL)
+		if (!from)
 			return fail_at(p, to->line, "f without an s");
-		if (to == NULL)
+		if (!to)
 			return fail_at(p, from->line, "s without an f");
 		if (from->name != to->name || from->cat != to->cat) /* strings are kept once */
 			return fail_at(p, to->line, "the f of flow %" PRId64 " has another name or cat than its s", to->id_value);
@@ -766,7 +763,7 @@ static bool judge_order(judge *j)
 	parser *p = j->p;
 	for (size_t i = 0; i < p->event_count; i++) {
 		const event *e = &p->events[i];
-		const char ph = e->ph[0];
+		char ph = e->ph[0];
 		if (ph == 'M')
 			continue;
 		track *lane = judge_lane(j, e->tid_value);
@@ -794,17 +791,17 @@ static bool judge_accounts(judge *j)
 	const text_span needed[] = {p->hz, p->resolution, p->bias, p->cost, p->epoch, p->too_deep, p->without_ring};
 	static const char *const names[] = {"hz",       "resolution_ns", "bias_ns",     "zone_cost_ns",
 	                                    "epoch_ns", "too_deep",      "without_ring"};
-	if (p->clock == NULL)
+	if (!p->clock)
 		return fail_at(p, 0, "otherData without clock");
 	for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++)
-		if (needed[i].begin == NULL || *needed[i].begin == '-')
+		if (!needed[i].begin || *needed[i].begin == '-')
 			return fail_at(p, 0, "otherData without %s, or it is negative", names[i]);
 	if (p->hz.end - p->hz.begin == 1 && *p->hz.begin == '0')
 		return fail_at(p, 0, "hz is 0");
-	if (p->first.begin == NULL || p->last.begin == NULL || !span_integer(p->first, &first) ||
-	    !span_integer(p->last, &last) || first > last)
+	if (!p->first.begin || !p->last.begin || !span_integer(p->first, &first) || !span_integer(p->last, &last) ||
+	    first > last)
 		return fail_at(p, 0, "otherData without a window from begin_ns to end_ns");
-	if (p->recorded.begin == NULL || p->lost.begin == NULL || p->held.begin == NULL || p->written.begin == NULL ||
+	if (!p->recorded.begin || !p->lost.begin || !p->held.begin || !p->written.begin ||
 	    !span_integer(p->recorded, &recorded) || !span_integer(p->lost, &lost) || !span_integer(p->held, &held) ||
 	    !span_integer(p->written, &written))
 		return fail_at(p, 0, "otherData without the accounts of events");
@@ -822,7 +819,7 @@ static bool judge_accounts(judge *j)
 static int compare_counts(const void *a, const void *b)
 {
 	const trace_check_count *x = a, *y = b;
-	const int thread = strcmp(x->thread, y->thread);
+	int thread = strcmp(x->thread, y->thread);
 	return thread != 0 ? thread : strcmp(x->name, y->name);
 }
 
@@ -855,8 +852,8 @@ uint64_t trace_check_zones(const trace_check_report *report, const char *thread,
 {
 	uint64_t zones = 0;
 	for (size_t i = 0; i < report->count_count; i++)
-		if ((thread == NULL || strcmp(report->counts[i].thread, thread) == 0) &&
-		    (name == NULL || strcmp(report->counts[i].name, name) == 0))
+		if ((!thread || strcmp(report->counts[i].thread, thread) == 0) &&
+		    (!name || strcmp(report->counts[i].name, name) == 0))
 			zones += report->counts[i].zones;
 	return zones;
 }
@@ -870,7 +867,7 @@ static bool check_document(parser *p)
 	skip_space(p);
 	if (p->at != p->end)
 		return fail(p, "something after the end of the object");
-	if (p->unit == NULL || strcmp(p->unit, "ns") != 0)
+	if (!p->unit || strcmp(p->unit, "ns") != 0)
 		return fail_at(p, 0, "displayTimeUnit is not \"ns\"");
 	if (!p->has_events)
 		return fail_at(p, 0, "no traceEvents");
@@ -892,7 +889,7 @@ int trace_check_text(const char *text, size_t size, trace_check_report *report)
 	free(p.events);
 	free(p.scratch);
 	strings *kept = malloc(sizeof *kept);
-	if (kept == NULL)
+	if (!kept)
 		abort();
 	*kept = p.strings;
 	report->memory = kept;
@@ -905,7 +902,7 @@ int trace_check_file(const char *path, trace_check_report *report)
 	size_t size = 0, capacity = 0, got = 0;
 	*report = (trace_check_report){0};
 	FILE *file = fopen(path, "rb");
-	if (file == NULL) {
+	if (!file) {
 		snprintf(report->error, sizeof report->error, "cannot open %.200s", path);
 		return -1;
 	}
@@ -914,13 +911,13 @@ int trace_check_file(const char *path, trace_check_report *report)
 		if (size + 65536 > capacity) {
 			capacity = 2 * capacity + 65536;
 			text = realloc(text, capacity);
-			if (text == NULL)
+			if (!text)
 				abort();
 		}
 		got = fread(text + size, 1, capacity - size, file);
 	} while (got > 0);
 	fclose(file);
-	const int result = trace_check_text(text, size, report);
+	int result = trace_check_text(text, size, report);
 	free(text);
 	return result;
 }
@@ -928,9 +925,9 @@ int trace_check_file(const char *path, trace_check_report *report)
 void trace_check_finish(trace_check_report *report)
 {
 	strings *kept = report->memory;
-	for (size_t i = 0; kept != NULL && i < kept->capacity; i++)
+	for (size_t i = 0; kept && i < kept->capacity; i++)
 		free(kept->slot[i]);
-	if (kept != NULL)
+	if (kept)
 		free(kept->slot);
 	free(kept);
 	free(report->counts);

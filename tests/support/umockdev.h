@@ -33,8 +33,8 @@ typedef struct umockdev_bed {
 static inline bool umockdev_write(const char *path, const void *bytes, size_t size)
 {
 	FILE *file = fopen(path, "w");
-	const bool wrote = file != NULL && fwrite(bytes, 1, size, file) == size;
-	return (file == NULL || fclose(file) == 0) && wrote;
+	bool wrote = file && fwrite(bytes, 1, size, file) == size;
+	return (!file || fclose(file) == 0) && wrote;
 }
 
 /* Runs words in the test bed, whose files go into `folder`, which is there. False: it could not be started. */
@@ -47,11 +47,11 @@ static inline bool umockdev_run(program_run *run, const umockdev_bed *bed, const
 		snprintf(paths[i], sizeof paths[i], "%s/%s", folder, names[i]);
 	for (int i = 0; i < 2; i++)
 		snprintf(arguments[i], sizeof arguments[i], "%s=%s", bed->node, paths[1 + i]);
-	for (size_t i = 0; i + 9 < sizeof all / sizeof *all && words[i] != NULL; i++)
+	for (size_t i = 0; i + 9 < sizeof all / sizeof *all && words[i]; i++)
 		all[8 + i] = words[i];
-	const bool ready = umockdev_write(paths[0], bed->devices, strlen(bed->devices)) &&
-	                   umockdev_write(paths[1], bed->ioctls, strlen(bed->ioctls)) &&
-	                   umockdev_write(paths[2], bed->script, bed->script_size) && program_start(run, all, NULL, -1);
+	bool ready = umockdev_write(paths[0], bed->devices, strlen(bed->devices)) &&
+	             umockdev_write(paths[1], bed->ioctls, strlen(bed->ioctls)) &&
+	             umockdev_write(paths[2], bed->script, bed->script_size) && program_start(run, all, NULL, -1);
 	if (ready)
 		program_wait(run);
 	for (int i = 0; i < 3; i++)

@@ -85,7 +85,7 @@ static inline Window x11_server_await(Display *display, const char *title)
 static inline bool x11_server_shows(const x11_server *server, const char *title)
 {
 	Display *display = XOpenDisplay(server->name);
-	const bool there = display && x11_server_await(display, title) != 0;
+	bool there = display && x11_server_await(display, title) != 0;
 	if (display)
 		XCloseDisplay(display);
 	return there;

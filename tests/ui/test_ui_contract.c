@@ -167,8 +167,8 @@ static void build_with(stilb_prof_zone damaged, uint32_t at)
 		{.begin_ns = 100, .end_ns = 200, .parent = 0, .size = 1, .level = 1},
 		{.begin_ns = 300, .end_ns = 400, .parent = 0, .size = 1, .level = 1},
 	};
-	const stilb_prof_label label = {.name = "work", .function = "", .file = ""};
-	const stilb_prof_frame frame = {.begin_ns = 0, .end_ns = 1000};
+	stilb_prof_label label = {.name = "work", .function = "", .file = ""};
+	stilb_prof_frame frame = {.begin_ns = 0, .end_ns = 1000};
 	stilb_prof_lane lane = {.name = "main", .zones = zones, .zone_count = 3};
 	stilb_prof_snapshot snapshot = {.labels = &label,
 	                                .lanes = &lane,
@@ -187,8 +187,8 @@ static void build_with(stilb_prof_zone damaged, uint32_t at)
 static void snapshots(void **state)
 {
 	(void)state;
-	const stilb_prof_frame_stats history = {.count = 3};
-	const stilb_prof_lane lane = {.name = "main"};
+	stilb_prof_frame_stats history = {.count = 3};
+	stilb_prof_lane lane = {.name = "main"};
 	stilb_prof_zone good = {.begin_ns = 300, .end_ns = 400, .parent = 0, .size = 1, .level = 1}, bad = good;
 	ui_profiler_spans spans = {0};
 	build_with(good, 3);

@@ -21,7 +21,7 @@ typedef struct screen {
 static screen screen_open(uint32_t width, uint32_t height, stilb_render_output output)
 {
 	screen s = {.width = width, .height = height};
-	const stilb_render_desc desc = {
+	stilb_render_desc desc = {
 		.output = output, .width = width, .height = height, .samples = 1, .context_count = 1, .validate = true};
 	if (stilb_render_create(&desc, &s.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
@@ -34,14 +34,14 @@ static screen screen_open(uint32_t width, uint32_t height, stilb_render_output o
 
 static void screen_begin(screen *s)
 {
-	const stilb_ui_input input = {.width = (float)s->width, .height = (float)s->height};
+	stilb_ui_input input = {.width = (float)s->width, .height = (float)s->height};
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
 	stilb_ui_begin(s->ui, &input);
 }
 
 static stilb_image screen_end(screen *s)
 {
-	const stilb_render_pass pass = {.name = "ui", .kind = STILB_RENDER_PASS_2D};
+	stilb_render_pass pass = {.name = "ui", .kind = STILB_RENDER_PASS_2D};
 	stilb_image image = {0};
 	stilb_ui_end(s->ui);
 	assert_int_equal(stilb_ui_record(s->ui, 0, 0), STILB_OK);

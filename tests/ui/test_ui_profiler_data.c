@@ -610,7 +610,7 @@ static void test_counters(void **state)
 	made_frame(m, 7, 0, 1000);
 	made_lane(m, "main", STILB_PROF_LANE_THREAD);
 	made_lane(m, "worker 1", STILB_PROF_LANE_THREAD);
-	const uint32_t draws = made_label(m, "draws"), memory = made_label(m, "memory"), again = made_label(m, "again");
+	uint32_t draws = made_label(m, "draws"), memory = made_label(m, "memory"), again = made_label(m, "again");
 	m->labels[again].name = "draws";
 	made_counter(m, 0, draws, 100, 10);
 	made_counter(m, 1, again, 200, -2.5);
@@ -646,7 +646,7 @@ static void test_counters(void **state)
 static void test_parts(void **state)
 {
 	(void)state;
-	const ui_profiler_lane_sum sum = {.work_ns = 5, .wait_ns = 1000, .lost_ns = 300, .outside_ns = 80};
+	ui_profiler_lane_sum sum = {.work_ns = 5, .wait_ns = 1000, .lost_ns = 300, .outside_ns = 80};
 	ui_profiler_part parts[UI_PROFILER_PARTS];
 	assert_int_equal(ui_profiler_parts(STILB_PROF_LANE_THREAD, &sum, 100, parts), 3);
 	assert_string_equal(parts[0].name, "work");

@@ -31,11 +31,11 @@ static void any_zones(uint16_t level, uint64_t from, uint64_t to, uint64_t count
 {
 	static const char *const NAMES[] = {
 		"wait for workers", "wait for the GPU", "parked", "record", "frame", "present", "", "%s\n\t\xff\xfe"};
-	const uint32_t lane = recorded->snapshot.lane_count - 1;
+	uint32_t lane = recorded->snapshot.lane_count - 1;
 	for (uint64_t i = 0; i < count && from <= to && recorded->lanes[lane].zone_count < 2000; i++) {
-		const uint64_t begin = any_ns(from, from + (to - from) / (1 + any(4)));
-		const uint64_t end = any(5) == 0 ? begin : any_ns(begin, to);
-		const uint32_t index = made_zone(recorded, level, NAMES[any(sizeof NAMES / sizeof *NAMES)], 0, 0);
+		uint64_t begin = any_ns(from, from + (to - from) / (1 + any(4)));
+		uint64_t end = any(5) == 0 ? begin : any_ns(begin, to);
+		uint32_t index = made_zone(recorded, level, NAMES[any(sizeof NAMES / sizeof *NAMES)], 0, 0);
 		stilb_prof_zone *zone = &recorded->zones[lane][index];
 		zone->begin_ns = begin;
 		zone->end_ns = end;
@@ -50,13 +50,13 @@ static void any_zones(uint16_t level, uint64_t from, uint64_t to, uint64_t count
 
 static void any_lane(uint64_t from, uint64_t to)
 {
-	const uint32_t lane = made_lane(recorded, "a lane whose name is longer than there is room for it",
-	                                any(4) == 0 ? STILB_PROF_LANE_DEVICE : STILB_PROF_LANE_THREAD);
+	uint32_t lane = made_lane(recorded, "a lane whose name is longer than there is room for it",
+	                          any(4) == 0 ? STILB_PROF_LANE_DEVICE : STILB_PROF_LANE_THREAD);
 	if (any(4) == 0)
 		recorded->lanes[lane].no_switches = "perf_event_paranoid is 3";
 	any_zones(0, from, to, any(60));
 	for (uint64_t i = any(40); i > 0 && from < to; i--) {
-		const uint64_t out = any_ns(from, to), in = any_ns(out, to);
+		uint64_t out = any_ns(from, to), in = any_ns(out, to);
 		made_switch(recorded, 0, 0, any(2));
 		stilb_prof_switch *s = &recorded->switches[lane][recorded->lanes[lane].switch_count - 1];
 		s->out_ns = out;
@@ -67,7 +67,7 @@ static void any_lane(uint64_t from, uint64_t to)
 
 static void any_flows(uint64_t from, uint64_t to)
 {
-	const uint32_t lanes = recorded->snapshot.lane_count;
+	uint32_t lanes = recorded->snapshot.lane_count;
 	for (uint64_t i = lanes ? any(60) : 0; i > 0; i--)
 		recorded->flows[recorded->snapshot.flow_count++] =
 			(stilb_prof_flow){.id = i,
@@ -96,12 +96,12 @@ static void any_snapshot(void)
 	static const uint64_t BASES[] = {0, 1000000, UINT64_C(1) << 40, UINT64_C(1) << 62,
 	                                 UINT64_MAX - (UINT64_C(1) << 41)};
 	static const uint64_t LENGTHS[] = {0, 10, 100000, 10000000, UINT64_C(1) << 40};
-	const uint64_t from = BASES[any(5)], to = from + LENGTHS[any(5)];
+	uint64_t from = BASES[any(5)], to = from + LENGTHS[any(5)];
 	uint64_t at = from;
 	recorded = made_new();
 	made_label(recorded, "flow");
 	for (uint64_t i = any(130); i > 0; i--) {
-		const uint64_t end = any_ns(at, at + (to - from) / 130);
+		uint64_t end = any_ns(at, at + (to - from) / 130);
 		recorded->frames[recorded->snapshot.frame_count] = (stilb_prof_frame){1000 - i, at, end};
 		recorded->snapshot.frame_count++;
 		at = end;
@@ -124,7 +124,7 @@ static int take(void *user, stilb_prof_snapshot *snapshot, const stilb_prof_wind
 static void frames(void *user, stilb_prof_frame_stats *stats, double budget_ms)
 {
 	(void)user, (void)budget_ms;
-	const uint32_t all = recorded->snapshot.frame_count;
+	uint32_t all = recorded->snapshot.frame_count;
 	*stats = (stilb_prof_frame_stats){.count = all < STILB_PROF_STATS_FRAMES ? all : STILB_PROF_STATS_FRAMES};
 	for (uint32_t i = 0; i < stats->count; i++) {
 		const stilb_prof_frame *frame = &recorded->frames[all - stats->count + i];
@@ -155,7 +155,7 @@ static void draw_some(stilb_ui *ui, stilb_ui_profiler *profiler)
 {
 	const stilb_ui_draw_list *list = stilb_ui_list(ui);
 	for (uint32_t i = 0; i < DRAWS; i++) {
-		const stilb_ui_input input = any_input();
+		stilb_ui_input input = any_input();
 		if (any(6) == 0)
 			stilb_ui_profiler_freeze(profiler, any(2));
 		if (any(6) == 0)
@@ -175,7 +175,7 @@ static void check_sums(void)
 {
 	ui_profiler_data data = {0};
 	for (uint32_t f = 0; f < recorded->snapshot.frame_count; f += 10) {
-		const uint64_t length = recorded->frames[f].end_ns - recorded->frames[f].begin_ns;
+		uint64_t length = recorded->frames[f].end_ns - recorded->frames[f].begin_ns;
 		assert_true(ui_profiler_data_build(&data, &recorded->snapshot, f));
 		for (uint32_t i = 0; i < recorded->snapshot.lane_count; i++) {
 			const ui_profiler_lane_sum *sum = &data.lanes[i];
@@ -192,14 +192,14 @@ static void check_sums(void)
 static void test_anything(void **state)
 {
 	(void)state;
-	const stilb_ui_desc desc = stilb_ui_desc_default();
+	stilb_ui_desc desc = stilb_ui_desc_default();
 	stilb_ui *ui;
 	assert_int_equal(stilb_ui_create(&desc, &ui), STILB_OK);
 	for (seed = 1; seed <= SNAPSHOTS; seed++) {
 		stilb_ui_profiler *profiler;
 		any_snapshot();
 		check_sums();
-		const stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .whole = any(2)};
+		stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .whole = any(2)};
 		assert_int_equal(stilb_ui_profiler_create(&profiler_desc, &profiler), STILB_OK);
 		if (any(2))
 			stilb_ui_profiler_show(profiler, any(1100));

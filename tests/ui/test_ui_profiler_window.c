@@ -57,14 +57,13 @@ static void record_frames(void)
 	double at = 0.0;
 	recorded = made_new();
 	for (uint32_t i = 0; i < FRAMES; i++) {
-		const double length = i == 60 ? 30000.0 : 10000.0;
+		double length = i == 60 ? 30000.0 : 10000.0;
 		made_frame(recorded, i, at, at + length);
 		at += length;
 	}
 	made_lane(recorded, "main", STILB_PROF_LANE_THREAD);
 	for (uint32_t i = 0; i < FRAMES; i++) {
-		const double begin = (double)recorded->frames[i].begin_ns * 1e-3,
-					 end = (double)recorded->frames[i].end_ns * 1e-3;
+		double begin = (double)recorded->frames[i].begin_ns * 1e-3, end = (double)recorded->frames[i].end_ns * 1e-3;
 		made_zone(recorded, 0, "frame", begin, end);
 		made_zone(recorded, 1, "cull", begin, begin + 2000.0);
 		made_zone(recorded, 1, "record", begin + 2000.0, end);
@@ -122,8 +121,8 @@ static stilb_ui_input input;
 static int set_up(void **state)
 {
 	(void)state;
-	const stilb_ui_desc desc = stilb_ui_desc_default();
-	const stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .user = &recorded};
+	stilb_ui_desc desc = stilb_ui_desc_default();
+	stilb_ui_profiler_desc profiler_desc = {.take = take, .frames = frames, .user = &recorded};
 	record_frames();
 	latest = 99;
 	oldest = 0;
@@ -364,9 +363,9 @@ static void test_zoom_and_pan(void **state)
 {
 	(void)state;
 	draw();
-	const stilb_ui_rect lanes = find_lanes();
-	const float x0 = lanes.x0, x1 = lanes.x1;
-	const double span = profiler->view_ns, at = time_at(input.mouse_x, x0, x1);
+	stilb_ui_rect lanes = find_lanes();
+	float x0 = lanes.x0, x1 = lanes.x1;
+	double span = profiler->view_ns, at = time_at(input.mouse_x, x0, x1);
 	input.wheel = 2.0f;
 	draw();
 	assert_true(fabs(profiler->view_ns - span / 1.5625) < 1.0);
@@ -394,7 +393,7 @@ static void test_zoom_and_pan(void **state)
  * negative: there are no more. */
 static float next_line(uint32_t *v, float y0, float y1, stilb_ui_color color)
 {
-	for (; *v + 4 <= ui->list.vertex_count; ++*v) {
+	for (; *v + 4 <= ui->list.vertex_count; (*v)++) {
 		const float *from = ui->list.vertices[*v].position, *to = ui->list.vertices[*v + 2].position;
 		if (from[1] == y0 && to[1] == y1 && to[0] == from[0] + 1.0f &&
 		    memcmp(ui->list.vertices[*v].color, &color, sizeof color) == 0)
@@ -408,15 +407,15 @@ static void test_ruler(void **state)
 {
 	(void)state;
 	draw();
-	const stilb_ui_rect lanes = find_lanes();
-	const stilb_ui_color color = stilb_ui_style_get(ui)->text_muted;
+	stilb_ui_rect lanes = find_lanes();
+	stilb_ui_color color = stilb_ui_style_get(ui)->text_muted;
 	for (double ns = 1e3; ns < 60e9; ns *= 1.7) {
 		profiler->view_ns = ns;
 		draw();
 		uint32_t marks = 0;
 		float last = 0.0f;
 		for (uint32_t v = 0;; marks++) {
-			const float x = next_line(&v, lanes.y0 - 5.0f, lanes.y0, color);
+			float x = next_line(&v, lanes.y0 - 5.0f, lanes.y0, color);
 			if (x < 0.0f)
 				break;
 			if (marks > 0)
@@ -432,14 +431,14 @@ static void test_frame_boundaries(void **state)
 {
 	(void)state;
 	draw();
-	const stilb_ui_rect lanes = find_lanes();
-	const stilb_ui_color color = stilb_ui_fade(stilb_ui_style_get(ui)->text_strong, 0.75f);
-	const double pixels_per_ns = (double)(lanes.x1 - lanes.x0) / profiler->view_ns;
-	const float begin = lanes.x0 - (float)(profiler->view_begin_ns * pixels_per_ns);
-	const float end = begin + (float)(30e6 * pixels_per_ns);
+	stilb_ui_rect lanes = find_lanes();
+	stilb_ui_color color = stilb_ui_fade(stilb_ui_style_get(ui)->text_strong, 0.75f);
+	double pixels_per_ns = (double)(lanes.x1 - lanes.x0) / profiler->view_ns;
+	float begin = lanes.x0 - (float)(profiler->view_begin_ns * pixels_per_ns);
+	float end = begin + (float)(30e6 * pixels_per_ns);
 	bool begins = false, ends = false;
 	for (uint32_t v = 0;;) {
-		const float x = next_line(&v, lanes.y0, lanes.y1, color);
+		float x = next_line(&v, lanes.y0, lanes.y1, color);
 		if (x < 0.0f)
 			break;
 		assert_true(x == floorf(begin) || x == floorf(end));
@@ -455,14 +454,14 @@ static void test_names_end_in_their_zones(void **state)
 	(void)state;
 	recorded->labels[made_label(recorded, "job")].name = "iiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiiii";
 	draw();
-	const stilb_ui_rect lanes = find_lanes();
+	stilb_ui_rect lanes = find_lanes();
 	input.mouse_present = false; /* no tooltip */
 	draw();
 	for (double width = 60.0; width < 64.0; width += 0.5) {
 		profiler->view_ns = (double)(lanes.x1 - lanes.x0) * 4e6 / width; /* the job takes 4 ms, up to the frame's end */
 		profiler->view_begin_ns = 30e6 - 0.5 * profiler->view_ns;
 		draw();
-		const float end = 0.5f * (lanes.x0 + lanes.x1), top = profiler->rows[1].top;
+		float end = 0.5f * (lanes.x0 + lanes.x1), top = profiler->rows[1].top;
 		float reached = 0.0f;
 		for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
 			const stilb_render_vertex_2d *at = &ui->list.vertices[v];
@@ -519,7 +518,7 @@ static bool tip_says(const char *text)
 static void test_job_tooltip(void **state)
 {
 	(void)state;
-	const uint64_t end = recorded->frames[60].end_ns;
+	uint64_t end = recorded->frames[60].end_ns;
 	recorded->flows[0] = (stilb_prof_flow){.id = 1, .from_ns = end - 9000000, .to_ns = end - 3999000, .to_lane = 1};
 	recorded->snapshot.flow_count = 1;
 	draw();
@@ -555,7 +554,7 @@ static void test_lane_tooltip(void **state)
 
 static void record_counters(void)
 {
-	const uint32_t draws = made_label(recorded, "draws");
+	uint32_t draws = made_label(recorded, "draws");
 	for (uint32_t i = 0; i < FRAMES; i++)
 		made_counter(recorded, 1, draws, (double)recorded->frames[i].begin_ns * 1e-3 + 5000.0, 1000.0 + i);
 }
@@ -565,8 +564,8 @@ static void test_counters(void **state)
 {
 	(void)state;
 	draw();
-	const uint32_t without = ui->list.index_count;
-	const float height = ui_profiler_timeline_height(profiler, ui);
+	uint32_t without = ui->list.index_count;
+	float height = ui_profiler_timeline_height(profiler, ui);
 	record_counters();
 	profiler->held_number = UINT64_MAX;
 	draw();
@@ -578,7 +577,7 @@ static void test_counters(void **state)
 		point_at(input.width - 60.0f, y);
 	}
 	assert_true(tip_says("1060") && tip_says("by worker 1"));
-	const float y = input.mouse_y;
+	float y = input.mouse_y;
 	float x = 215.0f;
 	for (; !tip_says("1059"); x -= 1.0f) /* before the frame's first value, the last one of the frame before holds */
 		point_at(x, y);
@@ -589,9 +588,9 @@ static void test_counters(void **state)
 static void test_a_curve_is_as_high_as_its_values(void **state)
 {
 	(void)state;
-	const stilb_ui_rect area = {200.0f, 100.0f, 1200.0f, 300.0f};
-	const ui_profiler_view view = {{0.0f, 100.0f, 190.0f, 300.0f}, area, 0.0, 1e-5, 50.0f, {0}};
-	const uint32_t label = made_label(recorded, "steps");
+	stilb_ui_rect area = {200.0f, 100.0f, 1200.0f, 300.0f};
+	ui_profiler_view view = {{0.0f, 100.0f, 190.0f, 300.0f}, area, 0.0, 1e-5, 50.0f, {0}};
+	uint32_t label = made_label(recorded, "steps");
 	made_counter(recorded, 0, label, 10000.0, 100.0); /* x 300: from here on 100, the highest */
 	made_counter(recorded, 0, label, 50000.0, 25.0);  /* x 700 */
 	draw();
@@ -601,7 +600,7 @@ static void test_a_curve_is_as_high_as_its_values(void **state)
 	stilb_ui_end(ui);
 	bool full = false, quarter = false;
 	for (uint32_t v = 0; v < ui->list.vertex_count; v++) {
-		const float x = ui->list.vertices[v].position[0], y = ui->list.vertices[v].position[1];
+		float x = ui->list.vertices[v].position[0], y = ui->list.vertices[v].position[1];
 		full |= x == 300.0f && y == 100.0f;
 		quarter |= x == 700.0f && y == 173.0f;  /* the row of pixels of 198.5 - 0.25 * 98.5 */
 		assert_false(x > 192.0f && x < 299.0f); /* no curve before the first value */
@@ -615,7 +614,7 @@ static void test_a_curve_is_as_high_as_its_values(void **state)
 /* The picture of the window and a panel in front of it, on a background of that colour. */
 static raster_picture on_ground(stilb_ui_color ground)
 {
-	const raster_picture picture = raster_create(640, 360, (stilb_ui_color){0, 0, 0, 255});
+	raster_picture picture = raster_create(640, 360, (stilb_ui_color){0, 0, 0, 255});
 	stilb_ui_rect place = {100.0f, 150.0f, 300.0f, 300.0f};
 	input.width = 640.0f;
 	input.height = 360.0f;
@@ -643,8 +642,8 @@ static void assert_same_within(const raster_picture *a, const raster_picture *b,
 static void test_backgrounds_are_opaque(void **state)
 {
 	(void)state;
-	const raster_picture dark = on_ground((stilb_ui_color){0, 0, 0, 255});
-	const raster_picture bright = on_ground((stilb_ui_color){255, 255, 255, 255});
+	raster_picture dark = on_ground((stilb_ui_color){0, 0, 0, 255});
+	raster_picture bright = on_ground((stilb_ui_color){255, 255, 255, 255});
 	assert_same_within(&dark, &bright,
 	                   (stilb_ui_rect){105.0f, 155.0f, 295.0f, 295.0f}); /* without the rounded corners */
 	assert_same_within(&dark, &bright, (stilb_ui_rect){320.0f, 20.0f, 620.0f, 340.0f});

@@ -57,7 +57,7 @@ static void assert_characters(const char *text, const uint32_t *characters)
 static void test_utf8(void **state)
 {
 	(void)state;
-	const uint32_t bad = UINT32_MAX;
+	uint32_t bad = UINT32_MAX;
 	assert_characters("a\xc2\xb5\xe2\x86\x92\xf0\x9f\x98\x80z", (const uint32_t[]){'a', 0xb5, 0x2192, 0x1f600, 'z', 0});
 	assert_characters("\x80\xbfz", (const uint32_t[]){bad, bad, 'z', 0}); /* continuation bytes without a first byte */
 	assert_characters("\xe2\x86", (const uint32_t[]){bad, bad, 0});       /* the text ends within a character */

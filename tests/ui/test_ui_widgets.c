@@ -312,7 +312,7 @@ static void test_slider_words_are_free(void **state)
 {
 	(void)state;
 	user u = control_user();
-	const stilb_ui_color accent = stilb_ui_style_get(u.ui)->accent;
+	stilb_ui_color accent = stilb_ui_style_get(u.ui)->accent;
 	for (value = range.minimum; value <= range.maximum; value += 0.5f) {
 		user_frame(&u);
 		const stilb_ui_draw_list *list = stilb_ui_list(u.ui);

@@ -81,10 +81,10 @@ static FILE *kernel_open(const input_test_descriptor *pad)
  * become it is the one with this value; with value NULL the first. */
 static const stilb_input_field *field_at(const kernel_field *theirs, uint32_t bit, const int64_t *value)
 {
-	const uint32_t id_bits = parsed.numbered ? 8 : 0;
+	uint32_t id_bits = parsed.numbered ? 8 : 0;
 	for (uint32_t i = 0; i < parsed.field_count; i++) {
 		const stilb_input_field *field = &parsed.fields[i];
-		const uint32_t begin = field->bit - id_bits;
+		uint32_t begin = field->bit - id_bits;
 		if (field->kind == theirs->kind && field->report_id == theirs->id && bit >= begin &&
 		    bit < begin + field->size * field->count &&
 		    (!value || (*value >= field->logical_min && *value <= field->logical_max)))
@@ -102,7 +102,7 @@ static void same(bool condition, const char *what, const kernel_field *theirs)
 
 static void same_element(const kernel_field *theirs, const stilb_input_field *ours, uint32_t usage, uint32_t our_usage)
 {
-	same(ours != NULL, "no such element", theirs);
+	same(ours, "no such element", theirs);
 	same(ours->size == theirs->size, "another size", theirs);
 	same(usage == NO_NUMBER || usage == our_usage, "another usage", theirs);
 	same(!(ours->flags & STILB_INPUT_VARIABLE) != theirs->variable, "variable", theirs);
@@ -114,14 +114,14 @@ static void same_element(const kernel_field *theirs, const stilb_input_field *ou
  * of page 0 is none. */
 static uint32_t compare_variable(const kernel_field *theirs)
 {
-	const uint32_t id_bits = parsed.numbered ? 8 : 0;
+	uint32_t id_bits = parsed.numbered ? 8 : 0;
 	uint32_t elements = 0;
 	for (uint32_t i = 0; i < theirs->count; i++) {
-		const uint32_t bit = theirs->offset + i * theirs->size;
+		uint32_t bit = theirs->offset + i * theirs->size;
 		const stilb_input_field *ours = field_at(theirs, bit, NULL);
-		same(ours != NULL, "no such element", theirs);
-		const uint32_t element = (bit + id_bits - ours->bit) / ours->size;
-		const uint32_t usage = ours->usage + element;
+		same(ours, "no such element", theirs);
+		uint32_t element = (bit + id_bits - ours->bit) / ours->size;
+		uint32_t usage = ours->usage + element;
 		same_element(theirs, ours, theirs->usages[i], usage < ours->usage_last ? usage : ours->usage_last);
 		same((bit + id_bits - ours->bit) % ours->size == 0, "another bit", theirs);
 		if (theirs->ranged)
@@ -138,7 +138,7 @@ static uint32_t compare_array(const kernel_field *theirs)
 {
 	uint32_t values = 0;
 	for (uint32_t i = 0; theirs->ranged && i < theirs->usage_count; i++) {
-		const int64_t value = (int64_t)theirs->logical_min + i;
+		int64_t value = (int64_t)theirs->logical_min + i;
 		const stilb_input_field *ours = field_at(theirs, theirs->offset, &value);
 		if (!ours)
 			break;
@@ -158,8 +158,8 @@ static uint32_t our_elements(void)
 	uint32_t count = 0;
 	for (uint32_t i = 0; i < parsed.field_count; i++) {
 		const stilb_input_field *field = &parsed.fields[i], *before = field - 1;
-		const bool again = i > 0 && !(field->flags & STILB_INPUT_VARIABLE) && before->bit == field->bit &&
-		                   before->kind == field->kind && before->report_id == field->report_id;
+		bool again = i > 0 && !(field->flags & STILB_INPUT_VARIABLE) && before->bit == field->bit &&
+		             before->kind == field->kind && before->report_id == field->report_id;
 		if (field->usage && !again)
 			count += field->count;
 	}
@@ -183,7 +183,7 @@ static uint32_t compare_all(FILE *file)
 		char *text = line + strspn(line, " "), *end = text + strlen(text);
 		while (end > text && (end[-1] == '\n' || end[-1] == ' '))
 			*--end = '\0';
-		const size_t indent = (size_t)(text - line);
+		size_t indent = (size_t)(text - line);
 		if (indent == 2) {
 			field.kind = *text == 'I'   ? STILB_INPUT_FIELD_INPUT
 			             : *text == 'O' ? STILB_INPUT_FIELD_OUTPUT
@@ -203,10 +203,10 @@ static uint32_t compare_all(FILE *file)
 		           sscanf(text, "Report Offset(%u)", &field.offset) == 1) {
 			continue;
 		} else if (strncmp(text, "Flags(", 6) == 0) {
-			field.constant = strstr(text, "Constant") != NULL;
-			field.variable = strstr(text, "Variable") != NULL;
-			field.relative = strstr(text, "Relative") != NULL;
-			field.null = strstr(text, "NullState") != NULL;
+			field.constant = strstr(text, "Constant");
+			field.variable = strstr(text, "Variable");
+			field.relative = strstr(text, "Relative");
+			field.null = strstr(text, "NullState");
 			elements += compare(&field);
 		}
 	}
@@ -218,7 +218,7 @@ static uint32_t give_to_kernel(const input_test_descriptor *pad)
 	given = pad;
 	uhid_pad *plugged = uhid_pad_create(pad, "descriptor");
 	FILE *file = kernel_open(pad);
-	const uint32_t elements = compare_all(file);
+	uint32_t elements = compare_all(file);
 	fclose(file);
 	uhid_pad_destroy(plugged);
 	assert_int_equal(elements, our_elements());
@@ -249,8 +249,8 @@ static bool kernel_reads(const uint8_t *bytes, size_t size)
 	uint32_t usage_min = 0;
 	memcpy(all_data, bytes, size);
 	for (size_t at = 0; at < size;) {
-		const item found = item_at(bytes, at);
-		const uint8_t tag = bytes[at] & 0xfc;
+		item found = item_at(bytes, at);
+		uint8_t tag = bytes[at] & 0xfc;
 		if (tag >= 0xf0 || (tag == 0x74 && found.value > 256) || (tag == 0x94 && found.value > 12288) || tag == 0xa8 ||
 		    ((tag == 0x18 || tag == 0x28) && found.size > 3))
 			return false;
@@ -283,12 +283,12 @@ static uint32_t pick(uint64_t *state, uint32_t below)
 static size_t change(const input_test_descriptor *pad, uint64_t *state, uint8_t *bytes)
 {
 	static const uint8_t ends[] = {0, 1, 2, 3, 7, 8, 9, 15, 16, 31, 32, 33, 127, 128, 254, 255};
-	const uint32_t one_in = 8 + pick(state, 60);
+	uint32_t one_in = 8 + pick(state, 60);
 	size_t size = 0;
 	for (size_t at = 0; at < pad->size;) {
-		const item found = item_at(pad->bytes, at);
-		const uint32_t what = pick(state, one_in);
-		const uint32_t times = what == 0 ? 0 : what == 1 ? 2 : 1;
+		item found = item_at(pad->bytes, at);
+		uint32_t what = pick(state, one_in);
+		uint32_t times = what == 0 ? 0 : what == 1 ? 2 : 1;
 		for (uint32_t i = 0; i < times && size + found.size <= STILB_INPUT_DESCRIPTOR_MAX; i++) {
 			memcpy(bytes + size, pad->bytes + at, found.size);
 			if (what == 2)

@@ -151,13 +151,13 @@ void vm_fixture_wait(vm_fixture *fixture, const char *unique, bool there)
 			return;
 	}
 	fail_msg("pad %s is %s: hidraw %d, hidapi %d", unique, there ? "not found" : "still there",
-	         vm_fixture_find(fixture, 0, unique) != NULL, vm_fixture_find(fixture, 1, unique) != NULL);
+	         vm_fixture_find(fixture, 0, unique), vm_fixture_find(fixture, 1, unique));
 }
 
 uhid_pad *vm_fixture_plug(vm_fixture *fixture, const input_test_descriptor *kind, const char *unique)
 {
 	uint32_t free_one = 0;
-	while (fixture->pads[free_one] != NULL)
+	while (fixture->pads[free_one])
 		assert_true(++free_one < STILB_INPUT_PADS_MAX);
 	return fixture->pads[free_one] = uhid_pad_create(kind, unique);
 }

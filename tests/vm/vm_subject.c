@@ -80,7 +80,7 @@ static int enumerate(void)
 	say_ready();
 	for (; !storm_is_over(0); loops++) {
 		struct hid_device_info *all = hid_enumerate(0, 0);
-		seen += all != NULL;
+		seen += all ? 1 : 0;
 		hid_free_enumeration(all);
 	}
 	printf("%llu %llu 0 0 0\n", seen, loops);

@@ -43,9 +43,9 @@ int main(void)
 	}
 	stilb_job_pool_destroy(pool);
 	stilb_prof_snapshot snapshot = {0};
-	const stilb_prof_sink sink = {keep, NULL};
+	stilb_prof_sink sink = {keep, NULL};
 	if (stilb_prof_snapshot_take(&snapshot, NULL) != 0 || stilb_prof_trace_write_chrome(&snapshot, NULL, sink) != 0 ||
-	    strstr(trace, "add numbers") == NULL || strstr(trace, "\"worker 2\"") == NULL)
+	    !strstr(trace, "add numbers") || !strstr(trace, "\"worker 2\""))
 		return 1;
 	stilb_prof_snapshot_finish(&snapshot);
 	stilb_prof_shutdown();

@@ -11,7 +11,7 @@
 static void take_over(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	(void)worker;
-	for (uint32_t i = begin; i < end; ++i)
+	for (uint32_t i = begin; i < end; i++)
 		((uint32_t *)context)[i] = i;
 }
 
@@ -29,7 +29,7 @@ int main(void)
 	    stilb_job_spsc_create(&spsc))
 		return 1;
 	stilb_job_parallel_for(pool, COUNT, 10, take_over, numbers, 0);
-	for (int i = 0; i < COUNT; ++i)
+	for (int i = 0; i < COUNT; i++)
 		if (stilb_job_queue_push(queue, &numbers[i], 0))
 			return 1;
 	while (stilb_job_queue_pop(queue, &item, 0) == 0)

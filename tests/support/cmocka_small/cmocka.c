@@ -122,7 +122,7 @@ int small_run(const char *group, const struct CMUnitTest *tests, size_t count, C
 	if (setup && setup(&state) != 0)
 		return (int)count;
 	for (size_t i = 0; i < count; i++) {
-		const int how = run_test(&tests[i], tests[i].initial_state ? tests[i].initial_state : state);
+		int how = run_test(&tests[i], tests[i].initial_state ? tests[i].initial_state : state);
 		counts[how]++;
 		print_message("%s %s\n", how == PASSED ? "passed" : how == FAILED ? "FAILED" : "skipped", tests[i].name);
 	}
