@@ -13,7 +13,7 @@ typedef enum profiler_kind {
 	PROFILER_TWO,      /* an empty zone on one thread and on two at once, in turns: do threads slow each other? */
 	PROFILER_WORST,    /* the slowest of ten million zones */
 	PROFILER_FRAME,    /* a frame mark, which ends one frame of the program and begins the next */
-	PROFILER_CAPTURE,  /* capturing 300 frames, 2 threads with 5,000 zones each, while further frames are recorded */
+	PROFILER_CAPTURE,  /* capturing 300 frames of 2 x 5,000 zones (2 threads), while further frames are recorded */
 	PROFILER_FILE,     /* writing such a capture to a file, and reading it back */
 	PROFILER_LIVE,     /* the snapshot that an overlay takes in every frame */
 	PROFILER_SWITCHES, /* the share of the kernel's context switches that the profiler records */

@@ -150,7 +150,7 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
 }
 
-/* Fills in the header's counts and the offsets of the parts. */
+/* Fills in the counts in the header, and job->begin: the parts' offsets from the beginning of the file. */
 static stilb_result save_size(save_job *job)
 {
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);

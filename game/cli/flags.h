@@ -77,7 +77,8 @@ bool flags_given(const flag *flags, size_t flag_count, int argc, char **argv, co
 #define FLAG_CHOICE_SIZE 64
 const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice);
 
-/* Prints the flags for --help on stdout: a line for each flag, an empty line and a heading for each FLAG_TITLE.
+/* Prints the flags for --help on stdout: a line for each flag, for each FLAG_TITLE a heading, after an empty line if
+ * it is not the first.
  * FLAG_WORD is left out; the command's own text names it. */
 void flags_print(const flag *flags, size_t flag_count);
 

@@ -42,7 +42,7 @@ struct strip_sphere {
 	shade_brdf_model model;
 	shade_brdf_parameters highlight;
 	float highlight_gain; /* factor of the highlight, as diffuse_gain of the diffuse part */
-	float mirror;         /* share of the surroundings that the highlight reflects */
+	float mirror;         /* factor of the surroundings reflected by the highlight; 0: only lamps are */
 	strip_relief *relief; /* NULL: smooth */
 	float relief_scale;
 	uint32_t relief_level, relief_samples;

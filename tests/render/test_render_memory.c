@@ -89,7 +89,7 @@ static stilb_result buffer_of(vulkan_memory_kind kind, uint32_t allowed_types, u
 	full = full_types;
 	tries = 0;
 	stilb_result result = vulkan_buffer_create(&device, 256, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kind, &buffer);
-	assert_true(result != STILB_OK || (buffer.mapped) == (kind != VULKAN_MEMORY_DEVICE));
+	assert_true(result != STILB_OK || !buffer.mapped == (kind == VULKAN_MEMORY_DEVICE));
 	vulkan_buffer_destroy(&device, &buffer);
 	return result;
 }

@@ -455,7 +455,8 @@ static void windowed_light_is_not_negative(void **state)
 	}
 }
 
-/* A single light after shade_sh_window with the least blur: its irradiance is not negative where it is lowest. */
+/* A single light after shade_sh_window with SHADE_SH_WINDOW_IRRADIANCE, the least blur at which no irradiance is
+ * negative: it is not, where it is lowest. */
 static void windowed_light_is_not_negative_where_it_is_darkest(void **state)
 {
 	(void)state;
