@@ -142,7 +142,7 @@ static void trial_must(trial *t, trial_step *step)
 static stilb_result step_create(trial *t)
 {
 	stilb_result result = stilb_render_create(&t->desc, &t->render);
-	assert_true((result == STILB_OK) == (t->render));
+	assert_true((result == STILB_OK) == !!t->render);
 	if (result != STILB_OK)
 		t->desc.faults = (stilb_render_faults){0}; /* a new device would count from 1 again */
 	return result;
