@@ -1,11 +1,12 @@
 /*
  * shade_proof: what the proofs of the shading headers share: random arguments, comparisons that name what differs, and
- * the rule of two groups. Truth comes from closed forms written anew in double, or from gi/numeric_quadrature.h.
+ * the rule of two groups. Truth comes from closed forms written anew in double, or from numeric/numeric_quadrature.h.
  *
  * Two groups. A test program has the group `exactness`, which is fast (well below 0.3 s) and fails if any constant of
  *             the header changes by 0.1 %, and the group `properties`, which runs many random arguments; main ends with
  *             return SHADE_PROOF_RUN(exactness, properties). With STILB_SHADE_QUICK=1 in the environment only the first
- *             one runs: shade/mutate.sh starts the program once for each literal of the headers.
+ *             one runs: mutation/mutate.sh of tests/shading starts the program for each literal that it comes across,
+ *             0.1 % larger and 0.1 % smaller, and it must fail.
  */
 #ifndef SHADE_PROOF_H
 #define SHADE_PROOF_H

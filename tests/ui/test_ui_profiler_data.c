@@ -281,7 +281,7 @@ static void test_wait_goes_on_late(void **state)
 	(void)state;
 	for (int lost = 0; lost < 2; lost++) {
 		made *m = made_record_wait();
-		m->zones[1][3].end_ns = made_ns(6000); /* the last segment, and the job around it */
+		m->zones[1][3].end_ns = made_ns(6000); /* the last segment ends early, and so does the job around it */
 		m->zones[1][1].end_ns = made_ns(6010);
 		m->switches[0][0] = (stilb_prof_switch){made_ns(4950), made_ns(7990), lost != 0};
 		m->lanes[0].switch_count = 1;

@@ -30,7 +30,7 @@ typedef struct gi_cache_worker {
 	gi_ray shadows[GI_BATCH];    /* [shadow_count] id: index of the ray at whose end it starts */
 	stilb_vec3 direct[GI_BATCH]; /* [shadow_count] radiance that counts if the shadow ray is not occluded */
 	uint32_t shadow_count;
-	/* The rays that go on as paths: copies, and their indices in rays. */
+	/* The rays that go on as paths: copies of ray and point, the radiance that the path finds, the index in rays. */
 	gi_ray_hit path_rays[GI_BATCH];
 	gi_point path_points[GI_BATCH];
 	stilb_vec3 path_radiance[GI_BATCH];
