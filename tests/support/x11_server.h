@@ -3,6 +3,7 @@
 #define X11_SERVER_H
 
 #include <X11/Xlib.h>
+#include <X11/Xutil.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -82,13 +83,34 @@ static inline Window x11_server_await(Display *display, const char *title)
 	return found;
 }
 
+/* True if the window, which lies within the screen, does not have one colour alone. */
+static inline bool x11_server_has_picture(Display *display, Window window)
+{
+	XWindowAttributes at;
+	XGetWindowAttributes(display, window, &at);
+	XImage *image = XGetImage(display, window, 0, 0, (unsigned)at.width, (unsigned)at.height, AllPlanes, ZPixmap);
+	bool differs = false;
+	for (int y = 0; image && y < at.height && !differs; y++)
+		for (int x = 0; x < at.width && !differs; x++)
+			differs = XGetPixel(image, x, y) != XGetPixel(image, 0, 0);
+	if (image)
+		XDestroyImage(image);
+	return differs;
+}
+
+/* Waits up to ten minutes for a window with this beginning of its title, and for the first picture in it. Until then
+ * the Vulkan driver may still be opening its connection, and Mesa 22.3 crashes if the server dies in that moment: it
+ * reads XFixes' answer, which does not come. */
 static inline bool x11_server_shows(const x11_server *server, const char *title)
 {
 	Display *display = XOpenDisplay(server->name);
-	bool there = display && x11_server_await(display, title) != 0;
+	Window window = display ? x11_server_await(display, title) : 0;
+	bool shown = false;
+	for (int i = 0; window && !shown && i < 15000; i++, usleep(20000))
+		shown = x11_server_has_picture(display, window);
 	if (display)
 		XCloseDisplay(display);
-	return there;
+	return shown;
 }
 
 /* Sends the window a press and a release of the key, as if the user had typed it. */
