@@ -2,23 +2,43 @@
 
 #include "jobs/job_contract.h"
 
-#define CALIBRATION_NS 50000u /* how long measure() counts ticks */
+#define CALIBRATION_NS 50000u    /* how long measure() counts ticks, at least */
+#define CALIBRATION_READINGS 4   /* readings at its start, of which it keeps the best */
+#define CALIBRATION_ACCURACY 64u /* the rate is wrong by at most one part in this many */
 
-static uint64_t clock_ns(void)
+/* The clock and the ticks at one moment. The ticks were read before and after the clock, and lie that far apart. */
+typedef struct reading {
+	uint64_t clock_ns;
+	uint64_t ticks; /* in the middle between the two */
+	uint64_t apart; /* large if the thread was interrupted in between */
+} reading;
+
+static reading read_both(void)
 {
 	struct timespec now;
+	uint64_t before = job_sys_ticks();
 	clock_gettime(CLOCK_MONOTONIC, &now);
-	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+	uint64_t apart = job_sys_ticks() - before;
+	return (reading){.clock_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec,
+	                 .ticks = before + apart / 2,
+	                 .apart = apart};
 }
 
-/* Measures the rate of job_sys_ticks: ticks in 2^20 nanoseconds. */
+/* Measures the rate of job_sys_ticks: ticks in 2^20 nanoseconds. A reading's ticks are wrong by at most half of
+ * `apart`. So an interruption inside a reading makes this take longer, and does not make the rate wrong. */
 static uint64_t measure(void)
 {
-	uint64_t start = clock_ns(), first = job_sys_ticks(), now;
+	reading start = read_both(), now;
+	for (uint32_t i = 1; i < CALIBRATION_READINGS; i++) {
+		now = read_both();
+		if (now.apart < start.apart)
+			start = now;
+	}
 	do
-		now = clock_ns();
-	while (now - start < CALIBRATION_NS);
-	return ((job_sys_ticks() - first) << 20) / (now - start);
+		now = read_both();
+	while (now.clock_ns - start.clock_ns < CALIBRATION_NS ||
+	       (start.apart + now.apart) / 2 * CALIBRATION_ACCURACY > now.ticks - start.ticks);
+	return ((now.ticks - start.ticks) << 20) / (now.clock_ns - start.clock_ns);
 }
 
 uint64_t job_sys_ticks_in(uint64_t nanoseconds)
