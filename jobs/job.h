@@ -4,10 +4,10 @@
  *
  * Overview.     A pool is N worker threads plus the thread that created it, its owner. A job is a function and a
  *               pointer. Each thread keeps the jobs it submits in a deque of its own: it runs the newest first, and
- *               other threads steal the oldest. Jobs from threads outside the pool and jobs with a priority go through
- *               shared FIFO queues (job_queue.h). The slices of a parallel loop are claimed by any thread that is free.
- *               A thread that waits runs other jobs of what it waits for, so a pool of zero workers also works:
- *               everything then runs inside the owner's calls.
+ *               other threads steal the oldest. Jobs from threads outside the pool and jobs of high priority go
+ *               through shared FIFO queues (job_queue.h). The slices of a parallel loop are claimed by any thread that
+ *               is free. A thread that waits runs other jobs of what it waits for, so a pool of zero workers also
+ *               works: everything then runs inside the owner's calls.
  * Life cycle.   stilb_job_pool_create -> submit, parallel_for and wait, any number of times -> stilb_job_pool_destroy.
  * Each frame.   stilb_job_parallel_for; or stilb_job_submit into a group, then stilb_job_wait for the group. Programs
  *               with frames call stilb_job_phase_begin and stilb_job_phase_end around the part of a frame that uses the
@@ -35,16 +35,18 @@
  *               example the index of another thread, is an assert in builds without NDEBUG and undefined behaviour with
  *               it.
  * Waiting.      Until its group has finished, stilb_job_wait runs these jobs: jobs that descend from the same outermost
- *               job or group as the caller, are nested deeper than the caller and lie at an end of a deque; jobs of
- *               high priority, unless the caller is inside one; and jobs pinned to the calling thread. It starts an
- *               unrelated job only while every worker of the pool is waiting as well, because then no other thread
- *               would.
+ *               job or group as the caller and are nested deeper than the caller; jobs of high priority, unless the
+ *               caller is inside one; and jobs pinned to the calling thread. It finds them wherever they lie, also
+ *               between unrelated jobs, and sleeps only when all of them have started. It starts an unrelated job only
+ *               while every worker of the pool is waiting as well, because then no other thread would. Jobs that
+ *               threads outside the pool have submitted are unrelated.
  *               - Wait only for jobs that the caller or its callees have submitted. Two jobs that wait for each other
  *                 never return.
  *               - Do not hold a lock across a wait if another job may take that lock.
  * Progress.     Deques, loop claims, inboxes and job records are lock-free. The shared queues are low-lock or
- *               lock-free, as chosen in stilb_job_pool_desc. Sleeping, waking and jobs `after` a group use short locks
- *               that spin and then sleep. Memory comes from malloc, whose progress the library inherits.
+ *               lock-free, as chosen in stilb_job_pool_desc. Sleeping, waking, jobs of low priority and jobs `after` a
+ *               group use short locks that spin and then sleep. Memory comes from malloc, whose progress the library
+ *               inherits.
  */
 #ifndef STILB_JOB_H
 #define STILB_JOB_H
@@ -90,7 +92,7 @@ typedef struct stilb_job_group {
 typedef enum stilb_job_priority {
 	STILB_JOB_NORMAL, /* the default */
 	STILB_JOB_HIGH,   /* before all others; for short jobs that do not wait, since every wait runs them */
-	STILB_JOB_LOW     /* when there is nothing else to do; for long jobs: waits run them only if every worker waits */
+	STILB_JOB_LOW     /* when there is nothing else to do; for long jobs */
 } stilb_job_priority;
 
 /* Functions that the pool calls as things happen, on the thread to which they happen; any may be NULL. This is how a

@@ -60,6 +60,85 @@ int job_deque_grow(job_deque *deque)
 	return 0;
 }
 
+/* The index of the oldest record that passes the test among the newest records: those down to twice the depth of the
+ * newest that does. So a dig that serves several waits does not cost more than their depths together. bottom: there is
+ * none. The oldest record of all, at index top, is not looked at, because it is left to thieves. */
+static int64_t dig_begin(job_deque *deque, int64_t bottom, job_deque_test *test, const void *context)
+{
+	/* Relaxed, both: the owner's own buffer; and if top is an old value, the look at top after hiding decides. */
+	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
+	int64_t end = atomic_load_explicit(&deque->top, memory_order_relaxed), begin = bottom;
+	for (int64_t i = bottom - 1; i > end; i--) {
+		if (!test(atomic_load_explicit(&buffer->cell[i & buffer->mask], memory_order_relaxed), context))
+			continue;
+		int64_t twice = bottom - 2 * (bottom - i);
+		if (begin == bottom && twice > end)
+			end = twice;
+		begin = i;
+	}
+	return begin;
+}
+
+/* Reorders the records from begin to bottom: first those that fail the test, then those that pass, each in their order.
+ * No thief can reach them. */
+static void dig_sort(job_deque *deque, int64_t begin, int64_t bottom, job_deque_test *test, const void *context)
+{
+	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed); /* the owner's own */
+	job_record *passed = NULL, **end = &passed;
+	int64_t to = begin;
+	/* Relaxed, all: the cells are published by bottom. */
+	for (int64_t i = begin; i < bottom; i++) {
+		job_record *record = atomic_load_explicit(&buffer->cell[i & buffer->mask], memory_order_relaxed);
+		if (test(record, context)) {
+			*end = record;
+			end = &record->next;
+		} else {
+			atomic_store_explicit(&buffer->cell[to & buffer->mask], record, memory_order_relaxed);
+			to++;
+		}
+	}
+	*end = NULL;
+	for (; passed; passed = passed->next, to++)
+		atomic_store_explicit(&buffer->cell[to & buffer->mask], passed, memory_order_relaxed);
+	assert(to == bottom && "no record is lost");
+}
+
+bool job_deque_dig(job_deque *deque, job_deque_test *test, const void *context)
+{
+	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed); /* the owner's own */
+	int64_t begin = dig_begin(deque, bottom, test, context);
+	if (begin == bottom)
+		return false;
+	/* Hides the records from begin on. Seq_cst, both, as in job_deque_pop: a thief that takes a record at or above
+	 * begin has seen top there. If top is lower here, it saw that later than this exchange, and with it the lower
+	 * bottom. */
+	atomic_exchange_explicit(&deque->bottom, begin, memory_order_seq_cst);
+	if (atomic_load_explicit(&deque->top, memory_order_seq_cst) < begin)
+		dig_sort(deque, begin, bottom, test, context);
+	/* Publishes them again, as job_deque_push does. */
+	atomic_exchange_explicit(&deque->bottom, bottom, memory_order_seq_cst);
+	JOB_CHECK(job_deque_is_sound(deque));
+	return true;
+}
+
+bool job_deque_find(job_deque *deque, job_deque_test *test, const void *context, int64_t *index)
+{
+	/* Seq_cst and acquire: as in job_deque_oldest. */
+	int64_t i = atomic_load_explicit(&deque->top, memory_order_seq_cst);
+	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_seq_cst);
+	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_acquire); /* pairs with grow */
+	for (; i < bottom; i++) {
+		/* Relaxed, as in job_deque_oldest. The cell of a record that has been taken meanwhile may hold a newer record,
+		 * or NULL if the buffer is new. */
+		job_record *record = atomic_load_explicit(&buffer->cell[i & buffer->mask], memory_order_relaxed);
+		if (record && test(record, context)) {
+			*index = i;
+			return true;
+		}
+	}
+	return false;
+}
+
 /* For asserts: each buffer is twice as large as the one it replaced; the first has JOB_DEQUE_CAPACITY cells. */
 static bool buffers_double(const job_deque_buffer *buffer)
 {

@@ -49,6 +49,21 @@ void job_deque_finish(job_deque *deque);
 /* Doubles the buffer. 0, or -ENOMEM and the deque is unchanged. [owner] */
 int job_deque_grow(job_deque *deque);
 
+/* Says whether a record is one of those that the caller looks for. Called for records that another thread may take and
+ * reuse meanwhile: reads nothing but their atomic fields. */
+typedef bool job_deque_test(const job_record *record, const void *context);
+
+/* Moves records that pass the test to the newest end, in their order, so that job_deque_pop takes them next: the newest
+ * such record, those not much deeper than it, but not the oldest record of the deque. False: there is none. True also
+ * if a thief came between; the caller then looks again. For a moment during a call that returns true, other threads do
+ * not see the newest records: the caller then wakes threads that may have missed them. Takes time in proportion to the
+ * depth of the newest such record, or to the number of records if there is none. [owner] */
+bool job_deque_dig(job_deque *deque, job_deque_test *test, const void *context);
+
+/* True if there is a record that passes the test; *index is its index, the oldest's if there are several. Sees every
+ * record whose push happened before the call, unless job_deque_dig hides it. [any-thread] */
+bool job_deque_find(job_deque *deque, job_deque_test *test, const void *context, int64_t *index);
+
 /* For asserts: ends, buffers and the newest cell fit together. [owner] */
 bool job_deque_is_sound(job_deque *deque);
 

@@ -3,10 +3,10 @@
  * job_deque, job_park (the parts), job_submit (where a job goes), job_work (what a thread does next), job_wait (groups
  * and waiting), job_for (loops), job_pool (threads and life cycle).
  *
- * Places of work.  Jobs of normal priority lie in the deque of the thread that submitted them; others, and jobs from
- *                  outside threads, in one of three shared FIFO queues; jobs pinned to a thread in its inbox; jobs that
- *                  wait for a group in that group's list. A parallel loop lies in its caller's slot, where any thread
- *                  may claim slices of it.
+ * Places of work.  Jobs of normal priority lie in the deque of the thread that submitted them; jobs from outside
+ *                  threads and jobs of high priority in one of two shared FIFO queues; jobs of low priority in a list;
+ *                  jobs pinned to a thread in its inbox; jobs that wait for a group in that group's list. A parallel
+ *                  loop lies in its caller's slot, where any thread may claim slices of it.
  * Root and level.  Every job and loop has a level, one more than that of the job or slice that created it, and a root:
  *                  the root of its creator or, if no job created it, its group (a loop: itself). All work done on
  *                  behalf of one group of a frame has the same root.
@@ -14,6 +14,11 @@
  *                  root at a deeper level than its own. So a wait runs no unrelated work, and a stack holds at most one
  *                  job or slice of each level. Beyond that it runs jobs of high priority and jobs pinned to it. A
  *                  thread that waits for the last slices of a loop does deeper loops of its root and jobs pinned to it.
+ * Buried jobs.     Deques give and take at their ends, but a job that a waiting thread may run can lie in the middle,
+ *                  below or above unrelated ones. Before it sleeps, the thread digs such jobs out of its own deque
+ *                  (job_deque_dig), takes them out of the list of low priority, and out of other deques by moving the
+ *                  older jobs there to its own. So a wait sleeps only while all jobs of its root that it may run have
+ *                  started.
  * No deadlock.     Work that a waiting thread may not do is done by a worker that does not wait. If every worker waits,
  *                  the waiting threads may do any work (job_park.h calls that rescue). The caller of a loop needs no
  *                  help.
@@ -148,7 +153,7 @@ static inline void job_count(_Atomic uint64_t *counter)
 	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + 1, memory_order_release);
 }
 
-enum { JOB_SHARED_HIGH, JOB_SHARED_NORMAL, JOB_SHARED_LOW, JOB_SHARED_COUNT };
+enum { JOB_SHARED_HIGH, JOB_SHARED_NORMAL, JOB_SHARED_COUNT };
 
 struct stilb_job_pool {
 	/* The first fields are read by every call and constant. */
@@ -170,6 +175,12 @@ struct stilb_job_pool {
 	_Atomic bool stop;                     /* release in destroy, pairs with acquire in the workers */
 	_Atomic bool cancelled;                /* relaxed: jobs that start at that moment may or may not run */
 	alignas(JOB_LINE) job_lock after_lock; /* guards the followers of all groups */
+	/* The jobs of low priority, linked by next, oldest first. A list and not a queue, since waits take jobs out of its
+	 * middle. */
+	alignas(JOB_LINE) job_lock low_lock; /* guards low, low_end and changes of low_count */
+	_Atomic uint32_t low_count;
+	job_record *low;
+	job_record **low_end; /* the link at the end of the list */
 	alignas(JOB_LINE) job_lock visitors_lock;
 	job_visitor *visitors;
 	/* Bit i: guest[i] is in use. Acquire to set it, pairs with the release that clears it. */
@@ -254,6 +265,15 @@ void job_guest_leave(stilb_job_pool *pool, uint32_t guest);
  * there was none. Returns early once the group `until`, which may be NULL, has finished. */
 bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
+/* Brings jobs that the scope of a wait allows to the newest end of the thread's own deque, where job_work_help takes
+ * them. False: none lies below other jobs there. */
+bool job_work_dig(job_slot *slot, const job_scope *scope);
+
+/* For a wait that would sleep otherwise: runs jobs that the scope allows from places where job_work_help does not look,
+ * the middle of other threads' deques and the list of low priority; false if there are none. May move jobs from other
+ * deques to the thread's own. */
+bool job_work_unbury(job_slot *slot, const job_scope *scope, stilb_job_group *until);
+
 /* Runs one job, whichever it is; false if there is none. Called when every worker waits, so that no thread would run
  * unrelated jobs otherwise. Takes from the shared queues first, since waits take only jobs of high priority from
  * there. */
@@ -263,7 +283,8 @@ bool job_work_rescue(job_slot *slot);
  * that the scope allows, or the group `until`, which may be NULL, has finished. */
 bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
-/* True if there is work that the scope allows. Exact: sees everything that was published before the call. */
+/* True if there is work that the scope allows. Exact: sees everything that was published before the call. For the scope
+ * of a wait it looks at every job in every deque. */
 bool job_work_exists(job_slot *slot, const job_scope *scope);
 
 /* One round of a loop in which the thread looks for work or waits: pauses or yields the CPU. */

@@ -68,10 +68,26 @@ void job_idle_init(job_idle_list *list, uint32_t workers)
 {
 	assert(workers <= STILB_JOB_MAX_WORKERS);
 	atomic_init(&list->state, 0);
+	atomic_init(&list->roots, 0);
 	list->lock = (job_lock){0};
 	list->spare = false;
 	list->workers = workers;
 	list->waiting = 0;
+}
+
+static bool idler_waits(const job_idler *idler)
+{
+	return idler->scope.jobs && !idler->scope.all;
+}
+
+/* The bits of the roots that the first `count` idlers wait for. Caller holds list->lock. */
+static uint64_t list_roots(const job_idle_list *list, uint32_t count)
+{
+	uint64_t roots = 0;
+	for (uint32_t i = 0; i < count; i++)
+		if (idler_waits(&list->idler[i]))
+			roots |= job_idle_root_bit(list->idler[i].scope.root);
+	return roots;
 }
 
 /* For asserts: `waiting` and the counts in `state` agree with the idlers listed. Caller holds list->lock. */
@@ -82,7 +98,8 @@ static bool list_is_sound(const job_idle_list *list)
 	for (uint32_t i = 0; i < IDLERS(state); i++)
 		waiting += list->idler[i].worker && !list->idler[i].scope.all;
 	return job_lock_is_mine(&list->lock) && IDLERS(state) <= list->workers + 1 && waiting == list->waiting &&
-	       SPINNERS(state) <= list->workers;
+	       SPINNERS(state) <= list->workers &&
+	       atomic_load_explicit(&list->roots, memory_order_relaxed) == list_roots(list, IDLERS(state));
 }
 
 void job_idle_bound(job_idle_list *list, job_parker *parker, uint32_t cpu)
@@ -127,6 +144,8 @@ bool job_idle_enter(job_idle_list *list, const job_idler *idler, bool spinning)
 {
 	job_lock_take(&list->lock);
 	assert(list_find(list, idler->parker) == 0 && "a thread is on the list once");
+	if (idler_waits(idler)) /* relaxed: see the declaration */
+		atomic_fetch_or_explicit(&list->roots, job_idle_root_bit(idler->scope.root), memory_order_relaxed);
 	/* Seq_cst: step (1) of job_park.h, partner of (b). One addition counts an idler in and, if spinning, a spinner out:
 	 * unsigned arithmetic wraps. */
 	uint32_t state = atomic_fetch_add_explicit(&list->state, spinning ? 1u - SPINNER : 1u, memory_order_seq_cst);
@@ -150,8 +169,11 @@ static void list_remove(job_idle_list *list, uint32_t i, bool spins)
 	uint32_t state = atomic_fetch_add_explicit(&list->state, spins ? SPINNER - 1u : -1u, memory_order_seq_cst);
 	if (list->idler[i].worker && !list->idler[i].scope.all)
 		list->waiting--;
+	bool waited = idler_waits(&list->idler[i]);
 	for (; i + 1 < IDLERS(state); i++)
 		list->idler[i] = list->idler[i + 1];
+	if (waited) /* relaxed: see the declaration */
+		atomic_store_explicit(&list->roots, list_roots(list, IDLERS(state) - 1), memory_order_relaxed);
 	JOB_CHECK(list_is_sound(list));
 }
 
@@ -193,10 +215,11 @@ static bool scope_accepts(const job_scope *scope, const job_work *work)
  * every worker waits, some idler that may do jobs, and *rescue is true. Caller holds list->lock. */
 static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
 {
-	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* idlers are ordered by the lock */
+	uint32_t count = IDLERS(state);
 	*rescue = false;
 	for (uint32_t i = count; i > 0; i--)
-		if (scope_accepts(&list->idler[i - 1].scope, work))
+		if (scope_accepts(&list->idler[i - 1].scope, work) && !(list->idler[i - 1].scope.all && SPINNERS(state) > 0))
 			return i;
 	if (work->kind == JOB_WORK_LOOP || list->waiting < list->workers)
 		return 0;
@@ -243,6 +266,26 @@ bool job_idle_wake(job_idle_list *list, const job_work *work)
 	else
 		wake_idler(list, place, rescue);
 	return place > 0;
+}
+
+void job_idle_wake_waiting(job_idle_list *list)
+{
+	/* Seq_cst: step (b) of job_park.h, partner of (1). */
+	uint32_t count = IDLERS(atomic_load_explicit(&list->state, memory_order_seq_cst));
+	if (count == 0)
+		return;
+	job_idle_wake(list, &(job_work){.kind = JOB_WORK_SHARED});
+	for (; count > 0; count--) { /* a woken thread may come back, so the number is limited */
+		job_lock_take(&list->lock);
+		uint32_t place = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); /* ordered by the lock */
+		while (place > 0 && !idler_waits(&list->idler[place - 1]))
+			place--;
+		if (place == 0) {
+			job_lock_give(&list->lock);
+			return;
+		}
+		wake_idler(list, place, false);
+	}
 }
 
 void job_idle_wake_thread(job_idle_list *list, job_parker *parker)

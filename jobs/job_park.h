@@ -22,6 +22,11 @@
  * itself out yet after finding other work, and then looks for more: in both cases it looks after (a). If (a) is a
  * seq_cst read-modify-write of the work's own word (a deque, an inbox), (b) can be a load. If (a) is weaker (the shared
  * queues), (b) is a read-modify-write that does not change the word and is ordered against (1), which is one, too.
+ *
+ * A thread that waits for a group is in a harder case: the spinner may take unrelated work, run it for long, and never
+ * come to the job that the waiting thread could run. So for a job of a root that an idler waits for, this idler is
+ * woken whether or not there is a spinner; and in step (2) a waiting thread looks for jobs of its root not only where
+ * it can take them at once, but everywhere. `roots` says with one load whether such an idler may exist.
  */
 #ifndef STILB_JOB_PARK_H
 #define STILB_JOB_PARK_H
@@ -86,10 +91,13 @@ typedef struct job_idler {
 
 typedef struct job_idle_list {
 	alignas(JOB_LINE) _Atomic uint32_t state; /* idlers, and spinners << 16; the idlers change under the lock */
-	alignas(JOB_LINE) job_lock lock;          /* guards everything below */
-	bool spare;                               /* spare_cpu is valid */
-	uint32_t spare_cpu;                       /* a CPU that no worker is bound to */
-	uint32_t workers;                         /* workers of the pool; constant */
+	/* The bits (job_idle_root_bit) of the roots whose jobs listed threads wait for. Relaxed, and changed under the
+	 * lock: a bit is set before its thread is counted in `state`, by which it is published. */
+	_Atomic uint64_t roots;
+	alignas(JOB_LINE) job_lock lock; /* guards everything below */
+	bool spare;                      /* spare_cpu is valid */
+	uint32_t spare_cpu;              /* a CPU that no worker is bound to */
+	uint32_t workers;                /* workers of the pool; constant */
 	uint32_t
 		waiting; /* listed workers that wait for a group or a loop; when all workers do, one of them may do any work */
 	job_idler
@@ -133,17 +141,37 @@ static inline bool job_idle_state_wanted(uint32_t state)
 	return (state & (JOB_IDLE_SPINNER - 1)) > 0 && state < JOB_IDLE_SPINNER;
 }
 
-/* Step (b) for work published by a seq_cst read-modify-write: true if there is an idler and no spinner. [any-thread] */
-static inline bool job_idle_wanted(const job_idle_list *list)
+/* One of 64 bits for a root; different roots may have the same. */
+static inline uint64_t job_idle_root_bit(uintptr_t root)
 {
-	return job_idle_state_wanted(atomic_load_explicit(&list->state, memory_order_seq_cst)); /* partner of (1) */
+	return UINT64_C(1) << ((root >> 4 ^ root >> 10 ^ root >> 16) % 64);
+}
+
+/* True if a thread should be woken for new jobs of this root, judging by a state word that the caller has read: there
+ * is an idler and no spinner, or, as it seems, an idler that waits for such jobs. */
+static inline bool job_idle_wanted_by(const job_idle_list *list, uint32_t state, uintptr_t root)
+{
+	if (job_idle_state_wanted(state))
+		return true;
+	/* Relaxed: the caller's load of state has acquired the bits of all the idlers that state counts. */
+	return (state & (JOB_IDLE_SPINNER - 1)) > 0 &&
+	       (atomic_load_explicit(&list->roots, memory_order_relaxed) & job_idle_root_bit(root));
+}
+
+/* Step (b) for a job of this root, published by a seq_cst read-modify-write: true if a thread should be woken.
+ * [any-thread] */
+static inline bool job_idle_wanted(const job_idle_list *list, uintptr_t root)
+{
+	/* Partner of (1). */
+	return job_idle_wanted_by(list, atomic_load_explicit(&list->state, memory_order_seq_cst), root);
 }
 
 /* Step (b) for work published in any other way: job_idle_wanted by a read-modify-write that adds 0 (see the head of
  * this file). [any-thread] */
-static inline bool job_idle_wanted_strict(job_idle_list *list)
+static inline bool job_idle_wanted_strict(job_idle_list *list, uintptr_t root)
 {
-	return job_idle_state_wanted(atomic_fetch_add_explicit(&list->state, 0, memory_order_seq_cst)); /* partner of (1) */
+	/* Partner of (1). */
+	return job_idle_wanted_by(list, atomic_fetch_add_explicit(&list->state, 0, memory_order_seq_cst), root);
 }
 
 /* job_idle_wanted, but relaxed: the answer may be out of date, so a wake-up may be missed. For callers to whom that
@@ -161,9 +189,13 @@ static inline uint32_t job_idle_awake(const job_idle_list *list)
 	return idlers < list->workers ? list->workers - idlers : 0;
 }
 
-/* Chooses the newest idler whose scope has this work and wakes it; false if there is none. Costs the caller some 7 us.
- * [any-thread] */
+/* Chooses the newest idler whose scope has this work and wakes it; false if there is none. Idlers that may do any work
+ * are not chosen while there is a spinner. Costs the caller some 7 us. [any-thread] */
 bool job_idle_wake(job_idle_list *list, const job_work *work);
+
+/* For jobs that could not be seen for a moment: wakes every thread that waits for jobs, and one that may do any work
+ * unless there is a spinner. [any-thread] */
+void job_idle_wake_waiting(job_idle_list *list);
 
 /* Wakes the thread of this parker if it is on the list, for work that no other thread may do. Includes step (b).
  * [any-thread] */

@@ -146,6 +146,7 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	memset(pool, 0, size);
 	job_idle_init(&pool->idle, desc->worker_count);
 	job_record_store_init(&pool->records);
+	pool->low_end = &pool->low;
 	pool->worker_count = desc->worker_count;
 	pool->cpus = stilb_job_cpu_count();
 	pool->wake_ticks = job_sys_ticks_in(JOB_WAKE_NS);
@@ -251,7 +252,7 @@ static bool pool_is_deserted(stilb_job_pool *pool)
 	for (int i = 0; i < JOB_SHARED_COUNT; i++)
 		if (!stilb_job_queue_empty(pool->shared[i], 0))
 			return false;
-	return true;
+	return !pool->low;
 }
 
 void stilb_job_pool_destroy(stilb_job_pool *pool)

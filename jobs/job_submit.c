@@ -45,24 +45,38 @@ static void push_inbox(job_slot *target, job_record *record)
 	job_idle_wake_thread(&target->pool->idle, &target->parker);
 }
 
-/* The shared queue, as an index of pool->shared, for the record's priority. */
-static uint32_t shared_of(const job_record *record)
+/* The record as the waker of a thread describes it. To be called before the record is pushed: after that another thread
+ * may run the job and reuse the record. */
+static job_work work_of(const job_record *record)
 {
-	switch (record->priority) {
-	case STILB_JOB_HIGH:
-		return JOB_SHARED_HIGH;
-	case STILB_JOB_LOW:
-		return JOB_SHARED_LOW;
-	default:
-		return JOB_SHARED_NORMAL;
-	}
+	return (job_work){.kind = JOB_WORK_JOB,
+	                  .root = atomic_load_explicit(&record->root, memory_order_relaxed),
+	                  .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
 }
 
-/* Pushes into the shared queue of the record's priority; thread is the caller's thread number in the queue's calls
- * (job_queue.h). 0 or -ENOMEM. */
+/* Appends to the list of jobs of low priority. Needs no memory, so it cannot fail. */
+static void push_low(stilb_job_pool *pool, job_record *record)
+{
+	job_work work = work_of(record);
+	record->next = NULL;
+	job_lock_take(&pool->low_lock);
+	*pool->low_end = record;
+	pool->low_end = &record->next;
+	/* Relaxed: changed under the lock. Threads that read it without the lock either find the job a moment later, or are
+	 * going to sleep: job_idle_wanted_strict below is ordered against their step (1). */
+	atomic_fetch_add_explicit(&pool->low_count, 1, memory_order_relaxed);
+	job_lock_give(&pool->low_lock);
+	if (job_idle_wanted_strict(&pool->idle, work.root))
+		job_idle_wake(&pool->idle, &work);
+}
+
+/* Pushes into the shared queue of the record's priority, which is not low; thread is the caller's thread number in the
+ * queue's calls (job_queue.h). 0 or -ENOMEM. */
 static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread)
 {
-	uint32_t which = shared_of(record);
+	uint32_t which = record->priority == STILB_JOB_HIGH ? JOB_SHARED_HIGH : JOB_SHARED_NORMAL;
+	job_work work = work_of(record);
+	work.kind = which == JOB_SHARED_HIGH ? JOB_WORK_HIGH : JOB_WORK_SHARED;
 	/* Relaxed: consumers skip a queue whose count is 0, and if they see the new count late, they find the job a moment
 	 * later. Raised before the push, so that it never falls below zero. */
 	atomic_fetch_add_explicit(&pool->shared_hint[which], 1, memory_order_relaxed);
@@ -72,20 +86,17 @@ static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread
 		return error;
 	}
 	stilb_job_queue_rest(pool->shared[which], thread);
-	if (job_idle_wanted_strict(&pool->idle))
-		job_idle_wake(&pool->idle, &(job_work){.kind = which == JOB_SHARED_HIGH ? JOB_WORK_HIGH : JOB_WORK_SHARED});
+	if (job_idle_wanted_strict(&pool->idle, work.root))
+		job_idle_wake(&pool->idle, &work);
 	return 0;
 }
 
 /* Pushes into the calling thread's deque. 0 or -ENOMEM. */
 static int push_own(job_slot *slot, job_record *record)
 {
-	/* root and level are read before the push: after it another thread may run the job and reuse the record. */
-	job_work work = {.kind = JOB_WORK_JOB,
-	                 .root = atomic_load_explicit(&record->root, memory_order_relaxed),
-	                 .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
+	job_work work = work_of(record);
 	int error = job_deque_push(&slot->deque, record);
-	if (!error && job_idle_wanted(&slot->pool->idle))
+	if (!error && job_idle_wanted(&slot->pool->idle, work.root))
 		job_idle_wake(&slot->pool->idle, &work);
 	return error;
 }
@@ -101,6 +112,8 @@ void job_submit_record(job_slot *slot, job_record *record)
 	assert(job_slot_is_mine(slot));
 	if (record->target != JOB_ANYONE)
 		push_inbox(&slot->pool->slot[record->target], record);
+	else if (record->priority == STILB_JOB_LOW)
+		push_low(slot->pool, record);
 	else if ((record->priority != STILB_JOB_NORMAL || push_own(slot, record) != 0) &&
 	         push_shared(slot->pool, record, slot->index) != 0)
 		push_inbox(fallback_slot(slot->pool), record);
@@ -110,6 +123,8 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 {
 	if (record->target != JOB_ANYONE)
 		push_inbox(&pool->slot[record->target], record);
+	else if (record->priority == STILB_JOB_LOW)
+		push_low(pool, record);
 	else if (push_shared(pool, record, pool->worker_count + 1 + guest) != 0)
 		push_inbox(fallback_slot(pool), record);
 }

@@ -220,20 +220,27 @@ static bool announce_or_done(job_slot *slot, void *group)
 	return !group_announce(group, slot->index + 1);
 }
 
-/* Spins, then sleeps, until there seems to be work that the scope allows or the group has finished. *announced is set
- * if this thread may have entered itself into the group as its waiter (group_announce), which the caller must then
- * withdraw with group_forget. */
-static void wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *group, bool *announced)
+/* Spins, then runs jobs that job_work_help does not find, or sleeps if there are none, until there seems to be work
+ * that the scope allows or the group has finished. True if it has run a job. *announced is set if this thread may have
+ * entered itself into the group as its waiter (group_announce), which the caller must then withdraw with
+ * group_forget. */
+static bool wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *group, bool *announced)
 {
 	if (job_work_spin(slot, scope, group))
-		return;
+		return false;
+	if (job_work_unbury(slot, scope, group))
+		return true;
 	job_idle_outcome outcome = job_work_park(slot, scope, announce_or_done, group);
 	*announced = true;
-	if (outcome == JOB_IDLE_NOT_CHOSEN || (outcome == JOB_IDLE_RESCUE && job_work_rescue(slot)))
-		return;
+	if (outcome == JOB_IDLE_NOT_CHOSEN)
+		return false;
+	if (outcome == JOB_IDLE_RESCUE && job_work_rescue(slot))
+		return true;
 	/* Chosen for some work: this thread does it, or wakes another thread for it. */
-	if (!job_work_help(slot, scope, group))
-		job_work_wake_next(slot, &(job_work){.kind = JOB_WORK_SHARED});
+	if (job_work_help(slot, scope, group))
+		return true;
+	job_work_wake_next(slot, &(job_work){.kind = JOB_WORK_SHARED});
+	return false;
 }
 
 static void wait_inside(job_slot *slot, stilb_job_group *group)
@@ -241,12 +248,20 @@ static void wait_inside(job_slot *slot, stilb_job_group *group)
 	job_scope scope = {
 		.jobs = true, .high = !slot->in_high, .root = slot->root ? slot->root : (uintptr_t)group, .level = slot->level};
 	bool alone = slot->pool->worker_count == 0, announced = false;
+	bool dug = false; /* no job for this wait lies in the thread's own deque, until the thread runs a job again */
 	while (!job_group_done(group)) {
-		if (job_work_help(slot, &scope, group) || (alone && job_work_rescue(slot)))
+		if (job_work_help(slot, &scope, group)) {
+			dug = false;
+		} else if (!dug && job_work_dig(slot, &scope)) {
 			continue;
-		job_hook_wait_begin(slot->pool, slot->index);
-		wait_idle(slot, &scope, group, &announced);
-		job_hook_wait_end(slot->pool, slot->index);
+		} else if (alone) {
+			dug = true; /* unrelated jobs submit none of this root, so there is no need to dig after each of them */
+			job_work_rescue(slot);
+		} else {
+			job_hook_wait_begin(slot->pool, slot->index);
+			dug = !wait_idle(slot, &scope, group, &announced);
+			job_hook_wait_end(slot->pool, slot->index);
+		}
 	}
 	if (announced)
 		group_forget(group);

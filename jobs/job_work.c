@@ -71,6 +71,12 @@ static bool scope_has(const job_scope *scope, const job_record *record)
 	                      atomic_load_explicit(&record->level, memory_order_relaxed) > scope->level);
 }
 
+/* scope_has as a test for job_deque.h. */
+static bool in_scope(const job_record *record, const void *scope)
+{
+	return scope_has(scope, record);
+}
+
 /* Takes the newest job of the thread's own deque if the scope allows it. */
 static job_record *take_own(job_slot *slot, const job_scope *scope)
 {
@@ -199,6 +205,42 @@ static job_record *take_shared(job_slot *slot, uint32_t which)
 	return record;
 }
 
+/* Takes the oldest job of low priority that the scope allows. */
+static job_record *take_low(stilb_job_pool *pool, const job_scope *scope)
+{
+	/* Relaxed: may miss a job that has just been submitted, as in take_shared. */
+	if (atomic_load_explicit(&pool->low_count, memory_order_relaxed) == 0)
+		return NULL;
+	job_lock_take(&pool->low_lock);
+	job_record **at = &pool->low;
+	while (*at && !scope_has(scope, *at))
+		at = &(*at)->next;
+	job_record *record = *at;
+	if (record) {
+		*at = record->next;
+		if (!record->next)
+			pool->low_end = at;
+		atomic_fetch_sub_explicit(&pool->low_count, 1, memory_order_relaxed); /* see push_low */
+	}
+	job_lock_give(&pool->low_lock);
+	return record;
+}
+
+/* True if there is a job of low priority that the scope allows. */
+static bool low_has(stilb_job_pool *pool, const job_scope *scope)
+{
+	if (atomic_load_explicit(&pool->low_count, memory_order_relaxed) == 0) /* see push_low */
+		return false;
+	if (scope->all)
+		return true;
+	job_lock_take(&pool->low_lock);
+	const job_record *record = pool->low;
+	while (record && !scope_has(scope, record))
+		record = record->next;
+	job_lock_give(&pool->low_lock);
+	return record;
+}
+
 /* Takes a job from a shared queue or steals one; *work says which. NULL if there is none that the scope allows. */
 static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work *work)
 {
@@ -209,8 +251,18 @@ static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work
 		                   .root = atomic_load_explicit(&record->root, memory_order_relaxed),
 		                   .level = atomic_load_explicit(&record->level, memory_order_relaxed)};
 	if (!record && scope->all)
-		record = take_shared(slot, JOB_SHARED_LOW);
+		record = take_low(slot->pool, scope);
 	return record;
+}
+
+/* True if the scope allows some job in a deque. */
+static bool deques_have_any(stilb_job_pool *pool, const job_scope *scope)
+{
+	int64_t index;
+	for (uint32_t i = 0; i <= pool->worker_count; i++)
+		if (job_deque_find(&pool->slot[i].deque, in_scope, scope, &index))
+			return true;
+	return false;
 }
 
 /* True if the scope allows the oldest job of some deque. */
@@ -269,13 +321,55 @@ bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	return true;
 }
 
+bool job_work_dig(job_slot *slot, const job_scope *scope)
+{
+	assert(job_slot_is_mine(slot) && scope->jobs && !scope->all);
+	if (!job_deque_dig(&slot->deque, in_scope, scope))
+		return false;
+	job_idle_wake_waiting(&slot->pool->idle); /* threads that looked meanwhile have not seen all jobs of this deque */
+	return true;
+}
+
+/* Takes a job that the scope allows from the deque of thread `victim`, in which it may lie below older jobs: those are
+ * moved to the thread's own deque. NULL if there is none. */
+static job_record *steal_buried(job_slot *slot, uint32_t victim, const job_scope *scope)
+{
+	job_deque *deque = &slot->pool->slot[victim].deque;
+	int64_t index, top;
+	while (job_deque_find(deque, in_scope, scope, &index)) {
+		job_record *record = job_deque_oldest(deque, &top);
+		for (; record && top <= index; record = job_deque_oldest(deque, &top)) {
+			bool wanted = scope_has(scope, record);
+			if (!job_deque_steal(deque, top))
+				continue; /* another thread has taken it */
+			if (wanted)
+				return record;
+			job_submit_record(slot, record);
+		}
+	}
+	return NULL;
+}
+
+bool job_work_unbury(job_slot *slot, const job_scope *scope, stilb_job_group *until)
+{
+	assert(job_slot_is_mine(slot) && scope->jobs && !scope->all);
+	stilb_job_pool *pool = slot->pool;
+	job_record *record = take_low(pool, scope);
+	for (uint32_t i = 0; i <= pool->worker_count && !record; i++)
+		if (i != slot->index && (record = steal_buried(slot, i, scope)) && pool->hooks.steal)
+			pool->hooks.steal(pool->hooks.user, slot->index, i);
+	if (record)
+		run(slot, record, false, scope, until);
+	return record;
+}
+
 bool job_work_rescue(job_slot *slot)
 {
 	job_record *record = take_shared(slot, JOB_SHARED_HIGH);
 	if (!record)
 		record = take_shared(slot, JOB_SHARED_NORMAL);
 	if (!record)
-		record = take_shared(slot, JOB_SHARED_LOW);
+		record = take_low(slot->pool, &job_scope_all);
 	if (!record)
 		record = steal(slot, &job_scope_all);
 	if (record)
@@ -291,10 +385,11 @@ bool job_work_exists(job_slot *slot, const job_scope *scope)
 		return true;
 	if (scope->high && !stilb_job_queue_empty(pool->shared[JOB_SHARED_HIGH], slot->index))
 		return true;
-	if (scope->all && (!stilb_job_queue_empty(pool->shared[JOB_SHARED_NORMAL], slot->index) ||
-	                   !stilb_job_queue_empty(pool->shared[JOB_SHARED_LOW], slot->index)))
+	if (scope->all && !stilb_job_queue_empty(pool->shared[JOB_SHARED_NORMAL], slot->index))
 		return true;
-	return (scope->jobs && deques_have(pool, scope)) || job_loop_exists(pool, scope);
+	if (scope->jobs && (low_has(pool, scope) || (scope->all ? deques_have : deques_have_any)(pool, scope)))
+		return true;
+	return job_loop_exists(pool, scope);
 }
 
 void job_work_wake_next(job_slot *slot, const job_work *work)
@@ -317,7 +412,7 @@ static bool work_seems_to_exist(job_slot *slot, const job_scope *scope)
 		if ((i == JOB_SHARED_HIGH ? scope->high : scope->all) &&
 		    atomic_load_explicit(&pool->shared_hint[i], memory_order_relaxed))
 			return true;
-	return scope->jobs && deques_have(pool, scope);
+	return (scope->jobs && deques_have(pool, scope)) || (scope->all && low_has(pool, scope));
 }
 
 void job_work_relax(job_slot *slot)

@@ -140,8 +140,12 @@ static struct shared {
 	uint32_t ran;
 	uint32_t first_done;
 	uint32_t outside_done;
+	uint32_t started, ready, released; /* flags of the scenarios with buried jobs */
 	uint32_t slice_runs[4];
 	stilb_job_group group, first;
+	job_idle_list list; /* for spinner_main */
+	job_parker parker;
+	_Atomic uint32_t published;
 } shared;
 
 /* Parameters of a scenario, and what workers did in all interleavings together: the checker does not save and restore
@@ -337,7 +341,7 @@ static void wait_for_first(void *data, uint32_t worker)
 static void rescue_main(void)
 {
 	begin();
-	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_LOW}, 0);
+	add(count_first, &shared.first, STILB_JOB_OUTSIDE);
 	add(wait_for_first, NULL, 0);
 	workers_alone();
 }
@@ -358,14 +362,122 @@ static void pinned_owner_main(void)
 }
 
 /* As in rescue_main, but the awaited job arrives when the worker already sleeps: it follows a group that ends with a
- * job pinned to the owner. */
+ * job pinned to the owner. The worker waits inside a job of high priority, where it takes no others of that kind. */
 static void rescue_later_main(void)
 {
 	begin();
 	add_with(count_run, &shared.group, (stilb_job_options){.pinned = true, .target = 0}, 0);
-	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_LOW, .after = &shared.group}, 0);
-	add(wait_for_first, NULL, 0);
+	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_HIGH, .after = &shared.group}, 0);
+	add_with(wait_for_first, NULL, (stilb_job_options){.priority = STILB_JOB_HIGH}, 0);
 	stilb_job_run_pinned(shared.pool, 0);
+	workers_alone();
+}
+
+/* An unrelated job that takes longer than the wait that must not wait for it. */
+static void run_until_released(void *data, uint32_t worker)
+{
+	model_block_until(&shared.released, 1);
+	count_run(data, worker);
+}
+
+/* Waits for shared.first while unrelated jobs run, and then lets them end. */
+static void wait_for_buried(void)
+{
+	stilb_job_wait(shared.pool, &shared.first, 0);
+	fail_unless(shared.first_done == 1, "the wait returned too early");
+	shared.released = 1;
+	workers_alone();
+}
+
+/* Takes the oldest job of the owner's deque, as another worker would, unless it is the one waited for. */
+static void *thief(void *data)
+{
+	(void)data;
+	job_deque *deque = &shared.pool->slot[0].deque;
+	int64_t top;
+	job_record *record = job_deque_oldest(deque, &top);
+	if (record && atomic_load_explicit(&record->root, memory_order_relaxed) == 0 && job_deque_steal(deque, top))
+		shared.ran++;
+	return NULL;
+}
+
+/* The job that the owner waits for lies in its deque, below one and above the others. */
+static void submit_between(void)
+{
+	begin();
+	for (uint32_t i = 2; i < with.jobs; i++)
+		add(run_until_released, NULL, 0);
+	add(count_first, &shared.first, 0);
+	add(run_until_released, NULL, 0);
+}
+
+static void buried_main(void)
+{
+	submit_between();
+	wait_for_buried();
+}
+
+/* The worker may look for jobs while the owner hides some of them, and the others are stolen. */
+static void buried_thief_main(void)
+{
+	submit_between();
+	model_spawn(thief, NULL);
+	wait_for_buried();
+}
+
+/* The job that the owner waits for is submitted with low priority. */
+static void buried_low_main(void)
+{
+	begin();
+	add_with(run_until_released, NULL, (stilb_job_options){.priority = STILB_JOB_LOW}, 0);
+	add_with(count_first, &shared.first, (stilb_job_options){.priority = STILB_JOB_LOW}, 0);
+	wait_for_buried();
+}
+
+static void submit_buried(void *data, uint32_t worker)
+{
+	shared.started = 1;
+	model_block_until(&shared.ready, 1);
+	add(run_until_released, NULL, worker);
+	add(count_first, &shared.first, worker);
+	add(run_until_released, NULL, worker);
+	count_run(data, worker);
+}
+
+/* The job that the owner waits for comes to lie in the worker's deque during the wait, between jobs that keep the
+ * worker busy. The pinned job is there so that the wait begins before. */
+static void buried_elsewhere_main(void)
+{
+	begin();
+	add(submit_buried, NULL, 0);
+	model_block_until(&shared.started, 1);
+	add_with(count_run, &shared.first, (stilb_job_options){.pinned = true, .target = 1}, 0);
+	shared.ready = 1;
+	wait_for_buried();
+}
+
+static void *wait_on_list(void *data)
+{
+	(void)data;
+	job_idler idler = {.parker = &shared.parker, .scope = {.jobs = true, .root = 64}, .worker = true};
+	job_idle_enter(&shared.list, &idler, false);
+	if (!atomic_load_explicit(&shared.published, memory_order_seq_cst))
+		job_parker_sleep(&shared.parker);
+	job_idle_leave(&shared.list, &shared.parker);
+	shared.ran++;
+	return NULL;
+}
+
+/* A spinner that is busy for ever does not stand for a thread that waits for jobs of the new job's root. */
+static void spinner_main(void)
+{
+	job_idle_init(&shared.list, 2);
+	fail_unless(job_idle_spin_start(&shared.list, 1), "no spinner");
+	model_spawn(wait_on_list, NULL);
+	atomic_exchange_explicit(&shared.published, 1, memory_order_seq_cst);
+	if (job_idle_wanted(&shared.list, 64))
+		job_idle_wake(&shared.list, &(job_work){.kind = JOB_WORK_JOB, .root = 64, .level = 1});
+	owner_runs++;
 	workers_alone();
 }
 
@@ -473,6 +585,11 @@ static const scenario scenarios[] = {
 	{"pinned wakes", submit_pinned_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
+	{"buried", buried_main, 1, 4, WORKERS | UNTIL_OWNER_ENDS},
+	{"buried, with a thief", buried_thief_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
+	{"buried, low priority", buried_low_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"buried elsewhere", buried_elsewhere_main, 1, 5, WORKERS | UNTIL_OWNER_ENDS},
+	{"spinner", spinner_main, 0, 1, OWNER | UNTIL_OWNER_ENDS},
 	{"outside", outside_main, 1, 1, WORKERS},
 	{"destroy runs all", destroy_main, 1, 1, BOTH},
 	{"loop", loop_main, 1, 2, BOTH},
