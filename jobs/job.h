@@ -125,9 +125,10 @@ typedef struct stilb_job_hooks {
 
 /* Binding of workers to CPUs. */
 typedef enum stilb_job_affinity {
-	/* Binds each worker to a CPU of its own, and none to the owner's CPU, if worker_count is less than the number of
-	 * CPUs in the affinity mask; binds nothing otherwise. The owner is never bound. Two such pools use the same CPUs:
-	 * if they work at the same time, create the second one with STILB_JOB_AFFINITY_NONE. */
+	/* Binds each worker to a CPU of its own, none to the owner's: if there is a choice, to cores that no other thread
+	 * of the pool uses, near the owner's. Workers for which the affinity mask has no CPU left are not bound, and are
+	 * woken last. The owner is never bound. Two such pools use the same CPUs: if they work at the same time, create the
+	 * second one with STILB_JOB_AFFINITY_NONE. */
 	STILB_JOB_AFFINITY_AUTO,
 	STILB_JOB_AFFINITY_NONE
 } stilb_job_affinity;

@@ -1,5 +1,6 @@
 #include "jobs/job_internal.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <sched.h>
 #include <stdio.h>
@@ -34,24 +35,6 @@ static uint32_t affinity_count(void)
 	int count = set ? CPU_COUNT_S(size, set) : 0;
 	CPU_FREE(set);
 	return count > 0 ? (uint32_t)count : 1;
-}
-
-uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
-{
-	assert(cpus && max > 0);
-	size_t size;
-	cpu_set_t *set = affinity(&size);
-	int here = sched_getcpu();
-	uint32_t count = 0;
-	if (set && here >= 0)
-		for (size_t i = 1; i < size * 8 && count < max; i++) {
-			size_t cpu = ((size_t)here + i) % (size * 8);
-			if (CPU_ISSET_S(cpu, size, set))
-				cpus[count++] = (uint32_t)cpu;
-		}
-	CPU_FREE(set);
-	assert(count <= max);
-	return count;
 }
 
 /* Reads the first line of the file mount + dir + "/" + file; false if there is no such file. */
@@ -171,4 +154,127 @@ uint32_t stilb_job_cpu_count(void)
 	uint32_t cpus = affinity_count();
 	uint32_t quota = job_cpu_quota("/proc/self/cgroup", "/sys/fs/cgroup");
 	return quota > 0 && quota < cpus ? quota : cpus;
+}
+
+/* ---- which CPUs for the workers -------------------------------------------------------------------------------- */
+
+/* A CPU and what it shares with others. A core, a cache or a node is named by the lowest CPU that belongs to it; where
+ * the kernel does not say, a core is the CPU alone, and cache and node are 0. */
+typedef struct cpu_place {
+	uint32_t cpu;
+	uint32_t core;  /* its hardware threads share execution units */
+	uint32_t cache; /* the last level of cache */
+	uint32_t node;  /* memory; the node's number and not a CPU */
+	bool taken;
+} cpu_place;
+
+/* The first number in a file below the CPU's folder, which is the lowest CPU if the file is a list of CPUs; `otherwise`
+ * if there is no such file. */
+static uint32_t cpu_number(const char *dir, const char *file, uint32_t otherwise)
+{
+	char line[128];
+	uint32_t number;
+	return read_line("", dir, file, line, sizeof line) && sscanf(line, "%u", &number) == 1 ? number : otherwise;
+}
+
+/* The number of the memory node whose link lies in the CPU's folder, 0 if there is none. */
+static uint32_t cpu_node(const char *dir)
+{
+	uint32_t node = 0;
+	DIR *stream = opendir(dir);
+	if (!stream)
+		return 0;
+	for (const struct dirent *entry; (entry = readdir(stream));)
+		if (sscanf(entry->d_name, "node%u", &node) == 1)
+			break;
+	closedir(stream);
+	return node;
+}
+
+/* Source: Linux, Documentation/ABI/stable/sysfs-devices-system-cpu; caches are numbered from the nearest on. */
+static void cpu_find_place(const char *cpu_dirs, cpu_place *place)
+{
+	char dir[CPU_PATH_MAX], file[64];
+	int length = snprintf(dir, sizeof dir, "%s/cpu%u", cpu_dirs, place->cpu);
+	if (length < 0 || (size_t)length >= sizeof dir)
+		return;
+	place->core = cpu_number(dir, "topology/thread_siblings_list", place->cpu);
+	place->node = cpu_node(dir);
+	uint32_t cache = UINT32_MAX;
+	for (int level = 3; level >= 0 && cache == UINT32_MAX; level--) {
+		snprintf(file, sizeof file, "cache/index%d/shared_cpu_list", level);
+		cache = cpu_number(dir, file, UINT32_MAX);
+	}
+	place->cache = cache == UINT32_MAX ? 0 : cache;
+}
+
+/* How bad a choice the CPU is for a worker of an owner on the CPU `here`: foremost the number of threads that share its
+ * core already, then the distance from the owner. */
+static uint32_t place_cost(const cpu_place *places, uint32_t count, const cpu_place *here, const cpu_place *place)
+{
+	uint32_t threads = place->core == here->core;
+	for (uint32_t i = 0; i < count; i++)
+		threads += places[i].taken && places[i].core == place->core;
+	return 3 * threads + (place->node != here->node ? 2 : place->cache != here->cache ? 1 : 0);
+}
+
+/* Stores the best `max` CPUs of the places in cpus; the first of several equal ones. */
+static void choose_places(const char *cpu_dirs, cpu_place *places, uint32_t count, uint32_t here, uint32_t *cpus,
+                          uint32_t max)
+{
+	cpu_place owner = {.cpu = here, .core = here};
+	cpu_find_place(cpu_dirs, &owner);
+	for (uint32_t i = 0; i < count; i++)
+		cpu_find_place(cpu_dirs, &places[i]);
+	for (uint32_t chosen = 0; chosen < max; chosen++) {
+		cpu_place *best = NULL;
+		uint32_t best_cost = UINT32_MAX;
+		for (uint32_t i = 0; i < count; i++) {
+			uint32_t cost = places[i].taken ? UINT32_MAX : place_cost(places, count, &owner, &places[i]);
+			if (cost < best_cost) {
+				best = &places[i];
+				best_cost = cost;
+			}
+		}
+		assert(best && "max is less than count");
+		best->taken = true;
+		cpus[chosen] = best->cpu;
+	}
+}
+
+uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, const char *cpu_dirs, uint32_t *cpus,
+                        uint32_t max)
+{
+	assert(allowed && cpu_dirs && cpus && max > 0);
+	cpu_place *places = count > max ? calloc(count, sizeof *places) : NULL;
+	uint32_t chosen = count < max ? count : max;
+	for (uint32_t i = 0; i < chosen; i++)
+		cpus[i] = allowed[i];
+	for (uint32_t i = 0; places && i < count; i++)
+		places[i] = (cpu_place){.cpu = allowed[i], .core = allowed[i]};
+	if (places) /* if there is no memory, the first ones will do */
+		choose_places(cpu_dirs, places, count, here, cpus, max);
+	free(places);
+	return chosen;
+}
+
+uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
+{
+	assert(cpus && max > 0);
+	size_t size;
+	cpu_set_t *set = affinity(&size);
+	int here = sched_getcpu();
+	uint32_t count = 0, chosen = 0;
+	uint32_t *allowed = set && here >= 0 ? calloc(size * 8, sizeof *allowed) : NULL;
+	if (allowed) {
+		for (size_t i = 1; i < size * 8; i++) {
+			size_t cpu = ((size_t)here + i) % (size * 8);
+			if (CPU_ISSET_S(cpu, size, set))
+				allowed[count++] = (uint32_t)cpu;
+		}
+		chosen = job_cpu_choose(allowed, count, (uint32_t)here, "/sys/devices/system/cpu", cpus, max);
+	}
+	free(allowed);
+	CPU_FREE(set);
+	return chosen;
 }

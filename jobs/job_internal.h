@@ -343,8 +343,15 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope);
  * process's groups (/proc/self/cgroup), mount the folder where the hierarchies are mounted (/sys/fs/cgroup). */
 uint32_t job_cpu_quota(const char *proc_cgroup, const char *mount);
 
-/* Stores up to max CPUs of the affinity mask in cpus, beginning after the CPU that the calling thread runs on, which is
- * left out. Returns their number, 0 if the kernel does not say. max: at least 1. */
+/* Stores the max CPUs of allowed[0..count), or all if there are fewer, that suit the workers of an owner on the CPU
+ * `here` best, in cpus: first those on cores that no other thread of the pool uses, near ones (the same last level of
+ * cache, then the same memory node) before far ones; then second hardware threads of cores. cpu_dirs is the folder that
+ * describes the CPUs (/sys/devices/system/cpu). Returns their number. max: at least 1. */
+uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, const char *cpu_dirs, uint32_t *cpus,
+                        uint32_t max);
+
+/* job_cpu_choose for the CPUs of the affinity mask without the one that the calling thread runs on; 0 if the kernel
+ * does not say. */
 uint32_t job_cpu_others(uint32_t *cpus, uint32_t max);
 
 #endif

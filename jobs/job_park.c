@@ -211,20 +211,43 @@ static bool scope_accepts(const job_scope *scope, const job_work *work)
 	return false;
 }
 
-/* The index plus one of the newest idler whose scope includes this work, 0 if there is none. If none includes it but
- * every worker waits, some idler that may do jobs, and *rescue is true. Caller holds list->lock. */
+/* True if the idler starts at once when it is woken: it is bound, and so can be on another CPU than the waker (see
+ * move_away). If no worker is bound, one is as good as another. */
+static bool is_first_choice(const job_idle_list *list, const job_idler *idler)
+{
+	return idler->parker->bound || !list->spare;
+}
+
+/* The index plus one of an idler whose scope includes this work: the newest bound one if there is one, else the newest;
+ * 0 if there is none. all: idlers that may do any work may be chosen. Caller holds list->lock. */
+static uint32_t list_choose(const job_idle_list *list, const job_work *work, bool all)
+{
+	uint32_t found = 0;
+	/* Relaxed: ordered by the lock. */
+	for (uint32_t i = IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)); i > 0; i--) {
+		const job_idler *idler = &list->idler[i - 1];
+		if (!scope_accepts(&idler->scope, work) || (idler->scope.all && !all))
+			continue;
+		if (is_first_choice(list, idler))
+			return i;
+		found = found > 0 ? found : i;
+	}
+	return found;
+}
+
+/* list_choose for job_idle_wake. If there is none but every worker waits, some idler that may do jobs, and *rescue is
+ * true. Caller holds list->lock. */
 static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
 {
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* idlers are ordered by the lock */
-	uint32_t count = IDLERS(state);
+	uint32_t found = list_choose(list, work, SPINNERS(state) == 0);
 	*rescue = false;
-	for (uint32_t i = count; i > 0; i--)
-		if (scope_accepts(&list->idler[i - 1].scope, work) && !(list->idler[i - 1].scope.all && SPINNERS(state) > 0))
-			return i;
+	if (found > 0)
+		return found;
 	if (work->kind == JOB_WORK_LOOP || list->waiting < list->workers)
 		return 0;
 	*rescue = true;
-	uint32_t i = count;
+	uint32_t i = IDLERS(state);
 	while (i > 0 && !list->idler[i - 1].scope.jobs)
 		i--;
 	return i;
@@ -306,9 +329,8 @@ bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
 {
 	job_lock_take(&list->lock);
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* ordered by the lock */
-	uint32_t place = SPINNERS(state) < limit ? IDLERS(state) : 0;
-	while (place > 0 && !list->idler[place - 1].scope.all)
-		place--;
+	/* Only idlers that may do any work may do a job from a shared queue. */
+	uint32_t place = SPINNERS(state) < limit ? list_choose(list, &(job_work){.kind = JOB_WORK_SHARED}, true) : 0;
 	if (place == 0)
 		job_lock_give(&list->lock);
 	else

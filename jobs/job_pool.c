@@ -160,19 +160,19 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 }
 
 /* A worker that is woken by a thread which keeps running starts at once only on another CPU, but the kernel mostly
- * chooses the waker's. So each worker is bound to a CPU of its own and one CPU is left for the owner, if there are
- * enough CPUs. If the owner moves to a worker's CPU, its next wake-up of that worker binds it to the CPU left over
- * (job_park.c). */
+ * chooses the waker's. So each worker is bound to a CPU of its own, and one CPU is left for the owner. If the owner
+ * moves to a worker's CPU, its next wake-up of that worker binds it to the CPU left over. Workers for which no CPU is
+ * left are not bound; bound ones are woken first (job_park.c, both). */
 static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 {
-	uint32_t cpus[STILB_JOB_MAX_WORKERS];
-	if (desc->affinity != STILB_JOB_AFFINITY_AUTO || desc->worker_count == 0 ||
-	    job_cpu_others(cpus, desc->worker_count) < desc->worker_count)
+	uint32_t cpus[STILB_JOB_MAX_WORKERS], here = job_sys_cpu();
+	if (desc->affinity != STILB_JOB_AFFINITY_AUTO || desc->worker_count == 0 || here == UINT32_MAX)
 		return;
-	pool->idle.spare = true;
-	pool->idle.spare_cpu = job_sys_cpu();
-	for (uint32_t i = 1; i <= desc->worker_count; i++)
-		pool->slot[i].cpu = cpus[i - 1];
+	uint32_t others = job_cpu_others(cpus, desc->worker_count);
+	pool->idle.spare = others > 0;
+	pool->idle.spare_cpu = here;
+	for (uint32_t i = 0; i < others; i++)
+		pool->slot[i + 1].cpu = cpus[i];
 }
 
 static int start_workers(stilb_job_pool *pool)

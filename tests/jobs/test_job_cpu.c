@@ -1,4 +1,5 @@
-/* CPU counting: this process' affinity mask, and cgroup files that the test writes. */
+/* CPU counting: this process' affinity mask, and cgroup files that the test writes. And the choice of CPUs for workers,
+ * from a description of the machine that the test writes. */
 #include <sched.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -120,13 +121,70 @@ static void test_affinity(void **state)
 	assert_int_equal(count, 1);
 }
 
+/* ---- the choice of CPUs ---------------------------------------------------------------------------------------- */
+
+/* Describes a CPU of a machine with 16: two nodes of two caches each, two cores share a cache, and each core has two
+ * hardware threads, whose numbers differ by eight. */
+static void describe_cpu(uint32_t cpu)
+{
+	char name[64], text[64];
+	uint32_t core = cpu % 8, cache = core / 2 * 2;
+	snprintf(name, sizeof name, "cpu%u", cpu);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/topology", cpu);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/node%u", cpu, core / 4);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/topology/thread_siblings_list", cpu);
+	snprintf(text, sizeof text, "%u,%u\n", core, core + 8);
+	write_file(name, text);
+	snprintf(name, sizeof name, "cpu%u/cache", cpu);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/cache/index0", cpu);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/cache/index0/shared_cpu_list", cpu);
+	write_file(name, text);
+	snprintf(name, sizeof name, "cpu%u/cache/index3", cpu);
+	make_dir(name);
+	snprintf(name, sizeof name, "cpu%u/cache/index3/shared_cpu_list", cpu);
+	snprintf(text, sizeof text, "%u-%u,%u-%u\n", cache, cache + 1, cache + 8, cache + 9);
+	write_file(name, text);
+}
+
+static void check_choice(uint32_t here, uint32_t max, const uint32_t *wanted)
+{
+	uint32_t allowed[15], cpus[15];
+	for (uint32_t i = 0; i < 15; i++)
+		allowed[i] = (here + 1 + i) % 16;
+	assert_int_equal(job_cpu_choose(allowed, 15, here, root, cpus, max), max);
+	for (uint32_t i = 0; i < max; i++)
+		assert_int_equal(cpus[i], wanted[i]);
+}
+
+static void test_choice(void **state)
+{
+	(void)state;
+	for (uint32_t cpu = 0; cpu < 16; cpu++)
+		describe_cpu(cpu);
+	/* The other core of the cache, the other cache, the other node; then second threads, also of the owner's core. */
+	check_choice(0, 14, (const uint32_t[]){1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14});
+	check_choice(5, 14, (const uint32_t[]){12, 6, 7, 8, 9, 10, 11, 13, 4, 14, 15, 0, 1, 2});
+	check_choice(13, 3, (const uint32_t[]){4, 14, 15});
+	/* Fewer CPUs than asked for: all of them. Without a description: in the order given. */
+	uint32_t cpus[3];
+	assert_int_equal(job_cpu_choose((const uint32_t[]){9, 1}, 2, 0, root, cpus, 3), 2);
+	assert_int_equal(cpus[0], 9);
+	assert_int_equal(cpus[1], 1);
+	assert_int_equal(job_cpu_choose((const uint32_t[]){9, 1, 4}, 3, 0, "/nowhere", cpus, 2), 2);
+	assert_int_equal(cpus[0], 9);
+	assert_int_equal(cpus[1], 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_version_2),
-		cmocka_unit_test(test_version_1),
-		cmocka_unit_test(test_nonsense),
-		cmocka_unit_test(test_affinity),
+		cmocka_unit_test(test_version_2), cmocka_unit_test(test_version_1), cmocka_unit_test(test_nonsense),
+		cmocka_unit_test(test_affinity),  cmocka_unit_test(test_choice),
 	};
 	return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -1081,7 +1081,8 @@ typedef struct masks {
 	cpu_set_t worker[MOST_THREADS];
 	counter taken;
 	counter ran;
-	uint32_t cpu; /* CPU on which the job ran */
+	uint32_t cpu;  /* CPU on which the job ran */
+	uint32_t last; /* the worker that ran the last job of note_worker */
 } masks;
 
 static void take_mask(void *user, uint32_t worker)
@@ -1102,7 +1103,7 @@ static stilb_job_pool *pool_with_masks(masks *m, uint32_t workers, stilb_job_aff
 	return pool;
 }
 
-/* Each worker is bound to one of all CPUs, no two to the same one, none to the owner's. */
+/* Each of the first `workers` workers is bound to one of all CPUs, no two to the same one, none to the owner's. */
 static void check_bound(const masks *m, uint32_t workers, const cpu_set_t *all, int owner)
 {
 	cpu_set_t used;
@@ -1118,13 +1119,14 @@ static void check_bound(const masks *m, uint32_t workers, const cpu_set_t *all, 
 	assert_int_equal(CPU_COUNT(&used), workers);
 }
 
-static void test_workers_are_bound_if_there_are_enough_cpus(void **state)
+/* One worker fewer than there are CPUs is bound, at most; the others are not. */
+static void test_workers_are_bound_while_there_are_cpus(void **state)
 {
 	(void)state;
 	cpu_set_t all, after;
 	assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
 	uint32_t cpus = (uint32_t)CPU_COUNT(&all);
-	for (uint32_t workers = 1; workers < cpus && workers <= MOST_WORKERS; workers++)
+	for (uint32_t workers = 1; cpus > 1 && workers <= MOST_WORKERS; workers++)
 		for (int tries = 0;; tries++) {
 			masks m;
 			int before = sched_getcpu();
@@ -1134,7 +1136,9 @@ static void test_workers_are_bound_if_there_are_enough_cpus(void **state)
 			sched_getaffinity(0, sizeof after, &after);
 			assert_true(CPU_EQUAL(&all, &after));
 			if (stayed)
-				check_bound(&m, workers, &all, before);
+				check_bound(&m, workers < cpus ? workers : cpus - 1, &all, before);
+			for (uint32_t i = cpus; i <= workers; i++)
+				assert_true(CPU_EQUAL(&m.worker[i], &all));
 			if (stayed)
 				break;
 			assert_in_range(tries, 0, 1000); /* the kernel moved the owner in between: try again */
@@ -1159,8 +1163,6 @@ static void test_else_nobody_is_bound(void **state)
 	cpu_set_t all, one;
 	sched_getaffinity(0, sizeof all, &all);
 	check_unbound(1, STILB_JOB_AFFINITY_NONE);
-	if (CPU_COUNT(&all) <= MOST_WORKERS)
-		check_unbound((uint32_t)CPU_COUNT(&all), STILB_JOB_AFFINITY_AUTO);
 	CPU_ZERO(&one);
 	CPU_SET((size_t)sched_getcpu(), &one);
 	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* with one CPU no worker is bound */
@@ -1208,6 +1210,34 @@ static void test_worker_makes_room_for_the_owner(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
+static void note_worker(void *data, uint32_t worker)
+{
+	masks *m = data;
+	m->last = worker;
+	count_up(&m->ran);
+}
+
+/* A thread that is bound to another CPU than the waker's starts at once. */
+static void test_bound_workers_are_woken_first(void **state)
+{
+	(void)state;
+	cpu_set_t all;
+	sched_getaffinity(0, sizeof all, &all);
+	uint32_t cpus = (uint32_t)CPU_COUNT(&all);
+	if (cpus < 2 || cpus > MOST_WORKERS)
+		return;
+	sleep_log log = {0};
+	stilb_job_pool *pool = pool_with_hooks((shape){.workers = MOST_WORKERS}, sleep_log_hooks(&log));
+	masks m = {0};
+	for (uint32_t i = 1; i <= 50; i++) {
+		assert_true(await(&log.asleep, MOST_WORKERS));
+		assert_int_equal(stilb_job_submit(pool, note_worker, &m, NULL, 0), 0);
+		assert_true(await(&m.ran, i));
+		assert_in_range(m.last, 1, cpus - 1);
+	}
+	stilb_job_pool_destroy(pool);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -1234,9 +1264,10 @@ int main(void)
 		cmocka_unit_test(test_owner_runs_what_came_from_outside),
 		cmocka_unit_test(test_nobody_sleeps_in_a_phase),
 		cmocka_unit_test(test_idle_workers_burn_nothing),
-		cmocka_unit_test(test_workers_are_bound_if_there_are_enough_cpus),
+		cmocka_unit_test(test_workers_are_bound_while_there_are_cpus),
 		cmocka_unit_test(test_else_nobody_is_bound),
 		cmocka_unit_test(test_worker_makes_room_for_the_owner),
+		cmocka_unit_test(test_bound_workers_are_woken_first),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
