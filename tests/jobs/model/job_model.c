@@ -10,16 +10,30 @@ model_fault model_fault_now;
 
 typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, STOPPED, DONE } status;
 
+/* A store that waits to become visible to other threads. */
+typedef struct store {
+	void *word;
+	uint64_t value;
+	uint32_t size;
+	bool release;
+} store;
+
+/* What a READY thread waits for before its next step: its own buffer has room, holds no store to `word`, is empty. */
+typedef enum wish { ANYTHING, ROOM, NONE_TO_WORD, EMPTY } wish;
+
 typedef struct thread {
 	char *sp;
 	status status;
+	wish wish;
 	uint32_t value;            /* for IN_BLOCK */
-	const volatile void *word; /* for IN_FUTEX and IN_BLOCK */
+	const volatile void *word; /* for IN_FUTEX, IN_BLOCK and NONE_TO_WORD */
 	uint64_t target;           /* for IN_JOIN */
 	void *(*fn)(void *);
 	void *data;
 	const char *what; /* name of the next step, for traces */
 	int line;
+	uint32_t stores;            /* number of stores in the buffer */
+	store buffer[MODEL_BUFFER]; /* oldest first */
 } thread;
 
 /* The checker saves and restores states of the program under test. This is the part of a state besides the threads'
@@ -34,8 +48,9 @@ static struct world {
 } world;
 
 static _Alignas(128) char stacks[THREADS_MAX][STACK_SIZE];
-static int current = -1; /* the coroutine that runs; -1: the checker */
-static bool asserting;   /* inside an assert's condition, in which loads are no steps */
+static int current = -1;    /* the coroutine that runs; -1: the checker */
+static model_memory memory; /* of the scenario */
+static bool asserting;      /* inside an assert's condition, in which loads are no steps */
 static char *checker_sp;
 static const char *failure;
 
@@ -81,19 +96,6 @@ static void thread_entry(void)
 	self->status = DONE;
 	to_checker();
 	abort();
-}
-
-void model_spawn(void *(*fn)(void *), void *data)
-{
-	if (world.count == THREADS_MAX)
-		model_fail("too many threads");
-	char *top = stacks[world.count] + STACK_SIZE;
-	memset(stacks[world.count], 0, STACK_SIZE);
-	void *entry = (void *)thread_entry;
-	top -= 2 * sizeof entry; /* the entry function then sees the stack alignment of a call */
-	memcpy(top, &entry, sizeof entry);
-	world.threads[world.count++] =
-		(thread){.sp = top - 6 * sizeof entry, .status = READY, .fn = fn, .data = data, .what = "start"};
 }
 
 void model_fail(const char *why)
@@ -144,20 +146,148 @@ void model_assert_end(bool holds, const char *condition)
 		model_fail(condition);
 }
 
-void model_step(const volatile void *word, const char *what, int line)
+/* Stops before an operation on the word, which may be NULL. */
+static void stop_before(const volatile void *word, const char *what, int line, wish wanted)
 {
 	if (current < 0 || asserting)
 		return;
-	world.threads[current].what = what;
-	world.threads[current].line = line;
+	thread *self = &world.threads[current];
+	self->what = what;
+	self->line = line;
+	self->wish = wanted;
+	self->word = wanted == NONE_TO_WORD ? word : NULL;
 	to_checker();
+	self->wish = ANYTHING;
+	self->word = NULL;
 	if (word && word_dead(word))
 		model_fail("operation on dead memory");
 }
 
+void model_step(const volatile void *word, const char *what, int line)
+{
+	stop_before(word, what, line, ANYTHING);
+}
+
+/* ---- store buffers -------------------------------------------------------------------------------------------- */
+
+/* The newest store of the first `stores` in the buffer that is to this word; NULL if there is none. */
+static store *store_to(thread *t, const volatile void *word, uint32_t stores)
+{
+	while (stores > 0 && t->buffer[stores - 1].word != word)
+		stores--;
+	return stores > 0 ? &t->buffer[stores - 1] : NULL;
+}
+
+/* True if store i of the buffer may drain before the older ones. */
+static bool may_drain(thread *t, uint32_t i)
+{
+	return i == 0 ||
+	       (i < t->stores && memory == MODEL_PSO && !t->buffer[i].release && !store_to(t, t->buffer[i].word, i));
+}
+
+static void drain(thread *t, uint32_t i)
+{
+	store first = t->buffer[i];
+	if (word_dead(first.word)) {
+		model_fail("a store drains into dead memory");
+		return;
+	}
+	memcpy(first.word, &first.value, first.size);
+	t->stores--;
+	memmove(&t->buffer[i], &t->buffer[i + 1], (t->stores - i) * sizeof first);
+	memset(&t->buffer[t->stores], 0, sizeof first); /* equal states are equal bytes */
+}
+
+static void drain_all(thread *t)
+{
+	while (t->stores > 0)
+		drain(t, 0);
+}
+
+static store *own_store(const volatile void *word)
+{
+	return current >= 0 ? store_to(&world.threads[current], word, world.threads[current].stores) : NULL;
+}
+
+void model_load_begin(const volatile void *word, int line)
+{
+	if (!own_store(word)) /* else no step: what the thread sees does not depend on the others */
+		model_step(word, "load", line);
+}
+
+void *model_load(const volatile void *word)
+{
+	store *own = own_store(word);
+	return own ? (void *)&own->value : (void *)(uintptr_t)word;
+}
+
+static bool buffered(memory_order order)
+{
+	return current >= 0 && memory != MODEL_SC && order != memory_order_seq_cst;
+}
+
+void model_store_begin(volatile void *word, memory_order order, int line)
+{
+	if (!buffered(order))
+		stop_before(word, "store", line, EMPTY);
+	else if (world.threads[current].stores == MODEL_BUFFER)
+		stop_before(word, "store", line, ROOM);
+	else if (word_dead(word)) /* no step: other threads see nothing of the store yet */
+		model_fail("operation on dead memory");
+}
+
+void model_store(volatile void *word, size_t size, uint64_t value, memory_order order)
+{
+	void *at = (void *)(uintptr_t)word;
+	if (!buffered(order)) {
+		memcpy(at, &value, size);
+		return;
+	}
+	thread *self = &world.threads[current];
+	if (self->stores == MODEL_BUFFER)
+		model_fail("more stores than the buffer holds");
+	self->buffer[self->stores++] = (store){at, value, (uint32_t)size, order != memory_order_relaxed};
+}
+
+void model_rmw(volatile void *word, const char *what, memory_order order, int line)
+{
+	bool release = order != memory_order_relaxed && order != memory_order_acquire;
+	stop_before(word, what, line, release || memory == MODEL_TSO ? EMPTY : NONE_TO_WORD);
+}
+
+void model_barrier(void)
+{
+	if (world.threads[current].stores > 0)
+		stop_before(NULL, "barrier", 0, EMPTY);
+}
+
+void model_membarrier(void)
+{
+	model_step(NULL, "membarrier", 0);
+	for (uint32_t i = 0; i < world.count; i++)
+		drain_all(&world.threads[i]);
+}
+
+/* ---- threads, locks and memory -------------------------------------------------------------------------------- */
+
+void model_spawn(void *(*fn)(void *), void *data)
+{
+	if (world.count == THREADS_MAX)
+		model_fail("too many threads");
+	if (current >= 0)
+		drain_all(&world.threads[current]); /* the new thread sees what this one has stored */
+	char *top = stacks[world.count] + STACK_SIZE;
+	memset(stacks[world.count], 0, STACK_SIZE);
+	void *entry = (void *)thread_entry;
+	top -= 2 * sizeof entry; /* the entry function then sees the stack alignment of a call */
+	memcpy(top, &entry, sizeof entry);
+	world.threads[world.count++] =
+		(thread){.sp = top - 6 * sizeof entry, .status = READY, .fn = fn, .data = data, .what = "start"};
+}
+
 void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 {
-	model_step(word, "futex_wait", 0);
+	stop_before(word, "futex_wait", 0, EMPTY);
 	if (*word != expected)
 		return;
 	world.threads[current].status = IN_FUTEX;
@@ -167,7 +297,7 @@ void model_futex_wait(_Atomic uint32_t *word, uint32_t expected)
 
 void model_futex_wake_one(_Atomic uint32_t *word)
 {
-	model_step(NULL, "futex_wake", 0); /* uses only the address: the memory may be freed */
+	stop_before(NULL, "futex_wake", 0, EMPTY); /* uses only the address: the memory may be freed */
 	if (model_fault_now == MODEL_FAULT_NO_WAKE)
 		return;
 	for (uint32_t i = 0; i < world.count; i++) {
@@ -243,6 +373,8 @@ void model_free(void *block)
 	int i = cell_of(block);
 	if (i < 0)
 		return; /* large blocks are not reused */
+	if (current >= 0)
+		drain_all(&world.threads[current]);
 	if (!(world.cells_used >> i & 1))
 		model_fail("freed twice");
 	world.cells_used &= ~(1u << i);
@@ -259,8 +391,8 @@ uint32_t model_heap_blocks(void)
 typedef struct frame { /* a state on the path from the first state to the current one */
 	char *saved;
 	uint32_t state;
-	uint32_t next; /* the thread to try next; from world.count on: the thread to stop next */
-	int chosen;    /* the choice that led to the next frame, coded like `next` */
+	uint32_t next; /* the choice to try next, see choice_enabled */
+	int chosen;    /* the choice that led to the next frame */
 } frame;
 
 typedef struct edge {
@@ -414,27 +546,46 @@ static uint32_t state_number(uint64_t key, bool *fresh)
 
 /* ---- search -------------------------------------------------------------------------------------------------- */
 
-static bool thread_enabled(const thread *t)
+static bool wish_granted(thread *t)
+{
+	switch (t->wish) {
+	case ROOM:
+		return t->stores < MODEL_BUFFER;
+	case NONE_TO_WORD:
+		return !store_to(t, t->word, t->stores);
+	case EMPTY:
+		return t->stores == 0;
+	default:
+		return true;
+	}
+}
+
+static bool thread_enabled(thread *t)
 {
 	switch (t->status) {
 	case READY:
-		return true;
+		return wish_granted(t);
 	case IN_JOIN:
-		return world.threads[t->target].status == DONE;
+		return world.threads[t->target].status == DONE && world.threads[t->target].stores == 0;
 	case IN_BLOCK:
-		return *(const volatile uint32_t *)t->word == t->value;
+		return t->stores == 0 && *(const volatile uint32_t *)t->word == t->value;
 	default:
 		return false;
 	}
 }
 
-/* A choice below world.count is a thread that makes a step; world.count + i stops thread i for ever. */
+/* A choice is a thread and what happens to it: choice % world.count and choice / world.count. */
+enum { RUNS, STOPS, DRAINS, WHATS = DRAINS + MODEL_BUFFER }; /* runs; stops for ever; store i drains: DRAINS + i */
+
 static bool choice_enabled(uint32_t choice)
 {
-	if (choice < world.count)
-		return thread_enabled(&world.threads[choice]);
-	uint32_t i = choice - world.count;
-	return (search.scenario->may_stop >> i & 1) && world.threads[i].status == READY;
+	uint32_t i = choice % world.count, what = choice / world.count;
+	thread *t = &world.threads[i];
+	if (what == RUNS)
+		return thread_enabled(t);
+	if (what == STOPS)
+		return (search.scenario->may_stop >> i & 1) && t->status == READY;
+	return t->stores > 0 && may_drain(t, what - DRAINS);
 }
 
 static bool run_over(void)
@@ -442,7 +593,7 @@ static bool run_over(void)
 	if (search.scenario->main_ends_all)
 		return world.threads[0].status == DONE;
 	for (uint32_t i = 0; i < world.count; i++)
-		if (world.threads[i].status != DONE && world.threads[i].status != STOPPED)
+		if ((world.threads[i].status != DONE && world.threads[i].status != STOPPED) || world.threads[i].stores > 0)
 			return false;
 	return true;
 }
@@ -471,7 +622,7 @@ static void state_visit(uint32_t from, bool first)
 		return;
 	}
 	for (uint32_t i = 0; i < world.count; i++)
-		enabled |= thread_enabled(&world.threads[i]);
+		enabled |= thread_enabled(&world.threads[i]) || world.threads[i].stores > 0;
 	if (run_over()) {
 		search.ends_well[state] = 1;
 		if (search.scenario->check)
@@ -490,6 +641,17 @@ static void thread_run(int i)
 	current = -1;
 }
 
+static void choice_take(uint32_t choice)
+{
+	uint32_t i = choice % world.count, what = choice / world.count;
+	if (what == RUNS)
+		thread_run((int)i);
+	else if (what == STOPS)
+		world.threads[i].status = STOPPED;
+	else
+		drain(&world.threads[i], what - DRAINS);
+}
+
 /* Makes one step of the depth-first search. False if the path is empty. */
 static bool search_turn(void)
 {
@@ -497,19 +659,16 @@ static bool search_turn(void)
 		return false;
 	frame *top = &search.path[search.path_count - 1];
 	state_restore(top->saved);
-	while (top->next < 2 * world.count && !choice_enabled(top->next))
+	while (top->next < WHATS * world.count && !choice_enabled(top->next))
 		top->next++;
-	if (top->next == 2 * world.count) {
+	if (top->next == WHATS * world.count) {
 		free(top->saved);
 		search.path_count--;
 		return true;
 	}
 	top->chosen = (int)top->next++;
 	uint32_t from = top->state;
-	if (top->chosen < (int)world.count)
-		thread_run(top->chosen);
-	else
-		world.threads[top->chosen - (int)world.count].status = STOPPED;
+	choice_take(top->next - 1);
 	if (!failure)
 		state_visit(from, false);
 	return true;
@@ -530,16 +689,26 @@ static bool all_end_well(void)
 	return !memchr(search.ends_well, 0, search.states);
 }
 
+static void print_choice(uint32_t choice)
+{
+	uint32_t i = choice % world.count, what = choice / world.count;
+	const thread *t = &world.threads[i];
+	if (what == RUNS)
+		fprintf(stderr, "  %u %s:%d\n", i, t->what, t->line);
+	else if (what == STOPS)
+		fprintf(stderr, "  %u stops for ever\n", i);
+	else
+		fprintf(stderr, "  %u's store of %#llx drains into %p\n", i, (unsigned long long)t->buffer[what - DRAINS].value,
+		        t->buffer[what - DRAINS].word);
+}
+
 static void print_path(void)
 {
 	fprintf(stderr, "model: %s, after\n", failure);
 	for (size_t i = 0; i < search.path_count; i++) {
 		state_restore(search.path[i].saved);
-		int chosen = search.path[i].chosen;
-		if (chosen >= (int)world.count)
-			fprintf(stderr, "  %d stops for ever\n", chosen - (int)world.count);
-		else if (chosen >= 0)
-			fprintf(stderr, "  %d %s:%d\n", chosen, world.threads[chosen].what, world.threads[chosen].line);
+		if (search.path[i].chosen >= 0)
+			print_choice((uint32_t)search.path[i].chosen);
 	}
 }
 
@@ -550,6 +719,7 @@ static void search_begin(const model_scenario *scenario)
 	memset(scenario->data, 0, scenario->data_size);
 	failure = NULL;
 	current = -1;
+	memory = scenario->memory;
 	search.scenario = scenario;
 	search.ends_well = calloc(scenario->max_states + 1, 1);
 	if (!search.ends_well)
@@ -571,6 +741,17 @@ static void *main_entry(void *data)
 	(void)data;
 	search.scenario->main();
 	return NULL;
+}
+
+model_arguments model_arguments_of(int argc, char **argv)
+{
+	static const char *const names[] = {[MODEL_SC] = "sc", [MODEL_TSO] = "tso", [MODEL_PSO] = "pso"};
+	model_arguments arguments = {.memory = MODEL_PSO, .must_fail = argc > 1 && strcmp(argv[1], "must-fail") == 0};
+	if (argc > 2)
+		for (arguments.memory = MODEL_SC; strcmp(argv[2], names[arguments.memory]) != 0; arguments.memory++)
+			if (arguments.memory == MODEL_PSO)
+				abort();
+	return arguments;
 }
 
 model_result model_run(const model_scenario *scenario, bool trace)

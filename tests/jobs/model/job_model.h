@@ -8,17 +8,20 @@
  *   model_result result = model_run(&scenario, true);
  *
  * Method.       Threads are coroutines. Before each operation on shared memory a thread stops, and the checker runs
- *               every enabled thread from every state that it has not seen: all interleavings, exhaustively, as
- *               sequentially consistent steps.
+ *               every enabled thread from every state that it has not seen: all interleavings, exhaustively.
+ * Memory.       Each scenario chooses the machine that it runs on (model_memory). On a machine with store buffers a
+ *               store waits in the buffer of its thread, and that it drains into memory is a step of its own, which the
+ *               checker takes at every possible moment.
  * States.       All that the threads can see: their stacks, the heap, the scenario's data. A state is saved and
  *               restored byte by byte, and identified by a 64-bit hash; the chance that two of a million states have
  *               the same hash is about 3e-8.
  * It finds      failed checks; states in which no thread can run (lost wake-up, deadlock); states from which the end
  *               cannot be reached (livelock, waiting for a word that nobody changes); operations on freed memory or on
  *               the stack of a function that has returned.
- * Not modelled: weak memory (argued in the comments of the sources, partly checked by the thread sanitizer), spurious
- *               failures of weak compare-exchange, plain accesses as separate steps (the thread sanitizer finds racing
- *               ones).
+ * Not modelled: loads out of their turn, so a missing acquire is not seen; plain accesses as steps: a plain store is in
+ *               memory at once, so a missing release is not seen if what it publishes is plain (the thread sanitizer
+ *               sees both in the interleavings that it meets); spurious failures of weak compare-exchange; more than
+ *               MODEL_BUFFER stores that wait in one buffer.
  * x86-64 only:  the switch between coroutines is written in assembly.
  */
 #ifndef JOB_MODEL_H
@@ -30,7 +33,29 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifndef MODEL_BUFFER
+#define MODEL_BUFFER 3 /* stores that wait in a thread's buffer at most; the next one waits for room */
+#endif
+
+/*
+ * Machines, from strong to weak: each can do all that those before it can, so what ends well on it ends well on them.
+ *
+ * MODEL_SC      Sequentially consistent: a store is in memory at once.
+ * MODEL_TSO     x86: Owens, Sarkar and Sewell, "A Better x86 Memory Model: x86-TSO", TPHOLs 2009. A store waits in a
+ *               first-in first-out buffer, and the thread's own loads see it there. A seq_cst store and every
+ *               read-modify-write wait until the buffer is empty. So a load may happen before an earlier store to
+ *               another word: the one thing that x86 reorders.
+ * MODEL_PSO     Stores to different words also drain in any order, as on ARM, unless the orders that the source names
+ *               forbid it: a release store drains after all earlier ones; a read-modify-write that is neither release
+ *               nor seq_cst waits only for the stores to its own word. Loads stay in order, unlike on ARM.
+ *
+ * System calls: a futex wait and a futex wake are full barriers, as in Linux (kernel/futex: the barriers (A) and (B)
+ * that its head describes), as are the creation and the end of a thread. Memory is freed after all earlier stores.
+ */
+typedef enum model_memory { MODEL_SC, MODEL_TSO, MODEL_PSO } model_memory;
+
 typedef struct model_scenario {
+	model_memory memory;
 	void (*main)(void);  /* the first thread */
 	void (*check)(void); /* called at the end of every run; may be NULL */
 	void *data;          /* shared by the threads, besides the heap; zeroed at the start */
@@ -47,6 +72,14 @@ typedef struct model_result {
 	uint32_t depth; /* number of steps of the longest path */
 } model_result;
 
+/* The arguments of a model test: none, or "must-fail" or "ends-well", and a machine: "sc", "tso" or "pso". With
+ * must-fail, some scenario must fail on it; with ends-well, or without arguments, none may. */
+typedef struct model_arguments {
+	bool must_fail;
+	model_memory memory; /* MODEL_PSO without arguments */
+} model_arguments;
+model_arguments model_arguments_of(int argc, char **argv);
+
 /* Checks all interleavings. With trace, the path to a failure is printed on stderr. */
 model_result model_run(const model_scenario *scenario, bool trace);
 
@@ -58,6 +91,7 @@ void model_fail(const char *why); /* ends the run as a failure; does not return 
 void model_spawn(void *(*fn)(void *), void *data);
 void model_block_until(const uint32_t *word, uint32_t value); /* sleeps until *word is value */
 uint32_t model_heap_blocks(void);                             /* number of blocks not freed */
+void model_barrier(void);                                     /* waits until the thread's stores are in memory */
 
 /* Faults of the checker's own operations, which it must find. */
 typedef enum model_fault {
@@ -73,7 +107,24 @@ void model_assert_begin(void);
 void model_assert_end(bool holds, const char *condition);
 
 /* The checker's operations. */
+
+/* The thread stops, to go on when the checker chooses it: other threads may run before what it does next. */
 void model_step(const volatile void *word, const char *what, int line);
+
+/* A load and a store are two calls each: model_step, and then the access, so that a thread that has stopped keeps no
+ * value of it on its stack. A load returns where the value is: the thread's own newest store to the word, or the word
+ * itself. A store takes the low `size` bytes of value. */
+void model_load_begin(const volatile void *word, int line);
+void *model_load(const volatile void *word);
+void model_store_begin(volatile void *word, memory_order order, int line);
+void model_store(volatile void *word, size_t size, uint64_t value, memory_order order);
+
+/* model_step before a read-modify-write, which then accesses the memory itself. */
+void model_rmw(volatile void *word, const char *what, memory_order order, int line);
+
+/* The stores of all threads are in memory: membarrier(MEMBARRIER_CMD_PRIVATE_EXPEDITED). */
+void model_membarrier(void);
+
 void model_futex_wait(_Atomic uint32_t *word, uint32_t expected);
 void model_futex_wake_one(_Atomic uint32_t *word);
 void *model_malloc(size_t size);

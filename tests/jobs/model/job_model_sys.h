@@ -44,8 +44,6 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* not used by tes
 #undef STILB_JOB_MAX_WORKERS
 #define STILB_JOB_MAX_WORKERS 3 /* keeps states small */
 
-#define STEP(p, what) model_step(p, what, __LINE__)
-
 #undef atomic_load_explicit
 #undef atomic_store_explicit
 #undef atomic_exchange_explicit
@@ -56,36 +54,26 @@ static __attribute__((unused)) uint64_t model_spin_ticks = 1; /* not used by tes
 #undef atomic_compare_exchange_strong_explicit
 #undef atomic_compare_exchange_weak_explicit
 
-#define atomic_load_explicit(p, order) (STEP(p, "load"), *(p))
-#define atomic_store_explicit(p, value, order) (STEP(p, "store"), (void)(*(p) = (value)))
-#define atomic_exchange_explicit(p, value, order)                                                                      \
+#define atomic_load_explicit(p, order) (model_load_begin(p, __LINE__), *(__typeof__(&*(p)))model_load(p))
+#define atomic_store_explicit(p, value, order)                                                                         \
+	(model_store_begin(p, order, __LINE__), model_store(p, sizeof *(p), (uint64_t)(uintptr_t)(value), order))
+/* Exchanges *(p), called old_ there, for `result`. */
+#define MODEL_RMW(p, what, result, order)                                                                              \
 	__extension__({                                                                                                    \
-		STEP(p, "exchange");                                                                                           \
-		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
-		*(p) = (value);                                                                                                \
-		old_;                                                                                                          \
-	})
-#define MODEL_FETCH(p, change)                                                                                         \
-	__extension__({                                                                                                    \
-		STEP(p, "fetch_add");                                                                                          \
-		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
-		*(p) = old_ + (__typeof__(old_))(change);                                                                      \
-		old_;                                                                                                          \
-	})
-#define atomic_fetch_add_explicit(p, value, order) MODEL_FETCH(p, value)
-#define atomic_fetch_sub_explicit(p, value, order) MODEL_FETCH(p, -(uint64_t)(value))
-#define MODEL_FETCH_BITS(p, what, result)                                                                              \
-	__extension__({                                                                                                    \
-		STEP(p, what);                                                                                                 \
+		model_rmw(p, what, order, __LINE__);                                                                           \
 		__typeof__(((void)0, *(p))) old_ = *(p);                                                                       \
 		*(p) = result;                                                                                                 \
 		old_;                                                                                                          \
 	})
-#define atomic_fetch_or_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_or", old_ | (bits))
-#define atomic_fetch_and_explicit(p, bits, order) MODEL_FETCH_BITS(p, "fetch_and", old_ &(bits))
+#define atomic_exchange_explicit(p, value, order) MODEL_RMW(p, "exchange", value, order)
+#define MODEL_FETCH(p, change, order) MODEL_RMW(p, "fetch_add", old_ + (__typeof__(old_))(change), order)
+#define atomic_fetch_add_explicit(p, value, order) MODEL_FETCH(p, value, order)
+#define atomic_fetch_sub_explicit(p, value, order) MODEL_FETCH(p, -(uint64_t)(value), order)
+#define atomic_fetch_or_explicit(p, bits, order) MODEL_RMW(p, "fetch_or", old_ | (bits), order)
+#define atomic_fetch_and_explicit(p, bits, order) MODEL_RMW(p, "fetch_and", old_ &(bits), order)
 #define atomic_compare_exchange_strong_explicit(p, expected, value, success, failure)                                  \
 	__extension__({                                                                                                    \
-		STEP(p, "compare_exchange");                                                                                   \
+		model_rmw(p, "compare_exchange", success, __LINE__);                                                           \
 		__typeof__(((void)0, *(p))) seen_ = *(p);                                                                      \
 		bool same_ = seen_ == *(expected);                                                                             \
 		if (same_)                                                                                                     \

@@ -2,7 +2,7 @@
  * All interleavings of the real lock-free queue with segments of two cells, so that a few items cross several segment
  * ends and reuse segments; also with a thread that stops for ever at any step. job_model.h tells what that covers. The
  * same test is built around copies with one planted fault each (CMakeLists.txt in this folder) and run with the
- * argument must-fail: some scenario must find the fault.
+ * arguments of model_arguments: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -47,7 +47,7 @@ static struct {
 	size_t capacity;
 	bool closer; /* another thread closes at any time; otherwise the last producer closes after its last item */
 } with;
-static bool must_fail;
+static model_arguments arguments;
 
 static void fail_unless(bool condition, const char *why)
 {
@@ -259,19 +259,20 @@ static bool failed; /* a scenario has failed */
 
 static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
-	if (failed && must_fail)
+	if (failed && arguments.must_fail)
 		return;
-	model_scenario scenario = {.main = entry,
+	model_scenario scenario = {.memory = arguments.memory,
+	                           .main = entry,
 	                           .check = check,
 	                           .data = &shared,
 	                           .data_size = sizeof shared,
 	                           .may_stop = with.stops << with.guests,
 	                           .max_states = 4000000};
-	model_result result = model_run(&scenario, !must_fail);
+	model_result result = model_run(&scenario, !arguments.must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
 	/* An inconclusive run, with too many states, has not found the planted fault. */
-	failed = failed || (result.failure && !(must_fail && result.states >= scenario.max_states));
+	failed = failed || (result.failure && !(arguments.must_fail && result.states >= scenario.max_states));
 }
 
 static void run_queue(const char *name, uint32_t producers, uint32_t consumers, uint32_t each, uint32_t before,
@@ -327,14 +328,14 @@ static void test_every_interleaving(void **state)
 	(void)state;
 	failed = false;
 	run_all();
-	assert_int_equal(failed, must_fail);
+	assert_int_equal(failed, arguments.must_fail);
 }
 
 int main(int argc, char **argv)
 {
 	if (!model_available())
 		return 77;
-	must_fail = argc == 2 && strcmp(argv[1], "must-fail") == 0;
+	arguments = model_arguments_of(argc, argv);
 	const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_interleaving)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

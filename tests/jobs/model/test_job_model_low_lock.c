@@ -5,7 +5,7 @@
  * The queue's scenarios use a lock of one step, since the states of the real lock would multiply with theirs.
  *
  * CMakeLists.txt in this folder also builds this file around copies of the sources with one planted fault each. Those
- * are run with the argument must-fail: some scenario must find the fault.
+ * are run with the arguments of model_arguments: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -27,8 +27,7 @@ static void model_lock_take(job_lock *lock)
 
 static void model_lock_give(job_lock *lock)
 {
-	model_step(&lock->held, "give", __LINE__);
-	lock->held = 0;
+	atomic_store_explicit(&lock->held, 0, memory_order_release);
 }
 
 #define job_lock_take model_lock_take
@@ -66,7 +65,7 @@ static struct {
 	int32_t capacity;
 	bool closer; /* another thread closes at any time; otherwise the last producer closes after its last item */
 } with;
-static bool must_fail;
+static model_arguments arguments;
 
 static void fail_unless(bool condition, const char *why)
 {
@@ -84,7 +83,8 @@ static int32_t sum_but(const int32_t *of, uint32_t thread)
 	return sum;
 }
 
-/* Called when a call begins or ends: notes for each call in progress whether the queue may be empty or full now. */
+/* Called when a call begins or ends: notes for each call in progress whether the queue may be empty or full now. A call
+ * ends for the other threads when its stores are in memory. */
 static void note_moment(void)
 {
 	for (uint32_t i = 0; i < 4; i++) {
@@ -109,6 +109,7 @@ static void push_begin(uint32_t thread, int32_t count)
 
 static void push_end(uint32_t thread, int result)
 {
+	model_barrier();
 	note_moment();
 	fail_unless(result != -EAGAIN || shared.may_be_full[thread], "refused, though never full");
 	shared.pushing[thread] = 0;
@@ -125,6 +126,7 @@ static void pop_begin(uint32_t thread, int32_t count)
 
 static void pop_end(uint32_t thread, int result)
 {
+	model_barrier();
 	note_moment();
 	fail_unless(result > 0 || shared.may_be_empty[thread], "found nothing, though never empty");
 	shared.popping[thread] = 0;
@@ -211,7 +213,7 @@ static void *consume(void *data)
 	while ((result = pop(thread, items)) != -EPIPE)
 		for (int i = 0; i < result; i++)
 			see(thread, items[i]);
-	fail_unless(shared.pushed == shared.popped + sum_but(shared.popping, thread) || sum_but(shared.popping, thread) > 0,
+	fail_unless(shared.pushed <= shared.popped || sum_but(shared.popping, thread) > 0,
 	            "closed and empty, but items are left");
 	return NULL;
 }
@@ -299,11 +301,17 @@ static bool failed; /* a scenario has failed */
 
 static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
-	if (failed && must_fail)
+	if (failed && arguments.must_fail)
 		return;
-	model_scenario scenario = {
-		.main = entry, .check = check, .data = &shared, .data_size = sizeof shared, .max_states = 2000000};
-	model_result result = model_run(&scenario, !must_fail);
+	/* The lock by itself has a gap on other machines (job_lock.h, "Limit"), which time closes; in the model none
+	 * passes. */
+	model_scenario scenario = {.memory = entry == lock_main ? MODEL_SC : arguments.memory,
+	                           .main = entry,
+	                           .check = check,
+	                           .data = &shared,
+	                           .data_size = sizeof shared,
+	                           .max_states = 2000000};
+	model_result result = model_run(&scenario, !arguments.must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
 	failed = failed || result.failure;
@@ -355,16 +363,16 @@ static void test_every_interleaving(void **state)
 	(void)state;
 	failed = false;
 	run_all();
-	assert_int_equal(failed, must_fail);
+	assert_int_equal(failed, arguments.must_fail);
 }
 
 /* The checker's own operations are broken on purpose (model_fault): it must find that, too. */
 static void test_faults_are_found(void **state)
 {
 	(void)state;
-	if (must_fail)
+	if (arguments.must_fail)
 		return; /* this build has a planted fault already */
-	must_fail = true;
+	arguments.must_fail = true;
 	static const model_fault faults[] = {MODEL_FAULT_NO_LOCK, MODEL_FAULT_NO_WAKE};
 	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
 		model_fault_now = faults[i];
@@ -373,14 +381,14 @@ static void test_faults_are_found(void **state)
 		model_fault_now = MODEL_FAULT_NONE;
 		assert_true(failed);
 	}
-	must_fail = false;
+	arguments.must_fail = false;
 }
 
 int main(int argc, char **argv)
 {
 	if (!model_available())
 		return 77;
-	must_fail = argc == 2 && strcmp(argv[1], "must-fail") == 0;
+	arguments = model_arguments_of(argc, argv);
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_every_interleaving),
 		cmocka_unit_test(test_faults_are_found),

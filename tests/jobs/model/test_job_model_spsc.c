@@ -3,7 +3,7 @@
  * cross several block ends and reuse blocks. job_model.h tells what that covers.
  *
  * CMakeLists.txt in this folder also builds this file around copies of jobs/job_spsc.c with one planted fault each.
- * Those are run with the argument must-fail: some scenario must find the fault.
+ * Those are run with the arguments of model_arguments: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -26,7 +26,7 @@ static struct shared {
 
 /* Parameters of a scenario, constant while the checker runs it: so it need not save and restore them with `shared`. */
 static uintptr_t item_count;
-static bool must_fail;
+static model_arguments arguments;
 
 static void fail_unless(bool condition, const char *why)
 {
@@ -64,9 +64,10 @@ static void produce(void)
 
 static const char *failure_with(uintptr_t items)
 {
-	model_scenario scenario = {.main = produce, .data = &shared, .data_size = sizeof shared, .max_states = 100000};
+	model_scenario scenario = {
+		.memory = arguments.memory, .main = produce, .data = &shared, .data_size = sizeof shared, .max_states = 100000};
 	item_count = items;
-	model_result result = model_run(&scenario, !must_fail);
+	model_result result = model_run(&scenario, !arguments.must_fail);
 	print_message("%u items: %7u states %7u steps, path %u: %s\n", (unsigned)items, result.states, result.steps,
 	              result.depth, result.failure ? result.failure : "ends well");
 	return result.failure;
@@ -78,7 +79,7 @@ static void test_spsc(void **state)
 	const char *failure = NULL;
 	for (uintptr_t items = 0; items <= 9 && !failure; items++)
 		failure = failure_with(items);
-	if (must_fail)
+	if (arguments.must_fail)
 		assert_non_null(failure);
 	else
 		assert_null(failure);
@@ -88,7 +89,7 @@ int main(int argc, char **argv)
 {
 	if (!model_available())
 		return 77;
-	must_fail = argc == 2 && strcmp(argv[1], "must-fail") == 0;
+	arguments = model_arguments_of(argc, argv);
 	const struct CMUnitTest tests[] = {cmocka_unit_test(test_spsc)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
