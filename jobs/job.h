@@ -79,13 +79,16 @@ typedef void stilb_job_range_fn(uint32_t begin, uint32_t end, uint32_t worker, v
 /* Created by stilb_job_pool_create. */
 typedef struct stilb_job_pool stilb_job_pool;
 
-/* Counts the unfinished jobs that were submitted into it, at most 2^32 - 2. Zero-initialise it; only the library
- * touches its fields. It must outlive its jobs and every wait for it, and all its jobs belong to one pool. Once
- * stilb_job_wait has returned the group may be reused or freed. A running job may submit more jobs into its own
- * group. */
+/* Counts the unfinished jobs that were submitted into it, at most 2^32 - 2. Zero-initialise it. It must outlive its
+ * jobs and every wait for it, and all its jobs belong to one pool. Once stilb_job_wait has returned the group may be
+ * reused or freed. A running job may submit more jobs into its own group. */
 typedef struct stilb_job_group {
-	uint64_t state;
-	void *after; /* jobs that start when this group has finished */
+	uint64_t state; /* the library's own */
+	void *after;    /* the library's own: jobs that start when this group has finished */
+	/* Called instead of each job of this group that is dropped (stilb_job_group_cancel, stilb_job_pool_cancel), with
+	 * the job's data or the loop's context, for example to free it; NULL: nothing is called. Set by the program before
+	 * the first submit. */
+	stilb_job_fn *dropped;
 } stilb_job_group;
 
 /* The order in which threads look for jobs. */
@@ -160,8 +163,8 @@ int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool
 void stilb_job_pool_destroy(stilb_job_pool *pool);
 
 /* From now on, jobs that have not started are dropped: they count as finished without running, so waits return and
- * destroy ends soon. For shutting down quickly: cancel, then destroy. Loops that have begun run to their end. A pool
- * stays cancelled. [any-thread] */
+ * destroy ends soon. Jobs in a group are handed back through its function `dropped`, others are not. For shutting down
+ * quickly: cancel, then destroy. Loops that have begun run to their end. A pool stays cancelled. [any-thread] */
 void stilb_job_pool_cancel(stilb_job_pool *pool);
 
 /* The number of threads beside the owner, 0..STILB_JOB_MAX_WORKERS. An array with an element for each thread needs one
@@ -203,12 +206,25 @@ uint32_t stilb_job_run_pinned(stilb_job_pool *pool, uint32_t worker);
  * a thread outside the pool only sleeps. [any-thread] */
 void stilb_job_wait(stilb_job_pool *pool, stilb_job_group *group, uint32_t worker);
 
+/* Until the group has finished, its jobs that have not started are dropped: they count as finished without running, and
+ * group->dropped, if set, is called for each of them, on the thread that would have run it. So are jobs that are
+ * submitted into the group meanwhile. Jobs that are running run to their end; they may ask
+ * stilb_job_group_is_cancelled. Jobs `after` the group and jobs that its jobs have submitted into other groups are not
+ * dropped. Does nothing if the group has no unfinished jobs. The group must be in use by the caller, which waits for it
+ * later or is one of its jobs. [any-thread] */
+void stilb_job_group_cancel(stilb_job_pool *pool, stilb_job_group *group);
+
+/* True from stilb_job_group_cancel until the group has finished. [any-thread] */
+bool stilb_job_group_is_cancelled(const stilb_job_group *group);
+
 /* Calls fn for slices of grain indices that together cover 0 <= i < count, on the calling thread and on every worker
  * that is free or becomes free; returns when all slices have finished, and everything they wrote is then visible. grain
  * 0 means 1; the last slice may be shorter. Which thread runs which slice is not determined, and a slow slice delays no
  * other. May be nested. It needs neither memory nor helpers and so cannot fail. Sleeping workers are woken only for
  * loops that take longer than a wake-up. While the caller waits for slices that others have claimed, it helps with
- * loops nested deeper in this one and runs jobs pinned to its thread, but no other jobs. [pool-thread] */
+ * loops nested deeper in this one and runs jobs pinned to its thread, but no other jobs. A thread outside the pool
+ * sleeps while threads of the pool run all slices; in a pool without workers the owner does so in a wait.
+ * It needs memory for one job, and tries again until it gets that. [any-thread] */
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                             uint32_t worker);
 

@@ -3,6 +3,8 @@
 /* One loop in so many is timed even if all workers are awake, so that the known slice times (job_rate) stay true. */
 #define MEASURE_EVERY 16
 
+#define JOB_MEMORY_NAP_NS 1000000u /* between two attempts to get memory, which other threads may free meanwhile */
+
 /* ---- claiming -------------------------------------------------------------------------------------------------- */
 
 /* Claimed slices of a loop, with a copy of its fields: the loop may be reused a moment later. */
@@ -342,13 +344,42 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	slot->loops_open--;
 }
 
+/* A loop that a thread outside the pool waits for. */
+typedef struct outside_loop {
+	stilb_job_pool *pool;
+	stilb_job_range_fn *fn;
+	void *context;
+	uint32_t count, grain;
+} outside_loop;
+
+static void outside_loop_run(void *data, uint32_t worker)
+{
+	outside_loop *loop = data;
+	stilb_job_parallel_for(loop->pool, loop->count, loop->grain, loop->fn, loop->context, worker);
+}
+
+/* stilb_job_parallel_for for a thread outside the pool, which has no index to pass to slices: a thread of the pool
+ * calls it as a job. The loop is not dropped when the pool is cancelled, as no other is. */
+static void for_outside(outside_loop *loop)
+{
+	assert(job_pool_is_outside(loop->pool) && "a thread of the pool passes its index");
+	stilb_job_group group = {.dropped = outside_loop_run};
+	while (stilb_job_submit(loop->pool, outside_loop_run, loop, &group, STILB_JOB_OUTSIDE) != 0)
+		job_sys_nap(JOB_MEMORY_NAP_NS);
+	stilb_job_wait(loop->pool, &group, STILB_JOB_OUTSIDE);
+}
+
 void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, stilb_job_range_fn *fn, void *context,
                             uint32_t worker)
 {
-	job_slot *slot = job_slot_of(pool, worker);
-	assert(fn);
+	assert(pool && fn);
 	if (count == 0)
 		return;
+	if (worker == STILB_JOB_OUTSIDE) {
+		for_outside(&(outside_loop){.pool = pool, .fn = fn, .context = context, .count = count, .grain = grain});
+		return;
+	}
+	job_slot *slot = job_slot_of(pool, worker);
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	loop_span span = {.fn = fn, .context = context, .count = count, .grain = grain ? grain : 1};

@@ -172,8 +172,11 @@ struct stilb_job_pool {
 	alignas(JOB_LINE) _Atomic uint32_t phase;
 	/* 1 while a worker watches for loops. Changed and read by acquire-release exchanges alone, see job_work_watched. */
 	_Atomic uint32_t watched;
-	_Atomic bool stop;                     /* release in destroy, pairs with acquire in the workers */
-	_Atomic bool cancelled;                /* relaxed: jobs that start at that moment may or may not run */
+	_Atomic bool stop; /* release in destroy, pairs with acquire in the workers */
+	/* How many cancelled groups have not finished, plus one if the whole pool is cancelled. Relaxed, both: jobs that
+	 * start at the moment of a cancel may or may not run. */
+	_Atomic uint32_t cancels;
+	_Atomic bool cancelled;                /* the whole pool */
 	alignas(JOB_LINE) job_lock after_lock; /* guards the followers of all groups */
 	/* The jobs of low priority, linked by next, oldest first. A list and not a queue, since waits take jobs out of its
 	 * middle. */
@@ -309,6 +312,9 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 extern const job_scope job_scope_all;
 
 /* job_wait.c */
+
+/* True if jobs of this group, which may be NULL, are dropped. */
+bool job_group_drops(stilb_job_pool *pool, const stilb_job_group *group);
 
 /* Counts this many new jobs as unfinished. */
 void job_group_add(stilb_job_group *group, uint32_t jobs);

@@ -274,7 +274,8 @@ void stilb_job_pool_destroy(stilb_job_pool *pool)
 void stilb_job_pool_cancel(stilb_job_pool *pool)
 {
 	assert(pool);
-	atomic_store_explicit(&pool->cancelled, true, memory_order_relaxed);
+	if (!atomic_exchange_explicit(&pool->cancelled, true, memory_order_relaxed)) /* relaxed: see job_internal.h */
+		atomic_fetch_add_explicit(&pool->cancels, 1, memory_order_relaxed);
 }
 
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool)

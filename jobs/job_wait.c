@@ -2,7 +2,8 @@
 
 /*
  * A group is one 64-bit word: the count of unfinished jobs (bits 0 to 31), the waiter (bits 32 to 47: worker index + 1,
- * 0 for none, WAITERS_OUTSIDE for outside threads, WAITERS_MANY for several threads) and FOLLOWED, whether jobs follow.
+ * 0 for none, WAITERS_OUTSIDE for outside threads, WAITERS_MANY for several threads), CANCELLED, whether its jobs are
+ * dropped until it has finished, and FOLLOWED, whether jobs follow.
  * It is one word because the thread that finishes the last job must learn who waits in the same step in which it drops
  * its last reference to the group: a moment later the waiter may have returned and freed the group.
  *
@@ -13,6 +14,7 @@
 #define WAITER_SHIFT 32
 #define WAITERS_OUTSIDE 0xfffeu
 #define WAITERS_MANY 0xffffu
+#define CANCELLED ((uint64_t)1 << 62)
 #define FOLLOWED ((uint64_t)1 << 63)
 
 /* The public header has no atomics, so the word is plain there. */
@@ -65,7 +67,7 @@ static bool group_announce(stilb_job_group *group, uint32_t waiter)
 			return false; /* the caller's next job_group_done acquires what the jobs wrote */
 		uint32_t other = word_waiter(old);
 		uint64_t next = other == 0 || other == waiter ? waiter : WAITERS_MANY;
-		uint64_t wanted = (old & (FOLLOWED | UINT32_MAX)) | next << WAITER_SHIFT;
+		uint64_t wanted = (old & (FOLLOWED | CANCELLED | UINT32_MAX)) | next << WAITER_SHIFT;
 		/* Relaxed: count and waiter share the word, so either the exchange finds the group finished, or the last
 		 * subtraction finds the waiter. What the jobs wrote is acquired in job_group_done. */
 		if (atomic_compare_exchange_weak_explicit(word, &old, wanted, memory_order_relaxed, memory_order_relaxed))
@@ -118,9 +120,13 @@ static bool group_subtract(stilb_job_pool *pool, stilb_job_group *group, uint32_
 		followed = word_count(wanted) == 1 && (old & FOLLOWED);
 		if (followed)
 			wanted &= ~FOLLOWED;
+		if (word_count(wanted) == 0)
+			wanted &= ~CANCELLED;
 		/* Release: a thread that sees the job finished (job_group_done) sees what it wrote. Acquire: the thread that
 		 * submits the followers passes on what all the jobs wrote. If the count is now 0, the group may be gone. */
 	} while (!atomic_compare_exchange_weak_explicit(word, &old, wanted, memory_order_acq_rel, memory_order_relaxed));
+	if (old & CANCELLED & ~wanted)
+		atomic_fetch_sub_explicit(&pool->cancels, 1, memory_order_relaxed); /* see stilb_job_group_cancel */
 	if (word_count(wanted) == 0)
 		wake_waiter(pool, word_waiter(wanted));
 	return followed;
@@ -177,6 +183,41 @@ bool job_group_follow(stilb_job_pool *pool, stilb_job_group *group, job_record *
 	group->after = record;
 	job_lock_give(&pool->after_lock);
 	return true;
+}
+
+/* ---- cancelling ------------------------------------------------------------------------------------------------ */
+
+static uint64_t group_state(const stilb_job_group *group)
+{
+	/* Relaxed: jobs that start at the moment of a cancel may or may not run. */
+	return atomic_load_explicit((const _Atomic uint64_t *)&group->state, memory_order_relaxed);
+}
+
+void stilb_job_group_cancel(stilb_job_pool *pool, stilb_job_group *group)
+{
+	assert(pool && group);
+	/* Raised first, and lowered by the thread that clears CANCELLED, so that it never falls below zero. Relaxed, all: a
+	 * thread that starts a job because of something that the caller did after this call sees both. */
+	atomic_fetch_add_explicit(&pool->cancels, 1, memory_order_relaxed);
+	uint64_t old = group_state(group); /* the first guess of the exchange */
+	while (word_count(old) > 0 && !(old & CANCELLED))
+		if (atomic_compare_exchange_weak_explicit(group_word(group), &old, old | CANCELLED, memory_order_relaxed,
+		                                          memory_order_relaxed))
+			return;
+	atomic_fetch_sub_explicit(&pool->cancels, 1, memory_order_relaxed);
+}
+
+bool stilb_job_group_is_cancelled(const stilb_job_group *group)
+{
+	assert(group);
+	return group_state(group) & CANCELLED;
+}
+
+bool job_group_drops(stilb_job_pool *pool, const stilb_job_group *group)
+{
+	return atomic_load_explicit(&pool->cancels, memory_order_relaxed) > 0 && /* relaxed, both: see job_internal.h */
+	       (atomic_load_explicit(&pool->cancelled, memory_order_relaxed) ||
+	        (group && stilb_job_group_is_cancelled(group)));
 }
 
 /* ---- waiting --------------------------------------------------------------------------------------------------- */

@@ -31,13 +31,28 @@ void job_work_spin_stop(job_slot *slot)
 	}
 }
 
-/* Runs one job and gives its record back. Does not subtract it from its group's count: that is left to the caller, who
- * can subtract several jobs at once. */
-static void run_one(job_slot *slot, job_record *record)
+/* Calls the job's function, or runs its loop. */
+static void call_job(job_slot *slot, const job_record *job, uint64_t tag)
 {
 	stilb_job_pool *pool = slot->pool;
 	const stilb_job_hooks *hooks = &pool->hooks;
-	job_record job = {.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain};
+	if (hooks->job_begin)
+		hooks->job_begin(hooks->user, slot->index, tag);
+	if (job->count > 0)
+		stilb_job_parallel_for(pool, job->count, job->grain, job->fn.range, job->data, slot->index);
+	else
+		job->fn.one(job->data, slot->index);
+	if (hooks->job_end)
+		hooks->job_end(hooks->user, slot->index);
+}
+
+/* Runs one job, or drops it if it is cancelled, and gives its record back. Does not subtract it from its group's count:
+ * that is left to the caller, who can subtract several jobs at once. */
+static void run_one(job_slot *slot, job_record *record)
+{
+	stilb_job_pool *pool = slot->pool;
+	job_record job = {
+		.fn = record->fn, .data = record->data, .group = record->group, .count = record->count, .grain = record->grain};
 	assert(record->target == JOB_ANYONE || record->target == slot->index);
 	uint64_t tag = record->tag;
 	uint32_t outer_level = slot->level;
@@ -47,16 +62,10 @@ static void run_one(job_slot *slot, job_record *record)
 	slot->level = atomic_load_explicit(&record->level, memory_order_relaxed);
 	slot->root = atomic_load_explicit(&record->root, memory_order_relaxed);
 	job_record_give(&pool->records, &slot->records, record);
-	if (!atomic_load_explicit(&pool->cancelled, memory_order_relaxed)) {
-		if (hooks->job_begin)
-			hooks->job_begin(hooks->user, slot->index, tag);
-		if (job.count > 0)
-			stilb_job_parallel_for(pool, job.count, job.grain, job.fn.range, job.data, slot->index);
-		else
-			job.fn.one(job.data, slot->index);
-		if (hooks->job_end)
-			hooks->job_end(hooks->user, slot->index);
-	}
+	if (__builtin_expect(!job_group_drops(pool, job.group), 1))
+		call_job(slot, &job, tag);
+	else if (job.group && job.group->dropped)
+		job.group->dropped(job.data, slot->index);
 	slot->level = outer_level;
 	slot->root = outer_root;
 	slot->in_high = outer_high;

@@ -63,7 +63,7 @@ static void a_call_takes_the_callers_index(void **state)
 	(void)state;
 	contract_breaks("the calling thread's own index", stilb_job_submit(pool_of(1), nothing, NULL, NULL, 1));
 	contract_breaks("the index of a thread of the pool", stilb_job_submit(pool_of(1), nothing, NULL, NULL, 2));
-	contract_breaks("the index of a thread of the pool",
+	contract_breaks("a thread of the pool passes its index",
 	                (stilb_job_parallel_for(pool_of(0), 1, 1, no_slice, NULL, STILB_JOB_OUTSIDE), 0));
 	contract_breaks("the calling thread's own index", stilb_job_run_pinned(pool_of(1), 1));
 }
