@@ -124,6 +124,11 @@ typedef struct stilb_job_hooks {
 	void (*wait_end)(void *user, uint32_t worker);
 	/* The thread has taken a job from the deque of thread victim. */
 	void (*steal)(void *user, uint32_t worker, uint32_t victim);
+	/* Called between job_begin and job_end of a job that is a node of a graph and has a name (job_graph.h): its
+	 * function begins, and has returned. name is valid as long as the graph; *memo belongs to the hook, one for each
+	 * node, and is NULL at first. */
+	void (*node_begin)(void *user, uint32_t worker, const char *name, void **memo);
+	void (*node_end)(void *user, uint32_t worker);
 } stilb_job_hooks;
 
 /* Binding of workers to CPUs. */

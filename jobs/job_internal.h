@@ -1,7 +1,7 @@
 /*
  * job_internal: the pool's data and the functions that its files share. Read the files in this order: job_record,
  * job_deque, job_park (the parts), job_submit (where a job goes), job_work (what a thread does next), job_wait (groups
- * and waiting), job_for (loops), job_pool (threads and life cycle).
+ * and waiting), job_for (loops), job_graph (graphs), job_pool (threads and life cycle).
  *
  * Places of work.  Jobs of normal priority lie in the deque of the thread that submitted them; jobs from outside
  *                  threads and jobs of high priority in one of two shared FIFO queues; jobs of low priority in a list;
@@ -33,6 +33,11 @@
 #include "jobs/job_record.h"
 
 #include <pthread.h>
+
+/* The most jobs in a row from one deque before the thread looks elsewhere. */
+#ifndef JOBS_IN_A_ROW
+#define JOBS_IN_A_ROW 16
+#endif
 
 /* The most nested loops that one thread has open at a time; further ones inside them run on the caller alone. */
 #ifndef JOB_LOOP_DEPTH
@@ -258,6 +263,11 @@ int job_pool_create_over(const stilb_job_pool_desc *desc, job_queue_maker *make,
 /* Puts a complete record where it belongs and wakes a thread for it if necessary. slot is the caller's. Cannot fail. */
 void job_submit_record(job_slot *slot, job_record *record);
 
+/* Submits `count` nodes of a graph, whose numbers lie from index `first` on, as one record. The job that this counts in
+ * the group is the graph's run: it is left to job_graph.c to subtract. 0 or -ENOMEM. */
+int job_submit_graph(stilb_job_pool *pool, struct stilb_job_graph *graph, uint32_t first, uint32_t count,
+                     stilb_job_group *group, uint32_t worker);
+
 /* Reserves a guest for the calling outside thread until job_guest_leave, and returns its number. */
 uint32_t job_guest_enter(stilb_job_pool *pool);
 void job_guest_leave(stilb_job_pool *pool, uint32_t guest);
@@ -276,6 +286,17 @@ bool job_work_dig(job_slot *slot, const job_scope *scope);
  * the middle of other threads' deques and the list of low priority; false if there are none. May move jobs from other
  * deques to the thread's own. */
 bool job_work_unbury(job_slot *slot, const job_scope *scope, stilb_job_group *until);
+
+/* Takes the newest job of the thread's own deque if the scope allows it. */
+job_record *job_work_take_own(job_slot *slot, const job_scope *scope);
+
+/* True if there is a job of high priority or a pinned one, which go before the next job of the same deque. Relaxed: if
+ * the answer is out of date, that job starts one job later. */
+static inline bool job_work_urgent(job_slot *slot)
+{
+	return atomic_load_explicit(&slot->pool->shared_hint[JOB_SHARED_HIGH], memory_order_relaxed) > 0 ||
+	       atomic_load_explicit(&slot->inbox, memory_order_relaxed);
+}
 
 /* Runs one job, whichever it is; false if there is none. Called when every worker waits, so that no thread would run
  * unrelated jobs otherwise. Takes from the shared queues first, since waits take only jobs of high priority from
@@ -342,6 +363,13 @@ bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 /* True if a loop that the scope allows has slices left to claim. Relaxed, so it may miss one: loops finish without
  * help, so that costs time but blocks nobody. */
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope);
+
+/* job_graph.c */
+
+/* Runs the first of the record's nodes, then nodes that this has made ready and others of the same graph from the
+ * thread's own deque, JOBS_IN_A_ROW at most; one if scope is NULL. Stops early as job_work_help does. Returns NULL, or
+ * a record that the caller runs or submits; the graph may be gone. */
+job_record *job_graph_run(job_slot *slot, job_record *record, const job_scope *scope, stilb_job_group *until);
 
 /* job_cpu.c */
 

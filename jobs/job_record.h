@@ -23,12 +23,16 @@
 #endif
 
 typedef struct job_record {
-	/* `range` if count > 0 (a parallel loop submitted as a job), else `one`. */
+	/* `graph` if is_graph, `range` if count > 0 (a parallel loop submitted as a job), else `one`. */
 	union {
 		stilb_job_fn *one;
 		stilb_job_range_fn *range;
+		struct stilb_job_graph *graph;
 	} fn;
-	void *data;
+	union {
+		void *data;
+		uint32_t chain; /* of a graph: the first of some more ready nodes, see job_graph.c */
+	};
 	stilb_job_group *group;
 	uint64_t tag;            /* the submit hook's result; 0 without that hook */
 	struct job_record *next; /* in a free list, an inbox or a group's list of followers */
@@ -36,10 +40,11 @@ typedef struct job_record {
 	 * record has been reused meanwhile, their exchange of the deque's top fails. */
 	_Atomic uintptr_t root;
 	_Atomic uint32_t level;
-	uint32_t count;  /* of the loop's indices; 0: a single job */
-	uint32_t grain;  /* indices of one slice of the loop */
+	uint32_t count;  /* of the loop's indices; 0: a single job; of a graph: the number of ready nodes */
+	uint32_t grain;  /* indices of one slice of the loop; of a graph: where the numbers of these nodes lie */
 	uint16_t target; /* index of the only thread that may run it, or JOB_ANYONE */
 	uint8_t priority;
+	bool is_graph; /* nodes of a graph */
 } job_record;
 
 static_assert(sizeof(job_record) <= 64, "a record fits one cache line");

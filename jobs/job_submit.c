@@ -143,6 +143,8 @@ static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *af
 	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
 	if (record->group)
 		job_group_add(record->group, 1); /* before the push: the job may have finished by the time that returns */
+	if (record->is_graph)
+		record->group = NULL; /* the count is the whole run's, and not this record's */
 	if (after && job_group_follow(pool, after, record))
 		return;
 	if (slot)
@@ -167,6 +169,7 @@ static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_gr
 		record->grain = job->grain;
 		record->target = job->target;
 		record->priority = job->priority;
+		record->is_graph = job->is_graph;
 		submit(pool, record, after, slot, guest);
 	}
 	if (!slot)
@@ -202,5 +205,19 @@ int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain,
 		return 0;
 	job_record job = {
 		.fn.range = fn, .data = context, .group = group, .count = count, .grain = grain, .target = JOB_ANYONE};
+	return submit_copy(pool, &job, NULL, worker);
+}
+
+int job_submit_graph(stilb_job_pool *pool, struct stilb_job_graph *graph, uint32_t first, uint32_t count,
+                     stilb_job_group *group, uint32_t worker)
+{
+	assert(count > 0 && group);
+	job_record job = {.fn.graph = graph,
+	                  .chain = UINT32_MAX,
+	                  .group = group,
+	                  .count = count,
+	                  .grain = first,
+	                  .target = JOB_ANYONE,
+	                  .is_graph = true};
 	return submit_copy(pool, &job, NULL, worker);
 }

@@ -2,11 +2,6 @@
 
 #include <sched.h>
 
-/* The most jobs in a row from one deque before the thread looks elsewhere. */
-#ifndef JOBS_IN_A_ROW
-#define JOBS_IN_A_ROW 16
-#endif
-
 /* Once in so many looks for work, a thread tries loops and the shared queue before its own deque. Otherwise a thread
  * whose own deque never runs empty would never help with those. */
 #ifndef SHARED_FIRST
@@ -86,8 +81,7 @@ static bool in_scope(const job_record *record, const void *scope)
 	return scope_has(scope, record);
 }
 
-/* Takes the newest job of the thread's own deque if the scope allows it. */
-static job_record *take_own(job_slot *slot, const job_scope *scope)
+job_record *job_work_take_own(job_slot *slot, const job_scope *scope)
 {
 	/* A thief can take this record only if it is the last one, so pop returns this record or NULL. */
 	job_record *newest = job_deque_newest(&slot->deque);
@@ -128,12 +122,17 @@ static void note_steal_cost(job_slot *slot, uint64_t ticks)
 	slot->steal_unprofitable = ticks < slot->pool->steal_ticks;
 }
 
-/* True if there is a job of high priority or a pinned one, which go before the next job of the same deque. Relaxed: if
- * the answer is out of date, that job starts one job later. */
-static bool urgent(job_slot *slot)
+/* Quickly, true if there may be work that the scope allows in other places than deques. Relaxed: may miss new work. */
+static bool work_elsewhere(job_slot *slot, const job_scope *scope)
 {
-	return atomic_load_explicit(&slot->pool->shared_hint[JOB_SHARED_HIGH], memory_order_relaxed) > 0 ||
-	       atomic_load_explicit(&slot->inbox, memory_order_relaxed);
+	stilb_job_pool *pool = slot->pool;
+	if (job_loop_exists(pool, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
+		return true;
+	for (uint32_t i = 0; i < JOB_SHARED_COUNT; i++)
+		if ((i == JOB_SHARED_HIGH ? scope->high : scope->all) &&
+		    atomic_load_explicit(&pool->shared_hint[i], memory_order_relaxed))
+			return true;
+	return false;
 }
 
 /* Runs a job and then, if scope is not NULL, more jobs of the scope, from the thread's own deque or the deque that the
@@ -151,15 +150,25 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 			jobs = 0;
 		}
 		uint64_t start = stolen ? job_sys_ticks() : 0;
-		run_one(slot, record);
+		bool graph = record->is_graph;
+		job_record *next = NULL;
+		if (graph)
+			next = job_graph_run(slot, record, scope, until);
+		else
+			run_one(slot, record);
 		if (stolen)
 			note_steal_cost(slot, job_sys_ticks() - start);
 		jobs++;
 		bool enough = until && (until == group ? job_group_done_but(until, jobs) : job_group_done(until));
+		if (graph) /* JOBS_IN_A_ROW of its nodes have run, or all that there were */
+			i = scope && work_elsewhere(slot, scope) ? JOBS_IN_A_ROW - 1 : 0;
 		record = NULL;
-		if (!scope || enough || i + 1 == JOBS_IN_A_ROW || urgent(slot))
+		if (!scope || enough || i + 1 == JOBS_IN_A_ROW || job_work_urgent(slot)) {
+			if (next)
+				job_submit_record(slot, next);
 			continue;
-		record = take_own(slot, scope);
+		}
+		record = next ? next : job_work_take_own(slot, scope);
 		stolen = !record && stolen && !slot->steal_unprofitable && (record = steal_from(slot, slot->victim, scope));
 	}
 	if (group)
@@ -309,7 +318,7 @@ static job_record *take_any(job_slot *slot, const job_scope *scope, stilb_job_gr
 			return record;
 	}
 	*work = (job_work){.kind = JOB_WORK_OWN};
-	record = take_own(slot, scope);
+	record = job_work_take_own(slot, scope);
 	if (!record && !(*helped = job_loop_help(slot, scope, until)))
 		record = take_visible(slot, scope, work);
 	return record;
@@ -414,14 +423,8 @@ void job_work_wake_next(job_slot *slot, const job_work *work)
 /* A quick job_work_exists for a spinning thread. Relaxed: may miss new work, which the next round finds. */
 static bool work_seems_to_exist(job_slot *slot, const job_scope *scope)
 {
-	stilb_job_pool *pool = slot->pool;
-	if (job_loop_exists(pool, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
-		return true;
-	for (uint32_t i = 0; i < JOB_SHARED_COUNT; i++)
-		if ((i == JOB_SHARED_HIGH ? scope->high : scope->all) &&
-		    atomic_load_explicit(&pool->shared_hint[i], memory_order_relaxed))
-			return true;
-	return (scope->jobs && deques_have(pool, scope)) || (scope->all && low_has(pool, scope));
+	return work_elsewhere(slot, scope) || (scope->jobs && deques_have(slot->pool, scope)) ||
+	       (scope->all && low_has(slot->pool, scope));
 }
 
 void job_work_relax(job_slot *slot)

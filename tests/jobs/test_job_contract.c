@@ -1,4 +1,5 @@
 /* Calls that break a rule of the job headers on purpose: each must end in an assert with the expected text. */
+#include "jobs/job_graph.h"
 #include "jobs/job_internal.h"
 #include "jobs/job_spsc.h"
 #include "support/contract.h"
@@ -126,6 +127,85 @@ static void a_job_has_a_function(void **state)
 	contract_breaks("a job has a function", stilb_job_submit(pool_of(0), NULL, NULL, NULL, 0));
 	contract_breaks("a job has a function", stilb_job_submit_array(pool_of(0), 8, 1, NULL, NULL, NULL, 0));
 	contract_breaks("fn", (stilb_job_parallel_for(pool_of(0), 8, 1, NULL, NULL, 0), 0));
+}
+
+/* ---- graphs ------------------------------------------------------------------------------------------------------ */
+
+/* A graph of one node. */
+static stilb_job_graph *graph_of(bool built)
+{
+	stilb_job_graph *graph;
+	uint32_t node;
+	if (stilb_job_graph_create(&graph) != 0 || stilb_job_graph_add_node(graph, nothing, NULL, NULL, &node) != 0 ||
+	    (built && stilb_job_graph_build(graph, NULL, 0) != 0))
+		_exit(0);
+	return graph;
+}
+
+static int run_graph(stilb_job_graph *graph)
+{
+	static stilb_job_group group;
+	return stilb_job_graph_run(graph, pool_of(0), &group, 0);
+}
+
+static stilb_job_graph *running_graph(void)
+{
+	stilb_job_graph *graph = graph_of(true);
+	if (run_graph(graph) != 0) /* nobody waits, and the pool has no worker: it has not ended */
+		_exit(0);
+	return graph;
+}
+
+static void a_graph_runs_once_at_a_time(void **state)
+{
+	(void)state;
+	uint32_t node;
+	contract_breaks("one thread at a time", run_graph(running_graph()));
+	contract_breaks("destroyed when no run is in progress", (stilb_job_graph_destroy(running_graph()), 0));
+	contract_breaks("changed when no run is in progress",
+	                stilb_job_graph_add_node(running_graph(), nothing, NULL, NULL, &node));
+	contract_breaks("changed when no run is in progress", stilb_job_graph_add_edge(running_graph(), 0, 0));
+	contract_breaks("built when no run is in progress", stilb_job_graph_build(running_graph(), NULL, 0));
+}
+
+static int run_after_change(void)
+{
+	stilb_job_graph *graph = graph_of(true);
+	uint32_t node;
+	if (stilb_job_graph_add_node(graph, nothing, NULL, NULL, &node) != 0)
+		_exit(0);
+	return run_graph(graph);
+}
+
+static int run_after_edge(void)
+{
+	stilb_job_graph *graph = graph_of(true);
+	if (stilb_job_graph_add_edge(graph, 0, 0) != 0)
+		_exit(0);
+	return run_graph(graph);
+}
+
+static int run_with_cycle(void)
+{
+	stilb_job_graph *graph = graph_of(true);
+	if (stilb_job_graph_add_edge(graph, 0, 0) != 0 || stilb_job_graph_build(graph, NULL, 0) == 0)
+		_exit(0);
+	return run_graph(graph);
+}
+
+static void a_graph_is_built_before_it_runs(void **state)
+{
+	(void)state;
+	uint32_t node;
+	contract_breaks("built since its last change", run_graph(graph_of(false)));
+	contract_breaks("built since its last change", run_after_change());
+	contract_breaks("built since its last change", run_after_edge());
+	contract_breaks("built since its last change", run_with_cycle());
+	contract_breaks("numbers of nodes of this graph", stilb_job_graph_add_edge(graph_of(true), 0, 1));
+	contract_breaks("numbers of nodes of this graph", stilb_job_graph_add_edge(graph_of(true), 1, 0));
+	contract_breaks("fn", stilb_job_graph_add_node(graph_of(true), NULL, NULL, NULL, &node));
+	contract_breaks("group", stilb_job_graph_run(graph_of(true), pool_of(0), NULL, 0));
+	contract_breaks("cycle || size == 0", stilb_job_graph_build(graph_of(true), NULL, 1));
 }
 
 /* ---- groups ------------------------------------------------------------------------------------------------------ */
@@ -338,6 +418,8 @@ int main(void)
 		cmocka_unit_test(a_pool_is_destroyed_outside_of_jobs),
 		cmocka_unit_test(a_phase_ends_after_it_has_begun),
 		cmocka_unit_test(a_job_has_a_function),
+		cmocka_unit_test(a_graph_runs_once_at_a_time),
+		cmocka_unit_test(a_graph_is_built_before_it_runs),
 		cmocka_unit_test(groups_are_whole),
 		cmocka_unit_test(thread_numbers_of_a_queue),
 		cmocka_unit_test(an_end_has_one_thread),

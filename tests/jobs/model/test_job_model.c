@@ -29,6 +29,13 @@
 #include "jobs/job_park.c"
 
 #include "jobs/job_for.c"
+/* The array of nodes or edges is made once, with room for all of them; nodes have no names. */
+#define realloc(block, size) ((void)(block), model_aligned_alloc(JOB_LINE, size))
+#pragma push_macro("snprintf") /* not called, since there is no cycle */
+#undef snprintf
+#include "jobs/job_graph.c"
+#pragma pop_macro("snprintf")
+#undef realloc
 #include "jobs/job_submit.c"
 #include "jobs/job_wait.c"
 #include "jobs/job_work.c"
@@ -342,6 +349,33 @@ static void count_after_first(void *data, uint32_t worker)
 	count_run(data, worker);
 }
 
+static void graph_job(void *data, uint32_t worker)
+{
+	uint32_t number = (uint32_t)(uintptr_t)data;
+	(*(worker ? &worker_runs : &owner_runs))++;
+	fail_unless(shared.ran >= (number == 0 ? 0 : number < 3 ? 1u : 3u), "a node ran before one that it comes after");
+	shared.ran++;
+}
+
+/* A graph: 0, then 1 and 2, then 3. It is destroyed as soon as the wait has returned. */
+static void graph_main(void)
+{
+	static const uint32_t edges[][2] = {{0, 1}, {0, 2}, {1, 3}, {2, 3}};
+	stilb_job_graph *graph;
+	uint32_t node;
+	begin();
+	fail_unless(stilb_job_graph_create(&graph) == 0, "graph create");
+	for (uintptr_t i = 0; i < 4; i++)
+		fail_unless(stilb_job_graph_add_node(graph, graph_job, (void *)i, NULL, &node) == 0, "add node");
+	for (int i = 0; i < 4; i++)
+		fail_unless(stilb_job_graph_add_edge(graph, edges[i][0], edges[i][1]) == 0, "add edge");
+	fail_unless(stilb_job_graph_build(graph, NULL, 0) == 0, "build");
+	fail_unless(stilb_job_graph_run(graph, shared.pool, &shared.group, 0) == 0, "run");
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	stilb_job_graph_destroy(graph);
+	end();
+}
+
 /* A job that follows a group which may finish before, during or after the submit. */
 static void after_main(void)
 {
@@ -629,6 +663,7 @@ static const scenario scenarios[] = {
 	{"nested wait", nested_main, 0, 2, OWNER},
 	{"after", after_main, 0, 2, OWNER},
 	{"loop", loop_main, 0, 2, OWNER},
+	{"graph", graph_main, 0, 4, OWNER},
 	{"submit wakes", submit_main, 1, 1, WORKERS | UNTIL_OWNER_ENDS},
 	{"submit wakes", submit_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"shared queues wake", submit_shared_main, 1, 1, WORKERS | UNTIL_OWNER_ENDS},
@@ -657,6 +692,7 @@ static const scenario scenarios[] = {
 	{"destroy runs children", destroy_child_main, 1, 3, BOTH},
 	{"nested wait", nested_main, 1, 2, BOTH},
 	{"array", array_main, 1, 2, BOTH | IN_ORDER},
+	{"graph", graph_main, 1, 4, BOTH | IN_ORDER},
 	{"after a group used again", after_again_main, 1, 4, BOTH | IN_ORDER},
 	{"submit wakes", submit_main, 2, 1,
      WORKERS | UNTIL_OWNER_ENDS | IN_ORDER}, /* the largest one: about ten million states */

@@ -1,0 +1,525 @@
+#include "jobs/job_graph.h"
+#include "jobs/job_internal.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * A run. Each node counts the edges from nodes that have not finished (`pending`). The thread that finishes a node
+ * subtracts one from each successor; those that come to 0 are ready. Their numbers go to graph->ready, where every node
+ * has a place for as many numbers as it has successors, so that no two threads write to the same place and a set of
+ * ready nodes is a range of that array. A job_record holds one such range. The record of the node that has just
+ * finished is used again for the nodes which that has made ready; before it runs the first of them, the thread halves
+ * the range, and halves the half, and pushes the other halves into its deque as records of their own: every node that
+ * is ready and not running can be stolen. So the threads need few records at a time, and a chain of nodes needs one.
+ *
+ * Without memory for a record nothing is lost: the nodes are chained to the record in hand, and this thread runs them
+ * one after the other.
+ *
+ * The thread that brings a count to 0 sets it to the number of edges again, for the next run. No pass over the nodes is
+ * needed: the next run begins after the last node has finished, and that is after all of these stores.
+ */
+
+#ifndef JOB_GRAPH_MAX_NODES
+#define JOB_GRAPH_MAX_NODES ((uint32_t)1 << 30)
+#define JOB_GRAPH_MAX_EDGES (((uint32_t)1 << 31) - 1)
+#endif
+
+#define NO_NODE UINT32_MAX
+
+/* Set in graph->successor for a node that has no other predecessor, which is ready without counting. */
+#define ONLY_EDGE ((uint32_t)1 << 31)
+
+/* A node as add_node has made it. */
+typedef struct graph_node {
+	stilb_job_fn *fn;
+	void *data;
+	char *name; /* NULL: none */
+	void *memo; /* belongs to the hook node_begin */
+} graph_node;
+
+typedef struct graph_edge {
+	uint32_t before, after;
+} graph_edge;
+
+/* A node as a run needs it: half a cache line. */
+typedef struct job_graph_node {
+	stilb_job_fn *fn;
+	void *data;
+	uint32_t first;        /* its successors are graph->successor[first] to that of the next node */
+	uint32_t predecessors; /* number of edges that lead to it */
+	/* Edges from nodes that have not finished. Acquire-release by each thread that subtracts: the last one sees what
+	 * all the nodes before have written. */
+	_Atomic uint32_t pending;
+	uint32_t next; /* in the chain of a record; NO_NODE: the last */
+} job_graph_node;
+
+static_assert(sizeof(job_graph_node) == 32, "two nodes a cache line");
+
+struct stilb_job_graph {
+	/* The nodes and edges in the order in which they were added. */
+	graph_node *node;
+	graph_edge *edge;
+	uint32_t node_count, node_capacity;
+	uint32_t edge_count, edge_capacity;
+	bool built; /* since the last change */
+	/* One block of memory, made by build. */
+	job_graph_node *run;
+	uint32_t *successor;    /* edge_count numbers of nodes */
+	uint32_t *ready;        /* one place for each edge, and behind them the nodes without predecessors */
+	uint32_t source_count;  /* nodes without predecessors */
+	uint32_t sink_count;    /* nodes without successors */
+	stilb_job_group *group; /* of the run in progress */
+	job_exclusive running;
+	/* Sinks that have not finished. Like job_graph_node.pending: as if one more node came after all of them. */
+	alignas(JOB_LINE) _Atomic uint32_t unfinished;
+};
+
+/* ---- building -------------------------------------------------------------------------------------------------- */
+
+/* For asserts: no run is in progress. Always true with NDEBUG. */
+static bool graph_is_idle(const stilb_job_graph *graph)
+{
+	return atomic_load_explicit(&graph->running.threads, memory_order_relaxed) == 0; /* as in job_exclusive_begin */
+}
+
+int stilb_job_graph_create(stilb_job_graph **out)
+{
+	assert(out);
+	stilb_job_graph *graph = aligned_alloc(JOB_LINE, sizeof *graph);
+	if (graph)
+		*graph = (stilb_job_graph){0};
+	*out = graph;
+	return graph ? 0 : -ENOMEM;
+}
+
+void stilb_job_graph_destroy(stilb_job_graph *graph)
+{
+	if (!graph)
+		return;
+	JOB_CHECK(graph_is_idle(graph) && "destroyed when no run is in progress");
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		free(graph->node[i].name);
+	free(graph->node);
+	free(graph->edge);
+	free(graph->run);
+	free(graph);
+}
+
+/* Makes room for one more element in an array of `count` elements of the given size. 0 or -ENOMEM. */
+static int reserve(void **array, uint32_t count, uint32_t *capacity, size_t size)
+{
+	if (count < *capacity)
+		return 0;
+	uint32_t wanted = *capacity ? *capacity * 2 : 16;
+	void *larger = realloc(*array, wanted * size);
+	if (!larger)
+		return -ENOMEM;
+	*array = larger;
+	*capacity = wanted;
+	return 0;
+}
+
+int stilb_job_graph_add_node(stilb_job_graph *graph, stilb_job_fn *fn, void *data, const char *name, uint32_t *node)
+{
+	assert(graph && fn && node);
+	JOB_CHECK(graph_is_idle(graph) && "changed when no run is in progress");
+	if (graph->node_count == JOB_GRAPH_MAX_NODES)
+		return -EOVERFLOW;
+	void *nodes = graph->node;
+	int error = reserve(&nodes, graph->node_count, &graph->node_capacity, sizeof *graph->node);
+	graph->node = nodes;
+	char *copy = name && !error ? strdup(name) : NULL;
+	if (error || (name && !copy))
+		return -ENOMEM;
+	graph->node[graph->node_count] = (graph_node){.fn = fn, .data = data, .name = copy};
+	*node = graph->node_count++;
+	graph->built = false;
+	return 0;
+}
+
+int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t after)
+{
+	assert(graph);
+	JOB_CHECK(graph_is_idle(graph) && "changed when no run is in progress");
+	assert(before < graph->node_count && after < graph->node_count && "numbers of nodes of this graph");
+	if (graph->edge_count == JOB_GRAPH_MAX_EDGES)
+		return -EOVERFLOW;
+	void *edges = graph->edge;
+	int error = reserve(&edges, graph->edge_count, &graph->edge_capacity, sizeof *graph->edge);
+	graph->edge = edges;
+	if (error)
+		return error;
+	graph->edge[graph->edge_count++] = (graph_edge){.before = before, .after = after};
+	graph->built = false;
+	return 0;
+}
+
+/* Makes the block of memory for runs, in place of the one before. 0 or -ENOMEM. */
+static int make_block(stilb_job_graph *graph)
+{
+	/* ready: there are at most as many sources as nodes. */
+	size_t nodes = graph->node_count, edges = graph->edge_count;
+	size_t bytes = (nodes + 1) * sizeof *graph->run + (2 * edges + nodes) * sizeof *graph->ready;
+	job_graph_node *run = aligned_alloc(JOB_LINE, (bytes + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
+	if (!run)
+		return -ENOMEM;
+	free(graph->run);
+	graph->run = run;
+	graph->successor = (uint32_t *)(run + nodes + 1);
+	graph->ready = graph->successor + edges;
+	return 0;
+}
+
+/* Fills graph->run but for pending, and graph->successor. */
+static void link_nodes(stilb_job_graph *graph)
+{
+	job_graph_node *run = graph->run;
+	for (uint32_t i = 0; i <= graph->node_count; i++)
+		run[i] = (job_graph_node){.next = NO_NODE};
+	for (uint32_t i = 0; i < graph->node_count; i++) {
+		run[i].fn = graph->node[i].fn;
+		run[i].data = graph->node[i].data;
+	}
+	/* A counting sort of the edges by `before`, which keeps their order. `first` counts the successors, then becomes
+	 * the end of the node's part, and moves down to its beginning as the part is filled from its end. */
+	for (uint32_t i = 0; i < graph->edge_count; i++) {
+		run[graph->edge[i].before].first++;
+		run[graph->edge[i].after].predecessors++;
+	}
+	for (uint32_t i = 0, end = 0; i <= graph->node_count; i++)
+		run[i].first = end += run[i].first;
+	for (uint32_t i = graph->edge_count; i > 0; i--)
+		graph->successor[--run[graph->edge[i - 1].before].first] = graph->edge[i - 1].after;
+}
+
+/* Counts the nodes that a run would reach. Those that it would not have pending > 0 afterwards. Kahn, "Topological
+ * Sorting of Large Networks", Communications of the ACM 5(11), 1962. */
+static uint32_t count_reachable(stilb_job_graph *graph)
+{
+	job_graph_node *run = graph->run;
+	uint32_t *queue = graph->ready; /* every node but a source is at the end of an edge, so there is room for all */
+	uint32_t reached = 0;
+	/* Relaxed, all: no other thread uses the graph. */
+	for (uint32_t i = 0; i < graph->node_count; i++) {
+		atomic_init(&run[i].pending, run[i].predecessors);
+		if (run[i].predecessors == 0)
+			queue[reached++] = i;
+	}
+	for (uint32_t at = 0; at < reached; at++)
+		for (uint32_t i = run[queue[at]].first; i < run[queue[at] + 1].first; i++)
+			if (atomic_fetch_sub_explicit(&run[graph->successor[i]].pending, 1, memory_order_relaxed) == 1)
+				queue[reached++] = graph->successor[i];
+	return reached;
+}
+
+/* Finds a cycle among the nodes with pending > 0, one of which is `from`. Returns a node of it; from there run[i].next
+ * leads round the cycle in the direction of the edges. */
+static uint32_t find_cycle(stilb_job_graph *graph, uint32_t from)
+{
+	job_graph_node *run = graph->run;
+	/* Each of these nodes waits for another one of them. Going from each to one that it waits for never ends, so it
+	 * comes to a cycle. */
+	for (uint32_t i = 0; i < graph->edge_count; i++)
+		if (atomic_load_explicit(&run[graph->edge[i].before].pending, memory_order_relaxed) > 0)
+			run[graph->edge[i].after].next = graph->edge[i].before;
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		from = run[from].next;
+	/* Turns the links round. */
+	uint32_t at = from, after = from;
+	do {
+		uint32_t before = run[at].next;
+		if (at != from)
+			run[at].next = after;
+		after = at;
+		at = before;
+	} while (at != from);
+	run[from].next = after;
+	return from;
+}
+
+/* Appends the node's name, or its number, to the string in text; cuts it to size bytes. */
+static void append_name(const stilb_job_graph *graph, uint32_t node, const char *before, char *text, size_t size)
+{
+	size_t length = strlen(text);
+	if (graph->node[node].name)
+		snprintf(text + length, size - length, "%s%s", before, graph->node[node].name);
+	else
+		snprintf(text + length, size - length, "%s#%u", before, node);
+}
+
+static void write_cycle(stilb_job_graph *graph, char *text, size_t size)
+{
+	uint32_t from = 0;
+	while (atomic_load_explicit(&graph->run[from].pending, memory_order_relaxed) == 0) /* no other thread uses it */
+		from++;
+	from = find_cycle(graph, from);
+	append_name(graph, from, "", text, size);
+	uint32_t at = from;
+	do {
+		at = graph->run[at].next;
+		append_name(graph, at, " -> ", text, size);
+	} while (at != from);
+}
+
+/* Sets what every run finds: the counts, and the nodes to begin with. */
+static void prepare_run(stilb_job_graph *graph)
+{
+	job_graph_node *run = graph->run;
+	graph->source_count = graph->sink_count = 0;
+	for (uint32_t i = 0; i < graph->node_count; i++) {
+		atomic_init(&run[i].pending, run[i].predecessors);
+		if (run[i].predecessors == 0)
+			graph->ready[graph->edge_count + graph->source_count++] = i;
+		graph->sink_count += run[i].first == run[i + 1].first;
+	}
+	for (uint32_t i = 0; i < graph->edge_count; i++)
+		if (run[graph->successor[i]].predecessors == 1)
+			graph->successor[i] |= ONLY_EDGE;
+	atomic_init(&graph->unfinished, graph->sink_count);
+}
+
+int stilb_job_graph_build(stilb_job_graph *graph, char *cycle, size_t size)
+{
+	assert(graph && (cycle || size == 0));
+	JOB_CHECK(graph_is_idle(graph) && "built when no run is in progress");
+	if (size > 0)
+		cycle[0] = '\0';
+	graph->built = false;
+	int error = make_block(graph);
+	if (error)
+		return error;
+	link_nodes(graph);
+	if (count_reachable(graph) < graph->node_count) {
+		if (size > 0)
+			write_cycle(graph, cycle, size);
+		return -ELOOP;
+	}
+	prepare_run(graph);
+	graph->built = true;
+	return 0;
+}
+
+/* ---- running --------------------------------------------------------------------------------------------------- */
+
+int stilb_job_graph_run(stilb_job_graph *graph, stilb_job_pool *pool, stilb_job_group *group, uint32_t worker)
+{
+	assert(graph && pool && group);
+	assert(graph->built && "built since its last change");
+	if (graph->node_count == 0)
+		return 0;
+	job_exclusive_begin(&graph->running);
+	graph->group = group;
+	int error = job_submit_graph(pool, graph, graph->edge_count, graph->source_count, group, worker);
+	if (error)
+		job_exclusive_end(&graph->running);
+	return error;
+}
+
+static bool record_is_empty(const job_record *record)
+{
+	return record->count == 0 && record->chain == NO_NODE;
+}
+
+/* Puts a range of ready nodes, graph->ready[first] and on, into a record like the given one, for any thread to run.
+ * False if there is no memory. */
+static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint32_t count)
+{
+	stilb_job_pool *pool = slot->pool;
+	job_record *record = job_record_take(&pool->records, &slot->records);
+	if (!record)
+		return false;
+	record->fn = like->fn;
+	record->group = NULL;
+	record->count = count;
+	record->grain = first;
+	record->chain = NO_NODE;
+	record->target = JOB_ANYONE;
+	record->priority = STILB_JOB_NORMAL;
+	record->is_graph = true;
+	/* Relaxed, both: the push publishes them. slot has the root and level of the given record. */
+	atomic_store_explicit(&record->root, slot->root, memory_order_relaxed);
+	atomic_store_explicit(&record->level, slot->level, memory_order_relaxed);
+	if (pool->hooks.submit)
+		record->tag = pool->hooks.submit(pool->hooks.user, slot->index);
+	job_count(&slot->submitted);
+	job_submit_record(slot, record);
+	return true;
+}
+
+/* Takes one node out of the record and publishes the others. */
+static job_graph_node *take_node(job_slot *slot, stilb_job_graph *graph, job_record *record)
+{
+	while (record->count > 1 && publish(slot, record, record->grain + (record->count + 1) / 2, record->count / 2))
+		record->count -= record->count / 2;
+	job_graph_node *node;
+	if (record->count > 0) {
+		record->count--;
+		node = &graph->run[graph->ready[record->grain++]];
+	} else {
+		node = &graph->run[record->chain];
+		record->chain = node->next;
+	}
+	/* For the next run, which is ordered after this one by its group. Relaxed: nobody counts until then. With a single
+	 * predecessor nothing is counted, see release_successors. */
+	if (node->predecessors > 1)
+		atomic_store_explicit(&node->pending, node->predecessors, memory_order_relaxed);
+	return node;
+}
+
+/* Subtracts the node from its successors. Those that are ready are then in graph->ready from node->first on; returns
+ * their number. If it is 0, the graph may be gone. */
+static uint32_t release_successors(stilb_job_graph *graph, const job_graph_node *node)
+{
+	uint32_t first = node->first, end = node[1].first, ready = first;
+	for (uint32_t i = first; i < end; i++) {
+		/* Stored whether ready or not, so that there is no branch that the CPU could not foresee. */
+		uint32_t successor = graph->successor[i], number = successor & ~ONLY_EDGE;
+		graph->ready[ready] = number;
+		/* Release: passes on what this node has written; acquire: the last one sees that of all. */
+		ready += successor & ONLY_EDGE ||
+		         atomic_fetch_sub_explicit(&graph->run[number].pending, 1, memory_order_acq_rel) == 1;
+	}
+	return ready - first;
+}
+
+/* Adds a range of ready nodes to a record, or publishes it if the record has others. */
+static void add_ready(job_slot *slot, stilb_job_graph *graph, job_record *record, uint32_t first, uint32_t count)
+{
+	if (record_is_empty(record)) {
+		record->grain = first;
+		record->count = count;
+	} else if (!publish(slot, record, first, count)) {
+		for (uint32_t i = first + count; i > first; i--) {
+			graph->run[graph->ready[i - 1]].next = record->chain;
+			record->chain = graph->ready[i - 1];
+		}
+	}
+}
+
+/* The node has finished, or is dropped. True if it was the last one of the run; else, if the record is empty
+ * afterwards, the graph may be gone. */
+static bool leave_node(job_slot *slot, stilb_job_graph *graph, job_record *record, const job_graph_node *node)
+{
+	uint32_t first = node->first;
+	if (first == node[1].first) /* acquire-release, as in release_successors */
+		return atomic_fetch_sub_explicit(&graph->unfinished, 1, memory_order_acq_rel) == 1;
+	uint32_t ready = release_successors(graph, node);
+	if (ready > 0)
+		add_ready(slot, graph, record, first, ready);
+	return false;
+}
+
+/* Calls the function of a node between the pool's hooks. */
+static void call_hooked(job_slot *slot, const job_record *record, const job_graph_node *node)
+{
+	const stilb_job_hooks *hooks = &slot->pool->hooks;
+	graph_node *named = &record->fn.graph->node[node - record->fn.graph->run];
+	if (hooks->job_begin)
+		hooks->job_begin(hooks->user, slot->index, record->tag);
+	if (hooks->node_begin && named->name)
+		hooks->node_begin(hooks->user, slot->index, named->name, &named->memo);
+	node->fn(node->data, slot->index);
+	if (hooks->node_end && named->name)
+		hooks->node_end(hooks->user, slot->index);
+	if (hooks->job_end)
+		hooks->job_end(hooks->user, slot->index);
+}
+
+/* Runs one node of the record. As leave_node. */
+static bool run_node(job_slot *slot, stilb_job_graph *graph, job_record *record, bool hooked)
+{
+	stilb_job_pool *pool = slot->pool;
+	const job_graph_node *node = take_node(slot, graph, record);
+	/* Relaxed: see job_internal.h. A node that is dropped has finished all the same, so that the run ends. */
+	bool drops = atomic_load_explicit(&pool->cancels, memory_order_relaxed) > 0 && job_group_drops(pool, graph->group);
+	if (hooked && !drops)
+		call_hooked(slot, record, node);
+	else if (!drops)
+		node->fn(node->data, slot->index);
+	bool last = leave_node(slot, graph, record, node);
+	if (pool->hooks.submit && !record_is_empty(record))
+		record->tag = pool->hooks.submit(pool->hooks.user, slot->index);
+	return last;
+}
+
+static void give_back(job_slot *slot, job_record *record)
+{
+	job_record_give(&slot->pool->records, &slot->records, record);
+	job_count(&slot->finished);
+}
+
+/* The last node has finished. */
+static void end_run(job_slot *slot, stilb_job_graph *graph)
+{
+	stilb_job_group *group = graph->group;
+	atomic_store_explicit(&graph->unfinished, graph->sink_count, memory_order_relaxed); /* as in take_node */
+	job_exclusive_end(&graph->running);
+	job_group_finish(slot, group, 1);
+}
+
+job_record *job_graph_run(job_slot *slot, job_record *record, const job_scope *scope, stilb_job_group *until)
+{
+	stilb_job_graph *graph = record->fn.graph;
+	const stilb_job_hooks *hooks = &slot->pool->hooks;
+	bool hooked = hooks->job_begin || hooks->job_end || hooks->node_begin || hooks->node_end, last;
+	uint32_t outer_level = slot->level;
+	uintptr_t outer_root = slot->root;
+	slot->level = atomic_load_explicit(&record->level, memory_order_relaxed);
+	slot->root = atomic_load_explicit(&record->root, memory_order_relaxed);
+	job_record *next = NULL;
+	for (uint32_t nodes = 1;; nodes++) {
+		last = run_node(slot, graph, record, hooked);
+		if (last || !scope || nodes == JOBS_IN_A_ROW || job_work_urgent(slot) || (until && job_group_done(until)))
+			break;
+		if (!record_is_empty(record))
+			continue;
+		next = job_work_take_own(slot, scope);
+		if (!next || !next->is_graph || next->fn.graph != graph)
+			break;
+		give_back(slot, record);
+		record = next;
+		next = NULL;
+	}
+	slot->level = outer_level;
+	slot->root = outer_root;
+	if (!record_is_empty(record))
+		return record;
+	give_back(slot, record);
+	if (last)
+		end_run(slot, graph);
+	return next;
+}
+
+/* ---- drawing --------------------------------------------------------------------------------------------------- */
+
+/* Writes text as the inside of a quoted string of the DOT language. */
+static void write_quoted(const char *text, FILE *out)
+{
+	for (; *text; text++) {
+		if (*text == '"' || *text == '\\')
+			fputc('\\', out);
+		if (*text == '\n')
+			fputs("\\n", out);
+		else
+			fputc(*text, out);
+	}
+}
+
+void stilb_job_graph_write_dot(const stilb_job_graph *graph, FILE *out)
+{
+	assert(graph && out);
+	fputs("digraph {\n", out);
+	for (uint32_t i = 0; i < graph->node_count; i++) {
+		fprintf(out, "\tn%u [label=\"", i);
+		if (graph->node[i].name)
+			write_quoted(graph->node[i].name, out);
+		else
+			fprintf(out, "#%u", i);
+		fputs("\"];\n", out);
+	}
+	for (uint32_t i = 0; i < graph->edge_count; i++)
+		fprintf(out, "\tn%u -> n%u;\n", graph->edge[i].before, graph->edge[i].after);
+	fputs("}\n", out);
+}
