@@ -10,6 +10,7 @@
  *
  * What is recorded. Each worker is a lane "worker 1", "worker 2", ...; the pool's owner names its own lane. On each:
  *   zone "job"               a job, or help with a parallel loop; the zones of the job's function lie in it
+ *   zone of a node's name   in the zone "job", a node of a graph (job_graph.h) that has a name
  *   arrow "job"              from where the job was submitted, or the loop opened, to the beginning of that zone: its
  *                            length is the time in the queue, and the zone is charged to the frame of the submit
  *   zone "wait for workers"  the thread waits for a group, or for slices of its loop, and finds nothing to help with
@@ -101,6 +102,20 @@ static inline void stilb_job_prof_job_end(void *user, uint32_t worker)
 	stilb_prof_zone_end();
 }
 
+static inline void stilb_job_prof_node_begin(void *user, uint32_t worker, const char *name, void **memo)
+{
+	(void)user, (void)worker;
+	if (!*memo)
+		*memo = (void *)stilb_prof_site_make(name, 0xa9a36b);
+	stilb_prof_zone_begin((const stilb_prof_site *)*memo);
+}
+
+static inline void stilb_job_prof_node_end(void *user, uint32_t worker)
+{
+	(void)user, (void)worker;
+	stilb_prof_zone_end();
+}
+
 static inline void stilb_job_prof_wait_begin(void *user, uint32_t worker)
 {
 	STILB_PROF_SITE(stilb_job_prof_wait, "wait for workers", 0x707070);
@@ -136,6 +151,8 @@ static inline stilb_job_hooks stilb_job_prof_hooks(const char *workers)
 	hooks.submit = stilb_job_prof_submit;
 	hooks.job_begin = stilb_job_prof_job_begin;
 	hooks.job_end = stilb_job_prof_job_end;
+	hooks.node_begin = stilb_job_prof_node_begin;
+	hooks.node_end = stilb_job_prof_node_end;
 	hooks.wait_begin = stilb_job_prof_wait_begin;
 	hooks.wait_end = stilb_job_prof_wait_end;
 	return hooks;

@@ -1,5 +1,6 @@
 /* What the profiler sees of a pool with the hooks of job_prof.h: names, jobs, loops, waits, sleep; and a pool of
  * another name. */
+#include <stilb/job_graph.h>
 #include <stilb/job_prof.h>
 #include <stilb/prof_snapshot.h>
 
@@ -88,6 +89,43 @@ static void jobs_are_zones_with_arrows(void **state)
 		assert_string_equal(s.labels[s.flows[i].label].name, "job");
 		assert_string_equal(s.lanes[s.flows[i].from_lane].name, "main");
 	}
+}
+
+static void nodes_are_zones_of_their_names(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"cull", "draw", NULL, "show"};
+	stilb_job_pool *pool = pool_make(2, NULL);
+	stilb_job_graph *graph;
+	assert_int_equal(stilb_job_graph_create(&graph), 0);
+	for (uint32_t i = 0, node; i < 4; i++) {
+		assert_int_equal(stilb_job_graph_add_node(graph, work, NULL, names[i], &node), 0);
+		if (i > 0)
+			assert_int_equal(stilb_job_graph_add_edge(graph, i / 3, i), 0);
+	}
+	assert_int_equal(stilb_job_graph_build(graph, NULL, 0), 0);
+	for (int frame = 0; frame < 10; frame++) {
+		stilb_job_group group = {0};
+		assert_int_equal(stilb_job_graph_run(graph, pool, &group, 0), 0);
+		stilb_job_wait(pool, &group, 0);
+	}
+	stilb_job_pool_destroy(pool);
+	stilb_job_graph_destroy(graph);
+	assert_int_equal(stilb_prof_snapshot_take(&s, NULL), 0);
+	assert_int_equal(zone_count(NULL, "job"), 40);
+	for (uint32_t i = 0; i < 4; i++)
+		if (names[i])
+			assert_int_equal(zone_count(NULL, names[i]), 10);
+	for (uint32_t l = 0; l < s.lane_count; l++)
+		for (uint32_t i = 0; i < s.lanes[l].zone_count; i++) {
+			const char *name = zone_name(&s.lanes[l], i), *parent = zone_name(&s.lanes[l], s.lanes[l].zones[i].parent);
+			if (strcmp(name, "cull") == 0 || strcmp(name, "draw") == 0 || strcmp(name, "show") == 0)
+				assert_string_equal(parent, "job");
+			if (strcmp(name, "work") == 0)
+				assert_true(strcmp(parent, "job") == 0 || strcmp(parent, "cull") == 0 || strcmp(parent, "draw") == 0 ||
+				            strcmp(parent, "show") == 0);
+		}
+	assert_int_equal(s.flow_count, 40);
 }
 
 static void spin(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -188,9 +226,8 @@ static void pools_have_names(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		GLUE_TEST(jobs_are_zones_with_arrows),
-		GLUE_TEST(help_with_a_loop_is_a_job),
-		GLUE_TEST(a_wait_is_a_wait_and_sleep_is_parked),
+		GLUE_TEST(jobs_are_zones_with_arrows), GLUE_TEST(nodes_are_zones_of_their_names),
+		GLUE_TEST(help_with_a_loop_is_a_job),  GLUE_TEST(a_wait_is_a_wait_and_sleep_is_parked),
 		GLUE_TEST(pools_have_names),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
