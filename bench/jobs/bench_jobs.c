@@ -54,6 +54,7 @@ static const bench_metric idles[] = {
 #define METRICS_JOIN times_us
 #define METRICS_LOOP times_ms
 #define METRICS_FIB times_ms
+#define METRICS_GRAPH times_us
 #define METRICS_WAKE wakes
 #define METRICS_STEAL steals
 #define METRICS_IDLE idles
@@ -84,7 +85,7 @@ static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with its defaults: low-lock queues, workers pinned to CPUs",
-     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(IDLE)},
+     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
 	{.name = "stilb-lock-free",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with lock-free queues",
@@ -100,8 +101,10 @@ static const bench_subject subjects[] = {
 	{.name = "tbb",
      .program = "stilb-bench-jobs-tbb",
      .package = "libtbb-dev",
-     .note = "oneTBB: task_group; parallel_for with simple_partitioner and grain 1; loops with auto_partitioner",
-     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(IDLE)},
+     .note =
+         "oneTBB: task_group; parallel_for with simple_partitioner and grain 1; loops with auto_partitioner; graphs "
+         "of continue_node",
+     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
 	{.name = "tbb-static",
      .program = "stilb-bench-jobs-tbb",
      .package = "libtbb-dev",
@@ -120,7 +123,7 @@ static const bench_subject subjects[] = {
 	{.name = "serial",
      .program = "stilb-bench-jobs-limits",
      .note = "a plain loop on one thread",
-     .abilities = CAN_COMPUTE,
+     .abilities = CAN_COMPUTE | CAN(GRAPH),
      .reference = true},
 	{.name = "ideal",
      .program = "stilb-bench-jobs-limits",
@@ -165,6 +168,7 @@ static const char *const idle_join_cases[] = {"join8-phase", "join8-idle",      
                                               "join64-idle", "join64-idle-phase", NULL};
 static const char *const loop_cases[] = {"loop-1", "loop-2", "loop-4", "loop-8", NULL};
 static const char *const fib_cases[] = {"fib-1", "fib", NULL};
+static const char *const graph_cases[] = {"graph-chain", "graph-fan", "graph-1", "graph", "graph-us", NULL};
 static const char *const wake_cases[] = {"wake", "wake-pinned", NULL};
 static const char *const steal_cases[] = {"steal", "steal-pinned", NULL};
 static const char *const quiet_cases[] = {"idle", NULL};
@@ -179,6 +183,7 @@ static const bench_panel panels[] = {
 	{"loop over 20,000 items of 200 ns on 1 to 8 threads, median", loop_cases, "p50", false},
 	{"loop over 20,000 items of 200 ns on 1 to 8 threads, slowest of a run", loop_cases, "worst", true},
 	{"fib(20), each call a job", fib_cases, "p50", true},
+	{"a run of a graph of 10,000 nodes, median", graph_cases, "p50", true},
 	{"time from submit to start for a sleeping worker, 99th percentile", wake_cases, "start-p99", true},
 	{"time that submit takes if it wakes a worker", wake_cases, "submit-p50", true},
 	{"time from submit to start for a worker that is awake", steal_cases, "start-p50", true},

@@ -16,16 +16,25 @@ typedef enum jobs_kind {
 	JOBS_FIB,     /* time of fib(20): 10,945 jobs that submit jobs and wait for them */
 	JOBS_WAKE,    /* one job for a sleeping worker: time until it starts, and time that submit takes */
 	JOBS_STEAL,   /* one job for a worker that looks for work: time until it is taken, if known, and until it starts */
+	JOBS_GRAPH,   /* time of a run of a graph of jobs that has been built before */
 	JOBS_IDLE     /* CPU time that the job system's threads use after all work is done */
 } jobs_kind;
+
+/* The graphs of JOBS_GRAPH. */
+typedef enum jobs_graph_shape {
+	JOBS_CHAIN, /* each node after the one before */
+	JOBS_FAN,   /* one node, then all but two at the same time, then one */
+	JOBS_LAYERS /* layers of 100 nodes, each node after three random ones of the layer before */
+} jobs_graph_shape;
 
 typedef struct jobs_case {
 	const char *name;
 	jobs_kind kind;
-	uint32_t threads;    /* of the job system, the caller included; JOBS_OUTSIDE: without the outside threads */
-	uint32_t count;      /* jobs, chunks or items; JOBS_OUTSIDE: for each outside thread */
-	uint32_t outside;    /* number of outside threads */
-	double microseconds; /* of work in each job, chunk or item */
+	uint32_t threads; /* of the job system, the caller included; JOBS_OUTSIDE: without the outside threads */
+	uint32_t count;   /* jobs, chunks, items or nodes; JOBS_OUTSIDE: for each outside thread */
+	uint32_t outside; /* number of outside threads */
+	jobs_graph_shape shape;
+	double microseconds; /* of work in each job, chunk, item or node */
 	uint32_t pause_us;   /* the caller sleeps this long before each turn */
 	bool phase;          /* in a phase, which keeps threads awake (jobs_subject.phase_begin), if the subject has it */
 	bool pinned;         /* thread i of the process is pinned to CPU i modulo their number; else left to the library */
@@ -73,6 +82,16 @@ typedef struct jobs_case {
 	  .microseconds = 0.2)                                                                                             \
 	X("fib-1", "fib(20), each call a job, 1 thread", FIB, .threads = 1)                                                \
 	X("fib", "fib(20), each call a job, 2 threads", FIB, .threads = 2)                                                 \
+	X("graph-chain", "graph of 10,000 empty nodes in a chain, 2 threads", GRAPH, .threads = 2, .count = 10000,         \
+	  .shape = JOBS_CHAIN)                                                                                             \
+	X("graph-fan", "graph of 10,000 empty nodes, all but two at once, 2 threads", GRAPH, .threads = 2, .count = 10000, \
+	  .shape = JOBS_FAN)                                                                                               \
+	X("graph-1", "graph of 100 layers of 100 empty nodes, 1 thread", GRAPH, .threads = 1, .count = 10000,              \
+	  .shape = JOBS_LAYERS)                                                                                            \
+	X("graph", "graph of 100 layers of 100 empty nodes, 2 threads", GRAPH, .threads = 2, .count = 10000,               \
+	  .shape = JOBS_LAYERS)                                                                                            \
+	X("graph-us", "graph of 100 layers of 100 nodes of 1 us, 2 threads", GRAPH, .threads = 2, .count = 10000,          \
+	  .shape = JOBS_LAYERS, .microseconds = 1)                                                                         \
 	X("wake", "one job for a sleeping worker after 2 ms of idleness", WAKE, .threads = 2, .pause_us = 2000)            \
 	X("wake-pinned", "one job for a sleeping worker after 2 ms of idleness, pinned", WAKE, .threads = 2,               \
 	  .pause_us = 2000, .pinned = true)                                                                                \

@@ -36,6 +36,27 @@ static uint64_t serial_fib(uint32_t n)
 	return n < 2 ? n : serial_fib(n - 1) + serial_fib(n - 2);
 }
 
+/* The nodes are numbered in an order in which they may run. */
+static struct {
+	jobs_fn *fn;
+	char *data;
+	uint32_t count;
+} serial_graph;
+
+static void serial_graph_run(void)
+{
+	serial_spawn(serial_graph.fn, serial_graph.data, serial_graph.count);
+}
+
+static void serial_graph_make(jobs_fn *fn, char *data, uint32_t count, const uint32_t (*edge)[2], uint32_t edges)
+{
+	(void)edge, (void)edges;
+	serial_graph.fn = fn;
+	serial_graph.data = data;
+	serial_graph.count = count;
+	serial_graph_run();
+}
+
 static const jobs_subject serial = {.name = "serial",
                                     .open = serial_open,
                                     .close = serial_close,
@@ -43,7 +64,9 @@ static const jobs_subject serial = {.name = "serial",
                                     .array = serial_loop,
                                     .join = serial_loop,
                                     .loop = serial_loop,
-                                    .fib = serial_fib};
+                                    .fib = serial_fib,
+                                    .graph_make = serial_graph_make,
+                                    .graph_run = serial_graph_run};
 static const jobs_subject ideal = {.name = "ideal",
                                    .ideal = true,
                                    .open = serial_open,

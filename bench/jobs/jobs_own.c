@@ -3,9 +3,11 @@
 #include "bench/harness/bench_child.h"
 #include "bench/jobs/jobs_subject.h"
 #include "bench/subjects/queue_subjects.h"
+#include "jobs/job_graph.h"
 #include "jobs/job_internal.h"
 
 static stilb_job_pool *pool;
+static stilb_job_graph *graph;
 static stilb_job_group group; /* contains the job of `submit` until `wait` returns */
 static uint64_t last_steal;   /* ns; the thief writes it before the job runs, stolen_at reads it after `wait` */
 
@@ -66,13 +68,14 @@ static bool open_over_mutex(uint32_t threads, bool steals)
 
 static void close_pool(void)
 {
+	stilb_job_graph_destroy(graph);
 	stilb_job_pool_destroy(pool);
 }
 
 static void must(int error)
 {
 	if (error)
-		bench_child_fail("stilb_job_submit failed: %d", error);
+		bench_child_fail("a call of the job system failed: %d", error);
 }
 
 static void spawn_as(jobs_fn *fn, char *data, uint32_t count, uint32_t worker)
@@ -136,6 +139,24 @@ static uint64_t fib(uint32_t n)
 	return fib_on(n, 0);
 }
 
+static void graph_run(void)
+{
+	stilb_job_group run = {0};
+	must(stilb_job_graph_run(graph, pool, &run, 0));
+	stilb_job_wait(pool, &run, 0);
+}
+
+static void graph_make(jobs_fn *fn, char *data, uint32_t count, const uint32_t (*edge)[2], uint32_t edges)
+{
+	must(stilb_job_graph_create(&graph));
+	for (uint32_t i = 0, node; i < count; i++)
+		must(stilb_job_graph_add_node(graph, fn, data + i, NULL, &node));
+	for (uint32_t i = 0; i < edges; i++)
+		must(stilb_job_graph_add_edge(graph, edge[i][0], edge[i][1]));
+	must(stilb_job_graph_build(graph, NULL, 0));
+	graph_run();
+}
+
 static void submit(jobs_fn *fn, void *data)
 {
 	must(stilb_job_submit(pool, fn, data, &group, 0));
@@ -164,8 +185,8 @@ static uint64_t stolen_at(void)
 #define POOL(NAME, OPEN)                                                                                               \
 	{                                                                                                                  \
 		.name = NAME, .open = OPEN, .close = close_pool, .spawn = spawn, .outside = outside, .array = array,           \
-		.join = loop, .loop = loop, .fib = fib, .submit = submit, .wait = wait, .phase_begin = phase_begin,            \
-		.phase_end = phase_end, .stolen_at = stolen_at                                                                 \
+		.join = loop, .loop = loop, .fib = fib, .graph_make = graph_make, .graph_run = graph_run, .submit = submit,    \
+		.wait = wait, .phase_begin = phase_begin, .phase_end = phase_end, .stolen_at = stolen_at                       \
 	}
 
 static const jobs_subject pools[] = {

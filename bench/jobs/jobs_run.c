@@ -225,6 +225,63 @@ static void turn_fib(run *r)
 		bench_child_fail("fib(20) is wrong");
 }
 
+static const run *graph_of; /* the run whose nodes graph_node works for */
+
+static void graph_node(void *data, uint32_t worker)
+{
+	tally *own = tally_own();
+	uint64_t number = (uintptr_t)data;
+	(void)worker;
+	tally_add(own, number, graph_of->chain ? chain(number, own->results, graph_of->chain) : 0);
+}
+
+static void turn_graph(run *r)
+{
+	r->subject->graph_run();
+}
+
+/* The next number of an additive sequence whose high bits serve as random numbers. */
+static uint32_t graph_random(uint64_t *state, uint32_t limit)
+{
+	*state = *state * UINT64_C(6364136223846793005) + 1; /* Knuth, The Art of Computer Programming 2, 3.3.4 */
+	return (uint32_t)((*state >> 32) * limit >> 32);
+}
+
+static void graph_edge(uint32_t (*edge)[2], uint32_t *edges, uint32_t before, uint32_t after)
+{
+	edge[*edges][0] = before;
+	edge[(*edges)++][1] = after;
+}
+
+/* Stores the edges of a graph of this shape and returns their number, at most three a node. */
+static uint32_t graph_edges(jobs_graph_shape shape, uint32_t count, uint32_t (*edge)[2])
+{
+	enum { LAYER = 100, BEFORE = 3 };
+	uint32_t edges = 0;
+	uint64_t state = 1;
+	for (uint32_t i = 1; i < count && shape == JOBS_CHAIN; i++)
+		graph_edge(edge, &edges, i - 1, i);
+	for (uint32_t i = 1; i < count - 1 && shape == JOBS_FAN; i++) {
+		graph_edge(edge, &edges, 0, i);
+		graph_edge(edge, &edges, i, count - 1);
+	}
+	for (uint32_t i = LAYER; i < count && shape == JOBS_LAYERS; i++)
+		for (uint32_t k = 0; k < BEFORE; k++)
+			graph_edge(edge, &edges, i / LAYER * LAYER - LAYER + graph_random(&state, LAYER), i);
+	return edges;
+}
+
+static void graph_prepare(run *r)
+{
+	uint32_t count = r->on->count;
+	uint32_t(*edge)[2] = malloc(3 * count * sizeof *edge);
+	if (!edge)
+		bench_child_fail("out of memory");
+	graph_of = r;
+	r->subject->graph_make(graph_node, NULL, count, edge, graph_edges(r->on->shape, count, edge));
+	free(edge);
+}
+
 static void *outside_main(void *data)
 {
 	const run *r = data;
@@ -444,15 +501,11 @@ static const struct {
 	void (*turn)(run *r);
 	void (*print)(run *r);
 } kinds[] = {
-	[JOBS_SPAWN] = {turn_spawn, print_rate},
-	[JOBS_ARRAY] = {turn_array, print_rate},
-	[JOBS_OUTSIDE] = {turn_outside, print_rate},
-	[JOBS_JOIN] = {turn_join, print_times_us},
-	[JOBS_LOOP] = {turn_loop, print_times_ms},
-	[JOBS_FIB] = {turn_fib, print_times_ms},
-	[JOBS_WAKE] = {turn_start, print_wake},
-	[JOBS_STEAL] = {turn_start, print_steal},
-	[JOBS_IDLE] = {NULL, NULL},
+	[JOBS_SPAWN] = {turn_spawn, print_rate},     [JOBS_ARRAY] = {turn_array, print_rate},
+	[JOBS_OUTSIDE] = {turn_outside, print_rate}, [JOBS_JOIN] = {turn_join, print_times_us},
+	[JOBS_LOOP] = {turn_loop, print_times_ms},   [JOBS_FIB] = {turn_fib, print_times_ms},
+	[JOBS_GRAPH] = {turn_graph, print_times_us}, [JOBS_WAKE] = {turn_start, print_wake},
+	[JOBS_STEAL] = {turn_start, print_steal},    [JOBS_IDLE] = {NULL, NULL},
 };
 
 /* True if the subject has the functions for cases of this kind. */
@@ -472,6 +525,8 @@ static bool able(const jobs_subject *subject, jobs_kind kind)
 		return subject->loop;
 	case JOBS_FIB:
 		return subject->fib;
+	case JOBS_GRAPH:
+		return subject->graph_make;
 	case JOBS_WAKE:
 	case JOBS_STEAL:
 		return subject->submit;
@@ -484,6 +539,8 @@ static void run_inside(void *context)
 	run *r = context;
 	bool phase = r->on->phase && r->on->kind != JOBS_IDLE && r->subject->phase_begin;
 	warm_up(r);
+	if (r->on->kind == JOBS_GRAPH)
+		graph_prepare(r);
 	if (r->on->pinned)
 		pin_threads();
 	if (r->on->kind == JOBS_IDLE) {

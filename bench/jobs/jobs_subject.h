@@ -46,6 +46,11 @@ typedef struct jobs_subject {
 	void (*loop)(jobs_range_fn *fn, void *context, uint32_t count);
 	/* The n-th Fibonacci number by recursion: one of the two calls is a job, the other a function call, then a wait. */
 	uint64_t (*fib)(uint32_t n);
+	/* Makes a graph of the nodes fn(data + i), i in [0, count), in which node edge[k][1] runs after node edge[k][0],
+	 * and runs it once. Called once; nodes are numbered so that edge[k][0] < edge[k][1]. */
+	void (*graph_make)(jobs_fn *fn, char *data, uint32_t count, const uint32_t (*edge)[2], uint32_t edges);
+	/* Runs the graph again; returns when all nodes have run. */
+	void (*graph_run)(void);
 	/* Submits one job without waiting for it; `wait` returns when it has run. */
 	void (*submit)(jobs_fn *fn, void *data);
 	void (*wait)(void);

@@ -3,18 +3,26 @@
 #include "bench/jobs/jobs_subject.h"
 
 #include <atomic>
+#include <memory>
 #include <optional>
+#include <tbb/flow_graph.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 #include <thread>
+#include <vector>
 
 namespace
 {
 std::optional<tbb::global_control> limit;
 std::optional<tbb::task_arena> arena;
 std::optional<tbb::task_group> group;
+
+using node = tbb::flow::continue_node<tbb::flow::continue_msg>;
+std::optional<tbb::flow::graph> graph;
+std::vector<std::unique_ptr<node>> nodes;
+std::vector<node *> sources; // nodes without predecessors, which each run starts
 
 bool open(uint32_t threads, bool)
 {
@@ -26,6 +34,8 @@ bool open(uint32_t threads, bool)
 
 void close()
 {
+	nodes.clear();
+	graph.reset();
 	group.reset();
 	arena.reset();
 	limit.reset();
@@ -61,6 +71,29 @@ uint64_t fib(uint32_t n)
 	uint64_t b = fib(n - 2);
 	jobs.wait();
 	return a + b;
+}
+
+void graph_run()
+{
+	for (node *source : sources)
+		source->try_put(tbb::flow::continue_msg());
+	graph->wait_for_all();
+}
+
+void graph_make(jobs_fn *fn, char *data, uint32_t count, const uint32_t (*edge)[2], uint32_t edges)
+{
+	std::vector<bool> follows(count);
+	graph.emplace();
+	for (uint32_t i = 0; i < count; ++i)
+		nodes.push_back(std::make_unique<node>(*graph, [=](const tbb::flow::continue_msg &) { fn(data + i, 0); }));
+	for (uint32_t i = 0; i < edges; ++i) {
+		tbb::flow::make_edge(*nodes[edge[i][0]], *nodes[edge[i][1]]);
+		follows[edge[i][1]] = true;
+	}
+	for (uint32_t i = 0; i < count; ++i)
+		if (!follows[i])
+			sources.push_back(nodes[i].get());
+	graph_run();
 }
 
 void submit(jobs_fn *fn, void *data)
@@ -99,6 +132,8 @@ jobs_subject describe()
 	tbb.join = parallel_for<tbb::simple_partitioner>;
 	tbb.loop = parallel_for<tbb::auto_partitioner>;
 	tbb.fib = fib;
+	tbb.graph_make = graph_make;
+	tbb.graph_run = graph_run;
 	tbb.submit = submit;
 	tbb.wait = wait;
 	return tbb;
