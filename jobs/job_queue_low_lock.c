@@ -41,6 +41,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Producers yield once a segment while more items than this lie in the queue: 128 KiB of pointers, which still are in
+ * the level 2 cache of most CPUs when they are popped. */
+#define JOB_QUEUE_AHEAD 16384
+
+/* Producers yield at most this many times in a row without anything being popped. */
+#define JOB_QUEUE_YIELDS 32
+
 #ifndef JOB_SEGMENT_CELLS
 #define JOB_SEGMENT_CELLS 512
 #endif
@@ -64,6 +71,8 @@ typedef struct low_lock {
 		segment *at;            /* the segment being filled */
 		uint64_t segments;      /* the number of segments in the ring */
 		_Atomic bool closed;    /* release in close, pairs with acquire in pop */
+		uint32_t yields;        /* how many more times producers yield before something must be popped */
+		uint64_t popped;        /* the consumers' count when `yields` was last set */
 	} push;
 	struct {
 		alignas(JOB_LINE) job_lock lock;
@@ -71,6 +80,8 @@ typedef struct low_lock {
 		_Atomic uint64_t stop;  /* up to this count the segment `at` is known to hold items; written under the lock */
 		uint64_t end;           /* the count at which the segment `at` is used up */
 		segment *at;            /* the segment being emptied */
+		/* The thread that was last to begin a segment, or 0. Relaxed: only push_is_far_ahead reads it, as a hint. */
+		_Atomic uintptr_t consumer;
 	} pop;
 } low_lock;
 
@@ -183,6 +194,23 @@ static size_t push_left(const low_lock *self, uint64_t pushed, uint64_t popped)
 	return closed ? 0 : self->capacity - (pushed - popped);
 }
 
+/* True if the producer, which has just begun a segment, should let consumers run first. Not if nothing is popped
+ * meanwhile, since then they have stopped, nor if the producer itself is the consumer. Caller holds push.lock. */
+static bool push_is_far_ahead(low_lock *self, uint64_t pushed, uint64_t popped)
+{
+	if (pushed - popped <= JOB_QUEUE_AHEAD)
+		return false;
+	if (self->push.popped != popped) {
+		self->push.popped = popped;
+		self->push.yields = JOB_QUEUE_YIELDS;
+	}
+	/* Relaxed: an old value costs a yield or leaves one out. */
+	if (self->push.yields == 0 || atomic_load_explicit(&self->pop.consumer, memory_order_relaxed) == job_this_thread())
+		return false;
+	self->push.yields--;
+	return true;
+}
+
 /* Pushes as many of the items as it can. Caller holds push.lock, which this releases. */
 static int push_and_give(low_lock *self, void *const *items, size_t count)
 {
@@ -205,12 +233,16 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 		}
 		ring_insert(self, fresh); /* even if consumers have freed segments meanwhile and these are not needed yet */
 		size_t done = least(wanted, cells);
+		uint64_t end = self->push.end;
 		if (done > 0)
 			push_fill(self, items, done, pushed);
+		bool far_ahead = self->push.end != end && push_is_far_ahead(self, pushed + done, popped);
 		self->push.stop = pushed + done + least(self->push.end - (pushed + done), left - done);
 		bool closed = atomic_load_explicit(&self->push.closed, memory_order_relaxed); /* ordered by the lock */
 		JOB_CHECK(push_is_sound(self));
 		job_lock_give(&self->push.lock);
+		if (far_ahead)
+			sched_yield();
 		return done > 0 ? (int)done : closed ? -EPIPE : left == 0 ? -EAGAIN : -ENOMEM;
 	}
 }
@@ -238,7 +270,13 @@ static int low_lock_push_n(stilb_job_queue *queue, void *const *items, size_t co
 	(void)thread;
 	low_lock *self = low_lock_of(queue);
 	job_lock_take(&self->push.lock);
-	return push_and_give(self, items, count);
+	uint64_t pushed = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
+	if (count > self->push.stop - pushed)
+		return push_and_give(self, items, count);
+	push_fill(self, items, count, pushed);
+	JOB_CHECK(push_is_sound(self));
+	job_lock_give(&self->push.lock);
+	return (int)count;
 }
 
 static void low_lock_close(stilb_job_queue *queue)
@@ -307,6 +345,7 @@ static bool pop_refill(low_lock *self, uint64_t popped)
 	if (popped == self->pop.end) {
 		self->pop.at = self->pop.at->next;
 		self->pop.end += JOB_SEGMENT_CELLS;
+		atomic_store_explicit(&self->pop.consumer, job_this_thread(), memory_order_relaxed); /* see pop.consumer */
 	}
 	/* Relaxed: pop_hopeless alone reads it without the lock, and an old value there does no harm. */
 	atomic_store_explicit(&self->pop.stop, least(pushed, self->pop.end), memory_order_relaxed);

@@ -1,0 +1,197 @@
+/*
+ * What a push into the low-lock queue does, counted instead of timed: how often it reads the consumers' cache line, and
+ * how often it yields its CPU to them. The queue is compiled into this file with its loads and yields counted.
+ */
+#include <errno.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "jobs/job_lock.h"
+#include "support/test.h"
+
+/* Counts of the calling thread. */
+static _Thread_local struct counts {
+	uint64_t loads; /* of `watched` */
+	uint64_t yields;
+} counts;
+
+static _Thread_local const volatile void *watched; /* the word whose loads are counted */
+
+static void count_load(const volatile void *word)
+{
+	counts.loads += word == watched;
+}
+
+static int count_yield(void)
+{
+	counts.yields++;
+	return 0;
+}
+
+#pragma push_macro("atomic_load_explicit")
+#undef atomic_load_explicit
+#define atomic_load_explicit(word, order) (count_load(word), __atomic_load_n(word, order))
+#define sched_yield count_yield
+#include "jobs/job_queue_low_lock.c"
+#undef sched_yield
+#pragma pop_macro("atomic_load_explicit")
+
+enum { BATCH = 16, MANY = 64 * JOB_QUEUE_AHEAD, SEGMENTS = MANY / JOB_SEGMENT_CELLS };
+
+static low_lock *create(size_t capacity)
+{
+	stilb_job_queue *queue = NULL;
+	stilb_job_queue_desc desc = {.capacity = capacity, .thread_count = 1};
+	assert_int_equal(job_queue_low_lock_create(&desc, &queue), 0);
+	low_lock *made = low_lock_of(queue);
+	watched = &made->pop.count;
+	counts = (struct counts){0};
+	return made;
+}
+
+/* Pushes items in batches of the given size, 1 for single pushes; returns how many of them were accepted. */
+static size_t push(low_lock *queue, size_t items, size_t batch)
+{
+	void *item[BATCH];
+	for (size_t i = 0; i < BATCH; i++)
+		item[i] = queue;
+	size_t done = 0;
+	while (done < items) {
+		int result =
+			batch == 1 ? low_lock_push(&queue->base, item[0], 0) : low_lock_push_n(&queue->base, item, batch, 0);
+		if (result < 0)
+			break;
+		done += batch == 1 ? 1 : (size_t)result;
+	}
+	return done;
+}
+
+static size_t pop(low_lock *queue, size_t items)
+{
+	size_t done = 0;
+	for (void *item; done < items && low_lock_pop(&queue->base, &item, 0) == 0; done++)
+		assert_ptr_equal(item, queue);
+	return done;
+}
+
+/* The consumers' count is read once a segment, whatever the size of the batches; twice where a segment is allocated. */
+static void test_the_consumers_line_is_left_alone(void **state)
+{
+	(void)state;
+	for (size_t batch = 1; batch <= BATCH; batch++) {
+		low_lock *queue = create(SIZE_MAX);
+		assert_in_range(push(queue, MANY, batch), MANY, MANY + BATCH);
+		assert_in_range(counts.loads, SEGMENTS - 1, 2 * SEGMENTS);
+		low_lock_destroy(&queue->base);
+	}
+}
+
+/* A queue with a capacity reads the count when it seems full, and then knows what was popped meanwhile. */
+static void test_capacity_is_exact(void **state)
+{
+	(void)state;
+	for (size_t batch = 1; batch <= BATCH; batch++) {
+		low_lock *queue = create(1000);
+		assert_int_equal(push(queue, MANY, batch), 1000);
+		assert_int_equal(pop(queue, 100), 100);
+		assert_int_equal(push(queue, MANY, batch), 100);
+		assert_int_equal(pop(queue, MANY), 1000);
+		assert_int_equal(counts.yields, 0);
+		low_lock_destroy(&queue->base);
+	}
+}
+
+static void test_nobody_pops(void **state)
+{
+	(void)state;
+	for (size_t batch = 1; batch <= BATCH; batch += BATCH - 1) {
+		low_lock *queue = create(SIZE_MAX);
+		push(queue, MANY, batch);
+		assert_int_equal(counts.yields, 0);
+		low_lock_destroy(&queue->base);
+	}
+}
+
+static void test_the_producer_is_the_consumer(void **state)
+{
+	(void)state;
+	low_lock *queue = create(SIZE_MAX);
+	for (size_t i = 0; i < MANY; i += BATCH) {
+		push(queue, BATCH, BATCH);
+		assert_int_equal(pop(queue, BATCH / 2), BATCH / 2);
+	}
+	assert_int_equal(counts.yields, 0);
+	low_lock_destroy(&queue->base);
+}
+
+typedef struct meal {
+	low_lock *queue;
+	size_t items;
+} meal;
+
+static void *pop_in_thread(void *data)
+{
+	meal *m = data;
+	m->items = pop(m->queue, m->items);
+	return NULL;
+}
+
+/* Pops items in another thread. */
+static void let_pop(low_lock *queue, size_t items)
+{
+	meal m = {queue, items};
+	pthread_t thread;
+	assert_int_equal(pthread_create(&thread, NULL, pop_in_thread, &m), 0);
+	assert_int_equal(pthread_join(thread, NULL), 0);
+	assert_int_equal(m.items, items);
+}
+
+/* Producers that run ahead of a consumer that pops yield once a segment, and give up if it does not go on. */
+static void test_another_thread_pops(void **state)
+{
+	(void)state;
+	for (size_t batch = 1; batch <= BATCH; batch += BATCH - 1) {
+		low_lock *queue = create(SIZE_MAX);
+		push(queue, JOB_QUEUE_AHEAD, batch);
+		let_pop(queue, JOB_SEGMENT_CELLS + BATCH);
+		push(queue, 2 * JOB_SEGMENT_CELLS, batch);
+		assert_int_equal(counts.yields, 0); /* not far ahead yet */
+		for (uint32_t i = 1; i <= 3 * JOB_QUEUE_YIELDS; i++) {
+			push(queue, JOB_SEGMENT_CELLS, batch);
+			assert_int_equal(counts.yields, i);
+			let_pop(queue, 1);
+		}
+		push(queue, MANY, batch);
+		assert_int_equal(counts.yields, 4 * JOB_QUEUE_YIELDS);
+		low_lock_destroy(&queue->base);
+	}
+}
+
+/* A full queue, which accepts one item whenever one is popped, still yields once a segment. */
+static void test_full(void **state)
+{
+	(void)state;
+	low_lock *queue = create(2 * JOB_QUEUE_AHEAD);
+	push(queue, MANY, BATCH);
+	for (uint32_t i = 0; i < JOB_QUEUE_YIELDS; i++) {
+		let_pop(queue, 1);
+		assert_int_equal(push(queue, 2, 1), 1);
+	}
+	assert_int_equal(counts.yields, 1);
+	low_lock_destroy(&queue->base);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_the_consumers_line_is_left_alone),
+		cmocka_unit_test(test_capacity_is_exact),
+		cmocka_unit_test(test_nobody_pops),
+		cmocka_unit_test(test_the_producer_is_the_consumer),
+		cmocka_unit_test(test_another_thread_pops),
+		cmocka_unit_test(test_full),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
