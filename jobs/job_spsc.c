@@ -9,61 +9,79 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 /*
- * The list of Sutter's article (job_spsc.h names it):   first ... divider ... last
+ * The cells are the queue; no count or position is shared. NULL in a cell means that nothing has been pushed there yet.
+ * So an item moves the cache line of its cell from one CPU to the other, and no other line.
  *
- * A node of the list is a cell of a block. The next node is the next cell; after the last cell of a block it is the
- * first cell of the following block. So the list needs no pointer and no malloc per node. The nodes up to and including
- * divider have been consumed; those after divider, up to and including last, hold items. The queue is empty if divider
- * equals last. There is always one consumed node between the two ends, so they never touch the same cell.
+ *   producer   fills the cells of a block in order; at the end of the block it links another one
+ *   consumer   looks at its next cell; if that is not NULL, it takes the item, and later clears the cell; at the end of
+ *              a block it follows the link
  *
- *   producer   writes the item, then publishes last; reuses the blocks before the one that holds divider
- *   consumer   copies the item, then publishes divider
+ * Blocks.    The consumer publishes which block it reads, once a block. The producer reuses the blocks before that one;
+ *            their cells are clear.
+ * Closing.   The producer stores END, which is no item, in the next cell, or in the link at the end of a block. Since
+ *            this needs no memory, it cannot fail. The consumer never passes END.
+ * Clearing.  The consumer clears cells a cache line at a time, after it has taken the last item of the line: a store
+ *            takes the line away from the producer, which is perhaps still filling it.
  *
- * All other memory is plain: whatever an end reads of it was written before the other end published.
+ * Sources (job_spsc.h has their titles): NULL as the only signal is FastForward's, which has a ring of fixed size. The
+ * list of which the producer reuses what the consumer has left is Sutter's, with a block for each of his nodes.
  */
 #ifndef JOB_SPSC_BLOCK_CELLS
 #define JOB_SPSC_BLOCK_CELLS 511 /* 4 KiB together with the link */
 #endif
 
-typedef struct job_spsc_block {
-	struct job_spsc_block *next; /* set once last has left this block */
-	void *cells[JOB_SPSC_BLOCK_CELLS];
-} job_spsc_block;
+#define CACHE_LINE 64 /* bytes; cells are cleared in groups of this size */
+
+typedef _Atomic(void *) job_spsc_cell;
+
+typedef struct job_spsc_block job_spsc_block;
+
+struct job_spsc_block {
+	alignas(CACHE_LINE) job_spsc_cell cells[JOB_SPSC_BLOCK_CELLS]; /* filled with release, read with acquire */
+	_Atomic(job_spsc_block *) next;                                /* set with release, followed with acquire */
+};
 
 struct stilb_job_spsc {
-	/* Written by the producer alone. */
-	alignas(JOB_LINE) _Atomic(void **) last;
-	_Atomic bool closed;
-	job_spsc_block *first;   /* the oldest block */
-	job_spsc_block *writing; /* the block that last points into */
+	/* The producer's. */
+	alignas(JOB_LINE) job_spsc_cell *write; /* the next cell to fill, or the end of the block */
+	job_spsc_block *writing;                /* the block in which that cell lies */
+	job_spsc_block *first;                  /* the oldest block */
+	bool closed;
 	job_exclusive producer;
 
-	/* Written by the consumer alone. */
-	alignas(JOB_LINE) _Atomic(void **) divider;
-	void **seen;             /* `last` as the consumer last read it; read again when all nodes up to it are consumed */
-	job_spsc_block *reading; /* the block that divider points into */
+	/* The consumer's. */
+	alignas(JOB_LINE) job_spsc_cell *read; /* the next cell to take from, or the end of the block */
+	/* The block in which that cell lies. Release, pairs with the acquire in block_take. */
+	_Atomic(job_spsc_block *) reading;
 	job_exclusive consumer;
 };
 
-static bool block_holds(const job_spsc_block *block, void **cell)
+static char end_mark;
+#define END ((void *)&end_mark)
+
+static job_spsc_block *block_create(void)
 {
-	/* As integers, since C does not define the difference of pointers into different blocks. For a cell at a lower
-	 * address than the block the difference wraps around to a large number. */
-	return (uintptr_t)cell - (uintptr_t)block->cells < sizeof block->cells;
+	job_spsc_block *block = aligned_alloc(alignof(job_spsc_block), sizeof *block);
+	if (block)
+		memset(block, 0, sizeof *block);
+	return block;
 }
 
 /* Returns a block to follow the full one: a block that the consumer has left, or a new one. NULL: no memory. */
 static job_spsc_block *block_take(stilb_job_spsc *queue)
 {
-	/* Acquire pairs with the release in pop: the consumer has finished reading the blocks before divider's block. */
-	void **divider = atomic_load_explicit(&queue->divider, memory_order_acquire);
-	job_spsc_block *block = queue->first;
-	if (block_holds(block, divider))
-		return malloc(sizeof *block);
-	queue->first = block->next;
-	assert(block != queue->writing && queue->first && "the divider is in a later block");
+	/* Acquire pairs with the release in block_follow: the consumer has cleared the blocks before this one, and read
+	 * their links. */
+	job_spsc_block *block = queue->first, *reading = atomic_load_explicit(&queue->reading, memory_order_acquire);
+	if (block == reading)
+		return block_create();
+	assert(block != queue->writing && "the consumer is in a later block");
+	queue->first = atomic_load_explicit(&block->next, memory_order_relaxed); /* the producer's own store */
+	/* Relaxed, as the block is not linked yet. */
+	atomic_store_explicit(&block->next, NULL, memory_order_relaxed);
 	return block;
 }
 
@@ -72,20 +90,16 @@ int stilb_job_spsc_create(stilb_job_spsc **created)
 	assert(created);
 	*created = NULL;
 	stilb_job_spsc *queue = aligned_alloc(JOB_LINE, sizeof *queue);
-	job_spsc_block *block = malloc(sizeof *block);
+	job_spsc_block *block = block_create();
 	if (!queue || !block) {
 		free(block);
 		free(queue);
 		return -ENOMEM;
 	}
-	void **consumed = block->cells; /* the consumed node between the ends; no item was ever in it */
-	atomic_init(&queue->last, consumed);
-	atomic_init(&queue->closed, false);
+	memset(queue, 0, sizeof *queue);
 	queue->first = queue->writing = block;
-	atomic_init(&queue->divider, consumed);
-	queue->seen = consumed;
-	queue->reading = block;
-	queue->producer = queue->consumer = (job_exclusive){0};
+	atomic_init(&queue->reading, block);
+	queue->write = queue->read = block->cells;
 	*created = queue;
 	return 0;
 }
@@ -94,47 +108,53 @@ void stilb_job_spsc_destroy(stilb_job_spsc *queue)
 {
 	if (!queue)
 		return;
-	queue->writing->next = NULL; /* the newest block, whose link has not been set yet */
-	for (job_spsc_block *block = queue->first; block;) {
-		job_spsc_block *next = block->next;
+	for (job_spsc_block *block = queue->first; block && block != END;) {
+		/* Relaxed: no other call is in progress. */
+		job_spsc_block *next = atomic_load_explicit(&block->next, memory_order_relaxed);
 		free(block);
 		block = next;
 	}
 	free(queue);
 }
 
-/* For asserts: last lies in the block that is being filled. [producer] */
-static bool producer_is_sound(const stilb_job_spsc *queue)
+static job_spsc_cell *block_end(job_spsc_block *block)
 {
-	return block_holds(queue->writing,
-	                   atomic_load_explicit(&queue->last, memory_order_relaxed)); /* the producer's own */
+	return block->cells + JOB_SPSC_BLOCK_CELLS;
 }
 
-/* For asserts: divider lies in the block that is being emptied. [consumer] */
-static bool consumer_is_sound(const stilb_job_spsc *queue)
+/* For asserts: the next cell to fill lies in the block that is being filled, and is clear. [producer] */
+static bool producer_is_sound(const stilb_job_spsc *queue)
 {
-	/* Relaxed: the consumer's own. */
-	return block_holds(queue->reading, atomic_load_explicit(&queue->divider, memory_order_relaxed));
+	if (queue->write == block_end(queue->writing))
+		return true;
+	/* Relaxed: the producer's own, since the consumer stores only in cells that have been filled. */
+	return queue->write >= queue->writing->cells && queue->write < block_end(queue->writing) &&
+	       (queue->closed || !atomic_load_explicit(queue->write, memory_order_relaxed));
+}
+
+/* For asserts: the next cell to take from lies in the block that is being emptied. [consumer] */
+static bool consumer_is_sound(stilb_job_spsc *queue)
+{
+	job_spsc_block *reading = atomic_load_explicit(&queue->reading, memory_order_relaxed); /* the consumer's own */
+	return queue->read >= reading->cells && queue->read <= block_end(reading);
 }
 
 static int spsc_push(stilb_job_spsc *queue, void *item)
 {
-	/* Relaxed, both: only the producer, the calling thread, writes closed and last. */
-	if (atomic_load_explicit(&queue->closed, memory_order_relaxed))
+	if (queue->closed)
 		return -EPIPE;
-	void **last = atomic_load_explicit(&queue->last, memory_order_relaxed);
-	void **node = last + 1;
-	if (node == queue->writing->cells + JOB_SPSC_BLOCK_CELLS) {
+	if (queue->write == block_end(queue->writing)) {
 		job_spsc_block *block = block_take(queue);
 		if (!block)
 			return -ENOMEM;
-		node = block->cells;
-		queue->writing->next = block;
+		/* Release pairs with the acquire in block_follow: the cells are seen as NULL until they are filled. */
+		atomic_store_explicit(&queue->writing->next, block, memory_order_release);
 		queue->writing = block;
+		queue->write = block->cells;
 	}
-	*node = item;
-	/* Release pairs with the acquire in pop: the link and the item are written before last says so. */
-	atomic_store_explicit(&queue->last, node, memory_order_release);
+	/* Release pairs with the acquire in spsc_pop: what the producer wrote before is visible with the item. */
+	atomic_store_explicit(queue->write, item, memory_order_release);
+	queue->write++;
 	return 0;
 }
 
@@ -150,27 +170,57 @@ int stilb_job_spsc_push(stilb_job_spsc *queue, void *item)
 	return result;
 }
 
+static bool line_begins(const job_spsc_cell *cell)
+{
+	return (uintptr_t)cell % CACHE_LINE == 0;
+}
+
+/* Clears the cells in the line of the last cell that was taken, from the begin of the line up to this cell. */
+static void clear_line(stilb_job_spsc *queue)
+{
+	job_spsc_cell *cell = queue->read;
+	do {
+		cell--;
+		/* Relaxed: ordered before a reuse by the release in block_follow. */
+		atomic_store_explicit(cell, NULL, memory_order_relaxed);
+	} while (!line_begins(cell));
+}
+
+/* Called at the end of a block: moves on to the next one. Returns 0, or the error of a pop if there is no next one. */
+static int block_follow(stilb_job_spsc *queue)
+{
+	/* Relaxed: the consumer's own. Acquire pairs with the release in spsc_push or close. */
+	job_spsc_block *block = atomic_load_explicit(&queue->reading, memory_order_relaxed);
+	job_spsc_block *next = atomic_load_explicit(&block->next, memory_order_acquire);
+	if (!next)
+		return -EAGAIN;
+	if (next == END)
+		return -EPIPE;
+	if (!line_begins(queue->read))
+		clear_line(queue);
+	queue->read = next->cells;
+	/* Release pairs with the acquire in block_take: the block has been cleared and its link been read. */
+	atomic_store_explicit(&queue->reading, next, memory_order_release);
+	return 0;
+}
+
 static int spsc_pop(stilb_job_spsc *queue, void **item)
 {
-	void **divider = atomic_load_explicit(&queue->divider, memory_order_relaxed); /* the consumer's own */
-	if (divider == queue->seen) {
-		/* Closed is loaded before last: a consumer that sees the queue closed (acquire pairs with the release in close)
-		 * then sees the final last. Acquire of last pairs with the release in push. */
-		bool closed = atomic_load_explicit(&queue->closed, memory_order_acquire);
-		queue->seen = atomic_load_explicit(&queue->last, memory_order_acquire);
-		if (divider == queue->seen)
-			return closed ? -EPIPE : -EAGAIN;
+	/* Relaxed: the consumer's own. */
+	if (queue->read == block_end(atomic_load_explicit(&queue->reading, memory_order_relaxed))) {
+		int error = block_follow(queue);
+		if (error != 0)
+			return error;
 	}
-	void **node = divider + 1;
-	if (node == queue->reading->cells + JOB_SPSC_BLOCK_CELLS) {
-		queue->reading = queue->reading->next;
-		node = queue->reading->cells;
-	}
-	*item = *node;
-	assert(*item && "push refuses NULL");
-	/* Release pairs with the acquire in block_take: the item and the link have been read before the producer may
-	 * overwrite them. */
-	atomic_store_explicit(&queue->divider, node, memory_order_release);
+	void *found = atomic_load_explicit(queue->read, memory_order_acquire); /* pairs with the release in push or close */
+	if (!found)
+		return -EAGAIN;
+	if (found == END)
+		return -EPIPE;
+	*item = found;
+	queue->read++;
+	if (line_begins(queue->read))
+		clear_line(queue);
 	return 0;
 }
 
@@ -188,6 +238,11 @@ void stilb_job_spsc_close(stilb_job_spsc *queue)
 {
 	assert(queue);
 	job_exclusive_begin(&queue->producer);
-	atomic_store_explicit(&queue->closed, true, memory_order_release); /* pairs with the acquire in pop */
+	queue->closed = true;
+	/* Release, both, pair with the acquire in block_follow and spsc_pop: what the producer wrote before is visible. */
+	if (queue->write == block_end(queue->writing))
+		atomic_store_explicit(&queue->writing->next, END, memory_order_release);
+	else
+		atomic_store_explicit(queue->write, END, memory_order_release);
 	job_exclusive_end(&queue->producer);
 }

@@ -1,9 +1,10 @@
 /*
  * job_spsc: an unbounded FIFO queue of pointers from one thread to one other thread. Usable alone.
  *
- * Overview.     Sutter's corrected queue, for places where one thread feeds one other thread: the reader of a gamepad,
- *               the writer of a trace. It is a linked list whose `divider` separates consumed from unconsumed nodes.
- *               Only the producer allocates, and it reuses the nodes before the divider.
+ * Overview.     For places where one thread feeds one other thread: the reader of a gamepad, the writer of a trace. It
+ *               is a list of blocks of cells. A cell that is not NULL holds an item; nothing else is shared, so an item
+ *               costs the move of its cell from one CPU to the other. Only the producer allocates, and it reuses the
+ *               blocks that the consumer has left.
  * Progress.     Pop and close are wait-free: they take a bounded number of steps whatever the other thread does, even
  *               if it has stopped. So does push, except when it must allocate (see Memory): malloc may take a lock.
  * Life cycle.   stilb_job_spsc_create -> push by one thread, pop by one other thread -> close (optional) -> destroy.
@@ -24,7 +25,9 @@
  * Errors.       Functions return 0 or a negative errno value. They print nothing, call nothing back and never wait: the
  *               consumer of an empty queue decides by itself whether to spin, sleep or do something else.
  *
- * Source: Herb Sutter, "Writing Lock-Free Code: A Corrected Queue", Dr. Dobb's Journal, October 2008.
+ * Sources: Herb Sutter, "Writing Lock-Free Code: A Corrected Queue", Dr. Dobb's Journal, October 2008, a list that the
+ * producer alone changes; John Giacomoni, Tipp Moseley, Manish Vachharajani, "FastForward for Efficient Pipeline
+ * Parallelism", PPoPP 2008, cells that say themselves whether they are empty.
  */
 #ifndef STILB_JOB_SPSC_H
 #define STILB_JOB_SPSC_H

@@ -1,6 +1,7 @@
 /*
- * What a push into the low-lock queue does, counted instead of timed: how often it reads the consumers' cache line, and
- * how often it yields its CPU to them. The queue is compiled into this file with its loads and yields counted.
+ * What the queues do at a push and a pop, counted instead of timed: how often the low-lock queue reads the consumers'
+ * cache line and yields its CPU to them, and how often the queue for two threads stores outside of its cells. They are
+ * compiled into this file with these operations counted.
  */
 #include <errno.h>
 #include <pthread.h>
@@ -13,7 +14,8 @@
 
 /* Counts of the calling thread. */
 static _Thread_local struct counts {
-	uint64_t loads; /* of `watched` */
+	uint64_t loads;  /* of `watched` */
+	uint64_t stores; /* outside of cells */
 	uint64_t yields;
 } counts;
 
@@ -24,19 +26,28 @@ static void count_load(const volatile void *word)
 	counts.loads += word == watched;
 }
 
+/* Cells lie in blocks of their own, all else in the queue itself. */
+static _Thread_local const char *queue_begin, *queue_end;
+
+static void count_store(const volatile void *word)
+{
+	counts.stores += (const volatile char *)word >= queue_begin && (const volatile char *)word < queue_end;
+}
+
 static int count_yield(void)
 {
 	counts.yields++;
 	return 0;
 }
 
-#pragma push_macro("atomic_load_explicit")
 #undef atomic_load_explicit
+#undef atomic_store_explicit
 #define atomic_load_explicit(word, order) (count_load(word), __atomic_load_n(word, order))
+#define atomic_store_explicit(word, value, order) (count_store(word), __atomic_store_n(word, value, order))
 #define sched_yield count_yield
 #include "jobs/job_queue_low_lock.c"
+#include "jobs/job_spsc.c"
 #undef sched_yield
-#pragma pop_macro("atomic_load_explicit")
 
 enum { BATCH = 16, MANY = 64 * JOB_QUEUE_AHEAD, SEGMENTS = MANY / JOB_SEGMENT_CELLS };
 
@@ -183,6 +194,44 @@ static void test_full(void **state)
 	low_lock_destroy(&queue->base);
 }
 
+/* The ends of the queue for two threads share cells and links alone; once a block, the consumer says that it has left
+ * it. */
+static void test_spsc_shares_cells_alone(void **state)
+{
+	(void)state;
+	stilb_job_spsc *queue;
+	assert_int_equal(stilb_job_spsc_create(&queue), 0);
+	queue_begin = (const char *)queue;
+	queue_end = queue_begin + sizeof *queue;
+	counts = (struct counts){0};
+	for (size_t i = 0; i < MANY; i++) {
+		void *item;
+		assert_int_equal(stilb_job_spsc_push(queue, queue), 0);
+		assert_int_equal(stilb_job_spsc_pop(queue, &item), 0);
+	}
+	assert_int_equal(counts.stores, (MANY - 1) / JOB_SPSC_BLOCK_CELLS);
+	queue_begin = queue_end = NULL;
+	stilb_job_spsc_destroy(queue);
+}
+
+/* A cell that has been taken is clear when the last cell of its line has been taken. */
+static void test_spsc_clears_cells(void **state)
+{
+	(void)state;
+	enum { CELLS_IN_LINE = CACHE_LINE / sizeof(void *) };
+	stilb_job_spsc *queue;
+	assert_int_equal(stilb_job_spsc_create(&queue), 0);
+	for (size_t i = 0; i < JOB_SPSC_BLOCK_CELLS; i++)
+		assert_int_equal(stilb_job_spsc_push(queue, queue), 0);
+	for (size_t taken = 1; taken <= JOB_SPSC_BLOCK_CELLS; taken++) {
+		void *item;
+		assert_int_equal(stilb_job_spsc_pop(queue, &item), 0);
+		for (size_t i = 0; i < JOB_SPSC_BLOCK_CELLS; i++)
+			assert_ptr_equal(queue->first->cells[i], i < taken / CELLS_IN_LINE * CELLS_IN_LINE ? NULL : queue);
+	}
+	stilb_job_spsc_destroy(queue);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -192,6 +241,8 @@ int main(void)
 		cmocka_unit_test(test_the_producer_is_the_consumer),
 		cmocka_unit_test(test_another_thread_pops),
 		cmocka_unit_test(test_full),
+		cmocka_unit_test(test_spsc_shares_cells_alone),
+		cmocka_unit_test(test_spsc_clears_cells),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

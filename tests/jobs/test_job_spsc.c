@@ -150,15 +150,15 @@ static void test_out_of_memory(void **state)
 		pushed++;
 	assert_int_equal(error, -ENOMEM);
 	assert_int_equal(push(queue, pushed + 1), -ENOMEM);
-	assert_int_equal(pushed, 2 * BLOCK - 1);
+	assert_int_equal(pushed, 2 * BLOCK);
 
 	/* No item is lost, and when the consumer has left a block, its memory is available again. */
-	for (uintptr_t i = 1; i <= BLOCK; i++)
+	for (uintptr_t i = 1; i <= BLOCK + 1; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(push(queue, pushed + 1), 0);
 	allowed = SIZE_MAX;
 	assert_int_equal(push(queue, pushed + 2), 0);
-	for (uintptr_t i = BLOCK + 1; i <= pushed + 2; i++)
+	for (uintptr_t i = BLOCK + 2; i <= pushed + 2; i++)
 		assert_int_equal(pop(queue), i);
 	assert_int_equal(pop(queue), 0);
 	stilb_job_spsc_destroy(queue);
