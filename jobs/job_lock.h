@@ -8,13 +8,17 @@
  *            has a holder that is not running, or another thread that takes it all the time. In both cases the CPU is
  *            better used by another thread, for example one at the other end of the queue.
  * Sleeping.  `sleepers` is 0 or 1, and a thread sleeps only while it is 1. A thread that is going to sleep sets it,
- *            tries the lock once more, and sleeps. A thread that releases the lock and finds it set clears it and wakes
- *            one thread, which sets it again before it tries the lock: there may be more sleepers, and the next release
- *            then wakes another one. On a sequentially consistent machine no wake-up is lost; the model test covers
- *            that.
- * Limit.     One gap remains. A release stores `held` and then loads `sleepers` without an order between the two,
- *            because that order would cost more than everything else. So the load may happen first and miss a thread
- *            that finds the lock still taken and goes to sleep. Therefore no sleep is longer than JOB_LOCK_SLEEP_NS.
+ *            passes a barrier, tries the lock once more, and sleeps. A thread that releases the lock and finds it set
+ *            clears it and wakes one thread, which sets it again before it tries the lock: there may be more sleepers,
+ *            and the next release then wakes another one.
+ * Barrier.   A release stores `held` and then loads `sleepers`, and its CPU may do the load first: an order between the
+ *            two would cost more than everything else. The sleeper has that order made when it needs it
+ *            (job_sys_membarrier): at some moment after it has set `sleepers`, every other thread is either not yet at
+ *            the load of its release, and will find `sleepers` set, or has passed it, and then its store to `held` is
+ *            done and the sleeper's last try finds it. If that try finds the lock taken, it is by a thread of the first
+ *            kind. So no wake-up is lost.
+ * Limit.     Without membarrier, a load that came too early can miss the sleeper. Then no sleep is longer than
+ *            JOB_LOCK_SLEEP_NS.
  */
 #ifndef STILB_JOB_LOCK_H
 #define STILB_JOB_LOCK_H
@@ -26,7 +30,7 @@
 #include <stdbool.h>
 
 #define JOB_LOCK_SPIN_NS 100
-#define JOB_LOCK_SLEEP_NS 4000000 /* about one time slice of the scheduler */
+#define JOB_LOCK_SLEEP_NS 4000000 /* without membarrier; about one time slice of the scheduler */
 #ifndef JOB_LOCK_YIELDS
 #define JOB_LOCK_YIELDS 8
 #endif
@@ -72,9 +76,13 @@ static inline void job_lock_sleep_and_take(job_lock *lock)
 	for (;;) {
 		/* Seq_cst: set before the lock is tried again; pairs with the load in job_lock_give. */
 		atomic_exchange_explicit(&lock->sleepers, 1, memory_order_seq_cst);
+		bool ordered = job_sys_membarrier();
 		if (job_lock_try(lock))
 			return;
-		job_sys_futex_wait_for(&lock->sleepers, 1, JOB_LOCK_SLEEP_NS);
+		if (ordered)
+			job_sys_futex_wait(&lock->sleepers, 1);
+		else
+			job_sys_futex_wait_for(&lock->sleepers, 1, JOB_LOCK_SLEEP_NS);
 	}
 }
 
@@ -120,7 +128,9 @@ static inline void job_lock_give(job_lock *lock)
 	assert(job_lock_is_mine(lock) && "the caller holds the lock");
 	job_lock_set_mine(lock, false);
 	atomic_store_explicit(&lock->held, 0, memory_order_release); /* pairs with job_lock_try */
-	/* Relaxed, and not ordered after the store: a sleeper may be missed, see "Limit" in the head of this file. */
+	/* Relaxed: the sleeper's job_sys_membarrier orders the load after the store, see "Barrier" in the head of this
+	 * file. */
+	job_sys_compiler_barrier();
 	if (__builtin_expect(atomic_load_explicit(&lock->sleepers, memory_order_relaxed) != 0, 0))
 		job_lock_wake(lock);
 }

@@ -2,6 +2,8 @@
 
 #include "jobs/job_contract.h"
 
+#include <linux/membarrier.h>
+
 #define CALIBRATION_NS 50000u    /* how long measure() counts ticks, at least */
 #define CALIBRATION_READINGS 4   /* readings at its start, of which it keeps the best */
 #define CALIBRATION_ACCURACY 64u /* the rate is wrong by at most one part in this many */
@@ -68,4 +70,16 @@ bool job_sys_bind(int32_t thread, uint32_t cpu)
 	bool bound = sched_setaffinity(thread, size, set) == 0;
 	CPU_FREE(set);
 	return bound;
+}
+
+/* The kernel wants a process to register before its first membarrier. At the start of the program, while it has one
+ * thread, that takes 1 us; later the kernel lets 5 to 40 ms pass, to be sure that every CPU knows. */
+__attribute__((constructor)) static void register_membarrier(void)
+{
+	syscall(SYS_membarrier, MEMBARRIER_CMD_REGISTER_PRIVATE_EXPEDITED, 0, 0); /* job_sys_membarrier tells if it fails */
+}
+
+bool job_sys_membarrier(void)
+{
+	return syscall(SYS_membarrier, MEMBARRIER_CMD_PRIVATE_EXPEDITED, 0, 0) == 0;
 }

@@ -31,6 +31,8 @@
 /* A futex wait without its timeout, since no time passes in the model. */
 #define job_sys_futex_wait_for(word, expected, nanoseconds) ((void)(nanoseconds), model_futex_wait(word, expected))
 #define job_sys_futex_wake_one model_futex_wake_one
+#define job_sys_compiler_barrier() ((void)0)
+#define job_sys_membarrier() (model_membarrier(), true)
 #define job_sys_nap(nanoseconds) ((void)0)
 #define job_sys_cpu() 0u
 #define job_sys_thread() 0

@@ -303,9 +303,7 @@ static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
 	if (failed && arguments.must_fail)
 		return;
-	/* The lock by itself has a gap on other machines (job_lock.h, "Limit"), which time closes; in the model none
-	 * passes. */
-	model_scenario scenario = {.memory = entry == lock_main ? MODEL_SC : arguments.memory,
+	model_scenario scenario = {.memory = arguments.memory,
 	                           .main = entry,
 	                           .check = check,
 	                           .data = &shared,
