@@ -181,6 +181,13 @@ uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool);
  * nothing was queued or counted. [any-thread] */
 int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group, uint32_t worker);
 
+/* Submits count jobs: fn(data, worker), fn(data + stride bytes, worker), and so on, for example one for each element of
+ * an array; stride 0: all get the same data. Cheaper than count calls of stilb_job_submit, and the jobs become visible
+ * to other threads together. They start in any order. A count of 0 submits nothing. -ENOMEM: nothing was queued or
+ * counted. [any-thread] */
+int stilb_job_submit_n(stilb_job_pool *pool, stilb_job_fn *fn, void *data, size_t stride, uint32_t count,
+                       stilb_job_group *group, uint32_t worker);
+
 /* What stilb_job_submit_with may ask for. The default of every field is zero. */
 typedef struct stilb_job_options {
 	stilb_job_priority priority;

@@ -41,14 +41,17 @@ void job_deque_finish(job_deque *deque)
 	}
 }
 
-int job_deque_grow(job_deque *deque)
+int job_deque_grow(job_deque *deque, int64_t more)
 {
 	/* Relaxed: only the owner writes buffer and bottom. top, loaded in the loop below, may be an old value: then some
 	 * records that thieves have taken are copied, too, and nobody reads these copies. */
 	job_deque_buffer *old = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
-	assert(bottom - deque->top_seen == old->mask + 1 && "the buffer is full");
-	job_deque_buffer *buffer = buffer_create((old->mask + 1) * 2);
+	int64_t capacity = old->mask + 1, wanted = bottom - deque->top_seen + more;
+	assert(wanted > capacity && "the buffer is too small");
+	while (capacity < wanted)
+		capacity *= 2;
+	job_deque_buffer *buffer = buffer_create(capacity);
 	if (!buffer)
 		return -ENOMEM;
 	buffer->smaller = old;
@@ -57,6 +60,28 @@ int job_deque_grow(job_deque *deque)
 		                      atomic_load_explicit(&old->cell[i & old->mask], memory_order_relaxed),
 		                      memory_order_relaxed);
 	atomic_store_explicit(&deque->buffer, buffer, memory_order_release); /* pairs with job_deque_oldest */
+	return 0;
+}
+
+int job_deque_push_list(job_deque *deque, job_record *first, int64_t count)
+{
+	assert(first && count > 0);
+	/* Relaxed, both: only the owner, the calling thread, writes bottom and buffer. */
+	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
+	deque->top_seen = atomic_load_explicit(&deque->top, memory_order_acquire); /* pairs with steal, as in push */
+	if (bottom - deque->top_seen + count > buffer->mask + 1) {
+		int error = job_deque_grow(deque, count);
+		if (error)
+			return error;
+		buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed); /* the owner's own */
+	}
+	int64_t at = bottom;
+	for (job_record *record = first; record; record = record->next, at++)
+		atomic_store_explicit(&buffer->cell[at & buffer->mask], record, memory_order_relaxed); /* see bottom */
+	assert(at == bottom + count);
+	atomic_exchange_explicit(&deque->bottom, at, memory_order_seq_cst); /* pairs with steal, as in push */
+	JOB_CHECK(job_deque_is_sound(deque));
 	return 0;
 }
 
@@ -139,11 +164,12 @@ bool job_deque_find(job_deque *deque, job_deque_test *test, const void *context,
 	return false;
 }
 
-/* For asserts: each buffer is twice as large as the one it replaced; the first has JOB_DEQUE_CAPACITY cells. */
+/* For asserts: capacities are powers of two, each at least twice that of the buffer that it replaced; the first is
+ * JOB_DEQUE_CAPACITY. */
 static bool buffers_double(const job_deque_buffer *buffer)
 {
 	for (; buffer->smaller; buffer = buffer->smaller)
-		if (buffer->mask + 1 != (buffer->smaller->mask + 1) * 2)
+		if (buffer->mask + 1 < (buffer->smaller->mask + 1) * 2 || (buffer->mask & (buffer->mask + 1)) != 0)
 			return false;
 	return buffer->mask + 1 == JOB_DEQUE_CAPACITY;
 }

@@ -46,8 +46,9 @@ int job_deque_init(job_deque *deque);
  * not been called for, is allowed. */
 void job_deque_finish(job_deque *deque);
 
-/* Doubles the buffer. 0, or -ENOMEM and the deque is unchanged. [owner] */
-int job_deque_grow(job_deque *deque);
+/* Replaces the buffer, which has no room for `more` records, by one that has: twice as large, or a larger power of two.
+ * 0, or -ENOMEM and the deque is unchanged. [owner] */
+int job_deque_grow(job_deque *deque, int64_t more);
 
 /* Says whether a record is one of those that the caller looks for. Called for records that another thread may take and
  * reuse meanwhile: reads nothing but their atomic fields. */
@@ -79,7 +80,7 @@ static inline int job_deque_push(job_deque *deque, job_record *record)
 		/* Acquire pairs with the exchange in steal: the thief has read the cell before it is overwritten here. */
 		deque->top_seen = atomic_load_explicit(&deque->top, memory_order_acquire);
 		if (bottom - deque->top_seen > buffer->mask) {
-			int error = job_deque_grow(deque);
+			int error = job_deque_grow(deque, 1);
 			if (error)
 				return error;
 			buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
@@ -90,6 +91,10 @@ static inline int job_deque_push(job_deque *deque, job_record *record)
 	JOB_CHECK(job_deque_is_sound(deque));
 	return 0;
 }
+
+/* Appends the records of a list linked by next, `count` of them. They become visible together: thieves see all or none.
+ * 0, or -ENOMEM and none is appended. [owner] */
+int job_deque_push_list(job_deque *deque, job_record *first, int64_t count);
 
 /* The newest record, which stays in the deque; NULL if there is none. A thief may take it meanwhile. [owner] */
 static inline job_record *job_deque_newest(job_deque *deque)

@@ -343,7 +343,7 @@ static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint
 	atomic_store_explicit(&record->level, slot->level, memory_order_relaxed);
 	if (pool->hooks.submit)
 		record->tag = pool->hooks.submit(pool->hooks.user, slot->index);
-	job_count(&slot->submitted);
+	job_count(&slot->submitted, 1);
 	job_submit_record(slot, record);
 	return true;
 }
@@ -447,7 +447,7 @@ static bool run_node(job_slot *slot, stilb_job_graph *graph, job_record *record,
 static void give_back(job_slot *slot, job_record *record)
 {
 	job_record_give(&slot->pool->records, &slot->records, record);
-	job_count(&slot->finished);
+	job_count(&slot->finished, 1);
 }
 
 /* The last node has finished. */

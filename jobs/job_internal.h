@@ -150,12 +150,12 @@ typedef struct job_visitor {
 	struct job_visitor *next; /* guarded by visitors_lock */
 } job_visitor;
 
-/* Adds one to a counter that only the calling thread writes. */
-static inline void job_count(_Atomic uint64_t *counter)
+/* Adds to a counter that only the calling thread writes. */
+static inline void job_count(_Atomic uint64_t *counter, uint32_t jobs)
 {
 	/* Release pairs with pool_is_quiet: a thread that sees a job counted as finished also sees the counts of all jobs
 	 * that it has submitted. */
-	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + 1, memory_order_release);
+	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + jobs, memory_order_release);
 }
 
 enum { JOB_SHARED_HIGH, JOB_SHARED_NORMAL, JOB_SHARED_COUNT };

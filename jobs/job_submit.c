@@ -131,50 +131,139 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 
 /* ---- public ---------------------------------------------------------------------------------------------------- */
 
-/* Sets the record's root, level and tag, counts it as submitted and in its group, and puts it where it belongs. slot is
- * the calling thread's, or NULL if that is from outside the pool and uses pool->guest[guest]. */
-static void submit(stilb_job_pool *pool, job_record *record, stilb_job_group *after, job_slot *slot, uint32_t guest)
+/* The submitting thread: one of the pool, or one from outside that uses pool->guest[guest]. */
+typedef struct submitter {
+	stilb_job_pool *pool;
+	job_slot *slot; /* NULL: from outside */
+	uint32_t guest;
+} submitter;
+
+static submitter submit_begin(stilb_job_pool *pool, uint32_t worker)
 {
-	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)record->group;
+	assert(pool);
+	submitter by = {.pool = pool, .slot = worker == STILB_JOB_OUTSIDE ? NULL : job_slot_of(pool, worker)};
+	by.guest = by.slot ? 0 : job_guest_enter(pool);
+	return by;
+}
+
+static void submit_end(const submitter *by)
+{
+	if (!by->slot)
+		job_guest_leave(by->pool, by->guest);
+}
+
+static job_record *record_take(const submitter *by)
+{
+	return job_record_take(&by->pool->records, by->slot ? &by->slot->records : &by->pool->guest[by->guest].records);
+}
+
+static void record_give(const submitter *by, job_record *record)
+{
+	job_record_give(&by->pool->records, by->slot ? &by->slot->records : &by->pool->guest[by->guest].records, record);
+}
+
+/* Fills a record: the fields of *job that the submitter chooses, and root, level and tag. */
+static void record_fill(const submitter *by, job_record *record, const job_record *job)
+{
+	const job_slot *slot = by->slot;
+	const stilb_job_hooks *hooks = &by->pool->hooks;
+	record->fn = job->fn;
+	record->data = job->data;
+	record->group = job->group;
+	record->count = job->count;
+	record->grain = job->grain;
+	record->target = job->target;
+	record->priority = job->priority;
+	record->is_graph = job->is_graph;
+	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)job->group;
 	atomic_store_explicit(&record->root, root, memory_order_relaxed);
 	atomic_store_explicit(&record->level, slot ? slot->level + 1 : 1, memory_order_relaxed);
-	if (pool->hooks.submit) /* NOLINT(clang-analyzer-core.NullDereference): a pool is never NULL */
-		record->tag = pool->hooks.submit(pool->hooks.user, slot ? slot->index : STILB_JOB_OUTSIDE);
-	job_count(slot ? &slot->submitted : &pool->guest[guest].submitted);
-	if (record->group)
-		job_group_add(record->group, 1); /* before the push: the job may have finished by the time that returns */
-	if (record->is_graph)
-		record->group = NULL; /* the count is the whole run's, and not this record's */
-	if (after && job_group_follow(pool, after, record))
-		return;
-	if (slot)
-		job_submit_record(slot, record);
-	else
-		submit_as_guest(pool, record, guest);
+	if (hooks->submit)
+		record->tag = hooks->submit(hooks->user, slot ? slot->index : STILB_JOB_OUTSIDE);
+}
+
+/* Counts jobs as submitted and in their group, before they are pushed: by the time that a push returns, its job may
+ * have finished. */
+static void submit_count(const submitter *by, stilb_job_group *group, uint32_t jobs)
+{
+	job_count(by->slot ? &by->slot->submitted : &by->pool->guest[by->guest].submitted, jobs);
+	if (group)
+		job_group_add(group, jobs);
 }
 
 /* Submits a job as a new record with the fields of *job that the submitter chooses. 0 or -ENOMEM. */
 static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
 {
-	assert(pool);
 	assert((job->count > 0 ? (bool)job->fn.range : (bool)job->fn.one) && "a job has a function");
-	job_slot *slot = worker == STILB_JOB_OUTSIDE ? NULL : job_slot_of(pool, worker);
-	uint32_t guest = slot ? 0 : job_guest_enter(pool);
-	job_record *record = job_record_take(&pool->records, slot ? &slot->records : &pool->guest[guest].records);
+	submitter by = submit_begin(pool, worker);
+	job_record *record = record_take(&by);
 	if (record) {
-		record->fn = job->fn;
-		record->data = job->data;
-		record->group = job->group;
-		record->count = job->count;
-		record->grain = job->grain;
-		record->target = job->target;
-		record->priority = job->priority;
-		record->is_graph = job->is_graph;
-		submit(pool, record, after, slot, guest);
+		record_fill(&by, record, job);
+		submit_count(&by, job->group, 1);
+		if (job->is_graph)
+			record->group = NULL; /* the count is the whole run's, and not this record's */
+		if (after && job_group_follow(pool, after, record))
+			(void)0; /* the thread that finishes `after` submits it */
+		else if (by.slot)
+			job_submit_record(by.slot, record);
+		else
+			submit_as_guest(pool, record, by.guest);
 	}
-	if (!slot)
-		job_guest_leave(pool, guest);
+	submit_end(&by);
 	return record ? 0 : -ENOMEM;
+}
+
+/* Takes and fills `count` records as a list linked by next; job i gets the data at job->data + i * stride. NULL, and
+ * nothing is taken, if there is no memory. */
+static job_record *records_take(const submitter *by, job_record job, size_t stride, uint32_t count)
+{
+	job_record *first = NULL, *record = NULL;
+	for (uint32_t i = 0; i < count && (record = record_take(by)); i++) {
+		record->next = first;
+		first = record;
+	}
+	for (job_record *next; !record && first; first = next) {
+		next = first->next;
+		record_give(by, first);
+	}
+	for (record = first; record; record = record->next) {
+		record_fill(by, record, &job);
+		job.data = (char *)job.data + stride;
+	}
+	return first;
+}
+
+/* Pushes each record of the list by itself. Cannot fail. */
+static void submit_each(const submitter *by, job_record *first)
+{
+	for (job_record *record = first, *next; record; record = next) {
+		next = record->next;
+		if (by->slot)
+			job_submit_record(by->slot, record);
+		else
+			submit_as_guest(by->pool, record, by->guest);
+	}
+}
+
+int stilb_job_submit_n(stilb_job_pool *pool, stilb_job_fn *fn, void *data, size_t stride, uint32_t count,
+                       stilb_job_group *group, uint32_t worker)
+{
+	assert(fn);
+	if (count == 0)
+		return 0;
+	submitter by = submit_begin(pool, worker);
+	job_record job = {.fn.one = fn, .data = data, .group = group, .target = JOB_ANYONE};
+	job_record *first = records_take(&by, job, stride, count);
+	if (first) {
+		job_work work = work_of(first);
+		submit_count(&by, group, count);
+		if (!by.slot || job_deque_push_list(&by.slot->deque, first, count) != 0)
+			submit_each(&by, first);
+		else if (job_idle_wanted(&pool->idle, work.root))
+			job_idle_wake(&pool->idle, &work);
+	}
+	submit_end(&by);
+	return first ? 0 : -ENOMEM;
 }
 
 int stilb_job_submit(stilb_job_pool *pool, stilb_job_fn *fn, void *data, stilb_job_group *group, uint32_t worker)

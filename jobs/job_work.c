@@ -64,7 +64,7 @@ static void run_one(job_slot *slot, job_record *record)
 	slot->level = outer_level;
 	slot->root = outer_root;
 	slot->in_high = outer_high;
-	job_count(&slot->finished);
+	job_count(&slot->finished, 1);
 }
 
 /* True if the scope allows the thread to run this job, which lies in a deque. */

@@ -50,6 +50,7 @@ static const bench_metric idles[] = {
 
 #define METRICS_SPAWN rates
 #define METRICS_ARRAY rates
+#define METRICS_BATCH rates
 #define METRICS_OUTSIDE rates
 #define METRICS_JOIN times_us
 #define METRICS_LOOP times_ms
@@ -78,7 +79,7 @@ static const bench_case cases[] = {
 
 #define CAN(KIND) (1u << JOBS_##KIND)
 #define CAN_LOOPS (CAN(JOIN) | CAN(LOOP))
-#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(ARRAY) | CAN(FIB))
+#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(BATCH) | CAN(ARRAY) | CAN(FIB))
 #define CAN_START (CAN(WAKE) | CAN(STEAL))
 
 static const bench_subject subjects[] = {
@@ -160,7 +161,8 @@ static const char *prepare(const bench_options *options)
 	return per_us;
 }
 
-static const char *const empty_cases[] = {"spawn-1", "spawn", "spawn-pinned", "array-1", "array", "array-pinned", NULL};
+static const char *const empty_cases[] = {"spawn-1", "spawn", "spawn-pinned", "batch", "batch-pinned",
+                                          "array-1", "array", "array-pinned", NULL};
 static const char *const outside_cases[] = {"outside", "outside-4", NULL};
 static const char *const join_cases[] = {"join2",        "join8",         "join64", "join2-pinned",
                                          "join8-pinned", "join64-pinned", NULL};

@@ -36,6 +36,8 @@ typedef struct goal {
 static const goal goals[] = {
 	{"spawn", "rate", NULL, NULL, 1.5},
 	{"spawn-pinned", "rate", NULL, NULL, 1.5},
+	{"batch", "rate", NULL, "spawn", 5.0},
+	{"batch-pinned", "rate", NULL, "spawn-pinned", 5.0},
 	{"array", "rate", NULL, "spawn", 5.0},
 	{"array-pinned", "rate", NULL, "spawn-pinned", 5.0},
 	{"array", "rate", NULL, NULL, 0.0},

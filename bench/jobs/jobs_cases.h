@@ -10,6 +10,7 @@
 typedef enum jobs_kind {
 	JOBS_SPAWN,   /* jobs a second, for empty jobs submitted one by one from one thread */
 	JOBS_ARRAY,   /* the same for empty jobs submitted in one call */
+	JOBS_BATCH,   /* the same for empty jobs submitted in one call, each of them a job of its own */
 	JOBS_OUTSIDE, /* the same for empty jobs submitted one by one by threads that do not belong to the job system */
 	JOBS_JOIN,    /* time of a fork-join of a few chunks of 1 us */
 	JOBS_LOOP,    /* time of a loop over 20,000 items of 200 ns */
@@ -45,6 +46,9 @@ typedef struct jobs_case {
 	X("spawn-1", "100,000 empty jobs one by one, 1 thread", SPAWN, .threads = 1, .count = 100000)                      \
 	X("spawn", "100,000 empty jobs one by one, 2 threads", SPAWN, .threads = 2, .count = 100000)                       \
 	X("spawn-pinned", "100,000 empty jobs one by one, 2 threads, pinned", SPAWN, .threads = 2, .count = 100000,        \
+	  .pinned = true)                                                                                                  \
+	X("batch", "100,000 empty jobs as one batch, 2 threads", BATCH, .threads = 2, .count = 100000)                     \
+	X("batch-pinned", "100,000 empty jobs as one batch, 2 threads, pinned", BATCH, .threads = 2, .count = 100000,      \
 	  .pinned = true)                                                                                                  \
 	X("array-1", "100,000 empty jobs as one array, 1 thread", ARRAY, .threads = 1, .count = 100000)                    \
 	X("array", "100,000 empty jobs as one array, 2 threads", ARRAY, .threads = 2, .count = 100000)                     \

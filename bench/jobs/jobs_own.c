@@ -96,6 +96,13 @@ static void outside(jobs_fn *fn, char *data, uint32_t count)
 	spawn_as(fn, data, count, STILB_JOB_OUTSIDE);
 }
 
+static void batch(jobs_fn *fn, char *data, uint32_t count)
+{
+	stilb_job_group jobs = {0};
+	must(stilb_job_submit_n(pool, fn, data, 1, count, &jobs, 0));
+	stilb_job_wait(pool, &jobs, 0);
+}
+
 static void array(jobs_range_fn *fn, void *context, uint32_t count)
 {
 	stilb_job_group jobs = {0};
@@ -184,9 +191,9 @@ static uint64_t stolen_at(void)
 
 #define POOL(NAME, OPEN)                                                                                               \
 	{                                                                                                                  \
-		.name = NAME, .open = OPEN, .close = close_pool, .spawn = spawn, .outside = outside, .array = array,           \
-		.join = loop, .loop = loop, .fib = fib, .graph_make = graph_make, .graph_run = graph_run, .submit = submit,    \
-		.wait = wait, .phase_begin = phase_begin, .phase_end = phase_end, .stolen_at = stolen_at                       \
+		.name = NAME, .open = OPEN, .close = close_pool, .spawn = spawn, .outside = outside, .batch = batch,           \
+		.array = array, .join = loop, .loop = loop, .fib = fib, .graph_make = graph_make, .graph_run = graph_run,      \
+		.submit = submit, .wait = wait, .phase_begin = phase_begin, .phase_end = phase_end, .stolen_at = stolen_at     \
 	}
 
 static const jobs_subject pools[] = {

@@ -204,6 +204,11 @@ static void turn_spawn(run *r)
 	r->subject->spawn(empty_job, NULL, r->on->count);
 }
 
+static void turn_batch(run *r)
+{
+	r->subject->batch(empty_job, NULL, r->on->count);
+}
+
 static void turn_array(run *r)
 {
 	r->subject->array(empty_slice, NULL, r->on->count);
@@ -506,6 +511,7 @@ static const struct {
 	[JOBS_LOOP] = {turn_loop, print_times_ms},   [JOBS_FIB] = {turn_fib, print_times_ms},
 	[JOBS_GRAPH] = {turn_graph, print_times_us}, [JOBS_WAKE] = {turn_start, print_wake},
 	[JOBS_STEAL] = {turn_start, print_steal},    [JOBS_IDLE] = {NULL, NULL},
+	[JOBS_BATCH] = {turn_batch, print_rate},
 };
 
 /* True if the subject has the functions for cases of this kind. */
@@ -516,6 +522,8 @@ static bool able(const jobs_subject *subject, jobs_kind kind)
 		return subject->spawn;
 	case JOBS_ARRAY:
 		return subject->array;
+	case JOBS_BATCH:
+		return subject->batch;
 	case JOBS_OUTSIDE:
 		return subject->outside;
 	case JOBS_JOIN:

@@ -35,6 +35,8 @@ typedef struct jobs_subject {
 	void (*inside)(void (*body)(void *context), void *context);
 	/* Submits jobs fn(data + i), i in [0, count), one by one; returns when all have run. */
 	void (*spawn)(jobs_fn *fn, char *data, uint32_t count);
+	/* The same as spawn, but all are submitted in one call. */
+	void (*batch)(jobs_fn *fn, char *data, uint32_t count);
 	/* The same as spawn, called by a thread that does not belong to the job system. [any-thread]: several call it at
 	 * once. */
 	void (*outside)(jobs_fn *fn, char *data, uint32_t count);

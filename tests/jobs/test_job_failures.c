@@ -224,7 +224,7 @@ static void test_create_without_memory(void **state)
 			assert_int_equal(w.starts, 0);
 			assert_int_equal(blocks, before);
 		}
-		assert_in_range(allocations, 4 + s.workers, 1000); /* the pool, three queues, a deque for each thread */
+		assert_in_range(allocations, 3 + s.workers, 1000); /* the pool, two queues, a deque for each thread */
 		assert_int_equal(blocks, before);
 		work w = {0};
 		stilb_job_pool_desc desc = desc_of(s, &w);
@@ -312,6 +312,31 @@ static void test_submit_without_memory(void **state)
 				check_submits(s, allocations, from);
 }
 
+/* Either all jobs of a batch are accepted or none; records that were taken in vain are used again. */
+static void test_submit_n_without_memory(void **state)
+{
+	(void)state;
+	enum { JOBS = 1000 };
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (int64_t allocations = 0; allocations < 30; allocations++) {
+			int64_t before = blocks;
+			work w = {.pool = pool_with(s)};
+			uint32_t worker = allocations % 2 ? STILB_JOB_OUTSIDE : 0;
+			grant_allocations(allocations);
+			int error = stilb_job_submit_n(w.pool, count_job, &w, 0, JOBS, &w.group, worker);
+			int64_t left = allocations_to_grant;
+			grant_allocations(INT64_MAX);
+			assert_true(error == 0 || (error == -ENOMEM && left < 0));
+			stilb_job_wait(w.pool, &w.group, 0); /* would hang if a refused job was counted */
+			assert_int_equal(w.ran, error ? 0 : JOBS);
+			assert_int_equal(stilb_job_submit_n(w.pool, count_job, &w, 0, JOBS, &w.group, worker), 0);
+			stilb_job_wait(w.pool, &w.group, 0);
+			assert_int_equal(w.ran, error ? JOBS : 2 * JOBS);
+			stilb_job_pool_destroy(w.pool);
+			assert_int_equal(blocks, before);
+		}
+}
+
 /* ---- pools created and destroyed ------------------------------------------------------------------------------- */
 
 static void test_thousand_pools(void **state)
@@ -337,10 +362,10 @@ static void test_thousand_pools(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_create_refuses),        cmocka_unit_test(test_most_workers),
-		cmocka_unit_test(test_submit_refuses),        cmocka_unit_test(test_create_without_threads),
-		cmocka_unit_test(test_create_without_memory), cmocka_unit_test(test_submit_without_memory),
-		cmocka_unit_test(test_thousand_pools),
+		cmocka_unit_test(test_create_refuses),          cmocka_unit_test(test_most_workers),
+		cmocka_unit_test(test_submit_refuses),          cmocka_unit_test(test_create_without_threads),
+		cmocka_unit_test(test_create_without_memory),   cmocka_unit_test(test_submit_without_memory),
+		cmocka_unit_test(test_submit_n_without_memory), cmocka_unit_test(test_thousand_pools),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -329,6 +329,14 @@ static void submit_and_wait(void *data, uint32_t worker)
 	shared.ran++;
 }
 
+/* Two jobs submitted together while the worker goes to sleep. */
+static void batch_main(void)
+{
+	begin();
+	fail_unless(stilb_job_submit_n(shared.pool, count_run, NULL, 0, with.jobs, NULL, 0) == 0, "submit");
+	workers_alone();
+}
+
 static void nested_main(void)
 {
 	begin();
@@ -671,6 +679,7 @@ static const scenario scenarios[] = {
 	{"pinned wakes", submit_pinned_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
+	{"batch wakes", batch_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"buried", buried_main, 1, 4, WORKERS | UNTIL_OWNER_ENDS},
 	{"buried, with a thief", buried_thief_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
 	{"buried, low priority", buried_low_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
