@@ -40,10 +40,17 @@ static int count_yield(void)
 	return 0;
 }
 
+#ifdef __clang__
+#define REAL_LOAD __c11_atomic_load
+#define REAL_STORE __c11_atomic_store
+#else
+#define REAL_LOAD __atomic_load_n
+#define REAL_STORE __atomic_store_n
+#endif
 #undef atomic_load_explicit
 #undef atomic_store_explicit
-#define atomic_load_explicit(word, order) (count_load(word), __atomic_load_n(word, order))
-#define atomic_store_explicit(word, value, order) (count_store(word), __atomic_store_n(word, value, order))
+#define atomic_load_explicit(word, order) (count_load(word), REAL_LOAD(word, order))
+#define atomic_store_explicit(word, value, order) (count_store(word), REAL_STORE(word, value, order))
 #define sched_yield count_yield
 #include "jobs/job_queue_low_lock.c"
 #include "jobs/job_spsc.c"
