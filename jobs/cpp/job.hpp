@@ -1,0 +1,272 @@
+/*
+ * job.hpp: the job system (job.h, job_graph.h) for C++17. Jobs, slices and nodes are lambdas or other callables. An
+ * exception that leaves one is stopped before it reaches the C functions of the pool, and thrown again where the
+ * program waits. A header alone, over the C interface, which may be used beside it.
+ *
+ * Example.
+ *                   stilb::job_group group(pool, 0);
+ *                   group.submit([&](uint32_t) { load(textures); });
+ *                   group.submit([&](uint32_t) { load(meshes); });
+ *                   group.wait(); // throws what the first failing job threw
+ *
+ *                   stilb::job_graph frame;
+ *                   uint32_t cull = frame.add([&](uint32_t) { scene.cull(); }, "cull");
+ *                   uint32_t draw = frame.add([&](uint32_t) { scene.draw(); }, "draw");
+ *                   frame.edge(cull, draw);
+ *                   frame.build();
+ *                   while (running) {
+ *                       frame.run(group);
+ *                       group.wait();
+ *                   }
+ *
+ * Exceptions.   The first one is kept, the jobs and nodes of the same group that have not started are dropped, and
+ *               later exceptions are lost. Calls that find no memory throw std::bad_alloc.
+ * Threads.      As in job.h. A group belongs to the thread that has made it, whose index it keeps; its jobs may not use
+ *               it, and make groups of their own to submit and wait.
+ * Memory.       One allocation for each job and node; parallel_for makes none.
+ */
+#ifndef STILB_JOB_HPP
+#define STILB_JOB_HPP
+
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <stilb/job_graph.h>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace stilb
+{
+
+/* The first exception of several jobs. */
+class job_failure
+{
+  public:
+	/* Keeps the exception that is being handled, unless there is one already. [any-thread] */
+	void keep_current() noexcept
+	{
+		// Relaxed: only decides who writes `first`, which is read after the wait for the jobs.
+		if (!any_.exchange(true, std::memory_order_relaxed))
+			first_ = std::current_exception();
+	}
+
+	/* True if there is one. Relaxed: may be out of date while jobs run. [any-thread] */
+	bool any() const noexcept
+	{
+		return any_.load(std::memory_order_relaxed);
+	}
+
+	/* Throws the exception, if there is one, and forgets it. To be called when the jobs have finished. */
+	void rethrow()
+	{
+		if (any_.exchange(false, std::memory_order_relaxed)) // as in keep_current
+			std::rethrow_exception(std::exchange(first_, nullptr));
+	}
+
+  private:
+	std::atomic<bool> any_{false};
+	std::exception_ptr first_;
+};
+
+/* A callable with its type erased; for job_group and job_graph. */
+struct job_call {
+	virtual ~job_call() = default;
+	virtual void call(uint32_t worker) = 0;
+
+	template <typename F> static std::unique_ptr<job_call> make(F &&f)
+	{
+		using function = std::decay_t<F>;
+		struct holder final : job_call {
+			function f;
+			explicit holder(F &&from) : f(std::forward<F>(from))
+			{
+			}
+			void call(uint32_t worker) override
+			{
+				f(worker);
+			}
+		};
+		return std::make_unique<holder>(std::forward<F>(f));
+	}
+};
+
+/* stilb_job_group with lambdas. Its destructor waits, and drops an exception that no wait has thrown. */
+class job_group
+{
+  public:
+	/* worker is the index of the calling thread, to which the group belongs from now on; or STILB_JOB_OUTSIDE. */
+	job_group(stilb_job_pool *pool, uint32_t worker) : pool_(pool), worker_(worker)
+	{
+		group_.dropped = [](void *data, uint32_t) { delete static_cast<job *>(data); };
+	}
+
+	~job_group()
+	{
+		stilb_job_wait(pool_, &group_, worker_);
+	}
+
+	job_group(const job_group &) = delete;
+	job_group &operator=(const job_group &) = delete;
+
+	/* Submits a job that calls f(worker) with the index of the thread that runs it. */
+	template <typename F> void submit(F &&f)
+	{
+		std::unique_ptr<job> made(new job{this, job_call::make(std::forward<F>(f))});
+		if (stilb_job_submit(pool_, run, made.get(), &group_, worker_) != 0)
+			throw std::bad_alloc();
+		made.release(); // the job deletes it, and may have done so
+	}
+
+	/* Returns when all jobs and graphs of the group have finished; throws the first exception of one of them. */
+	void wait()
+	{
+		stilb_job_wait(pool_, &group_, worker_);
+		failure_.rethrow();
+	}
+
+  private:
+	friend class job_graph;
+
+	struct job {
+		job_group *group;
+		std::unique_ptr<job_call> function;
+	};
+
+	static void run(void *data, uint32_t worker)
+	{
+		std::unique_ptr<job> own(static_cast<job *>(data));
+		own->group->guard([&] { own->function->call(worker); });
+	}
+
+	/* Calls f; an exception is kept and cancels the group. */
+	template <typename F> void guard(F f) noexcept
+	{
+		try {
+			f();
+		} catch (...) {
+			failure_.keep_current();
+			stilb_job_group_cancel(pool_, &group_);
+		}
+	}
+
+	stilb_job_pool *pool_;
+	uint32_t worker_;
+	stilb_job_group group_ = {};
+	job_failure failure_;
+};
+
+/* stilb_job_graph with lambdas; see job_graph.h for what a node, an edge and a run are. */
+class job_graph
+{
+  public:
+	job_graph()
+	{
+		if (stilb_job_graph_create(&graph_) != 0)
+			throw std::bad_alloc();
+	}
+
+	/* No run is in progress (asserted). */
+	~job_graph()
+	{
+		stilb_job_graph_destroy(graph_);
+	}
+
+	job_graph(const job_graph &) = delete;
+	job_graph &operator=(const job_graph &) = delete;
+
+	/* Adds a node that calls f(worker), and returns its number. */
+	template <typename F> uint32_t add(F &&f, const char *name = nullptr)
+	{
+		uint32_t number;
+		nodes_.push_back(std::unique_ptr<node>(new node{this, job_call::make(std::forward<F>(f))}));
+		int error = stilb_job_graph_add_node(graph_, run_node, nodes_.back().get(), name, &number);
+		if (error)
+			nodes_.pop_back();
+		check(error);
+		return number;
+	}
+
+	/* Node `after` runs when node `before` has finished. */
+	void edge(uint32_t before, uint32_t after)
+	{
+		check(stilb_job_graph_add_edge(graph_, before, after));
+	}
+
+	/* Prepares the graph for running. Throws std::logic_error if nodes wait for one another; what() names them. */
+	void build()
+	{
+		char cycle[512];
+		int error = stilb_job_graph_build(graph_, cycle, sizeof cycle);
+		if (error == -ELOOP)
+			throw std::logic_error(std::string("nodes wait for one another: ") + cycle);
+		check(error);
+	}
+
+	/* Starts a run in the group, whose wait throws the first exception of a node. */
+	void run(job_group &group)
+	{
+		group_ = &group;
+		check(stilb_job_graph_run(graph_, group.pool_, &group.group_, group.worker_));
+	}
+
+	/* The graph of the C interface, for example to draw it. */
+	const stilb_job_graph *get() const
+	{
+		return graph_;
+	}
+
+  private:
+	struct node {
+		job_graph *graph;
+		std::unique_ptr<job_call> function;
+	};
+
+	static void run_node(void *data, uint32_t worker)
+	{
+		node *own = static_cast<node *>(data);
+		own->graph->group_->guard([&] { own->function->call(worker); });
+	}
+
+	static void check(int error)
+	{
+		if (error == -EOVERFLOW)
+			throw std::length_error("too many nodes or edges");
+		if (error)
+			throw std::bad_alloc();
+	}
+
+	stilb_job_graph *graph_ = nullptr;
+	std::vector<std::unique_ptr<node>> nodes_;
+	job_group *group_ = nullptr; /* of the run in progress */
+};
+
+/* Calls f(begin, end, worker) for slices as stilb_job_parallel_for does. After an exception no further slice is begun,
+ * and when those that run have finished it is thrown. */
+template <typename F> void parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, F &&f, uint32_t worker)
+{
+	struct loop {
+		std::remove_reference_t<F> &f;
+		job_failure failure;
+	} own{f, {}};
+	auto slice = [](uint32_t begin, uint32_t end, uint32_t index, void *context) {
+		loop *of = static_cast<loop *>(context);
+		if (of->failure.any())
+			return;
+		try {
+			of->f(begin, end, index);
+		} catch (...) {
+			of->failure.keep_current();
+		}
+	};
+	stilb_job_parallel_for(pool, count, grain, slice, &own, worker);
+	own.failure.rethrow();
+}
+
+} // namespace stilb
+#endif

@@ -1,0 +1,138 @@
+// The C++ header: lambdas run, nothing leaks, and exceptions arrive at the wait. Without cmocka, which leaves a test by
+// longjmp, past destructors.
+#include <stilb/job.hpp>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+static void check(bool good, const char *what)
+{
+	if (!good) {
+		std::printf("failed: %s\n", what);
+		std::exit(1);
+	}
+}
+
+static stilb_job_pool *pool_of(uint32_t workers)
+{
+	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
+	stilb_job_pool *pool = nullptr;
+	desc.worker_count = workers;
+	check(stilb_job_pool_create(&desc, &pool) == 0, "create");
+	return pool;
+}
+
+/* The text of the exception that f throws; "none" if it returns. */
+template <typename F> static std::string thrown(F f)
+{
+	try {
+		f();
+	} catch (const std::exception &e) {
+		return e.what();
+	}
+	return "none";
+}
+
+static void jobs_run_and_own_their_captures(stilb_job_pool *pool)
+{
+	auto alive = std::make_shared<int>(7);
+	std::atomic<int> sum{0};
+	{
+		stilb::job_group group(pool, 0);
+		for (int i = 0; i < 100; i++)
+			group.submit([&sum, alive, i](uint32_t) { sum += *alive + i; });
+		check(thrown([&] { group.wait(); }) == "none", "wait");
+		check(sum == 100 * 7 + 99 * 100 / 2, "sum");
+		for (int i = 0; i < 100; i++)
+			group.submit([&sum, kept = std::make_unique<int>(1)](uint32_t) { sum += *kept; });
+	} // the destructor waits
+	check(sum == 100 * 7 + 99 * 100 / 2 + 100, "sum after the destructor");
+	check(alive.use_count() == 1, "captures are destroyed");
+}
+
+static void exceptions_arrive_at_the_wait(stilb_job_pool *pool)
+{
+	auto alive = std::make_shared<int>(0);
+	for (int turn = 0; turn < 50; turn++) {
+		stilb::job_group group(pool, 0);
+		std::atomic<int> ran{0};
+		for (int i = 0; i < 20; i++)
+			group.submit([&ran, alive, i, turn](uint32_t) {
+				ran++;
+				if (i == turn % 20)
+					throw std::runtime_error("job " + std::to_string(i));
+			});
+		check(thrown([&] { group.wait(); }) == "job " + std::to_string(turn % 20), "the exception of the job");
+		check(ran >= 1 && ran <= 20, "jobs run at most once");
+		group.submit([&ran](uint32_t) { ran = 1000; });
+		check(thrown([&] { group.wait(); }) == "none" && ran == 1000, "the group is as good as new");
+	}
+	check(alive.use_count() == 1, "captures of dropped jobs are destroyed");
+}
+
+static void loops_throw(stilb_job_pool *pool)
+{
+	std::atomic<uint32_t> items{0};
+	auto body = [&](uint32_t begin, uint32_t end, uint32_t) {
+		items += end - begin;
+		if (begin <= 500 && 500 < end)
+			throw std::runtime_error("slice");
+	};
+	check(thrown([&] { stilb::parallel_for(pool, 500, 7, body, 0); }) == "none" && items == 500, "loop");
+	items = 0;
+	check(thrown([&] { stilb::parallel_for(pool, 100000, 7, body, 0); }) == "slice", "the exception of a slice");
+	check(items >= 1 && items <= 100000, "slices run at most once");
+	check(stilb_job_pool_worker_count(pool) > 0 || items == 504, "no slice begins after the exception");
+}
+
+static void graphs_run_and_throw(stilb_job_pool *pool)
+{
+	stilb::job_graph graph;
+	int culled = 0, drawn = 0, shown = 0;
+	bool fails = false;
+	uint32_t cull = graph.add([&](uint32_t) { culled++; }, "cull");
+	uint32_t draw = graph.add(
+		[&](uint32_t) {
+			if (fails)
+				throw std::runtime_error("draw");
+			drawn = culled;
+		},
+		"draw");
+	uint32_t show = graph.add([&](uint32_t) { shown++; }, "show");
+	graph.edge(cull, draw);
+	graph.edge(draw, show);
+	graph.build();
+	stilb::job_group group(pool, 0);
+	for (int frame = 1; frame <= 20; frame++) {
+		graph.run(group);
+		group.wait();
+		check(shown == frame && drawn == frame, "a frame");
+	}
+	fails = true;
+	graph.run(group);
+	check(thrown([&] { group.wait(); }) == "draw", "the exception of a node");
+	check(culled == 21 && shown == 20, "nodes after the exception are dropped");
+	graph.edge(show, cull);
+	std::string text = thrown([&] { graph.build(); });
+	check(text.find("cull -> draw -> show") != std::string::npos ||
+	          text.find("draw -> show -> cull") != std::string::npos ||
+	          text.find("show -> cull -> draw") != std::string::npos,
+	      "the cycle is named");
+}
+
+int main()
+{
+	for (uint32_t workers = 0; workers < 4; workers++) {
+		stilb_job_pool *pool = pool_of(workers);
+		jobs_run_and_own_their_captures(pool);
+		exceptions_arrive_at_the_wait(pool);
+		loops_throw(pool);
+		graphs_run_and_throw(pool);
+		stilb_job_pool_destroy(pool);
+	}
+	std::puts("all is well");
+	return 0;
+}
