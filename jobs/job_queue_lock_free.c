@@ -139,14 +139,18 @@ static bool lock_free_closed(lock_free *queue)
  * reads all hazard pointers finds this one, or the end was moved before it was set, and then the thread that set it
  * sees the move and drops the segment. The tail may leave a segment later than the head; until it has, the thread that
  * appended the next segment is in tail_move with its hazard pointer on this one. used_count, by which readers know how
- * many hazard pointers there are, is raised by a seq_cst exchange before a thread sets its first one.
+ * many hazard pointers there are, is raised by a seq_cst exchange, or a seq_cst load finds it raised, before a thread
+ * sets its first one.
  */
 static void thread_announce(lock_free *queue, uint32_t thread)
 {
-	/* Relaxed: the number never falls, and the exchange decides. */
-	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_relaxed);
+	/* Seq_cst, also when the exchange fails: if another thread has raised the number, the load that finds it raised
+	 * stands for the exchange. In the order of all seq_cst operations it comes after that thread's exchange and before
+	 * this thread sets a hazard pointer; so a thread that then reads the number finds this one counted. A relaxed load
+	 * has no place in that order, and C11 would let the number that is read be an old one. The number never falls. */
+	uint32_t count = atomic_load_explicit(&queue->used_count, memory_order_seq_cst);
 	while (count <= thread && !atomic_compare_exchange_weak_explicit(&queue->used_count, &count, thread + 1,
-	                                                                 memory_order_seq_cst, memory_order_relaxed))
+	                                                                 memory_order_seq_cst, memory_order_seq_cst))
 		;
 }
 
