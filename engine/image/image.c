@@ -88,6 +88,22 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 	return STILB_OK;
 }
 
+/* The descriptor of the memory file that the picture is in. */
+static int image_memory_file(const stilb_image *image)
+{
+	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED && "made by stilb_image_create_shared");
+	return (int)(image->storage - IMAGE_STORAGE_SHARED);
+}
+
+/* Bytes of that memory file, which may hold more than the picture. */
+static size_t image_memory_size(const stilb_image *image)
+{
+	struct stat info = {0};
+	fstat(image_memory_file(image), &info); /* cannot fail: the descriptor is open */
+	STILB_ASSERT((size_t)info.st_size >= stilb_image_size(image));
+	return (size_t)info.st_size;
+}
+
 void stilb_image_finish(stilb_image *image)
 {
 	if (!image)
@@ -95,10 +111,12 @@ void stilb_image_finish(stilb_image *image)
 	STILB_ASSERT((image->pixels || image->storage == IMAGE_STORAGE_MEMORY) && "mapped memory has an address");
 	if (image->storage == IMAGE_STORAGE_MEMORY)
 		free(image->pixels);
-	else
+	else if (image->storage == IMAGE_STORAGE_MAPPED)
 		munmap(image->pixels, stilb_image_size(image));
+	else
+		munmap(image->pixels, image_memory_size(image));
 	if (image->storage >= IMAGE_STORAGE_SHARED)
-		close((int)(image->storage - IMAGE_STORAGE_SHARED));
+		close(image_memory_file(image));
 	*image = (stilb_image){0};
 }
 
@@ -110,12 +128,9 @@ void stilb_image_finish(stilb_image *image)
  * get it when they are written: a short file may claim a huge picture. */
 #define IMAGE_POPULATE_MAX (16u << 20)
 
-stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
-                                       stilb_image_format format)
+/* Maps new memory for image's shape. False: there is none. */
+static bool image_memory_create(stilb_image *image)
 {
-	stilb_result result = image_shape_check(image, width, height, channels, format);
-	if (result != STILB_OK)
-		return result;
 	size_t size = stilb_image_size(image);
 	int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
 	void *pixels = MAP_FAILED;
@@ -125,30 +140,76 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
 	if (pixels == MAP_FAILED) {
 		if (file >= 0)
 			close(file);
-		return image_no_memory(image);
+		return false;
 	}
 	image->pixels = pixels;
 	image->storage = IMAGE_STORAGE_SHARED + (uint32_t)file;
-	STILB_ASSERT(image_is_sound(image));
-	return STILB_OK;
+	return true;
+}
+
+stilb_result stilb_image_reshape_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                        stilb_image_format format)
+{
+	STILB_ASSERT(image);
+	stilb_image old = *image;
+	stilb_result result = image_shape_check(image, width, height, channels, format);
+	if (result == STILB_OK && old.pixels && image_memory_size(&old) >= stilb_image_size(image)) {
+		image->pixels = old.pixels;
+		image->storage = old.storage;
+		return STILB_OK;
+	}
+	stilb_image_finish(&old);
+	if (result == STILB_OK && !image_memory_create(image))
+		result = image_no_memory(image);
+	STILB_ASSERT(result != STILB_OK || image_is_sound(image));
+	return result;
+}
+
+stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format)
+{
+	STILB_ASSERT(image);
+	*image = (stilb_image){0};
+	return stilb_image_reshape_shared(image, width, height, channels, format);
 }
 
 int stilb_image_share(stilb_image *image)
 {
-	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED && "made by stilb_image_create_shared");
+	int file = image_memory_file(image);
+	size_t size = stilb_image_size(image);
 	STILB_ASSERT(image_is_sound(image));
-	int file = (int)(image->storage - IMAGE_STORAGE_SHARED);
-	munmap(image->pixels, stilb_image_size(image)); /* a writable mapping would forbid F_SEAL_WRITE */
+	munmap(image->pixels, image_memory_size(image)); /* a writable mapping would forbid F_SEAL_WRITE */
 	*image = (stilb_image){0};
-	if (fcntl(file, F_ADD_SEALS, IMAGE_SEALS | F_SEAL_SEAL) == 0)
+	if (ftruncate(file, (off_t)size) == 0 && fcntl(file, F_ADD_SEALS, IMAGE_SEALS | F_SEAL_SEAL) == 0)
 		return file;
 	stilb_fail(STILB_ERROR_FILE, "a picture's memory cannot be sealed: %s", strerror(errno));
 	close(file);
 	return -1;
 }
 
-stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format,
-                             stilb_image *image)
+int stilb_image_lend(const stilb_image *image)
+{
+	int file = image_memory_file(image);
+	STILB_ASSERT(image_is_sound(image));
+	STILB_ASSERT(stilb_image_size(image) <= STILB_IMAGE_LEND_MAX);
+	return file;
+}
+
+/* Copies image's pixels from a memory file that other processes may write to. */
+static stilb_result image_copy(int file, stilb_image *image)
+{
+	size_t size = stilb_image_size(image);
+	image->pixels = stilb_memory_alloc(size, 1);
+	if (!image->pixels)
+		return image_no_memory(image);
+	if (pread(file, image->pixels, size, 0) == (ssize_t)size)
+		return STILB_OK;
+	stilb_image_finish(image);
+	return stilb_fail(STILB_ERROR_FILE, "a picture's memory is smaller than its shape needs");
+}
+
+stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
+                                 stilb_image_format format, stilb_image *image)
 {
 	stilb_result result = image_shape_check(image, width, height, channels, format);
 	if (result != STILB_OK)
@@ -156,8 +217,11 @@ stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t
 	STILB_ASSERT(file >= 0);
 	struct stat info;
 	size_t size = stilb_image_size(image);
-	int seals = fcntl(file, F_GET_SEALS);
-	if (seals < 0 || (seals & IMAGE_SEALS) != IMAGE_SEALS || fstat(file, &info) != 0 || (size_t)info.st_size != size) {
+	int seals = fcntl(file, F_GET_SEALS); /* fails for everything but memory files: reading these never waits */
+	bool sealed = seals >= 0 && (seals & IMAGE_SEALS) == IMAGE_SEALS;
+	if (seals >= 0 && !sealed && size <= STILB_IMAGE_LEND_MAX)
+		return image_copy(file, image);
+	if (!sealed || fstat(file, &info) != 0 || (size_t)info.st_size != size) {
 		*image = (stilb_image){0};
 		return stilb_fail(STILB_ERROR_FILE,
 		                  "a picture's memory is not sealed, or not of the size that its shape needs");

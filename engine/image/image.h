@@ -57,21 +57,35 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 /* Frees the pixels and leaves {0}. Accepts NULL and {0}. [one-writer] */
 void stilb_image_finish(stilb_image *image);
 
-/* As stilb_image_create, in memory that stilb_image_share can hand to another process. [any-thread] */
+/* As stilb_image_create, in memory that stilb_image_share or stilb_image_lend gives to another process. [any-thread] */
 stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                        stilb_image_format format);
 
+/* Gives image, a picture of stilb_image_create_shared or {0}, another shape. Its memory is kept if it is large enough,
+ * and its pixels then have any values. Errors of stilb_image_create_shared; image is {0} then. [one-writer] */
+stilb_result stilb_image_reshape_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                        stilb_image_format format);
+
 /* Hands over a picture of stilb_image_create_shared: unmaps its pixels, leaves {0}, and returns a descriptor of them,
  * sealed against writing and resizing by anybody, which the caller sends and closes. -1 with a message if it cannot be
- * sealed. [one-writer] */
+ * sealed. The other process gets the memory itself, so nothing is copied, but the next picture needs new memory.
+ * [one-writer] */
 int stilb_image_share(stilb_image *image);
 
-/* Maps the picture of this shape behind file, a descriptor (>= 0) of stilb_image_share, from any process, trusted or
- * not; the caller still closes file. The mapping is private: changing its pixels changes nobody else's. [any-thread]
- * STILB_ERROR_FILE if the memory has another size or is not sealed, STILB_ERROR_ARGUMENT for a shape that is refused,
- * STILB_ERROR_MEMORY; then image is {0}. */
-stilb_result stilb_image_map(int file, uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format,
-                             stilb_image *image);
+#define STILB_IMAGE_LEND_MAX (16u << 20) /* bytes of a picture */
+
+/* Returns the descriptor of a picture of stilb_image_create_shared of at most STILB_IMAGE_LEND_MAX bytes, for another
+ * process to copy by stilb_image_receive. It stays the picture's: when the other process has its copy, the memory can
+ * be used again (stilb_image_reshape_shared), which takes a fifth of the time of new memory. [one-writer] */
+int stilb_image_lend(const stilb_image *image);
+
+/* Receives the picture of this shape behind file, a descriptor (>= 0) of stilb_image_share or stilb_image_lend, from
+ * any process, trusted or not; the caller still closes file. Afterwards nobody else can change its pixels: those of
+ * stilb_image_share are mapped, and changing them changes nobody else's; those of stilb_image_lend are copied.
+ * [any-thread] STILB_ERROR_FILE if the memory has another size, or is too large to be copied and not sealed,
+ * STILB_ERROR_ARGUMENT for a shape that is refused, STILB_ERROR_MEMORY; then image is {0}. */
+stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
+                                 stilb_image_format format, stilb_image *image);
 
 /* Converts row y, 0 <= y < height, to linear floats in light, [width][channels]: colour by the sRGB transfer from
  * codes, alpha / 255 or / 65535. [any-thread] */

@@ -234,10 +234,13 @@ void *image_load_allocate(void *context, image_shape *shape)
 		                          made.width, made.height, refusal);
 		return NULL;
 	}
-	if (load->shared)
-		stilb_image_create_shared(&made, made.width, made.height, made.channels, made.format);
-	else
+	if (load->shared) {
+		stilb_image_reshape_shared(&load->memory, made.width, made.height, made.channels, made.format);
+		made = load->memory;
+		load->memory = (stilb_image){0};
+	} else {
 		made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
+	}
 	if (!made.pixels)
 		load->result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", load->path);
 	else
@@ -285,6 +288,7 @@ stilb_result image_load_end(image_load *load, image_outcome outcome, const image
 {
 	STILB_ASSERT((outcome != IMAGE_OUTCOME_DONE || image_is_sound(load->image)) && "decoded into a picture");
 	STILB_ASSERT((outcome != IMAGE_OUTCOME_CALLBACK || load->result != STILB_OK) && "a refusal has a result");
+	stilb_image_finish(&load->memory);
 	if (outcome == IMAGE_OUTCOME_DONE)
 		return STILB_OK;
 	stilb_image_finish(load->image);

@@ -54,10 +54,13 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 {
 	STILB_ASSERT(name && image);
 	STILB_ASSERT(data || size == 0);
-	STILB_ASSERT((flags & ~(uint32_t)(STILB_IMAGE_IMPORT_SHARED | STILB_IMAGE_IMPORT_FOR_LIGHT)) == 0);
+	STILB_ASSERT(flags <= (STILB_IMAGE_IMPORT_SHARED | STILB_IMAGE_IMPORT_FOR_LIGHT | STILB_IMAGE_IMPORT_AGAIN));
+	STILB_ASSERT(!(flags & STILB_IMAGE_IMPORT_AGAIN) || flags & STILB_IMAGE_IMPORT_SHARED);
+	stilb_image memory = flags & STILB_IMAGE_IMPORT_AGAIN ? *image : (stilb_image){0};
 	*image = (stilb_image){0};
 	image_load load = {.path = name,
 	                   .image = image,
+	                   .memory = memory,
 	                   .exact = true,
 	                   .shared = flags & STILB_IMAGE_IMPORT_SHARED,
 	                   .for_light = flags & STILB_IMAGE_IMPORT_FOR_LIGHT};
@@ -74,6 +77,7 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 stilb_result stilb_image_import(const char *path, uint32_t flags, stilb_image *image)
 {
 	STILB_ASSERT(path && image);
+	STILB_ASSERT(!(flags & STILB_IMAGE_IMPORT_AGAIN));
 	*image = (stilb_image){0};
 	void *data = NULL;
 	size_t size = 0;

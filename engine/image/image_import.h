@@ -16,17 +16,20 @@
 typedef enum stilb_image_import_flags {
 	STILB_IMAGE_IMPORT_SHARED = 1,    /* allocates by stilb_image_create_shared */
 	STILB_IMAGE_IMPORT_FOR_LIGHT = 2, /* also refuses a picture that would exceed STILB_IMAGE_MAX_BYTES as RGB floats */
+	STILB_IMAGE_IMPORT_AGAIN = 4,     /* with SHARED: by stilb_image_reshape_shared of image */
 } stilb_image_import_flags;
 
 /* Reads PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP, EXR and Radiance HDR with the precision and the channels of the
  * file: U8_SRGB or U16_SRGB for codes, F16_LINEAR or F32_LINEAR for floats; other precisions become the next larger.
  * The format is recognised by the first bytes, TGA by its extension; of several pictures in a file the first is read. A
  * picture that is too large is refused by its header, before it is decoded.
- * flags: stilb_image_import_flags or 0. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is {0}. */
+ * flags: stilb_image_import_flags but AGAIN, or 0. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is
+ * {0}. */
 stilb_result stilb_image_import(const char *path, uint32_t flags, stilb_image *image);
 
 /* stilb_image_import of a file in memory, size bytes at data (NULL only if size is 0); name stands in messages, and its
- * extension tells TGA. [any-thread] */
+ * extension tells TGA. With STILB_IMAGE_IMPORT_AGAIN image is {0} or a picture of stilb_image_create_shared, whose
+ * memory the new one gets if it is large enough. [any-thread] */
 stilb_result stilb_image_import_memory(const char *name, const void *data, size_t size, uint32_t flags,
                                        stilb_image *image);
 

@@ -96,6 +96,7 @@ const char *image_file_read(const char *path, void **data, size_t *size);
 typedef struct image_load {
 	const char *path;    /* its name in messages */
 	stilb_image *image;  /* {0} at first */
+	stilb_image memory;  /* a picture whose memory the new one gets, if shared is set and it is large enough; or {0} */
 	stilb_result result; /* why image_load_allocate refused */
 	bool exact;          /* keep 16-bit codes and halves; else they become 8 bits and floats */
 	bool shared;         /* allocate by stilb_image_create_shared */

@@ -14,6 +14,13 @@ static stilb_image made(uint32_t channels, stilb_image_format format)
 	return image;
 }
 
+static void lend_too_much(void)
+{
+	stilb_image image;
+	stilb_image_create_shared(&image, 1024, STILB_IMAGE_LEND_MAX / 1024 + 1, 1, STILB_IMAGE_U8_SRGB);
+	stilb_image_lend(&image);
+}
+
 static void pictures(void **state)
 {
 	(void)state;
@@ -30,7 +37,11 @@ static void pictures(void **state)
 	contract_breaks("mapped memory has an address", stilb_image_finish(&damaged));
 	contract_breaks("`image'", stilb_image_create(NULL, 1, 1, 1, STILB_IMAGE_U8_SRGB));
 	contract_breaks("made by stilb_image_create_shared", stilb_image_share(&image));
-	contract_breaks("file >= 0", stilb_image_map(-1, 1, 1, 1, STILB_IMAGE_U8_SRGB, &damaged));
+	contract_breaks("made by stilb_image_create_shared", stilb_image_lend(&image));
+	contract_breaks("made by stilb_image_create_shared",
+	                stilb_image_reshape_shared(&image, 1, 1, 1, STILB_IMAGE_U8_SRGB));
+	contract_breaks("stilb_image_size(image) <= (16u << 20)", lend_too_much());
+	contract_breaks("file >= 0", stilb_image_receive(-1, 1, 1, 1, STILB_IMAGE_U8_SRGB, &damaged));
 	stilb_image_finish(&image);
 }
 
@@ -70,7 +81,9 @@ static void files(void **state)
 	contract_breaks("outcome == IMAGE_OUTCOME_MEMORY", image_fail(IMAGE_OUTCOME_DONE, "read", "a.png", &message));
 	contract_breaks("name && image", stilb_image_import_memory(NULL, "", 0, 0, &empty));
 	contract_breaks("data || size == 0", stilb_image_import_memory("a", NULL, 1, 0, &empty));
-	contract_breaks("flags &", stilb_image_import_memory("a", "", 0, 4, &empty));
+	contract_breaks("flags & STILB_IMAGE_IMPORT_SHARED", stilb_image_import_memory("a", "", 0, 4, &empty));
+	contract_breaks("flags <=", stilb_image_import_memory("a", "", 0, 8, &empty));
+	contract_breaks("!(flags & STILB_IMAGE_IMPORT_AGAIN)", stilb_image_import("a", 5, &empty));
 	stilb_image_finish(&image);
 }
 

@@ -576,6 +576,34 @@ static void one_process_serves_many(void **state)
 	scene_importer_stop(NULL);
 }
 
+/* One process decodes pictures of different sizes, one after the other, and all that it sent stay as they were. */
+static void pictures_follow_each_other(void **state)
+{
+	(void)state;
+	static const uint32_t sides[] = {40, 300, 7, 2300, 300, 40}; /* 2300: too large to be lent */
+	scene_importer *importer;
+	stilb_image sent[sizeof sides / sizeof *sides];
+	scene_import_limits limits = scene_import_limits_default();
+	assert_int_equal(scene_importer_start(&limits, &importer), STILB_OK);
+	for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
+		stilb_image image;
+		assert_int_equal(stilb_image_create(&image, sides[i], sides[i], 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+		memset(image.pixels, (int)(10 + i), stilb_image_size(&image));
+		assert_int_equal(stilb_image_save(&image, in_folder("next.png")), STILB_OK);
+		stilb_image_finish(&image);
+		assert_int_equal(scene_importer_picture(importer, in_folder("next.png"), false, &sent[i]), STILB_OK);
+		assert_int_equal(scene_importer_picture(importer, in_folder("nowhere.png"), false, &image), STILB_ERROR_FILE);
+	}
+	for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
+		assert_int_equal(stilb_image_size(&sent[i]), 4 * sides[i] * sides[i]);
+		for (size_t k = 0; k < stilb_image_size(&sent[i]); k++)
+			if (((uint8_t *)sent[i].pixels)[k] != 10 + i)
+				fail_msg("byte %zu of picture %zu", k, i);
+		stilb_image_finish(&sent[i]);
+	}
+	scene_importer_stop(importer);
+}
+
 /* A header that claims 30,000 x 30,000 pixels is refused before decoding: the file holds nothing else. */
 static void large_surroundings_are_refused_by_their_header(void **state)
 {
@@ -804,6 +832,7 @@ int main(void)
 		cmocka_unit_test(no_descriptor_stays_open),
 		cmocka_unit_test(numbers_may_begin_with_a_point),
 		cmocka_unit_test(one_process_serves_many),
+		cmocka_unit_test(pictures_follow_each_other),
 		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
 		cmocka_unit_test(scenes_leave_no_memory),
 		cmocka_unit_test(a_restart_that_fails_says_why),

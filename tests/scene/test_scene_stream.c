@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* The bytes of a scene, to be freed. */
@@ -204,7 +205,7 @@ static void what_is_sent_has_an_end(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* A picture's memory is accepted only if it is sealed and as large as its shape says. */
+/* A picture that is handed over is accepted only if its memory is sealed and as large as its shape says. */
 static void pictures_are_sealed(void **state)
 {
 	(void)state;
@@ -223,10 +224,10 @@ static void pictures_are_sealed(void **state)
 		((uint16_t *)image.pixels)[39] = 40000;
 		int file = stilb_image_share(&image);
 		assert_true(file >= 0 && !image.pixels);
-		if (i == 1) { /* not sealed */
+		if (i == 1) { /* not sealed, and too small to be copied */
 			close(file);
 			file = memfd_create("open", MFD_ALLOW_SEALING);
-			assert_int_equal(ftruncate(file, 80), 0);
+			assert_int_equal(ftruncate(file, 79), 0);
 		}
 		sent.height = i == 2 ? 5 : 4;
 		sent.width = i == 3 ? 70000 : 5;
@@ -257,13 +258,122 @@ static void pictures_are_sealed(void **state)
 	close(ends[1]);
 }
 
+static stilb_result receive(int file, uint32_t height, stilb_image *picture)
+{
+	return stilb_image_receive(file, 1024, height, 4, STILB_IMAGE_U8_SRGB, picture);
+}
+
+/* A lent picture is copied: what its owner does with the memory later changes nothing. */
+static void lent_pictures_are_copied(void **state)
+{
+	(void)state;
+	stilb_image image, first, second;
+	uint32_t most = STILB_IMAGE_LEND_MAX / 4096; /* rows of 1024 pixels of 4 bytes */
+	assert_int_equal(stilb_image_create_shared(&image, 1024, most, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+	memset(image.pixels, 7, stilb_image_size(&image));
+	assert_int_equal(receive(stilb_image_lend(&image), most, &first), STILB_OK);
+	assert_int_equal(stilb_image_reshape_shared(&image, 1024, 2, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+	memset(image.pixels, 9, stilb_image_size(&image));
+	assert_int_equal(receive(stilb_image_lend(&image), 2, &second), STILB_OK);
+	memset(image.pixels, 1, stilb_image_size(&image));
+	for (size_t i = 0; i < stilb_image_size(&first); i++)
+		assert_int_equal(((uint8_t *)first.pixels)[i], 7);
+	for (size_t i = 0; i < stilb_image_size(&second); i++)
+		assert_int_equal(((uint8_t *)second.pixels)[i], 9);
+	stilb_image_finish(&first);
+	stilb_image_finish(&second);
+	stilb_image_finish(&image);
+}
+
+/* A taken-over process that cuts its memory off does no harm: nothing of it is mapped, and what is missing is told. */
+static void lent_memory_may_vanish(void **state)
+{
+	(void)state;
+	stilb_image picture;
+	int file = memfd_create("vanishing", MFD_ALLOW_SEALING);
+	assert_int_equal(ftruncate(file, 8192), 0);
+	assert_int_equal(receive(file, 2, &picture), STILB_OK);
+	assert_int_equal(ftruncate(file, 4096), 0);
+	for (size_t i = 0; i < stilb_image_size(&picture); i++)
+		assert_int_equal(((uint8_t *)picture.pixels)[i], 0);
+	stilb_image_finish(&picture);
+	assert_int_equal(receive(file, 2, &picture), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "smaller than its shape needs"));
+	assert_null(picture.pixels);
+	close(file);
+}
+
+/* Larger pictures are not copied, and nothing is read that might make the reader wait. */
+static void what_is_not_lent(void **state)
+{
+	(void)state;
+	uint32_t most = STILB_IMAGE_LEND_MAX / 4096;
+	stilb_image picture;
+	int large = memfd_create("large", MFD_ALLOW_SEALING), ends[2];
+	assert_int_equal(ftruncate(large, STILB_IMAGE_LEND_MAX + 4096), 0);
+	assert_int_equal(receive(large, most, &picture), STILB_OK);
+	stilb_image_finish(&picture);
+	assert_int_equal(receive(large, most + 1, &picture), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "not sealed"));
+	close(large);
+	FILE *file = tmpfile(); /* of a folder, perhaps of a slow network */
+	assert_int_equal(ftruncate(fileno(file), 8192), 0);
+	stilb_result result = receive(fileno(file), 2, &picture);
+	bool memory = fcntl(fileno(file), F_GET_SEALS) >= 0; /* a folder in memory */
+	assert_true(memory || result == STILB_ERROR_FILE);
+	stilb_image_finish(&picture);
+	fclose(file);
+	assert_int_equal(pipe(ends), 0);
+	assert_int_equal(receive(ends[0], 2, &picture), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "not sealed"));
+	close(ends[0]);
+	close(ends[1]);
+}
+
+/* The number of the memory file that the picture is in. */
+static ino_t memory_of(const stilb_image *image)
+{
+	struct stat info;
+	assert_int_equal(fstat(stilb_image_lend(image), &info), 0);
+	return info.st_ino;
+}
+
+/* Memory is used again for what fits, and what is handed over then has the size of its picture alone. */
+static void memory_is_used_again(void **state)
+{
+	(void)state;
+	stilb_image image = {0}, back;
+	assert_int_equal(stilb_image_reshape_shared(&image, 64, 64, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+	ino_t memory = memory_of(&image);
+	assert_int_equal(stilb_image_reshape_shared(&image, 3, 2, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	assert_int_equal(memory_of(&image), memory);
+	assert_int_equal(stilb_image_reshape_shared(&image, 64, 64, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+	assert_int_equal(memory_of(&image), memory);
+	assert_int_equal(stilb_image_reshape_shared(&image, 64, 65, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+	assert_int_not_equal(memory_of(&image), memory);
+	memset(image.pixels, 1, 64 * 65 * 4);
+	assert_int_equal(stilb_image_reshape_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+	((uint16_t *)image.pixels)[39] = 40000;
+	int file = stilb_image_share(&image);
+	assert_true(file >= 0 && !image.pixels);
+	assert_int_equal(stilb_image_receive(file, 5, 4, 2, STILB_IMAGE_U16_SRGB, &back), STILB_OK);
+	assert_int_equal(((uint16_t *)back.pixels)[39], 40000);
+	stilb_image_finish(&back);
+	close(file);
+	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+	assert_int_equal(stilb_image_reshape_shared(&image, 0, 4, 2, STILB_IMAGE_U16_SRGB), STILB_ERROR_ARGUMENT);
+	assert_null(image.pixels);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_scene_comes_back_the_same), cmocka_unit_test(damaged_streams_give_no_damaged_scene),
 		cmocka_unit_test(nothing_points_past_the_end), cmocka_unit_test(the_deadline_ends_waiting),
 		cmocka_unit_test(what_is_sent_has_an_end),     cmocka_unit_test(pictures_are_sealed),
-		cmocka_unit_test(a_camera_can_project),
+		cmocka_unit_test(a_camera_can_project),        cmocka_unit_test(lent_pictures_are_copied),
+		cmocka_unit_test(lent_memory_may_vanish),      cmocka_unit_test(what_is_not_lent),
+		cmocka_unit_test(memory_is_used_again),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,19 +121,26 @@ static void importer_finish(importer *import)
 	aiReleaseImport(import->from);
 }
 
-/* Sends a picture of stilb_image_create_shared to Stilb; it is {0} afterwards. */
-static stilb_result importer_send_picture(stilb_image *picture)
+/* Sends the picture's shape with the descriptor of its memory. */
+static void importer_send_shape(const stilb_image *picture, int file)
 {
 	scene_message message = {.kind = SCENE_MESSAGE_PICTURE,
 	                         .width = picture->width,
 	                         .height = picture->height,
 	                         .channels = picture->channels,
 	                         .format = picture->format};
+	if (!scene_stream_write_message(importer_stream.file, &message, file))
+		_exit(1); /* Stilb is gone */
+}
+
+/* Hands a picture of stilb_image_create_shared over to Stilb; it is {0} afterwards. */
+static stilb_result importer_send_picture(stilb_image *picture)
+{
+	stilb_image shape = *picture;
 	int file = stilb_image_share(picture);
 	if (file < 0)
 		return STILB_ERROR_FILE;
-	if (!scene_stream_write_message(importer_stream.file, &message, file))
-		_exit(1); /* Stilb is gone */
+	importer_send_shape(&shape, file);
 	close(file);
 	return STILB_OK;
 }
@@ -161,22 +168,38 @@ static stilb_result importer_do_scene(const char *path)
 	return result;
 }
 
-static stilb_result importer_do_picture(const char *path, bool light)
+/* Decodes the request's picture. flags and picture: as stilb_image_import_memory has them. */
+static stilb_result importer_do_picture(const char *path, uint32_t flags, stilb_image *picture)
 {
 	char why[256];
 	importer_bytes bytes = {0};
-	stilb_image picture;
 	int file = importer_files_ask(path, true, why);
 	if (file < 0 || !importer_bytes_read(file, &bytes))
 		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
-	stilb_result result = importer_decode(path, &bytes, light ? STILB_IMAGE_IMPORT_FOR_LIGHT : 0, &picture);
+	stilb_result result = importer_decode(path, &bytes, flags, picture);
 	importer_bytes_free(&bytes);
-	if (result == STILB_OK && light)
-		result = importer_picture_to_light(&picture);
-	if (result == STILB_OK)
-		result = importer_send_picture(&picture);
-	stilb_image_finish(&picture);
 	return result;
+}
+
+/* Small pictures are lent, and the next one gets their memory: Stilb has its copy before it sends another request. */
+static stilb_result importer_do_codes(const char *path)
+{
+	static stilb_image picture;
+	stilb_result result = importer_do_picture(path, STILB_IMAGE_IMPORT_AGAIN, &picture);
+	if (result == STILB_OK && stilb_image_size(&picture) > STILB_IMAGE_LEND_MAX)
+		return importer_send_picture(&picture);
+	if (result == STILB_OK)
+		importer_send_shape(&picture, stilb_image_lend(&picture));
+	return result;
+}
+
+static stilb_result importer_do_light(const char *path)
+{
+	stilb_image picture = {0};
+	stilb_result result = importer_do_picture(path, STILB_IMAGE_IMPORT_FOR_LIGHT, &picture);
+	if (result == STILB_OK)
+		result = importer_picture_to_light(&picture);
+	return result == STILB_OK ? importer_send_picture(&picture) : result;
 }
 
 /* Handles one request and sends its result. */
@@ -187,9 +210,9 @@ static void importer_serve(const scene_message *request, int file)
 	if (request->kind == SCENE_MESSAGE_READ_SCENE)
 		result = importer_do_scene(request->text);
 	else if (request->kind == SCENE_MESSAGE_READ_PICTURE)
-		result = importer_do_picture(request->text, false);
+		result = importer_do_codes(request->text);
 	else if (request->kind == SCENE_MESSAGE_READ_LIGHT)
-		result = importer_do_picture(request->text, true);
+		result = importer_do_light(request->text);
 	else
 		importer_send(SCENE_MESSAGE_VERSION, STILB_OK, "Assimp %u.%u.%u\nOpenImageIO %s\n", aiGetVersionMajor(),
 		              aiGetVersionMinor(), aiGetVersionPatch(), stilb_image_library_version());

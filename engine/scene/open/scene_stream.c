@@ -163,7 +163,8 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 	if (file < 0)
 		result = stilb_fail(STILB_ERROR_FILE, "a picture came without its pixels");
 	if (result == STILB_OK)
-		result = stilb_image_map(file, message->width, message->height, message->channels, message->format, picture);
+		result =
+			stilb_image_receive(file, message->width, message->height, message->channels, message->format, picture);
 	if (file >= 0)
 		close(file);
 	if (result == STILB_OK && !stream_count(stream, stilb_image_size(picture))) {

@@ -68,8 +68,8 @@ bool scene_stream_write_message(int file, const scene_message *message, int pass
  * 0; everything else in it is unchecked. False: one of the stream's flags late, ended and too_much says why. */
 bool scene_stream_read_message(scene_stream *stream, scene_message *message, int *passed);
 
-/* Maps the picture of a PICTURE message; closes file, its descriptor or -1. STILB_ERROR_FILE, STILB_ERROR_MEMORY; the
- * message is a reason without the file's name, and picture is {0} then. */
+/* Receives the picture of a PICTURE message (stilb_image_receive); closes file, its descriptor or -1. STILB_ERROR_FILE,
+ * STILB_ERROR_MEMORY; the message is a reason without the file's name, and picture is {0} then. */
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture);
 
