@@ -433,7 +433,7 @@ static bool run_node(job_slot *slot, stilb_job_graph *graph, job_record *record,
 	stilb_job_pool *pool = slot->pool;
 	const job_graph_node *node = take_node(slot, graph, record);
 	/* Relaxed: see job_internal.h. A node that is dropped has finished all the same, so that the run ends. */
-	bool drops = atomic_load_explicit(&pool->cancels, memory_order_relaxed) > 0 && job_group_drops(pool, graph->group);
+	bool drops = job_drops(pool, graph->group);
 	if (hooked && !drops)
 		call_hooked(slot, record, node);
 	else if (!drops)

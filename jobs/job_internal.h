@@ -334,8 +334,15 @@ extern const job_scope job_scope_all;
 
 /* job_wait.c */
 
-/* True if jobs of this group, which may be NULL, are dropped. */
+/* True if jobs of this group, which may be NULL, are dropped; some group or the pool is cancelled. */
 bool job_group_drops(stilb_job_pool *pool, const stilb_job_group *group);
+
+/* True if jobs of this group, which may be NULL, are dropped. */
+static inline bool job_drops(stilb_job_pool *pool, const stilb_job_group *group)
+{
+	return __builtin_expect(atomic_load_explicit(&pool->cancels, memory_order_relaxed) > 0, 0) && /* see the field */
+	       job_group_drops(pool, group);
+}
 
 /* Counts this many new jobs as unfinished. */
 void job_group_add(stilb_job_group *group, uint32_t jobs);

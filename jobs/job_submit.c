@@ -131,6 +131,10 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 
 /* ---- public ---------------------------------------------------------------------------------------------------- */
 
+/* Compilers do not inline functions that two others call, as this file's do; then a submitter lies in memory, which was
+ * measured to cost 5 of 20 ns a job. */
+#define INLINE static inline __attribute__((always_inline))
+
 /* The submitting thread: one of the pool, or one from outside that uses pool->guest[guest]. */
 typedef struct submitter {
 	stilb_job_pool *pool;
@@ -138,7 +142,7 @@ typedef struct submitter {
 	uint32_t guest;
 } submitter;
 
-static submitter submit_begin(stilb_job_pool *pool, uint32_t worker)
+INLINE submitter submit_begin(stilb_job_pool *pool, uint32_t worker)
 {
 	assert(pool);
 	submitter by = {.pool = pool, .slot = worker == STILB_JOB_OUTSIDE ? NULL : job_slot_of(pool, worker)};
@@ -146,13 +150,13 @@ static submitter submit_begin(stilb_job_pool *pool, uint32_t worker)
 	return by;
 }
 
-static void submit_end(const submitter *by)
+INLINE void submit_end(const submitter *by)
 {
 	if (!by->slot)
 		job_guest_leave(by->pool, by->guest);
 }
 
-static job_record *record_take(const submitter *by)
+INLINE job_record *record_take(const submitter *by)
 {
 	return job_record_take(&by->pool->records, by->slot ? &by->slot->records : &by->pool->guest[by->guest].records);
 }
@@ -163,7 +167,7 @@ static void record_give(const submitter *by, job_record *record)
 }
 
 /* Fills a record: the fields of *job that the submitter chooses, and root, level and tag. */
-static void record_fill(const submitter *by, job_record *record, const job_record *job)
+INLINE void record_fill(const submitter *by, job_record *record, const job_record *job)
 {
 	const job_slot *slot = by->slot;
 	const stilb_job_hooks *hooks = &by->pool->hooks;
@@ -184,7 +188,7 @@ static void record_fill(const submitter *by, job_record *record, const job_recor
 
 /* Counts jobs as submitted and in their group, before they are pushed: by the time that a push returns, its job may
  * have finished. */
-static void submit_count(const submitter *by, stilb_job_group *group, uint32_t jobs)
+INLINE void submit_count(const submitter *by, stilb_job_group *group, uint32_t jobs)
 {
 	job_count(by->slot ? &by->slot->submitted : &by->pool->guest[by->guest].submitted, jobs);
 	if (group)
@@ -192,7 +196,7 @@ static void submit_count(const submitter *by, stilb_job_group *group, uint32_t j
 }
 
 /* Submits a job as a new record with the fields of *job that the submitter chooses. 0 or -ENOMEM. */
-static int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
+INLINE int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
 {
 	assert((job->count > 0 ? (bool)job->fn.range : (bool)job->fn.one) && "a job has a function");
 	submitter by = submit_begin(pool, worker);

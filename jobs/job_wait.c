@@ -215,9 +215,8 @@ bool stilb_job_group_is_cancelled(const stilb_job_group *group)
 
 bool job_group_drops(stilb_job_pool *pool, const stilb_job_group *group)
 {
-	return atomic_load_explicit(&pool->cancels, memory_order_relaxed) > 0 && /* relaxed, both: see job_internal.h */
-	       (atomic_load_explicit(&pool->cancelled, memory_order_relaxed) ||
-	        (group && stilb_job_group_is_cancelled(group)));
+	return atomic_load_explicit(&pool->cancelled, memory_order_relaxed) || /* see the field */
+	       (group && stilb_job_group_is_cancelled(group));
 }
 
 /* ---- waiting --------------------------------------------------------------------------------------------------- */

@@ -46,10 +46,11 @@ static void call_job(job_slot *slot, const job_record *job, uint64_t tag)
 static void run_one(job_slot *slot, job_record *record)
 {
 	stilb_job_pool *pool = slot->pool;
-	job_record job = {
-		.fn = record->fn, .data = record->data, .group = record->group, .count = record->count, .grain = record->grain};
+	job_record job = {.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain};
 	assert(record->target == JOB_ANYONE || record->target == slot->index);
 	uint64_t tag = record->tag;
+	bool drops = job_drops(pool, record->group);
+	stilb_job_fn *dropped = drops && record->group ? record->group->dropped : NULL;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	bool outer_high = slot->in_high;
@@ -57,10 +58,10 @@ static void run_one(job_slot *slot, job_record *record)
 	slot->level = atomic_load_explicit(&record->level, memory_order_relaxed);
 	slot->root = atomic_load_explicit(&record->root, memory_order_relaxed);
 	job_record_give(&pool->records, &slot->records, record);
-	if (__builtin_expect(!job_group_drops(pool, job.group), 1))
+	if (__builtin_expect(!drops, 1))
 		call_job(slot, &job, tag);
-	else if (job.group && job.group->dropped)
-		job.group->dropped(job.data, slot->index);
+	else if (dropped)
+		dropped(job.data, slot->index);
 	slot->level = outer_level;
 	slot->root = outer_root;
 	slot->in_high = outer_high;
