@@ -70,7 +70,8 @@ int stilb_job_queue_push(stilb_job_queue *queue, void *item, uint32_t thread);
 
 /* Appends items[0] to items[count - 1] in this order; in the lock-free kind, items of other threads may come to lie
  * between them. count is 0..INT32_MAX. Returns how many items were appended, always the first ones; if none was, the
- * error of stilb_job_queue_push. A count of 0 returns 0. [any-thread] */
+ * error of stilb_job_queue_push. A count of 0 returns 0. In the low-lock kind, a thread that is more than 32,768 items
+ * ahead of consumers that do not run may yield its CPU to them. [any-thread] */
 int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread);
 
 /* Takes the oldest item and stores it in *item. -EAGAIN: the queue is empty; -EPIPE: it is closed and empty, for good.
