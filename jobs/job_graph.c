@@ -15,7 +15,7 @@
  * is ready and not running can be stolen. So the threads need few records at a time, and a chain of nodes needs one.
  *
  * Without memory for a record nothing is lost: the nodes are chained to the record in hand, and this thread runs them
- * one after the other.
+ * one after the other. So it does in a pool without workers, where nobody could steal them.
  *
  * The thread that brings a count to 0 sets it to the number of edges again, for the next run. No pass over the nodes is
  * needed: the next run begins after the last node has finished, and that is after all of these stores.
@@ -323,11 +323,11 @@ static bool record_is_empty(const job_record *record)
 }
 
 /* Puts a range of ready nodes, graph->ready[first] and on, into a record like the given one, for any thread to run.
- * False if there is no memory. */
+ * False if there is no memory, or no other thread. */
 static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint32_t count)
 {
 	stilb_job_pool *pool = slot->pool;
-	job_record *record = job_record_take(&pool->records, &slot->records);
+	job_record *record = pool->worker_count > 0 ? job_record_take(&pool->records, &slot->records) : NULL;
 	if (!record)
 		return false;
 	record->fn = like->fn;
