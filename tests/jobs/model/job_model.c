@@ -211,8 +211,7 @@ static store *own_store(const volatile void *word)
 
 void model_load_begin(const volatile void *word, int line)
 {
-	if (!own_store(word)) /* else no step: what the thread sees does not depend on the others */
-		model_step(word, "load", line);
+	model_step(word, "load", line); /* also if the value is in the thread's buffer: it may spin until that drains */
 }
 
 void *model_load(const volatile void *word)
