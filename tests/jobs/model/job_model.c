@@ -1,5 +1,6 @@
 #include "job_model.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -753,8 +754,19 @@ model_arguments model_arguments_of(int argc, char **argv)
 	return arguments;
 }
 
+/* Runs on the stack of the coroutine that has crashed, which never continues. */
+static void crashed(int number)
+{
+	if (current < 0)
+		abort();
+	(void)number;
+	model_fail("crashed");
+}
+
 model_result model_run(const model_scenario *scenario, bool trace)
 {
+	struct sigaction catch = {.sa_handler = crashed, .sa_flags = SA_NODEFER}, before;
+	sigaction(SIGSEGV, &catch, &before);
 	search_begin(scenario);
 	model_spawn(main_entry, NULL);
 	state_visit(0, true);
@@ -766,5 +778,6 @@ model_result model_run(const model_scenario *scenario, bool trace)
 		failure = "states from which the end cannot be reached: livelock";
 	model_result result = {failure, search.states, (uint32_t)search.edge_count, search.depth};
 	search_end();
+	sigaction(SIGSEGV, &before, NULL);
 	return result;
 }

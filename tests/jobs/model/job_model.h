@@ -15,9 +15,9 @@
  * States.       All that the threads can see: their stacks, the heap, the scenario's data. A state is saved and
  *               restored byte by byte, and identified by a 64-bit hash; the chance that two of a million states have
  *               the same hash is about 3e-8.
- * It finds      failed checks; states in which no thread can run (lost wake-up, deadlock); states from which the end
- *               cannot be reached (livelock, waiting for a word that nobody changes); operations on freed memory or on
- *               the stack of a function that has returned.
+ * It finds      failed checks; crashes; states in which no thread can run (lost wake-up, deadlock); states from which
+ *               the end cannot be reached (livelock, waiting for a word that nobody changes); operations on freed
+ *               memory or on the stack of a function that has returned.
  * Not modelled: loads out of their turn, so a missing acquire is not seen; plain accesses as steps: a plain store is in
  *               memory at once, so a missing release is not seen if what it publishes is plain (the thread sanitizer
  *               sees both in the interleavings that it meets); spurious failures of weak compare-exchange; more than
