@@ -8,10 +8,10 @@
  *
  * It must end with "No errors were detected". Each of the programs takes at most some ten seconds.
  *
- * Tried: it reports an error if any release or acquire of the SPSC queue is relaxed; if the deque's push is a release
- * store or relaxed, or its pop a release store; if cells or links of the lock-free queue are changed relaxed. It does
- * not if the hazard pointer is set by a release store, or the thread's announcement is relaxed: the program is too
- * short.
+ * Tried: it reports an error if a release or acquire of the SPSC queue is relaxed (all but those of close); if the
+ * deque's push is a release store or relaxed, or its pop a release store; if cells or links of the lock-free queue are
+ * changed relaxed. It does not if the hazard pointer is set by a release store, or the thread's announcement is
+ * relaxed: the program is too short.
  *
  * Include this first. GenMC has no memset, and takes no accesses of several sizes to one place, so the programs
  * initialise what they check themselves.
