@@ -51,6 +51,12 @@ builds_by_pkg_config() { # PREFIX COMPILER SOURCE PACKAGE...
 	runs "$scratch/pkg"
 }
 
+has_headers() { # NAME HEADER...: the headers installed to $scratch/NAME are these
+	local found
+	found=$(cd "$scratch/$1/include/stilb" && LC_ALL=C && echo *)
+	[ "$found" = "${*:2}" ] || { echo "$1 installs the headers $found instead of ${*:2}"; exit 1; }
+}
+
 install_moved "$source" both -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF
 builds consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
@@ -61,7 +67,7 @@ builds consumer -DSTILB_FOLDER="$source"
 mkdir "$scratch/elsewhere"
 cp -r "$source/jobs" "$scratch/elsewhere/job-system"
 install_moved "$scratch/elsewhere/job-system" alone
-[ "$(cd "$scratch/alone/include/stilb" && echo *)" = "job.h job_queue.h job_spsc.h" ]
+has_headers alone job.h job.hpp job_graph.h job_queue.h job_spsc.h
 builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/alone"
 builds_by_pkg_config "$scratch/alone" "$CC" jobs_consumer/consumer.c stilb-jobs
 builds_by_pkg_config "$scratch/alone" "$CXX" jobs_consumer/consumer.cpp stilb-jobs
@@ -69,8 +75,7 @@ builds jobs_consumer -DJOBS_FOLDER="$scratch/elsewhere/job-system"
 
 cp -r "$source/profiler" "$scratch/elsewhere/frame-profiler"
 install_moved "$scratch/elsewhere/frame-profiler" profiler-alone
-[ "$(cd "$scratch/profiler-alone/include/stilb" && echo *)" = \
-	"prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h" ]
+has_headers profiler-alone prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h
 builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/profiler-alone"
 builds_by_pkg_config "$scratch/profiler-alone" "$CC" profiler_consumer/consumer.c stilb-profiler
 builds_by_pkg_config "$scratch/profiler-alone" "$CXX" profiler_consumer/consumer.cpp stilb-profiler
