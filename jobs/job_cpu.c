@@ -250,10 +250,11 @@ uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, 
 	uint32_t chosen = count < max ? count : max;
 	for (uint32_t i = 0; i < chosen; i++)
 		cpus[i] = allowed[i];
-	for (uint32_t i = 0; places && i < count; i++)
+	if (!places)
+		return chosen; /* all of them; or there is no memory, and the first ones will do */
+	for (uint32_t i = 0; i < count; i++)
 		places[i] = (cpu_place){.cpu = allowed[i], .core = allowed[i]};
-	if (places) /* if there is no memory, the first ones will do */
-		choose_places(cpu_dirs, places, count, here, cpus, max);
+	choose_places(cpu_dirs, places, count, here, cpus, max);
 	free(places);
 	return chosen;
 }

@@ -306,5 +306,7 @@ int main(int argc, char **argv)
 	check_pixels(&run);
 	measure(&run, child.seconds);
 	scene_importer_stop(run.importer);
+	free(run.kept);
+	free(run.file.data);
 	return 0;
 }
