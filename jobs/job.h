@@ -37,9 +37,10 @@
  * Waiting.      Until its group has finished, stilb_job_wait runs these jobs: jobs that descend from the same outermost
  *               job or group as the caller and are nested deeper than the caller; jobs of high priority, unless the
  *               caller is inside one; and jobs pinned to the calling thread. It finds them wherever they lie, also
- *               between unrelated jobs, and sleeps only when all of them have started. It starts an unrelated job only
- *               while every worker of the pool is waiting as well, because then no other thread would. Jobs that
- *               threads outside the pool have submitted are unrelated.
+ *               between unrelated jobs, and sleeps only when all of them have started: before that it looks through
+ *               all jobs in the pool. It starts an unrelated job only while every worker of the pool is waiting as
+ *               well, because then no other thread would. Jobs that threads outside the pool have submitted are
+ *               unrelated.
  *               - Wait only for jobs that the caller or its callees have submitted. Two jobs that wait for each other
  *                 never return.
  *               - Do not hold a lock across a wait if another job may take that lock.

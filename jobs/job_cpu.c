@@ -162,9 +162,10 @@ uint32_t stilb_job_cpu_count(void)
  * the kernel does not say, a core is the CPU alone, and cache and node are 0. */
 typedef struct cpu_place {
 	uint32_t cpu;
-	uint32_t core;  /* its hardware threads share execution units */
-	uint32_t cache; /* the last level of cache */
-	uint32_t node;  /* memory; the node's number and not a CPU */
+	uint32_t core;    /* its hardware threads share execution units */
+	uint32_t cache;   /* the last level of cache */
+	uint32_t node;    /* memory; the node's number and not a CPU */
+	uint32_t threads; /* of the pool, the owner included, that have been placed on its core */
 	bool taken;
 } cpu_place;
 
@@ -208,14 +209,18 @@ static void cpu_find_place(const char *cpu_dirs, cpu_place *place)
 	place->cache = cache == UINT32_MAX ? 0 : cache;
 }
 
-/* How bad a choice the CPU is for a worker of an owner on the CPU `here`: foremost the number of threads that share its
- * core already, then the distance from the owner. */
-static uint32_t place_cost(const cpu_place *places, uint32_t count, const cpu_place *here, const cpu_place *place)
+/* How bad a choice the CPU is: foremost the number of threads that share its core already, then the distance from the
+ * owner. */
+static uint32_t place_cost(const cpu_place *owner, const cpu_place *place)
 {
-	uint32_t threads = place->core == here->core;
+	return 3 * place->threads + (place->node != owner->node ? 2 : place->cache != owner->cache ? 1 : 0);
+}
+
+/* Counts one more thread on the core. */
+static void place_thread(cpu_place *places, uint32_t count, uint32_t core)
+{
 	for (uint32_t i = 0; i < count; i++)
-		threads += places[i].taken && places[i].core == place->core;
-	return 3 * threads + (place->node != here->node ? 2 : place->cache != here->cache ? 1 : 0);
+		places[i].threads += places[i].core == core;
 }
 
 /* Stores the best `max` CPUs of the places in cpus; the first of several equal ones. */
@@ -226,11 +231,12 @@ static void choose_places(const char *cpu_dirs, cpu_place *places, uint32_t coun
 	cpu_find_place(cpu_dirs, &owner);
 	for (uint32_t i = 0; i < count; i++)
 		cpu_find_place(cpu_dirs, &places[i]);
+	place_thread(places, count, owner.core);
 	for (uint32_t chosen = 0; chosen < max; chosen++) {
 		cpu_place *best = NULL;
 		uint32_t best_cost = UINT32_MAX;
 		for (uint32_t i = 0; i < count; i++) {
-			uint32_t cost = places[i].taken ? UINT32_MAX : place_cost(places, count, &owner, &places[i]);
+			uint32_t cost = places[i].taken ? UINT32_MAX : place_cost(&owner, &places[i]);
 			if (cost < best_cost) {
 				best = &places[i];
 				best_cost = cost;
@@ -238,6 +244,7 @@ static void choose_places(const char *cpu_dirs, cpu_place *places, uint32_t coun
 		}
 		assert(best && "max is less than count");
 		best->taken = true;
+		place_thread(places, count, best->core);
 		cpus[chosen] = best->cpu;
 	}
 }
@@ -259,21 +266,20 @@ uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, 
 	return chosen;
 }
 
-uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
+uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
 {
 	assert(cpus && max > 0);
 	size_t size;
 	cpu_set_t *set = affinity(&size);
-	int here = sched_getcpu();
 	uint32_t count = 0, chosen = 0;
-	uint32_t *allowed = set && here >= 0 ? calloc(size * 8, sizeof *allowed) : NULL;
+	uint32_t *allowed = set ? calloc(size * 8, sizeof *allowed) : NULL;
 	if (allowed) {
 		for (size_t i = 1; i < size * 8; i++) {
-			size_t cpu = ((size_t)here + i) % (size * 8);
+			size_t cpu = (here + i) % (size * 8);
 			if (CPU_ISSET_S(cpu, size, set))
 				allowed[count++] = (uint32_t)cpu;
 		}
-		chosen = job_cpu_choose(allowed, count, (uint32_t)here, "/sys/devices/system/cpu", cpus, max);
+		chosen = job_cpu_choose(allowed, count, here, "/sys/devices/system/cpu", cpus, max);
 	}
 	free(allowed);
 	CPU_FREE(set);

@@ -334,7 +334,7 @@ extern const job_scope job_scope_all;
 
 /* job_wait.c */
 
-/* True if jobs of this group, which may be NULL, are dropped; some group or the pool is cancelled. */
+/* job_drops, when it is known that the pool or some group is cancelled. */
 bool job_group_drops(stilb_job_pool *pool, const stilb_job_group *group);
 
 /* True if jobs of this group, which may be NULL, are dropped. */
@@ -391,8 +391,7 @@ uint32_t job_cpu_quota(const char *proc_cgroup, const char *mount);
 uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, const char *cpu_dirs, uint32_t *cpus,
                         uint32_t max);
 
-/* job_cpu_choose for the CPUs of the affinity mask without the one that the calling thread runs on; 0 if the kernel
- * does not say. */
-uint32_t job_cpu_others(uint32_t *cpus, uint32_t max);
+/* job_cpu_choose for the CPUs of the affinity mask without `here`; 0 if the kernel does not say. */
+uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
 
 #endif

@@ -189,8 +189,9 @@ static inline uint32_t job_idle_awake(const job_idle_list *list)
 	return idlers < list->workers ? list->workers - idlers : 0;
 }
 
-/* Chooses the newest idler whose scope has this work and wakes it; false if there is none. Idlers that may do any work
- * are not chosen while there is a spinner. Costs the caller some 7 us. [any-thread] */
+/* Chooses an idler whose scope has this work, a bound one if there is one, the newest of those, and wakes it; false if
+ * there is none. Idlers that may do any work are not chosen while there is a spinner. Costs the caller some 7 us.
+ * [any-thread] */
 bool job_idle_wake(job_idle_list *list, const job_work *work);
 
 /* For jobs that could not be seen for a moment: wakes every thread that waits for jobs, and one that may do any work

@@ -168,7 +168,7 @@ static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 	uint32_t cpus[STILB_JOB_MAX_WORKERS], here = job_sys_cpu();
 	if (desc->affinity != STILB_JOB_AFFINITY_AUTO || desc->worker_count == 0 || here == UINT32_MAX)
 		return;
-	uint32_t others = job_cpu_others(cpus, desc->worker_count);
+	uint32_t others = job_cpu_others(here, cpus, desc->worker_count);
 	pool->idle.spare = others > 0;
 	pool->idle.spare_cpu = here;
 	for (uint32_t i = 0; i < others; i++)

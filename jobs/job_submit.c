@@ -131,8 +131,8 @@ static void submit_as_guest(stilb_job_pool *pool, job_record *record, uint32_t g
 
 /* ---- public ---------------------------------------------------------------------------------------------------- */
 
-/* Compilers do not inline functions that two others call, as this file's do; then a submitter lies in memory, which was
- * measured to cost 5 of 20 ns a job. */
+/* gcc does not inline a function of this size that two others call. Then a submitter lies in memory, which costs 6 of
+ * 26 ns a job (100,000 empty jobs on one thread of an AMD EPYC). */
 #define INLINE static inline __attribute__((always_inline))
 
 /* The submitting thread: one of the pool, or one from outside that uses pool->guest[guest]. */

@@ -79,14 +79,14 @@ static const bench_case cases[] = {
 
 #define CAN(KIND) (1u << JOBS_##KIND)
 #define CAN_LOOPS (CAN(JOIN) | CAN(LOOP))
-#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(BATCH) | CAN(ARRAY) | CAN(FIB))
+#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(ARRAY) | CAN(FIB))
 #define CAN_START (CAN(WAKE) | CAN(STEAL))
 
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with its defaults: low-lock queues, workers pinned to CPUs",
-     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
+     .abilities = CAN_COMPUTE | CAN_START | CAN(BATCH) | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
 	{.name = "stilb-lock-free",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with lock-free queues",

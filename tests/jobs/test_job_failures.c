@@ -337,6 +337,35 @@ static void test_submit_n_without_memory(void **state)
 		}
 }
 
+static void *loop_outside(void *data)
+{
+	work *w = data;
+	stilb_job_parallel_for(w->pool, 1000, 1, count_slice, w, STILB_JOB_OUTSIDE);
+	return NULL;
+}
+
+/* A loop of an outside thread waits for memory, and then runs once. */
+static void test_outside_loop_without_memory(void **state)
+{
+	(void)state;
+	work w = {.pool = pool_with((shape){.workers = 1})};
+	pthread_t thread;
+	assert_int_equal(pthread_create(&thread, NULL, loop_outside, &w), 0);
+	pthread_join(thread, NULL); /* so that the C library has its memory for threads */
+	assert_int_equal(count_of(&w.ran), 1000);
+	stilb_job_pool_destroy(w.pool);
+	w = (work){.pool = pool_with((shape){.workers = 1})};
+	grant_allocations(0);
+	assert_int_equal(pthread_create(&thread, NULL, loop_outside, &w), 0);
+	while (allocations_to_grant > -3) /* it has tried three times */
+		nap_us(100);
+	assert_int_equal(count_of(&w.ran), 0);
+	grant_allocations(INT64_MAX);
+	pthread_join(thread, NULL);
+	assert_int_equal(count_of(&w.ran), 1000);
+	stilb_job_pool_destroy(w.pool);
+}
+
 /* ---- pools created and destroyed ------------------------------------------------------------------------------- */
 
 static void test_thousand_pools(void **state)
@@ -365,7 +394,8 @@ int main(void)
 		cmocka_unit_test(test_create_refuses),          cmocka_unit_test(test_most_workers),
 		cmocka_unit_test(test_submit_refuses),          cmocka_unit_test(test_create_without_threads),
 		cmocka_unit_test(test_create_without_memory),   cmocka_unit_test(test_submit_without_memory),
-		cmocka_unit_test(test_submit_n_without_memory), cmocka_unit_test(test_thousand_pools),
+		cmocka_unit_test(test_submit_n_without_memory), cmocka_unit_test(test_outside_loop_without_memory),
+		cmocka_unit_test(test_thousand_pools),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

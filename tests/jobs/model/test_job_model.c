@@ -55,10 +55,9 @@ uint32_t stilb_job_cpu_count(void)
 	return 2;
 }
 
-uint32_t job_cpu_others(uint32_t *cpus, uint32_t max)
+uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
 {
-	(void)cpus;
-	(void)max;
+	(void)here, (void)cpus, (void)max;
 	return 0;
 }
 
