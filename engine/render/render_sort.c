@@ -1,5 +1,5 @@
-/* Sorts the draws of a pass by key: a radix sort from the lowest byte up. It is stable, so draws with equal keys stay
- * in the order of their segments. Bytes that all keys share are skipped. */
+/* Sorts the draws of a pass by key: a radix sort from the lowest digit up. It is stable, so draws with equal keys stay
+ * in the order of their segments. Bits that all keys share, below, above and in whole digits between, are skipped. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -11,6 +11,27 @@ typedef struct sort_item {
 	uint32_t texture; /* index of the material's texture when the draw was recorded; it may be destroyed by now */
 } sort_item;
 
+/* Digits have at most 8 bits, and at most 12 when there are so many items that fewer passes are worth a larger table,
+ * and so few that 4,096 places to write to stay within the second cache and the translation buffer. */
+enum { SORT_NARROW_BITS = 8, SORT_WIDE_BITS = 12, SORT_WIDE_MIN = 8192, SORT_WIDE_MAX = 1 << 18 };
+
+/* One stable pass: orders count items by the `bits` bits of their keys from `shift` on, into `to`. */
+static void sort_pass(const sort_item *from, sort_item *to, uint32_t count, uint32_t shift, uint32_t bits)
+{
+	STILB_ASSERT(bits > 0 && bits <= SORT_WIDE_BITS && shift + bits <= 64);
+	uint32_t place[1 << SORT_WIDE_BITS], mask = (1u << bits) - 1, sum = 0;
+	memset(place, 0, sizeof *place << bits);
+	for (uint32_t i = 0; i < count; i++)
+		place[from[i].key >> shift & mask]++;
+	for (uint32_t digit = 0; digit <= mask; digit++) {
+		uint32_t here = place[digit];
+		place[digit] = sum;
+		sum += here;
+	}
+	for (uint32_t i = 0; i < count; i++)
+		to[place[from[i].key >> shift & mask]++] = from[i];
+}
+
 /* Sorts count items by ascending key; scratch has as many. Returns the array that holds the result: items or
  * scratch. */
 static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t count)
@@ -19,22 +40,21 @@ static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t coun
 	uint64_t differing = 0;
 	for (uint32_t i = 1; i < count; i++)
 		differing |= items[i].key ^ items[0].key;
-	for (uint32_t shift = 0; shift < 64; shift += 8) {
-		uint32_t place[256] = {0}, sum = 0;
-		if (!(differing >> shift & 0xff))
-			continue;
-		for (uint32_t i = 0; i < count; i++)
-			place[items[i].key >> shift & 0xff]++;
-		for (uint32_t digit = 0; digit < 256; digit++) {
-			uint32_t here = place[digit];
-			place[digit] = sum;
-			sum += here;
+	if (differing == 0)
+		return items;
+	uint32_t shift = (uint32_t)__builtin_ctzll(differing), end = 64 - (uint32_t)__builtin_clzll(differing);
+	bool wide = count >= SORT_WIDE_MIN && count <= SORT_WIDE_MAX;
+	uint32_t limit = wide ? SORT_WIDE_BITS : SORT_NARROW_BITS;
+	uint32_t passes = (end - shift + limit - 1) / limit;
+	for (; passes > 0; passes--) {
+		uint32_t bits = (end - shift + passes - 1) / passes;
+		if (differing >> shift & ((1u << bits) - 1)) {
+			sort_pass(items, scratch, count, shift, bits);
+			sort_item *sorted = scratch;
+			scratch = items;
+			items = sorted;
 		}
-		for (uint32_t i = 0; i < count; i++)
-			scratch[place[items[i].key >> shift & 0xff]++] = items[i];
-		sort_item *sorted = scratch;
-		scratch = items;
-		items = sorted;
+		shift += bits;
 	}
 	return items;
 }
