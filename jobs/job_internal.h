@@ -29,8 +29,8 @@
 #include "jobs/job_contract.h"
 #include "jobs/job_deque.h"
 #include "jobs/job_park.h"
-#include "jobs/job_queue_internal.h"
 #include "jobs/job_record.h"
+#include "jobs/queue/job_queue_internal.h"
 
 #include <pthread.h>
 

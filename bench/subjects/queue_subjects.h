@@ -1,6 +1,6 @@
 /*
- * queue_subjects: queues of other designs with the interface of stilb_job_queue (jobs/job_queue_internal.h), with which
- * benchmarks and tests compare Stilb's own:
+ * queue_subjects: queues of other designs with the interface of stilb_job_queue (jobs/queue/job_queue_internal.h), with
+ * which benchmarks and tests compare Stilb's own:
  *
  *   stilb_job_queue_desc desc = stilb_job_queue_desc_default();
  *   stilb_job_queue *queue;
@@ -16,7 +16,7 @@
 #ifndef STILB_BENCH_QUEUE_SUBJECTS_H
 #define STILB_BENCH_QUEUE_SUBJECTS_H
 
-#include "jobs/job_queue_internal.h"
+#include "jobs/queue/job_queue_internal.h"
 
 /* Return 0 or -ENOMEM; queue_sutter_create also -EINVAL if desc->capacity is not SIZE_MAX, queue_kernel_create also
  * eventfd's error. On errors *queue is NULL. The functions are [any-thread], and so are the queues' operations. */

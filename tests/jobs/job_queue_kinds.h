@@ -5,7 +5,7 @@
 #ifndef JOB_QUEUE_KINDS_H
 #define JOB_QUEUE_KINDS_H
 
-#include "jobs/job_queue_internal.h"
+#include "jobs/queue/job_queue_internal.h"
 
 typedef struct queue_kind {
 	const char *name;

@@ -52,8 +52,8 @@ static int count_yield(void)
 #define atomic_load_explicit(word, order) (count_load(word), REAL_LOAD(word, order))
 #define atomic_store_explicit(word, value, order) (count_store(word), REAL_STORE(word, value, order))
 #define sched_yield count_yield
-#include "jobs/job_queue_low_lock.c"
-#include "jobs/job_spsc.c"
+#include "jobs/queue/job_queue_low_lock.c"
+#include "jobs/queue/job_spsc.c"
 #undef sched_yield
 
 enum { BATCH = 16, MANY = 32 * JOB_QUEUE_AHEAD, SEGMENTS = MANY / JOB_SEGMENT_CELLS };

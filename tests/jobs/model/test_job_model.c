@@ -44,7 +44,7 @@
 #undef job_sys_ticks_in
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
-#include "jobs/job_queue.c"
+#include "jobs/queue/job_queue.c"
 #include "support/test.h"
 
 #undef free

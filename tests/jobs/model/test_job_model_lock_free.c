@@ -14,7 +14,7 @@
 #define JOB_SEGMENT_ALIGN 8
 #define JOB_SPARE_SEGMENTS 1
 #define JOB_BACKOFF_PAUSES 0
-#include "jobs/job_queue_lock_free.c"
+#include "jobs/queue/job_queue_lock_free.c"
 #include "support/test.h"
 
 #undef free

@@ -33,7 +33,7 @@ static void model_lock_give(job_lock *lock)
 #define job_lock_take model_lock_take
 #define job_lock_give model_lock_give
 #define JOB_SEGMENT_CELLS 2
-#include "jobs/job_queue_low_lock.c"
+#include "jobs/queue/job_queue_low_lock.c"
 #include "support/test.h"
 #undef job_lock_take
 #undef job_lock_give

@@ -2,8 +2,8 @@
  * All interleavings of the real queue for one producer and one consumer, with blocks of two cells, so that a few items
  * cross several block ends and reuse blocks. job_model.h tells what that covers.
  *
- * CMakeLists.txt in this folder also builds this file around copies of jobs/job_spsc.c with one planted fault each.
- * Those are run with the arguments of model_arguments: some scenario must find the fault.
+ * CMakeLists.txt in this folder also builds this file around copies of jobs/queue/job_spsc.c with one planted fault
+ * each. Those are run with the arguments of model_arguments: some scenario must find the fault.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -12,7 +12,7 @@
 #include "job_model_sys.h"
 
 #define JOB_SPSC_BLOCK_CELLS 2
-#include "jobs/job_spsc.c"
+#include "jobs/queue/job_spsc.c"
 #include "support/test.h"
 
 #undef free

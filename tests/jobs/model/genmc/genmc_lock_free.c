@@ -8,7 +8,7 @@
 #define JOB_BACKOFF_PAUSES 0
 #define STILB_JOB_SYS_H /* instead of jobs/job_sys.h */
 #define job_sys_pause() ((void)0)
-#include "jobs/job_queue_lock_free.c"
+#include "jobs/queue/job_queue_lock_free.c"
 
 #undef NDEBUG
 #include <assert.h>

@@ -2,7 +2,7 @@
 #include "genmc.h"
 
 #define JOB_SPSC_BLOCK_CELLS 2
-#include "jobs/job_spsc.c"
+#include "jobs/queue/job_spsc.c"
 
 #undef NDEBUG
 #include <assert.h>

@@ -39,8 +39,8 @@
  */
 #include "jobs/job_contract.h"
 #include "jobs/job_line.h"
-#include "jobs/job_queue_internal.h"
 #include "jobs/job_sys.h"
+#include "jobs/queue/job_queue_internal.h"
 
 #include <errno.h>
 #include <stdalign.h>

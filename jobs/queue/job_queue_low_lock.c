@@ -38,7 +38,7 @@
  *              Single pushes do not: with it, 2+2 pinned was slower by a quarter.
  */
 #include "jobs/job_lock.h"
-#include "jobs/job_queue_internal.h"
+#include "jobs/queue/job_queue_internal.h"
 
 #include <errno.h>
 #include <stdalign.h>

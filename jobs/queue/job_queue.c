@@ -1,5 +1,5 @@
 #include "jobs/job_contract.h"
-#include "jobs/job_queue_internal.h"
+#include "jobs/queue/job_queue_internal.h"
 
 #include <errno.h>
 
