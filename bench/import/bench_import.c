@@ -53,10 +53,9 @@ static void report(FILE *out, const bench_results *results)
 		print_ratio(out, kept);
 		fputc('\n', out);
 	}
-	fprintf(out,
-	        "\n  libpng: decodes the file, which is in memory, into memory allocated as a picture's, and frees it\n"
-	        "  kept: decodes into the same memory again and again\n"
-	        "  stilb: asks the import process for the picture, until its pixels are here, and frees it\n");
+	fprintf(out, "\n  libpng: decodes the file, which is in memory, into new memory of malloc's, and frees it\n"
+	             "  kept: decodes into the same memory again and again\n"
+	             "  stilb: asks the import process for the picture, until its pixels are here, and frees it\n");
 }
 
 static void print_goals(FILE *out, const bench_results *results)

@@ -5,6 +5,7 @@
 #include "bench/import/import_cases.h"
 #include "scene/open/scene_import.h"
 
+#include <malloc.h>
 #include <math.h>
 #include <png.h>
 #include <stdbool.h>
@@ -164,10 +165,9 @@ static void see(const unsigned char *pixels, size_t size)
 		seen = pixels[i];
 }
 
-/* Memory as a stilb_image gets it. */
 static unsigned char *memory_of(size_t size)
 {
-	unsigned char *memory = stilb_memory_alloc(size, 1);
+	unsigned char *memory = malloc(size);
 	if (!memory)
 		bench_child_fail("no memory for pixels");
 	return memory;
@@ -297,6 +297,9 @@ int main(int argc, char **argv)
 			on = &cases[i];
 	if (!on)
 		return BENCH_CHILD_SKIP;
+	/* Blocks of pixels come from the kernel, as in a program that keeps the pictures it decodes: without this, malloc
+	 * hands out the one freed before. */
+	mallopt(M_MMAP_THRESHOLD, 128 << 10);
 	scene_import_limits limits = scene_import_limits_default();
 	import_run run = {.file = file_make(on, child.round)};
 	file_publish(&run.file, run.path);
