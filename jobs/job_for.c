@@ -99,13 +99,24 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 		job_parker_wake(&owner->parker);
 }
 
-/* Wakes one more thread if one sleeps, enough slices are left for it and it has a CPU to run on; true if it did. */
-static bool wake_helper(stilb_job_pool *pool, const loop_span *span)
+/* Wakes one more thread if one sleeps, there are `spinners` spinners at most, enough slices are left for a thread, and
+ * it has a CPU to run on; true if it did. */
+static bool wake_helper(stilb_job_pool *pool, const loop_span *span, uint32_t spinners)
 {
+	job_work work = {.kind = JOB_WORK_LOOP, .root = span->root, .level = span->level, .spinners = spinners};
 	/* Relaxed: may miss a sleeping thread. Loops finish without help, so that blocks nothing. */
-	return span->left >= span->wake_slices && job_idle_maybe_wanted(&pool->idle) &&
-	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) &&
-	       job_idle_wake(&pool->idle, &(job_work){.kind = JOB_WORK_LOOP, .root = span->root, .level = span->level});
+	return span->left >= span->wake_slices && job_idle_maybe_wanted_beside(&pool->idle, spinners) &&
+	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) && job_idle_wake(&pool->idle, &work);
+}
+
+/* For a thread that has come to help: wakes JOB_WAKE_FAN more, so that help grows as a tree (job_park.h). */
+static void wake_helpers(stilb_job_pool *pool, const loop_span *span)
+{
+	if (span->left < span->wake_slices)
+		return;
+	uint32_t threads = span->left / span->wake_slices; /* a wake-up pays for so many */
+	for (uint32_t i = 0; i < JOB_WAKE_FAN && wake_helper(pool, span, threads - 1); i++)
+		;
 }
 
 /* Claims and runs slices of one of the loops in the slot `owner`; false if there is none that the scope allows. */
@@ -121,7 +132,7 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 		 * writing the idle list's `state`, which the caller of every loop reads. */
 		if (span.left + span.slices >= span.wake_slices)
 			job_work_spin_stop(slot);
-		wake_helper(pool, &span);
+		wake_helpers(pool, &span);
 		loop_help(loop, owner, slot, scope, &span, until);
 		return true;
 	}
@@ -275,7 +286,7 @@ static bool wake_helper_anew(stilb_job_pool *pool, job_loop *loop, loop_span *sp
 {
 	span->wake_slices = wake_slices;
 	atomic_store_explicit(&loop->wake_slices, wake_slices, memory_order_relaxed); /* see job_loop */
-	return wake_helper(pool, span);
+	return wake_helper(pool, span, 0);
 }
 
 /* Runs the loop; span->wake_slices is a guess from earlier loops. asleep: no thread is awake to help. The caller of a
@@ -308,7 +319,7 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 		/* Looks for sleepers after the loop has been opened, since the last spinner may have gone to sleep just before;
 		 * and again after each span, since a worker that looked for work before its sleep may not have seen the
 		 * loop. */
-		woken = wake_helper(pool, span);
+		woken = wake_helper(pool, span, 0);
 	}
 	uint64_t ticks = 0;
 	uint32_t mine = 0;

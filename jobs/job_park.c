@@ -240,7 +240,7 @@ static uint32_t list_choose(const job_idle_list *list, const job_work *work, boo
 static uint32_t list_find_for(const job_idle_list *list, const job_work *work, bool *rescue)
 {
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* idlers are ordered by the lock */
-	uint32_t found = list_choose(list, work, SPINNERS(state) == 0);
+	uint32_t found = list_choose(list, work, SPINNERS(state) <= work->spinners);
 	*rescue = false;
 	if (found > 0)
 		return found;
@@ -325,7 +325,8 @@ void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
 		wake_idler(list, place, false);
 }
 
-bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
+/* Wakes a worker whose scope is all as a spinner, unless there are `limit` spinners already; true if it did. */
+static bool wake_spinner(job_idle_list *list, uint32_t limit)
 {
 	job_lock_take(&list->lock);
 	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* ordered by the lock */
@@ -336,4 +337,10 @@ bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit)
 	else
 		wake_idler(list, place, false);
 	return place > 0;
+}
+
+void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count)
+{
+	for (uint32_t i = 0; i < count && wake_spinner(list, limit); i++)
+		;
 }

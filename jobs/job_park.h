@@ -9,10 +9,15 @@
  * all, the waker chooses which thread to wake: of those that may do the work, the one that came last, whose caches are
  * warmest.
  *
- * Spinners are workers that look for work before they sleep, or that have just been woken for some. Outside a phase
- * there is at most one. While there is one, new work wakes nobody: the spinner finds it, and wakes the next thread
- * before it starts on it. So a burst of submits costs one system call, and the workers wake one another for as long as
- * there is more to do.
+ * Spinners are workers that look for work before they sleep, or that have just been woken for some. While there is one,
+ * a new job wakes nobody: the spinner finds it, and wakes the next thread before it starts on it. So a burst of submits
+ * costs one system call, and the workers wake one another for as long as there is more to do. Outside a phase at most
+ * one worker looks for work by itself; other spinners are on their way to a loop.
+ *
+ * Where many are needed, waking is a tree: a thread that has been woken for a phase or a long loop wakes JOB_WAKE_FAN
+ * others. So 63 workers are awake after six wake-ups one after the other, and not after 63. The spinners bound it: a
+ * phase has room for so many, and a loop wakes one more thread only if that leaves enough slices for each of the
+ * spinners, who may all be on their way to it.
  *
  * `state` counts idlers and spinners in one word. No wake-up is lost: A thread that goes to sleep: (1) counts itself in
  * as an idler, and out as a spinner, (2) looks for work again, (3) sleeps. A thread that has work: (a) publishes the
@@ -78,6 +83,7 @@ typedef struct job_work {
 	job_work_kind kind;
 	uintptr_t root; /* root and level are set for JOB_WORK_JOB and JOB_WORK_LOOP */
 	uint32_t level;
+	uint32_t spinners; /* there is enough of it for so many spinners and one thread more */
 } job_work;
 
 /* An entry of the idle list: a thread that sleeps or is about to. */
@@ -86,6 +92,10 @@ typedef struct job_idler {
 	job_scope scope;
 	bool worker; /* false for the owner */
 } job_idler;
+
+/* The most threads that one woken for a phase or a loop wakes. A wake-up reaches its thread after some 24 us, of which
+ * the waker is busy for 7: with more than two, the last would start hardly earlier, and the waker itself later. */
+#define JOB_WAKE_FAN 2
 
 #define JOB_IDLE_SPINNER (1u << 16) /* one spinner in the state word; the bits below count idlers */
 
@@ -127,9 +137,9 @@ typedef enum job_idle_outcome {
 	JOB_IDLE_RESCUE      /* chosen to do any work there is, because every worker waits */
 } job_idle_outcome;
 
-/* Chooses a worker whose scope is all and wakes it as a spinner, unless there are `limit` spinners already; true if it
- * did. [any-thread] */
-bool job_idle_wake_spinner(job_idle_list *list, uint32_t limit);
+/* Wakes up to `count` workers whose scope is all, as spinners, while there are fewer than `limit` spinners.
+ * [any-thread] */
+void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count);
 
 /* After the sleep, or instead of it: removes the calling thread from the list if it is still there, and takes its
  * token. */
@@ -181,6 +191,13 @@ static inline bool job_idle_maybe_wanted(const job_idle_list *list)
 	return job_idle_state_wanted(atomic_load_explicit(&list->state, memory_order_relaxed));
 }
 
+/* True if there is an idler and at most this many spinners. Relaxed, as in job_idle_maybe_wanted. [any-thread] */
+static inline bool job_idle_maybe_wanted_beside(const job_idle_list *list, uint32_t spinners)
+{
+	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed);
+	return (state & (JOB_IDLE_SPINNER - 1)) > 0 && state / JOB_IDLE_SPINNER <= spinners;
+}
+
 /* The number of workers that are not on the list; one too few if the owner is on it. Relaxed: may be out of date.
  * [any-thread] */
 static inline uint32_t job_idle_awake(const job_idle_list *list)
@@ -190,8 +207,8 @@ static inline uint32_t job_idle_awake(const job_idle_list *list)
 }
 
 /* Chooses an idler whose scope has this work, a bound one if there is one, the newest of those, and wakes it; false if
- * there is none. Idlers that may do any work are not chosen while there is a spinner. Costs the caller some 7 us.
- * [any-thread] */
+ * there is none. Idlers that may do any work are not chosen while there are more spinners than work->spinners. Costs
+ * the caller some 7 us. [any-thread] */
 bool job_idle_wake(job_idle_list *list, const job_work *work);
 
 /* For jobs that could not be seen for a moment: wakes every thread that waits for jobs, and one that may do any work

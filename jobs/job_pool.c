@@ -43,7 +43,7 @@ static void worker_idle(job_slot *slot)
 		return;
 	job_work_park(slot, &job_scope_all, stopping, NULL);
 	if (slot->spinning && spin_limit(pool) > 1)
-		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* phase_begin wakes one spinner, which wakes the next */
+		job_idle_wake_spinners(&pool->idle, spin_limit(pool), JOB_WAKE_FAN); /* for the phase, see job_park.h */
 }
 
 /* Waits JOB_STEAL_PAUSE_NS after a steal from a thread whose jobs are too small to be worth it. Meanwhile the worker
@@ -289,7 +289,7 @@ void stilb_job_phase_begin(stilb_job_pool *pool)
 	assert(pool);
 	/* Relaxed: workers that see the phase a moment later only start to spin a moment later. */
 	if (atomic_fetch_add_explicit(&pool->phase, 1, memory_order_relaxed) == 0)
-		job_idle_wake_spinner(&pool->idle, spin_limit(pool)); /* which wakes the next, and so on */
+		job_idle_wake_spinners(&pool->idle, spin_limit(pool), 1); /* which wakes the next ones, and so on */
 }
 
 void stilb_job_phase_end(stilb_job_pool *pool)
