@@ -1,13 +1,22 @@
 #include "job_model.h"
 
+#include <assert.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { THREADS_MAX = 4, STACK_SIZE = 16 << 10, CELL_SIZE = 64, CELLS = 8, LARGE_SIZE = 8192 };
+enum {
+	THREADS_MAX = 4,
+	STACK_SIZE = 16 << 10,
+	CELL_SIZE = 64,
+	CELLS = 8,
+	LARGE_SIZE = 8192,
+	CLEARED = 1024 /* bytes */
+};
 
 model_fault model_fault_now;
+int model_planted;
 
 typedef enum status { UNUSED, READY, IN_FUTEX, IN_JOIN, IN_BLOCK, STOPPED, DONE } status;
 
@@ -391,8 +400,8 @@ uint32_t model_heap_blocks(void)
 typedef struct frame { /* a state on the path from the first state to the current one */
 	char *saved;
 	uint32_t state;
-	uint32_t next; /* the choice to try next, see choice_enabled */
-	int chosen;    /* the choice that led to the next frame */
+	uint32_t choices; /* those that are still to be tried, a bit for each: see choice_enabled */
+	int chosen;       /* the choice that led to the next frame */
 } frame;
 
 typedef struct edge {
@@ -414,6 +423,7 @@ static struct search {
 	size_t edge_count, edge_space;
 	frame *path;
 	size_t path_count, path_space;
+	bool at_top; /* the state of the last frame is the current one */
 	uint32_t depth;
 } search;
 
@@ -576,6 +586,7 @@ static bool thread_enabled(thread *t)
 
 /* A choice is a thread and what happens to it: choice % world.count and choice / world.count. */
 enum { RUNS, STOPS, DRAINS, WHATS = DRAINS + MODEL_BUFFER }; /* runs; stops for ever; store i drains: DRAINS + i */
+static_assert(WHATS * THREADS_MAX <= 32, "frame.choices has a bit for each");
 
 static bool choice_enabled(uint32_t choice)
 {
@@ -586,6 +597,14 @@ static bool choice_enabled(uint32_t choice)
 	if (what == STOPS)
 		return (search.scenario->may_stop >> i & 1) && t->status == READY;
 	return t->stores > 0 && may_drain(t, what - DRAINS);
+}
+
+static uint32_t choices_enabled(void)
+{
+	uint32_t choices = 0;
+	for (uint32_t choice = 0; choice < WHATS * world.count; choice++)
+		choices |= (uint32_t)choice_enabled(choice) << choice;
+	return choices;
 }
 
 static bool run_over(void)
@@ -601,7 +620,9 @@ static bool run_over(void)
 static void path_push(uint32_t state)
 {
 	search.path = grow(search.path, &search.path_space, search.path_count + 1, sizeof *search.path);
-	search.path[search.path_count++] = (frame){.saved = state_save(), .state = state, .chosen = -1};
+	search.path[search.path_count++] =
+		(frame){.saved = state_save(), .state = state, .choices = choices_enabled(), .chosen = -1};
+	search.at_top = true;
 	if (search.path_count > search.depth)
 		search.depth = (uint32_t)search.path_count;
 }
@@ -636,6 +657,11 @@ static void state_visit(uint32_t from, bool first)
 
 static void thread_run(int i)
 {
+	/* What functions that have returned left on the stack is no part of the state, but would get into it in the holes
+	 * of later frames: equal states would differ. */
+	size_t free_size = (size_t)(world.threads[i].sp - stacks[i]);
+	size_t cleared = free_size < CLEARED ? free_size : CLEARED;
+	memset(world.threads[i].sp - cleared, 0, cleared);
 	current = i;
 	model_switch(&checker_sp, world.threads[i].sp);
 	current = -1;
@@ -658,17 +684,19 @@ static bool search_turn(void)
 	if (search.path_count == 0)
 		return false;
 	frame *top = &search.path[search.path_count - 1];
-	state_restore(top->saved);
-	while (top->next < WHATS * world.count && !choice_enabled(top->next))
-		top->next++;
-	if (top->next == WHATS * world.count) {
+	if (top->choices == 0) {
 		free(top->saved);
 		search.path_count--;
+		search.at_top = false;
 		return true;
 	}
-	top->chosen = (int)top->next++;
-	uint32_t from = top->state;
-	choice_take(top->next - 1);
+	if (!search.at_top)
+		state_restore(top->saved);
+	search.at_top = false;
+	uint32_t from = top->state, choice = (uint32_t)__builtin_ctz(top->choices);
+	top->choices &= top->choices - 1;
+	top->chosen = (int)choice;
+	choice_take(choice);
 	if (!failure)
 		state_visit(from, false);
 	return true;
@@ -751,7 +779,16 @@ model_arguments model_arguments_of(int argc, char **argv)
 		for (arguments.memory = MODEL_SC; strcmp(argv[2], names[arguments.memory]) != 0; arguments.memory++)
 			if (arguments.memory == MODEL_PSO)
 				abort();
+	if (argc > 3)
+		model_planted = atoi(argv[3]);
+	if (argc > 4)
+		arguments.scenario = argv[4];
 	return arguments;
+}
+
+bool model_chosen(const model_arguments *arguments, const char *scenario)
+{
+	return !arguments->scenario || strcmp(arguments->scenario, scenario) == 0;
 }
 
 /* Runs on the stack of the coroutine that has crashed, which never continues. */

@@ -72,13 +72,21 @@ typedef struct model_result {
 	uint32_t depth; /* number of steps of the longest path */
 } model_result;
 
-/* The arguments of a model test: none, or "must-fail" or "ends-well", and a machine: "sc", "tso" or "pso". With
- * must-fail, some scenario must fail on it; with ends-well, or without arguments, none may. */
+/* The arguments of a model test, each with those before it: "must-fail" or "ends-well"; a machine, "sc", "tso" or
+ * "pso"; the number of a planted fault, 0 for none; the name of the scenarios to run. With must-fail some scenario must
+ * fail; with ends-well, or without arguments, none may. */
 typedef struct model_arguments {
 	bool must_fail;
-	model_memory memory; /* MODEL_PSO without arguments */
+	model_memory memory;  /* MODEL_PSO without arguments */
+	const char *scenario; /* NULL: all of them */
 } model_arguments;
 model_arguments model_arguments_of(int argc, char **argv);
+
+/* True if the arguments choose the scenarios with this name. */
+bool model_chosen(const model_arguments *arguments, const char *scenario);
+
+/* The planted fault that is on (CMakeLists.txt numbers them), or 0. Set by model_arguments_of. */
+extern int model_planted;
 
 /* Checks all interleavings. With trace, the path to a failure is printed on stderr. */
 model_result model_run(const model_scenario *scenario, bool trace);

@@ -733,6 +733,8 @@ static void test_scenarios(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof scenarios / sizeof scenarios[0]; i++) {
 		const scenario *s = &scenarios[i];
+		if (!model_chosen(&arguments, s->name))
+			continue;
 		model_result result = explore(s);
 		if (arguments.must_fail && result.failure && result.states < STATES_MAX)
 			return; /* with too many states the planted fault has not been found */

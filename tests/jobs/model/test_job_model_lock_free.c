@@ -259,7 +259,7 @@ static bool failed; /* a scenario has failed */
 
 static void run(const char *name, void (*entry)(void), void (*check)(void))
 {
-	if (failed && arguments.must_fail)
+	if ((failed && arguments.must_fail) || !model_chosen(&arguments, name))
 		return;
 	model_scenario scenario = {.memory = arguments.memory,
 	                           .main = entry,
