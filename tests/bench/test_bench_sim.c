@@ -1,0 +1,274 @@
+/* The simulator of bench/sim against closed forms: what it says of programs so small that their time is a formula. */
+#include "support/test.h"
+
+#include "bench/sim/sim.h"
+
+/* Costs with which each part of a sum can be told from its number: rows of 2 cores with one cache, 4 in a socket. */
+static const sim_machine machine = {.name = "test",
+                                    .cores = 4,
+                                    .sockets = 2,
+                                    .threads = 1,
+                                    .cluster = 2,
+                                    .smt = 5,
+                                    .near = 10,
+                                    .socket = 100,
+                                    .far = 1000,
+                                    .rmw = 3,
+                                    .pause = 1,
+                                    .access = 0,
+                                    .call = 0,
+                                    .wake = 2000,
+                                    .latency = 7000,
+                                    .sleep = 500,
+                                    .create = 10000,
+                                    .timeslice = 3e6};
+
+/* One line each, in the simulated memory. */
+typedef struct shared {
+	_Alignas(64) uint32_t word[16];
+	_Alignas(64) uint32_t counter;
+	/* When the first thread has finished, and the last one. */
+	_Alignas(64) double first, end;
+} shared;
+
+static shared *make_shared(void)
+{
+	return sim_allocate(64, sizeof(shared));
+}
+
+/* A thread of the program that each test writes, on a CPU of its own. */
+typedef struct actor {
+	shared *all;
+	uint32_t cpu, number, times;
+} actor;
+
+static uint32_t start(void *(*fn)(void *), actor *a)
+{
+	uint32_t thread = sim_thread_create(fn, a);
+	sim_thread_bind(thread, a->cpu);
+	return thread;
+}
+
+static void *wake_next(void *data)
+{
+	actor *a = data;
+	uint32_t *word = &a->all->word[a->number];
+	sim_futex_wait(word, 0, UINT64_MAX);
+	a->all->end = sim_now();
+	word[1] = 1;
+	sim_futex_wake(word + 1, 1);
+	return NULL;
+}
+
+/* What a program has measured; it runs on a stack of its own, where no assert may fail. */
+typedef struct result {
+	double time;
+	uint64_t count;
+} result;
+
+/* Five threads sleep; each that wakes up wakes the next. */
+static void chain(void *data)
+{
+	enum { LINKS = 5 };
+	shared *all = make_shared();
+	actor actors[LINKS];
+	uint32_t threads[LINKS];
+	for (uint32_t i = 0; i < LINKS; i++) {
+		actors[i] = (actor){.all = all, .cpu = i + 1, .number = i};
+		threads[i] = start(wake_next, &actors[i]);
+	}
+	sim_sleep(1e6);
+	sim_take_counts();
+	double begin = sim_now();
+	sim_futex_wake(all->word, 1);
+	for (uint32_t i = 0; i < LINKS; i++)
+		sim_thread_join(threads[i]);
+	*(result *)data = (result){.time = all->end - begin, .count = sim_take_counts().wakes};
+}
+
+static void test_a_chain_of_n_wakes_costs_n_wakes(void **state)
+{
+	(void)state;
+	result r = {0};
+	sim_run(&machine, 8, chain, &r);
+	assert_true(r.time == 5 * machine.latency);
+	assert_int_equal(r.count, 5);
+}
+
+#define START_NS 1e6 /* by then all threads exist, and wait */
+
+static void start_together(void)
+{
+	sim_work(START_NS - sim_now());
+}
+
+static void finish(shared *all)
+{
+	double now = sim_now();
+	all->end = all->end < now ? now : all->end;
+}
+
+static void *play(void *data)
+{
+	actor *a = data;
+	start_together();
+	for (uint32_t i = 0; i < a->times; i++) {
+		/* Waits until the word says that it is this thread's turn; its own transfers are those of the line. */
+		while (sim_read(a->all->word, NULL), a->all->word[0] % 2 != a->number)
+			sim_pause();
+		sim_rmw(a->all->word, NULL);
+		a->all->word[0]++;
+	}
+	finish(a->all);
+	return NULL;
+}
+
+typedef struct match {
+	uint32_t cpu;
+	double time;
+	uint64_t transfers;
+} match;
+
+static void ping_pong(void *data)
+{
+	enum { TIMES = 100 };
+	match *m = data;
+	shared *all = make_shared();
+	actor other = {.all = all, .cpu = m->cpu, .number = 1, .times = TIMES}, self = {.all = all, .times = TIMES};
+	uint32_t thread = start(play, &other);
+	sim_take_counts();
+	play(&self);
+	sim_thread_join(thread);
+	m->time = (all->end - START_NS) / (2.0 * TIMES);
+	m->transfers = sim_take_counts().transfers;
+}
+
+/* Two CPUs pass a line to and fro: each time the reader fetches it and then takes it from the other one, which has a
+ * copy. So a pass costs two transfers over their distance, the read-modify-write, and a pause at most. */
+static void test_a_pass_costs_the_transfers_over_the_distance(void **state)
+{
+	(void)state;
+	static const struct {
+		uint32_t cpu;
+		double distance;
+	} cases[] = {{1, 10}, {2, 100}, {4, 1000}};
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		match m = {.cpu = cases[i].cpu};
+		sim_run(&machine, 8, ping_pong, &m);
+		double least = 2 * cases[i].distance + machine.rmw;
+		assert_true(m.time > 0.97 * least && m.time < 1.03 * least + machine.pause);
+		assert_in_range(m.transfers, 390, 410);
+	}
+}
+
+static void *add(void *data)
+{
+	actor *a = data;
+	start_together();
+	for (uint32_t i = 0; i < a->times; i++) {
+		sim_rmw(&a->all->counter, NULL);
+		a->all->counter++;
+	}
+	finish(a->all);
+	return NULL;
+}
+
+/* Two CPUs of one cache and two of another one add to one counter: each addition waits for the one before. */
+static void counter(void *data)
+{
+	enum { THREADS = 4, TIMES = 1000 };
+	shared *all = make_shared();
+	actor actors[THREADS];
+	uint32_t threads[THREADS];
+	for (uint32_t i = 0; i < THREADS; i++) {
+		actors[i] = (actor){.all = all, .cpu = i + 4, .times = TIMES};
+		threads[i] = start(add, &actors[i]);
+	}
+	for (uint32_t i = 0; i < THREADS; i++)
+		sim_thread_join(threads[i]);
+	*(result *)data = (result){.time = (all->end - START_NS) / (THREADS * TIMES), .count = all->counter};
+}
+
+static void test_additions_to_one_counter_follow_one_another(void **state)
+{
+	(void)state;
+	result r = {0};
+	sim_run(&machine, 8, counter, &r);
+	assert_int_equal(r.count, 4000);
+	/* First come, first served: the four take turns, and two of four transfers go to the other cache. */
+	double turn = (machine.near + machine.socket) / 2 + machine.rmw;
+	assert_true(r.time > 0.97 * turn && r.time < 1.03 * turn);
+}
+
+static void *compute(void *data)
+{
+	actor *a = data;
+	sim_work(1e7);
+	if (a->all->first == 0.0)
+		a->all->first = sim_now();
+	finish(a->all);
+	return NULL;
+}
+
+static void shared_cpu(void *data)
+{
+	shared *all = make_shared();
+	actor a = {.all = all, .cpu = 1};
+	uint32_t one = start(compute, &a), two = start(compute, &a);
+	double begin = sim_now();
+	sim_thread_join(one);
+	sim_thread_join(two);
+	((double *)data)[0] = all->first - begin;
+	((double *)data)[1] = all->end - begin;
+}
+
+static void test_threads_that_share_a_cpu_take_turns(void **state)
+{
+	(void)state;
+	double times[2] = {0.0};
+	sim_run(&machine, 2, shared_cpu, times);
+	assert_true(times[0] > 2e7 - 2 * machine.timeslice && times[0] < times[1] - 1e5);
+	assert_true(times[1] > 1.99e7 && times[1] < 2.01e7);
+}
+
+static void everything(void *data)
+{
+	result *results = data;
+	chain(&results[0]);
+	match m = {.cpu = 4};
+	ping_pong(&m);
+	results[1].time = m.time;
+	counter(&results[2]);
+}
+
+static void test_a_run_repeats(void **state)
+{
+	(void)state;
+	result first[3] = {{0}}, second[3] = {{0}};
+	sim_run(&machine, 8, everything, first);
+	sim_run(&machine, 8, everything, second);
+	assert_memory_equal(first, second, sizeof first);
+}
+
+static void test_nearer_is_cheaper_on_every_machine(void **state)
+{
+	(void)state;
+	assert_true(sim_machine_count >= 4);
+	for (size_t i = 0; i < sim_machine_count; i++) {
+		const sim_machine *m = &sim_machines[i];
+		assert_true(m->near <= m->socket && m->socket <= m->far && m->cores % m->cluster == 0);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_a_chain_of_n_wakes_costs_n_wakes),
+		cmocka_unit_test(test_a_pass_costs_the_transfers_over_the_distance),
+		cmocka_unit_test(test_additions_to_one_counter_follow_one_another),
+		cmocka_unit_test(test_threads_that_share_a_cpu_take_turns),
+		cmocka_unit_test(test_a_run_repeats),
+		cmocka_unit_test(test_nearer_is_cheaper_on_every_machine),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
