@@ -337,7 +337,7 @@ static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint
 	record->chain = NO_NODE;
 	record->target = JOB_ANYONE;
 	record->priority = STILB_JOB_NORMAL;
-	record->is_graph = true;
+	record->kind = JOB_NODES;
 	/* Relaxed, both: the push publishes them. slot has the root and level of the given record. */
 	atomic_store_explicit(&record->root, slot->root, memory_order_relaxed);
 	atomic_store_explicit(&record->level, slot->level, memory_order_relaxed);
@@ -476,7 +476,7 @@ job_record *job_graph_run(job_slot *slot, job_record *record, const job_scope *s
 		if (!record_is_empty(record))
 			continue;
 		next = job_work_take_own(slot, scope);
-		if (!next || !next->is_graph || next->fn.graph != graph)
+		if (!next || next->kind != JOB_NODES || next->fn.graph != graph)
 			break;
 		give_back(slot, record);
 		record = next;

@@ -39,6 +39,15 @@
 #define JOBS_IN_A_ROW 16
 #endif
 
+/* The most jobs of a batch (stilb_job_submit_n) in one record; fewer if there were less than JOB_BATCH_SHARES records
+ * for each thread of the pool otherwise. */
+#ifndef JOB_BATCH_JOBS
+#define JOB_BATCH_JOBS 256
+#endif
+#ifndef JOB_BATCH_SHARES
+#define JOB_BATCH_SHARES 4
+#endif
+
 /* The most nested loops that one thread has open at a time; further ones inside them run on the caller alone. */
 #ifndef JOB_LOOP_DEPTH
 #define JOB_LOOP_DEPTH 4

@@ -1,5 +1,6 @@
 /*
- * job_record: a job that has been submitted and has not started, in 64 bytes, and the allocator of such records.
+ * job_record: a job that has been submitted and has not started, or several of them, in 64 bytes, and the allocator of
+ * such records.
  *
  * Each thread keeps a cache of free records, which it takes and gives back without atomic operations. A thread that
  * runs jobs of others collects their records; when its cache holds JOB_RECORD_LIST of them it pushes them as one list
@@ -22,29 +23,40 @@
 #define JOB_RECORD_SLAB 63u  /* records of one slab */
 #endif
 
+/* What a record holds. */
+typedef enum job_kind {
+	JOB_SINGLE,
+	JOB_LOOP,  /* a parallel loop submitted as a job */
+	JOB_BATCH, /* jobs that were submitted together and have not started: the same function, one datum after another */
+	JOB_NODES  /* ready nodes of a graph */
+} job_kind;
+
 typedef struct job_record {
-	/* `graph` if is_graph, `range` if count > 0 (a parallel loop submitted as a job), else `one`. */
+	/* `graph` of JOB_NODES, `range` of JOB_LOOP, else `one`. */
 	union {
 		stilb_job_fn *one;
 		stilb_job_range_fn *range;
 		struct stilb_job_graph *graph;
 	} fn;
 	union {
-		void *data;
+		void *data;     /* of a batch: the first job's */
 		uint32_t chain; /* of a graph: the first of some more ready nodes, see job_graph.c */
 	};
 	stilb_job_group *group;
-	uint64_t tag;            /* the submit hook's result; 0 without that hook */
+	union {
+		uint64_t tag;  /* the submit hook's result; 0 without that hook */
+		size_t stride; /* of a batch, which has no tags: bytes from the data of one job to those of the next */
+	};
 	struct job_record *next; /* in a free list, an inbox or a group's list of followers */
 	/* The root and level of the job, see job_internal.h. Relaxed: thieves read them to decide what to steal; if the
 	 * record has been reused meanwhile, their exchange of the deque's top fails. */
 	_Atomic uintptr_t root;
 	_Atomic uint32_t level;
-	uint32_t count;  /* of the loop's indices; 0: a single job; of a graph: the number of ready nodes */
+	uint32_t count;  /* of the loop's indices, the batch's jobs or the ready nodes */
 	uint32_t grain;  /* indices of one slice of the loop; of a graph: where the numbers of these nodes lie */
 	uint16_t target; /* index of the only thread that may run it, or JOB_ANYONE */
 	uint8_t priority;
-	bool is_graph; /* nodes of a graph */
+	uint8_t kind; /* job_kind */
 } job_record;
 
 static_assert(sizeof(job_record) <= 64, "a record fits one cache line");

@@ -178,7 +178,7 @@ INLINE void record_fill(const submitter *by, job_record *record, const job_recor
 	record->grain = job->grain;
 	record->target = job->target;
 	record->priority = job->priority;
-	record->is_graph = job->is_graph;
+	record->kind = job->kind;
 	uintptr_t root = slot && slot->root ? slot->root : (uintptr_t)job->group;
 	atomic_store_explicit(&record->root, root, memory_order_relaxed);
 	atomic_store_explicit(&record->level, slot ? slot->level + 1 : 1, memory_order_relaxed);
@@ -198,13 +198,13 @@ INLINE void submit_count(const submitter *by, stilb_job_group *group, uint32_t j
 /* Submits a job as a new record with the fields of *job that the submitter chooses. 0 or -ENOMEM. */
 INLINE int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_group *after, uint32_t worker)
 {
-	assert((job->count > 0 ? (bool)job->fn.range : (bool)job->fn.one) && "a job has a function");
+	assert((job->kind == JOB_LOOP ? (bool)job->fn.range : (bool)job->fn.one) && "a job has a function");
 	submitter by = submit_begin(pool, worker);
 	job_record *record = record_take(&by);
 	if (record) {
 		record_fill(&by, record, job);
 		submit_count(&by, job->group, 1);
-		if (job->is_graph)
+		if (job->kind == JOB_NODES)
 			record->group = NULL; /* the count is the whole run's, and not this record's */
 		if (after && job_group_follow(pool, after, record))
 			(void)0; /* the thread that finishes `after` submits it */
@@ -217,9 +217,8 @@ INLINE int submit_copy(stilb_job_pool *pool, const job_record *job, stilb_job_gr
 	return record ? 0 : -ENOMEM;
 }
 
-/* Takes and fills `count` records as a list linked by next; job i gets the data at job->data + i * stride. NULL, and
- * nothing is taken, if there is no memory. */
-static job_record *records_take(const submitter *by, job_record job, size_t stride, uint32_t count)
+/* Takes `count` records as a list linked by next. NULL, and nothing is taken, if there is no memory. */
+static job_record *records_take(const submitter *by, uint32_t count)
 {
 	job_record *first = NULL, *record = NULL;
 	for (uint32_t i = 0; i < count && (record = record_take(by)); i++) {
@@ -230,11 +229,32 @@ static job_record *records_take(const submitter *by, job_record job, size_t stri
 		next = first->next;
 		record_give(by, first);
 	}
-	for (record = first; record; record = record->next) {
-		record_fill(by, record, &job);
-		job.data = (char *)job.data + stride;
-	}
 	return first;
+}
+
+/* The most jobs of one record for a batch of so many: few enough that every thread of the pool finds some records. One
+ * if each job needs a tag. */
+static uint32_t batch_jobs(const stilb_job_pool *pool, uint32_t jobs)
+{
+	uint32_t share = jobs / (JOB_BATCH_SHARES * (pool->worker_count + 1));
+	if (pool->hooks.submit || share <= 1)
+		return 1;
+	return share < JOB_BATCH_JOBS ? share : JOB_BATCH_JOBS;
+}
+
+/* Fills the records of a list with `jobs` jobs, `each` to a record; job i gets the data at job.data + i * stride. */
+static void records_fill(const submitter *by, job_record *first, job_record job, size_t stride, uint32_t jobs,
+                         uint32_t each)
+{
+	for (job_record *record = first; record; record = record->next) {
+		job.count = jobs < each ? jobs : each;
+		record_fill(by, record, &job);
+		if (job.kind == JOB_BATCH)
+			record->stride = stride;
+		job.data = (char *)job.data + job.count * stride;
+		jobs -= job.count;
+	}
+	assert(jobs == 0);
 }
 
 /* Pushes each record of the list by itself. Cannot fail. */
@@ -256,12 +276,15 @@ int stilb_job_submit_n(stilb_job_pool *pool, stilb_job_fn *fn, void *data, size_
 	if (count == 0)
 		return 0;
 	submitter by = submit_begin(pool, worker);
-	job_record job = {.fn.one = fn, .data = data, .group = group, .target = JOB_ANYONE};
-	job_record *first = records_take(&by, job, stride, count);
+	uint32_t each = batch_jobs(pool, count), records = (count - 1) / each + 1;
+	job_record job = {
+		.fn.one = fn, .data = data, .group = group, .target = JOB_ANYONE, .kind = each > 1 ? JOB_BATCH : JOB_SINGLE};
+	job_record *first = records_take(&by, records);
 	if (first) {
+		records_fill(&by, first, job, stride, count, each);
 		job_work work = work_of(first);
 		submit_count(&by, group, count);
-		if (!by.slot || job_deque_push_list(&by.slot->deque, first, count) != 0)
+		if (!by.slot || job_deque_push_list(&by.slot->deque, first, records) != 0)
 			submit_each(&by, first);
 		else if (job_idle_wanted(&pool->idle, work.root))
 			job_idle_wake(&pool->idle, &work);
@@ -296,8 +319,13 @@ int stilb_job_submit_array(stilb_job_pool *pool, uint32_t count, uint32_t grain,
 {
 	if (count == 0)
 		return 0;
-	job_record job = {
-		.fn.range = fn, .data = context, .group = group, .count = count, .grain = grain, .target = JOB_ANYONE};
+	job_record job = {.fn.range = fn,
+	                  .data = context,
+	                  .group = group,
+	                  .count = count,
+	                  .grain = grain,
+	                  .target = JOB_ANYONE,
+	                  .kind = JOB_LOOP};
 	return submit_copy(pool, &job, NULL, worker);
 }
 
@@ -311,6 +339,6 @@ int job_submit_graph(stilb_job_pool *pool, struct stilb_job_graph *graph, uint32
 	                  .count = count,
 	                  .grain = first,
 	                  .target = JOB_ANYONE,
-	                  .is_graph = true};
+	                  .kind = JOB_NODES};
 	return submit_copy(pool, &job, NULL, worker);
 }

@@ -33,7 +33,7 @@ static void call_job(job_slot *slot, const job_record *job, uint64_t tag)
 	const stilb_job_hooks *hooks = &pool->hooks;
 	if (hooks->job_begin)
 		hooks->job_begin(hooks->user, slot->index, tag);
-	if (job->count > 0)
+	if (job->kind == JOB_LOOP)
 		stilb_job_parallel_for(pool, job->count, job->grain, job->fn.range, job->data, slot->index);
 	else
 		job->fn.one(job->data, slot->index);
@@ -41,12 +41,26 @@ static void call_job(job_slot *slot, const job_record *job, uint64_t tag)
 		hooks->job_end(hooks->user, slot->index);
 }
 
-/* Runs one job, or drops it if it is cancelled, and gives its record back. Does not subtract it from its group's count:
- * that is left to the caller, who can subtract several jobs at once. */
+/* For a batch whose first job is about to run: puts the other jobs back, into the thread's own deque. So none of them
+ * hides behind a job that is running. */
+static void leave_rest(job_slot *slot, job_record *record)
+{
+	if (--record->count > 0) {
+		record->data = (char *)record->data + record->stride;
+		job_submit_record(slot, record);
+	} else {
+		record->tag = 0; /* the stride lay in its place */
+		job_record_give(&slot->pool->records, &slot->records, record);
+	}
+}
+
+/* Runs the first job of the record, or drops it if it is cancelled. Does not subtract it from its group's count: that
+ * is left to the caller, who can subtract several jobs at once. */
 static void run_one(job_slot *slot, job_record *record)
 {
 	stilb_job_pool *pool = slot->pool;
-	job_record job = {.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain};
+	job_record job = {
+		.fn = record->fn, .data = record->data, .count = record->count, .grain = record->grain, .kind = record->kind};
 	assert(record->target == JOB_ANYONE || record->target == slot->index);
 	uint64_t tag = record->tag;
 	bool drops = job_drops(pool, record->group);
@@ -57,7 +71,12 @@ static void run_one(job_slot *slot, job_record *record)
 	slot->in_high = outer_high || record->priority == STILB_JOB_HIGH;
 	slot->level = atomic_load_explicit(&record->level, memory_order_relaxed);
 	slot->root = atomic_load_explicit(&record->root, memory_order_relaxed);
-	job_record_give(&pool->records, &slot->records, record);
+	if (__builtin_expect(job.kind == JOB_BATCH, 0)) {
+		leave_rest(slot, record);
+		tag = 0;
+	} else {
+		job_record_give(&pool->records, &slot->records, record);
+	}
 	if (__builtin_expect(!drops, 1))
 		call_job(slot, &job, tag);
 	else if (dropped)
@@ -151,14 +170,15 @@ static void run(job_slot *slot, job_record *record, bool stolen, const job_scope
 			jobs = 0;
 		}
 		uint64_t start = stolen ? job_sys_ticks() : 0;
-		bool graph = record->is_graph;
+		uint32_t loot = stolen && record->kind == JOB_BATCH ? record->count : 1; /* a batch is stolen as a whole */
+		bool graph = record->kind == JOB_NODES;
 		job_record *next = NULL;
 		if (graph)
 			next = job_graph_run(slot, record, scope, until);
 		else
 			run_one(slot, record);
 		if (stolen)
-			note_steal_cost(slot, job_sys_ticks() - start);
+			note_steal_cost(slot, (job_sys_ticks() - start) * loot);
 		jobs++;
 		bool enough = until && (until == group ? job_group_done_but(until, jobs) : job_group_done(until));
 		if (graph) /* JOBS_IN_A_ROW of its nodes have run, or all that there were */

@@ -56,8 +56,114 @@ static void test_batches(void **state)
 	}
 }
 
+/* ---- batches whose jobs lie several in a record ---------------------------------------------------------------- */
+
+enum { SOME = 1000 }; /* more than one job in a record, with any number of workers */
+
+typedef struct company {
+	stilb_job_pool *pool;
+	stilb_job_group group;
+	counter started, ran, wrong;
+	counter submits, begins, tags[SOME];
+	bool in_tagged[MOST_THREADS];
+} company;
+
+static void wait_for_others(void *data, uint32_t worker)
+{
+	company *c = data;
+	(void)worker;
+	if (count_up(&c->started) == 0 && !await(&c->ran, SOME - 1))
+		count_up(&c->wrong);
+	count_up(&c->ran);
+}
+
+/* While the job that started first runs, all others do: none of them hides behind it. */
+static void test_a_running_job_keeps_no_other_back(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		/* The owner does not run what an outside thread has submitted. */
+		for (uint32_t outside = 0; outside < 2 && s.workers > outside; outside++) {
+			company c = {.pool = pool_with(s)};
+			uint32_t worker = outside ? STILB_JOB_OUTSIDE : 0;
+			assert_int_equal(stilb_job_submit_n(c.pool, wait_for_others, &c, 0, SOME, &c.group, worker), 0);
+			stilb_job_wait(c.pool, &c.group, 0);
+			assert_int_equal(c.ran, SOME);
+			assert_int_equal(c.wrong, 0);
+			stilb_job_pool_destroy(c.pool);
+		}
+	}
+}
+
+static uint64_t hook_submit(void *user, uint32_t worker)
+{
+	company *c = user;
+	(void)worker;
+	return count_up(&c->submits);
+}
+
+static void hook_begin(void *user, uint32_t worker, uint64_t tag)
+{
+	company *c = user;
+	count_up(&c->begins);
+	if (tag >= SOME || c->in_tagged[worker])
+		count_up(&c->wrong);
+	else
+		count_up(&c->tags[tag]);
+	c->in_tagged[worker] = true;
+}
+
+static void hook_end(void *user, uint32_t worker)
+{
+	company *c = user;
+	c->in_tagged[worker] = false;
+}
+
+static void count_company(void *data, uint32_t worker)
+{
+	company *c = *(company **)data;
+	if (!c->in_tagged[worker])
+		count_up(&c->wrong);
+	count_up(&c->ran);
+}
+
+/* Each job has a tag of its own, or 0 without a hook that makes tags; also jobs that are submitted one by one after a
+ * batch. */
+static void test_hooks_are_told_of_each_job(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
+		for (uint32_t tagged = 0; tagged < 2; tagged++) {
+			static company c, *of[SOME / 4];
+			c = (company){0};
+			for (uint32_t i = 0; i < SOME / 4; i++)
+				of[i] = &c;
+			stilb_job_hooks hooks = {.user = &c, .job_begin = hook_begin, .job_end = hook_end};
+			hooks.submit = tagged ? hook_submit : NULL;
+			c.pool = pool_with_hooks(s, hooks);
+			for (uint32_t i = 0; i < 2; i++) {
+				assert_int_equal(stilb_job_submit_n(c.pool, count_company, of, sizeof *of, SOME / 4, &c.group, 0), 0);
+				stilb_job_wait(c.pool, &c.group, 0);
+			}
+			for (uint32_t i = 0; i < SOME / 2; i++)
+				assert_int_equal(stilb_job_submit(c.pool, count_company, of, &c.group, 0), 0);
+			stilb_job_wait(c.pool, &c.group, 0);
+			assert_int_equal(c.ran, SOME);
+			assert_int_equal(c.begins, SOME);
+			assert_int_equal(c.submits, tagged ? SOME : 0);
+			for (uint32_t i = 0; i < SOME; i++)
+				assert_int_equal(c.tags[i], tagged ? 1 : i == 0 ? SOME : 0);
+			assert_int_equal(c.wrong, 0);
+			stilb_job_pool_destroy(c.pool);
+		}
+}
+
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(test_batches)};
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_batches),
+		cmocka_unit_test(test_a_running_job_keeps_no_other_back),
+		cmocka_unit_test(test_hooks_are_told_of_each_job),
+	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -56,6 +56,16 @@ static void wait_and_end(burial *b, uint32_t workers)
 	stilb_job_pool_destroy(b->pool);
 }
 
+/* Three batches, the one to wait for between unrelated ones; several jobs lie in a record. */
+static void submit_batches(burial *b, uint32_t worker)
+{
+	if (stilb_job_submit_n(b->pool, blocker_job, &b->stranger, 0, BELOW, &b->strangers, worker) != 0 ||
+	    stilb_job_submit_n(b->pool, count_mine, b, 0, MINE, &b->mine, worker) != 0 ||
+	    stilb_job_submit_n(b->pool, blocker_job, &b->stranger, 0, ABOVE, &b->strangers, worker) != 0)
+		count_up(&b->wrong);
+	count_up(&b->submitted);
+}
+
 static void wait_in_own_deque(stilb_job_priority priority)
 {
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
@@ -80,27 +90,56 @@ static void test_of_low_priority(void **state)
 	wait_in_own_deque(STILB_JOB_LOW);
 }
 
+static void test_batch_between_own_jobs(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		if (s.workers == 0)
+			continue; /* as in wait_in_own_deque */
+		burial b = {.pool = pool_with(s)};
+		hold_workers(b.pool, &b.holding, &b.held, 1, s.workers);
+		submit_batches(&b, 0);
+		wait_and_end(&b, s.workers);
+	}
+}
+
 static void submit_from_worker(void *data, uint32_t worker)
 {
 	submit_mixed(data, STILB_JOB_NORMAL, worker);
 }
 
-/* The only worker that is free submits the jobs, and then begins with an unrelated one of them. */
-static void test_between_the_jobs_of_a_worker(void **state)
+static void submit_batches_from_worker(void *data, uint32_t worker)
 {
-	(void)state;
+	submit_batches(data, worker);
+}
+
+/* The only worker that is free submits the jobs, and then begins with an unrelated one of them. */
+static void wait_in_deque_of_worker(stilb_job_fn *submit)
+{
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
 		if (s.workers == 0)
 			continue;
 		burial b = {.pool = pool_with(s)};
 		if (s.workers > 1)
 			hold_workers(b.pool, &b.holding, &b.held, 2, s.workers);
-		submit_pinned(b.pool, submit_from_worker, &b, NULL, 1, 0);
+		submit_pinned(b.pool, submit, &b, NULL, 1, 0);
 		assert_true(await(&b.submitted, 1));
 		while (count_of(&b.stranger.inside) == 0)
 			nap_us(50);
 		wait_and_end(&b, s.workers);
 	}
+}
+
+static void test_between_the_jobs_of_a_worker(void **state)
+{
+	(void)state;
+	wait_in_deque_of_worker(submit_from_worker);
+}
+
+static void test_batch_between_the_jobs_of_a_worker(void **state)
+{
+	(void)state;
+	wait_in_deque_of_worker(submit_batches_from_worker);
 }
 
 /* ---- at random ------------------------------------------------------------------------------------------------- */
@@ -169,8 +208,10 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_between_own_jobs),
+		cmocka_unit_test(test_batch_between_own_jobs),
 		cmocka_unit_test(test_of_low_priority),
 		cmocka_unit_test(test_between_the_jobs_of_a_worker),
+		cmocka_unit_test(test_batch_between_the_jobs_of_a_worker),
 		cmocka_unit_test(test_many_roots),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,7 +37,7 @@ static void ran_slice(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 	count_ran(context, worker);
 }
 
-/* Submits 4 * EACH + 1 jobs to the group that is cancelled, in all ways, and EACH to each of two others. */
+/* Submits 5 * EACH + 1 jobs to the group that is cancelled, in all ways, and EACH to each of two others. */
 static void submit_all(cancelling *c, uint32_t threads)
 {
 	stilb_job_options after = {.after = &c->group}, after_gate = {.after = &c->gate};
@@ -49,6 +49,7 @@ static void submit_all(cancelling *c, uint32_t threads)
 		assert_int_equal(stilb_job_submit(c->pool, count_other, c, &c->other, 0), 0);
 		assert_int_equal(stilb_job_submit_with(c->pool, count_other, c, &c->then, &after, 0), 0);
 	}
+	assert_int_equal(stilb_job_submit_n(c->pool, count_ran, c, 0, EACH, &c->group, 0), 0);
 	assert_int_equal(stilb_job_submit_array(c->pool, 100, 1, ran_slice, c, &c->group, 0), 0);
 }
 
@@ -59,7 +60,7 @@ static void check_dropped(cancelling *c)
 	stilb_job_wait(c->pool, &c->other, 0);
 	stilb_job_wait(c->pool, &c->then, 0);
 	assert_int_equal(c->ran, 0);
-	assert_int_equal(c->dropped, 4 * EACH + 1);
+	assert_int_equal(c->dropped, 5 * EACH + 1);
 	assert_int_equal(c->others, 2 * EACH);
 }
 

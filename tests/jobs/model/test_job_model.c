@@ -21,6 +21,7 @@
 #define JOB_WATCH_NS 0 /* time stands still, so a nap would never end */
 #define SHARED_FIRST 1
 #define JOBS_IN_A_ROW 2
+#define JOB_BATCH_SHARES 1
 #include "job_model_sys.h"
 
 #include "jobs/job_deque.c"
@@ -334,6 +335,24 @@ static void batch_main(void)
 	begin();
 	fail_unless(stilb_job_submit_n(shared.pool, count_run, NULL, 0, with.jobs, NULL, 0) == 0, "submit");
 	workers_alone();
+}
+
+/* The first job of the newest record does not end before all others have run. */
+static void run_while_others(void *data, uint32_t worker)
+{
+	if ((uintptr_t)data == with.jobs / 2)
+		model_block_until(&shared.ran, with.jobs - 1);
+	(*(worker ? &worker_runs : &owner_runs))++;
+	shared.ran++;
+}
+
+/* A batch in two records: the second job of a record must be found while the first one runs. */
+static void batch_records_main(void)
+{
+	begin();
+	fail_unless(stilb_job_submit_n(shared.pool, run_while_others, NULL, 1, with.jobs, &shared.group, 0) == 0, "submit");
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	end();
 }
 
 static void nested_main(void)
@@ -680,6 +699,7 @@ static const scenario scenarios[] = {
 	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
 	{"batch wakes", batch_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
+	{"batch in records", batch_records_main, 1, 4, WORKERS},
 	{"buried", buried_main, 1, 4, WORKERS | UNTIL_OWNER_ENDS},
 	{"buried, with a thief", buried_thief_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
 	{"buried, low priority", buried_low_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
