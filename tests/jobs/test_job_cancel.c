@@ -1,5 +1,5 @@
-/* Cancelling a group: its jobs are dropped and handed back, all others run; and parallel loops of threads outside the
- * pool, which are never dropped. With 0, 1, 2 and 8 workers and both kinds of shared queues. */
+/* Cancelling a group: its jobs are dropped and handed back, all others run. Cancelling a pool. And parallel loops of
+ * threads outside the pool, which are never dropped. With 0, 1, 2 and 8 workers and both kinds of shared queues. */
 #include "job_pool_fixture.h"
 
 enum { EACH = 100 };
@@ -7,7 +7,7 @@ enum { EACH = 100 };
 typedef struct cancelling {
 	stilb_job_pool *pool;
 	stilb_job_group group, other, gate, then;
-	counter ran, dropped, others, end;
+	counter ran, dropped, others, end, slices;
 } cancelling;
 
 static void count_ran(void *data, uint32_t worker)
@@ -168,6 +168,82 @@ static void test_a_cancelled_pool_hands_back_jobs_in_groups(void **state)
 	}
 }
 
+/* ---- a cancelled pool ------------------------------------------------------------------------------------------ */
+
+static void count_slices(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	cancelling *c = context;
+	(void)worker;
+	if (begin == 0)
+		stilb_job_pool_cancel(c->pool);
+	atomic_fetch_add_explicit(&c->slices, end - begin, memory_order_relaxed);
+}
+
+static void submit_to_cancel(cancelling *c, uint32_t threads)
+{
+	stilb_job_options after = {.after = &c->gate};
+	for (uint32_t i = 0; i < 100; i++) {
+		assert_int_equal(stilb_job_submit(c->pool, count_ran, c, &c->group, 0), 0);
+		assert_int_equal(stilb_job_submit_with(c->pool, count_ran, c, &c->then, &after, 0), 0);
+		submit_priority(c->pool, count_ran, c, &c->group, i % 2 ? STILB_JOB_HIGH : STILB_JOB_LOW, 0);
+		submit_pinned(c->pool, count_ran, c, &c->group, i % threads, 0);
+	}
+	assert_int_equal(stilb_job_submit_array(c->pool, 100, 1, ran_slice, c, &c->group, 0), 0);
+}
+
+static void test_cancelled_jobs_do_not_run(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		blocker b = {0};
+		cancelling c = {.pool = pool_with(s)};
+		hold_workers(c.pool, &b, &c.gate, 1, s.workers);
+		submit_pinned(c.pool, count_ran, &c, &c.gate, 0, 0);
+		submit_to_cancel(&c, s.workers + 1);
+		stilb_job_pool_cancel(c.pool);
+		blocker_release(&b);
+		stilb_job_wait(c.pool, &c.group, 0);
+		stilb_job_wait(c.pool, &c.then, 0);
+		stilb_job_wait(c.pool, &c.gate, 0);
+		submit_to_cancel(&c, s.workers + 1); /* jobs submitted after the cancel must not run either */
+		stilb_job_wait(c.pool, &c.group, 0);
+		stilb_job_pool_destroy(c.pool);
+		assert_int_equal(c.ran, 0);
+	}
+}
+
+static void test_loop_that_has_begun_ends(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		cancelling c = {.pool = pool_with(s)};
+		assert_int_equal(stilb_job_submit_array(c.pool, 1000, 1, count_slices, &c, &c.group, 0), 0);
+		stilb_job_wait(c.pool, &c.group, 0);
+		assert_int_equal(c.slices, 1000);
+		stilb_job_pool_destroy(c.pool);
+	}
+}
+
+static void sleep_long(void *data, uint32_t worker)
+{
+	count_ran(data, worker);
+	nap_us(1000);
+}
+
+static void test_cancelled_pool_is_gone_soon(void **state)
+{
+	(void)state;
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		cancelling c = {.pool = pool_with(s)};
+		for (uint32_t i = 0; i < 20000; i++)
+			assert_int_equal(stilb_job_submit(c.pool, sleep_long, &c, &c.group, 0), 0);
+		stilb_job_pool_cancel(c.pool);
+		stilb_job_pool_destroy(c.pool); /* without the jobs that had not begun */
+		assert_int_equal(c.group.state, 0);
+		assert_true(c.ran < 20000);
+	}
+}
+
 /* ---- loops of outside threads ---------------------------------------------------------------------------------- */
 
 enum { GUESTS = 3, LOOPS = 50, INDICES = 1000 };
@@ -246,6 +322,9 @@ int main(void)
 		cmocka_unit_test(test_jobs_of_a_cancelled_group_are_handed_back),
 		cmocka_unit_test(test_a_job_cancels_its_own_group),
 		cmocka_unit_test(test_cancels_at_any_time),
+		cmocka_unit_test(test_cancelled_jobs_do_not_run),
+		cmocka_unit_test(test_loop_that_has_begun_ends),
+		cmocka_unit_test(test_cancelled_pool_is_gone_soon),
 		cmocka_unit_test(test_a_cancelled_pool_hands_back_jobs_in_groups),
 		cmocka_unit_test(test_loops_of_outside_threads),
 	};

@@ -1,10 +1,8 @@
-/* Features beyond submit and wait: priorities, pinned jobs, followers, arrays, cancelling, outside threads, phases,
- * affinity. With 0, 1, 2 and 8 workers and both kinds of shared queues. */
+/* Features beyond submit and wait: priorities, pinned jobs, followers, arrays, outside threads, phases. With 0,
+ * 1, 2 and 8 workers and both kinds of shared queues. */
 #include "job_pool_fixture.h"
 
-#include <stdio.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 /* ---- priorities ------------------------------------------------------------------------------------------------ */
 
@@ -782,102 +780,6 @@ static void test_arrays_and_loops_nest(void **state)
 	}
 }
 
-/* ---- cancelling ------------------------------------------------------------------------------------------------ */
-
-typedef struct cancelling {
-	stilb_job_pool *pool;
-	stilb_job_group group, gate, then;
-	counter ran, slices;
-} cancelling;
-
-static void count_ran(void *data, uint32_t worker)
-{
-	cancelling *c = data;
-	(void)worker;
-	count_up(&c->ran);
-}
-
-static void count_slices(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	cancelling *c = context;
-	(void)worker;
-	if (begin == 0)
-		stilb_job_pool_cancel(c->pool);
-	atomic_fetch_add_explicit(&c->slices, end - begin, memory_order_relaxed);
-}
-
-static void never_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	(void)begin;
-	(void)end;
-	count_ran(context, worker);
-}
-
-static void submit_to_cancel(cancelling *c, uint32_t threads)
-{
-	stilb_job_options after = {.after = &c->gate};
-	for (uint32_t i = 0; i < 100; i++) {
-		assert_int_equal(stilb_job_submit(c->pool, count_ran, c, &c->group, 0), 0);
-		assert_int_equal(stilb_job_submit_with(c->pool, count_ran, c, &c->then, &after, 0), 0);
-		submit_priority(c->pool, count_ran, c, &c->group, i % 2 ? STILB_JOB_HIGH : STILB_JOB_LOW, 0);
-		submit_pinned(c->pool, count_ran, c, &c->group, i % threads, 0);
-	}
-	assert_int_equal(stilb_job_submit_array(c->pool, 100, 1, never_slice, c, &c->group, 0), 0);
-}
-
-static void test_cancelled_jobs_do_not_run(void **state)
-{
-	(void)state;
-	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		blocker b = {0};
-		cancelling c = {.pool = pool_with(s)};
-		hold_workers(c.pool, &b, &c.gate, 1, s.workers);
-		submit_pinned(c.pool, count_ran, &c, &c.gate, 0, 0);
-		submit_to_cancel(&c, s.workers + 1);
-		stilb_job_pool_cancel(c.pool);
-		blocker_release(&b);
-		stilb_job_wait(c.pool, &c.group, 0);
-		stilb_job_wait(c.pool, &c.then, 0);
-		stilb_job_wait(c.pool, &c.gate, 0);
-		submit_to_cancel(&c, s.workers + 1); /* jobs submitted after the cancel must not run either */
-		stilb_job_wait(c.pool, &c.group, 0);
-		stilb_job_pool_destroy(c.pool);
-		assert_int_equal(c.ran, 0);
-	}
-}
-
-static void test_loop_that_has_begun_ends(void **state)
-{
-	(void)state;
-	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		cancelling c = {.pool = pool_with(s)};
-		assert_int_equal(stilb_job_submit_array(c.pool, 1000, 1, count_slices, &c, &c.group, 0), 0);
-		stilb_job_wait(c.pool, &c.group, 0);
-		assert_int_equal(c.slices, 1000);
-		stilb_job_pool_destroy(c.pool);
-	}
-}
-
-static void sleep_long(void *data, uint32_t worker)
-{
-	count_ran(data, worker);
-	nap_us(1000);
-}
-
-static void test_cancelled_pool_is_gone_soon(void **state)
-{
-	(void)state;
-	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
-		cancelling c = {.pool = pool_with(s)};
-		for (uint32_t i = 0; i < 20000; i++)
-			assert_int_equal(stilb_job_submit(c.pool, sleep_long, &c, &c.group, 0), 0);
-		stilb_job_pool_cancel(c.pool);
-		stilb_job_pool_destroy(c.pool); /* without the jobs that had not begun */
-		assert_int_equal(c.group.state, 0);
-		assert_true(c.ran < 20000);
-	}
-}
-
 /* ---- outside threads ------------------------------------------------------------------------------------------- */
 
 typedef struct guest {
@@ -1028,7 +930,7 @@ static void test_nobody_sleeps_in_a_phase(void **state)
 	(void)state;
 	for (int queue = 0; queue < 2; queue++) {
 		sleep_log log = {0};
-		cancelling c = {0};
+		guest c = {0};
 		shape s = spinning_shape((stilb_job_queue_kind)queue);
 		c.pool = pool_with_hooks(s, sleep_log_hooks(&log));
 		for (int round = 0; round < 2; round++) {
@@ -1039,7 +941,7 @@ static void test_nobody_sleeps_in_a_phase(void **state)
 			uint32_t parks = count_of(&log.parks);
 			nap_us(20000);
 			for (uint32_t i = 1; i <= 100; i++) {
-				assert_int_equal(stilb_job_submit(c.pool, count_ran, &c, NULL, 0), 0);
+				assert_int_equal(stilb_job_submit(c.pool, count_guest_job, &c, NULL, 0), 0);
 				assert_true(await(&c.ran, (uint32_t)round * 100 + i));
 			}
 			stilb_job_phase_end(c.pool);
@@ -1075,169 +977,6 @@ static void test_idle_workers_burn_nothing(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* ---- affinity -------------------------------------------------------------------------------------------------- */
-
-typedef struct masks {
-	cpu_set_t worker[MOST_THREADS];
-	counter taken;
-	counter ran;
-	uint32_t cpu;  /* CPU on which the job ran */
-	uint32_t last; /* the worker that ran the last job of note_worker */
-} masks;
-
-static void take_mask(void *user, uint32_t worker)
-{
-	masks *m = user;
-	sched_getaffinity(0, sizeof m->worker[worker], &m->worker[worker]);
-	count_up(&m->taken);
-}
-
-static stilb_job_pool *pool_with_masks(masks *m, uint32_t workers, stilb_job_affinity affinity)
-{
-	stilb_job_pool_desc desc = {.worker_count = workers, .affinity = affinity};
-	desc.hooks = (stilb_job_hooks){.user = m, .thread_start = take_mask};
-	stilb_job_pool *pool = NULL;
-	*m = (masks){0};
-	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
-	assert_true(await(&m->taken, workers));
-	return pool;
-}
-
-/* Each of the first `workers` workers is bound to one of all CPUs, no two to the same one, none to the owner's. */
-static void check_bound(const masks *m, uint32_t workers, const cpu_set_t *all, int owner)
-{
-	cpu_set_t used;
-	CPU_ZERO(&used);
-	for (uint32_t i = 1; i <= workers; i++) {
-		cpu_set_t fresh;
-		assert_int_equal(CPU_COUNT(&m->worker[i]), 1);
-		CPU_AND(&fresh, &m->worker[i], all);
-		assert_true(CPU_EQUAL(&fresh, &m->worker[i]));
-		assert_false(CPU_ISSET((size_t)owner, &m->worker[i]));
-		CPU_OR(&used, &used, &m->worker[i]);
-	}
-	assert_int_equal(CPU_COUNT(&used), workers);
-}
-
-/* One worker fewer than there are CPUs is bound, at most; the others are not. */
-static void test_workers_are_bound_while_there_are_cpus(void **state)
-{
-	(void)state;
-	cpu_set_t all, after;
-	assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
-	uint32_t cpus = (uint32_t)CPU_COUNT(&all);
-	for (uint32_t workers = 1; cpus > 1 && workers <= MOST_WORKERS; workers++)
-		for (int tries = 0;; tries++) {
-			masks m;
-			int before = sched_getcpu();
-			stilb_job_pool *pool = pool_with_masks(&m, workers, STILB_JOB_AFFINITY_AUTO);
-			bool stayed = sched_getcpu() == before;
-			stilb_job_pool_destroy(pool);
-			sched_getaffinity(0, sizeof after, &after);
-			assert_true(CPU_EQUAL(&all, &after));
-			if (stayed)
-				check_bound(&m, workers < cpus ? workers : cpus - 1, &all, before);
-			for (uint32_t i = cpus; i <= workers; i++)
-				assert_true(CPU_EQUAL(&m.worker[i], &all));
-			if (stayed)
-				break;
-			assert_in_range(tries, 0, 1000); /* the kernel moved the owner in between: try again */
-		}
-}
-
-static void check_unbound(uint32_t workers, stilb_job_affinity affinity)
-{
-	masks m;
-	cpu_set_t all, after;
-	sched_getaffinity(0, sizeof all, &all);
-	stilb_job_pool_destroy(pool_with_masks(&m, workers, affinity));
-	for (uint32_t i = 1; i <= workers; i++)
-		assert_true(CPU_EQUAL(&m.worker[i], &all));
-	sched_getaffinity(0, sizeof after, &after);
-	assert_true(CPU_EQUAL(&all, &after));
-}
-
-static void test_else_nobody_is_bound(void **state)
-{
-	(void)state;
-	cpu_set_t all, one;
-	sched_getaffinity(0, sizeof all, &all);
-	check_unbound(1, STILB_JOB_AFFINITY_NONE);
-	CPU_ZERO(&one);
-	CPU_SET((size_t)sched_getcpu(), &one);
-	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0); /* with one CPU no worker is bound */
-	check_unbound(1, STILB_JOB_AFFINITY_AUTO);
-	sched_setaffinity(0, sizeof all, &all);
-}
-
-static void note_cpu(void *data, uint32_t worker)
-{
-	masks *m = data;
-	(void)worker;
-	m->cpu = (uint32_t)sched_getcpu();
-	count_up(&m->ran);
-}
-
-/* The owner may move to a worker's CPU. A worker that it wakes there must move to another CPU; otherwise it could run
- * only when the owner stops. */
-static void test_worker_makes_room_for_the_owner(void **state)
-{
-	(void)state;
-	cpu_set_t all;
-	sched_getaffinity(0, sizeof all, &all);
-	if (CPU_COUNT(&all) < 2)
-		return; /* then no worker is bound */
-	sleep_log log = {0};
-	stilb_job_pool_desc desc = {.worker_count = 1, .hooks = sleep_log_hooks(&log)};
-	stilb_job_pool *pool = NULL;
-	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
-	masks m = {0};
-	for (uint32_t i = 1; i <= 20; i++) {
-		assert_true(await(&log.asleep, 1));
-		submit_pinned(pool, note_cpu, &m, NULL, 1, 0);
-		assert_true(await(&m.ran, 2 * i - 1));
-		cpu_set_t there;
-		CPU_ZERO(&there);
-		CPU_SET(m.cpu, &there);
-		assert_true(await(&log.asleep, 1));
-		assert_int_equal(sched_setaffinity(0, sizeof there, &there), 0);
-		uint32_t before = m.cpu;
-		assert_int_equal(stilb_job_submit(pool, note_cpu, &m, NULL, 0), 0);
-		assert_true(await(&m.ran, 2 * i));
-		sched_setaffinity(0, sizeof all, &all);
-		assert_int_not_equal(m.cpu, before);
-	}
-	stilb_job_pool_destroy(pool);
-}
-
-static void note_worker(void *data, uint32_t worker)
-{
-	masks *m = data;
-	m->last = worker;
-	count_up(&m->ran);
-}
-
-/* A thread that is bound to another CPU than the waker's starts at once. */
-static void test_bound_workers_are_woken_first(void **state)
-{
-	(void)state;
-	cpu_set_t all;
-	sched_getaffinity(0, sizeof all, &all);
-	uint32_t cpus = (uint32_t)CPU_COUNT(&all);
-	if (cpus < 2 || cpus > MOST_WORKERS)
-		return;
-	sleep_log log = {0};
-	stilb_job_pool *pool = pool_with_hooks((shape){.workers = MOST_WORKERS}, sleep_log_hooks(&log));
-	masks m = {0};
-	for (uint32_t i = 1; i <= 50; i++) {
-		assert_true(await(&log.asleep, MOST_WORKERS));
-		assert_int_equal(stilb_job_submit(pool, note_worker, &m, NULL, 0), 0);
-		assert_true(await(&m.ran, i));
-		assert_in_range(m.last, 1, cpus - 1);
-	}
-	stilb_job_pool_destroy(pool);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -1256,18 +995,11 @@ int main(void)
 		cmocka_unit_test(test_array_of_nothing),
 		cmocka_unit_test(test_huge_arrays),
 		cmocka_unit_test(test_arrays_and_loops_nest),
-		cmocka_unit_test(test_cancelled_jobs_do_not_run),
-		cmocka_unit_test(test_loop_that_has_begun_ends),
-		cmocka_unit_test(test_cancelled_pool_is_gone_soon),
 		cmocka_unit_test(test_threads_from_outside),
 		cmocka_unit_test(test_threads_that_wait_leave_room),
 		cmocka_unit_test(test_owner_runs_what_came_from_outside),
 		cmocka_unit_test(test_nobody_sleeps_in_a_phase),
 		cmocka_unit_test(test_idle_workers_burn_nothing),
-		cmocka_unit_test(test_workers_are_bound_while_there_are_cpus),
-		cmocka_unit_test(test_else_nobody_is_bound),
-		cmocka_unit_test(test_worker_makes_room_for_the_owner),
-		cmocka_unit_test(test_bound_workers_are_woken_first),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
