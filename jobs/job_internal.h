@@ -287,6 +287,10 @@ void job_guest_leave(stilb_job_pool *pool, uint32_t guest);
  * there was none. Returns early once the group `until`, which may be NULL, has finished. */
 bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *until);
 
+/* job_work_help for a wait, which most often is for the newest job of the thread's own deque. Does nothing if another
+ * job lies there, or goes first. */
+void job_work_run_own(job_slot *slot, const job_scope *scope, stilb_job_group *until);
+
 /* Brings jobs that the scope of a wait allows to the newest end of the thread's own deque, where job_work_help takes
  * them. False: none lies below other jobs there. */
 bool job_work_dig(job_slot *slot, const job_scope *scope);

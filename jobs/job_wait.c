@@ -285,10 +285,13 @@ static bool wait_idle(job_slot *slot, const job_scope *scope, stilb_job_group *g
 
 static void wait_inside(job_slot *slot, stilb_job_group *group)
 {
+	if (job_group_done(group))
+		return;
 	job_scope scope = {
 		.jobs = true, .high = !slot->in_high, .root = slot->root ? slot->root : (uintptr_t)group, .level = slot->level};
 	bool alone = slot->pool->worker_count == 0, announced = false;
 	bool dug = false; /* no job for this wait lies in the thread's own deque, until the thread runs a job again */
+	job_work_run_own(slot, &scope, group);
 	while (!job_group_done(group)) {
 		if (job_work_help(slot, &scope, group)) {
 			dug = false;

@@ -360,6 +360,14 @@ bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	return true;
 }
 
+void job_work_run_own(job_slot *slot, const job_scope *scope, stilb_job_group *until)
+{
+	assert(job_slot_is_mine(slot));
+	job_record *record = slot->pinned || job_work_urgent(slot) ? NULL : job_work_take_own(slot, scope);
+	if (record)
+		run(slot, record, false, scope, until);
+}
+
 bool job_work_dig(job_slot *slot, const job_scope *scope)
 {
 	assert(job_slot_is_mine(slot) && scope->jobs && !scope->all);

@@ -507,6 +507,43 @@ static void test_wait_leaves_siblings_alone(void **state)
 	}
 }
 
+typedef struct family {
+	stilb_job_pool *pool;
+	stilb_job_group group, children;
+	counter ran, wrong;
+} family;
+
+static void count_child(void *data, uint32_t worker)
+{
+	family *f = data;
+	(void)worker;
+	count_up(&f->ran);
+}
+
+static void wait_for_nothing(void *data, uint32_t worker)
+{
+	family *f = data;
+	stilb_job_group finished = {0};
+	if (stilb_job_submit(f->pool, count_child, f, &f->children, worker) != 0)
+		count_up(&f->wrong);
+	stilb_job_wait(f->pool, &finished, worker);
+	if (count_of(&f->ran) != 0)
+		count_up(&f->wrong);
+	stilb_job_wait(f->pool, &f->children, worker);
+}
+
+/* It returns at once, although it might run the newest job of its thread. */
+static void test_wait_for_a_finished_group_runs_nothing(void **state)
+{
+	(void)state;
+	family f = {.pool = pool_with(shape_first())};
+	assert_int_equal(stilb_job_submit(f.pool, wait_for_nothing, &f, &f.group, 0), 0);
+	stilb_job_wait(f.pool, &f.group, 0);
+	assert_int_equal(f.ran, 1);
+	assert_int_equal(f.wrong, 0);
+	stilb_job_pool_destroy(f.pool);
+}
+
 /* ---- the lost wake-up ------------------------------------------------------------------------------------------ */
 
 enum { ROUNDS = 800 };
@@ -845,6 +882,7 @@ int main(void)
 		cmocka_unit_test(test_nested_waits),
 		cmocka_unit_test(test_waits_do_not_pile_up),
 		cmocka_unit_test(test_wait_leaves_siblings_alone),
+		cmocka_unit_test(test_wait_for_a_finished_group_runs_nothing),
 		cmocka_unit_test(test_lost_wake_up),
 		cmocka_unit_test(test_lost_wake_up_of_who_waits),
 		cmocka_unit_test(test_full_queue_with_sleeping_workers),
