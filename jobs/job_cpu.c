@@ -192,21 +192,34 @@ static uint32_t cpu_node(const char *dir)
 	return node;
 }
 
-/* Source: Linux, Documentation/ABI/stable/sysfs-devices-system-cpu; caches are numbered from the nearest on. */
-static void cpu_find_place(const char *cpu_dirs, cpu_place *place)
+/* The folder of a CPU. Source: Linux, Documentation/ABI/stable/sysfs-devices-system-cpu. False if it has too long a
+ * name. */
+static bool cpu_dir(const char *cpu_dirs, uint32_t cpu, char dir[CPU_PATH_MAX])
 {
-	char dir[CPU_PATH_MAX], file[64];
-	int length = snprintf(dir, sizeof dir, "%s/cpu%u", cpu_dirs, place->cpu);
-	if (length < 0 || (size_t)length >= sizeof dir)
-		return;
-	place->core = cpu_number(dir, "topology/thread_siblings_list", place->cpu);
-	place->node = cpu_node(dir);
+	int length = snprintf(dir, CPU_PATH_MAX, "%s/cpu%u", cpu_dirs, cpu);
+	return length >= 0 && length < CPU_PATH_MAX;
+}
+
+/* The last level of cache of the CPU with this folder. Caches are numbered from the nearest on. */
+static uint32_t cpu_cache(const char *dir)
+{
+	char file[64];
 	uint32_t cache = UINT32_MAX;
 	for (int level = 3; level >= 0 && cache == UINT32_MAX; level--) {
 		snprintf(file, sizeof file, "cache/index%d/shared_cpu_list", level);
 		cache = cpu_number(dir, file, UINT32_MAX);
 	}
-	place->cache = cache == UINT32_MAX ? 0 : cache;
+	return cache == UINT32_MAX ? 0 : cache;
+}
+
+static void cpu_find_place(const char *cpu_dirs, cpu_place *place)
+{
+	char dir[CPU_PATH_MAX];
+	if (!cpu_dir(cpu_dirs, place->cpu, dir))
+		return;
+	place->core = cpu_number(dir, "topology/thread_siblings_list", place->cpu);
+	place->node = cpu_node(dir);
+	place->cache = cpu_cache(dir);
 }
 
 /* How bad a choice the CPU is: foremost the number of threads that share its core already, then the distance from the
@@ -264,6 +277,31 @@ uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, 
 	choose_places(cpu_dirs, places, count, here, cpus, max);
 	free(places);
 	return chosen;
+}
+
+/* Moves element `from` of the array to the lower place `to` and those between up by one. */
+static void move_down(uint32_t *array, uint32_t from, uint32_t to)
+{
+	uint32_t moved = array[from];
+	memmove(array + to + 1, array + to, (from - to) * sizeof *array);
+	array[to] = moved;
+}
+
+void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache)
+{
+	assert(cpus && count > 0 && cpu_dirs && cache);
+	char dir[CPU_PATH_MAX];
+	for (uint32_t i = 0; i < count; i++)
+		cache[i] = cpu_dir(cpu_dirs, cpus[i], dir) ? cpu_cache(dir) : 0;
+	for (uint32_t sorted = 1; sorted < count; sorted++) {
+		uint32_t next = sorted; /* the next CPU with the same cache as the one before, if there is one */
+		while (next < count && cache[next] != cache[sorted - 1])
+			next++;
+		if (next < count) {
+			move_down(cpus, next, sorted);
+			move_down(cache, next, sorted);
+		}
+	}
 }
 
 uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)

@@ -80,6 +80,7 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	uint64_t done = 0, start = slot->spinning ? job_sys_ticks() : 0;
+	job_active_begin(slot, JOB_ACTIVE_JOBS);
 	slot->level = span->level;
 	slot->root = span->root;
 	if (hooks->job_begin)
@@ -119,21 +120,28 @@ static void wake_helpers(stilb_job_pool *pool, const loop_span *span)
 		;
 }
 
-/* Claims and runs slices of one of the loops in the slot `owner`; false if there is none that the scope allows. */
-static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, stilb_job_group *until)
+typedef struct help_with {
+	const job_scope *scope;
+	stilb_job_group *until;
+} help_with;
+
+/* Claims and runs slices of one of the loops of a thread; false if there is none that the scope allows. */
+static bool help_thread(job_slot *slot, uint32_t thread, void *context)
 {
 	stilb_job_pool *pool = slot->pool;
+	const help_with *with = context;
+	job_slot *owner = &pool->slot[thread];
 	for (int i = 0; i < JOB_LOOP_DEPTH; i++) {
 		loop_span span;
 		job_loop *loop = &owner->loop[i];
-		if (!loop_claim(loop, scope, pool->worker_count + 1, 0, &span))
+		if (!loop_claim(loop, with->scope, pool->worker_count + 1, 0, &span))
 			continue;
 		/* If the slices left take less time than a wake-up, the spinner stays counted as one while it helps. That saves
 		 * writing the idle list's `state`, which the caller of every loop reads. */
 		if (span.left + span.slices >= span.wake_slices)
 			job_work_spin_stop(slot);
 		wake_helpers(pool, &span);
-		loop_help(loop, owner, slot, scope, &span, until);
+		loop_help(loop, owner, slot, with->scope, &span, with->until);
 		return true;
 	}
 	return false;
@@ -141,16 +149,13 @@ static bool slot_help(job_slot *slot, job_slot *owner, const job_scope *scope, s
 
 bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
-	stilb_job_pool *pool = slot->pool;
-	for (uint32_t i = 0; i <= pool->worker_count; i++)
-		if (slot_help(slot, &pool->slot[i], scope, until))
-			return true;
-	return false;
+	return job_visit_threads(slot, JOB_ACTIVE_LOOPS, 0, help_thread, &(help_with){.scope = scope, .until = until});
 }
 
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 {
-	for (uint32_t i = 0; i <= pool->worker_count; i++)
+	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_LOOPS, 0); i <= pool->worker_count;
+	     i = job_active_from(pool, JOB_ACTIVE_LOOPS, i + 1))
 		for (int j = 0; j < JOB_LOOP_DEPTH; j++) {
 			job_loop *loop = &pool->slot[i].loop[j];
 			/* Relaxed, all: may miss a loop that has just been opened, see job_internal.h. */
@@ -295,6 +300,7 @@ static bool wake_helper_anew(stilb_job_pool *pool, job_loop *loop, loop_span *sp
 __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
 {
 	stilb_job_pool *pool = slot->pool;
+	job_active_begin(slot, JOB_ACTIVE_LOOPS);
 	job_loop *loop = &slot->loop[slot->loops_open++];
 	const job_rate *rate = rate_of(slot, span->fn);
 	bool measured = asleep || rate->ticks == 0 || slot->loops_run++ % MEASURE_EVERY == 0;

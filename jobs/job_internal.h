@@ -77,6 +77,15 @@
 #define JOB_STEAL_NS 100u
 #define JOB_STEAL_PAUSE_NS 2000u
 
+/* A pool of so many threads or fewer is one team, and its threads look for work at one another without further ado.
+ * Larger pools are cut into teams of at most JOB_TEAM_MOST threads whose CPUs share their last level of cache, and
+ * remember which threads may have work (stilb_job_pool.active). A team has at least JOB_TEAM_LEAST threads, even if
+ * fewer CPUs share a cache; the last one may have fewer. */
+#ifndef JOB_TEAM_MOST
+#define JOB_TEAM_MOST 8
+#endif
+#define JOB_TEAM_LEAST (JOB_TEAM_MOST / 2)
+
 /* The number of loop functions of which a thread remembers how long a slice takes (job_slot.rate). */
 #ifndef JOB_RATES
 #define JOB_RATES 16
@@ -116,6 +125,10 @@ typedef struct job_rate {
 	uint64_t ticks; /* 0: not known */
 } job_rate;
 
+/* What thread i may have if its bit is set in stilb_job_pool.active: an open loop, jobs in its deque. */
+typedef enum job_active_kind { JOB_ACTIVE_LOOPS, JOB_ACTIVE_JOBS, JOB_ACTIVE_KINDS } job_active_kind;
+#define JOB_ACTIVE_WORDS ((STILB_JOB_MAX_WORKERS + 1 + 63) / 64)
+
 /* A thread of the pool. */
 typedef struct job_slot {
 	job_deque deque;
@@ -129,20 +142,23 @@ typedef struct job_slot {
 	uint32_t level; /* of that job or slice, 0 outside of one */
 	uint32_t index;
 	uint32_t loops_open;
-	uint32_t poll_round;          /* counts looks for work, see SHARED_FIRST in job_work.c */
-	uint32_t loops_run;           /* counts loops, see MEASURE_EVERY in job_for.c */
-	uint64_t alone_ticks;         /* time in the latest loops that began without help, see loop_starts_alone */
-	uint64_t alone_until;         /* the time at which the last of these loops ended */
-	uint32_t spins_without_yield; /* spins left in which job_work_relax does not yield */
-	uint32_t victim;              /* the thread to try first when stealing */
-	bool in_high;                 /* inside a job of high priority: waits run no others */
-	bool spinning;                /* counted as a spinner (job_park.h) */
-	bool steal_unprofitable;      /* the last stolen job took less time than its steal cost the victim */
+	uint32_t poll_round;           /* counts looks for work, see SHARED_FIRST in job_work.c */
+	uint32_t loops_run;            /* counts loops, see MEASURE_EVERY in job_for.c */
+	bool active[JOB_ACTIVE_KINDS]; /* its bits in stilb_job_pool.active; always true if the pool is one team */
+	uint64_t alone_ticks;          /* time in the latest loops that began without help, see loop_starts_alone */
+	uint64_t alone_until;          /* the time at which the last of these loops ended */
+	uint32_t spins_without_yield;  /* spins left in which job_work_relax does not yield */
+	uint32_t victim;               /* the thread to try first when stealing */
+	bool in_high;                  /* inside a job of high priority: waits run no others */
+	bool spinning;                 /* counted as a spinner (job_park.h) */
+	bool steal_unprofitable;       /* the last stolen job took less time than its steal cost the victim */
 	job_rate rate[JOB_RATES];
 	job_record *pinned; /* taken from the inbox, oldest first */
 	job_record_cache records;
 	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
 	uint32_t cpu;                         /* the CPU to bind the thread to, or NO_CPU */
+	uint32_t team_begin, team_end;        /* the threads of its team: team_begin <= index < team_end */
+	uint32_t random;                      /* the state of random_below in job_work.c */
 	pthread_t thread;
 	_Atomic uintptr_t self; /* job_this_thread of this thread; written only in builds with asserts */
 } job_slot;
@@ -174,6 +190,7 @@ struct stilb_job_pool {
 	alignas(JOB_LINE) uint32_t worker_count;
 	uint32_t cpus;
 	bool oversubscribed;  /* there are more threads than CPUs */
+	bool one_team;        /* there are at most JOB_TEAM_MOST threads */
 	uint64_t wake_ticks;  /* JOB_WAKE_NS in ticks of job_sys_ticks */
 	uint64_t steal_ticks; /* JOB_STEAL_NS in such ticks */
 	stilb_job_queue *shared[JOB_SHARED_COUNT];
@@ -203,6 +220,12 @@ struct stilb_job_pool {
 	/* Bit i: guest[i] is in use. Acquire to set it, pairs with the release that clears it. */
 	alignas(JOB_LINE) _Atomic uint32_t guests;
 	job_guest guest[JOB_GUESTS];
+	/* Bit i: thread i may have an open loop, or jobs in its deque; a look for work skips the others. A thread sets the
+	 * first before it opens a loop, and the second before it begins a job or a slice, which may push jobs. A worker
+	 * clears both when it has been without work for JOB_WAKE_NS: so the words seldom change, and every thread has them
+	 * in its cache. No other thread changes these bits, so they are set whenever there is something to find. Seq_cst:
+	 * in the argument of job_park.h, setting a bit belongs to (a) and reading it to (2). Not used by a single team. */
+	alignas(JOB_LINE) _Atomic uint64_t active[JOB_ACTIVE_KINDS][JOB_ACTIVE_WORDS];
 	job_slot slot[]; /* worker_count + 1; slot[0] is the owner's */
 };
 
@@ -239,6 +262,50 @@ static inline bool job_pool_is_outside(stilb_job_pool *pool)
 	(void)pool;
 #endif
 	return true;
+}
+
+/* The first thread from `first` on that may have work of this kind. From worker_count + 1 on there is none. */
+static inline uint32_t job_active_from(stilb_job_pool *pool, job_active_kind kind, uint32_t first)
+{
+	uint32_t threads = pool->worker_count + 1, word = first / 64;
+	if (pool->one_team || first >= threads)
+		return first;
+	/* Seq_cst, both: see the field. */
+	uint64_t bits = atomic_load_explicit(&pool->active[kind][word], memory_order_seq_cst) & UINT64_MAX << first % 64;
+	while (bits == 0 && ++word * 64 < threads)
+		bits = atomic_load_explicit(&pool->active[kind][word], memory_order_seq_cst);
+	return bits ? word * 64 + (uint32_t)__builtin_ctzll(bits) : threads;
+}
+
+void job_active_set(job_slot *slot, job_active_kind kind); /* job_work.c */
+
+/* Called by a thread that may have work of this kind soon. */
+static inline void job_active_begin(job_slot *slot, job_active_kind kind)
+{
+	if (__builtin_expect(!slot->active[kind], 0))
+		job_active_set(slot, kind);
+}
+
+/* Looks for work at one thread; true if that ends the search. */
+typedef bool job_visit_fn(job_slot *slot, uint32_t thread, void *context);
+
+/* job_visit_threads in a pool of several teams: visits the threads that may have work of this kind, first those of the
+ * calling thread's own team, then all, from a random one on. So threads that look for work at the same time begin at
+ * different places. Defined in job_work.c. */
+bool job_visit_active(job_slot *slot, job_active_kind kind, job_visit_fn *visit, void *context);
+
+/* Visits threads until a visit ends the search; true if one did. All threads from `first` on in a circle, if they are
+ * one team. */
+static inline __attribute__((always_inline)) bool job_visit_threads(job_slot *slot, job_active_kind kind,
+                                                                    uint32_t first, job_visit_fn *visit, void *context)
+{
+	uint32_t threads = slot->pool->worker_count + 1, thread = first;
+	if (!slot->pool->one_team)
+		return job_visit_active(slot, kind, visit, context);
+	for (uint32_t i = 0; i < threads; i++, thread = thread + 1 < threads ? thread + 1 : 0)
+		if (visit(slot, thread, context))
+			return true;
+	return false;
 }
 
 /* The slot of the calling thread, which has passed `worker` as its index; asserts that this is so. */
@@ -403,6 +470,11 @@ uint32_t job_cpu_quota(const char *proc_cgroup, const char *mount);
  * describes the CPUs (/sys/devices/system/cpu). Returns their number. max: at least 1. */
 uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, const char *cpu_dirs, uint32_t *cpus,
                         uint32_t max);
+
+/* Brings the CPUs cpus[1..count) into an order in which those that share their last level of cache follow one another,
+ * those of cpus[0] first, and otherwise keeps their order. cache[i] is then a number for the cache of cpus[i].
+ * cpu_dirs: as in job_cpu_choose. */
+void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache);
 
 /* job_cpu_choose for the CPUs of the affinity mask without `here`; 0 if the kernel does not say. */
 uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);

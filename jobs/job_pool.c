@@ -131,6 +131,8 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 	slot->pool = pool;
 	slot->index = index;
 	slot->cpu = NO_CPU;
+	slot->random = (index + 1) * 0x9e3779b9u; /* not 0, and different for all */
+	slot->active[JOB_ACTIVE_LOOPS] = slot->active[JOB_ACTIVE_JOBS] = pool->one_team;
 	atomic_init(&slot->inbox, NULL);
 	atomic_init(&slot->parker.state, 0);
 	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
@@ -151,12 +153,29 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	pool->cpus = stilb_job_cpu_count();
 	pool->wake_ticks = job_sys_ticks_in(JOB_WAKE_NS);
 	pool->steal_ticks = job_sys_ticks_in(JOB_STEAL_NS);
+	pool->one_team = desc->worker_count < JOB_TEAM_MOST;
 	pool->oversubscribed = desc->worker_count >= pool->cpus;
 	pool->hooks = desc->hooks;
 	for (uint32_t i = 0; i <= desc->worker_count; i++)
 		slot_init(&pool->slot[i], pool, i);
 	job_slot_set_mine(&pool->slot[0]);
+	job_active_begin(&pool->slot[0], JOB_ACTIVE_JOBS); /* always: the owner submits jobs between jobs */
 	return pool;
+}
+
+/* Cuts the pool into teams; cache[i] names the last level of cache of the CPU of thread i, for i < bound. */
+static void make_teams(stilb_job_pool *pool, const uint32_t *cache, uint32_t bound)
+{
+	uint32_t threads = pool->worker_count + 1;
+	for (uint32_t begin = 0, end; begin < threads; begin = end) {
+		for (end = begin + 1; end < threads && end - begin < JOB_TEAM_MOST; end++)
+			if (end < bound && cache[end] != cache[end - 1] && end - begin >= JOB_TEAM_LEAST)
+				break;
+		for (uint32_t i = begin; i < end; i++) {
+			pool->slot[i].team_begin = begin;
+			pool->slot[i].team_end = end;
+		}
+	}
 }
 
 /* A worker that is woken by a thread which keeps running starts at once only on another CPU, but the kernel mostly
@@ -165,14 +184,16 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
  * left are not bound; bound ones are woken first (job_park.c, both). */
 static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 {
-	uint32_t cpus[STILB_JOB_MAX_WORKERS], here = job_sys_cpu();
-	if (desc->affinity != STILB_JOB_AFFINITY_AUTO || desc->worker_count == 0 || here == UINT32_MAX)
-		return;
-	uint32_t others = job_cpu_others(here, cpus, desc->worker_count);
+	uint32_t cpus[STILB_JOB_MAX_WORKERS + 1] = {job_sys_cpu()}, cache[STILB_JOB_MAX_WORKERS + 1], others = 0;
+	if (desc->affinity == STILB_JOB_AFFINITY_AUTO && desc->worker_count > 0 && cpus[0] != UINT32_MAX)
+		others = job_cpu_others(cpus[0], cpus + 1, desc->worker_count);
+	if (!pool->one_team)
+		job_cpu_sort(cpus, others + 1, "/sys/devices/system/cpu", cache);
+	make_teams(pool, cache, pool->one_team ? 0 : others + 1);
 	pool->idle.spare = others > 0;
-	pool->idle.spare_cpu = here;
-	for (uint32_t i = 0; i < others; i++)
-		pool->slot[i + 1].cpu = cpus[i];
+	pool->idle.spare_cpu = cpus[0];
+	for (uint32_t i = 1; i <= others; i++)
+		pool->slot[i].cpu = cpus[i];
 }
 
 static int start_workers(stilb_job_pool *pool)

@@ -94,6 +94,7 @@ static int push_shared(stilb_job_pool *pool, job_record *record, uint32_t thread
 /* Pushes into the calling thread's deque. 0 or -ENOMEM. */
 static int push_own(job_slot *slot, job_record *record)
 {
+	assert(slot->active[JOB_ACTIVE_JOBS]);
 	job_work work = work_of(record);
 	int error = job_deque_push(&slot->deque, record);
 	if (!error && job_idle_wanted(&slot->pool->idle, work.root))

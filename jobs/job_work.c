@@ -16,6 +16,67 @@
 
 const job_scope job_scope_all = {.all = true, .jobs = true, .high = true};
 
+/* ---- threads that may have work -------------------------------------------------------------------------------- */
+
+static void set_active(job_slot *slot, job_active_kind kind, bool active)
+{
+	_Atomic uint64_t *word = &slot->pool->active[kind][slot->index / 64];
+	uint64_t bit = UINT64_C(1) << slot->index % 64;
+	slot->active[kind] = active;
+	/* Seq_cst, both: see the field. */
+	if (active)
+		atomic_fetch_or_explicit(word, bit, memory_order_seq_cst);
+	else
+		atomic_fetch_and_explicit(word, ~bit, memory_order_seq_cst);
+}
+
+void job_active_set(job_slot *slot, job_active_kind kind)
+{
+	set_active(slot, kind, true);
+}
+
+/* Called by an idle worker, which has neither jobs nor loops, and will have none before it finds work elsewhere. */
+static void active_end(job_slot *slot)
+{
+	assert(slot->index > 0 && slot->level == 0 && slot->loops_open == 0 && job_deque_empty(&slot->deque));
+	for (job_active_kind kind = 0; kind < JOB_ACTIVE_KINDS && !slot->pool->one_team; kind++)
+		if (slot->active[kind])
+			set_active(slot, kind, false);
+}
+
+/* A number below `end`, which is at most 2^16, that looks random; another sequence of numbers for each thread.
+ * Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8 (14), 2003. */
+static uint32_t random_below(job_slot *slot, uint32_t end)
+{
+	uint32_t x = slot->random;
+	x ^= x << 13;
+	x ^= x >> 17;
+	x ^= x << 5;
+	slot->random = x;
+	return (x >> 16) * end >> 16;
+}
+
+/* Visits the threads begin <= i < end that may have work, from a random one on in a circle. */
+static bool visit_range(job_slot *slot, job_active_kind kind, uint32_t begin, uint32_t end, job_visit_fn *visit,
+                        void *context)
+{
+	uint32_t middle = begin + random_below(slot, end - begin);
+	for (uint32_t i = job_active_from(slot->pool, kind, middle); i < end; i = job_active_from(slot->pool, kind, i + 1))
+		if (visit(slot, i, context))
+			return true;
+	for (uint32_t i = job_active_from(slot->pool, kind, begin); i < middle;
+	     i = job_active_from(slot->pool, kind, i + 1))
+		if (visit(slot, i, context))
+			return true;
+	return false;
+}
+
+bool job_visit_active(job_slot *slot, job_active_kind kind, job_visit_fn *visit, void *context)
+{
+	return visit_range(slot, kind, slot->team_begin, slot->team_end, visit, context) ||
+	       visit_range(slot, kind, 0, slot->pool->worker_count + 1, visit, context);
+}
+
 /* ---- running --------------------------------------------------------------------------------------------------- */
 
 void job_work_spin_stop(job_slot *slot)
@@ -123,15 +184,27 @@ static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *
 	return record;
 }
 
+typedef struct steal_search {
+	const job_scope *scope;
+	job_record *record;
+} steal_search;
+
+static bool steal_visit(job_slot *slot, uint32_t victim, void *context)
+{
+	steal_search *search = context;
+	search->record = steal_from(slot, victim, search->scope);
+	return search->record;
+}
+
 /* Tries all threads, first the victim of the last steal. A waiting thread tries its own deque, too: a job of its scope
  * may be the oldest there, below newer jobs outside the scope. */
 static job_record *steal(job_slot *slot, const job_scope *scope)
 {
-	uint32_t threads = slot->pool->worker_count + 1, victim = slot->victim;
-	job_record *record = NULL;
-	for (uint32_t i = 0; i < threads && !record; i++, victim = victim + 1 < threads ? victim + 1 : 0)
-		record = steal_from(slot, victim, scope);
-	return record;
+	uint32_t victim = slot->victim;
+	steal_search search = {.scope = scope};
+	if (slot->pool->one_team || !steal_visit(slot, victim, &search))
+		job_visit_threads(slot, JOB_ACTIVE_JOBS, victim, steal_visit, &search);
+	return search.record;
 }
 
 /* Notes that the thief should pause if the stolen job, which ran for so many ticks, was shorter than JOB_STEAL_NS. That
@@ -298,7 +371,8 @@ static job_record *take_visible(job_slot *slot, const job_scope *scope, job_work
 static bool deques_have_any(stilb_job_pool *pool, const job_scope *scope)
 {
 	int64_t index;
-	for (uint32_t i = 0; i <= pool->worker_count; i++)
+	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_JOBS, 0); i <= pool->worker_count;
+	     i = job_active_from(pool, JOB_ACTIVE_JOBS, i + 1))
 		if (job_deque_find(&pool->slot[i].deque, in_scope, scope, &index))
 			return true;
 	return false;
@@ -307,7 +381,8 @@ static bool deques_have_any(stilb_job_pool *pool, const job_scope *scope)
 /* True if the scope allows the oldest job of some deque. */
 static bool deques_have(stilb_job_pool *pool, const job_scope *scope)
 {
-	for (uint32_t i = 0; i <= pool->worker_count; i++) {
+	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_JOBS, 0); i <= pool->worker_count;
+	     i = job_active_from(pool, JOB_ACTIVE_JOBS, i + 1)) {
 		int64_t top;
 		job_record *record = job_deque_oldest(&pool->slot[i].deque, &top);
 		if (record && scope_has(scope, record))
@@ -354,8 +429,10 @@ bool job_work_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	if (!record)
 		return helped;
 	job_work_spin_stop(slot);
-	if (work.kind != JOB_WORK_OWN) /* this thread's push into its own deque has woken a thread already */
-		job_work_wake_next(slot, &work);
+	if (work.kind != JOB_WORK_OWN) {
+		job_active_begin(slot, JOB_ACTIVE_JOBS); /* is set if the thread has jobs of its own */
+		job_work_wake_next(slot, &work);         /* its push into its own deque has woken a thread already */
+	}
 	run(slot, record, work.kind == JOB_WORK_JOB, scope->jobs ? scope : NULL, until);
 	return true;
 }
@@ -402,7 +479,8 @@ bool job_work_unbury(job_slot *slot, const job_scope *scope, stilb_job_group *un
 	assert(job_slot_is_mine(slot) && scope->jobs && !scope->all);
 	stilb_job_pool *pool = slot->pool;
 	job_record *record = take_low(pool, scope);
-	for (uint32_t i = 0; i <= pool->worker_count && !record; i++)
+	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_JOBS, 0); i <= pool->worker_count && !record;
+	     i = job_active_from(pool, JOB_ACTIVE_JOBS, i + 1))
 		if (i != slot->index && (record = steal_buried(slot, i, scope)) && pool->hooks.steal)
 			pool->hooks.steal(pool->hooks.user, slot->index, i);
 	if (record)
@@ -477,14 +555,17 @@ bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 	stilb_job_pool *pool = slot->pool;
 	uint64_t start = job_sys_ticks();
 	/* Relaxed: an old value only makes the spin end one round later or earlier. */
-	while (job_sys_ticks() - start < pool->wake_ticks ||
-	       (scope->all && atomic_load_explicit(&pool->phase, memory_order_relaxed))) {
+	for (;;) {
+		if (job_sys_ticks() - start >= pool->wake_ticks) {
+			if (!scope->all || !atomic_load_explicit(&pool->phase, memory_order_relaxed))
+				return false;
+			active_end(slot);
+		}
 		if (work_seems_to_exist(slot, scope) || (until && job_group_done(until)) ||
 		    atomic_load_explicit(&pool->stop, memory_order_relaxed))
 			return true;
 		job_work_relax(slot);
 	}
-	return false;
 }
 
 /* Tells the shared queues that this thread will not use them while it sleeps, so that they can reuse all memory. */
@@ -545,6 +626,8 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 	stilb_job_pool *pool = slot->pool;
 	assert(slot->index > 0 || !slot->spinning); /* only workers spin */
 	job_idler idler = {.parker = &slot->parker, .scope = *scope, .worker = slot->index > 0};
+	if (scope->all)
+		active_end(slot);
 	/* Steps (1) to (3) of job_park.h. */
 	bool watch = scope->all && slot->spinning;
 	bool alone = job_idle_enter(&pool->idle, &idler, slot->spinning);

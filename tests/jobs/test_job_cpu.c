@@ -180,11 +180,26 @@ static void test_choice(void **state)
 	assert_int_equal(cpus[1], 1);
 }
 
+/* The machine of test_choice again. */
+static void test_sort(void **state)
+{
+	(void)state;
+	uint32_t cpus[] = {5, 8, 12, 1, 6, 4, 0, 13}, caches[8];
+	static const uint32_t sorted[] = {5, 12, 4, 13, 8, 1, 0, 6}, cache[] = {4, 4, 4, 4, 0, 0, 0, 6};
+	job_cpu_sort(cpus, 8, root, caches);
+	assert_memory_equal(cpus, sorted, sizeof cpus);
+	assert_memory_equal(caches, cache, sizeof caches);
+	job_cpu_sort(cpus, 1, root, caches);
+	assert_int_equal(caches[0], 4);
+	job_cpu_sort(cpus, 8, "/nowhere", caches); /* as if all shared one cache */
+	assert_memory_equal(cpus, sorted, sizeof cpus);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_version_2), cmocka_unit_test(test_version_1), cmocka_unit_test(test_nonsense),
-		cmocka_unit_test(test_affinity),  cmocka_unit_test(test_choice),
+		cmocka_unit_test(test_affinity),  cmocka_unit_test(test_choice),    cmocka_unit_test(test_sort),
 	};
 	return cmocka_run_group_tests(tests, setup, teardown);
 }

@@ -214,7 +214,202 @@ static void test_spinners_are_limited(void **state)
 	made_up_destroy(pool);
 }
 
-/* Real threads: the owner wakes one worker for a phase, each of them two at most, and in the end all are awake. */
+/* ---- looking for work ------------------------------------------------------------------------------------------ */
+
+static bool is_active(stilb_job_pool *pool, job_active_kind kind, uint32_t thread)
+{
+	return job_active_from(pool, kind, thread) == thread;
+}
+
+static uint32_t count_active(stilb_job_pool *pool, job_active_kind kind)
+{
+	uint32_t count = 0;
+	for (uint32_t i = job_active_from(pool, kind, 0); i <= pool->worker_count; i = job_active_from(pool, kind, i + 1))
+		count++;
+	return count;
+}
+
+static bool always(job_slot *slot, void *context)
+{
+	(void)slot, (void)context;
+	return true;
+}
+
+/* Plays worker i as it goes to sleep, and wakes up at once. */
+static void nap(stilb_job_pool *pool, uint32_t i)
+{
+	assert_int_equal(job_work_park(&pool->slot[i], &job_scope_all, always, NULL), JOB_IDLE_NOT_CHOSEN);
+}
+
+static void nothing(void *data, uint32_t worker)
+{
+	(void)data, (void)worker;
+}
+
+static void submit_nothing(void *data, uint32_t worker)
+{
+	assert_int_equal(stilb_job_submit(data, nothing, NULL, NULL, worker), 0);
+}
+
+static void no_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)begin, (void)end, (void)worker, (void)context;
+}
+
+static void run_loop(void *data, uint32_t worker)
+{
+	stilb_job_parallel_for(data, 2, 1, no_slice, NULL, worker);
+}
+
+/* For the first and the last thread of each word of bits: it is active from its first job until it sleeps, and the job
+ * that it submits is seen by all. */
+static void test_only_threads_with_work_are_looked_at(void **state)
+{
+	static const uint32_t thieves[] = {1, 63, 64, 127, 128, 192, 255, 256};
+	(void)state;
+	stilb_job_pool *pool = made_up_pool(256);
+	assert_int_equal(count_active(pool, JOB_ACTIVE_JOBS), 1);
+	assert_int_equal(count_active(pool, JOB_ACTIVE_LOOPS), 0);
+	for (size_t i = 0; i < sizeof thieves / sizeof thieves[0]; i++) {
+		job_slot *thief = &pool->slot[thieves[i]], *other = &pool->slot[thieves[i] - 1];
+		assert_false(is_active(pool, JOB_ACTIVE_JOBS, thief->index));
+		submit_nothing(pool, 0);
+		assert_true(job_work_help(thief, &job_scope_all, NULL));
+		assert_true(is_active(pool, JOB_ACTIVE_JOBS, thief->index));
+		submit_nothing(pool, thief->index);
+		assert_true(job_work_exists(other, &job_scope_all));
+		assert_true(job_work_help(other, &job_scope_all, NULL));
+		assert_false(job_work_exists(other, &job_scope_all));
+		nap(pool, thief->index);
+		assert_false(is_active(pool, JOB_ACTIVE_JOBS, thief->index));
+		if (other->index > 0)
+			nap(pool, other->index);
+		assert_int_equal(count_active(pool, JOB_ACTIVE_JOBS), 1);
+	}
+	made_up_destroy(pool);
+}
+
+static void test_only_threads_with_loops_are_helped(void **state)
+{
+	(void)state;
+	stilb_job_pool *pool = made_up_pool(100);
+	job_slot *worker = &pool->slot[99];
+	assert_int_equal(stilb_job_submit(pool, run_loop, pool, NULL, 0), 0);
+	assert_false(is_active(pool, JOB_ACTIVE_LOOPS, 99));
+	assert_true(job_work_help(worker, &job_scope_all, NULL));
+	assert_true(is_active(pool, JOB_ACTIVE_LOOPS, 99));
+	assert_int_equal(count_active(pool, JOB_ACTIVE_LOOPS), 1);
+	nap(pool, 99);
+	assert_int_equal(count_active(pool, JOB_ACTIVE_LOOPS), 0);
+	made_up_destroy(pool);
+}
+
+typedef struct round_trip {
+	uint32_t visits, order[64], seen[32];
+} round_trip;
+
+static bool note_visit(job_slot *slot, uint32_t thread, void *context)
+{
+	round_trip *trip = context;
+	(void)slot;
+	trip->order[trip->visits++] = thread;
+	trip->seen[thread]++;
+	return false;
+}
+
+/* Each look visits the team of the thread, then all threads. In time it begins at each of them. */
+static void test_looks_begin_anywhere_and_miss_nobody(void **state)
+{
+	enum { THREADS = 32, ROUNDS = 1000 };
+	(void)state;
+	stilb_job_pool *pool = made_up_pool(THREADS - 1);
+	uint32_t first_of_team[THREADS] = {0}, first_of_all[THREADS] = {0}, same = 0;
+	for (uint32_t i = 0; i < THREADS; i++)
+		job_active_begin(&pool->slot[i], JOB_ACTIVE_JOBS);
+	for (uint32_t round = 0; round < ROUNDS; round++) {
+		round_trip trip = {0}, other = {0};
+		job_visit_threads(&pool->slot[10], JOB_ACTIVE_JOBS, 0, note_visit, &trip);
+		job_visit_threads(&pool->slot[11], JOB_ACTIVE_JOBS, 0, note_visit, &other);
+		assert_int_equal(trip.visits, 8 + THREADS);
+		for (uint32_t i = 0; i < THREADS; i++)
+			assert_int_equal(trip.seen[i], 1 + (i >= 8 && i < 16));
+		for (uint32_t i = 0; i < 8; i++)
+			assert_in_range(trip.order[i], 8, 15);
+		first_of_team[trip.order[0]]++;
+		first_of_all[trip.order[8]]++;
+		same += trip.order[0] == other.order[0] && trip.order[8] == other.order[8];
+	}
+	for (uint32_t i = 0; i < THREADS; i++) {
+		assert_true(first_of_all[i] > ROUNDS / THREADS / 2);
+		assert_true((first_of_team[i] > ROUNDS / 8 / 2) == (i >= 8 && i < 16));
+	}
+	assert_true(same < ROUNDS / 8); /* two threads begin at different places */
+	made_up_destroy(pool);
+}
+
+/* ---- teams ----------------------------------------------------------------------------------------------------- */
+
+/* The last level of cache of each CPU of a made-up machine, where CPUs have the numbers of threads. NULL: none is. */
+static const uint32_t *made_up_caches;
+
+void __real_job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache);
+void __wrap_job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache);
+void __wrap_job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache)
+{
+	if (!made_up_caches)
+		__real_job_cpu_sort(cpus, count, cpu_dirs, cache);
+	else
+		memcpy(cache, made_up_caches, count * sizeof *cache);
+}
+
+uint32_t __real_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
+uint32_t __wrap_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
+uint32_t __wrap_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
+{
+	if (!made_up_caches)
+		return __real_job_cpu_others(here, cpus, max);
+	for (uint32_t i = 0; i < max; i++)
+		cpus[i] = here + 1 + i;
+	return max;
+}
+
+/* Checks where the teams of a pool with so many threads begin; first[] ends with the number of threads. */
+static void check_teams(const uint32_t *caches, uint32_t threads, const uint32_t *first)
+{
+	stilb_job_pool *pool = NULL;
+	stilb_job_pool_desc desc = {.worker_count = threads - 1, .affinity = STILB_JOB_AFFINITY_AUTO};
+	made_up = true;
+	made_up_caches = caches;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	for (uint32_t i = 0; i < threads; i++) {
+		first += i == first[1];
+		assert_int_equal(pool->slot[i].team_begin, first[0]);
+		assert_int_equal(pool->slot[i].team_end, first[1]);
+	}
+	made_up_caches = NULL;
+	job_slot_set_mine(&pool->slot[0]);
+	made_up_destroy(pool);
+}
+
+static void test_teams_share_a_cache(void **state)
+{
+	(void)state;
+	static const uint32_t one[20], fours[20] = {0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 1, 1, 1, 1, 2, 2, 2, 2},
+								   sixes[20] = {0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 9, 9, 9, 9, 9, 9, 7, 7};
+	uint32_t alone[20];
+	for (uint32_t i = 0; i < 20; i++)
+		alone[i] = i;
+	check_teams(one, 8, (const uint32_t[]){0, 8});
+	check_teams(one, 20, (const uint32_t[]){0, 8, 16, 20});
+	check_teams(fours, 8, (const uint32_t[]){0, 8});
+	check_teams(fours, 20, (const uint32_t[]){0, 4, 8, 12, 16, 20});
+	check_teams(sixes, 20, (const uint32_t[]){0, 6, 12, 18, 20});
+	check_teams(alone, 20, (const uint32_t[]){0, 4, 8, 12, 16, 20});
+}
+
+/* ---- real threads ---------------------------------------------------------------------------------------------- */
+
+/* The owner wakes one worker for a phase, each of them two at most, and in the end all are awake. */
 static void test_phase_wakes_all(void **state)
 {
 	(void)state;
@@ -240,6 +435,10 @@ int main(void)
 		cmocka_unit_test(test_loop_wakes_as_many_as_it_has_slices_for),
 		cmocka_unit_test(test_owner_wakes_one_and_helpers_two),
 		cmocka_unit_test(test_spinners_are_limited),
+		cmocka_unit_test(test_only_threads_with_work_are_looked_at),
+		cmocka_unit_test(test_only_threads_with_loops_are_helped),
+		cmocka_unit_test(test_looks_begin_anywhere_and_miss_nobody),
+		cmocka_unit_test(test_teams_share_a_cache),
 		cmocka_unit_test(test_phase_wakes_all),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -22,6 +22,8 @@
 #define SHARED_FIRST 1
 #define JOBS_IN_A_ROW 2
 #define JOB_BATCH_SHARES 1
+#define JOB_TEAM_MOST threads_of_a_team
+static unsigned threads_of_a_team = 8;
 #include "job_model_sys.h"
 
 #include "jobs/job_deque.c"
@@ -60,6 +62,11 @@ uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
 {
 	(void)here, (void)cpus, (void)max;
 	return 0;
+}
+
+void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache)
+{
+	(void)cpus, (void)count, (void)cpu_dirs, (void)cache;
 }
 
 int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
@@ -566,6 +573,25 @@ static void buried_elsewhere_main(void)
 	wait_for_buried();
 }
 
+/* Waits for a job that only the owner may run, then submits another one that the owner must run. */
+static void wait_and_submit(void *data, uint32_t worker)
+{
+	(void)data;
+	stilb_job_wait(shared.pool, &shared.first, worker);
+	add(count_run, &shared.group, worker);
+	model_block_until(&shared.ran, with.jobs);
+}
+
+/* The owner goes to sleep, or does not, while the worker wakes up and has a job for it. */
+static void wait_and_submit_main(void)
+{
+	begin();
+	add_with(count_run, &shared.first, (stilb_job_options){.pinned = true, .target = 0}, 0);
+	add_with(wait_and_submit, &shared.group, (stilb_job_options){.pinned = true, .target = 1}, 0);
+	stilb_job_wait(shared.pool, &shared.group, 0);
+	workers_alone();
+}
+
 static void *wait_on_list(void *data)
 {
 	(void)data;
@@ -678,8 +704,9 @@ typedef struct scenario {
 	const char *name;
 	void (*main)(void);
 	uint32_t workers, jobs;
-	/* Who must run part of it in some interleaving. IN_ORDER: checked on MODEL_SC, as others have too many states. */
-	enum { WORKERS = 1, OWNER = 2, BOTH = 3, UNTIL_OWNER_ENDS = 4, IN_ORDER = 8 } who;
+	/* Who must run part of it in some interleaving. IN_ORDER: checked on MODEL_SC, as others have too many states.
+	 * TEAMS: each thread is a team of its own. */
+	enum { WORKERS = 1, OWNER = 2, BOTH = 3, UNTIL_OWNER_ENDS = 4, IN_ORDER = 8, TEAMS = 16 } who;
 } scenario;
 
 static const scenario scenarios[] = {
@@ -698,6 +725,7 @@ static const scenario scenarios[] = {
 	{"pinned wakes", submit_pinned_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
+	{"submit after a wait", wait_and_submit_main, 1, 2, OWNER | UNTIL_OWNER_ENDS | TEAMS},
 	{"batch wakes", batch_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"batch in records", batch_records_main, 1, 4, WORKERS},
 	{"buried", buried_main, 1, 4, WORKERS | UNTIL_OWNER_ENDS},
@@ -734,6 +762,7 @@ static model_result explore(const scenario *s)
 {
 	with.workers = s->workers;
 	with.jobs = s->jobs;
+	threads_of_a_team = s->who & TEAMS ? 1 : 8;
 	worker_runs = owner_runs = 0;
 	model_scenario model = {.memory = s->who & IN_ORDER ? MODEL_SC : arguments.memory,
 	                        .main = s->main,
