@@ -8,10 +8,11 @@
  * Accesses.  The sources are compiled with -fsanitize=thread and linked with sim_access.c in place of the thread
  *            sanitizer: the compiler reports every access to memory that other threads might see, plain and atomic.
  * Lines.     Each line of 64 bytes has an owner or sharers, as under MESI, and a time until which it is busy. A hit
- *            costs an instruction or two. A miss takes the line from where it is, for the published time of a transfer
+ *            costs next to nothing. A miss takes the line from where it is, for the published time of a transfer
  *            over that distance: to the other thread of the core, within the cluster that shares a cache, within the
  *            socket, between sockets. A write waits for the farthest sharer. Requests for a line that is on its way
- *            wait for it, first come, first served, so read-modify-writes on one line follow one another.
+ *            wait for it, first come, first served. The request reaches the line's owner after half of the transfer;
+ *            until then the owner goes on using it, so that a thread does several read-modify-writes in a row.
  * Stores.    A store that is not seq_cst costs its thread nothing but the instruction; the line follows by itself, and
  *            the thread's next read-modify-write waits for it.
  * Order.     The sources run sequentially consistent. A CPU may run ahead of the others by one transfer as long as it
@@ -19,8 +20,9 @@
  * Kernel.    Futexes, sleeps, yields, affinity and the creation of threads cost what the machine's table says. A woken
  *            thread starts after the wake latency and preempts the one that runs on its CPU; threads that share a CPU
  *            take turns.
- * Not there: what the plain instructions between accesses cost (an access stands for some of them); caches of limited
- *            size; several misses of one thread at a time; the limits of links and memory; power states.
+ * Instructions. Between accesses they cost nothing by themselves; a call of a function stands for them.
+ * Not there: caches of limited size; several misses of one thread at a time; the limits of links and memory; power
+ *            states; what the two threads of a core take from each other.
  *
  * Threads: none; one simulation at a time.
  */
@@ -45,7 +47,8 @@ typedef struct sim_machine {
 	double smt, near, socket, far;
 	double rmw;       /* a read-modify-write of a line that the CPU owns */
 	double pause;     /* the instruction with which loops wait */
-	double access;    /* an access that hits, and the instructions around it */
+	double access;    /* an access to memory that hits; several run at a time */
+	double function;  /* a call of a function, and the instructions around it */
 	double call;      /* a system call that does little, such as a yield without another thread */
 	double wake;      /* the caller of a futex wake */
 	double latency;   /* from the call of a futex wake to the first instruction of the woken thread */
@@ -77,6 +80,9 @@ void sim_sleep(double ns);
 void sim_read(const volatile void *at, const void *code);
 void sim_write(const volatile void *at, const void *code);
 void sim_rmw(const volatile void *at, const void *code);
+
+/* Calls a function. */
+void sim_function(void);
 
 /* Futexes; the waiter returns at once if *word is not expected, and after timeout_ns, UINT64_MAX for never. */
 void sim_futex_wait(const volatile uint32_t *word, uint32_t expected, uint64_t timeout_ns);

@@ -23,6 +23,7 @@ void __tsan_init(void)
 void __tsan_func_entry(void *caller)
 {
 	(void)caller;
+	sim_function();
 }
 
 void __tsan_func_exit(void)

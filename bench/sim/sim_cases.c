@@ -25,7 +25,7 @@ static stilb_job_pool *pool_create(void)
 {
 	uint32_t threads = sim_pool_threads > 0 ? sim_pool_threads : sim_cpus();
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
-	desc.worker_count = threads > 1 ? threads - 1 : 1;
+	desc.worker_count = threads - 1;
 	desc.hooks.wake = on_wake;
 	stilb_job_pool *pool;
 	if (stilb_job_pool_create(&desc, &pool) != 0) {
@@ -45,10 +45,17 @@ static double wait_awake(stilb_job_pool *pool, double begin)
 	return woken.last - begin;
 }
 
+/* The beginning of what a case measures. */
+static double begin_counting(void)
+{
+	sim_lines_reset();
+	return sim_now();
+}
+
 static void phase_begin(void *result)
 {
 	stilb_job_pool *pool = pool_create();
-	double begin = sim_now();
+	double begin = begin_counting();
 	stilb_job_phase_begin(pool);
 	*(double *)result = wait_awake(pool, begin) / 1000.0;
 	stilb_job_phase_end(pool);
@@ -62,7 +69,7 @@ static double look(stilb_job_pool *pool)
 	double begin = 0.0;
 	for (int i = -LOOKS; i < LOOKS; i++) {
 		if (i == 0)
-			begin = sim_now();
+			begin = begin_counting();
 		job_work_help(&pool->slot[0], &job_scope_all, NULL);
 	}
 	return (sim_now() - begin) / LOOKS;
@@ -114,7 +121,7 @@ static double loops(uint32_t slices, stilb_job_range_fn *fn, bool phase)
 	double begin = 0.0;
 	for (int i = -WARM; i < LOOPS; i++) {
 		if (i == 0)
-			begin = sim_now();
+			begin = begin_counting();
 		stilb_job_parallel_for(pool, slices, 1, fn, NULL, 0);
 	}
 	double time = (sim_now() - begin) / LOOPS;
@@ -150,7 +157,7 @@ static void loop_20000(void *result)
 	double begin = 0.0;
 	for (int i = -2; i < 4; i++) {
 		if (i == 0)
-			begin = sim_now();
+			begin = begin_counting();
 		stilb_job_parallel_for(pool, 20000, 1, slice_200ns, NULL, 0);
 	}
 	*(double *)result = (sim_now() - begin) / 4e6;
@@ -170,7 +177,7 @@ static void spawn(void *result)
 	for (int i = -1; i < 2; i++) {
 		stilb_job_group group = {0};
 		if (i == 0)
-			begin = sim_now();
+			begin = begin_counting();
 		for (int j = 0; j < JOBS; j++)
 			stilb_job_submit(pool, job_empty, NULL, &group, 0);
 		stilb_job_wait(pool, &group, 0);
@@ -204,7 +211,7 @@ static void fib_18(void *result)
 {
 	fib_job job = {pool_create(), 18, 0};
 	fib(&job, 0); /* warms up */
-	double begin = sim_now();
+	double begin = begin_counting();
 	fib(&job, 0);
 	*(double *)result = (sim_now() - begin) / 1000.0;
 	if (job.result != 2584)

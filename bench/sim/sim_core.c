@@ -378,6 +378,12 @@ void sim_work(double ns)
 	}
 }
 
+void sim_function(void)
+{
+	if (sim.now)
+		sim.now->clock += ps(sim.machine->function);
+}
+
 void sim_pause(void)
 {
 	sim.now->clock += ps(sim.machine->pause);

@@ -30,8 +30,13 @@ static struct {
 	/* For each CPU: those of the same core, cluster and socket. */
 	cpu_set core[SIM_CPUS_MAX], cluster[SIM_CPUS_MAX], node[SIM_CPUS_MAX];
 	uint64_t stores[SIM_CPUS_MAX]; /* when the stores of each CPU will all have been made */
-	line *lines;                   /* of the arena */
-	line other[OTHERS];            /* hash table of lines outside the arena */
+	/* The line that was last taken from each CPU, and until when it can still use that. */
+	struct {
+		const line *line;
+		uint64_t until;
+	} leaving[SIM_CPUS_MAX];
+	line *lines;        /* of the arena */
+	line other[OTHERS]; /* hash table of lines outside the arena */
 } mem;
 
 /* ---- where CPUs are ---------------------------------------------------------------------------------------------- */
@@ -163,12 +168,29 @@ static void note(line *l, uint64_t begin, uint64_t end, const void *code)
 	l->code = code;
 }
 
+/* True if the CPU can write, since the request for the line has not arrived there yet. */
+static bool is_leaving(const line *l, uint32_t cpu, uint64_t time)
+{
+	return mem.leaving[cpu].line == l && time <= mem.leaving[cpu].until;
+}
+
+/* Asks for the line at `time`; it comes in `cost`. Returns when it is there. It leaves its owner half that time before,
+ * so that even when many ask for it, its owner can do something with it. */
+static uint64_t request(line *l, uint32_t cpu, uint64_t time, uint64_t cost, const void *code)
+{
+	uint64_t begin = time > l->busy ? time : l->busy;
+	if (!l->shared && l->owner != cpu) {
+		mem.leaving[l->owner].line = l;
+		mem.leaving[l->owner].until = begin + cost / 2;
+	}
+	note(l, time, begin + cost, code);
+	return begin + cost;
+}
+
 /* Takes the line for writing, in a request made at `time`. Returns when it is there. */
 static uint64_t take(line *l, uint32_t cpu, uint64_t time, const void *code)
 {
-	uint64_t cost = farthest(l, cpu), end = (time > l->busy || can_write(l, cpu) ? time : l->busy) + cost;
-	if (cost > 0)
-		note(l, time, end, code);
+	uint64_t cost = farthest(l, cpu), end = cost > 0 ? request(l, cpu, time, cost, code) : time;
 	memset(&l->sharers, 0, sizeof l->sharers);
 	set_add(&l->sharers, cpu);
 	l->owner = (uint16_t)cpu;
@@ -181,20 +203,21 @@ void sim_read(const volatile void *at, const void *code)
 	if (!sim_running())
 		return;
 	line *l = find(at);
-	*sim_clock() += mem.access;
-	if (set_has(&l->sharers, sim_cpu())) {
+	uint64_t *clock = sim_clock();
+	*clock += mem.access;
+	if (set_has(&l->sharers, sim_cpu()) || is_leaving(l, sim_cpu(), *clock)) {
 		sim_turn(mem.ahead);
 		return;
 	}
 	sim_turn(0);
 	uint32_t cpu = sim_cpu();
-	uint64_t *clock = sim_clock(), begin = *clock;
+	clock = sim_clock();
 	if (set_has(&l->sharers, cpu))
 		return;
-	*clock = (begin > l->busy ? begin : l->busy) + nearest(l, cpu);
-	note(l, begin, *clock, code);
+	*clock = request(l, cpu, *clock, nearest(l, cpu), code);
 	set_add(&l->sharers, cpu);
 	l->shared = true;
+	sim_turn(0); /* the value is that of the time when the line is there */
 }
 
 void sim_write(const volatile void *at, const void *code)
@@ -203,9 +226,10 @@ void sim_write(const volatile void *at, const void *code)
 		return;
 	line *l = find(at);
 	*sim_clock() += mem.access;
-	sim_turn(can_write(l, sim_cpu()) ? mem.ahead : 0);
+	bool hit = can_write(l, sim_cpu()) || is_leaving(l, sim_cpu(), *sim_clock());
+	sim_turn(hit ? mem.ahead : 0);
 	uint32_t cpu = sim_cpu();
-	if (can_write(l, cpu))
+	if (hit || can_write(l, cpu))
 		return;
 	uint64_t end = take(l, cpu, *sim_clock(), code);
 	l->busy = end;
@@ -218,14 +242,21 @@ void sim_rmw(const volatile void *at, const void *code)
 	if (!sim_running())
 		return;
 	line *l = find(at);
-	sim_turn(can_write(l, sim_cpu()) ? mem.ahead : 0);
-	uint32_t cpu = sim_cpu();
 	uint64_t *clock = sim_clock();
-	if (*clock < mem.stores[cpu])
-		*clock = mem.stores[cpu];
-	*clock = take(l, cpu, *clock, code) + mem.access + mem.rmw;
-	if (l->busy < *clock)
-		l->busy = *clock;
+	if (*clock < mem.stores[sim_cpu()])
+		*clock = mem.stores[sim_cpu()];
+	*clock += mem.access;
+	if (can_write(l, sim_cpu()) || is_leaving(l, sim_cpu(), *clock)) {
+		*clock += mem.rmw;
+		sim_turn(mem.ahead);
+		return;
+	}
+	sim_turn(0);
+	uint32_t cpu = sim_cpu();
+	clock = sim_clock();
+	*clock = take(l, cpu, *clock, code) + mem.rmw;
+	l->busy = *clock;
+	sim_turn(0); /* it reads and writes when the line is there */
 }
 
 void sim_run(const sim_machine *machine, uint32_t cpus, void (*main)(void *), void *data)

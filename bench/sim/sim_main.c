@@ -61,7 +61,7 @@ int main(int argc, char **argv)
 		{"--machine", FLAG_TEXT, &o.machine, "NAME", "xeon, epyc, graviton, here, or all: the first three (all)", 0, 0,
 	     NULL},
 		{"--cores", FLAG_NUMBER, &o.cores, "N", "CPUs, 2..256 (2, 4, ... 256)", 2, SIM_CPUS_MAX, NULL},
-		{"--threads", FLAG_NUMBER, &o.threads, "N", "threads of the pool, 2..257 (one for each CPU)", 2, 257, NULL},
+		{"--threads", FLAG_NUMBER, &o.threads, "N", "threads of the pool, 1..257 (one for each CPU)", 1, 257, NULL},
 		{"--case", FLAG_TEXT, &o.name, "NAME", "one case (all)", 0, 0, NULL},
 		{"--json", FLAG_SWITCH, &o.json, NULL, "an array of objects", 0, 0, NULL},
 		{"--lines", FLAG_SWITCH, &o.lines, NULL, "also print the cache lines that cost most", 0, 0, NULL},

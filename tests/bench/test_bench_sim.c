@@ -16,6 +16,7 @@ static const sim_machine machine = {.name = "test",
                                     .rmw = 3,
                                     .pause = 1,
                                     .access = 0,
+                                    .function = 0,
                                     .call = 0,
                                     .wake = 2000,
                                     .latency = 7000,
@@ -173,15 +174,14 @@ static void *add(void *data)
 	return NULL;
 }
 
-/* Two CPUs of one cache and two of another one add to one counter: each addition waits for the one before. */
 static void counter(void *data)
 {
-	enum { THREADS = 4, TIMES = 1000 };
+	enum { THREADS = 2, TIMES = 18000 };
 	shared *all = make_shared();
 	actor actors[THREADS];
 	uint32_t threads[THREADS];
 	for (uint32_t i = 0; i < THREADS; i++) {
-		actors[i] = (actor){.all = all, .cpu = i + 4, .times = TIMES};
+		actors[i] = (actor){.all = all, .cpu = 2 * i + 1, .times = TIMES};
 		threads[i] = start(add, &actors[i]);
 	}
 	for (uint32_t i = 0; i < THREADS; i++)
@@ -189,14 +189,15 @@ static void counter(void *data)
 	*(result *)data = (result){.time = (all->end - START_NS) / (THREADS * TIMES), .count = all->counter};
 }
 
+/* Two CPUs with a distance of 100 ns add to one counter. Each gets the line in 100 ns, and until it leaves, half that
+ * time after its first addition, begins one every 3 ns: 18 additions of both in 103 ns. */
 static void test_additions_to_one_counter_follow_one_another(void **state)
 {
 	(void)state;
 	result r = {0};
 	sim_run(&machine, 8, counter, &r);
-	assert_int_equal(r.count, 4000);
-	/* First come, first served: the four take turns, and two of four transfers go to the other cache. */
-	double turn = (machine.near + machine.socket) / 2 + machine.rmw;
+	assert_int_equal(r.count, 36000);
+	double turn = (machine.socket + machine.rmw) / 18;
 	assert_true(r.time > 0.97 * turn && r.time < 1.03 * turn);
 }
 
