@@ -9,6 +9,9 @@
  *   lock-free   Segments of cells that are filled and emptied in order, each by one compare-exchange. A thread that is
  *               preempted anywhere holds up nobody. Costs more, and must know its threads (see Threads).
  * Life cycle.   stilb_job_queue_create -> push and pop from any of its threads -> close (optional) -> destroy.
+ * Waiting.      Two calls wait: stilb_job_queue_pop_wait for an item, stilb_job_queue_push_wait for space. They try for
+ *               5 us and then sleep, so they cost no CPU; close ends them. All other calls return at once, and cost the
+ *               same whether or not anybody waits.
  * Example.
  *                   stilb_job_queue_desc desc = stilb_job_queue_desc_default();
  *                   stilb_job_queue *queue;
@@ -24,8 +27,7 @@
  *               rests or calls again, segments that it might still be reading cannot be reused.
  * Items.        Pointers that are not NULL; the queue does not follow them. Everything a thread wrote before it pushed
  *               an item is visible to the thread that popped it.
- * Errors.       Functions return 0, a count or a negative errno value. They print nothing, call nothing back and never
- *               wait for the other end of the queue.
+ * Errors.       Functions return 0, a count or a negative errno value. They print nothing and call nothing back.
  */
 #ifndef STILB_JOB_QUEUE_H
 #define STILB_JOB_QUEUE_H
@@ -82,10 +84,21 @@ int stilb_job_queue_pop(stilb_job_queue *queue, void **item, uint32_t thread);
  * none, the error of stilb_job_queue_pop. A max of 0 returns 0. [any-thread] */
 int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread);
 
+/* stilb_job_queue_pop that waits while the queue is empty, timeout_ns nanoseconds at most; UINT64_MAX: without limit.
+ * -ETIMEDOUT: the queue was empty all the time; -EPIPE: it is closed and empty, for good. Items of a closed queue are
+ * popped first. Several waiting threads are not served in any order. A job of a pool that waits here keeps its worker
+ * from other jobs. [any-thread] */
+int stilb_job_queue_pop_wait(stilb_job_queue *queue, void **item, uint32_t thread, uint64_t timeout_ns);
+
+/* stilb_job_queue_push that waits while the queue is full, as stilb_job_queue_pop_wait does for an item. -ETIMEDOUT: it
+ * was full all the time. [any-thread] */
+int stilb_job_queue_push_wait(stilb_job_queue *queue, void *item, uint32_t thread, uint64_t timeout_ns);
+
 /* True if the queue was empty at some moment during the call. Takes no lock. [any-thread] */
 bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread);
 
-/* Refuses pushes from now on; items in the queue can still be popped. A push in progress either succeeds, and its item
+/* Refuses pushes from now on, and ends the calls that wait for space, and those that wait for an item when all items
+ * have been popped. Items in the queue can still be popped. A push in progress either succeeds, and its item
  * can be popped, or is refused. May be called more than once. [any-thread] */
 void stilb_job_queue_close(stilb_job_queue *queue);
 

@@ -6,7 +6,8 @@
  *               costs the move of its cell from one CPU to the other. Only the producer allocates, and it reuses the
  *               blocks that the consumer has left.
  * Progress.     Pop and close are wait-free: they take a bounded number of steps whatever the other thread does, even
- *               if it has stopped. So does push, except when it must allocate (see Memory): malloc may take a lock.
+ *               if it has stopped. So does push, except when it must allocate (see Memory), since malloc may take a
+ *               lock, or wake a waiting consumer, which enters the kernel.
  * Life cycle.   stilb_job_spsc_create -> push by one thread, pop by one other thread -> close (optional) -> destroy.
  *               Either end may move to another thread if the program synchronises that hand-over.
  * Example.
@@ -22,8 +23,9 @@
  * Memory.       8 bytes an item, in blocks of 511 items. Blocks that the consumer has left are reused: a queue has at
  *               most two blocks more than its longest length filled, and allocates nothing once it has those. Only
  *               stilb_job_spsc_destroy frees them.
- * Errors.       Functions return 0 or a negative errno value. They print nothing, call nothing back and never wait: the
- *               consumer of an empty queue decides by itself whether to spin, sleep or do something else.
+ * Waiting.      The consumer of an empty queue decides whether to do something else or to sleep, in
+ *               stilb_job_spsc_pop_wait, until there is an item. No other function waits.
+ * Errors.       Functions return 0 or a negative errno value. They print nothing and call nothing back.
  *
  * Sources: Herb Sutter, "Writing Lock-Free Code: A Corrected Queue", Dr. Dobb's Journal, October 2008, a list that the
  * producer alone changes; John Giacomoni, Tipp Moseley, Manish Vachharajani, "FastForward for Efficient Pipeline
@@ -31,6 +33,8 @@
  */
 #ifndef STILB_JOB_SPSC_H
 #define STILB_JOB_SPSC_H
+
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -53,7 +57,13 @@ int stilb_job_spsc_push(stilb_job_spsc *queue, void *item);
  * After an error *item is unchanged. [consumer] */
 int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item);
 
-/* Refuses pushes from now on; items in the queue can still be popped. May be called more than once. [producer] */
+/* stilb_job_spsc_pop that waits while the queue is empty, timeout_ns nanoseconds at most; UINT64_MAX: without limit. It
+ * tries for 5 us and then sleeps, which costs no CPU. -ETIMEDOUT: the queue was empty all the time; -EPIPE: it is
+ * closed and empty, for good. [consumer] */
+int stilb_job_spsc_pop_wait(stilb_job_spsc *queue, void **item, uint64_t timeout_ns);
+
+/* Refuses pushes from now on, and ends stilb_job_spsc_pop_wait; items in the queue can still be popped. May be called
+ * more than once. [producer] */
 void stilb_job_spsc_close(stilb_job_spsc *queue);
 
 #ifdef __cplusplus

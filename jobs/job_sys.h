@@ -54,6 +54,14 @@ static inline uint64_t job_sys_ticks(void)
  * the rate, which takes 50 us, and longer only if the thread is interrupted meanwhile. [any-thread] */
 uint64_t job_sys_ticks_in(uint64_t nanoseconds);
 
+/* The steady clock in nanoseconds, for times that are compared with timeouts. */
+static inline uint64_t job_sys_clock_ns(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
 /* The CPU that the calling thread runs on at this moment; UINT32_MAX if the kernel does not say. */
 static inline uint32_t job_sys_cpu(void)
 {

@@ -97,7 +97,7 @@ int queue_kernel_create(const stilb_job_queue_desc *desc, stilb_job_queue **queu
 	*queue = NULL;
 	if (!made)
 		return -ENOMEM;
-	*made = (kernel_queue){.base = {&ops}, .lock = eventfd(1, EFD_SEMAPHORE | EFD_CLOEXEC)};
+	*made = (kernel_queue){.base.ops = &ops, .lock = eventfd(1, EFD_SEMAPHORE | EFD_CLOEXEC)};
 	int error = made->lock < 0 ? -errno : queue_mutex_create(desc, &made->inner);
 	if (error) {
 		kernel_destroy(&made->base);

@@ -121,7 +121,7 @@ int queue_mutex_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue
 	*queue = NULL;
 	if (!made)
 		return -ENOMEM;
-	*made = (mutex_queue){.base = {&ops}, .end = &made->first, .capacity = desc->capacity};
+	*made = (mutex_queue){.base.ops = &ops, .end = &made->first, .capacity = desc->capacity};
 	pthread_mutex_init(&made->mutex, NULL);
 	*queue = &made->base;
 	return 0;

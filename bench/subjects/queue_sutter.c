@@ -173,7 +173,7 @@ int queue_sutter_create(const stilb_job_queue_desc *desc, stilb_job_queue **queu
 		free(first);
 		return -ENOMEM;
 	}
-	*made = (sutter){.base = {&ops}, .first = first, .last = first};
+	*made = (sutter){.base.ops = &ops, .first = first, .last = first};
 	*queue = &made->base;
 	return 0;
 }

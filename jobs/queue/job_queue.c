@@ -24,10 +24,20 @@ int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **q
 	return -EINVAL;
 }
 
+/* For asserts: no call is waiting. */
+static bool nobody_waits(stilb_job_queue *queue)
+{
+	/* Relaxed, both: no other call is in progress. */
+	return atomic_load_explicit(&queue->items.waiters, memory_order_relaxed) == 0 &&
+	       atomic_load_explicit(&queue->space.waiters, memory_order_relaxed) == 0;
+}
+
 void stilb_job_queue_destroy(stilb_job_queue *queue)
 {
-	if (queue)
-		queue->ops->destroy(queue);
+	if (!queue)
+		return;
+	JOB_CHECK(nobody_waits(queue));
+	queue->ops->destroy(queue);
 }
 
 int stilb_job_queue_push(stilb_job_queue *queue, void *item, uint32_t thread)
@@ -60,6 +70,41 @@ int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint
 	return max == 0 ? 0 : queue->ops->pop_n(queue, items, most, thread);
 }
 
+/* The arguments of a call that waits. */
+typedef struct waiting_call {
+	stilb_job_queue *queue;
+	void **item;
+	uint32_t thread;
+} waiting_call;
+
+static int push_again(void *context)
+{
+	const waiting_call *call = context;
+	return stilb_job_queue_push(call->queue, *call->item, call->thread);
+}
+
+int stilb_job_queue_push_wait(stilb_job_queue *queue, void *item, uint32_t thread, uint64_t timeout_ns)
+{
+	int error = stilb_job_queue_push(queue, item, thread);
+	if (error != -EAGAIN)
+		return error;
+	return job_event_wait(&queue->space, push_again, &(waiting_call){queue, &item, thread}, timeout_ns);
+}
+
+static int pop_again(void *context)
+{
+	const waiting_call *call = context;
+	return stilb_job_queue_pop(call->queue, call->item, call->thread);
+}
+
+int stilb_job_queue_pop_wait(stilb_job_queue *queue, void **item, uint32_t thread, uint64_t timeout_ns)
+{
+	int error = stilb_job_queue_pop(queue, item, thread);
+	if (error != -EAGAIN)
+		return error;
+	return job_event_wait(&queue->items, pop_again, &(waiting_call){queue, item, thread}, timeout_ns);
+}
+
 bool stilb_job_queue_empty(stilb_job_queue *queue, uint32_t thread)
 {
 	assert(queue);
@@ -70,6 +115,8 @@ void stilb_job_queue_close(stilb_job_queue *queue)
 {
 	assert(queue);
 	queue->ops->close(queue);
+	job_event_signal(&queue->items, JOB_EVENT_ALL);
+	job_event_signal(&queue->space, JOB_EVENT_ALL);
 }
 
 void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread)

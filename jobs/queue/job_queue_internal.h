@@ -6,9 +6,11 @@
 #define STILB_JOB_QUEUE_INTERNAL_H
 
 #include "jobs/job_queue.h"
+#include "jobs/queue/job_event.h"
 
 /* Each operation implements the function of job_queue.h of the same name, which has checked the arguments: items are
- * not NULL, and count and max are 1..INT32_MAX. */
+ * not NULL, and count and max are 1..INT32_MAX. A push ends with job_event_signal(&queue->items, pushed) and a pop with
+ * job_event_signal(&queue->space, popped); a kind that does not do so can be used, but not waited for. */
 typedef struct job_queue_ops {
 	int (*push)(stilb_job_queue *queue, void *item, uint32_t thread);
 	int (*push_n)(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread);
@@ -20,9 +22,12 @@ typedef struct job_queue_ops {
 	void (*destroy)(stilb_job_queue *queue);
 } job_queue_ops;
 
-/* The first member of the struct of every kind of queue, by which job_queue.c finds the kind's operations. */
+/* The first member of the struct of every kind of queue. The kind sets ops, by which job_queue.c finds its operations,
+ * and the rest to 0. Written only when threads wait, so every CPU keeps a copy of this cache line. */
 struct stilb_job_queue {
 	const job_queue_ops *ops;
+	job_event items; /* for pops that wait */
+	job_event space; /* for pushes that wait */
 };
 
 /* Create a queue of one kind. 0 or -ENOMEM; the caller has checked that desc is in range. */

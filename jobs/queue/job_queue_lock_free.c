@@ -405,6 +405,8 @@ static int lock_free_pop(stilb_job_queue *base, void **item, uint32_t thread)
 	thread_state *self = thread_begin(queue, thread);
 	int error = pop_one(queue, self, item);
 	job_exclusive_end(&self->caller);
+	if (error == 0)
+		job_event_signal(&base->space, 1);
 	return error;
 }
 
@@ -518,6 +520,8 @@ static int lock_free_push(stilb_job_queue *base, void *item, uint32_t thread)
 	thread_state *self = thread_begin(queue, thread);
 	int error = push_one(queue, self, item);
 	job_exclusive_end(&self->caller);
+	if (error == 0)
+		job_event_signal(&base->items, 1);
 	return error;
 }
 

@@ -246,6 +246,8 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 		bool closed = atomic_load_explicit(&self->push.closed, memory_order_relaxed); /* ordered by the lock */
 		JOB_CHECK(push_is_sound(self));
 		job_lock_give(&self->push.lock);
+		if (done > 0)
+			job_event_signal(&self->base.items, (uint32_t)done);
 		if (yield)
 			sched_yield();
 		return done > 0 ? (int)done : closed ? -EPIPE : left == 0 ? -EAGAIN : -ENOMEM;
@@ -267,6 +269,7 @@ static int low_lock_push(stilb_job_queue *queue, void *item, uint32_t thread)
 	atomic_store_explicit(&self->push.count, pushed + 1, memory_order_release);
 	JOB_CHECK(push_is_sound(self));
 	job_lock_give(&self->push.lock);
+	job_event_signal(&self->base.items, 1);
 	return 0;
 }
 
@@ -281,6 +284,7 @@ static int low_lock_push_n(stilb_job_queue *queue, void *const *items, size_t co
 	push_fill(self, items, count, pushed);
 	JOB_CHECK(push_is_sound(self));
 	job_lock_give(&self->push.lock);
+	job_event_signal(&self->base.items, (uint32_t)count);
 	return (int)count;
 }
 
@@ -377,6 +381,7 @@ static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 	atomic_store_explicit(&self->pop.count, popped + 1, memory_order_release);
 	JOB_CHECK(pop_is_sound(self));
 	job_lock_give(&self->pop.lock);
+	job_event_signal(&self->base.space, 1);
 	return 0;
 }
 
@@ -407,7 +412,10 @@ static int low_lock_pop_n(stilb_job_queue *queue, void **items, size_t max, uint
 	atomic_store_explicit(&self->pop.count, popped, memory_order_release);
 	JOB_CHECK(pop_is_sound(self));
 	job_lock_give(&self->pop.lock);
-	return taken > 0 ? (int)taken : pop_refused(self);
+	if (taken == 0)
+		return pop_refused(self);
+	job_event_signal(&self->base.space, (uint32_t)taken);
+	return (int)taken;
 }
 
 /* ---- life ----------------------------------------------------------------------------------------------------- */

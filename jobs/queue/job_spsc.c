@@ -2,6 +2,7 @@
 
 #include "jobs/job_contract.h"
 #include "jobs/job_line.h"
+#include "jobs/queue/job_event.h"
 
 #include <errno.h>
 #include <stdalign.h>
@@ -51,6 +52,7 @@ struct stilb_job_spsc {
 	job_spsc_block *first;                  /* the oldest block */
 	bool closed;
 	job_exclusive producer;
+	job_event items; /* written by the consumer only when it waits */
 
 	/* The consumer's. */
 	alignas(JOB_LINE) job_spsc_cell *read; /* the next cell to take from, or the end of the block */
@@ -165,6 +167,8 @@ int stilb_job_spsc_push(stilb_job_spsc *queue, void *item)
 		return -EINVAL;
 	job_exclusive_begin(&queue->producer);
 	int result = spsc_push(queue, item);
+	if (result == 0)
+		job_event_signal(&queue->items, 1);
 	JOB_CHECK(producer_is_sound(queue));
 	job_exclusive_end(&queue->producer);
 	return result;
@@ -234,6 +238,26 @@ int stilb_job_spsc_pop(stilb_job_spsc *queue, void **item)
 	return result;
 }
 
+/* The arguments of a call that waits. */
+typedef struct spsc_waiting_call {
+	stilb_job_spsc *queue;
+	void **item;
+} spsc_waiting_call;
+
+static int spsc_pop_again(void *context)
+{
+	const spsc_waiting_call *call = context;
+	return stilb_job_spsc_pop(call->queue, call->item);
+}
+
+int stilb_job_spsc_pop_wait(stilb_job_spsc *queue, void **item, uint64_t timeout_ns)
+{
+	int error = stilb_job_spsc_pop(queue, item);
+	if (error != -EAGAIN)
+		return error;
+	return job_event_wait(&queue->items, spsc_pop_again, &(spsc_waiting_call){queue, item}, timeout_ns);
+}
+
 void stilb_job_spsc_close(stilb_job_spsc *queue)
 {
 	assert(queue);
@@ -244,5 +268,6 @@ void stilb_job_spsc_close(stilb_job_spsc *queue)
 		atomic_store_explicit(&queue->writing->next, END, memory_order_release);
 	else
 		atomic_store_explicit(queue->write, END, memory_order_release);
+	job_event_signal(&queue->items, JOB_EVENT_ALL);
 	job_exclusive_end(&queue->producer);
 }

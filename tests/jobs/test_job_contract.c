@@ -296,6 +296,26 @@ static void push_as_two_threads(void)
 		push_item();
 }
 
+static void *wait_for_item(void *data)
+{
+	void *popped;
+	stilb_job_queue_pop_wait(data, &popped, 0, UINT64_MAX);
+	return NULL;
+}
+
+/* Destroys a queue on which a thread sleeps. */
+static void destroy_while_waiting(void)
+{
+	queue_create(STILB_JOB_QUEUE_LOW_LOCK);
+	pthread_t thread;
+	if (pthread_create(&thread, NULL, wait_for_item, queue) != 0)
+		_exit(0);
+	/* Relaxed: only waits until the other thread is counted. */
+	while (atomic_load_explicit(&queue->items.waiters, memory_order_relaxed) == 0)
+		sched_yield();
+	stilb_job_queue_destroy(queue);
+}
+
 static void pop_nowhere(stilb_job_queue_kind kind)
 {
 	queue_create(kind);
@@ -308,6 +328,9 @@ static void an_end_has_one_thread(void **state)
 	contract_breaks("one thread at a time", (push_as_two_threads(), 0));
 	contract_breaks("queue && item", stilb_job_spsc_pop(NULL, NULL));
 	contract_breaks("queue && item", (pop_nowhere(STILB_JOB_QUEUE_LOW_LOCK), 0));
+	contract_breaks("nobody_waits(queue)", (destroy_while_waiting(), 0));
+	contract_breaks("queue && item", stilb_job_queue_pop_wait(queue, NULL, 0, UINT64_MAX));
+	contract_breaks("queue && item", stilb_job_spsc_pop_wait(NULL, NULL, UINT64_MAX));
 }
 
 /* ---- internal parts ---------------------------------------------------------------------------------------------- */

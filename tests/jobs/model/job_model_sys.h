@@ -25,7 +25,8 @@
 #define job_sys_pause() ((void)0)
 #define job_sys_relax(turns) ((void)(turns))
 #define job_sys_ticks() UINT64_C(0)
-#define job_sys_ticks_in(nanoseconds) model_spin_ticks
+#define job_sys_ticks_in(nanoseconds) ((void)(nanoseconds), model_spin_ticks)
+#define job_sys_clock_ns() UINT64_C(0)
 #define JOB_LOCK_YIELDS 0
 #define job_sys_futex_wait model_futex_wait
 /* A futex wait without its timeout, since no time passes in the model. */

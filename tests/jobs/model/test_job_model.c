@@ -47,6 +47,7 @@ static unsigned threads_of_a_team = 8;
 #undef job_sys_ticks_in
 #define job_sys_ticks_in(nanoseconds) UINT64_C(0)
 #include "jobs/job_pool.c"
+#include "jobs/queue/job_event.c"
 #include "jobs/queue/job_queue.c"
 #include "support/test.h"
 
