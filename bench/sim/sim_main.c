@@ -1,5 +1,5 @@
 /* The program stilb-bench-sim: the cases of sim_cases.h on machines and numbers of CPUs of the caller's choice. */
-#include "bench/sim/sim_cases.h"
+#include "bench/sim/sim_plot.h"
 #include "game/cli/flags.h"
 
 #include <stdio.h>
@@ -7,32 +7,24 @@
 
 static const char *const all = "all";
 
-static const sim_machine *machine_named(const char *name)
-{
-	for (size_t i = 0; i < sim_machine_count; i++)
-		if (strcmp(sim_machines[i].name, name) == 0)
-			return &sim_machines[i];
-	return NULL;
-}
-
 typedef struct options {
-	const char *machine, *name;
+	const char *machine, *name, *before, *plot;
 	uint64_t cores, threads;
 	bool json, lines;
 } options;
 
-static bool first = true;
+static sim_points points;
 
 static void print(const options *o, const sim_machine *machine, const sim_case *which, uint32_t cpus)
 {
 	double value = sim_case_run(which, machine, cpus);
 	if (o->json)
-		printf("%s\n{\"machine\":\"%s\",\"cpus\":%u,\"case\":\"%s\",\"unit\":\"%s\",\"value\":%.6g}", first ? "[" : ",",
-		       machine->name, cpus, which->name, which->unit, value);
+		printf("%s\n{\"machine\":\"%s\",\"cpus\":%u,\"case\":\"%s\",\"unit\":\"%s\",\"value\":%.6g}",
+		       points.count == 0 ? "[" : ",", machine->name, cpus, which->name, which->unit, value);
 	else
 		printf("%-9s %4u %-14s %10.4g %s\n", machine->name, cpus, which->name, value, which->unit);
 	fflush(stdout);
-	first = false;
+	sim_points_add(&points, (sim_point){machine, which, cpus, value, false});
 	if (o->lines)
 		sim_lines_print(12);
 }
@@ -63,6 +55,8 @@ int main(int argc, char **argv)
 		{"--cores", FLAG_NUMBER, &o.cores, "N", "CPUs, 2..256 (2, 4, ... 256)", 2, SIM_CPUS_MAX, NULL},
 		{"--threads", FLAG_NUMBER, &o.threads, "N", "threads of the pool, 1..257 (one for each CPU)", 1, 257, NULL},
 		{"--case", FLAG_TEXT, &o.name, "NAME", "one case (all)", 0, 0, NULL},
+		{"--plot", FLAG_TEXT, &o.plot, "FILE", "draw the results as a PNG", 0, 0, NULL},
+		{"--before", FLAG_TEXT, &o.before, "FILE", "what an earlier run printed, to be drawn as well", 0, 0, NULL},
 		{"--json", FLAG_SWITCH, &o.json, NULL, "an array of objects", 0, 0, NULL},
 		{"--lines", FLAG_SWITCH, &o.lines, NULL, "also print the cache lines that cost most", 0, 0, NULL},
 	};
@@ -72,7 +66,7 @@ int main(int argc, char **argv)
 		flags_print(flags, count);
 	if (parsed != FLAGS_OK)
 		return parsed == FLAGS_HELP ? 0 : 2;
-	const sim_machine *machine = machine_named(o.machine);
+	const sim_machine *machine = sim_machine_named(o.machine);
 	if (!machine && strcmp(o.machine, all) != 0) {
 		fprintf(stderr, "stilb-bench-sim: --machine: there is no %s\n", o.machine);
 		return 2;
@@ -83,5 +77,6 @@ int main(int argc, char **argv)
 			run_machine(&o, &sim_machines[i]);
 	if (o.json)
 		printf("\n]\n");
-	return 0;
+	bool good = !o.before || sim_points_read(&points, o.before);
+	return good && (!o.plot || sim_plot(&points, o.plot)) ? 0 : 1;
 }

@@ -1,6 +1,8 @@
 /* The simulator of bench/sim against closed forms: what it says of programs so small that their time is a formula. */
 #include "support/test.h"
 
+#include "support/program.h"
+
 #include "bench/sim/sim.h"
 
 /* Costs with which each part of a sum can be told from its number: rows of 2 cores with one cache, 4 in a socket. */
@@ -261,8 +263,40 @@ static void test_nearer_is_cheaper_on_every_machine(void **state)
 	}
 }
 
-int main(void)
+static const char *simulator;
+
+/* The number that the program prints for a case on 8 CPUs. */
+static double value_of(const char *name, program_run *run)
 {
+	const char *words[] = {simulator, "--machine", "epyc", "--cores", "8", "--case", name, "--json", NULL};
+	assert_true(program_start(run, words, NULL, -1));
+	program_wait(run);
+	assert_int_equal(run->code, 0);
+	const char *value = strstr(run->out, "\"value\":");
+	assert_non_null(value);
+	return strtod(value + strlen("\"value\":"), NULL);
+}
+
+/* The pool itself: loops cost what their slices take on 8 CPUs and a little more, and twice the same. */
+static void test_the_pool_runs_on_simulated_cpus(void **state)
+{
+	(void)state;
+	static program_run first, second;
+	double join = value_of("join-64", &first);
+	assert_true(join > 8.0 && join < 16.0);
+	assert_true(value_of("join-64", &second) == join);
+	assert_string_equal(first.out, second.out);
+	double phase = value_of("phase", &first);
+	assert_true(phase > 20.0 && phase < 7 * 27.0); /* between one wake-up and a chain of seven */
+}
+
+int main(int argc, char **argv)
+{
+	if (argc != 2) {
+		fprintf(stderr, "usage: test_bench_sim STILB-BENCH-SIM\n");
+		return 1;
+	}
+	simulator = argv[1];
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_a_chain_of_n_wakes_costs_n_wakes),
 		cmocka_unit_test(test_a_pass_costs_the_transfers_over_the_distance),
@@ -270,6 +304,7 @@ int main(void)
 		cmocka_unit_test(test_threads_that_share_a_cpu_take_turns),
 		cmocka_unit_test(test_a_run_repeats),
 		cmocka_unit_test(test_nearer_is_cheaper_on_every_machine),
+		cmocka_unit_test(test_the_pool_runs_on_simulated_cpus),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
