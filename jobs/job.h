@@ -136,19 +136,38 @@ typedef struct stilb_job_hooks {
 typedef enum stilb_job_affinity {
 	/* Binds each worker to a CPU of its own, none to the owner's: if there is a choice, to cores that no other thread
 	 * of the pool uses, near the owner's. Workers for which the affinity mask has no CPU left are not bound, and are
-	 * woken last. The owner is never bound. Two such pools use the same CPUs: if they work at the same time, create the
-	 * second one with STILB_JOB_AFFINITY_NONE. */
+	 * woken last. The owner is never bound. Two such pools use the same CPUs: if they work at the same time, give each
+	 * of them CPUs of its own, or create the second one with STILB_JOB_AFFINITY_NONE. */
 	STILB_JOB_AFFINITY_AUTO,
-	STILB_JOB_AFFINITY_NONE
+	STILB_JOB_AFFINITY_NONE, /* binds no worker to a single CPU */
+	STILB_JOB_AFFINITY_EACH  /* binds worker i to cpus[i - 1] of the desc, and leaves it there */
 } stilb_job_affinity;
 
-/* The settings of a pool; start from stilb_job_pool_desc_default. */
+/* The settings of a pool; start from stilb_job_pool_desc_default. What is zero is left to the library. */
 typedef struct stilb_job_pool_desc {
 	uint32_t worker_count;       /* threads beside the owner, 0..STILB_JOB_MAX_WORKERS */
 	stilb_job_queue_kind queue;  /* the kind of the shared queues */
 	stilb_job_affinity affinity; /* default: AUTO */
 	stilb_job_hooks hooks;       /* default: none */
+	/* What ps, top and debuggers call the workers: the name, a hyphen and the index, as in "loader-1". Linux keeps 15
+	 * bytes; the name is cut, and the index is not. NULL or "": "stilb-worker". */
+	const char *name;
+	/* Of each worker, in bytes; PTHREAD_STACK_MIN at least, rounded up to whole pages. glibc may give more, the stack
+	 * of a thread that has ended. 0: the system's, mostly 8 MiB. A wait runs other jobs on top of the one that waits,
+	 * so nested waits need more. */
+	size_t stack_size;
+	/* Added to the nice value of the thread that creates the pool, -39..39: with 10 the workers run where other threads
+	 * leave time. Negative values need a permission (RLIMIT_NICE); stilb_job_pool_worker_info says what they got. */
+	int32_t nice;
+	/* The CPUs that workers may use, in any order, cpu_count numbers below STILB_JOB_MAX_CPUS. AUTO chooses among them;
+	 * workers that it does not bind to one of them, and with NONE all workers, may run on any of them. EACH: one for
+	 * each worker; the same may stand there twice. None: those of the affinity mask of the thread that creates the
+	 * pool. */
+	const uint32_t *cpus;
+	uint32_t cpu_count;
 } stilb_job_pool_desc;
+
+#define STILB_JOB_MAX_CPUS 65536
 
 /* worker_count is stilb_job_cpu_count() - 1, but at least 1 and at most STILB_JOB_MAX_WORKERS; queues are low-lock,
  * affinity is AUTO, and there are no hooks. [any-thread] */
@@ -158,9 +177,14 @@ stilb_job_pool_desc stilb_job_pool_desc_default(void);
  * up; at least 1. [any-thread] */
 uint32_t stilb_job_cpu_count(void);
 
-/* Starts the workers and stores the pool in *pool; the calling thread becomes its owner. desc is copied. -EINVAL:
- * worker_count, queue or affinity is out of range; -ENOMEM: no memory; -EAGAIN: the system refused a thread. After an
- * error no thread is left running and *pool is NULL. [any-thread] */
+/* What is wrong with the settings, as a sentence to print, for example "worker_count is more than
+ * STILB_JOB_MAX_WORKERS"; NULL if they are in range. [any-thread] */
+const char *stilb_job_pool_desc_error(const stilb_job_pool_desc *desc);
+
+/* Starts the workers and stores the pool in *pool; the calling thread becomes its owner. desc and what it points to are
+ * copied. -EINVAL: a setting is out of range, and stilb_job_pool_desc_error says which; -ENOMEM: no memory; -EAGAIN:
+ * the system refused a thread or its stack. A nice value or CPU that the system refuses is no error, see
+ * stilb_job_pool_worker_info. After an error no thread is left running and *pool is NULL. [any-thread] */
 int stilb_job_pool_create(const stilb_job_pool_desc *desc, stilb_job_pool **pool);
 
 /* Runs every submitted job and the jobs they submit, then stops and joins the workers and frees the pool. pool may be
@@ -176,6 +200,17 @@ void stilb_job_pool_cancel(stilb_job_pool *pool);
 /* The number of threads beside the owner, 0..STILB_JOB_MAX_WORKERS. An array with an element for each thread needs one
  * element more. [any-thread] */
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool);
+
+/* What the system has granted to a worker. */
+typedef struct stilb_job_worker_info {
+	int32_t nice;       /* -20 (runs first) to 19, as the worker started */
+	int nice_error;     /* 0, or why it is not the nice value asked for: -EACCES or -EPERM, no permission */
+	int affinity_error; /* 0, or why it is not bound as asked for: -EINVAL, it may use none of these CPUs; -ENOMEM */
+} stilb_job_worker_info;
+
+/* What worker number `worker`, 1..worker_count, has been granted. Waits until it has started, some microseconds after
+ * the pool was created. [any-thread] */
+void stilb_job_pool_worker_info(stilb_job_pool *pool, uint32_t worker, stilb_job_worker_info *info);
 
 /* Queues fn(data, worker) and counts it in group, which may be NULL; wakes a worker unless one is already looking for
  * work. worker is the caller's own index or STILB_JOB_OUTSIDE. data must stay valid until the job has run. -ENOMEM:

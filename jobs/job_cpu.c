@@ -28,13 +28,49 @@ static cpu_set_t *affinity(size_t *size)
 	return NULL;
 }
 
-static uint32_t affinity_count(void)
+/* The CPUs of the list as a set, to be freed with CPU_FREE; NULL as affinity. */
+static cpu_set_t *set_of(job_cpu_list list, size_t *size)
+{
+	if (list.count == 0)
+		return affinity(size);
+	uint32_t last = 0;
+	for (uint32_t i = 0; i < list.count; i++)
+		last = list.cpu[i] > last ? list.cpu[i] : last;
+	assert(last < STILB_JOB_MAX_CPUS);
+	cpu_set_t *set = CPU_ALLOC(last + 1);
+	if (!set)
+		return NULL;
+	*size = CPU_ALLOC_SIZE(last + 1);
+	CPU_ZERO_S(*size, set);
+	for (uint32_t i = 0; i < list.count; i++)
+		CPU_SET_S(list.cpu[i], *size, set);
+	return set;
+}
+
+uint32_t job_cpu_different(job_cpu_list list)
 {
 	size_t size;
-	cpu_set_t *set = affinity(&size);
+	cpu_set_t *set = set_of(list, &size);
 	int count = set ? CPU_COUNT_S(size, set) : 0;
 	CPU_FREE(set);
 	return count > 0 ? (uint32_t)count : 1;
+}
+
+bool job_cpu_allows(job_cpu_list list, uint32_t cpu)
+{
+	uint32_t i = 0;
+	while (i < list.count && list.cpu[i] != cpu)
+		i++;
+	return i < list.count || list.count == 0;
+}
+
+int job_cpu_bind(job_cpu_list list)
+{
+	size_t size;
+	cpu_set_t *set = set_of(list, &size);
+	int error = !set ? -ENOMEM : sched_setaffinity(0, size, set) == 0 ? 0 : -errno;
+	CPU_FREE(set);
+	return error;
 }
 
 /* Reads the first line of the file mount + dir + "/" + file; false if there is no such file. */
@@ -151,7 +187,7 @@ uint32_t job_cpu_quota(const char *proc_cgroup, const char *mount)
 
 uint32_t stilb_job_cpu_count(void)
 {
-	uint32_t cpus = affinity_count();
+	uint32_t cpus = job_cpu_different((job_cpu_list){0});
 	uint32_t quota = job_cpu_quota("/proc/self/cgroup", "/sys/fs/cgroup");
 	return quota > 0 && quota < cpus ? quota : cpus;
 }
@@ -304,17 +340,17 @@ void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t
 	}
 }
 
-uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
+uint32_t job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max)
 {
 	assert(cpus && max > 0);
 	size_t size;
-	cpu_set_t *set = affinity(&size);
+	cpu_set_t *set = set_of(list, &size);
 	uint32_t count = 0, chosen = 0;
 	uint32_t *allowed = set ? calloc(size * 8, sizeof *allowed) : NULL;
 	if (allowed) {
-		for (size_t i = 1; i < size * 8; i++) {
+		for (size_t i = 0; i < size * 8; i++) {
 			size_t cpu = (here + i) % (size * 8);
-			if (CPU_ISSET_S(cpu, size, set))
+			if (cpu != here && CPU_ISSET_S(cpu, size, set))
 				allowed[count++] = (uint32_t)cpu;
 		}
 		chosen = job_cpu_choose(allowed, count, here, "/sys/devices/system/cpu", cpus, max);

@@ -1,7 +1,7 @@
 /*
  * job_internal: the pool's data and the functions that its files share. Read the files in this order: job_record,
  * job_deque, job_park (the parts), job_submit (where a job goes), job_work (what a thread does next), job_wait (groups
- * and waiting), job_for (loops), job_graph (graphs), job_pool (threads and life cycle).
+ * and waiting), job_for (loops), job_graph (graphs), job_worker (what a thread is given), job_pool (life cycle).
  *
  * Places of work.  Jobs of normal priority lie in the deque of the thread that submitted them; jobs from outside
  *                  threads and jobs of high priority in one of two shared FIFO queues; jobs of low priority in a list;
@@ -156,12 +156,25 @@ typedef struct job_slot {
 	job_record *pinned; /* taken from the inbox, oldest first */
 	job_record_cache records;
 	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
-	uint32_t cpu;                         /* the CPU to bind the thread to, or NO_CPU */
+	uint32_t cpu;                         /* the CPU to bind the thread to, or JOB_NO_CPU */
 	uint32_t team_begin, team_end;        /* the threads of its team: team_begin <= index < team_end */
 	uint32_t random;                      /* the state of random_below in job_work.c */
 	pthread_t thread;
+	stilb_job_worker_info info;
+	_Atomic bool started;   /* info is complete; release in job_worker_begin, pairs with stilb_job_pool_worker_info */
 	_Atomic uintptr_t self; /* job_this_thread of this thread; written only in builds with asserts */
 } job_slot;
+
+#define JOB_NO_CPU UINT32_MAX /* in job_slot.cpu */
+
+/* What the workers are given when they start, from stilb_job_pool_desc. */
+typedef struct job_worker_desc {
+	char name[16];
+	size_t stack_size;
+	int32_t nice;
+	uint32_t cpu_count;
+	uint32_t *cpus; /* in the pool's memory */
+} job_worker_desc;
 
 /* The records and the count of a thread from outside the pool, lent to it for one submit (job_guest_enter). */
 typedef struct job_guest {
@@ -226,6 +239,7 @@ struct stilb_job_pool {
 	 * in its cache. No other thread changes these bits, so they are set whenever there is something to find. Seq_cst:
 	 * in the argument of job_park.h, setting a bit belongs to (a) and reading it to (2). Not used by a single team. */
 	alignas(JOB_LINE) _Atomic uint64_t active[JOB_ACTIVE_KINDS][JOB_ACTIVE_WORDS];
+	job_worker_desc worker;
 	job_slot slot[]; /* worker_count + 1; slot[0] is the owner's */
 };
 
@@ -333,6 +347,17 @@ static inline void job_hook_wait_end(const stilb_job_pool *pool, uint32_t worker
 /* job_pool.c: stilb_job_pool_create with shared queues that `make` creates, for tests and benchmarks. */
 typedef stilb_job_queue *job_queue_maker(void);
 int job_pool_create_over(const stilb_job_pool_desc *desc, job_queue_maker *make, stilb_job_pool **pool);
+
+/* job_worker.c */
+
+/* Copies what the desc says about workers; cpus has room for desc->cpu_count numbers. */
+void job_worker_prepare(stilb_job_pool *pool, const stilb_job_pool_desc *desc, uint32_t *cpus);
+
+/* Creates the thread of worker `index`, which runs main(slot). 0 or -EAGAIN. */
+int job_worker_create(stilb_job_pool *pool, uint32_t index, void *(*main)(void *));
+
+/* The calling thread, a worker that begins, gives itself its name, its nice value and its CPU. */
+void job_worker_begin(job_slot *slot);
 
 /* job_submit.c */
 
@@ -476,7 +501,22 @@ uint32_t job_cpu_choose(const uint32_t *allowed, uint32_t count, uint32_t here, 
  * cpu_dirs: as in job_cpu_choose. */
 void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache);
 
-/* job_cpu_choose for the CPUs of the affinity mask without `here`; 0 if the kernel does not say. */
-uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
+/* A list of CPUs, with repetitions or without; of no CPU: those of the affinity mask. */
+typedef struct job_cpu_list {
+	const uint32_t *cpu;
+	uint32_t count;
+} job_cpu_list;
+
+/* job_cpu_choose for the CPUs of the list without `here`; 0 if the kernel or the memory does not allow it. */
+uint32_t job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max);
+
+/* The number of different CPUs in the list, 1 if there is no memory. */
+uint32_t job_cpu_different(job_cpu_list list);
+
+/* True if the list has this CPU or none at all. */
+bool job_cpu_allows(job_cpu_list list, uint32_t cpu);
+
+/* Lets the calling thread run on the CPUs of the list alone. 0, -EINVAL: it may use none of them, or -ENOMEM. */
+int job_cpu_bind(job_cpu_list list);
 
 #endif

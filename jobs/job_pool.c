@@ -1,24 +1,13 @@
 #include "jobs/job_internal.h"
 
 #include <errno.h>
-#include <sched.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* How long an owner in stilb_job_pool_destroy sleeps before it looks again whether the workers have run all jobs. */
 #define NAP_NS 100000u
 
-#define NO_CPU UINT32_MAX /* in job_slot.cpu */
-
 /* ---- the workers ----------------------------------------------------------------------------------------------- */
-
-static void worker_set_name(uint32_t worker)
-{
-	char name[32]; /* the kernel keeps 15 characters */
-	snprintf(name, sizeof name, worker < 100 ? "stilb-worker-%u" : "stilb-wrk-%u", worker);
-	pthread_setname_np(pthread_self(), name);
-}
 
 /* The most spinners at a time: one, or in a phase one for each CPU but the owner's. */
 static uint32_t spin_limit(stilb_job_pool *pool)
@@ -65,9 +54,7 @@ static void *worker_main(void *data)
 	job_slot *slot = data;
 	stilb_job_pool *pool = slot->pool;
 	job_slot_set_mine(slot);
-	worker_set_name(slot->index);
-	if (slot->cpu != NO_CPU && job_sys_bind(0, slot->cpu)) /* if refused, it stays unbound */
-		job_idle_bound(&pool->idle, &slot->parker, slot->cpu);
+	job_worker_begin(slot);
 	if (pool->hooks.thread_start)
 		pool->hooks.thread_start(pool->hooks.user, slot->index);
 	while (!stopping(slot, NULL))
@@ -130,7 +117,7 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 {
 	slot->pool = pool;
 	slot->index = index;
-	slot->cpu = NO_CPU;
+	slot->cpu = JOB_NO_CPU;
 	slot->random = (index + 1) * 0x9e3779b9u; /* not 0, and different for all */
 	slot->active[JOB_ACTIVE_LOOPS] = slot->active[JOB_ACTIVE_JOBS] = pool->one_team;
 	atomic_init(&slot->inbox, NULL);
@@ -141,8 +128,10 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 
 static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 {
-	size_t size = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
-	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size); /* both structs are multiples of the alignment */
+	/* Both structs are multiples of the alignment. The numbers of desc->cpus lie behind them. */
+	size_t structs = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
+	size_t size = (structs + desc->cpu_count * sizeof *desc->cpus + JOB_LINE - 1) / JOB_LINE * JOB_LINE;
+	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size);
 	if (!pool)
 		return NULL;
 	memset(pool, 0, size);
@@ -160,6 +149,7 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 		slot_init(&pool->slot[i], pool, i);
 	job_slot_set_mine(&pool->slot[0]);
 	job_active_begin(&pool->slot[0], JOB_ACTIVE_JOBS); /* always: the owner submits jobs between jobs */
+	job_worker_prepare(pool, desc, (uint32_t *)((char *)pool + structs));
 	return pool;
 }
 
@@ -185,12 +175,13 @@ static void make_teams(stilb_job_pool *pool, const uint32_t *cache, uint32_t bou
 static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 {
 	uint32_t cpus[STILB_JOB_MAX_WORKERS + 1] = {job_sys_cpu()}, cache[STILB_JOB_MAX_WORKERS + 1], others = 0;
+	job_cpu_list list = {desc->cpus, desc->cpu_count};
 	if (desc->affinity == STILB_JOB_AFFINITY_AUTO && desc->worker_count > 0 && cpus[0] != UINT32_MAX)
-		others = job_cpu_others(cpus[0], cpus + 1, desc->worker_count);
+		others = job_cpu_others(list, cpus[0], cpus + 1, desc->worker_count);
 	if (!pool->one_team)
 		job_cpu_sort(cpus, others + 1, "/sys/devices/system/cpu", cache);
 	make_teams(pool, cache, pool->one_team ? 0 : others + 1);
-	pool->idle.spare = others > 0;
+	pool->idle.spare = others > 0 && job_cpu_allows(list, cpus[0]);
 	pool->idle.spare_cpu = cpus[0];
 	for (uint32_t i = 1; i <= others; i++)
 		pool->slot[i].cpu = cpus[i];
@@ -199,28 +190,20 @@ static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 static int start_workers(stilb_job_pool *pool)
 {
 	for (uint32_t i = 1; i <= pool->worker_count; i++) {
-		int error = pthread_create(&pool->slot[i].thread, NULL, worker_main, &pool->slot[i]);
+		int error = job_worker_create(pool, i, worker_main);
 		if (error) {
 			stop_workers(pool, i - 1);
-			return -error;
+			return error;
 		}
 	}
 	return 0;
-}
-
-stilb_job_pool_desc stilb_job_pool_desc_default(void)
-{
-	uint32_t cpus = stilb_job_cpu_count();
-	uint32_t workers = cpus > 1 ? cpus - 1 : 1;
-	return (stilb_job_pool_desc){.worker_count = workers < STILB_JOB_MAX_WORKERS ? workers : STILB_JOB_MAX_WORKERS};
 }
 
 int job_pool_create_over(const stilb_job_pool_desc *desc, job_queue_maker *make, stilb_job_pool **out)
 {
 	assert(desc && out);
 	*out = NULL;
-	if (desc->worker_count > STILB_JOB_MAX_WORKERS || (uint32_t)desc->queue > STILB_JOB_QUEUE_LOCK_FREE ||
-	    (uint32_t)desc->affinity > STILB_JOB_AFFINITY_NONE)
+	if (stilb_job_pool_desc_error(desc))
 		return -EINVAL;
 	stilb_job_pool *pool = pool_allocate(desc);
 	if (!pool)

@@ -115,6 +115,15 @@ static void a_pool_is_destroyed_outside_of_jobs(void **state)
 	contract_breaks("not from inside a job", (destroy_inside_a_job(), 0));
 }
 
+static void settings_are_told_of_workers(void **state)
+{
+	(void)state;
+	stilb_job_worker_info info;
+	contract_breaks("the index of a worker", (stilb_job_pool_worker_info(pool_of(1), 0, &info), 0));
+	contract_breaks("the index of a worker", (stilb_job_pool_worker_info(pool_of(1), 2, &info), 0));
+	contract_breaks("desc", (bool)stilb_job_pool_desc_error(NULL));
+}
+
 static void a_phase_ends_after_it_has_begun(void **state)
 {
 	(void)state;
@@ -439,6 +448,7 @@ int main(void)
 		cmocka_unit_test(a_call_takes_the_callers_index),
 		cmocka_unit_test(the_owner_is_one_thread),
 		cmocka_unit_test(a_pool_is_destroyed_outside_of_jobs),
+		cmocka_unit_test(settings_are_told_of_workers),
 		cmocka_unit_test(a_phase_ends_after_it_has_begun),
 		cmocka_unit_test(a_job_has_a_function),
 		cmocka_unit_test(a_graph_runs_once_at_a_time),

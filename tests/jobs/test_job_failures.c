@@ -112,7 +112,7 @@ static void test_create_refuses(void **state)
 	check_refused((stilb_job_pool_desc){.worker_count = UINT32_MAX}, -EINVAL);
 	check_refused((stilb_job_pool_desc){.queue = (stilb_job_queue_kind)2}, -EINVAL);
 	check_refused((stilb_job_pool_desc){.queue = (stilb_job_queue_kind)-1}, -EINVAL);
-	check_refused((stilb_job_pool_desc){.affinity = (stilb_job_affinity)2}, -EINVAL);
+	check_refused((stilb_job_pool_desc){.affinity = (stilb_job_affinity)3}, -EINVAL);
 	check_refused((stilb_job_pool_desc){.affinity = (stilb_job_affinity)-1}, -EINVAL);
 }
 

@@ -362,12 +362,12 @@ void __wrap_job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, u
 		memcpy(cache, made_up_caches, count * sizeof *cache);
 }
 
-uint32_t __real_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
-uint32_t __wrap_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max);
-uint32_t __wrap_job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
+uint32_t __real_job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max);
+uint32_t __wrap_job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max);
+uint32_t __wrap_job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max)
 {
 	if (!made_up_caches)
-		return __real_job_cpu_others(here, cpus, max);
+		return __real_job_cpu_others(list, here, cpus, max);
 	for (uint32_t i = 0; i < max; i++)
 		cpus[i] = here + 1 + i;
 	return max;

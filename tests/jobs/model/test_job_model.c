@@ -59,10 +59,38 @@ uint32_t stilb_job_cpu_count(void)
 	return 2;
 }
 
-uint32_t job_cpu_others(uint32_t here, uint32_t *cpus, uint32_t max)
+uint32_t job_cpu_others(job_cpu_list list, uint32_t here, uint32_t *cpus, uint32_t max)
 {
-	(void)here, (void)cpus, (void)max;
+	(void)list, (void)here, (void)cpus, (void)max;
 	return 0;
+}
+
+bool job_cpu_allows(job_cpu_list list, uint32_t cpu)
+{
+	(void)list, (void)cpu;
+	return true;
+}
+
+/* Workers have neither names nor CPUs. */
+const char *stilb_job_pool_desc_error(const stilb_job_pool_desc *desc)
+{
+	(void)desc;
+	return NULL;
+}
+
+void job_worker_prepare(stilb_job_pool *pool, const stilb_job_pool_desc *desc, uint32_t *cpus)
+{
+	(void)pool, (void)desc, (void)cpus;
+}
+
+int job_worker_create(stilb_job_pool *pool, uint32_t index, void *(*main)(void *))
+{
+	return pthread_create(&pool->slot[index].thread, NULL, main, &pool->slot[index]);
+}
+
+void job_worker_begin(job_slot *slot)
+{
+	(void)slot;
 }
 
 void job_cpu_sort(uint32_t *cpus, uint32_t count, const char *cpu_dirs, uint32_t *cache)
