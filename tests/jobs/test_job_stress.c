@@ -1,6 +1,6 @@
 /*
- * Jobs, waits and loops mixed at random, handing over plain data: a missing memory order is a data race for the thread
- * sanitizer, and a wrong sum without it. Also with more threads than CPUs.
+ * Jobs, batches, waits and loops mixed at random, handing over plain data: a missing memory order is a data race for
+ * the thread sanitizer, and a wrong sum without it. Also with more threads than CPUs.
  */
 #include <stddef.h>
 #include <stdint.h>
@@ -54,6 +54,25 @@ static void fill_cells(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	}
 }
 
+static void fill_cell(void *data, uint32_t worker)
+{
+	uint64_t *cell = data;
+	(void)worker;
+	*cell = leaf_value(*cell);
+}
+
+/* The same as a loop over fill_cells, as a batch of jobs. */
+static void fill_in_batch(task *t, uint32_t worker)
+{
+	stilb_job_group cells = {0};
+	for (uint32_t i = 0; i < CELLS; i++)
+		t->cells[i] = t->random + i;
+	if (stilb_job_submit_n(t->pool, fill_cell, t->cells, sizeof *t->cells, CELLS, &cells, worker) != 0)
+		t->cells[0] = 0; /* makes the sum wrong */
+	stilb_job_wait(t->pool, &cells, worker);
+	t->by_worker[worker] = CELLS;
+}
+
 static void run(void *data, uint32_t worker)
 {
 	task *t = data;
@@ -65,7 +84,10 @@ static void run(void *data, uint32_t worker)
 		if (stilb_job_submit(t->pool, run, &children[i], &group, worker) != 0)
 			run(&children[i], worker);
 	}
-	stilb_job_parallel_for(t->pool, CELLS, 1 + (uint32_t)(t->random % 9), fill_cells, t, worker);
+	if (t->random % 4 == 0)
+		fill_in_batch(t, worker);
+	else
+		stilb_job_parallel_for(t->pool, CELLS, 1 + (uint32_t)(t->random % 9), fill_cells, t, worker);
 	t->result = leaf_value(t->random);
 	for (int i = 0; i < CELLS; i++)
 		t->result += t->cells[i];
