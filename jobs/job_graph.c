@@ -17,6 +17,10 @@
  * Without memory for a record nothing is lost: the nodes are chained to the record in hand, and this thread runs them
  * one after the other. So it does in a pool without workers, where nobody could steal them.
  *
+ * Where many nodes all come before the same others, as one stage of a frame before the next, a run does not count each
+ * of their edges: build puts a node without a function between, a join. The nodes before count down the join alone, and
+ * the last of them goes on for it.
+ *
  * The thread that brings a count to 0 sets it to the number of edges again, for the next run. No pass over the nodes is
  * needed: the next run begins after the last node has finished, and that is after all of these stores.
  */
@@ -64,10 +68,12 @@ struct stilb_job_graph {
 	uint32_t node_count, node_capacity;
 	uint32_t edge_count, edge_capacity;
 	bool built; /* since the last change */
-	/* One block of memory, made by build. */
+	/* One block of memory, made by build. The numbers of joins follow those of the nodes. */
 	job_graph_node *run;
-	uint32_t *successor;    /* edge_count numbers of nodes */
-	uint32_t *ready;        /* one place for each edge, and behind them the nodes without predecessors */
+	uint32_t run_count;     /* nodes and joins */
+	uint32_t link_count;    /* edges of a run: those from and to joins instead of those that they replace */
+	uint32_t *successor;    /* link_count numbers of nodes */
+	uint32_t *ready;        /* one place for each link, and behind them the nodes without predecessors */
 	uint32_t source_count;  /* nodes without predecessors */
 	uint32_t sink_count;    /* nodes without successors */
 	stilb_job_group *group; /* of the run in progress */
@@ -157,26 +163,29 @@ int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t a
 }
 
 /* Makes the block of memory for runs, in place of the one before. 0 or -ENOMEM. */
-static int make_block(stilb_job_graph *graph)
+static int make_block(stilb_job_graph *graph, size_t nodes, size_t links)
 {
 	/* ready: there are at most as many sources as nodes. */
-	size_t nodes = graph->node_count, edges = graph->edge_count;
-	size_t bytes = (nodes + 1) * sizeof *graph->run + (2 * edges + nodes) * sizeof *graph->ready;
+	size_t bytes = (nodes + 1) * sizeof *graph->run + (2 * links + nodes) * sizeof *graph->ready;
 	job_graph_node *run = aligned_alloc(JOB_LINE, (bytes + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
 	if (!run)
 		return -ENOMEM;
 	free(graph->run);
 	graph->run = run;
+	graph->run_count = (uint32_t)nodes;
+	graph->link_count = (uint32_t)links;
 	graph->successor = (uint32_t *)(run + nodes + 1);
-	graph->ready = graph->successor + edges;
+	graph->ready = graph->successor + links;
 	return 0;
 }
 
-/* Fills graph->run but for pending, and graph->successor. */
-static void link_nodes(stilb_job_graph *graph)
+/* Makes graph->run but for pending, and graph->successor, for so many nodes and joins. 0 or -ENOMEM. */
+static int link_nodes(stilb_job_graph *graph, uint32_t nodes, const graph_edge *link, uint32_t links)
 {
+	if (make_block(graph, nodes, links) != 0)
+		return -ENOMEM;
 	job_graph_node *run = graph->run;
-	for (uint32_t i = 0; i <= graph->node_count; i++)
+	for (uint32_t i = 0; i <= nodes; i++)
 		run[i] = (job_graph_node){.next = NO_NODE};
 	for (uint32_t i = 0; i < graph->node_count; i++) {
 		run[i].fn = graph->node[i].fn;
@@ -184,14 +193,15 @@ static void link_nodes(stilb_job_graph *graph)
 	}
 	/* A counting sort of the edges by `before`, which keeps their order. `first` counts the successors, then becomes
 	 * the end of the node's part, and moves down to its beginning as the part is filled from its end. */
-	for (uint32_t i = 0; i < graph->edge_count; i++) {
-		run[graph->edge[i].before].first++;
-		run[graph->edge[i].after].predecessors++;
+	for (uint32_t i = 0; i < links; i++) {
+		run[link[i].before].first++;
+		run[link[i].after].predecessors++;
 	}
-	for (uint32_t i = 0, end = 0; i <= graph->node_count; i++)
+	for (uint32_t i = 0, end = 0; i <= nodes; i++)
 		run[i].first = end += run[i].first;
-	for (uint32_t i = graph->edge_count; i > 0; i--)
-		graph->successor[--run[graph->edge[i - 1].before].first] = graph->edge[i - 1].after;
+	for (uint32_t i = links; i > 0; i--)
+		graph->successor[--run[link[i - 1].before].first] = link[i - 1].after;
+	return 0;
 }
 
 /* Counts the nodes that a run would reach. Those that it would not have pending > 0 afterwards. Kahn, "Topological
@@ -263,18 +273,84 @@ static void write_cycle(stilb_job_graph *graph, char *text, size_t size)
 	} while (at != from);
 }
 
+/* ---- joins ----------------------------------------------------------------------------------------------------- */
+
+static uint32_t successor_count(const stilb_job_graph *graph, uint32_t node)
+{
+	return graph->run[node + 1].first - graph->run[node].first;
+}
+
+/* Compares the lists of successors of two nodes, for qsort_r. */
+static int compare_successors(const void *left, const void *right, void *of)
+{
+	const stilb_job_graph *graph = of;
+	uint32_t a = *(const uint32_t *)left, b = *(const uint32_t *)right;
+	uint32_t count = successor_count(graph, a), other = successor_count(graph, b);
+	if (count != other)
+		return count < other ? -1 : 1;
+	return memcmp(&graph->successor[graph->run[a].first], &graph->successor[graph->run[b].first],
+	              count * sizeof *graph->successor);
+}
+
+/* For nodes with the same successors, in the same order, that have more edges than a join would need: sets `next` to
+ * the number of their join, and stores the links from the joins to the successors. `order` has room for all nodes.
+ * Returns the number of joins, and that of the links in *links. */
+static uint32_t make_joins(stilb_job_graph *graph, uint32_t *order, graph_edge *link, uint32_t *links)
+{
+	job_graph_node *run = graph->run;
+	uint32_t count = 0, joins = 0;
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		if (successor_count(graph, i) > 1)
+			order[count++] = i;
+	qsort_r(order, count, sizeof *order, compare_successors, graph);
+	for (uint32_t begin = 0, end; begin < count; begin = end) {
+		for (end = begin + 1; end < count && compare_successors(&order[begin], &order[end], graph) == 0;)
+			end++;
+		uint64_t before = end - begin, after = successor_count(graph, order[begin]);
+		if (before * after < before + after)
+			continue;
+		uint32_t join = graph->node_count + joins++;
+		for (uint32_t i = begin; i < end; i++)
+			run[order[i]].next = join;
+		for (uint32_t i = 0; i < after; i++)
+			link[(*links)++] = (graph_edge){join, graph->successor[run[order[begin]].first + i]};
+	}
+	return joins;
+}
+
+/* Puts joins between nodes that have the same successors, and those. 0 or -ENOMEM. */
+static int join_nodes(stilb_job_graph *graph)
+{
+	uint32_t *order = malloc((graph->node_count + 1) * sizeof *order);
+	graph_edge *link = malloc((graph->edge_count + 1) * sizeof *link); /* joins need no more links than they replace */
+	int error = order && link ? 0 : -ENOMEM;
+	uint32_t links = 0, joins = error ? 0 : make_joins(graph, order, link, &links);
+	if (joins > 0) {
+		for (uint32_t i = 0; i < graph->edge_count; i++)
+			if (graph->run[graph->edge[i].before].next == NO_NODE)
+				link[links++] = graph->edge[i];
+		for (uint32_t i = 0; i < graph->node_count; i++)
+			if (graph->run[i].next != NO_NODE)
+				link[links++] = (graph_edge){i, graph->run[i].next};
+		error = link_nodes(graph, graph->node_count + joins, link, links);
+	}
+	free(order);
+	free(link);
+	return error;
+}
+
 /* Sets what every run finds: the counts, and the nodes to begin with. */
 static void prepare_run(stilb_job_graph *graph)
 {
 	job_graph_node *run = graph->run;
 	graph->source_count = graph->sink_count = 0;
-	for (uint32_t i = 0; i < graph->node_count; i++) {
+	for (uint32_t i = 0; i < graph->run_count; i++) {
 		atomic_init(&run[i].pending, run[i].predecessors);
 		if (run[i].predecessors == 0)
-			graph->ready[graph->edge_count + graph->source_count++] = i;
+			graph->ready[graph->link_count + graph->source_count++] = i;
 		graph->sink_count += run[i].first == run[i + 1].first;
 	}
-	for (uint32_t i = 0; i < graph->edge_count; i++)
+	for (uint32_t i = 0; i < graph->link_count; i++)
 		if (run[graph->successor[i]].predecessors == 1)
 			graph->successor[i] |= ONLY_EDGE;
 	atomic_init(&graph->unfinished, graph->sink_count);
@@ -287,15 +363,17 @@ int stilb_job_graph_build(stilb_job_graph *graph, char *cycle, size_t size)
 	if (size > 0)
 		cycle[0] = '\0';
 	graph->built = false;
-	int error = make_block(graph);
+	int error = link_nodes(graph, graph->node_count, graph->edge, graph->edge_count);
 	if (error)
 		return error;
-	link_nodes(graph);
 	if (count_reachable(graph) < graph->node_count) {
 		if (size > 0)
 			write_cycle(graph, cycle, size);
 		return -ELOOP;
 	}
+	error = join_nodes(graph);
+	if (error)
+		return error;
 	prepare_run(graph);
 	graph->built = true;
 	return 0;
@@ -311,7 +389,7 @@ int stilb_job_graph_run(stilb_job_graph *graph, stilb_job_pool *pool, stilb_job_
 		return 0;
 	job_exclusive_begin(&graph->running);
 	graph->group = group;
-	int error = job_submit_graph(pool, graph, graph->edge_count, graph->source_count, group, worker);
+	int error = job_submit_graph(pool, graph, graph->link_count, graph->source_count, group, worker);
 	if (error)
 		job_exclusive_end(&graph->running);
 	return error;
@@ -406,6 +484,12 @@ static bool leave_node(job_slot *slot, stilb_job_graph *graph, job_record *recor
 	if (first == node[1].first) /* acquire-release, as in release_successors */
 		return atomic_fetch_sub_explicit(&graph->unfinished, 1, memory_order_acq_rel) == 1;
 	uint32_t ready = release_successors(graph, node);
+	if (ready == 1 && graph->ready[first] >= graph->node_count) {
+		job_graph_node *join = &graph->run[graph->ready[first]];
+		atomic_store_explicit(&join->pending, join->predecessors, memory_order_relaxed); /* as in take_node */
+		first = join->first;
+		ready = release_successors(graph, join);
+	}
 	if (ready > 0)
 		add_ready(slot, graph, record, first, ready);
 	return false;

@@ -29,6 +29,8 @@
  *                   }
  *                   stilb_job_graph_destroy(graph);
  *
+ * Stages.       If many nodes all come before the same others, as one stage of a frame before the next, a run costs a
+ *               count for each node and not for each edge. For that they need the edges in the same order.
  * A run.        Each node runs exactly once, after all nodes from which an edge leads to it, and sees everything that
  *               these have written. The thread that finishes a node goes on with the first of the nodes which that has
  *               made ready, in the order in which the edges were added, and other threads may take the others: no node
@@ -70,10 +72,10 @@ int stilb_job_graph_add_node(stilb_job_graph *graph, stilb_job_fn *fn, void *dat
 int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t after);
 
 /* Prepares the graph for running, which every change makes necessary again. Takes time in proportion to nodes and
- * edges. -ELOOP: some nodes wait for one another, and `cycle`, of size bytes, says which: "a -> b -> a", cut to fit,
- * always with a zero at the end; a node without a name is written as its number, "#7". cycle may be NULL if size is 0,
- * and is an empty string after every other result. -ENOMEM: no memory. After an error the graph cannot run, and is
- * unchanged otherwise. [any-thread] */
+ * edges, times the logarithm of their number at most. -ELOOP: some nodes wait for one another, and `cycle`, of size
+ * bytes, says which: "a -> b -> a", cut to fit, always with a zero at the end; a node without a name is written as its
+ * number, "#7". cycle may be NULL if size is 0, and is an empty string after every other result. -ENOMEM: no memory.
+ * After an error the graph cannot run, and is unchanged otherwise. [any-thread] */
 int stilb_job_graph_build(stilb_job_graph *graph, char *cycle, size_t size);
 
 /* Starts a run and returns at once. The run counts as one job of group, which therefore finishes when all nodes have;

@@ -182,6 +182,41 @@ static void test_random_graphs(void **state)
 	}
 }
 
+/* Stages: each node comes after all of the stage before, as joins in the graph say it. With `seed`, some nodes have
+ * further edges. */
+static sample *sample_stages(const uint32_t *width, uint32_t stages, uint64_t seed)
+{
+	sample *s = sample_create();
+	for (uint32_t stage = 0, begin = 0; stage<stages; begin += stage> 0 ? width[stage - 1] : 0, stage++)
+		for (uint32_t i = 0, end = s->node_count; i < width[stage]; i++) {
+			sample_add_node(s);
+			for (uint32_t before = begin; before < end; before++)
+				sample_add_edge(s, before);
+			if (seed && end > 0 && next_random(&seed) % 3 == 0)
+				sample_add_edge(s, (uint32_t)(next_random(&seed) % end));
+		}
+	sample_build(s);
+	return s;
+}
+
+static void test_stages(void **state)
+{
+	(void)state;
+	static const uint32_t width[][5] = {{2, 2},          {1, 3},          {3, 1, 4},
+	                                    {2, 3, 2, 3, 2}, {7, 5, 1, 6, 3}, {40, 50, 30, 60, 2}};
+	static const uint32_t stages[] = {2, 2, 3, 5, 5, 5};
+	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s)) {
+		stilb_job_pool *pool = pool_with(s);
+		for (uint32_t i = 0; i < 3 * sizeof stages / sizeof *stages; i++) {
+			sample *graph = sample_stages(width[i / 3], stages[i / 3], i % 3);
+			for (uint32_t turns = 0; turns < 10; turns++)
+				sample_run_once(graph, pool);
+			sample_destroy(graph);
+		}
+		stilb_job_pool_destroy(pool);
+	}
+}
+
 /* One node, many, one: all of the middle becomes ready at once. */
 static sample *sample_fan(uint32_t width)
 {
@@ -852,6 +887,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_random_graphs),
+		cmocka_unit_test(test_stages),
 		cmocka_unit_test(test_many_runs),
 		cmocka_unit_test(test_destroyed_after_the_wait),
 		cmocka_unit_test(test_two_graphs_at_once),
