@@ -292,9 +292,9 @@ static int compare_successors(const void *left, const void *right, void *of)
 	              count * sizeof *graph->successor);
 }
 
-/* For nodes with the same successors, in the same order, that have more edges than a join would need: sets `next` to
- * the number of their join, and stores the links from the joins to the successors. `order` has room for all nodes.
- * Returns the number of joins, and that of the links in *links. */
+/* For nodes with the same successors, in the same order, that have at least as many edges as a join would need: sets
+ * `next` to the number of their join, and stores the links from the joins to the successors. `order` has room for all
+ * nodes. Returns the number of joins, and that of the links in *links. */
 static uint32_t make_joins(stilb_job_graph *graph, uint32_t *order, graph_edge *link, uint32_t *links)
 {
 	job_graph_node *run = graph->run;
