@@ -70,12 +70,19 @@ static void span_run(const loop_span *span, uint32_t worker)
 
 /* ---- helping --------------------------------------------------------------------------------------------------- */
 
-/* Runs the claimed slices of a loop that lies in the slot `owner`, and then claims and runs more of them while there
- * are any. slot is the calling thread's. */
-static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job_scope *scope, loop_span *span,
-                      stilb_job_group *until)
+/* For whom a thread helps: which loops, and until which group has finished (may be NULL). */
+typedef struct help_with {
+	const job_scope *scope;
+	stilb_job_group *until;
+} help_with;
+
+/* Runs the claimed slices of a loop, and then claims and runs more of them while there are any. threads: of them the
+ * loop's slices are shared. slot is the calling thread's. */
+static void run_claimed(job_loop *loop, job_slot *slot, uint32_t threads, const help_with *with, loop_span *span)
 {
 	stilb_job_pool *pool = slot->pool;
+	/* Relaxed: constant until all slices are done, and some are the calling thread's. */
+	job_slot *owner = &pool->slot[atomic_load_explicit(&loop->owner, memory_order_relaxed)];
 	const stilb_job_hooks *hooks = &pool->hooks;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
@@ -90,7 +97,7 @@ static void loop_help(job_loop *loop, job_slot *owner, job_slot *slot, const job
 		done += span->slices;
 		if (slot->spinning && job_sys_ticks() - start > pool->wake_ticks)
 			job_work_spin_stop(slot);
-	} while (!(until && job_group_done(until)) && loop_claim(loop, scope, pool->worker_count + 1, 0, span));
+	} while (!(with->until && job_group_done(with->until)) && loop_claim(loop, with->scope, threads, 0, span));
 	if (hooks->job_end)
 		hooks->job_end(hooks->user, slot->index);
 	slot->level = outer_level;
@@ -110,61 +117,122 @@ static bool wake_helper(stilb_job_pool *pool, const loop_span *span, uint32_t sp
 	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) && job_idle_wake(&pool->idle, &work);
 }
 
-/* For a thread that has come to help: wakes JOB_WAKE_FAN more, so that help grows as a tree (job_park.h). */
-static void wake_helpers(stilb_job_pool *pool, const loop_span *span)
+/* For a thread that has come to help: wakes JOB_WAKE_FAN more, so that help grows as a tree (job_park.h). parts: there
+ * are probably so many times as many slices left. */
+static void wake_helpers(stilb_job_pool *pool, const loop_span *span, uint32_t parts)
 {
 	if (span->left < span->wake_slices)
 		return;
-	uint32_t threads = span->left / span->wake_slices; /* a wake-up pays for so many */
+	uint32_t threads = span->left / span->wake_slices * parts; /* a wake-up pays for so many */
 	for (uint32_t i = 0; i < JOB_WAKE_FAN && wake_helper(pool, span, threads - 1); i++)
 		;
 }
 
-typedef struct help_with {
-	const job_scope *scope;
-	stilb_job_group *until;
-} help_with;
+/* Claims and runs slices of a loop; false if there are none or the scope does not allow it. threads: as in run_claimed;
+ * parts: as in wake_helpers. */
+static bool loop_help(job_loop *loop, job_slot *slot, uint32_t threads, uint32_t parts, const help_with *with)
+{
+	loop_span span;
+	if (!loop_claim(loop, with->scope, threads, 0, &span))
+		return false;
+	/* If the slices left take less time than a wake-up, the spinner stays counted as one while it helps. That saves
+	 * writing the idle list's `state`, which the caller of every loop reads. */
+	if (span.left + span.slices >= span.wake_slices)
+		job_work_spin_stop(slot);
+	wake_helpers(slot->pool, &span, parts);
+	run_claimed(loop, slot, threads, with, &span);
+	return true;
+}
 
-/* Claims and runs slices of one of the loops of a thread; false if there is none that the scope allows. */
-static bool help_thread(job_slot *slot, uint32_t thread, void *context)
+/* Helps with one of the loops of a thread; false if there is none that the scope allows. */
+static bool help_thread(job_slot *slot, uint32_t thread, void *with)
+{
+	job_slot *owner = &slot->pool->slot[thread];
+	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
+		if (loop_help(&owner->loop[i], slot, slot->pool->worker_count + 1, 1, with))
+			return true;
+	return false;
+}
+
+/* Helps with the part of a wide loop that is for the team after `after` others in the circle that begins with the
+ * thread's own. */
+static bool help_team(job_slot *slot, uint32_t after, const help_with *with)
 {
 	stilb_job_pool *pool = slot->pool;
-	const help_with *with = context;
-	job_slot *owner = &pool->slot[thread];
-	for (int i = 0; i < JOB_LOOP_DEPTH; i++) {
-		loop_span span;
-		job_loop *loop = &owner->loop[i];
-		if (!loop_claim(loop, with->scope, pool->worker_count + 1, 0, &span))
-			continue;
-		/* If the slices left take less time than a wake-up, the spinner stays counted as one while it helps. That saves
-		 * writing the idle list's `state`, which the caller of every loop reads. */
-		if (span.left + span.slices >= span.wake_slices)
-			job_work_spin_stop(slot);
-		wake_helpers(pool, &span);
-		loop_help(loop, owner, slot, with->scope, &span, with->until);
-		return true;
-	}
-	return false;
+	job_team *team = &pool->team[((uint32_t)(slot->team - pool->team) + after) % pool->team_count];
+	/* If the own part has slices left, so have the others; but it is the first to be empty where others come from. */
+	return loop_help(&team->part, slot, team->end - team->begin, after == 0 ? pool->team_count : 1, with);
+}
+
+/* Helps with the own team's part of a wide loop and then with those of the next teams, as long as these have any
+ * slices left; or with a loop of a thread of the team. */
+static bool help_near(job_slot *slot, help_with *with)
+{
+	if (!help_team(slot, 0, with))
+		return job_visit_active(slot, JOB_ACTIVE_LOOPS, slot->team->begin, slot->team->end, help_thread, with);
+	for (uint32_t i = 1; i < slot->pool->team_count && help_team(slot, i, with); i++)
+		;
+	return true;
+}
+
+static bool help_far(job_slot *slot, help_with *with)
+{
+	for (uint32_t i = 1; i < slot->pool->team_count; i++)
+		if (help_team(slot, i, with))
+			return true;
+	return job_visit_active(slot, JOB_ACTIVE_LOOPS, 0, slot->pool->worker_count + 1, help_thread, with);
 }
 
 bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
-	return job_visit_threads(slot, JOB_ACTIVE_LOOPS, 0, help_thread, &(help_with){.scope = scope, .until = until});
+	help_with with = {.scope = scope, .until = until};
+	if (slot->pool->one_team)
+		return job_visit_team(slot, 0, help_thread, &with);
+	if (help_near(slot, &with))
+		return true;
+	if (!slot->look_far && ++slot->near_looks % JOB_NEAR_LOOKS != 0)
+		return false;
+	slot->look_far = false;
+	return help_far(slot, &with);
+}
+
+/* True if the loop has slices left to claim and the scope allows it. Relaxed, all: may miss a loop that has just been
+ * opened, see job_internal.h. */
+static bool loop_has(job_loop *loop, const job_scope *scope)
+{
+	return (uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) > 0 &&
+	       (scope->all || (atomic_load_explicit(&loop->root, memory_order_relaxed) == scope->root &&
+	                       atomic_load_explicit(&loop->level, memory_order_relaxed) > scope->level));
+}
+
+/* True if one of the threads begin <= i < end has such a loop. */
+static bool threads_have(stilb_job_pool *pool, uint32_t begin, uint32_t end, const job_scope *scope)
+{
+	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_LOOPS, begin); i < end;
+	     i = job_active_from(pool, JOB_ACTIVE_LOOPS, i + 1))
+		for (int j = 0; j < JOB_LOOP_DEPTH; j++)
+			if (loop_has(&pool->slot[i].loop[j], scope))
+				return true;
+	return false;
 }
 
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 {
-	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_LOOPS, 0); i <= pool->worker_count;
-	     i = job_active_from(pool, JOB_ACTIVE_LOOPS, i + 1))
-		for (int j = 0; j < JOB_LOOP_DEPTH; j++) {
-			job_loop *loop = &pool->slot[i].loop[j];
-			/* Relaxed, all: may miss a loop that has just been opened, see job_internal.h. */
-			if ((uint32_t)atomic_load_explicit(&loop->claim, memory_order_relaxed) > 0 &&
-			    (scope->all || (atomic_load_explicit(&loop->root, memory_order_relaxed) == scope->root &&
-			                    atomic_load_explicit(&loop->level, memory_order_relaxed) > scope->level)))
-				return true;
-		}
-	return false;
+	for (uint32_t i = 0; i < pool->team_count; i++)
+		if (loop_has(&pool->team[i].part, scope))
+			return true;
+	return threads_have(pool, 0, pool->worker_count + 1, scope);
+}
+
+bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope)
+{
+	stilb_job_pool *pool = slot->pool;
+	if (pool->one_team)
+		return job_loop_exists(pool, scope);
+	if (loop_has(&slot->team->part, scope) || threads_have(pool, slot->team->begin, slot->team->end, scope))
+		return true;
+	slot->look_far = ++slot->near_looks % JOB_NEAR_LOOKS == 0 && job_loop_exists(pool, scope);
+	return slot->look_far;
 }
 
 /* ---- the caller ------------------------------------------------------------------------------------------------ */
@@ -182,7 +250,7 @@ static job_rate *rate_of(job_slot *slot, stilb_job_range_fn *fn)
 /* Lets other threads claim the last span->left of the loop's slices; the caller has claimed the others. */
 static void loop_open(job_loop *loop, const loop_span *span, uint32_t slices, uint32_t limit)
 {
-	assert(slices > 1 && span->left < slices && limit > 0);
+	assert(span->left > 0 && span->left <= slices && limit > 0);
 	/* Relaxed: see job_loop; no thread uses the fields while no slices are left. */
 	atomic_store_explicit(&loop->fn, span->fn, memory_order_relaxed);
 	atomic_store_explicit(&loop->context, span->context, memory_order_relaxed);
@@ -361,6 +429,89 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 	slot->loops_open--;
 }
 
+/* The first slice of the part of a wide loop that begins with thread number `thread`: each team gets as large a part of
+ * the slices as of the threads. */
+static uint32_t part_begin(const stilb_job_pool *pool, uint32_t slices, uint32_t thread)
+{
+	return (uint32_t)((uint64_t)slices * thread / (pool->worker_count + 1));
+}
+
+static uint32_t part_slices(const stilb_job_pool *pool, uint32_t slices, const job_team *team)
+{
+	return part_begin(pool, slices, team->end) - part_begin(pool, slices, team->begin);
+}
+
+static void wide_open(job_slot *slot, loop_span *span, uint32_t slices)
+{
+	stilb_job_pool *pool = slot->pool;
+	uint64_t tag = pool->hooks.submit ? pool->hooks.submit(pool->hooks.user, slot->index) : 0;
+	uint32_t limit = pool->oversubscribed && span->wake_slices > 1 ? span->wake_slices : UINT32_MAX; /* see loop_run */
+	for (uint32_t i = 0; i < pool->team_count; i++) {
+		job_team *team = &pool->team[i];
+		span->left = part_slices(pool, slices, team);
+		if (span->left == 0)
+			continue;
+		team->part.tag = tag;
+		atomic_store_explicit(&team->part.owner, slot->index, memory_order_relaxed); /* see job_loop */
+		loop_open(&team->part, span, part_begin(pool, slices, team->end), limit);
+	}
+	span->left = slices;
+}
+
+/* wake_helper with a better guess of what a slice takes; helpers of all teams read it, too. */
+static bool wide_wake_anew(stilb_job_pool *pool, loop_span *span, uint64_t ticks)
+{
+	span->wake_slices = slices_to_wake_for(pool, ticks);
+	for (uint32_t i = 0; i < pool->team_count; i++)
+		atomic_store_explicit(&pool->team[i].part.wake_slices, span->wake_slices,
+		                      memory_order_relaxed); /* see job_loop */
+	return wake_helper(pool, span, 0);
+}
+
+/* Claims and runs slices of all parts, those of the own team first, until none is left. Returns their number, and in
+ * *ticks how long they have taken. */
+static uint32_t wide_claim(job_slot *slot, loop_span *span, uint32_t slices, bool woken, uint64_t *ticks)
+{
+	stilb_job_pool *pool = slot->pool;
+	uint32_t own = (uint32_t)(slot->team - pool->team), mine = 0;
+	for (uint32_t i = 0; i < pool->team_count; i++) {
+		job_team *team = &pool->team[(own + i) % pool->team_count];
+		uint32_t before = mine;
+		while (loop_claim(&team->part, &job_scope_all, team->end - team->begin, 0, span)) {
+			uint64_t start = job_sys_ticks();
+			span_run(span, slot->index);
+			*ticks += job_sys_ticks() - start;
+			mine += span->slices;
+			if (!woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle))
+				woken = wide_wake_anew(pool, span, *ticks / mine);
+		}
+		team->part.finished += part_slices(pool, slices, team) - (mine - before);
+	}
+	return mine;
+}
+
+/* Runs a loop of many slices as a wide one (job_team); otherwise as loop_run. False if another wide loop is open, or if
+ * it seems short and no thread is awake to help (asleep). */
+__attribute__((noinline)) static bool wide_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
+{
+	stilb_job_pool *pool = slot->pool;
+	uint64_t ticks = 0;
+	if (asleep && loop_starts_alone(slot, span, slices, job_sys_ticks()))
+		return false;
+	if (atomic_exchange_explicit(&pool->wide_open, true, memory_order_acquire)) /* see the field */
+		return false;
+	if (asleep)
+		span->wake_slices = 1;
+	wide_open(slot, span, slices);
+	uint32_t mine = wide_claim(slot, span, slices, wake_helper(pool, span, 0), &ticks);
+	if (mine > 0)
+		rate_of(slot, span->fn)->ticks = ticks / mine + 1;
+	for (uint32_t i = 0; i < pool->team_count; i++)
+		loop_wait(&pool->team[i].part, slot, span, pool->team[i].part.finished);
+	atomic_store_explicit(&pool->wide_open, false, memory_order_release); /* see the field */
+	return true;
+}
+
 /* A loop that a thread outside the pool waits for. */
 typedef struct outside_loop {
 	stilb_job_pool *pool;
@@ -406,7 +557,10 @@ void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain
 	slot->level = span.level = outer_level + 1;
 	if (slices > 1 && pool->worker_count > 0 && slot->loops_open < JOB_LOOP_DEPTH) {
 		span.wake_slices = slices_to_wake_for(pool, rate_of(slot, fn)->ticks);
-		loop_run(slot, &span, slices, job_idle_maybe_wanted(&pool->idle));
+		bool asleep = job_idle_maybe_wanted(&pool->idle);
+		bool wide = !pool->one_team && slices / 2 >= pool->team_count && wide_run(slot, &span, slices, asleep);
+		if (!wide)
+			loop_run(slot, &span, slices, asleep);
 	} else {
 		span.slices = slices;
 		span_run(&span, worker);

@@ -6,7 +6,8 @@
  * Places of work.  Jobs of normal priority lie in the deque of the thread that submitted them; jobs from outside
  *                  threads and jobs of high priority in one of two shared FIFO queues; jobs of low priority in a list;
  *                  jobs pinned to a thread in its inbox; jobs that wait for a group in that group's list. A parallel
- *                  loop lies in its caller's slot, where any thread may claim slices of it.
+ *                  loop lies in its caller's slot, where any thread may claim slices of it; in a pool of many threads
+ *                  a loop of many slices lies in parts, one for each team of threads that share a cache (job_team).
  * Root and level.  Every job and loop has a level, one more than that of the job or slice that created it, and a root:
  *                  the root of its creator or, if no job created it, its group (a loop: itself). All work done on
  *                  behalf of one group of a frame has the same root.
@@ -84,7 +85,11 @@
 #ifndef JOB_TEAM_MOST
 #define JOB_TEAM_MOST 8
 #endif
-#define JOB_TEAM_LEAST (JOB_TEAM_MOST / 2)
+#define JOB_TEAM_LEAST ((JOB_TEAM_MOST + 1) / 2)
+
+/* A thread looks for loops in its own team, and only once in so many looks, about 4 us, in others: a loop of few slices
+ * is best left to its team, because all threads that look at it fetch its cache line after each claim. */
+#define JOB_NEAR_LOOKS 64
 
 /* The number of loop functions of which a thread remembers how long a slice takes (job_slot.rate). */
 #ifndef JOB_RATES
@@ -103,9 +108,10 @@ typedef struct job_loop {
 	_Atomic uint32_t level;
 	_Atomic uint32_t count;
 	_Atomic uint32_t grain;
-	_Atomic uint32_t slices;
+	_Atomic uint32_t slices;      /* of a part of a wide loop (job_team): up to the last one of this part */
 	_Atomic uint32_t wake_slices; /* a wake-up pays if at least this many slices are left */
 	_Atomic uint32_t claim_limit; /* the most slices of one claim */
+	_Atomic uint32_t owner;       /* the thread that has opened it */
 	/* The submit hook's result. Not atomic: only threads that have claimed slices read it, and it is not written again
 	 * until these slices are done. */
 	uint64_t tag;
@@ -124,6 +130,13 @@ typedef struct job_rate {
 	stilb_job_range_fn *fn;
 	uint64_t ticks; /* 0: not known */
 } job_rate;
+
+/* Threads that share a cache. A loop of many slices is cut into a part for each team, which is a loop of its own: so
+ * threads of different teams do not claim from the same cache line. One such wide loop is open at a time. */
+typedef struct job_team {
+	job_loop part;
+	alignas(JOB_LINE) uint32_t begin, end; /* its threads: begin <= index < end */
+} job_team;
 
 /* What thread i may have if its bit is set in stilb_job_pool.active: an open loop, jobs in its deque. */
 typedef enum job_active_kind { JOB_ACTIVE_LOOPS, JOB_ACTIVE_JOBS, JOB_ACTIVE_KINDS } job_active_kind;
@@ -157,7 +170,9 @@ typedef struct job_slot {
 	job_record_cache records;
 	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
 	uint32_t cpu;                         /* the CPU to bind the thread to, or JOB_NO_CPU */
-	uint32_t team_begin, team_end;        /* the threads of its team: team_begin <= index < team_end */
+	job_team *team;                       /* NULL if the pool is one team */
+	uint32_t near_looks;                  /* counts looks for loops, see JOB_NEAR_LOOKS */
+	bool look_far;                        /* the next one goes to all teams */
 	uint32_t random;                      /* the state of random_below in job_work.c */
 	pthread_t thread;
 	stilb_job_worker_info info;
@@ -202,8 +217,10 @@ struct stilb_job_pool {
 	/* The first fields are read by every call and constant. */
 	alignas(JOB_LINE) uint32_t worker_count;
 	uint32_t cpus;
-	bool oversubscribed;  /* there are more threads than CPUs */
-	bool one_team;        /* there are at most JOB_TEAM_MOST threads */
+	bool oversubscribed; /* there are more threads than CPUs */
+	bool one_team;       /* there are at most JOB_TEAM_MOST threads */
+	uint32_t team_count;
+	job_team *team;       /* behind the slots in memory */
 	uint64_t wake_ticks;  /* JOB_WAKE_NS in ticks of job_sys_ticks */
 	uint64_t steal_ticks; /* JOB_STEAL_NS in such ticks */
 	stilb_job_queue *shared[JOB_SHARED_COUNT];
@@ -239,6 +256,8 @@ struct stilb_job_pool {
 	 * in its cache. No other thread changes these bits, so they are set whenever there is something to find. Seq_cst:
 	 * in the argument of job_park.h, setting a bit belongs to (a) and reading it to (2). Not used by a single team. */
 	alignas(JOB_LINE) _Atomic uint64_t active[JOB_ACTIVE_KINDS][JOB_ACTIVE_WORDS];
+	/* Some thread uses the teams' parts. Acquire to set it, pairs with the release that clears it. */
+	_Atomic bool wide_open;
 	job_worker_desc worker;
 	job_slot slot[]; /* worker_count + 1; slot[0] is the owner's */
 };
@@ -303,19 +322,16 @@ static inline void job_active_begin(job_slot *slot, job_active_kind kind)
 /* Looks for work at one thread; true if that ends the search. */
 typedef bool job_visit_fn(job_slot *slot, uint32_t thread, void *context);
 
-/* job_visit_threads in a pool of several teams: visits the threads that may have work of this kind, first those of the
- * calling thread's own team, then all, from a random one on. So threads that look for work at the same time begin at
- * different places. Defined in job_work.c. */
-bool job_visit_active(job_slot *slot, job_active_kind kind, job_visit_fn *visit, void *context);
+/* Visits the threads begin <= i < end that may have work of this kind, from a random one on in a circle, until a visit
+ * ends the search; true if one did. So threads that look at the same time begin at different places. In job_work.c. */
+bool job_visit_active(job_slot *slot, job_active_kind kind, uint32_t begin, uint32_t end, job_visit_fn *visit,
+                      void *context);
 
-/* Visits threads until a visit ends the search; true if one did. All threads from `first` on in a circle, if they are
- * one team. */
-static inline __attribute__((always_inline)) bool job_visit_threads(job_slot *slot, job_active_kind kind,
-                                                                    uint32_t first, job_visit_fn *visit, void *context)
+/* Visits all threads of a pool that is one team, from `first` on in a circle. */
+static inline __attribute__((always_inline)) bool job_visit_team(job_slot *slot, uint32_t first, job_visit_fn *visit,
+                                                                 void *context)
 {
 	uint32_t threads = slot->pool->worker_count + 1, thread = first;
-	if (!slot->pool->one_team)
-		return job_visit_active(slot, kind, visit, context);
 	for (uint32_t i = 0; i < threads; i++, thread = thread + 1 < threads ? thread + 1 : 0)
 		if (visit(slot, thread, context))
 			return true;
@@ -475,6 +491,10 @@ bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 /* True if a loop that the scope allows has slices left to claim. Relaxed, so it may miss one: loops finish without
  * help, so that costs time but blocks nobody. */
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope);
+
+/* job_loop_exists for a thread that spins: looks at other teams only now and then (JOB_NEAR_LOOKS). If it returns true,
+ * the next job_loop_help looks there, too. */
+bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope);
 
 /* job_graph.c */
 

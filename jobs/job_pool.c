@@ -122,14 +122,19 @@ static void slot_init(job_slot *slot, stilb_job_pool *pool, uint32_t index)
 	slot->active[JOB_ACTIVE_LOOPS] = slot->active[JOB_ACTIVE_JOBS] = pool->one_team;
 	atomic_init(&slot->inbox, NULL);
 	atomic_init(&slot->parker.state, 0);
-	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
+	for (int i = 0; i < JOB_LOOP_DEPTH; i++) {
 		atomic_init(&slot->loop[i].claim, 0);
+		atomic_init(&slot->loop[i].owner, index);
+	}
 }
 
 static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 {
-	/* Both structs are multiples of the alignment. The numbers of desc->cpus lie behind them. */
-	size_t structs = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
+	/* All structs are multiples of the alignment. The numbers of desc->cpus lie behind them. */
+	bool one_team = desc->worker_count < JOB_TEAM_MOST;
+	size_t slots = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
+	size_t teams = one_team ? 0 : desc->worker_count / JOB_TEAM_LEAST + 1; /* at most */
+	size_t structs = slots + teams * sizeof(job_team);
 	size_t size = (structs + desc->cpu_count * sizeof *desc->cpus + JOB_LINE - 1) / JOB_LINE * JOB_LINE;
 	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size);
 	if (!pool)
@@ -142,7 +147,8 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	pool->cpus = stilb_job_cpu_count();
 	pool->wake_ticks = job_sys_ticks_in(JOB_WAKE_NS);
 	pool->steal_ticks = job_sys_ticks_in(JOB_STEAL_NS);
-	pool->one_team = desc->worker_count < JOB_TEAM_MOST;
+	pool->one_team = one_team;
+	pool->team = (job_team *)((char *)pool + slots);
 	pool->oversubscribed = desc->worker_count >= pool->cpus;
 	pool->hooks = desc->hooks;
 	for (uint32_t i = 0; i <= desc->worker_count; i++)
@@ -161,10 +167,11 @@ static void make_teams(stilb_job_pool *pool, const uint32_t *cache, uint32_t bou
 		for (end = begin + 1; end < threads && end - begin < JOB_TEAM_MOST; end++)
 			if (end < bound && cache[end] != cache[end - 1] && end - begin >= JOB_TEAM_LEAST)
 				break;
-		for (uint32_t i = begin; i < end; i++) {
-			pool->slot[i].team_begin = begin;
-			pool->slot[i].team_end = end;
-		}
+		job_team *team = &pool->team[pool->team_count++];
+		team->begin = begin;
+		team->end = end;
+		for (uint32_t i = begin; i < end; i++)
+			pool->slot[i].team = team;
 	}
 }
 
@@ -178,9 +185,10 @@ static void choose_cpus(stilb_job_pool *pool, const stilb_job_pool_desc *desc)
 	job_cpu_list list = {desc->cpus, desc->cpu_count};
 	if (desc->affinity == STILB_JOB_AFFINITY_AUTO && desc->worker_count > 0 && cpus[0] != UINT32_MAX)
 		others = job_cpu_others(list, cpus[0], cpus + 1, desc->worker_count);
-	if (!pool->one_team)
+	if (!pool->one_team) {
 		job_cpu_sort(cpus, others + 1, "/sys/devices/system/cpu", cache);
-	make_teams(pool, cache, pool->one_team ? 0 : others + 1);
+		make_teams(pool, cache, others + 1);
+	}
 	pool->idle.spare = others > 0 && job_cpu_allows(list, cpus[0]);
 	pool->idle.spare_cpu = cpus[0];
 	for (uint32_t i = 1; i <= others; i++)

@@ -56,9 +56,8 @@ static uint32_t random_below(job_slot *slot, uint32_t end)
 	return (x >> 16) * end >> 16;
 }
 
-/* Visits the threads begin <= i < end that may have work, from a random one on in a circle. */
-static bool visit_range(job_slot *slot, job_active_kind kind, uint32_t begin, uint32_t end, job_visit_fn *visit,
-                        void *context)
+bool job_visit_active(job_slot *slot, job_active_kind kind, uint32_t begin, uint32_t end, job_visit_fn *visit,
+                      void *context)
 {
 	uint32_t middle = begin + random_below(slot, end - begin);
 	for (uint32_t i = job_active_from(slot->pool, kind, middle); i < end; i = job_active_from(slot->pool, kind, i + 1))
@@ -69,12 +68,6 @@ static bool visit_range(job_slot *slot, job_active_kind kind, uint32_t begin, ui
 		if (visit(slot, i, context))
 			return true;
 	return false;
-}
-
-bool job_visit_active(job_slot *slot, job_active_kind kind, job_visit_fn *visit, void *context)
-{
-	return visit_range(slot, kind, slot->team_begin, slot->team_end, visit, context) ||
-	       visit_range(slot, kind, 0, slot->pool->worker_count + 1, visit, context);
 }
 
 /* ---- running --------------------------------------------------------------------------------------------------- */
@@ -196,14 +189,18 @@ static bool steal_visit(job_slot *slot, uint32_t victim, void *context)
 	return search->record;
 }
 
-/* Tries all threads, first the victim of the last steal. A waiting thread tries its own deque, too: a job of its scope
- * may be the oldest there, below newer jobs outside the scope. */
+/* Tries the victim of the last steal, then all threads, those of the own team first. A waiting thread tries its own
+ * deque, too: a job of its scope may be the oldest there, below newer jobs outside the scope. */
 static job_record *steal(job_slot *slot, const job_scope *scope)
 {
+	stilb_job_pool *pool = slot->pool;
 	uint32_t victim = slot->victim;
 	steal_search search = {.scope = scope};
-	if (slot->pool->one_team || !steal_visit(slot, victim, &search))
-		job_visit_threads(slot, JOB_ACTIVE_JOBS, victim, steal_visit, &search);
+	if (pool->one_team)
+		job_visit_team(slot, victim, steal_visit, &search);
+	else if (!steal_visit(slot, victim, &search) &&
+	         !job_visit_active(slot, JOB_ACTIVE_JOBS, slot->team->begin, slot->team->end, steal_visit, &search))
+		job_visit_active(slot, JOB_ACTIVE_JOBS, 0, pool->worker_count + 1, steal_visit, &search);
 	return search.record;
 }
 
@@ -219,7 +216,7 @@ static void note_steal_cost(job_slot *slot, uint64_t ticks)
 static bool work_elsewhere(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
-	if (job_loop_exists(pool, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
+	if (job_loop_seems_to_exist(slot, scope) || atomic_load_explicit(&slot->inbox, memory_order_relaxed))
 		return true;
 	for (uint32_t i = 0; i < JOB_SHARED_COUNT; i++)
 		if ((i == JOB_SHARED_HIGH ? scope->high : scope->all) &&
@@ -643,6 +640,7 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 			sleep_until_woken(slot, watch);
 	}
 	job_idle_outcome outcome = job_idle_leave(&pool->idle, &slot->parker);
+	slot->look_far = true; /* for the loop that it was woken for, or that kept it awake */
 	slot->spinning = scope->all && outcome == JOB_IDLE_CHOSEN;
 	return rescue ? JOB_IDLE_RESCUE : outcome;
 }

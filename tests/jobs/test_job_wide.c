@@ -71,7 +71,12 @@ long __wrap_syscall(long number, ...)
 	return __real_syscall(number, argument[0], argument[1], argument[2], argument[3], argument[4], argument[5]);
 }
 
-/* A pool on a machine with a CPU for each of its threads. */
+uint32_t __wrap_stilb_job_cpu_count(void);
+uint32_t __wrap_stilb_job_cpu_count(void)
+{
+	return STILB_JOB_MAX_WORKERS + 1; /* so that no pool has more threads than CPUs */
+}
+
 static stilb_job_pool *wide_pool(uint32_t workers)
 {
 	stilb_job_pool *pool = NULL;
@@ -80,10 +85,8 @@ static stilb_job_pool *wide_pool(uint32_t workers)
 	return pool;
 }
 
-static void set_cpus(stilb_job_pool *pool)
+static void count_wakes(stilb_job_pool *pool)
 {
-	pool->cpus = pool->worker_count + 1;
-	pool->oversubscribed = false;
 	watched_pool = pool;
 	atomic_store_explicit(&wakes, 0, memory_order_release);
 	atomic_store_explicit(&most_wakes, 0, memory_order_release);
@@ -96,7 +99,7 @@ static stilb_job_pool *made_up_pool(uint32_t workers)
 	stilb_job_pool *pool = wide_pool(workers);
 	for (uint32_t i = 0; i <= workers; i++)
 		job_slot_set_mine(&pool->slot[i]);
-	set_cpus(pool);
+	count_wakes(pool);
 	return pool;
 }
 
@@ -126,6 +129,7 @@ static job_slot *next_woken(stilb_job_pool *pool)
 			continue;
 		assert_int_equal(job_idle_leave(&pool->idle, &slot->parker), JOB_IDLE_CHOSEN);
 		slot->spinning = true;
+		slot->look_far = true; /* as in job_work_park */
 		return slot;
 	}
 	return NULL;
@@ -317,32 +321,27 @@ static bool note_visit(job_slot *slot, uint32_t thread, void *context)
 	return false;
 }
 
-/* Each look visits the team of the thread, then all threads. In time it begins at each of them. */
+/* Each look visits all threads, and in time begins at each of them. */
 static void test_looks_begin_anywhere_and_miss_nobody(void **state)
 {
 	enum { THREADS = 32, ROUNDS = 1000 };
 	(void)state;
 	stilb_job_pool *pool = made_up_pool(THREADS - 1);
-	uint32_t first_of_team[THREADS] = {0}, first_of_all[THREADS] = {0}, same = 0;
+	uint32_t first[THREADS] = {0}, same = 0;
 	for (uint32_t i = 0; i < THREADS; i++)
 		job_active_begin(&pool->slot[i], JOB_ACTIVE_JOBS);
 	for (uint32_t round = 0; round < ROUNDS; round++) {
 		round_trip trip = {0}, other = {0};
-		job_visit_threads(&pool->slot[10], JOB_ACTIVE_JOBS, 0, note_visit, &trip);
-		job_visit_threads(&pool->slot[11], JOB_ACTIVE_JOBS, 0, note_visit, &other);
-		assert_int_equal(trip.visits, 8 + THREADS);
+		job_visit_active(&pool->slot[10], JOB_ACTIVE_JOBS, 8, THREADS, note_visit, &trip);
+		job_visit_active(&pool->slot[11], JOB_ACTIVE_JOBS, 8, THREADS, note_visit, &other);
+		assert_int_equal(trip.visits, THREADS - 8);
 		for (uint32_t i = 0; i < THREADS; i++)
-			assert_int_equal(trip.seen[i], 1 + (i >= 8 && i < 16));
-		for (uint32_t i = 0; i < 8; i++)
-			assert_in_range(trip.order[i], 8, 15);
-		first_of_team[trip.order[0]]++;
-		first_of_all[trip.order[8]]++;
-		same += trip.order[0] == other.order[0] && trip.order[8] == other.order[8];
+			assert_int_equal(trip.seen[i], i >= 8);
+		first[trip.order[0]]++;
+		same += trip.order[0] == other.order[0];
 	}
-	for (uint32_t i = 0; i < THREADS; i++) {
-		assert_true(first_of_all[i] > ROUNDS / THREADS / 2);
-		assert_true((first_of_team[i] > ROUNDS / 8 / 2) == (i >= 8 && i < 16));
-	}
+	for (uint32_t i = 8; i < THREADS; i++)
+		assert_true(first[i] > ROUNDS / THREADS / 2);
 	assert_true(same < ROUNDS / 8); /* two threads begin at different places */
 	made_up_destroy(pool);
 }
@@ -383,8 +382,8 @@ static void check_teams(const uint32_t *caches, uint32_t threads, const uint32_t
 	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
 	for (uint32_t i = 0; i < threads; i++) {
 		first += i == first[1];
-		assert_int_equal(pool->slot[i].team_begin, first[0]);
-		assert_int_equal(pool->slot[i].team_end, first[1]);
+		assert_int_equal(pool->slot[i].team->begin, first[0]);
+		assert_int_equal(pool->slot[i].team->end, first[1]);
 	}
 	made_up_caches = NULL;
 	job_slot_set_mine(&pool->slot[0]);
@@ -399,12 +398,177 @@ static void test_teams_share_a_cache(void **state)
 	uint32_t alone[20];
 	for (uint32_t i = 0; i < 20; i++)
 		alone[i] = i;
-	check_teams(one, 8, (const uint32_t[]){0, 8});
 	check_teams(one, 20, (const uint32_t[]){0, 8, 16, 20});
-	check_teams(fours, 8, (const uint32_t[]){0, 8});
 	check_teams(fours, 20, (const uint32_t[]){0, 4, 8, 12, 16, 20});
 	check_teams(sixes, 20, (const uint32_t[]){0, 6, 12, 18, 20});
 	check_teams(alone, 20, (const uint32_t[]){0, 4, 8, 12, 16, 20});
+}
+
+/* ---- wide loops ------------------------------------------------------------------------------------------------ */
+
+/* A loop on a pool of two teams of eight, in whose first slice the test plays the other threads. */
+typedef struct far_loop {
+	stilb_job_pool *pool;
+	uint32_t slices, first_of[16]; /* the first slice that each thread ran; UINT32_MAX: none */
+	uint32_t looks;                /* by thread 8 until it had helped */
+	bool played, drained;          /* drained: the other team's slices are done before thread 8 comes */
+} far_loop;
+
+static void play_far(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	far_loop *loop = context;
+	(void)end;
+	if (loop->first_of[worker] == UINT32_MAX)
+		loop->first_of[worker] = begin;
+	if (loop->played)
+		return;
+	loop->played = true;
+	if (loop->drained) {
+		job_loop *part = &loop->pool->team[1].part;
+		uint32_t left = (uint32_t)atomic_load_explicit(&part->claim, memory_order_relaxed);
+		atomic_fetch_sub_explicit(&part->claim, left, memory_order_relaxed);
+		atomic_fetch_add_explicit(&part->done, left, memory_order_relaxed);
+	}
+	while (!job_loop_help(&loop->pool->slot[8], &job_scope_all, NULL))
+		loop->looks++;
+}
+
+static far_loop run_far(uint32_t slices, bool drained)
+{
+	far_loop loop = {.pool = made_up_pool(15), .slices = slices, .drained = drained};
+	memset(loop.first_of, 0xff, sizeof loop.first_of);
+	stilb_job_parallel_for(loop.pool, slices, 1, play_far, &loop, 0);
+	made_up_destroy(loop.pool);
+	return loop;
+}
+
+static void test_each_team_has_its_part(void **state)
+{
+	(void)state;
+	far_loop loop = run_far(64, false);
+	assert_int_equal(loop.looks, 0);
+	assert_int_equal(loop.first_of[0], 0);
+	assert_int_equal(loop.first_of[8], 32);
+}
+
+static void test_teams_help_one_another(void **state)
+{
+	(void)state;
+	far_loop loop = run_far(64, true);
+	assert_int_equal(loop.looks, JOB_NEAR_LOOKS - 1);
+	assert_in_range(loop.first_of[8], 1, 31);
+}
+
+/* Three slices are not enough for two teams: the loop is its own team's, and others find it in their last look of
+ * JOB_NEAR_LOOKS. */
+static void test_short_loops_stay_in_their_team(void **state)
+{
+	(void)state;
+	far_loop loop = run_far(3, false);
+	assert_int_equal(loop.looks, JOB_NEAR_LOOKS - 1);
+	assert_int_equal(loop.first_of[0], 0);
+	assert_int_equal(loop.first_of[8], 1);
+}
+
+enum { COVER_MOST = 300 };
+
+typedef struct cover {
+	stilb_job_pool *pool;
+	uint32_t count, grain;
+	counter ran[COVER_MOST], wrong, helped;
+} cover;
+
+static void cover_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	cover *c = context;
+	if (begin % c->grain != 0 || end > c->count || end - begin > c->grain || begin >= end)
+		count_up(&c->wrong);
+	for (uint32_t i = begin; i < end; i++)
+		count_up(&c->ran[i]);
+	if (worker != 0)
+		count_up(&c->helped);
+	if (begin % 16 == 0)
+		sched_yield(); /* so that others get to their slices */
+}
+
+static void cover_run(cover *c, uint32_t worker)
+{
+	stilb_job_parallel_for(c->pool, c->count, c->grain, cover_slice, c, worker);
+	for (uint32_t i = 0; i < COVER_MOST; i++)
+		if (atomic_exchange_explicit(&c->ran[i], 0, memory_order_acq_rel) != (i < c->count))
+			count_up(&c->wrong);
+}
+
+static void cover_nested(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	cover *outer = context, inner = {.pool = outer->pool, .count = 40, .grain = 1};
+	for (uint32_t i = begin; i < end; i++)
+		cover_run(&inner, worker);
+	if (count_of(&inner.wrong) > 0)
+		count_up(&outer->wrong);
+}
+
+static void *cover_from_outside(void *data)
+{
+	cover *outer = data, mine = {.pool = outer->pool, .count = 200, .grain = 1};
+	for (int i = 0; i < 10; i++)
+		cover_run(&mine, STILB_JOB_OUTSIDE);
+	if (count_of(&mine.wrong) > 0)
+		count_up(&outer->wrong);
+	return NULL;
+}
+
+static void cover_as_job(void *data, uint32_t worker)
+{
+	cover *outer = data, mine = {.pool = outer->pool, .count = 100, .grain = 1};
+	cover_run(&mine, worker);
+	if (count_of(&mine.wrong) > 0)
+		count_up(&outer->wrong);
+}
+
+/* On a machine of these caches: loops of every number of slices around those at which they become wide; nested loops,
+ * loops of several jobs at once and of a thread outside the pool; and loops of a cancelled pool, which run to their
+ * end. */
+static void check_wide_loops(const uint32_t *caches, uint32_t threads)
+{
+	static const uint32_t grains[] = {1, 2, 7};
+	stilb_job_pool *pool = NULL;
+	stilb_job_pool_desc desc = {.worker_count = threads - 1, .affinity = STILB_JOB_AFFINITY_AUTO};
+	made_up_caches = caches;
+	assert_int_equal(stilb_job_pool_create(&desc, &pool), 0);
+	cover c = {.pool = pool, .grain = 1};
+	for (uint32_t i = 0; i < sizeof grains / sizeof grains[0]; i++)
+		for (c.grain = grains[i], c.count = 1; c.count <= COVER_MOST; c.count += c.count < 40 ? 1 : 37)
+			cover_run(&c, 0);
+	c.count = COVER_MOST;
+	uint64_t start = now_ns();
+	while (count_of(&c.helped) == 0 && now_ns() - start < 10000000000u) /* ten seconds guard against a hang */
+		cover_run(&c, 0);
+	assert_true(count_of(&c.helped) > 0);
+	assert_int_equal(count_of(&c.wrong), 0);
+	stilb_job_parallel_for(pool, 2 * threads, 1, cover_nested, &c, 0);
+	pthread_t outside = outside_start(cover_from_outside, &c);
+	stilb_job_group group = {0};
+	for (int i = 0; i < 20; i++)
+		assert_int_equal(stilb_job_submit(pool, cover_as_job, &c, &group, 0), 0);
+	stilb_job_wait(pool, &group, 0);
+	pthread_join(outside, NULL);
+	stilb_job_pool_cancel(pool);
+	c.grain = 1;
+	c.count = COVER_MOST;
+	cover_run(&c, 0);
+	assert_int_equal(count_of(&c.wrong), 0);
+	stilb_job_pool_destroy(pool);
+	made_up_caches = NULL;
+}
+
+static void test_wide_loops_run_each_index_once(void **state)
+{
+	(void)state;
+	static const uint32_t one[20], sixes[20] = {0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 9, 9, 9, 9, 9, 9, 7, 7};
+	check_wide_loops(one, 9);
+	check_wide_loops(one, 16);
+	check_wide_loops(sixes, 20);
 }
 
 /* ---- real threads ---------------------------------------------------------------------------------------------- */
@@ -419,7 +583,7 @@ static void test_phase_wakes_all(void **state)
 		while (atomic_load_explicit(&pool->slot[i].parker.state, memory_order_relaxed) != ASLEEP ||
 		       atomic_load_explicit(&pool->watched, memory_order_acquire) != 0)
 			nap_us(500);
-	set_cpus(pool);
+	count_wakes(pool);
 	stilb_job_phase_begin(pool);
 	assert_int_equal(wakes_here, 1);
 	assert_true(await(&wakes, WORKERS));
@@ -439,6 +603,10 @@ int main(void)
 		cmocka_unit_test(test_only_threads_with_loops_are_helped),
 		cmocka_unit_test(test_looks_begin_anywhere_and_miss_nobody),
 		cmocka_unit_test(test_teams_share_a_cache),
+		cmocka_unit_test(test_each_team_has_its_part),
+		cmocka_unit_test(test_teams_help_one_another),
+		cmocka_unit_test(test_short_loops_stay_in_their_team),
+		cmocka_unit_test(test_wide_loops_run_each_index_once),
 		cmocka_unit_test(test_phase_wakes_all),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -617,6 +617,8 @@ static void wait_and_submit_main(void)
 	begin();
 	add_with(count_run, &shared.first, (stilb_job_options){.pinned = true, .target = 0}, 0);
 	add_with(wait_and_submit, &shared.group, (stilb_job_options){.pinned = true, .target = 1}, 0);
+	model_block_until(&shared.pool->idle.waiting, 1);
+	stilb_job_run_pinned(shared.pool, 0);
 	stilb_job_wait(shared.pool, &shared.group, 0);
 	workers_alone();
 }
@@ -754,7 +756,8 @@ static const scenario scenarios[] = {
 	{"pinned wakes", submit_pinned_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue", rescue_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"rescue later", rescue_later_main, 1, 3, WORKERS | UNTIL_OWNER_ENDS},
-	{"submit after a wait", wait_and_submit_main, 1, 2, OWNER | UNTIL_OWNER_ENDS | TEAMS},
+	{"wide loop", loop_main, 1, 4, BOTH | TEAMS | IN_ORDER},
+	{"submit after a wait", wait_and_submit_main, 1, 2, OWNER | UNTIL_OWNER_ENDS | TEAMS | IN_ORDER},
 	{"batch wakes", batch_main, 1, 2, WORKERS | UNTIL_OWNER_ENDS},
 	{"batch in records", batch_records_main, 1, 4, WORKERS},
 	{"buried", buried_main, 1, 4, WORKERS | UNTIL_OWNER_ENDS},
