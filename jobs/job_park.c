@@ -1,6 +1,7 @@
 #include "jobs/job_park.h"
 
-enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP };
+/* PARKER_CHOSEN is a token, too: from a waker that has taken the thread off the idle list. */
+enum { PARKER_EMPTY, PARKER_TOKEN, PARKER_ASLEEP, PARKER_CHOSEN };
 
 #define SPINNER JOB_IDLE_SPINNER
 #define IDLERS(state) ((state) & (SPINNER - 1))
@@ -19,7 +20,7 @@ void job_parker_sleep(job_parker *parker)
 		while (atomic_load_explicit(&parker->state, memory_order_relaxed) == PARKER_ASLEEP)
 			job_sys_futex_wait(&parker->state, PARKER_ASLEEP);
 	} else {
-		assert(state == PARKER_TOKEN && "no other thread sleeps on this parker");
+		assert(state != PARKER_ASLEEP && "no other thread sleeps on this parker");
 	}
 	job_parker_clear(parker);
 }
@@ -37,7 +38,7 @@ bool job_parker_sleep_for(job_parker *parker, uint64_t nanoseconds)
 		                                            memory_order_acquire))
 			return false;
 	}
-	assert(state == PARKER_TOKEN && "no other thread sleeps on this parker");
+	assert(state != PARKER_ASLEEP && "no other thread sleeps on this parker");
 	job_parker_clear(parker);
 	return true;
 }
@@ -46,19 +47,20 @@ void job_parker_clear(job_parker *parker)
 {
 	/* An exchange and not a store: a second token may have been left on top of the first, and everything done before
 	 * that one must be visible, too. Acquire pairs with the release in leave_token. */
-	atomic_exchange_explicit(&parker->state, PARKER_EMPTY, memory_order_acquire);
+	if (atomic_exchange_explicit(&parker->state, PARKER_EMPTY, memory_order_acquire) == PARKER_CHOSEN)
+		parker->chosen = true;
 }
 
-/* Sets the token. True if the thread sleeps and must be woken through the kernel. */
-static bool leave_token(job_parker *parker)
+/* Leaves a token of this kind. True if the thread sleeps and must be woken through the kernel. */
+static bool leave_token(job_parker *parker, uint32_t token)
 {
 	/* Release pairs with the acquire in job_parker_clear. */
-	return atomic_exchange_explicit(&parker->state, PARKER_TOKEN, memory_order_release) == PARKER_ASLEEP;
+	return atomic_exchange_explicit(&parker->state, token, memory_order_release) == PARKER_ASLEEP;
 }
 
 void job_parker_wake(job_parker *parker)
 {
-	if (leave_token(parker))
+	if (leave_token(parker, PARKER_TOKEN))
 		job_sys_futex_wake_one(&parker->state);
 }
 
@@ -179,16 +181,20 @@ static void list_remove(job_idle_list *list, uint32_t i, bool spins)
 
 job_idle_outcome job_idle_leave(job_idle_list *list, job_parker *parker)
 {
-	job_lock_take(&list->lock);
-	uint32_t place = list_find(list, parker);
-	if (place > 0)
-		list_remove(list, place - 1, false);
-	bool rescue = parker->rescue;
-	job_lock_give(&list->lock);
-	/* A waker removes a thread from the list and leaves the token in one critical section. So if this thread was
-	 * chosen, the token is there by now, and no other can follow. */
+	uint32_t place = 0;
 	job_parker_clear(parker);
-	return place > 0 ? JOB_IDLE_NOT_CHOSEN : rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
+	if (!parker->chosen) { /* or its token lies under one from job_parker_wake */
+		job_lock_take(&list->lock);
+		place = list_find(list, parker);
+		if (place > 0)
+			list_remove(list, place - 1, false);
+		job_lock_give(&list->lock);
+		/* A waker removes a thread from the list and leaves the token in one critical section. So if this thread was
+		 * chosen, the token is there by now, and no other can follow. */
+		job_parker_clear(parker);
+	}
+	parker->chosen = false;
+	return place > 0 ? JOB_IDLE_NOT_CHOSEN : parker->rescue ? JOB_IDLE_RESCUE : JOB_IDLE_CHOSEN;
 }
 
 /* True if a thread with this scope may do this work. */
@@ -265,17 +271,24 @@ static void move_away(job_idle_list *list, job_parker *parker)
 	list->spare_cpu = cpu;
 }
 
-/* Removes the idler with index place - 1, releases list->lock, which the caller holds, and wakes the idler's thread. */
-static void wake_idler(job_idle_list *list, uint32_t place, bool rescue)
+/* Removes the idler with index place - 1 and leaves the token. Returns its parker if its thread must be woken by the
+ * kernel, else NULL. Caller holds list->lock. */
+static job_parker *choose_idler(job_idle_list *list, uint32_t place, bool rescue)
 {
 	assert(place > 0);
 	job_parker *parker = list->idler[place - 1].parker;
 	parker->rescue = rescue;
 	move_away(list, parker);
 	list_remove(list, place - 1, list->idler[place - 1].scope.all);
-	bool asleep = leave_token(parker);
+	return leave_token(parker, PARKER_CHOSEN) ? parker : NULL;
+}
+
+/* Chooses the idler with index place - 1, releases list->lock, which the caller holds, and wakes the idler's thread. */
+static void wake_idler(job_idle_list *list, uint32_t place, bool rescue)
+{
+	job_parker *parker = choose_idler(list, place, rescue);
 	job_lock_give(&list->lock);
-	if (asleep)
+	if (parker)
 		job_sys_futex_wake_one(&parker->state); /* outside the lock: it takes microseconds */
 }
 
@@ -325,22 +338,25 @@ void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
 		wake_idler(list, place, false);
 }
 
-/* Wakes a worker whose scope is all as a spinner, unless there are `limit` spinners already; true if it did. */
-static bool wake_spinner(job_idle_list *list, uint32_t limit)
-{
-	job_lock_take(&list->lock);
-	uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed); /* ordered by the lock */
-	/* Only idlers that may do any work may do a job from a shared queue. */
-	uint32_t place = SPINNERS(state) < limit ? list_choose(list, &(job_work){.kind = JOB_WORK_SHARED}, true) : 0;
-	if (place == 0)
-		job_lock_give(&list->lock);
-	else
-		wake_idler(list, place, false);
-	return place > 0;
-}
-
 void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count)
 {
-	for (uint32_t i = 0; i < count && wake_spinner(list, limit); i++)
-		;
+	job_parker *parkers[JOB_WAKE_FAN];
+	uint32_t asleep = 0;
+	assert(count <= JOB_WAKE_FAN);
+	if (IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)) == 0) /* may miss one: see the declaration */
+		return;
+	job_lock_take(&list->lock);
+	for (uint32_t i = 0; i < count; i++) {
+		/* Only idlers that may do any work may do a job from a shared queue. Relaxed: ordered by the lock. */
+		uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed);
+		uint32_t place = SPINNERS(state) < limit ? list_choose(list, &(job_work){.kind = JOB_WORK_SHARED}, true) : 0;
+		if (place == 0)
+			break;
+		job_parker *parker = choose_idler(list, place, false);
+		if (parker)
+			parkers[asleep++] = parker;
+	}
+	job_lock_give(&list->lock);
+	for (uint32_t i = 0; i < asleep; i++)
+		job_sys_futex_wake_one(&parkers[i]->state);
 }

@@ -42,8 +42,9 @@
 #include <stdalign.h>
 
 typedef struct job_parker {
-	_Atomic uint32_t state; /* no token, token or asleep: see job_park.c */
-	/* The fields below are guarded by the idle list's lock. */
+	_Atomic uint32_t state; /* no token, a token or asleep: see job_park.c */
+	bool chosen;            /* its thread's own: it has taken the token of a waker that has chosen it */
+	/* The fields below are guarded by the idle list's lock; a chosen thread reads rescue after it has the token. */
 	bool rescue;    /* woken to do any work there is */
 	bool bound;     /* its thread is bound to cpu */
 	uint32_t cpu;   /* valid if bound */
@@ -138,7 +139,7 @@ typedef enum job_idle_outcome {
 } job_idle_outcome;
 
 /* Wakes up to `count` workers whose scope is all, as spinners, while there are fewer than `limit` spinners.
- * [any-thread] */
+ * May miss a thread that has just entered the list. count: JOB_WAKE_FAN at most. [any-thread] */
 void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count);
 
 /* After the sleep, or instead of it: removes the calling thread from the list if it is still there, and takes its

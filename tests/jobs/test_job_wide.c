@@ -14,7 +14,7 @@
 #include "job_pool_fixture.h"
 #include "support/test.h"
 
-enum { ASLEEP = 2, TOKEN = 1 }; /* job_parker.state, see job_park.c */
+enum { ASLEEP = 2, CHOSEN = 3 }; /* job_parker.state, see job_park.c */
 
 /* ---- made-up workers ------------------------------------------------------------------------------------------- */
 
@@ -125,7 +125,7 @@ static job_slot *next_woken(stilb_job_pool *pool)
 {
 	for (uint32_t i = 1; i <= pool->worker_count; i++) {
 		job_slot *slot = &pool->slot[i];
-		if (atomic_load_explicit(&slot->parker.state, memory_order_relaxed) != TOKEN)
+		if (atomic_load_explicit(&slot->parker.state, memory_order_relaxed) != CHOSEN)
 			continue;
 		assert_int_equal(job_idle_leave(&pool->idle, &slot->parker), JOB_IDLE_CHOSEN);
 		slot->spinning = true;
@@ -212,8 +212,11 @@ static void test_spinners_are_limited(void **state)
 	assert_int_equal(count_of(&wakes), 2);
 	job_idle_wake_spinners(&pool->idle, 3, 2); /* there is room for one more */
 	assert_int_equal(count_of(&wakes), 3);
-	while (next_woken(pool))
-		;
+	job_lock_take(&pool->idle.lock); /* which woken threads do not need */
+	for (uint32_t i = 0; i < 3; i++)
+		assert_non_null(next_woken(pool));
+	job_lock_give(&pool->idle.lock);
+	assert_null(next_woken(pool));
 	rise_all(pool);
 	made_up_destroy(pool);
 }
