@@ -339,6 +339,11 @@ void *sim_allocate(size_t alignment, size_t size)
 	return (void *)at;
 }
 
+uintptr_t sim_arena_end(void)
+{
+	return sim.heap_at;
+}
+
 /* ---- for sim_lines.c --------------------------------------------------------------------------------------------- */
 
 void sim_turn(uint64_t ahead)

@@ -15,5 +15,6 @@ void sim_core_run(const sim_machine *machine, uint32_t cpus, void (*main)(void *
 void sim_turn(uint64_t ahead); /* lets CPUs run that are behind the calling one by more than `ahead` */
 uint64_t *sim_clock(void);     /* the CPU's, which the caller may advance */
 void sim_count_transfer(void);
+uintptr_t sim_arena_end(void); /* of the part that is in use */
 
 #endif

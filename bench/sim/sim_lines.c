@@ -267,9 +267,14 @@ void sim_run(const sim_machine *machine, uint32_t cpus, void (*main)(void *), vo
 
 /* ---- which lines cost most --------------------------------------------------------------------------------------- */
 
+static size_t lines_in_use(void)
+{
+	return (sim_arena_end() - SIM_ARENA) / SIM_LINE;
+}
+
 void sim_lines_reset(void)
 {
-	for (size_t i = 0; i < SIM_ARENA_SIZE / SIM_LINE; i++)
+	for (size_t i = 0; i < lines_in_use(); i++)
 		if (mem.lines[i].known) {
 			mem.lines[i].waited = 0;
 			mem.lines[i].transfers = 0;
@@ -280,7 +285,7 @@ void sim_lines_print(uint32_t count)
 {
 	for (uint64_t below = UINT64_MAX; count > 0; count--) {
 		const line *most = NULL;
-		for (size_t i = 0; i < SIM_ARENA_SIZE / SIM_LINE; i++) {
+		for (size_t i = 0; i < lines_in_use(); i++) {
 			const line *l = &mem.lines[i];
 			if (l->known && l->waited < below && (!most || l->waited > most->waited))
 				most = l;

@@ -106,7 +106,8 @@ static void write_panel(FILE *out, const sim_points *points, const panel *p, siz
 			snprintf(name, sizeof name, "panel%zu_%zu_%zu", number, before, m);
 			there[before][m] = write_line(out, points, p, &sim_machines[m], before, name);
 		}
-	fprintf(out, "set title \"%s\"\nset ylabel \"%s (less is better)\"\nunset arrow\n", p->title, p->unit);
+	fprintf(out, "set title \"%s\"\nset ylabel \"%s (less is better)\"\nunset arrow\nset key %s Left reverse\n",
+	        p->title, p->unit, strcmp(p->name, "join-64") == 0 ? "left bottom" : "left top");
 	if (p->goal > 0.0)
 		fprintf(out, "set arrow from 2,%g to 64,%g nohead dashtype 3 linecolor rgb '#808080'\n", p->goal, p->goal);
 	const char *word = "plot ";
@@ -127,7 +128,7 @@ static void write_script(FILE *out, const void *context)
 {
 	fprintf(out,
 	        "set multiplot layout 2,2 title \"The job system on simulated machines, by number of CPUs; dotted: the "
-	        "goal at 64\" font ',13'\nset grid linecolor rgb '#e0e0e0'\nset key left top Left reverse\n"
+	        "goal at 64\" font ',13'\nset grid linecolor rgb '#e0e0e0'\n"
 	        "set logscale x 2\nset logscale y\nset xrange [1.8:290]\nset xtics (2, 4, 8, 16, 32, 64, 128, 256)\n"
 	        "set xlabel 'CPUs'\n");
 	for (size_t i = 0; i < sizeof panels / sizeof *panels; i++)
