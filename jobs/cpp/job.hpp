@@ -1,7 +1,7 @@
 /*
- * job.hpp: the job system (job.h, job_graph.h) for C++17. Jobs, slices and nodes are lambdas or other callables. An
- * exception that leaves one is stopped before it reaches the C functions of the pool, and thrown again where the
- * program waits. A header alone, over the C interface, which may be used beside it.
+ * job.hpp: the job system (job.h, job_graph.h, job_range.h) for C++17. Jobs, slices and nodes are lambdas or other
+ * callables. An exception that leaves one is stopped before it reaches the C functions of the pool, and thrown again
+ * where the program waits. A header alone, over the C interface, which may be used beside it.
  *
  * Example.
  *                   stilb::job_group group(pool, 0);
@@ -23,7 +23,7 @@
  *               later exceptions are lost. Calls that find no memory throw std::bad_alloc.
  * Threads.      As in job.h. A group belongs to the thread that has made it, whose index it keeps; its jobs may not use
  *               it, and make groups of their own to submit and wait.
- * Memory.       One allocation for each job and node; parallel_for makes none.
+ * Memory.       One allocation for each job and node; loops make none, reduce at most one.
  */
 #ifndef STILB_JOB_HPP
 #define STILB_JOB_HPP
@@ -36,6 +36,7 @@
 #include <new>
 #include <stdexcept>
 #include <stilb/job_graph.h>
+#include <stilb/job_range.h>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -246,26 +247,99 @@ class job_graph
 	job_group *group_ = nullptr; /* of the run in progress */
 };
 
+/* A callable that a loop shares: calls it on any thread until it has thrown, and keeps the exception. */
+template <typename F> class job_guarded
+{
+  public:
+	explicit job_guarded(F &f) : f_(f)
+	{
+	}
+
+	template <typename... Arguments> void operator()(Arguments &&...arguments) noexcept
+	{
+		if (failure.any())
+			return;
+		try {
+			f_(std::forward<Arguments>(arguments)...);
+		} catch (...) {
+			failure.keep_current();
+		}
+	}
+
+	job_failure failure;
+
+  private:
+	F &f_;
+};
+
 /* Calls f(begin, end, worker) for slices as stilb_job_parallel_for does. After an exception no further slice is begun,
  * and when those that run have finished it is thrown. */
 template <typename F> void parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain, F &&f, uint32_t worker)
 {
-	struct loop {
-		std::remove_reference_t<F> &f;
-		job_failure failure;
-	} own{f, {}};
+	using guarded = job_guarded<std::remove_reference_t<F>>;
+	guarded own(f);
 	auto slice = [](uint32_t begin, uint32_t end, uint32_t index, void *context) {
-		loop *of = static_cast<loop *>(context);
-		if (of->failure.any())
-			return;
-		try {
-			of->f(begin, end, index);
-		} catch (...) {
-			of->failure.keep_current();
-		}
+		(*static_cast<guarded *>(context))(begin, end, index);
 	};
 	stilb_job_parallel_for(pool, count, grain, slice, &own, worker);
 	own.failure.rethrow();
+}
+
+/* The same for stilb_job_parallel_for_64. */
+template <typename F> void parallel_for_64(stilb_job_pool *pool, uint64_t count, uint64_t grain, F &&f, uint32_t worker)
+{
+	using guarded = job_guarded<std::remove_reference_t<F>>;
+	guarded own(f);
+	auto slice = [](uint64_t begin, uint64_t end, uint32_t index, void *context) {
+		(*static_cast<guarded *>(context))(begin, end, index);
+	};
+	stilb_job_parallel_for_64(pool, count, grain, slice, &own, worker);
+	own.failure.rethrow();
+}
+
+/* Calls f(tile, worker) for tiles as stilb_job_parallel_for_tiles does, exceptions as in parallel_for. */
+template <typename F>
+void parallel_for_tiles(stilb_job_pool *pool, uint32_t width, uint32_t height, uint32_t tile_width,
+                        uint32_t tile_height, F &&f, uint32_t worker)
+{
+	using guarded = job_guarded<std::remove_reference_t<F>>;
+	guarded own(f);
+	auto run = [](stilb_job_tile tile, uint32_t index, void *context) {
+		(*static_cast<guarded *>(context))(tile, index);
+	};
+	stilb_job_parallel_for_tiles(pool, width, height, tile_width, tile_height, run, &own, worker);
+	own.failure.rethrow();
+}
+
+/* stilb_job_reduce with lambdas: returns identity combined with every slice, in the order of the indices.
+ * fold(begin, end, value, worker) adds a range to `T &value`; combine(left, right) returns the T of both. Exceptions as
+ * in parallel_for; std::bad_alloc only if a T is larger than STILB_JOB_REDUCE_STACK. */
+template <typename T, typename Fold, typename Combine>
+T reduce(stilb_job_pool *pool, uint64_t count, uint64_t grain, const T &identity, Fold &&fold, Combine &&combine,
+         uint32_t worker)
+{
+	static_assert(std::is_trivially_copyable_v<T>, "values are copied as bytes");
+	auto join = [&](T &left, const T &right) { left = combine(left, right); };
+	struct both {
+		job_guarded<std::remove_reference_t<Fold>> fold;
+		job_guarded<decltype(join)> combine;
+	} own{job_guarded<std::remove_reference_t<Fold>>(fold), job_guarded<decltype(join)>(join)};
+	stilb_job_reduction reduction = {};
+	reduction.size = sizeof(T);
+	reduction.identity = &identity;
+	reduction.fold = [](uint64_t begin, uint64_t end, void *value, uint32_t index, void *context) {
+		static_cast<both *>(context)->fold(begin, end, *static_cast<T *>(value), index);
+	};
+	reduction.combine = [](void *left, const void *right, void *context) {
+		static_cast<both *>(context)->combine(*static_cast<T *>(left), *static_cast<const T *>(right));
+	};
+	reduction.context = &own;
+	T result = identity;
+	if (stilb_job_reduce(pool, count, grain, &reduction, &result, worker) != 0)
+		throw std::bad_alloc();
+	own.fold.failure.rethrow();
+	own.combine.failure.rethrow();
+	return result;
 }
 
 } // namespace stilb

@@ -2,6 +2,7 @@
 #include "jobs/job_graph.h"
 #include "jobs/job_internal.h"
 #include "jobs/job_spsc.h"
+#include "jobs/range/job_range.h"
 #include "support/contract.h"
 #include "support/test.h"
 
@@ -136,6 +137,16 @@ static void a_job_has_a_function(void **state)
 	contract_breaks("a job has a function", stilb_job_submit(pool_of(0), NULL, NULL, NULL, 0));
 	contract_breaks("a job has a function", stilb_job_submit_array(pool_of(0), 8, 1, NULL, NULL, NULL, 0));
 	contract_breaks("fn", (stilb_job_parallel_for(pool_of(0), 8, 1, NULL, NULL, 0), 0));
+}
+
+static void a_reduction_is_whole(void **state)
+{
+	(void)state;
+	int value = 0;
+	stilb_job_reduction none = {.size = sizeof value, .identity = &value};
+	contract_breaks("a reduction is whole", stilb_job_reduce(pool_of(0), 8, 1, &none, &value, 0));
+	contract_breaks("fn", (stilb_job_parallel_for_64(pool_of(0), 8, 1, NULL, NULL, 0), 0));
+	contract_breaks("fn", (stilb_job_parallel_for_tiles(pool_of(0), 8, 8, 1, 1, NULL, NULL, 0), 0));
 }
 
 /* ---- graphs ------------------------------------------------------------------------------------------------------ */
@@ -451,6 +462,7 @@ int main(void)
 		cmocka_unit_test(settings_are_told_of_workers),
 		cmocka_unit_test(a_phase_ends_after_it_has_begun),
 		cmocka_unit_test(a_job_has_a_function),
+		cmocka_unit_test(a_reduction_is_whole),
 		cmocka_unit_test(a_graph_runs_once_at_a_time),
 		cmocka_unit_test(a_graph_is_built_before_it_runs),
 		cmocka_unit_test(groups_are_whole),

@@ -123,6 +123,38 @@ static void graphs_run_and_throw(stilb_job_pool *pool)
 	      "the cycle is named");
 }
 
+static void ranges_are_lambdas(stilb_job_pool *pool)
+{
+	std::atomic<uint64_t> sum{0};
+	stilb::parallel_for_64(
+		pool, UINT64_MAX, uint64_t{1} << 60, [&](uint64_t begin, uint64_t end, uint32_t) { sum += end - begin; }, 0);
+	check(sum == UINT64_MAX, "every index of a long range");
+	sum = 0;
+	stilb::parallel_for_tiles(
+		pool, 100, 70, 0, 9,
+		[&](stilb_job_tile t, uint32_t) { sum += uint64_t{t.x_end - t.x_begin} * (t.y_end - t.y_begin); }, 0);
+	check(sum == 7000, "every point of a rectangle");
+	auto add = [](uint64_t begin, uint64_t end, double &value, uint32_t) {
+		for (uint64_t i = begin; i < end; i++)
+			value += static_cast<double>(i);
+	};
+	auto plus = [](double left, double right) { return left + right; };
+	check(stilb::reduce(pool, 1000, 3, 0.0, add, plus, 0) == 499500.0, "sum");
+
+	std::atomic<int> calls{0};
+	auto fail = [&](auto &&...) {
+		calls++;
+		throw std::runtime_error("range");
+	};
+	auto fail_plus = [](double, double) -> double { throw std::runtime_error("combine"); };
+	int threads = static_cast<int>(stilb_job_pool_worker_count(pool)) + 1;
+	check(thrown([&] { stilb::parallel_for_64(pool, 100, 1, fail, 0); }) == "range", "exception of a range");
+	check(thrown([&] { stilb::parallel_for_tiles(pool, 99, 99, 9, 9, fail, 0); }) == "range", "exception of a tile");
+	check(thrown([&] { stilb::reduce(pool, 100, 1, 0.0, fail, plus, 0); }) == "range", "exception of a fold");
+	check(calls <= 3 * threads, "no slice begins after an exception");
+	check(thrown([&] { stilb::reduce(pool, 100, 1, 0.0, add, fail_plus, 0); }) == "combine", "of a combine");
+}
+
 int main()
 {
 	for (uint32_t workers = 0; workers < 4; workers++) {
@@ -130,6 +162,7 @@ int main()
 		jobs_run_and_own_their_captures(pool);
 		exceptions_arrive_at_the_wait(pool);
 		loops_throw(pool);
+		ranges_are_lambdas(pool);
 		graphs_run_and_throw(pool);
 		stilb_job_pool_destroy(pool);
 	}
