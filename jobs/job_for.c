@@ -117,19 +117,18 @@ static bool wake_helper(stilb_job_pool *pool, const loop_span *span, uint32_t sp
 	       (!pool->oversubscribed || job_idle_awake(&pool->idle) + 1 < pool->cpus) && job_idle_wake(&pool->idle, &work);
 }
 
-/* For a thread that has come to help: wakes JOB_WAKE_FAN more, so that help grows as a tree (job_park.h). parts: there
- * are probably so many times as many slices left. */
-static void wake_helpers(stilb_job_pool *pool, const loop_span *span, uint32_t parts)
+/* For a thread that has come to help: wakes JOB_WAKE_FAN more, so that help grows as a tree (job_park.h). */
+static void wake_helpers(stilb_job_pool *pool, const loop_span *span)
 {
 	if (span->left < span->wake_slices)
 		return;
-	uint32_t threads = span->left / span->wake_slices * parts; /* a wake-up pays for so many */
+	uint32_t threads = span->left / span->wake_slices; /* a wake-up pays for so many */
 	for (uint32_t i = 0; i < JOB_WAKE_FAN && wake_helper(pool, span, threads - 1); i++)
 		;
 }
 
 /* Claims and runs slices of a loop; false if there are none or the scope does not allow it. threads: as in run_claimed;
- * parts: as in wake_helpers. */
+ * parts: there are probably so many times as many slices left. */
 static bool loop_help(job_loop *loop, job_slot *slot, uint32_t threads, uint32_t parts, const help_with *with)
 {
 	loop_span span;
@@ -139,7 +138,9 @@ static bool loop_help(job_loop *loop, job_slot *slot, uint32_t threads, uint32_t
 	 * writing the idle list's `state`, which the caller of every loop reads. */
 	if (span.left + span.slices >= span.wake_slices)
 		job_work_spin_stop(slot);
-	wake_helpers(slot->pool, &span, parts);
+	uint64_t left = (uint64_t)span.left * parts;
+	span.left = left < UINT32_MAX ? (uint32_t)left : UINT32_MAX;
+	wake_helpers(slot->pool, &span);
 	run_claimed(loop, slot, threads, with, &span);
 	return true;
 }
@@ -224,6 +225,12 @@ bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope)
 	return threads_have(pool, 0, pool->worker_count + 1, scope);
 }
 
+bool job_loop_exists_far(job_slot *slot, const job_scope *scope)
+{
+	slot->look_far = !slot->pool->one_team && job_loop_exists(slot->pool, scope);
+	return slot->look_far;
+}
+
 bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -231,8 +238,7 @@ bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope)
 		return job_loop_exists(pool, scope);
 	if (loop_has(&slot->team->part, scope) || threads_have(pool, slot->team->begin, slot->team->end, scope))
 		return true;
-	slot->look_far = ++slot->near_looks % JOB_NEAR_LOOKS == 0 && job_loop_exists(pool, scope);
-	return slot->look_far;
+	return ++slot->near_looks % JOB_NEAR_LOOKS == 0 && job_loop_exists_far(slot, scope);
 }
 
 /* ---- the caller ------------------------------------------------------------------------------------------------ */

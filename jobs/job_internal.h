@@ -492,6 +492,10 @@ bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
  * help, so that costs time but blocks nobody. */
 bool job_loop_exists(stilb_job_pool *pool, const job_scope *scope);
 
+/* job_loop_exists for a thread that looks at its own team otherwise; false if the pool is one team. If it returns true,
+ * the next job_loop_help looks at all. */
+bool job_loop_exists_far(job_slot *slot, const job_scope *scope);
+
 /* job_loop_exists for a thread that spins: looks at other teams only now and then (JOB_NEAR_LOOKS). If it returns true,
  * the next job_loop_help looks there, too. */
 bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope);

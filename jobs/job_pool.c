@@ -30,6 +30,8 @@ static void worker_idle(job_slot *slot)
 		slot->spinning = job_idle_spin_start(&pool->idle, spin_limit(pool));
 	if (slot->spinning && job_work_spin(slot, &job_scope_all, NULL))
 		return;
+	if (job_loop_exists_far(slot, &job_scope_all))
+		return; /* spares it the way onto the idle list and back */
 	job_work_park(slot, &job_scope_all, stopping, NULL);
 	if (slot->spinning && spin_limit(pool) > 1)
 		job_idle_wake_spinners(&pool->idle, spin_limit(pool), JOB_WAKE_FAN); /* for the phase, see job_park.h */
