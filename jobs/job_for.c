@@ -150,7 +150,9 @@ static bool help_thread(job_slot *slot, uint32_t thread, void *with)
 {
 	job_slot *owner = &slot->pool->slot[thread];
 	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
-		if (loop_help(&owner->loop[i], slot, slot->pool->worker_count + 1, 1, with))
+		/* Relaxed: most loops are closed, which this sees without a call; loop_claim reads the word again. */
+		if ((uint32_t)atomic_load_explicit(&owner->loop[i].claim, memory_order_relaxed) > 0 &&
+		    loop_help(&owner->loop[i], slot, slot->pool->worker_count + 1, 1, with))
 			return true;
 	return false;
 }
