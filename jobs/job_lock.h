@@ -74,7 +74,7 @@ static inline bool job_lock_try(job_lock *lock)
 static inline void job_lock_sleep_and_take(job_lock *lock)
 {
 	for (;;) {
-		/* Seq_cst: set before the lock is tried again; pairs with the load in job_lock_give. */
+		/* Seq_cst: set before the lock is tried again; pairs with the load in job_lock_release. */
 		atomic_exchange_explicit(&lock->sleepers, 1, memory_order_seq_cst);
 		bool ordered = job_sys_membarrier();
 		if (job_lock_try(lock))
@@ -102,14 +102,24 @@ static inline __attribute__((cold)) void job_lock_wait_and_take(job_lock *lock)
 	job_lock_sleep_and_take(lock);
 }
 
-/* Waits until the lock is free and takes it. Not recursive: the caller must not hold it already. */
-static inline void job_lock_take(job_lock *lock)
+/* Takes the lock if it is free; false if it is not. Not recursive: the caller must not hold it already. */
+static inline bool job_lock_take_now(job_lock *lock)
 {
 #ifndef NDEBUG
 	assert(!job_lock_is_mine(lock) && "the lock is not taken twice");
 #endif
 	if (!job_lock_try(lock))
-		job_lock_wait_and_take(lock);
+		return false;
+	job_lock_set_mine(lock, true);
+	return true;
+}
+
+/* Waits until the lock is free and takes it. Not recursive. */
+static inline void job_lock_take(job_lock *lock)
+{
+	if (job_lock_take_now(lock))
+		return;
+	job_lock_wait_and_take(lock);
 	job_lock_set_mine(lock, true);
 }
 
@@ -121,9 +131,9 @@ static inline __attribute__((cold)) void job_lock_wake(job_lock *lock)
 		job_sys_futex_wake_one(&lock->sleepers);
 }
 
-/* Releases the lock. The memory of the lock must stay valid until this returns: another thread may take the lock while
- * this one still looks for sleepers in it. */
-static inline void job_lock_give(job_lock *lock)
+/* Releases the lock. True if threads may sleep: the caller must call job_lock_wake. The memory of the lock must stay
+ * valid until then: another thread may take the lock while this one still looks for sleepers in it. */
+static inline bool job_lock_release(job_lock *lock)
 {
 	assert(job_lock_is_mine(lock) && "the caller holds the lock");
 	job_lock_set_mine(lock, false);
@@ -131,7 +141,13 @@ static inline void job_lock_give(job_lock *lock)
 	/* Relaxed: the sleeper's job_sys_membarrier orders the load after the store, see "Barrier" in the head of this
 	 * file. */
 	job_sys_compiler_barrier();
-	if (__builtin_expect(atomic_load_explicit(&lock->sleepers, memory_order_relaxed) != 0, 0))
+	return atomic_load_explicit(&lock->sleepers, memory_order_relaxed) != 0;
+}
+
+/* Releases the lock and wakes a thread that waits for it. */
+static inline void job_lock_give(job_lock *lock)
+{
+	if (__builtin_expect(job_lock_release(lock), 0))
 		job_lock_wake(lock);
 }
 

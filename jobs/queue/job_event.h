@@ -39,13 +39,20 @@ typedef struct job_event {
 /* The part of job_event_signal that is needed if there are waiters. [any-thread] */
 __attribute__((cold)) void job_event_wake(job_event *event, uint32_t count);
 
-/* Says that `count` more attempts may succeed, at least 1. Follows the stores that make them succeed. [any-thread] */
-static inline void job_event_signal(job_event *event, uint32_t count)
+/* True if a thread may wait: the caller must call job_event_wake. Follows the stores by which attempts may succeed.
+ * [any-thread] */
+static inline bool job_event_awaited(const job_event *event)
 {
 	/* Relaxed: the waiter's job_sys_membarrier orders the load after the stores, see "Barrier" in the head of this
 	 * file. */
 	job_sys_compiler_barrier();
-	if (__builtin_expect(atomic_load_explicit(&event->waiters, memory_order_relaxed) != 0, 0))
+	return atomic_load_explicit(&event->waiters, memory_order_relaxed) != 0;
+}
+
+/* Says that `count` more attempts may succeed, at least 1. Follows the stores that make them succeed. [any-thread] */
+static inline void job_event_signal(job_event *event, uint32_t count)
+{
+	if (__builtin_expect(job_event_awaited(event), 0))
 		job_event_wake(event, count);
 }
 

@@ -27,6 +27,9 @@
  *            - A thread that finds the lock taken yields after some 100 ns (job_lock.h), so that its CPU can work at
  *              the other end: 2+2 reaches 168 to 189, against 109 when it spins for 1 us; 8+8 on both CPUs reaches 175
  *              to 213, against 116.
+ *            - The common case of a single push or pop calls no function, so it saves no registers, and asks with one
+ *              branch whether to wake threads that sleep on the lock or wait for the queue: 4.6 ns for a push and a pop
+ *              in one thread, against 5.4 with calls in between; 2+2 gains an eighth.
  *            - Keeping lock, count and the rest of an end on one line or on two makes no difference beyond noise.
  *              Making the consumer wait before it reads the producers' count again, to read it less often, gains
  *              nothing with 1+1 and loses with more threads; so it does not wait.
@@ -51,6 +54,9 @@
 
 /* Producers yield at most this many times in a row without anything being popped. */
 #define JOB_QUEUE_YIELDS 32
+
+/* A function that ends a rare case of a call. The common case calls no function, and so need not save registers. */
+#define RARE __attribute__((noinline))
 
 #ifndef JOB_SEGMENT_CELLS
 #define JOB_SEGMENT_CELLS 512
@@ -254,23 +260,42 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 	}
 }
 
+/* push_and_give for one item, with the result of low_lock_push. */
+static RARE int push_one_and_give(low_lock *self, void *item)
+{
+	int result = push_and_give(self, &item, 1);
+	return result < 0 ? result : 0;
+}
+
+/* Pushes the item, when the lock was not free. */
+static RARE int push_one_later(low_lock *self, void *item)
+{
+	job_lock_take(&self->push.lock);
+	return push_one_and_give(self, item);
+}
+
+static RARE int push_one_and_wake(low_lock *self)
+{
+	job_lock_wake(&self->push.lock);
+	job_event_signal(&self->base.items, 1);
+	return 0;
+}
+
 static int low_lock_push(stilb_job_queue *queue, void *item, uint32_t thread)
 {
 	(void)thread;
 	low_lock *self = low_lock_of(queue);
-	job_lock_take(&self->push.lock);
+	if (__builtin_expect(!job_lock_take_now(&self->push.lock), 0))
+		return push_one_later(self, item);
 	uint64_t pushed = atomic_load_explicit(&self->push.count, memory_order_relaxed); /* ordered by the lock */
-	if (__builtin_expect(pushed == self->push.stop, 0)) {
-		int result = push_and_give(self, &item, 1);
-		return result < 0 ? result : 0;
-	}
+	if (__builtin_expect(pushed == self->push.stop, 0))
+		return push_one_and_give(self, item);
 	self->push.at->cell[pushed % JOB_SEGMENT_CELLS] = item;
 	/* Release pairs with the acquire in pop: a thread that sees the count sees the cell. */
 	atomic_store_explicit(&self->push.count, pushed + 1, memory_order_release);
 	JOB_CHECK(push_is_sound(self));
-	job_lock_give(&self->push.lock);
-	job_event_signal(&self->base.items, 1);
-	return 0;
+	bool sleepers = job_lock_release(&self->push.lock), waiters = job_event_awaited(&self->base.items);
+	return __builtin_expect(sleepers | waiters, 0) ? push_one_and_wake(self) : 0;
 }
 
 static int low_lock_push_n(stilb_job_queue *queue, void *const *items, size_t count, uint32_t thread)
@@ -322,15 +347,21 @@ static int pop_refused(low_lock *self)
 	return low_lock_empty(&self->base, 0) ? -EPIPE : -EAGAIN;
 }
 
+/* True if there is an item before pop.stop. Relaxed, both: without the lock they may be old, and the answer is checked
+ * under it. */
+static bool pop_is_stocked(const low_lock *self)
+{
+	return atomic_load_explicit(&self->pop.count, memory_order_relaxed) !=
+	       atomic_load_explicit(&self->pop.stop, memory_order_relaxed);
+}
+
 /* True if a pop would find nothing. Asked before the lock is taken, so that idle consumers do not contend for it. */
 static bool pop_hopeless(low_lock *self)
 {
 	/* The consumers' own stop comes first: while items are left up to it, the producers' cache line is not read.
 	 * Relaxed: with old values the answer may be false although the queue is empty, and the pop then takes the lock and
 	 * looks again; it is true only if low_lock_empty says so. */
-	return atomic_load_explicit(&self->pop.count, memory_order_relaxed) ==
-	           atomic_load_explicit(&self->pop.stop, memory_order_relaxed) &&
-	       low_lock_empty(&self->base, 0);
+	return !pop_is_stocked(self) && low_lock_empty(&self->base, 0);
 }
 
 /* For asserts: count <= stop <= end, and end is the end of the segment being emptied. Caller holds pop.lock. */
@@ -361,18 +392,16 @@ static bool pop_refill(low_lock *self, uint64_t popped)
 	return true;
 }
 
-static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
+static RARE int pop_one_and_wake(low_lock *self)
 {
-	(void)thread;
-	low_lock *self = low_lock_of(queue);
-	if (pop_hopeless(self))
-		return pop_refused(self);
-	job_lock_take(&self->pop.lock);
-	uint64_t popped = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* both ordered by the lock */
-	if (popped == atomic_load_explicit(&self->pop.stop, memory_order_relaxed) && !pop_refill(self, popped)) {
-		job_lock_give(&self->pop.lock);
-		return pop_refused(self);
-	}
+	job_lock_wake(&self->pop.lock);
+	job_event_signal(&self->base.space, 1);
+	return 0;
+}
+
+/* Takes the next item, which lies before pop.stop. Caller holds pop.lock, which this releases. */
+static inline int pop_one_and_give(low_lock *self, void **item, uint64_t popped)
+{
 	void **cell = self->pop.at->cell + popped % JOB_SEGMENT_CELLS;
 	*item = *cell;
 	assert(*item && "a published cell holds an item");
@@ -380,9 +409,52 @@ static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
 	/* Release pairs with the acquire in push: the cell has been read before it is overwritten. */
 	atomic_store_explicit(&self->pop.count, popped + 1, memory_order_release);
 	JOB_CHECK(pop_is_sound(self));
+	bool sleepers = job_lock_release(&self->pop.lock), waiters = job_event_awaited(&self->base.space);
+	return __builtin_expect(sleepers | waiters, 0) ? pop_one_and_wake(self) : 0;
+}
+
+/* pop_one_and_give when all items up to pop.stop have been popped: there may be newer ones. */
+static RARE int pop_refill_and_give(low_lock *self, void **item, uint64_t popped)
+{
+	if (pop_refill(self, popped))
+		return pop_one_and_give(self, item, popped);
 	job_lock_give(&self->pop.lock);
-	job_event_signal(&self->base.space, 1);
-	return 0;
+	return pop_refused(self);
+}
+
+/* Caller holds pop.lock, which this releases. */
+static inline int pop_any_and_give(low_lock *self, void **item)
+{
+	uint64_t popped = atomic_load_explicit(&self->pop.count, memory_order_relaxed); /* both ordered by the lock */
+	if (__builtin_expect(popped == atomic_load_explicit(&self->pop.stop, memory_order_relaxed), 0))
+		return pop_refill_and_give(self, item, popped);
+	return pop_one_and_give(self, item, popped);
+}
+
+/* Pops an item when the lock was not free. */
+static RARE int pop_one_later(low_lock *self, void **item)
+{
+	job_lock_take(&self->pop.lock);
+	return pop_any_and_give(self, item);
+}
+
+/* Pops an item when none was left before pop.stop. */
+static RARE int pop_one_newer(low_lock *self, void **item)
+{
+	if (low_lock_empty(&self->base, 0)) /* without the lock, for which idle consumers would contend */
+		return pop_refused(self);
+	return pop_one_later(self, item);
+}
+
+static int low_lock_pop(stilb_job_queue *queue, void **item, uint32_t thread)
+{
+	(void)thread;
+	low_lock *self = low_lock_of(queue);
+	if (__builtin_expect(!pop_is_stocked(self), 0))
+		return pop_one_newer(self, item);
+	if (__builtin_expect(!job_lock_take_now(&self->pop.lock), 0))
+		return pop_one_later(self, item);
+	return pop_any_and_give(self, item);
 }
 
 static int low_lock_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread)

@@ -32,13 +32,18 @@ static void model_lock_give(job_lock *lock)
 
 #define job_lock_take model_lock_take
 #define job_lock_give model_lock_give
+#define job_lock_take_now(lock) (model_lock_take(lock), true)
+#define job_lock_release(lock) (model_lock_give(lock), false)
 #define JOB_SEGMENT_CELLS 2
 #include "jobs/queue/job_event.h"
+#define job_event_awaited(event) ((void)(event), false)
 #define job_event_signal(event, count) ((void)(event), (void)(count)) /* test_job_model_wait checks calls that wait */
 #include "jobs/queue/job_queue_low_lock.c"
 #include "support/test.h"
 #undef job_lock_take
 #undef job_lock_give
+#undef job_lock_take_now
+#undef job_lock_release
 
 #undef free
 #undef malloc

@@ -29,6 +29,8 @@ static void model_lock_give(job_lock *lock)
 
 #define job_lock_take model_lock_take
 #define job_lock_give model_lock_give
+#define job_lock_take_now(lock) (model_lock_take(lock), true)
+#define job_lock_release(lock) (model_lock_give(lock), false)
 #define JOB_SEGMENT_CELLS 2
 #define JOB_SPSC_BLOCK_CELLS 2
 #include "jobs/queue/job_event.c"
@@ -38,6 +40,8 @@ static void model_lock_give(job_lock *lock)
 #include "support/test.h"
 #undef job_lock_take
 #undef job_lock_give
+#undef job_lock_take_now
+#undef job_lock_release
 
 #undef free
 #undef malloc
@@ -181,7 +185,7 @@ static void run(const char *name, void (*entry)(void), void (*check)(void))
 	                           .check = check,
 	                           .data = &shared,
 	                           .data_size = sizeof shared,
-	                           .max_states = 1000000};
+	                           .max_states = 2000000};
 	model_result result = model_run(&scenario, !arguments.must_fail);
 	print_message("%-34s %8u states %8u steps, path %u: %s\n", name, result.states, result.steps, result.depth,
 	              result.failure ? result.failure : "ends well");
