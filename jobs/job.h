@@ -212,6 +212,31 @@ typedef struct stilb_job_worker_info {
  * the pool was created. [any-thread] */
 void stilb_job_pool_worker_info(stilb_job_pool *pool, uint32_t worker, stilb_job_worker_info *info);
 
+/* What a thread of a pool has done since the pool was created. */
+typedef struct stilb_job_thread_stats {
+	uint64_t submitted;    /* jobs; an array is one, and the run of a graph one or a few */
+	uint64_t jobs;         /* jobs that it has run to their end, or dropped because they were cancelled */
+	uint64_t steals;       /* times that it has taken from the deque of another thread */
+	uint64_t loops_helped; /* times that it has helped with a loop of another thread */
+	uint64_t slices;       /* slices of loops that it has run, its own loops and others */
+	uint64_t parks;        /* times that it has slept because it found nothing to do */
+	uint64_t wakes;        /* times that it was chosen and woken for new work */
+	uint64_t spin_ns;      /* time that it has looked for work before it slept, or instead */
+	uint64_t deque;        /* entries of its deque at the moment; up to 256 jobs of stilb_job_submit_n are one entry */
+} stilb_job_thread_stats;
+
+/* The same of a whole pool. */
+typedef struct stilb_job_pool_stats {
+	stilb_job_thread_stats all; /* the sums over its threads; submitted: by threads outside the pool, too */
+	uint64_t high, shared, low; /* entries at the moment: of high priority, from threads outside, of low priority */
+} stilb_job_pool_stats;
+
+/* Read the statistics at any time, also while jobs run, without disturbing them: nothing is locked, and what is counted
+ * costs the threads nothing measurable. The counts grow independently of one another. Those of jobs, steals and slices
+ * include all that has happened before a wait for it returned. worker: 0..worker_count. [any-thread] */
+void stilb_job_pool_get_stats(stilb_job_pool *pool, stilb_job_pool_stats *stats);
+void stilb_job_pool_get_thread_stats(stilb_job_pool *pool, uint32_t worker, stilb_job_thread_stats *stats);
+
 /* Queues fn(data, worker) and counts it in group, which may be NULL; wakes a worker unless one is already looking for
  * work. worker is the caller's own index or STILB_JOB_OUTSIDE. data must stay valid until the job has run. -ENOMEM:
  * nothing was queued or counted. [any-thread] */

@@ -100,6 +100,8 @@ static void run_claimed(job_loop *loop, job_slot *slot, uint32_t threads, const 
 	} while (!(with->until && job_group_done(with->until)) && loop_claim(loop, with->scope, threads, 0, span));
 	if (hooks->job_end)
 		hooks->job_end(hooks->user, slot->index);
+	job_tally(&slot->tally.loops_helped, 1);
+	job_tally(&slot->tally.slices, done);
 	slot->level = outer_level;
 	slot->root = outer_root;
 	/* Release: the loop's caller, who acquires in loop_finished, sees what the slices wrote. */
@@ -420,6 +422,7 @@ __attribute__((noinline)) static void loop_run(job_slot *slot, loop_span *span, 
 		/* Two calls of the same function, so that the compiler makes a copy of it for the usual case, wanted = 0. */
 	} while (__builtin_expect(alone, 0) ? loop_claim(loop, &job_scope_all, threads, mine, span)
 	                                    : loop_claim(loop, &job_scope_all, threads, 0, span));
+	job_tally(&slot->tally.slices, mine);
 	if (measured) {
 		if (!alone)
 			ticks = job_sys_ticks() - start;
@@ -512,6 +515,7 @@ __attribute__((noinline)) static bool wide_run(job_slot *slot, loop_span *span, 
 		span->wake_slices = 1;
 	wide_open(slot, span, slices);
 	uint32_t mine = wide_claim(slot, span, slices, wake_helper(pool, span, 0), &ticks);
+	job_tally(&slot->tally.slices, mine);
 	if (mine > 0)
 		rate_of(slot, span->fn)->ticks = ticks / mine + 1;
 	for (uint32_t i = 0; i < pool->team_count; i++)
@@ -572,6 +576,7 @@ void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain
 	} else {
 		span.slices = slices;
 		span_run(&span, worker);
+		job_tally(&slot->tally.slices, slices);
 	}
 	slot->level = outer_level;
 	slot->root = outer_root;

@@ -142,6 +142,11 @@ typedef struct job_team {
 typedef enum job_active_kind { JOB_ACTIVE_LOOPS, JOB_ACTIVE_JOBS, JOB_ACTIVE_KINDS } job_active_kind;
 #define JOB_ACTIVE_WORDS ((STILB_JOB_MAX_WORKERS + 1 + 63) / 64)
 
+/* What a thread has done, see stilb_job_thread_stats. Only this thread writes them. */
+typedef struct job_tallies {
+	_Atomic uint64_t steals, loops_helped, slices, parks, wakes, spin_ticks;
+} job_tallies;
+
 /* A thread of the pool. */
 typedef struct job_slot {
 	job_deque deque;
@@ -169,11 +174,12 @@ typedef struct job_slot {
 	job_record *pinned; /* taken from the inbox, oldest first */
 	job_record_cache records;
 	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
-	uint32_t cpu;                         /* the CPU to bind the thread to, or JOB_NO_CPU */
-	job_team *team;                       /* NULL if the pool is one team */
-	uint32_t near_looks;                  /* counts looks for loops, see JOB_NEAR_LOOKS */
-	bool look_far;                        /* the next one goes to all teams */
-	uint32_t random;                      /* the state of random_below in job_work.c */
+	job_tallies tally;
+	uint32_t cpu;        /* the CPU to bind the thread to, or JOB_NO_CPU */
+	job_team *team;      /* NULL if the pool is one team */
+	uint32_t near_looks; /* counts looks for loops, see JOB_NEAR_LOOKS */
+	bool look_far;       /* the next one goes to all teams */
+	uint32_t random;     /* the state of random_below in job_work.c */
 	pthread_t thread;
 	stilb_job_worker_info info;
 	_Atomic bool started;   /* info is complete; release in job_worker_begin, pairs with stilb_job_pool_worker_info */
@@ -209,6 +215,18 @@ static inline void job_count(_Atomic uint64_t *counter, uint32_t jobs)
 	/* Release pairs with pool_is_quiet: a thread that sees a job counted as finished also sees the counts of all jobs
 	 * that it has submitted. */
 	atomic_store_explicit(counter, atomic_load_explicit(counter, memory_order_relaxed) + jobs, memory_order_release);
+}
+
+/* 0: the model tests do not count, since each access would be a step. */
+#ifndef JOB_TALLIES
+#define JOB_TALLIES 1
+#endif
+
+/* Adds to a tally of the calling thread. Relaxed, both: it is for statistics, which order nothing. */
+static inline void job_tally(_Atomic uint64_t *tally, uint64_t more)
+{
+	if (JOB_TALLIES)
+		atomic_store_explicit(tally, atomic_load_explicit(tally, memory_order_relaxed) + more, memory_order_relaxed);
 }
 
 enum { JOB_SHARED_HIGH, JOB_SHARED_NORMAL, JOB_SHARED_COUNT };

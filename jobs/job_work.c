@@ -162,6 +162,15 @@ job_record *job_work_take_own(job_slot *slot, const job_scope *scope)
 	return newest && scope_has(scope, newest) ? job_deque_pop(&slot->deque) : NULL;
 }
 
+/* Counts and reports that the thread has taken a job of thread `victim`. */
+static void note_steal(job_slot *slot, uint32_t victim)
+{
+	const stilb_job_hooks *hooks = &slot->pool->hooks;
+	job_tally(&slot->tally.steals, 1);
+	if (hooks->steal)
+		hooks->steal(hooks->user, slot->index, victim);
+}
+
 /* Takes the oldest job of the deque of thread `victim` if the scope allows it. */
 static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *scope)
 {
@@ -172,8 +181,8 @@ static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *
 	if (!record || !scope_has(scope, record) || !job_deque_steal(deque, top))
 		return NULL;
 	slot->victim = victim; /* tried first next time: it may have more jobs */
-	if (pool->hooks.steal && victim != slot->index)
-		pool->hooks.steal(pool->hooks.user, slot->index, victim);
+	if (victim != slot->index)
+		note_steal(slot, victim);
 	return record;
 }
 
@@ -478,8 +487,8 @@ bool job_work_unbury(job_slot *slot, const job_scope *scope, stilb_job_group *un
 	job_record *record = take_low(pool, scope);
 	for (uint32_t i = job_active_from(pool, JOB_ACTIVE_JOBS, 0); i <= pool->worker_count && !record;
 	     i = job_active_from(pool, JOB_ACTIVE_JOBS, i + 1))
-		if (i != slot->index && (record = steal_buried(slot, i, scope)) && pool->hooks.steal)
-			pool->hooks.steal(pool->hooks.user, slot->index, i);
+		if (i != slot->index && (record = steal_buried(slot, i, scope)))
+			note_steal(slot, i);
 	if (record)
 		run(slot, record, false, scope, until);
 	return record;
@@ -547,10 +556,10 @@ void job_work_relax(job_slot *slot)
 		slot->spins_without_yield = SPINS_WITHOUT_YIELD;
 }
 
-bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *until)
+/* job_work_spin that began at the time `start`. */
+static bool spin_since(uint64_t start, job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
 	stilb_job_pool *pool = slot->pool;
-	uint64_t start = job_sys_ticks();
 	/* Relaxed: an old value only makes the spin end one round later or earlier. */
 	for (;;) {
 		if (job_sys_ticks() - start >= pool->wake_ticks) {
@@ -563,6 +572,14 @@ bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 			return true;
 		job_work_relax(slot);
 	}
+}
+
+bool job_work_spin(job_slot *slot, const job_scope *scope, stilb_job_group *until)
+{
+	uint64_t start = job_sys_ticks();
+	bool found = spin_since(start, slot, scope, until);
+	job_tally(&slot->tally.spin_ticks, job_sys_ticks() - start);
+	return found;
 }
 
 /* Tells the shared queues that this thread will not use them while it sleeps, so that they can reuse all memory. */
@@ -608,6 +625,7 @@ static void sleep_until_woken(job_slot *slot, bool watch)
 {
 	const stilb_job_hooks *hooks = &slot->pool->hooks;
 	queues_quiesce(slot);
+	job_tally(&slot->tally.parks, 1);
 	if (hooks->park)
 		hooks->park(hooks->user, slot->index);
 	if (watch)
@@ -641,6 +659,7 @@ job_idle_outcome job_work_park(job_slot *slot, const job_scope *scope, job_ready
 	}
 	job_idle_outcome outcome = job_idle_leave(&pool->idle, &slot->parker);
 	slot->look_far = true; /* for the loop that it was woken for, or that kept it awake */
+	job_tally(&slot->tally.wakes, outcome != JOB_IDLE_NOT_CHOSEN);
 	slot->spinning = scope->all && outcome == JOB_IDLE_CHOSEN;
 	return rescue ? JOB_IDLE_RESCUE : outcome;
 }

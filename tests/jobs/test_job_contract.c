@@ -116,6 +116,14 @@ static void a_pool_is_destroyed_outside_of_jobs(void **state)
 	contract_breaks("not from inside a job", (destroy_inside_a_job(), 0));
 }
 
+static void statistics_are_told_of_threads(void **state)
+{
+	(void)state;
+	stilb_job_thread_stats stats;
+	contract_breaks("the index of a thread of the pool", (stilb_job_pool_get_thread_stats(pool_of(1), 2, &stats), 0));
+	contract_breaks("pool && stats", (stilb_job_pool_get_stats(pool_of(0), NULL), 0));
+}
+
 static void settings_are_told_of_workers(void **state)
 {
 	(void)state;
@@ -459,6 +467,7 @@ int main(void)
 		cmocka_unit_test(a_call_takes_the_callers_index),
 		cmocka_unit_test(the_owner_is_one_thread),
 		cmocka_unit_test(a_pool_is_destroyed_outside_of_jobs),
+		cmocka_unit_test(statistics_are_told_of_threads),
 		cmocka_unit_test(settings_are_told_of_workers),
 		cmocka_unit_test(a_phase_ends_after_it_has_begun),
 		cmocka_unit_test(a_job_has_a_function),

@@ -22,6 +22,7 @@
 #define SHARED_FIRST 1
 #define JOBS_IN_A_ROW 2
 #define JOB_BATCH_SHARES 1
+#define JOB_TALLIES 0
 #define JOB_TEAM_MOST threads_of_a_team
 static unsigned threads_of_a_team = 8;
 #include "job_model_sys.h"
