@@ -259,15 +259,18 @@ static bool same_picture(const char *path_a, const char *path_b)
 	return same;
 }
 
+/* With the address sanitizer one way for each replay and each kind of materials. */
+enum { WAY_STEP = TEST_ASAN ? 4 : 1 };
+
 static void test_the_same_picture(void **state)
 {
 	(void)state;
 	stilb_good("demo --headless --frames 3 --animate " SMALL "--dump a.dump --screenshot a.png --stats a.json");
 	uint64_t hash = stat_hash("a.json");
-	for (int way = 0; way < 9; way++) {
+	for (int way = 0; way < 9; way += WAY_STEP) {
 		stilb_good("replay a.dump --frames 2 --workers %d --replay %s --materials %s --screenshot b.png --stats b.json "
 		           "--validate",
-		           way % 4, replays[way % 3], materials[way / 3]);
+		           (way + way / 4) % 4, replays[way % 3], materials[way / 3]);
 		assert_whole();
 		assert_true(stat_hash("b.json") == hash);
 		assert_true(same_picture("a.png", "b.png"));
