@@ -268,6 +268,7 @@ static void test_without_membarrier(void **state)
 static void *spsc_push_each(void *data)
 {
 	static uint32_t items[EACH];
+	await_sleeps(1); /* the consumer finds nothing until then */
 	for (uint32_t i = 0; i < EACH; i++) {
 		items[i] = i;
 		if (stilb_job_spsc_push(data, &items[i]) != 0)
@@ -289,6 +290,7 @@ static void test_spsc(void **state)
 	assert_int_equal(stilb_job_spsc_pop_wait(queue, &popped, 0), -ETIMEDOUT);
 	assert_int_equal(stilb_job_spsc_pop_wait(queue, &popped, MS), -ETIMEDOUT);
 	assert_null(popped);
+	set_kernel(false, false); /* counts sleeps anew */
 	pthread_t thread;
 	assert_int_equal(pthread_create(&thread, NULL, spsc_push_each, queue), 0);
 	uint32_t count = 0, wrong = 0;
