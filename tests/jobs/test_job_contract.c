@@ -3,6 +3,7 @@
 #include "jobs/job_internal.h"
 #include "jobs/job_spsc.h"
 #include "jobs/range/job_range.h"
+#include "jobs/range/job_sort.h"
 #include "support/contract.h"
 #include "support/test.h"
 
@@ -155,6 +156,25 @@ static void a_reduction_is_whole(void **state)
 	contract_breaks("a reduction is whole", stilb_job_reduce(pool_of(0), 8, 1, &none, &value, 0));
 	contract_breaks("fn", (stilb_job_parallel_for_64(pool_of(0), 8, 1, NULL, NULL, 0), 0));
 	contract_breaks("fn", (stilb_job_parallel_for_tiles(pool_of(0), 8, 8, 1, 1, NULL, NULL, 0), 0));
+}
+
+static int all_equal(const void *a, const void *b, void *context)
+{
+	(void)a;
+	(void)b;
+	(void)context;
+	return 0;
+}
+
+static void a_sort_has_elements_and_their_order(void **state)
+{
+	(void)state;
+	int values[2] = {0};
+	contract_breaks("pool && compare", stilb_job_sort(NULL, values, 2, sizeof *values, all_equal, NULL, 0));
+	contract_breaks("pool && compare", stilb_job_sort(pool_of(0), values, 2, sizeof *values, NULL, NULL, 0));
+	contract_breaks("base || count == 0", stilb_job_sort(pool_of(0), NULL, 2, sizeof *values, all_equal, NULL, 0));
+	contract_breaks("an element has a size", stilb_job_sort(pool_of(0), values, 2, 0, all_equal, NULL, 0));
+	contract_breaks("the array is an object", stilb_job_sort(pool_of(0), values, SIZE_MAX / 2, 4, all_equal, NULL, 0));
 }
 
 /* ---- graphs ------------------------------------------------------------------------------------------------------ */
@@ -472,6 +492,7 @@ int main(void)
 		cmocka_unit_test(a_phase_ends_after_it_has_begun),
 		cmocka_unit_test(a_job_has_a_function),
 		cmocka_unit_test(a_reduction_is_whole),
+		cmocka_unit_test(a_sort_has_elements_and_their_order),
 		cmocka_unit_test(a_graph_runs_once_at_a_time),
 		cmocka_unit_test(a_graph_is_built_before_it_runs),
 		cmocka_unit_test(groups_are_whole),
