@@ -356,7 +356,7 @@ enum host_status {
 	HOST_DRIVER_SILENT, /* a wrong picture without an error from any call */
 	HOST_DIED,
 };
-#define HOST_STRIDE 25u /* every 25th of some 500 allocations for each mode: all of them take too long */
+#define HOST_STRIDE 40u /* every 40th of some 500 allocations for each mode: all of them take too long */
 
 /* A crash inside the call whose allocation failed is the driver's fault. */
 static void host_died(int signal)
