@@ -1,4 +1,5 @@
 /* Creates and destroys the engine, and answers what a frame left behind. */
+#include "engine_faults.h"
 #include "engine_internal.h"
 
 #include "image/image.h"
@@ -46,8 +47,6 @@ stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 stilb_engine_desc stilb_engine_desc_default(void)
 {
 	return (stilb_engine_desc){
-		.models = 10000,
-		.seed = 1,
 		.workers = stilb_engine_default_workers(),
 		.width = 1280,
 		.height = 720,
@@ -58,6 +57,13 @@ stilb_engine_desc stilb_engine_desc_default(void)
 		.capture = stilb_prof_capture_desc_default(),
 		.control = stilb_input_control_settings_default(),
 	};
+}
+
+static stilb_render_faults engine_faults; /* of the next engines */
+
+void stilb_engine_set_faults(const stilb_render_faults *faults)
+{
+	engine_faults = faults ? *faults : (stilb_render_faults){0};
 }
 
 static stilb_result engine_create_render(stilb_engine *engine)
@@ -76,7 +82,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.samples = desc->samples,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
-		.faults = desc->faults,
+		.faults = engine_faults,
 	};
 	return stilb_render_create(&render, &engine->render);
 }
@@ -96,18 +102,9 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (desc->window)
 		result = stilb_window_create("Stilb", desc->width, desc->height, &engine->window);
 	if (result == STILB_OK)
-		result = engine_create_render(engine); /* before the scene, which would be made in vain without a driver */
+		result = engine_create_render(engine);
 	if (result == STILB_OK)
 		result = engine_start_workers(engine, desc->workers);
-	if (result == STILB_OK)
-		result = stilb_scene_create_stress(desc->models, desc->seed, &engine->scene);
-	if (result != STILB_OK)
-		return result;
-	engine->scene->camera =
-		stilb_scene_stress_camera(engine->scene, desc->view, (float)desc->width / (float)desc->height);
-	result = stilb_cull_create(engine->scene, &engine->cull);
-	if (result == STILB_OK)
-		result = stilb_render_upload_scene(engine->render, engine->scene);
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
 		result = engine_overlay_open(engine, desc->overlay, desc->inspector);
@@ -150,7 +147,6 @@ void stilb_engine_destroy(stilb_engine *engine)
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);
 	stilb_cull_destroy(engine->cull);
-	stilb_scene_destroy(engine->scene);
 	engine_overlay_finish(&engine->overlay);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
@@ -165,6 +161,31 @@ stilb_result stilb_engine_wait(stilb_engine *engine, double *gpu_ms)
 	stilb_result result = stilb_render_wait(engine->render);
 	*gpu_ms = stilb_render_stats_get(engine->render).gpu_ms;
 	return result;
+}
+
+/* ---- the scene --------------------------------------------------------------------------------------------------- */
+
+stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	stilb_cull *cull = NULL;
+	stilb_result result = scene ? stilb_cull_create(scene, &cull) : STILB_OK;
+	if (result == STILB_OK)
+		result = stilb_render_set_scene(engine->render, scene);
+	if (result != STILB_OK) {
+		stilb_cull_destroy(cull);
+		return result;
+	}
+	stilb_cull_destroy(engine->cull);
+	engine->cull = cull;
+	engine->scene = scene;
+	return STILB_OK;
+}
+
+stilb_scene *stilb_engine_scene(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->scene;
 }
 
 /* ---- what a frame left behind ------------------------------------------------------------------------------------ */
@@ -259,20 +280,6 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(shading);
 	engine->shading = *shading;
-}
-
-void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view)
-{
-	STILB_ASSERT_OWNER(engine->owner);
-	uint32_t width, height;
-	stilb_render_size(engine->render, &width, &height);
-	engine->scene->camera = stilb_scene_stress_camera(engine->scene, view, (float)width / (float)height);
-}
-
-stilb_scene *stilb_engine_scene(stilb_engine *engine)
-{
-	STILB_ASSERT_OWNER(engine->owner);
-	return engine->scene;
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])

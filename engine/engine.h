@@ -1,10 +1,12 @@
 /*
- * engine: owns a scene, a device, a window and a pool of workers, and draws frames: what a program needs of Stilb to
- * show something in real time.
+ * engine: owns a device, a window and a pool of workers, and draws frames of the program's scene: what a program needs
+ * of Stilb to show something in real time.
  *
- * Life cycle.  stilb_engine_create -> stilb_engine_frame until done -> stilb_engine_destroy.
- * Per frame.   stilb_engine_frame; between frames everything else: change the scene, take screenshots, read results.
- *              frame.c tells the stages of a frame.
+ * Life cycle.  stilb_engine_create -> stilb_engine_set_scene -> stilb_engine_frame until done -> stilb_engine_destroy;
+ *              then the program destroys its scene.
+ * Per frame.   stilb_engine_frame; between frames, and in desc.update, everything else: change the scene, take
+ *              screenshots, read results. frame.c tells the stages of a frame.
+ * Scene.       The program owns it and may set another one at any time. Without one the picture is black.
  * Threads.     [main-thread]: the thread that creates the engine makes all other calls; the workers are the engine's
  *              own. Functions that take no engine are [any-thread].
  * One at a time.  Engines share the process's profiler and window library, and destroy shuts both down.
@@ -12,20 +14,25 @@
  *              same pictures.
  * Errors.      A stilb_result and the line of stilb_error_message. After an error of stilb_engine_frame or
  *              stilb_engine_set_workers only stilb_engine_destroy may follow, unless their comments say otherwise.
- * Example.     A thousand frames without a window:
+ * Example.     A picture of a file, without a window:
  *
  *   stilb_engine_desc desc = stilb_engine_desc_default();
- *   desc.animate = true;
- *   stilb_engine *engine;
- *   stilb_result result = stilb_engine_create(&desc, &engine);
- *   stilb_engine_report report = {0};
- *   while (result == STILB_OK && report.frame < 1000)
+ *   stilb_engine *engine = NULL;
+ *   stilb_engine_report report;
+ *   stilb_scene *scene;
+ *   stilb_result result = stilb_scene_open("model.gltf", &scene);
+ *   if (result == STILB_OK)
+ *       result = stilb_engine_create(&desc, &engine);
+ *   if (result == STILB_OK)
+ *       result = stilb_engine_set_scene(engine, scene);
+ *   if (result == STILB_OK)
  *       result = stilb_engine_frame(engine, &report);
  *   if (result == STILB_OK)
- *       result = stilb_engine_screenshot(engine, "last.png");
+ *       result = stilb_engine_screenshot(engine, "model.png");
  *   if (result != STILB_OK)
  *       stilb_log("%s", stilb_error_message());
  *   stilb_engine_destroy(engine);
+ *   stilb_scene_destroy(scene);
  */
 #ifndef STILB_ENGINE_H
 #define STILB_ENGINE_H
@@ -50,12 +57,24 @@ typedef enum stilb_engine_gamepad {
 	STILB_ENGINE_GAMEPAD_REPLAY  /* a recorded file, which moves the camera the same way in every run */
 } stilb_engine_gamepad;
 
+/* What a frame tells the program's part of it. */
+typedef struct stilb_engine_update {
+	uint64_t frame;                 /* number of the frame that is being made, from 1 */
+	double seconds;                 /* the engine's time: 0 in the first frame, then the sum of all steps before */
+	const stilb_input_state *input; /* this frame's keys, mouse and gamepads */
+} stilb_engine_update;
+
+/* Called once in each frame, in its stage scene update, after input has moved the camera and before anything reads the
+ * scene: the program changes the scene for this frame. It may call the functions that only ask the engine something.
+ * [main-thread] */
+typedef void stilb_engine_update_fn(void *user, const stilb_engine_update *update);
+
 typedef struct stilb_engine_desc {
-	uint32_t models;              /* 1..STILB_SCENE_MAX_MODELS */
-	uint64_t seed;                /* of the random numbers by which the stress test's scene is made */
-	uint32_t workers;             /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
-	stilb_cull_method cull;       /* how visible models are found */
-	stilb_scene_stress_view view; /* the camera's place at first, by the share of the models that it sees */
+	uint32_t workers;       /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
+	stilb_cull_method cull; /* how visible models are found */
+
+	stilb_engine_update_fn *update; /* NULL: none */
+	void *user;                     /* passed to update */
 
 	/* The device and how it draws, see stilb_render_desc; shading may change between frames. */
 	stilb_render_device_kind device;
@@ -65,18 +84,15 @@ typedef struct stilb_engine_desc {
 	stilb_render_shading shading;
 
 	/* All strings are the caller's and live until the engine is destroyed. */
-	const char *gpu;            /* a number or a part of a name as `stilb info` prints them; NULL: the best */
-	uint32_t width, height;     /* of the picture, pixels, 1..16384 */
-	uint32_t samples;           /* of multisampling: 1, 4, or 0 for the device's own choice */
-	bool window;                /* true: in a window; false: headless, the picture is drawn to memory */
-	bool present;               /* false: pictures are drawn, but not shown in the window */
-	bool animate;               /* true: a tenth of the models moves */
-	bool validate;              /* with Vulkan's validation layer */
-	stilb_render_faults faults; /* errors to simulate, for tests */
-	uint64_t slow_frame;        /* number, from 1, of a frame that is made 100 ms longer, for tests; 0: none */
-	bool overlay;               /* the profiler's window is open from the start */
-	bool inspector;             /* the materials' window is open from the start */
-	stilb_ui_aa ui_aa;          /* how edges in these two windows are smoothed */
+	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	uint32_t width, height; /* of the picture, pixels, 1..16384 */
+	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
+	bool window;            /* true: in a window; false: headless, the picture is drawn to memory */
+	bool present;           /* false: pictures are drawn, but not shown in the window */
+	bool validate;          /* with Vulkan's validation layer */
+	bool overlay;           /* the profiler's window is open from the start */
+	bool inspector;         /* the materials' window is open from the start */
+	stilb_ui_aa ui_aa;      /* how edges in these two windows are smoothed */
 
 	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of
 	 * records, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used. */
@@ -92,14 +108,14 @@ typedef struct stilb_engine_desc {
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
 
-/* 10,000 models, seed 1, CPUs - 1 workers (at least 1), automatic culling, all models visible, Vulkan, indirect draws,
- * 1280 x 720, headless; profiled with rings of 64 MiB, no captures; gamepads AUTO. [any-thread] */
+/* CPUs - 1 workers (at least 1), automatic culling, Vulkan, indirect draws, 1280 x 720, headless; profiled with rings
+ * of 64 MiB, no captures; gamepads AUTO. [any-thread] */
 stilb_engine_desc stilb_engine_desc_default(void);
 
 /* The default number of workers. [any-thread] */
 uint32_t stilb_engine_default_workers(void);
 
-/* Creates the engine, its scene and its workers, and opens the window. On failure *engine is NULL.
+/* Creates the engine and its workers, and opens the window; there is no scene yet. On failure *engine is NULL.
  * STILB_ERROR_ARGUMENT: profile_ring_mib is no power of two in its range, or STILB_ISA is wrong.
  * STILB_ERROR_WINDOW: no window can be opened here; headless works.
  * STILB_ERROR_DEVICE: no usable GPU, or none that desc.gpu names.
@@ -109,6 +125,17 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **e
 
 /* Ends captures, waits for the device and frees everything. NULL is accepted. */
 void stilb_engine_destroy(stilb_engine *engine);
+
+/* Shows this scene from the next frame on, in place of the one before, and copies its meshes, materials and textures to
+ * the device. The program owns the scene; it must live until another one is set or the engine is destroyed. Between
+ * frames, and in desc.update, the program may move models (scene->moved lists them) and change lights, surroundings and
+ * camera; another change takes effect when the scene is set again. NULL: no scene. On failure the scene before stays.
+ * STILB_ERROR_ARGUMENT: a mesh has no triangles, or an index beyond its vertices. STILB_ERROR_DEVICE: a texture is too
+ * large for this GPU. STILB_ERROR_MEMORY. */
+stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene);
+
+/* The scene that was set, or NULL. */
+stilb_scene *stilb_engine_scene(const stilb_engine *engine);
 
 /* The time of a frame, milliseconds:
  *   frame                the main thread's time for all of it
@@ -229,13 +256,7 @@ typedef struct stilb_engine_gamepad_counts {
 /* {0} without gamepads. */
 stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *engine);
 
-/* The position and direction of the scene's camera. */
+/* The position and direction of the scene's camera; {0} without a scene. */
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine);
-
-/* Moves the camera to the place that desc.view = view gives it. */
-void stilb_engine_set_view(stilb_engine *engine, stilb_scene_stress_view view);
-
-/* The scene and its camera, to be changed between frames only. Valid until the engine is destroyed. */
-stilb_scene *stilb_engine_scene(stilb_engine *engine);
 
 #endif

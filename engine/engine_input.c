@@ -41,6 +41,8 @@ static int64_t engine_input_time_us(stilb_engine *engine)
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine)
 {
 	STILB_ASSERT_OWNER(engine->owner);
+	if (!engine->scene)
+		return (stilb_input_pose){0};
 	const stilb_scene_camera *camera = &engine->scene->camera;
 	return (stilb_input_pose){
 		{camera->position[0], camera->position[1], camera->position[2]}, camera->yaw, camera->pitch};
@@ -183,7 +185,8 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 	stilb_input_control_frame(input->control, time_us, &keys, input->focused, state, &input->pose);
 	input->pad_captures = state->capture && !keys.capture;
 	input->time_us = time_us;
-	engine_input_move_camera(&engine->scene->camera, &input->pose);
+	if (engine->scene)
+		engine_input_move_camera(&engine->scene->camera, &input->pose);
 	if (input->newest_us != 0)
 		PROFILE_COUNTER("pad report to camera, ms", (double)(time_us - input->newest_us) * 1e-3);
 	return time_us;

@@ -64,8 +64,8 @@ struct stilb_engine {
 	stilb_owner owner; /* the main thread: the one that created it */
 	stilb_engine_desc desc;
 	stilb_job_pool *pool;
-	stilb_scene *scene;
-	stilb_cull *cull;
+	stilb_scene *scene;   /* the program's; NULL: none */
+	stilb_cull *cull;     /* of the scene; NULL: there is none */
 	stilb_window *window; /* NULL when headless */
 	stilb_render *render;
 	engine_input input;
@@ -82,7 +82,7 @@ struct stilb_engine {
 
 	uint64_t frame;   /* frames drawn */
 	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
-	double seconds;   /* the scene's time, from 0 */
+	double seconds;   /* the engine's time, from 0 */
 	float step;       /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };

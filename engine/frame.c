@@ -5,7 +5,7 @@
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
- *   update_scene   keys, gamepads, step        camera, transforms, bounds, moved list  main
+ *   update_scene   keys, gamepads, step        camera; the program: its scene          main
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
  *   ui             input, profiler snapshots   the open overlay's command list          main
@@ -15,8 +15,6 @@
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
-
-#include <time.h>
 
 #define FRAME_STEP (1.0f / 60.0f)
 #define FRAME_MAX_STEP 0.1f /* seconds: after a stall a longer step would make everything that moves jump */
@@ -80,26 +78,22 @@ static stilb_result frame_begin(stilb_engine *engine)
 	return stilb_render_frame_begin(engine->render);
 }
 
-static void frame_stall(void)
-{
-	PROFILE("slow on purpose");
-	nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
-}
-
 static void update_scene(stilb_engine *engine)
 {
 	PROFILE("scene update");
-	if (engine->frame + 1 == engine->desc.slow_frame)
-		frame_stall();
 	frame_input(engine, &engine->report); /* as late as possible: the picture shows the camera of this moment */
-	stilb_scene *scene = engine->scene;
-	scene->moved_count = 0;
-	if (engine->desc.animate)
-		stilb_scene_animate(scene, engine->seconds);
+	if (engine->desc.update)
+		engine->desc.update(engine->desc.user,
+		                    &(stilb_engine_update){engine->frame + 1, engine->seconds, &engine->report.input});
+	stilb_render_view *view = &engine->views[0];
+	const stilb_scene *scene = engine->scene;
+	if (!scene) {
+		*view = (stilb_render_view){.shading = engine->shading};
+		return;
+	}
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
-	stilb_render_view *view = &engine->views[0];
 	view->view_projection = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
 	for (int i = 0; i < 3; i++)
 		view->camera_position[i] = scene->camera.position[i];
@@ -114,7 +108,13 @@ static stilb_result cull(stilb_engine *engine)
 	PROFILE("cull");
 	STILB_ASSERT(engine->view_count >= 1 && engine->view_count <= ENGINE_MAX_VIEWS);
 	stilb_scene *scene = engine->scene;
+	if (!scene) {
+		for (uint32_t v = 0; v < engine->view_count; v++)
+			engine->visible[v].count = 0;
+		return STILB_OK;
+	}
 	stilb_result result = stilb_cull_move(engine->cull, scene, scene->moved, scene->moved_count);
+	scene->moved_count = 0; /* the program's list for the next frame begins */
 	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
 		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);
 		result = stilb_cull_run(engine->cull, engine->desc.cull, scene, &frustum, engine->pool, FRAME_OWNER,

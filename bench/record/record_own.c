@@ -409,7 +409,7 @@ static void make_render(run *r)
 		.context_count = r->on->threads,
 	};
 	expect(stilb_render_create(&desc, &r->render));
-	expect(stilb_render_upload_scene(r->render, r->scene));
+	expect(stilb_render_set_scene(r->render, r->scene));
 }
 
 static void make_scene(run *r)

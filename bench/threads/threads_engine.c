@@ -2,6 +2,7 @@
 #include "bench/threads/threads_run.h"
 
 #include "engine.h"
+#include "tests/engine/stress_engine.h"
 
 #include <limits.h>
 #include <malloc.h>
@@ -26,10 +27,7 @@ static stilb_engine *open_engine(const threads_setup *setup)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	stilb_engine *engine;
-	desc.models = THREADS_MODELS;
-	desc.seed = THREADS_SEED;
 	desc.workers = setup->workers;
-	desc.view = setup->view;
 	desc.device = setup->device;
 	desc.replay = setup->replay;
 	if (setup->device == STILB_RENDER_DEVICE_VULKAN) {
@@ -37,7 +35,8 @@ static stilb_engine *open_engine(const threads_setup *setup)
 		desc.height = PICTURE_HEIGHT;
 		keep_memory();
 	}
-	stilb_result result = stilb_engine_create(&desc, &engine);
+	stress_engine stress = {.models = THREADS_MODELS, .seed = THREADS_SEED, .view = setup->view};
+	stilb_result result = stress_engine_create(&desc, &stress, &engine);
 	if (result == STILB_OK)
 		return engine;
 	fprintf(stderr, "%s\n", stilb_error_message());
@@ -108,7 +107,7 @@ void threads_run_engine(threads_run *run, const threads_setup *setup)
 	bench_child_metric("switched-out", (after.switched_out - before.switched_out) / seconds);
 	bench_child_metric("visible", (double)report.visible);
 	bench_child_metric("software", stilb_engine_device_is_software(engine));
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* ---- an occupied CPU --------------------------------------------------------------------------------------------- */
@@ -206,5 +205,5 @@ void threads_run_stolen(threads_run *run, uint32_t workers)
 	threads_run_check(run, STILB_SCENE_VIEW_ALL, stilb_engine_stream_hash(engine));
 	print_stolen(&frames, first[1], first[2]);
 	free(frames.at);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }

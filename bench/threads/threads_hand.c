@@ -42,7 +42,7 @@ void threads_hand_open(threads_hand *hand, uint32_t contexts)
 	must(stilb_scene_create_stress(THREADS_MODELS, THREADS_SEED, &hand->scene));
 	must(stilb_cull_create(hand->scene, &hand->cull));
 	must(stilb_render_create(&desc, &hand->render));
-	must(stilb_render_upload_scene(hand->render, hand->scene));
+	must(stilb_render_set_scene(hand->render, hand->scene));
 	find_parts(hand);
 	stilb_scene_camera camera = stilb_scene_stress_camera(hand->scene, STILB_SCENE_VIEW_ALL, aspect);
 	hand->view.view_projection = stilb_scene_camera_matrix(&camera, aspect);

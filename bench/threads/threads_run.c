@@ -4,6 +4,7 @@
 #include "engine.h"
 #include "profiler/prof.h"
 #include "profiler/prof_trace.h"
+#include "tests/engine/stress_engine.h"
 
 #include <limits.h>
 #include <string.h>
@@ -195,19 +196,18 @@ static int print_reference(const char *view_name)
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	stilb_engine *engine;
 	stilb_engine_report report;
-	desc.models = THREADS_MODELS;
-	desc.seed = THREADS_SEED;
+	stress_engine stress = {.models = THREADS_MODELS, .seed = THREADS_SEED};
 	desc.workers = 0;
 	desc.device = STILB_RENDER_DEVICE_NULL;
 	for (uint32_t v = 0; v < THREADS_VIEWS; v++)
 		if (strcmp(view_name, threads_view_names[v]) == 0)
-			desc.view = (stilb_scene_stress_view)v;
-	if (stilb_engine_create(&desc, &engine) != STILB_OK || stilb_engine_frame(engine, &report) != STILB_OK)
+			stress.view = (stilb_scene_stress_view)v;
+	if (stress_engine_create(&desc, &stress, &engine) != STILB_OK || stilb_engine_frame(engine, &report) != STILB_OK)
 		bench_child_fail("%s", stilb_error_message());
 	uint64_t hash = stilb_engine_stream_hash(engine);
 	bench_child_metric("hash-high", (double)(hash >> 32));
 	bench_child_metric("hash-low", (double)(hash & UINT32_MAX));
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	return 0;
 }
 

@@ -85,6 +85,7 @@ void stilb_render_destroy(stilb_render *render)
 		free(render->passes[p].segments);
 		free(render->passes[p].runs);
 	}
+	render_scene_finish(&render->scene);
 	render_resources_destroy(&render->resources);
 	free(render->sort_items);
 	free(render);

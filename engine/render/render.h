@@ -7,7 +7,7 @@
  *                with indirect replay both are memory that the GPU reads, written once and never copied. A pass is cut
  *                into segments, numbered by the scene; any worker may record any segment, and replay takes the segments
  *                in number order. So the command stream, and the picture, are the same for any number of workers.
- * Life cycle.    stilb_render_create -> stilb_render_upload_scene, stilb_render_mesh_create, ... -> frames ->
+ * Life cycle.    stilb_render_create -> stilb_render_set_scene, stilb_render_mesh_create, ... -> frames ->
  *                stilb_render_destroy.
  * Per frame.     stilb_render_frame_begin, stilb_render_record for each pass, stilb_render_replay,
  *                stilb_render_present. A frame that fails between begin and replay is dropped: begin the next one, or
@@ -29,7 +29,7 @@
  *   stilb_render *render;
  *   stilb_result result = stilb_render_create(&desc, &render);
  *   if (result == STILB_OK)
- *       result = stilb_render_upload_scene(render, scene);
+ *       result = stilb_render_set_scene(render, scene);
  *   while (result == STILB_OK && running()) {
  *       result = stilb_render_frame_begin(render);
  *       if (result == STILB_OK)
@@ -194,12 +194,13 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 /* [any-thread] */
 void stilb_render_material_destroy(stilb_render *render, stilb_render_material material);
 
-/* Copies all meshes and materials of a scene to the device, without their textures. Once for each renderer. On failure
- * nothing has been uploaded. STILB_ERROR_ARGUMENT: see stilb_render_mesh_create. STILB_ERROR_MEMORY. [main-thread] */
-stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene);
+/* Copies all meshes, materials and textures of a scene to the device, for stilb_render_record, and destroys those of
+ * the scene that was set before; between frames. NULL: only destroys. On failure the scene before stays.
+ * STILB_ERROR_ARGUMENT, STILB_ERROR_DEVICE: see stilb_render_mesh_create and stilb_render_texture_create.
+ * STILB_ERROR_MEMORY. [main-thread] */
+stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
-/* Handles of the uploaded scene's mesh and material `id`, an index into scene->meshes or scene->materials.
- * [any-thread] */
+/* Handles of that scene's mesh and material `id`, an index into scene->meshes or scene->materials. [any-thread] */
 stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id);
 stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id);
 
@@ -271,7 +272,7 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 stilb_result stilb_render_frame_begin(stilb_render *render);
 
 /* Records a whole pass: every part of the models visible[0 .. visible_count - 1], in that order, spread over the pool.
- * The scene has been uploaded. pass: 0..STILB_RENDER_MAX_PASSES - 1, not yet recorded in this frame.
+ * The scene is the one that was set. pass: 0..STILB_RENDER_MAX_PASSES - 1, not yet recorded in this frame.
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);

@@ -293,6 +293,17 @@ typedef enum render_frame_state {
 	RENDER_FRAME_REPLAYED,
 } render_frame_state;
 
+/* Handles of the resources that stilb_render_set_scene has made, by id in the scene. */
+typedef struct render_scene {
+	stilb_render_mesh *meshes;        /* [mesh_count] */
+	stilb_render_material *materials; /* [material_count] */
+	stilb_render_texture *textures;   /* [texture_count] */
+	uint32_t mesh_count, material_count, texture_count;
+} render_scene;
+
+/* Frees the arrays and destroys nothing, since that needs the device; leaves {0}. */
+void render_scene_finish(render_scene *scene);
+
 struct stilb_render {
 	stilb_owner owner; /* the main thread */
 	render_device *device;
@@ -300,7 +311,7 @@ struct stilb_render {
 	stilb_render_context *contexts;
 	uint32_t context_count;
 	render_resources resources;
-	uint32_t scene_meshes, scene_materials; /* handles of the scene's mesh 0 and material 0; others are consecutive */
+	render_scene scene;
 	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */

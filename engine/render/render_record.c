@@ -480,7 +480,8 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 	const uint32_t *visible = recorded->visible, *first_part = scene->first_part;
 	const uint32_t *meshes = scene->part_mesh, *materials = scene->part_material;
 	const stilb_mat4 *transforms = scene->part_transform;
-	uint32_t first_mesh = recorded->render->scene_meshes, first_material = recorded->render->scene_materials;
+	const stilb_render_mesh *mesh_handles = recorded->render->scene.meshes;
+	const stilb_render_material *material_handles = recorded->render->scene.materials;
 	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
 	end = end < recorded->visible_count ? end : recorded->visible_count;
 	stilb_render_segment_begin(context, recorded->pass, segment);
@@ -488,8 +489,7 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 		uint32_t model = visible[i];
 		STILB_ASSERT(model < scene->model_count);
 		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++)
-			record_draw(context, 0, (stilb_render_mesh){first_mesh + meshes[p]},
-			            (stilb_render_material){first_material + materials[p]}, &transforms[p]);
+			record_draw(context, 0, mesh_handles[meshes[p]], material_handles[materials[p]], &transforms[p]);
 	}
 	stilb_render_segment_end(context);
 }
@@ -505,7 +505,8 @@ stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stil
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
 {
 	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
-	STILB_ASSERT(visible_count == 0 || (render->scene_meshes && render->scene_materials));
+	STILB_ASSERT(visible_count == 0 || (scene && render->scene.mesh_count == scene->mesh_count &&
+	                                    render->scene.material_count == scene->material_count));
 	uint32_t segments = (visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
 	stilb_result result = stilb_render_pass_begin(render, pass, segments);
 	if (result != STILB_OK)

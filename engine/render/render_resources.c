@@ -121,16 +121,15 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 
 /* ---- indices and generations ------------------------------------------------------------------------------------- */
 
-/* Takes an index. consecutive: only one that was never used, so that successive calls give successive indices. False:
- * no memory, or none is left. */
-static bool index_take(render_indices *indices, bool consecutive, uint32_t *index)
+/* Takes an index. False: no memory, or none is left. */
+static bool index_take(render_indices *indices, uint32_t *index)
 {
 	STILB_ASSERT(indices->next_unused <= indices->capacity && indices->free_count <= indices->next_unused);
 	/* Reserved now so that index_give_back cannot fail: at most all indices that were ever used are on the stack. */
 	if (!render_reserve((void **)&indices->free, &indices->free_capacity, indices->next_unused + 1,
 	                    sizeof *indices->free))
 		return false;
-	if (!consecutive && indices->free_count > 0)
+	if (indices->free_count > 0)
 		*index = indices->free[--indices->free_count];
 	else if (indices->next_unused < indices->capacity)
 		*index = indices->next_unused++;
@@ -266,13 +265,13 @@ static stilb_result mesh_check(const stilb_scene_mesh *mesh)
 	return STILB_OK;
 }
 
-/* consecutive: see index_take. False: no memory or no id; then nothing has changed. */
-static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, bool consecutive, uint32_t *handle)
+/* False: no memory or no id; then nothing has changed. */
+static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t *handle)
 {
 	render_heap *vertices = &resources->heaps[RENDER_HEAP_VERTICES], *indices = &resources->heaps[RENDER_HEAP_INDICES];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t live = resources->live, index, first_vertex, first_index;
-	if (!resource_reserve(resources) || !index_take(ids, consecutive, &index))
+	if (!resource_reserve(resources) || !index_take(ids, &index))
 		return false;
 	if (!heap_add(vertices, mesh->vertices, mesh->vertex_count, live, &first_vertex)) {
 		index_give_back(ids, index);
@@ -306,7 +305,7 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	if (!mesh_add(resources, mesh, false, &out->id))
+	if (!mesh_add(resources, mesh, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	stilb_lock_give(&resources->lock);
 	return result;
@@ -344,7 +343,7 @@ static bool texture_add(render_resources *resources, stilb_image image, uint32_t
 	if (!resource_reserve(resources) ||
 	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                    sizeof *resources->uploads) ||
-	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], false, index))
+	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], index))
 		return false;
 	resources->live++;
 	uint32_t *generation = &resources->textures[*index];
@@ -406,14 +405,14 @@ static render_material material_make(const stilb_scene_material *material)
 	return out;
 }
 
-/* texture: index, 0: none; consecutive: see index_take. False: no memory or no id; then nothing has changed. */
+/* texture: index, 0: none. False: no memory or no id; then nothing has changed. */
 static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t texture,
-                         bool consecutive, uint32_t *handle)
+                         uint32_t *handle)
 {
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
 	uint32_t index;
-	if (!resource_reserve(resources) || !index_take(ids, consecutive, &index))
+	if (!resource_reserve(resources) || !index_take(ids, &index))
 		return false;
 	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
 		index_give_back(ids, index);
@@ -438,7 +437,7 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
 	stilb_result result = STILB_OK;
-	if (!material_add(resources, material, index, false, &out->id))
+	if (!material_add(resources, material, index, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	stilb_lock_give(&resources->lock);
 	return result;
@@ -504,56 +503,86 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* Destroys the first meshes and materials of a scene whose upload failed. */
-static void resources_retire_scene(stilb_render *render, uint32_t meshes, uint32_t materials)
+void render_scene_finish(render_scene *scene)
 {
-	for (uint32_t i = 0; i < meshes; i++)
-		mesh_retire(&render->resources, render->scene_meshes + i);
-	for (uint32_t i = 0; i < materials; i++)
-		material_retire(&render->resources, render->scene_materials + i);
-	render->scene_meshes = render->scene_materials = 0;
+	free(scene->meshes);
+	free(scene->materials);
+	free(scene->textures);
+	*scene = (render_scene){0};
 }
 
-stilb_result stilb_render_upload_scene(stilb_render *render, const stilb_scene *scene)
+/* Destroys what the scene holds, materials before their textures. */
+static void resources_scene_destroy(stilb_render *render, render_scene *scene)
+{
+	for (uint32_t i = 0; i < scene->mesh_count; i++)
+		stilb_render_mesh_destroy(render, scene->meshes[i]);
+	for (uint32_t i = 0; i < scene->material_count; i++)
+		stilb_render_material_destroy(render, scene->materials[i]);
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		stilb_render_texture_destroy(render, scene->textures[i]);
+	render_scene_finish(scene);
+}
+
+/* Arrays of handles {0}, which nothing needs to destroy. */
+static stilb_result resources_scene_allocate(render_scene *out, const stilb_scene *from)
+{
+	*out = (render_scene){
+		.meshes = calloc(from->mesh_count + 1u, sizeof *out->meshes),
+		.materials = calloc(from->material_count + 1u, sizeof *out->materials),
+		.textures = calloc(from->texture_count + 1u, sizeof *out->textures),
+		.mesh_count = from->mesh_count,
+		.material_count = from->material_count,
+		.texture_count = from->texture_count,
+	};
+	if (out->meshes && out->materials && out->textures)
+		return STILB_OK;
+	render_scene_finish(out);
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
+}
+
+static stilb_result resources_scene_fill(stilb_render *render, const stilb_scene *from, render_scene *out)
+{
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < from->mesh_count && result == STILB_OK; i++)
+		result = stilb_render_mesh_create(render, &from->meshes[i], &out->meshes[i]);
+	for (uint32_t i = 0; i < from->texture_count && result == STILB_OK; i++)
+		result = stilb_render_texture_create(render, &from->textures[i], &out->textures[i]);
+	for (uint32_t i = 0; i < from->material_count && result == STILB_OK; i++) {
+		uint32_t texture = from->materials[i].diffuse_texture;
+		STILB_ASSERT(texture <= from->texture_count);
+		result = stilb_render_material_create(render, &from->materials[i],
+		                                      texture ? out->textures[texture - 1] : (stilb_render_texture){0},
+		                                      &out->materials[i]);
+	}
+	return result;
+}
+
+stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	STILB_ASSERT(!render->scene_meshes && !render->scene_materials && "one scene is uploaded, once");
-	render_resources *resources = &render->resources;
-	stilb_result result = STILB_OK;
-	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
-		result = mesh_check(&scene->meshes[i]);
-	if (result != STILB_OK)
+	render_scene next = {0};
+	stilb_result result = scene ? resources_scene_allocate(&next, scene) : STILB_OK;
+	if (result == STILB_OK && scene)
+		result = resources_scene_fill(render, scene, &next);
+	if (result != STILB_OK) {
+		resources_scene_destroy(render, &next);
 		return result;
-	uint32_t handle, meshes = 0, materials = 0;
-	stilb_lock_take(&resources->lock);
-	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
-		if (!mesh_add(resources, &scene->meshes[i], true, &handle))
-			result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
-		else if (meshes++ == 0)
-			render->scene_meshes = handle;
 	}
-	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++) {
-		if (!material_add(resources, &scene->materials[i], 0, true, &handle))
-			result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
-		else if (materials++ == 0)
-			render->scene_materials = handle;
-	}
-	if (result != STILB_OK)
-		resources_retire_scene(render, meshes, materials);
-	stilb_lock_give(&resources->lock);
-	return result;
+	resources_scene_destroy(render, &render->scene);
+	render->scene = next;
+	return STILB_OK;
 }
 
 stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
 {
-	STILB_ASSERT(render->scene_meshes && id < render->resources.indices[RENDER_RESOURCE_MESH].next_unused);
-	return (stilb_render_mesh){render->scene_meshes + id};
+	STILB_ASSERT(id < render->scene.mesh_count);
+	return render->scene.meshes[id];
 }
 
 stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
 {
-	STILB_ASSERT(render->scene_materials && id < render->resources.indices[RENDER_RESOURCE_MATERIAL].next_unused);
-	return (stilb_render_material){render->scene_materials + id};
+	STILB_ASSERT(id < render->scene.material_count);
+	return render->scene.materials[id];
 }
 
 /* Drops the texture's queued pixels: it may be released before a frame has copied them. */
@@ -589,8 +618,8 @@ static void resource_release(stilb_render *render, render_retired retired)
 	resources->live--;
 }
 
-/* At most so many resources are released in one frame, which bounds its time: heap_give_back costs 60 ns in a heap of
- * 1,000 holes and 1 us in one of 50,000. */
+/* At most so many meshes and textures are released in one frame, which bounds its time: heap_give_back costs 60 ns in a
+ * heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
 
 void render_resources_frame(stilb_render *render)
@@ -601,11 +630,14 @@ void render_resources_frame(stilb_render *render)
 	uint64_t frame = ++resources->frame;
 	uint32_t kept = 0, released = 0;
 	for (uint32_t i = 0; i < resources->retired_count; i++) {
-		bool due = resources->retired[i].frame + RENDER_FRAMES_IN_FLIGHT <= frame;
-		if (due && released++ < RESOURCES_RELEASED_A_FRAME)
-			resource_release(render, resources->retired[i]);
-		else
-			resources->retired[kept++] = resources->retired[i];
+		render_retired retired = resources->retired[i];
+		bool due = retired.frame + RENDER_FRAMES_IN_FLIGHT <= frame && released < RESOURCES_RELEASED_A_FRAME;
+		if (due) {
+			released += retired.kind != RENDER_RESOURCE_MATERIAL;
+			resource_release(render, retired);
+		} else {
+			resources->retired[kept++] = retired;
+		}
 	}
 	resources->retired_count = kept;
 	stilb_lock_give(&resources->lock);

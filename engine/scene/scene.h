@@ -128,7 +128,7 @@ typedef struct stilb_scene {
 	uint32_t material_count;
 	stilb_scene_material *materials; /* [material_count] */
 
-	uint32_t moved_count; /* models whose bounds changed in this frame's update_scene */
+	uint32_t moved_count; /* models whose bounds have changed since the last frame; the engine sets it back to 0 */
 	uint32_t *moved;      /* their ids, ascending; room for model_count */
 
 	uint32_t texture_count;

@@ -5,7 +5,9 @@
 #include "demo_picture.h"
 #include "demo_progress.h"
 #include "demo_report.h"
+#include "demo_scene.h"
 #include "demo_track.h"
+#include "engine_faults.h"
 #include "game/cli/stage_times.h"
 #include "game/commands.h"
 
@@ -22,6 +24,7 @@
 typedef struct demo_run {
 	demo_options options;
 	stilb_engine *engine;
+	demo_scene scene;
 	stilb_engine_report report; /* of the last frame that was drawn */
 	stage_times times;
 	uint64_t frames; /* number of frames drawn */
@@ -61,12 +64,18 @@ static void demo_on_captured(void *user, const stilb_prof_captured *captured)
 	run->capture_failed |= captured->error != 0;
 }
 
-/* Creates the engine; without a display it runs headless, after a line that says so. */
+/* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
+ * runs headless, after a line that says so. */
 static stilb_result demo_start(demo_run *run)
 {
 	stilb_engine_desc desc = demo_options_engine(&run->options);
 	desc.capture.done = demo_on_captured;
 	desc.capture.user = run;
+	demo_faults faults = demo_options_faults(&run->options);
+	run->scene = (demo_scene){.animate = run->options.animate, .slow_frame = faults.slow_frame};
+	desc.update = demo_scene_update;
+	desc.user = &run->scene;
+	stilb_engine_set_faults(&faults.render);
 	stilb_result result = stilb_engine_create(&desc, &run->engine);
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; running headless", stilb_error_message());
@@ -74,7 +83,7 @@ static stilb_result demo_start(demo_run *run)
 		result = stilb_engine_create(&desc, &run->engine);
 	}
 	run->window = desc.window;
-	return result;
+	return result == STILB_OK ? demo_scene_show(&run->scene, &run->options, run->engine) : result;
 }
 
 static void demo_say_result(const demo_run *run, stilb_result result, const char *what, const char *path)
@@ -107,7 +116,7 @@ static stilb_result demo_act(demo_run *run, const stilb_engine_report *report)
 		demo_take_picture(run);
 	if (report->input.next_view % DEMO_VIEWS > 0) {
 		run->view = (int)(((uint32_t)run->view + report->input.next_view) % DEMO_VIEWS);
-		stilb_engine_set_view(run->engine, (stilb_scene_stress_view)run->view);
+		demo_scene_look(&run->scene, (stilb_scene_stress_view)run->view, run->engine);
 	}
 	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
 	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
@@ -285,6 +294,7 @@ int demo_command(int argc, char **argv)
 	int code = demo_main(&run);
 	demo_track_finish(&run.track);
 	stilb_engine_destroy(run.engine); /* writes the captures that are still pending */
+	demo_scene_finish(&run.scene);
 	stage_times_finish(&run.times);
 	return code == EXIT_DONE && run.capture_failed ? EXIT_FAILED : code;
 }

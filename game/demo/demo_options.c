@@ -171,12 +171,6 @@ static bool demo_outputs_differ(const demo_options *o)
 	return true;
 }
 
-/* Failures that --fault injects. */
-typedef struct demo_faults {
-	stilb_render_faults render;
-	uint32_t slow_frame;
-} demo_faults;
-
 /* Reads --fault, "memory:3", "lost:10" or "slow:50"; NULL: no fault. Returns false if it is none of these. */
 static bool demo_parse_fault(const char *text, demo_faults *faults)
 {
@@ -376,15 +370,20 @@ static stilb_render_shading demo_shading(const demo_options *o)
 	return shading;
 }
 
+demo_faults demo_options_faults(const demo_options *o)
+{
+	demo_faults faults;
+	bool fault = demo_parse_fault(o->fault, &faults);
+	STILB_ASSERT(fault && "demo_options_check accepted the options");
+	return faults;
+}
+
 stilb_engine_desc demo_options_engine(const demo_options *o)
 {
-	STILB_ASSERT(o->models >= 1 && o->models <= STILB_SCENE_MAX_MODELS && o->size[0] >= 1 && o->size[1] >= 1);
+	STILB_ASSERT(o->size[0] >= 1 && o->size[1] >= 1);
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = (uint32_t)o->models;
-	desc.seed = o->seed;
 	desc.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers;
 	desc.cull = (stilb_cull_method)o->cull;
-	desc.view = (stilb_scene_stress_view)o->view;
 	desc.device = (stilb_render_device_kind)o->device;
 	desc.replay = (stilb_render_replay_mode)o->replay;
 	desc.materials = (stilb_render_materials)o->materials;
@@ -394,7 +393,6 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.samples = (uint32_t)o->samples;
 	desc.window = !o->headless && o->device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
-	desc.animate = o->animate;
 	desc.validate = o->validate;
 	desc.shading = demo_shading(o);
 	bool gamepad = demo_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
@@ -410,11 +408,7 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.capture.signal = SIGUSR1;
 	desc.capture.crash = o->capture;
 	bool spike = demo_parse_spike(o->spike, &desc.capture);
-	demo_faults faults;
-	bool fault = demo_parse_fault(o->fault, &faults);
-	STILB_ASSERT(gamepad && spike && fault && "demo_options_check accepted the options");
-	desc.faults = faults.render;
-	desc.slow_frame = faults.slow_frame;
+	STILB_ASSERT(gamepad && spike && "demo_options_check accepted the options");
 	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* .exr, .hdr: the window has radiance, too */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;

@@ -63,6 +63,13 @@ bool demo_options_check(const demo_options *o);
 /* The description of the engine for options that demo_options_check accepted. It points to strings of *o. */
 stilb_engine_desc demo_options_engine(const demo_options *o);
 
+/* What --fault asks for. */
+typedef struct demo_faults {
+	stilb_render_faults render;
+	uint32_t slow_frame; /* number, from 1, of a frame that is made 100 ms longer; 0: none */
+} demo_faults;
+demo_faults demo_options_faults(const demo_options *o);
+
 /* True if --gamepad replays a recording, which has an end. */
 bool demo_options_is_replay(const demo_options *o);
 

@@ -4,6 +4,7 @@
 #include "replay.h"
 #include "support/contract.h"
 #include "support/test.h"
+#include "tests/engine/stress_engine.h"
 #include "trace_view.h"
 #include "viewer.h"
 
@@ -12,7 +13,6 @@
 static stilb_engine_desc null_desc(void)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 20;
 	desc.workers = 0;
 	desc.device = STILB_RENDER_DEVICE_NULL;
 	desc.width = 320;
@@ -25,7 +25,7 @@ static stilb_engine *make(void)
 {
 	stilb_engine_desc desc = null_desc();
 	stilb_engine *engine;
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	assert_int_equal(stress_engine_create(&desc, &(stress_engine){.models = 20, .seed = 1}, &engine), STILB_OK);
 	return engine;
 }
 
@@ -49,7 +49,7 @@ static void *capture_of(void *engine)
 
 static void *destroy_of(void *engine)
 {
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	return NULL;
 }
 
@@ -85,7 +85,7 @@ static void engines(void **state)
 	contract_breaks("shading", stilb_engine_set_shading(engine, NULL));
 	contract_breaks("title", stilb_engine_set_title(engine, NULL));
 	assert_int_equal(frame(engine), STILB_OK);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 static void break_pass(stilb_engine *engine)
@@ -122,7 +122,7 @@ static void stages(void **state)
 	contract_breaks("engine->view_count >= 1", break_views(engine));
 	contract_breaks("engine->pass_count < ", break_pass_count(engine));
 	contract_breaks("engine_overlay_is_open", engine_overlay_record(engine, 1, 0));
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 static void choose_an_unknown_model(void)

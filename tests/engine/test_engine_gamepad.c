@@ -4,6 +4,7 @@
 #include "support/fake_hidraw.h"
 #include "support/test.h"
 #include "support/trace_check.h"
+#include "tests/engine/stress_engine.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -23,7 +24,6 @@ static const input_test_descriptor *dualshock(void)
 static stilb_engine_desc flown_desc(void)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 25;
 	desc.workers = 0;
 	desc.device = STILB_RENDER_DEVICE_NULL;
 	desc.gamepad = STILB_ENGINE_GAMEPAD_HIDRAW;
@@ -42,7 +42,7 @@ static void let_go(void)
 
 static void create(const stilb_engine_desc *desc)
 {
-	assert_int_equal(stilb_engine_create(desc, &engine), STILB_OK);
+	assert_int_equal(stress_engine_create(desc, &(stress_engine){.models = 25, .seed = 1}, &engine), STILB_OK);
 }
 
 static int set_up(void **state)
@@ -56,7 +56,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
 	(void)state;
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	engine = NULL;
 	fake_end();
 	return 0;
@@ -145,7 +145,7 @@ static void headless_it_must_be_asked_for(void **state)
 			assert_int_equal(report.time_us, (int64_t)f * 1000000 / 60);
 		}
 		assert_int_equal(pads(), 0);
-		stilb_engine_destroy(engine);
+		stress_engine_destroy(engine);
 	}
 	engine = NULL;
 }
@@ -188,7 +188,8 @@ static void the_program_may_move_the_camera(void **state)
 	(void)state;
 	stilb_engine_desc desc = flown_desc();
 	create(&desc);
-	stilb_engine_set_view(engine, STILB_SCENE_VIEW_FEW);
+	stilb_engine_scene(engine)->camera =
+		stilb_scene_stress_camera(stilb_engine_scene(engine), STILB_SCENE_VIEW_FEW, 1.5f);
 	stilb_input_pose pose = stilb_engine_pose(engine);
 	fly_frames(3);
 	assert_false(moved_since(&pose));
@@ -274,7 +275,7 @@ static void a_pad_that_captures_shakes(void **state)
 	assert_false(report.input.capture);
 	assert_int_equal(stilb_engine_capture(engine), STILB_OK); /* requested by the program: no rumble */
 	assert_int_equal(fake_receive(NODE, output, sizeof output, 50), 0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	engine = NULL;
 	assert_int_equal(unlink(path), 0);
 	snprintf(path, sizeof path, "%s/capture-2.json", fake.folder);

@@ -3,6 +3,7 @@
 #include "engine_internal.h"
 #include "image/image.h"
 #include "support/test.h"
+#include "tests/engine/stress_engine.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -21,12 +22,11 @@ static int set_up(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 1;
 	desc.workers = 0;
 	desc.width = WIDTH;
 	desc.height = HEIGHT;
 	desc.validate = true;
-	if (stilb_engine_create(&desc, &engine) == STILB_OK)
+	if (stress_engine_create(&desc, &(stress_engine){.models = 1, .seed = 1}, &engine) == STILB_OK)
 		return 0;
 	fprintf(stderr, "%s\n", stilb_error_message());
 	return -1;
@@ -36,7 +36,7 @@ static int tear_down(void **state)
 {
 	(void)state;
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	return 0;
 }
 

@@ -3,6 +3,7 @@
 #include "engine_internal.h"
 #include "support/render_reference.h"
 #include "support/test.h"
+#include "tests/engine/stress_engine.h"
 
 #include <stdatomic.h>
 #include <stddef.h>
@@ -43,14 +44,15 @@ void *__wrap_calloc(size_t count, size_t size)
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
+/* What make_engine shows; null_desc sets it. */
+static stress_engine stress;
+
 static stilb_engine_desc null_desc(uint32_t workers)
 {
+	stress = (stress_engine){.models = MODELS, .seed = 1, .view = STILB_SCENE_VIEW_HALF, .animate = true};
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = MODELS;
 	desc.workers = workers;
 	desc.device = STILB_RENDER_DEVICE_NULL;
-	desc.view = STILB_SCENE_VIEW_HALF;
-	desc.animate = true;
 	desc.width = 320;
 	desc.height = 200;
 	return desc;
@@ -59,7 +61,7 @@ static stilb_engine_desc null_desc(uint32_t workers)
 static stilb_engine *make_engine(const stilb_engine_desc *desc)
 {
 	stilb_engine *engine;
-	assert_int_equal(stilb_engine_create(desc, &engine), STILB_OK);
+	assert_int_equal(stress_engine_create(desc, &stress, &engine), STILB_OK);
 	return engine;
 }
 
@@ -115,7 +117,7 @@ static void run(const stilb_engine_desc *desc, uint64_t hashes[FRAMES])
 		assert_frame(engine);
 		hashes[f] = stilb_engine_stream_hash(engine);
 	}
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 static void frames_do_not_depend_on_workers(void **state)
@@ -157,7 +159,7 @@ static void moving_models_come_and_go(void **state)
 			engine->seconds = (double)engine->frame / 60.0;
 		}
 		assert_true(changes > 30);
-		stilb_engine_destroy(engine);
+		stress_engine_destroy(engine);
 	}
 }
 
@@ -175,7 +177,7 @@ static void workers_change_between_frames(void **state)
 		assert_frame(engine);
 		assert_true(stilb_engine_stream_hash(engine) == expected[f]);
 	}
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 static void reports_say_what_happened(void **state)
@@ -197,20 +199,20 @@ static void reports_say_what_happened(void **state)
 	assert_string_equal(stilb_engine_device_name(engine), "null");
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
 	assert_int_equal(stilb_engine_screenshot(engine, "picture.png"), STILB_ERROR_DEVICE);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	desc.present = false;
 	engine = make_engine(&desc);
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_true(report.times.present == 0.0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 static void another_size_is_another_view(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = null_desc(1);
-	desc.animate = false;
-	desc.view = STILB_SCENE_VIEW_FEW;
+	stress.animate = false;
+	stress.view = STILB_SCENE_VIEW_FEW;
 	stilb_engine *engine = make_engine(&desc);
 	assert_frame(engine);
 	uint64_t before = stilb_engine_stream_hash(engine);
@@ -220,7 +222,7 @@ static void another_size_is_another_view(void **state)
 	assert_int_equal(stilb_engine_resize(engine, 320, 200), STILB_OK);
 	assert_frame(engine);
 	assert_true(stilb_engine_stream_hash(engine) == before);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* The chosen shading models are part of the stream hash; the open inspector draws without changing them. */
@@ -228,7 +230,7 @@ static void formulas_are_part_of_the_stream(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = null_desc(2);
-	desc.animate = false;
+	stress.animate = false;
 	desc.inspector = true;
 	stilb_engine *engine = make_engine(&desc);
 	assert_frame(engine);
@@ -245,7 +247,7 @@ static void formulas_are_part_of_the_stream(void **state)
 	stilb_engine_set_shading(engine, &at_first);
 	assert_frame(engine);
 	assert_true(stilb_engine_stream_hash(engine) == before);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* ---- the tables -------------------------------------------------------------------------------------------------- */
@@ -278,7 +280,7 @@ static void the_tables_drive_the_frame(void **state)
 		assert_true(report.render.indirect_commands >= 3);
 		assert_true(stilb_engine_stream_hash(engine) == hash);
 	}
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* ---- ends -------------------------------------------------------------------------------------------------------- */
@@ -293,9 +295,9 @@ static void destroy_at_any_time(void **state)
 			assert_frame(engine);
 		if (frames == 1)
 			assert_int_equal(stilb_engine_set_workers(engine, 5), STILB_OK);
-		stilb_engine_destroy(engine);
+		stress_engine_destroy(engine);
 	}
-	stilb_engine_destroy(NULL);
+	stress_engine_destroy(NULL);
 }
 
 static void what_cannot_start_says_why(void **state)
@@ -303,18 +305,58 @@ static void what_cannot_start_says_why(void **state)
 	(void)state;
 	stilb_engine *engine = (stilb_engine *)&engine;
 	stilb_engine_desc desc = null_desc(STILB_JOB_MAX_WORKERS + 1);
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_THREAD);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_THREAD);
 	assert_null(engine);
 	assert_non_null(strstr(stilb_error_message(), "257 threads"));
 	desc = null_desc(1);
 	desc.window = true;
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_WINDOW);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_WINDOW);
 	assert_null(engine);
 	desc = null_desc(1);
 	desc.device = STILB_RENDER_DEVICE_VULKAN;
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_DEVICE);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_DEVICE);
 	assert_null(engine);
 	assert_string_equal(stilb_error_message(), "no Vulkan in this test");
+}
+
+enum { TURNS = 60 };
+
+/* Scenes take turns in one engine; in between there is none. */
+static void take_turns(stilb_scene *const scenes[2], uint32_t workers, uint64_t hashes[TURNS])
+{
+	stilb_engine_desc desc = null_desc(workers);
+	stilb_engine *engine;
+	stilb_engine_report report;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	for (int turn = 0; turn < TURNS; turn++) {
+		stilb_scene *scene = turn % 3 < 2 ? scenes[turn % 3] : NULL;
+		assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+		assert_true(stilb_engine_scene(engine) == scene);
+		for (int f = 0; f < turn % 4; f++) {
+			assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+			assert_int_equal(report.visible, scene ? scene->model_count : 0);
+			assert_int_equal(report.render.draws, scene ? 2 * scene->model_count : 0);
+		}
+		hashes[turn] = stilb_engine_stream_hash(engine);
+	}
+	stilb_engine_destroy(engine);
+}
+
+static void scenes_take_turns(void **state)
+{
+	(void)state;
+	static uint64_t expected[TURNS], got[TURNS];
+	stilb_scene *scenes[2];
+	for (int i = 0; i < 2; i++) {
+		assert_int_equal(stilb_scene_create_stress(i ? 300 : 700, 1, &scenes[i]), STILB_OK);
+		scenes[i]->camera = stilb_scene_stress_camera(scenes[i], STILB_SCENE_VIEW_ALL, 320.0f / 200.0f);
+	}
+	take_turns(scenes, 0, expected);
+	assert_true(expected[13] != expected[15]); /* each with one frame at least */
+	take_turns(scenes, 3, got);
+	assert_memory_equal(got, expected, sizeof expected);
+	for (int i = 0; i < 2; i++)
+		stilb_scene_destroy(scenes[i]);
 }
 
 /* Lets each allocation of the engine's creation and of its first frames fail once. Memory that is then not freed is
@@ -327,7 +369,7 @@ static void no_memory(const stilb_engine_desc *desc)
 		stilb_engine *engine;
 		stilb_engine_report report;
 		allocations_allow(granted);
-		stilb_result result = stilb_engine_create(desc, &engine);
+		stilb_result result = stress_engine_create(desc, &stress, &engine);
 		created = result == STILB_OK;
 		needed += !created;
 		if (created)
@@ -338,7 +380,7 @@ static void no_memory(const stilb_engine_desc *desc)
 		assert_true(!engine == !created);
 		if (created && !drawn)
 			assert_frame(engine); /* the next frame succeeds again */
-		stilb_engine_destroy(engine);
+		stress_engine_destroy(engine);
 	}
 	assert_true(needed > 15 && granted > needed + 5);
 }
@@ -347,7 +389,7 @@ static void no_memory_anywhere(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = null_desc(2);
-	desc.models = 500;
+	stress.models = 500;
 	no_memory(&desc);
 	desc.overlay = desc.inspector = true;
 	no_memory(&desc);
@@ -356,11 +398,17 @@ static void no_memory_anywhere(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(frames_do_not_depend_on_workers), cmocka_unit_test(moving_models_come_and_go),
-		cmocka_unit_test(workers_change_between_frames),   cmocka_unit_test(reports_say_what_happened),
-		cmocka_unit_test(another_size_is_another_view),    cmocka_unit_test(formulas_are_part_of_the_stream),
-		cmocka_unit_test(the_tables_drive_the_frame),      cmocka_unit_test(destroy_at_any_time),
-		cmocka_unit_test(what_cannot_start_says_why),      cmocka_unit_test(no_memory_anywhere),
+		cmocka_unit_test(frames_do_not_depend_on_workers),
+		cmocka_unit_test(moving_models_come_and_go),
+		cmocka_unit_test(workers_change_between_frames),
+		cmocka_unit_test(reports_say_what_happened),
+		cmocka_unit_test(another_size_is_another_view),
+		cmocka_unit_test(formulas_are_part_of_the_stream),
+		cmocka_unit_test(the_tables_drive_the_frame),
+		cmocka_unit_test(destroy_at_any_time),
+		cmocka_unit_test(what_cannot_start_says_why),
+		cmocka_unit_test(no_memory_anywhere),
+		cmocka_unit_test(scenes_take_turns),
 		cmocka_unit_test(reference_no_third_party),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,14 +1,15 @@
 /* The engine and its profiler together, on the null device: the overlay, captures and traces while workers record. */
 #include "engine.h"
 #include "support/stilb_program.h"
+#include "tests/engine/stress_engine.h"
+
+static const stress_engine stress = {.models = 3000, .seed = 1, .animate = true};
 
 static stilb_engine_desc null_desc(uint32_t workers)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.device = STILB_RENDER_DEVICE_NULL;
-	desc.models = 3000;
 	desc.workers = workers;
-	desc.animate = true;
 	desc.profile_ring_mib = 1;
 	return desc;
 }
@@ -16,7 +17,7 @@ static stilb_engine_desc null_desc(uint32_t workers)
 static stilb_engine *make_engine(const stilb_engine_desc *desc)
 {
 	stilb_engine *engine;
-	stilb_result result = stilb_engine_create(desc, &engine);
+	stilb_result result = stress_engine_create(desc, &stress, &engine);
 	if (result != STILB_OK)
 		print_error("%s\n", stilb_error_message());
 	assert_int_equal(result, STILB_OK);
@@ -38,7 +39,7 @@ static void test_overlay_draws_and_leaves_the_stream_alone(void **state)
 	stilb_engine *engine = make_engine(&desc);
 	stilb_engine_report plain = run_frames(engine, 5);
 	uint64_t hash = stilb_engine_stream_hash(engine);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	desc.overlay = true;
 	engine = make_engine(&desc);
 	stilb_engine_report over = run_frames(engine, 5);
@@ -46,7 +47,7 @@ static void test_overlay_draws_and_leaves_the_stream_alone(void **state)
 	assert_true(over.render.draws > plain.render.draws);
 	assert_int_equal(over.visible, plain.visible);
 	assert_true(over.times.ui > 0.0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* Frames, the overlay's snapshots of the profiler, the thread that writes captures and a trace at the same time. */
@@ -67,7 +68,7 @@ static void test_all_at_once(void **state)
 			if (i == 2)
 				assert_int_equal(stilb_engine_set_workers(engine, workers + 1), STILB_OK);
 		}
-		stilb_engine_destroy(engine);
+		stress_engine_destroy(engine);
 		trace_check_report report;
 		const char *const files[] = {"c.json", "t.json"};
 		for (int i = 0; i < 2; i++) {
@@ -81,22 +82,46 @@ static void test_all_at_once(void **state)
 	}
 }
 
-static void test_slow_frame(void **state)
+/* What the program's part of each frame was told. */
+typedef struct updates {
+	uint64_t frames;
+	double seconds;
+} updates;
+
+static void update_slowly(void *user, const stilb_engine_update *update)
+{
+	updates *seen = user;
+	PROFILE("the program's own");
+	assert_int_equal(update->frame, ++seen->frames);
+	assert_true(seen->frames == 1 ? update->seconds == 0.0 : update->seconds > seen->seconds);
+	assert_non_null(update->input);
+	seen->seconds = update->seconds;
+	if (update->frame == 3)
+		usleep(100000);
+}
+
+static void the_program_has_a_part_in_each_frame(void **state)
 {
 	(void)state;
+	updates seen = {0};
 	stilb_engine_desc desc = null_desc(1);
-	desc.slow_frame = 3;
-	stilb_engine *engine = make_engine(&desc);
+	desc.update = update_slowly;
+	desc.user = &seen;
+	stilb_engine *engine;
+	assert_int_equal(stress_engine_create(&desc, &(stress_engine){.models = 100, .seed = 1}, &engine), STILB_OK);
 	for (int i = 1; i <= 4; i++) {
 		stilb_engine_report report = run_frames(engine, 1);
-		assert_true((report.times.update >= 100.0) == (i == 3));
+		assert_int_equal(seen.frames, i);
+		if (i == 3)
+			assert_true(report.times.update >= 100.0);
 	}
+	assert_true(seen.seconds == 3.0 / 60.0);
 	assert_int_equal(stilb_engine_trace(engine, "t.json", 0), STILB_OK);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	trace_check_report report;
 	trace_check_file("t.json", &report);
 	assert_string_equal(report.error, "");
-	assert_int_equal(trace_check_zones(&report, "main", "slow on purpose"), 1);
+	assert_int_equal(trace_check_zones(&report, "main", "the program's own"), 4);
 	trace_check_finish(&report);
 }
 
@@ -111,7 +136,7 @@ static void test_nothing_is_recorded(void **state)
 	run_frames(engine, 5);
 	assert_int_equal(stilb_engine_capture(engine), STILB_ERROR_ARGUMENT);
 	assert_int_equal(stilb_engine_trace(engine, "t.json", 0), STILB_OK);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	trace_check_report report;
 	trace_check_file("t.json", &report);
 	assert_string_equal(report.error, "");
@@ -122,7 +147,7 @@ static void test_nothing_is_recorded(void **state)
 	engine = make_engine(&desc); /* the next engine records again */
 	run_frames(engine, 2);
 	assert_int_equal(stilb_engine_trace(engine, "t.json", 0), STILB_OK);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	trace_check_file("t.json", &report);
 	assert_int_equal(trace_check_zones(&report, "main", "frame"), 2);
 	trace_check_finish(&report);
@@ -137,21 +162,21 @@ static void test_what_cannot_be(void **state)
 	for (size_t i = 0; i < sizeof rings / sizeof *rings; i++) {
 		desc = null_desc(1);
 		desc.profile_ring_mib = rings[i];
-		assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_ARGUMENT);
+		assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_ARGUMENT);
 		assert_null(engine);
 		assert_said(stilb_error_message(), "power of two");
 	}
 	desc = null_desc(1);
 	desc.capture.path = "c.json";
 	desc.capture.signal = 9999;
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_FILE);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_FILE);
 	assert_said(stilb_error_message(), "'c.json'");
 	desc = null_desc(1);
 	engine = make_engine(&desc);
 	assert_int_equal(stilb_engine_capture(engine), STILB_ERROR_ARGUMENT); /* captures have no path */
 	assert_int_equal(stilb_engine_trace(engine, "missing/t.json", 0), STILB_ERROR_FILE);
 	assert_said(stilb_error_message(), "'missing/t.json'");
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	assert_int_equal(folder_entries(), 0);
 }
 
@@ -162,7 +187,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		FRESH_TEST(test_overlay_draws_and_leaves_the_stream_alone),
 		FRESH_TEST(test_all_at_once),
-		FRESH_TEST(test_slow_frame),
+		FRESH_TEST(the_program_has_a_part_in_each_frame),
 		FRESH_TEST(test_nothing_is_recorded),
 		FRESH_TEST(test_what_cannot_be),
 	};

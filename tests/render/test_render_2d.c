@@ -416,7 +416,7 @@ static void the_scene_is_below(void **state)
 	for (int w = 0; w < WAYS; w++) {
 		stage s = stage_open(way(w));
 		scene_view v = make_scene();
-		assert_int_equal(stilb_render_upload_scene(s.render, v.scene), STILB_OK);
+		assert_int_equal(stilb_render_set_scene(s.render, v.scene), STILB_OK);
 		stilb_image alone = scene_picture(&s, &v, 0);
 		uint64_t hash = stilb_render_stream_hash(s.render);
 		stilb_render_stats empty = stilb_render_stats_get(s.render);
@@ -509,7 +509,7 @@ static void an_empty_pass_over_a_scene_costs_nothing(void **state)
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
 	scene_view v = make_scene();
-	assert_int_equal(stilb_render_upload_scene(s.render, v.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(s.render, v.scene), STILB_OK);
 	stilb_image image = scene_picture(&s, &v, 0);
 	assert_int_equal(((vulkan_device *)s.render->device)->pass, 2);
 	stilb_image_finish(&image);

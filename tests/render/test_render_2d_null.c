@@ -269,7 +269,7 @@ static void no_part_of_hash_and_dump(void **state)
 	assert_int_equal(stilb_scene_create_stress(40, 7, &scene), STILB_OK);
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &pool), 0);
 	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT);
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	uint64_t hash = reference_hash_models(REFERENCE_HASH_PASS, scene, ids, 40);
 	stilb_render_pass alone = passes[1];
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);

@@ -242,7 +242,7 @@ static void handles(void **state)
 	contract_breaks("texture_is_valid", stilb_render_texture_destroy(render, (stilb_render_texture){1u << 24 | 1u}));
 	contract_breaks("texture_is_valid",
 	                stilb_render_material_create(render, &(stilb_scene_material){0}, (stilb_render_texture){5}, &out));
-	contract_breaks("render->scene_meshes", stilb_render_scene_mesh(render, 0));
+	contract_breaks("id < render->scene.mesh_count", stilb_render_scene_mesh(render, 0));
 	stilb_render_destroy(render);
 }
 

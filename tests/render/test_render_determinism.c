@@ -140,7 +140,7 @@ static uint32_t segment_size(uint32_t pass, uint32_t segment)
  * equal. */
 static void content_upload(stilb_render *render)
 {
-	assert_int_equal(stilb_render_upload_scene(render, all.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, all.scene), STILB_OK);
 	for (uint32_t t = 0; t < TEXTURES; t++) {
 		uint8_t pixels[4 * 4 * 3];
 		for (size_t i = 0; i < sizeof pixels; i++)

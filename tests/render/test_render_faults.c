@@ -288,7 +288,7 @@ static int trial_run(stilb_render_desc desc, uint32_t far_draws, stilb_image *pi
 {
 	trial t = trial_make(desc, far_draws);
 	trial_must(&t, step_create);
-	assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(t.render, t.scene), STILB_OK);
 	trial_must(&t, step_texture);
 	trial_must(&t, step_material);
 	trial_must(&t, step_frame);
@@ -454,7 +454,7 @@ static void every_end_of_commands_fails_once(void **state)
 	(void)state;
 	trial t = trial_make(ways[1], 0);
 	assert_int_equal(step_create(&t), STILB_OK);
-	assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(t.render, t.scene), STILB_OK);
 	assert_int_equal(step_texture(&t), STILB_OK);
 	assert_int_equal(step_material(&t), STILB_OK);
 	do {
@@ -477,7 +477,7 @@ static void lost_trial(stilb_render_desc desc, uint32_t lost, stilb_image *pictu
 	desc.faults.lost_frame = lost;
 	trial t = trial_make(desc, 0);
 	assert_int_equal(step_create(&t), STILB_OK);
-	assert_int_equal(stilb_render_upload_scene(t.render, t.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(t.render, t.scene), STILB_OK);
 	assert_int_equal(step_texture(&t), STILB_OK);
 	assert_int_equal(step_material(&t), STILB_OK);
 	for (uint32_t frame = 1; frame < lost; frame++)

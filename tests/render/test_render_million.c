@@ -73,7 +73,7 @@ static void a_million_draws(uint32_t workers, int replay)
 	stilb_job_pool *pool = fixture_pool(workers, (stilb_job_hooks){0});
 	size_t before = memory_in_use();
 	stilb_render *render = fixture_render(workers + 1, replay, STILB_RENDER_MATERIALS_INDEX);
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	/* The frame's memory is too small: most draws are first written to the heap. */
 	draw(render, &one_pass, MODELS, pool);
 	assert_true(stilb_render_stream_hash(render) == hash_all);
@@ -111,7 +111,7 @@ static void too_much_for_the_memory(void **state)
 	stilb_job_pool *pool = fixture_pool(1, (stilb_job_hooks){0});
 	for (int replay = 0; replay < FIXTURE_REPLAYS; replay++) {
 		stilb_render *render = fixture_render(2, replay, STILB_RENDER_MATERIALS_INDEX);
-		assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+		assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 		atomic_store_explicit(&allocation_most, enough_for_few, memory_order_relaxed);
 		for (int frame = 0; frame < 9; frame++) {
 			if (frame == 6) /* the one large frame that has memory */

@@ -63,7 +63,7 @@ static stilb_render *make_render(const stilb_scene *scene, uint32_t contexts, st
 		.device = STILB_RENDER_DEVICE_NULL, .replay = replay, .width = 64, .height = 64, .context_count = contexts};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_OK);
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	return render;
 }
 
@@ -499,7 +499,7 @@ static void creation_without_memory(void **state)
 		if (result != STILB_OK)
 			assert_null(render);
 		else
-			result = stilb_render_upload_scene(render, scene);
+			result = stilb_render_set_scene(render, scene);
 		allocations_allow(INT64_MAX);
 		assert_true(result == STILB_OK || result == STILB_ERROR_MEMORY);
 		stilb_render_destroy(render);

@@ -1,5 +1,6 @@
 /* Pictures of one or few models against closed forms: positions, depth order, brightness. */
 #include "support/picture_reference.h"
+#include "tests/engine/stress_engine.h"
 
 #include "engine_internal.h"
 
@@ -444,23 +445,21 @@ static void the_same_however_it_was_drawn(void **state)
 static stilb_image engine_picture(stilb_cull_method cull, uint32_t workers, bool present, int frames)
 {
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 400;
+	stress_engine stress = {.models = 400, .seed = 1, .view = STILB_SCENE_VIEW_HALF, .animate = true};
 	desc.workers = workers;
 	desc.cull = cull;
-	desc.view = STILB_SCENE_VIEW_HALF;
-	desc.animate = true;
 	desc.present = present;
 	desc.width = 120;
 	desc.height = 80;
 	stilb_engine *engine;
 	stilb_engine_report report;
 	stilb_image image = {0};
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_OK);
 	for (int f = 0; f < frames; f++)
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_true(report.visible > 100 && report.visible < 300);
 	assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_OK);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	return image;
 }
 

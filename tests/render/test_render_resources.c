@@ -518,30 +518,52 @@ static void zero_is_no_handle(void **state)
 	stilb_render_destroy(render);
 }
 
-/* A scene's meshes have consecutive indices, also if lower ones are free; all of them may be destroyed. */
-static void a_scene_among_others(void **state)
+static void assert_scene_is_set(stilb_render *render, const stilb_scene *scene)
+{
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
+	for (uint32_t m = 0; m < scene->mesh_count; m++) {
+		stilb_render_mesh mesh = stilb_render_scene_mesh(render, m);
+		assert_int_equal(render->resources.meshes[fixture_index(mesh.id)].index_count, scene->meshes[m].index_count);
+	}
+	for (uint32_t m = 0; m < scene->material_count; m++) {
+		stilb_render_material material = stilb_render_scene_material(render, m);
+		uint32_t texture = render->resources.materials[fixture_index(material.id)] & RENDER_INDEX_MASK;
+		assert_int_equal(texture > 0, scene->materials[m].diffuse_texture > 0);
+	}
+}
+
+/* A scene among other resources, in turn with another one, and at last none. */
+static void scenes_replace_one_another(void **state)
 {
 	(void)state;
-	stilb_scene *scene = fixture_scene(40);
+	stilb_scene *scenes[] = {fixture_scene(40), fixture_scene(7)};
+	stilb_image picture;
+	assert_int_equal(stilb_image_create(&picture, 2, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	scenes[1]->textures = &picture;
+	scenes[1]->texture_count = 1;
+	scenes[1]->materials[3].diffuse_texture = 1;
 	stilb_render *render = fixture_render(1, 0, 0);
 	gpu_thing things[16];
 	gpu_attach(render);
 	things_create(render, things, 0, 16);
 	things_destroy(render, things, 0, 16);
 	frames_pass(render);
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
-	for (uint32_t m = 0; m < scene->mesh_count; m++) {
-		stilb_render_mesh mesh = stilb_render_scene_mesh(render, m);
-		assert_int_equal(render->resources.meshes[fixture_index(mesh.id)].index_count, scene->meshes[m].index_count);
-		stilb_render_mesh_destroy(render, mesh);
+	for (int turn = 0; turn < 200; turn++) {
+		assert_scene_is_set(render, scenes[turn % 2]);
+		frames_pass(render);
 	}
-	for (uint32_t m = 0; m < scene->material_count; m++)
-		stilb_render_material_destroy(render, stilb_render_scene_material(render, m));
+	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++) /* no more than two scenes ever needed */
+		assert_in_range(render->resources.indices[kind].next_unused, 1, 16 + 2 * 80 + 2 * 14);
+	assert_int_equal(stilb_render_set_scene(render, NULL), STILB_OK);
 	frames_pass(render);
 	assert_nothing_lives(render);
 	gpu_detach(render);
 	stilb_render_destroy(render);
-	stilb_scene_destroy(scene);
+	scenes[1]->textures = NULL;
+	scenes[1]->texture_count = 0;
+	stilb_image_finish(&picture);
+	for (int i = 0; i < 2; i++)
+		stilb_scene_destroy(scenes[i]);
 }
 
 /* ---- frames that are lost or not replayed ----------------------------------------------------------------------- */
@@ -644,7 +666,7 @@ static bool a_life_without_memory(const stilb_scene *scene, int64_t number)
 	stilb_render *render = fixture_render(1, 0, 0);
 	gpu_attach(render);
 	allocation_fail(number);
-	TWICE(render, stilb_render_upload_scene(render, scene));
+	TWICE(render, stilb_render_set_scene(render, scene));
 	things_create_twice(render, things, 0, 20);
 	TWICE(render, draw_things(render, things, 20));
 	things_destroy(render, things, 5, 10);
@@ -725,10 +747,11 @@ static void bad_meshes(void **state)
 	stilb_scene *scene = fixture_scene(5);
 	uint32_t last = scene->meshes[1].index_count - 1, held = scene->meshes[1].indices[last];
 	scene->meshes[1].indices[last] = 12345;
-	assert_said(stilb_render_upload_scene(render, scene), STILB_ERROR_ARGUMENT, "12345");
+	assert_said(stilb_render_set_scene(render, scene), STILB_ERROR_ARGUMENT, "12345");
 	scene->meshes[1].indices[last] = held;
+	frames_pass(render);
 	assert_int_equal(render->resources.live, 0);
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	stilb_render_destroy(render);
 	stilb_scene_destroy(scene);
 }
@@ -854,7 +877,7 @@ int main(void)
 		cmocka_unit_test(indices_come_back_later),
 		cmocka_unit_test(generations_come_round),
 		cmocka_unit_test(zero_is_no_handle),
-		cmocka_unit_test(a_scene_among_others),
+		cmocka_unit_test(scenes_replace_one_another),
 		cmocka_unit_test(a_lost_frame_is_made_up_for),
 		cmocka_unit_test(frames_without_replay),
 		cmocka_unit_test(a_texture_that_the_device_refuses),

@@ -164,7 +164,7 @@ static stage stage_make(int way)
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &s.pool), 0);
 	if (stilb_render_create(&desc, &s.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
-	assert_int_equal(stilb_render_upload_scene(s.render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(s.render, scene), STILB_OK);
 	return s;
 }
 

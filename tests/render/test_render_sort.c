@@ -94,7 +94,7 @@ static list list_make(uint32_t workers, int replay, int materials)
 	list l = {.scene = fixture_scene(MATERIALS)};
 	l.pool = fixture_pool(workers, (stilb_job_hooks){0});
 	l.render = fixture_render(workers + 1, replay, materials);
-	assert_int_equal(stilb_render_upload_scene(l.render, l.scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(l.render, l.scene), STILB_OK);
 	for (uint32_t t = 0; t < TEXTURES; t++) {
 		uint8_t pixel = (uint8_t)t;
 		stilb_image image = {1, 1, 1, STILB_IMAGE_U8_SRGB, &pixel, 0};

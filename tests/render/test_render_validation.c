@@ -3,19 +3,22 @@
 #include "engine_internal.h"
 #include "render/vulkan/vulkan_internal.h"
 #include "support/picture_reference.h"
+#include "tests/engine/stress_engine.h"
 
 #include <sys/wait.h>
 
 static const char *stilb_program;
 
+/* What start shows; validated sets it. */
+static stress_engine stress;
+
 static stilb_engine_desc validated(void)
 {
+	stress = (stress_engine){.models = 300, .seed = 1, .animate = true};
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 300;
 	desc.workers = 2;
 	desc.width = 80;
 	desc.height = 60;
-	desc.animate = true;
 	desc.validate = true;
 	return desc;
 }
@@ -23,7 +26,7 @@ static stilb_engine_desc validated(void)
 static stilb_engine *start(const stilb_engine_desc *desc)
 {
 	stilb_engine *engine;
-	if (stilb_engine_create(desc, &engine) != STILB_OK)
+	if (stress_engine_create(desc, &stress, &engine) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	return engine;
 }
@@ -56,7 +59,7 @@ static void finish(stilb_engine *engine)
 	double gpu_ms;
 	assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* Resources besides the scene's: new ones are created, then the old ones destroyed. */
@@ -133,7 +136,7 @@ static void rows_and_passes_that_grow(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = validated();
-	desc.models = 18000; /* more rows than a new frame's memory holds */
+	stress.models = 18000; /* more rows than a new frame's memory holds */
 	desc.width = desc.height = 16;
 	stilb_engine *engine = start(&desc);
 	frames(engine, 2);
@@ -239,7 +242,7 @@ static void few_draws_a_command(void **state)
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine_report report;
-	desc.animate = false;
+	stress.animate = false;
 	desc.workers = 0; /* one range of commands */
 	stilb_engine *engine = start(&desc);
 	stilb_image whole = {0}, cut = {0};
@@ -289,7 +292,7 @@ static void a_bad_argument_is_seen(void **state)
 	vkDestroyBuffer(device->device, buffer, NULL);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
 	assert_true(stilb_render_validation_messages(engine->render) > 0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* Two writes to the same bytes without a barrier: only the synchronization checks find that. */
@@ -311,7 +314,7 @@ static void a_missing_barrier_is_seen(void **state)
 	vkEndCommandBuffer(commands);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
 	vulkan_buffer_destroy(device, &buffer);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* Runs stilb demo with further arguments; words: its stderr. */
@@ -382,12 +385,12 @@ static void without_the_layer(void **state)
 	assert_non_null(strstr(words, "stilb: "));
 	assert_non_null(strstr(words, "vulkan-validationlayers"));
 	setenv("VK_LAYER_PATH", "/nonexistent", 1);
-	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_ERROR_DEVICE);
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_DEVICE);
 	assert_null(engine);
 	desc.validate = false;
 	engine = start(&desc);
 	frames(engine, 1);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	unsetenv("VK_LAYER_PATH");
 }
 

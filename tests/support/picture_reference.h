@@ -248,7 +248,7 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = how.workers}, &pool), 0);
 	if (stilb_render_create(&desc, &render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
-	assert_int_equal(stilb_render_upload_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	assert_int_equal(stilb_render_record(render, 0, scene, ids, scene->model_count, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_replay(render, &pass, 1, &view, 1, pool, 0), STILB_OK);

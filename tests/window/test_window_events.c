@@ -6,6 +6,7 @@
 #include "shading/shade_brdf.h"
 #include "support/test.h"
 #include "support/x11_window.h"
+#include "tests/engine/stress_engine.h"
 
 #include <X11/Xatom.h>
 #include <math.h>
@@ -25,13 +26,12 @@ static int set_up(void **state)
 {
 	fixture *f = calloc(1, sizeof *f);
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 25;
 	desc.workers = 1;
 	desc.width = 320;
 	desc.height = 200;
 	desc.window = true;
 	desc.validate = true;
-	if (!f || stilb_engine_create(&desc, &f->engine) != STILB_OK) {
+	if (!f || stress_engine_create(&desc, &(stress_engine){.models = 25, .seed = 1}, &f->engine) != STILB_OK) {
 		fprintf(stderr, "%s\n", stilb_error_message());
 		return -1;
 	}
@@ -44,7 +44,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
 	fixture *f = *state;
-	stilb_engine_destroy(f->engine);
+	stress_engine_destroy(f->engine);
 	XCloseDisplay(f->display);
 	free(f);
 	return 0;

@@ -7,6 +7,7 @@
 #include "support/fake_hidraw.h"
 #include "support/test.h"
 #include "support/umockdev.h"
+#include "tests/engine/stress_engine.h"
 
 #include <linux/input.h>
 #include <stddef.h>
@@ -118,7 +119,6 @@ static int set_up(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.models = 25;
 	desc.workers = 0;
 	desc.width = 160;
 	desc.height = 100;
@@ -126,7 +126,7 @@ static int set_up(void **state)
 	desc.validate = true;
 	desc.gamepad_sys = fake.sys;
 	desc.gamepad_dev = fake.dev;
-	if (stilb_engine_create(&desc, &engine) == STILB_OK)
+	if (stress_engine_create(&desc, &(stress_engine){.models = 25, .seed = 1}, &engine) == STILB_OK)
 		return 0;
 	fprintf(stderr, "%s\n", stilb_error_message());
 	return -1;
@@ -135,7 +135,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
 	(void)state;
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 	return 0;
 }
 
