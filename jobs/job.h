@@ -46,8 +46,8 @@
  *               - Do not hold a lock across a wait if another job may take that lock.
  * Progress.     Deques, loop claims, inboxes and job records are lock-free. The shared queues are low-lock or
  *               lock-free, as chosen in stilb_job_pool_desc. Sleeping, waking, jobs of low priority and jobs `after` a
- *               group use short locks that spin and then sleep. Memory comes from malloc, whose progress the library
- *               inherits.
+ *               group use short locks that spin and then sleep. Memory comes from the pool's allocator (job_memory.h),
+ *               whose progress the library inherits.
  */
 #ifndef STILB_JOB_H
 #define STILB_JOB_H
@@ -165,12 +165,15 @@ typedef struct stilb_job_pool_desc {
 	 * pool. */
 	const uint32_t *cpus;
 	uint32_t cpu_count;
+	/* Where the pool's memory comes from; job_memory.h says when its functions are called, and by which threads. NULL:
+	 * the C library. */
+	const stilb_job_allocator *allocator;
 } stilb_job_pool_desc;
 
 #define STILB_JOB_MAX_CPUS 65536
 
 /* worker_count is stilb_job_cpu_count() - 1, but at least 1 and at most STILB_JOB_MAX_WORKERS; queues are low-lock,
- * affinity is AUTO, and there are no hooks. [any-thread] */
+ * affinity is AUTO, there are no hooks, and memory comes from the C library. [any-thread] */
 stilb_job_pool_desc stilb_job_pool_desc_default(void);
 
 /* The number of CPUs this process may use: those of the affinity mask, but no more than the cgroup CPU quota, rounded

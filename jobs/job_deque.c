@@ -1,13 +1,18 @@
 #include "jobs/job_deque.h"
 
 #include <errno.h>
-#include <stdlib.h>
 
 static_assert((JOB_DEQUE_CAPACITY & (JOB_DEQUE_CAPACITY - 1)) == 0, "cells are found by a mask");
 
-static job_deque_buffer *buffer_create(int64_t capacity)
+/* In bytes. */
+static size_t buffer_size(int64_t capacity)
 {
-	job_deque_buffer *buffer = malloc(sizeof *buffer + (size_t)capacity * sizeof buffer->cell[0]);
+	return sizeof(job_deque_buffer) + (size_t)capacity * sizeof(_Atomic(job_record *));
+}
+
+static job_deque_buffer *buffer_create(const stilb_job_allocator *memory, int64_t capacity)
+{
+	job_deque_buffer *buffer = job_allocate(memory, buffer_size(capacity), alignof(job_deque_buffer));
 	if (buffer) {
 		buffer->smaller = NULL;
 		buffer->mask = capacity - 1;
@@ -17,15 +22,16 @@ static job_deque_buffer *buffer_create(int64_t capacity)
 	return buffer;
 }
 
-int job_deque_init(job_deque *deque)
+int job_deque_init(job_deque *deque, const stilb_job_allocator *memory)
 {
-	job_deque_buffer *buffer = buffer_create(JOB_DEQUE_CAPACITY);
+	job_deque_buffer *buffer = buffer_create(memory, JOB_DEQUE_CAPACITY);
 	if (!buffer)
 		return -ENOMEM;
 	atomic_init(&deque->top, 0);
 	atomic_init(&deque->bottom, 0);
 	atomic_init(&deque->buffer, buffer);
 	deque->top_seen = 0;
+	deque->memory = memory;
 	JOB_CHECK(job_deque_is_sound(deque));
 	return 0;
 }
@@ -36,7 +42,7 @@ void job_deque_finish(job_deque *deque)
 	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed); /* no other call runs */
 	while (buffer) {
 		job_deque_buffer *smaller = buffer->smaller;
-		free(buffer);
+		job_release(deque->memory, buffer, buffer_size(buffer->mask + 1));
 		buffer = smaller;
 	}
 }
@@ -51,7 +57,7 @@ int job_deque_grow(job_deque *deque, int64_t more)
 	assert(wanted > capacity && "the buffer is too small");
 	while (capacity < wanted)
 		capacity *= 2;
-	job_deque_buffer *buffer = buffer_create(capacity);
+	job_deque_buffer *buffer = buffer_create(deque->memory, capacity);
 	if (!buffer)
 		return -ENOMEM;
 	buffer->smaller = old;

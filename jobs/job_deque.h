@@ -15,6 +15,7 @@
 #ifndef STILB_JOB_DEQUE_H
 #define STILB_JOB_DEQUE_H
 
+#include "jobs/job_allocate.h"
 #include "jobs/job_contract.h"
 #include "jobs/job_record.h"
 
@@ -37,10 +38,11 @@ typedef struct job_deque {
 	/* top as the owner last read it, so never more than top is now: most pushes can tell from it that the buffer is not
 	 * full, and need not fetch the cache line that thieves write. */
 	alignas(JOB_LINE) int64_t top_seen;
+	const stilb_job_allocator *memory;
 } job_deque;
 
-/* Makes an empty deque. 0 or -ENOMEM. */
-int job_deque_init(job_deque *deque);
+/* Makes an empty deque, whose buffers come from `memory`. 0 or -ENOMEM. */
+int job_deque_init(job_deque *deque, const stilb_job_allocator *memory);
 
 /* Frees the buffers of an empty deque. No other call may be in progress. A deque of all zeros, which job_deque_init has
  * not been called for, is allowed. */

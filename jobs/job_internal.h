@@ -265,6 +265,8 @@ struct stilb_job_pool {
 	job_record **low_end; /* the link at the end of the list */
 	alignas(JOB_LINE) job_lock visitors_lock;
 	job_visitor *visitors;
+	stilb_job_allocator memory;
+	size_t size; /* of this struct with all that follows, in bytes */
 	/* Bit i: guest[i] is in use. Acquire to set it, pairs with the release that clears it. */
 	alignas(JOB_LINE) _Atomic uint32_t guests;
 	job_guest guest[JOB_GUESTS];

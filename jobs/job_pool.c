@@ -1,7 +1,6 @@
 #include "jobs/job_internal.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* How long an owner in stilb_job_pool_destroy sleeps before it looks again whether the workers have run all jobs. */
@@ -90,14 +89,17 @@ static void pool_free(stilb_job_pool *pool)
 	for (int i = 0; i < JOB_SHARED_COUNT; i++)
 		stilb_job_queue_destroy(pool->shared[i]);
 	job_record_store_finish(&pool->records);
-	free(pool);
+	stilb_job_allocator memory = pool->memory;
+	job_release(&memory, pool, pool->size);
 }
 
 /* Creates the shared queues and the deques. 0 or -ENOMEM; pool_free frees those that were created. */
 static int make_queues(stilb_job_pool *pool, const stilb_job_pool_desc *desc, job_queue_maker *make)
 {
-	stilb_job_queue_desc queue = {
-		.kind = desc->queue, .capacity = SIZE_MAX, .thread_count = desc->worker_count + 1 + JOB_GUESTS};
+	stilb_job_queue_desc queue = {.kind = desc->queue,
+	                              .capacity = SIZE_MAX,
+	                              .thread_count = desc->worker_count + 1 + JOB_GUESTS,
+	                              .allocator = &pool->memory};
 	for (int i = 0; i < JOB_SHARED_COUNT; i++) {
 		int error = 0;
 		if (make)
@@ -108,7 +110,7 @@ static int make_queues(stilb_job_pool *pool, const stilb_job_pool_desc *desc, jo
 			return error ? error : -ENOMEM;
 	}
 	for (uint32_t i = 0; i <= desc->worker_count; i++) {
-		int error = job_deque_init(&pool->slot[i].deque);
+		int error = job_deque_init(&pool->slot[i].deque, &pool->memory);
 		if (error)
 			return error;
 	}
@@ -137,13 +139,16 @@ static stilb_job_pool *pool_allocate(const stilb_job_pool_desc *desc)
 	size_t slots = sizeof(stilb_job_pool) + (desc->worker_count + 1) * sizeof(job_slot);
 	size_t teams = one_team ? 0 : desc->worker_count / JOB_TEAM_LEAST + 1; /* at most */
 	size_t structs = slots + teams * sizeof(job_team);
-	size_t size = (structs + desc->cpu_count * sizeof *desc->cpus + JOB_LINE - 1) / JOB_LINE * JOB_LINE;
-	stilb_job_pool *pool = aligned_alloc(JOB_LINE, size);
+	size_t size = structs + desc->cpu_count * sizeof *desc->cpus;
+	stilb_job_allocator memory = job_allocator_of(desc->allocator);
+	stilb_job_pool *pool = job_allocate(&memory, size, JOB_LINE);
 	if (!pool)
 		return NULL;
 	memset(pool, 0, size);
+	pool->memory = memory;
+	pool->size = size;
 	job_idle_init(&pool->idle, desc->worker_count);
-	job_record_store_init(&pool->records);
+	job_record_store_init(&pool->records, &pool->memory);
 	pool->low_end = &pool->low;
 	pool->worker_count = desc->worker_count;
 	pool->cpus = stilb_job_cpu_count();
@@ -290,6 +295,11 @@ void stilb_job_pool_cancel(stilb_job_pool *pool)
 	assert(pool);
 	if (!atomic_exchange_explicit(&pool->cancelled, true, memory_order_relaxed)) /* relaxed: see job_internal.h */
 		atomic_fetch_add_explicit(&pool->cancels, 1, memory_order_relaxed);
+}
+
+const stilb_job_allocator *job_pool_memory(const stilb_job_pool *pool)
+{
+	return &pool->memory;
 }
 
 uint32_t stilb_job_pool_worker_count(const stilb_job_pool *pool)

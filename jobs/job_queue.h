@@ -27,10 +27,13 @@
  *               rests or calls again, segments that it might still be reading cannot be reused.
  * Items.        Pointers that are not NULL; the queue does not follow them. Everything a thread wrote before it pushed
  *               an item is visible to the thread that popped it.
- * Errors.       Functions return 0, a count or a negative errno value. They print nothing and call nothing back.
+ * Errors.       Functions return 0, a count or a negative errno value. They print nothing, and call nothing back but
+ *               the allocator.
  */
 #ifndef STILB_JOB_QUEUE_H
 #define STILB_JOB_QUEUE_H
+
+#include "job_memory.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -52,15 +55,16 @@ typedef enum stilb_job_queue_kind { STILB_JOB_QUEUE_LOW_LOCK, STILB_JOB_QUEUE_LO
 /* The settings of a queue; start from stilb_job_queue_desc_default. */
 typedef struct stilb_job_queue_desc {
 	stilb_job_queue_kind kind;
-	size_t capacity;       /* the most items it holds, at least 1; SIZE_MAX: limited by memory alone */
-	uint32_t thread_count; /* 1..STILB_JOB_QUEUE_MAX_THREADS */
+	size_t capacity;                      /* the most items it holds, at least 1; SIZE_MAX: limited by memory alone */
+	uint32_t thread_count;                /* 1..STILB_JOB_QUEUE_MAX_THREADS */
+	const stilb_job_allocator *allocator; /* where its memory comes from (job_memory.h); NULL: the C library */
 } stilb_job_queue_desc;
 
-/* Low-lock, unbounded, for STILB_JOB_QUEUE_MAX_THREADS threads. [any-thread] */
+/* Low-lock, unbounded, for STILB_JOB_QUEUE_MAX_THREADS threads, with memory of the C library. [any-thread] */
 stilb_job_queue_desc stilb_job_queue_desc_default(void);
 
-/* Creates an empty queue. -EINVAL: kind, capacity or thread_count is out of range; -ENOMEM: no memory. After an error
- * *queue is NULL. [any-thread] */
+/* Creates an empty queue; the allocator is copied. -EINVAL: kind, capacity or thread_count is out of range, or the
+ * allocator has only one of its functions; -ENOMEM: no memory. After an error *queue is NULL. [any-thread] */
 int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue);
 
 /* Frees the queue; items still in it are dropped. queue may be NULL. No other call may be in progress. [any-thread] */

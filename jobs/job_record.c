@@ -1,14 +1,13 @@
 #include "jobs/job_record.h"
 
-#include <stdlib.h>
-
 struct job_record_slab {
 	job_record_slab *next;
 	alignas(64) job_record record[JOB_RECORD_SLAB];
 };
 
-void job_record_store_init(job_record_store *store)
+void job_record_store_init(job_record_store *store, const stilb_job_allocator *memory)
 {
+	store->memory = memory;
 	atomic_init(&store->spare, NULL);
 	atomic_init(&store->slabs, NULL);
 }
@@ -19,14 +18,14 @@ void job_record_store_finish(job_record_store *store)
 	job_record_slab *slab = atomic_exchange_explicit(&store->slabs, NULL, memory_order_acquire);
 	while (slab) {
 		job_record_slab *next = slab->next;
-		free(slab);
+		job_release(store->memory, slab, sizeof *slab);
 		slab = next;
 	}
 }
 
 static job_record *slab_create(job_record_store *store)
 {
-	job_record_slab *slab = aligned_alloc(alignof(job_record_slab), sizeof *slab);
+	job_record_slab *slab = job_allocate(store->memory, sizeof *slab, alignof(job_record_slab));
 	if (!slab)
 		return NULL;
 	for (uint32_t i = 0; i < JOB_RECORD_SLAB; i++) {

@@ -5,14 +5,15 @@
  * Each thread keeps a cache of free records, which it takes and gives back without atomic operations. A thread that
  * runs jobs of others collects their records; when its cache holds JOB_RECORD_LIST of them it pushes them as one list
  * onto a stack shared by all threads. A thread that has none takes the whole stack. A stack that is only ever emptied
- * as a whole has no ABA problem, so one plain compare-exchange makes it lock-free. Records come from malloc in slabs
- * that are freed with the pool: a thread that looks at a record which another one has taken meanwhile still reads valid
+ * as a whole has no ABA problem, so one plain compare-exchange makes it lock-free. Records are allocated in slabs that
+ * are freed with the pool: a thread that looks at a record which another one has taken meanwhile still reads valid
  * memory.
  */
 #ifndef STILB_JOB_RECORD_H
 #define STILB_JOB_RECORD_H
 
 #include "jobs/job.h"
+#include "jobs/job_allocate.h"
 #include "jobs/job_contract.h"
 #include "jobs/job_lock.h"
 
@@ -69,6 +70,7 @@ typedef struct job_record_slab job_record_slab;
 typedef struct job_record_store {
 	alignas(JOB_LINE) _Atomic(job_record *) spare; /* a stack linked by next; pushed to in lists, emptied as a whole */
 	_Atomic(job_record_slab *) slabs;              /* all slabs, for job_record_store_finish */
+	const stilb_job_allocator *memory;
 } job_record_store;
 
 /* The free records that one thread keeps for itself. All zero: empty. */
@@ -79,7 +81,8 @@ typedef struct job_record_cache {
 	job_record *taken; /* from the store; used when given is empty */
 } job_record_cache;
 
-void job_record_store_init(job_record_store *store);
+/* Makes an empty store, whose slabs come from `memory`. */
+void job_record_store_init(job_record_store *store, const stilb_job_allocator *memory);
 
 /* Frees all records. No other call may be in progress. */
 void job_record_store_finish(job_record_store *store);

@@ -6,7 +6,7 @@
  *               costs the move of its cell from one CPU to the other. Only the producer allocates, and it reuses the
  *               blocks that the consumer has left.
  * Progress.     Pop and close are wait-free: they take a bounded number of steps whatever the other thread does, even
- *               if it has stopped. So does push, except when it must allocate (see Memory), since malloc may take a
+ *               if it has stopped. So does push, except when it must allocate (see Memory), since that may take a
  *               lock, or wake a waiting consumer, which enters the kernel.
  * Life cycle.   stilb_job_spsc_create -> push by one thread, pop by one other thread -> close (optional) -> destroy.
  *               Either end may move to another thread if the program synchronises that hand-over.
@@ -25,7 +25,8 @@
  *               stilb_job_spsc_destroy frees them.
  * Waiting.      The consumer of an empty queue decides whether to do something else or to sleep, in
  *               stilb_job_spsc_pop_wait, until there is an item. No other function waits.
- * Errors.       Functions return 0 or a negative errno value. They print nothing and call nothing back.
+ * Errors.       Functions return 0 or a negative errno value. They print nothing, and call nothing back but
+ *               the allocator.
  *
  * Sources: Herb Sutter, "Writing Lock-Free Code: A Corrected Queue", Dr. Dobb's Journal, October 2008, a list that the
  * producer alone changes; John Giacomoni, Tipp Moseley, Manish Vachharajani, "FastForward for Efficient Pipeline
@@ -33,6 +34,8 @@
  */
 #ifndef STILB_JOB_SPSC_H
 #define STILB_JOB_SPSC_H
+
+#include "job_memory.h"
 
 #include <stdint.h>
 
@@ -45,6 +48,10 @@ typedef struct stilb_job_spsc stilb_job_spsc;
 
 /* Creates an empty queue. -ENOMEM: no memory, and *queue is NULL. [any-thread] */
 int stilb_job_spsc_create(stilb_job_spsc **queue);
+
+/* stilb_job_spsc_create with memory from a copy of the allocator, which create, push and destroy call; NULL: the C
+ * library. -EINVAL: it has only one of its functions. [any-thread] */
+int stilb_job_spsc_create_with(const stilb_job_allocator *allocator, stilb_job_spsc **queue);
 
 /* Frees the queue; items still in it are dropped. queue may be NULL. No other call may be in progress. [any-thread] */
 void stilb_job_spsc_destroy(stilb_job_spsc *queue);

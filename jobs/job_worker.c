@@ -48,6 +48,8 @@ const char *stilb_job_pool_desc_error(const stilb_job_pool_desc *desc)
 		return "stack_size is more than PTRDIFF_MAX";
 	if (desc->nice < -MOST_NICE || desc->nice > MOST_NICE)
 		return "nice is not in -39..39";
+	if (!job_allocator_is_whole(desc->allocator))
+		return "allocator has only one of its functions";
 	return cpus_error(desc);
 }
 

@@ -1,3 +1,4 @@
+#include "jobs/job_allocate.h"
 #include "jobs/job_contract.h"
 #include "jobs/queue/job_queue_internal.h"
 
@@ -13,7 +14,8 @@ int stilb_job_queue_create(const stilb_job_queue_desc *desc, stilb_job_queue **q
 {
 	assert(desc && queue);
 	*queue = NULL;
-	if (desc->capacity == 0 || desc->thread_count == 0 || desc->thread_count > STILB_JOB_QUEUE_MAX_THREADS)
+	if (desc->capacity == 0 || desc->thread_count == 0 || desc->thread_count > STILB_JOB_QUEUE_MAX_THREADS ||
+	    !job_allocator_is_whole(desc->allocator))
 		return -EINVAL;
 	switch (desc->kind) {
 	case STILB_JOB_QUEUE_LOW_LOCK:

@@ -14,7 +14,7 @@
  * Lock-free.    A compare-exchange of a cell, an end or a link fails only because another one has succeeded. No thread
  *               waits for another, and a thread that is preempted anywhere keeps no item from the others. Not
  *               wait-free: a thread may lose again and again. A push that needs a new segment is only as lock-free as
- *               malloc.
+ *               the allocator.
  * Close.        stilb_job_queue_close sets a flag that every push reads. A push that has read the flag too early is
  *               stopped by the first consumer that finds the flag set and the queue empty: it puts a seal where the
  *               next item would go, by compare-exchange. If that fails, an item has arrived, and the consumer takes it;
@@ -37,6 +37,7 @@
  * Ramalhete and Correia, 2016): those take two atomic operations per push instead of one and contend for a counter's
  * line and for the cell's, and a consumer whose ticket is ahead of its producer must wait or invalidate the cell.
  */
+#include "jobs/job_allocate.h"
 #include "jobs/job_contract.h"
 #include "jobs/job_line.h"
 #include "jobs/job_sys.h"
@@ -45,7 +46,6 @@
 #include <errno.h>
 #include <stdalign.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The model test (tests/jobs/model) makes all of these smaller. JOB_BACKOFF_PAUSES: the most pauses of one back-off. */
@@ -95,6 +95,8 @@ typedef struct lock_free {
 	_Atomic(lock_free_segment *) *slot; /* retired segments or NULL; ENDS per thread and JOB_SPARE_SEGMENTS more */
 	_Atomic uint32_t used_count;        /* the highest thread number that has called, plus one */
 	_Atomic bool closed;
+	stilb_job_allocator memory;
+	size_t size; /* of this struct with all that follows, in bytes */
 	struct {
 		alignas(JOB_LINE) _Atomic(lock_free_segment *) segment;
 	} end[ENDS];
@@ -223,16 +225,16 @@ static void segment_retire(lock_free *queue, thread_state *self, lock_free_segme
 		self->slot = (self->slot + 1) % count;
 	while ((segment = slot_swap(queue, self, segment))) {
 		if (!segment_in_use(queue, segment)) {
-			free(segment);
+			job_release(&queue->memory, segment, sizeof *segment);
 			return;
 		}
 		self->slot = (self->slot + 1) % count; /* NOLINT(clang-analyzer-core.DivideZero): a user has slots */
 	}
 }
 
-static lock_free_segment *segment_create(void)
+static lock_free_segment *segment_create(const stilb_job_allocator *memory)
 {
-	lock_free_segment *segment = aligned_alloc(alignof(lock_free_segment), sizeof *segment);
+	lock_free_segment *segment = job_allocate(memory, sizeof *segment, alignof(lock_free_segment));
 	if (!segment)
 		return NULL;
 	segment->empty = NULL;
@@ -255,7 +257,7 @@ static lock_free_segment *segment_find(lock_free *queue, thread_state *self)
 		}
 		self->slot = (self->slot + 1) % count;
 	}
-	return segment_create();
+	return segment_create(&queue->memory);
 }
 
 /* ---- cells ------------------------------------------------------------------------------------------------------ */
@@ -556,17 +558,18 @@ static void lock_free_rest(stilb_job_queue *queue, uint32_t thread)
 static void lock_free_destroy(stilb_job_queue *base)
 {
 	lock_free *queue = lock_free_of(base);
+	stilb_job_allocator memory = queue->memory;
 	/* Relaxed throughout: no other call is in progress. */
 	lock_free_segment *segment = atomic_load_explicit(&queue->end[HEAD].segment, memory_order_relaxed);
 	while (segment && segment != SEAL) {
 		lock_free_segment *next = atomic_load_explicit(&segment->next, memory_order_relaxed);
-		free(segment);
+		job_release(&memory, segment, sizeof *segment);
 		segment = next;
 	}
 	uint32_t slots = slot_count(queue);
 	for (uint32_t i = 0; i < slots; i++)
-		free(atomic_load_explicit(&queue->slot[i], memory_order_relaxed));
-	free(queue);
+		job_release(&memory, atomic_load_explicit(&queue->slot[i], memory_order_relaxed), sizeof *segment);
+	job_release(&memory, queue, queue->size);
 }
 
 int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue **created)
@@ -575,18 +578,20 @@ int job_queue_lock_free_create(const stilb_job_queue_desc *desc, stilb_job_queue
 	                                  lock_free_empty, lock_free_close,  lock_free_rest, lock_free_destroy};
 	size_t slots_at = sizeof(lock_free) + desc->thread_count * sizeof(thread_state);
 	size_t size = slots_at + (ENDS * desc->thread_count + JOB_SPARE_SEGMENTS) * sizeof(lock_free_segment *);
-	size = (size + JOB_LINE - 1) / JOB_LINE * JOB_LINE;
-	lock_free *queue = aligned_alloc(JOB_LINE, size);
-	lock_free_segment *segment = segment_create();
+	stilb_job_allocator memory = job_allocator_of(desc->allocator);
+	lock_free *queue = job_allocate(&memory, size, JOB_LINE);
+	lock_free_segment *segment = segment_create(&memory);
 	if (!queue || !segment) {
-		free(queue);
-		free(segment);
+		job_release(&memory, queue, size);
+		job_release(&memory, segment, sizeof *segment);
 		return -ENOMEM;
 	}
 	memset(queue, 0, size); /* no thread has called, all slots are empty */
 	queue->base.ops = &ops;
 	queue->capacity = desc->capacity;
 	queue->thread_count = desc->thread_count;
+	queue->memory = memory;
+	queue->size = size;
 	queue->slot = (_Atomic(lock_free_segment *) *)((char *)queue + slots_at);
 	atomic_init(&segment->next, NULL);
 	segment->first = 0;

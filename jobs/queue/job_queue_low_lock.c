@@ -15,7 +15,7 @@
  * Ring.      Segments are linked into a ring. Producers fill them, and consumers follow. A producer that finds the next
  *            segment still in use releases the lock, allocates a segment, writes to its pages so that the kernel maps
  *            them, takes the lock again and inserts it. So no allocation happens under a lock. The ring grows to the
- *            longest length the queue has had, and then malloc is not called again. Destroy frees it.
+ *            longest length the queue has had, and then nothing is allocated any more. Destroy frees it.
  * Speed.     Measured on two virtual CPUs of an AMD EPYC (Zen 4 or 5), with 1 producer and 1 consumer (1+1), or 2 and 2
  *            (2+2), pinned to CPUs of their own, in million items per second. The cost is not in the locks (2 to 3 ns
  *            each when free) but in cache lines that move between CPUs, and in threads on both CPUs that want the same
@@ -40,12 +40,12 @@
  *              Therefore producers of batches that run ahead yield (push_should_yield); here that gains nothing.
  *              Single pushes do not: with it, 2+2 pinned was slower by a quarter.
  */
+#include "jobs/job_allocate.h"
 #include "jobs/job_lock.h"
 #include "jobs/queue/job_queue_internal.h"
 
 #include <errno.h>
 #include <stdalign.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Producers of batches yield to consumers that lie more items than this behind: 256 KiB of pointers, which still are in
@@ -72,6 +72,7 @@ struct segment {
 typedef struct low_lock {
 	stilb_job_queue base;
 	size_t capacity;
+	stilb_job_allocator memory;
 	/* Each end lies on one cache line, so taking its lock fetches the rest of it as well. */
 	struct {
 		alignas(JOB_LINE) job_lock lock;
@@ -109,10 +110,10 @@ static uint64_t least(uint64_t a, uint64_t b)
 
 /* Extends the list *fresh, linked by `next`, from have to count segments; returns the number reached, which is smaller
  * if memory runs out. */
-static size_t segments_create(segment **fresh, size_t have, size_t count)
+static size_t segments_create(const stilb_job_allocator *memory, segment **fresh, size_t have, size_t count)
 {
 	while (have < count) {
-		segment *one = malloc(sizeof *one);
+		segment *one = job_allocate(memory, sizeof *one, alignof(segment));
 		if (!one)
 			break;
 		memset(one, 0, sizeof *one); /* maps its pages now instead of under the lock */
@@ -123,11 +124,11 @@ static size_t segments_create(segment **fresh, size_t have, size_t count)
 	return have;
 }
 
-static void segments_destroy(segment *first)
+static void segments_destroy(const stilb_job_allocator *memory, segment *first)
 {
 	while (first) {
 		segment *next = first->next;
-		free(first);
+		job_release(memory, first, sizeof *first);
 		first = next;
 	}
 }
@@ -237,7 +238,7 @@ static int push_and_give(low_lock *self, void *const *items, size_t count)
 		if (wanted > cells && may_grow) {
 			job_lock_give(&self->push.lock);
 			size_t needed = fresh_count + (wanted - cells + JOB_SEGMENT_CELLS - 1) / JOB_SEGMENT_CELLS;
-			fresh_count = segments_create(&fresh, fresh_count, needed);
+			fresh_count = segments_create(&self->memory, &fresh, fresh_count, needed);
 			may_grow = fresh_count == needed;
 			job_lock_take(&self->push.lock);
 			continue;
@@ -504,8 +505,9 @@ static void low_lock_destroy(stilb_job_queue *queue)
 	JOB_CHECK(ring_is_sound(self));
 	segment *first = self->push.at->next;
 	self->push.at->next = NULL; /* turns the ring into a list */
-	segments_destroy(first);
-	free(self);
+	stilb_job_allocator memory = self->memory;
+	segments_destroy(&memory, first);
+	job_release(&memory, self, sizeof *self);
 }
 
 static const job_queue_ops low_lock_ops = {.push = low_lock_push,
@@ -519,10 +521,11 @@ static const job_queue_ops low_lock_ops = {.push = low_lock_push,
 
 int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue **queue)
 {
+	stilb_job_allocator memory = job_allocator_of(desc->allocator);
 	segment *first = NULL;
-	low_lock *self = aligned_alloc(JOB_LINE, sizeof *self);
-	if (!self || segments_create(&first, 0, 1) == 0) {
-		free(self);
+	low_lock *self = job_allocate(&memory, sizeof *self, JOB_LINE);
+	if (!self || segments_create(&memory, &first, 0, 1) == 0) {
+		job_release(&memory, self, sizeof *self);
 		return -ENOMEM;
 	}
 	assert(desc->capacity > 0);
@@ -530,6 +533,7 @@ int job_queue_low_lock_create(const stilb_job_queue_desc *desc, stilb_job_queue 
 	first->next = first;
 	self->base.ops = &low_lock_ops;
 	self->capacity = desc->capacity;
+	self->memory = memory;
 	self->push.at = self->pop.at = first;
 	self->push.end = self->pop.end = JOB_SEGMENT_CELLS;
 	self->push.stop = least(JOB_SEGMENT_CELLS, self->capacity);

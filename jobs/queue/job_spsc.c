@@ -1,5 +1,6 @@
 #include "jobs/job_spsc.h"
 
+#include "jobs/job_allocate.h"
 #include "jobs/job_contract.h"
 #include "jobs/job_line.h"
 #include "jobs/queue/job_event.h"
@@ -9,7 +10,6 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /*
@@ -53,6 +53,7 @@ struct stilb_job_spsc {
 	bool closed;
 	job_exclusive producer;
 	job_event items; /* written by the consumer only when it waits */
+	stilb_job_allocator memory;
 
 	/* The consumer's. */
 	alignas(JOB_LINE) job_spsc_cell *read; /* the next cell to take from, or the end of the block */
@@ -64,9 +65,9 @@ struct stilb_job_spsc {
 static char end_mark;
 #define END ((void *)&end_mark)
 
-static job_spsc_block *block_create(void)
+static job_spsc_block *block_create(const stilb_job_allocator *memory)
 {
-	job_spsc_block *block = aligned_alloc(alignof(job_spsc_block), sizeof *block);
+	job_spsc_block *block = job_allocate(memory, sizeof *block, alignof(job_spsc_block));
 	if (block)
 		memset(block, 0, sizeof *block);
 	return block;
@@ -79,7 +80,7 @@ static job_spsc_block *block_take(stilb_job_spsc *queue)
 	 * their links. */
 	job_spsc_block *block = queue->first, *reading = atomic_load_explicit(&queue->reading, memory_order_acquire);
 	if (block == reading)
-		return block_create();
+		return block_create(&queue->memory);
 	assert(block != queue->writing && "the consumer is in a later block");
 	queue->first = atomic_load_explicit(&block->next, memory_order_relaxed); /* the producer's own store */
 	/* Relaxed, as the block is not linked yet. */
@@ -87,18 +88,27 @@ static job_spsc_block *block_take(stilb_job_spsc *queue)
 	return block;
 }
 
-int stilb_job_spsc_create(stilb_job_spsc **created)
+int stilb_job_spsc_create(stilb_job_spsc **queue)
+{
+	return stilb_job_spsc_create_with(NULL, queue);
+}
+
+int stilb_job_spsc_create_with(const stilb_job_allocator *allocator, stilb_job_spsc **created)
 {
 	assert(created);
 	*created = NULL;
-	stilb_job_spsc *queue = aligned_alloc(JOB_LINE, sizeof *queue);
-	job_spsc_block *block = block_create();
+	if (!job_allocator_is_whole(allocator))
+		return -EINVAL;
+	stilb_job_allocator memory = job_allocator_of(allocator);
+	stilb_job_spsc *queue = job_allocate(&memory, sizeof *queue, JOB_LINE);
+	job_spsc_block *block = block_create(&memory);
 	if (!queue || !block) {
-		free(block);
-		free(queue);
+		job_release(&memory, block, sizeof *block);
+		job_release(&memory, queue, sizeof *queue);
 		return -ENOMEM;
 	}
 	memset(queue, 0, sizeof *queue);
+	queue->memory = memory;
 	queue->first = queue->writing = block;
 	atomic_init(&queue->reading, block);
 	queue->write = queue->read = block->cells;
@@ -110,13 +120,14 @@ void stilb_job_spsc_destroy(stilb_job_spsc *queue)
 {
 	if (!queue)
 		return;
+	stilb_job_allocator memory = queue->memory;
 	for (job_spsc_block *block = queue->first; block && block != END;) {
 		/* Relaxed: no other call is in progress. */
 		job_spsc_block *next = atomic_load_explicit(&block->next, memory_order_relaxed);
-		free(block);
+		job_release(&memory, block, sizeof *block);
 		block = next;
 	}
-	free(queue);
+	job_release(&memory, queue, sizeof *queue);
 }
 
 static job_spsc_cell *block_end(job_spsc_block *block)

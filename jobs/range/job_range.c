@@ -1,12 +1,11 @@
 /* Loops over longer ranges and over tiles, as loops of job_for.c whose slices are ranges and tiles; and reductions. */
 #include "jobs/range/job_range.h"
 
-#include "jobs/job_line.h"
+#include "jobs/job_allocate.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <stdalign.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- 64-bit ranges --------------------------------------------------------------------------------------------- */
@@ -183,12 +182,12 @@ int stilb_job_reduce(stilb_job_pool *pool, uint64_t count, uint64_t grain, const
 	unsigned char *block = NULL;
 	/* The product does not overflow: `identity` is an object of this size, and no object has over 2^47 bytes. */
 	if (values < slices) {
-		block = aligned_alloc(JOB_LINE, (slices * reduction->size + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
+		block = job_allocate(job_pool_memory(pool), slices * reduction->size, JOB_LINE);
 		if (!block && values == 0)
 			return -ENOMEM;
 	}
 	loop.values = block ? block : stack;
 	reduce_all(pool, &loop, slices, block ? slices : values, result, worker);
-	free(block);
+	job_release(job_pool_memory(pool), block, slices * reduction->size);
 	return 0;
 }

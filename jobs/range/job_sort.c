@@ -3,13 +3,12 @@
  * and a copy, into the other at the same place. */
 #include "jobs/range/job_sort.h"
 
-#include "jobs/job_line.h"
+#include "jobs/job_allocate.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <stdalign.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Elements that a chunk or a piece has at least: they take some 20 us or more. Tests set fewer. */
@@ -307,7 +306,7 @@ int stilb_job_sort(stilb_job_pool *pool, void *base, size_t count, size_t size, 
 	alignas(JOB_LINE) byte stack[STILB_JOB_SORT_STACK];
 	byte *block = NULL;
 	if (count * size > sizeof stack) {
-		block = aligned_alloc(JOB_LINE, (count * size + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
+		block = job_allocate(job_pool_memory(pool), count * size, JOB_LINE);
 		if (!block)
 			return -ENOMEM;
 	}
@@ -318,6 +317,6 @@ int stilb_job_sort(stilb_job_pool *pool, void *base, size_t count, size_t size, 
 		sort_chunk(&sort, base, copy, count, false);
 	else
 		sort_parallel(pool, &sort, base, copy, worker);
-	free(block);
+	job_release(job_pool_memory(pool), block, count * size);
 	return 0;
 }

@@ -67,7 +67,7 @@ builds consumer -DSTILB_FOLDER="$source"
 mkdir "$scratch/elsewhere"
 cp -r "$source/jobs" "$scratch/elsewhere/job-system"
 install_moved "$scratch/elsewhere/job-system" alone
-has_headers alone job.h job.hpp job_graph.h job_queue.h job_range.h job_sort.h job_spsc.h
+has_headers alone job.h job.hpp job_graph.h job_memory.h job_queue.h job_range.h job_sort.h job_spsc.h
 builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/alone"
 builds_by_pkg_config "$scratch/alone" "$CC" jobs_consumer/consumer.c stilb-jobs
 builds_by_pkg_config "$scratch/alone" "$CXX" jobs_consumer/consumer.cpp stilb-jobs

@@ -35,6 +35,39 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 	return __real_aligned_alloc(alignment, size);
 }
 
+/* ---- allocators -------------------------------------------------------------------------------------------------- */
+
+static const stilb_job_allocator c_library;
+
+/* Blocks at every eighth byte. */
+static void *allocate_anywhere(void *user, size_t size, size_t alignment)
+{
+	char *block = aligned_alloc(alignment, (size + 2 * alignment - 1) / alignment * alignment);
+	(void)user;
+	return block + 8;
+}
+
+static void keep(void *user, void *block, size_t size)
+{
+	(void)user;
+	(void)block;
+	(void)size;
+}
+
+static int create_anywhere(void)
+{
+	stilb_job_allocator anywhere = {.allocate = allocate_anywhere, .release = keep};
+	stilb_job_pool_desc desc = {.allocator = &anywhere};
+	stilb_job_pool *pool;
+	return stilb_job_pool_create(&desc, &pool);
+}
+
+static void an_allocator_aligns(void **state)
+{
+	(void)state;
+	contract_breaks("the allocator returns aligned blocks", create_anywhere());
+}
+
 /* ---- the pool ---------------------------------------------------------------------------------------------------- */
 
 static stilb_job_pool *pool_of(uint32_t workers)
@@ -407,7 +440,7 @@ static void push_into_damaged_deque(void)
 {
 	static job_record record;
 	job_deque deque = {0};
-	if (job_deque_init(&deque) != 0)
+	if (job_deque_init(&deque, &c_library) != 0)
 		_exit(0);
 	deque.top_seen = 1; /* more than top, which it must never exceed */
 	job_deque_push(&deque, &record);
@@ -417,7 +450,7 @@ static void finish_full_deque(void)
 {
 	static job_record record;
 	job_deque deque = {0};
-	if (job_deque_init(&deque) != 0)
+	if (job_deque_init(&deque, &c_library) != 0)
 		_exit(0);
 	job_deque_push(&deque, &record);
 	job_deque_finish(&deque);
@@ -434,7 +467,7 @@ static void give_twice(void)
 {
 	job_record_store store;
 	job_record_cache cache = {0};
-	job_record_store_init(&store);
+	job_record_store_init(&store, &c_library);
 	job_record *record = job_record_take(&store, &cache);
 	job_record_give(&store, &cache, record);
 	job_record_give(&store, &cache, record);
@@ -484,6 +517,7 @@ static void the_idle_list_is_sound(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_allocator_aligns),
 		cmocka_unit_test(a_call_takes_the_callers_index),
 		cmocka_unit_test(the_owner_is_one_thread),
 		cmocka_unit_test(a_pool_is_destroyed_outside_of_jobs),

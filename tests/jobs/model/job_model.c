@@ -354,9 +354,9 @@ pthread_t model_thread_self(void)
 }
 
 /* Small blocks are cells; the lowest free one is used first, so that freed memory is reused at once. */
-void *model_malloc(size_t size)
+static void *take_cell(void)
 {
-	for (uint32_t i = 0; i < CELLS && size <= CELL_SIZE; i++) {
+	for (uint32_t i = 0; i < CELLS; i++) {
 		if (!(world.cells_used >> i & 1)) {
 			world.cells_used |= 1u << i;
 			return world.cell[i];
@@ -369,12 +369,17 @@ void *model_malloc(size_t size)
 void *model_aligned_alloc(size_t alignment, size_t size)
 {
 	if (size <= CELL_SIZE && alignment <= CELL_SIZE)
-		return model_malloc(size);
+		return take_cell();
 	uint32_t begin = (world.large_used + (uint32_t)alignment - 1) / (uint32_t)alignment * (uint32_t)alignment;
 	if (begin + size > LARGE_SIZE)
 		model_fail("no memory left in the model");
 	world.large_used = begin + (uint32_t)size;
 	return world.large + begin;
+}
+
+void *model_malloc(size_t size)
+{
+	return model_aligned_alloc(_Alignof(max_align_t), size);
 }
 
 void model_free(void *block)

@@ -42,7 +42,7 @@ int main(void)
 {
 	pthread_t other;
 	bool woken = false;
-	job_deque_init(&deque);
+	job_deque_init(&deque, &(stilb_job_allocator){0});
 	pthread_create(&other, NULL, thief, NULL);
 	for (int i = 0; i < RECORDS; i++) {
 		contents[i] = 1;
