@@ -76,11 +76,49 @@ typedef struct help_with {
 	stilb_job_group *until;
 } help_with;
 
-/* Runs the claimed slices of a loop, and then claims and runs more of them while there are any. threads: of them the
- * loop's slices are shared. slot is the calling thread's. */
-static void run_claimed(job_loop *loop, job_slot *slot, uint32_t threads, const help_with *with, loop_span *span)
+/* The number of threads among which the slices of a loop are shared. team: as in loop_help. */
+static uint32_t loop_threads(const stilb_job_pool *pool, const job_team *team)
+{
+	return team ? team->end - team->begin : pool->worker_count + 1;
+}
+
+/* Adds finished slices to the loop's count, and wakes the loop's caller, the thread of `owner`, if it sleeps. After the
+ * addition the loop may be finished, and used again. Returns the count before. */
+static uint64_t loop_count(job_loop *loop, job_slot *owner, uint64_t slices)
+{
+	/* Release: the loop's caller, who acquires in loop_finished, sees what the slices wrote. Acquire: the thread that
+	 * counts the last slices of a part of a wide loop passes on what all of them wrote. */
+	uint64_t before = atomic_fetch_add_explicit(&loop->done, slices, memory_order_acq_rel);
+	if (before & JOB_LOOP_WAITER)
+		job_parker_wake(&owner->parker);
+	return before;
+}
+
+/* The part in which the end of the team's part of a wide loop is counted (job_team). */
+static job_loop *gathered_in(const stilb_job_pool *pool, const job_team *team)
+{
+	uint32_t number = (uint32_t)(team - pool->team);
+	return &pool->team[number - number % JOB_GATHER].part;
+}
+
+/* Counts slices of the team's part that the calling thread has finished; the last ones of a part that is gathered
+ * elsewhere count as one slice there. */
+static void part_count(stilb_job_pool *pool, job_team *team, job_slot *owner, uint64_t slices)
+{
+	job_loop *whole = gathered_in(pool, team);
+	/* Relaxed: constant until all slices are done, and some are the calling thread's. */
+	uint32_t goal = atomic_load_explicit(&team->part.goal, memory_order_relaxed);
+	uint64_t before = loop_count(&team->part, owner, slices);
+	if (whole != &team->part && (uint32_t)(before + slices) == goal)
+		loop_count(whole, owner, 1);
+}
+
+/* Runs the claimed slices of a loop, and then claims and runs more of them while there are any. slot is the calling
+ * thread's; team: as in loop_help. */
+static void run_claimed(job_loop *loop, job_slot *slot, job_team *team, const help_with *with, loop_span *span)
 {
 	stilb_job_pool *pool = slot->pool;
+	uint32_t threads = loop_threads(pool, team);
 	/* Relaxed: constant until all slices are done, and some are the calling thread's. */
 	job_slot *owner = &pool->slot[atomic_load_explicit(&loop->owner, memory_order_relaxed)];
 	const stilb_job_hooks *hooks = &pool->hooks;
@@ -104,9 +142,10 @@ static void run_claimed(job_loop *loop, job_slot *slot, uint32_t threads, const 
 	job_tally(&slot->tally.slices, done);
 	slot->level = outer_level;
 	slot->root = outer_root;
-	/* Release: the loop's caller, who acquires in loop_finished, sees what the slices wrote. */
-	if (atomic_fetch_add_explicit(&loop->done, done, memory_order_release) & JOB_LOOP_WAITER)
-		job_parker_wake(&owner->parker);
+	if (team)
+		part_count(pool, team, owner, done);
+	else
+		loop_count(loop, owner, done);
 }
 
 /* Wakes one more thread if one sleeps, there are `spinners` spinners at most, enough slices are left for a thread, and
@@ -129,21 +168,23 @@ static void wake_helpers(stilb_job_pool *pool, const loop_span *span)
 		;
 }
 
-/* Claims and runs slices of a loop; false if there are none or the scope does not allow it. threads: as in run_claimed;
- * parts: there are probably so many times as many slices left. */
-static bool loop_help(job_loop *loop, job_slot *slot, uint32_t threads, uint32_t parts, const help_with *with)
+/* Claims and runs slices of a loop; false if there are none or the scope does not allow it. team: whose part of a wide
+ * loop it is, NULL for other loops. */
+static bool loop_help(job_loop *loop, job_slot *slot, job_team *team, const help_with *with)
 {
 	loop_span span;
-	if (!loop_claim(loop, with->scope, threads, 0, &span))
+	stilb_job_pool *pool = slot->pool;
+	if (!loop_claim(loop, with->scope, loop_threads(pool, team), 0, &span))
 		return false;
 	/* If the slices left take less time than a wake-up, the spinner stays counted as one while it helps. That saves
 	 * writing the idle list's `state`, which the caller of every loop reads. */
 	if (span.left + span.slices >= span.wake_slices)
 		job_work_spin_stop(slot);
-	uint64_t left = (uint64_t)span.left * parts;
+	/* If the own part has slices left, so have the others; but it is the first to be empty where others come from. */
+	uint64_t left = (uint64_t)span.left * (team && team == slot->team ? pool->team_count : 1);
 	span.left = left < UINT32_MAX ? (uint32_t)left : UINT32_MAX;
-	wake_helpers(slot->pool, &span);
-	run_claimed(loop, slot, threads, with, &span);
+	wake_helpers(pool, &span);
+	run_claimed(loop, slot, team, with, &span);
 	return true;
 }
 
@@ -154,7 +195,7 @@ static bool help_thread(job_slot *slot, uint32_t thread, void *with)
 	for (int i = 0; i < JOB_LOOP_DEPTH; i++)
 		/* Relaxed: most loops are closed, which this sees without a call; loop_claim reads the word again. */
 		if ((uint32_t)atomic_load_explicit(&owner->loop[i].claim, memory_order_relaxed) > 0 &&
-		    loop_help(&owner->loop[i], slot, slot->pool->worker_count + 1, 1, with))
+		    loop_help(&owner->loop[i], slot, NULL, with))
 			return true;
 	return false;
 }
@@ -165,18 +206,20 @@ static bool help_team(job_slot *slot, uint32_t after, const help_with *with)
 {
 	stilb_job_pool *pool = slot->pool;
 	job_team *team = &pool->team[((uint32_t)(slot->team - pool->team) + after) % pool->team_count];
-	/* If the own part has slices left, so have the others; but it is the first to be empty where others come from. */
-	return loop_help(&team->part, slot, team->end - team->begin, after == 0 ? pool->team_count : 1, with);
+	return loop_help(&team->part, slot, team, with);
 }
 
-/* Helps with the own team's part of a wide loop and then with those of the next teams, as long as these have any
- * slices left; or with a loop of a thread of the team. */
+/* Helps with the own team's part of a wide loop and then with those of other teams, from a random one on, until one has
+ * no slices left: the others then have few or none, and a look at each takes a cache line from its team. Or helps with
+ * a loop of a thread of the team. */
 static bool help_near(job_slot *slot, help_with *with)
 {
+	uint32_t others = slot->pool->team_count - 1;
 	if (!help_team(slot, 0, with))
 		return job_visit_active(slot, JOB_ACTIVE_LOOPS, slot->team->begin, slot->team->end, help_thread, with);
-	for (uint32_t i = 1; i < slot->pool->team_count && help_team(slot, i, with); i++)
-		;
+	for (uint32_t i = 0, first = job_random_below(slot, others); i < others; i++)
+		if (!help_team(slot, 1 + (first + i) % others, with))
+			break;
 	return true;
 }
 
@@ -188,6 +231,15 @@ static bool help_far(job_slot *slot, help_with *with)
 	return job_visit_active(slot, JOB_ACTIVE_LOOPS, 0, slot->pool->worker_count + 1, help_thread, with);
 }
 
+/* True once in so many calls that one of them falls to each of the other teams (JOB_NEAR_LOOKS). */
+static bool is_far_look(job_slot *slot)
+{
+	if (++slot->near_looks < JOB_NEAR_LOOKS * (slot->pool->team_count - 1))
+		return false;
+	slot->near_looks = 0;
+	return true;
+}
+
 bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *until)
 {
 	help_with with = {.scope = scope, .until = until};
@@ -195,7 +247,7 @@ bool job_loop_help(job_slot *slot, const job_scope *scope, stilb_job_group *unti
 		return job_visit_team(slot, 0, help_thread, &with);
 	if (help_near(slot, &with))
 		return true;
-	if (!slot->look_far && ++slot->near_looks % JOB_NEAR_LOOKS != 0)
+	if (!slot->look_far && !is_far_look(slot))
 		return false;
 	slot->look_far = false;
 	return help_far(slot, &with);
@@ -242,7 +294,7 @@ bool job_loop_seems_to_exist(job_slot *slot, const job_scope *scope)
 		return job_loop_exists(pool, scope);
 	if (loop_has(&slot->team->part, scope) || threads_have(pool, slot->team->begin, slot->team->end, scope))
 		return true;
-	return ++slot->near_looks % JOB_NEAR_LOOKS == 0 && job_loop_exists_far(slot, scope);
+	return is_far_look(slot) && job_loop_exists_far(slot, scope);
 }
 
 /* ---- the caller ------------------------------------------------------------------------------------------------ */
@@ -452,6 +504,14 @@ static uint32_t part_slices(const stilb_job_pool *pool, uint32_t slices, const j
 	return part_begin(pool, slices, team->end) - part_begin(pool, slices, team->begin);
 }
 
+/* What the caller of a wide loop has done itself: slices and the time that they have taken, and whether it has woken a
+ * thread for the loop. */
+typedef struct wide_work {
+	uint32_t mine;
+	bool woken;
+	uint64_t ticks;
+} wide_work;
+
 static void wide_open(job_slot *slot, loop_span *span, uint32_t slices)
 {
 	stilb_job_pool *pool = slot->pool;
@@ -462,8 +522,13 @@ static void wide_open(job_slot *slot, loop_span *span, uint32_t slices)
 		span->left = part_slices(pool, slices, team);
 		if (span->left == 0)
 			continue;
+		job_loop *whole = gathered_in(pool, team);
 		team->part.tag = tag;
-		atomic_store_explicit(&team->part.owner, slot->index, memory_order_relaxed); /* see job_loop */
+		team->part.finished += span->left;
+		whole->finished += whole != &team->part;
+		/* Relaxed, both: see job_loop. */
+		atomic_store_explicit(&team->part.owner, slot->index, memory_order_relaxed);
+		atomic_store_explicit(&team->part.goal, (uint32_t)team->part.finished, memory_order_relaxed);
 		loop_open(&team->part, span, part_begin(pool, slices, team->end), limit);
 	}
 	span->left = slices;
@@ -479,26 +544,35 @@ static bool wide_wake_anew(stilb_job_pool *pool, loop_span *span, uint64_t ticks
 	return wake_helper(pool, span, 0);
 }
 
-/* Claims and runs slices of all parts, those of the own team first, until none is left. Returns their number, and in
- * *ticks how long they have taken. */
-static uint32_t wide_claim(job_slot *slot, loop_span *span, uint32_t slices, bool woken, uint64_t *ticks)
+/* Claims and runs slices of a team's part until none is left. */
+static void part_claim(job_slot *slot, job_team *team, loop_span *span, wide_work *work)
 {
 	stilb_job_pool *pool = slot->pool;
-	uint32_t own = (uint32_t)(slot->team - pool->team), mine = 0;
+	uint32_t before = work->mine;
+	while (loop_claim(&team->part, &job_scope_all, loop_threads(pool, team), 0, span)) {
+		uint64_t start = job_sys_ticks();
+		span_run(span, slot->index);
+		work->ticks += job_sys_ticks() - start;
+		work->mine += span->slices;
+		if (!work->woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle))
+			work->woken = wide_wake_anew(pool, span, work->ticks / work->mine);
+	}
+	if (work->mine > before)
+		part_count(pool, team, slot, work->mine - before);
+}
+
+/* part_claim for all teams, the own one first. */
+static void wide_claim(job_slot *slot, loop_span *span, wide_work *work)
+{
+	stilb_job_pool *pool = slot->pool;
+	uint32_t own = (uint32_t)(slot->team - pool->team);
 	for (uint32_t i = 0; i < pool->team_count; i++) {
 		job_team *team = &pool->team[(own + i) % pool->team_count];
-		uint32_t before = mine;
-		while (loop_claim(&team->part, &job_scope_all, team->end - team->begin, 0, span)) {
-			uint64_t start = job_sys_ticks();
-			span_run(span, slot->index);
-			*ticks += job_sys_ticks() - start;
-			mine += span->slices;
-			if (!woken && span->left > 0 && job_idle_maybe_wanted(&pool->idle))
-				woken = wide_wake_anew(pool, span, *ticks / mine);
-		}
-		team->part.finished += part_slices(pool, slices, team) - (mine - before);
+		const job_loop *whole = gathered_in(pool, team);
+		/* Looks at the count first, which the caller needs anyway: often all of the part is done. */
+		if (i == 0 || !loop_finished(whole, whole->finished))
+			part_claim(slot, team, span, work);
 	}
-	return mine;
 }
 
 /* Runs a loop of many slices as a wide one (job_team); otherwise as loop_run. False if another wide loop is open, or if
@@ -506,7 +580,6 @@ static uint32_t wide_claim(job_slot *slot, loop_span *span, uint32_t slices, boo
 __attribute__((noinline)) static bool wide_run(job_slot *slot, loop_span *span, uint32_t slices, bool asleep)
 {
 	stilb_job_pool *pool = slot->pool;
-	uint64_t ticks = 0;
 	if (asleep && loop_starts_alone(slot, span, slices, job_sys_ticks()))
 		return false;
 	if (atomic_exchange_explicit(&pool->wide_open, true, memory_order_acquire)) /* see the field */
@@ -514,11 +587,12 @@ __attribute__((noinline)) static bool wide_run(job_slot *slot, loop_span *span, 
 	if (asleep)
 		span->wake_slices = 1;
 	wide_open(slot, span, slices);
-	uint32_t mine = wide_claim(slot, span, slices, wake_helper(pool, span, 0), &ticks);
-	job_tally(&slot->tally.slices, mine);
-	if (mine > 0)
-		rate_of(slot, span->fn)->ticks = ticks / mine + 1;
-	for (uint32_t i = 0; i < pool->team_count; i++)
+	wide_work work = {.woken = wake_helper(pool, span, 0)};
+	wide_claim(slot, span, &work);
+	job_tally(&slot->tally.slices, work.mine);
+	if (work.mine > 0)
+		rate_of(slot, span->fn)->ticks = work.ticks / work.mine + 1;
+	for (uint32_t i = 0; i < pool->team_count; i += JOB_GATHER)
 		loop_wait(&pool->team[i].part, slot, span, pool->team[i].part.finished);
 	atomic_store_explicit(&pool->wide_open, false, memory_order_release); /* see the field */
 	return true;

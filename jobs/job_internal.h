@@ -87,8 +87,15 @@
 #endif
 #define JOB_TEAM_LEAST ((JOB_TEAM_MOST + 1) / 2)
 
-/* A thread looks for loops in its own team, and only once in so many looks, about 4 us, in others: a loop of few slices
- * is best left to its team, because all threads that look at it fetch its cache line after each claim. */
+/* So many teams report the end of their parts of a loop in one place, see job_team. */
+#ifndef JOB_GATHER
+#define JOB_GATHER 4
+#endif
+
+/* A thread looks for loops in its own team, and in others only once in so many looks, about 4 us, times the number of
+ * other teams: so the threads of all others together look at a team's loops once or twice a microsecond, whatever
+ * their number. A loop of few slices is best left to its team, because all threads that look at it fetch its cache line
+ * after each claim. */
 #define JOB_NEAR_LOOKS 64
 
 /* The number of loop functions of which a thread remembers how long a slice takes (job_slot.rate). */
@@ -112,12 +119,13 @@ typedef struct job_loop {
 	_Atomic uint32_t wake_slices; /* a wake-up pays if at least this many slices are left */
 	_Atomic uint32_t claim_limit; /* the most slices of one claim */
 	_Atomic uint32_t owner;       /* the thread that has opened it */
+	_Atomic uint32_t goal;        /* of a part of a wide loop: done, as 32 bits, when all its slices are done */
 	/* The submit hook's result. Not atomic: only threads that have claimed slices read it, and it is not written again
 	 * until these slices are done. */
 	uint64_t tag;
-	/* Slices that helpers have finished since the pool was created, and JOB_LOOP_WAITER if the caller sleeps until they
-	 * are done. Opening a loop does not reset it: the store to claim would have to wait for this cache line. Release by
-	 * helpers, pairs with the caller's acquire. */
+	/* Slices that helpers (of a part of a wide loop: all threads) have finished since the pool was created, and
+	 * JOB_LOOP_WAITER if the caller sleeps until they are done. Opening a loop does not reset it: the store to claim
+	 * would have to wait for this cache line. Release by helpers, pairs with the caller's acquire. */
 	alignas(JOB_LINE) _Atomic uint64_t done;
 	/* The value of done at which the loop has finished; the caller's own. */
 	alignas(JOB_LINE) uint64_t finished;
@@ -132,7 +140,9 @@ typedef struct job_rate {
 } job_rate;
 
 /* Threads that share a cache. A loop of many slices is cut into a part for each team, which is a loop of its own: so
- * threads of different teams do not claim from the same cache line. One such wide loop is open at a time. */
+ * threads of different teams do not claim from the same cache line. One such wide loop is open at a time. Its caller
+ * waits for one team in JOB_GATHER: the thread that finishes the last slice of another part adds one to the `done` of
+ * the team before whose number is a multiple of JOB_GATHER. */
 typedef struct job_team {
 	job_loop part;
 	alignas(JOB_LINE) uint32_t begin, end; /* its threads: begin <= index < end */
@@ -177,9 +187,9 @@ typedef struct job_slot {
 	job_tallies tally;
 	uint32_t cpu;        /* the CPU to bind the thread to, or JOB_NO_CPU */
 	job_team *team;      /* NULL if the pool is one team */
-	uint32_t near_looks; /* counts looks for loops, see JOB_NEAR_LOOKS */
+	uint32_t near_looks; /* looks for loops in its own team since one in others, see JOB_NEAR_LOOKS */
 	bool look_far;       /* the next one goes to all teams */
-	uint32_t random;     /* the state of random_below in job_work.c */
+	uint32_t random;     /* the state of job_random_below */
 	pthread_t thread;
 	stilb_job_worker_info info;
 	_Atomic bool started;   /* info is complete; release in job_worker_begin, pairs with stilb_job_pool_worker_info */
@@ -337,6 +347,18 @@ static inline void job_active_begin(job_slot *slot, job_active_kind kind)
 {
 	if (__builtin_expect(!slot->active[kind], 0))
 		job_active_set(slot, kind);
+}
+
+/* A number below `end`, which is at most 2^16, that looks random; another sequence of numbers for each thread.
+ * Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8 (14), 2003. */
+static inline uint32_t job_random_below(job_slot *slot, uint32_t end)
+{
+	uint32_t x = slot->random;
+	x ^= x << 13;
+	x ^= x >> 17;
+	x ^= x << 5;
+	slot->random = x;
+	return (x >> 16) * end >> 16;
 }
 
 /* Looks for work at one thread; true if that ends the search. */

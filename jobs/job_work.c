@@ -44,22 +44,10 @@ static void active_end(job_slot *slot)
 			set_active(slot, kind, false);
 }
 
-/* A number below `end`, which is at most 2^16, that looks random; another sequence of numbers for each thread.
- * Marsaglia, "Xorshift RNGs", Journal of Statistical Software 8 (14), 2003. */
-static uint32_t random_below(job_slot *slot, uint32_t end)
-{
-	uint32_t x = slot->random;
-	x ^= x << 13;
-	x ^= x >> 17;
-	x ^= x << 5;
-	slot->random = x;
-	return (x >> 16) * end >> 16;
-}
-
 bool job_visit_active(job_slot *slot, job_active_kind kind, uint32_t begin, uint32_t end, job_visit_fn *visit,
                       void *context)
 {
-	uint32_t middle = begin + random_below(slot, end - begin);
+	uint32_t middle = begin + job_random_below(slot, end - begin);
 	for (uint32_t i = job_active_from(slot->pool, kind, middle); i < end; i = job_active_from(slot->pool, kind, i + 1))
 		if (visit(slot, i, context))
 			return true;

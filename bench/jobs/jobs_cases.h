@@ -14,6 +14,7 @@ typedef enum jobs_kind {
 	JOBS_OUTSIDE, /* the same for empty jobs submitted one by one by threads that do not belong to the job system */
 	JOBS_JOIN,    /* time of a fork-join of a few chunks of 1 us */
 	JOBS_LOOP,    /* time of a loop over 20,000 items of 200 ns */
+	JOBS_LATE,    /* time of a loop of few long slices, after 1,000 loops of short ones and a pause */
 	JOBS_FIB,     /* time of fib(20): 10,945 jobs that submit jobs and wait for them */
 	JOBS_WAKE,    /* one job for a sleeping worker: time until it starts, and time that submit takes */
 	JOBS_STEAL,   /* one job for a worker that looks for work: time until it is taken, if known, and until it starts */
@@ -37,6 +38,7 @@ typedef struct jobs_case {
 	jobs_graph_shape shape;
 	double microseconds; /* of work in each job, chunk, item or node */
 	uint32_t pause_us;   /* the caller sleeps this long before each turn */
+	bool other;          /* JOBS_LATE: the short slices are another function's */
 	bool phase;          /* in a phase, which keeps threads awake (jobs_subject.phase_begin), if the subject has it */
 	bool pinned;         /* thread i of the process is pinned to CPU i modulo their number; else left to the library */
 } jobs_case;
@@ -84,6 +86,14 @@ typedef struct jobs_case {
 	  .microseconds = 0.2)                                                                                             \
 	X("loop-8", "loop over 20,000 items of 200 ns, 8 threads", LOOP, .threads = 8, .count = 20000,                     \
 	  .microseconds = 0.2)                                                                                             \
+	X("late-2", "2 slices of 50 ms after 1,000 short loops of the function and 5 ms of sleep, 2 threads", LATE,        \
+	  .threads = 2, .count = 2, .microseconds = 50000, .pause_us = 5000)                                               \
+	X("late-8", "8 slices of 10 ms after the same, 2 threads", LATE, .threads = 2, .count = 8, .microseconds = 10000,  \
+	  .pause_us = 5000)                                                                                                \
+	X("late-2-other", "2 slices of 50 ms after 1,000 short loops of another function, 2 threads", LATE, .threads = 2,  \
+	  .count = 2, .microseconds = 50000, .pause_us = 5000, .other = true)                                              \
+	X("late-8-other", "8 slices of 10 ms after the same, 2 threads", LATE, .threads = 2, .count = 8,                   \
+	  .microseconds = 10000, .pause_us = 5000, .other = true)                                                          \
 	X("fib-1", "fib(20), each call a job, 1 thread", FIB, .threads = 1)                                                \
 	X("fib", "fib(20), each call a job, 2 threads", FIB, .threads = 2)                                                 \
 	X("graph-chain", "graph of 10,000 empty nodes in a chain, 2 threads", GRAPH, .threads = 2, .count = 10000,         \

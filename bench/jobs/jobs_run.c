@@ -158,6 +158,7 @@ typedef struct run {
 	uint64_t duration;  /* ns */
 	double per_us;      /* multiplications in a microsecond */
 	uint32_t chain;     /* multiplications in each job */
+	bool is_short;      /* JOBS_LATE: the slices of late_slice take a microsecond and are not verified */
 	uint64_t turns;     /* measured so far */
 	uint32_t divisor;   /* all times are divided by it: 1, or for `ideal` the number of threads that can run at once */
 	samples turn_times; /* the time of each turn */
@@ -222,6 +223,34 @@ static void turn_join(run *r)
 static void turn_loop(run *r)
 {
 	r->subject->loop(chain_slice, r, r->on->count);
+}
+
+static void short_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const run *r = context;
+	(void)worker;
+	for (uint32_t i = begin; i < end; i++)
+		chain(i, 0, (uint32_t)r->per_us);
+}
+
+static void late_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const run *r = context;
+	(r->is_short ? short_slice : chain_slice)(begin, end, worker, context);
+}
+
+/* The loops before each turn of JOBS_LATE, after which a job system may expect that the next is as short. */
+static void run_short_loops(run *r)
+{
+	r->is_short = true;
+	for (int i = 0; i < 1000; i++)
+		r->subject->loop(r->on->other ? short_slice : late_slice, r, 2);
+	r->is_short = false;
+}
+
+static void turn_late(run *r)
+{
+	r->subject->loop(late_slice, r, r->on->count);
 }
 
 static void turn_fib(run *r)
@@ -356,6 +385,8 @@ static void measure(run *r, void (*turn)(run *r))
 	r->starts.count = r->submits.count = r->steals.count = 0;
 	uint64_t now = bench_child_now_ns(), until = now + r->duration;
 	while (now < until || r->turns < 3) {
+		if (r->on->kind == JOBS_LATE)
+			run_short_loops(r);
 		if (r->on->pause_us) {
 			sleep_ns(r->on->pause_us * UINT64_C(1000));
 			now = bench_child_now_ns();
@@ -447,6 +478,14 @@ static void print_times_ms(run *r)
 	print_time(&r->turn_times, "", 1e6);
 }
 
+static void print_late(run *r)
+{
+	samples_sort(&r->turn_times);
+	bench_child_metric("p50", samples_quantile(&r->turn_times, 0.5) / 1e6);
+	bench_child_metric("p97", samples_quantile(&r->turn_times, 39.0 / 40.0) / 1e6);
+	bench_child_metric("worst", samples_quantile(&r->turn_times, 1.0) / 1e6);
+}
+
 static void print_wake(run *r)
 {
 	print_time(&r->starts, "start-", 1e3);
@@ -511,7 +550,7 @@ static const struct {
 	[JOBS_LOOP] = {turn_loop, print_times_ms},   [JOBS_FIB] = {turn_fib, print_times_ms},
 	[JOBS_GRAPH] = {turn_graph, print_times_us}, [JOBS_WAKE] = {turn_start, print_wake},
 	[JOBS_STEAL] = {turn_start, print_steal},    [JOBS_IDLE] = {NULL, NULL},
-	[JOBS_BATCH] = {turn_batch, print_rate},
+	[JOBS_BATCH] = {turn_batch, print_rate},     [JOBS_LATE] = {turn_late, print_late},
 };
 
 /* True if the subject has the functions for cases of this kind. */
@@ -530,6 +569,7 @@ static bool able(const jobs_subject *subject, jobs_kind kind)
 	case JOBS_IDLE:
 		return subject->join;
 	case JOBS_LOOP:
+	case JOBS_LATE:
 		return subject->loop;
 	case JOBS_FIB:
 		return subject->fib;

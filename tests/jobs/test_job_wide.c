@@ -431,6 +431,7 @@ static void play_far(uint32_t begin, uint32_t end, uint32_t worker, void *contex
 		uint32_t left = (uint32_t)atomic_load_explicit(&part->claim, memory_order_relaxed);
 		atomic_fetch_sub_explicit(&part->claim, left, memory_order_relaxed);
 		atomic_fetch_add_explicit(&part->done, left, memory_order_relaxed);
+		atomic_fetch_add_explicit(&loop->pool->team[0].part.done, 1, memory_order_relaxed); /* gathered there */
 	}
 	while (!job_loop_help(&loop->pool->slot[8], &job_scope_all, NULL))
 		loop->looks++;
