@@ -47,19 +47,24 @@ typedef struct graph_edge {
 	uint32_t before, after;
 } graph_edge;
 
-/* A node as a run needs it: half a cache line. */
+/* Most nodes have no more successors than this, which then lie in the node itself. */
+#ifndef JOB_GRAPH_FEW
+#define JOB_GRAPH_FEW 8
+#endif
+
+/* A node as a run needs it: a cache line, so that threads that run neighbours do not write to the same one. */
 typedef struct job_graph_node {
 	stilb_job_fn *fn;
 	void *data;
-	uint32_t first;        /* its successors are graph->successor[first] to that of the next node */
+	uint32_t first, end;   /* its successors are graph->successor[first] to [end - 1] */
 	uint32_t predecessors; /* number of edges that lead to it */
 	/* Edges from nodes that have not finished. Acquire-release by each thread that subtracts: the last one sees what
-	 * all the nodes before have written. */
+	 * all the nodes before have written. Of a node in the chain of a record: the next one there, or NO_NODE. */
 	_Atomic uint32_t pending;
-	uint32_t next; /* in the chain of a record; NO_NODE: the last */
+	uint32_t few[JOB_GRAPH_FEW]; /* the successors, if there are so few */
 } job_graph_node;
 
-static_assert(sizeof(job_graph_node) == 32, "two nodes a cache line");
+static_assert(sizeof(job_graph_node) == 32 + JOB_GRAPH_FEW * sizeof(uint32_t), "64 bytes with 8");
 
 struct stilb_job_graph {
 	/* The nodes and edges in the order in which they were added. */
@@ -70,10 +75,11 @@ struct stilb_job_graph {
 	bool built; /* since the last change */
 	/* One block of memory, made by build. The numbers of joins follow those of the nodes. */
 	job_graph_node *run;
-	uint32_t run_count;     /* nodes and joins */
-	uint32_t link_count;    /* edges of a run: those from and to joins instead of those that they replace */
-	uint32_t *successor;    /* link_count numbers of nodes */
-	uint32_t *ready;        /* one place for each link, and behind them the nodes without predecessors */
+	uint32_t run_count;  /* nodes and joins */
+	uint32_t link_count; /* edges of a run: those from and to joins instead of those that they replace */
+	uint32_t *successor; /* link_count numbers of nodes */
+	/* One place for each link, and behind them the nodes without predecessors. For build: memory for all nodes. */
+	uint32_t *ready;
 	uint32_t source_count;  /* nodes without predecessors */
 	uint32_t sink_count;    /* nodes without successors */
 	stilb_job_group *group; /* of the run in progress */
@@ -166,7 +172,7 @@ int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t a
 static int make_block(stilb_job_graph *graph, size_t nodes, size_t links)
 {
 	/* ready: there are at most as many sources as nodes. */
-	size_t bytes = (nodes + 1) * sizeof *graph->run + (2 * links + nodes) * sizeof *graph->ready;
+	size_t bytes = nodes * sizeof *graph->run + (2 * links + nodes) * sizeof *graph->ready;
 	job_graph_node *run = aligned_alloc(JOB_LINE, (bytes + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
 	if (!run)
 		return -ENOMEM;
@@ -174,7 +180,7 @@ static int make_block(stilb_job_graph *graph, size_t nodes, size_t links)
 	graph->run = run;
 	graph->run_count = (uint32_t)nodes;
 	graph->link_count = (uint32_t)links;
-	graph->successor = (uint32_t *)(run + nodes + 1);
+	graph->successor = (uint32_t *)(run + nodes);
 	graph->ready = graph->successor + links;
 	return 0;
 }
@@ -185,23 +191,36 @@ static int link_nodes(stilb_job_graph *graph, uint32_t nodes, const graph_edge *
 	if (make_block(graph, nodes, links) != 0)
 		return -ENOMEM;
 	job_graph_node *run = graph->run;
-	for (uint32_t i = 0; i <= nodes; i++)
-		run[i] = (job_graph_node){.next = NO_NODE};
-	for (uint32_t i = 0; i < graph->node_count; i++) {
-		run[i].fn = graph->node[i].fn;
-		run[i].data = graph->node[i].data;
-	}
-	/* A counting sort of the edges by `before`, which keeps their order. `first` counts the successors, then becomes
-	 * the end of the node's part, and moves down to its beginning as the part is filled from its end. */
+	for (uint32_t i = 0; i < graph->node_count; i++)
+		run[i] = (job_graph_node){.fn = graph->node[i].fn, .data = graph->node[i].data};
+	for (uint32_t i = graph->node_count; i < nodes; i++)
+		run[i] = (job_graph_node){.fn = NULL};
+	/* A counting sort of the edges by `before`, which keeps their order. `end` counts the successors, then it ends
+	 * those that are stored. */
 	for (uint32_t i = 0; i < links; i++) {
-		run[link[i].before].first++;
+		run[link[i].before].end++;
 		run[link[i].after].predecessors++;
 	}
-	for (uint32_t i = 0, end = 0; i <= nodes; i++)
-		run[i].first = end += run[i].first;
-	for (uint32_t i = links; i > 0; i--)
-		graph->successor[--run[link[i - 1].before].first] = link[i - 1].after;
+	for (uint32_t i = 0, first = 0; i < nodes; i++) {
+		run[i].first = first;
+		first += run[i].end;
+		run[i].end = run[i].first;
+	}
+	for (uint32_t i = 0; i < links; i++)
+		graph->successor[run[link[i].before].end++] = link[i].after;
 	return 0;
+}
+
+/* Subtracts one edge; true if it was the last one. alone: no other thread runs nodes of this graph. */
+static inline bool count_down(_Atomic uint32_t *pending, bool alone)
+{
+	if (!alone)
+		/* Release: passes on what the node before has written; acquire: the last one sees that of all. */
+		return atomic_fetch_sub_explicit(pending, 1, memory_order_acq_rel) == 1;
+	uint32_t left =
+		atomic_load_explicit(pending, memory_order_relaxed) - 1; /* relaxed, both: no other thread reads it */
+	atomic_store_explicit(pending, left, memory_order_relaxed);
+	return left == 0;
 }
 
 /* Counts the nodes that a run would reach. Those that it would not have pending > 0 afterwards. Kahn, "Topological
@@ -209,43 +228,41 @@ static int link_nodes(stilb_job_graph *graph, uint32_t nodes, const graph_edge *
 static uint32_t count_reachable(stilb_job_graph *graph)
 {
 	job_graph_node *run = graph->run;
-	uint32_t *queue = graph->ready; /* every node but a source is at the end of an edge, so there is room for all */
+	uint32_t *queue = graph->ready;
 	uint32_t reached = 0;
-	/* Relaxed, all: no other thread uses the graph. */
 	for (uint32_t i = 0; i < graph->node_count; i++) {
 		atomic_init(&run[i].pending, run[i].predecessors);
 		if (run[i].predecessors == 0)
 			queue[reached++] = i;
 	}
 	for (uint32_t at = 0; at < reached; at++)
-		for (uint32_t i = run[queue[at]].first; i < run[queue[at] + 1].first; i++)
-			if (atomic_fetch_sub_explicit(&run[graph->successor[i]].pending, 1, memory_order_relaxed) == 1)
+		for (uint32_t i = run[queue[at]].first; i < run[queue[at]].end; i++)
+			if (count_down(&run[graph->successor[i]].pending, true))
 				queue[reached++] = graph->successor[i];
 	return reached;
 }
 
-/* Finds a cycle among the nodes with pending > 0, one of which is `from`. Returns a node of it; from there run[i].next
- * leads round the cycle in the direction of the edges. */
-static uint32_t find_cycle(stilb_job_graph *graph, uint32_t from)
+/* Finds a cycle among the nodes with pending > 0, one of which is `from`. Returns a node of it; from there `next` leads
+ * round the cycle in the direction of the edges. */
+static uint32_t find_cycle(const stilb_job_graph *graph, uint32_t from, uint32_t *next)
 {
-	job_graph_node *run = graph->run;
 	/* Each of these nodes waits for another one of them. Going from each to one that it waits for never ends, so it
 	 * comes to a cycle. */
 	for (uint32_t i = 0; i < graph->edge_count; i++)
-		if (atomic_load_explicit(&run[graph->edge[i].before].pending, memory_order_relaxed) > 0)
-			run[graph->edge[i].after].next = graph->edge[i].before;
+		if (atomic_load_explicit(&graph->run[graph->edge[i].before].pending, memory_order_relaxed) > 0)
+			next[graph->edge[i].after] = graph->edge[i].before;
 	for (uint32_t i = 0; i < graph->node_count; i++)
-		from = run[from].next;
+		from = next[from];
 	/* Turns the links round. */
 	uint32_t at = from, after = from;
 	do {
-		uint32_t before = run[at].next;
+		uint32_t before = next[at];
 		if (at != from)
-			run[at].next = after;
+			next[at] = after;
 		after = at;
 		at = before;
 	} while (at != from);
-	run[from].next = after;
+	next[from] = after;
 	return from;
 }
 
@@ -261,59 +278,77 @@ static void append_name(const stilb_job_graph *graph, uint32_t node, const char 
 
 static void write_cycle(stilb_job_graph *graph, char *text, size_t size)
 {
-	uint32_t from = 0;
+	uint32_t from = 0, *next = graph->ready;
 	while (atomic_load_explicit(&graph->run[from].pending, memory_order_relaxed) == 0) /* no other thread uses it */
 		from++;
-	from = find_cycle(graph, from);
+	from = find_cycle(graph, from, next);
 	append_name(graph, from, "", text, size);
 	uint32_t at = from;
 	do {
-		at = graph->run[at].next;
+		at = next[at];
 		append_name(graph, at, " -> ", text, size);
 	} while (at != from);
 }
 
 /* ---- joins ----------------------------------------------------------------------------------------------------- */
 
+/* A place in a hash table of nodes by their lists of successors; node: NO_NODE if it is free. */
+typedef struct join_place {
+	uint32_t hash, node;
+} join_place;
+
 static uint32_t successor_count(const stilb_job_graph *graph, uint32_t node)
 {
-	return graph->run[node + 1].first - graph->run[node].first;
+	return graph->run[node].end - graph->run[node].first;
 }
 
-/* Compares the lists of successors of two nodes, for qsort_r. */
-static int compare_successors(const void *left, const void *right, void *of)
+static bool same_successors(const stilb_job_graph *graph, uint32_t a, uint32_t b)
 {
-	const stilb_job_graph *graph = of;
-	uint32_t a = *(const uint32_t *)left, b = *(const uint32_t *)right;
-	uint32_t count = successor_count(graph, a), other = successor_count(graph, b);
-	if (count != other)
-		return count < other ? -1 : 1;
-	return memcmp(&graph->successor[graph->run[a].first], &graph->successor[graph->run[b].first],
-	              count * sizeof *graph->successor);
+	uint32_t count = successor_count(graph, a);
+	return successor_count(graph, b) == count &&
+	       memcmp(&graph->successor[graph->run[a].first], &graph->successor[graph->run[b].first],
+	              count * sizeof *graph->successor) == 0;
 }
 
-/* For nodes with the same successors, in the same order, that have at least as many edges as a join would need: sets
- * `next` to the number of their join, and stores the links from the joins to the successors. `order` has room for all
- * nodes. Returns the number of joins, and that of the links in *links. */
-static uint32_t make_joins(stilb_job_graph *graph, uint32_t *order, graph_edge *link, uint32_t *links)
+/* The place of a node with the same successors, in the same order, or else a free one. The table has 2^bits places,
+ * more than there are nodes. The hash is that of Fowler, Noll and Vo with another multiplier, of 32 bits at a time. */
+static join_place *find_place(const stilb_job_graph *graph, join_place *table, uint32_t bits, uint32_t node)
 {
-	job_graph_node *run = graph->run;
-	uint32_t count = 0, joins = 0;
-	for (uint32_t i = 0; i < graph->node_count; i++)
-		if (successor_count(graph, i) > 1)
-			order[count++] = i;
-	qsort_r(order, count, sizeof *order, compare_successors, graph);
-	for (uint32_t begin = 0, end; begin < count; begin = end) {
-		for (end = begin + 1; end < count && compare_successors(&order[begin], &order[end], graph) == 0;)
-			end++;
-		uint64_t before = end - begin, after = successor_count(graph, order[begin]);
-		if (before * after < before + after)
+	uint64_t hash = 0;
+	for (uint32_t i = graph->run[node].first; i < graph->run[node].end; i++)
+		hash = (hash ^ graph->successor[i]) * UINT64_C(0x9E3779B97F4A7C15);
+	uint32_t at = (uint32_t)(hash >> (64 - bits)), mask = (uint32_t)((UINT64_C(1) << bits) - 1);
+	for (;; at = (at + 1) & mask) {
+		join_place *place = &table[at];
+		if (place->node == NO_NODE)
+			place->hash = (uint32_t)hash;
+		if (place->node == NO_NODE || (place->hash == (uint32_t)hash && same_successors(graph, place->node, node)))
+			return place;
+	}
+}
+
+/* For each two or more nodes with the same two or more successors, in the same order: sets join[node] to the number of
+ * their join, that of others to NO_NODE, and stores the links from the joins to the successors, no more than they
+ * replace. Returns the number of joins, and that of the links in *links. */
+static uint32_t make_joins(const stilb_job_graph *graph, join_place *table, uint32_t bits, uint32_t *join,
+                           graph_edge *link, uint32_t *links)
+{
+	uint32_t joins = 0;
+	for (uint32_t i = 0; i < graph->node_count; i++) {
+		join[i] = NO_NODE;
+		if (successor_count(graph, i) < 2)
 			continue;
-		uint32_t join = graph->node_count + joins++;
-		for (uint32_t i = begin; i < end; i++)
-			run[order[i]].next = join;
-		for (uint32_t i = 0; i < after; i++)
-			link[(*links)++] = (graph_edge){join, graph->successor[run[order[begin]].first + i]};
+		join_place *place = find_place(graph, table, bits, i);
+		if (place->node == NO_NODE) {
+			place->node = i;
+			continue;
+		}
+		join[i] = join[place->node];
+		if (join[i] != NO_NODE)
+			continue;
+		join[i] = join[place->node] = graph->node_count + joins++;
+		for (uint32_t k = graph->run[i].first; k < graph->run[i].end; k++)
+			link[(*links)++] = (graph_edge){join[i], graph->successor[k]};
 	}
 	return joins;
 }
@@ -321,20 +356,25 @@ static uint32_t make_joins(stilb_job_graph *graph, uint32_t *order, graph_edge *
 /* Puts joins between nodes that have the same successors, and those. 0 or -ENOMEM. */
 static int join_nodes(stilb_job_graph *graph)
 {
-	uint32_t *order = malloc((graph->node_count + 1) * sizeof *order);
-	graph_edge *link = malloc((graph->edge_count + 1) * sizeof *link); /* joins need no more links than they replace */
-	int error = order && link ? 0 : -ENOMEM;
-	uint32_t links = 0, joins = error ? 0 : make_joins(graph, order, link, &links);
+	uint32_t bits = 1;
+	while (UINT64_C(1) << bits < graph->node_count + (uint64_t)graph->node_count / 2)
+		bits++;
+	join_place *table = malloc(sizeof *table << bits);
+	graph_edge *link = malloc((graph->edge_count + 1) * sizeof *link);
+	int error = table && link ? 0 : -ENOMEM;
+	if (!error)
+		memset(table, 0xff, sizeof *table << bits); /* NO_NODE */
+	uint32_t links = 0, *join = graph->ready, joins = error ? 0 : make_joins(graph, table, bits, join, link, &links);
 	if (joins > 0) {
 		for (uint32_t i = 0; i < graph->edge_count; i++)
-			if (graph->run[graph->edge[i].before].next == NO_NODE)
+			if (join[graph->edge[i].before] == NO_NODE)
 				link[links++] = graph->edge[i];
 		for (uint32_t i = 0; i < graph->node_count; i++)
-			if (graph->run[i].next != NO_NODE)
-				link[links++] = (graph_edge){i, graph->run[i].next};
+			if (join[i] != NO_NODE)
+				link[links++] = (graph_edge){i, join[i]};
 		error = link_nodes(graph, graph->node_count + joins, link, links);
 	}
-	free(order);
+	free(table);
 	free(link);
 	return error;
 }
@@ -348,11 +388,15 @@ static void prepare_run(stilb_job_graph *graph)
 		atomic_init(&run[i].pending, run[i].predecessors);
 		if (run[i].predecessors == 0)
 			graph->ready[graph->link_count + graph->source_count++] = i;
-		graph->sink_count += run[i].first == run[i + 1].first;
+		graph->sink_count += run[i].first == run[i].end;
 	}
 	for (uint32_t i = 0; i < graph->link_count; i++)
 		if (run[graph->successor[i]].predecessors == 1)
 			graph->successor[i] |= ONLY_EDGE;
+	for (uint32_t i = 0; i < graph->run_count; i++)
+		if (run[i].end - run[i].first <= JOB_GRAPH_FEW)
+			for (uint32_t k = run[i].first; k < run[i].end; k++)
+				run[i].few[k - run[i].first] = graph->successor[k];
 	atomic_init(&graph->unfinished, graph->sink_count);
 }
 
@@ -400,9 +444,9 @@ static bool record_is_empty(const job_record *record)
 	return record->count == 0 && record->chain == NO_NODE;
 }
 
-/* Puts a range of ready nodes, graph->ready[first] and on, into a record like the given one, for any thread to run.
- * False if there is no memory, or no other thread. */
-static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint32_t count)
+/* Puts ready nodes, those of graph->ready[first] and on and a chain, into a record like the given one, for any thread
+ * to run. False if there is no memory, or no other thread. */
+static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint32_t count, uint32_t chain)
 {
 	stilb_job_pool *pool = slot->pool;
 	job_record *record = pool->worker_count > 0 ? job_record_take(&pool->records, &slot->records) : NULL;
@@ -412,7 +456,7 @@ static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint
 	record->group = NULL;
 	record->count = count;
 	record->grain = first;
-	record->chain = NO_NODE;
+	record->chain = chain;
 	record->target = JOB_ANYONE;
 	record->priority = STILB_JOB_NORMAL;
 	record->kind = JOB_NODES;
@@ -426,73 +470,117 @@ static bool publish(job_slot *slot, const job_record *like, uint32_t first, uint
 	return true;
 }
 
-/* Takes one node out of the record and publishes the others. */
+/* Publishes graph->ready[first] and on, count nodes, in halves, the largest first. Returns how many are left, the first
+ * ones, because there is no memory or no other thread. */
+static uint32_t publish_range(job_slot *slot, const job_record *like, uint32_t first, uint32_t count)
+{
+	for (uint32_t half; count > 0; count -= half) {
+		half = (count + 1) / 2;
+		if (!publish(slot, like, first + count - half, half, NO_NODE))
+			break;
+	}
+	return count;
+}
+
+/* Adds a ready node, which no other thread uses now, to the chain of the record. */
+static void chain_node(stilb_job_graph *graph, job_record *record, uint32_t node)
+{
+	atomic_store_explicit(&graph->run[node].pending, record->chain,
+	                      memory_order_relaxed); /* no other thread reads it */
+	record->chain = node;
+}
+
+/* Takes one node out of the record, and publishes the others of its range. */
 static job_graph_node *take_node(job_slot *slot, stilb_job_graph *graph, job_record *record)
 {
-	while (record->count > 1 && publish(slot, record, record->grain + (record->count + 1) / 2, record->count / 2))
-		record->count -= record->count / 2;
-	job_graph_node *node;
+	assert(!record_is_empty(record));
 	if (record->count > 0) {
-		record->count--;
-		node = &graph->run[graph->ready[record->grain++]];
-	} else {
-		node = &graph->run[record->chain];
-		record->chain = node->next;
+		job_graph_node *node = &graph->run[graph->ready[record->grain++]];
+		record->count = publish_range(slot, record, record->grain, record->count - 1);
+		return node;
 	}
-	/* For the next run, which is ordered after this one by its group. Relaxed: nobody counts until then. With a single
-	 * predecessor nothing is counted, see release_successors. */
-	if (node->predecessors > 1)
-		atomic_store_explicit(&node->pending, node->predecessors, memory_order_relaxed);
+	job_graph_node *node = &graph->run[record->chain];
+	record->chain = atomic_load_explicit(&node->pending, memory_order_relaxed); /* see chain_node */
 	return node;
 }
 
-/* Subtracts the node from its successors. Those that are ready are then in graph->ready from node->first on; returns
- * their number. If it is 0, the graph may be gone. */
-static uint32_t release_successors(stilb_job_graph *graph, const job_graph_node *node)
+/* For the next run, which is ordered after this one by its group. Relaxed: nobody counts until then. With a single
+ * predecessor nothing is counted, see release_successors. */
+static void rearm(job_graph_node *node)
 {
-	uint32_t first = node->first, end = node[1].first, ready = first;
-	for (uint32_t i = first; i < end; i++) {
-		/* Stored whether ready or not, so that there is no branch that the CPU could not foresee. */
-		uint32_t successor = graph->successor[i], number = successor & ~ONLY_EDGE;
-		graph->ready[ready] = number;
-		/* Release: passes on what this node has written; acquire: the last one sees that of all. */
-		ready += successor & ONLY_EDGE ||
-		         atomic_fetch_sub_explicit(&graph->run[number].pending, 1, memory_order_acq_rel) == 1;
-	}
-	return ready - first;
+	if (node->predecessors > 1)
+		atomic_store_explicit(&node->pending, node->predecessors, memory_order_relaxed);
 }
 
-/* Adds a range of ready nodes to a record, or publishes it if the record has others. */
-static void add_ready(job_slot *slot, stilb_job_graph *graph, job_record *record, uint32_t first, uint32_t count)
+/* Subtracts a node from its successors; those that are ready then go to `ready`. Returns their number. If it is 0, the
+ * graph may be gone. */
+static inline __attribute__((always_inline)) uint32_t
+release_successors(stilb_job_graph *graph, const uint32_t *successor, uint32_t count, uint32_t *ready, bool alone)
 {
-	if (record_is_empty(record)) {
-		record->grain = first;
-		record->count = count;
-	} else if (!publish(slot, record, first, count)) {
-		for (uint32_t i = first + count; i > first; i--) {
-			graph->run[graph->ready[i - 1]].next = record->chain;
-			record->chain = graph->ready[i - 1];
+	uint32_t found = 0;
+	for (uint32_t i = 0; i < count; i++) {
+		/* Stored whether ready or not, so that there is no branch that the CPU could not foresee. */
+		uint32_t one = successor[i], number = one & ~ONLY_EDGE;
+		ready[found] = number;
+		found += one & ONLY_EDGE || count_down(&graph->run[number].pending, alone);
+	}
+	return found;
+}
+
+/* For nodes that have become ready: publishes them, or puts those for which there is no memory or no other thread into
+ * the record. `ready` lies in graph->ready or, if there are few nodes, anywhere. */
+static void add_ready(job_slot *slot, stilb_job_graph *graph, job_record *record, const uint32_t *ready, uint32_t count)
+{
+	bool many = count > JOB_GRAPH_FEW;
+	if (many) {
+		uint32_t first = (uint32_t)(ready - graph->ready);
+		count = publish_range(slot, record, first, count);
+		if (record_is_empty(record)) {
+			record->grain = first;
+			record->count = count;
+			return;
 		}
 	}
+	for (; count > 0; count--) {
+		/* Relaxed: see chain_node; the push publishes it. */
+		atomic_store_explicit(&graph->run[ready[count - 1]].pending, NO_NODE, memory_order_relaxed);
+		if (many || !publish(slot, record, 0, 0, ready[count - 1]))
+			chain_node(graph, record, ready[count - 1]);
+	}
 }
 
-/* The node has finished, or is dropped. True if it was the last one of the run; else, if the record is empty
- * afterwards, the graph may be gone. */
-static bool leave_node(job_slot *slot, stilb_job_graph *graph, job_record *record, const job_graph_node *node)
+/* The node has finished, or is dropped. Returns one of those that it has made ready, and publishes the others. NULL:
+ * there is none, and unless the record has nodes, the graph may be gone. *last: it was the last one of the run. */
+static job_graph_node *leave_node(job_slot *slot, stilb_job_graph *graph, job_record *record,
+                                  const job_graph_node *node, bool *last)
 {
-	uint32_t first = node->first;
-	if (first == node[1].first) /* acquire-release, as in release_successors */
-		return atomic_fetch_sub_explicit(&graph->unfinished, 1, memory_order_acq_rel) == 1;
-	uint32_t ready = release_successors(graph, node);
-	if (ready == 1 && graph->ready[first] >= graph->node_count) {
-		job_graph_node *join = &graph->run[graph->ready[first]];
-		atomic_store_explicit(&join->pending, join->predecessors, memory_order_relaxed); /* as in take_node */
-		first = join->first;
-		ready = release_successors(graph, join);
+	bool alone = slot->pool->worker_count == 0;
+	uint32_t few[JOB_GRAPH_FEW];
+	uint32_t count = node->end - node->first, found;
+	if (count == 0) { /* acquire-release, as in count_down */
+		*last = atomic_fetch_sub_explicit(&graph->unfinished, 1, memory_order_acq_rel) == 1;
+		return NULL;
 	}
-	if (ready > 0)
-		add_ready(slot, graph, record, first, ready);
-	return false;
+	for (;; count = node->end - node->first) {
+		uint32_t *ready = few;
+		if (count <= JOB_GRAPH_FEW) {
+			found = release_successors(graph, node->few, count, ready, alone);
+		} else {
+			ready = graph->ready + node->first;
+			found = release_successors(graph, graph->successor + node->first, count, ready, alone);
+		}
+		if (found == 0)
+			return NULL;
+		job_graph_node *next = &graph->run[ready[0]];
+		if (next->fn) {
+			if (found > 1)
+				add_ready(slot, graph, record, ready + 1, found - 1);
+			return next;
+		}
+		assert(found == 1 && "a node before a join has no other successor");
+		rearm(next);
+		node = next;
+	}
 }
 
 /* Calls the function of a node between the pool's hooks. */
@@ -511,21 +599,16 @@ static void call_hooked(job_slot *slot, const job_record *record, const job_grap
 		hooks->job_end(hooks->user, slot->index);
 }
 
-/* Runs one node of the record. As leave_node. */
-static bool run_node(job_slot *slot, stilb_job_graph *graph, job_record *record, bool hooked)
+/* Runs a node, unless it is dropped. */
+static void call_node(job_slot *slot, const job_record *record, const job_graph_node *node, bool hooked)
 {
-	stilb_job_pool *pool = slot->pool;
-	const job_graph_node *node = take_node(slot, graph, record);
 	/* Relaxed: see job_internal.h. A node that is dropped has finished all the same, so that the run ends. */
-	bool drops = job_drops(pool, graph->group);
-	if (hooked && !drops)
+	if (job_drops(slot->pool, record->fn.graph->group))
+		return;
+	if (hooked)
 		call_hooked(slot, record, node);
-	else if (!drops)
+	else
 		node->fn(node->data, slot->index);
-	bool last = leave_node(slot, graph, record, node);
-	if (pool->hooks.submit && !record_is_empty(record))
-		record->tag = pool->hooks.submit(pool->hooks.user, slot->index);
-	return last;
 }
 
 static void give_back(job_slot *slot, job_record *record)
@@ -547,17 +630,25 @@ job_record *job_graph_run(job_slot *slot, job_record *record, const job_scope *s
 {
 	stilb_job_graph *graph = record->fn.graph;
 	const stilb_job_hooks *hooks = &slot->pool->hooks;
-	bool hooked = hooks->job_begin || hooks->job_end || hooks->node_begin || hooks->node_end, last;
+	bool hooked = hooks->job_begin || hooks->job_end || hooks->node_begin || hooks->node_end, last = false;
 	uint32_t outer_level = slot->level;
 	uintptr_t outer_root = slot->root;
 	slot->level = atomic_load_explicit(&record->level, memory_order_relaxed);
 	slot->root = atomic_load_explicit(&record->root, memory_order_relaxed);
 	job_record *next = NULL;
+	job_graph_node *node = NULL;
 	for (uint32_t nodes = 1;; nodes++) {
-		last = run_node(slot, graph, record, hooked);
+		if (!node)
+			node = take_node(slot, graph, record);
+		rearm(node);
+		call_node(slot, record, node, hooked);
+		node = leave_node(slot, graph, record, node, &last);
+		bool more = node || !record_is_empty(record);
+		if (more && hooks->submit)
+			record->tag = hooks->submit(hooks->user, slot->index);
 		if (last || !scope || nodes == JOBS_IN_A_ROW || job_work_urgent(slot) || (until && job_group_done(until)))
 			break;
-		if (!record_is_empty(record))
+		if (more)
 			continue;
 		next = job_work_take_own(slot, scope);
 		if (!next || next->kind != JOB_NODES || next->fn.graph != graph)
@@ -568,6 +659,8 @@ job_record *job_graph_run(job_slot *slot, job_record *record, const job_scope *s
 	}
 	slot->level = outer_level;
 	slot->root = outer_root;
+	if (node)
+		chain_node(graph, record, (uint32_t)(node - graph->run));
 	if (!record_is_empty(record))
 		return record;
 	give_back(slot, record);
