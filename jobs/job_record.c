@@ -54,29 +54,23 @@ static bool cache_is_sound(const job_record_cache *cache)
 	return count == cache->given_count && (count == 0 || last == cache->given_last);
 }
 
-job_record *job_record_take(job_record_store *store, job_record_cache *cache)
+job_record *job_record_take_other(job_record_store *store, job_record_cache *cache)
 {
-	job_record *record = cache->given;
-	assert(!record == (cache->given_count == 0));
-	if (record) {
-		cache->given = record->next;
-		cache->given_count--;
-		return record;
-	}
+	assert(!cache->given && cache->given_count == 0);
 	/* The relaxed load only saves the exchange if the store seems empty. If its value is old, the thread allocates
 	 * although there are spare records, or exchanges in vain; both do no harm. */
 	if (!cache->taken && atomic_load_explicit(&store->spare, memory_order_relaxed))
-		cache->taken = atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with cache_spill */
+		cache->taken =
+			atomic_exchange_explicit(&store->spare, NULL, memory_order_acquire); /* pairs with job_record_spill */
 	if (!cache->taken)
 		cache->taken = slab_create(store);
-	record = cache->taken;
+	job_record *record = cache->taken;
 	if (record)
 		cache->taken = record->next;
 	return record;
 }
 
-/* Moves the records that this thread has collected in `given` to the store, for all threads. */
-static void cache_spill(job_record_store *store, job_record_cache *cache)
+void job_record_spill(job_record_store *store, job_record_cache *cache)
 {
 	JOB_CHECK(cache_is_sound(cache));
 	job_record *first = cache->given, *last = cache->given_last;
@@ -87,16 +81,4 @@ static void cache_spill(job_record_store *store, job_record_cache *cache)
 		;
 	cache->given = NULL;
 	cache->given_count = 0;
-}
-
-void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record)
-{
-	assert(record && record != cache->given && "a record is given back once");
-	if (cache->given_count == JOB_RECORD_LIST)
-		cache_spill(store, cache);
-	if (cache->given_count++ == 0)
-		cache->given_last = record;
-	record->next = cache->given;
-	cache->given = record;
-	assert(cache->given_count <= JOB_RECORD_LIST);
 }

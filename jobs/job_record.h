@@ -87,10 +87,35 @@ void job_record_store_init(job_record_store *store, const stilb_job_allocator *m
 /* Frees all records. No other call may be in progress. */
 void job_record_store_finish(job_record_store *store);
 
+/* job_record_take for a cache in which `given` is empty. */
+job_record *job_record_take_other(job_record_store *store, job_record_cache *cache);
+
+/* Moves the records that the thread has collected in `given` to the store, for all threads. */
+void job_record_spill(job_record_store *store, job_record_cache *cache);
+
 /* A record whose fields are unset, or NULL if there is no memory. cache is the calling thread's. */
-job_record *job_record_take(job_record_store *store, job_record_cache *cache);
+static inline job_record *job_record_take(job_record_store *store, job_record_cache *cache)
+{
+	job_record *record = cache->given;
+	assert(!record == (cache->given_count == 0));
+	if (!record)
+		return job_record_take_other(store, cache);
+	cache->given = record->next;
+	cache->given_count--;
+	return record;
+}
 
 /* Gives back a record of this store, which any thread may have taken. cache is the calling thread's. */
-void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record);
+static inline void job_record_give(job_record_store *store, job_record_cache *cache, job_record *record)
+{
+	assert(record && record != cache->given && "a record is given back once");
+	if (cache->given_count == JOB_RECORD_LIST)
+		job_record_spill(store, cache);
+	if (cache->given_count++ == 0)
+		cache->given_last = record;
+	record->next = cache->given;
+	cache->given = record;
+	assert(cache->given_count <= JOB_RECORD_LIST);
+}
 
 #endif
