@@ -8,6 +8,7 @@
 #include <assert.h>
 #include <errno.h>
 #include <stdalign.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -35,6 +36,9 @@ typedef struct sorting {
 	uint32_t runs;   /* in `from`, a power of two: chunks first, sorted runs later */
 	uint32_t pieces; /* of each pair of runs, a power of two */
 	bool across;     /* chunks end in `to`, not in `from` */
+	/* What the chunks that have been looked at do not rule out for the array. Relaxed, both: they are read when the
+	 * loop over the chunks has ended; in the loop, an old value costs time alone. */
+	_Atomic bool ascending, descending;
 } sorting;
 
 /* ---- one thread ------------------------------------------------------------------------------------------------ */
@@ -188,22 +192,46 @@ static chunk_order order_of(const sorting *sort, const byte *elements, size_t co
 	return order;
 }
 
+SIZED void reverse_sized(byte *left, byte *right, size_t pairs, byte *spare, size_t size)
+{
+	for (; pairs > 0; pairs--, left += size) {
+		right -= size;
+		memcpy(spare, left, size);
+		memcpy(left, right, size);
+		memcpy(right, spare, size);
+	}
+}
+
+/* Swaps elements from `left` on with those before `right`, from there down. `spare` has room for one. */
+static void reverse(const sorting *sort, byte *left, byte *right, size_t pairs, byte *spare)
+{
+	switch (sort->size) {
+	case 4:
+		reverse_sized(left, right, pairs, spare, 4);
+		break;
+	case 8:
+		reverse_sized(left, right, pairs, spare, 8);
+		break;
+	case 16:
+		reverse_sized(left, right, pairs, spare, 16);
+		break;
+	default:
+		reverse_sized(left, right, pairs, spare, sort->size);
+	}
+}
+
 /* sort_serial for elements that may be in order already, or in reverse. */
 static void sort_chunk(const sorting *sort, byte *from, byte *to, size_t count, bool across)
 {
-	size_t size = sort->size;
 	chunk_order order = order_of(sort, from, count);
 	if (order == MIXED) {
 		sort_serial(sort, from, to, count, across);
-	} else if (order == ASCENDING) {
-		if (across)
-			memcpy(to, from, count * size);
-	} else {
-		const byte *source = across ? from : memcpy(to, from, count * size);
-		byte *target = across ? to : from;
-		for (size_t i = 0; i < count; i++)
-			memcpy(target + i * size, source + (count - 1 - i) * size, size);
+		return;
 	}
+	if (order == DESCENDING)
+		reverse(sort, from, from + count * sort->size, count / 2, to);
+	if (across)
+		memcpy(to, from, count * sort->size);
 }
 
 /* ---- all threads ----------------------------------------------------------------------------------------------- */
@@ -213,6 +241,38 @@ static void sort_chunk(const sorting *sort, byte *from, byte *to, size_t count, 
 static size_t run_begin(const sorting *sort, uint32_t i, uint32_t runs)
 {
 	return sort->count * i / runs;
+}
+
+/* Finds out whether chunks are in order or in reverse, each together with the first element of the next one. */
+static void look_at_chunks(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	sorting *sort = context;
+	(void)worker;
+	for (uint32_t i = begin; i < end; i++) {
+		bool ascending = atomic_load_explicit(&sort->ascending, memory_order_relaxed); /* see the fields, all */
+		bool descending = atomic_load_explicit(&sort->descending, memory_order_relaxed);
+		if (!ascending && !descending)
+			return;
+		size_t first = run_begin(sort, i, sort->runs), last = run_begin(sort, i + 1, sort->runs);
+		chunk_order order = order_of(sort, sort->from + first * sort->size, last - first + (last < sort->count));
+		if (ascending && order != ASCENDING)
+			atomic_store_explicit(&sort->ascending, false, memory_order_relaxed);
+		if (descending && order != DESCENDING)
+			atomic_store_explicit(&sort->descending, false, memory_order_relaxed);
+	}
+}
+
+/* Reverses the whole array, each slice as many pairs as half a chunk has elements. */
+static void reverse_chunks(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const sorting *sort = context;
+	size_t pairs = sort->count / 2;
+	(void)worker;
+	for (uint32_t i = begin; i < end; i++) {
+		size_t first = pairs * i / sort->runs, last = pairs * (i + 1) / sort->runs;
+		reverse(sort, sort->from + first * sort->size, sort->from + (sort->count - first) * sort->size, last - first,
+		        sort->to + first * sort->size);
+	}
 }
 
 static void sort_chunks(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -275,13 +335,27 @@ static uint32_t chunks_of(size_t count, uint32_t threads)
 	return chunks;
 }
 
+/* Brings an array into order that is in order already or in reverse; false if it is neither. */
+static bool sort_ordered(stilb_job_pool *pool, sorting *sort, uint32_t worker)
+{
+	atomic_init(&sort->ascending, true);
+	atomic_init(&sort->descending, true);
+	stilb_job_parallel_for(pool, sort->runs, 1, look_at_chunks, sort, worker);
+	bool descending = atomic_load_explicit(&sort->descending, memory_order_relaxed); /* see the fields */
+	if (descending)
+		stilb_job_parallel_for(pool, sort->runs, 1, reverse_chunks, sort, worker);
+	return descending || atomic_load_explicit(&sort->ascending, memory_order_relaxed);
+}
+
 static void sort_parallel(stilb_job_pool *pool, sorting *sort, byte *base, byte *copy, uint32_t worker)
 {
 	uint32_t chunks = sort->runs;
-	for (uint32_t runs = chunks; runs > 1; runs /= 2) /* each pass changes sides, the last one ends in base */
-		sort->across = !sort->across;
 	sort->from = base;
 	sort->to = copy;
+	if (sort_ordered(pool, sort, worker))
+		return;
+	for (uint32_t runs = chunks; runs > 1; runs /= 2) /* each pass changes sides, the last one ends in base */
+		sort->across = !sort->across;
 	stilb_job_parallel_for(pool, chunks, 1, sort_chunks, sort, worker);
 	sort->from = sort->across ? copy : base;
 	sort->to = sort->across ? base : copy;
