@@ -62,6 +62,10 @@ static const bench_metric idles[] = {
 #define METRICS_LATE times_late
 #define METRICS_FIB times_ms
 #define METRICS_GRAPH times_us
+#define METRICS_RANGE times_ms
+#define METRICS_TILES times_ms
+#define METRICS_REDUCE times_ms
+#define METRICS_SORT times_ms
 #define METRICS_WAKE wakes
 #define METRICS_STEAL steals
 #define METRICS_IDLE idles
@@ -84,15 +88,15 @@ static const bench_case cases[] = {
 /* ---- subjects ------------------------------------------------------------------------------------------------ */
 
 #define CAN(KIND) (1u << JOBS_##KIND)
-#define CAN_LOOPS (CAN(JOIN) | CAN(LOOP) | CAN(LATE))
-#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(ARRAY) | CAN(FIB))
+#define CAN_LOOPS (CAN(JOIN) | CAN(LOOP) | CAN(LATE) | CAN(RANGE))
+#define CAN_COMPUTE (CAN_LOOPS | CAN(SPAWN) | CAN(ARRAY) | CAN(FIB) | CAN(TILES) | CAN(REDUCE))
 #define CAN_START (CAN(WAKE) | CAN(STEAL))
 
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with its defaults: low-lock queues, workers pinned to CPUs",
-     .abilities = CAN_COMPUTE | CAN_START | CAN(BATCH) | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
+     .abilities = CAN_COMPUTE | CAN_START | CAN(BATCH) | CAN(OUTSIDE) | CAN(GRAPH) | CAN(SORT) | CAN(IDLE)},
 	{.name = "stilb-lock-free",
      .program = "stilb-bench-jobs-own",
      .note = "stilb_job_pool with lock-free queues",
@@ -110,8 +114,8 @@ static const bench_subject subjects[] = {
      .package = "libtbb-dev",
      .note =
          "oneTBB: task_group; parallel_for with simple_partitioner and grain 1; loops with auto_partitioner; graphs "
-         "of continue_node",
-     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(GRAPH) | CAN(IDLE)},
+         "of continue_node; sorts with parallel_sort, which is not stable",
+     .abilities = CAN_COMPUTE | CAN_START | CAN(OUTSIDE) | CAN(GRAPH) | CAN(SORT) | CAN(IDLE)},
 	{.name = "tbb-static",
      .program = "stilb-bench-jobs-tbb",
      .package = "libtbb-dev",
@@ -120,17 +124,28 @@ static const bench_subject subjects[] = {
 	{.name = "openmp",
      .program = "stilb-bench-jobs-openmp",
      .package = "libgomp1",
-     .note = "OpenMP: tasks; parallel for with schedule(dynamic, 1); loops with schedule(guided)",
+     .note = "OpenMP: tasks; parallel for with schedule(dynamic, 1), tiles of 64 x 64, too; loops with "
+             "schedule(guided); reductions with schedule(static)",
      .abilities = CAN_COMPUTE | CAN(IDLE)},
 	{.name = "openmp-static",
      .program = "stilb-bench-jobs-openmp",
      .package = "libgomp1",
-     .note = "OpenMP: parallel for with schedule(static)",
-     .abilities = CAN_LOOPS},
+     .note = "OpenMP: parallel for with schedule(static); rows instead of tiles",
+     .abilities = CAN_LOOPS | CAN(TILES)},
+	{.name = "std",
+     .program = "stilb-bench-jobs-std",
+     .package = "libtbb-dev",
+     .note = "std::stable_sort, on one thread",
+     .abilities = CAN(SORT)},
+	{.name = "std-par",
+     .program = "stilb-bench-jobs-std",
+     .package = "libtbb-dev",
+     .note = "std::stable_sort with std::execution::par",
+     .abilities = CAN(SORT)},
 	{.name = "serial",
      .program = "stilb-bench-jobs-limits",
-     .note = "a plain loop on one thread",
-     .abilities = CAN_COMPUTE | CAN(GRAPH),
+     .note = "a plain loop on one thread; qsort_r",
+     .abilities = CAN_COMPUTE | CAN(GRAPH) | CAN(SORT),
      .reference = true},
 	{.name = "ideal",
      .program = "stilb-bench-jobs-limits",
@@ -178,6 +193,8 @@ static const char *const loop_cases[] = {"loop-1", "loop-2", "loop-4", "loop-8",
 static const char *const late_cases[] = {"late-2", "late-8", "late-2-other", "late-8-other", NULL};
 static const char *const fib_cases[] = {"fib-1", "fib", NULL};
 static const char *const graph_cases[] = {"graph-chain", "graph-fan", "graph-1", "graph", "graph-us", NULL};
+static const char *const array_cases[] = {"range",  "tiles-1", "tiles",      "reduce-1",     "reduce",
+                                          "sort-1", "sort",    "sort-10000", "sort-ordered", NULL};
 static const char *const wake_cases[] = {"wake", "wake-pinned", NULL};
 static const char *const steal_cases[] = {"steal", "steal-pinned", NULL};
 static const char *const quiet_cases[] = {"idle", NULL};
@@ -194,6 +211,7 @@ static const bench_panel panels[] = {
 	{"a loop of long slices after 1,000 short loops and 5 ms of sleep, 39 of 40", late_cases, "p97", false},
 	{"fib(20), each call a job", fib_cases, "p50", true},
 	{"a run of a graph of 10,000 nodes, median", graph_cases, "p50", true},
+	{"loop with 64-bit indices, transposition in tiles, sum, sort, median", array_cases, "p50", true},
 	{"time from submit to start for a sleeping worker, 99th percentile", wake_cases, "start-p99", true},
 	{"time that submit takes if it wakes a worker", wake_cases, "submit-p50", true},
 	{"time from submit to start for a worker that is awake", steal_cases, "start-p50", true},

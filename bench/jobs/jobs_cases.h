@@ -19,6 +19,10 @@ typedef enum jobs_kind {
 	JOBS_WAKE,    /* one job for a sleeping worker: time until it starts, and time that submit takes */
 	JOBS_STEAL,   /* one job for a worker that looks for work: time until it is taken, if known, and until it starts */
 	JOBS_GRAPH,   /* time of a run of a graph of jobs that has been built before */
+	JOBS_RANGE,   /* JOBS_LOOP with 64-bit indices */
+	JOBS_TILES,   /* time to transpose a square matrix of floats in tiles */
+	JOBS_REDUCE,  /* time to add floats up */
+	JOBS_SORT,    /* time to sort elements of 8 bytes by a 32-bit key */
 	JOBS_IDLE     /* CPU time that the job system's threads use after all work is done */
 } jobs_kind;
 
@@ -33,13 +37,14 @@ typedef struct jobs_case {
 	const char *name;
 	jobs_kind kind;
 	uint32_t threads; /* of the job system, the caller included; JOBS_OUTSIDE: without the outside threads */
-	uint32_t count;   /* jobs, chunks, items or nodes; JOBS_OUTSIDE: for each outside thread */
+	uint32_t count;   /* jobs, chunks, items, nodes, rows, floats or elements; JOBS_OUTSIDE: for each outside thread */
 	uint32_t outside; /* number of outside threads */
 	jobs_graph_shape shape;
 	double microseconds; /* of work in each job, chunk, item or node */
 	uint32_t pause_us;   /* the caller sleeps this long before each turn */
 	bool other;          /* JOBS_LATE: the short slices are another function's */
 	bool phase;          /* in a phase, which keeps threads awake (jobs_subject.phase_begin), if the subject has it */
+	bool ordered;        /* of JOBS_SORT: the elements are in order already */
 	bool pinned;         /* thread i of the process is pinned to CPU i modulo their number; else left to the library */
 } jobs_case;
 
@@ -106,6 +111,17 @@ typedef struct jobs_case {
 	  .shape = JOBS_LAYERS)                                                                                            \
 	X("graph-us", "graph of 100 layers of 100 nodes of 1 us, 2 threads", GRAPH, .threads = 2, .count = 10000,          \
 	  .shape = JOBS_LAYERS, .microseconds = 1)                                                                         \
+	X("range", "loop over 20,000 items of 200 ns with 64-bit indices, 2 threads", RANGE, .threads = 2, .count = 20000, \
+	  .microseconds = 0.2)                                                                                             \
+	X("tiles-1", "transposition of 2,000 x 2,000 floats in tiles, 1 thread", TILES, .threads = 1, .count = 2000)       \
+	X("tiles", "transposition of 2,000 x 2,000 floats in tiles, 2 threads", TILES, .threads = 2, .count = 2000)        \
+	X("reduce-1", "sum of 4,000,000 floats, 1 thread", REDUCE, .threads = 1, .count = 4000000)                         \
+	X("reduce", "sum of 4,000,000 floats, 2 threads", REDUCE, .threads = 2, .count = 4000000)                          \
+	X("sort-1", "sort of 1,000,000 random elements, 1 thread", SORT, .threads = 1, .count = 1000000)                   \
+	X("sort", "sort of 1,000,000 random elements, 2 threads", SORT, .threads = 2, .count = 1000000)                    \
+	X("sort-10000", "sort of 10,000 random elements, 2 threads", SORT, .threads = 2, .count = 10000)                   \
+	X("sort-ordered", "sort of 1,000,000 elements in order, 2 threads", SORT, .threads = 2, .count = 1000000,          \
+	  .ordered = true)                                                                                                 \
 	X("wake", "one job for a sleeping worker after 2 ms of idleness", WAKE, .threads = 2, .pause_us = 2000)            \
 	X("wake-pinned", "one job for a sleeping worker after 2 ms of idleness, pinned", WAKE, .threads = 2,               \
 	  .pause_us = 2000, .pinned = true)                                                                                \

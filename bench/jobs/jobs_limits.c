@@ -31,6 +31,35 @@ static void serial_loop(jobs_range_fn *fn, void *context, uint32_t count)
 	fn(0, count, 0, context);
 }
 
+static void serial_range(jobs_range_64_fn *fn, void *context, uint64_t count)
+{
+	fn(0, count, 0, context);
+}
+
+static void serial_tiles(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height)
+{
+	fn(0, width, 0, height, 0, context);
+}
+
+static double serial_reduce(jobs_fold_fn *fn, void *context, uint64_t count)
+{
+	double sum = 0.0;
+	fn(0, count, &sum, context);
+	return sum;
+}
+
+static int by_key(const void *a, const void *b, void *context)
+{
+	const jobs_element *left = a, *right = b;
+	(void)context;
+	return (left->key > right->key) - (left->key < right->key);
+}
+
+static void serial_sort(jobs_element *elements, uint32_t count)
+{
+	qsort_r(elements, count, sizeof *elements, by_key, NULL);
+}
+
 static uint64_t serial_fib(uint32_t n)
 {
 	return n < 2 ? n : serial_fib(n - 1) + serial_fib(n - 2);
@@ -64,6 +93,10 @@ static const jobs_subject serial = {.name = "serial",
                                     .array = serial_loop,
                                     .join = serial_loop,
                                     .loop = serial_loop,
+                                    .range = serial_range,
+                                    .tiles = serial_tiles,
+                                    .reduce = serial_reduce,
+                                    .sort = serial_sort,
                                     .fib = serial_fib,
                                     .graph_make = serial_graph_make,
                                     .graph_run = serial_graph_run};
@@ -72,7 +105,8 @@ static const jobs_subject ideal = {.name = "ideal",
                                    .open = serial_open,
                                    .close = serial_close,
                                    .join = serial_loop,
-                                   .loop = serial_loop};
+                                   .loop = serial_loop,
+                                   .range = serial_range};
 
 /* A second thread that waits for a number to change, asleep on a futex or spinning, and then runs one job. */
 static struct {

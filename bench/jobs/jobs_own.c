@@ -5,6 +5,8 @@
 #include "bench/subjects/queue_subjects.h"
 #include "jobs/job_graph.h"
 #include "jobs/job_internal.h"
+#include "jobs/range/job_range.h"
+#include "jobs/range/job_sort.h"
 
 static stilb_job_pool *pool;
 static stilb_job_graph *graph;
@@ -115,6 +117,67 @@ static void loop(jobs_range_fn *fn, void *context, uint32_t count)
 	stilb_job_parallel_for(pool, count, 1, fn, context, 0);
 }
 
+static void range(jobs_range_64_fn *fn, void *context, uint64_t count)
+{
+	stilb_job_parallel_for_64(pool, count, 1, fn, context, 0);
+}
+
+typedef struct tile_call {
+	jobs_tile_fn *fn;
+	void *context;
+} tile_call;
+
+static void run_tile(stilb_job_tile tile, uint32_t worker, void *context)
+{
+	const tile_call *call = context;
+	call->fn(tile.x_begin, tile.x_end, tile.y_begin, tile.y_end, worker, call->context);
+}
+
+static void tiles(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height)
+{
+	stilb_job_parallel_for_tiles(pool, width, height, 0, 0, run_tile, &(tile_call){fn, context}, 0);
+}
+
+typedef struct fold_call {
+	jobs_fold_fn *fn;
+	void *context;
+} fold_call;
+
+static void fold(uint64_t begin, uint64_t end, void *value, uint32_t worker, void *context)
+{
+	const fold_call *call = context;
+	(void)worker;
+	call->fn(begin, end, value, call->context);
+}
+
+static void combine(void *left, const void *right, void *context)
+{
+	(void)context;
+	*(double *)left += *(const double *)right;
+}
+
+static double reduce(jobs_fold_fn *fn, void *context, uint64_t count)
+{
+	double zero = 0.0, sum = 0.0;
+	fold_call call = {fn, context};
+	stilb_job_reduction reduction = {
+		.size = sizeof sum, .identity = &zero, .fold = fold, .combine = combine, .context = &call};
+	must(stilb_job_reduce(pool, count, JOBS_REDUCE_GRAIN, &reduction, &sum, 0));
+	return sum;
+}
+
+static int by_key(const void *a, const void *b, void *context)
+{
+	const jobs_element *left = a, *right = b;
+	(void)context;
+	return (left->key > right->key) - (left->key < right->key);
+}
+
+static void sort(jobs_element *elements, uint32_t count)
+{
+	must(stilb_job_sort(pool, elements, count, sizeof *elements, by_key, NULL, 0));
+}
+
 /* The data of one job of fib, on the stack of the call that waits for it. */
 typedef struct fib_call {
 	uint32_t n;
@@ -193,7 +256,8 @@ static uint64_t stolen_at(void)
 	{                                                                                                                  \
 		.name = NAME, .open = OPEN, .close = close_pool, .spawn = spawn, .outside = outside, .batch = batch,           \
 		.array = array, .join = loop, .loop = loop, .fib = fib, .graph_make = graph_make, .graph_run = graph_run,      \
-		.submit = submit, .wait = wait, .phase_begin = phase_begin, .phase_end = phase_end, .stolen_at = stolen_at     \
+		.submit = submit, .wait = wait, .phase_begin = phase_begin, .phase_end = phase_end, .stolen_at = stolen_at,    \
+		.range = range, .tiles = tiles, .reduce = reduce, .sort = sort                                                 \
 	}
 
 static const jobs_subject pools[] = {

@@ -1,6 +1,7 @@
 /* main of the programs of the suite `jobs`: runs one case (a workload) with one subject (a job system), verifies that
  * each job ran exactly once, prints the metrics. */
 #include "bench/harness/bench_child.h"
+#include "bench/jobs/jobs_arrays.h"
 #include "bench/jobs/jobs_cases.h"
 #include "bench/jobs/jobs_subject.h"
 
@@ -192,6 +193,11 @@ static void chain_slice(uint32_t begin, uint32_t end, uint32_t worker, void *con
 		tally_add(own, i, chain(i, own->results, r->chain));
 }
 
+static void chain_range(uint64_t begin, uint64_t end, uint32_t worker, void *context)
+{
+	chain_slice((uint32_t)begin, (uint32_t)end, worker, context);
+}
+
 static void start_job(void *data, uint32_t worker)
 {
 	run *r = data;
@@ -251,6 +257,26 @@ static void run_short_loops(run *r)
 static void turn_late(run *r)
 {
 	r->subject->loop(late_slice, r, r->on->count);
+}
+
+static void turn_range(run *r)
+{
+	r->subject->range(chain_range, r, r->on->count);
+}
+
+static void turn_tiles(run *r)
+{
+	jobs_tiles_run(r->subject);
+}
+
+static void turn_reduce(run *r)
+{
+	jobs_reduce_run(r->subject);
+}
+
+static void turn_sort(run *r)
+{
+	jobs_sort_run(r->subject);
 }
 
 static void turn_fib(run *r)
@@ -358,12 +384,35 @@ static void sleep_ns(uint64_t ns)
 	nanosleep(&(struct timespec){.tv_sec = (time_t)(ns / 1000000000u), .tv_nsec = (long)(ns % 1000000000u)}, NULL);
 }
 
+/* Makes the graph or the arrays of a case. */
+static void prepare(run *r)
+{
+	const jobs_case *on = r->on;
+	if (on->kind == JOBS_GRAPH)
+		graph_prepare(r);
+	else if (on->kind == JOBS_TILES)
+		jobs_tiles_make(on->count);
+	else if (on->kind == JOBS_REDUCE)
+		jobs_reduce_make(on->count);
+	else if (on->kind == JOBS_SORT)
+		jobs_sort_make(on->count, on->ordered);
+}
+
+/* Ends the program if the last turn has left a wrong result in an array. */
+static void verify_arrays(jobs_kind kind)
+{
+	if ((kind == JOBS_TILES && !jobs_tiles_right()) || (kind == JOBS_REDUCE && !jobs_reduce_right()) ||
+	    (kind == JOBS_SORT && !jobs_sort_right()))
+		bench_child_fail("wrong result");
+}
+
 /* Ends the program if the sums over all threads are not those of the jobs of all measured turns. */
 static void verify(const run *r)
 {
 	const jobs_case *on = r->on;
-	if (on->kind == JOBS_FIB)
-		return; /* turn_fib checks the result */
+	verify_arrays(on->kind);
+	if (on->kind == JOBS_FIB || on->kind == JOBS_TILES || on->kind == JOBS_REDUCE || on->kind == JOBS_SORT)
+		return; /* turn_fib checks the result, and jobs_arrays.c has its own */
 	uint64_t count = on->kind == JOBS_WAKE || on->kind == JOBS_STEAL ? 1 : on->count;
 	tally expected = {.count = count}, sum = tally_take();
 	for (uint64_t i = 0; i < count; i++) {
@@ -377,20 +426,30 @@ static void verify(const run *r)
 		                 (unsigned long long)sum.count, (unsigned long long)r->turns);
 }
 
+/* What comes before each turn and is not measured; false if nothing does. */
+static bool before_turn(run *r)
+{
+	if (r->on->kind == JOBS_LATE)
+		run_short_loops(r);
+	if (r->on->pause_us)
+		sleep_ns(r->on->pause_us * UINT64_C(1000));
+	if (r->on->kind == JOBS_SORT)
+		jobs_sort_fill();
+	return r->on->pause_us || r->on->kind == JOBS_SORT;
+}
+
 /* Repeats `turn` for the run's duration, at least three times, and notes the time of each. */
 static void measure(run *r, void (*turn)(run *r))
 {
+	before_turn(r);
 	turn(r); /* not measured, since it takes the page faults */
+	verify_arrays(r->on->kind);
 	tally_take();
 	r->starts.count = r->submits.count = r->steals.count = 0;
 	uint64_t now = bench_child_now_ns(), until = now + r->duration;
 	while (now < until || r->turns < 3) {
-		if (r->on->kind == JOBS_LATE)
-			run_short_loops(r);
-		if (r->on->pause_us) {
-			sleep_ns(r->on->pause_us * UINT64_C(1000));
+		if (before_turn(r))
 			now = bench_child_now_ns();
-		}
 		turn(r);
 		uint64_t end = bench_child_now_ns();
 		samples_add(&r->turn_times, (end - now) / r->divisor);
@@ -545,12 +604,14 @@ static const struct {
 	void (*turn)(run *r);
 	void (*print)(run *r);
 } kinds[] = {
-	[JOBS_SPAWN] = {turn_spawn, print_rate},     [JOBS_ARRAY] = {turn_array, print_rate},
-	[JOBS_OUTSIDE] = {turn_outside, print_rate}, [JOBS_JOIN] = {turn_join, print_times_us},
-	[JOBS_LOOP] = {turn_loop, print_times_ms},   [JOBS_FIB] = {turn_fib, print_times_ms},
-	[JOBS_GRAPH] = {turn_graph, print_times_us}, [JOBS_WAKE] = {turn_start, print_wake},
-	[JOBS_STEAL] = {turn_start, print_steal},    [JOBS_IDLE] = {NULL, NULL},
-	[JOBS_BATCH] = {turn_batch, print_rate},     [JOBS_LATE] = {turn_late, print_late},
+	[JOBS_SPAWN] = {turn_spawn, print_rate},       [JOBS_ARRAY] = {turn_array, print_rate},
+	[JOBS_OUTSIDE] = {turn_outside, print_rate},   [JOBS_JOIN] = {turn_join, print_times_us},
+	[JOBS_LOOP] = {turn_loop, print_times_ms},     [JOBS_FIB] = {turn_fib, print_times_ms},
+	[JOBS_GRAPH] = {turn_graph, print_times_us},   [JOBS_WAKE] = {turn_start, print_wake},
+	[JOBS_STEAL] = {turn_start, print_steal},      [JOBS_IDLE] = {NULL, NULL},
+	[JOBS_BATCH] = {turn_batch, print_rate},       [JOBS_LATE] = {turn_late, print_late},
+	[JOBS_RANGE] = {turn_range, print_times_ms},   [JOBS_TILES] = {turn_tiles, print_times_ms},
+	[JOBS_REDUCE] = {turn_reduce, print_times_ms}, [JOBS_SORT] = {turn_sort, print_times_ms},
 };
 
 /* True if the subject has the functions for cases of this kind. */
@@ -575,6 +636,14 @@ static bool able(const jobs_subject *subject, jobs_kind kind)
 		return subject->fib;
 	case JOBS_GRAPH:
 		return subject->graph_make;
+	case JOBS_RANGE:
+		return subject->range;
+	case JOBS_TILES:
+		return subject->tiles;
+	case JOBS_REDUCE:
+		return subject->reduce;
+	case JOBS_SORT:
+		return subject->sort;
 	case JOBS_WAKE:
 	case JOBS_STEAL:
 		return subject->submit;
@@ -587,8 +656,7 @@ static void run_inside(void *context)
 	run *r = context;
 	bool phase = r->on->phase && r->on->kind != JOBS_IDLE && r->subject->phase_begin;
 	warm_up(r);
-	if (r->on->kind == JOBS_GRAPH)
-		graph_prepare(r);
+	prepare(r);
 	if (r->on->pinned)
 		pin_threads();
 	if (r->on->kind == JOBS_IDLE) {

@@ -18,6 +18,19 @@ extern "C" {
 /* The job functions of jobs/job.h. worker is 0 in subjects that do not number their threads. */
 typedef void jobs_fn(void *data, uint32_t worker);
 typedef void jobs_range_fn(uint32_t begin, uint32_t end, uint32_t worker, void *context);
+typedef void jobs_range_64_fn(uint64_t begin, uint64_t end, uint32_t worker, void *context);
+
+/* Works on the columns x_begin <= x < x_end of the rows y_begin <= y < y_end. */
+typedef void jobs_tile_fn(uint32_t x_begin, uint32_t x_end, uint32_t y_begin, uint32_t y_end, uint32_t worker,
+                          void *context);
+
+/* Adds what indices begin <= i < end contribute to *sum. */
+typedef void jobs_fold_fn(uint64_t begin, uint64_t end, double *sum, void *context);
+#define JOBS_REDUCE_GRAIN 16384 /* indices of a call, for subjects that choose it */
+
+typedef struct jobs_element {
+	uint32_t key, index;
+} jobs_element;
 
 /* `outside` is called by threads of jobs_run.c, all other functions by the main thread. NULL: the subject cannot do it,
  * and is skipped in cases that need it. */
@@ -46,6 +59,15 @@ typedef struct jobs_subject {
 	void (*join)(jobs_range_fn *fn, void *context, uint32_t count);
 	/* Runs fn over [0, count), many equal items, in slices of the subject's choice; returns when all have run. */
 	void (*loop)(jobs_range_fn *fn, void *context, uint32_t count);
+	/* loop with 64-bit indices. */
+	void (*range)(jobs_range_64_fn *fn, void *context, uint64_t count);
+	/* Runs fn over a rectangle in tiles of the subject's choice; returns when all have run. */
+	void (*tiles)(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height);
+	/* The sum of what fn adds up for 0 <= i < count. */
+	double (*reduce)(jobs_fold_fn *fn, void *context, uint64_t count);
+	/* Sorts by key, in the way that is usual with the subject: C subjects call a function for each comparison, C++
+	 * inlines it. */
+	void (*sort)(jobs_element *elements, uint32_t count);
 	/* The n-th Fibonacci number by recursion: one of the two calls is a job, the other a function call, then a wait. */
 	uint64_t (*fib)(uint32_t n);
 	/* Makes a graph of the nodes fn(data + i), i in [0, count), in which node edge[k][1] runs after node edge[k][0],

@@ -48,6 +48,52 @@ static void loop_guided(jobs_range_fn *fn, void *context, uint32_t count)
 		fn(i, i + 1, 0, context);
 }
 
+static void range_guided(jobs_range_64_fn *fn, void *context, uint64_t count)
+{
+#pragma omp parallel for schedule(guided)
+	for (uint64_t i = 0; i < count; i++)
+		fn(i, i + 1, 0, context);
+}
+
+static void range_static(jobs_range_64_fn *fn, void *context, uint64_t count)
+{
+#pragma omp parallel for schedule(static)
+	for (uint64_t i = 0; i < count; i++)
+		fn(i, i + 1, 0, context);
+}
+
+enum { TILE = 64 };
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+	return a < b ? a : b;
+}
+
+static void tiles_dynamic(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height)
+{
+#pragma omp parallel for collapse(2) schedule(dynamic, 1)
+	for (uint32_t y = 0; y < height; y += TILE)
+		for (uint32_t x = 0; x < width; x += TILE)
+			fn(x, least(x + TILE, width), y, least(y + TILE, height), 0, context);
+}
+
+/* Rows, as in a program that knows no tiles. */
+static void tiles_rows(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height)
+{
+#pragma omp parallel for schedule(static)
+	for (uint32_t y = 0; y < height; y++)
+		fn(0, width, y, y + 1, 0, context);
+}
+
+static double reduce(jobs_fold_fn *fn, void *context, uint64_t count)
+{
+	double sum = 0.0;
+#pragma omp parallel for reduction(+ : sum) schedule(static)
+	for (uint64_t i = 0; i < count; i += JOBS_REDUCE_GRAIN)
+		fn(i, count - i < JOBS_REDUCE_GRAIN ? count : i + JOBS_REDUCE_GRAIN, &sum, context);
+	return sum;
+}
+
 static uint64_t fib_task(uint32_t n)
 {
 	if (n < 2)
@@ -76,7 +122,15 @@ static const jobs_subject openmp = {.name = "openmp",
                                     .array = array,
                                     .join = array,
                                     .loop = loop_guided,
+                                    .range = range_guided,
+                                    .tiles = tiles_dynamic,
+                                    .reduce = reduce,
                                     .fib = fib};
-static const jobs_subject openmp_static = {
-	.name = "openmp-static", .open = open, .close = close, .join = join_static, .loop = join_static};
+static const jobs_subject openmp_static = {.name = "openmp-static",
+                                           .open = open,
+                                           .close = close,
+                                           .join = join_static,
+                                           .loop = join_static,
+                                           .range = range_static,
+                                           .tiles = tiles_rows};
 const jobs_subject *const jobs_subjects[] = {&openmp, &openmp_static, NULL};

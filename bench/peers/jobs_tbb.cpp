@@ -5,9 +5,12 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <tbb/blocked_range2d.h>
 #include <tbb/flow_graph.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 #include <thread>
@@ -59,6 +62,38 @@ template <typename Partitioner> void parallel_for(jobs_range_fn *fn, void *conte
 	tbb::parallel_for(
 		tbb::blocked_range<uint32_t>(0, count, 1),
 		[=](const tbb::blocked_range<uint32_t> &range) { fn(range.begin(), range.end(), 0, context); }, Partitioner());
+}
+
+void range(jobs_range_64_fn *fn, void *context, uint64_t count)
+{
+	tbb::parallel_for(tbb::blocked_range<uint64_t>(0, count, 1),
+	                  [=](const tbb::blocked_range<uint64_t> &part) { fn(part.begin(), part.end(), 0, context); });
+}
+
+void tiles(jobs_tile_fn *fn, void *context, uint32_t width, uint32_t height)
+{
+	tbb::parallel_for(
+		tbb::blocked_range2d<uint32_t>(0, height, 64, 0, width, 64), [=](const tbb::blocked_range2d<uint32_t> &tile) {
+			fn(tile.cols().begin(), tile.cols().end(), tile.rows().begin(), tile.rows().end(), 0, context);
+		});
+}
+
+/* The one of two whose result does not depend on the threads, as ours. */
+double reduce(jobs_fold_fn *fn, void *context, uint64_t count)
+{
+	return tbb::parallel_deterministic_reduce(
+		tbb::blocked_range<uint64_t>(0, count, JOBS_REDUCE_GRAIN), 0.0,
+		[=](const tbb::blocked_range<uint64_t> &part, double sum) {
+			fn(part.begin(), part.end(), &sum, context);
+			return sum;
+		},
+		[](double left, double right) { return left + right; });
+}
+
+void sort(jobs_element *elements, uint32_t count)
+{
+	tbb::parallel_sort(elements, elements + count,
+	                   [](const jobs_element &a, const jobs_element &b) { return a.key < b.key; });
 }
 
 uint64_t fib(uint32_t n)
@@ -131,6 +166,10 @@ jobs_subject describe()
 	tbb.array = parallel_for<tbb::simple_partitioner>;
 	tbb.join = parallel_for<tbb::simple_partitioner>;
 	tbb.loop = parallel_for<tbb::auto_partitioner>;
+	tbb.range = range;
+	tbb.tiles = tiles;
+	tbb.reduce = reduce;
+	tbb.sort = sort;
 	tbb.fib = fib;
 	tbb.graph_make = graph_make;
 	tbb.graph_run = graph_run;
