@@ -17,9 +17,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEMO_FRAMES 120u        /* frames of a headless run without --frames */
-#define DEMO_TRACE_FRAMES 1000u /* frames in the file of --trace, at most */
-#define DEMO_VIEWS 3u           /* number of values of stilb_scene_stress_view */
+#define DEMO_FRAMES 120u         /* frames of a headless run without --frames, */
+#define DEMO_FRAMES_SOFTWARE 30u /* and on a device that draws on the CPU, where each takes a quarter of a second */
+#define DEMO_TRACE_FRAMES 1000u  /* frames in the file of --trace, at most */
+#define DEMO_VIEWS 3u            /* number of values of stilb_scene_stress_view */
 
 typedef struct demo_run {
 	demo_options options;
@@ -144,7 +145,8 @@ static void demo_title(demo_run *run, uint64_t *last)
 static uint64_t demo_frames_wanted(const demo_run *run)
 {
 	bool open_ended = run->window || run->lost || demo_options_is_replay(&run->options);
-	return run->options.frames > 0 ? run->options.frames : open_ended ? 0 : DEMO_FRAMES;
+	uint64_t frames = stilb_engine_device_is_software(run->engine) ? DEMO_FRAMES_SOFTWARE : DEMO_FRAMES;
+	return run->options.frames > 0 ? run->options.frames : open_ended ? 0 : frames;
 }
 
 /* True if the run has ended. Without a window and --frames, a run that replays a gamepad recording ends with it. */

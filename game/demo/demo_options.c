@@ -51,8 +51,8 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models the camera sees (all)", 0, 0, view_choices},
 
 		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames, 1..1000000 (120 headless, endless in a window)", 1, 1000000,
-	     NULL},
+		{"--frames", FLAG_NUMBER, &o->frames, "N",
+	     "frames, 1..1000000 (headless 120, in software 30; in a window endless)", 1, 1000000, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "open no window", 0, 0, NULL},

@@ -391,7 +391,7 @@ static void test_without_a_display(void **state)
 	assert_error_lines(1);
 	assert_said(run.err, "headless");
 	read_stats("a.json");
-	assert_int_equal(stat_int("frames"), 120);
+	assert_int_equal(stat_int("frames"), 30);
 	const char *const broken[] = {"DISPLAY=:987654", "WAYLAND_DISPLAY", NULL};
 	assert_int_equal(stilb_code(broken, "demo --models 100 --size 64x64 --frames 2"), 0);
 	assert_error_lines(1);
