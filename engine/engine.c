@@ -33,6 +33,14 @@ uint32_t stilb_engine_workers(const stilb_engine *engine)
 	return stilb_job_pool_worker_count(engine->pool);
 }
 
+stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	stilb_job_pool_stats stats;
+	stilb_job_pool_get_stats(engine->pool, &stats);
+	return stats;
+}
+
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 {
 	STILB_ASSERT_OWNER(engine->owner);

@@ -41,6 +41,7 @@
 #include "culling/cull.h"
 #include "input/input.h"
 #include "input/input_control.h"
+#include "jobs/job.h"
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/scene.h"
@@ -177,6 +178,9 @@ stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers);
 
 /* The number of workers. */
 uint32_t stilb_engine_workers(const stilb_engine *engine);
+
+/* What the workers and the engine's thread have done since the workers were started. */
+stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine);
 
 /* The hash of the last frame's command stream (render.h): equal for every number of workers. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);

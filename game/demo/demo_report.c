@@ -1,6 +1,7 @@
 #include "demo_report.h"
 
 #include "base/base_json.h"
+#include "game/cli/jobs_json.h"
 #include "shading/shade_brdf.h"
 
 #include <inttypes.h>
@@ -97,6 +98,8 @@ stilb_result demo_report_save(const demo_report *report)
 	stilb_json_int(&json, "binds_sent", (int64_t)render->binds_sent);
 	stilb_json_end(&json, '}');
 	stilb_json_int(&json, "recorded_bytes", (int64_t)render->recorded_bytes);
+	stilb_job_pool_stats jobs = stilb_engine_job_stats(report->engine);
+	jobs_json_put(&json, &jobs);
 	stilb_json_begin(&json, "stages", '{');
 	for (int s = 0; s < STAGE_GPU; s++) {
 		stilb_json_begin(&json, stage_names[s], '{');

@@ -3,6 +3,7 @@
 
 #include "base/base_json.h"
 #include "engine.h"
+#include "game/cli/jobs_json.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -152,6 +153,7 @@ static void report_put_run(stilb_json *json, const offline_options *o, const off
 	stilb_json_double(json, "mrays_per_s", report_rate(progress) * 1e-6);
 	stilb_json_int(json, "workers", result->workers);
 	stilb_json_string(json, "isa", result->scene.isa);
+	jobs_json_put(json, &result->jobs);
 	report_put_settings(json, &result->settings);
 	if (result->settings.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		report_put_cache(json, &result->settings.cache, progress->records);

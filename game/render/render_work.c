@@ -288,6 +288,8 @@ static void work_finish(work_pieces *p)
 	stilb_gi_render_destroy(p->render);
 	stilb_gi_scene_destroy(p->gi_scene);
 	stilb_scene_destroy(p->scene);
+	if (p->pool)
+		stilb_job_pool_get_stats(p->pool, &p->result->jobs);
 	stilb_job_pool_destroy(p->pool);
 }
 

@@ -17,6 +17,8 @@
 
 #include "render_options.h"
 
+#include "jobs/job.h"
+
 typedef struct offline_work offline_work;
 
 typedef enum offline_stage {
@@ -39,6 +41,7 @@ typedef struct offline_result {
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
 	stilb_gi_progress progress;
+	stilb_job_pool_stats jobs;
 } offline_result;
 
 /* Starts the thread. *options must stay valid and unchanged until offline_work_join returns.

@@ -358,6 +358,7 @@ static void test_stats_and_trace(void **state)
 		assert_stats("vulkan", replays[i], "auto", 400, 2, 4);
 		assert_int_equal(stat_int("visible"), 400);
 		assert_stages(true);
+		assert_jobs();
 		assert_trace("t.json", 2, 4);
 	}
 	stilb_good(SMALL "--no-present --validate --stats a.json");

@@ -80,6 +80,7 @@ static void test_it_just_works(void **state)
 	assert_true(stat_int("shadow_rays") > 0 && stat_int("shadow_rays") < stat_int("rays"));
 	assert_true(stat_ms("render_s") > 0.0);
 	assert_true(stat_text("isa", '"')[0] != '\0');
+	assert_jobs();
 	assert_int_equal(stat_int("passes[0].first_sample"), 0);
 	assert_true(stat_int("passes[0].block") > 1); /* the first pass is coarse */
 }

@@ -167,6 +167,20 @@ static inline double stat_ms(const char *path)
 	return strtod(text, NULL);
 }
 
+/* Asserts that the file of --stats tells of a pool that has run loops, and all that was submitted. */
+static inline void assert_jobs(void)
+{
+	static const char *const counts[] = {"jobs.steals", "jobs.loops_helped", "jobs.parks", "jobs.wakes"};
+	static const char *const lengths[] = {"jobs.deque", "jobs.high", "jobs.shared", "jobs.low"};
+	assert_int_equal(stat_int("jobs.jobs"), stat_int("jobs.submitted"));
+	assert_true(stat_int("jobs.slices") > 0);
+	assert_true(stat_ms("jobs.spin_ms") >= 0.0);
+	for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+		assert_true(stat_int(counts[i]) >= 0);
+	for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
+		assert_int_equal(stat_int(lengths[i]), 0);
+}
+
 /* The stream hash in the file of --stats at this path, which it reads. */
 static inline uint64_t stat_hash(const char *path)
 {
