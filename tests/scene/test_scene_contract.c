@@ -3,6 +3,7 @@
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_import.h"
 #include "scene/open/scene_stream.h"
+#include "scene/scene_build.h"
 #include "scene/scene_internal.h"
 #include "support/contract.h"
 #include "support/test.h"
@@ -96,11 +97,28 @@ static void importing(void **state)
 	contract_breaks("text ends with 0", scene_stream_write_message(0, &message, -1));
 }
 
+static void builds(void **state)
+{
+	(void)state;
+	stilb_scene_build *build = stilb_scene_build_begin();
+	contract_breaks("`mesh'", stilb_scene_build_mesh(build, NULL));
+	contract_breaks("`image'", stilb_scene_build_texture(build, NULL));
+	contract_breaks("`material'", stilb_scene_build_material(build, NULL));
+	contract_breaks("`local'", stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, NULL));
+	contract_breaks("parts || part_count == 0", stilb_scene_build_model(build, 0, NULL, 1));
+	contract_breaks("`light'", stilb_scene_build_light(build, NULL));
+	contract_breaks("`camera'", stilb_scene_build_camera(build, NULL));
+	contract_breaks("`scene'", stilb_scene_build_end(build, NULL));
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(meshes),          cmocka_unit_test(scenes),    cmocka_unit_test(cameras),
-		cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
+		cmocka_unit_test(meshes),  cmocka_unit_test(scenes),          cmocka_unit_test(builds),
+		cmocka_unit_test(cameras), cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,19 +98,7 @@ static bool view_is_lit(const stilb_scene *scene)
 
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
-#define CAMERA_FOV 0.7f            /* radians, of the camera for a scene without one */
-#define CAMERA_LEAST_METRES 1e-15f /* smallest size of a scene that a camera is made for: squares of less underflow */
-
-/* A camera for a scene without one: from the front, a little to the right and above, so far away that the sphere around
- * the scene, or of radius 1 if it has no size, is in view in every picture that is not higher than wide. */
-static stilb_scene_camera camera_around(const stilb_scene *scene)
-{
-	stilb_sphere sphere = scene_sphere(scene);
-	float radius = sphere.radius > CAMERA_LEAST_METRES ? sphere.radius : 1.0f;
-	stilb_vec3 center = stilb_vec3_make(sphere.x, sphere.y, sphere.z);
-	stilb_vec3 away = stilb_vec3_normalize(stilb_vec3_make(0.45f, 0.35f, 1.0f)) * (radius / sinf(0.5f * CAMERA_FOV));
-	return scene_camera_along(center + away, -away, CAMERA_FOV);
-}
+#define CAMERA_LEAST_METRES 1e-15f /* smallest distance of a camera: squares of less underflow */
 
 /* The roll of an upright camera that brings its up axis to `up`. The camera's axes are the rows of its view matrix. */
 static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
@@ -168,6 +156,6 @@ stilb_result importer_add_view(importer *import)
 	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
 		if (camera_convert(import, import->from->mCameras[i], &scene->camera))
 			return STILB_OK;
-	scene->camera = camera_around(scene);
+	scene->camera = scene_camera_around(scene);
 	return STILB_OK;
 }
