@@ -3,15 +3,15 @@
  *
  * Two kinds implement one interface. Both are linearizable: there is a single order of all items, and it agrees with
  * the real-time order of the calls.
- *   low-lock    Two locks, one for producers and one for consumers, over reused segments of 512 cells. The fastest
+ *   low-lock    Two locks, one for producers and one for consumers, over reused segments of 1024 cells. The fastest
  *               kind. It is not lock-free: a thread that is preempted inside one of its critical sections, which are a
  *               few instructions long, holds up the other threads at the same end; the other end continues.
  *   lock-free   Segments of cells that are filled and emptied in order, each by one compare-exchange. A thread that is
  *               preempted anywhere holds up nobody. Costs more, and must know its threads (see Threads).
  * Life cycle.   stilb_job_queue_create -> push and pop from any of its threads -> close (optional) -> destroy.
  * Waiting.      Two calls wait: stilb_job_queue_pop_wait for an item, stilb_job_queue_push_wait for space. They try for
- *               5 us and then sleep, so they cost no CPU; close ends them. All other calls return at once, and cost the
- *               same whether or not anybody waits.
+ *               5 us and then sleep, so they cost no CPU; close ends them. All other calls return at once (pop_n within
+ *               2 us), and cost the same whether or not anybody waits.
  * Example.
  *                   stilb_job_queue_desc desc = stilb_job_queue_desc_default();
  *                   stilb_job_queue *queue;
@@ -85,7 +85,8 @@ int stilb_job_queue_push_n(stilb_job_queue *queue, void *const *items, size_t co
 int stilb_job_queue_pop(stilb_job_queue *queue, void **item, uint32_t thread);
 
 /* Takes up to max of the oldest items and stores them in items[0..max), oldest first. Returns how many there were; if
- * none, the error of stilb_job_queue_pop. A max of 0 returns 0. [any-thread] */
+ * none, the error of stilb_job_queue_pop. A max of 0 returns 0. In the low-lock kind, a call that has caught up with
+ * producers of batches may give them 0.5 to 2 us before it looks for more items. [any-thread] */
 int stilb_job_queue_pop_n(stilb_job_queue *queue, void **items, size_t max, uint32_t thread);
 
 /* stilb_job_queue_pop that waits while the queue is empty, timeout_ns nanoseconds at most; UINT64_MAX: without limit.

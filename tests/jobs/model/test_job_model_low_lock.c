@@ -35,6 +35,7 @@ static void model_lock_give(job_lock *lock)
 #define job_lock_take_now(lock) (model_lock_take(lock), true)
 #define job_lock_release(lock) (model_lock_give(lock), false)
 #define JOB_SEGMENT_CELLS 2
+#define JOB_SEGMENT_ALIGN 8
 #include "jobs/queue/job_event.h"
 #define job_event_awaited(event) ((void)(event), false)
 #define job_event_signal(event, count) ((void)(event), (void)(count)) /* test_job_model_wait checks calls that wait */

@@ -32,6 +32,7 @@ static void model_lock_give(job_lock *lock)
 #define job_lock_take_now(lock) (model_lock_take(lock), true)
 #define job_lock_release(lock) (model_lock_give(lock), false)
 #define JOB_SEGMENT_CELLS 2
+#define JOB_SEGMENT_ALIGN 8
 #define JOB_SPSC_BLOCK_CELLS 2
 #include "jobs/queue/job_event.c"
 #include "jobs/queue/job_queue.c"
