@@ -1,7 +1,8 @@
 /*
- * job.hpp: the job system (job.h, job_graph.h, job_range.h) for C++17. Jobs, slices and nodes are lambdas or other
- * callables. An exception that leaves one is stopped before it reaches the C functions of the pool, and thrown again
- * where the program waits. A header alone, over the C interface, which may be used beside it.
+ * job.hpp: the job system (job.h, job_graph.h, job_range.h, job_sort.h, job_queue.h, job_spsc.h) for C++17. Jobs,
+ * slices, nodes and comparisons are lambdas or other callables, and queues own their items. An exception that leaves
+ * one is stopped before it reaches the C functions of the pool, and thrown again where the program waits. A header
+ * alone, over the C interface, which may be used beside it.
  *
  * Example.
  *                   stilb::job_group group(pool, 0);
@@ -19,24 +20,38 @@
  *                       group.wait();
  *                   }
  *
+ *                   stilb::job_queue<picture> queue; // a thread pushes std::unique_ptr<picture>, and this one pops
+ *                   std::unique_ptr<picture> item;
+ *                   while (queue.pop_wait(item, 0) == stilb::job_status::done)
+ *                       show(*item);
+ *
+ *                   stilb::sort(pool, draws, [](const draw &a, const draw &b) { return a.depth < b.depth; }, 0);
+ *
  * Exceptions.   The first one is kept, the jobs and nodes of the same group that have not started are dropped, and
  *               later exceptions are lost. Calls that find no memory throw std::bad_alloc.
  * Threads.      As in job.h. A group belongs to the thread that has made it, whose index it keeps; its jobs may not use
  *               it, and make groups of their own to submit and wait.
- * Memory.       One allocation for each job and node; loops make none, reduce at most one.
+ * Memory.       One allocation for each job and node; loops make none, reduce and sort at most one.
+ *               Queues make none of their own.
  */
 #ifndef STILB_JOB_HPP
 #define STILB_JOB_HPP
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <stilb/job_graph.h>
+#include <stilb/job_queue.h>
 #include <stilb/job_range.h>
+#include <stilb/job_sort.h>
+#include <stilb/job_spsc.h>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -341,6 +356,206 @@ T reduce(stilb_job_pool *pool, uint64_t count, uint64_t grain, const T &identity
 	own.combine.failure.rethrow();
 	return result;
 }
+
+/* stilb_job_sort: sorts count elements from `first` on, stably. before(a, b) is true if a must come before b, as for
+ * std::sort. It is called through a pointer and so is not inlined, as it is in std::stable_sort. Elements are copied as
+ * bytes. After an exception the array has some of its elements, perhaps some of them twice; std::bad_alloc leaves it
+ * unchanged. */
+template <typename T, typename Before>
+void sort(stilb_job_pool *pool, T *first, size_t count, Before &&before, uint32_t worker)
+{
+	static_assert(std::is_trivially_copyable_v<T>, "elements are copied as bytes");
+	static_assert(alignof(T) <= STILB_JOB_MAX_ALIGNMENT, "the copy is aligned so far");
+	struct comparison {
+		std::remove_reference_t<Before> &before;
+		job_failure failure;
+	} own{before, {}};
+	auto compare = [](const void *a, const void *b, void *context) noexcept -> int {
+		comparison &by = *static_cast<comparison *>(context);
+		if (by.failure.any())
+			return 0;
+		try {
+			return by.before(*static_cast<const T *>(b), *static_cast<const T *>(a)); // more than 0 is all that counts
+		} catch (...) {
+			by.failure.keep_current();
+			return 0;
+		}
+	};
+	if (stilb_job_sort(pool, first, count, sizeof(T), compare, &own, worker) != 0)
+		throw std::bad_alloc();
+	own.failure.rethrow();
+}
+
+/* The same for all elements of a vector, an array or a span. */
+template <typename Elements, typename Before>
+void sort(stilb_job_pool *pool, Elements &&elements, Before &&before, uint32_t worker)
+{
+	sort(pool, std::data(elements), std::size(elements), std::forward<Before>(before), worker);
+}
+
+/* How a push or pop has ended. Without memory it throws std::bad_alloc. */
+enum class job_status {
+	done,
+	again,     /* the queue is full, or empty */
+	timed_out, /* it was so all the time */
+	closed     /* and, for a pop, empty for good */
+};
+
+inline job_status job_status_of(int error)
+{
+	switch (error) {
+	case 0:
+		return job_status::done;
+	case -EAGAIN:
+		return job_status::again;
+	case -ETIMEDOUT:
+		return job_status::timed_out;
+	case -EPIPE:
+		return job_status::closed;
+	case -EINVAL:
+		throw std::invalid_argument("a queue's settings, or an item that is null");
+	default:
+		throw std::bad_alloc();
+	}
+}
+
+/* As a time limit: none. */
+inline constexpr std::chrono::nanoseconds job_no_limit = std::chrono::nanoseconds::max();
+
+inline uint64_t job_limit_ns(std::chrono::nanoseconds limit)
+{
+	return limit == job_no_limit ? UINT64_MAX : limit.count() > 0 ? static_cast<uint64_t>(limit.count()) : 0;
+}
+
+/* The result of a push, which has taken the item if it succeeded. */
+template <typename T> job_status job_pushed(int error, std::unique_ptr<T> &item)
+{
+	job_status status = job_status_of(error);
+	if (status == job_status::done)
+		(void)item.release(); // the thread that pops it may have deleted it already
+	return status;
+}
+
+/* Calls pop(&pointer), and stores the item in `item` if there was one. */
+template <typename T, typename Pop> job_status job_popped(std::unique_ptr<T> &item, Pop pop)
+{
+	void *popped = nullptr;
+	job_status status = job_status_of(pop(&popped));
+	if (status == job_status::done)
+		item.reset(static_cast<T *>(popped));
+	return status;
+}
+
+/* stilb_job_queue of items that it owns. A push takes the item only if it returns done, and a pop replaces `item` only
+ * then. thread: the caller's number, see job_queue.h. */
+template <typename T> class job_queue
+{
+  public:
+	explicit job_queue(const stilb_job_queue_desc &desc = stilb_job_queue_desc_default())
+	{
+		job_status_of(stilb_job_queue_create(&desc, &queue_));
+	}
+
+	/* Deletes the items that are left. No other call is in progress. */
+	~job_queue()
+	{
+		void *item;
+		while (stilb_job_queue_pop(queue_, &item, 0) == 0)
+			delete static_cast<T *>(item);
+		stilb_job_queue_destroy(queue_);
+	}
+
+	job_queue(const job_queue &) = delete;
+	job_queue &operator=(const job_queue &) = delete;
+
+	/* done, again or closed. */
+	job_status push(std::unique_ptr<T> &&item, uint32_t thread)
+	{
+		return job_pushed(stilb_job_queue_push(queue_, item.get(), thread), item);
+	}
+
+	/* Waits while the queue is full. done, timed_out or closed. */
+	job_status push_wait(std::unique_ptr<T> &&item, uint32_t thread, std::chrono::nanoseconds limit = job_no_limit)
+	{
+		return job_pushed(stilb_job_queue_push_wait(queue_, item.get(), thread, job_limit_ns(limit)), item);
+	}
+
+	/* done, again or closed. */
+	job_status pop(std::unique_ptr<T> &item, uint32_t thread)
+	{
+		return job_popped(item, [&](void **to) { return stilb_job_queue_pop(queue_, to, thread); });
+	}
+
+	/* Waits while the queue is empty. done, timed_out or closed. */
+	job_status pop_wait(std::unique_ptr<T> &item, uint32_t thread, std::chrono::nanoseconds limit = job_no_limit)
+	{
+		return job_popped(item,
+		                  [&](void **to) { return stilb_job_queue_pop_wait(queue_, to, thread, job_limit_ns(limit)); });
+	}
+
+	void close()
+	{
+		stilb_job_queue_close(queue_);
+	}
+
+	/* The queue of the C interface, for example for stilb_job_queue_rest. */
+	stilb_job_queue *get() const
+	{
+		return queue_;
+	}
+
+  private:
+	stilb_job_queue *queue_ = nullptr;
+};
+
+/* stilb_job_spsc of items that it owns, as job_queue. One thread pushes and closes, one other thread pops. */
+template <typename T> class job_spsc
+{
+  public:
+	/* allocator: as for stilb_job_spsc_create_with. */
+	explicit job_spsc(const stilb_job_allocator *allocator = nullptr)
+	{
+		job_status_of(stilb_job_spsc_create_with(allocator, &queue_));
+	}
+
+	/* Deletes the items that are left. No other call is in progress. */
+	~job_spsc()
+	{
+		void *item;
+		while (stilb_job_spsc_pop(queue_, &item) == 0)
+			delete static_cast<T *>(item);
+		stilb_job_spsc_destroy(queue_);
+	}
+
+	job_spsc(const job_spsc &) = delete;
+	job_spsc &operator=(const job_spsc &) = delete;
+
+	/* done or closed. */
+	job_status push(std::unique_ptr<T> &&item)
+	{
+		return job_pushed(stilb_job_spsc_push(queue_, item.get()), item);
+	}
+
+	/* done, again or closed. */
+	job_status pop(std::unique_ptr<T> &item)
+	{
+		return job_popped(item, [&](void **to) { return stilb_job_spsc_pop(queue_, to); });
+	}
+
+	/* Waits while the queue is empty. done, timed_out or closed. */
+	job_status pop_wait(std::unique_ptr<T> &item, std::chrono::nanoseconds limit = job_no_limit)
+	{
+		return job_popped(item, [&](void **to) { return stilb_job_spsc_pop_wait(queue_, to, job_limit_ns(limit)); });
+	}
+
+	void close()
+	{
+		stilb_job_spsc_close(queue_);
+	}
+
+  private:
+	stilb_job_spsc *queue_ = nullptr;
+};
 
 } // namespace stilb
 #endif

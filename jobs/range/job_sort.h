@@ -20,7 +20,8 @@
 extern "C" {
 #endif
 
-/* Less than 0: *a comes before *b; 0: they are equal; more than 0: *b comes before *a. It is called by several threads
+/* Less than 0: *a comes before *b; 0: they are equal; more than 0: *b comes before *a. Only whether it is more than 0
+ * is looked at. It is called by several threads
  * at a time, with pointers into the array or into a copy of it of the same alignment, up to 128. It must not change the
  * elements. */
 typedef int stilb_job_compare_fn(const void *a, const void *b, void *context);

@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <memory>
+#include <vector>
 
 static void check(bool good, const char *what)
 {
@@ -155,8 +157,133 @@ static void ranges_are_lambdas(stilb_job_pool *pool)
 	check(thrown([&] { stilb::reduce(pool, 100, 1, 0.0, add, fail_plus, 0); }) == "combine", "of a combine");
 }
 
+/* An item that counts how many there are. */
+struct counted {
+	int number;
+	static std::atomic<int> alive;
+	explicit counted(int n) : number(n)
+	{
+		alive++;
+	}
+	~counted()
+	{
+		alive--;
+	}
+};
+std::atomic<int> counted::alive{0};
+
+using std::chrono::milliseconds;
+using stilb::job_status;
+
+static void queues_own_their_items(stilb_job_queue_kind kind)
+{
+	stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	desc.kind = kind;
+	desc.capacity = 2;
+	desc.thread_count = 2;
+	{
+		stilb::job_queue<counted> queue(desc);
+		std::unique_ptr<counted> item;
+		check(queue.pop(item, 0) == job_status::again && !item, "pop from an empty queue");
+		check(queue.pop_wait(item, 0, milliseconds(1)) == job_status::timed_out && !item, "nothing comes");
+		for (int i = 0; i < 2; i++)
+			check(queue.push(std::make_unique<counted>(i), 0) == job_status::done, "push");
+		item = std::make_unique<counted>(2);
+		check(queue.push(std::move(item), 0) == job_status::again && item, "a full queue leaves the item");
+		check(queue.push_wait(std::move(item), 0, milliseconds(-1)) == job_status::timed_out && item, "still full");
+		check(thrown([&] { queue.push(nullptr, 0); }) != "none", "no null items");
+		check(counted::alive == 3, "three items");
+		std::unique_ptr<counted> first;
+		check(queue.pop(first, 1) == job_status::done && first->number == 0, "the oldest item");
+		check(queue.pop_wait(first, 1) == job_status::done && first->number == 1, "the next one");
+		check(counted::alive == 2, "a pop deletes what was there before");
+		check(queue.push_wait(std::move(item), 0) == job_status::done && !item, "push where there is room");
+		queue.close();
+		item = std::make_unique<counted>(3);
+		check(queue.push(std::move(item), 0) == job_status::closed && item, "a closed queue leaves the item");
+		check(queue.push_wait(std::move(item), 0) == job_status::closed && item, "also after a wait");
+	} // deletes item 2
+	check(counted::alive == 0, "no item leaks");
+	desc.capacity = 0;
+	check(thrown([&] { stilb::job_queue<counted> none(desc); }) != "none", "settings out of range");
+}
+
+static void spsc_owns_its_items()
+{
+	{
+		stilb::job_spsc<counted> queue;
+		std::unique_ptr<counted> item;
+		check(queue.pop(item) == job_status::again, "pop from an empty queue");
+		check(queue.pop_wait(item, milliseconds(1)) == job_status::timed_out, "nothing comes");
+		for (int i = 0; i < 3; i++)
+			check(queue.push(std::make_unique<counted>(i)) == job_status::done, "push");
+		check(queue.pop_wait(item) == job_status::done && item->number == 0, "the oldest item");
+		check(queue.pop(item) == job_status::done && item->number == 1, "the next one");
+		queue.close();
+		item = std::make_unique<counted>(3);
+		check(queue.push(std::move(item)) == job_status::closed && item, "a closed queue leaves the item");
+	} // deletes item 2
+	check(counted::alive == 0, "no item leaks");
+	stilb::job_spsc<counted> closed;
+	closed.close();
+	std::unique_ptr<counted> none;
+	check(closed.pop(none) == job_status::closed && closed.pop_wait(none) == job_status::closed, "closed and empty");
+}
+
+static void *no_memory(void *, size_t, size_t)
+{
+	return nullptr;
+}
+
+static void no_release(void *, void *, size_t)
+{
+}
+
+static void queues_without_memory_throw()
+{
+	stilb_job_allocator none = {no_memory, no_release, nullptr};
+	stilb_job_queue_desc desc = stilb_job_queue_desc_default();
+	desc.allocator = &none;
+	check(thrown([&] { stilb::job_queue<counted> queue(desc); }) == "std::bad_alloc", "no memory for a queue");
+	check(thrown([&] { stilb::job_spsc<counted> queue(&none); }) == "std::bad_alloc", "no memory for a spsc");
+}
+
+struct pair {
+	int key, place;
+};
+
+static void sorts_take_lambdas(stilb_job_pool *pool)
+{
+	auto by_key = [](const pair &a, const pair &b) { return a.key < b.key; };
+	std::vector<pair> values;
+	for (int i = 0; i < 20000; i++)
+		values.push_back({i * 7919 % 100, i});
+	stilb::sort(pool, values, by_key, 0);
+	bool sorted = true;
+	for (size_t i = 1; i < values.size(); i++)
+		sorted = sorted && (values[i - 1].key < values[i].key ||
+		                    (values[i - 1].key == values[i].key && values[i - 1].place < values[i].place));
+	check(sorted, "sorted, and stable");
+	int few[] = {3, 1, 2};
+	stilb::sort(pool, few, 2, std::less<int>(), 0);
+	check(few[0] == 1 && few[1] == 3 && few[2] == 2, "the first two of an array");
+	stilb::sort(pool, few, std::greater<int>(), 0);
+	check(few[0] == 3 && few[1] == 2 && few[2] == 1, "an array, descending");
+	std::atomic<int> calls{0};
+	auto fails = [&](const pair &, const pair &) -> bool {
+		calls++;
+		throw std::runtime_error("compare");
+	};
+	check(thrown([&] { stilb::sort(pool, values, fails, 0); }) == "compare", "exception of a comparison");
+	check(calls <= static_cast<int>(stilb_job_pool_worker_count(pool)) + 1, "no comparison after an exception");
+}
+
 int main()
 {
+	queues_own_their_items(STILB_JOB_QUEUE_LOW_LOCK);
+	queues_own_their_items(STILB_JOB_QUEUE_LOCK_FREE);
+	spsc_owns_its_items();
+	queues_without_memory_throw();
 	for (uint32_t workers = 0; workers < 4; workers++) {
 		stilb_job_pool *pool = pool_of(workers);
 		jobs_run_and_own_their_captures(pool);
@@ -164,6 +291,7 @@ int main()
 		loops_throw(pool);
 		ranges_are_lambdas(pool);
 		graphs_run_and_throw(pool);
+		sorts_take_lambdas(pool);
 		stilb_job_pool_destroy(pool);
 	}
 	std::puts("all is well");
