@@ -22,7 +22,7 @@ static const struct command {
 	{"trace", trace_command, "show what takes the time in a trace file, and what got slower in another"},
 	{"shade", shade_command, "draw what the shading formulas look like: lobes, curves, spheres"},
 	{"pads", pads_command, "list gamepads; watch, record and replay what they report; explain descriptors"},
-	{"info", info_command, "show the CPU's features, the GPUs and the libraries"},
+	{"info", info_command, "show the CPU's features, the GPUs and the libraries, or what a scene has"},
 };
 
 static void print_help(void)

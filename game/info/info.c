@@ -3,6 +3,8 @@
 #include "game/cli/flags.h"
 #include "game/commands.h"
 
+#include "info_scene.h"
+
 #include "base/base_file.h"
 #include "base/base_json.h"
 #include "engine.h"
@@ -139,14 +141,21 @@ static stilb_result info_save(const info_machine *machine, const char *path)
 
 int info_command(int argc, char **argv)
 {
-	const char *path = NULL;
+	const char *path = NULL, *scene = NULL;
+	bool allow_outside = false;
 	const flag flags[] = {
+		{"scene", FLAG_WORD, &scene, NULL, NULL, 0, 0, NULL},
 		{"--json", FLAG_TEXT, &path, "FILE", "write the list as JSON too; - is standard output", 0, 0, NULL},
+		{"--allow-outside", FLAG_SWITCH, &allow_outside, NULL,
+	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
 	};
-	flags_result parsed = flags_parse(flags, 1, argc, argv);
+	size_t flag_count = sizeof flags / sizeof *flags;
+	flags_result parsed = flags_parse(flags, flag_count, argc, argv);
 	if (parsed == FLAGS_HELP) {
-		printf("stilb info: lists what this machine offers: CPU features, GPUs, libraries.\n\n");
-		flags_print(flags, 1);
+		printf(
+			"stilb info [SCENE] [FLAGS]: lists what this machine offers: CPU features, GPUs, libraries. With SCENE, a\n"
+			"file (glTF, OBJ, ...) or a built-in scene, what is in that: triangles, materials, textures, lights.\n\n");
+		flags_print(flags, flag_count);
 		return EXIT_DONE;
 	}
 	if (parsed == FLAGS_REFUSED)
@@ -155,6 +164,8 @@ int info_command(int argc, char **argv)
 		stilb_log("%s", stilb_error_message());
 		return EXIT_REFUSED;
 	}
+	if (scene)
+		return info_scene(scene, allow_outside, path);
 	static info_machine machine;
 	info_query(&machine);
 	info_print(path && stilb_file_is_stdout(path) ? stderr : stdout, &machine);

@@ -53,6 +53,38 @@ static void test_words_that_cannot_be_written(void **state)
 	}
 }
 
+static void test_info_of_a_scene(void **state)
+{
+	(void)state;
+	stilb_good("info cornell");
+	assert_said(run.out, "  1 model of 4 parts; 4 meshes with 38 triangles and 76 vertices\n");
+	assert_said(run.out, "  from 0, 0, 0 to 1, 1, 1 m\n");
+	assert_said(run.out, "lights: 2 emitting triangles\n  surroundings: black\n");
+	assert_said(run.out, "only in traced pictures, not in live ones: light from emitting triangles\n");
+	stilb_good("info spheres --json a.json");
+	assert_said(run.out, "drawn as 143364 triangles");
+	assert_said(run.out, "texture 0: 256x256, 3 channels of 8 bits\n");
+	read_stats("a.json");
+	assert_int_equal(stat_int("triangles"), 20484);
+	assert_int_equal(stat_int("drawn_triangles"), 143364);
+	assert_int_equal(stat_int("materials"), 9);
+	assert_int_equal(stilb_code(NULL, "info stress --json -"), 0);
+	assert_said(run.err, "lights: a sun\n");
+	assert_said(run.out, "\"not_live\": []");
+	assert_int_equal(stilb_code(NULL, "info missing.gltf"), 2);
+	assert_error_lines(1);
+	assert_said(run.err, "missing.gltf");
+	FILE *file = fopen("one.obj", "w");
+	fputs("v 0 0 0\nv 2 0 0\nv 0 3 0\nvn 0 0 1\nf 1//1 2//1 3//1\n", file);
+	assert_int_equal(fclose(file), 0);
+	assert_int_equal(stilb_code(NULL, "info one.obj"), 0);
+	assert_said(run.out, "1 mesh with 1 triangle and 3 vertices");
+	assert_said(run.out, "from 0, 0, 0 to 2, 3, 0 m");
+	assert_said(run.out, "surroundings: a sky of 1, 1, 1 over a ground of 0.4, 0.4, 0.4");
+	assert_int_equal(stilb_code(NULL, "info one.obj --json /dev/full"), 1);
+	assert_error_lines(2); /* the grey sky, and the full disk */
+}
+
 static void test_info(void **state)
 {
 	(void)state;
@@ -476,6 +508,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_help_and_version),
 		FRESH_TEST(test_words_that_cannot_be_written),
 		FRESH_TEST(test_info),
+		FRESH_TEST(test_info_of_a_scene),
 		FRESH_TEST(test_refusals),
 		FRESH_TEST(test_bench_is_another_program),
 		FRESH_TEST(test_pictures_need_no_module),

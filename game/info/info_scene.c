@@ -1,0 +1,235 @@
+#include "info_scene.h"
+
+#include "base/base_file.h"
+#include "base/base_json.h"
+#include "engine.h"
+#include "game/cli/flags.h"
+
+#include <float.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#define INFO_DEGREES 57.29577951308232 /* in a radian */
+
+typedef struct info_contents {
+	const stilb_scene *scene;
+	double seconds; /* that opening took */
+	uint64_t vertices, triangles;
+	uint64_t drawn;    /* triangles of all parts: a mesh counts once for each part that shows it */
+	uint64_t emitting; /* of these, those whose material emits */
+	uint64_t bytes;    /* of meshes, textures and environment */
+	uint32_t lights[3];
+	float low[3], high[3]; /* the box around all vertices, metres; low > high: there are none */
+} info_contents;
+
+static const char *const info_light_names[] = {"point", "spot", "directional"};
+
+static bool info_shines(const float light[3])
+{
+	return light[0] > 0.0f || light[1] > 0.0f || light[2] > 0.0f;
+}
+
+/* Grows the box to hold the vertices of a part, in the world. */
+static void info_box_part(info_contents *c, const stilb_scene_mesh *mesh, const stilb_mat4 *transform)
+{
+	const float *m = transform->m;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		const float *p = mesh->vertices[v].position;
+		for (int i = 0; i < 3; i++) {
+			float world = m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i];
+			c->low[i] = world < c->low[i] ? world : c->low[i];
+			c->high[i] = world > c->high[i] ? world : c->high[i];
+		}
+	}
+}
+
+static info_contents info_count(const stilb_scene *scene, double seconds)
+{
+	info_contents c = {
+		.scene = scene,
+		.seconds = seconds,
+		.bytes = stilb_image_size(&scene->environment),
+		.low = {FLT_MAX, FLT_MAX, FLT_MAX},
+		.high = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
+	};
+	for (uint32_t i = 0; i < scene->mesh_count; i++) {
+		c.vertices += scene->meshes[i].vertex_count;
+		c.triangles += scene->meshes[i].index_count / 3;
+	}
+	c.bytes += c.vertices * sizeof(stilb_scene_vertex) + 3 * c.triangles * sizeof(uint32_t);
+	for (uint32_t p = 0; p < scene->part_count; p++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[p]];
+		uint32_t triangles = mesh->index_count / 3;
+		info_box_part(&c, mesh, &scene->part_transform[p]);
+		c.drawn += triangles;
+		c.emitting += info_shines(scene->materials[scene->part_material[p]].emission) ? triangles : 0;
+	}
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		c.bytes += stilb_image_size(&scene->textures[i]);
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		c.lights[scene->lights[i].kind]++;
+	return c;
+}
+
+/* The letter that makes a plural. */
+static const char *info_s(uint64_t count)
+{
+	return count == 1 ? "" : "s";
+}
+
+/* The bits of a channel. */
+static int info_bits(const stilb_image *image)
+{
+	return (int)(stilb_image_size(image) * 8 / ((uint64_t)image->width * image->height * image->channels));
+}
+
+/* What frames do not draw, of what is there: X(words, is it there). */
+#define INFO_NOT_LIVE(X)                                                                                               \
+	X("lights of the list", c->scene->light_count > 0)                                                                 \
+	X("light from emitting triangles", c->emitting > 0)                                                                \
+	X("the environment", c->scene->environment.pixels)
+
+static void info_print_lights(FILE *out, const info_contents *c)
+{
+	const stilb_scene *scene = c->scene;
+	const char *comma = "  lights: ";
+	for (int i = 0; i < 3; i++)
+		if (c->lights[i] > 0) {
+			fprintf(out, "%s%u %s", comma, c->lights[i], info_light_names[i]);
+			comma = ", ";
+		}
+	if (info_shines(scene->sun.irradiance)) {
+		fprintf(out, "%sa sun", comma);
+		comma = ", ";
+	}
+	if (c->emitting > 0) {
+		fprintf(out, "%s%" PRIu64 " emitting triangle%s", comma, c->emitting, info_s(c->emitting));
+		comma = ", ";
+	}
+	fprintf(out, "%s\n", comma[0] == ',' ? "" : "  lights: none");
+	if (scene->environment.pixels)
+		fprintf(out, "  surroundings: a panorama of %ux%u pixels\n", scene->environment.width,
+		        scene->environment.height);
+	else if (info_shines(scene->sky.sky) || info_shines(scene->sky.ground))
+		fprintf(out, "  surroundings: a sky of %.3g, %.3g, %.3g over a ground of %.3g, %.3g, %.3g\n",
+		        (double)scene->sky.sky[0], (double)scene->sky.sky[1], (double)scene->sky.sky[2],
+		        (double)scene->sky.ground[0], (double)scene->sky.ground[1], (double)scene->sky.ground[2]);
+	else
+		fprintf(out, "  surroundings: black\n");
+}
+
+static void info_print_scene(FILE *out, const char *name, const info_contents *c)
+{
+	const stilb_scene *scene = c->scene;
+	const stilb_scene_camera *camera = &scene->camera;
+	fprintf(out, "%s, opened in %.2f s, %.1f MiB\n", name, c->seconds, (double)c->bytes / 1048576.0);
+	fprintf(out, "  %u model%s of %u part%s; %u mesh%s with %" PRIu64 " triangle%s and %" PRIu64 " vertices",
+	        scene->model_count, info_s(scene->model_count), scene->part_count, info_s(scene->part_count),
+	        scene->mesh_count, scene->mesh_count == 1 ? "" : "es", c->triangles, info_s(c->triangles), c->vertices);
+	if (c->drawn != c->triangles)
+		fprintf(out, ", drawn as %" PRIu64 " triangles", c->drawn);
+	fprintf(out, "\n");
+	if (c->low[0] <= c->high[0])
+		fprintf(out, "  from %.4g, %.4g, %.4g to %.4g, %.4g, %.4g m\n", (double)c->low[0], (double)c->low[1],
+		        (double)c->low[2], (double)c->high[0], (double)c->high[1], (double)c->high[2]);
+	fprintf(out, "  %u material%s, %u texture%s\n", scene->material_count, info_s(scene->material_count),
+	        scene->texture_count, info_s(scene->texture_count));
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		fprintf(out, "    texture %u: %ux%u, %u channel%s of %d bits\n", i, scene->textures[i].width,
+		        scene->textures[i].height, scene->textures[i].channels, info_s(scene->textures[i].channels),
+		        info_bits(&scene->textures[i]));
+	info_print_lights(out, c);
+	/* + 0.0 makes 0 of -0. */
+	fprintf(out, "  camera: --camera %.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", (double)camera->position[0],
+	        (double)camera->position[1], (double)camera->position[2], (double)camera->yaw * INFO_DEGREES + 0.0,
+	        (double)camera->pitch * INFO_DEGREES + 0.0, (double)camera->fov_y * INFO_DEGREES);
+	const char *comma = "  only in traced pictures, not in live ones: ";
+#define INFO_PRINT(words, there)                                                                                       \
+	if (there) {                                                                                                       \
+		fprintf(out, "%s%s", comma, words);                                                                            \
+		comma = ", ";                                                                                                  \
+	}
+	INFO_NOT_LIVE(INFO_PRINT)
+#undef INFO_PRINT
+	if (comma[0] == ',')
+		fprintf(out, "\n");
+}
+
+static void info_json_vector(stilb_json *json, const char *name, const float v[3])
+{
+	stilb_json_begin(json, name, '[');
+	for (int i = 0; i < 3; i++)
+		stilb_json_double(json, NULL, (double)v[i]);
+	stilb_json_end(json, ']');
+}
+
+static void info_json_textures(stilb_json *json, const stilb_scene *scene)
+{
+	stilb_json_begin(json, "textures", '[');
+	for (uint32_t i = 0; i < scene->texture_count; i++) {
+		stilb_json_begin(json, NULL, '{');
+		stilb_json_int(json, "width", scene->textures[i].width);
+		stilb_json_int(json, "height", scene->textures[i].height);
+		stilb_json_int(json, "channels", scene->textures[i].channels);
+		stilb_json_int(json, "bits", info_bits(&scene->textures[i]));
+		stilb_json_end(json, '}');
+	}
+	stilb_json_end(json, ']');
+}
+
+static stilb_result info_scene_save(const char *path, const char *name, const info_contents *c)
+{
+	const stilb_scene *scene = c->scene;
+	stilb_json json = {0};
+	stilb_json_begin(&json, NULL, '{');
+	stilb_json_string(&json, "scene", name);
+	stilb_json_double(&json, "seconds", c->seconds);
+	stilb_json_int(&json, "bytes", (int64_t)c->bytes);
+	stilb_json_int(&json, "models", scene->model_count);
+	stilb_json_int(&json, "parts", scene->part_count);
+	stilb_json_int(&json, "meshes", scene->mesh_count);
+	stilb_json_int(&json, "vertices", (int64_t)c->vertices);
+	stilb_json_int(&json, "triangles", (int64_t)c->triangles);
+	stilb_json_int(&json, "drawn_triangles", (int64_t)c->drawn);
+	stilb_json_int(&json, "emitting_triangles", (int64_t)c->emitting);
+	stilb_json_int(&json, "materials", scene->material_count);
+	info_json_textures(&json, scene);
+	stilb_json_begin(&json, "lights", '{');
+	for (int i = 0; i < 3; i++)
+		stilb_json_int(&json, info_light_names[i], c->lights[i]);
+	stilb_json_bool(&json, "sun", info_shines(scene->sun.irradiance));
+	stilb_json_bool(&json, "environment", scene->environment.pixels);
+	stilb_json_end(&json, '}');
+	if (c->low[0] <= c->high[0]) {
+		info_json_vector(&json, "low", c->low);
+		info_json_vector(&json, "high", c->high);
+	}
+	stilb_json_begin(&json, "not_live", '[');
+#define INFO_JSON(words, there)                                                                                        \
+	if (there)                                                                                                         \
+		stilb_json_string(&json, NULL, words);
+	INFO_NOT_LIVE(INFO_JSON)
+#undef INFO_JSON
+	stilb_json_end(&json, ']');
+	stilb_json_end(&json, '}');
+	return stilb_json_save(&json, path);
+}
+
+int info_scene(const char *name, bool allow_outside, const char *json)
+{
+	stilb_scene *scene;
+	uint64_t start = stilb_time_ns();
+	stilb_result result =
+		stilb_scene_open_with(name, &(stilb_scene_open_options){.allow_outside = allow_outside}, &scene);
+	if (result != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return exit_code_of(result);
+	}
+	info_contents contents = info_count(scene, (double)(stilb_time_ns() - start) * 1e-9);
+	info_print_scene(json && stilb_file_is_stdout(json) ? stderr : stdout, name, &contents);
+	if (json && (result = info_scene_save(json, name, &contents)) != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	stilb_scene_destroy(scene);
+	return result == STILB_OK ? EXIT_DONE : EXIT_FAILED;
+}
