@@ -109,11 +109,9 @@ static inline job_record *job_deque_newest(job_deque *deque)
 	return atomic_load_explicit(&buffer->cell[(bottom - 1) & buffer->mask], memory_order_relaxed);
 }
 
-/* Takes the newest record; NULL if there is none. [owner] */
-static inline job_record *job_deque_pop(job_deque *deque)
+/* job_deque_pop after job_deque_newest has returned a record; NULL if a thief has taken it meanwhile. [owner] */
+static inline job_record *job_deque_pop_newest(job_deque *deque)
 {
-	if (!job_deque_newest(deque))
-		return NULL;
 	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed) - 1;
 	job_deque_buffer *buffer = atomic_load_explicit(&deque->buffer, memory_order_relaxed);
 	/* Seq_cst, both: either a thief sees the lower bottom and leaves the cell alone, or its exchange of top is seen
@@ -131,6 +129,12 @@ static inline job_record *job_deque_pop(job_deque *deque)
 	atomic_store_explicit(&deque->bottom, bottom + 1, memory_order_release);
 	JOB_CHECK(job_deque_is_sound(deque));
 	return record;
+}
+
+/* Takes the newest record; NULL if there is none. [owner] */
+static inline job_record *job_deque_pop(job_deque *deque)
+{
+	return job_deque_newest(deque) ? job_deque_pop_newest(deque) : NULL;
 }
 
 /* True if the deque was empty at some moment during the call; sees every push that happened before it. [any-thread] */

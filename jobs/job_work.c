@@ -147,7 +147,7 @@ job_record *job_work_take_own(job_slot *slot, const job_scope *scope)
 {
 	/* A thief can take this record only if it is the last one, so pop returns this record or NULL. */
 	job_record *newest = job_deque_newest(&slot->deque);
-	return newest && scope_has(scope, newest) ? job_deque_pop(&slot->deque) : NULL;
+	return newest && scope_has(scope, newest) ? job_deque_pop_newest(&slot->deque) : NULL;
 }
 
 /* Counts and reports that the thread has taken a job of thread `victim`. */
