@@ -96,23 +96,29 @@ bool jobs_reduce_right(void)
 
 static struct {
 	uint32_t count;
+	bool ordered;
+	uint64_t random;
 	jobs_element *unsorted, *elements;
 } array;
 
 void jobs_sort_make(uint32_t count, bool ordered)
 {
-	uint64_t random = 1;
 	array.count = count;
+	array.ordered = ordered;
+	array.random = 1;
 	array.unsorted = allocate(count, sizeof *array.unsorted);
 	array.elements = allocate(count, sizeof *array.elements);
-	for (uint32_t i = 0; i < count; i++) {
-		random = random * UINT64_C(6364136223846793005) + 1; /* Knuth, The Art of Computer Programming 2, 3.3.4 */
-		array.unsorted[i] = (jobs_element){.key = ordered ? i / 2 : (uint32_t)(random >> 44), .index = i};
-	}
 }
 
+/* Other elements each time: of an array that comes again the CPU would learn which way the branches go. */
 void jobs_sort_fill(void)
 {
+	uint64_t random = array.random;
+	for (uint32_t i = 0; i < array.count; i++) {
+		random = random * UINT64_C(6364136223846793005) + 1; /* Knuth, The Art of Computer Programming 2, 3.3.4 */
+		array.unsorted[i] = (jobs_element){.key = array.ordered ? i / 2 : (uint32_t)(random >> 44), .index = i};
+	}
+	array.random = random;
 	memcpy(array.elements, array.unsorted, array.count * sizeof *array.elements);
 }
 
