@@ -35,7 +35,7 @@ static void *guest(void *unused)
 int main(void)
 {
 	pthread_t other;
-	lock_free_segment *segment = segment_create();
+	lock_free_segment *segment = segment_create(&queue.memory);
 	queue.capacity = SIZE_MAX;
 	queue.thread_count = THREADS;
 	queue.slot = slots;

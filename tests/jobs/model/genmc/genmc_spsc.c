@@ -24,8 +24,9 @@ static void *consume(void *unused)
 
 static void create(void)
 {
-	job_spsc_block *block = block_create();
 	queue = malloc(sizeof *queue);
+	queue->memory = (stilb_job_allocator){0};
+	job_spsc_block *block = block_create(&queue->memory);
 	queue->first = queue->writing = block;
 	atomic_init(&queue->reading, block);
 	queue->write = queue->read = block->cells;
