@@ -11,6 +11,7 @@
 
 #include <stdalign.h>
 #include <stdlib.h>
+#include <string.h>
 
 static_assert(JOB_LINE <= STILB_JOB_MAX_ALIGNMENT, "the largest alignment in use");
 
@@ -42,6 +43,22 @@ static inline void *job_allocate(const stilb_job_allocator *memory, size_t size,
 	void *block = memory->allocate(memory->user, size, alignment);
 	assert((uintptr_t)block % alignment == 0 && "the allocator returns aligned blocks");
 	return block;
+}
+
+/* A block of `to` bytes with the contents of `block`, which has `from` bytes, fewer, and is then released; NULL: no
+ * memory, and block is unchanged. block may be NULL. The alignment is that of malloc at most. */
+static inline void *job_reallocate(const stilb_job_allocator *memory, void *block, size_t from, size_t to,
+                                   size_t alignment)
+{
+	assert(from < to && alignment <= alignof(max_align_t));
+	if (!memory->allocate)
+		return realloc(block, to);
+	void *larger = job_allocate(memory, to, alignment);
+	if (larger && block) {
+		memcpy(larger, block, from);
+		memory->release(memory->user, block, from);
+	}
+	return larger;
 }
 
 /* Gives back a block of job_allocate with the same size; block may be NULL. */

@@ -73,6 +73,7 @@ struct stilb_job_graph {
 	uint32_t node_count, node_capacity;
 	uint32_t edge_count, edge_capacity;
 	bool built; /* since the last change */
+	stilb_job_allocator memory;
 	/* One block of memory, made by build. The numbers of joins follow those of the nodes. */
 	job_graph_node *run;
 	uint32_t run_count;  /* nodes and joins */
@@ -96,14 +97,37 @@ static bool graph_is_idle(const stilb_job_graph *graph)
 	return atomic_load_explicit(&graph->running.threads, memory_order_relaxed) == 0; /* as in job_exclusive_begin */
 }
 
-int stilb_job_graph_create(stilb_job_graph **out)
+int stilb_job_graph_create(stilb_job_graph **graph)
+{
+	return stilb_job_graph_create_with(NULL, graph);
+}
+
+int stilb_job_graph_create_with(const stilb_job_allocator *allocator, stilb_job_graph **out)
 {
 	assert(out);
-	stilb_job_graph *graph = aligned_alloc(JOB_LINE, sizeof *graph);
-	if (graph)
-		*graph = (stilb_job_graph){0};
+	*out = NULL;
+	if (!job_allocator_is_whole(allocator))
+		return -EINVAL;
+	stilb_job_allocator memory = job_allocator_of(allocator);
+	stilb_job_graph *graph = job_allocate(&memory, sizeof *graph, JOB_LINE);
+	if (!graph)
+		return -ENOMEM;
+	*graph = (stilb_job_graph){.memory = memory};
 	*out = graph;
-	return graph ? 0 : -ENOMEM;
+	return 0;
+}
+
+/* The size of the block of memory for runs, in bytes. ready: there are at most as many sources as nodes. Never 0, also
+ * for an empty graph. */
+static size_t block_size(size_t nodes, size_t links)
+{
+	return nodes * sizeof(job_graph_node) + (2 * links + nodes + 1) * sizeof(uint32_t);
+}
+
+/* The size of a node's name, in bytes; it may be NULL. */
+static size_t name_size(const char *name)
+{
+	return name ? strlen(name) + 1 : 0;
 }
 
 void stilb_job_graph_destroy(stilb_job_graph *graph)
@@ -111,21 +135,22 @@ void stilb_job_graph_destroy(stilb_job_graph *graph)
 	if (!graph)
 		return;
 	JOB_CHECK(graph_is_idle(graph) && "destroyed when no run is in progress");
+	stilb_job_allocator memory = graph->memory;
 	for (uint32_t i = 0; i < graph->node_count; i++)
-		free(graph->node[i].name);
-	free(graph->node);
-	free(graph->edge);
-	free(graph->run);
-	free(graph);
+		job_release(&memory, graph->node[i].name, name_size(graph->node[i].name));
+	job_release(&memory, graph->node, graph->node_capacity * sizeof *graph->node);
+	job_release(&memory, graph->edge, graph->edge_capacity * sizeof *graph->edge);
+	job_release(&memory, graph->run, block_size(graph->run_count, graph->link_count));
+	job_release(&memory, graph, sizeof *graph);
 }
 
 /* Makes room for one more element in an array of `count` elements of the given size. 0 or -ENOMEM. */
-static int reserve(void **array, uint32_t count, uint32_t *capacity, size_t size)
+static int reserve(stilb_job_graph *graph, void **array, uint32_t count, uint32_t *capacity, size_t size)
 {
 	if (count < *capacity)
 		return 0;
 	uint32_t wanted = *capacity ? *capacity * 2 : 16;
-	void *larger = realloc(*array, wanted * size);
+	void *larger = job_reallocate(&graph->memory, *array, *capacity * size, wanted * size, alignof(graph_node));
 	if (!larger)
 		return -ENOMEM;
 	*array = larger;
@@ -140,11 +165,13 @@ int stilb_job_graph_add_node(stilb_job_graph *graph, stilb_job_fn *fn, void *dat
 	if (graph->node_count == JOB_GRAPH_MAX_NODES)
 		return -EOVERFLOW;
 	void *nodes = graph->node;
-	int error = reserve(&nodes, graph->node_count, &graph->node_capacity, sizeof *graph->node);
+	int error = reserve(graph, &nodes, graph->node_count, &graph->node_capacity, sizeof *graph->node);
 	graph->node = nodes;
-	char *copy = name && !error ? strdup(name) : NULL;
+	char *copy = name && !error ? job_allocate(&graph->memory, name_size(name), 1) : NULL;
 	if (error || (name && !copy))
 		return -ENOMEM;
+	if (copy)
+		memcpy(copy, name, name_size(name));
 	graph->node[graph->node_count] = (graph_node){.fn = fn, .data = data, .name = copy};
 	*node = graph->node_count++;
 	graph->built = false;
@@ -159,7 +186,7 @@ int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t a
 	if (graph->edge_count == JOB_GRAPH_MAX_EDGES)
 		return -EOVERFLOW;
 	void *edges = graph->edge;
-	int error = reserve(&edges, graph->edge_count, &graph->edge_capacity, sizeof *graph->edge);
+	int error = reserve(graph, &edges, graph->edge_count, &graph->edge_capacity, sizeof *graph->edge);
 	graph->edge = edges;
 	if (error)
 		return error;
@@ -171,12 +198,10 @@ int stilb_job_graph_add_edge(stilb_job_graph *graph, uint32_t before, uint32_t a
 /* Makes the block of memory for runs, in place of the one before. 0 or -ENOMEM. */
 static int make_block(stilb_job_graph *graph, size_t nodes, size_t links)
 {
-	/* ready: there are at most as many sources as nodes. */
-	size_t bytes = nodes * sizeof *graph->run + (2 * links + nodes) * sizeof *graph->ready;
-	job_graph_node *run = aligned_alloc(JOB_LINE, (bytes + JOB_LINE - 1) / JOB_LINE * JOB_LINE);
+	job_graph_node *run = job_allocate(&graph->memory, block_size(nodes, links), JOB_LINE);
 	if (!run)
 		return -ENOMEM;
-	free(graph->run);
+	job_release(&graph->memory, graph->run, block_size(graph->run_count, graph->link_count));
 	graph->run = run;
 	graph->run_count = (uint32_t)nodes;
 	graph->link_count = (uint32_t)links;
@@ -359,11 +384,12 @@ static int join_nodes(stilb_job_graph *graph)
 	uint32_t bits = 1;
 	while (UINT64_C(1) << bits < graph->node_count + (uint64_t)graph->node_count / 2)
 		bits++;
-	join_place *table = malloc(sizeof *table << bits);
-	graph_edge *link = malloc((graph->edge_count + 1) * sizeof *link);
+	size_t table_size = sizeof(join_place) << bits, link_size = (graph->edge_count + (size_t)1) * sizeof(graph_edge);
+	join_place *table = job_allocate(&graph->memory, table_size, alignof(join_place));
+	graph_edge *link = job_allocate(&graph->memory, link_size, alignof(graph_edge));
 	int error = table && link ? 0 : -ENOMEM;
 	if (!error)
-		memset(table, 0xff, sizeof *table << bits); /* NO_NODE */
+		memset(table, 0xff, table_size); /* NO_NODE */
 	uint32_t links = 0, *join = graph->ready, joins = error ? 0 : make_joins(graph, table, bits, join, link, &links);
 	if (joins > 0) {
 		for (uint32_t i = 0; i < graph->edge_count; i++)
@@ -374,8 +400,8 @@ static int join_nodes(stilb_job_graph *graph)
 				link[links++] = (graph_edge){i, join[i]};
 		error = link_nodes(graph, graph->node_count + joins, link, links);
 	}
-	free(table);
-	free(link);
+	job_release(&graph->memory, table, table_size);
+	job_release(&graph->memory, link, link_size);
 	return error;
 }
 

@@ -57,6 +57,10 @@ typedef struct stilb_job_graph stilb_job_graph;
 /* Stores an empty graph in *graph. -ENOMEM: no memory, and *graph is NULL. [any-thread] */
 int stilb_job_graph_create(stilb_job_graph **graph);
 
+/* stilb_job_graph_create with memory from a copy of the allocator (job_memory.h), which the calls that change, build or
+ * destroy the graph use; NULL: the C library. -EINVAL: it has only one of its functions. [any-thread] */
+int stilb_job_graph_create_with(const stilb_job_allocator *allocator, stilb_job_graph **graph);
+
 /* Frees the graph, which is not running (asserted). graph may be NULL. A wait for the group of the last run may have
  * returned a moment ago. [any-thread] */
 void stilb_job_graph_destroy(stilb_job_graph *graph);

@@ -1,7 +1,7 @@
 /*
- * job_memory: where pools and queues get their memory. That is the C library, unless the program passes functions of
- * its own when it creates a pool (job.h) or a queue (job_queue.h, job_spsc.h), for example to count the memory, or to
- * take it from a block of fixed size.
+ * job_memory: where pools, graphs and queues get their memory. That is the C library, unless the program passes
+ * functions of its own when it creates a pool (job.h), a graph (job_graph.h) or a queue (job_queue.h, job_spsc.h), for
+ * example to count the memory, or to take it from a block of fixed size.
  *
  * Example.
  *                   static void *arena_allocate(void *arena, size_t size, size_t alignment);
@@ -10,14 +10,16 @@
  *                   stilb_job_allocator memory = {arena_allocate, arena_release, &arena};
  *                   desc.allocator = &memory; // copied; what user points to must outlive the pool
  *
- * What.         Of a pool: itself, its deques, the records of jobs, its shared queues, and the arrays of stilb_job_sort
- *               and stilb_job_reduce. Of a queue: all. Not threads and their stacks, lists of CPUs, which exist only
- *               while a pool is created, and graphs, which belong to no pool.
- * When.         When a pool or queue is created. Later when it needs more than it ever has: in submits, pushes, waits
- *               and graphs' runs. In stilb_job_sort and stilb_job_reduce. Pops from lock-free queues, also a pool's,
- *               may release some of it; the rest is released by destroy.
+ * What.         Of a pool: itself, its deques, the records of jobs, its shared queues, and the arrays of
+ *               stilb_job_sort and stilb_job_reduce. Of a graph and a queue: all; a run of a graph uses records of its
+ *               pool. Not threads and their stacks, and lists of CPUs, which exist only while a pool is created.
+ * When.         When a pool, graph or queue is created, and when a graph is changed or built. When a pool or queue
+ *               needs more than it ever has: in submits, pushes, waits and runs of graphs. In stilb_job_sort and
+ *               stilb_job_reduce. Pops from lock-free queues, also a pool's, may release some of it; the rest is
+ *               released by destroy.
  * Threads.      Any thread that makes such a call, workers among them, several at a time: both functions must be
- *               thread-safe. The library holds no lock when it calls them. They must not call the pool or queue.
+ *               thread-safe. The library holds no lock when it calls them. They must not call the pool, graph or
+ *               queue.
  * Out of memory.
  *               NULL from allocate has the same consequences as NULL from malloc: each function says which.
  */

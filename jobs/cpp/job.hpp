@@ -181,9 +181,10 @@ class job_group
 class job_graph
 {
   public:
-	job_graph()
+	/* allocator: for the graph itself, as for stilb_job_graph_create_with; nodes come from operator new. */
+	explicit job_graph(const stilb_job_allocator *allocator = nullptr)
 	{
-		if (stilb_job_graph_create(&graph_) != 0)
+		if (stilb_job_graph_create_with(allocator, &graph_) != 0)
 			throw std::bad_alloc();
 	}
 

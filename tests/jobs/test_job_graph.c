@@ -45,13 +45,6 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 	return granted() ? __real_aligned_alloc(alignment, size) : NULL;
 }
 
-char *__real_strdup(const char *text);
-char *__wrap_strdup(const char *text);
-char *__wrap_strdup(const char *text)
-{
-	return granted() ? __real_strdup(text) : NULL;
-}
-
 /* ---- graphs whose nodes check the order in which they run -------------------------------------------------------- */
 
 enum { MAX_NODES = 4096, MAX_EDGES = 16384 };

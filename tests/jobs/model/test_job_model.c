@@ -28,14 +28,14 @@
 static unsigned threads_of_a_team = 8;
 #include "job_model_sys.h"
 
+/* The array of nodes or edges of a graph is made once, with room for all of them; nodes have no names. */
+#define realloc(block, size) ((void)(block), model_aligned_alloc(JOB_LINE, size))
 #include "jobs/job_deque.c"
 #include "jobs/job_record.c"
 
 #include "jobs/job_park.c"
 
 #include "jobs/job_for.c"
-/* The array of nodes or edges is made once, with room for all of them; nodes have no names. */
-#define realloc(block, size) ((void)(block), model_aligned_alloc(JOB_LINE, size))
 #pragma push_macro("snprintf") /* not called, since there is no cycle */
 #undef snprintf
 #include "jobs/job_graph.c"

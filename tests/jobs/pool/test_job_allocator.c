@@ -1,5 +1,6 @@
 /* Pools and queues take all their memory from a program's allocator and give all of it back. The allocator's blocks are
  * no better aligned than demanded, and have any contents. */
+#include "jobs/job_graph.h"
 #include "jobs/job_spsc.h"
 #include "jobs/range/job_range.h"
 #include "jobs/range/job_sort.h"
@@ -337,6 +338,56 @@ static void test_spsc(void **state)
 	}
 }
 
+/* ---- graphs ------------------------------------------------------------------------------------------------------ */
+
+enum { STAGES = 6, STAGE_NODES = 7 };
+
+/* Adds stages whose nodes all come before those of the next one, so that build makes joins. Returns the first error. */
+static int make_graph(stilb_job_graph *graph, work *w)
+{
+	uint32_t node[STAGES * STAGE_NODES];
+	int error = 0;
+	for (int i = 0; i < STAGES * STAGE_NODES && error == 0; i++)
+		error = stilb_job_graph_add_node(graph, count_job, w, i % 3 ? "a name" : NULL, &node[i]);
+	for (int i = 0; i < (STAGES - 1) * STAGE_NODES * STAGE_NODES && error == 0; i++) {
+		int before = i / STAGE_NODES, next = before / STAGE_NODES * STAGE_NODES + STAGE_NODES;
+		error = stilb_job_graph_add_edge(graph, node[before], node[next + i % STAGE_NODES]);
+	}
+	return error ? error : stilb_job_graph_build(graph, NULL, 0);
+}
+
+static void test_graphs(void **state)
+{
+	(void)state;
+	memory pools = memory_of(UINT32_MAX, 0);
+	work w = {0};
+	assert_int_equal(create((shape){.workers = 1}, &pools, &w.pool), 0);
+	uint32_t made = 0;
+	for (uint32_t n = 0; n < 60; n++) {
+		memory m = memory_of(UINT32_MAX, n);
+		stilb_job_allocator allocator = {take, give, &m};
+		stilb_job_graph *graph;
+		int error = stilb_job_graph_create_with(&allocator, &graph);
+		allocator = (stilb_job_allocator){0}; /* it has been copied */
+		assert_int_equal(error, n == 1 ? -ENOMEM : 0);
+		if (n == 0)
+			assert_int_equal(stilb_job_graph_build(graph, NULL, 0), 0); /* while it is empty */
+		if (error == 0 && (error = make_graph(graph, &w)) == 0) {
+			uint32_t calls = count_of(&m.calls);
+			assert_int_equal(stilb_job_graph_run(graph, w.pool, &w.group, 0), 0);
+			stilb_job_wait(w.pool, &w.group, 0);
+			assert_int_equal(count_of(&w.ran), ++made * STAGES * STAGE_NODES);
+			assert_int_equal(count_of(&m.calls), calls); /* a run takes records of the pool */
+		}
+		assert_true(error == 0 || (error == -ENOMEM && n > 0));
+		stilb_job_graph_destroy(graph);
+		assert_balanced(&m);
+	}
+	assert_in_range(made, 2, 30); /* without failures, and with failures that come after the last allocation */
+	stilb_job_pool_destroy(w.pool);
+	assert_balanced(&pools);
+}
+
 static void test_half_an_allocator(void **state)
 {
 	(void)state;
@@ -351,6 +402,9 @@ static void test_half_an_allocator(void **state)
 		stilb_job_spsc *spsc = (stilb_job_spsc *)&spsc;
 		assert_int_equal(stilb_job_spsc_create_with(&halves[i], &spsc), -EINVAL);
 		assert_null(spsc);
+		stilb_job_graph *graph = (stilb_job_graph *)&graph;
+		assert_int_equal(stilb_job_graph_create_with(&halves[i], &graph), -EINVAL);
+		assert_null(graph);
 		stilb_job_pool_desc pool_desc = {.allocator = &halves[i]};
 		assert_string_equal(stilb_job_pool_desc_error(&pool_desc), "allocator has only one of its functions");
 	}
@@ -365,6 +419,7 @@ int main(void)
 		cmocka_unit_test(test_every_nth_allocation_fails),
 		cmocka_unit_test(test_queues),
 		cmocka_unit_test(test_spsc),
+		cmocka_unit_test(test_graphs),
 		cmocka_unit_test(test_half_an_allocator),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
