@@ -6,7 +6,8 @@
  *   sim_run(&sim_machines[0], 64, scenario, &data);        runs scenario(&data) as the first thread, on CPU 0
  *
  * Accesses.  The sources are compiled with -fsanitize=thread and linked with sim_access.c in place of the thread
- *            sanitizer: the compiler reports every access to memory that other threads might see, plain and atomic.
+ *            sanitizer: the compiler reports every access to memory that other threads might see, plain and atomic,
+ *            and with -fsanitize-coverage=trace-pc every basic block.
  * Lines.     Each line of 64 bytes has an owner or sharers, as under MESI, and a time until which it is busy. A hit
  *            costs next to nothing. A miss takes the line from where it is, for the published time of a transfer
  *            over that distance: to the other thread of the core, within the cluster that shares a cache, within the
@@ -20,7 +21,7 @@
  * Kernel.    Futexes, sleeps, yields, affinity and the creation of threads cost what the machine's table says. A woken
  *            thread starts after the wake latency and preempts the one that runs on its CPU; threads that share a CPU
  *            take turns.
- * Instructions. Between accesses they cost nothing by themselves; a call of a function stands for them.
+ * Instructions. They cost what the basic blocks and the calls of functions cost in which they lie.
  * Not there: caches of limited size; several misses of one thread at a time; the limits of links and memory; power
  *            states; what the two threads of a core take from each other.
  *
@@ -47,8 +48,8 @@ typedef struct sim_machine {
 	double smt, near, socket, far;
 	double rmw;       /* a read-modify-write of a line that the CPU owns */
 	double pause;     /* the instruction with which loops wait */
-	double access;    /* an access to memory that hits; several run at a time */
-	double function;  /* a call of a function, and the instructions around it */
+	double block;     /* a basic block: instructions up to the next jump, or to where one goes */
+	double function;  /* a call of a function */
 	double call;      /* a system call that does little, such as a yield without another thread */
 	double wake;      /* the caller of a futex wake */
 	double latency;   /* from the call of a futex wake to the first instruction of the woken thread */
@@ -81,7 +82,8 @@ void sim_read(const volatile void *at, const void *code);
 void sim_write(const volatile void *at, const void *code);
 void sim_rmw(const volatile void *at, const void *code);
 
-/* Calls a function. */
+/* Runs a basic block; calls a function. */
+void sim_block(void);
 void sim_function(void);
 
 /* Futexes; the waiter returns at once if *word is not expected, and after timeout_ns, UINT64_MAX for never. */

@@ -26,6 +26,12 @@ void __tsan_func_entry(void *caller)
 	sim_function();
 }
 
+void __sanitizer_cov_trace_pc(void);
+void __sanitizer_cov_trace_pc(void)
+{
+	sim_block();
+}
+
 void __tsan_func_exit(void)
 {
 }

@@ -207,13 +207,24 @@ static void fib(void *data, uint32_t worker)
 	job->result = one.result + two.result;
 }
 
+/* The median of several runs: if there are more threads than CPUs, a run takes one of two times, as a worker comes to
+ * help or not. */
 static void fib_18(void *result)
 {
+	enum { RUNS = 9 };
+	double times[RUNS];
 	fib_job job = {pool_create(), 18, 0};
 	fib(&job, 0); /* warms up */
-	double begin = begin_counting();
-	fib(&job, 0);
-	*(double *)result = (sim_now() - begin) / 1000.0;
+	for (int i = 0; i < RUNS; i++) {
+		double begin = begin_counting();
+		fib(&job, 0);
+		double time = (sim_now() - begin) / 1000.0;
+		int at = i;
+		for (; at > 0 && times[at - 1] > time; at--)
+			times[at] = times[at - 1];
+		times[at] = time;
+	}
+	*(double *)result = times[RUNS / 2];
 	if (job.result != 2584)
 		fprintf(stderr, "stilb-bench-sim: wrong fib\n");
 	stilb_job_pool_destroy(job.pool);

@@ -383,6 +383,12 @@ void sim_work(double ns)
 	}
 }
 
+void sim_block(void)
+{
+	if (sim.now)
+		sim.now->clock += ps(sim.machine->block);
+}
+
 void sim_function(void)
 {
 	if (sim.now)

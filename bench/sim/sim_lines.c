@@ -26,7 +26,7 @@ typedef struct line {
 
 static struct {
 	const sim_machine *machine;
-	uint64_t smt, near, socket, far, rmw, access, ahead;
+	uint64_t smt, near, socket, far, rmw, ahead;
 	/* For each CPU: those of the same core, cluster and socket. */
 	cpu_set core[SIM_CPUS_MAX], cluster[SIM_CPUS_MAX], node[SIM_CPUS_MAX];
 	uint64_t stores[SIM_CPUS_MAX]; /* when the stores of each CPU will all have been made */
@@ -95,7 +95,6 @@ static void lines_begin(const sim_machine *machine, uint32_t cpus)
 	mem.socket = (uint64_t)(machine->socket * 1000.0);
 	mem.far = (uint64_t)(machine->far * 1000.0);
 	mem.rmw = (uint64_t)(machine->rmw * 1000.0);
-	mem.access = (uint64_t)(machine->access * 1000.0);
 	mem.ahead = mem.near;
 	for (uint32_t a = 0; a < cpus; a++)
 		for (uint32_t b = 0; b < cpus; b++) {
@@ -204,7 +203,6 @@ void sim_read(const volatile void *at, const void *code)
 		return;
 	line *l = find(at);
 	uint64_t *clock = sim_clock();
-	*clock += mem.access;
 	if (set_has(&l->sharers, sim_cpu()) || is_leaving(l, sim_cpu(), *clock)) {
 		sim_turn(mem.ahead);
 		return;
@@ -225,7 +223,6 @@ void sim_write(const volatile void *at, const void *code)
 	if (!sim_running())
 		return;
 	line *l = find(at);
-	*sim_clock() += mem.access;
 	bool hit = can_write(l, sim_cpu()) || is_leaving(l, sim_cpu(), *sim_clock());
 	sim_turn(hit ? mem.ahead : 0);
 	uint32_t cpu = sim_cpu();
@@ -245,7 +242,6 @@ void sim_rmw(const volatile void *at, const void *code)
 	uint64_t *clock = sim_clock();
 	if (*clock < mem.stores[sim_cpu()])
 		*clock = mem.stores[sim_cpu()];
-	*clock += mem.access;
 	if (can_write(l, sim_cpu()) || is_leaving(l, sim_cpu(), *clock)) {
 		*clock += mem.rmw;
 		sim_turn(mem.ahead);

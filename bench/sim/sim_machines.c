@@ -11,7 +11,7 @@
  * The kernel's costs of all are those measured here, on two CPUs of a virtual machine (AMD EPYC, family 25 model 17,
  * Linux, sleeps of 120 us): medians of 2,000 wakes. Published latencies of Ice Lake and Skylake Xeons of their own are
  * 12 to 21 us (reported with a patch by I. Nechita for Linux's menu governor).
- * Instructions: an access and a function call cost here what makes the simulator right for one thread (docs/jobs.md);
+ * Instructions: a basic block and a function call cost here what suits the rows of one thread best (docs/jobs.md);
  * the three machines' cores are taken to be 1.6 times as slow, which is what the look for work has cost on a Xeon of
  * 2.5 GHz.
  */
@@ -30,8 +30,8 @@ const sim_machine sim_machines[] = {
      .far = 105.4,
      .rmw = 5.5,
      .pause = 44,
-     .access = 0.08,
-     .function = 2,
+     .block = 0.21,
+     .function = 1.1,
      KERNEL},
 	{.name = "epyc",
      .title = "2 AMD EPYC 7742 (Rome)",
@@ -45,8 +45,8 @@ const sim_machine sim_machines[] = {
      .far = 261,
      .rmw = 5.5,
      .pause = 20,
-     .access = 0.08,
-     .function = 2,
+     .block = 0.21,
+     .function = 1.1,
      KERNEL},
 	{.name = "graviton",
      .title = "AWS Graviton3 (Neoverse V1)",
@@ -60,8 +60,8 @@ const sim_machine sim_machines[] = {
      .far = 95,
      .rmw = 5.5,
      .pause = 10,
-     .access = 0.08,
-     .function = 2,
+     .block = 0.21,
+     .function = 1.1,
      KERNEL},
 	{.name = "here",
      .title = "the machine of docs/jobs.md: 2 CPUs of an AMD EPYC (Zen 4), virtual",
@@ -75,8 +75,8 @@ const sim_machine sim_machines[] = {
      .far = 83,
      .rmw = 2.3,
      .pause = 26,
-     .access = 0.05,
-     .function = 1.25,
+     .block = 0.13,
+     .function = 0.7,
      KERNEL},
 };
 const size_t sim_machine_count = sizeof sim_machines / sizeof *sim_machines;
