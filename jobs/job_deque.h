@@ -146,6 +146,15 @@ static inline bool job_deque_empty(job_deque *deque)
 	return top >= atomic_load_explicit(&deque->bottom, memory_order_seq_cst);
 }
 
+/* The number of records, or one that it had a moment ago; 0 if the deque is empty. [any-thread] */
+static inline int64_t job_deque_count(job_deque *deque)
+{
+	/* Relaxed, both: only a guess. */
+	int64_t count = -atomic_load_explicit(&deque->top, memory_order_relaxed);
+	count += atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+	return count > 0 ? count : 0;
+}
+
 /* The oldest record, which stays in the deque; NULL if there is none. *top is the argument for job_deque_steal.
  * [any-thread] */
 static inline job_record *job_deque_oldest(job_deque *deque, int64_t *top)

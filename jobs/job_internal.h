@@ -74,9 +74,14 @@
 #endif
 
 /* The cost of a steal to its victim, one more cache line to fetch; and the time for which a thief stays away after a
- * steal that was not worth that. */
+ * steal that was not worth that: so long for each team of the pool, so that many thieves cost no more than few. */
 #define JOB_STEAL_NS 100u
 #define JOB_STEAL_PAUSE_NS 2000u
+
+/* In a pool of several teams, a thread that has stolen a job wakes JOB_WAKE_FAN others for those left in that deque,
+ * while two are left for each of them and of the spinners, who may all be on their way to it, and at most so many are:
+ * more would only wait for one another, at the lock of the idle list and at the end of the deque. */
+#define JOB_THIEVES 4
 
 /* A pool of so many threads or fewer is one team, and its threads look for work at one another without further ado.
  * Larger pools are cut into teams of at most JOB_TEAM_MOST threads whose CPUs share their last level of cache, and

@@ -36,11 +36,13 @@ static void worker_idle(job_slot *slot)
 		job_idle_wake_spinners(&pool->idle, spin_limit(pool), JOB_WAKE_FAN); /* for the phase, see job_park.h */
 }
 
-/* Waits JOB_STEAL_PAUSE_NS after a steal from a thread whose jobs are too small to be worth it. Meanwhile the worker
- * counts as a spinner (job_park.h), since it will look for work soon. */
+/* Waits JOB_STEAL_PAUSE_NS, or so long for each team, after a steal from a thread whose jobs are too small to be worth
+ * it. Meanwhile the worker counts as a spinner (job_park.h), since it will look for work soon. */
 static void pause_stealing(job_slot *slot)
 {
 	uint64_t start = job_sys_ticks(), pause = job_sys_ticks_in(JOB_STEAL_PAUSE_NS);
+	if (!slot->pool->one_team)
+		pause *= slot->pool->team_count;
 	slot->steal_unprofitable = false;
 	if (job_deque_empty(&slot->pool->slot[slot->victim].deque))
 		return; /* nothing is left to steal there, so the worker may look elsewhere at once */

@@ -159,15 +159,21 @@ static void note_steal(job_slot *slot, uint32_t victim)
 		hooks->steal(hooks->user, slot->index, victim);
 }
 
-/* Takes the oldest job of the deque of thread `victim` if the scope allows it. */
+/* Takes the oldest job of the deque of thread `victim` if the scope allows it. Among many thieves, the one that another
+ * is faster than tries once more: otherwise it would take the idle list's lock on its way to sleep and back. */
 static job_record *steal_from(job_slot *slot, uint32_t victim, const job_scope *scope)
 {
 	stilb_job_pool *pool = slot->pool;
 	job_deque *deque = &pool->slot[victim].deque;
 	int64_t top;
 	job_record *record = job_deque_oldest(deque, &top);
-	if (!record || !scope_has(scope, record) || !job_deque_steal(deque, top))
+	if (!record || !scope_has(scope, record))
 		return NULL;
+	if (!job_deque_steal(deque, top)) {
+		record = pool->one_team ? NULL : job_deque_oldest(deque, &top);
+		if (!record || !scope_has(scope, record) || !job_deque_steal(deque, top))
+			return NULL;
+	}
 	slot->victim = victim; /* tried first next time: it may have more jobs */
 	if (victim != slot->index)
 		note_steal(slot, victim);
@@ -511,8 +517,24 @@ bool job_work_exists(job_slot *slot, const job_scope *scope)
 	return job_loop_exists(pool, scope);
 }
 
+/* Wakes threads for the jobs left in the deque that the calling thread has just stolen from (JOB_THIEVES), so that they
+ * come as a tree (job_park.h). False if none is left. */
+static bool wake_thieves(job_slot *slot, const job_work *stolen)
+{
+	stilb_job_pool *pool = slot->pool;
+	int64_t left = job_deque_count(&pool->slot[slot->victim].deque);
+	job_work work = *stolen;
+	work.spinners = left < 4 ? 0 : left / 2 - 1 < JOB_THIEVES ? (uint32_t)(left / 2) - 1 : JOB_THIEVES;
+	for (uint32_t i = 0; i < JOB_WAKE_FAN && left > 0; i++)
+		if (!job_idle_maybe_wanted_beside(&pool->idle, work.spinners) || !job_idle_wake(&pool->idle, &work))
+			break;
+	return left > 0;
+}
+
 void job_work_wake_next(job_slot *slot, const job_work *work)
 {
+	if (!slot->pool->one_team && work->kind == JOB_WORK_JOB && wake_thieves(slot, work))
+		return;
 	/* Relaxed suffices: a sleeper that is missed here has entered the idle list so late that it looks for work itself
 	 * before it sleeps. */
 	if (job_idle_maybe_wanted(&slot->pool->idle) && job_work_exists(slot, &job_scope_all))

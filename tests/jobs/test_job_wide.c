@@ -203,6 +203,60 @@ static void test_owner_wakes_one_and_helpers_two(void **state)
 	assert_int_equal(tree.sent[8], 15);
 }
 
+static void nothing(void *data, uint32_t worker)
+{
+	(void)data, (void)worker;
+}
+
+static void submit_nothing(void *data, uint32_t worker)
+{
+	assert_int_equal(stilb_job_submit(data, nothing, NULL, NULL, worker), 0);
+}
+
+/* Puts so many jobs into the deque of the owner while 15 workers sleep, and returns how many wake-ups have been sent
+ * when the first worker to be woken has stolen one. */
+static uint32_t wakes_of_a_steal(uint32_t jobs)
+{
+	stilb_job_pool *pool = made_up_pool(15);
+	sleep_all(pool);
+	for (uint32_t i = 0; i < jobs; i++)
+		submit_nothing(pool, 0);
+	assert_int_equal(count_of(&wakes), 1);
+	job_work_help(next_woken(pool), &job_scope_all, NULL);
+	uint32_t sent = count_of(&wakes);
+	rise_all(pool);
+	made_up_destroy(pool);
+	return sent;
+}
+
+static void test_thieves_wake_two(void **state)
+{
+	(void)state;
+	assert_int_equal(wakes_of_a_steal(1), 1);
+	assert_int_equal(wakes_of_a_steal(2), 2);
+	assert_int_equal(wakes_of_a_steal(4), 2);
+	assert_int_equal(wakes_of_a_steal(5), 3); /* four are left, two for each */
+	assert_int_equal(wakes_of_a_steal(64), 3);
+}
+
+/* Workers that have been woken, and have not come yet, count as thieves on their way. */
+static void test_thieves_are_limited(void **state)
+{
+	(void)state;
+	stilb_job_pool *pool = made_up_pool(15);
+	sleep_all(pool);
+	for (uint32_t i = 0; i < 64; i++)
+		submit_nothing(pool, 0);
+	job_slot *first = next_woken(pool);
+	job_idle_wake_spinners(&pool->idle, 15, 2);
+	job_idle_wake_spinners(&pool->idle, 15, 2); /* the first thief is a spinner, too, until it has stolen */
+	assert_int_equal(count_of(&wakes), 5);
+	job_work_help(first, &job_scope_all, NULL);
+	assert_int_equal(count_of(&wakes), 6);
+	rise_all(pool);
+	made_up_destroy(pool);
+}
+
 static void test_spinners_are_limited(void **state)
 {
 	(void)state;
@@ -246,16 +300,6 @@ static bool always(job_slot *slot, void *context)
 static void nap(stilb_job_pool *pool, uint32_t i)
 {
 	assert_int_equal(job_work_park(&pool->slot[i], &job_scope_all, always, NULL), JOB_IDLE_NOT_CHOSEN);
-}
-
-static void nothing(void *data, uint32_t worker)
-{
-	(void)data, (void)worker;
-}
-
-static void submit_nothing(void *data, uint32_t worker)
-{
-	assert_int_equal(stilb_job_submit(data, nothing, NULL, NULL, worker), 0);
 }
 
 static void no_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -602,6 +646,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_loop_wakes_as_many_as_it_has_slices_for),
 		cmocka_unit_test(test_owner_wakes_one_and_helpers_two),
+		cmocka_unit_test(test_thieves_wake_two),
+		cmocka_unit_test(test_thieves_are_limited),
 		cmocka_unit_test(test_spinners_are_limited),
 		cmocka_unit_test(test_only_threads_with_work_are_looked_at),
 		cmocka_unit_test(test_only_threads_with_loops_are_helped),
