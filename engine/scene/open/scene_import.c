@@ -442,10 +442,10 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	result = import_ask(&request, light ? SCENE_MESSAGE_READ_LIGHT : SCENE_MESSAGE_READ_PICTURE, file);
 	if (result == STILB_OK)
 		result = import_listen(&request, SCENE_MESSAGE_PICTURE, &message);
+	STILB_ASSERT(result != STILB_OK || (request.pictures && request.picture_count == 1));
 	if (result == STILB_OK && light && !import_is_light(&request.pictures[0]))
 		result = stilb_fail(STILB_ERROR_FILE, "its import sent a picture that is not three channels of light");
 	if (result == STILB_OK) {
-		STILB_ASSERT(request.picture_count == 1);
 		*image = request.pictures[0];
 		request.pictures[0] = (stilb_image){0};
 	} else {
