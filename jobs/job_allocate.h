@@ -1,6 +1,6 @@
 /*
- * job_allocate: memory from a program's allocator (job_memory.h) or from the C library. A pool and a queue keep a copy
- * of the allocator; all zero: the C library.
+ * job_allocate: memory from a program's allocator (job_memory.h) or from the C library. Pools, graphs and queues keep a
+ * copy of the allocator; all zero: the C library.
  */
 #ifndef STILB_JOB_ALLOCATE_H
 #define STILB_JOB_ALLOCATE_H

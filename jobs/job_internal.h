@@ -78,9 +78,10 @@
 #define JOB_STEAL_NS 100u
 #define JOB_STEAL_PAUSE_NS 2000u
 
-/* In a pool of several teams, a thread that has stolen a job wakes JOB_WAKE_FAN others for those left in that deque,
- * while two are left for each of them and of the spinners, who may all be on their way to it, and at most so many are:
- * more would only wait for one another, at the lock of the idle list and at the end of the deque. */
+/* In a pool of several teams, a thread that has stolen a job wakes up to JOB_WAKE_FAN others for the jobs left in that
+ * deque, but only while there are at most JOB_THIEVES spinners, and two jobs for each spinner and for the thread to be
+ * woken: all of them may be on their way to that deque. More would only wait for one another, at the lock of the idle
+ * list and at the end of the deque. */
 #define JOB_THIEVES 4
 
 /* A pool of so many threads or fewer is one team, and its threads look for work at one another without further ado.
