@@ -57,7 +57,11 @@ endif()
 # stilb_hot(FILE...): takes stack protector and stack clash protection away from files whose functions run for nanoseconds
 # and handle only our own numbers and pointers, never bytes from outside. A canary a call and a probe a page of stack would
 # be measurable there, and protect nothing. All other hardening stays.
+#
+# Their loops begin a cache line. A loop of a few instructions that happens to lie across two lines is slower: the one that
+# writes the ids of all models takes 5.8 us instead of 3.9 us for 100,000 models on an EPYC 9004.
 function(stilb_hot)
+	set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -falign-loops=64)
 	if(STILB_HARDENED)
 		set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fno-stack-protector -fno-stack-clash-protection)
 	endif()
