@@ -1,5 +1,6 @@
-# Installs the stilb program with what it loads, and the CMake package stilb, which stands for the packages stilb-jobs and
-# stilb-profiler together. Those two install themselves: jobs/CMakeLists.txt and profiler/CMakeLists.txt.
+# Installs the stilb program with what it loads, the libraries of the engine, and the CMake package stilb, whose components
+# are jobs, profiler, scene, engine and gi. The first two install themselves, as packages stilb-jobs and stilb-profiler:
+# jobs/CMakeLists.txt and profiler/CMakeLists.txt.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -10,8 +11,89 @@ write_basic_package_version_file(stilb-config-version.cmake COMPATIBILITY SameMi
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/stilb-config-version.cmake
 	DESTINATION ${package_dir})
 
-if(TARGET stilb)
-	install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-	install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb) # image_foreign.c looks for it in ../lib/stilb from the program
-	install(TARGETS stilb-scene-import RUNTIME DESTINATION lib/stilb) # so does scene_import.c
+if(NOT STILB_ENGINE)
+	return()
 endif()
+
+# ---- what libraries start or load by themselves: base_part.c finds it here ----
+install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb)
+install(TARGETS stilb-scene-import RUNTIME DESTINATION lib/stilb)
+if(NOT PROJECT_IS_TOP_LEVEL) # the same places relative to the headers below
+	set_target_properties(stilb-scene-import PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/stilb)
+	set_target_properties(stilb-image-oiio PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/stilb)
+endif()
+
+# ---- headers ----
+# The public headers, all that is installed. Each includes only headers of this list. Within Stilb a header is named by its
+# module ("scene/scene.h"); users have all of them in one folder: <stilb/scene.h>.
+set(headers
+	base/base.h base/base_math.h
+	image/image.h
+	scene/scene.h scene/scene_build.h
+	shading/shade_model.h
+	window/window.h
+	input/input.h input/input_camera.h input/input_control.h input/input_pad.h
+	culling/cull.h
+	render/render.h
+	ui/ui_draw.h
+	engine.h
+	gi/gi_scene.h gi/gi_render.h)
+set(elsewhere jobs/job.h profiler/prof_capture.h) # public headers of the libraries that install themselves
+set(made ${PROJECT_BINARY_DIR}/include/stilb)
+set(installed)
+foreach(header ${headers})
+	file(READ engine/${header} text)
+	string(REGEX MATCHALL "#include \"[^\"]*\"" includes "${text}")
+	foreach(include ${includes})
+		string(REGEX REPLACE ".*\"(.*)\"" "\\1" include "${include}")
+		if(NOT include IN_LIST headers AND NOT include IN_LIST elsewhere)
+			message(FATAL_ERROR "${header} is public and includes ${include}, which is not: add it to StilbInstall.cmake")
+		endif()
+	endforeach()
+	string(REGEX REPLACE "#include \"[^\"]*/([^\"/]*)\"" "#include <stilb/\\1>" text "${text}")
+	string(REPLACE "#if 0 /* 1 in the copy of this header that is installed */\n" "#if 1\n" text "${text}")
+	get_filename_component(name ${header} NAME)
+	file(CONFIGURE OUTPUT ${made}/${name} CONTENT "${text}" @ONLY)
+	list(APPEND installed ${made}/${name})
+	set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS engine/${header})
+endforeach()
+install(FILES ${installed} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
+target_include_directories(stilb-base INTERFACE
+	$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+
+file(STRINGS engine/base/base.h version REGEX "^#define STILB_VERSION_(MAJOR|MINOR|PATCH) ")
+list(TRANSFORM version REPLACE ".* " "")
+list(JOIN version . version)
+if(NOT version VERSION_EQUAL PROJECT_VERSION)
+	message(FATAL_ERROR "base.h says version ${version}, CMakeLists.txt ${PROJECT_VERSION}")
+endif()
+
+# ---- libraries ----
+# stilb_component(NAME DESCRIPTION MODULES m... REQUIRES package... LIBS -lx...): a component of the package, in CMake and as
+# stilb-NAME in pkg-config: static libraries, in the order for the linker, and what else must be linked.
+function(stilb_component name description)
+	cmake_parse_arguments(arg "" "" "MODULES;REQUIRES;LIBS" ${ARGN})
+	list(TRANSFORM arg_MODULES PREPEND stilb- OUTPUT_VARIABLE targets)
+	install(TARGETS ${targets} EXPORT stilb-${name}-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+	install(EXPORT stilb-${name}-targets NAMESPACE stilb:: DESTINATION ${package_dir})
+	list(REMOVE_ITEM arg_MODULES shading) # headers alone
+	list(TRANSFORM arg_MODULES PREPEND -lstilb- OUTPUT_VARIABLE libs)
+	list(JOIN arg_REQUIRES " " requires)
+	list(JOIN libs " " libs)
+	list(JOIN arg_LIBS " " more)
+	# The prefix is found from where the .pc file lies, so that an installed tree can be moved.
+	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+	configure_file(cmake/stilb-component.pc.in stilb-${name}.pc @ONLY)
+	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stilb-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+
+stilb_component(scene "Scenes as plain data: files, a builder, pictures"
+	MODULES scene image base shading
+	REQUIRES stilb-profiler libpng OpenEXR LIBS -lstdc++ -lm -ldl -pthread)
+stilb_component(engine "${PROJECT_DESCRIPTION}"
+	MODULES engine ui render culling input window
+	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
+stilb_component(gi "Pictures of scenes by ray tracing"
+	MODULES gi numeric
+	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3)

@@ -47,6 +47,10 @@
 #include "scene/scene.h"
 #include "ui/ui_draw.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_engine stilb_engine;
 
 /* The source of gamepads. */
@@ -262,5 +266,9 @@ stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *
 
 /* The position and direction of the scene's camera; {0} without a scene. */
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,6 +42,22 @@ const char *stilb_result_text(stilb_result result)
 	return (size_t)result < sizeof texts / sizeof *texts ? texts[result] : "unknown result";
 }
 
+/* Where lines go; fn NULL: to stderr. The lock is held while a line is written: so lines do not mix, and a replaced
+ * function is no longer running. */
+static struct {
+	pthread_mutex_t lock;
+	stilb_log_fn *fn;
+	void *user;
+} log_sink = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+void stilb_log_set(stilb_log_fn *fn, void *user)
+{
+	pthread_mutex_lock(&log_sink.lock);
+	log_sink.fn = fn;
+	log_sink.user = user;
+	pthread_mutex_unlock(&log_sink.lock);
+}
+
 void stilb_log(const char *format, ...)
 {
 	char line[2048];
@@ -52,7 +69,17 @@ void stilb_log(const char *format, ...)
 	for (char *c = line; *c; c++) /* a quoted file name may hold a newline */
 		if (iscntrl((unsigned char)*c))
 			*c = '?';
-	fprintf(stderr, "stilb: %s\n", line); /* one call, so lines of two threads do not mix */
+	pthread_mutex_lock(&log_sink.lock);
+	if (log_sink.fn)
+		log_sink.fn(log_sink.user, line);
+	else
+		fprintf(stderr, "stilb: %s\n", line);
+	pthread_mutex_unlock(&log_sink.lock);
+}
+
+const char *stilb_version(void)
+{
+	return STILB_VERSION;
 }
 
 /* Size of a huge page, and the size of a block from which on they are used. With 4 KiB pages, walking over 100 MB costs

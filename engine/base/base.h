@@ -26,7 +26,27 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define STILB_VERSION "0.2.0"
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The version of this header. While the major number is 0, every minor version may change an interface. */
+#define STILB_VERSION_MAJOR 0
+#define STILB_VERSION_MINOR 2
+#define STILB_VERSION_PATCH 0
+#define STILB_VERSION_JOIN_(a, b, c) #a "." #b "." #c
+#define STILB_VERSION_TEXT_(a, b, c) STILB_VERSION_JOIN_(a, b, c)
+#define STILB_VERSION STILB_VERSION_TEXT_(STILB_VERSION_MAJOR, STILB_VERSION_MINOR, STILB_VERSION_PATCH)
+
+/* The version of the library that is linked: STILB_VERSION, if both come from one installation. Static. */
+const char *stilb_version(void);
+
+#if 0 /* 1 in the copy of this header that is installed */
+/* Where this header lies tells a program in which installation it finds the files that the engine starts and loads
+ * (stilb-scene-import and the like): in ../../lib/stilb from here, wherever the installed tree was moved to. */
+extern const char stilb_header_path[] __attribute__((weak));
+const char stilb_header_path[] = __FILE__;
+#endif
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
@@ -88,9 +108,25 @@ static inline stilb_result stilb_fail_result(stilb_result result)
 	return result;
 }
 
-/* Writes one line to stderr, "stilb: " in front; lines of two threads do not mix. Control characters become '?', so a
- * quoted file name cannot break the line. Lines longer than 2047 bytes are cut. */
+/* Passes one line on to the function of stilb_log_set, or writes it to stderr, "stilb: " in front. Lines of two threads
+ * do not mix. Control characters become '?', so a quoted file name cannot break the line. Lines longer than 2047 bytes
+ * are cut. */
 void stilb_log(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Takes a line, without "stilb: " and newline; valid during the call. Called on the thread that logs, one line at a
+ * time; it must not log itself and not call stilb_log_set. */
+typedef void stilb_log_fn(void *user, const char *line);
+
+/* All lines of this process go to fn from now on, with user; NULL: to stderr, as at the start. When it returns, the
+ * function before is not running and will not be called again.
+ *
+ *   static void to_my_console(void *user, const char *line)
+ *   {
+ *       console_print(user, line);
+ *   }
+ *
+ *   stilb_log_set(to_my_console, console); */
+void stilb_log_set(stilb_log_fn *fn, void *user);
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
@@ -162,5 +198,9 @@ stilb_isa stilb_cpu_widest_isa(void);
 /* The instruction set to use: the one that the environment variable STILB_ISA names, else the widest.
  * STILB_ERROR_ARGUMENT: STILB_ISA names none, or one that this CPU lacks; then *isa must not be used. */
 stilb_result stilb_cpu_isa(stilb_isa *isa);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -71,4 +71,14 @@ stilb_result stilb_file_save(const char *path, const void *data, size_t size);
  * a pipe, a device, a folder, and for a file that cannot be opened; *stream is NULL then. [any-thread] */
 stilb_result stilb_file_read_open(const char *path, FILE **stream);
 
+/* Finds one of the files that Stilb starts or loads by itself, such as stilb-scene-import, and writes its path. Looks
+ * beside the running program, in the folder above it (tests in a build), in ../lib/stilb from it (the program stilb,
+ * installed), in stilb/ beside the shared library that holds this function, and in the installation whose headers the
+ * program was compiled with (base.h). False: it is in none of them. [any-thread] */
+#define STILB_FILE_PART_MAX 4352 /* bytes of a path: PATH_MAX, and room for a folder and a name */
+bool stilb_file_find_part(const char *name, char path[STILB_FILE_PART_MAX]);
+
+/* Where stilb_file_find_part has looked, for messages. */
+#define STILB_FILE_PART_PLACES "neither beside the program, nor in ../lib/stilb, nor in Stilb's installation"
+
 #endif

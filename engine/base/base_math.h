@@ -18,6 +18,10 @@
 #include <math.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Also the vector types of engine/base/glsl_types.h and the shading headers. v[0] is x. A vec3 has four lanes; the last
  * is unspecified, and no function here lets it reach a result. */
 typedef float stilb_vec2 __attribute__((vector_size(8)));
@@ -90,5 +94,9 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
  * extraction of viewing frustum planes from the world-view-projection matrix", 2001, with the signs of Vulkan's
  * reversed depth. */
 stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -43,6 +43,10 @@
 #include "jobs/job.h"
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum stilb_cull_method {
 	STILB_CULL_AUTO, /* one of the others, chosen in every run by what the last run saw */
 	STILB_CULL_OCTREE,
@@ -129,5 +133,9 @@ void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id);
 /* Sets bit id % 64 of bits[id / 64] for every visible object, and leaves the other bits as they are: bits has a word
  * for every 64 ids up to the highest. STILB_ERROR_MEMORY: no bit is set. [one-writer] */
 stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

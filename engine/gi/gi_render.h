@@ -26,7 +26,11 @@
 #define STILB_GI_RENDER_H
 
 #include "gi/gi_scene.h"
-#include "shading/shade_brdf.h"
+#include "shading/shade_model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
 
@@ -344,5 +348,9 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
  * another scene, version or other settings, of which the message names the first that differs; STILB_ERROR_MEMORY. Then
  * the render stays empty. [main-thread] */
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

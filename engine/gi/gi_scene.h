@@ -22,6 +22,10 @@
 #include "jobs/job.h"
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_gi_scene stilb_gi_scene;
 
 /* Instruction sets that Embree may use: X(ENUM, identifier). AUTO is the widest this CPU has. Each walks the tree in
@@ -93,5 +97,9 @@ const stilb_gi_scene_info *stilb_gi_scene_info_of(const stilb_gi_scene *scene);
 
 /* The version of Embree that the program was built with, "3.13.5". [any-thread] */
 const char *stilb_gi_library_version(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

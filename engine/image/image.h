@@ -31,6 +31,10 @@
 
 #include "base/base.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define STILB_IMAGE_MAX_SIDE 65536u        /* pixels */
 #define STILB_IMAGE_MAX_BYTES (1ull << 32) /* 16384 x 16384 x 4 floats */
 
@@ -114,5 +118,9 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path);
  * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or
  * of a kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -19,6 +19,10 @@
 #include "base/base.h"
 #include "window/window.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* One frame's requests. A switch (overlay, inspector, freeze) is true if this frame flips it: a key pressed twice
  * between two frames changes nothing. */
 typedef struct stilb_input_state {
@@ -55,5 +59,9 @@ stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 /* Input without flying and freezing, which are the keys that a user interface with the keyboard's focus takes
  * (letters and space); the mouse and the other keys stay. [any-thread] */
 stilb_input_state stilb_input_without_keys(stilb_input_state input);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

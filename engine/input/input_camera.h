@@ -29,6 +29,10 @@
 
 #include "base/base.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Position in metres and direction in radians. Yaw 0 looks along -Z and grows to the left, pitch grows
  * upwards. There is no roll. */
 typedef struct stilb_input_pose {
@@ -128,5 +132,9 @@ float stilb_input_step_towards(float value, float target, float step);
  * length 1 beyond it. A stick that is not finite gives 0. out may be in. Asserts inner >= 0, outer > 0 and curve > 0.
  * [any-thread] */
 void stilb_input_stick(const float in[2], float inner, float outer, float curve, float out[2]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

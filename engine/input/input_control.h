@@ -33,6 +33,10 @@
 #include "input/input_camera.h"
 #include "input/input_pad.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Pads at a time; events of more are ignored. */
 #define STILB_INPUT_PADS_MAX 16u
 
@@ -105,5 +109,9 @@ uint32_t stilb_input_control_pads(const stilb_input_control *control,
 /* Number of the leading pad, 0 if none leads. *last_us, which may be NULL, gets the time of its last decoded report and
  * is unchanged if none leads. [owner-thread] */
 uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -16,6 +16,10 @@
 
 #include "base/base.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A stick is in [-1, 1], positive to the right and UP, 0 at rest. A trigger is in [0, 1], 0 at rest. */
 typedef enum stilb_input_axis {
 	STILB_INPUT_LEFT_X,
@@ -115,5 +119,9 @@ typedef struct stilb_input_event {
 	/* For STATE: the sticks, triggers and buttons as the window library has decoded them. */
 	stilb_input_pad_state state;
 } stilb_input_event;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -49,6 +49,10 @@
 #include "jobs/job.h"
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_render stilb_render;
 typedef struct stilb_render_context stilb_render_context;
 
@@ -402,5 +406,9 @@ const char *stilb_render_vulkan_version(void);
 /* Lists up to capacity GPUs in the order of --gpu numbers. *count may be 0. STILB_ERROR_MEMORY: a driver cannot be
  * loaded for want of memory. STILB_ERROR_DEVICE: no Vulkan driver at all. [any-thread] */
 stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

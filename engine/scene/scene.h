@@ -32,6 +32,10 @@
 #include "base/base_math.h"
 #include "image/image.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Position and unit normal in model space; uv in units of the texture's width and height, (0, 0) at its top left. */
 typedef struct stilb_scene_vertex {
 	float position[3];
@@ -258,5 +262,9 @@ void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
 
 /* World to clip (stilb_mat4_perspective) for a picture of aspect = width / height > 0. [any-thread] */
 stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -31,6 +31,10 @@
 
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_scene_build stilb_scene_build;
 
 /* NULL if there is no memory, which all functions accept: stilb_scene_build_end then returns STILB_ERROR_MEMORY.
@@ -74,5 +78,9 @@ void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera
 /* Makes the scene, and frees the build in any case. There is no sun and no sky in it: the program sets them.
  * STILB_ERROR_ARGUMENT: the first mistake. STILB_ERROR_MEMORY. *scene is NULL then. */
 stilb_result stilb_scene_build_end(stilb_scene_build *build, stilb_scene **scene);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -13,41 +13,11 @@
 #include "shade_diffuse.h"
 #include "shade_frame.h"
 #include "shade_minimalist.h"
+#include "shade_model.h"
 #include "shade_phong.h"
 #include "shade_specular.h"
 
 #include "glsl_begin.h"
-
-#define SHADE_BRDF_LAMBERT 0
-#define SHADE_BRDF_WRAPPED 1
-#define SHADE_BRDF_PHONG 2
-#define SHADE_BRDF_PHONG_MODIFIED 3
-#define SHADE_BRDF_BLINN_PHONG 4
-#define SHADE_BRDF_BLINN_PHONG_MODIFIED 5
-#define SHADE_BRDF_MINIMALIST 6
-#define SHADE_BRDF_MICROFACET 7 /* any D x G x F */
-#define SHADE_BRDF_COUNT 8
-
-/* X(integer, identifier): for lists of names; C makes a string of the identifier. */
-#define SHADE_BRDFS(X)                                                                                                 \
-	X(SHADE_BRDF_LAMBERT, lambert)                                                                                     \
-	X(SHADE_BRDF_WRAPPED, wrapped)                                                                                     \
-	X(SHADE_BRDF_PHONG, phong)                                                                                         \
-	X(SHADE_BRDF_PHONG_MODIFIED, phong_modified)                                                                       \
-	X(SHADE_BRDF_BLINN_PHONG, blinn_phong)                                                                             \
-	X(SHADE_BRDF_BLINN_PHONG_MODIFIED, blinn_phong_modified)                                                           \
-	X(SHADE_BRDF_MINIMALIST, minimalist)                                                                               \
-	X(SHADE_BRDF_MICROFACET, microfacet)
-
-/* kind is a SHADE_BRDF_; ndf, g and f are a SHADE_NDF_, SHADE_G_ and SHADE_F_, and say something for
- * SHADE_BRDF_MICROFACET alone. */
-SHADE_STRUCT(shade_brdf_model)
-{
-	int kind;
-	int ndf;
-	int g;
-	int f;
-};
 
 /* specular, [0, 1]: for SHADE_BRDF_MICROFACET F0, the reflectance at normal incidence; for the highlights of
  * shade_phong.h and shade_minimalist.h their reflectance; for Lambert and wrapped the diffuse reflectance.

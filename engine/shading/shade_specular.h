@@ -25,6 +25,7 @@
 #define SHADE_SPECULAR_H
 
 #include "shade_constants.h"
+#include "shade_model.h"
 #include "shade_phong.h"
 
 #include "glsl_begin.h"
@@ -36,47 +37,6 @@
 #define SHADE_SINE2_EPSILON 1e-12f
 #define SHADE_FRESNEL_EPSILON 1e-30f
 #define SHADE_F0_MIN 1e-20f
-
-#define SHADE_NDF_BLINN 0
-#define SHADE_NDF_BECKMANN 1
-#define SHADE_NDF_GGX 2
-#define SHADE_NDF_GGX_ANISOTROPIC 3
-#define SHADE_NDF_COUNT 4
-
-#define SHADE_G_IMPLICIT 0
-#define SHADE_G_NEUMANN 1
-#define SHADE_G_COOK_TORRANCE 2
-#define SHADE_G_KELEMEN 3
-#define SHADE_G_SMITH_BECKMANN 4
-#define SHADE_G_SMITH_GGX 5
-#define SHADE_G_SCHLICK_BECKMANN 6
-#define SHADE_G_SCHLICK_GGX 7
-#define SHADE_G_COUNT 8
-
-#define SHADE_F_NONE 0
-#define SHADE_F_SCHLICK 1
-#define SHADE_F_COOK_TORRANCE 2
-#define SHADE_F_COUNT 3
-
-/* X(integer, identifier): for lists of names; C makes a string of the identifier. */
-#define SHADE_NDFS(X)                                                                                                  \
-	X(SHADE_NDF_BLINN, blinn)                                                                                          \
-	X(SHADE_NDF_BECKMANN, beckmann)                                                                                    \
-	X(SHADE_NDF_GGX, ggx)                                                                                              \
-	X(SHADE_NDF_GGX_ANISOTROPIC, ggx_anisotropic)
-#define SHADE_GS(X)                                                                                                    \
-	X(SHADE_G_IMPLICIT, implicit)                                                                                      \
-	X(SHADE_G_NEUMANN, neumann)                                                                                        \
-	X(SHADE_G_COOK_TORRANCE, cook_torrance)                                                                            \
-	X(SHADE_G_KELEMEN, kelemen)                                                                                        \
-	X(SHADE_G_SMITH_BECKMANN, smith_beckmann)                                                                          \
-	X(SHADE_G_SMITH_GGX, smith_ggx)                                                                                    \
-	X(SHADE_G_SCHLICK_BECKMANN, schlick_beckmann)                                                                      \
-	X(SHADE_G_SCHLICK_GGX, schlick_ggx)
-#define SHADE_FS(X)                                                                                                    \
-	X(SHADE_F_NONE, none)                                                                                              \
-	X(SHADE_F_SCHLICK, schlick)                                                                                        \
-	X(SHADE_F_COOK_TORRANCE, cook_torrance)
 
 /* The angles between the vectors of one evaluation: cosines, and sin2_h = 1 - (n.h)^2. */
 SHADE_STRUCT(shade_angles)

@@ -29,6 +29,10 @@
 #include "base/base.h"
 #include "render/render.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_ui_point {
 	float x, y;
 } stilb_ui_point;
@@ -247,5 +251,9 @@ float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font,
  * short with an ellipsis; if not even one letter and the ellipsis fit, nothing is drawn. [one-writer] */
 void stilb_ui_draw_text(stilb_ui_draw_list *list, const stilb_ui_font *font, stilb_ui_rect rect, stilb_ui_align align,
                         stilb_ui_color color, const char *text);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

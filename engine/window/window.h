@@ -20,6 +20,10 @@
 
 #include "base/base.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct stilb_window stilb_window;
 
 /* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout. MINUS and PLUS are
@@ -136,5 +140,9 @@ int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surfac
 
 /* GLFW's version and what it was built with, like "3.3.8 X11 GLX ..."; a static string. [any-thread] */
 const char *stilb_window_library_version(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

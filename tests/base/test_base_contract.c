@@ -146,12 +146,15 @@ static void files(void **state)
 	(void)state;
 	stilb_file file = {0};
 	FILE *stream;
+	char part[STILB_FILE_PART_MAX];
 	contract_breaks("`path'", stilb_file_check(NULL));
 	contract_breaks("file && path", stilb_file_open(&file, NULL));
 	contract_breaks("\"open\"", stilb_file_write(&file, "x", 1));
 	contract_breaks("\"open\"", stilb_file_commit(&file));
 	contract_breaks("data || size == 0", stilb_file_save("/dev/null", NULL, 1));
 	contract_breaks("path && stream", stilb_file_read_open(NULL, &stream));
+	contract_breaks("name[0]", stilb_file_find_part("", part));
+	contract_breaks("strchr(name, '/')", stilb_file_find_part("../part", part));
 	assert_int_equal(stilb_file_open(&file, "/dev/null"), STILB_OK);
 	contract_breaks("data || size == 0", stilb_file_write(&file, NULL, 1));
 	file.temporary = file.path; /* damage: a temporary name without a target */

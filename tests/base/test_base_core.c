@@ -74,6 +74,15 @@ static void test_result_text(void **state)
 
 /* ---- log --------------------------------------------------------------------------------------------------------- */
 
+static void test_version(void **state)
+{
+	(void)state;
+	char text[32];
+	snprintf(text, sizeof text, "%d.%d.%d", STILB_VERSION_MAJOR, STILB_VERSION_MINOR, STILB_VERSION_PATCH);
+	assert_string_equal(STILB_VERSION, text);
+	assert_string_equal(stilb_version(), text);
+}
+
 /* Returns the text that stilb_log(text) writes to stderr. */
 static size_t logged(const char *text, char *out, size_t size)
 {
@@ -91,6 +100,62 @@ static size_t logged(const char *text, char *out, size_t size)
 	out[length] = '\0';
 	fclose(file);
 	return length;
+}
+
+typedef struct lines {
+	uint32_t count;
+	bool open; /* the sink may be called */
+	char last[64];
+} lines;
+
+static void take_line(void *user, const char *line)
+{
+	lines *l = user;
+	l->count++;
+	assert_true(l->open);
+	snprintf(l->last, sizeof l->last, "%s", line);
+}
+
+static void test_log_goes_to_the_program(void **state)
+{
+	(void)state;
+	char out[256];
+	lines l = {.open = true};
+	stilb_log_set(take_line, &l);
+	assert_int_equal(logged("no\nGPU", out, sizeof out), 0);
+	assert_int_equal(l.count, 1);
+	assert_string_equal(l.last, "no?GPU");
+	stilb_log_set(NULL, NULL);
+	assert_int_equal(logged("no GPU", out, sizeof out), strlen("stilb: no GPU\n"));
+	assert_int_equal(l.count, 1);
+}
+
+#define LOGGED_LINES 2000u
+
+static int log_many(void *data)
+{
+	(void)data;
+	for (uint32_t i = 0; i < LOGGED_LINES; i++)
+		stilb_log("line %u", i);
+	return 0;
+}
+
+/* While another thread logs, each line goes to one of two sinks, and none to a sink that has been replaced. */
+static void test_a_replaced_sink_is_quiet(void **state)
+{
+	(void)state;
+	lines sinks[2] = {{.open = true}, {.open = true}};
+	thrd_t thread;
+	stilb_log_set(take_line, &sinks[0]);
+	assert_int_equal(thrd_create(&thread, log_many, NULL), thrd_success);
+	for (uint32_t i = 1; i <= 200; i++) {
+		sinks[i % 2].open = true;
+		stilb_log_set(take_line, &sinks[i % 2]);
+		sinks[(i + 1) % 2].open = false;
+	}
+	assert_int_equal(thrd_join(thread, NULL), thrd_success);
+	stilb_log_set(NULL, NULL);
+	assert_int_equal(sinks[0].count + sinks[1].count, LOGGED_LINES);
 }
 
 static void test_log_is_one_line(void **state)
@@ -264,7 +329,10 @@ int main(void)
 		cmocka_unit_test(test_message_is_the_threads_own),
 		cmocka_unit_test(test_result_text),
 		cmocka_unit_test(test_threads_that_do_not_start),
+		cmocka_unit_test(test_version),
 		cmocka_unit_test(test_log_is_one_line),
+		cmocka_unit_test(test_log_goes_to_the_program),
+		cmocka_unit_test(test_a_replaced_sink_is_quiet),
 		cmocka_unit_test(test_memory_alloc),
 		cmocka_unit_test(test_memory_alloc_refuses_overflow),
 		cmocka_unit_test(test_hash_known_values),

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# test_install.sh SOURCE CC CXX: installs the stand-alone libraries, moves the installed tree, and builds and runs a
+# test_install.sh SOURCE CC CXX BUILD: installs the stand-alone libraries, moves the installed tree, and builds and runs a
 # stranger's program against it: with find_package, with pkg-config, and with add_subdirectory instead. Then the same with
-# each library alone: a copy of its folder under another name, with nothing else of Stilb beside it.
+# each library alone: a copy of its folder under another name, with nothing else of Stilb beside it. Then installs the
+# whole of Stilb from BUILD, where it has been built, moves it, and builds and runs examples/ against it.
 set -euo pipefail
-source=$1
+source=$1 build=$4
 export CC=$2 CXX=$3
 CMAKE_C_COMPILER_LAUNCHER=$(command -v ccache || true) # the same files are compiled six times
 export CMAKE_C_COMPILER_LAUNCHER
@@ -80,4 +81,50 @@ builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/profiler-alone"
 builds_by_pkg_config "$scratch/profiler-alone" "$CC" profiler_consumer/consumer.c stilb-profiler
 builds_by_pkg_config "$scratch/profiler-alone" "$CXX" profiler_consumer/consumer.cpp stilb-profiler
 builds profiler_consumer -DPROFILER_FOLDER="$scratch/elsewhere/frame-profiler"
+# ---- the engine ----
+
+refuses() { # WHAT CMAKE-OPTION...: a program that asks for the components engine and gi is told what is missing
+	local wanted=$1
+	rm -rf "$scratch/consumer"
+	if cmake -G Ninja -S "$source/examples" -B "$scratch/consumer" "${@:2}" >"$scratch/log" 2>&1; then
+		echo "not noticed: $wanted"
+		exit 1
+	fi
+	tr -s ' \n' ' ' <"$scratch/log" | grep -qF "$wanted" || { cat "$scratch/log"; echo "expected: $wanted"; exit 1; }
+}
+
+says() { # TEXT PROGRAM ARGUMENT...: an example prints this and nothing else
+	local said
+	said=$("$scratch/consumer/$2" "${@:3}" 2>&1) || { echo "$2: exit status $?: $said"; exit 1; }
+	[[ $said == $1 ]] || { printf '%s printed:\n%s\nand not:\n%s\n' "$2" "$said" "$1"; exit 1; }
+}
+
+missing="this Stilb was built without the engine (STILB_ENGINE=OFF)"
+refuses "stilb::engine is missing: $missing. stilb::gi is missing: $missing." -DCMAKE_PREFIX_PATH="$scratch/both"
+if [ -e "$build/stilb" ]; then
+	quietly cmake --install "$build" --prefix "$scratch/first"
+	mv "$scratch/first" "$scratch/whole"
+	! grep -rl "$scratch/first" "$scratch/whole" || { echo "these files name the folder they were installed to"; exit 1; }
+	has_headers whole base.h base_math.h cull.h engine.h gi_render.h gi_scene.h image.h input.h input_camera.h \
+		input_control.h input_pad.h job.h job.hpp job_graph.h job_memory.h job_prof.h job_queue.h job_range.h job_sort.h \
+		job_spsc.h prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h \
+		render.h scene.h scene_build.h shade_model.h ui_draw.h window.h
+	PKG_CONFIG_LIBDIR=$scratch refuses "libpng is not found; on Debian: apt install libpng-dev" \
+		-DCMAKE_PREFIX_PATH="$scratch/whole"
+	rm -rf "$scratch/consumer"
+	quietly cmake -G Ninja -S "$source/examples" -B "$scratch/consumer" -DCMAKE_PREFIX_PATH="$scratch/whole"
+	quietly cmake --build "$scratch/consumer"
+	flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$scratch/whole" -name stilb-engine.pc)") pkg-config --cflags --libs stilb-engine)
+	# shellcheck disable=SC2086 # words of a command line
+	quietly "$CXX" -Wall -Werror "$here/engine_consumer/consumer.cpp" -o "$scratch/consumer/middle" $flags
+	cd "$scratch"
+	printf 'v -1 0 1\nv 1 0 1\nv 1 2 1\nv -1 2 1\nf 1 2 3 4\n' >square.obj
+	says "2 of 2 models drawn: own_scene.png" own_scene
+	says "1[5-9][0-9] [5-9][0-9] [5-9][0-9]" middle own_scene.png # the ball's red
+	says "64 lights, 30 frames: many_lights.png" many_lights
+	says "[1-9]* of 1000 models in frame 60: together.json" together
+	grep -q '"raise models"' together.json && grep -q '"mine 1"' together.json && grep -q '"worker 1"' together.json
+	says "cornell by 16 samples a pixel: raytrace.png" raytrace cornell raytrace.png
+	says "*1 models, 2 triangles, 1 materials, 0 textures" file square.obj
+fi
 echo "the installed libraries work from CMake, from pkg-config and as a subdirectory"

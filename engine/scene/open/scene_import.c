@@ -1,5 +1,6 @@
 #include "scene/open/scene_import.h"
 
+#include "base/base_file.h"
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_stream.h"
 
@@ -26,24 +27,6 @@ struct scene_importer {
 	scene_stream stream;
 	uint32_t protection; /* flags of scene_protection */
 };
-
-/* Finds the program of a build, of a build as seen from a test, or of an installation. False: it is in none of them. */
-static bool import_find(char path[static PATH_MAX + 64])
-{
-	static const char *const places[] = {"", "/..", "/../lib/stilb"};
-	char folder[PATH_MAX];
-	ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
-	char *slash = length > 0 ? memrchr(folder, '/', (size_t)length) : NULL;
-	if (!slash)
-		return false;
-	*slash = '\0';
-	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-		snprintf(path, PATH_MAX + 64, "%s%s/" SCENE_IMPORTER, folder, places[i]);
-		if (access(path, X_OK) == 0)
-			return true;
-	}
-	return false;
-}
 
 #define IMPORT_SOCKET 3 /* the process's end of the connection; the same in importer_main.c */
 
@@ -97,11 +80,11 @@ static void import_begin(scene_importer *importer)
 static stilb_result import_run(scene_importer *importer)
 {
 	STILB_ASSERT(importer->id == 0 && "not running");
-	char program[PATH_MAX + 64], bytes[32], seconds[32], version[64];
+	char program[STILB_FILE_PART_MAX], bytes[32], seconds[32], version[64];
 	int ends[2], passed;
-	if (!import_find(program))
-		return stilb_fail(STILB_ERROR_FILE, "the program that reads scenes and pictures, " SCENE_IMPORTER
-		                                    ", is neither beside this one nor in ../lib/stilb");
+	if (!stilb_file_find_part(SCENE_IMPORTER, program))
+		return stilb_fail(STILB_ERROR_FILE,
+		                  "the program that reads scenes and pictures, " SCENE_IMPORTER ", is " STILB_FILE_PART_PLACES);
 	if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
 		return stilb_fail(STILB_ERROR_FILE, "no connection to " SCENE_IMPORTER ": %s", strerror(errno));
 	snprintf(bytes, sizeof bytes, "%" PRIu64, importer->limits.bytes);
