@@ -113,7 +113,7 @@ static stilb_result cull(stilb_engine *engine)
 			engine->visible[v].count = 0;
 		return STILB_OK;
 	}
-	stilb_result result = stilb_cull_move(engine->cull, scene, scene->moved, scene->moved_count);
+	stilb_result result = stilb_cull_update(engine->cull, scene, scene->moved, scene->moved_count);
 	scene->moved_count = 0; /* the program's list for the next frame begins */
 	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
 		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);

@@ -162,7 +162,7 @@ static void move_models(run *r)
 static void cull_frame(run *r, const stilb_frustum *view)
 {
 	if (r->on->moves)
-		check(stilb_cull_move(r->cull, &r->scene, r->scene.moved, r->scene.moved_count));
+		check(stilb_cull_update(r->cull, &r->scene, r->scene.moved, r->scene.moved_count));
 	check(stilb_cull_run(r->cull, r->method, &r->scene, view, r->pool, 0, &r->visible));
 }
 

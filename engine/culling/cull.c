@@ -11,6 +11,7 @@
 #define CULL_GATHER_GRAIN 16u    /* chunks that one job gathers: some microseconds of work */
 #define CULL_EXPAND_GRAIN 8u     /* chunks that one job turns into ids */
 #define CULL_EXTENT_LIMIT 0x1p58 /* metres; centres beyond it do not make the root cell larger */
+#define CULL_REBUILD_LEAST 1024u /* models that may come, or leave the root cell, before a new octree is made */
 
 /* ---- building ------------------------------------------------------------------------------------------------- */
 
@@ -81,6 +82,52 @@ stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 	};
 }
 
+/* True for bounds that no view sees: those of a model that is hidden or removed. It is not in the octree. */
+static bool cull_is_absent(stilb_sphere bounds)
+{
+	return isnan(bounds.x) || isnan(bounds.y) || isnan(bounds.z) || isnan(bounds.radius);
+}
+
+/* Makes an octree of all models of the scene, and sets the sizes at which the next one is made. On failure nothing has
+ * changed. */
+static stilb_result cull_build(stilb_cull *cull, const stilb_scene *scene)
+{
+	stilb_cull_octree_desc desc = cull_desc_for_scene(scene);
+	stilb_cull_octree *octree;
+	stilb_result result = stilb_cull_octree_create(&desc, &octree);
+	for (uint32_t model = 0; result == STILB_OK && model < scene->model_count; model++) {
+		stilb_sphere bounds = cull_scene_sphere(scene, model);
+		if (!cull_is_absent(bounds))
+			result = stilb_cull_octree_insert(octree, model, bounds);
+	}
+	if (result != STILB_OK) {
+		stilb_cull_octree_destroy(octree);
+		return result;
+	}
+	const cull_cell *root = &octree->cells[CULL_ROOT];
+	octree->kernels = cull->kernels;
+	stilb_cull_octree_destroy(cull->octree);
+	cull->octree = octree;
+	cull->rebuild_models = 2 * (uint64_t)root->subtree_count + CULL_REBUILD_LEAST;
+	cull->rebuild_outside = 2 * (uint64_t)root->count + CULL_REBUILD_LEAST;
+	STILB_CHECK(!cull_octree_check(octree));
+	return STILB_OK;
+}
+
+/* The octree's root and depth suit the scene that it was made for. When the models are more than twice as many, or
+ * twice as many lie outside the root, a new one is made, at a cost that is small beside that of the changes. */
+static void cull_rebuild(stilb_cull *cull, const stilb_scene *scene)
+{
+	const cull_cell *root = &cull->octree->cells[CULL_ROOT];
+	if (root->subtree_count <= cull->rebuild_models && root->count <= cull->rebuild_outside)
+		return;
+	PROFILE("cull.rebuild");
+	if (cull_build(cull, scene) == STILB_OK)
+		return;
+	cull->rebuild_models *= 2; /* no memory: the old octree is slower, not wrong */
+	cull->rebuild_outside *= 2;
+}
+
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 {
 	STILB_ASSERT(scene && out);
@@ -94,15 +141,11 @@ stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **out)
 		return stilb_fail(STILB_ERROR_MEMORY, "culling: no memory");
 	*cull = (stilb_cull){
 		.kernels = cull_kernels_for(isa), .model_count = scene->model_count, .serial_below = CULL_SERIAL_BELOW};
-	stilb_cull_octree_desc desc = cull_desc_for_scene(scene);
-	result = stilb_cull_octree_create(&desc, &cull->octree);
-	for (uint32_t model = 0; result == STILB_OK && model < scene->model_count; model++)
-		result = stilb_cull_octree_insert(cull->octree, model, cull_scene_sphere(scene, model));
+	result = cull_build(cull, scene);
 	if (result != STILB_OK) {
 		stilb_cull_destroy(cull);
 		return result;
 	}
-	STILB_CHECK(!cull_octree_check(cull->octree));
 	*out = cull;
 	return STILB_OK;
 }
@@ -129,14 +172,28 @@ void stilb_cull_destroy(stilb_cull *cull)
 	free(cull);
 }
 
-stilb_result stilb_cull_move(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count)
+/* Brings the octree up to date with one model's bounds. */
+static stilb_result cull_update_model(stilb_cull *cull, const stilb_scene *scene, uint32_t id)
+{
+	STILB_ASSERT(id < scene->model_count);
+	stilb_sphere bounds = cull_scene_sphere(scene, id);
+	if (!cull_is_absent(bounds))
+		return cull_octree_put(cull->octree, id, bounds);
+	stilb_cull_octree_remove(cull->octree, id);
+	return STILB_OK;
+}
+
+stilb_result stilb_cull_update(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count)
 {
 	stilb_result result = STILB_OK;
-	STILB_ASSERT(scene->model_count == cull->model_count && (ids || count == 0));
+	STILB_ASSERT(scene->model_count >= cull->model_count && "models are removed by their bounds, not by the count");
+	STILB_ASSERT(ids || count == 0);
 	cull_enter(cull);
-	for (uint32_t i = 0; result == STILB_OK && i < count; i++) {
-		STILB_ASSERT(ids[i] < cull->model_count);
-		result = stilb_cull_octree_move(cull->octree, ids[i], cull_scene_sphere(scene, ids[i]));
+	for (uint32_t i = 0; result == STILB_OK && i < count; i++)
+		result = cull_update_model(cull, scene, ids[i]);
+	if (result == STILB_OK) {
+		cull->model_count = scene->model_count;
+		cull_rebuild(cull, scene);
 	}
 	STILB_CHECK(!cull_octree_check(cull->octree));
 	cull_leave(cull);
@@ -326,6 +383,13 @@ static void cull_run_flat(cull_run *run)
 	cull_run_expand(run);
 }
 
+/* True if every model of the scene is in the octree and the view holds all of it. */
+static bool cull_sees_all(const stilb_cull *cull, const stilb_frustum *frustum)
+{
+	return cull->octree->cells[CULL_ROOT].subtree_count == cull->model_count &&
+	       cull_octree_inside(cull->octree, frustum);
+}
+
 static void cull_run_all(cull_run *run)
 {
 	PROFILE("cull.all");
@@ -369,7 +433,7 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
                             stilb_cull_visible *visible)
 {
-	STILB_ASSERT(scene->model_count == cull->model_count && "the scene that cull was created with");
+	STILB_ASSERT(scene->model_count == cull->model_count && "new models are told to stilb_cull_update");
 	STILB_ASSERT(frustum && visible && (uint32_t)method <= STILB_CULL_FLAT);
 	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
 	const stilb_scene_bounds *bounds = &scene->bounds;
@@ -382,7 +446,7 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 		.worker = worker,
 	};
 	cull_enter(cull);
-	bool all = method != STILB_CULL_FLAT && cull_octree_inside(cull->octree, frustum);
+	bool all = method != STILB_CULL_FLAT && cull_sees_all(cull, frustum);
 	if (method == STILB_CULL_AUTO)
 		method = all ? STILB_CULL_OCTREE : cull_choose(cull, visible);
 	visible->count = 0;

@@ -3,7 +3,8 @@
  *
  * Definition.  A sphere is visible if for all six planes of the view, evaluated in float in this order,
  *                  ((x * px + y * py) + z * pz) + distance >= -radius
- *              A NaN anywhere in a sphere makes it invisible; an infinite radius makes it visible from everywhere.
+ *              A NaN anywhere in a sphere makes it invisible: the sphere of a model that is hidden or removed. An
+ *              infinite radius makes it visible from everywhere.
  * Methods.     All return the same set, bit for bit. `octree` walks a tree of cubic cells, sixteen at a time, and does
  *              not test planes that a cell is wholly inside of. `flat` tests every sphere. `auto` takes the octree if
  *              the view sees all of it or the last run saw at most a quarter of the models, else flat.
@@ -12,13 +13,15 @@
  *              "Loose Octrees", Game Programming Gems, 2000, with his k = 2.
  * Code.        AVX-512, AVX2 or plain C, the widest that the CPU has, or the one that STILB_ISA names (stilb_cpu_isa).
  * Life cycle.  stilb_cull_create -> frames -> stilb_cull_destroy, and stilb_cull_visible_finish for each view.
- * Per frame.   stilb_cull_move once for all models that moved, then stilb_cull_run for each view.
+ * Per frame.   stilb_cull_update once for all models whose bounds have changed, then stilb_cull_run for each view.
  * Threads.     [one-writer]: any thread, but one call at a time for each stilb_cull, stilb_cull_octree and
  *              stilb_cull_visible. stilb_cull_run spreads its work over the job pool it is given, and stays on the
  *              caller alone if there is too little to be worth waking a thread.
  * Cost.        insert, move, remove: at most max_depth steps; a move within a cell is a store. No allocation while
- *              culling once the buffers have grown to the scene; cells that become empty are reused.
- * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, except for stilb_cull_move.
+ *              culling once the buffers have grown to the scene; cells that become empty are reused. A scene that
+ *              outgrows its octree, twice the models or twice as many outside its root, gets a new one in
+ *              stilb_cull_update.
+ * Errors.      STILB_ERROR_MEMORY leaves everything as it was before the call, except for stilb_cull_update.
  * Example.     One view, every frame:
  *
  *   stilb_cull_visible visible = {0};
@@ -26,7 +29,7 @@
  *   stilb_result result = stilb_cull_create(scene, &cull);
  *   while (result == STILB_OK && running()) {
  *       stilb_frustum frustum = stilb_frustum_from_matrix(&view_projection);
- *       result = stilb_cull_move(cull, scene, scene->moved, scene->moved_count);
+ *       result = stilb_cull_update(cull, scene, scene->moved, scene->moved_count);
  *       if (result == STILB_OK)
  *           result = stilb_cull_run(cull, STILB_CULL_AUTO, scene, &frustum, pool, 0, &visible);
  *       for (uint32_t i = 0; result == STILB_OK && i < visible.count; i++)
@@ -67,17 +70,19 @@ typedef struct stilb_cull_visible {
 } stilb_cull_visible;
 
 /* Builds the octree over all models of the scene. Its depth is chosen so that a cell holds some 64 to 256 models where
- * they lie evenly. The models' count and ids must not change afterwards. On failure *cull is NULL.
- * STILB_ERROR_ARGUMENT: STILB_ISA is wrong. STILB_ERROR_MEMORY. [any-thread] */
+ * they lie evenly. On failure *cull is NULL. STILB_ERROR_ARGUMENT: STILB_ISA is wrong. STILB_ERROR_MEMORY.
+ * [any-thread] */
 stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **cull);
 
-/* Reads the new bounds of models ids[0 .. count - 1] from the scene; scene->moved and scene->moved_count are such a
- * list. STILB_ERROR_MEMORY: the models before the failing one have moved, the others keep their old bounds.
- * [one-writer] */
-stilb_result stilb_cull_move(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count);
+/* Reads the new bounds of models ids[0 .. count - 1] from the scene: models that have moved, appeared, or have a NaN in
+ * their bounds now or had one before; an id may stand there twice. All models that the scene has got since the last
+ * call must be among them; it cannot have got fewer. scene->moved and scene->moved_count are such a list.
+ * STILB_ERROR_MEMORY: the models before the failing one are up to date, the others have their old bounds; the same call
+ * may be made again. [one-writer] */
+stilb_result stilb_cull_update(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count);
 
-/* Fills visible with the models inside the frustum. scene is the one that cull was created with, every moved model told
- * to stilb_cull_move. worker is the caller's index in pool; pool may be NULL: then all work is done by the caller. On
+/* Fills visible with the models inside the frustum. scene is the one that cull was created with, every changed model told
+ * to stilb_cull_update. worker is the caller's index in pool; pool may be NULL: then all work is done by the caller. On
  * STILB_ERROR_MEMORY visible->count is 0. [one-writer] */
 stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,

@@ -91,8 +91,10 @@ struct stilb_cull {
 	const cull_kernels *kernels;
 	stilb_cull_octree *octree;
 	uint32_t model_count;
-	uint32_t serial_below; /* CULL_SERIAL_BELOW; tests change it */
-	stilb_owner caller;    /* the thread inside a [one-writer] call; nobody between calls */
+	uint32_t serial_below;    /* CULL_SERIAL_BELOW; tests change it */
+	uint64_t rebuild_models;  /* a new octree is made when this one holds more models, */
+	uint64_t rebuild_outside; /* or more of them lie outside its root cell */
+	stilb_owner caller;       /* the thread inside a [one-writer] call; nobody between calls */
 };
 
 /* Moves an array of count elements, `element` bytes each, to new memory for `capacity` elements, and frees the old one.
@@ -103,6 +105,9 @@ void *cull_grow(void *array, size_t count, size_t capacity, size_t element);
  * cell. Bounds that fit into no cell belong to the root: centres outside it, radii that are negative, larger than half
  * its side or infinite, and NaN. */
 cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bounds);
+
+/* Inserts an object, or moves it if it is in the tree. Fails as these do. */
+stilb_result cull_octree_put(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds);
 
 /* The side of cells at this depth, and the centre of one; metres. */
 double cull_octree_cell_size(const stilb_cull_octree *octree, uint32_t depth);

@@ -398,6 +398,12 @@ stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stil
 	return STILB_OK;
 }
 
+stilb_result cull_octree_put(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
+{
+	return cull_octree_place(octree, id).cell_plus_one ? stilb_cull_octree_move(octree, id, bounds)
+	                                                   : stilb_cull_octree_insert(octree, id, bounds);
+}
+
 void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id)
 {
 	cull_place place = cull_octree_place(octree, id);

@@ -66,12 +66,12 @@ static void runs(void **state)
 	assert_int_equal(run(&l, STILB_CULL_AUTO, &visible), STILB_OK);
 	assert_int_equal(visible.count, MODELS);
 	contract_breaks("called on the owner's thread", run_beside_another_thread(&l, &visible));
-	contract_breaks("the scene that cull was created with", run_with_another_scene(&l, &visible));
+	contract_breaks("new models are told to stilb_cull_update", run_with_another_scene(&l, &visible));
 	contract_breaks("method <= STILB_CULL_FLAT", run(&l, (stilb_cull_method)9, &visible));
 	contract_breaks("frustum && visible", run(&l, STILB_CULL_FLAT, NULL));
 	contract_breaks("zero-initialised", run(&l, STILB_CULL_FLAT, &garbage));
-	contract_breaks("ids[i] < cull->model_count", stilb_cull_move(l.cull, &l.scene, (uint32_t[]){MODELS}, 1));
-	contract_breaks("ids || count == 0", stilb_cull_move(l.cull, &l.scene, NULL, 1));
+	contract_breaks("id < scene->model_count", stilb_cull_update(l.cull, &l.scene, (uint32_t[]){MODELS}, 1));
+	contract_breaks("ids || count == 0", stilb_cull_update(l.cull, &l.scene, NULL, 1));
 	visible.bits[0] = 2; /* a bit that is set between runs, which none may be */
 	contract_breaks("cull_visible_is_sound", run(&l, STILB_CULL_FLAT, &visible));
 	stilb_cull_visible_finish(&visible);
@@ -81,7 +81,7 @@ static void runs(void **state)
 /* Moves model 0 to where it is: a call that ends with a check of the octree. */
 static void move_nothing(line *l)
 {
-	stilb_cull_move(l->cull, &l->scene, (uint32_t[]){0}, 1);
+	stilb_cull_update(l->cull, &l->scene, (uint32_t[]){0}, 1);
 }
 
 static void damage_count(line *l)

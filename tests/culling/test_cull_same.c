@@ -89,7 +89,7 @@ static void move_tenth(fixture *f, sphere_fn *sphere, reference_random *random)
 		scene_set(&f->scene, model, sphere(random, model, model_count));
 		moved[count++] = model;
 	}
-	assert_int_equal(stilb_cull_move(f->cull, &f->scene, moved, count), STILB_OK);
+	assert_int_equal(stilb_cull_update(f->cull, &f->scene, moved, count), STILB_OK);
 	free(moved);
 }
 

@@ -128,7 +128,7 @@ static void move_some(fixture *f, world kind, reference_random *random)
 		scene_set(&f->scene, model, world_sphere(kind, random));
 		moved[count++] = model;
 	}
-	assert_int_equal(stilb_cull_move(f->cull, &f->scene, moved, count), STILB_OK);
+	assert_int_equal(stilb_cull_update(f->cull, &f->scene, moved, count), STILB_OK);
 }
 
 /* Replaces the octree by one of another depth: with so few models it would be shallow. */
