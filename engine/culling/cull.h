@@ -81,9 +81,9 @@ stilb_result stilb_cull_create(const stilb_scene *scene, stilb_cull **cull);
  * may be made again. [one-writer] */
 stilb_result stilb_cull_update(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count);
 
-/* Fills visible with the models inside the frustum. scene is the one that cull was created with, every changed model told
- * to stilb_cull_update. worker is the caller's index in pool; pool may be NULL: then all work is done by the caller. On
- * STILB_ERROR_MEMORY visible->count is 0. [one-writer] */
+/* Fills visible with the models inside the frustum. scene is the one that cull was created with, every changed model
+ * told to stilb_cull_update. worker is the caller's index in pool; pool may be NULL: then all work is done by the
+ * caller. On STILB_ERROR_MEMORY visible->count is 0. [one-writer] */
 stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
                             stilb_cull_visible *visible);

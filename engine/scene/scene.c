@@ -1,5 +1,6 @@
 #include "scene/scene_internal.h"
 
+#include "scene/edit/scene_edit_internal.h"
 #include "shading/shade_energy.h"
 
 #include <float.h>
@@ -104,6 +105,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->materials);
 	free(scene->textures);
 	free(scene->lights);
+	scene_edit_finish(scene->edits);
 	free(scene);
 }
 

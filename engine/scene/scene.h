@@ -4,7 +4,7 @@
  *
  * A model is a bounding sphere and parts that follow one another; a part is a mesh, a material and a transform. The id
  * of a model, part, mesh, ... is its index in the arrays. Everybody may read them; only stilb_scene_... functions and
- * the frame's stage `update_scene` write.
+ * the frame's stage `update_scene` write. scene_build.h makes a scene, scene_edit.h changes one.
  *
  * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_destroy. Between them the sky, the
  *              environment and the camera may be replaced.
@@ -114,8 +114,10 @@ typedef struct stilb_scene_camera {
 
 /* Bounding spheres, one array for each component (culling reads them sixteen at a time): 64-byte aligned. */
 typedef struct stilb_scene_bounds {
-	float *x, *y, *z, *radius;
+	float *x, *y, *z, *radius; /* a NaN radius: the model is hidden or removed, and no view sees it */
 } stilb_scene_bounds;
+
+#define STILB_SCENE_NONE UINT32_MAX /* in place of an id: the part of a removed model */
 
 typedef struct stilb_scene {
 	uint32_t model_count;
@@ -123,17 +125,17 @@ typedef struct stilb_scene {
 	uint32_t *first_part;      /* [model_count + 1]: model m owns parts first_part[m] .. first_part[m + 1] - 1 */
 
 	uint32_t part_count;
-	uint32_t *part_mesh;        /* [part_count] */
-	uint32_t *part_material;    /* [part_count] */
+	uint32_t *part_mesh;        /* [part_count], or STILB_SCENE_NONE */
+	uint32_t *part_material;    /* [part_count], or STILB_SCENE_NONE */
 	stilb_mat4 *part_transform; /* [part_count] model to world, affine */
 
 	uint32_t mesh_count;
-	stilb_scene_mesh *meshes; /* [mesh_count] */
+	stilb_scene_mesh *meshes; /* [mesh_count]; {0}: a removed one */
 	uint32_t material_count;
 	stilb_scene_material *materials; /* [material_count] */
 
 	uint32_t moved_count; /* models whose bounds have changed since the last frame; the engine sets it back to 0 */
-	uint32_t *moved;      /* their ids, ascending; room for model_count */
+	uint32_t *moved;      /* their ids, each once, in any order; room for model_count */
 
 	uint32_t texture_count;
 	stilb_image *textures; /* [texture_count]; 1 to 4 channels; row 0 is v = 0; repeated outside [0, 1] */
@@ -146,7 +148,8 @@ typedef struct stilb_scene {
 		environment; /* latitude-longitude map of the surroundings' radiance, 3 channels, F32_LINEAR; {0}: none */
 	stilb_scene_lamp lamp;
 	stilb_scene_camera camera;
-	uint64_t seed; /* of the stress test, else 0 */
+	uint64_t seed;                   /* of the stress test, else 0 */
+	struct stilb_scene_edits *edits; /* of scene_edit.h; NULL: there was none */
 } stilb_scene;
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

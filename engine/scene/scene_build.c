@@ -1,5 +1,6 @@
 #include "scene/scene_build.h"
 
+#include "scene/edit/scene_check.h"
 #include "scene/scene_internal.h"
 
 #include <float.h>
@@ -7,8 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define BUILD_FAR 1e18f /* metres: the square of a larger coordinate overflows */
 
 /* An array that grows by doubling. */
 typedef struct build_list {
@@ -50,6 +49,12 @@ __attribute__((format(printf, 2, 3))) static bool build_refuse(stilb_scene_build
 	va_end(arguments);
 	build->error = STILB_ERROR_ARGUMENT;
 	return false;
+}
+
+/* Keeps the mistake that a check has found. True if it found none. */
+static bool build_accept(stilb_scene_build *build, stilb_result checked)
+{
+	return checked == STILB_OK || build_refuse(build, "%s", stilb_error_message());
 }
 
 static bool build_goes_on(const stilb_scene_build *build)
@@ -114,56 +119,7 @@ static void build_free(stilb_scene_build *build)
 	free(build);
 }
 
-/* ---- numbers ----------------------------------------------------------------------------------------------------- */
-
-/* False for NaN, too. */
-static bool build_within(const float *values, int count, float low, float high)
-{
-	for (int i = 0; i < count; i++)
-		if (!(values[i] >= low && values[i] <= high))
-			return false;
-	return true;
-}
-
-static bool build_is_unit(const float v[3])
-{
-	float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-	return square >= 0.98f && square <= 1.02f;
-}
-
-static bool build_is_affine(const stilb_mat4 *m)
-{
-	return m->m[3] == 0.0f && m->m[7] == 0.0f && m->m[11] == 0.0f && m->m[15] == 1.0f &&
-	       build_within(m->m, 16, -BUILD_FAR, BUILD_FAR);
-}
-
 /* ---- meshes and textures ----------------------------------------------------------------------------------------- */
-
-static bool build_mesh_check(stilb_scene_build *build, const stilb_scene_mesh *mesh)
-{
-	uint32_t id = build->meshes.count;
-	if (mesh->vertex_count == 0 || mesh->index_count == 0 || !mesh->vertices || !mesh->indices)
-		return build_refuse(build, "mesh %u: it has no triangles", id);
-	if (mesh->index_count % 3 != 0)
-		return build_refuse(build, "mesh %u: %u indices are no whole triangles", id, mesh->index_count);
-	for (uint32_t i = 0; i < mesh->index_count; i++)
-		if (mesh->indices[i] >= mesh->vertex_count)
-			return build_refuse(build, "mesh %u: index %u is vertex %u, but it has %u vertices", id, i,
-			                    mesh->indices[i], mesh->vertex_count);
-	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-		const stilb_scene_vertex *v = &mesh->vertices[i];
-		if (!build_within(v->position, 3, -BUILD_FAR, BUILD_FAR))
-			return build_refuse(build, "mesh %u: the position %g, %g, %g of vertex %u is not within 1e18 m", id,
-			                    (double)v->position[0], (double)v->position[1], (double)v->position[2], i);
-		if (!build_is_unit(v->normal))
-			return build_refuse(build, "mesh %u: the normal %g, %g, %g of vertex %u is not unit", id,
-			                    (double)v->normal[0], (double)v->normal[1], (double)v->normal[2], i);
-		if (!build_within(v->uv, 2, -FLT_MAX, FLT_MAX))
-			return build_refuse(build, "mesh %u: the uv %g, %g of vertex %u are not finite", id, (double)v->uv[0],
-			                    (double)v->uv[1], i);
-	}
-	return true;
-}
 
 static float build_reach(const stilb_scene_mesh *mesh)
 {
@@ -178,17 +134,15 @@ uint32_t stilb_scene_build_mesh(stilb_scene_build *build, const stilb_scene_mesh
 {
 	stilb_scene_mesh copy;
 	STILB_ASSERT(mesh);
-	if (!build_goes_on(build) || !build_mesh_check(build, mesh))
+	if (!build_goes_on(build) || !build_accept(build, scene_check_mesh(mesh, build->meshes.count)))
 		return 0;
 	build_mesh *room = build_room(build, &build->meshes, 1, sizeof *room, "mesh");
 	if (!room)
 		return 0;
-	if (scene_mesh_create(&copy, mesh->vertex_count, mesh->index_count) != STILB_OK) {
+	if (scene_copy_mesh(mesh, &copy) != STILB_OK) {
 		build_no_memory(build, "mesh");
 		return 0;
 	}
-	memcpy(copy.vertices, mesh->vertices, mesh->vertex_count * sizeof *copy.vertices);
-	memcpy(copy.indices, mesh->indices, mesh->index_count * sizeof *copy.indices);
 	*room = (build_mesh){copy, build_reach(mesh)};
 	return build->meshes.count++;
 }
@@ -197,26 +151,15 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 {
 	stilb_image copy;
 	STILB_ASSERT(image);
-	if (!build_goes_on(build))
+	if (!build_goes_on(build) || !build_accept(build, scene_check_texture(image, build->textures.count)))
 		return 0;
-	uint32_t id = build->textures.count;
-	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384 || !image->pixels) {
-		build_refuse(build, "texture %u: %ux%u pixels; a side has 1..16384", id, image->width, image->height);
-		return 0;
-	}
-	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format > STILB_IMAGE_F32_LINEAR) {
-		build_refuse(build, "texture %u: %u channels in format %u; there are 1..4 and 0..2", id, image->channels,
-		             (unsigned)image->format);
-		return 0;
-	}
 	stilb_image *room = build_room(build, &build->textures, 1, sizeof *room, "texture");
 	if (!room)
 		return 0;
-	if (stilb_image_create(&copy, image->width, image->height, image->channels, image->format) != STILB_OK) {
+	if (scene_copy_image(image, &copy) != STILB_OK) {
 		build_no_memory(build, "texture");
 		return 0;
 	}
-	memcpy(copy.pixels, image->pixels, stilb_image_size(image));
 	*room = copy;
 	return build->textures.count++;
 }
@@ -226,19 +169,8 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 static bool build_material_check(stilb_scene_build *build, const stilb_scene_material *m)
 {
 	uint32_t id = build->materials.count;
-	if (!build_within(m->diffuse, 3, 0.0f, 1.0f) || !build_within(m->specular, 3, 0.0f, 1.0f))
-		return build_refuse(build, "material %u: diffuse and specular are not within 0..1", id);
-	for (int i = 0; i < 3; i++)
-		if (m->diffuse[i] + m->specular[i] > 1.0001f)
-			return build_refuse(build, "material %u: diffuse + specular is %g, more than 1 (stilb_scene_material_make)",
-			                    id, (double)(m->diffuse[i] + m->specular[i]));
-	if (!build_within(&m->roughness, 1, 0.0f, 1.0f) || !build_within(&m->wrap, 1, 0.0f, 1.0f))
-		return build_refuse(build, "material %u: roughness %g or wrap %g is not within 0..1", id, (double)m->roughness,
-		                    (double)m->wrap);
-	if (!(m->anisotropy > -1.0f && m->anisotropy < 1.0f))
-		return build_refuse(build, "material %u: anisotropy %g is not between -1 and 1", id, (double)m->anisotropy);
-	if (!build_within(m->emission, 3, 0.0f, FLT_MAX))
-		return build_refuse(build, "material %u: emission is negative or not finite", id);
+	if (!build_accept(build, scene_check_material(m, id)))
+		return false;
 	if (m->diffuse_texture > build->textures.count)
 		return build_refuse(build, "material %u: there is no texture %u", id, m->diffuse_texture - 1);
 	return true;
@@ -268,20 +200,20 @@ uint32_t stilb_scene_build_node(stilb_scene_build *build, uint32_t parent, const
 	}
 	if (parent != STILB_SCENE_NO_PARENT)
 		world = stilb_mat4_multiply(nodes[parent], *local);
-	if (!build_is_affine(local) || !build_is_affine(&world)) {
+	if (!scene_is_affine(local) || !scene_is_affine(&world)) {
 		build_refuse(build, "node %u: its transform is not affine, or not within 1e18", id);
 		return 0;
 	}
 	return build_add(build, &build->nodes, &world, sizeof world, "node");
 }
 
-/* True if every vertex of a mesh of this reach is within BUILD_FAR in the world. */
+/* True if every vertex of a mesh of this reach is within SCENE_FAR in the world. */
 static bool build_is_near(const stilb_mat4 *world, float reach)
 {
 	const float *m = world->m;
 	for (int row = 0; row < 3; row++) {
 		float most = (fabsf(m[row]) + fabsf(m[4 + row]) + fabsf(m[8 + row])) * reach + fabsf(m[12 + row]);
-		if (!(most <= BUILD_FAR))
+		if (!(most <= SCENE_FAR))
 			return false;
 	}
 	return true;
@@ -339,11 +271,12 @@ uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_lig
 	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
 	if ((uint32_t)light->kind > STILB_SCENE_LIGHT_DIRECTIONAL)
 		build_refuse(build, "light %u: there is no kind %u", id, (unsigned)light->kind);
-	else if (!build_within(light->intensity, 3, 0.0f, FLT_MAX))
+	else if (!scene_is_within(light->intensity, 3, 0.0f, FLT_MAX))
 		build_refuse(build, "light %u: its intensity is negative or not finite", id);
-	else if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL && !build_within(light->position, 3, -BUILD_FAR, BUILD_FAR))
+	else if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL &&
+	         !scene_is_within(light->position, 3, -SCENE_FAR, SCENE_FAR))
 		build_refuse(build, "light %u: its position is not within 1e18 m", id);
-	else if (light->kind != STILB_SCENE_LIGHT_POINT && !build_is_unit(light->direction))
+	else if (light->kind != STILB_SCENE_LIGHT_POINT && !scene_is_unit(light->direction))
 		build_refuse(build, "light %u: its direction is not unit", id);
 	else if (spot && !(light->cos_inner <= 1.0f && light->cos_inner >= light->cos_outer && light->cos_outer >= -1.0f))
 		build_refuse(build, "light %u: the cosines %g and %g of its cone are not 1 >= inner >= outer >= -1", id,
@@ -359,11 +292,11 @@ void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera
 	if (!build_goes_on(build))
 		return;
 	const float angles[3] = {camera->yaw, camera->pitch, camera->roll};
-	if (!build_within(camera->position, 3, -BUILD_FAR, BUILD_FAR) || !build_within(angles, 3, -FLT_MAX, FLT_MAX))
+	if (!scene_is_within(camera->position, 3, -SCENE_FAR, SCENE_FAR) || !scene_is_within(angles, 3, -FLT_MAX, FLT_MAX))
 		build_refuse(build, "camera: its position is not within 1e18 m, or an angle is not finite");
 	else if (!(camera->fov_y > 0.0f && camera->fov_y < 3.1415925f))
 		build_refuse(build, "camera: the field of view %g is not between 0 and pi", (double)camera->fov_y);
-	else if (!(camera->near_z > 0.0f && camera->near_z < camera->far_z && camera->far_z <= BUILD_FAR))
+	else if (!(camera->near_z > 0.0f && camera->near_z < camera->far_z && camera->far_z <= SCENE_FAR))
 		build_refuse(build, "camera: near %g and far %g are not 0 < near < far", (double)camera->near_z,
 		             (double)camera->far_z);
 	build->camera = *camera;

@@ -1,5 +1,5 @@
-/* A scene whose models come and go: 100,000 random edits, told to the octree in lists of 1 to 160. After each list every
- * method, with every instruction set, on one thread and on several, sees what a plain loop sees. */
+/* A scene whose models come and go: 100,000 random edits, told to the octree in lists of 1 to 160. After each list
+ * every method, with every instruction set, on one thread and on several, sees what a plain loop sees. */
 #include "support/cull_reference.h"
 
 #define EDITS 100000u

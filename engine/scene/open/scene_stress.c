@@ -1,4 +1,5 @@
 /* The stress test: spheres over ground tiles, two materials for each model, cameras that see all or some of them. */
+#include "scene/edit/scene_edit_internal.h"
 #include "scene/scene_internal.h"
 
 #include <float.h>
@@ -170,11 +171,15 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 {
 	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
 	STILB_ASSERT(isfinite(seconds));
-	scene->moved_count = 0;
+	if (!scene->edits)
+		scene->moved_count = 0;
 	for (uint32_t m = 0; m < scene->model_count; m += 10) {
 		double phase = seconds * 2.0 + 0.7 * (double)(m % 97);
 		stress_place_sphere(scene, m, STRESS_BOB_HEIGHT * 0.5f * (1.0f - (float)cos(phase)));
-		scene->moved[scene->moved_count++] = m;
+		if (scene->edits)
+			scene_edit_moved(scene, m);
+		else
+			scene->moved[scene->moved_count++] = m;
 	}
 }
 

@@ -1,0 +1,30 @@
+/* What a mesh, texture or material of a program must be, shared by scene_build and scene_edit. Each check returns
+ * STILB_OK or STILB_ERROR_ARGUMENT with a line that names the thing by its id, the value and what is wrong. */
+#ifndef STILB_SCENE_CHECK_H
+#define STILB_SCENE_CHECK_H
+
+#include "scene/scene.h"
+
+#define SCENE_FAR 1e18f /* metres: the square of a larger coordinate overflows */
+
+/* True if low <= v <= high for all values; false for NaN. */
+bool scene_is_within(const float *values, int count, float low, float high);
+
+/* True if the length is 1, to 1 %. */
+bool scene_is_unit(const float v[3]);
+
+/* True if the last row is 0 0 0 1 and all elements are within SCENE_FAR. */
+bool scene_is_affine(const stilb_mat4 *m);
+
+/* Vertices `first` .. first + count - 1 of mesh `id`. */
+stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);
+stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);
+stilb_result scene_check_texture(const stilb_image *image, uint32_t id);
+/* Does not look at diffuse_texture. */
+stilb_result scene_check_material(const stilb_scene_material *material, uint32_t id);
+
+/* Copies. STILB_ERROR_MEMORY; *to is {0} then. */
+stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to);
+stilb_result scene_copy_image(const stilb_image *from, stilb_image *to);
+
+#endif

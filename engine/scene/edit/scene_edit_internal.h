@@ -1,0 +1,70 @@
+/* The state of a scene's edits: capacities of its arrays, free ids, who names what, and what has changed. */
+#ifndef STILB_SCENE_EDIT_INTERNAL_H
+#define STILB_SCENE_EDIT_INTERNAL_H
+
+#include "scene/edit/scene_edit.h"
+
+#define EDIT_IN_USE UINT32_MAX /* in place of the next free id */
+#define EDIT_BUCKETS 64u       /* lists of free models, by the low bits of their part count */
+#define EDIT_MOST_RANGES 4096u /* of changed vertices; beyond it whole meshes are listed */
+
+/* An array that grows with others. */
+typedef struct edit_array {
+	void **at;      /* where its pointer is */
+	size_t element; /* bytes */
+	uint32_t extra; /* elements that it has beyond the number of the others */
+} edit_array;
+
+/* Ids of one kind, other than models. */
+typedef struct edit_ids {
+	const char *name;    /* "mesh" */
+	uint32_t capacity;   /* of the scene's array of this kind, and of those below */
+	uint32_t first_free; /* 1 + an id; 0: none is free */
+	uint32_t *next;      /* [capacity] of a free id: 1 + the next free one, 0: it is the last; else EDIT_IN_USE */
+	uint32_t *users;     /* [capacity] how many parts, or materials, name it */
+	uint32_t *changed;   /* [changed_count] the ids that have changed, each once */
+	uint32_t *slot;      /* [capacity] where in changed an id stands, if it does: changed[slot[id]] is id then */
+	uint32_t changed_count;
+} edit_ids;
+
+typedef struct stilb_scene_edits {
+	edit_ids meshes, materials, textures;
+	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
+	bool *mesh_stale;          /* [meshes.capacity] models that show it have the bounds of the mesh before */
+	uint32_t stale_count;      /* meshes of which that is true */
+
+	uint32_t model_capacity, part_capacity;
+	float *radius;                      /* [model_capacity] of the bounds, also while the model is hidden */
+	uint32_t *model_next;               /* [model_capacity] as edit_ids.next */
+	uint32_t *moved_slot;               /* [model_capacity] as edit_ids.slot, in scene->moved */
+	uint32_t free_models[EDIT_BUCKETS]; /* 1 + the first free model of each list; 0: none */
+
+	stilb_scene_vertices *ranges; /* [range_count] */
+	uint32_t range_count, range_capacity;
+} stilb_scene_edits;
+
+/* Makes the state if the scene has none yet. STILB_ERROR_MEMORY. */
+stilb_result scene_edit_begin(stilb_scene *scene);
+
+/* Frees scene->edits. Accepts NULL. */
+void scene_edit_finish(stilb_scene_edits *edits);
+
+/* Moves arrays with room for *capacity elements, of which `count` are in use, to memory for at least `needed`, the new
+ * elements zeros. False: no memory; nothing has changed. */
+bool scene_edit_grow(const edit_array *arrays, uint32_t array_count, uint32_t count, uint32_t needed,
+                     uint32_t *capacity);
+
+/* Lists a model in scene->moved, and an id among the changed ones of its kind, unless it is there already. */
+void scene_edit_moved(stilb_scene *scene, uint32_t model);
+void scene_edit_changed(edit_ids *ids, uint32_t id);
+
+/* True if there is something with this id. count: ids given so far. */
+bool scene_edit_has(const edit_ids *ids, uint32_t count, uint32_t id);
+
+/* A sphere around the vertices of a mesh; computed when it is asked for first. */
+stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh);
+
+/* The new bounds of models that show a mesh whose vertices have changed. */
+void scene_edit_settle(stilb_scene *scene);
+
+#endif
