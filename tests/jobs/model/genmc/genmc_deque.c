@@ -1,6 +1,7 @@
-/* The deque with a buffer of two cells, which grows, a thief, and the announcement of job_park.h: genmc.h. */
+/* The deque with a buffer of two cells, which grows, a thief, and the idle list of job_park.h: genmc.h. */
 #include "genmc.h"
 
+#include "jobs/job_park.c"
 #define JOB_DEQUE_CAPACITY 2
 #include "jobs/job_deque.c"
 
@@ -13,7 +14,8 @@ static job_deque deque;
 static job_record record[RECORDS];
 static int contents[RECORDS]; /* written before the push */
 static _Atomic bool taken[RECORDS];
-static _Atomic uint32_t idlers;
+static job_idle_list idle;
+static job_parker parker;
 static bool slept;
 
 static void take(const job_record *one)
@@ -26,8 +28,9 @@ static void take(const job_record *one)
 static void *thief(void *unused)
 {
 	(void)unused;
-	atomic_fetch_add_explicit(&idlers, 1, memory_order_seq_cst); /* step (1) of job_park.h */
-	slept = job_deque_empty(&deque);                             /* step (2) */
+	job_idler idler = {.parker = &parker, .scope = {.all = true, .jobs = true, .high = true}, .worker = true};
+	job_idle_enter(&idle, &idler, false); /* step (1) of job_park.h */
+	slept = job_deque_empty(&deque);      /* step (2) */
 	for (int looks = 0; looks < 2 && !slept; looks++) {
 		int64_t top;
 		job_record *oldest = job_deque_oldest(&deque, &top);
@@ -43,11 +46,12 @@ int main(void)
 	pthread_t other;
 	bool woken = false;
 	job_deque_init(&deque, &(stilb_job_allocator){0});
+	job_idle_init(&idle, 1);
 	pthread_create(&other, NULL, thief, NULL);
 	for (int i = 0; i < RECORDS; i++) {
 		contents[i] = 1;
-		job_deque_push(&deque, &record[i]);                               /* step (a) */
-		woken |= atomic_load_explicit(&idlers, memory_order_seq_cst) > 0; /* step (b) */
+		job_deque_push(&deque, &record[i]);  /* step (a) */
+		woken |= job_idle_wanted(&idle, 64); /* step (b) */
 	}
 	for (int i = 0; i < RECORDS - 1; i++) {
 		const job_record *newest = job_deque_pop(&deque);

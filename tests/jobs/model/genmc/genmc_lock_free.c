@@ -6,8 +6,6 @@
 #define JOB_SEGMENT_ALIGN 8
 #define JOB_SPARE_SEGMENTS 1
 #define JOB_BACKOFF_PAUSES 0
-#define STILB_JOB_SYS_H /* instead of jobs/job_sys.h */
-#define job_sys_pause() ((void)0)
 #include "jobs/queue/job_queue_lock_free.c"
 
 #undef NDEBUG
