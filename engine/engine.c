@@ -187,6 +187,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
 }
 
@@ -227,6 +228,8 @@ stilb_result stilb_engine_dump(stilb_engine *engine, const char *path)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(path);
+	if (!engine->dumpable)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: none has been drawn of this scene");
 	return stilb_render_dump_save(engine->render, engine->passes, engine->pass_count, engine->views, engine->view_count,
 	                              path);
 }

@@ -193,8 +193,8 @@ uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
  * stilb_render_read_image and stilb_image_save do. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 
-/* Writes the last frame's command stream for `stilb replay` (render_dump.h). STILB_ERROR_ARGUMENT: no frame has been
- * drawn. STILB_ERROR_FILE. */
+/* Writes the last frame's command stream for `stilb replay` (render_dump.h), with the lights that the scene has now.
+ * STILB_ERROR_ARGUMENT: no frame of this scene has been drawn, or it has textures. STILB_ERROR_FILE. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
 /* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending

@@ -80,6 +80,7 @@ struct stilb_engine {
 	engine_overlay overlay;
 	stilb_render_shading shading; /* of the next frame */
 
+	bool dumpable;    /* a frame of this scene has been drawn */
 	uint64_t frame;   /* frames drawn */
 	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
 	double seconds;   /* the engine's time, from 0 */

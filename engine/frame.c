@@ -100,6 +100,8 @@ static void update_scene(stilb_engine *engine)
 	view->sun = scene->sun;
 	view->sky = scene->sky;
 	view->lamp = scene->lamp;
+	view->lights = scene->lights;
+	view->light_count = scene->light_count;
 	view->shading = engine->shading;
 }
 
@@ -207,6 +209,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	if (result == STILB_OK && engine->report.drawn) {
 		stilb_prof_frame_mark();
 		result = frame_stages(engine, &engine->report.times);
+		engine->dumpable |= result == STILB_OK;
 		engine->report.visible = engine->visible[0].count;
 		engine->report.cull = engine->visible[0].method;
 		engine->report.render = stilb_render_stats_get(engine->render);

@@ -38,7 +38,8 @@ typedef struct bare_material {
 typedef struct bare_view {
 	float view_projection[16];
 	float camera_position[4], sun_direction[4], sun_irradiance[4], sky[4], ground[4];
-	float lamp[12], added[4]; /* all 0: no lamp but the sun, and nothing added to the materials' colours */
+	float lamp[12], added[4];     /* all 0: no lamp but the sun, and nothing added to the materials' colours */
+	uint64_t lights, light_count; /* 0: there are none */
 } bare_view;
 
 typedef struct bare_push {

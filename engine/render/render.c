@@ -54,6 +54,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	render->memory[RENDER_MEMORY_ROWS].first_capacity = RENDER_FIRST_CAPACITY;
 	render->memory[RENDER_MEMORY_VERTICES_2D].element = sizeof(stilb_render_vertex_2d);
 	render->memory[RENDER_MEMORY_INDICES_2D].element = sizeof(uint32_t);
+	render->memory[RENDER_MEMORY_LIGHTS].element = sizeof(render_light);
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = render_resources_create(&render->resources, desc->keep_textures);

@@ -234,6 +234,10 @@ typedef struct stilb_render_view {
 	stilb_scene_sun sun;
 	stilb_scene_sky sky;
 	stilb_scene_lamp lamp;
+	/* [light_count] Lights without a size, added to sun, lamp and sky whatever shading.light is; none casts a shadow.
+	 * Read during stilb_render_replay. */
+	const stilb_scene_light *lights;
+	uint32_t light_count;
 	stilb_render_shading shading;
 } stilb_render_view;
 

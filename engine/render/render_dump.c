@@ -136,8 +136,23 @@ static stilb_render_shading upload_shading(const render_dump_view *from)
 	};
 }
 
+static void upload_lights(stilb_render_dump *dump)
+{
+	for (uint32_t i = 0; i < dump->header->lights; i++) {
+		const render_dump_light *from = &dump->lights[i];
+		stilb_scene_light *light = &dump->light_table[i];
+		*light = (stilb_scene_light){
+			.kind = (stilb_scene_light_kind)from->kind, .cos_inner = from->cos_inner, .cos_outer = from->cos_outer};
+		memcpy(light->position, from->position, sizeof from->position);
+		memcpy(light->direction, from->direction, sizeof from->direction);
+		memcpy(light->intensity, from->intensity, sizeof from->intensity);
+	}
+}
+
 static void upload_tables(stilb_render_dump *dump)
 {
+	const stilb_scene_light *lights = dump->light_table;
+	upload_lights(dump);
 	for (uint32_t p = 0; p < dump->header->passes; p++) {
 		const render_dump_pass *pass = &dump->passes[p];
 		dump->pass_table[p] = (stilb_render_pass){.name = pass->name,
@@ -156,6 +171,9 @@ static void upload_tables(stilb_render_dump *dump)
 		memcpy(view->sky.sky, from->sky, sizeof from->sky);
 		memcpy(view->sky.ground, from->ground, sizeof from->ground);
 		view->lamp = upload_lamp(from);
+		view->lights = lights;
+		view->light_count = from->lights;
+		lights += from->lights;
 		view->shading = upload_shading(from);
 	}
 	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */
@@ -191,10 +209,12 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 	stilb_render_mesh *meshes = stilb_memory_alloc(header->meshes, sizeof *meshes);
 	free(dump->ready);
 	free(dump->first_draw);
+	free(dump->light_table);
+	dump->light_table = stilb_memory_alloc(header->lights, sizeof *dump->light_table);
 	dump->ready = stilb_memory_alloc(header->draws, sizeof *dump->ready);
 	dump->first_draw = stilb_memory_alloc((size_t)header->segments + 1, sizeof *dump->first_draw);
 	stilb_result result = STILB_OK;
-	if (!textures || !materials || !meshes || !dump->ready || !dump->first_draw)
+	if (!textures || !materials || !meshes || !dump->ready || !dump->first_draw || !dump->light_table)
 		result =
 			stilb_fail(STILB_ERROR_MEMORY, "no memory for the %llu draws of a dump", (unsigned long long)header->draws);
 	if (result == STILB_OK)

@@ -1,13 +1,14 @@
 /*
- * The bytes of a frame dump, version 2. Inside render/.
+ * The bytes of a frame dump, version 3. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
  * Each part is padded with zeros to a multiple of 8 bytes.
  *
  *   part       bytes each  how many              contents
- *   header            104  1                     render_dump_header
+ *   header            112  1                     render_dump_header
  *   views             208  header.views, 1..16   render_dump_view
+ *   lights             48  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          48  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
@@ -28,7 +29,7 @@
 #include "render/render_dump.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 2u
+#define RENDER_DUMP_VERSION 3u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -41,6 +42,7 @@ typedef struct render_dump_header {
 	uint32_t output; /* stilb_render_output */
 	uint32_t views, passes, segments, textures, materials, meshes;
 	uint64_t draws, vertices, indices, pixel_bytes;
+	uint32_t lights, unused;
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -51,8 +53,13 @@ typedef struct render_dump_view {
 	float lamp_position[3], lamp_axis[3], lamp_intensity[3], lamp_radius, lamp_reach;
 	float roughness, anisotropy, wrap, specular; /* the floats of stilb_render_shading */
 	uint32_t brdf, ndf, g, f, light;             /* its integers: constants of the shading headers */
-	uint32_t unused;
+	uint32_t lights;                             /* so many of the file's lights are this view's */
 } render_dump_view;
+
+typedef struct render_dump_light {
+	uint32_t kind; /* stilb_scene_light_kind */
+	float position[3], direction[3], intensity[3], cos_inner, cos_outer;
+} render_dump_light;
 
 typedef struct render_dump_pass {
 	char name[64]; /* at most 63 bytes, padded with zeros */
@@ -84,14 +91,16 @@ typedef struct render_dump_draw {
 	float transform[12];     /* the three rows of the affine transform */
 } render_dump_draw;
 
-static_assert(sizeof(render_dump_header) == 104 && sizeof(render_dump_view) == 208 && sizeof(render_dump_pass) == 96 &&
-                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 48 &&
-                  sizeof(render_dump_mesh) == 16 && sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
+static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 208 && sizeof(render_dump_light) == 48 &&
+                  sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
+                  sizeof(render_dump_material) == 48 && sizeof(render_dump_mesh) == 16 &&
+                  sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,
 	RENDER_DUMP_VIEWS,
+	RENDER_DUMP_LIGHTS,
 	RENDER_DUMP_PASSES,
 	RENDER_DUMP_TEXTURES,
 	RENDER_DUMP_MATERIALS,
@@ -132,6 +141,7 @@ struct stilb_render_dump {
 	uint8_t *bytes; /* the file; the pointers below point into it */
 	const render_dump_header *header;
 	const render_dump_view *views;
+	const render_dump_light *lights;
 	const render_dump_pass *passes;
 	const render_dump_texture *textures;
 	const render_dump_material *materials;
@@ -145,8 +155,9 @@ struct stilb_render_dump {
 	/* Made by stilb_render_dump_upload; NULL before. */
 	stilb_render_pass pass_table[STILB_RENDER_MAX_PASSES];
 	stilb_render_view view_table[RENDER_DUMP_MAX_VIEWS];
-	render_dump_ready *ready; /* [header->draws] */
-	uint32_t *first_draw;     /* [header->segments + 1]: segment s has draws first_draw[s] .. first_draw[s + 1] - 1 */
+	stilb_scene_light *light_table; /* [header->lights] */
+	render_dump_ready *ready;       /* [header->draws] */
+	uint32_t *first_draw; /* [header->segments + 1]: segment s has draws first_draw[s] .. first_draw[s + 1] - 1 */
 };
 
 /* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */

@@ -21,6 +21,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 	} parts[RENDER_DUMP_PARTS] = {
 		[RENDER_DUMP_HEADER] = {1, sizeof(render_dump_header)},
 		[RENDER_DUMP_VIEWS] = {header->views, sizeof(render_dump_view)},
+		[RENDER_DUMP_LIGHTS] = {header->lights, sizeof(render_dump_light)},
 		[RENDER_DUMP_PASSES] = {header->passes, sizeof(render_dump_pass)},
 		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
 		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
@@ -145,6 +146,8 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
 	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
+	if (h->unused != 0)
+		return load_refuse(name, "header: its unused bytes are not zero");
 	if (h->draws > UINT32_MAX)
 		return load_refuse(name, "header: %" PRIu64 " draws; at most %u can be recorded", h->draws, UINT32_MAX);
 	return STILB_OK;
@@ -152,6 +155,7 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 
 static stilb_result load_check_views(const stilb_render_dump *dump, const char *name)
 {
+	uint64_t lights = 0;
 	for (uint32_t v = 0; v < dump->header->views; v++) {
 		const render_dump_view *view = &dump->views[v];
 		if (!load_finite(view->view_projection, offsetof(render_dump_view, brdf) / sizeof(float)))
@@ -160,8 +164,21 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		    view->f >= SHADE_F_COUNT || view->light >= SHADE_LIGHT_COUNT)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, light %u", v, view->brdf,
 			                   view->ndf, view->g, view->f, view->light);
-		if (view->unused != 0)
-			return load_refuse(name, "view %u: its unused bytes are not zero", v);
+		lights += view->lights;
+	}
+	if (lights != dump->header->lights)
+		return load_refuse(name, "header: %u lights, but views have %" PRIu64, dump->header->lights, lights);
+	return STILB_OK;
+}
+
+static stilb_result load_check_lights(const stilb_render_dump *dump, const char *name)
+{
+	for (uint32_t i = 0; i < dump->header->lights; i++) {
+		const render_dump_light *light = &dump->lights[i];
+		if (light->kind > STILB_SCENE_LIGHT_DIRECTIONAL)
+			return load_refuse(name, "light %u: unknown kind %u", i, light->kind);
+		if (!load_finite(light->position, 11))
+			return load_refuse(name, "light %u: a number is not finite", i);
 	}
 	return STILB_OK;
 }
@@ -319,6 +336,7 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->header = (const render_dump_header *)dump->bytes;
 	render_dump_layout(dump->header, begin);
 	dump->views = (const render_dump_view *)(dump->bytes + begin[RENDER_DUMP_VIEWS]);
+	dump->lights = (const render_dump_light *)(dump->bytes + begin[RENDER_DUMP_LIGHTS]);
 	dump->passes = (const render_dump_pass *)(dump->bytes + begin[RENDER_DUMP_PASSES]);
 	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
 	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
@@ -333,8 +351,8 @@ static void load_find_parts(stilb_render_dump *dump)
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **out)
 {
 	stilb_result (*const checks[])(const stilb_render_dump *, const char *) = {
-		load_check_header,    load_check_views,  load_check_passes, load_check_textures,
-		load_check_materials, load_check_meshes, load_check_draws,
+		load_check_header,   load_check_views,     load_check_lights, load_check_passes,
+		load_check_textures, load_check_materials, load_check_meshes, load_check_draws,
 	};
 	*out = NULL;
 	stilb_result result = load_check_size(bytes, size, name);
@@ -425,5 +443,6 @@ void stilb_render_dump_destroy(stilb_render_dump *dump)
 	free(dump->bytes);
 	free(dump->ready);
 	free(dump->first_draw);
+	free(dump->light_table);
 	free(dump);
 }

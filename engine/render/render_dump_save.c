@@ -158,6 +158,8 @@ static stilb_result save_size(save_job *job)
 	header->meshes = job->meshes.count;
 	header->materials = job->materials.count;
 	header->textures = job->textures.count;
+	for (uint32_t v = 0; v < header->views; v++)
+		header->lights += job->views[v].light_count;
 	for (uint32_t p = 0; p < header->passes; p++)
 		header->segments += job->render->passes[job->pass[p]].segment_count;
 	for (uint32_t m = 0; m < header->meshes; m++) {
@@ -222,8 +224,23 @@ static void save_put_views(const save_job *job)
 		memcpy(out->sky, view->sky.sky, sizeof out->sky);
 		memcpy(out->ground, view->sky.ground, sizeof out->ground);
 		save_put_lamp(out, &view->lamp);
+		out->lights = view->light_count;
 		save_put_shading(out, &view->shading);
 	}
+}
+
+static void save_put_lights(const save_job *job)
+{
+	render_dump_light *out = save_part(job, RENDER_DUMP_LIGHTS);
+	for (uint32_t v = 0; v < job->header.views; v++)
+		for (uint32_t i = 0; i < job->views[v].light_count; i++, out++) {
+			const stilb_scene_light *light = &job->views[v].lights[i];
+			*out =
+				(render_dump_light){.kind = light->kind, .cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
+			memcpy(out->position, light->position, sizeof out->position);
+			memcpy(out->direction, light->direction, sizeof out->direction);
+			memcpy(out->intensity, light->intensity, sizeof out->intensity);
+		}
 }
 
 static void save_put_passes(const save_job *job)
@@ -319,6 +336,7 @@ static stilb_result save_put(save_job *job, const char *path)
 	save_draws draws = {job, save_part(job, RENDER_DUMP_DRAWS)};
 	memcpy(job->bytes, &job->header, sizeof job->header);
 	save_put_views(job);
+	save_put_lights(job);
 	save_put_passes(job);
 	save_each_draw(job, save_put_draw, &draws);
 	uint64_t end = job->begin[RENDER_DUMP_CHECKSUM];

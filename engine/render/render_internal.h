@@ -40,11 +40,20 @@ typedef struct render_row {
 
 static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
+/* A light of a view as the shaders read it (shaders/mesh.glsl). */
+typedef struct render_light {
+	float position[3], kind; /* a stilb_scene_light_kind */
+	float direction[3], cos_outer;
+	float intensity[3], cos_inner;
+} render_light;
+
+static_assert(sizeof(render_light) == 48, "std430");
+
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
- * Commands, rows and 2D geometry lie in memory of the device, one array of each kind for a frame. Contexts claim
- * elements with one fetch-add: commands and rows by the chunk, geometry as much as it needs. Claims below the capacity
- * are written in place; claims beyond it are written to the heap, and replay grows the array and copies them to their
- * place. Positions depend on which worker was faster; the order of the draws does not. */
+ * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
+ * claim elements with one fetch-add: commands and rows by the chunk, geometry as much as it needs. Claims below the
+ * capacity are written in place; claims beyond it are written to the heap, and replay grows the array and copies them
+ * to their place. Positions depend on which worker was faster; the order of the draws does not. */
 
 #define RENDER_COMMAND_CHUNK 2048u /* 64 KiB */
 #define RENDER_ROW_CHUNK 512u      /* 32 KiB */
@@ -62,6 +71,7 @@ typedef enum render_memory_kind {
 	RENDER_MEMORY_ROWS,
 	RENDER_MEMORY_VERTICES_2D,
 	RENDER_MEMORY_INDICES_2D,
+	RENDER_MEMORY_LIGHTS,
 	RENDER_MEMORY_KINDS,
 } render_memory_kind;
 
@@ -211,8 +221,10 @@ typedef struct render_stream {
 	const render_command *commands; /* of the frame; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
-	uint64_t draws;       /* of all runs together */
-	uint64_t states;      /* bitwise or of all runs' states */
+	uint64_t draws;  /* of all runs together */
+	uint64_t states; /* bitwise or of all runs' states */
+	uint32_t
+		first_light; /* the view's lights: elements first_light .. first_light + view->light_count - 1 of the memory */
 	stilb_job_pool *pool; /* records secondary command buffers, one a worker */
 	uint32_t worker;      /* the caller's index in pool */
 } render_stream;
@@ -334,6 +346,10 @@ void render_contexts_destroy(stilb_render *render);
 /* Grows the frame's memory to hold every claim, and copies into it those that had to go to the heap
  * (render_overflow). */
 stilb_result render_memory_place(stilb_render *render);
+
+/* Claims count > 0 elements of the frame's memory for the main thread, before render_memory_place; *first is their
+ * position in it. Returns where to write them; NULL: no memory. */
+void *render_claim(stilb_render *render, render_memory_kind kind, uint32_t count, uint32_t *first);
 
 /* Joins the runs of a recorded pass in replay order, and sorts them if the pass asks for it. */
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);

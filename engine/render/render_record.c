@@ -113,7 +113,7 @@ static void *record_overflow(stilb_render_context *context, render_memory_kind k
  * or on the heap if they lie beyond the capacity. NULL: no memory. */
 static void *record_claim(stilb_render_context *context, render_memory_kind kind, uint32_t count, uint32_t *first)
 {
-	STILB_ASSERT(count > 0 && context->segment);
+	STILB_ASSERT(count > 0);
 	render_memory *memory = &context->render->memory[kind];
 	/* Relaxed: all that matters is that no two claims overlap. A claim makes no data visible to other threads; what is
 	 * written to it is published when the jobs are waited for. */
@@ -123,6 +123,13 @@ static void *record_claim(stilb_render_context *context, render_memory_kind kind
 	if (*first + count <= memory->capacity)
 		return (uint8_t *)memory->data + (size_t)*first * memory->element;
 	return record_overflow(context, kind, *first, count);
+}
+
+void *render_claim(stilb_render *render, render_memory_kind kind, uint32_t count, uint32_t *first)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(!render->contexts[0].segment && "no worker records any more");
+	return record_claim(&render->contexts[0], kind, count, first);
 }
 
 static bool record_next_commands(stilb_render_context *context)

@@ -135,6 +135,40 @@ static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
 	return bytes;
 }
 
+static void replay_write_light(render_light *out, const stilb_scene_light *light)
+{
+	STILB_ASSERT((uint32_t)light->kind <= STILB_SCENE_LIGHT_DIRECTIONAL);
+	*out = (render_light){.kind = (float)light->kind, .cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
+	memcpy(out->position, light->position, sizeof out->position);
+	memcpy(out->direction, light->direction, sizeof out->direction);
+	memcpy(out->intensity, light->intensity, sizeof out->intensity);
+}
+
+/* Copies the lights of the views that passes show to the frame's memory, before it is placed. first[p] is the position
+ * of the lights of pass p; views of neighbouring passes that have the same list share it. */
+static stilb_result replay_place_lights(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
+                                        const stilb_render_view *views, uint32_t first[STILB_RENDER_MAX_PASSES])
+{
+	const stilb_render_view *last = NULL;
+	uint32_t at = 0;
+	for (uint32_t p = 0; p < pass_count; p++) {
+		const stilb_render_view *view = passes[p].kind == STILB_RENDER_PASS_SCENE ? &views[passes[p].view] : NULL;
+		first[p] = 0;
+		if (!view || view->light_count == 0)
+			continue;
+		if (!last || view->lights != last->lights || view->light_count != last->light_count) {
+			render_light *out = render_claim(render, RENDER_MEMORY_LIGHTS, view->light_count, &at);
+			if (!out)
+				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", view->light_count);
+			for (uint32_t i = 0; i < view->light_count; i++)
+				replay_write_light(&out[i], &view->lights[i]);
+		}
+		first[p] = at;
+		last = view;
+	}
+	return STILB_OK;
+}
+
 /* Orders the draws of every pass, and the passes themselves. All of it before the device gets the first pass, because
  * sorting may move the memory that holds the commands. */
 static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count)
@@ -163,7 +197,10 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	device->stats =
 		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
-	stilb_result result = render_memory_place(render);
+	uint32_t first_light[STILB_RENDER_MAX_PASSES];
+	stilb_result result = replay_place_lights(render, passes, pass_count, views, first_light);
+	if (result == STILB_OK)
+		result = render_memory_place(render);
 	if (result == STILB_OK)
 		result = replay_order_passes(render, passes, pass_count);
 	bool updated = result == STILB_OK;
@@ -176,6 +213,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		uint32_t index = render->replayed[p];
 		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
 		                        .site = replay_site(&render->sites[index], pass->name),
+		                        .first_light = first_light[index],
 		                        .pool = pool,
 		                        .worker = worker};
 		result = replay_pass(render, pass, &render->passes[index], &stream);

@@ -261,6 +261,56 @@ SHADE_FN shade_sun shade_lamp_at(int light, shade_lamp lamp, vec3 position)
 	return seen;
 }
 
+/* ---- lights without a size --------------------------------------------------------------------------------------- */
+
+/* The kinds of shade_point_light, as stilb_scene_light_kind numbers them. */
+#define SHADE_LIGHT_KIND_POINT 0
+#define SHADE_LIGHT_KIND_SPOT 1
+#define SHADE_LIGHT_KIND_DIRECTIONAL 2
+
+/* shade_spot_share: the least difference of the cosines; keeps the edge of a sharp cone finite. */
+#define SHADE_SPOT_WIDTH_MIN 1e-6f
+
+/* A light without a size. position: m, unused by a directional one. direction: unit, from the light into the scene,
+ * unused by a point light. intensity: W sr^-1; of a directional light irradiance across the beam, W m^-2. cosines: of a
+ * spot's cone, see shade_spot_share. */
+SHADE_STRUCT(shade_point_light)
+{
+	int kind;
+	vec3 position;
+	vec3 direction;
+	vec3 intensity;
+	float cos_inner;
+	float cos_outer;
+};
+
+/* Share of its intensity, [0, 1], that a spot sends where the cosine from its axis is `cosine`: 1 from cos_inner on, 0
+ * up to cos_outer, and a smoothstep between. cos_inner >= cos_outer; where they are equal, the share is 1 above them.
+ * Source: derived here; glTF's KHR_lights_punctual leaves the curve open, and suggests t^2. */
+SHADE_FN float shade_spot_share(float cosine, float cos_inner, float cos_outer)
+{
+	float t = clamp((cosine - cos_outer) / max(cos_inner - cos_outer, SHADE_SPOT_WIDTH_MIN), 0.0f, 1.0f);
+	return t * t * (3.0f - 2.0f * t);
+}
+
+/* What the light sends to position, as a sun: I / d^2 of a point light, times the share of a spot, and the irradiance
+ * itself of a directional light. */
+SHADE_FN shade_sun shade_point_light_at(shade_point_light light, vec3 position)
+{
+	if (light.kind == SHADE_LIGHT_KIND_DIRECTIONAL) {
+		shade_sun distant = {-light.direction, light.intensity};
+		return distant;
+	}
+	vec3 offset = light.position - position;
+	float square = max(dot(offset, offset), SHADE_LIGHT_SQUARE_MIN);
+	vec3 direction = offset * inversesqrt(square);
+	float share = 1.0f;
+	if (light.kind == SHADE_LIGHT_KIND_SPOT)
+		share = shade_spot_share(-dot(direction, light.direction), light.cos_inner, light.cos_outer);
+	shade_sun seen = {direction, light.intensity * (share / square)};
+	return seen;
+}
+
 /* The light that reaches position, for every light: the sun itself, the sun without its light (SHADE_LIGHT_HEMISPHERE:
  * the sky is alone), or what the lamp sends there. */
 SHADE_FN shade_sun shade_light_at(int light, shade_sun sun, shade_lamp lamp, vec3 position)

@@ -86,7 +86,6 @@ static int info_bits(const stilb_image *image)
 
 /* What frames do not draw, of what is there: X(words, is it there). */
 #define INFO_NOT_LIVE(X)                                                                                               \
-	X("point, spot and directional lights", c->scene->light_count > 0)                                                 \
 	X("light from emitting triangles", c->emitting > 0)                                                                \
 	X("the environment", c->scene->environment.pixels)
 

@@ -1,6 +1,7 @@
 /* The engine on the null device: frames are the same for any number of workers, and a failed creation frees everything.
  * The linker redirects allocations to the functions here (--wrap). */
 #include "engine_internal.h"
+#include "scene/scene_build.h"
 #include "support/render_reference.h"
 #include "support/test.h"
 #include "tests/engine/stress_engine.h"
@@ -359,6 +360,42 @@ static void scenes_take_turns(void **state)
 		stilb_scene_destroy(scenes[i]);
 }
 
+/* The frame and its dump have the lights of the scene; a scene that was just set has no frame to dump. */
+static void lights_are_the_scenes(void **state)
+{
+	(void)state;
+	stilb_scene_mesh plane;
+	stilb_mat4 here = stilb_mat4_identity();
+	stilb_scene_light light = {.intensity = {1, 2, 3}, .position = {0, 4, 0}};
+	assert_int_equal(stilb_scene_mesh_plane(&plane), STILB_OK);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_build_part part = {stilb_scene_build_mesh(build, &plane),
+	                               stilb_scene_build_material(build, &(stilb_scene_material){.roughness = 1.0f})};
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &part, 1);
+	stilb_scene_build_light(build, &light);
+	stilb_scene_mesh_finish(&plane);
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	stilb_engine_desc desc = null_desc(1);
+	stilb_engine *engine;
+	stilb_engine_report report;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_int_equal(stilb_engine_dump(engine, "test_engine_null.dump"), STILB_ERROR_ARGUMENT);
+	for (int f = 0; f < 3; f++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_int_equal(report.visible, 1);
+		assert_int_equal(engine->views[0].light_count, 1);
+		assert_memory_equal(engine->views[0].lights, &light, sizeof light);
+	}
+	assert_int_equal(stilb_engine_dump(engine, "test_engine_null.dump"), STILB_OK);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_int_equal(stilb_engine_dump(engine, "test_engine_null.dump"), STILB_ERROR_ARGUMENT);
+	remove("test_engine_null.dump");
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
 /* Lets each allocation of the engine's creation and of its first frames fail once. Memory that is then not freed is
  * found by the leak check. */
 static void no_memory(const stilb_engine_desc *desc)
@@ -409,6 +446,7 @@ int main(void)
 		cmocka_unit_test(what_cannot_start_says_why),
 		cmocka_unit_test(no_memory_anywhere),
 		cmocka_unit_test(scenes_take_turns),
+		cmocka_unit_test(lights_are_the_scenes),
 		cmocka_unit_test(reference_no_third_party),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -129,6 +129,7 @@ static size_t change_count(uint8_t *data, size_t size, size_t max_size, const ui
 		size_t count, count_size, element;
 	} parts[] = {
 		{RENDER_DUMP_VIEWS, offsetof(render_dump_header, views), 4, sizeof(render_dump_view)},
+		{RENDER_DUMP_LIGHTS, offsetof(render_dump_header, lights), 4, sizeof(render_dump_light)},
 		{RENDER_DUMP_PASSES, offsetof(render_dump_header, passes), 4, sizeof(render_dump_pass)},
 		{RENDER_DUMP_TEXTURES, offsetof(render_dump_header, textures), 4, sizeof(render_dump_texture)},
 		{RENDER_DUMP_MATERIALS, offsetof(render_dump_header, materials), 4, sizeof(render_dump_material)},

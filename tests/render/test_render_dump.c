@@ -142,6 +142,12 @@ static void record_segment(frame *f, uint32_t pass, uint32_t segment)
 	stilb_render_segment_end(context);
 }
 
+static const stilb_scene_light lights[3] = {
+	{STILB_SCENE_LIGHT_SPOT, {1, 2, 3}, {0, -1, 0}, {4, 5, 6}, 0.9f, 0.8f},
+	{STILB_SCENE_LIGHT_DIRECTIONAL, {0}, {-1, 0, 0}, {7, 8, 9}, 0.0f, 0.0f},
+	{STILB_SCENE_LIGHT_POINT, {-1, -2, -3}, {0}, {10, 11, 12}, 0.0f, 0.0f},
+};
+
 static void fill_views(stilb_render_view views[2])
 {
 	for (int v = 0; v < 2; v++) {
@@ -151,6 +157,8 @@ static void fill_views(stilb_render_view views[2])
 		views[v].lamp = (stilb_scene_lamp){{1, 2, 3}, {0, -1, 0}, {40, 50, 60}, 0.7f, 80.0f};
 		views[v].shading = (stilb_render_shading){7, 3, 4, 2, 5, 0.1f, -0.2f, 0.3f, -0.4f};
 		views[v].shading.brdf -= (uint32_t)v;
+		views[v].lights = v ? &lights[2] : lights;
+		views[v].light_count = v ? 1 : 2;
 	}
 }
 
@@ -392,7 +400,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 2"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 3"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -413,7 +421,11 @@ static const struct damage {
 	{RENDER_DUMP_VIEWS, VIEW(g), 8, "G 8,"},
 	{RENDER_DUMP_VIEWS, VIEW(f), UINT32_MAX, "F 4294967295,"},
 	{RENDER_DUMP_VIEWS, 208 + VIEW(light), 6, "view 1: unknown shading: model 6, D 3, G 4, F 2, light 6"},
-	{RENDER_DUMP_VIEWS, VIEW(unused), 1, "view 0: its unused"},
+	{RENDER_DUMP_VIEWS, VIEW(lights), 1, "header: 3 lights, but views have 2"},
+	{RENDER_DUMP_HEADER, HEADER(lights), 4, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(unused), 1, "header: its unused"},
+	{RENDER_DUMP_LIGHTS, 48, 3, "light 1: unknown kind 3"},
+	{RENDER_DUMP_LIGHTS, 2 * 48 + 44, 0x7fc00000, "light 2: a number is not finite"},
 	{RENDER_DUMP_PASSES, 0, 0x41410a41, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, 60, 0x41414141, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, view), 2, "pass 0: view 2, but there are 2"},

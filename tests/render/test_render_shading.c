@@ -94,6 +94,29 @@ static shade_material expected_material(const stilb_scene_material *m, const sti
 	};
 }
 
+/* The lights of the view's list; the first listed of them count. */
+static const stilb_scene_light list[] = {
+	{STILB_SCENE_LIGHT_POINT, {0.9f, 1.6f, 1.1f}, {0}, {2.0f, 0.5f, 0.3f}, 0.0f, 0.0f},
+	{STILB_SCENE_LIGHT_SPOT, {-1.5f, 2.5f, 0.5f}, {0.48f, -0.8f, -0.36f}, {3.0f, 6.0f, 9.0f}, 0.98f, 0.85f},
+	{STILB_SCENE_LIGHT_DIRECTIONAL, {0}, {0.0f, -0.6f, -0.8f}, {0.1f, 0.4f, 0.2f}, 0.0f, 0.0f},
+	{STILB_SCENE_LIGHT_SPOT, {1.0f, 3.0f, 2.0f}, {0.0f, -1.0f, 0.0f}, {4.0f, 4.0f, 0.5f}, 0.8f, 0.7f},
+};
+#define LISTED (sizeof list / sizeof *list)
+static uint32_t listed;
+
+static stilb_vec3 expected_from_list(shade_brdf_model model, shade_material material, shade_frame frame, stilb_vec3 v,
+                                     stilb_vec3 position)
+{
+	stilb_vec3 radiance = {0};
+	for (uint32_t i = 0; i < listed; i++) {
+		shade_point_light light = {(int)list[i].kind,         vec_of(list[i].position), vec_of(list[i].direction),
+		                           vec_of(list[i].intensity), list[i].cos_inner,        list[i].cos_outer};
+		shade_sun seen = shade_point_light_at(light, position);
+		radiance += shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+	}
+	return radiance;
+}
+
 static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render_shading *shading)
 {
 	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
@@ -107,6 +130,7 @@ static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render
 	shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
 	shade_sun light = shade_light_at((int)shading->light, sun, lamp, vec_of_dvec(hit->position));
 	stilb_vec3 radiance = shade_surface_radiance(model, material, light, sky, frame, v);
+	radiance += expected_from_list(model, material, frame, v, vec_of_dvec(hit->position));
 	if (shading->light == SHADE_LIGHT_HEMISPHERE && shading->brdf > SHADE_BRDF_WRAPPED) {
 		float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
 		float mirrored_y = 2.0f * stilb_vec3_dot(n, v) * n[1] - v[1];
@@ -225,6 +249,24 @@ static void every_light_is_as_in_c(void **state)
 		assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_WRAPPED, .light = light});
 	}
 	stage_finish(&s);
+}
+
+/* Twice: the first frame has no memory for lights yet, the second has. */
+static void a_list_of_lights_is_as_in_c(void **state)
+{
+	(void)state;
+	for (int way = 0; way < 3; way++) {
+		stage s = stage_make(way);
+		for (listed = 1; listed <= LISTED; listed++) {
+			s.view.lights = list;
+			s.view.light_count = listed;
+			assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT, .light = SHADE_LIGHT_HEMISPHERE});
+			stilb_render_shading shading = microfacets(SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
+			assert_drawn(&s, &shading);
+		}
+		listed = 0;
+		stage_finish(&s);
+	}
 }
 
 static void what_is_added_to_materials(void **state)
@@ -395,6 +437,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_model_is_as_in_c),
 		cmocka_unit_test(every_light_is_as_in_c),
+		cmocka_unit_test(a_list_of_lights_is_as_in_c),
 		cmocka_unit_test(what_is_added_to_materials),
 		cmocka_unit_test(the_same_in_every_way_of_replay),
 		cmocka_unit_test(each_pass_has_its_views_formulas),

@@ -126,6 +126,41 @@ static void lamps_are_seen_as_suns(void **state)
 	}
 }
 
+static void spots_fade_between_their_angles(void **state)
+{
+	(void)state;
+	SHADE_PROOF_NEAR(shade_spot_share(0.9f, 0.9f, 0.5f), 1.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(shade_spot_share(0.5f, 0.9f, 0.5f), 0.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(shade_spot_share(-1.0f, 0.9f, 0.5f), 0.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(shade_spot_share(0.7f, 0.9f, 0.5f), 0.5, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_spot_share(0.6f, 0.9f, 0.5f), 0.0625 * 2.5, 1e-6, 0.0); /* t = 1/4 */
+	SHADE_PROOF_NEAR(shade_spot_share(0.81f, 0.8f, 0.8f), 1.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(shade_spot_share(0.79f, 0.8f, 0.8f), 0.0, 0.0, 0.0);
+}
+
+static void point_lights_are_seen_as_suns(void **state)
+{
+	(void)state;
+	stilb_vec3 place = stilb_vec3_make(1.0f, 2.0f, 3.0f), down = stilb_vec3_make(0.0f, -1.0f, 0.0f);
+	shade_point_light light = {SHADE_LIGHT_KIND_POINT, place, down, COLOR, 0.9f, 0.5f};
+	shade_sun seen = shade_point_light_at(light, stilb_vec3_make(1.0f, 2.0f, 7.0f)); /* 4 m behind it */
+	SHADE_PROOF_NEAR3(seen.direction, 0.0, 0.0, -1.0, 1e-6, 0.0);
+	SHADE_PROOF_NEAR3(seen.irradiance, 3.0 / 16.0, 0.5 / 16.0, 7e5 / 16.0, 1e-6, 0.0);
+	light.kind = SHADE_LIGHT_KIND_SPOT; /* which does not reach that point, but one below it, and half of one beside */
+	seen = shade_point_light_at(light, stilb_vec3_make(1.0f, 2.0f, 7.0f));
+	SHADE_PROOF_NEAR3(seen.irradiance, 0.0, 0.0, 0.0, 0.0, 0.0);
+	seen = shade_point_light_at(light, stilb_vec3_make(1.0f, -3.0f, 3.0f));
+	SHADE_PROOF_NEAR3(seen.irradiance, 3.0 / 25.0, 0.5 / 25.0, 7e5 / 25.0, 1e-6, 0.0);
+	SHADE_PROOF_NEAR3(seen.direction, 0.0, 1.0, 0.0, 1e-6, 0.0);
+	float beside = sqrtf(1.0f / 0.49f - 1.0f); /* where the cosine is 0.7, 1 m below */
+	seen = shade_point_light_at(light, stilb_vec3_make(1.0f + beside, 1.0f, 3.0f));
+	SHADE_PROOF_NEAR(seen.irradiance[0], 0.5 * 3.0 * 0.49, 1e-5, 0.0);
+	light.kind = SHADE_LIGHT_KIND_DIRECTIONAL;
+	seen = shade_point_light_at(light, stilb_vec3_make(70.0f, 80.0f, 90.0f));
+	SHADE_PROOF_NEAR3(seen.direction, 0.0, 1.0, 0.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR3(seen.irradiance, 3.0, 0.5, 7e5, 0.0, 0.0);
+}
+
 static void every_light_is_chosen_by_its_number(void **state)
 {
 	(void)state;
@@ -431,6 +466,8 @@ int main(void)
 		cmocka_unit_test(shares_are_those_of_the_formula),
 		cmocka_unit_test(falloffs_are_those_of_their_formulas),
 		cmocka_unit_test(lamps_are_seen_as_suns),
+		cmocka_unit_test(spots_fade_between_their_angles),
+		cmocka_unit_test(point_lights_are_seen_as_suns),
 		cmocka_unit_test(every_light_is_chosen_by_its_number),
 	};
 	const struct CMUnitTest properties[] = {

@@ -5,6 +5,7 @@
 #include "gi/light/gi_light_shape.h"
 #include "gi/light/gi_light_tree.h"
 #include "shading/shade_constants.h"
+#include "shading/shade_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -173,17 +174,6 @@ void gi_lights_destroy(gi_lights *lights)
 
 /* ---- lights without a size --------------------------------------------------------------------------------------- */
 
-/* Share of its intensity that a spot sends at this cosine from its axis: 1 inside cos_inner, 0 outside cos_outer. */
-static float spot_share(const stilb_scene_light *spot, float cosine)
-{
-	if (cosine >= spot->cos_inner)
-		return 1.0f;
-	if (cosine <= spot->cos_outer)
-		return 0.0f;
-	float t = (cosine - spot->cos_outer) / (spot->cos_inner - spot->cos_outer);
-	return t * t * (3.0f - 2.0f * t);
-}
-
 static bool sample_directional(const stilb_scene_light *light, gi_light_sample *sample)
 {
 	STILB_ASSERT(light->kind == STILB_SCENE_LIGHT_DIRECTIONAL);
@@ -204,7 +194,9 @@ static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi
 	float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
 	stilb_vec3 direction = to_light * (1.0f / distance);
 	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
-	float share = spot ? spot_share(light, -stilb_vec3_dot(gi_vector(light->direction), direction)) : 1.0f;
+	float share = spot ? shade_spot_share(-stilb_vec3_dot(gi_vector(light->direction), direction), light->cos_inner,
+	                                      light->cos_outer)
+	                   : 1.0f;
 	*sample = (gi_light_sample){
 		.direction = direction,
 		.distance = distance,

@@ -81,6 +81,7 @@ static stilb_result null_grow(render_device *base, render_memory *memory, render
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u %s; try fewer models", capacity,
 		                  kind == RENDER_MEMORY_VERTICES_2D  ? "2D vertices"
 		                  : kind == RENDER_MEMORY_INDICES_2D ? "2D indices"
+		                  : kind == RENDER_MEMORY_LIGHTS     ? "lights"
 		                                                     : "draws");
 	if (keep > 0)
 		memcpy(grown, frame->memory[kind], (size_t)keep * memory->element);

@@ -70,6 +70,20 @@ shade_frame frame_here(vec3 n)
 	return shade_frame_from_tangent(n, vec3(n.z, 0.0, -n.x)); // cross(up, n)
 }
 
+// What the lights of the view's list send to v.
+vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
+{
+	vec3 radiance = vec3(0.0);
+	for (uint i = 0; i < push.view.light_count; i++) {
+		Light from = push.view.lights.lights[i];
+		shade_point_light light = {int(from.position_kind.w), from.position_kind.xyz, from.direction_outer.xyz,
+			from.intensity_inner.xyz, from.intensity_inner.w, from.direction_outer.w};
+		shade_sun seen = shade_point_light_at(light, world_position);
+		radiance += shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+	}
+	return radiance;
+}
+
 // The sky's reflection, for SHADE_LIGHT_HEMISPHERE, where the sky is the only light.
 vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 {
@@ -85,7 +99,9 @@ void main()
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
 	vec3 n = normalize(world_normal);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
-	vec3 radiance = shade_surface_radiance(model, material, light_here(), sky, frame_here(n), to_camera);
+	shade_frame frame = frame_here(n);
+	vec3 radiance = shade_surface_radiance(model, material, light_here(), sky, frame, to_camera);
+	radiance += from_lights(model, material, frame, to_camera);
 	if (light == SHADE_LIGHT_HEMISPHERE && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
 	if (drawn != 0 && (material_index & 1) != drawn - 1)

@@ -11,6 +11,15 @@ struct Material {
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Materials { Material materials[]; };
 
+// As render_light.
+struct Light {
+	vec4 position_kind;
+	vec4 direction_outer;
+	vec4 intensity_inner;
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
+
 // As vulkan_view.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
@@ -23,6 +32,9 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 lamp_axis_reach;
 	vec4 lamp_intensity;
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
+	Lights lights;
+	uint light_count;
+	uint unused;
 };
 
 layout(push_constant, std430) uniform Push {

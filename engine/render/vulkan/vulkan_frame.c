@@ -218,6 +218,8 @@ static const struct {
                             VULKAN_MEMORY_WRITE},
 	[RENDER_MEMORY_VERTICES_2D] = {VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, VULKAN_MEMORY_WRITE},
 	[RENDER_MEMORY_INDICES_2D] = {VK_BUFFER_USAGE_INDEX_BUFFER_BIT, VULKAN_MEMORY_WRITE},
+	[RENDER_MEMORY_LIGHTS] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                              VULKAN_MEMORY_WRITE},
 };
 
 stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memory_kind kind, uint32_t capacity,

@@ -45,9 +45,11 @@ typedef struct vulkan_view {
 	float lamp_axis[3], lamp_reach;
 	float lamp_intensity[4];
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
+	VkDeviceAddress lights;
+	uint32_t light_count, unused;
 } vulkan_view;
 
-static_assert(sizeof(vulkan_view) == 208, "std430");
+static_assert(sizeof(vulkan_view) == 224, "std430");
 
 /* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {

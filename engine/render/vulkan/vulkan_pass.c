@@ -89,9 +89,10 @@ static void copy3(float out[4], const float in[3])
 	out[3] = 0.0f;
 }
 
-/* Writes the view to the slot's array, at the index of the pass. */
-static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot, const stilb_render_view *view)
+/* Writes the stream's view to the slot's array, at the index of the pass. */
+static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot, const render_stream *stream)
 {
+	const stilb_render_view *view = stream->view;
 	STILB_ASSERT(device->pass < STILB_RENDER_MAX_PASSES);
 	vulkan_view *out = (vulkan_view *)slot->views.mapped + device->pass;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
@@ -109,6 +110,9 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->added[1] = view->shading.anisotropy;
 	out->added[2] = view->shading.wrap;
 	out->added[3] = view->shading.specular;
+	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
+	out->light_count = view->light_count;
+	out->unused = 0;
 }
 
 /* Records the pass's draws into the frame's own command buffer, not into secondary ones. */
@@ -148,7 +152,7 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 		return STILB_OK;
 	stilb_result result = STILB_OK;
 	if (scene) {
-		pass_write_view(device, slot, stream->view);
+		pass_write_view(device, slot, stream);
 		result = vulkan_pipeline_choose(device, stream);
 	}
 	if (result != STILB_OK)

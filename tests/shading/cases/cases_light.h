@@ -33,8 +33,10 @@
 	X(18, shade_cone_half_angle, 1e-5f, 1e-5f)                                                                         \
 	X(19, shade_half_angle, 1e-5f, 1e-6f)                                                                              \
 	X(20, shade_cone_across, 1e-5f, 1e-6f)                                                                             \
-	X(21, shade_cone_union, 1e-5f, 1e-6f)
-#define SHADE_CASES_LIGHT_COUNT 22
+	X(21, shade_cone_union, 1e-5f, 1e-6f)                                                                              \
+	X(22, shade_spot_share, 1e-5f, 1e-5f)                                                                              \
+	X(23, shade_point_light_at, 1e-5f, 1e-5f)
+#define SHADE_CASES_LIGHT_COUNT 24
 
 SHADE_FN shade_lamp shade_case_lamp(vec4 a, vec4 b)
 {
@@ -134,8 +136,23 @@ SHADE_FN vec4 shade_case_cones(int row, vec4 a, vec4 b)
 	return shade_case_cone_of(shade_cone_union_ordered(cone, shade_cone_mirrored(n, v, cone.chord * b[3])));
 }
 
+SHADE_FN vec4 shade_case_point_lights(int row, vec4 a, vec4 b)
+{
+	float inner = shade_case_range(b[3], -0.5f, 1.0f);
+	float outer = inner - 0.05f - 0.4f * b[2];
+	if (row == 22)
+		return vec4(shade_spot_share(2.0f * a[0] - 1.0f, inner, outer), shade_spot_share(a[1], inner, inner), 0.0f,
+		            0.0f);
+	shade_point_light light = {
+		int(b[3] * 2.999f), vec3(a) * 4.0f + 2.0f, shade_case_direction(b[0], b[1]), vec3(b) + 0.1f, inner, outer};
+	shade_sun seen = shade_point_light_at(light, vec3(a[3], 0.0f, -a[0]));
+	return vec4(seen.irradiance, seen.direction[0]);
+}
+
 SHADE_FN vec4 shade_case_light(int row, vec4 a, vec4 b)
 {
+	if (row > 21)
+		return shade_case_point_lights(row, a, b);
 	if (row < 8)
 		return shade_case_units(row, a, b);
 	if (row < 13)
