@@ -74,12 +74,22 @@ typedef struct stilb_engine_update {
  * [main-thread] */
 typedef void stilb_engine_update_fn(void *user, const stilb_engine_update *update);
 
+/* A choice of the program's own, which the materials' window lists below the models. The user changes chosen in frames'
+ * stage ui; the program reads it in update. */
+typedef struct stilb_engine_choice {
+	const char *heading;
+	const char *const *names; /* [count], count >= 1 */
+	uint32_t count, chosen;   /* chosen: an index into names */
+	uint32_t initial;         /* what the window's button Default chooses */
+} stilb_engine_choice;
+
 typedef struct stilb_engine_desc {
 	uint32_t workers;       /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull; /* how visible models are found */
 
 	stilb_engine_update_fn *update; /* NULL: none */
 	void *user;                     /* passed to update */
+	stilb_engine_choice *choice;    /* the program's, valid as long as the engine; NULL: none */
 
 	/* The device and how it draws, see stilb_render_desc; shading may change between frames. */
 	stilb_render_device_kind device;
@@ -248,7 +258,6 @@ extern const char *const stilb_engine_brdf_names[];
 extern const char *const stilb_engine_ndf_names[];
 extern const char *const stilb_engine_g_names[];
 extern const char *const stilb_engine_f_names[];
-extern const char *const stilb_engine_light_names[];
 
 /* Fills pads with the connected gamepads, including those without permission to open them; returns how many. Their
  * texts are valid until the next frame. */

@@ -1,6 +1,6 @@
 /*
- * The materials' window: lists of the models that shade the scene and of the light on it, sliders for values that are
- * added to every material's own, and a polar plot of the light that a sample material reflects with them.
+ * The materials' window: lists of the models that shade the scene and of the program's own choice, sliders for values
+ * that are added to every material's own, and a polar plot of the light that a sample material reflects with them.
  */
 #include "engine_internal.h"
 
@@ -26,13 +26,11 @@ const char *const stilb_engine_brdf_names[] = {SHADE_BRDFS(INSPECTOR_WORD) NULL}
 const char *const stilb_engine_ndf_names[] = {SHADE_NDFS(INSPECTOR_WORD) NULL};
 const char *const stilb_engine_g_names[] = {SHADE_GS(INSPECTOR_WORD) NULL};
 const char *const stilb_engine_f_names[] = {SHADE_FS(INSPECTOR_WORD) NULL};
-const char *const stilb_engine_light_names[] = {SHADE_LIGHTS(INSPECTOR_WORD) NULL};
 
 static_assert(sizeof stilb_engine_brdf_names / sizeof(char *) == SHADE_BRDF_COUNT + 1 &&
                   sizeof stilb_engine_ndf_names / sizeof(char *) == SHADE_NDF_COUNT + 1 &&
                   sizeof stilb_engine_g_names / sizeof(char *) == SHADE_G_COUNT + 1 &&
-                  sizeof stilb_engine_f_names / sizeof(char *) == SHADE_F_COUNT + 1 &&
-                  sizeof stilb_engine_light_names / sizeof(char *) == SHADE_LIGHT_COUNT + 1,
+                  sizeof stilb_engine_f_names / sizeof(char *) == SHADE_F_COUNT + 1,
               "every number has a name");
 
 /* ---- values that a choice adds ----------------------------------------------------------------------------------- */
@@ -147,19 +145,20 @@ static bool inspector_column(stilb_ui *ui, stilb_ui_rect area, inspector_list *l
 }
 
 static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_rect left, stilb_ui_rect right,
-                            stilb_render_shading *shading)
+                            stilb_render_shading *shading, stilb_engine_choice *choice)
 {
-	inspector_list whole[] = {
+	inspector_list whole[2] = {
 		{"Model", stilb_engine_brdf_names, &shading->brdf, SHADE_BRDF_COUNT, SHADE_BRDF_COUNT},
-		{"Light", stilb_engine_light_names, &shading->light, SHADE_LIGHT_COUNT, SHADE_LIGHT_COUNT},
 	};
+	if (choice)
+		whole[1] = (inspector_list){choice->heading, choice->names, &choice->chosen, choice->count, choice->count};
 	inspector_list parts[] = {
 		{"D: facets", stilb_engine_ndf_names, &shading->ndf, SHADE_NDF_COUNT, SHADE_NDF_COUNT},
 		{"G: shadowing", stilb_engine_g_names, &shading->g, SHADE_G_COUNT, SHADE_G_COUNT},
 		{"F: Fresnel", stilb_engine_f_names, &shading->f, SHADE_F_COUNT, SHADE_F_COUNT},
 	};
 	stilb_render_shading before = *shading;
-	inspector_column(ui, left, whole, 2, inspector->lists, false);
+	inspector_column(ui, left, whole, choice ? 2 : 1, inspector->lists, false);
 	/* Choosing D, G or F also chooses the microfacet model, the only one that reads them. */
 	if (inspector_column(ui, right, parts, 3, inspector->lists + 2, shading->brdf != SHADE_BRDF_MICROFACET))
 		shading->brdf = SHADE_BRDF_MICROFACET;
@@ -169,7 +168,8 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 /* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
 /* Draws the sliders for the values added to all materials; one whose value the chosen models do not read is muted. */
-static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading)
+static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading,
+                              stilb_engine_choice *choice)
 {
 	static const stilb_ui_slider_range range = {-1.0f, 1.0f, 0.01f, "%+.2f"};
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
@@ -192,8 +192,11 @@ static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_sha
 		                                                         rows[r].label, rows[r].value, &range);
 		stilb_ui_cut_top(&area, style->gap);
 	}
-	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, style->control_height), "Default"))
+	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, style->control_height), "Default")) {
 		*shading = stilb_render_shading_default();
+		if (choice)
+			choice->chosen = choice->initial;
+	}
 }
 
 static float inspector_sliders_height(const stilb_ui_style *style)
@@ -301,7 +304,8 @@ static void inspector_place(engine_inspector *inspector, const stilb_ui_style *s
 	inspector->beside = beside;
 }
 
-void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open)
+void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading,
+                           stilb_engine_choice *choice, bool *open)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	float gap = 2.0f * style->gap;
@@ -325,9 +329,9 @@ void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_rend
 		lobe = stilb_ui_cut_left(&rest, column);
 		stilb_ui_cut_left(&rest, gap);
 	}
-	inspector_lists(inspector, ui, left, right, shading);
+	inspector_lists(inspector, ui, left, right, shading, choice);
 	inspector_draw_lobe(ui, lobe, shading);
-	inspector_sliders(ui, rest, shading);
+	inspector_sliders(ui, rest, shading, choice);
 	stilb_ui_panel_end(ui);
 	stilb_ui_id_pop(ui);
 }

@@ -16,9 +16,10 @@
 
 /* The materials' window, in which shading models are chosen; {0} at first. */
 typedef struct engine_inspector {
-	stilb_ui_rect place;          /* its place in the picture; empty: it has not been drawn yet */
-	bool beside;                  /* the sliders are beside the lists instead of below */
-	stilb_ui_list_state lists[5]; /* model (BRDF), light; of microfacets: normals D, shadowing G, Fresnel term F */
+	stilb_ui_rect place; /* its place in the picture; empty: it has not been drawn yet */
+	bool beside;         /* the sliders are beside the lists instead of below */
+	stilb_ui_list_state
+		lists[5]; /* model (BRDF), the program's choice; of microfacets: normals D, shadowing G, Fresnel term F */
 } engine_inspector;
 
 /* A panel, shown for a while, that names the gamepads that may not be opened and the udev rule that would permit it.
@@ -165,6 +166,7 @@ void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 
 /* Draws the materials' window, between stilb_ui_begin and stilb_ui_end; the user's choices change *shading, and closing
  * it sets *open to false. */
-void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading, bool *open);
+void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_render_shading *shading,
+                           stilb_engine_choice *choice, bool *open);
 
 #endif

@@ -106,14 +106,14 @@ void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_p
 		stilb_log("%s", stilb_error_message());
 }
 
-static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading)
+static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading, stilb_engine_choice *choice)
 {
 	PROFILE("ui build");
 	stilb_ui_begin(overlay->ui, &overlay->input);
 	if (overlay->profiler_open)
 		stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
 	if (overlay->inspector_open)
-		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, &overlay->inspector_open);
+		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, choice, &overlay->inspector_open);
 	if (overlay->notice.pad_count > 0)
 		engine_notice_draw(&overlay->notice, overlay->ui);
 	stilb_ui_end(overlay->ui);
@@ -127,7 +127,7 @@ stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t
 	stilb_render_size(engine->render, &width, &height);
 	overlay->input.width = (float)width;
 	overlay->input.height = (float)height;
-	engine_overlay_build(overlay, &engine->shading);
+	engine_overlay_build(overlay, &engine->shading, engine->desc.choice);
 	PROFILE("ui record");
 	return stilb_ui_record(overlay->ui, pass, worker);
 }

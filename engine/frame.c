@@ -97,9 +97,7 @@ static void update_scene(stilb_engine *engine)
 	view->view_projection = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
 	for (int i = 0; i < 3; i++)
 		view->camera_position[i] = scene->camera.position[i];
-	view->sun = scene->sun;
-	view->sky = scene->sky;
-	view->lamp = scene->lamp;
+	view->surroundings = scene->surroundings;
 	view->lights = scene->lights;
 	view->light_count = scene->light_count;
 	view->shading = engine->shading;

@@ -11,6 +11,8 @@ static stilb_result make_scene(stilb_scene **scene)
 	stilb_mat4 wide = stilb_mat4_scale_translate(4.0f, 0.0f, 0.0f, 0.0f);
 	stilb_scene_camera camera = {
 		.position = {0.0f, 1.8f, 5.0f}, .pitch = -0.15f, .fov_y = 0.7f, .near_z = 0.1f, .far_z = 100.0f};
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.8f, -0.6f}, .intensity = {3.0f, 3.0f, 3.0f}};
 	stilb_scene_material paint = stilb_scene_material_make(red, shine, 0.3f);
 	stilb_scene_material stone = stilb_scene_material_make(grey, shine, 0.8f);
 	stilb_scene_mesh sphere = {0}, plane = {0};
@@ -26,11 +28,10 @@ static stilb_result make_scene(stilb_scene **scene)
 		floor.material = stilb_scene_build_material(build, &stone);
 		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &above), &ball, 1);
 		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &wide), &floor, 1);
+		stilb_scene_build_light(build, &sun);
 		stilb_scene_build_camera(build, &camera);
 		result = stilb_scene_build_end(build, scene);
 	}
-	if (result == STILB_OK)
-		(*scene)->sun = (stilb_scene_sun){.direction = {0.0f, 0.8f, 0.6f}, .irradiance = {3.0f, 3.0f, 3.0f}};
 	stilb_scene_mesh_finish(&sphere);
 	stilb_scene_mesh_finish(&plane);
 	return result;

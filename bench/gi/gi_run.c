@@ -318,8 +318,7 @@ static stilb_scene *pathtracer_scene(void)
 	scene->light_count = 1;
 	scene->lights[0] = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_POINT, .position = {213.0f, 300.0f, 227.0f}, .intensity = {1e5f, 1e5f, 1e5f}};
-	memset(&scene->sun, 0, sizeof scene->sun);
-	memset(&scene->sky, 0, sizeof scene->sky);
+	stilb_scene_set_sky(scene, (const float[3]){0});
 	return scene;
 }
 

@@ -348,6 +348,25 @@ static int order_by_key(const void *a, const void *b)
 	return key_x != key_y ? (key_x > key_y) - (key_x < key_y) : (x > y) - (x < y);
 }
 
+/* The begin of the stream hash: of a view whose lights are all directional. */
+static uint64_t hash_view(const stilb_render_view *view)
+{
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &view->shading, sizeof view->shading);
+	uint32_t glossy = view->surroundings.glossy;
+	hash = stilb_hash_fnv1a64(hash, view->surroundings.sky, sizeof view->surroundings.sky);
+	hash = stilb_hash_fnv1a64(hash, view->surroundings.ground, sizeof view->surroundings.ground);
+	hash = stilb_hash_fnv1a64(hash, &glossy, sizeof glossy);
+	hash = stilb_hash_fnv1a64(hash, &view->light_count, sizeof view->light_count);
+	for (uint32_t i = 0; i < view->light_count; i++) {
+		const stilb_scene_light *light = &view->lights[i];
+		float numbers[20] = {[3] = (float)light->kind};
+		memcpy(&numbers[4], light->direction, sizeof light->direction);
+		memcpy(&numbers[8], light->intensity, sizeof light->intensity);
+		hash = stilb_hash_fnv1a64(hash, numbers, sizeof numbers);
+	}
+	return hash;
+}
+
 /* The stream hash (render.h) of all draws in scene order, or for RECORD_SORT in the order of their keys. */
 static uint64_t expected_hash(const run *r)
 {
@@ -357,7 +376,7 @@ static uint64_t expected_hash(const run *r)
 	sorted_keys = r->keys;
 	if (r->pass.sort)
 		qsort(order, r->draws, sizeof *order, order_by_key);
-	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &r->view.shading, sizeof r->view.shading);
+	uint64_t hash = hash_view(&r->view);
 	for (uint32_t k = 0; k < r->draws; k++) {
 		uint32_t i = order[k], ids[2] = {r->scene->part_mesh[i], r->scene->part_material[i]};
 		hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
@@ -421,8 +440,9 @@ static void make_scene(run *r)
 		r->models[i] = i;
 	r->view = (stilb_render_view){
 		.view_projection = stilb_scene_camera_matrix(&r->scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT),
-		.sun = r->scene->sun,
-		.sky = r->scene->sky,
+		.lights = r->scene->lights,
+		.light_count = r->scene->light_count,
+		.surroundings = r->scene->surroundings,
 		.shading = stilb_render_shading_default(),
 	};
 	memcpy(r->view.camera_position, r->scene->camera.position, sizeof r->view.camera_position);

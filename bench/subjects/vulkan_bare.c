@@ -34,10 +34,13 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	bare_view view = {0};
 	memcpy(view.view_projection, matrix.m, sizeof view.view_projection);
 	memcpy(view.camera_position, scene->camera.position, 3 * sizeof(float));
-	memcpy(view.sun_direction, scene->sun.direction, 3 * sizeof(float));
-	memcpy(view.sun_irradiance, scene->sun.irradiance, 3 * sizeof(float));
-	memcpy(view.sky, scene->sky.sky, 3 * sizeof(float));
-	memcpy(view.ground, scene->sky.ground, 3 * sizeof(float));
+	memcpy(view.sky, scene->surroundings.sky, 3 * sizeof(float));
+	memcpy(view.ground, scene->surroundings.ground, 3 * sizeof(float));
+	view.lights = frame->view.address + offsetof(bare_view, sun);
+	view.light_count = scene->light_count; /* 1: the stress test's sun */
+	view.sun[3] = STILB_SCENE_LIGHT_DIRECTIONAL;
+	memcpy(&view.sun[4], scene->lights[0].direction, 3 * sizeof(float));
+	memcpy(&view.sun[8], scene->lights[0].intensity, 3 * sizeof(float));
 	memcpy(frame->view.mapped, &view, sizeof view);
 }
 
@@ -82,7 +85,7 @@ static void take_targets(const bare *b, VkCommandBuffer commands)
 
 static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb_scene *scene)
 {
-	const float *sky = scene->sky.sky;
+	const float *sky = scene->surroundings.sky;
 	stilb_vec3 clear = shade_tonemap(stilb_vec3_make(sky[0], sky[1], sky[2]), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,

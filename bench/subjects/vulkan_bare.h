@@ -37,9 +37,11 @@ typedef struct bare_material {
 
 typedef struct bare_view {
 	float view_projection[16];
-	float camera_position[4], sun_direction[4], sun_irradiance[4], sky[4], ground[4];
-	float lamp[12], added[4];     /* all 0: no lamp but the sun, and nothing added to the materials' colours */
-	uint64_t lights, light_count; /* 0: there are none */
+	float camera_position[4], sky[4], ground[4];
+	float added[4];         /* all 0: nothing added to the materials' colours */
+	VkDeviceAddress lights; /* of sun */
+	uint32_t light_count, unused;
+	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
 typedef struct bare_push {

@@ -47,8 +47,9 @@ void threads_hand_open(threads_hand *hand, uint32_t contexts)
 	stilb_scene_camera camera = stilb_scene_stress_camera(hand->scene, STILB_SCENE_VIEW_ALL, aspect);
 	hand->view.view_projection = stilb_scene_camera_matrix(&camera, aspect);
 	memcpy(hand->view.camera_position, camera.position, sizeof camera.position);
-	hand->view.sun = hand->scene->sun;
-	hand->view.sky = hand->scene->sky;
+	hand->view.lights = hand->scene->lights;
+	hand->view.light_count = hand->scene->light_count;
+	hand->view.surroundings = hand->scene->surroundings;
 	hand->view.shading = stilb_render_shading_default();
 }
 

@@ -339,7 +339,7 @@ static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 	}
 	stilb_result result = gi_lights_create(scene, emitters, gi->info.lights, &gi->lights);
 	free(emitters);
-	gi->info.lights += gi->lights.point_count;
+	gi->info.lights += gi->lights.listed_count;
 	return result;
 }
 

@@ -72,7 +72,7 @@ typedef struct stilb_gi_scene_info {
 	uint64_t invalid;
 	/* Memory: the acceleration structure, vertices, triangles and parts. */
 	uint64_t bytes;
-	/* Emitting triangles, and point, spot and directional lights that shine. */
+	/* Emitting triangles, and lights of the list that shine and have no face. */
 	uint32_t lights;
 	/* Seconds in Embree's build. */
 	double build_s;
@@ -83,9 +83,9 @@ typedef struct stilb_gi_scene_info {
 } stilb_gi_scene_info;
 
 /* Copies meshes, materials and lights. scene may be destroyed afterwards, except for the pixels of its textures and of
- * its environment, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
+ * its panorama, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
  * more than 65,536 triangles.
- * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, an environment that has no
+ * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, a panorama that has no
  * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails. Then *out is NULL. [main-thread] */
 stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scene_desc *desc, stilb_gi_scene **out);
 

@@ -1,6 +1,7 @@
 #include "gi/gi_scene_hash.h"
 
 #include "gi/light/gi_environment.h"
+#include "gi/light/gi_light_listed.h"
 
 static uint64_t hash_u32(uint64_t hash, uint32_t value)
 {
@@ -30,7 +31,8 @@ static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
 
 static uint64_t hash_lights(uint64_t hash, const gi_lights *lights)
 {
-	hash = stilb_hash_fnv1a64(hash, lights->points, lights->point_count * sizeof *lights->points);
+	for (uint32_t i = 0; i < lights->listed_count; i++)
+		hash = stilb_hash_fnv1a64(hash, &lights->listed[i].light, sizeof lights->listed[i].light);
 	const gi_environment *environment = lights->environment;
 	if (!environment->map) {
 		hash = stilb_hash_fnv1a64(hash, &environment->sky, sizeof(float[3]));

@@ -3,7 +3,7 @@
  * what is done with the coefficients is in shading/shade_sh.h.
  *
  *   shade_sh_rgb light;
- *   if (stilb_numeric_sh_project_map(&scene->environment, &light) != STILB_OK)
+ *   if (stilb_numeric_sh_project_map(&scene->surroundings.panorama, &light) != STILB_OK)
  *       stilb_log("%s", stilb_error_message());
  *
  * Maps.     An environment map is a picture in longitude and latitude: its top row is +Y, the bottom row -Y, the centre

@@ -1,7 +1,6 @@
 /* Creation, settings and the frame's begin and end: what is the same for all devices. */
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
-#include "shading/shade_light.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +12,6 @@ stilb_render_shading stilb_render_shading_default(void)
 		.ndf = SHADE_NDF_GGX,
 		.g = SHADE_G_SMITH_GGX,
 		.f = SHADE_F_SCHLICK,
-		.light = SHADE_LIGHT_SUN,
 	};
 }
 

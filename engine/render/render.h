@@ -25,7 +25,9 @@
  *
  *   stilb_render_desc desc = {.width = 1280, .height = 720, .context_count = stilb_job_pool_worker_count(pool) + 1};
  *   stilb_render_pass pass = {.name = "scene"};
- *   stilb_render_view view = {.view_projection = ..., .sun = scene->sun, .shading = stilb_render_shading_default()};
+ *   stilb_render_view view = {.view_projection = ..., .shading = stilb_render_shading_default()};
+ *   view.lights = scene->lights;
+ *   view.light_count = scene->light_count;
  *   stilb_render *render;
  *   stilb_result result = stilb_render_create(&desc, &render);
  *   if (result == STILB_OK)
@@ -210,19 +212,18 @@ stilb_render_material stilb_render_scene_material(const stilb_render *render, ui
 
 /* ---- views and passes: the frame as data ------------------------------------------------------------------------- */
 
-/* How surfaces are shaded. The first five members choose formulas by the constants of the shading headers. The others
+/* How surfaces are shaded. The first four members choose formulas by the constants of the shading headers. The others
  * are added to the parameters of every material, to try out values; each sum is clamped to the parameter's range. */
 typedef struct stilb_render_shading {
 	uint32_t brdf;      /* SHADE_BRDF_... of shading/shade_brdf.h */
 	uint32_t ndf, g, f; /* its D, G and F: SHADE_NDF_..., SHADE_G_..., SHADE_F_...; for SHADE_BRDF_MICROFACET alone */
-	uint32_t light;     /* SHADE_LIGHT_... of shading/shade_light.h */
 	float roughness;    /* added, [-1, 1] */
 	float anisotropy;   /* added, [-1, 1] */
 	float wrap;         /* added, [-1, 1] */
 	float specular;     /* added to all channels, [-1, 1]; then diffuse + specular is limited to one again */
 } stilb_render_shading;
 
-/* Modified Blinn-Phong under the sun, nothing added. Who sets brdf to SHADE_BRDF_MICROFACET gets, unless ndf, g or f
+/* Modified Blinn-Phong, nothing added. Who sets brdf to SHADE_BRDF_MICROFACET gets, unless ndf, g or f
  * is set too, GGX's distribution of facets, Smith's shadowing term for it and Schlick's Fresnel term. [any-thread] */
 stilb_render_shading stilb_render_shading_default(void);
 
@@ -231,13 +232,11 @@ stilb_render_shading stilb_render_shading_default(void);
 typedef struct stilb_render_view {
 	stilb_mat4 view_projection; /* world to clip space: depth 1 is near, 0 is far, y points down */
 	float camera_position[3];   /* world space, metres */
-	stilb_scene_sun sun;
-	stilb_scene_sky sky;
-	stilb_scene_lamp lamp;
-	/* [light_count] Lights without a size, added to sun, lamp and sky whatever shading.light is; none casts a shadow.
-	 * Read during stilb_render_replay. */
-	const stilb_scene_light *lights;
+	const stilb_scene_light
+		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); none casts a shadow;
+	                                  BAKED ones are left out. Read during stilb_render_replay. */
 	uint32_t light_count;
+	stilb_scene_surroundings surroundings; /* sky and ground; the panorama is not read */
 	stilb_render_shading shading;
 } stilb_render_view;
 
@@ -321,10 +320,11 @@ typedef struct stilb_render_stats {
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
- * stilb_render_shading (32 bits each); then for each draw mesh id, material id (32 bits, counted from 0), the 16 floats
- * of the transform (column-major) and the index count (32 bits). The same for every device, replay mode and number of
- * workers. Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of
- * nothing. [main-thread] */
+ * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy and the number of lights (32 bits each),
+ * and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id (32 bits,
+ * counted from 0), the 16 floats of the transform (column-major) and the index count (32 bits). The same for every
+ * device, replay mode and number of workers. Valid from stilb_render_replay until the next frame begins; without a
+ * replayed frame it is the hash of nothing. [main-thread] */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 /* ---- recording by hand -------------------------------------------------------------------------------------------

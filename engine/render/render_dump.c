@@ -112,15 +112,6 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-static stilb_scene_lamp upload_lamp(const render_dump_view *from)
-{
-	stilb_scene_lamp lamp = {.radius = from->lamp_radius, .reach = from->lamp_reach};
-	memcpy(lamp.position, from->lamp_position, sizeof lamp.position);
-	memcpy(lamp.axis, from->lamp_axis, sizeof lamp.axis);
-	memcpy(lamp.intensity, from->lamp_intensity, sizeof lamp.intensity);
-	return lamp;
-}
-
 static stilb_render_shading upload_shading(const render_dump_view *from)
 {
 	return (stilb_render_shading){
@@ -128,7 +119,6 @@ static stilb_render_shading upload_shading(const render_dump_view *from)
 		.ndf = from->ndf,
 		.g = from->g,
 		.f = from->f,
-		.light = from->light,
 		.roughness = from->roughness,
 		.anisotropy = from->anisotropy,
 		.wrap = from->wrap,
@@ -136,23 +126,11 @@ static stilb_render_shading upload_shading(const render_dump_view *from)
 	};
 }
 
-static void upload_lights(stilb_render_dump *dump)
-{
-	for (uint32_t i = 0; i < dump->header->lights; i++) {
-		const render_dump_light *from = &dump->lights[i];
-		stilb_scene_light *light = &dump->light_table[i];
-		*light = (stilb_scene_light){
-			.kind = (stilb_scene_light_kind)from->kind, .cos_inner = from->cos_inner, .cos_outer = from->cos_outer};
-		memcpy(light->position, from->position, sizeof from->position);
-		memcpy(light->direction, from->direction, sizeof from->direction);
-		memcpy(light->intensity, from->intensity, sizeof from->intensity);
-	}
-}
-
 static void upload_tables(stilb_render_dump *dump)
 {
 	const stilb_scene_light *lights = dump->light_table;
-	upload_lights(dump);
+	for (uint32_t i = 0; i < dump->header->lights; i++)
+		dump->light_table[i] = render_dump_light_get(&dump->lights[i]);
 	for (uint32_t p = 0; p < dump->header->passes; p++) {
 		const render_dump_pass *pass = &dump->passes[p];
 		dump->pass_table[p] = (stilb_render_pass){.name = pass->name,
@@ -166,11 +144,9 @@ static void upload_tables(stilb_render_dump *dump)
 		stilb_render_view *view = &dump->view_table[v];
 		memcpy(view->view_projection.m, from->view_projection, sizeof from->view_projection);
 		memcpy(view->camera_position, from->camera_position, sizeof from->camera_position);
-		memcpy(view->sun.direction, from->sun_direction, sizeof from->sun_direction);
-		memcpy(view->sun.irradiance, from->sun_irradiance, sizeof from->sun_irradiance);
-		memcpy(view->sky.sky, from->sky, sizeof from->sky);
-		memcpy(view->sky.ground, from->ground, sizeof from->ground);
-		view->lamp = upload_lamp(from);
+		memcpy(view->surroundings.sky, from->sky, sizeof from->sky);
+		memcpy(view->surroundings.ground, from->ground, sizeof from->ground);
+		view->surroundings.glossy = from->glossy;
 		view->lights = lights;
 		view->light_count = from->lights;
 		lights += from->lights;

@@ -7,8 +7,8 @@
  *
  *   part       bytes each  how many              contents
  *   header            112  1                     render_dump_header
- *   views             208  header.views, 1..16   render_dump_view
- *   lights             48  header.lights         render_dump_light, of view 0, then of view 1, ...
+ *   views             144  header.views, 1..16   render_dump_view
+ *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          48  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
@@ -48,17 +48,18 @@ typedef struct render_dump_header {
 typedef struct render_dump_view {
 	float view_projection[16];
 	float camera_position[3];
-	float sun_direction[3], sun_irradiance[3];
 	float sky[3], ground[3];
-	float lamp_position[3], lamp_axis[3], lamp_intensity[3], lamp_radius, lamp_reach;
 	float roughness, anisotropy, wrap, specular; /* the floats of stilb_render_shading */
-	uint32_t brdf, ndf, g, f, light;             /* its integers: constants of the shading headers */
+	uint32_t brdf, ndf, g, f;                    /* its integers: constants of the shading headers */
 	uint32_t lights;                             /* so many of the file's lights are this view's */
+	uint32_t glossy;                             /* 0 or 1: stilb_scene_surroundings.glossy */
+	uint32_t unused;
 } render_dump_view;
 
+/* The members of stilb_scene_light; a dump has no scene, so there is no face. */
 typedef struct render_dump_light {
-	uint32_t kind; /* stilb_scene_light_kind */
-	float position[3], direction[3], intensity[3], cos_inner, cos_outer;
+	uint32_t kind, unit, falloff, use, unused;
+	float position[3], direction[3], intensity[3], cos_inner, cos_outer, radius, half_x[3], half_y[3], reach;
 } render_dump_light;
 
 typedef struct render_dump_pass {
@@ -91,7 +92,7 @@ typedef struct render_dump_draw {
 	float transform[12];     /* the three rows of the affine transform */
 } render_dump_draw;
 
-static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 208 && sizeof(render_dump_light) == 48 &&
+static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 144 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
                   sizeof(render_dump_material) == 48 && sizeof(render_dump_mesh) == 16 &&
                   sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
@@ -159,6 +160,9 @@ struct stilb_render_dump {
 	render_dump_ready *ready;       /* [header->draws] */
 	uint32_t *first_draw; /* [header->segments + 1]: segment s has draws first_draw[s] .. first_draw[s + 1] - 1 */
 };
+
+/* A light of the file as one of a scene. [any-thread] */
+stilb_scene_light render_dump_light_get(const render_dump_light *light);
 
 /* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **dump);

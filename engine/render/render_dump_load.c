@@ -2,7 +2,6 @@
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
-#include "shading/shade_light.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -161,9 +160,9 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		if (!load_finite(view->view_projection, offsetof(render_dump_view, brdf) / sizeof(float)))
 			return load_refuse(name, "view %u: a number is not finite", v);
 		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
-		    view->f >= SHADE_F_COUNT || view->light >= SHADE_LIGHT_COUNT)
-			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, light %u", v, view->brdf,
-			                   view->ndf, view->g, view->f, view->light);
+		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->unused != 0)
+			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, unused bytes %u",
+			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->unused);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)
@@ -171,14 +170,37 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 	return STILB_OK;
 }
 
+stilb_scene_light render_dump_light_get(const render_dump_light *from)
+{
+	stilb_scene_light light = {.kind = (stilb_scene_light_kind)from->kind,
+	                           .cos_inner = from->cos_inner,
+	                           .cos_outer = from->cos_outer,
+	                           .radius = from->radius,
+	                           .reach = from->reach,
+	                           .unit = (stilb_scene_light_unit)from->unit,
+	                           .falloff = (stilb_scene_light_falloff)from->falloff,
+	                           .use = (stilb_scene_light_use)from->use};
+	memcpy(light.position, from->position, sizeof from->position);
+	memcpy(light.direction, from->direction, sizeof from->direction);
+	memcpy(light.intensity, from->intensity, sizeof from->intensity);
+	memcpy(light.half_x, from->half_x, sizeof from->half_x);
+	memcpy(light.half_y, from->half_y, sizeof from->half_y);
+	return light;
+}
+
 static stilb_result load_check_lights(const stilb_render_dump *dump, const char *name)
 {
 	for (uint32_t i = 0; i < dump->header->lights; i++) {
-		const render_dump_light *light = &dump->lights[i];
-		if (light->kind > STILB_SCENE_LIGHT_DIRECTIONAL)
-			return load_refuse(name, "light %u: unknown kind %u", i, light->kind);
-		if (!load_finite(light->position, 11))
+		const render_dump_light *from = &dump->lights[i];
+		size_t floats = (sizeof *from - offsetof(render_dump_light, position)) / sizeof(float);
+		if (!load_finite(from->position, floats))
 			return load_refuse(name, "light %u: a number is not finite", i);
+		stilb_scene_light light = render_dump_light_get(from);
+		const char *mistake = stilb_scene_light_mistake(&light);
+		if (mistake)
+			return load_refuse(name, "light %u: %s", i, mistake);
+		if (from->unused != 0)
+			return load_refuse(name, "light %u: its unused bytes are not zero", i);
 	}
 	return STILB_OK;
 }

@@ -190,22 +190,12 @@ static void *save_part(const save_job *job, render_dump_part part)
 	return job->bytes + job->begin[part];
 }
 
-static void save_put_lamp(render_dump_view *out, const stilb_scene_lamp *lamp)
-{
-	memcpy(out->lamp_position, lamp->position, sizeof out->lamp_position);
-	memcpy(out->lamp_axis, lamp->axis, sizeof out->lamp_axis);
-	memcpy(out->lamp_intensity, lamp->intensity, sizeof out->lamp_intensity);
-	out->lamp_radius = lamp->radius;
-	out->lamp_reach = lamp->reach;
-}
-
 static void save_put_shading(render_dump_view *out, const stilb_render_shading *shading)
 {
 	out->brdf = shading->brdf;
 	out->ndf = shading->ndf;
 	out->g = shading->g;
 	out->f = shading->f;
-	out->light = shading->light;
 	out->roughness = shading->roughness;
 	out->anisotropy = shading->anisotropy;
 	out->wrap = shading->wrap;
@@ -219,11 +209,9 @@ static void save_put_views(const save_job *job)
 		const stilb_render_view *view = &job->views[v];
 		memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
 		memcpy(out->camera_position, view->camera_position, sizeof out->camera_position);
-		memcpy(out->sun_direction, view->sun.direction, sizeof out->sun_direction);
-		memcpy(out->sun_irradiance, view->sun.irradiance, sizeof out->sun_irradiance);
-		memcpy(out->sky, view->sky.sky, sizeof out->sky);
-		memcpy(out->ground, view->sky.ground, sizeof out->ground);
-		save_put_lamp(out, &view->lamp);
+		memcpy(out->sky, view->surroundings.sky, sizeof out->sky);
+		memcpy(out->ground, view->surroundings.ground, sizeof out->ground);
+		out->glossy = view->surroundings.glossy;
 		out->lights = view->light_count;
 		save_put_shading(out, &view->shading);
 	}
@@ -235,11 +223,19 @@ static void save_put_lights(const save_job *job)
 	for (uint32_t v = 0; v < job->header.views; v++)
 		for (uint32_t i = 0; i < job->views[v].light_count; i++, out++) {
 			const stilb_scene_light *light = &job->views[v].lights[i];
-			*out =
-				(render_dump_light){.kind = light->kind, .cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
+			*out = (render_dump_light){.kind = light->kind,
+			                           .unit = light->unit,
+			                           .falloff = light->falloff,
+			                           .use = light->use,
+			                           .cos_inner = light->cos_inner,
+			                           .cos_outer = light->cos_outer,
+			                           .radius = light->radius,
+			                           .reach = light->reach};
 			memcpy(out->position, light->position, sizeof out->position);
 			memcpy(out->direction, light->direction, sizeof out->direction);
 			memcpy(out->intensity, light->intensity, sizeof out->intensity);
+			memcpy(out->half_x, light->half_x, sizeof out->half_x);
+			memcpy(out->half_y, light->half_y, sizeof out->half_y);
 		}
 }
 

@@ -42,12 +42,18 @@ static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
 /* A light of a view as the shaders read it (shaders/mesh.glsl). */
 typedef struct render_light {
-	float position[3], kind; /* a stilb_scene_light_kind */
-	float direction[3], cos_outer;
+	float position[3], kind; /* stilb_scene_light_kind + 8 * stilb_scene_light_falloff */
+	float direction[3], reach;
 	float intensity[3], cos_inner;
+	float half_x[3], cos_outer;
+	float half_y[3], radius;
 } render_light;
 
-static_assert(sizeof(render_light) == 48, "std430");
+static_assert(sizeof(render_light) == 80, "std430");
+static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
+
+#define RENDER_LIGHTS_END 64u    /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u /* highlights mirror sky and ground */
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -116,8 +122,11 @@ typedef struct render_pass_lists {
 	render_run *runs;
 	uint32_t run_count, run_capacity;
 	uint64_t draws;
-	uint64_t states;              /* bitwise or of all runs' states: no texture bit set means no draw has a texture */
-	stilb_render_shading shading; /* of the pass's view, set at replay */
+	uint64_t states; /* bitwise or of all runs' states: no texture bit set means no draw has a texture */
+	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
+	stilb_render_shading shading;
+	float sky[3], ground[3];
+	uint32_t glossy, first_light, light_count;
 } render_pass_lists;
 
 /* What one worker needs to record draws; written by one worker at a time. Aligned so that two workers never write the
@@ -221,10 +230,11 @@ typedef struct render_stream {
 	const render_command *commands; /* of the frame; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
-	uint64_t draws;  /* of all runs together */
-	uint64_t states; /* bitwise or of all runs' states */
-	uint32_t
-		first_light; /* the view's lights: elements first_light .. first_light + view->light_count - 1 of the memory */
+	uint64_t draws;       /* of all runs together */
+	uint64_t states;      /* bitwise or of all runs' states */
+	uint32_t first_light; /* the view's lights: elements first_light .. first_light + light_count - 1 of the memory */
+	uint32_t light_count;
+	uint32_t light_bits;  /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
 	stilb_job_pool *pool; /* records secondary command buffers, one a worker */
 	uint32_t worker;      /* the caller's index in pool */
 } render_stream;

@@ -102,6 +102,18 @@ static const stilb_prof_site *replay_site(const stilb_prof_site **known, const c
 	return *known;
 }
 
+/* Keeps what the stream hash covers of the view. */
+static void replay_keep_view(render_pass_lists *lists, const render_stream *stream)
+{
+	const stilb_scene_surroundings *around = &stream->view->surroundings;
+	lists->shading = stream->view->shading;
+	memcpy(lists->sky, around->sky, sizeof lists->sky);
+	memcpy(lists->ground, around->ground, sizeof lists->ground);
+	lists->glossy = around->glossy;
+	lists->first_light = stream->first_light;
+	lists->light_count = stream->light_count;
+}
+
 static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
                                 render_stream *stream)
 {
@@ -113,7 +125,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stream->states = lists->states;
 	lists->state = RENDER_LIST_REPLAYED;
 	if (stream->view)
-		lists->shading = stream->view->shading;
+		replay_keep_view(lists, stream);
 	stilb_render_stats *stats = &render->device->stats;
 	stats->draws += lists->draws;
 	stats->recorded_bytes += lists->draws * (sizeof(render_command) + sizeof(render_row));
@@ -137,33 +149,63 @@ static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
 
 static void replay_write_light(render_light *out, const stilb_scene_light *light)
 {
-	STILB_ASSERT((uint32_t)light->kind <= STILB_SCENE_LIGHT_DIRECTIONAL);
-	*out = (render_light){.kind = (float)light->kind, .cos_inner = light->cos_inner, .cos_outer = light->cos_outer};
+	bool round = light->kind == STILB_SCENE_LIGHT_SPHERE || light->kind == STILB_SCENE_LIGHT_DISK;
+	STILB_ASSERT(!stilb_scene_light_mistake(light));
+	*out = (render_light){.kind = (float)((uint32_t)light->kind + 8 * (uint32_t)light->falloff),
+	                      .cos_inner = light->cos_inner,
+	                      .cos_outer = light->cos_outer,
+	                      .radius = round ? light->radius : 0.0f,
+	                      .reach = light->reach};
 	memcpy(out->position, light->position, sizeof out->position);
 	memcpy(out->direction, light->direction, sizeof out->direction);
 	memcpy(out->intensity, light->intensity, sizeof out->intensity);
+	memcpy(out->half_x, light->half_x, sizeof out->half_x);
+	memcpy(out->half_y, light->half_y, sizeof out->half_y);
 }
 
-/* Copies the lights of the views that passes show to the frame's memory, before it is placed. first[p] is the position
- * of the lights of pass p; views of neighbouring passes that have the same list share it. */
+/* The lights of a pass in the frame's memory: elements first .. first + count - 1. bits: render_stream.light_bits. */
+typedef struct replay_lights {
+	uint32_t first, count, bits;
+} replay_lights;
+
+/* Number and bits of the lights that frames show. */
+static replay_lights replay_count_lights(const stilb_render_view *view)
+{
+	replay_lights found = {0};
+	for (uint32_t i = 0; i < view->light_count; i++) {
+		const stilb_scene_light *light = &view->lights[i];
+		if (light->use == STILB_SCENE_LIGHT_BAKED)
+			continue;
+		found.count++;
+		found.bits |= 1u << light->kind;
+		found.bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
+	}
+	return found;
+}
+
+/* Copies the lights of the views that passes show, without those that are only baked, to the frame's memory, before it
+ * is placed. Views of neighbouring passes that have the same list share it. */
 static stilb_result replay_place_lights(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
-                                        const stilb_render_view *views, uint32_t first[STILB_RENDER_MAX_PASSES])
+                                        const stilb_render_view *views, replay_lights placed[STILB_RENDER_MAX_PASSES])
 {
 	const stilb_render_view *last = NULL;
-	uint32_t at = 0;
+	replay_lights now = {0};
 	for (uint32_t p = 0; p < pass_count; p++) {
 		const stilb_render_view *view = passes[p].kind == STILB_RENDER_PASS_SCENE ? &views[passes[p].view] : NULL;
-		first[p] = 0;
+		placed[p] = (replay_lights){0};
 		if (!view || view->light_count == 0)
 			continue;
 		if (!last || view->lights != last->lights || view->light_count != last->light_count) {
-			render_light *out = render_claim(render, RENDER_MEMORY_LIGHTS, view->light_count, &at);
-			if (!out)
-				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", view->light_count);
+			now = replay_count_lights(view);
+			render_light *out =
+				now.count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, now.count, &now.first) : NULL;
+			if (now.count > 0 && !out)
+				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", now.count);
 			for (uint32_t i = 0; i < view->light_count; i++)
-				replay_write_light(&out[i], &view->lights[i]);
+				if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
+					replay_write_light(out++, &view->lights[i]);
 		}
-		first[p] = at;
+		placed[p] = now;
 		last = view;
 	}
 	return STILB_OK;
@@ -197,8 +239,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	device->stats =
 		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
-	uint32_t first_light[STILB_RENDER_MAX_PASSES];
-	stilb_result result = replay_place_lights(render, passes, pass_count, views, first_light);
+	replay_lights lights[STILB_RENDER_MAX_PASSES];
+	stilb_result result = replay_place_lights(render, passes, pass_count, views, lights);
 	if (result == STILB_OK)
 		result = render_memory_place(render);
 	if (result == STILB_OK)
@@ -213,7 +255,11 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		uint32_t index = render->replayed[p];
 		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
 		                        .site = replay_site(&render->sites[index], pass->name),
-		                        .first_light = first_light[index],
+		                        .first_light = lights[index].first,
+		                        .light_count = lights[index].count,
+		                        .light_bits =
+		                            lights[index].bits |
+		                            (scene && views[pass->view].surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0),
 		                        .pool = pool,
 		                        .worker = worker};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
@@ -275,7 +321,22 @@ static uint64_t hash_draw(uint64_t hash, const render_command *command, const re
 	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
 }
 
-static_assert(sizeof(stilb_render_shading) == 9 * sizeof(uint32_t), "hashed as it is: no padding");
+static_assert(sizeof(stilb_render_shading) == 8 * sizeof(uint32_t), "hashed as it is: no padding");
+
+static uint64_t hash_view(uint64_t hash, const stilb_render *render, const render_pass_lists *lists)
+{
+	const render_memory *memory = &render->memory[RENDER_MEMORY_LIGHTS];
+	hash = stilb_hash_fnv1a64(hash, &lists->shading, sizeof lists->shading);
+	hash = stilb_hash_fnv1a64(hash, lists->sky, sizeof lists->sky);
+	hash = stilb_hash_fnv1a64(hash, lists->ground, sizeof lists->ground);
+	hash = stilb_hash_fnv1a64(hash, &lists->glossy, sizeof lists->glossy);
+	hash = stilb_hash_fnv1a64(hash, &lists->light_count, sizeof lists->light_count);
+	if (lists->light_count == 0)
+		return hash;
+	STILB_ASSERT(lists->first_light + lists->light_count <= memory->capacity);
+	const render_light *lights = (const render_light *)memory->data + lists->first_light;
+	return stilb_hash_fnv1a64(hash, lights, lists->light_count * sizeof *lights);
+}
 
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
@@ -285,7 +346,7 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
 		if (lists->kind != STILB_RENDER_PASS_SCENE)
 			continue;
-		hash = stilb_hash_fnv1a64(hash, &lists->shading, sizeof lists->shading);
+		hash = hash_view(hash, render, lists);
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			const render_run *run = &lists->runs[r];
 			STILB_ASSERT(run->first + run->count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);

@@ -54,11 +54,11 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 {
 	STILB_ASSERT(scene && radiance);
-	stilb_image_finish(&scene->environment);
+	stilb_image_finish(&scene->surroundings.panorama);
 	for (int i = 0; i < 3; i++)
 		STILB_ASSERT(radiance[i] >= 0.0f && isfinite(radiance[i]));
 	for (int i = 0; i < 3; i++)
-		scene->sky.sky[i] = scene->sky.ground[i] = radiance[i];
+		scene->surroundings.sky[i] = scene->surroundings.ground[i] = radiance[i];
 }
 
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
@@ -91,7 +91,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 		stilb_scene_mesh_finish(&scene->meshes[i]);
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		stilb_image_finish(&scene->textures[i]);
-	stilb_image_finish(&scene->environment);
+	stilb_image_finish(&scene->surroundings.panorama);
 	free(scene->bounds.x);
 	free(scene->bounds.y);
 	free(scene->bounds.z);
@@ -131,6 +131,8 @@ bool scene_is_sound(const stilb_scene *scene)
 		sound = sound && scene_mesh_is_sound(&scene->meshes[m]);
 	for (uint32_t m = 0; m < scene->material_count; m++)
 		sound = sound && scene->materials[m].diffuse_texture <= scene->texture_count;
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		sound = sound && scene->lights[i].face <= scene->part_count && !stilb_scene_light_mistake(&scene->lights[i]);
 	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&
 	       scene_all_below(scene->part_material, scene->part_count, scene->material_count);
 }

@@ -6,8 +6,8 @@
  * of a model, part, mesh, ... is its index in the arrays. Everybody may read them; only stilb_scene_... functions and
  * the frame's stage `update_scene` write. scene_build.h makes a scene, scene_edit.h changes one.
  *
- * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_destroy. Between them the sky, the
- *              environment and the camera may be replaced.
+ * Life cycle.  stilb_scene_open or stilb_scene_create_stress -> stilb_scene_destroy. Between them the
+ *              surroundings, the lights and the camera may be replaced.
  * Per frame.   stilb_scene_animate, for the stress test only; other scenes do not move.
  * Threads.     [one-writer]: nobody reads while somebody writes. In the engine the main thread writes in update_scene
  *              and any thread reads after it. Functions that create a scene or a mesh, and those that only read, are
@@ -64,43 +64,81 @@ typedef struct stilb_scene_material {
 	uint32_t diffuse_texture; /* 1 + the index in textures of the one that multiplies diffuse; 0: none */
 } stilb_scene_material;
 
-/* A distant light. */
-typedef struct stilb_scene_sun {
-	float direction[3];  /* unit, from the surface to the sun */
-	float irradiance[3]; /* on a surface perpendicular to direction; 0: there is no sun */
-} stilb_scene_sun;
-
-/* The surroundings as two hemispheres of constant radiance. */
-typedef struct stilb_scene_sky {
-	float sky[3];    /* from above the horizon, y > 0 */
-	float ground[3]; /* from below it */
-} stilb_scene_sky;
-
-/* A spherical or disk-shaped area light, drawn by frames whose light model asks for it (stilb_render_shading); traced
- * pictures ignore it. shade_light.h has the formulas. */
-typedef struct stilb_scene_lamp {
-	float position[3];  /* of its centre */
-	float axis[3];      /* unit: the normal of the disk */
-	float intensity[3]; /* W sr^-1; of a disk along its axis */
-	float radius;       /* metres, >= 0 */
-	float reach;        /* metres, > radius: the distance at which its light ends, in models where it does */
-} stilb_scene_lamp;
+/* ---- light: one list and one surroundings ---------------------------------------------------------------------------
+ * Frames and traced pictures read the same list. Numbers are radiometric, W sr^-1 and W m^-2, or photometric, candela
+ * and lux: stilb_scene_light.unit says which. No number is converted from one to the other, since every formula holds
+ * for both alike; the numbers of a scene's lights, emission and surroundings are compared with each other, so all of
+ * them are of one kind. A file's photometric numbers stay as they are, and such a picture needs an exposure.
+ * shade_light.h has the formulas. */
 
 typedef enum stilb_scene_light_kind {
 	STILB_SCENE_LIGHT_POINT,
 	STILB_SCENE_LIGHT_SPOT,
-	STILB_SCENE_LIGHT_DIRECTIONAL,
+	STILB_SCENE_LIGHT_DIRECTIONAL, /* infinitely far away: a sun */
+	STILB_SCENE_LIGHT_SPHERE,
+	STILB_SCENE_LIGHT_DISK,
+	STILB_SCENE_LIGHT_RECTANGLE,
+	STILB_SCENE_LIGHT_KINDS,
 } stilb_scene_light_kind;
 
-/* A light without a size, as scene files have them. */
+typedef enum stilb_scene_light_unit {
+	STILB_SCENE_LIGHT_RADIOMETRIC, /* W sr^-1; DIRECTIONAL: W m^-2 */
+	STILB_SCENE_LIGHT_PHOTOMETRIC, /* candela; DIRECTIONAL: lux */
+	STILB_SCENE_LIGHT_UNITS,
+} stilb_scene_light_unit;
+
+/* How light fades with the distance d from the light's centre, beyond what geometry does to it. DIRECTIONAL does not
+ * fade. */
+typedef enum stilb_scene_light_falloff {
+	STILB_SCENE_LIGHT_PHYSICAL,   /* not at all: I / d^2 */
+	STILB_SCENE_LIGHT_WINDOWED,   /* times (1 - d^2 / reach^2)^2: it ends softly at reach */
+	STILB_SCENE_LIGHT_SUBTRACTED, /* times 1 - d^2 / reach^2, which keeps more light and ends with an edge */
+	STILB_SCENE_LIGHT_FALLOFFS,
+} stilb_scene_light_falloff;
+
+/* Which pictures a light takes part in. Traced pictures show every light. */
+typedef enum stilb_scene_light_use {
+	STILB_SCENE_LIGHT_MIXED, /* its direct light in frames, its indirect light in baked data */
+	STILB_SCENE_LIGHT_LIVE,  /* frames alone: it may change at any time */
+	STILB_SCENE_LIGHT_BAKED, /* baked data alone: frames leave it out */
+	STILB_SCENE_LIGHT_USES,
+} stilb_scene_light_use;
+
 typedef struct stilb_scene_light {
 	stilb_scene_light_kind kind;
-	float position[3];          /* unused by DIRECTIONAL */
-	float direction[3];         /* unit, from the light into the scene; unused by POINT */
-	float intensity[3];         /* W sr^-1; DIRECTIONAL: irradiance on a surface perpendicular to it, W m^-2 */
+	float position[3];  /* of its centre; unused by DIRECTIONAL */
+	float direction[3]; /* unit, from the light into the scene; unused by POINT and SPHERE. DISK and RECTANGLE are flat,
+	                     perpendicular to it, and shine to that side alone */
+	/* Colour and brightness, linear Rec.709: the intensity as seen from far away, of DISK and RECTANGLE along
+	 * direction, so that it stays when the size changes. Radiance of the surface is intensity / (pi radius^2), of
+	 * RECTANGLE intensity / area. DIRECTIONAL: irradiance on a surface perpendicular to direction. */
+	float intensity[3];
 	float cos_inner, cos_outer; /* SPOT: full intensity up to the inner angle from direction, 0 from the outer angle on;
 	                             cos_inner >= cos_outer */
+	float radius;               /* SPHERE, DISK: metres, > 0 */
+	float half_x[3], half_y[3]; /* RECTANGLE: from its centre to the middles of two neighbouring sides, metres;
+	                             perpendicular to each other and to direction */
+	float reach;                /* WINDOWED, SUBTRACTED: metres, > 0 and > radius */
+	stilb_scene_light_unit unit;
+	stilb_scene_light_falloff falloff;
+	stilb_scene_light_use use;
+	/* 1 + the part that shows the light to who looks at it, 0: nothing is seen of it. The part has the light's shape,
+	 * and its material emits the light's radiance. It is the same light and counts once: traced pictures sample the
+	 * part in place of the light; frames are lit by the light and draw the part. PHYSICAL only. */
+	uint32_t face;
 } stilb_scene_light;
+
+/* What lies behind everything: two hemispheres of constant radiance, or one if both are the same, or a panorama. */
+typedef struct stilb_scene_surroundings {
+	float sky[3];    /* radiance from above the horizon, y > 0 */
+	float ground[3]; /* from below it */
+	stilb_image
+		panorama; /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
+	                       none. Traced pictures only */
+	/* Frames: highlights mirror sky and ground, too, by an approximation (shade_hemisphere_radiance). Without it frames
+	 * reflect them evenly alone. Traced pictures always do both. */
+	bool glossy;
+} stilb_scene_surroundings;
 
 /* Yaw turns about +Y: 0 looks along -Z, positive to the left. Pitch then raises the view. Roll then turns the camera
  * about its view, positive lowers its right side: its right axis is cos(roll) * right - sin(roll) * up of the camera
@@ -142,11 +180,7 @@ typedef struct stilb_scene {
 	uint32_t light_count;
 	stilb_scene_light *lights; /* [light_count] */
 
-	stilb_scene_sun sun;
-	stilb_scene_sky sky; /* unused if there is an environment */
-	stilb_image
-		environment; /* latitude-longitude map of the surroundings' radiance, 3 channels, F32_LINEAR; {0}: none */
-	stilb_scene_lamp lamp;
+	stilb_scene_surroundings surroundings;
 	stilb_scene_camera camera;
 	uint64_t seed;                   /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits; /* of scene_edit.h; NULL: there was none */
@@ -191,13 +225,13 @@ typedef struct stilb_scene_open_options {
 /* stilb_scene_open with options. [any-thread] */
 stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene);
 
-/* Sets the environment to the latitude-longitude map in a file, EXR or HDR (radiance), or codes of 8 or 16 bits (sRGB).
+/* Sets the panorama to the latitude-longitude map in a file, EXR or HDR (radiance), or codes of 8 or 16 bits (sRGB).
  * The top row is +Y, the middle column -Z, and +X lies a quarter of the width to the right of that. NaN, infinite and
  * negative values become 0. The import process reads it, with the limits of stilb_scene_open. [one-writer]
  * STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the scene is as before. */
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);
 
-/* Replaces sky, ground and environment by one radiance (finite, >= 0 per channel) from all directions. [one-writer] */
+/* Replaces sky, ground and panorama by one radiance (finite, >= 0 per channel) from all directions. [one-writer] */
 void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3]);
 
 /* The libraries of the import process, and the protections that this kernel offers against them (docs/import.md). */
@@ -235,12 +269,34 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
  * aspect. [any-thread] */
 stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect);
 
+/* What lights the stress test: X(ENUM, identifier, words for users). */
+#define STILB_SCENE_STRESS_LIGHTS(X)                                                                                   \
+	X(SUN, sun, "a directional light")                                                                                 \
+	X(HEMISPHERE, hemisphere, "the sky alone, which is mirrored, too")                                                 \
+	X(SPHERE, sphere, "a sphere above the middle")                                                                     \
+	X(DISK, disk, "a disk there, which faces down")                                                                    \
+	X(WINDOWED, windowed, "the sphere, ending softly at the border")                                                   \
+	X(SUBTRACTED, subtracted, "the sphere, ending with an edge")
+
+#define STILB_SCENE_STRESS_LIGHT_ENUM(id, ...) STILB_SCENE_STRESS_LIGHT_##id,
+typedef enum stilb_scene_stress_light {
+	STILB_SCENE_STRESS_LIGHTS(STILB_SCENE_STRESS_LIGHT_ENUM) STILB_SCENE_STRESS_LIGHT_COUNT
+} stilb_scene_stress_light;
+#undef STILB_SCENE_STRESS_LIGHT_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_scene_stress_light. */
+extern const char *const stilb_scene_stress_light_names[];
+
+/* Puts a light into the list of a scene of stilb_scene_create_stress, in place of the one before; at first it is SUN.
+ * [one-writer] */
+void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light light);
+
 /* Moves the spheres of models 0, 10, 20, ... of a scene of stilb_scene_create_stress up and down, and lists these
  * models in moved. seconds, finite, is the time since the start, not the step: the same time gives the same bits.
  * [one-writer] */
 void stilb_scene_animate(stilb_scene *scene, double seconds);
 
-/* Frees the scene with its meshes, textures and environment. Accepts NULL. [one-writer] */
+/* Frees the scene with its meshes, textures and panorama. Accepts NULL. [one-writer] */
 void stilb_scene_destroy(stilb_scene *scene);
 
 /* ---- pieces ------------------------------------------------------------------------------------------------------ */
@@ -249,6 +305,11 @@ void stilb_scene_destroy(stilb_scene *scene);
  * diffuse + specular <= 1 (shade_limit_to_one). roughness is clamped to [0, 1]. All other members are 0.
  * [any-thread] */
 stilb_scene_material stilb_scene_material_make(const float diffuse[3], const float specular[3], float roughness);
+
+/* What is wrong with a light, as words that go on after its name ("its radius is not above 0"); NULL: nothing. Numbers
+ * must be finite, intensity >= 0, positions and sizes within 1e18 m, direction unit to 1 %; members that the kind and
+ * the falloff do not use may have any value. Does not check that there is a part `face`. [any-thread] */
+const char *stilb_scene_light_mistake(const stilb_scene_light *light);
 
 /* The unit sphere as an icosahedron split `splits` times (0..6): 20 * 4^splits triangles with vertices on the sphere. u
  * is the longitude, 0 at -Z, growing eastward (towards -X) to 1 at -Z again; v is the polar angle / pi, 0 at +Y, 1 at

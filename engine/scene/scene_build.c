@@ -32,6 +32,7 @@ struct stilb_scene_build {
 	build_list models;    /* of build_model */
 	build_list parts;     /* of stilb_scene_build_part */
 	build_list lights;    /* of stilb_scene_light */
+	stilb_scene_surroundings surroundings;
 	stilb_scene_camera camera;
 	bool has_camera;
 	stilb_result error; /* STILB_OK: no mistake so far */
@@ -109,6 +110,7 @@ static void build_free(stilb_scene_build *build)
 		stilb_scene_mesh_finish(&meshes[i].mesh);
 	for (uint32_t i = 0; i < build->textures.count; i++)
 		stilb_image_finish(&textures[i]);
+	stilb_image_finish(&build->surroundings.panorama);
 	free(build->meshes.items);
 	free(build->textures.items);
 	free(build->materials.items);
@@ -260,7 +262,7 @@ uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const 
 	return id;
 }
 
-/* ---- lights and camera ------------------------------------------------------------------------------------------- */
+/* ---- light and camera -------------------------------------------------------------------------------------------- */
 
 uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light)
 {
@@ -268,22 +270,39 @@ uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_lig
 	if (!build_goes_on(build))
 		return 0;
 	uint32_t id = build->lights.count;
-	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
-	if ((uint32_t)light->kind > STILB_SCENE_LIGHT_DIRECTIONAL)
-		build_refuse(build, "light %u: there is no kind %u", id, (unsigned)light->kind);
-	else if (!scene_is_within(light->intensity, 3, 0.0f, FLT_MAX))
-		build_refuse(build, "light %u: its intensity is negative or not finite", id);
-	else if (light->kind != STILB_SCENE_LIGHT_DIRECTIONAL &&
-	         !scene_is_within(light->position, 3, -SCENE_FAR, SCENE_FAR))
-		build_refuse(build, "light %u: its position is not within 1e18 m", id);
-	else if (light->kind != STILB_SCENE_LIGHT_POINT && !scene_is_unit(light->direction))
-		build_refuse(build, "light %u: its direction is not unit", id);
-	else if (spot && !(light->cos_inner <= 1.0f && light->cos_inner >= light->cos_outer && light->cos_outer >= -1.0f))
-		build_refuse(build, "light %u: the cosines %g and %g of its cone are not 1 >= inner >= outer >= -1", id,
-		             (double)light->cos_inner, (double)light->cos_outer);
+	const char *mistake = stilb_scene_light_mistake(light);
+	if (mistake)
+		build_refuse(build, "light %u: %s", id, mistake);
+	else if (light->face > build->parts.count)
+		build_refuse(build, "light %u: there is no part %u", id, light->face - 1);
 	if (!build_goes_on(build))
 		return 0;
 	return build_add(build, &build->lights, light, sizeof *light, "light");
+}
+
+void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_surroundings *surroundings)
+{
+	STILB_ASSERT(surroundings);
+	const stilb_image *map = &surroundings->panorama;
+	if (!build_goes_on(build))
+		return;
+	if (!scene_is_within(surroundings->sky, 3, 0.0f, FLT_MAX) ||
+	    !scene_is_within(surroundings->ground, 3, 0.0f, FLT_MAX))
+		build_refuse(build, "surroundings: a radiance is negative or not finite");
+	else if (map->pixels && (map->channels != 3 || map->format != STILB_IMAGE_F32_LINEAR))
+		build_refuse(build, "surroundings: the panorama has not three channels of linear floats");
+	stilb_image copy = {0};
+	if (!build_goes_on(build))
+		return;
+	if (map->pixels && stilb_image_create(&copy, map->width, map->height, 3, map->format) != STILB_OK) {
+		build_no_memory(build, "panorama");
+		return;
+	}
+	if (map->pixels)
+		memcpy(copy.pixels, map->pixels, stilb_image_size(map));
+	stilb_image_finish(&build->surroundings.panorama);
+	build->surroundings = *surroundings;
+	build->surroundings.panorama = copy;
 }
 
 void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera *camera)
@@ -325,6 +344,8 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
 		scene->meshes[i] = meshes[i].mesh;
 	build->meshes.count = build->textures.count = 0;
+	scene->surroundings = build->surroundings;
+	build->surroundings.panorama = (stilb_image){0};
 	for (uint32_t m = 0; m < scene->model_count; m++) {
 		uint32_t end = m + 1 < scene->model_count ? models[m + 1].first_part : scene->part_count;
 		scene->first_part[m] = models[m].first_part;

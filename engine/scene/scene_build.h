@@ -21,10 +21,11 @@
  *                                     {floor, stilb_scene_build_material(build, &stone)}};
  *   stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &up), &parts[0], 1);
  *   stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &wide), &parts[1], 1);
+ *   stilb_scene_build_light(build, &(stilb_scene_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+ *                                                       .direction = {0, -1, 0},
+ *                                                       .intensity = {3, 3, 3}});
  *   stilb_scene *scene;
  *   stilb_result result = stilb_scene_build_end(build, &scene);
- *   if (result == STILB_OK)
- *       scene->sun = (stilb_scene_sun){.direction = {0, 1, 0}, .irradiance = {3, 3, 3}};
  */
 #ifndef STILB_SCENE_BUILD_H
 #define STILB_SCENE_BUILD_H
@@ -67,16 +68,20 @@ typedef struct stilb_scene_build_part {
 uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const stilb_scene_build_part *parts,
                                  uint32_t part_count);
 
-/* Adds a light: finite; intensity >= 0 a channel; direction unit, to 1 %, except a point light's; a spot light's
- * 1 >= cos_inner >= cos_outer >= -1. */
+/* Adds a light of any kind, with which stilb_scene_light_mistake finds nothing wrong. face: 1 + the number of a part,
+ * counted over all models so far, or 0. */
 uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light);
+
+/* Sets the surroundings: radiances finite and >= 0; a panorama of 3 channels in F32_LINEAR, or none. Without this call
+ * they are black. */
+void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_surroundings *surroundings);
 
 /* Sets the camera, whose members are in the ranges that stilb_scene_camera says. Without this call it is one that sees
  * the whole scene from the front, a little from above. */
 void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera *camera);
 
-/* Makes the scene, and frees the build in any case. There is no sun and no sky in it: the program sets them.
- * STILB_ERROR_ARGUMENT: the first mistake. STILB_ERROR_MEMORY. *scene is NULL then. */
+/* Makes the scene, and frees the build in any case. STILB_ERROR_ARGUMENT: the first mistake. STILB_ERROR_MEMORY.
+ * *scene is NULL then. */
 stilb_result stilb_scene_build_end(stilb_scene_build *build, stilb_scene **scene);
 
 #ifdef __cplusplus

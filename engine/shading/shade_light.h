@@ -9,7 +9,8 @@
  *      flux        W              a whole lamp, over all directions
  * A lamp of the radius r0 whose surface has the radiance L shows a disc of the area pi r0^2 to whom it faces:
  *   I = pi L r0^2        E = I / d^2 = pi L (r0 / d)^2        flux = 4 pi I for a sphere, pi I for a disk (one face)
- * Here a sun holds E, a sky holds L, and a lamp holds I: its brightness from afar stays when its radius changes. Games
+ * Here a sun holds E, a sky holds L, and a light with a place holds I: its brightness from afar stays when its size
+ * changes. Games
  * often leave the pi out and call L r0^2 the intensity, so that a light of 1 shows a white surface as 1:
  * shade_from_pi_folded.
  *
@@ -58,15 +59,25 @@ SHADE_STRUCT(shade_sky)
 	vec3 ground;
 };
 
-/* A lamp with a body. position: its centre, m. axis: unit, where a disk faces; a sphere has none. intensity: W sr^-1,
- * of a disk along its axis. radius of the body, m, may be 0. reach: the distance where SHADE_LIGHT_WINDOWED and
- * _SUBTRACTED end, m, beyond the radius. */
-SHADE_STRUCT(shade_lamp)
+/* A light of any kind, as stilb_scene_light: kind is a SHADE_LIGHT_, falloff a SHADE_FALLOFF_. position: its centre, m,
+ * unused by a directional light. direction: unit, from the light into the scene; the normal of a disk or a rectangle,
+ * which shine to that side alone. A light that is not flat shines from -direction at its very centre. intensity:
+ * W sr^-1, of a flat light along direction; of a directional one irradiance across the beam, W m^-2. cos_inner,
+ * cos_outer: of a spot's cone, see shade_spot_share. radius: of a sphere or a disk, m, may be 0. half_x, half_y: of a
+ * rectangle, from its centre to the middles of two neighbouring sides, m. reach: where a falloff that is not physical
+ * ends, m, beyond the radius. */
+SHADE_STRUCT(shade_light)
 {
+	int kind;
+	int falloff;
 	vec3 position;
-	vec3 axis;
+	vec3 direction;
 	vec3 intensity;
+	float cos_inner;
+	float cos_outer;
 	float radius;
+	vec3 half_x;
+	vec3 half_y;
 	float reach;
 };
 
@@ -216,73 +227,34 @@ SHADE_FN float shade_reach_from_error(float intensity, float error)
 	return sqrt(intensity / error);
 }
 
-/* ---- lamps ------------------------------------------------------------------------------------------------------- */
+/* The share, [0, 1], of its light that the falloff leaves at the distance sqrt(square) from the light's centre: 1,
+ * shade_falloff_window, or what shade_falloff_subtracted leaves of a sphere's falloff for the tolerance of this reach.
+ * radius: of a sphere or a disk, else 0. */
+#define SHADE_FALLOFF_PHYSICAL 0
+#define SHADE_FALLOFF_WINDOWED 1
+#define SHADE_FALLOFF_SUBTRACTED 2
+SHADE_FN float shade_falloff_share(int falloff, float square, float radius, float reach)
+{
+	if (falloff == SHADE_FALLOFF_PHYSICAL)
+		return 1.0f;
+	if (falloff == SHADE_FALLOFF_WINDOWED)
+		return shade_falloff_window(square, reach);
+	return max(1.0f - max(square, radius * radius) * shade_tolerance_from_reach(reach), 0.0f);
+}
 
-/* Which light a surface sees, chosen by an integer (a specialisation constant on the GPU). SHADE_LIGHTS(X) lists them:
- * X(integer, identifier), of which C makes names for people. */
-#define SHADE_LIGHT_SUN 0
-#define SHADE_LIGHT_HEMISPHERE 1
-#define SHADE_LIGHT_SPHERE 2
-#define SHADE_LIGHT_DISK 3
-#define SHADE_LIGHT_WINDOWED 4
-#define SHADE_LIGHT_SUBTRACTED 5
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* The kinds of shade_light, numbered as stilb_scene_light_kind. */
+#define SHADE_LIGHT_POINT 0
+#define SHADE_LIGHT_SPOT 1
+#define SHADE_LIGHT_DIRECTIONAL 2
+#define SHADE_LIGHT_SPHERE 3
+#define SHADE_LIGHT_DISK 4
+#define SHADE_LIGHT_RECTANGLE 5
 #define SHADE_LIGHT_COUNT 6
-#define SHADE_LIGHTS(X)                                                                                                \
-	X(SHADE_LIGHT_SUN, sun)                                                                                            \
-	X(SHADE_LIGHT_HEMISPHERE, hemisphere)                                                                              \
-	X(SHADE_LIGHT_SPHERE, sphere)                                                                                      \
-	X(SHADE_LIGHT_DISK, disk)                                                                                          \
-	X(SHADE_LIGHT_WINDOWED, windowed)                                                                                  \
-	X(SHADE_LIGHT_SUBTRACTED, subtracted)
-
-/* E / I of a lamp at the distance sqrt(square), m^-2; cosine: between a disk's axis and the point, below 0 counts as 0.
- * light: SHADE_LIGHT_SPHERE, _DISK, _WINDOWED or _SUBTRACTED; the last two are spheres that end at reach. */
-SHADE_FN float shade_lamp_falloff(int light, shade_lamp lamp, float square, float cosine)
-{
-	float sphere = shade_falloff_sphere(square, lamp.radius);
-	if (light == SHADE_LIGHT_DISK)
-		return max(cosine, 0.0f) * shade_falloff_disk(square, lamp.radius);
-	if (light == SHADE_LIGHT_WINDOWED)
-		return sphere * shade_falloff_window(square, lamp.reach);
-	if (light == SHADE_LIGHT_SUBTRACTED)
-		return shade_falloff_subtracted(sphere, shade_tolerance_from_reach(lamp.reach));
-	return sphere;
-}
-
-/* What the lamp sends to position, as a sun; light as above. A point in the lamp's centre gets the light from the
- * direction against the lamp's axis, as a point in front of a disk does. */
-SHADE_FN shade_sun shade_lamp_at(int light, shade_lamp lamp, vec3 position)
-{
-	vec3 offset = lamp.position - position;
-	float square = dot(offset, offset);
-	vec3 direction = select(square > SHADE_LIGHT_SQUARE_MIN, offset * inversesqrt(square), -lamp.axis);
-	float falloff = shade_lamp_falloff(light, lamp, square, -dot(direction, lamp.axis));
-	shade_sun seen = {direction, lamp.intensity * falloff};
-	return seen;
-}
-
-/* ---- lights without a size --------------------------------------------------------------------------------------- */
-
-/* The kinds of shade_point_light, as stilb_scene_light_kind numbers them. */
-#define SHADE_LIGHT_KIND_POINT 0
-#define SHADE_LIGHT_KIND_SPOT 1
-#define SHADE_LIGHT_KIND_DIRECTIONAL 2
 
 /* shade_spot_share: the least difference of the cosines; keeps the edge of a sharp cone finite. */
 #define SHADE_SPOT_WIDTH_MIN 1e-6f
-
-/* A light without a size. position: m, unused by a directional one. direction: unit, from the light into the scene,
- * unused by a point light. intensity: W sr^-1; of a directional light irradiance across the beam, W m^-2. cosines: of a
- * spot's cone, see shade_spot_share. */
-SHADE_STRUCT(shade_point_light)
-{
-	int kind;
-	vec3 position;
-	vec3 direction;
-	vec3 intensity;
-	float cos_inner;
-	float cos_outer;
-};
 
 /* Share of its intensity, [0, 1], that a spot sends where the cosine from its axis is `cosine`: 1 from cos_inner on, 0
  * up to cos_outer, and a smoothstep between. cos_inner >= cos_outer; where they are equal, the share is 1 above them.
@@ -293,35 +265,43 @@ SHADE_FN float shade_spot_share(float cosine, float cos_inner, float cos_outer)
 	return t * t * (3.0f - 2.0f * t);
 }
 
-/* What the light sends to position, as a sun: I / d^2 of a point light, times the share of a spot, and the irradiance
- * itself of a directional light. */
-SHADE_FN shade_sun shade_point_light_at(shade_point_light light, vec3 position)
+/* Area of a rectangle, m^2. */
+SHADE_FN float shade_rectangle_area(vec3 half_x, vec3 half_y)
 {
-	if (light.kind == SHADE_LIGHT_KIND_DIRECTIONAL) {
+	return 4.0f * sqrt(dot(half_x, half_x) * dot(half_y, half_y));
+}
+
+/* E / I of a light with a place, m^-2, at the distance sqrt(square); cosine: between its direction and the point, below
+ * 0 counts as 0. A rectangle counts as a disk of the same area. */
+SHADE_FN float shade_light_falloff(shade_light light, float square, float cosine)
+{
+	float share = shade_falloff_share(light.falloff, square, light.radius, light.reach);
+	if (light.kind == SHADE_LIGHT_SPHERE)
+		return share * shade_falloff_sphere(square, light.radius);
+	if (light.kind == SHADE_LIGHT_DISK)
+		return share * (max(cosine, 0.0f) * shade_falloff_disk(square, light.radius));
+	if (light.kind == SHADE_LIGHT_RECTANGLE) {
+		float radius = sqrt(shade_rectangle_area(light.half_x, light.half_y) * SHADE_INV_PI);
+		return share * (max(cosine, 0.0f) * shade_falloff_disk(square, radius));
+	}
+	if (light.kind == SHADE_LIGHT_SPOT)
+		share *= shade_spot_share(cosine, light.cos_inner, light.cos_outer);
+	return share / max(square, SHADE_LIGHT_SQUARE_MIN);
+}
+
+/* What the light sends to position, as a sun: all of it as if it came from the light's centre. */
+SHADE_FN shade_sun shade_light_at(shade_light light, vec3 position)
+{
+	if (light.kind == SHADE_LIGHT_DIRECTIONAL) {
 		shade_sun distant = {-light.direction, light.intensity};
 		return distant;
 	}
 	vec3 offset = light.position - position;
-	float square = max(dot(offset, offset), SHADE_LIGHT_SQUARE_MIN);
-	vec3 direction = offset * inversesqrt(square);
-	float share = 1.0f;
-	if (light.kind == SHADE_LIGHT_KIND_SPOT)
-		share = shade_spot_share(-dot(direction, light.direction), light.cos_inner, light.cos_outer);
-	shade_sun seen = {direction, light.intensity * (share / square)};
+	float square = dot(offset, offset);
+	vec3 direction = select(square > SHADE_LIGHT_SQUARE_MIN, offset * inversesqrt(square), -light.direction);
+	float falloff = shade_light_falloff(light, square, -dot(direction, light.direction));
+	shade_sun seen = {direction, light.intensity * falloff};
 	return seen;
-}
-
-/* The light that reaches position, for every light: the sun itself, the sun without its light (SHADE_LIGHT_HEMISPHERE:
- * the sky is alone), or what the lamp sends there. */
-SHADE_FN shade_sun shade_light_at(int light, shade_sun sun, shade_lamp lamp, vec3 position)
-{
-	if (light == SHADE_LIGHT_SUN)
-		return sun;
-	if (light == SHADE_LIGHT_HEMISPHERE) {
-		shade_sun night = {sun.direction, vec3(0.0f)};
-		return night;
-	}
-	return shade_lamp_at(light, lamp, position);
 }
 
 #include "glsl_end.h"

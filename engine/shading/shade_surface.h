@@ -35,16 +35,21 @@ SHADE_FN vec3 shade_surface_brdf_cos(shade_brdf_model model, shade_material mate
 	return diffuse + shade_brdf_cos(model, p, frame, l, v);
 }
 
-/* Radiance from the surface to v:
- *   BRDF n.l E_sun  +  diffuse / pi * E_sky
- * with E_sky from shade_hemisphere_irradiance. The sky is reflected evenly only: a material's specular share sees the
- * sun alone. No shadows. */
+/* Radiance from the surface to v of what the sky sends, evenly reflected: diffuse / pi * E_sky, with E_sky from
+ * shade_hemisphere_irradiance. */
+SHADE_FN vec3 shade_surface_sky(shade_material material, shade_sky sky, vec3 n)
+{
+	vec3 irradiance = shade_hemisphere_irradiance(clamp(n[1], -1.0f, 1.0f), sky.sky, sky.ground);
+	return shade_lambert(material.diffuse) * irradiance;
+}
+
+/* Radiance from the surface to v: BRDF n.l E_sun, and shade_surface_sky. A material's specular share sees the sun
+ * alone. No shadows. */
 SHADE_FN vec3 shade_surface_radiance(shade_brdf_model model, shade_material material, shade_sun sun, shade_sky sky,
                                      shade_frame frame, vec3 v)
 {
 	vec3 from_sun = shade_surface_brdf_cos(model, material, frame, sun.direction, v) * sun.irradiance;
-	vec3 sky_irradiance = shade_hemisphere_irradiance(clamp(frame.n[1], -1.0f, 1.0f), sky.sky, sky.ground);
-	return from_sun + shade_lambert(material.diffuse) * sky_irradiance;
+	return from_sun + shade_surface_sky(material, sky, frame.n);
 }
 
 #include "glsl_end.h"

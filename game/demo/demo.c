@@ -73,7 +73,8 @@ static stilb_result demo_start(demo_run *run)
 	desc.capture.done = demo_on_captured;
 	desc.capture.user = run;
 	demo_faults faults = demo_options_faults(&run->options);
-	run->scene = (demo_scene){.animate = run->options.animate, .slow_frame = faults.slow_frame};
+	demo_scene_init(&run->scene, &run->options, faults.slow_frame);
+	desc.choice = &run->scene.light;
 	desc.update = demo_scene_update;
 	desc.user = &run->scene;
 	stilb_engine_set_faults(&faults.render);
@@ -224,7 +225,11 @@ static void demo_say_end(const demo_run *run)
 static bool demo_finish(demo_run *run)
 {
 	const demo_options *o = &run->options;
-	demo_report report = {.options = o, .engine = run->engine, .last = run->report, .frames = run->frames};
+	demo_report report = {.options = o,
+	                      .engine = run->engine,
+	                      .last = run->report,
+	                      .frames = run->frames,
+	                      .light = run->scene.light.chosen};
 	double gpu_ms;
 	stilb_result waited = stilb_engine_wait(run->engine, &gpu_ms);
 	if (waited != STILB_OK) {

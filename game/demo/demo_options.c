@@ -32,7 +32,6 @@ demo_options demo_options_default(void)
 		.ndf = DEMO_NOT_GIVEN,
 		.g = DEMO_NOT_GIVEN,
 		.f = DEMO_NOT_GIVEN,
-		.light = (int)stilb_render_shading_default().light,
 		.roughness = NAN,
 		.anisotropy = NAN,
 		.wrap = NAN,
@@ -81,7 +80,7 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--f", FLAG_CHOICE, &o->f, "NAME", "Fresnel term F of --brdf microfacet, which it implies (schlick)", 0, 0,
 	     stilb_engine_f_names},
 		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
-	     stilb_engine_light_names},
+	     stilb_scene_stress_light_names},
 		{"--roughness", FLAG_DECIMAL, &o->roughness, "X", "added to the roughness of every material, -1..1 (0)", 0, 1,
 	     NULL},
 		{"--anisotropy", FLAG_DECIMAL, &o->anisotropy, "X",
@@ -361,7 +360,6 @@ static stilb_render_shading demo_shading(const demo_options *o)
 	shading.ndf = demo_choice(o->ndf, shading.ndf);
 	shading.g = demo_choice(o->g, shading.g);
 	shading.f = demo_choice(o->f, shading.f);
-	shading.light = (uint32_t)o->light;
 	stilb_engine_shading_chosen(&before, &shading); /* sets defaults that suit the chosen BRDF */
 	shading.roughness = demo_added(o->roughness, shading.roughness);
 	shading.anisotropy = demo_added(o->anisotropy, shading.anisotropy);

@@ -34,7 +34,7 @@ static void demo_put_choice(stilb_json *json, const char *name, const char *choi
 	stilb_json_string(json, name, flags_choice(text, choice));
 }
 
-static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
+static void demo_put_shading(stilb_json *json, stilb_render_shading shading, uint32_t light)
 {
 	demo_put_choice(json, "brdf", stilb_engine_brdf_names[shading.brdf]);
 	if (shading.brdf == SHADE_BRDF_MICROFACET) {
@@ -42,7 +42,7 @@ static void demo_put_shading(stilb_json *json, stilb_render_shading shading)
 		demo_put_choice(json, "g", stilb_engine_g_names[shading.g]);
 		demo_put_choice(json, "f", stilb_engine_f_names[shading.f]);
 	}
-	demo_put_choice(json, "light_model", stilb_engine_light_names[shading.light]);
+	demo_put_choice(json, "light_model", stilb_scene_stress_light_names[light]);
 	stilb_json_begin(json, "added", '{');
 	stilb_json_double(json, "roughness", (double)shading.roughness);
 	stilb_json_double(json, "anisotropy", (double)shading.anisotropy);
@@ -89,7 +89,7 @@ stilb_result demo_report_save(const demo_report *report)
 	stilb_json_string(&json, "cull", demo_cull_choices[o->cull]);
 	stilb_json_string(&json, "culled_by", demo_cull_choices[report->last.cull]);
 	stilb_json_string(&json, "stream_hash", hash);
-	demo_put_shading(&json, stilb_engine_shading(report->engine));
+	demo_put_shading(&json, stilb_engine_shading(report->engine), report->light);
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
 	stilb_json_int(&json, "draw_indirect", (int64_t)render->indirect_commands);

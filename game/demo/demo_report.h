@@ -10,6 +10,7 @@ typedef struct demo_report {
 	const stilb_engine *engine;
 	stilb_engine_report last; /* of the last frame that was drawn */
 	uint64_t frames;          /* number of frames drawn */
+	uint32_t light;           /* a stilb_scene_stress_light */
 	stage_summary summary[STAGE_COUNT];
 	uint64_t warmup; /* frames at the start that the summary leaves out */
 } demo_report;

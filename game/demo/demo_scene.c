@@ -10,11 +10,20 @@ static void demo_stall(void)
 	nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
 }
 
+void demo_scene_init(demo_scene *scene, const demo_options *options, uint32_t slow_frame)
+{
+	*scene = (demo_scene){.animate = options->animate,
+	                      .slow_frame = slow_frame,
+	                      .light = {"Light", stilb_scene_stress_light_names, STILB_SCENE_STRESS_LIGHT_COUNT,
+	                                (uint32_t)options->light, 0}};
+}
+
 void demo_scene_update(void *user, const stilb_engine_update *update)
 {
 	demo_scene *scene = user;
 	if (update->frame == scene->slow_frame)
 		demo_stall();
+	stilb_scene_stress_set_light(scene->scene, (stilb_scene_stress_light)scene->light.chosen);
 	if (scene->animate)
 		stilb_scene_animate(scene->scene, update->seconds);
 }

@@ -8,7 +8,12 @@ typedef struct demo_scene {
 	stilb_scene *scene;  /* NULL: not made yet */
 	bool animate;        /* a tenth of the models moves */
 	uint32_t slow_frame; /* number of a frame that is made 100 ms longer; 0: none */
+	/* Of the stilb_scene_stress_light; the materials' window lists them. */
+	stilb_engine_choice light;
 } demo_scene;
+
+/* Sets what the options say; there is no scene yet. */
+void demo_scene_init(demo_scene *scene, const demo_options *options, uint32_t slow_frame);
 
 /* The part of each frame that is the demo's own; user is the demo_scene. */
 void demo_scene_update(void *user, const stilb_engine_update *update);

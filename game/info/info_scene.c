@@ -19,11 +19,12 @@ typedef struct info_contents {
 	uint64_t drawn;    /* triangles of all parts: a mesh counts once for each part that shows it */
 	uint64_t emitting; /* of these, those whose material emits */
 	uint64_t bytes;    /* of meshes, textures and environment */
-	uint32_t lights[3];
+	uint32_t lights[STILB_SCENE_LIGHT_KINDS];
+	uint64_t hidden;       /* of emitting, those of parts that are no light's face: frames are not lit by them */
 	float low[3], high[3]; /* the box around all vertices, metres; low > high: there are none */
 } info_contents;
 
-static const char *const info_light_names[] = {"point", "spot", "directional"};
+static const char *const info_light_names[] = {"point", "spot", "directional", "sphere", "disk", "rectangle"};
 
 static bool info_shines(const float light[3])
 {
@@ -49,7 +50,7 @@ static info_contents info_count(const stilb_scene *scene, double seconds)
 	info_contents c = {
 		.scene = scene,
 		.seconds = seconds,
-		.bytes = stilb_image_size(&scene->environment),
+		.bytes = stilb_image_size(&scene->surroundings.panorama),
 		.low = {FLT_MAX, FLT_MAX, FLT_MAX},
 		.high = {-FLT_MAX, -FLT_MAX, -FLT_MAX},
 	};
@@ -67,8 +68,13 @@ static info_contents info_count(const stilb_scene *scene, double seconds)
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		c.bytes += stilb_image_size(&scene->textures[i]);
-	for (uint32_t i = 0; i < scene->light_count; i++)
-		c.lights[scene->lights[i].kind]++;
+	c.hidden = c.emitting;
+	for (uint32_t i = 0; i < scene->light_count; i++) {
+		const stilb_scene_light *light = &scene->lights[i];
+		c.lights[light->kind]++;
+		uint32_t face = light->face ? scene->meshes[scene->part_mesh[light->face - 1]].index_count / 3 : 0;
+		c.hidden -= face < c.hidden ? face : c.hidden;
+	}
 	return c;
 }
 
@@ -86,34 +92,31 @@ static int info_bits(const stilb_image *image)
 
 /* What frames do not draw, of what is there: X(words, is it there). */
 #define INFO_NOT_LIVE(X)                                                                                               \
-	X("light from emitting triangles", c->emitting > 0)                                                                \
-	X("the environment", c->scene->environment.pixels)
+	X("light from emitting triangles", c->hidden > 0)                                                                  \
+	X("the panorama", c->scene->surroundings.panorama.pixels)
 
 static void info_print_lights(FILE *out, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
 	const char *comma = "  lights: ";
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		if (c->lights[i] > 0) {
 			fprintf(out, "%s%u %s", comma, c->lights[i], info_light_names[i]);
 			comma = ", ";
 		}
-	if (info_shines(scene->sun.irradiance)) {
-		fprintf(out, "%sa sun", comma);
-		comma = ", ";
-	}
-	if (c->emitting > 0) {
-		fprintf(out, "%s%" PRIu64 " emitting triangle%s", comma, c->emitting, info_s(c->emitting));
+	if (c->hidden > 0) {
+		fprintf(out, "%s%" PRIu64 " emitting triangle%s", comma, c->hidden, info_s(c->hidden));
 		comma = ", ";
 	}
 	fprintf(out, "%s\n", comma[0] == ',' ? "" : "  lights: none");
-	if (scene->environment.pixels)
-		fprintf(out, "  surroundings: a panorama of %ux%u pixels\n", scene->environment.width,
-		        scene->environment.height);
-	else if (info_shines(scene->sky.sky) || info_shines(scene->sky.ground))
+	if (scene->surroundings.panorama.pixels)
+		fprintf(out, "  surroundings: a panorama of %ux%u pixels\n", scene->surroundings.panorama.width,
+		        scene->surroundings.panorama.height);
+	else if (info_shines(scene->surroundings.sky) || info_shines(scene->surroundings.ground))
 		fprintf(out, "  surroundings: a sky of %.3g, %.3g, %.3g over a ground of %.3g, %.3g, %.3g\n",
-		        (double)scene->sky.sky[0], (double)scene->sky.sky[1], (double)scene->sky.sky[2],
-		        (double)scene->sky.ground[0], (double)scene->sky.ground[1], (double)scene->sky.ground[2]);
+		        (double)scene->surroundings.sky[0], (double)scene->surroundings.sky[1],
+		        (double)scene->surroundings.sky[2], (double)scene->surroundings.ground[0],
+		        (double)scene->surroundings.ground[1], (double)scene->surroundings.ground[2]);
 	else
 		fprintf(out, "  surroundings: black\n");
 }
@@ -195,10 +198,9 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "materials", scene->material_count);
 	info_json_textures(&json, scene);
 	stilb_json_begin(&json, "lights", '{');
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		stilb_json_int(&json, info_light_names[i], c->lights[i]);
-	stilb_json_bool(&json, "sun", info_shines(scene->sun.irradiance));
-	stilb_json_bool(&json, "environment", scene->environment.pixels);
+	stilb_json_bool(&json, "environment", scene->surroundings.panorama.pixels);
 	stilb_json_end(&json, '}');
 	if (c->low[0] <= c->high[0]) {
 		info_json_vector(&json, "low", c->low);

@@ -68,13 +68,16 @@ static void draw_hemisphere(plot_page *page, const void *subject)
 
 #define LAMP_RADIUS 0.5f
 #define LAMP_REACH 5.0f
+#define LAMP(of_kind, of_falloff)                                                                                      \
+	{                                                                                                                  \
+		.kind = (of_kind), .falloff = (of_falloff), .radius = LAMP_RADIUS, .reach = LAMP_REACH                         \
+	}
 
-/* Irradiance over intensity, m^-2, at distance d, metres; *light is a SHADE_LIGHT_, or negative for 1 / d^2 alone. */
+/* Irradiance over intensity, m^-2, at distance d, metres, on the axis of the context, a shade_light. */
 static plot_point falloff(double d, const void *context)
 {
-	const int *light = context;
-	shade_lamp lamp = {.radius = LAMP_RADIUS, .reach = LAMP_REACH};
-	return (plot_point){d, *light < 0 ? 1.0 / (d * d) : (double)shade_lamp_falloff(*light, lamp, (float)(d * d), 1.0f)};
+	const shade_light *light = context;
+	return (plot_point){d, (double)shade_light_falloff(*light, (float)(d * d), 1.0f)};
 }
 
 static plot_point falloff_share(double d, const void *context)
@@ -87,12 +90,12 @@ static void draw_falloff(plot_page *page, const void *subject)
 	(void)subject;
 	static const struct {
 		const char *words;
-		int light;
-	} rows[] = {{"sphere", SHADE_LIGHT_SPHERE},
-	            {"disk, on its axis", SHADE_LIGHT_DISK},
-	            {"windowed", SHADE_LIGHT_WINDOWED},
-	            {"subtracted", SHADE_LIGHT_SUBTRACTED}};
-	static const int inverse_square = -1;
+		shade_light light;
+	} rows[] = {{"sphere", LAMP(SHADE_LIGHT_SPHERE, SHADE_FALLOFF_PHYSICAL)},
+	            {"disk, on its axis", LAMP(SHADE_LIGHT_DISK, SHADE_FALLOFF_PHYSICAL)},
+	            {"windowed", LAMP(SHADE_LIGHT_SPHERE, SHADE_FALLOFF_WINDOWED)},
+	            {"subtracted", LAMP(SHADE_LIGHT_SPHERE, SHADE_FALLOFF_SUBTRACTED)}};
+	static const shade_light inverse_square = LAMP(SHADE_LIGHT_POINT, SHADE_FALLOFF_PHYSICAL);
 	plot_panel_begin(page, &(plot_panel){.title = "E / I (m^{-2}); dashed: 1 / d^2",
 	                                     .x_label = "distance d (m)",
 	                                     .x_range = "[0.1:10]",

@@ -29,14 +29,16 @@ static float lamp_distance(int column)
 static stilb_vec3 lamp_radiance(const strip_sphere *sphere, stilb_vec3 n)
 {
 	stilb_vec3 to_lamp = stilb_vec3_normalize(stilb_vec3_make(-0.75f, 0.45f, 0.55f));
-	shade_lamp lamp = {
+	shade_light lamp = {
+		.kind = sphere->light & 7,
+		.falloff = sphere->light >> 3,
 		.position = to_lamp * sphere->number,
-		.axis = -to_lamp,
+		.direction = -to_lamp,
 		.intensity = stilb_vec3_make(5.0f, 4.6f, 4.0f),
 		.radius = LAMP_RADIUS,
 		.reach = LAMP_REACH,
 	};
-	shade_sun seen = shade_lamp_at(sphere->light, lamp, n * BALL_RADIUS);
+	shade_sun seen = shade_light_at(lamp, n * BALL_RADIUS);
 	stilb_vec3 sky = shade_hemisphere_irradiance(n[1], even(0.03f), even(0.01f));
 	return shade_lambert(sphere->diffuse) * (seen.irradiance * fmaxf(stilb_vec3_dot(n, seen.direction), 0.0f) + sky);
 }
@@ -48,11 +50,14 @@ static void make_lit(const strip_row *row, int column, strip_sphere *sphere, str
 	snprintf(words, sizeof(strip_words), "%.2f m", (double)distance);
 }
 
+/* kind: a SHADE_LIGHT_ + 8 * a SHADE_FALLOFF_ */
 const strip_row strip_light_rows[STRIP_LIGHT_ROWS] = {
 	{.caption = "Sphere: 1 / d²", .make = make_lit, .kind = SHADE_LIGHT_SPHERE},
 	{.caption = "Disk that faces\nthe ball", .make = make_lit, .kind = SHADE_LIGHT_DISK},
-	{.caption = "Windowed, ends\nat 4 m", .make = make_lit, .kind = SHADE_LIGHT_WINDOWED},
-	{.caption = "Subtracted, ends\nat 4 m", .make = make_lit, .kind = SHADE_LIGHT_SUBTRACTED},
+	{.caption = "Windowed, ends\nat 4 m", .make = make_lit, .kind = SHADE_LIGHT_SPHERE + 8 * SHADE_FALLOFF_WINDOWED},
+	{.caption = "Subtracted, ends\nat 4 m",
+     .make = make_lit,
+     .kind = SHADE_LIGHT_SPHERE + 8 * SHADE_FALLOFF_SUBTRACTED},
 };
 
 /* ---- spherical harmonics ----------------------------------------------------------------------------------------- */

@@ -1,7 +1,6 @@
 /* The materials' window used with mouse and keys, without a renderer. */
 #include "engine_internal.h"
 #include "shading/shade_brdf.h"
-#include "shading/shade_light.h"
 #include "support/test.h"
 
 #include <stddef.h>
@@ -13,6 +12,9 @@ static stilb_ui *ui;
 static stilb_ui_input input;
 static engine_inspector inspector;
 static stilb_render_shading shading;
+static const char *const words[] = {"sun", "hemisphere", "sphere", "disk", "windowed", "subtracted", NULL};
+enum { CHOICES = sizeof words / sizeof *words - 1 };
+static stilb_engine_choice choice = {"Light", words, CHOICES, 0, 0};
 static bool open;
 
 static int set_up(void **state)
@@ -36,7 +38,7 @@ static int tear_down(void **state)
 static void draw(void)
 {
 	stilb_ui_begin(ui, &input);
-	engine_inspector_draw(&inspector, ui, &shading, &open);
+	engine_inspector_draw(&inspector, ui, &shading, &choice, &open);
 	stilb_ui_end(ui);
 	input.mouse_presses = 0;
 	memset(input.keys, 0, sizeof input.keys);
@@ -80,6 +82,7 @@ static void click_down(float share, float end, bool lambert, void (*look)(void))
 	float height = inspector.place.y1 - inspector.place.y0;
 	for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y0 + end * height; y += 5.0f) {
 		shading = stilb_render_shading_default();
+		choice.chosen = 0;
 		if (lambert)
 			shading.brdf = SHADE_BRDF_LAMBERT;
 		click(across(share), y);
@@ -97,7 +100,7 @@ static void look_at_choice(void)
 	seen[1][shading.ndf]++;
 	seen[2][shading.g]++;
 	seen[3][shading.f]++;
-	seen[4][shading.light]++;
+	seen[4][choice.chosen]++;
 }
 
 static uint32_t count_seen(int list)
@@ -116,7 +119,7 @@ static void test_each_word(void **state)
 	draw();
 	click_down(0.2f, 0.72f, false, look_at_choice);
 	assert_int_equal(count_seen(0), SHADE_BRDF_COUNT);
-	assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
+	assert_int_equal(count_seen(4), CHOICES);
 	assert_int_equal(count_seen(1) + count_seen(2) + count_seen(3), 3); /* clicks there have not changed D, G and F */
 	memset(seen, 0, sizeof seen);
 	click_down(0.7f, 0.72f, false, look_at_choice);
@@ -198,9 +201,7 @@ static void test_words(void **state)
 	assert_string_equal(stilb_engine_ndf_names[SHADE_NDF_GGX_ANISOTROPIC], "ggx_anisotropic");
 	assert_string_equal(stilb_engine_g_names[SHADE_G_SMITH_GGX], "smith_ggx");
 	assert_string_equal(stilb_engine_f_names[SHADE_F_NONE], "none");
-	assert_string_equal(stilb_engine_light_names[SHADE_LIGHT_SUBTRACTED], "subtracted");
 	assert_null(stilb_engine_brdf_names[SHADE_BRDF_COUNT]);
-	assert_null(stilb_engine_light_names[SHADE_LIGHT_COUNT]);
 }
 
 static void test_keys(void **state)
@@ -250,10 +251,11 @@ static void test_sliders(void **state)
 	for (int i = 0; i < 4; i++)
 		assert_in_range(moved[i], 300, 500);
 	stilb_render_shading at_first = stilb_render_shading_default();
-	shading =
-		(stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK, .wrap = 0.5f, .specular = 1.0f};
+	shading = (stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .wrap = 0.5f, .specular = 1.0f};
+	choice.chosen = 2;
 	click(across(0.75f), inspector.place.y1 - 18.0f);
 	assert_memory_equal(&shading, &at_first, sizeof shading);
+	assert_int_equal(choice.chosen, choice.initial);
 }
 
 /* ---- the window -------------------------------------------------------------------------------------------------- */
@@ -322,6 +324,7 @@ static void each_word_of_column(float share)
 	for (float notches = 0.0f; notches < 3.0f; notches += 1.0f)
 		for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y1; y += 6.0f) {
 			shading = stilb_render_shading_default();
+			choice.chosen = 0;
 			scroll_down(across(share), y, notches);
 			click(across(share), y);
 			look_at_choice();
@@ -347,7 +350,7 @@ static void test_small_picture(void **state)
 		assert_int_equal(count_seen(1), SHADE_NDF_COUNT);
 		assert_int_equal(count_seen(2), SHADE_G_COUNT);
 		assert_int_equal(count_seen(3), SHADE_F_COUNT);
-		assert_int_equal(count_seen(4), SHADE_LIGHT_COUNT);
+		assert_int_equal(count_seen(4), CHOICES);
 		memset(moved, 0, sizeof moved);
 		click_down(0.93f, 1.0f, false, look_at_sliders);
 		for (int i = 0; i < 4; i++)

@@ -102,8 +102,11 @@ static void assert_frame(stilb_engine *engine)
 	stilb_engine_size(engine, &width, &height);
 	const stilb_scene *scene = stilb_engine_scene(engine);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
-	stilb_render_shading shading = stilb_engine_shading(engine);
-	uint64_t hash = scene_hash(reference_hash_pass(REFERENCE_HASH_START, &shading), scene, &matrix, &visible);
+	stilb_render_view view = {.shading = stilb_engine_shading(engine),
+	                          .lights = scene->lights,
+	                          .light_count = scene->light_count,
+	                          .surroundings = scene->surroundings};
+	uint64_t hash = scene_hash(reference_hash_pass(REFERENCE_HASH_START, &view), scene, &matrix, &visible);
 	assert_int_equal(report.visible, visible);
 	assert_true((report.render.draws > 2 * visible) == engine_overlay_is_open(&engine->overlay));
 	assert_true(report.render.draws >= 2 * visible);
@@ -274,8 +277,8 @@ static void the_tables_drive_the_frame(void **state)
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 		uint64_t hash = scene_hash(REFERENCE_HASH_PASS, scene, &engine->views[1].view_projection, &visible[1]);
 		for (int twice = 0; twice < 2; twice++)
-			hash = scene_hash(reference_hash_pass(hash, &engine->views[0].shading), scene,
-			                  &engine->views[0].view_projection, &visible[0]);
+			hash = scene_hash(reference_hash_pass(hash, &engine->views[0]), scene, &engine->views[0].view_projection,
+			                  &visible[0]);
 		assert_true(visible[0] != visible[1] && visible[1] > 0);
 		assert_true(report.render.draws == 2 * (2 * visible[0] + visible[1]));
 		assert_true(report.render.indirect_commands >= 3);

@@ -59,7 +59,9 @@ static void test_info_of_a_scene(void **state)
 	stilb_good("info cornell");
 	assert_said(run.out, "  1 model of 4 parts; 4 meshes with 38 triangles and 76 vertices\n");
 	assert_said(run.out, "  from 0, 0, 0 to 1, 1, 1 m\n");
-	assert_said(run.out, "lights: 2 emitting triangles\n  surroundings: black\n");
+	assert_said(run.out, "lights: 1 rectangle\n  surroundings: black\n"); /* once, though its face emits */
+	stilb_good("info furnace:0.5");
+	assert_said(run.out, "lights: 320 emitting triangles\n");
 	assert_said(run.out, "only in traced pictures, not in live ones: light from emitting triangles\n");
 	stilb_good("info spheres --json a.json");
 	assert_said(run.out, "drawn as 143364 triangles");
@@ -69,7 +71,7 @@ static void test_info_of_a_scene(void **state)
 	assert_int_equal(stat_int("drawn_triangles"), 143364);
 	assert_int_equal(stat_int("materials"), 9);
 	assert_int_equal(stilb_code(NULL, "info stress --json -"), 0);
-	assert_said(run.err, "lights: a sun\n");
+	assert_said(run.err, "lights: 1 directional\n");
 	assert_said(run.out, "\"not_live\": []");
 	assert_int_equal(stilb_code(NULL, "info missing.gltf"), 2);
 	assert_error_lines(1);

@@ -297,7 +297,7 @@ static void form_factors_of_disks_and_reciprocity(void **state)
 /* ---- densities --------------------------------------------------------------------------------------------------- */
 
 /* A scene with lights of every kind. */
-static stilb_scene busy_scene(stilb_scene_light points[3])
+static stilb_scene busy_scene(stilb_scene_light points[4])
 {
 	points[0] = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_POINT, .position = {2.0f, 3.0f, 1.0f}, .intensity = {5.0f, 5.0f, 5.0f}};
@@ -309,11 +309,12 @@ static stilb_scene busy_scene(stilb_scene_light points[3])
 	                                .cos_outer = 0.7f};
 	points[2] = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.8f, 0.6f}, .intensity = {2.0f, 2.0f, 2.0f}};
+	points[3] = (stilb_scene_light){
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.6f, -0.8f, 0.0f}, .intensity = {1.0f, 1.0f, 1.0f}};
 	return (stilb_scene){
-		.light_count = 3,
+		.light_count = 4,
 		.lights = points,
-		.sun = {.direction = {0.6f, 0.8f, 0.0f}, .irradiance = {1.0f, 1.0f, 1.0f}},
-		.sky = {.sky = {0.5f, 0.5f, 0.5f}, .ground = {0.1f, 0.1f, 0.1f}},
+		.surroundings = {.sky = {0.5f, 0.5f, 0.5f}, .ground = {0.1f, 0.1f, 0.1f}},
 	};
 }
 
@@ -322,7 +323,7 @@ static stilb_scene busy_scene(stilb_scene_light points[3])
 /* Triangles of all sizes around, facing anywhere, and a rectangle. */
 static gi_lights busy_lights(gi_emitter emitters[BUSY_TRIANGLES])
 {
-	static stilb_scene_light points[3];
+	static stilb_scene_light points[4];
 	stilb_scene scene = busy_scene(points);
 	shade_proof_random random = {.seed = 3};
 	for (int i = 0; i < BUSY_TRIANGLES; i++) {
@@ -489,7 +490,7 @@ static void lights_add_up(void **state)
 {
 	(void)state;
 	gi_emitter emitters[BUSY_TRIANGLES];
-	static stilb_scene_light points[3];
+	static stilb_scene_light points[4];
 	gi_lights lights = busy_lights(emitters);
 	stilb_vec3 position = vec(0.3f, -0.2f, 0.1f), normal = vec(0.0f, 1.0f, 0.0f);
 	double sum = 0.0;
@@ -504,7 +505,7 @@ static void lights_add_up(void **state)
 	SHADE_PROOF_NEAR(irradiance(&lights, position, normal, 65536), sum, 1e-2, 0.0);
 	gi_lights_destroy(&rest);
 	/* Two suns and the sky alone: each is a group of its own. */
-	scene.light_count = 1;
+	scene.light_count = 2;
 	scene.lights = &points[2];
 	rest = lights_of(&scene, NULL, 0);
 	assert_int_equal(rest.distant_count, 3);
@@ -626,11 +627,70 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	SHADE_PROOF_NEAR(sample.radiance[0] * sample.distance * sample.distance, 8.0 * 0.15625, 1e-4, 0.0);
 	gi_lights_destroy(&lights);
 
-	scene = (stilb_scene){.sun = {.direction = {0.0f, 0.6f, 0.8f}, .irradiance = {1.0f, 2.0f, 3.0f}}};
+	light = (stilb_scene_light){
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.6f, -0.8f}, .intensity = {1.0f, 2.0f, 3.0f}};
 	lights = lights_of(&scene, NULL, 0);
 	assert_true(gi_light_sample_at(&lights, vec(9, 9, 9), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(sample.delta && sample.pdf == 1.0f && isinf(sample.distance) && sample.radiance[2] == 3.0f);
 	SHADE_PROOF_NEAR(sample.direction[2], 0.8, 1e-6, 0.0);
+	gi_lights_destroy(&lights);
+}
+
+/* Lights with a size: irradiance against closed forms. A sphere above the horizon gives I / d^2 times the cosine to its
+ * centre; from a point in its surface half of it is seen; a disk and a rectangle that faces give Foote's and Lambert's
+ * values; a falloff takes its share. */
+static void listed_lights_with_a_size_follow_their_formulas(void **state)
+{
+	(void)state;
+	stilb_vec3 o = vec(0, 0, 0), up = vec(0.0f, 1.0f, 0.0f);
+	stilb_scene_light light = {.kind = STILB_SCENE_LIGHT_SPHERE,
+	                           .position = {3.0f, 4.0f, 0.0f},
+	                           .direction = {0.0f, -1.0f, 0.0f},
+	                           .intensity = {10, 20, 30},
+	                           .radius = 1.5f};
+	stilb_scene scene = {.light_count = 1, .lights = &light};
+	gi_lights lights = lights_of(&scene, NULL, 0);
+	double sphere = irradiance(&lights, o, up, 4096);
+	SHADE_PROOF_NEAR(sphere, 10.0 / 25.0 * 0.8, 1e-3, 0.0);
+	gi_lights_destroy(&lights);
+	for (int falloff = STILB_SCENE_LIGHT_WINDOWED; falloff < STILB_SCENE_LIGHT_FALLOFFS; falloff++) {
+		light.falloff = (stilb_scene_light_falloff)falloff;
+		light.reach = 10.0f;
+		lights = lights_of(&scene, NULL, 0);
+		double share = falloff == STILB_SCENE_LIGHT_WINDOWED ? 0.75 * 0.75 : 0.75;
+		SHADE_PROOF_NEAR(irradiance(&lights, o, up, 4096), share * sphere, 1e-5, 0.0);
+		gi_lights_destroy(&lights);
+	}
+	light.falloff = STILB_SCENE_LIGHT_PHYSICAL;
+	light.kind = STILB_SCENE_LIGHT_DISK;
+	light.position[0] = 0.0f;
+	lights = lights_of(&scene, NULL, 0);
+	SHADE_PROOF_NEAR(irradiance(&lights, o, up, 4096), 10.0 / (16.0 + 2.25), 1e-3, 0.0); /* pi L r^2 / (h^2 + r^2) */
+	assert_true(irradiance(&lights, vec(0, 5, 0), up * -1.0f, 64) == 0.0);               /* behind it */
+	gi_lights_destroy(&lights);
+	light.kind = STILB_SCENE_LIGHT_RECTANGLE;
+	light.half_x[0] = 2.0f;
+	light.half_y[2] = 1.0f;
+	for (int turned = 0; turned < 2; turned++) {
+		light.half_y[2] = turned ? -1.0f : 1.0f; /* either way it shines along direction */
+		lights = lights_of(&scene, NULL, 0);
+		/* Of each quarter: L / 2 (A / X atan(B / X) + B / Y atan(A / Y)), A and B: side / height, X^2 = 1 + A^2. */
+		double a = 0.5, b = 0.25, x = sqrt(1.0 + a * a), y = sqrt(1.0 + b * b);
+		double corner = 0.5 * (a / x * atan(b / x) + b / y * atan(a / y));
+		SHADE_PROOF_NEAR(irradiance(&lights, o, up, 4096), 10.0 / 8.0 * 4.0 * corner, 1e-3, 0.0);
+		assert_true(irradiance(&lights, vec(0, 5, 0), up * -1.0f, 64) == 0.0);
+		gi_lights_destroy(&lights);
+	}
+}
+
+/* A light with a face is left out, since the face's triangles emit its light. */
+static void lights_with_a_face_count_once(void **state)
+{
+	(void)state;
+	stilb_scene_light light = {.intensity = {1, 1, 1}, .position = {0, 2, 0}, .face = 1};
+	stilb_scene scene = {.light_count = 1, .lights = &light};
+	gi_lights lights = lights_of(&scene, NULL, 0);
+	assert_int_equal(lights.listed_count, 0);
 	gi_lights_destroy(&lights);
 }
 
@@ -641,7 +701,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 static void raised_horizon_leaves_a_squared_cosine(void **state)
 {
 	(void)state;
-	stilb_scene scene = {.sky = {.sky = {1.0f, 1.0f, 1.0f}, .ground = {1.0f, 1.0f, 1.0f}}};
+	stilb_scene scene = {.surroundings = {.sky = {1.0f, 1.0f, 1.0f}, .ground = {1.0f, 1.0f, 1.0f}}};
 	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f);
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	for (double a = 0.0; a < 1.5; a += 0.3) {
@@ -672,9 +732,10 @@ static stilb_image map_of(uint32_t width, uint32_t height, uint32_t channels)
 static void hemisphere_of_sky_has_its_closed_form(void **state)
 {
 	(void)state;
-	stilb_scene two = {.sky = {.sky = {1.0f, 1.0f, 1.0f}}}, mapped = {.environment = map_of(64, 32, 3)};
+	stilb_scene two = {.surroundings = {.sky = {1.0f, 1.0f, 1.0f}}};
+	stilb_scene mapped = {.surroundings = {.panorama = map_of(64, 32, 3)}};
 	for (uint32_t i = 0; i < 64 * 16 * 3; i++)
-		((float *)mapped.environment.pixels)[i] = 1.0f;
+		((float *)mapped.surroundings.panorama.pixels)[i] = 1.0f;
 	for (int kind = 0; kind < 2; kind++) {
 		gi_lights lights = lights_of(kind ? &mapped : &two, NULL, 0);
 		for (float t = 0.0f; t <= 3.1f; t += 0.5f) {
@@ -698,7 +759,7 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	for (int k = 2; k < 9; k++)
 		SHADE_PROOF_NEAR(sh[k], 0.0, 0.0, 1e-3);
 	gi_lights_destroy(&lights);
-	stilb_image_finish(&mapped.environment);
+	stilb_image_finish(&mapped.surroundings.panorama);
 }
 
 /* A map with a sun 1e5 times as bright as its dim and partly black sky: the light samples, projected onto spherical
@@ -708,8 +769,8 @@ static void map_is_chosen_by_its_brightness(void **state)
 {
 	(void)state;
 	enum { W = 32, H = 16 };
-	stilb_scene scene = {.environment = map_of(W, H, 3)};
-	float *texels = scene.environment.pixels;
+	stilb_scene scene = {.surroundings = {.panorama = map_of(W, H, 3)}};
+	float *texels = scene.surroundings.panorama.pixels;
 	for (uint32_t i = 0; i < W * H * 3; i++)
 		texels[i] = i / 3 % 5 == 0 ? 0.0f : stilb_random_float(8, i / 3) * (float)(1 + i % 3);
 	texels[3 * (3 * W + 20) + 1] = 1e5f;
@@ -717,7 +778,7 @@ static void map_is_chosen_by_its_brightness(void **state)
 	stilb_vec3 o = {0}, up = vec(0.0f, 1.0f, 0.0f);
 	double whole = 0.0, chosen[W * H] = {0.0};
 	shade_sh_rgb want;
-	assert_int_equal(stilb_numeric_sh_project_map(&scene.environment, &want), STILB_OK);
+	assert_int_equal(stilb_numeric_sh_project_map(&scene.surroundings.panorama, &want), STILB_OK);
 	double have[9] = {0.0};
 	uint32_t count = 65536;
 	for (uint32_t i = 0; i < count; i++) {
@@ -747,7 +808,7 @@ static void map_is_chosen_by_its_brightness(void **state)
 		}
 	SHADE_PROOF_NEAR(whole, 1.0, 1e-5, 0.0);
 	gi_lights_destroy(&lights);
-	stilb_image_finish(&scene.environment);
+	stilb_image_finish(&scene.surroundings.panorama);
 }
 
 /* ---- what files hold --------------------------------------------------------------------------------------------- */
@@ -755,8 +816,8 @@ static void map_is_chosen_by_its_brightness(void **state)
 static void maps_with_odd_numbers_are_read_as_light(void **state)
 {
 	(void)state;
-	stilb_scene scene = {.environment = map_of(8, 4, 1)};
-	float *texels = scene.environment.pixels;
+	stilb_scene scene = {.surroundings = {.panorama = map_of(8, 4, 1)}};
+	float *texels = scene.surroundings.panorama.pixels;
 	for (int i = 0; i < 32; i++)
 		texels[i] = 1.0f;
 	texels[3] = NAN;
@@ -777,14 +838,14 @@ static void maps_with_odd_numbers_are_read_as_light(void **state)
 	assert_false(gi_light_sample_at(&lights, vec(0, 0, 0), vec(0, 1, 0), 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(gi_environment_pdf(&lights, vec(0, 0, 0), vec(0, 1, 0), vec(0, 1, 0)) == 0.0f);
 	gi_lights_destroy(&lights);
-	stilb_image_finish(&scene.environment);
+	stilb_image_finish(&scene.surroundings.panorama);
 
 	stilb_scene bytes = {0};
-	assert_int_equal(stilb_image_create(&bytes.environment, 4, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	assert_int_equal(stilb_image_create(&bytes.surroundings.panorama, 4, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
 	assert_int_equal(gi_lights_create(&bytes, NULL, 0, &lights), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "environment map"));
 	gi_lights_destroy(&lights);
-	stilb_image_finish(&bytes.environment);
+	stilb_image_finish(&bytes.surroundings.panorama);
 }
 
 void *__real_aligned_alloc(size_t alignment, size_t size);
@@ -802,7 +863,7 @@ void *__wrap_aligned_alloc(size_t alignment, size_t size)
 static void no_memory_is_an_error(void **state)
 {
 	(void)state;
-	stilb_scene scene = {.environment = map_of(4, 2, 3)};
+	stilb_scene scene = {.surroundings = {.panorama = map_of(4, 2, 3)}};
 	gi_emitter emitter = triangle(vec(0, 0, 0), vec(1, 0, 0), vec(0, 1, 0), 1.0f);
 	gi_lights lights;
 	int failures = 0;
@@ -816,7 +877,7 @@ static void no_memory_is_an_error(void **state)
 	allocations_left = -1;
 	assert_int_equal(failures, 10);
 	gi_lights_destroy(&lights);
-	stilb_image_finish(&scene.environment);
+	stilb_image_finish(&scene.surroundings.panorama);
 }
 
 static void lights_that_give_nothing_are_never_asked(void **state)
@@ -887,6 +948,8 @@ int main(void)
 		cmocka_unit_test(lights_add_up),
 		cmocka_unit_test(samples_fill_solid_angles_evenly),
 		cmocka_unit_test(lights_without_a_size_follow_their_formulas),
+		cmocka_unit_test(listed_lights_with_a_size_follow_their_formulas),
+		cmocka_unit_test(lights_with_a_face_count_once),
 		cmocka_unit_test(raised_horizon_leaves_a_squared_cosine),
 		cmocka_unit_test(hemisphere_of_sky_has_its_closed_form),
 		cmocka_unit_test(map_is_chosen_by_its_brightness),

@@ -13,7 +13,7 @@ static stilb_scene *plane_wall(uint32_t light_count)
 {
 	stilb_scene *scene;
 	assert_int_equal(stilb_scene_open("plane-wall", &scene), STILB_OK);
-	scene->sky = (stilb_scene_sky){0};
+	scene->surroundings = (stilb_scene_surroundings){0};
 	assert_int_equal(scene_add_lights(scene, light_count), STILB_OK);
 	return scene;
 }

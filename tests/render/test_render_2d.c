@@ -381,13 +381,14 @@ static scene_view make_scene(void)
 	stilb_scene *scene = v.scene;
 	reference_camera camera =
 		reference_camera_at((dvec){0, 3, 2}, (dvec){0, 0, 0}, (dvec){0, 1, 0}, 2.0, WIDTH, HEIGHT);
-	reference_set3(scene->sky.sky, 0.4f, 0.5f, 0.6f);
-	reference_set3(scene->sun.irradiance, 2.0f, 2.0f, 2.0f);
+	reference_set3(scene->surroundings.sky, 0.4f, 0.5f, 0.6f);
+	reference_set3(scene->lights[0].intensity, 2.0f, 2.0f, 2.0f);
 	reference_set3(scene->materials[0].diffuse, 0.7f, 0.2f, 0.1f);
 	v.view = (stilb_render_view){.view_projection = reference_matrix(&camera),
 	                             .camera_position = {0.0f, 3.0f, 2.0f},
-	                             .sun = scene->sun,
-	                             .sky = scene->sky};
+	                             .lights = scene->lights,
+	                             .light_count = scene->light_count,
+	                             .surroundings = scene->surroundings};
 	return v;
 }
 

@@ -209,8 +209,9 @@ static int content_make(void **state)
 	stilb_scene_camera camera = stilb_scene_stress_camera(all.scene, STILB_SCENE_VIEW_ALL, 1.0f);
 	all.view.view_projection = stilb_scene_camera_matrix(&camera, 1.0f);
 	memcpy(all.view.camera_position, camera.position, sizeof camera.position);
-	all.view.sun = all.scene->sun;
-	all.view.sky = all.scene->sky;
+	all.view.lights = all.scene->lights;
+	all.view.light_count = all.scene->light_count;
+	all.view.surroundings = all.scene->surroundings;
 	all.view.shading = stilb_render_shading_default();
 	stilb_render *render = fixture_render(1, 0, 0);
 	content_upload(render);
@@ -219,7 +220,7 @@ static int content_make(void **state)
 	content_make_scene(render);
 	all.hash = REFERENCE_HASH_START;
 	for (uint32_t p = 0; p < PASSES; p++)
-		all.hash = fixture_hash_all(reference_hash_pass(all.hash, &all.view.shading), all.streams[sequence[p]],
+		all.hash = fixture_hash_all(reference_hash_pass(all.hash, &all.view), all.streams[sequence[p]],
 		                            all.counts[sequence[p]]);
 	stilb_render_destroy(render);
 	return 0;

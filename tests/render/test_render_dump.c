@@ -143,19 +143,35 @@ static void record_segment(frame *f, uint32_t pass, uint32_t segment)
 }
 
 static const stilb_scene_light lights[3] = {
-	{STILB_SCENE_LIGHT_SPOT, {1, 2, 3}, {0, -1, 0}, {4, 5, 6}, 0.9f, 0.8f},
-	{STILB_SCENE_LIGHT_DIRECTIONAL, {0}, {-1, 0, 0}, {7, 8, 9}, 0.0f, 0.0f},
-	{STILB_SCENE_LIGHT_POINT, {-1, -2, -3}, {0}, {10, 11, 12}, 0.0f, 0.0f},
+	{.kind = STILB_SCENE_LIGHT_SPOT,
+     .position = {1, 2, 3},
+     .direction = {0, -1, 0},
+     .intensity = {4, 5, 6},
+     .cos_inner = 0.9f,
+     .cos_outer = 0.8f,
+     .unit = STILB_SCENE_LIGHT_PHOTOMETRIC},
+	{.kind = STILB_SCENE_LIGHT_RECTANGLE,
+     .position = {1, 2, 3},
+     .direction = {-1, 0, 0},
+     .intensity = {7, 8, 9},
+     .half_x = {0, 2, 0},
+     .half_y = {0, 0, 3},
+     .reach = 70.0f,
+     .falloff = STILB_SCENE_LIGHT_SUBTRACTED},
+	{.kind = STILB_SCENE_LIGHT_SPHERE,
+     .position = {-1, -2, -3},
+     .intensity = {10, 11, 12},
+     .radius = 0.7f,
+     .use = STILB_SCENE_LIGHT_LIVE},
 };
 
 static void fill_views(stilb_render_view views[2])
 {
 	for (int v = 0; v < 2; v++) {
 		views[v] = (stilb_render_view){.view_projection = stilb_mat4_identity(), .camera_position = {1, 2, (float)v}};
-		views[v].sun = (stilb_scene_sun){{0, 1, 0}, {3, 3, 3}};
-		views[v].sky = (stilb_scene_sky){{0.1f, 0.2f, 0.3f}, {0.4f, 0.5f, 0.6f}};
-		views[v].lamp = (stilb_scene_lamp){{1, 2, 3}, {0, -1, 0}, {40, 50, 60}, 0.7f, 80.0f};
-		views[v].shading = (stilb_render_shading){7, 3, 4, 2, 5, 0.1f, -0.2f, 0.3f, -0.4f};
+		views[v].surroundings =
+			(stilb_scene_surroundings){.sky = {0.1f, 0.2f, 0.3f}, .ground = {0.4f, 0.5f, 0.6f}, .glossy = v == 1};
+		views[v].shading = (stilb_render_shading){7, 3, 4, 2, 0.1f, -0.2f, 0.3f, -0.4f};
 		views[v].shading.brdf -= (uint32_t)v;
 		views[v].lights = v ? &lights[2] : lights;
 		views[v].light_count = v ? 1 : 2;
@@ -413,19 +429,22 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(height), 16385, "header: a picture of 64x16385"},
 	{RENDER_DUMP_HEADER, HEADER(samples), 2, "header: 2 samples"},
 	{RENDER_DUMP_HEADER, HEADER(output), 2, "header: unknown output 2"},
-	{RENDER_DUMP_VIEWS, 208 + 16, 0x7f800000, "view 1: a number is not finite"},
-	{RENDER_DUMP_VIEWS, VIEW(lamp_reach), 0x7fc00000, "view 0: a number is not finite"},
+	{RENDER_DUMP_VIEWS, 144 + 16, 0x7f800000, "view 1: a number is not finite"},
 	{RENDER_DUMP_VIEWS, VIEW(specular), 0xff800000, "view 0: a number is not finite"},
-	{RENDER_DUMP_VIEWS, VIEW(brdf), 8, "view 0: unknown shading: model 8, D 3, G 4, F 2, light 5"},
+	{RENDER_DUMP_VIEWS, VIEW(brdf), 8, "view 0: unknown shading: model 8, D 3, G 4, F 2, glossy 0, unused bytes 0"},
 	{RENDER_DUMP_VIEWS, VIEW(ndf), 4, "D 4,"},
 	{RENDER_DUMP_VIEWS, VIEW(g), 8, "G 8,"},
 	{RENDER_DUMP_VIEWS, VIEW(f), UINT32_MAX, "F 4294967295,"},
-	{RENDER_DUMP_VIEWS, 208 + VIEW(light), 6, "view 1: unknown shading: model 6, D 3, G 4, F 2, light 6"},
+	{RENDER_DUMP_VIEWS, 144 + VIEW(glossy), 2,
+     "view 1: unknown shading: model 6, D 3, G 4, F 2, glossy 2, unused bytes 0"},
 	{RENDER_DUMP_VIEWS, VIEW(lights), 1, "header: 3 lights, but views have 2"},
 	{RENDER_DUMP_HEADER, HEADER(lights), 4, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(unused), 1, "header: its unused"},
-	{RENDER_DUMP_LIGHTS, 48, 3, "light 1: unknown kind 3"},
-	{RENDER_DUMP_LIGHTS, 2 * 48 + 44, 0x7fc00000, "light 2: a number is not finite"},
+	{RENDER_DUMP_VIEWS, VIEW(unused), 1, "unused bytes 1"},
+	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
+	{RENDER_DUMP_LIGHTS, offsetof(render_dump_light, unused), 1, "light 0: its unused bytes are not zero"},
+	{RENDER_DUMP_LIGHTS, 96 + offsetof(render_dump_light, half_x), 0x40000000, "light 1: its sides and its direction"},
+	{RENDER_DUMP_LIGHTS, 2 * 96 + 92, 0x7fc00000, "light 2: a number is not finite"},
 	{RENDER_DUMP_PASSES, 0, 0x41410a41, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, 60, 0x41414141, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, view), 2, "pass 0: view 2, but there are 2"},

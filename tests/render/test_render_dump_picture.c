@@ -62,13 +62,16 @@ static void record_quads(stilb_render *render, stilb_render_mesh mesh, const sti
 
 static void fill_views(stilb_render_view views[2])
 {
+	static const stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.6f, -0.8f}, .intensity = {2.0f, 2.0f, 2.0f}};
 	stilb_mat4 projection = stilb_mat4_perspective(1.0f, 1.0f, 0.1f, 100.0f);
 	for (int v = 0; v < 2; v++) {
 		stilb_mat4 view = stilb_mat4_view(stilb_vec3_make(0.0f, 0.0f, 1.0f), 0.3f * (float)v, 0.0f);
 		views[v] = (stilb_render_view){.view_projection = stilb_mat4_multiply(projection, view),
 		                               .camera_position = {0.0f, 0.0f, 1.0f},
-		                               .sun = {{0.0f, 0.6f, 0.8f}, {2.0f, 2.0f, 2.0f}},
-		                               .sky = {{0.2f, 0.3f, 0.5f}, {0.1f, 0.1f, 0.1f}},
+		                               .lights = &sun,
+		                               .light_count = 1,
+		                               .surroundings = {.sky = {0.2f, 0.3f, 0.5f}, .ground = {0.1f, 0.1f, 0.1f}},
 		                               .shading = stilb_render_shading_default()};
 	}
 }

@@ -245,9 +245,9 @@ static stilb_scene *trial_scene(void)
 	stilb_scene *scene = reference_scene(2);
 	scene->part_mesh[1] = 1;
 	scene->part_transform[1] = stilb_mat4_scale_translate(0.6f, 0.5f, 0.3f, 0.5f);
-	reference_set3(scene->sky.sky, 0.4f, 0.5f, 0.6f);
+	reference_set3(scene->surroundings.sky, 0.4f, 0.5f, 0.6f);
 	for (int c = 0; c < 3; c++)
-		scene->sun.irradiance[c] = 2.0f;
+		scene->lights[0].intensity[c] = 2.0f;
 	for (int p = 0; p < 2; p++)
 		reference_set3(scene->materials[p].diffuse, 0.7f, 0.2f + 0.5f * (float)p, 0.1f);
 	return scene;
@@ -263,8 +263,9 @@ static trial trial_make(stilb_render_desc desc, uint32_t far_draws)
 	t.desc.context_count = 3;
 	t.view = (stilb_render_view){.view_projection = reference_matrix(&camera),
 	                             .camera_position = {0.0f, 4.0f, 1.0f},
-	                             .sun = t.scene->sun,
-	                             .sky = t.scene->sky,
+	                             .lights = t.scene->lights,
+	                             .light_count = t.scene->light_count,
+	                             .surroundings = t.scene->surroundings,
 	                             .shading = stilb_render_shading_default()};
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &t.pool), 0);
 	return t;

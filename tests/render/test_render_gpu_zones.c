@@ -49,7 +49,6 @@ static stage stage_open(stilb_render_desc desc)
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 1}, &s.pool), 0);
 	reference_camera camera = reference_camera_at((dvec){0, 3, 2}, (dvec){0, 0, 0}, (dvec){0, 1, 0}, 2.0, SIZE, SIZE);
 	s.view = (stilb_render_view){.view_projection = reference_matrix(&camera)};
-	reference_set3(s.view.sun.direction, 0.0f, 1.0f, 0.0f);
 	assert_int_equal(stilb_render_set_scene(s.render, s.scene), STILB_OK);
 	return s;
 }

@@ -368,7 +368,7 @@ static stilb_result spy_pass(render_device *device, const render_stream *stream)
 	assert_true(spy.pass_count < SPY_PASSES);
 	spy.passes[spy.pass_count] = stream->pass;
 	spy.views[spy.pass_count] = stream->view;
-	spy.hash = reference_hash_pass(spy.hash, &stream->view->shading);
+	spy.hash = reference_hash_pass(spy.hash, stream->view);
 	for (uint32_t r = 0; r < stream->run_count; r++) {
 		const render_run *run = &stream->runs[r];
 		for (uint32_t c = 0; c < run->count; c++)
@@ -417,7 +417,7 @@ static void passes_by_their_order(void **state)
 		draws += segment_draws[s];
 	assert_int_equal(spy.pass_count, 4);
 	for (int i = 0; i < 4; i++) {
-		expected = reference_hash_pass(expected, &views[passes[sequence[i]].view].shading);
+		expected = reference_hash_pass(expected, &views[passes[sequence[i]].view]);
 		expected = hand_hash(expected, scene, sequence[i]);
 		assert_ptr_equal(spy.passes[i], &passes[sequence[i]]);
 		assert_ptr_equal(spy.views[i], &views[passes[sequence[i]].view]);

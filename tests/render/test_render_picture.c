@@ -29,10 +29,10 @@ static stilb_scene *model_scene(float radius, float height, float specular)
 		reference_set3(scene->materials[p].specular, specular, 0.5f * specular, 0.25f * specular);
 	reference_set3(scene->materials[0].diffuse, 0.7f, 0.2f, 0.1f);
 	reference_set3(scene->materials[1].diffuse, 0.1f, 0.3f, 0.6f);
-	reference_set3(scene->sun.direction, 0.48f, 0.8f, 0.36f);
-	reference_set3(scene->sun.irradiance, 3.0f, 2.5f, 2.0f);
-	reference_set3(scene->sky.sky, 0.3f, 0.45f, 4.0f);
-	reference_set3(scene->sky.ground, 0.2f, 0.1f, 0.05f);
+	reference_sun_from(scene, 0.48f, 0.8f, 0.36f);
+	reference_set3(scene->lights[0].intensity, 3.0f, 2.5f, 2.0f);
+	reference_set3(scene->surroundings.sky, 0.3f, 0.45f, 4.0f);
+	reference_set3(scene->surroundings.ground, 0.2f, 0.1f, 0.05f);
 	return scene;
 }
 
@@ -66,8 +66,9 @@ static void a_tile_is_its_square(void **state)
 		uint32_t covered = 0;
 		for (int c = 0; c < 3; c++) {
 			double diffuse = (double)scene->materials[1].diffuse[c];
-			want[c] = diffuse / REFERENCE_PI * (double)scene->sun.irradiance[c] * (double)scene->sun.direction[1] +
-			          diffuse * (double)scene->sky.sky[c];
+			want[c] = diffuse / REFERENCE_PI * (double)scene->lights[0].intensity[c] *
+			              -(double)scene->lights[0].direction[1] +
+			          diffuse * (double)scene->surroundings.sky[c];
 		}
 		for (uint32_t y = 0; y < SIZE; y++)
 			for (uint32_t x = 0; x < SIZE; x++) {
@@ -152,7 +153,7 @@ static traced_pixel trace_pixel(const stilb_scene *scene, const reference_camera
 		out.sure &= hit.part == out.part;
 		for (int c = 0; c < 3; c++) {
 			double value = hit.part == REFERENCE_MISS
-			                   ? (double)scene->sky.sky[c]
+			                   ? (double)scene->surroundings.sky[c]
 			                   : reference_radiance(scene, &scene->materials[hit.part], c, hit.normal, v);
 			out.low[c] = i == 0 ? value : fmin(out.low[c], value);
 			out.high[c] = i == 0 ? value : fmax(out.high[c], value);
@@ -205,14 +206,14 @@ static void the_highlight_at_its_peak(void **state)
 	stilb_scene *scene = model_scene(0.8f, 0.0f, 0.3f);
 	without_tile(scene);
 	scene->materials[0].roughness = reference_roughness(24.0);
-	reference_set3(scene->sun.direction, 0.0f, 1.0f, 0.0f);
+	reference_sun_from(scene, 0.0f, 1.0f, 0.0f);
 	reference_camera camera = from_above(3.0, 1.5, size);
 	stilb_image image = picture_make(scene, &camera, linear);
 	double factor = (24.0 + 2.0) * (24.0 + 4.0) / (8.0 * REFERENCE_PI * (1.0 / 4096.0 + 24.0)), want[3];
 	for (int c = 0; c < 3; c++) {
-		double diffuse = (double)scene->materials[0].diffuse[c], e = (double)scene->sun.irradiance[c];
+		double diffuse = (double)scene->materials[0].diffuse[c], e = (double)scene->lights[0].intensity[c];
 		want[c] = diffuse * e / REFERENCE_PI + (double)scene->materials[0].specular[c] * factor * e +
-		          diffuse * (double)scene->sky.sky[c];
+		          diffuse * (double)scene->surroundings.sky[c];
 	}
 	assert_pixel(&image, size / 2, size / 2, want, 1e-3);
 	stilb_image_finish(&image);
@@ -252,8 +253,8 @@ static void display_codes_follow_the_curve(void **state)
 		stilb_image_finish(&radiance);
 		stilb_image_finish(&codes);
 		for (int c = 0; c < 3; c++) {
-			scene->sun.irradiance[c] *= 0.04f;
-			scene->sky.sky[c] *= 0.04f;
+			scene->lights[0].intensity[c] *= 0.04f;
+			scene->surroundings.sky[c] *= 0.04f;
 		}
 	}
 	stilb_scene_destroy(scene);
@@ -326,10 +327,10 @@ static stilb_scene *grid_scene(void)
 		scene->materials[2 * m + 1] =
 			(stilb_scene_material){{(float)(m + 1) / 512.0f, 0.25f, 0.5f}, {0}, .roughness = 1.0f};
 	}
-	memset(&scene->sky, 0, sizeof scene->sky);
-	reference_set3(scene->sky.sky, 0.0f, 0.0f, 9.0f);
-	reference_set3(scene->sun.direction, 0.0f, 1.0f, 0.0f);
-	reference_set3(scene->sun.irradiance, 3.0f, 3.0f, 0.0f);
+	scene->surroundings = (stilb_scene_surroundings){0};
+	reference_set3(scene->surroundings.sky, 0.0f, 0.0f, 9.0f);
+	reference_sun_from(scene, 0.0f, 1.0f, 0.0f);
+	reference_set3(scene->lights[0].intensity, 3.0f, 3.0f, 0.0f);
 	return scene;
 }
 

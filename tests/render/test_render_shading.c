@@ -36,7 +36,36 @@ static stilb_vec3 vec_of_dvec(dvec v)
 	return stilb_vec3_make((float)v.x, (float)v.y, (float)v.z);
 }
 
-/* ---- the scene: a sphere over a tile, near a lamp, with materials that use every term of the formulas
+/* The lights of this test; a view shows listed of them from first_listed on. */
+static const stilb_scene_light list[] = {
+	{.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.48f, -0.8f, -0.36f}, .intensity = {3.0f, 2.5f, 2.0f}},
+	{.kind = STILB_SCENE_LIGHT_POINT, .position = {0.9f, 1.6f, 1.1f}, .intensity = {2.0f, 0.5f, 0.3f}},
+	{.kind = STILB_SCENE_LIGHT_SPOT,
+     .position = {-1.5f, 2.5f, 0.5f},
+     .direction = {0.48f, -0.8f, -0.36f},
+     .intensity = {3.0f, 6.0f, 9.0f},
+     .cos_inner = 0.98f,
+     .cos_outer = 0.85f},
+	{.kind = STILB_SCENE_LIGHT_SPOT,
+     .position = {1.0f, 3.0f, 2.0f},
+     .direction = {0.0f, -1.0f, 0.0f},
+     .intensity = {4.0f, 4.0f, 0.5f},
+     .cos_inner = 0.8f,
+     .cos_outer = 0.7f,
+     .falloff = STILB_SCENE_LIGHT_WINDOWED,
+     .reach = 5.0f},
+#define LAMP .position = {0.4f, 2.2f, 0.9f}, .direction = {0.0f, -0.8f, -0.6f}, .intensity = {9.0f, 7.0f, 5.0f}
+	{.kind = STILB_SCENE_LIGHT_SPHERE, LAMP, .radius = 0.4f},
+	{.kind = STILB_SCENE_LIGHT_DISK, LAMP, .radius = 0.4f},
+	{.kind = STILB_SCENE_LIGHT_SPHERE, LAMP, .radius = 0.4f, .falloff = STILB_SCENE_LIGHT_WINDOWED, .reach = 2.3f},
+	{.kind = STILB_SCENE_LIGHT_SPHERE, LAMP, .radius = 0.4f, .falloff = STILB_SCENE_LIGHT_SUBTRACTED, .reach = 2.3f},
+	{.kind = STILB_SCENE_LIGHT_RECTANGLE, LAMP, .half_x = {0.5f, 0.0f, 0.0f}, .half_y = {0.0f, 0.12f, -0.16f}},
+};
+#define LISTED (sizeof list / sizeof *list)
+static uint32_t first_listed, listed = 1;
+static bool glossy;
+
+/* ---- the scene: a sphere over a tile, near the lights, with materials that use every term of the formulas
  * ------------- */
 
 static void make_scene(void)
@@ -51,9 +80,8 @@ static void make_scene(void)
 	                                             .wrap = 0.3f};
 	scene->materials[1] = (stilb_scene_material){
 		.diffuse = {0.1f, 0.3f, 0.6f}, .specular = {0.4f, 0.2f, 0.1f}, .roughness = 0.8f, .anisotropy = -0.3f};
-	scene->sun = (stilb_scene_sun){{0.48f, 0.8f, 0.36f}, {3.0f, 2.5f, 2.0f}};
-	scene->sky = (stilb_scene_sky){{0.3f, 0.45f, 0.8f}, {0.2f, 0.1f, 0.05f}};
-	scene->lamp = (stilb_scene_lamp){{0.4f, 2.2f, 0.9f}, {0.0f, -0.8f, -0.6f}, {9.0f, 7.0f, 5.0f}, 0.4f, 2.3f};
+	scene->lights[0] = list[0];
+	scene->surroundings = (stilb_scene_surroundings){.sky = {0.3f, 0.45f, 0.8f}, .ground = {0.2f, 0.1f, 0.05f}};
 	camera = reference_camera_at((dvec){1.7, 2.6, 3.1}, (dvec){0.1, 0.4, -0.1}, (dvec){0, 1, 0}, 1.9, WIDTH, HEIGHT);
 }
 
@@ -94,44 +122,37 @@ static shade_material expected_material(const stilb_scene_material *m, const sti
 	};
 }
 
-/* The lights of the view's list; the first listed of them count. */
-static const stilb_scene_light list[] = {
-	{STILB_SCENE_LIGHT_POINT, {0.9f, 1.6f, 1.1f}, {0}, {2.0f, 0.5f, 0.3f}, 0.0f, 0.0f},
-	{STILB_SCENE_LIGHT_SPOT, {-1.5f, 2.5f, 0.5f}, {0.48f, -0.8f, -0.36f}, {3.0f, 6.0f, 9.0f}, 0.98f, 0.85f},
-	{STILB_SCENE_LIGHT_DIRECTIONAL, {0}, {0.0f, -0.6f, -0.8f}, {0.1f, 0.4f, 0.2f}, 0.0f, 0.0f},
-	{STILB_SCENE_LIGHT_SPOT, {1.0f, 3.0f, 2.0f}, {0.0f, -1.0f, 0.0f}, {4.0f, 4.0f, 0.5f}, 0.8f, 0.7f},
-};
-#define LISTED (sizeof list / sizeof *list)
-static uint32_t listed;
-
-static stilb_vec3 expected_from_list(shade_brdf_model model, shade_material material, shade_frame frame, stilb_vec3 v,
-                                     stilb_vec3 position)
+static shade_light expected_light(const stilb_scene_light *light)
 {
-	stilb_vec3 radiance = {0};
-	for (uint32_t i = 0; i < listed; i++) {
-		shade_point_light light = {(int)list[i].kind,         vec_of(list[i].position), vec_of(list[i].direction),
-		                           vec_of(list[i].intensity), list[i].cos_inner,        list[i].cos_outer};
-		shade_sun seen = shade_point_light_at(light, position);
-		radiance += shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
-	}
-	return radiance;
+	return (shade_light){
+		.kind = (int)light->kind,
+		.falloff = (int)light->falloff,
+		.position = vec_of(light->position),
+		.direction = vec_of(light->direction),
+		.intensity = vec_of(light->intensity),
+		.cos_inner = light->cos_inner,
+		.cos_outer = light->cos_outer,
+		.radius = light->radius,
+		.half_x = vec_of(light->half_x),
+		.half_y = vec_of(light->half_y),
+		.reach = light->reach,
+	};
 }
 
 static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render_shading *shading)
 {
 	shade_brdf_model model = {(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
 	shade_material material = expected_material(&scene->materials[hit->part], shading);
-	shade_sun sun = {vec_of(scene->sun.direction), vec_of(scene->sun.irradiance)};
-	shade_sky sky = {vec_of(scene->sky.sky), vec_of(scene->sky.ground)};
-	shade_lamp lamp = {vec_of(scene->lamp.position), vec_of(scene->lamp.axis), vec_of(scene->lamp.intensity),
-	                   scene->lamp.radius, scene->lamp.reach};
+	shade_sky sky = {vec_of(scene->surroundings.sky), vec_of(scene->surroundings.ground)};
 	stilb_vec3 n = vec_of_dvec(hit->normal);
 	stilb_vec3 v = vec_of_dvec(dvec_unit(dvec_mad(camera.position, -1.0, hit->position)));
 	shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
-	shade_sun light = shade_light_at((int)shading->light, sun, lamp, vec_of_dvec(hit->position));
-	stilb_vec3 radiance = shade_surface_radiance(model, material, light, sky, frame, v);
-	radiance += expected_from_list(model, material, frame, v, vec_of_dvec(hit->position));
-	if (shading->light == SHADE_LIGHT_HEMISPHERE && shading->brdf > SHADE_BRDF_WRAPPED) {
+	stilb_vec3 radiance = shade_surface_sky(material, sky, n);
+	for (uint32_t i = first_listed; i < first_listed + listed; i++) {
+		shade_sun seen = shade_light_at(expected_light(&list[i]), vec_of_dvec(hit->position));
+		radiance += shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+	}
+	if (glossy && shading->brdf > SHADE_BRDF_WRAPPED) {
 		float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
 		float mirrored_y = 2.0f * stilb_vec3_dot(n, v) * n[1] - v[1];
 		radiance += material.specular *
@@ -182,9 +203,9 @@ static stage stage_make(int way)
 	};
 	stage s = {.view = {.view_projection = reference_matrix(&camera),
 	                    .camera_position = {1.7f, 2.6f, 3.1f},
-	                    .sun = scene->sun,
-	                    .sky = scene->sky,
-	                    .lamp = scene->lamp}};
+	                    .lights = list,
+	                    .light_count = 1,
+	                    .surroundings = scene->surroundings}};
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 2}, &s.pool), 0);
 	if (stilb_render_create(&desc, &s.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
@@ -205,6 +226,9 @@ static stilb_image stage_draw(stage *s, const stilb_render_shading *shading)
 	uint32_t model = 0;
 	stilb_image image = {0};
 	s->view.shading = *shading;
+	s->view.lights = list + first_listed;
+	s->view.light_count = listed;
+	s->view.surroundings.glossy = glossy;
 	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
 	assert_int_equal(stilb_render_record(s->render, 0, scene, &model, 1, s->pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_replay(s->render, &pass, 1, &s->view, 1, s->pool, 0), STILB_OK);
@@ -238,16 +262,26 @@ static void every_model_is_as_in_c(void **state)
 	stage_finish(&s);
 }
 
+static void draw_two_models(stage *s)
+{
+	stilb_render_shading shading = microfacets(SHADE_NDF_GGX_ANISOTROPIC, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
+	assert_drawn(s, &shading);
+	assert_drawn(s, &(stilb_render_shading){.brdf = SHADE_BRDF_WRAPPED});
+}
+
 static void every_light_is_as_in_c(void **state)
 {
 	(void)state;
 	stage s = stage_make(0);
-	for (uint32_t light = 0; light < SHADE_LIGHT_COUNT; light++) {
-		stilb_render_shading shading = microfacets(SHADE_NDF_GGX_ANISOTROPIC, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
-		shading.light = light;
-		assert_drawn(&s, &shading);
-		assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_WRAPPED, .light = light});
+	for (first_listed = 0; first_listed < LISTED; first_listed++)
+		draw_two_models(&s);
+	first_listed = listed = 0; /* the sky alone */
+	for (int way = 0; way < 2; way++) {
+		glossy = way;
+		draw_two_models(&s);
 	}
+	glossy = false;
+	listed = 1;
 	stage_finish(&s);
 }
 
@@ -257,14 +291,12 @@ static void a_list_of_lights_is_as_in_c(void **state)
 	(void)state;
 	for (int way = 0; way < 3; way++) {
 		stage s = stage_make(way);
-		for (listed = 1; listed <= LISTED; listed++) {
-			s.view.lights = list;
-			s.view.light_count = listed;
-			assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT, .light = SHADE_LIGHT_HEMISPHERE});
+		for (listed = 2; listed <= LISTED; listed += 3) {
+			assert_drawn(&s, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT});
 			stilb_render_shading shading = microfacets(SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
 			assert_drawn(&s, &shading);
 		}
-		listed = 0;
+		listed = 1;
 		stage_finish(&s);
 	}
 }
@@ -294,9 +326,9 @@ static void the_same_in_every_way_of_replay(void **state)
 	(void)state;
 	stilb_render_shading choices[] = {
 		stilb_render_shading_default(),
-		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK},
+		{.brdf = SHADE_BRDF_PHONG},
 		microfacets(SHADE_NDF_BECKMANN, SHADE_G_NEUMANN, SHADE_F_COOK_TORRANCE),
-		{.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_DISK}, /* the second choice again */
+		{.brdf = SHADE_BRDF_PHONG}, /* the second choice again */
 	};
 	enum { CHOICES = sizeof choices / sizeof *choices };
 	stilb_image first[CHOICES];
@@ -340,7 +372,7 @@ static void each_pass_has_its_views_formulas(void **state)
 		stilb_render_view views[2] = {s.view, s.view};
 		stilb_image image;
 		views[0].shading = microfacets(SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK);
-		views[1].shading = (stilb_render_shading){.brdf = SHADE_BRDF_PHONG, .light = SHADE_LIGHT_SPHERE};
+		views[1].shading = (stilb_render_shading){.brdf = SHADE_BRDF_PHONG};
 		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
 		for (uint32_t part = 0; part < 2; part++)
 			record_part(&s, part, part);

@@ -183,7 +183,7 @@ static uint64_t list_hash(const list *l, uint64_t hash, bool sorted)
 	memcpy(draws, l->draws, l->count * sizeof *draws);
 	if (sorted)
 		fixture_sort(draws, l->count);
-	hash = fixture_hash_all(reference_hash_pass(hash, &(stilb_render_shading){0}), draws, l->count);
+	hash = fixture_hash_all(reference_hash_pass(hash, &(stilb_render_view){0}), draws, l->count);
 	free(draws);
 	return hash;
 }

@@ -30,8 +30,7 @@ static stage stage_open(stilb_render_desc desc, uint32_t workers)
 	reference_camera camera =
 		reference_camera_at((dvec){0, 4, 0}, (dvec){0, 0, 0}, (dvec){0, 0, -1}, 4.0, desc.width, desc.width);
 	s.view = (stilb_render_view){.view_projection = reference_matrix(&camera), .camera_position = {0.0f, 4.0f, 0.0f}};
-	reference_set3(s.view.sun.direction, 0.0f, 1.0f, 0.0f);
-	reference_set3(s.view.sky.sky, 1.0f, 1.0f, 1.0f);
+	reference_set3(s.view.surroundings.sky, 1.0f, 1.0f, 1.0f);
 	return s;
 }
 

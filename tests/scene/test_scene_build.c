@@ -31,13 +31,14 @@ static stilb_result rebuild(const stilb_scene *from, stilb_scene **scene)
 		stilb_scene_build_mesh(build, &from->meshes[i]);
 	for (uint32_t i = 0; i < from->material_count; i++)
 		stilb_scene_build_material(build, &from->materials[i]);
-	for (uint32_t i = 0; i < from->light_count; i++)
-		stilb_scene_build_light(build, &from->lights[i]);
 	for (uint32_t p = 0; p < from->part_count; p++) {
 		uint32_t node = stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &from->part_transform[p]);
 		stilb_scene_build_part part = {from->part_mesh[p], from->part_material[p]};
 		stilb_scene_build_model(build, node, &part, 1);
 	}
+	for (uint32_t i = 0; i < from->light_count; i++)
+		stilb_scene_build_light(build, &from->lights[i]);
+	stilb_scene_build_surroundings(build, &from->surroundings);
 	stilb_scene_build_camera(build, &from->camera);
 	return stilb_scene_build_end(build, scene);
 }
@@ -50,6 +51,9 @@ static void assert_same(const stilb_scene *a, const stilb_scene *b)
 	assert_memory_equal(a->part_transform, b->part_transform, a->part_count * sizeof *a->part_transform);
 	assert_int_equal(a->material_count, b->material_count);
 	assert_memory_equal(a->materials, b->materials, a->material_count * sizeof *a->materials);
+	assert_int_equal(a->light_count, b->light_count);
+	assert_true(a->light_count == 0 || memcmp(a->lights, b->lights, a->light_count * sizeof *a->lights) == 0);
+	assert_memory_equal(a->surroundings.sky, b->surroundings.sky, 6 * sizeof(float));
 	assert_int_equal(a->mesh_count, b->mesh_count);
 	for (uint32_t i = 0; i < a->mesh_count; i++) {
 		assert_int_equal(a->meshes[i].vertex_count, b->meshes[i].vertex_count);
@@ -262,6 +266,13 @@ static void refuses_light(stilb_scene_light light, const char *words)
 	assert_refused(build, words);
 }
 
+static void refuses_surroundings(stilb_scene_surroundings surroundings, const char *words)
+{
+	stilb_scene_build *build = begin();
+	stilb_scene_build_surroundings(build, &surroundings);
+	assert_refused(build, words);
+}
+
 static void refuses_camera(stilb_scene_camera camera, const char *words)
 {
 	stilb_scene_build *build = begin();
@@ -272,12 +283,36 @@ static void refuses_camera(stilb_scene_camera camera, const char *words)
 static void mistakes_in_lights_and_cameras(void **state)
 {
 	(void)state;
-	refuses_light((stilb_scene_light){.kind = 3}, "light 0: there is no kind 3");
+	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_KINDS}, "light 0: its kind is unknown");
+	refuses_light((stilb_scene_light){.unit = STILB_SCENE_LIGHT_UNITS}, "light 0: its unit or its use is unknown");
+	refuses_light((stilb_scene_light){.use = STILB_SCENE_LIGHT_USES}, "light 0: its unit or its use is unknown");
+	refuses_light((stilb_scene_light){.falloff = STILB_SCENE_LIGHT_FALLOFFS}, "light 0: its falloff is unknown");
+	refuses_light((stilb_scene_light){.face = 1}, "light 0: there is no part 0");
 	refuses_light((stilb_scene_light){.intensity = {-1}}, "light 0: its intensity is negative");
 	refuses_light((stilb_scene_light){.position = {NAN}}, "light 0: its position");
 	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL}, "light 0: its direction is not unit");
 	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_SPOT, .direction = {1}, .cos_outer = 0.5f},
-	              "the cosines 0 and 0.5 of its cone");
+	              "light 0: the cosines of its cone");
+	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_SPHERE}, "light 0: its radius is not between");
+	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_DISK, .direction = {1}}, "light 0: its radius");
+	refuses_light((stilb_scene_light){.kind = STILB_SCENE_LIGHT_RECTANGLE, .direction = {1}, .half_x = {0, 1, 0}},
+	              "light 0: a half of its sides is not between");
+	refuses_light(
+		(stilb_scene_light){
+			.kind = STILB_SCENE_LIGHT_RECTANGLE, .direction = {1}, .half_x = {0, 1, 0}, .half_y = {0.1f, 0, 1}},
+		"light 0: its sides and its direction are not perpendicular");
+	refuses_light((stilb_scene_light){.falloff = STILB_SCENE_LIGHT_WINDOWED}, "light 0: its reach is not above");
+	refuses_light(
+		(stilb_scene_light){
+			.kind = STILB_SCENE_LIGHT_SPHERE, .falloff = STILB_SCENE_LIGHT_SUBTRACTED, .radius = 2.0f, .reach = 2.0f},
+		"light 0: its reach is not above");
+	refuses_light((stilb_scene_light){.falloff = STILB_SCENE_LIGHT_WINDOWED, .reach = 1.0f, .face = 1},
+	              "light 0: it has a face and a falloff that is not physical");
+	refuses_surroundings((stilb_scene_surroundings){.sky = {0, -1, 0}}, "surroundings: a radiance is negative");
+	refuses_surroundings((stilb_scene_surroundings){.ground = {NAN}}, "surroundings: a radiance is negative");
+	uint8_t byte[3] = {0};
+	refuses_surroundings((stilb_scene_surroundings){.panorama = {1, 1, 3, STILB_IMAGE_U8_SRGB, byte, 0}},
+	                     "surroundings: the panorama has not three channels of linear floats");
 	refuses_camera((stilb_scene_camera){.position = {INFINITY}}, "camera: its position");
 	refuses_camera((stilb_scene_camera){.fov_y = 0.0f}, "camera: the field of view 0");
 	refuses_camera((stilb_scene_camera){.fov_y = 1.0f, .near_z = 2.0f, .far_z = 1.0f}, "camera: near 2 and far 1");

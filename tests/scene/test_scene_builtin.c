@@ -155,8 +155,43 @@ static void cornell_is_the_reference_scene(void **state)
 	            scene->camera.position[2] == 2.4f);
 	assert_true(scene->camera.yaw == 0.0f && scene->camera.pitch == 0.0f && scene->camera.roll == 0.0f);
 	for (int i = 0; i < 3; i++)
-		assert_true(scene->sky.sky[i] == 0.0f && scene->sky.ground[i] == 0.0f && scene->sun.irradiance[i] == 0.0f);
+		assert_true(scene->surroundings.sky[i] == 0.0f && scene->surroundings.ground[i] == 0.0f);
 	stilb_scene_destroy(scene);
+}
+
+/* The lamps of cornell, outdoor and spheres stand in the list, each with the shape and the radiance of its face. */
+static void lamps_are_their_faces(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"cornell", "outdoor", "spheres"};
+	for (int s = 0; s < 3; s++) {
+		stilb_scene *scene;
+		assert_int_equal(stilb_scene_open(names[s], &scene), STILB_OK);
+		assert_int_equal(scene->light_count, 1);
+		const stilb_scene_light *light = scene->lights;
+		assert_int_equal(light->kind, STILB_SCENE_LIGHT_RECTANGLE);
+		assert_true(light->face > 0 && light->face <= scene->part_count);
+		const stilb_scene_mesh *face = &scene->meshes[scene->part_mesh[light->face - 1]];
+		const stilb_scene_material *material = &scene->materials[scene->part_material[light->face - 1]];
+		assert_int_equal(face->vertex_count, 4);
+		for (uint32_t v = 0; v < 4; v++) {
+			float along[2] = {0}, sizes[2] = {0}; /* position from the centre, in halves of the sides */
+			for (int i = 0; i < 3; i++) {
+				float away = face->vertices[v].position[i] - light->position[i];
+				along[0] += away * light->half_x[i];
+				along[1] += away * light->half_y[i];
+				sizes[0] += light->half_x[i] * light->half_x[i];
+				sizes[1] += light->half_y[i] * light->half_y[i];
+				assert_float_equal(face->vertices[v].normal[i], light->direction[i], 1e-6f);
+			}
+			assert_float_equal(fabsf(along[0] / sizes[0]), 1.0f, 1e-5f);
+			assert_float_equal(fabsf(along[1] / sizes[1]), 1.0f, 1e-5f);
+			float area = 4.0f * sqrtf(sizes[0] * sizes[1]);
+			for (int i = 0; i < 3; i++)
+				assert_float_equal(light->intensity[i], material->emission[i] * area, 1e-5f * light->intensity[i]);
+		}
+		stilb_scene_destroy(scene);
+	}
 }
 
 static void furnace_is_closed_and_faces_inward(void **state)
@@ -220,7 +255,7 @@ static void plane_wall_looks_at_the_point(void **state)
 		assert_true(wall->vertices[v].position[1] == 0.0f || wall->vertices[v].position[1] == 1.0f);
 	}
 	for (int i = 0; i < 3; i++)
-		assert_true(scene->sky.sky[i] == 1.0f && scene->materials[0].diffuse[i] == 0.5f &&
+		assert_true(scene->surroundings.sky[i] == 1.0f && scene->materials[0].diffuse[i] == 0.5f &&
 		            scene->materials[1].diffuse[i] == 0.0f);
 	stilb_scene_destroy(scene);
 }
@@ -310,25 +345,25 @@ static void environment_is_light(void **state)
 	assert_int_equal(stilb_image_save(&picture, exr), STILB_OK);
 	assert_int_equal(stilb_scene_set_environment(scene, exr), STILB_OK);
 	static const float light[6] = {1.5f, 0, 0, 0, 2.0f, 1e4f};
-	assert_int_equal(scene->environment.channels, 3);
-	assert_int_equal(scene->environment.format, STILB_IMAGE_F32_LINEAR);
-	assert_memory_equal(scene->environment.pixels, light, sizeof light);
+	assert_int_equal(scene->surroundings.panorama.channels, 3);
+	assert_int_equal(scene->surroundings.panorama.format, STILB_IMAGE_F32_LINEAR);
+	assert_memory_equal(scene->surroundings.panorama.pixels, light, sizeof light);
 	stilb_image_finish(&picture);
 
 	assert_int_equal(stilb_image_create(&picture, 3, 1, 1, STILB_IMAGE_U8_SRGB), STILB_OK);
 	memcpy(picture.pixels, (const uint8_t[]){0, 188, 255}, 3);
 	assert_int_equal(stilb_image_save(&picture, png), STILB_OK);
 	assert_int_equal(stilb_scene_set_environment(scene, png), STILB_OK);
-	const float *grey = scene->environment.pixels;
+	const float *grey = scene->surroundings.panorama.pixels;
 	assert_true(grey[0] == 0.0f && fabsf(grey[4] - 0.5029f) < 1e-3f && grey[3] == grey[5] && grey[8] == 1.0f);
 	stilb_image_finish(&picture);
 
 	assert_int_equal(stilb_scene_set_environment(scene, "/nonexistent/sky.hdr"), STILB_ERROR_FILE);
 	assert_non_null(strstr(stilb_error_message(), "/nonexistent/sky.hdr"));
-	assert_int_equal(scene->environment.width, 3); /* as before */
+	assert_int_equal(scene->surroundings.panorama.width, 3); /* as before */
 	stilb_scene_set_sky(scene, (const float[3]){1, 2, 3});
-	assert_null(scene->environment.pixels);
-	assert_true(scene->sky.sky[2] == 3.0f && scene->sky.ground[0] == 1.0f);
+	assert_null(scene->surroundings.panorama.pixels);
+	assert_true(scene->surroundings.sky[2] == 3.0f && scene->surroundings.ground[0] == 1.0f);
 	unlink(exr);
 	unlink(png);
 	stilb_scene_destroy(scene);
@@ -339,6 +374,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(all_that_are_named_open),
 		cmocka_unit_test(cornell_is_the_reference_scene),
+		cmocka_unit_test(lamps_are_their_faces),
 		cmocka_unit_test(furnace_is_closed_and_faces_inward),
 		cmocka_unit_test(refused_names_say_why),
 		cmocka_unit_test(plane_wall_looks_at_the_point),

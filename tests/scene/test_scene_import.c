@@ -167,7 +167,7 @@ static void gltf_geometry_and_metal(void **state)
 	assert_true(near(paint->roughness, 0.3f));
 	assert_three(paint->emission, 1, 0.5f, 0);
 	/* It emits light, so no sky is added; the camera that is added sees everything. */
-	assert_three(scene->sky.sky, 0, 0, 0);
+	assert_three(scene->surroundings.sky, 0, 0, 0);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
 	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
 	for (uint32_t m = 0; m < 2; m++)
@@ -215,7 +215,8 @@ static void gltf_camera_and_light(void **state)
 	assert_true(near(scene->camera.fov_y, 0.6f));
 	assert_int_equal(scene->light_count, 3);
 	const stilb_scene_light *light = scene->lights;
-	for (uint32_t i = 0; i < 3; i++, light++)
+	for (uint32_t i = 0; i < 3; i++, light++) {
+		assert_int_equal(light->unit, STILB_SCENE_LIGHT_PHOTOMETRIC); /* candela and lux */
 		if (light->kind == STILB_SCENE_LIGHT_POINT) {
 			assert_three(light->position, 12, 4, 6); /* in its parent */
 			assert_three(light->intensity, 8, 4, 2);
@@ -227,6 +228,7 @@ static void gltf_camera_and_light(void **state)
 			assert_three(light->direction, 0, 0, -1);
 			assert_three(light->intensity, 3, 3, 3);
 		}
+	}
 	stilb_scene_destroy(scene);
 }
 
@@ -275,7 +277,7 @@ static void obj_material_and_texture(void **state)
 	assert_true(near(one->roughness, powf(2.0f / 32.0f, 0.25f)));
 	assert_int_equal(one->diffuse_texture, 1);
 	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){10, 20, 30}), 3);
-	assert_true(scene->sky.sky[0] > 0.0f); /* added, since there is no other light */
+	assert_true(scene->surroundings.sky[0] > 0.0f); /* added, since there is no other light */
 	stilb_scene_destroy(scene);
 	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 1 1 1\nNs 30\nmap_Kd Sub/paint.png\n");
 	scene = open_scene(in_folder("square.obj"));
@@ -615,10 +617,10 @@ static void large_surroundings_are_refused_by_their_header(void **state)
 	assert_int_equal(stilb_scene_set_environment(scene, path), STILB_ERROR_FILE);
 	if (!strstr(stilb_error_message(), "30000 x 30000") || !strstr(stilb_error_message(), "4 GiB"))
 		fail_msg("%s", stilb_error_message());
-	assert_null(scene->environment.pixels);
+	assert_null(scene->surroundings.panorama.pixels);
 	assert_int_equal(stilb_scene_set_environment(scene, in_folder("nowhere.png")), STILB_ERROR_FILE);
 	assert_int_equal(stilb_scene_set_environment(scene, write_picture("sky.png", 255, 0, 128)), STILB_OK);
-	assert_three(scene->environment.pixels, 1, 0, 0.21586051f);
+	assert_three(scene->surroundings.panorama.pixels, 1, 0, 0.21586051f);
 	stilb_scene_destroy(scene);
 }
 
@@ -736,7 +738,7 @@ static void surroundings_have_three_channels(void **state)
 	takes_grey = false;
 	assert_int_equal(result, STILB_ERROR_FILE);
 	assert_non_null(strstr(stilb_error_message(), "not three channels of light"));
-	assert_null(scene->environment.pixels);
+	assert_null(scene->surroundings.panorama.pixels);
 	stilb_scene_destroy(scene);
 }
 

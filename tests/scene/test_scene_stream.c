@@ -44,13 +44,17 @@ static stilb_scene *make(void)
 	assert_int_equal(stilb_scene_open("furnace:0.5", &scene), STILB_OK);
 	scene->light_count = 1;
 	scene->lights = calloc(1, sizeof *scene->lights);
-	scene->lights[0] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_SPOT, .intensity = {1, 2, 3}, .cos_outer = 0.5f};
+	scene->lights[0] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_SPOT,
+	                                       .direction = {0, 1, 0},
+	                                       .intensity = {1, 2, 3},
+	                                       .cos_inner = 0.75f,
+	                                       .cos_outer = 0.5f};
 	scene->texture_count = 1;
 	scene->textures = calloc(1, sizeof *scene->textures);
 	assert_int_equal(stilb_image_create(scene->textures, 3, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
 	((uint8_t *)scene->textures[0].pixels)[7] = 99;
 	scene->materials[0].diffuse_texture = 1;
-	scene->sky.ground[1] = 0.25f;
+	scene->surroundings.ground[1] = 0.25f;
 	return scene;
 }
 
@@ -67,7 +71,7 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
 	assert_memory_equal(&back->camera, &scene->camera, sizeof scene->camera);
 	assert_int_equal(back->textures[0].width, 3);
-	assert_true(back->sky.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
+	assert_true(back->surroundings.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
 	unsigned char *second = bytes_of(back, &again);
 	assert_int_equal(again, size);
 	free(second);
@@ -91,7 +95,7 @@ static void assert_usable(const stilb_scene *scene)
 	for (uint32_t m = 0; m < scene->material_count; m++)
 		assert_true(scene->materials[m].diffuse_texture <= scene->texture_count);
 	for (uint32_t i = 0; i < scene->light_count; i++)
-		assert_true(scene->lights[i].kind <= STILB_SCENE_LIGHT_DIRECTIONAL);
+		assert_null(stilb_scene_light_mistake(&scene->lights[i]));
 }
 
 /* Changes each byte before the vertices in turn, and some after. */
@@ -126,9 +130,11 @@ static void nothing_points_past_the_end(void **state)
 	stilb_scene *scene = make(), *back;
 	uint32_t *const places[] = {&scene->meshes[0].indices[7], &scene->part_mesh[0],
 	                            &scene->part_material[0],     &scene->materials[0].diffuse_texture,
-	                            &scene->first_part[1],        (uint32_t *)&scene->lights[0].kind};
+	                            &scene->first_part[1],        (uint32_t *)&scene->lights[0].kind,
+	                            &scene->lights[0].face};
 	const uint32_t wrong[] = {scene->meshes[0].vertex_count, scene->mesh_count,     scene->material_count,
-	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_DIRECTIONAL + 1};
+	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_KINDS,
+	                          scene->part_count + 1};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;
 		uint32_t old = *places[i];

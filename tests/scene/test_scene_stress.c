@@ -380,19 +380,57 @@ static void test_lights(void **state)
 {
 	(void)state;
 	stilb_scene *scene = make(1, 1);
-	const float *d = scene->sun.direction;
+	const stilb_scene_light *sun = scene->lights;
+	const float *d = sun->direction;
+	assert_int_equal(scene->light_count, 1);
+	assert_int_equal(sun->kind, STILB_SCENE_LIGHT_DIRECTIONAL);
 	assert_float_equal(sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), 1.0f, 3e-7f);
-	assert_true(d[1] > 0.3f && d[1] < 0.95f); /* from above and from one side */
+	assert_true(d[1] < -0.3f && d[1] > -0.95f); /* from above and from one side */
 	for (int i = 0; i < 3; i++) {
-		assert_true(scene->sun.irradiance[i] > 0.0f);
-		assert_true(scene->sky.sky[i] > 0.0f && scene->sky.ground[i] > 0.0f);
+		assert_true(sun->intensity[i] > 0.0f);
+		assert_true(scene->surroundings.sky[i] > 0.0f && scene->surroundings.ground[i] > 0.0f);
 	}
-	for (int i = 0; i < 2; i++) { /* sun, lamp and ground are warm, the sky is blue */
-		assert_true(scene->sun.irradiance[i] > scene->sun.irradiance[i + 1]);
-		assert_true(scene->lamp.intensity[i] > scene->lamp.intensity[i + 1]);
-		assert_true(scene->sky.ground[i] > scene->sky.ground[i + 1]);
-		assert_true(scene->sky.sky[i] < scene->sky.sky[i + 1]);
+	for (int i = 0; i < 2; i++) { /* sun and ground are warm, the sky is blue */
+		assert_true(sun->intensity[i] > sun->intensity[i + 1]);
+		assert_true(scene->surroundings.ground[i] > scene->surroundings.ground[i + 1]);
+		assert_true(scene->surroundings.sky[i] < scene->surroundings.sky[i + 1]);
 	}
+	stilb_scene_destroy(scene);
+}
+
+/* Each choice is one light of its kind and falloff, or none, without a mistake; the sun comes back as it was. */
+static void test_light_choices(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *name;
+		int kind;
+		stilb_scene_light_falloff falloff;
+	} wanted[] = {
+		{"hemisphere", -1, STILB_SCENE_LIGHT_PHYSICAL},
+		{"sphere", STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_PHYSICAL},
+		{"disk", STILB_SCENE_LIGHT_DISK, STILB_SCENE_LIGHT_PHYSICAL},
+		{"windowed", STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_WINDOWED},
+		{"subtracted", STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_SUBTRACTED},
+		{"sun", STILB_SCENE_LIGHT_DIRECTIONAL, STILB_SCENE_LIGHT_PHYSICAL},
+	};
+	stilb_scene *scene = make(50, 1);
+	stilb_scene_light first = scene->lights[0];
+	for (uint32_t i = 0; i < STILB_SCENE_STRESS_LIGHT_COUNT; i++) {
+		uint32_t light = (i + 1) % STILB_SCENE_STRESS_LIGHT_COUNT;
+		assert_string_equal(stilb_scene_stress_light_names[light], wanted[i].name);
+		stilb_scene_stress_set_light(scene, (stilb_scene_stress_light)light);
+		assert_int_equal(scene->light_count, wanted[i].kind >= 0);
+		assert_int_equal(scene->surroundings.glossy, wanted[i].kind < 0);
+		if (wanted[i].kind < 0)
+			continue;
+		assert_null(stilb_scene_light_mistake(scene->lights));
+		assert_int_equal(scene->lights[0].kind, wanted[i].kind);
+		assert_int_equal(scene->lights[0].falloff, wanted[i].falloff);
+		assert_true(scene->lights[0].intensity[0] > scene->lights[0].intensity[2]);
+	}
+	assert_null(stilb_scene_stress_light_names[STILB_SCENE_STRESS_LIGHT_COUNT]);
+	assert_memory_equal(&first, scene->lights, sizeof first);
 	stilb_scene_destroy(scene);
 }
 
@@ -592,6 +630,7 @@ int main(void)
 		cmocka_unit_test(test_spheres),
 		cmocka_unit_test(test_seeds),
 		cmocka_unit_test(test_lights),
+		cmocka_unit_test(test_light_choices),
 		cmocka_unit_test(test_bounds),
 		cmocka_unit_test(test_animate_moves_a_tenth),
 		cmocka_unit_test(test_animate_is_a_function_of_time),

@@ -91,18 +91,18 @@ static inline float reference_roughness(double exponent)
 	return (float)pow(2.0 / (exponent + 2.0), 0.25);
 }
 
-/* Lambert, Schueler's modified Blinn-Phong, a sun and a sky of two halves; n and v unit. */
+/* Lambert, Schueler's modified Blinn-Phong, the scene's directional light and a sky of two halves; n and v unit. */
 static inline double reference_radiance(const stilb_scene *scene, const stilb_scene_material *m, int channel, dvec n,
                                         dvec v)
 {
-	dvec l = dvec_of(scene->sun.direction), h = dvec_unit(dvec_mad(l, 1.0, v));
+	dvec l = dvec_mad((dvec){0, 0, 0}, -1.0, dvec_of(scene->lights[0].direction)), h = dvec_unit(dvec_mad(l, 1.0, v));
 	double n_dot_l = fmax(dvec_dot(n, l), 0.0), n_dot_h = fmax(dvec_dot(n, h), 0.0),
 		   s = 2.0 / pow((double)m->roughness, 4.0) - 2.0;
 	double factor = (s + 2.0) * (s + 4.0) / (8.0 * REFERENCE_PI * (exp2(-s / 2.0) + s));
 	double brdf = (double)m->diffuse[channel] / REFERENCE_PI + (double)m->specular[channel] * factor * pow(n_dot_h, s);
-	double above = (double)scene->sky.sky[channel] * (1.0 + n.y) / 2.0;
-	double below = (double)scene->sky.ground[channel] * (1.0 - n.y) / 2.0;
-	return brdf * (double)scene->sun.irradiance[channel] * n_dot_l + (double)m->diffuse[channel] * (above + below);
+	double above = (double)scene->surroundings.sky[channel] * (1.0 + n.y) / 2.0;
+	double below = (double)scene->surroundings.ground[channel] * (1.0 - n.y) / 2.0;
+	return brdf * (double)scene->lights[0].intensity[channel] * n_dot_l + (double)m->diffuse[channel] * (above + below);
 }
 
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
@@ -180,7 +180,8 @@ static inline reference_hit reference_trace(const stilb_scene *scene, dvec origi
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* One model of part_count parts, all of them unit spheres (mesh 0) with a material each; no light. */
+/* One model of part_count parts, all of them unit spheres (mesh 0) with a material each. Its only light is directional,
+ * black, and shines down. */
 static inline stilb_scene *reference_scene(uint32_t part_count)
 {
 	stilb_scene *scene;
@@ -193,7 +194,8 @@ static inline stilb_scene *reference_scene(uint32_t part_count)
 		scene->part_transform[p] = stilb_mat4_identity();
 		scene->materials[p].roughness = reference_roughness(10.0);
 	}
-	scene->sun.direction[1] = 1.0f;
+	assert_int_equal(scene_add_lights(scene, 1), STILB_OK);
+	scene->lights[0] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -1.0f, 0.0f}};
 	return scene;
 }
 
@@ -202,6 +204,12 @@ static inline void reference_set3(float out[3], float x, float y, float z)
 	out[0] = x;
 	out[1] = y;
 	out[2] = z;
+}
+
+/* The direction to a directional light, unit. */
+static inline void reference_sun_from(stilb_scene *scene, float x, float y, float z)
+{
+	reference_set3(scene->lights[0].direction, -x, -y, -z);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
@@ -231,9 +239,9 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 	stilb_render_pass pass = {.name = "main"};
 	stilb_render_view view = {
 		.view_projection = reference_matrix(camera),
-		.sun = scene->sun,
-		.sky = scene->sky,
-		.lamp = scene->lamp,
+		.lights = scene->lights,
+		.light_count = scene->light_count,
+		.surroundings = scene->surroundings,
 		.shading = how.shading ? *how.shading : stilb_render_shading_default(),
 	};
 	reference_set3(view.camera_position, (float)camera->position.x, (float)camera->position.y,
@@ -302,7 +310,8 @@ static inline void assert_pixel(const stilb_image *image, uint32_t x, uint32_t y
 static inline bool picture_is_sky(const stilb_image *image, const stilb_scene *scene, uint32_t x, uint32_t y)
 {
 	for (int c = 0; c < 3; c++)
-		if (!(fabs(picture_value(image, x, y, c) - (double)scene->sky.sky[c]) <= 1e-3 * (double)scene->sky.sky[c]))
+		if (!(fabs(picture_value(image, x, y, c) - (double)scene->surroundings.sky[c]) <=
+		      1e-3 * (double)scene->surroundings.sky[c]))
 			return false;
 	return true;
 }

@@ -28,20 +28,48 @@ static inline uint64_t reference_hash_float(uint64_t hash, float number)
 	return reference_hash_u32(hash, bits);
 }
 
-/* Continues the hash over the begin of a pass, in a view with this shading. */
-static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_shading *shading)
+static inline uint64_t reference_hash_floats(uint64_t hash, const float *numbers, int count)
 {
-	uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f, shading->light};
-	float added[] = {shading->roughness, shading->anisotropy, shading->wrap, shading->specular};
-	for (size_t i = 0; i < sizeof formulas / sizeof *formulas; i++)
-		hash = reference_hash_u32(hash, formulas[i]);
-	for (size_t i = 0; i < sizeof added / sizeof *added; i++)
-		hash = reference_hash_float(hash, added[i]);
+	for (int i = 0; i < count; i++)
+		hash = reference_hash_float(hash, numbers[i]);
 	return hash;
 }
 
-/* The hash at the begin of a frame's only pass, in a view whose shading is all zeros. */
-#define REFERENCE_HASH_PASS reference_hash_pass(REFERENCE_HASH_START, &(stilb_render_shading){0})
+static inline uint64_t reference_hash_light(uint64_t hash, const stilb_scene_light *light)
+{
+	bool round = light->kind == STILB_SCENE_LIGHT_SPHERE || light->kind == STILB_SCENE_LIGHT_DISK;
+	hash = reference_hash_floats(hash, light->position, 3);
+	hash = reference_hash_float(hash, (float)(light->kind + 8 * light->falloff));
+	hash = reference_hash_floats(hash, light->direction, 3);
+	hash = reference_hash_float(hash, light->reach);
+	hash = reference_hash_floats(hash, light->intensity, 3);
+	hash = reference_hash_float(hash, light->cos_inner);
+	hash = reference_hash_floats(hash, light->half_x, 3);
+	hash = reference_hash_float(hash, light->cos_outer);
+	hash = reference_hash_floats(hash, light->half_y, 3);
+	return reference_hash_float(hash, round ? light->radius : 0.0f);
+}
+
+/* Continues the hash over the begin of a pass in this view, none of whose lights is only baked. */
+static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_view *view)
+{
+	const stilb_render_shading *shading = &view->shading;
+	uint32_t formulas[] = {shading->brdf, shading->ndf, shading->g, shading->f};
+	float added[] = {shading->roughness, shading->anisotropy, shading->wrap, shading->specular};
+	for (size_t i = 0; i < sizeof formulas / sizeof *formulas; i++)
+		hash = reference_hash_u32(hash, formulas[i]);
+	hash = reference_hash_floats(hash, added, 4);
+	hash = reference_hash_floats(hash, view->surroundings.sky, 3);
+	hash = reference_hash_floats(hash, view->surroundings.ground, 3);
+	hash = reference_hash_u32(hash, view->surroundings.glossy);
+	hash = reference_hash_u32(hash, view->light_count);
+	for (uint32_t i = 0; i < view->light_count; i++)
+		hash = reference_hash_light(hash, &view->lights[i]);
+	return hash;
+}
+
+/* The hash at the begin of a frame's only pass, in a view that is all zeros. */
+#define REFERENCE_HASH_PASS reference_hash_pass(REFERENCE_HASH_START, &(stilb_render_view){0})
 
 static inline uint64_t reference_hash_draw(uint64_t hash, const stilb_scene *scene, uint32_t mesh, uint32_t material,
                                            const stilb_mat4 *transform)

@@ -91,8 +91,8 @@ static void test_shows_picture(void **state)
 	double gpu_ms;
 	assert_int_equal(stilb_engine_wait(f->engine, &gpu_ms), STILB_OK);
 	assert_true(gpu_ms > 0.0);
-	const stilb_scene_sky *sky = &stilb_engine_scene(f->engine)->sky;
-	assert_true(sky->sky[2] > sky->sky[0]); /* the sky has more blue than red, as is looked for below */
+	const float *sky = stilb_engine_scene(f->engine)->surroundings.sky;
+	assert_true(sky[2] > sky[0]); /* the sky has more blue than red, as is looked for below */
 	XImage *image = NULL;
 	int sky_pixels = 0, other_pixels = 0;
 	for (int tries = 0; tries < 15000 && (sky_pixels == 0 || other_pixels == 0); tries++) {

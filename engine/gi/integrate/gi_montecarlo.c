@@ -1,6 +1,6 @@
 /* The integrator montecarlo: N rays at every hit, and N more at each of theirs. Its cost is exponential: a baseline
- * for teaching, and the simplest estimator to test the others against. Lights with an area are found by those rays
- * only; lights without a size, which no ray can hit, are sampled. */
+ * for teaching, and the simplest estimator to test the others against. Emitting surfaces are found by those
+ * rays only; the lights of the scene's list, which no ray can hit, are sampled. */
 #include "gi/integrate/gi_integrator.h"
 #include "gi/sample/gi_bsdf.h"
 #include "gi/trace/gi_ray.h"
@@ -23,15 +23,15 @@ typedef struct hit {
 	uint32_t vertex; /* reflections between it and the camera; 0: the camera ray's hit */
 } hit;
 
-/* Light that reaches the hit from one sampled light and is reflected to the viewer, if that light has no size; else 0:
- * lights with an area are found by the rays of `gathered`. */
-static stilb_vec3 light_without_size(gi_batch *batch, const hit *at)
+/* Light that reaches the hit from one sampled light and is reflected to the viewer, if no ray can hit that light; else
+ * 0: it is found by the rays of `gathered`. */
+static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 {
 	STILB_ASSERT(at->vertex < batch->view->settings.depth);
 	const gi_view *view = batch->view;
 	const gi_lights *lights = &view->scene->lights;
 	stilb_vec3 none = stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	if (lights->point_count == 0)
+	if (lights->listed_count == 0)
 		return none;
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, at->point, GI_DIMENSION_OF(at->vertex), numbers);
@@ -92,7 +92,7 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 		return radiance;
 	at.bsdf = gi_bsdf_make(&view->settings.model, &at.surface, -direction);
 	if (!indirect || vertex > 0)
-		radiance += light_without_size(batch, &at);
+		radiance += light_of_list(batch, &at);
 	stilb_vec3 sum = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	for (uint32_t k = 0; k < view->settings.rays; k++)
 		sum += gathered(batch, &at, k);

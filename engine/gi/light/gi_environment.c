@@ -96,10 +96,12 @@ stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **ou
 	gi_environment *environment = stilb_memory_alloc(1, sizeof *environment);
 	if (!environment)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment");
-	const float *sky = scene->sky.sky, *ground = scene->sky.ground;
+	const float *sky = scene->surroundings.sky, *ground = scene->surroundings.ground;
 	*environment = (gi_environment){.sky = {sky[0], sky[1], sky[2]}, .ground = {ground[0], ground[1], ground[2]}};
 	environment->mean = 0.5f * (gi_brightness(environment->sky) + gi_brightness(environment->ground));
-	stilb_result result = scene->environment.pixels ? use_map(&scene->environment, environment) : STILB_OK;
+	stilb_result result = STILB_OK;
+	if (scene->surroundings.panorama.pixels)
+		result = use_map(&scene->surroundings.panorama, environment);
 	if (result == STILB_OK)
 		*out = environment;
 	else

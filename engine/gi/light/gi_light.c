@@ -2,10 +2,8 @@
 
 #include "gi/gi_vector.h"
 #include "gi/light/gi_environment.h"
-#include "gi/light/gi_light_shape.h"
-#include "gi/light/gi_light_tree.h"
+#include "gi/light/gi_light_listed.h"
 #include "shading/shade_constants.h"
-#include "shading/shade_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,18 +20,12 @@ static bool shines(const float color[3])
 	return gi_brightness(gi_vector(color)) > 0.0f && isfinite(gi_brightness(gi_vector(color)));
 }
 
-static void copy_points(const stilb_scene *scene, gi_lights *lights)
+/* Lights with a face are left out: the triangles of that part emit their light. */
+static void copy_listed(const stilb_scene *scene, gi_lights *lights)
 {
 	for (uint32_t i = 0; i < scene->light_count; i++)
-		if (shines(scene->lights[i].intensity))
-			lights->points[lights->point_count++] = scene->lights[i];
-	const stilb_scene_sun *sun = &scene->sun;
-	if (shines(sun->irradiance))
-		lights->points[lights->point_count++] = (stilb_scene_light){
-			.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
-			.direction = {-sun->direction[0], -sun->direction[1], -sun->direction[2]},
-			.intensity = {sun->irradiance[0], sun->irradiance[1], sun->irradiance[2]},
-		};
+		if (shines(scene->lights[i].intensity) && !scene->lights[i].face)
+			lights->listed[lights->listed_count++] = gi_light_listed_make(&scene->lights[i]);
 }
 
 static void make_shapes(const gi_emitter *emitters, uint32_t count, gi_lights *lights)
@@ -65,17 +57,6 @@ static gi_light_node shape_node(const gi_light_shape *shape)
 	return node;
 }
 
-static gi_light_node point_node(const stilb_scene_light *point)
-{
-	bool spot = point->kind == STILB_SCENE_LIGHT_SPOT;
-	gi_light_node node = {.cos_cone = spot ? 1.0f : -1.0f, .cos_beam = spot ? point->cos_outer : -1.0f};
-	memcpy(node.low, point->position, sizeof node.low);
-	memcpy(node.high, point->position, sizeof node.high);
-	memcpy(node.axis, point->direction, sizeof node.axis);
-	node.power = node.lamps = gi_brightness(gi_vector(point->intensity));
-	return node;
-}
-
 /* Shapes and lights with a position become leaves of the tree, numbered shapes first; directional lights and the
  * environment are listed apart. */
 static void make_choice(gi_lights *lights, gi_light_node *leaves)
@@ -87,12 +68,12 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 		if (node.power > 0.0f)
 			leaves[count++] = node;
 	}
-	for (uint32_t i = 0; i < lights->point_count; i++) {
-		if (lights->points[i].kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
+	for (uint32_t i = 0; i < lights->listed_count; i++) {
+		if (lights->listed[i].light.kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
 			lights->distant[lights->distant_count++] = i;
 			continue;
 		}
-		leaves[count] = point_node(&lights->points[i]);
+		leaves[count] = gi_light_listed_node(&lights->listed[i]);
 		leaves[count++].light = lights->shape_count + i;
 	}
 	if (lights->environment->mean > 0.0f)
@@ -122,7 +103,7 @@ static bool lights_are_sound(const gi_lights *lights)
 			return false;
 	}
 	for (uint32_t i = 0; i < lights->distant_count; i++)
-		if (lights->distant[i] != GI_LIGHT_ENVIRONMENT && lights->distant[i] >= lights->point_count)
+		if (lights->distant[i] != GI_LIGHT_ENVIRONMENT && lights->distant[i] >= lights->listed_count)
 			return false;
 	return true;
 }
@@ -138,17 +119,17 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 		*lights = (gi_lights){0};
 		return result;
 	}
-	size_t points = (size_t)scene->light_count + 1, placed = points + emitter_count;
+	size_t listed = scene->light_count, placed = listed + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
-	lights->points = stilb_memory_alloc(points, sizeof *lights->points);
-	lights->distant = stilb_memory_alloc(points + 1, sizeof *lights->distant);
+	lights->listed = stilb_memory_alloc(listed, sizeof *lights->listed);
+	lights->distant = stilb_memory_alloc(listed + 1, sizeof *lights->distant);
 	lights->shapes = stilb_memory_alloc(emitter_count, sizeof *lights->shapes);
 	lights->shape_of = stilb_memory_alloc(emitter_count, sizeof *lights->shape_of);
 	lights->leaf_of = stilb_memory_alloc(emitter_count, sizeof *lights->leaf_of);
 	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
-	if (leaves && lights->points && lights->distant && lights->shapes && lights->shape_of && lights->leaf_of &&
+	if (leaves && lights->listed && lights->distant && lights->shapes && lights->shape_of && lights->leaf_of &&
 	    lights->nodes) {
-		copy_points(scene, lights);
+		copy_listed(scene, lights);
 		make_shapes(emitters, emitter_count, lights);
 		make_choice(lights, leaves);
 		STILB_CHECK(lights_are_sound(lights));
@@ -163,48 +144,13 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 void gi_lights_destroy(gi_lights *lights)
 {
 	gi_environment_destroy(lights->environment);
-	free(lights->points);
+	free(lights->listed);
 	free(lights->distant);
 	free(lights->shapes);
 	free(lights->shape_of);
 	free(lights->leaf_of);
 	free(lights->nodes);
 	*lights = (gi_lights){0};
-}
-
-/* ---- lights without a size --------------------------------------------------------------------------------------- */
-
-static bool sample_directional(const stilb_scene_light *light, gi_light_sample *sample)
-{
-	STILB_ASSERT(light->kind == STILB_SCENE_LIGHT_DIRECTIONAL);
-	*sample = (gi_light_sample){
-		.direction = -gi_vector(light->direction),
-		.distance = INFINITY,
-		.radiance = gi_vector(light->intensity),
-		.pdf = 1.0f,
-		.delta = true,
-	};
-	return true;
-}
-
-static bool sample_point(const stilb_scene_light *light, stilb_vec3 position, gi_light_sample *sample)
-{
-	STILB_ASSERT(light->kind != STILB_SCENE_LIGHT_DIRECTIONAL);
-	stilb_vec3 to_light = gi_vector(light->position) - position;
-	float distance2 = stilb_vec3_dot(to_light, to_light), distance = sqrtf(distance2);
-	stilb_vec3 direction = to_light * (1.0f / distance);
-	bool spot = light->kind == STILB_SCENE_LIGHT_SPOT;
-	float share = spot ? shade_spot_share(-stilb_vec3_dot(gi_vector(light->direction), direction), light->cos_inner,
-	                                      light->cos_outer)
-	                   : 1.0f;
-	*sample = (gi_light_sample){
-		.direction = direction,
-		.distance = distance,
-		.radiance = gi_vector(light->intensity) * (share / distance2),
-		.pdf = 1.0f,
-		.delta = true,
-	};
-	return distance2 > 0.0f && share > 0.0f;
 }
 
 /* ---- which light ------------------------------------------------------------------------------------------------- */
@@ -215,7 +161,7 @@ static float distant_importance(const gi_lights *lights, uint32_t distant, stilb
 	STILB_ASSERT(distant < lights->distant_count);
 	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
 		return gi_environment_importance(lights->environment, normal);
-	const stilb_scene_light *sun = &lights->points[lights->distant[distant]];
+	const stilb_scene_light *sun = &lights->listed[lights->distant[distant]].light;
 	float facing = -stilb_vec3_dot(gi_vector(sun->direction), normal);
 	return gi_brightness(gi_vector(sun->intensity)) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
@@ -312,7 +258,7 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
 	uint32_t light = lights->nodes[leaf].light;
 	bool found = light < lights->shape_count
 	                 ? gi_light_shape_sample(&lights->shapes[light], position, u, sample)
-	                 : sample_point(&lights->points[light - lights->shape_count], position, sample);
+	                 : gi_light_listed_sample(&lights->listed[light - lights->shape_count], position, u, sample);
 	if (found)
 		sample->pdf *= probability;
 	return found;
@@ -333,7 +279,7 @@ bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3
 	} else {
 		uint32_t distant = lights->distant[group - (lights->placed_count > 0)];
 		found = distant == GI_LIGHT_ENVIRONMENT ? gi_environment_sample(lights->environment, normal, u, sample)
-		                                        : sample_directional(&lights->points[distant], sample);
+		                                        : gi_light_listed_sample(&lights->listed[distant], position, u, sample);
 	}
 	if (found)
 		sample->pdf *= probability;

@@ -1,5 +1,5 @@
 /*
- * gi_light: all light sources of a scene: emitting triangles, lights without a size, the surroundings. [any-thread]
+ * gi_light: all light sources of a scene: emitting triangles, the list of lights, the surroundings. [any-thread]
  *
  * gi_light_sample_at can find each direction from which emitted light arrives, in exactly one way. If a ray finds such
  * a direction by chance instead, gi_light_pdf (it hit an emitter) or gi_environment_pdf (it hit nothing) tells with
@@ -23,21 +23,22 @@ typedef struct gi_emitter {
 typedef struct gi_lights {
 	struct gi_light_shape *shapes; /* one for each emitting triangle, or for two that make a rectangle */
 	uint32_t shape_count, emitter_count;
-	uint32_t *shape_of;        /* [emitter_count] index in shapes of each emitting triangle's shape */
-	stilb_scene_light *points; /* point, spot and directional lights; the sun is one of them */
-	uint32_t point_count;
+	uint32_t *shape_of;             /* [emitter_count] index in shapes of each emitting triangle's shape */
+	struct gi_light_listed *listed; /* the lights of the scene's list that shine and have no face */
+	uint32_t listed_count;
 	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
 	uint32_t placed_count;       /* lights that have a position: the tree's leaves */
 	uint32_t *leaf_of;           /* [shape_count] index in nodes */
-	uint32_t
-		*distant; /* indices in points of directional lights; the last is GI_LIGHT_ENVIRONMENT, if it is not black */
+	/* Indices in listed of directional lights; the last is GI_LIGHT_ENVIRONMENT, if it is not black. */
+	uint32_t *distant;
 	uint32_t distant_count;
 	struct gi_environment *environment; /* never NULL; black if there are no surroundings */
 } gi_lights;
 
 /* emitters: the triangles of all parts whose material emits, in the order of their light numbers; one of area 0 is
- * never sampled. From scene come lights, sun, sky and environment, whose pixels must outlive lights.
- * Errors: STILB_ERROR_MEMORY; STILB_ERROR_ARGUMENT: the environment's picture has no floats. Then lights is {0}. */
+ * never sampled. From scene come lights and surroundings; the panorama's pixels must outlive lights.
+ * A light with a face is left out, since the triangles of its face are among emitters.
+ * Errors: STILB_ERROR_MEMORY; STILB_ERROR_ARGUMENT: the panorama has no floats. Then lights is {0}. */
 stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
                               gi_lights *lights);
 
@@ -51,7 +52,7 @@ typedef struct gi_light_sample {
 	stilb_vec3 radiance;
 	/* per steradian, including the choice of the light; of a light without a size: the probability of that choice */
 	float pdf;
-	bool delta; /* a light without a size: no ray can hit it, so its MIS weight is 1 */
+	bool delta; /* a light of the list: no ray can hit it, so its MIS weight is 1 */
 } gi_light_sample;
 
 /* Samples one light. False: it sends nothing to this point. u_choice and u in [0, 1). position: the origin of the

@@ -13,7 +13,12 @@ layout(constant_id = 2) const int brdf = SHADE_BRDF_BLINN_PHONG_MODIFIED;
 layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
 layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
-layout(constant_id = 6) const int light = SHADE_LIGHT_SUN;
+
+// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and two more bits (RENDER_LIGHTS_... of
+// render_internal.h). Only the code of these is left: software devices compute every branch for every pixel.
+layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
+const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
+const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground
 
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
@@ -52,39 +57,60 @@ shade_material material_here()
 		clamp(m.wrap.x + added.z, 0.0, 1.0));
 }
 
-// The light at this point, as the view's light model has it: the sun, or the lamp seen from here.
-shade_sun light_here()
-{
-	shade_sun sun = {push.view.sun_direction.xyz, push.view.sun_irradiance.xyz};
-	// Load whole vec4s: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads .w as 0.
-	vec4 position_radius = push.view.lamp_position_radius;
-	vec4 axis_reach = push.view.lamp_axis_reach;
-	shade_lamp lamp = {position_radius.xyz, axis_reach.xyz, push.view.lamp_intensity.xyz, position_radius.w,
-		axis_reach.w};
-	return shade_light_at(light, sun, lamp, world_position);
-}
-
 // Meshes have no tangents: anisotropic materials are brushed around the vertical axis, as if turned on a lathe.
 shade_frame frame_here(vec3 n)
 {
 	return shade_frame_from_tangent(n, vec3(n.z, 0.0, -n.x)); // cross(up, n)
 }
 
+// A light of the view's list. Whole vec4s are loaded: if .xyz and .w are loaded separately, lavapipe (Mesa 22.3) reads
+// .w as 0.
+shade_light light_of(uint index)
+{
+	vec4 position_kind = push.view.lights.lights[index].position_kind;
+	vec4 direction_reach = push.view.lights.lights[index].direction_reach;
+	vec4 intensity_inner = push.view.lights.lights[index].intensity_inner;
+	vec4 half_x_outer = vec4(0.0);
+	vec4 half_y_radius = vec4(0.0);
+	if ((lights & ~(1u << SHADE_LIGHT_DIRECTIONAL)) != 0) {
+		half_x_outer = push.view.lights.lights[index].half_x_outer;
+		half_y_radius = push.view.lights.lights[index].half_y_radius;
+	}
+	int kind = int(position_kind.w);
+	return shade_light(kind & 7, lights_end ? kind >> 3 : SHADE_FALLOFF_PHYSICAL, position_kind.xyz,
+		direction_reach.xyz, intensity_inner.xyz, intensity_inner.w, half_x_outer.w, half_y_radius.w, half_x_outer.xyz,
+		half_y_radius.xyz, direction_reach.w);
+}
+
+// What a light sends to v.
+vec3 from_light(shade_light light, shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
+{
+	shade_sun seen = {vec3(0.0, 0.0, 1.0), vec3(0.0)};
+#define FROM_LIGHT(of_kind)                                                                                            \
+	if ((lights & (1u << of_kind)) != 0 && light.kind == of_kind) {                                                    \
+		light.kind = of_kind;                                                                                          \
+		seen = shade_light_at(light, world_position);                                                                  \
+	}
+	FROM_LIGHT(SHADE_LIGHT_POINT)
+	FROM_LIGHT(SHADE_LIGHT_SPOT)
+	FROM_LIGHT(SHADE_LIGHT_DIRECTIONAL)
+	FROM_LIGHT(SHADE_LIGHT_SPHERE)
+	FROM_LIGHT(SHADE_LIGHT_DISK)
+	FROM_LIGHT(SHADE_LIGHT_RECTANGLE)
+#undef FROM_LIGHT
+	return shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+}
+
 // What the lights of the view's list send to v.
 vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
 	vec3 radiance = vec3(0.0);
-	for (uint i = 0; i < push.view.light_count; i++) {
-		Light from = push.view.lights.lights[i];
-		shade_point_light light = {int(from.position_kind.w), from.position_kind.xyz, from.direction_outer.xyz,
-			from.intensity_inner.xyz, from.intensity_inner.w, from.direction_outer.w};
-		shade_sun seen = shade_point_light_at(light, world_position);
-		radiance += shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
-	}
+	for (uint i = 0; lights != 0 && i < push.view.light_count; i++)
+		radiance += from_light(light_of(i), model, material, frame, v);
 	return radiance;
 }
 
-// The sky's reflection, for SHADE_LIGHT_HEMISPHERE, where the sky is the only light.
+// Sky and ground as a highlight mirrors them.
 vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 {
 	float exponent = shade_exponent_from_alpha(shade_alpha_from_roughness(material.roughness));
@@ -99,10 +125,8 @@ void main()
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
 	vec3 n = normalize(world_normal);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
-	shade_frame frame = frame_here(n);
-	vec3 radiance = shade_surface_radiance(model, material, light_here(), sky, frame, to_camera);
-	radiance += from_lights(model, material, frame, to_camera);
-	if (light == SHADE_LIGHT_HEMISPHERE && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
+	vec3 radiance = from_lights(model, material, frame_here(n), to_camera) + shade_surface_sky(material, sky, n);
+	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
 	if (drawn != 0 && (material_index & 1) != drawn - 1)
 		radiance = vec3(0.0);

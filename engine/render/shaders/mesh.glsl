@@ -14,8 +14,10 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ma
 // As render_light.
 struct Light {
 	vec4 position_kind;
-	vec4 direction_outer;
+	vec4 direction_reach;
 	vec4 intensity_inner;
+	vec4 half_x_outer;
+	vec4 half_y_radius;
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
@@ -24,13 +26,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
 	vec4 camera_position;
-	vec4 sun_direction;
-	vec4 sun_irradiance;
 	vec4 sky;
 	vec4 ground;
-	vec4 lamp_position_radius;
-	vec4 lamp_axis_reach;
-	vec4 lamp_intensity;
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	Lights lights;
 	uint light_count;

@@ -37,19 +37,14 @@ typedef struct vulkan_image {
 typedef struct vulkan_view {
 	float view_projection[16];
 	float camera_position[4];
-	float sun_direction[4];
-	float sun_irradiance[4];
 	float sky[4];
 	float ground[4];
-	float lamp_position[3], lamp_radius;
-	float lamp_axis[3], lamp_reach;
-	float lamp_intensity[4];
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 	VkDeviceAddress lights;
 	uint32_t light_count, unused;
 } vulkan_view;
 
-static_assert(sizeof(vulkan_view) == 224, "std430");
+static_assert(sizeof(vulkan_view) == 144, "std430");
 
 /* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {
@@ -144,7 +139,7 @@ typedef enum vulkan_formula {
 	VULKAN_FORMULA_NDF,
 	VULKAN_FORMULA_G,
 	VULKAN_FORMULA_F,
-	VULKAN_FORMULA_LIGHT,
+	VULKAN_FORMULA_LIGHTS, /* render_stream.light_bits */
 	VULKAN_FORMULAS,
 } vulkan_formula;
 

@@ -38,7 +38,7 @@ static VkClearColorValue pass_clear_color(const vulkan_device *device, const sti
 {
 	if (!view)
 		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
-	stilb_vec3 color = stilb_vec3_make(view->sky.sky[0], view->sky.sky[1], view->sky.sky[2]);
+	stilb_vec3 color = stilb_vec3_make(view->surroundings.sky[0], view->surroundings.sky[1], view->surroundings.sky[2]);
 	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
 		color = shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
@@ -97,21 +97,14 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	vulkan_view *out = (vulkan_view *)slot->views.mapped + device->pass;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
 	copy3(out->camera_position, view->camera_position);
-	copy3(out->sun_direction, view->sun.direction);
-	copy3(out->sun_irradiance, view->sun.irradiance);
-	copy3(out->sky, view->sky.sky);
-	copy3(out->ground, view->sky.ground);
-	memcpy(out->lamp_position, view->lamp.position, sizeof out->lamp_position);
-	out->lamp_radius = view->lamp.radius;
-	memcpy(out->lamp_axis, view->lamp.axis, sizeof out->lamp_axis);
-	out->lamp_reach = view->lamp.reach;
-	copy3(out->lamp_intensity, view->lamp.intensity);
+	copy3(out->sky, view->surroundings.sky);
+	copy3(out->ground, view->surroundings.ground);
 	out->added[0] = view->shading.roughness;
 	out->added[1] = view->shading.anisotropy;
 	out->added[2] = view->shading.wrap;
 	out->added[3] = view->shading.specular;
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
-	out->light_count = view->light_count;
+	out->light_count = stream->light_count;
 	out->unused = 0;
 }
 

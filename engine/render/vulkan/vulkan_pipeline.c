@@ -2,7 +2,6 @@
 #include "render/vulkan/vulkan_internal.h"
 
 #include "shading/shade_brdf.h"
-#include "shading/shade_light.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -281,7 +280,7 @@ static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS]
 	PIPELINE_FORMULA(VULKAN_FORMULA_NDF),
 	PIPELINE_FORMULA(VULKAN_FORMULA_G),
 	PIPELINE_FORMULA(VULKAN_FORMULA_F),
-	PIPELINE_FORMULA(VULKAN_FORMULA_LIGHT),
+	PIPELINE_FORMULA(VULKAN_FORMULA_LIGHTS),
 };
 
 static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS], bool texture,
@@ -378,7 +377,7 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 {
 	const stilb_render_shading *wanted = &stream->view->shading;
 	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
-	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT && wanted->light < SHADE_LIGHT_COUNT);
+	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
 	STILB_ASSERT(!microfacet ||
 	             (wanted->ndf < SHADE_NDF_COUNT && wanted->g < SHADE_G_COUNT && wanted->f < SHADE_F_COUNT));
 	uint32_t formulas[VULKAN_FORMULAS] = {
@@ -386,7 +385,7 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 		[VULKAN_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
 		[VULKAN_FORMULA_G] = microfacet ? wanted->g : 0,
 		[VULKAN_FORMULA_F] = microfacet ? wanted->f : 0,
-		[VULKAN_FORMULA_LIGHT] = wanted->light,
+		[VULKAN_FORMULA_LIGHTS] = stream->light_bits,
 	};
 	vulkan_shading *shading = shading_find(device, formulas);
 	if (!shading)

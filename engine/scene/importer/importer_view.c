@@ -44,7 +44,9 @@ static bool light_convert(const importer *import, const struct aiLight *from, st
 	float scale = light_scale(import, from, position);
 	const float color[3] = {from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b};
 	bool good = false;
-	*light = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT};
+	/* KHR_lights_punctual has candela and lux; other formats have no units, and light_scale gives them W sr^-1. */
+	*light = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT,
+	                             .unit = import->gltf ? STILB_SCENE_LIGHT_PHOTOMETRIC : STILB_SCENE_LIGHT_RADIOMETRIC};
 	if (from->mType == aiLightSource_DIRECTIONAL)
 		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
 	else if (from->mType == aiLightSource_SPOT)
@@ -60,7 +62,7 @@ static bool light_convert(const importer *import, const struct aiLight *from, st
 	}
 	light->cos_inner = light_cone_cosine(import, from->mAngleInnerCone);
 	light->cos_outer = fminf(light_cone_cosine(import, from->mAngleOuterCone), light->cos_inner);
-	STILB_ASSERT(light->cos_inner >= light->cos_outer && light->cos_inner <= 1.0f);
+	STILB_ASSERT(!stilb_scene_light_mistake(light));
 	return good;
 }
 
@@ -89,7 +91,7 @@ static bool view_is_lit(const stilb_scene *scene)
 {
 	float light = (float)scene->light_count;
 	for (int i = 0; i < 3; i++)
-		light += scene->sky.sky[i];
+		light += scene->surroundings.sky[i];
 	for (uint32_t p = 0; p < scene->part_count; p++)
 		for (int i = 0; i < 3; i++)
 			light += scene->materials[scene->part_material[p]].emission[i];
@@ -151,7 +153,7 @@ stilb_result importer_add_view(importer *import)
 		return result;
 	if (!view_is_lit(scene)) {
 		importer_warn("it has no light: a grey sky shines on it");
-		scene->sky = (stilb_scene_sky){{1, 1, 1}, {0.4f, 0.4f, 0.4f}};
+		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
 	}
 	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
 		if (camera_convert(import, import->from->mCameras[i], &scene->camera))

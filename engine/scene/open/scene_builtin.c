@@ -66,6 +66,30 @@ static stilb_scene_material builtin_lamp(float r, float g, float b)
 	return (stilb_scene_material){.emission = {r, g, b}, .roughness = 1.0f};
 }
 
+/* Puts the lamp that part shows, a quad that is a rectangle, into the scene's list of lights: its only one. */
+static stilb_result builtin_add_lamp(stilb_scene *scene, uint32_t part, const builtin_quad *quad)
+{
+	STILB_ASSERT(part < scene->part_count);
+	stilb_result result = scene_add_lights(scene, 1);
+	if (result != STILB_OK)
+		return result;
+	const float *emission = scene->materials[scene->part_material[part]].emission;
+	stilb_vec3 corner = builtin_vector(quad->corner[0]);
+	stilb_vec3 x = builtin_vector(quad->corner[1]) - corner, y = builtin_vector(quad->corner[3]) - corner;
+	stilb_vec3 across = stilb_vec3_cross(x, y), normal = stilb_vec3_normalize(across);
+	float area = stilb_vec3_dot(across, normal);
+	stilb_scene_light *light = scene->lights;
+	*light = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_RECTANGLE, .face = part + 1};
+	for (int i = 0; i < 3; i++) {
+		light->position[i] = corner[i] + 0.5f * x[i] + 0.5f * y[i];
+		light->direction[i] = normal[i];
+		light->intensity[i] = emission[i] * area;
+		light->half_x[i] = 0.5f * x[i];
+		light->half_y[i] = 0.5f * y[i];
+	}
+	return STILB_OK;
+}
+
 /* A material with specular reflection only. */
 static stilb_scene_material builtin_metal(float r, float g, float b, float roughness)
 {
@@ -180,6 +204,8 @@ stilb_result scene_create_cornell(float number, stilb_scene **out)
 		scene->materials[i] = parts[i].material;
 	}
 	if (result == STILB_OK)
+		result = builtin_add_lamp(scene, 3, &cornell_light);
+	if (result == STILB_OK)
 		scene->camera = scene_camera_look(stilb_vec3_make(0.5f, 0.5f, 2.4f), stilb_vec3_make(0.5f, 0.5f, 0),
 		                                  2.0f * atanf(0.5f / 1.4f));
 	return builtin_done(result, scene, out);
@@ -245,7 +271,7 @@ stilb_result scene_create_plane_wall(float number, stilb_scene **out)
 	if (result == STILB_OK) {
 		scene->materials[0] = builtin_matt(0.5f, 0.5f, 0.5f);
 		scene->materials[1] = builtin_matt(0, 0, 0);
-		scene->sky = (stilb_scene_sky){{1, 1, 1}, {1, 1, 1}};
+		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {1, 1, 1}};
 		scene->camera = scene_camera_look(stilb_vec3_make(3.5f, 2.5f, 2.5f), stilb_vec3_make(1, 0, 0), 0.9f);
 	}
 	return builtin_done(result, scene, out);
@@ -351,8 +377,9 @@ stilb_result scene_create_outdoor(float number, stilb_scene **out)
 	if (result == STILB_OK) {
 		scene->materials[0] = builtin_matt(0.4f, 0.42f, 0.3f);
 		scene->materials[1] = builtin_lamp(400, 400, 400);
-		scene->sky = (stilb_scene_sky){{0.5f, 0.7f, 1.0f}, {0.5f, 0.7f, 1.0f}};
+		scene->surroundings = (stilb_scene_surroundings){.sky = {0.5f, 0.7f, 1.0f}, .ground = {0.5f, 0.7f, 1.0f}};
 		scene->camera = scene_camera_look(stilb_vec3_make(1.5f, 6, 15), stilb_vec3_make(0, 0.8f, 0), 0.75f);
+		result = builtin_add_lamp(scene, 1, &sun);
 	}
 	return builtin_done(result, scene, out);
 }
@@ -422,8 +449,9 @@ stilb_result scene_create_spheres(float number, stilb_scene **out)
 		material[8] = builtin_metal(0.91f, 0.92f, 0.92f, 0.2f); /* aluminium */
 		for (int i = 0; i < 7; i++)
 			scene->part_transform[2 + i] = stilb_mat4_scale_translate(1.0f, 2.1f * (float)(i - 3), 1.0f, 0.0f);
-		scene->sky = (stilb_scene_sky){{0.35f, 0.48f, 0.70f}, {0.12f, 0.10f, 0.08f}};
+		scene->surroundings = (stilb_scene_surroundings){.sky = {0.35f, 0.48f, 0.70f}, .ground = {0.12f, 0.10f, 0.08f}};
 		scene->camera = scene_camera_look(stilb_vec3_make(0, 4.5f, 19), stilb_vec3_make(0, 0.9f, 0), 0.74f);
+		result = builtin_add_lamp(scene, 1, &lamp);
 	}
 	return builtin_done(result, scene, out);
 }

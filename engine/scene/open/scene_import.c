@@ -477,8 +477,8 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 	scene_importer_stop(importer);
 	if (result == STILB_OK) {
 		STILB_ASSERT(import_is_light(&map));
-		stilb_image_finish(&scene->environment);
-		scene->environment = map;
+		stilb_image_finish(&scene->surroundings.panorama);
+		scene->surroundings.panorama = map;
 	}
 	return result;
 }

@@ -224,8 +224,9 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 	                        scene->material_count, scene->texture_count, scene->light_count};
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
-	bool good = stream_put(file, &counts, sizeof counts) && stream_put(file, &scene->sun, sizeof scene->sun) &&
-	            stream_put(file, &scene->sky, sizeof scene->sky) &&
+	const stilb_scene_surroundings *around = &scene->surroundings;
+	bool good = stream_put(file, &counts, sizeof counts) && stream_put(file, around->sky, sizeof around->sky) &&
+	            stream_put(file, around->ground, sizeof around->ground) &&
 	            stream_put(file, &scene->camera, sizeof scene->camera);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
 		good = stream_put(file, arrays[i].data, arrays[i].size);
@@ -272,8 +273,9 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 {
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
-	bool good = stream_get(stream, &scene->sun, sizeof scene->sun) &&
-	            stream_get(stream, &scene->sky, sizeof scene->sky) &&
+	stilb_scene_surroundings *around = &scene->surroundings;
+	bool good = stream_get(stream, around->sky, sizeof around->sky) &&
+	            stream_get(stream, around->ground, sizeof around->ground) &&
 	            stream_get(stream, &scene->camera, sizeof scene->camera);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
 		good = stream_get(stream, arrays[i].data, arrays[i].size);
@@ -297,11 +299,11 @@ static bool stream_camera_is_usable(const stilb_scene_camera *camera)
 /* STILB_ERROR_FILE for an index, a kind or a camera that is out of range. */
 static stilb_result stream_check(const stilb_scene *scene)
 {
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		if (stilb_scene_light_mistake(&scene->lights[i]))
+			return stream_wrong("lights");
 	if (!scene_is_sound(scene))
 		return stream_wrong("indices");
-	for (uint32_t i = 0; i < scene->light_count; i++)
-		if ((unsigned)scene->lights[i].kind > STILB_SCENE_LIGHT_DIRECTIONAL)
-			return stream_wrong("lights");
 	return stream_camera_is_usable(&scene->camera) ? STILB_OK : stream_wrong("numbers in its camera");
 }
 

@@ -73,7 +73,8 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture);
 
-/* Writes models, parts, meshes, materials, the number of textures, lights, sun, sky and camera. Textures are sent
+/* Writes models, parts, meshes, materials, the number of textures, lights, the colours of sky and
+ * ground, and camera. Textures are sent
  * before, as PICTURE messages. False: the other side is gone. */
 bool scene_stream_write(int file, const stilb_scene *scene);
 

@@ -113,21 +113,6 @@ static void stress_add_model(stilb_scene *scene, uint32_t model, uint32_t side)
 	stress_place_sphere(scene, model, 0.0f);
 }
 
-/* A lamp that faces down over the middle of side x side tiles, so high that it lights the edges as well. Its irradiance
- * on the ground below it is 6 W m^-2, twice the sun's. */
-static stilb_scene_lamp stress_lamp(float side)
-{
-	float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
-	float intensity = 6.0f * height * height;
-	return (stilb_scene_lamp){
-		.position = {0.0f, height, 0.0f},
-		.axis = {0.0f, -1.0f, 0.0f},
-		.intensity = {intensity, 0.86f * intensity, 0.66f * intensity},
-		.radius = 0.1f * height,
-		.reach = height + half_side,
-	};
-}
-
 /* The smallest side with side * side >= model_count. */
 static uint32_t stress_side(uint32_t model_count)
 {
@@ -135,6 +120,51 @@ static uint32_t stress_side(uint32_t model_count)
 	while ((uint64_t)side * side < model_count)
 		side++;
 	return side;
+}
+
+const char *const stilb_scene_stress_light_names[] = {
+#define STRESS_LIGHT_NAME(id, name, words) #name,
+	STILB_SCENE_STRESS_LIGHTS(STRESS_LIGHT_NAME)
+#undef STRESS_LIGHT_NAME
+		NULL};
+
+/* A light above the middle of side x side tiles, so high that it lights the edges as well. Its irradiance on the ground
+ * below it is 6 W m^-2, twice the sun's. */
+static stilb_scene_light stress_lamp(stilb_scene_light_kind kind, stilb_scene_light_falloff falloff, float side)
+{
+	float half_side = 0.5f * side * STILB_SCENE_TILE, height = STRESS_TOP + 0.5f * half_side;
+	float intensity = 6.0f * height * height;
+	return (stilb_scene_light){
+		.kind = kind,
+		.position = {0.0f, height, 0.0f},
+		.direction = {0.0f, -1.0f, 0.0f},
+		.intensity = {intensity, 0.86f * intensity, 0.66f * intensity},
+		.radius = 0.1f * height,
+		.reach = height + half_side,
+		.falloff = falloff,
+	};
+}
+
+void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light light)
+{
+	STILB_ASSERT(scene && scene->lights && scene->part_count == 2 * scene->model_count &&
+	             "a scene of stilb_scene_create_stress");
+	STILB_ASSERT((unsigned)light < STILB_SCENE_STRESS_LIGHT_COUNT);
+	float side = (float)stress_side(scene->model_count);
+	stilb_vec3 sun = stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.68f, 0.38f));
+	stilb_scene_light lights[STILB_SCENE_STRESS_LIGHT_COUNT] = {
+		[STILB_SCENE_STRESS_LIGHT_SUN] = {.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+	                                      .direction = {-sun[0], -sun[1], -sun[2]},
+	                                      .intensity = {3.0f, 2.8f, 2.5f}},
+		[STILB_SCENE_STRESS_LIGHT_SPHERE] = stress_lamp(STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_PHYSICAL, side),
+		[STILB_SCENE_STRESS_LIGHT_DISK] = stress_lamp(STILB_SCENE_LIGHT_DISK, STILB_SCENE_LIGHT_PHYSICAL, side),
+		[STILB_SCENE_STRESS_LIGHT_WINDOWED] = stress_lamp(STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_WINDOWED, side),
+		[STILB_SCENE_STRESS_LIGHT_SUBTRACTED] =
+			stress_lamp(STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_SUBTRACTED, side),
+	};
+	scene->lights[0] = lights[light];
+	scene->light_count = light != STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
+	scene->surroundings.glossy = light == STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
 }
 
 stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stilb_scene **out)
@@ -148,6 +178,8 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 		result = stilb_scene_mesh_sphere(STRESS_SPHERE_SPLITS, &scene->meshes[0]);
 	if (result == STILB_OK)
 		result = stilb_scene_mesh_plane(&scene->meshes[1]);
+	if (result == STILB_OK)
+		result = scene_add_lights(scene, 1);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;
@@ -157,10 +189,8 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 	for (uint32_t m = 0; m < model_count; m++)
 		stress_add_model(scene, m, side);
 	scene->first_part[model_count] = 2 * model_count;
-	stilb_vec3 sun = stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.68f, 0.38f));
-	scene->sun = (stilb_scene_sun){{sun[0], sun[1], sun[2]}, {3.0f, 2.8f, 2.5f}};
-	scene->sky = (stilb_scene_sky){{0.30f, 0.42f, 0.62f}, {0.10f, 0.09f, 0.08f}};
-	scene->lamp = stress_lamp((float)side);
+	scene->surroundings = (stilb_scene_surroundings){.sky = {0.30f, 0.42f, 0.62f}, .ground = {0.10f, 0.09f, 0.08f}};
+	stilb_scene_stress_set_light(scene, STILB_SCENE_STRESS_LIGHT_SUN);
 	scene->camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 16.0f / 9.0f);
 	STILB_CHECK(scene_is_sound(scene));
 	*out = scene;

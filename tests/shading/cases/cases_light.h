@@ -22,9 +22,9 @@
 	X(7, shade_hemisphere_radiance, 1e-5f, 1e-6f)                                                                      \
 	X(8, shade_falloff, 1e-5f, 1e-6f)                                                                                  \
 	X(9, shade_tolerance_and_reach, 1e-5f, 1e-6f)                                                                      \
-	X(10, shade_lamp_falloff, 1e-5f, 1e-6f)                                                                            \
-	X(11, shade_lamp_at_direction, 1e-5f, 1e-6f)                                                                       \
-	X(12, shade_light_at_irradiance, 1e-5f, 1e-6f)                                                                     \
+	X(10, shade_falloff_share, 1e-5f, 1e-6f)                                                                           \
+	X(11, shade_light_falloff, 1e-5f, 1e-6f)                                                                           \
+	X(12, shade_light_at, 1e-5f, 1e-6f)                                                                                \
 	X(13, shade_cone_chord, 1e-5f, 1e-6f)                                                                              \
 	X(14, shade_cone_phong, 1e-5f, 3e-5f)                                                                              \
 	X(15, shade_cone_blinn_phong, 1e-5f, 3e-5f)                                                                        \
@@ -35,37 +35,51 @@
 	X(20, shade_cone_across, 1e-5f, 1e-6f)                                                                             \
 	X(21, shade_cone_union, 1e-5f, 1e-6f)                                                                              \
 	X(22, shade_spot_share, 1e-5f, 1e-5f)                                                                              \
-	X(23, shade_point_light_at, 1e-5f, 1e-5f)
+	X(23, shade_light_at_direction, 1e-5f, 1e-5f)
 #define SHADE_CASES_LIGHT_COUNT 24
 
-SHADE_FN shade_lamp shade_case_lamp(vec4 a, vec4 b)
+SHADE_FN shade_light shade_case_some_light(vec4 a, vec4 b)
 {
 	float radius = shade_case_range(a[3], 0.0f, 2.0f);
-	shade_lamp lamp = {vec3(a) * 4.0f - 2.0f, shade_case_direction(b[0], b[1]), vec3(b), radius, radius + 4.0f * b[2]};
-	return lamp;
+	float inner = shade_case_range(b[3], -0.5f, 1.0f);
+	vec3 direction = shade_case_direction(b[0], b[1]);
+	vec3 across = shade_case_direction(b[1], b[2]);
+	shade_light light = {int(b[3] * 5.999f),
+	                     int(a[2] * 2.999f),
+	                     vec3(a) * 4.0f - 2.0f,
+	                     direction,
+	                     vec3(b) + 0.1f,
+	                     inner,
+	                     inner - 0.05f - 0.4f * b[2],
+	                     radius,
+	                     across * (0.1f + a[0]),
+	                     cross(across, direction) * 0.3f,
+	                     radius + 0.1f + 4.0f * b[2]};
+	return light;
 }
 
 SHADE_FN vec4 shade_case_lights(int row, vec4 a, vec4 b)
 {
-	shade_lamp lamp = shade_case_lamp(a, b);
+	shade_light light = shade_case_some_light(a, b);
 	vec3 position = vec3(3.0f * b[3] - 1.0f, 2.0f * a[0], 1.0f - a[1]);
-	shade_sun sun = {shade_case_direction(a[0], b[0]), vec3(4.0f, 3.0f, 2.0f)};
 	float square = shade_case_skewed(b[3], 0.0f, 100.0f);
 	float cosine = 2.0f * a[1] - 1.0f;
 	if (row == 8)
-		return vec4(shade_falloff_sphere(square, lamp.radius), shade_falloff_disk(square, lamp.radius),
-		            shade_falloff_window(0.2f * square, lamp.reach), shade_falloff_subtracted(2.0f * b[0], b[1]));
+		return vec4(shade_falloff_sphere(square, light.radius), shade_falloff_disk(square, light.radius),
+		            shade_falloff_window(0.2f * square, light.reach), shade_falloff_subtracted(2.0f * b[0], b[1]));
 	if (row == 9)
-		return vec4(shade_tolerance_from_reach(lamp.reach), shade_reach_from_error(a[0], a[1] + 1e-3f), 0.0f, 0.0f);
+		return vec4(shade_tolerance_from_reach(light.reach), shade_reach_from_error(a[0], a[1] + 1e-3f), 0.0f, 0.0f);
 	if (row == 10)
-		return vec4(shade_lamp_falloff(SHADE_LIGHT_SPHERE, lamp, square, cosine),
-		            shade_lamp_falloff(SHADE_LIGHT_DISK, lamp, square, cosine),
-		            shade_lamp_falloff(SHADE_LIGHT_WINDOWED, lamp, 0.2f * square, cosine),
-		            shade_lamp_falloff(SHADE_LIGHT_SUBTRACTED, lamp, 0.2f * square, cosine));
+		return vec4(shade_falloff_share(SHADE_FALLOFF_PHYSICAL, square, light.radius, light.reach),
+		            shade_falloff_share(SHADE_FALLOFF_WINDOWED, 0.2f * square, light.radius, light.reach),
+		            shade_falloff_share(SHADE_FALLOFF_SUBTRACTED, 0.2f * square, light.radius, light.reach),
+		            shade_rectangle_area(light.half_x, light.half_y));
 	if (row == 11)
-		return vec4(shade_lamp_at(SHADE_LIGHT_SPHERE, lamp, position).direction, 0.0f);
-	return vec4(shade_light_at(int(b[3] * 6.0f), sun, lamp, position).irradiance,
-	            shade_light_at(int(a[2] * 6.0f), sun, lamp, position).direction[0]);
+		return vec4(shade_light_falloff(light, square + 0.1f, cosine), 0.0f, 0.0f, 0.0f);
+	shade_sun seen = shade_light_at(light, position);
+	if (row == 23)
+		return vec4(seen.direction, 0.0f);
+	return vec4(seen.irradiance, 0.0f);
 }
 
 SHADE_FN vec4 shade_case_units(int row, vec4 a, vec4 b)
@@ -136,23 +150,19 @@ SHADE_FN vec4 shade_case_cones(int row, vec4 a, vec4 b)
 	return shade_case_cone_of(shade_cone_union_ordered(cone, shade_cone_mirrored(n, v, cone.chord * b[3])));
 }
 
-SHADE_FN vec4 shade_case_point_lights(int row, vec4 a, vec4 b)
+SHADE_FN vec4 shade_case_spots(vec4 a, vec4 b)
 {
 	float inner = shade_case_range(b[3], -0.5f, 1.0f);
 	float outer = inner - 0.05f - 0.4f * b[2];
-	if (row == 22)
-		return vec4(shade_spot_share(2.0f * a[0] - 1.0f, inner, outer), shade_spot_share(a[1], inner, inner), 0.0f,
-		            0.0f);
-	shade_point_light light = {
-		int(b[3] * 2.999f), vec3(a) * 4.0f + 2.0f, shade_case_direction(b[0], b[1]), vec3(b) + 0.1f, inner, outer};
-	shade_sun seen = shade_point_light_at(light, vec3(a[3], 0.0f, -a[0]));
-	return vec4(seen.irradiance, seen.direction[0]);
+	return vec4(shade_spot_share(2.0f * a[0] - 1.0f, inner, outer), shade_spot_share(a[1], inner, inner), 0.0f, 0.0f);
 }
 
 SHADE_FN vec4 shade_case_light(int row, vec4 a, vec4 b)
 {
-	if (row > 21)
-		return shade_case_point_lights(row, a, b);
+	if (row == 22)
+		return shade_case_spots(a, b);
+	if (row == 23)
+		return shade_case_lights(row, a, b);
 	if (row < 8)
 		return shade_case_units(row, a, b);
 	if (row < 13)
