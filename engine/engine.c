@@ -77,14 +77,15 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 static stilb_result engine_create_render(stilb_engine *engine)
 {
 	const stilb_engine_desc *desc = &engine->desc;
-	stilb_render_surface surface = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_surface own = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
 	stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,
 		.materials = desc->materials,
 		.output = desc->output,
 		.gpu = desc->gpu,
-		.surface = engine->window ? &surface : NULL,
+		.surface = engine->window ? &own : desc->surface,
+		.presentation = desc->presentation,
 		.width = desc->width,
 		.height = desc->height,
 		.samples = desc->samples,
@@ -126,6 +127,8 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT(desc && out);
 	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
+	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
+	STILB_ASSERT((unsigned)desc->presentation <= STILB_RENDER_PRESENT_IMMEDIATE);
 	*out = NULL;
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)
@@ -133,7 +136,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	stilb_owner_take(&engine->owner);
 	engine->desc = *desc;
 	engine->shading = desc->shading;
-	stilb_result result = engine_profile_start(desc);
+	stilb_result result = engine_profile_start(engine);
 	if (result == STILB_OK)
 		result = engine_start(engine);
 	if (result != STILB_OK) {
@@ -149,7 +152,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	if (!engine)
 		return;
 	STILB_ASSERT_OWNER(engine->owner);
-	engine_profile_stop_capture(); /* before the workers end, whose records it may still write */
+	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
@@ -158,7 +161,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	engine_overlay_finish(&engine->overlay);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
-	engine_profile_stop();
+	engine_profile_stop(engine);
 	free(engine);
 }
 
@@ -256,6 +259,24 @@ uint32_t stilb_engine_validation_messages(const stilb_engine *engine)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_validation_messages(engine->render);
+}
+
+bool stilb_engine_pick(const stilb_engine *engine, double x, double y, stilb_engine_hit *hit)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(hit);
+	uint32_t width, height;
+	if (!engine->scene)
+		return false;
+	stilb_render_size(engine->render, &width, &height);
+	stilb_scene_ray ray = stilb_scene_camera_ray(&engine->scene->camera, width, height, x, y);
+	return stilb_scene_pick(engine->scene, &ray, hit);
+}
+
+stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_render_presentation_used(engine->render);
 }
 
 void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height)

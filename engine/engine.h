@@ -9,9 +9,14 @@
  * Scene.       The program owns it and may set another one at any time. Without one the picture is black.
  * Threads.     [main-thread]: the thread that creates the engine makes all other calls; the workers are the engine's
  *              own. Functions that take no engine are [any-thread].
- * One at a time.  Engines share the process's profiler and window library, and destroy shuts both down.
- * Time.        In a window, frames step by the clock, 0.1 s at most; headless by 1/60 s, so that every run gives the
- *              same pictures.
+ * Several.     Each engine has its own thread, or shares one; those with windows share the process's main thread. All
+ *              share the profiler: its frames are those of the engine that was there first, it records while one of
+ *              them wants it, and the last one's end empties it.
+ * A guest.     The libraries install no signal handler unless desc.capture asks for one, register nothing to run at
+ *              exit, and change neither locale nor working directory. Opening a window makes Xlib report a lost
+ *              display here instead of ending the program. What there is to say goes through stilb_log_set.
+ * Time.        In a window, the engine's or the program's, frames step by the clock, 0.1 s at most; headless by 1/60 s,
+ *              so that every run gives the same pictures.
  * Errors.      A stilb_result and the line of stilb_error_message. After an error of stilb_engine_frame or
  *              stilb_engine_set_workers only stilb_engine_destroy may follow, unless their comments say otherwise.
  * Example.     A picture of a file, without a window:
@@ -45,6 +50,7 @@
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "scene/scene_pick.h"
 #include "ui/ui_draw.h"
 
 #ifdef __cplusplus
@@ -68,6 +74,9 @@ typedef struct stilb_engine_update {
 	double seconds;                 /* the engine's time: 0 in the first frame, then the sum of all steps before */
 	const stilb_input_state *input; /* this frame's keys, mouse and gamepads */
 } stilb_engine_update;
+
+/* What lies under a point of the picture; see scene_pick.h. */
+typedef stilb_scene_hit stilb_engine_hit;
 
 /* Called once in each frame, in its stage scene update, after input has moved the camera and before anything reads the
  * scene: the program changes the scene for this frame. It may call the functions that only ask the engine something.
@@ -102,12 +111,17 @@ typedef struct stilb_engine_desc {
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height; /* of the picture, pixels, 1..16384 */
 	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
-	bool window;            /* true: in a window; false: headless, the picture is drawn to memory */
+	bool window;            /* true: in a window of the engine's; false: to `surface`, or headless, to memory */
 	bool present;           /* false: pictures are drawn, but not shown in the window */
-	bool validate;          /* with Vulkan's validation layer */
-	bool overlay;           /* the profiler's window is open from the start */
-	bool inspector;         /* the materials' window is open from the start */
-	stilb_ui_aa ui_aa;      /* how edges in these two windows are smoothed */
+	/* A window of the program's own, if `window` is false; NULL: none. Needed only during stilb_engine_create; the
+	 * window lives until the engine is destroyed. The program handles its events and tells its size by
+	 * stilb_engine_resize. */
+	const stilb_render_surface *surface;
+	stilb_render_presentation presentation; /* how pictures get to the screen */
+	bool validate;                          /* with Vulkan's validation layer */
+	bool overlay;                           /* the profiler's window is open from the start */
+	bool inspector;                         /* the materials' window is open from the start */
+	stilb_ui_aa ui_aa;                      /* how edges in these two windows are smoothed */
 
 	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of
 	 * records, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used. */
@@ -222,11 +236,20 @@ bool stilb_engine_device_is_software(const stilb_engine *engine);
 uint32_t stilb_engine_samples(const stilb_engine *engine);
 uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
 
-/* The picture's size, pixels; in a window it follows the window's. */
+/* Finds what the scene's camera sees at a point of the picture, pixels from its top left corner; the first pixel's
+ * centre is (0.5, 0.5). On the CPU, in the scene as it is now; scene_pick.h says what that costs. False: nothing is
+ * there, and *hit is as before. */
+bool stilb_engine_pick(const stilb_engine *engine, double x, double y, stilb_engine_hit *hit);
+
+/* How pictures get to the screen: desc.presentation, or FIFO if the window does not offer that. */
+stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine);
+
+/* The picture's size, pixels; in a window of the engine's it follows that. */
 void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height);
 
-/* Sets the picture's size, 1..16384 pixels a side, from the next frame on; only without a window. STILB_ERROR_MEMORY,
- * STILB_ERROR_DEVICE (larger than this GPU draws): no frame can be drawn until a resize succeeds. */
+/* Sets the picture's size, 1..16384 pixels a side, from the next frame on; not in a window of the engine's.
+ * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE (larger than this GPU draws): no frame can be drawn until a resize
+ * succeeds. */
 stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height);
 
 /* Sets the window's title, UTF-8; does nothing without a window. */

@@ -81,25 +81,30 @@ struct stilb_engine {
 	engine_overlay overlay;
 	stilb_render_shading shading; /* of the next frame */
 
-	bool dumpable;    /* a frame of this scene has been drawn */
-	uint64_t frame;   /* frames drawn */
-	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
-	double seconds;   /* the engine's time, from 0 */
-	float step;       /* the time that this frame advances, seconds */
+	bool profiled, captures; /* it has started the profiler; its captures */
+	bool dumpable;           /* a frame of this scene has been drawn */
+	uint64_t frame;          /* frames drawn */
+	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */
+	double seconds;          /* the engine's time, from 0 */
+	float step;              /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };
 
 /* engine_profile.c */
 
-/* Sets the profiler up and begins captures; to be called before workers are started. The calling thread gets the lane
- * "main". STILB_ERROR_ARGUMENT: desc->profile_ring_mib. STILB_ERROR_FILE: desc->capture.path. */
-stilb_result engine_profile_start(const stilb_engine_desc *desc);
+/* Sets the profiler up, which all engines share, and begins captures; to be called before workers are started. The
+ * calling thread gets the lane "main". STILB_ERROR_ARGUMENT: desc.profile_ring_mib. STILB_ERROR_FILE:
+ * desc.capture.path. */
+stilb_result engine_profile_start(stilb_engine *engine);
+
+/* Ends the profiler's frame, if its frames are this engine's. */
+void engine_profile_frame(const stilb_engine *engine);
 
 /* engine_profile_stop_capture writes the captures that were requested, while all threads' rings (their recorded events)
- * still exist; engine_profile_stop, after the workers have ended, shuts the profiler down. Both may be called after a
- * failed start. */
-void engine_profile_stop_capture(void);
-void engine_profile_stop(void);
+ * still exist; engine_profile_stop, after the workers have ended, shuts the profiler down if this is the last engine.
+ * Both may be called after a failed start. */
+void engine_profile_stop_capture(stilb_engine *engine);
+void engine_profile_stop(stilb_engine *engine);
 
 /* engine_overlay.c */
 

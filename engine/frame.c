@@ -39,21 +39,34 @@ static stilb_result frame_resize(stilb_engine *engine, const stilb_window_state 
 	return stilb_render_resize(engine->render, state->width, state->height);
 }
 
+/* Frames that somebody watches step by the clock. */
+static bool frame_by_clock(const stilb_engine *engine)
+{
+	return engine->window || engine->desc.surface;
+}
+
+/* Sets the frame's step by the clock. */
+static void frame_step(stilb_engine *engine)
+{
+	uint64_t now = stilb_time_ns();
+	float elapsed = engine->last_ns ? (float)((double)(now - engine->last_ns) * 1e-9) : FRAME_STEP;
+	engine->step = elapsed < FRAME_MAX_STEP ? elapsed : FRAME_MAX_STEP;
+	engine->last_ns = now;
+}
+
 /* Takes the window's events and sets the frame's step. */
 static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *report)
 {
 	stilb_window_state state;
 	report->drawn = true;
 	engine->step = FRAME_STEP;
+	if (frame_by_clock(engine))
+		frame_step(engine);
 	if (!engine->window)
 		return STILB_OK;
 	stilb_window_poll(engine->window, &state);
 	if (!state.lost && (state.width == 0 || state.height == 0))
 		stilb_window_wait(engine->window, 0.05, &state);
-	uint64_t now = stilb_time_ns();
-	float elapsed = engine->last_ns ? (float)((double)(now - engine->last_ns) * 1e-9) : FRAME_STEP;
-	engine->step = elapsed < FRAME_MAX_STEP ? elapsed : FRAME_MAX_STEP;
-	engine->last_ns = now;
 	engine->input.focused = state.focused && state.width > 0;
 	report->input = stilb_input_from_window(&state);
 	report->close = state.close;
@@ -205,7 +218,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	if (result == STILB_OK && !engine->report.drawn)
 		frame_input(engine, &engine->report);
 	if (result == STILB_OK && engine->report.drawn) {
-		stilb_prof_frame_mark();
+		engine_profile_frame(engine);
 		result = frame_stages(engine, &engine->report.times);
 		engine->dumpable |= result == STILB_OK;
 		engine->report.visible = engine->visible[0].count;
@@ -213,7 +226,8 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		engine->report.render = stilb_render_stats_get(engine->render);
 		engine->report.times.gpu = engine->report.render.gpu_ms;
 		engine->report.frame = ++engine->frame;
-		engine->seconds = engine->window ? engine->seconds + (double)engine->step : (double)engine->frame / 60.0;
+		engine->seconds =
+			frame_by_clock(engine) ? engine->seconds + (double)engine->step : (double)engine->frame / 60.0;
 	}
 	*report = engine->report;
 	return result;

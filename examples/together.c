@@ -2,35 +2,39 @@
  * between frames, and one trace shows them beside the engine's threads. The null device draws nothing, so this runs
  * everywhere. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <stilb/engine.h>
 #include <stilb/job_prof.h>
 #include <stilb/prof.h>
+#include <stilb/scene_edit.h>
 
 typedef struct crowd {
 	stilb_job_pool *pool;
 	stilb_scene *scene;
-	float height; /* of all models in this frame, metres */
+	stilb_mat4 *places; /* [part_count] where the parts shall be in this frame */
+	float step;         /* metres that all models rise in this frame */
 } crowd;
 
-static void raise_models(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+static void place_models(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	PROFILE("raise models"); /* in the lane of the thread that runs this slice */
+	PROFILE("place models"); /* in the lane of the thread that runs this slice */
 	crowd *c = context;
 	(void)worker;
-	for (uint32_t m = begin; m < end; m++) {
-		c->scene->bounds.y[m] += c->height;
-		for (uint32_t part = c->scene->first_part[m]; part < c->scene->first_part[m + 1]; part++)
-			c->scene->part_transform[part].m[13] += c->height;
-		c->scene->moved[m] = m;
+	for (uint32_t part = begin; part < end; part++) {
+		c->places[part] = c->scene->part_transform[part];
+		c->places[part].m[13] += c->step;
 	}
 }
 
+/* Jobs compute, this thread edits: a scene has one writer. */
 static void on_update(void *user, const stilb_engine_update *update)
 {
 	crowd *c = user;
-	c->height = update->frame % 2 ? 0.1f : -0.1f;
-	stilb_job_parallel_for(c->pool, c->scene->model_count, 64, raise_models, c, 0);
-	c->scene->moved_count = c->scene->model_count;
+	c->step = update->frame % 2 ? 0.1f : -0.1f;
+	stilb_job_parallel_for(c->pool, c->scene->part_count, 64, place_models, c, 0);
+	for (uint32_t m = 0; m < c->scene->model_count; m++)
+		if (stilb_scene_set_part_transforms(c->scene, m, &c->places[c->scene->first_part[m]]) != STILB_OK)
+			stilb_log("%s", stilb_error_message());
 }
 
 int main(int argc, char **argv)
@@ -52,6 +56,8 @@ int main(int argc, char **argv)
 		result = stilb_scene_create_stress(1000, 1, &c.scene);
 	if (result == STILB_OK)
 		result = stilb_engine_set_scene(engine, c.scene);
+	if (result == STILB_OK && !(c.places = malloc(c.scene->part_count * sizeof *c.places)))
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for %u places", c.scene->part_count);
 	while (result == STILB_OK && report.frame < 60)
 		result = stilb_engine_frame(engine, &report);
 	if (result == STILB_OK)
@@ -63,5 +69,6 @@ int main(int argc, char **argv)
 	stilb_job_pool_destroy(c.pool);
 	stilb_engine_destroy(engine);
 	stilb_scene_destroy(c.scene);
+	free(c.places);
 	return result != STILB_OK;
 }

@@ -105,6 +105,12 @@ uint32_t stilb_render_samples(const stilb_render *render)
 	return render->device->samples;
 }
 
+stilb_render_presentation stilb_render_presentation_used(const stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	return render->device->presentation;
+}
+
 uint32_t stilb_render_validation_messages(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);

@@ -91,6 +91,14 @@ typedef enum stilb_render_output {
 	STILB_RENDER_OUTPUT_LINEAR,  /* linear radiance in W sr^-1 m^-2, 16-bit float */
 } stilb_render_output;
 
+/* How pictures get to the window's screen. A mode that the window does not offer becomes FIFO, and is named once in the
+ * log. */
+typedef enum stilb_render_presentation {
+	STILB_RENDER_PRESENT_FIFO,      /* one for each refresh of the screen, in order; always there */
+	STILB_RENDER_PRESENT_MAILBOX,   /* the newest at each refresh: the renderer does not wait, nothing tears */
+	STILB_RENDER_PRESENT_IMMEDIATE, /* at once: the least delay, and pictures tear */
+} stilb_render_presentation;
+
 /* A window to present to, as two functions that hide both the window system and Vulkan's types. user is passed back to
  * them. Needed only until stilb_render_create returns. */
 typedef struct stilb_render_surface {
@@ -108,11 +116,12 @@ typedef struct stilb_render_desc {
 	stilb_render_output output;
 	const char *gpu;                     /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	const stilb_render_surface *surface; /* NULL: no window; stilb_render_read_image gets the picture */
-	uint32_t width, height;              /* pixels, 1..16384 */
-	uint32_t samples;                    /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
-	uint32_t context_count;              /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
-	bool validate;                       /* use the Vulkan validation layer, with synchronization checks */
-	bool keep_textures;                  /* keep a copy of all pixels: stilb_render_dump_save needs it */
+	stilb_render_presentation presentation;
+	uint32_t width, height; /* pixels, 1..16384 */
+	uint32_t samples;       /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
+	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
+	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
+	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */
 	stilb_render_faults faults;
 } stilb_render_desc;
 
@@ -137,6 +146,9 @@ bool stilb_render_device_is_software(const stilb_render *render);
 
 /* Samples per pixel that are in use: 1 or 4. [any-thread] */
 uint32_t stilb_render_samples(const stilb_render *render);
+
+/* How pictures get to the window's screen; FIFO without one. [main-thread] */
+stilb_render_presentation stilb_render_presentation_used(const stilb_render *render);
 
 /* How many warnings and errors the validation layer has given so far; 0 without desc.validate. [main-thread] */
 uint32_t stilb_render_validation_messages(const stilb_render *render);

@@ -277,6 +277,7 @@ struct render_device {
 	char name[256];
 	bool software;
 	uint32_t width, height, samples;
+	stilb_render_presentation presentation; /* the one in use */
 	uint32_t validation_messages;
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;

@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_VULKAN /* for glfwCreateWindowSurface; nothing else of Vulkan is used here */
 #include <GLFW/glfw3.h>
 
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,6 +28,10 @@ struct stilb_window {
 };
 
 #define WINDOW_GONE "the display has gone"
+
+/* Open windows. GLFW, one for the process, is initialised before the first and terminated after the last.
+ * [main-thread] */
+static uint32_t window_open_count;
 
 /* The text of GLFW's last error, for messages: GLFW reports errors through one callback. [main-thread] */
 static char window_error[512];
@@ -175,17 +180,38 @@ static void window_call_terminate(void *data)
 static stilb_result window_fail(const char *what)
 {
 	stilb_result result = stilb_fail(STILB_ERROR_WINDOW, "cannot %s: %s", what, window_error);
-	window_display_call(window_call_terminate, NULL);
+	if (window_open_count == 0)
+		window_display_call(window_call_terminate, NULL);
 	return result;
 }
 
+/* On X11, GLFW sets the process's locale for characters from the environment if it is "C", to learn from the system
+ * which characters are typed. Here the program's locale is put back: - + and = are the same in each. */
 static void window_call_init(void *data)
 {
 	bool *started = data;
-	if (!glfwInit())
+	char locale[256];
+	const char *before = setlocale(LC_CTYPE, NULL);
+	int length = snprintf(locale, sizeof locale, "%s", before ? before : "");
+	bool success = glfwInit();
+	if (length > 0 && (size_t)length < sizeof locale)
+		setlocale(LC_CTYPE, locale);
+	if (!success)
 		return;
 	window_display_opened();
 	*started = true;
+}
+
+/* Initialises GLFW for the first window. False: it cannot be, and window_error says why. */
+static bool window_start(void)
+{
+	if (window_open_count > 0)
+		return true;
+	bool started = false;
+	window_display_begin();
+	if (!window_display_call(window_call_init, &started))
+		snprintf(window_error, sizeof window_error, WINDOW_GONE);
+	return started;
 }
 
 static void window_call_create(void *data)
@@ -215,11 +241,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 		return window_fail("open a window");
 	snprintf(window_error, sizeof window_error, "no reason given");
 	glfwSetErrorCallback(window_on_error);
-	bool started = false;
-	window_display_begin();
-	if (!window_display_call(window_call_init, &started))
-		snprintf(window_error, sizeof window_error, WINDOW_GONE);
-	if (!started)
+	if (!window_start())
 		return window_fail("open a window");
 	snprintf(window_error, sizeof window_error, "no Vulkan driver that can draw to windows");
 	if (!glfwVulkanSupported())
@@ -234,6 +256,7 @@ stilb_result stilb_window_create(const char *title, uint32_t width, uint32_t hei
 		free(window);
 		return window_fail("open a window");
 	}
+	window_open_count++;
 	stilb_owner_take(&window->owner);
 	window->focused = window->capturing = true;
 	*out = window;
@@ -244,7 +267,8 @@ static void window_call_destroy(void *data)
 {
 	stilb_window *window = data;
 	glfwDestroyWindow(window->handle);
-	glfwTerminate();
+	if (window_open_count == 0)
+		glfwTerminate();
 }
 
 void stilb_window_destroy(stilb_window *window)
@@ -252,6 +276,8 @@ void stilb_window_destroy(stilb_window *window)
 	if (!window)
 		return;
 	STILB_ASSERT_OWNER(window->owner);
+	STILB_ASSERT(window_open_count > 0);
+	window_open_count--;
 	window_display_call(window_call_destroy, window);
 	free(window);
 }

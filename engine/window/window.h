@@ -13,7 +13,8 @@
  * The display. An X server may end at any moment. The window is then lost, which stilb_window_state says: all calls are
  *              still allowed and do nothing, and no window can be opened again in this process.
  * Threads.     [main-thread]: all calls from the thread that created the window, which is the process's main thread;
- *              asserted. There is one window at a time.
+ *              asserted. There may be several windows: each poll handles the events of all of them, and gamepads are
+ *              the process's.
  */
 #ifndef STILB_WINDOW_H
 #define STILB_WINDOW_H

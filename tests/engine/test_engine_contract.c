@@ -29,6 +29,16 @@ static stilb_engine *make(void)
 	return engine;
 }
 
+static void create_with_two_windows(void)
+{
+	stilb_engine_desc desc = null_desc();
+	stilb_render_surface surface = {0};
+	stilb_engine *engine;
+	desc.window = true;
+	desc.surface = &surface;
+	stilb_engine_create(&desc, &engine);
+}
+
 static stilb_result frame(stilb_engine *engine)
 {
 	stilb_engine_report report;
@@ -74,6 +84,7 @@ static void engines(void **state)
 	(void)state;
 	contract_breaks("desc && out", stilb_engine_create(NULL, NULL));
 	contract_breaks("desc->gamepad_recording", create_with_replay_of_nothing());
+	contract_breaks("one window", create_with_two_windows());
 	stilb_engine *engine = make();
 	contract_breaks("called on the owner's thread", call_on_another_thread(frame_of, engine));
 	contract_breaks("called on the owner's thread", call_on_another_thread(capture_of, engine));
@@ -84,6 +95,7 @@ static void engines(void **state)
 	contract_breaks("width && height", stilb_engine_size(engine, NULL, NULL));
 	contract_breaks("shading", stilb_engine_set_shading(engine, NULL));
 	contract_breaks("title", stilb_engine_set_title(engine, NULL));
+	contract_breaks("hit", stilb_engine_pick(engine, 0.0, 0.0, NULL));
 	assert_int_equal(frame(engine), STILB_OK);
 	stress_engine_destroy(engine);
 }

@@ -1,7 +1,9 @@
 /* Embree behind gi_tracer against every triangle tested in double: triangles of the world and of instances, single
  * rays, packets and streams; and the same hits however many workers built the tree. */
 
+#include "gi/film/gi_camera.h"
 #include "gi_world_fixture.h"
+#include "scene/scene_pick.h"
 
 #define RAYS 4000
 
@@ -167,6 +169,44 @@ static void instances_have_the_same_front(void **state)
 	}
 }
 
+/* What scene_pick finds on its own under the pixels of a picture is what rays meet there. */
+static void picking_meets_the_same(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"spheres", "cornell", "outdoor"};
+	for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+		stilb_scene *scene;
+		assert_int_equal(stilb_scene_open(names[n], &scene), STILB_OK);
+		world_fixture world = world_trace(scene, &stilb_gi_embree, 1);
+		gi_camera camera = gi_camera_make(&scene->camera, &(stilb_gi_lens){0}, 80, 60);
+		uint32_t same = 0, edges = 0;
+		for (uint32_t i = 0; i < 80 * 60; i += 3) {
+			float x = (float)(i % 80) + 0.37f, y = (float)(i / 80) + 0.61f; /* off the edges of symmetric scenes */
+			stilb_scene_ray ray = stilb_scene_camera_ray(&scene->camera, 80, 60, (double)x, (double)y);
+			stilb_scene_hit hit = {.part = GI_NO_PART};
+			gi_ray_hit traced;
+			gi_camera_ray(&camera, x, y, (stilb_vec2){0}, &traced);
+			world.gi->tracer.intersect(&world.gi->tracer, &traced);
+			bool found = stilb_scene_pick(scene, &ray, &hit);
+			if (found != gi_is_hit(&traced) || hit.part != traced.hit.part ||
+			    (found && hit.triangle != traced.hit.triangle)) {
+				edges++; /* an edge, or a silhouette, closer than float tells */
+				continue;
+			}
+			same++;
+			if (!found)
+				continue;
+			SHADE_PROOF_NEAR(traced.ray.t_max, hit.distance, 1e-5, 1e-5);
+			SHADE_PROOF_NEAR(hit.u, (double)traced.hit.u, 0.0, 2e-3);
+			SHADE_PROOF_NEAR(hit.v, (double)traced.hit.v, 0.0, 2e-3);
+			uint32_t model = hit.model;
+			assert_true(scene->first_part[model] <= hit.part && hit.part < scene->first_part[model + 1]);
+		}
+		assert_in_range(edges, 0, same / 300);
+		world_finish(&world);
+	}
+}
+
 /* Packets and streams answer as single rays do. */
 static void packets_and_streams(void **state)
 {
@@ -237,8 +277,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(triangles_of_the_world),        cmocka_unit_test(triangles_of_instances),
-		cmocka_unit_test(instances_have_the_same_front), cmocka_unit_test(packets_and_streams),
-		cmocka_unit_test(workers_build_the_same_tree),
+		cmocka_unit_test(instances_have_the_same_front), cmocka_unit_test(picking_meets_the_same),
+		cmocka_unit_test(packets_and_streams),           cmocka_unit_test(workers_build_the_same_tree),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

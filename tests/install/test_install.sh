@@ -108,7 +108,7 @@ if [ -e "$build/stilb" ]; then
 	has_headers whole base.h base_math.h cull.h engine.h gi_render.h gi_scene.h image.h input.h input_camera.h \
 		input_control.h input_pad.h job.h job.hpp job_graph.h job_memory.h job_prof.h job_queue.h job_range.h job_sort.h \
 		job_spsc.h prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h \
-		render.h scene.h scene_build.h scene_edit.h shade_model.h ui_draw.h window.h
+		render.h scene.h scene_build.h scene_edit.h scene_pick.h shade_model.h ui_draw.h window.h
 	PKG_CONFIG_LIBDIR=$scratch refuses "libpng is not found; on Debian: apt install libpng-dev" \
 		-DCMAKE_PREFIX_PATH="$scratch/whole"
 	rm -rf "$scratch/consumer"
@@ -123,7 +123,7 @@ if [ -e "$build/stilb" ]; then
 	says "1[5-9][0-9] [5-9][0-9] [5-9][0-9]" middle own_scene.png # the ball's red
 	says "64 lights, 30 frames: many_lights.png" many_lights
 	says "[1-9]* of 1000 models in frame 60: together.json" together
-	grep -q '"raise models"' together.json && grep -q '"mine 1"' together.json && grep -q '"worker 1"' together.json
+	grep -q '"place models"' together.json && grep -q '"mine 1"' together.json && grep -q '"worker 1"' together.json
 	says "cornell by 16 samples a pixel: raytrace.png" raytrace cornell raytrace.png
 	says "*1 models, 2 triangles, 1 materials, 0 textures" file square.obj
 fi

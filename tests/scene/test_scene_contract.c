@@ -5,6 +5,7 @@
 #include "scene/open/scene_stream.h"
 #include "scene/scene_build.h"
 #include "scene/scene_internal.h"
+#include "scene/scene_pick.h"
 #include "support/contract.h"
 #include "support/test.h"
 
@@ -34,6 +35,8 @@ static void scenes(void **state)
 	contract_breaks("lights are added once", scene_add_lights(scene, 1));
 	contract_breaks("model < scene->model_count", scene_fit_bounds(scene, 1));
 	contract_breaks("scene && radiance", stilb_scene_set_sky(scene, NULL));
+	contract_breaks("scene && ray && hit", stilb_scene_pick(scene, &(stilb_scene_ray){0}, NULL));
+	contract_breaks("width > 0 && height > 0", stilb_scene_camera_ray(&scene->camera, 0, 1, 0.0, 0.0));
 	contract_breaks("(radiance[i])", stilb_scene_set_sky(scene, (const float[3]){1, INFINITY, 1}));
 	contract_breaks("radiance[i] >= 0", stilb_scene_set_sky(scene, (const float[3]){1, -1, 1}));
 	contract_breaks("diffuse && specular", stilb_scene_material_make(NULL, grey, 0.5f));

@@ -231,6 +231,12 @@ test_symbols() {
 	expect 'libstilb-base.a: write_log' symbols.sh "$scratch/lib"
 	echo 'build sub/libstilb-core.a: phony' >"$scratch/lib/build.ninja"
 	expect_good symbols.sh "$scratch/lib"
+	library window 'char *setlocale(int, const char *); void stilb_window_a(void) { setlocale(0, ""); }'
+	expect_good symbols.sh "$scratch/lib"
+	library scene 'char *setlocale(int, const char *); void stilb_scene_a(void) { setlocale(0, ""); }'
+	expect 'libstilb-scene.a: calls setlocale' symbols.sh "$scratch/lib"
+	library scene 'int atexit(void (*)(void)); void stilb_scene_a(void) { atexit(stilb_scene_a); }'
+	expect 'libstilb-scene.a: calls atexit' symbols.sh "$scratch/lib"
 	rm -rf "${scratch:?}/lib" && mkdir "$scratch/lib"
 	expect 'no libstilb-*.a' symbols.sh "$scratch/lib"
 }

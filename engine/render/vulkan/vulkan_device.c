@@ -198,6 +198,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.faults = desc->faults;
 	device->allocator = vulkan_host_allocator;
 	device->output = desc->output;
+	device->presentation = desc->presentation;
 	device->color_format =
 		desc->output == STILB_RENDER_OUTPUT_LINEAR ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_SRGB;
 	stilb_result result = device_start(device, desc);

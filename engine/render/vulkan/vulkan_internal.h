@@ -166,8 +166,9 @@ typedef struct vulkan_device {
 	VkDebugUtilsMessengerEXT messenger;
 	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate */
 	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
-	VkSurfaceKHR surface; /* null without a window */
-	bool surface_lost;    /* the window or its display has gone: pictures are copied to memory */
+	VkSurfaceKHR surface;                   /* null without a window */
+	stilb_render_presentation presentation; /* as asked for */
+	bool surface_lost;                      /* the window or its display has gone: pictures are copied to memory */
 	VkPhysicalDevice gpu;
 	VkPhysicalDeviceProperties properties;
 	VkPhysicalDeviceMemoryProperties memory;

@@ -26,6 +26,39 @@ static bool swapchain_choose_format(vulkan_device *device, VkSurfaceFormatKHR *c
 	return false;
 }
 
+static bool swapchain_offers(const vulkan_device *device, VkPresentModeKHR mode)
+{
+	VkPresentModeKHR modes[16];
+	uint32_t count = 16;
+	VkResult result = vkGetPhysicalDeviceSurfacePresentModesKHR(device->gpu, device->surface, &count, modes);
+	for (uint32_t i = 0; i < count && (result == VK_SUCCESS || result == VK_INCOMPLETE); i++)
+		if (modes[i] == mode)
+			return true;
+	return false;
+}
+
+/* The mode that was asked for, else FIFO, which is said once: from then on FIFO is what is asked for. */
+static VkPresentModeKHR swapchain_choose_mode(vulkan_device *device)
+{
+	static const struct {
+		VkPresentModeKHR mode;
+		const char *name;
+	} modes[] = {
+		[STILB_RENDER_PRESENT_FIFO] = {VK_PRESENT_MODE_FIFO_KHR, "fifo"},
+		[STILB_RENDER_PRESENT_MAILBOX] = {VK_PRESENT_MODE_MAILBOX_KHR, "mailbox"},
+		[STILB_RENDER_PRESENT_IMMEDIATE] = {VK_PRESENT_MODE_IMMEDIATE_KHR, "immediate"},
+	};
+	STILB_ASSERT((size_t)device->presentation < sizeof modes / sizeof *modes);
+	VkPresentModeKHR mode = modes[device->presentation].mode;
+	if (mode != VK_PRESENT_MODE_FIFO_KHR && !swapchain_offers(device, mode)) {
+		stilb_log("the window does not offer the presentation '%s'; going on with 'fifo'",
+		          modes[device->presentation].name);
+		device->presentation = STILB_RENDER_PRESENT_FIFO;
+	}
+	device->base.presentation = device->presentation;
+	return modes[device->presentation].mode;
+}
+
 static uint32_t swapchain_clamp(uint32_t value, uint32_t low, uint32_t high)
 {
 	return value < low ? low : value > high ? high : value;
@@ -65,7 +98,7 @@ static VkResult swapchain_make(vulkan_device *device, const VkSurfaceCapabilitie
 		.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT,
 		.preTransform = can->currentTransform,
 		.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
-		.presentMode = VK_PRESENT_MODE_FIFO_KHR,
+		.presentMode = swapchain_choose_mode(device),
 		.clipped = VK_TRUE,
 	};
 	VkResult result = vkCreateSwapchainKHR(device->device, &info, device->allocator, &swapchain->handle);

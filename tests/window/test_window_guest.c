@@ -1,0 +1,188 @@
+/* Engines with windows side by side, and an engine in a window of the program's own. All under Vulkan validation. */
+#include "engine.h"
+#include "support/test.h"
+#include "support/x11_server.h"
+#include "tests/engine/stress_engine.h"
+
+#define VK_USE_PLATFORM_XLIB_KHR
+#include <locale.h>
+#include <vulkan/vulkan.h>
+
+static const stress_engine stress = {.models = 25, .seed = 1};
+
+static stilb_engine_desc window_desc(void)
+{
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.workers = 1;
+	desc.width = 160;
+	desc.height = 100;
+	desc.validate = true;
+	return desc;
+}
+
+static stilb_engine *make_engine(const stilb_engine_desc *desc)
+{
+	stilb_engine *engine;
+	if (stress_engine_create(desc, &stress, &engine) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return engine;
+}
+
+static void run_frames(stilb_engine *engine, int count)
+{
+	stilb_engine_report report;
+	for (int i = 0; i < count; i++) {
+		if (stilb_engine_frame(engine, &report) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		assert_true(report.drawn && !report.lost && !report.close);
+	}
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+}
+
+/* In place of the loader's function (--wrap): with fifo_only a window that offers nothing else. */
+static bool fifo_only;
+
+VKAPI_ATTR VkResult VKAPI_CALL __real_vkGetPhysicalDeviceSurfacePresentModesKHR(VkPhysicalDevice gpu,
+                                                                                VkSurfaceKHR surface, uint32_t *count,
+                                                                                VkPresentModeKHR *modes);
+VKAPI_ATTR VkResult VKAPI_CALL __wrap_vkGetPhysicalDeviceSurfacePresentModesKHR(VkPhysicalDevice gpu,
+                                                                                VkSurfaceKHR surface, uint32_t *count,
+                                                                                VkPresentModeKHR *modes);
+
+VKAPI_ATTR VkResult VKAPI_CALL __wrap_vkGetPhysicalDeviceSurfacePresentModesKHR(VkPhysicalDevice gpu,
+                                                                                VkSurfaceKHR surface, uint32_t *count,
+                                                                                VkPresentModeKHR *modes)
+{
+	if (!fifo_only)
+		return __real_vkGetPhysicalDeviceSurfacePresentModesKHR(gpu, surface, count, modes);
+	*count = 1;
+	modes[0] = VK_PRESENT_MODE_FIFO_KHR;
+	return VK_SUCCESS;
+}
+
+static uint32_t presentation_lines; /* of the log: a presentation that the window does not offer */
+
+static void on_line(void *user, const char *line)
+{
+	(void)user;
+	presentation_lines += strstr(line, "presentation") ? 1 : 0;
+}
+
+/* Three windows, each with a way of presentation; they end in the order in which they began. */
+static void test_engines_with_windows(void **state)
+{
+	(void)state;
+	stilb_engine *engines[3];
+	uint32_t replaced = 0;
+	stilb_log_set(on_line, NULL);
+	for (int i = 0; i < 3; i++) {
+		stilb_engine_desc desc = window_desc();
+		desc.window = true;
+		desc.presentation = (stilb_render_presentation)i;
+		engines[i] = make_engine(&desc);
+		replaced += stilb_engine_presentation(engines[i]) != desc.presentation;
+	}
+	assert_int_equal(presentation_lines, replaced); /* nothing is replaced in silence */
+	assert_string_equal(setlocale(LC_ALL, NULL), "C");
+	for (int i = 0; i < 3; i++)
+		for (int frame = 0; frame < 2; frame++)
+			run_frames(engines[(i + frame) % 3], 2);
+	for (int i = 0; i < 3; i++) {
+		stress_engine_destroy(engines[i]);
+		for (int other = i + 1; other < 3; other++)
+			run_frames(engines[other], 2);
+	}
+	stilb_log_set(NULL, NULL);
+}
+
+/* A presentation that the window does not offer is replaced, and that is said once, however often the size changes. */
+static void test_a_presentation_is_replaced(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = window_desc();
+	desc.window = true;
+	desc.presentation = STILB_RENDER_PRESENT_MAILBOX;
+	fifo_only = true;
+	presentation_lines = 0;
+	stilb_log_set(on_line, NULL);
+	stilb_engine *engine = make_engine(&desc);
+	assert_int_equal(stilb_engine_presentation(engine), STILB_RENDER_PRESENT_FIFO);
+	run_frames(engine, 3);
+	assert_int_equal(presentation_lines, 1);
+	stress_engine_destroy(engine);
+	stilb_log_set(NULL, NULL);
+	fifo_only = false;
+}
+
+/* ---- a window of the program's own ------------------------------------------------------------------------------- */
+
+typedef struct own {
+	Display *display;
+	Window window;
+} own;
+
+static const char *const *own_extensions(void *user, uint32_t *count)
+{
+	static const char *const names[] = {VK_KHR_SURFACE_EXTENSION_NAME, VK_KHR_XLIB_SURFACE_EXTENSION_NAME};
+	(void)user;
+	*count = 2;
+	return names;
+}
+
+static int32_t own_create(void *user, void *instance, uint64_t *surface)
+{
+	own *o = user;
+	VkXlibSurfaceCreateInfoKHR info = {
+		.sType = VK_STRUCTURE_TYPE_XLIB_SURFACE_CREATE_INFO_KHR, .dpy = o->display, .window = o->window};
+	VkSurfaceKHR made = VK_NULL_HANDLE;
+	VkResult result = vkCreateXlibSurfaceKHR(instance, &info, NULL, &made);
+	memcpy(surface, &made, sizeof *surface);
+	return result;
+}
+
+static void test_a_window_of_the_programs_own(void **state)
+{
+	(void)state;
+	own o = {.display = XOpenDisplay(NULL)};
+	assert_non_null(o.display);
+	int screen = DefaultScreen(o.display);
+	o.window = XCreateSimpleWindow(o.display, RootWindow(o.display, screen), 0, 0, 160, 100, 0, 0, 0);
+	XMapWindow(o.display, o.window);
+	XSync(o.display, False);
+	stilb_engine_desc desc = window_desc();
+	stilb_render_surface surface = {&o, own_extensions, own_create};
+	uint32_t width, height;
+	desc.surface = &surface;
+	stilb_engine *engine = make_engine(&desc);
+	run_frames(engine, 5);
+	for (int i = 0; i < 1000 && !x11_server_has_picture(o.display, o.window); i++)
+		run_frames(engine, 1); /* the X server shows a picture a little later */
+	assert_true(x11_server_has_picture(o.display, o.window));
+	XResizeWindow(o.display, o.window, 200, 120);
+	XSync(o.display, False);
+	assert_int_equal(stilb_engine_resize(engine, 200, 120), STILB_OK);
+	run_frames(engine, 5);
+	stilb_engine_size(engine, &width, &height);
+	assert_true(width == 200 && height == 120);
+	stress_engine_destroy(engine);
+	XDestroyWindow(o.display, o.window);
+	XCloseDisplay(o.display);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_engines_with_windows),
+		cmocka_unit_test(test_a_presentation_is_replaced),
+		cmocka_unit_test(test_a_window_of_the_programs_own),
+	};
+	Display *held = XOpenDisplay(NULL); /* a display server without clients may start anew and refuse for a moment */
+	if (!held) {
+		printf("no X display: set DISPLAY, or install xvfb and use ./dev test\n");
+		return 77;
+	}
+	setenv("LC_ALL", "C.UTF-8", 1); /* not the program's locale until it asks for it, which nobody here does */
+	int failed = cmocka_run_group_tests(tests, NULL, NULL);
+	XCloseDisplay(held);
+	return failed;
+}
