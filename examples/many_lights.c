@@ -1,7 +1,6 @@
-/* many_lights [PICTURE.png]: a floor under 64 small coloured lights that fly around in 30 frames; then a picture. */
+/* many_lights [PICTURE.png]: a floor under 64 small coloured lights that fly around for 10 frames; then a picture. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <stilb/engine.h>
 #include <stilb/scene_build.h>
 
@@ -28,6 +27,8 @@ static stilb_result make_scene(stilb_scene **scene)
 {
 	static const float white[3] = {0.8f, 0.8f, 0.8f}, shine[3] = {0.04f, 0.04f, 0.04f};
 	stilb_mat4 wide = stilb_mat4_scale_translate(10.0f, 0.0f, 0.0f, 0.0f);
+	stilb_scene_camera camera = {
+		.position = {0.0f, 6.0f, 12.0f}, .pitch = -0.46f, .fov_y = 0.9f, .near_z = 0.1f, .far_z = 100.0f};
 	stilb_scene_material stone = stilb_scene_material_make(white, shine, 0.5f);
 	stilb_scene_mesh plane;
 	stilb_result result = stilb_scene_mesh_plane(&plane);
@@ -38,6 +39,7 @@ static stilb_result make_scene(stilb_scene **scene)
 	floor.mesh = stilb_scene_build_mesh(build, &plane);
 	floor.material = stilb_scene_build_material(build, &stone);
 	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &wide), &floor, 1);
+	stilb_scene_build_camera(build, &camera);
 	for (uint32_t i = 0; i < LIGHTS; i++) {
 		stilb_scene_light light = {.kind = STILB_SCENE_LIGHT_POINT};
 		for (int c = 0; c < 3; c++)
@@ -59,15 +61,15 @@ int main(int argc, char **argv)
 	stilb_engine_report report = {0};
 	stilb_result result = make_scene(&scene);
 	stilb_engine_desc desc = stilb_engine_desc_default();
-	desc.width = 240;
-	desc.height = 135;
+	desc.width = 320;
+	desc.height = 180;
 	desc.update = on_update;
 	desc.user = scene;
 	if (result == STILB_OK)
 		result = stilb_engine_create(&desc, &engine);
 	if (result == STILB_OK)
 		result = stilb_engine_set_scene(engine, scene);
-	while (result == STILB_OK && report.frame < 30)
+	while (result == STILB_OK && report.frame < 10)
 		result = stilb_engine_frame(engine, &report);
 	if (result == STILB_OK)
 		result = stilb_engine_screenshot(engine, path);

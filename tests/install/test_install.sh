@@ -121,10 +121,19 @@ if [ -e "$build/stilb" ]; then
 	printf 'v -1 0 1\nv 1 0 1\nv 1 2 1\nv -1 2 1\nf 1 2 3 4\n' >square.obj
 	says "2 of 2 models drawn: own_scene.png" own_scene
 	says "1[5-9][0-9] [5-9][0-9] [5-9][0-9]" middle own_scene.png # the ball's red
-	says "64 lights, 30 frames: many_lights.png" many_lights
+	says "64 lights, 10 frames: many_lights.png" many_lights
 	says "[1-9]* of 1000 models in frame 60: together.json" together
 	grep -q '"place models"' together.json && grep -q '"mine 1"' together.json && grep -q '"worker 1"' together.json
 	says "cornell by 16 samples a pixel: raytrace.png" raytrace cornell raytrace.png
 	says "*1 models, 2 triangles, 1 materials, 0 textures" file square.obj
+	# The page for newcomers, as it stands: its first C program, built and run by its commands, in an empty folder.
+	mkdir "$scratch/newcomer" && cd "$scratch/newcomer"
+	awk '/^```c$/ { inside = 1; next } /^```/ { if (inside) exit } inside' "$source/docs/engine.md" >first.c
+	sed -n 's|^cc first.c|'"$CC"' first.c|p; /^export PKG_CONFIG_PATH/p; s/ *# a built-in scene$//p' "$source/docs/engine.md" >run.sh
+	[ "$(wc -l <run.sh)" = 3 ] || { cat run.sh; echo "docs/engine.md has other commands"; exit 1; }
+	ln -s "$scratch/whole" stilb
+	said=$(HOME=$PWD bash -e run.sh) || { echo "the program of docs/engine.md fails: $said"; exit 1; }
+	[[ $said == [1-9]*" models in view: first.png" && -s first.png ]] ||
+		{ echo "the program of docs/engine.md printed: $said"; exit 1; }
 fi
 echo "the installed libraries work from CMake, from pkg-config and as a subdirectory"
