@@ -180,6 +180,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_cull *cull = NULL;
+	if (scene)
+		stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
 	stilb_result result = scene ? stilb_cull_create(scene, &cull) : STILB_OK;
 	if (result == STILB_OK)
 		result = stilb_render_set_scene(engine->render, scene);
@@ -187,6 +189,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		stilb_cull_destroy(cull);
 		return result;
 	}
+	if (scene)
+		stilb_scene_changes_clear(scene);
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;

@@ -155,12 +155,12 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **e
 /* Ends captures, waits for the device and frees everything. NULL is accepted. */
 void stilb_engine_destroy(stilb_engine *engine);
 
-/* Shows this scene from the next frame on, in place of the one before, and copies its meshes, materials and textures to
- * the device. The program owns the scene; it must live until another one is set or the engine is destroyed. Between
- * frames, and in desc.update, the program may move models (scene->moved lists them) and change lights, surroundings and
- * camera; another change takes effect when the scene is set again. NULL: no scene. On failure the scene before stays.
- * STILB_ERROR_ARGUMENT: a mesh has no triangles, or an index beyond its vertices. STILB_ERROR_DEVICE: a texture is too
- * large for this GPU. STILB_ERROR_MEMORY. */
+/* Shows this scene from the next frame on, in place of the one before, and copies its meshes, materials and textures
+ * to the device. The program owns the scene; it must live until another one is set or the engine is destroyed. Between
+ * frames, and in desc.update, the program may change it: what it consists of with scene_edit.h; lights, surroundings
+ * and camera are members of the scene, which it assigns. One engine at a time shows a scene. NULL: no scene. On failure
+ * the scene before stays. STILB_ERROR_ARGUMENT: a mesh has no triangles, or an index beyond its vertices.
+ * STILB_ERROR_DEVICE: a texture is too large for this GPU. STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene);
 
 /* The scene that was set, or NULL. */

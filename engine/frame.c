@@ -5,7 +5,8 @@
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
- *   update_scene   keys, gamepads, step        camera; the program: its scene          main
+ *   update_scene   keys, gamepads, step        camera; the program: its scene; then    main
+ *                                              meshes, materials, textures that changed
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
  *   ui             input, profiler snapshots   the open overlay's command list          main
@@ -91,7 +92,14 @@ static stilb_result frame_begin(stilb_engine *engine)
 	return stilb_render_frame_begin(engine->render);
 }
 
-static void update_scene(stilb_engine *engine)
+/* Brings the renderer up to date with what the program has changed in its scene. */
+static stilb_result update_render(stilb_engine *engine)
+{
+	stilb_scene_changes changes = stilb_scene_changes_read(engine->scene);
+	return stilb_render_update_scene(engine->render, engine->scene, &changes);
+}
+
+static stilb_result update_scene(stilb_engine *engine)
 {
 	PROFILE("scene update");
 	frame_input(engine, &engine->report); /* as late as possible: the picture shows the camera of this moment */
@@ -102,7 +110,7 @@ static void update_scene(stilb_engine *engine)
 	const stilb_scene *scene = engine->scene;
 	if (!scene) {
 		*view = (stilb_render_view){.shading = engine->shading};
-		return;
+		return STILB_OK;
 	}
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	uint32_t width, height;
@@ -114,6 +122,7 @@ static void update_scene(stilb_engine *engine)
 	view->lights = scene->lights;
 	view->light_count = scene->light_count;
 	view->shading = engine->shading;
+	return update_render(engine);
 }
 
 static stilb_result cull(stilb_engine *engine)
@@ -127,7 +136,7 @@ static stilb_result cull(stilb_engine *engine)
 		return STILB_OK;
 	}
 	stilb_result result = stilb_cull_update(engine->cull, scene, scene->moved, scene->moved_count);
-	scene->moved_count = 0; /* the program's list for the next frame begins */
+	stilb_scene_changes_clear(scene); /* the program's lists for the next frame begin */
 	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
 		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);
 		result = stilb_cull_run(engine->cull, engine->desc.cull, scene, &frustum, engine->pool, FRAME_OWNER,
@@ -185,7 +194,7 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	stilb_result result = frame_begin(engine);
 	frame_clock(&clock, &begin);
 	if (result == STILB_OK)
-		update_scene(engine);
+		result = update_scene(engine);
 	frame_clock(&clock, &times->update);
 	if (result == STILB_OK)
 		result = cull(engine);

@@ -49,6 +49,7 @@
 #include "base/base_math.h"
 #include "image/image.h"
 #include "jobs/job.h"
+#include "scene/edit/scene_edit.h"
 #include "scene/scene.h"
 
 #ifdef __cplusplus
@@ -218,6 +219,14 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
+/* Brings these up to date with what has changed in the scene that was set (stilb_scene_changes_read): copies what is
+ * new, changed vertices as ranges, and destroys what was removed; in a frame before stilb_render_record, or between
+ * frames. The device does not wait: frames that it still draws show what they were recorded with. Errors as
+ * stilb_render_set_scene: then part of the changes may have been made, and the same call may be made again.
+ * [main-thread] */
+stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *scene,
+                                       const stilb_scene_changes *changes);
+
 /* Handles of that scene's mesh and material `id`, an index into scene->meshes or scene->materials. [any-thread] */
 stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id);
 stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id);
@@ -333,10 +342,11 @@ stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
  * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy and the number of lights (32 bits each),
- * and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id (32 bits,
- * counted from 0), the 16 floats of the transform (column-major) and the index count (32 bits). The same for every
- * device, replay mode and number of workers. Valid from stilb_render_replay until the next frame begins; without a
- * replayed frame it is the hash of nothing. [main-thread] */
+ * and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id (32 bits
+ * each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of the
+ * transform (column-major) and the index count (32 bits). The same for every device, replay mode and number of workers.
+ * Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of nothing.
+ * [main-thread] */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 /* ---- recording by hand -------------------------------------------------------------------------------------------

@@ -10,12 +10,15 @@
 
 #define SAVE_UNUSED UINT32_MAX
 
-/* The ids of one kind of resource that draws use, and their positions in the file's table. */
+/* The resources of one kind that draws use, and their positions in the file's table. */
 typedef struct save_table {
-	uint32_t *place; /* [end] by id: the position, or SAVE_UNUSED */
-	uint32_t *ids;   /* [count], ascending */
+	uint32_t *place;   /* [end] by index: the position, or SAVE_UNUSED */
+	uint32_t *indices; /* [count] by position, in ascending order of their ids in the file */
 	uint32_t end, count;
 } save_table;
+
+/* What the file calls a resource: of meshes and materials the name, of textures the index. */
+typedef uint32_t save_id_fn(const render_resources *resources, uint32_t index);
 
 typedef struct save_job {
 	stilb_render *render;
@@ -89,32 +92,84 @@ static bool save_table_create(save_table *table, uint32_t end)
 {
 	table->end = end;
 	table->place = malloc((end ? end : 1) * sizeof *table->place);
-	table->ids = malloc((end ? end : 1) * sizeof *table->ids);
+	table->indices = malloc((end ? end : 1) * sizeof *table->indices);
 	if (table->place)
 		memset(table->place, 0xff, end * sizeof *table->place);
-	return table->place && table->ids;
+	return table->place && table->indices;
 }
 
-/* Gives every id that save_mark has met its position in the file's table, in ascending order of ids. */
-static void save_table_close(save_table *table)
+static uint32_t save_mesh_id(const render_resources *resources, uint32_t index)
 {
-	for (uint32_t id = 0; id < table->end; id++)
-		if (table->place[id] != SAVE_UNUSED) {
-			table->ids[table->count] = id;
-			table->place[id] = table->count++;
+	return resources->meshes[index].name;
+}
+
+static uint32_t save_material_id(const render_resources *resources, uint32_t index)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	return ((const render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data)[index].name;
+}
+
+static uint32_t save_texture_id(const render_resources *resources, uint32_t index)
+{
+	(void)resources;
+	return index;
+}
+
+/* Gives every resource that save_mark has met its position in the file's table, in ascending order of ids.
+ * STILB_ERROR_ARGUMENT: two have the same id. */
+static stilb_result save_table_close(const save_job *job, save_table *table, save_id_fn *id_of)
+{
+	const render_resources *resources = &job->render->resources;
+	uint32_t end = 0;
+	for (uint32_t i = 0; i < table->end; i++)
+		if (table->place[i] != SAVE_UNUSED && id_of(resources, i) >= end)
+			end = id_of(resources, i) + 1;
+	uint32_t *with_id = calloc((size_t)end + 1, sizeof *with_id); /* 1 + the index; 0: none */
+	if (!with_id)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for what a frame's draws use");
+	bool unique = true;
+	for (uint32_t i = 0; i < table->end; i++)
+		if (table->place[i] != SAVE_UNUSED) {
+			uint32_t *entry = &with_id[id_of(resources, i)];
+			unique = unique && !*entry;
+			*entry = i + 1;
 		}
+	for (uint32_t id = 0; id < end; id++)
+		if (with_id[id]) {
+			table->indices[table->count] = with_id[id] - 1;
+			table->place[with_id[id] - 1] = table->count++;
+		}
+	free(with_id);
+	return unique
+	           ? STILB_OK
+	           : stilb_fail(STILB_ERROR_ARGUMENT, "cannot dump a frame that draws a scene's meshes or materials and, "
+	                                              "by hand, others with the same ids");
 }
 
 static void save_table_finish(save_table *table)
 {
 	free(table->place);
-	free(table->ids);
+	free(table->indices);
 }
 
 /* Index of a material's texture; 0: none. */
 static uint32_t save_texture_of(const save_job *job, uint32_t material)
 {
 	return job->render->resources.materials[material] & RENDER_INDEX_MASK;
+}
+
+/* Puts what the draws use in order. Under the lock of resources. */
+static stilb_result save_order_used(save_job *job)
+{
+	stilb_result result = save_table_close(job, &job->meshes, save_mesh_id);
+	if (result == STILB_OK)
+		result = save_table_close(job, &job->materials, save_material_id);
+	for (uint32_t m = 0; m < job->materials.count && result == STILB_OK; m++) {
+		uint32_t texture = save_texture_of(job, job->materials.indices[m]);
+		if (texture != 0)
+			job->textures.place[texture] = 0;
+	}
+	return result == STILB_OK ? save_table_close(job, &job->textures, save_texture_id) : result;
 }
 
 static stilb_result save_find_used(save_job *job)
@@ -126,14 +181,6 @@ static stilb_result save_find_used(save_job *job)
 	    !save_table_create(&job->textures, STILB_RENDER_MAX_TEXTURES))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for what a frame's draws use");
 	save_each_draw(job, save_mark, job);
-	save_table_close(&job->meshes);
-	save_table_close(&job->materials);
-	for (uint32_t m = 0; m < job->materials.count; m++) {
-		uint32_t texture = save_texture_of(job, job->materials.ids[m]);
-		if (texture != 0)
-			job->textures.place[texture] = 0;
-	}
-	save_table_close(&job->textures);
 	return STILB_OK;
 }
 
@@ -144,7 +191,7 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 {
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	STILB_ASSERT(place < job->textures.count);
-	uint32_t id = job->textures.ids[place];
+	uint32_t id = job->textures.indices[place];
 	const stilb_image *pictures = job->render->resources.pictures;
 	stilb_image image = pictures ? pictures[id] : (stilb_image){0};
 	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
@@ -163,7 +210,7 @@ static stilb_result save_size(save_job *job)
 	for (uint32_t p = 0; p < header->passes; p++)
 		header->segments += job->render->passes[job->pass[p]].segment_count;
 	for (uint32_t m = 0; m < header->meshes; m++) {
-		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.ids[m]];
+		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.indices[m]];
 		header->vertices += slot->vertex_count;
 		header->indices += slot->index_count;
 	}
@@ -279,14 +326,14 @@ static void save_put_materials(const save_job *job)
 	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
 	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
-		out->id = job->materials.ids[m];
-		uint32_t texture = save_texture_of(job, out->id);
+		uint32_t index = job->materials.indices[m], texture = save_texture_of(job, index);
+		out->id = heap[index].name;
 		out->texture = texture ? job->textures.place[texture] + 1 : 0;
-		memcpy(out->diffuse, heap[out->id].diffuse, sizeof out->diffuse);
-		memcpy(out->specular, heap[out->id].specular, sizeof out->specular);
-		out->roughness = heap[out->id].roughness;
-		out->anisotropy = heap[out->id].anisotropy;
-		out->wrap = heap[out->id].wrap;
+		memcpy(out->diffuse, heap[index].diffuse, sizeof out->diffuse);
+		memcpy(out->specular, heap[index].specular, sizeof out->specular);
+		out->roughness = heap[index].roughness;
+		out->anisotropy = heap[index].anisotropy;
+		out->wrap = heap[index].wrap;
 	}
 }
 
@@ -300,8 +347,8 @@ static void save_put_meshes(const save_job *job)
 	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
 	uint32_t *indices = save_part(job, RENDER_DUMP_INDICES);
 	for (uint32_t m = 0; m < job->header.meshes; m++, out++) {
-		out->id = job->meshes.ids[m];
-		const render_mesh_slot *slot = &resources->meshes[out->id];
+		const render_mesh_slot *slot = &resources->meshes[job->meshes.indices[m]];
+		out->id = slot->name;
 		out->vertices = slot->vertex_count;
 		out->indices = slot->index_count;
 		memcpy(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count * sizeof *vertices);
@@ -341,12 +388,14 @@ static stilb_result save_put(save_job *job, const char *path)
 	return stilb_file_save(path, job->bytes, job->header.file_size);
 }
 
-/* Computes the file's size, and fills in the parts that are copied from render_resources. Both under its lock, since
- * other threads may create and destroy resources. */
+/* Puts in order what is used, computes the file's size, and fills in what is copied from render_resources. All under
+ * its lock, since other threads may create and destroy resources. */
 static stilb_result save_put_resources(save_job *job)
 {
 	stilb_lock_take(&job->render->resources.lock);
-	stilb_result result = save_size(job);
+	stilb_result result = save_order_used(job);
+	if (result == STILB_OK)
+		result = save_size(job);
 	job->bytes = result == STILB_OK ? calloc(1, job->header.file_size) : NULL;
 	if (job->bytes) {
 		save_put_textures(job);

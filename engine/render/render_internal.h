@@ -316,12 +316,20 @@ typedef enum render_frame_state {
 	RENDER_FRAME_REPLAYED,
 } render_frame_state;
 
-/* Handles of the resources that stilb_render_set_scene has made, by id in the scene. */
+/* A texture, with what tells whether another image fits into it. */
+typedef struct render_scene_texture {
+	stilb_render_texture texture;
+	uint32_t width, height;
+	stilb_image_format format;
+} render_scene_texture;
+
+/* Handles of the resources of the scene that was set, by id in the scene; {0}: there is none with this id. */
 typedef struct render_scene {
 	stilb_render_mesh *meshes;        /* [mesh_count] */
 	stilb_render_material *materials; /* [material_count] */
-	stilb_render_texture *textures;   /* [texture_count] */
+	render_scene_texture *textures;   /* [texture_count] */
 	uint32_t mesh_count, material_count, texture_count;
+	uint32_t mesh_capacity, material_capacity, texture_capacity;
 } render_scene;
 
 /* Frees the arrays and destroys nothing, since that needs the device; leaves {0}. */

@@ -309,13 +309,15 @@ bool render_fault_lost(const render_device *device)
 
 /* ---- the hash of the stream -------------------------------------------------------------------------------------- */
 
-static uint64_t hash_draw(uint64_t hash, const render_command *command, const render_row *row)
+static uint64_t hash_draw(uint64_t hash, const render_resources *resources, const render_command *command,
+                          const render_row *row)
 {
+	const render_material *materials = (const render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data;
 	float transform[16] = {[15] = 1.0f};
 	for (int r = 0; r < 3; r++)
 		for (int c = 0; c < 4; c++)
 			transform[4 * c + r] = row->transform[4 * r + c];
-	uint32_t ids[2] = {row->mesh, row->material};
+	uint32_t ids[2] = {resources->meshes[row->mesh].name, materials[row->material].name};
 	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
@@ -338,9 +340,9 @@ static uint64_t hash_view(uint64_t hash, const stilb_render *render, const rende
 	return stilb_hash_fnv1a64(hash, lights, lists->light_count * sizeof *lights);
 }
 
-uint64_t stilb_render_stream_hash(const stilb_render *render)
+/* Caller holds the lock of resources: other threads may create materials, which may move their heap. */
+static uint64_t hash_passes(const stilb_render *render)
 {
-	STILB_ASSERT_OWNER(render->owner);
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
@@ -353,9 +355,19 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {
 				const render_command *command = &render_commands(render)[c];
 				STILB_ASSERT(command->row < render->memory[RENDER_MEMORY_ROWS].capacity);
-				hash = hash_draw(hash, command, &render_rows(render)[command->row]);
+				hash = hash_draw(hash, &render->resources, command, &render_rows(render)[command->row]);
 			}
 		}
 	}
+	return hash;
+}
+
+uint64_t stilb_render_stream_hash(const stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	stilb_lock *lock = (stilb_lock *)&render->resources.lock;
+	stilb_lock_take(lock);
+	uint64_t hash = hash_passes(render);
+	stilb_lock_give(lock);
 	return hash;
 }

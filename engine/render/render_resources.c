@@ -290,6 +290,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 		.vertex_offset = (int32_t)first_vertex,
 		.vertex_count = mesh->vertex_count,
 		.generation = slot->generation ? slot->generation : 1,
+		.name = index,
 	};
 	resources->live++;
 	*handle = handle_make(slot->generation, index);
@@ -309,6 +310,30 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	stilb_lock_give(&resources->lock);
 	return result;
+}
+
+void render_mesh_name(stilb_render *render, stilb_render_mesh mesh, uint32_t name)
+{
+	render_mesh_slot *slot = &render->resources.meshes[mesh.id & RENDER_INDEX_MASK];
+	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
+	slot->name = name;
+}
+
+stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
+                               const stilb_scene_vertex *vertices)
+{
+	render_resources *resources = &render->resources;
+	const render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
+	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
+	STILB_ASSERT(count > 0 && first <= slot->vertex_count && count <= slot->vertex_count - first);
+	stilb_lock_take(&resources->lock);
+	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
+	render_range range = {(uint32_t)slot->vertex_offset + first, count};
+	bool listed = render_ranges_add(&heap->dirty, range);
+	if (listed)
+		memcpy(heap->data + (size_t)range.first * heap->element, vertices, (size_t)count * heap->element);
+	stilb_lock_give(&resources->lock);
+	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
@@ -361,6 +386,41 @@ static void texture_drop(render_resources *resources, uint32_t index)
 	resources->live--;
 }
 
+/* The pixels that are queued for a texture, or NULL. */
+static render_texture_upload *texture_queued(render_resources *resources, uint32_t index)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		if (resources->uploads[u].texture == index)
+			return &resources->uploads[u];
+	return NULL;
+}
+
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = texture.id & RENDER_INDEX_MASK;
+	stilb_image converted;
+	stilb_result result = texture_convert(image, &converted);
+	if (result != STILB_OK)
+		return result;
+	stilb_lock_take(&resources->lock);
+	STILB_ASSERT(texture_is_valid(resources, texture.id));
+	render_texture_upload *queued = texture_queued(resources, index);
+	if (queued) {
+		stilb_image_finish(&queued->image);
+		queued->image = converted;
+	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
+	                          sizeof *resources->uploads)) {
+		resources->uploads[resources->upload_count++] = (render_texture_upload){index, converted};
+	} else {
+		stilb_image_finish(&converted);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
+	}
+	stilb_lock_give(&resources->lock);
+	return result;
+}
+
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
@@ -396,10 +456,10 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
-static render_material material_make(const stilb_scene_material *material)
+static render_material material_make(const stilb_scene_material *material, uint32_t name)
 {
 	render_material out = {
-		.roughness = material->roughness, .anisotropy = material->anisotropy, .wrap = material->wrap};
+		.roughness = material->roughness, .anisotropy = material->anisotropy, .wrap = material->wrap, .name = name};
 	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
 	memcpy(out.specular, material->specular, sizeof out.specular);
 	return out;
@@ -418,7 +478,7 @@ static bool material_add(render_resources *resources, const stilb_scene_material
 		index_give_back(ids, index);
 		return false;
 	}
-	((render_material *)heap->data)[index] = material_make(material);
+	((render_material *)heap->data)[index] = material_make(material, index);
 	uint32_t generation = resources->materials[index] >> RENDER_GENERATION_SHIFT;
 	generation = generation ? generation : 1;
 	resources->materials[index] = handle_make(generation, texture);
@@ -441,6 +501,33 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	stilb_lock_give(&resources->lock);
 	return result;
+}
+
+void render_material_name(stilb_render *render, stilb_render_material material, uint32_t name)
+{
+	render_resources *resources = &render->resources;
+	stilb_lock_take(&resources->lock); /* another thread's new material may move the heap */
+	((render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data)[material.id & RENDER_INDEX_MASK].name = name;
+	stilb_lock_give(&resources->lock);
+}
+
+stilb_result render_material_write(stilb_render *render, stilb_render_material material,
+                                   const stilb_scene_material *from, stilb_render_texture texture)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = material.id & RENDER_INDEX_MASK, *entry = &resources->materials[index];
+	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	stilb_lock_take(&resources->lock);
+	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
+	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
+	bool listed = render_ranges_add(&heap->dirty, (render_range){index, 1});
+	if (listed) {
+		render_material *to = (render_material *)heap->data + index;
+		*to = material_make(from, to->name);
+		*entry = handle_make(*entry >> RENDER_GENERATION_SHIFT, texture.id & RENDER_INDEX_MASK);
+	}
+	stilb_lock_give(&resources->lock);
+	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed materials");
 }
 
 /* ---- destruction ------------------------------------------------------------------------------------------------- */
@@ -501,89 +588,7 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 	stilb_lock_give(&render->resources.lock);
 }
 
-/* ---- scenes ------------------------------------------------------------------------------------------------------ */
-
-void render_scene_finish(render_scene *scene)
-{
-	free(scene->meshes);
-	free(scene->materials);
-	free(scene->textures);
-	*scene = (render_scene){0};
-}
-
-/* Destroys what the scene holds, materials before their textures. */
-static void resources_scene_destroy(stilb_render *render, render_scene *scene)
-{
-	for (uint32_t i = 0; i < scene->mesh_count; i++)
-		stilb_render_mesh_destroy(render, scene->meshes[i]);
-	for (uint32_t i = 0; i < scene->material_count; i++)
-		stilb_render_material_destroy(render, scene->materials[i]);
-	for (uint32_t i = 0; i < scene->texture_count; i++)
-		stilb_render_texture_destroy(render, scene->textures[i]);
-	render_scene_finish(scene);
-}
-
-/* Arrays of handles {0}, which nothing needs to destroy. */
-static stilb_result resources_scene_allocate(render_scene *out, const stilb_scene *from)
-{
-	*out = (render_scene){
-		.meshes = calloc(from->mesh_count + 1u, sizeof *out->meshes),
-		.materials = calloc(from->material_count + 1u, sizeof *out->materials),
-		.textures = calloc(from->texture_count + 1u, sizeof *out->textures),
-		.mesh_count = from->mesh_count,
-		.material_count = from->material_count,
-		.texture_count = from->texture_count,
-	};
-	if (out->meshes && out->materials && out->textures)
-		return STILB_OK;
-	render_scene_finish(out);
-	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
-}
-
-static stilb_result resources_scene_fill(stilb_render *render, const stilb_scene *from, render_scene *out)
-{
-	stilb_result result = STILB_OK;
-	for (uint32_t i = 0; i < from->mesh_count && result == STILB_OK; i++)
-		result = stilb_render_mesh_create(render, &from->meshes[i], &out->meshes[i]);
-	for (uint32_t i = 0; i < from->texture_count && result == STILB_OK; i++)
-		result = stilb_render_texture_create(render, &from->textures[i], &out->textures[i]);
-	for (uint32_t i = 0; i < from->material_count && result == STILB_OK; i++) {
-		uint32_t texture = from->materials[i].diffuse_texture;
-		STILB_ASSERT(texture <= from->texture_count);
-		result = stilb_render_material_create(render, &from->materials[i],
-		                                      texture ? out->textures[texture - 1] : (stilb_render_texture){0},
-		                                      &out->materials[i]);
-	}
-	return result;
-}
-
-stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene)
-{
-	STILB_ASSERT_OWNER(render->owner);
-	render_scene next = {0};
-	stilb_result result = scene ? resources_scene_allocate(&next, scene) : STILB_OK;
-	if (result == STILB_OK && scene)
-		result = resources_scene_fill(render, scene, &next);
-	if (result != STILB_OK) {
-		resources_scene_destroy(render, &next);
-		return result;
-	}
-	resources_scene_destroy(render, &render->scene);
-	render->scene = next;
-	return STILB_OK;
-}
-
-stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
-{
-	STILB_ASSERT(id < render->scene.mesh_count);
-	return render->scene.meshes[id];
-}
-
-stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
-{
-	STILB_ASSERT(id < render->scene.material_count);
-	return render->scene.materials[id];
-}
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 /* Drops the texture's queued pixels: it may be released before a frame has copied them. */
 static void upload_forget(render_resources *resources, uint32_t texture)
@@ -663,9 +668,10 @@ static void uploads_drop(render_resources *resources, uint32_t count)
 	STILB_ASSERT(count <= resources->upload_count);
 	for (uint32_t u = 0; u < count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
-		if (resources->pictures)
+		if (resources->pictures) {
+			stilb_image_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
 			resources->pictures[upload->texture] = upload->image;
-		else
+		} else
 			stilb_image_finish(&resources->uploads[u].image);
 	}
 	resources->upload_count -= count;

@@ -27,13 +27,16 @@ typedef struct render_mesh_slot {
 	int32_t vertex_offset;
 	uint32_t vertex_count;
 	uint32_t generation; /* equals the high 8 bits of a valid handle; 0: the slot was never used */
+	uint32_t name;       /* what the stream hash and dumps call it: its id in the scene, else its index here */
 } render_mesh_slot;
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */
 typedef struct render_material {
 	float diffuse[3], roughness;
 	float specular[3], anisotropy;
-	float wrap, unused[3];
+	float wrap;
+	uint32_t name; /* as a mesh's; no shader reads it */
+	float unused[2];
 } render_material;
 
 static_assert(sizeof(render_material) == 48, "std430: three vec4");
@@ -125,6 +128,22 @@ stilb_result render_resources_update(stilb_render *render);
 
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
+
+/* Sets what the stream hash and dumps call a mesh and a material, instead of their index. [main-thread], before a draw
+ * uses them */
+void render_mesh_name(stilb_render *render, stilb_render_mesh mesh, uint32_t name);
+void render_material_name(stilb_render *render, stilb_render_material material, uint32_t name);
+
+/* Writes into resources that exist; the next frame copies what was written, after the draws of the frames before it.
+ * STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay
+ *
+ * render_mesh_write: vertices first .. first + count - 1, count > 0. render_texture_write: an image of the texture's
+ * size and format. render_material_write: texture {0}: none. */
+stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
+                               const stilb_scene_vertex *vertices);
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
+stilb_result render_material_write(stilb_render *render, stilb_render_material material,
+                                   const stilb_scene_material *from, stilb_render_texture texture);
 
 /* Adds a range to the set; it joins those that it touches or overlaps. range.count > 0. False: no memory. */
 bool render_ranges_add(render_ranges *ranges, render_range range);

@@ -306,6 +306,69 @@ static void only_what_is_used_is_in_it(void **state)
 	stilb_render_dump_destroy(dump);
 }
 
+#define SCENE_MODELS 20u
+
+/* Draws a scene, in one pass together with a mesh by hand unless that is {0}, and saves the frame. */
+static stilb_result dump_scene(stilb_render *render, const stilb_scene *scene, frame *by_hand, stilb_job_pool *pool,
+                               const char *path)
+{
+	stilb_render_view views[2];
+	uint32_t ids[SCENE_MODELS];
+	stilb_mat4 place = stilb_mat4_identity();
+	fill_views(views);
+	for (uint32_t i = 0; i < SCENE_MODELS; i++)
+		ids[i] = i;
+	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
+	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
+	assert_int_equal(stilb_render_record(render, 0, scene, ids, SCENE_MODELS, pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_pass_begin(render, 1, 1), STILB_OK);
+	stilb_render_context *context = stilb_render_context_get(render, 0);
+	stilb_render_segment_begin(context, 1, 0);
+	if (by_hand)
+		stilb_render_draw(context, by_hand->meshes[0], by_hand->materials[0], &place);
+	stilb_render_segment_end(context);
+	assert_int_equal(stilb_render_pass_end(render, 1), STILB_OK);
+	assert_int_equal(stilb_render_replay(render, passes, 2, views, 2, pool, 0), STILB_OK);
+	return save(render, path);
+}
+
+/* A scene's frame is the same file whatever was shown before. */
+static void a_scene_keeps_its_ids(void **state)
+{
+	(void)state;
+	stilb_scene *scenes[2];
+	stilb_scene_mesh plane;
+	stilb_job_pool *pool = make_pool(0);
+	stilb_render *old = make_render(1, 0, 0, false), *new = make_render(1, 0, 0, false);
+	size_t size, size_again;
+	for (int i = 0; i < 2; i++)
+		assert_int_equal(stilb_scene_create_stress(SCENE_MODELS, (uint64_t)i, &scenes[i]), STILB_OK);
+	frame by_hand = {.render = old};
+	assert_int_equal(stilb_scene_mesh_plane(&plane), STILB_OK);
+	assert_int_equal(stilb_render_mesh_create(old, &plane, &by_hand.meshes[0]), STILB_OK);
+	assert_int_equal(
+		stilb_render_material_create(old, &scenes[0]->materials[0], (stilb_render_texture){0}, &by_hand.materials[0]),
+		STILB_OK);
+	for (int i = 0; i < 5; i++)
+		assert_int_equal(dump_scene(old, scenes[i % 2], NULL, pool, PATH), STILB_OK);
+	assert_int_equal(dump_scene(old, scenes[1], NULL, pool, PATH), STILB_OK);
+	assert_int_equal(dump_scene(new, scenes[1], NULL, pool, PATH_AGAIN), STILB_OK);
+	assert_true(stilb_render_stream_hash(old) == stilb_render_stream_hash(new));
+	uint8_t *bytes = read_bytes(PATH, &size), *again = read_bytes(PATH_AGAIN, &size_again);
+	assert_int_equal(size, size_again);
+	assert_memory_equal(bytes, again, size);
+	assert_int_equal(dump_scene(old, scenes[1], &by_hand, pool, PATH), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "by hand, others with the same ids"));
+	free(bytes);
+	free(again);
+	stilb_scene_mesh_finish(&plane);
+	stilb_render_destroy(old);
+	stilb_render_destroy(new);
+	stilb_scene_destroy(scenes[0]);
+	stilb_scene_destroy(scenes[1]);
+	stilb_job_pool_destroy(pool);
+}
+
 static void what_cannot_be_dumped(void **state)
 {
 	(void)state;
@@ -665,6 +728,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_same_stream_comes_back),
 		cmocka_unit_test(only_what_is_used_is_in_it),
+		cmocka_unit_test(a_scene_keeps_its_ids),
 		cmocka_unit_test(what_cannot_be_dumped),
 		test_one_thread(every_change_is_noticed),
 		test_one_thread(every_signed_change_is_refused_or_plays),

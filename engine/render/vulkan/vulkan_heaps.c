@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define HEAPS_TEXTURE_ALIGN 16u /* bytes: where a texture's pixels may start in the staging buffer; size of 4 floats */
-#define HEAPS_STAGING_KEPT (16ull << 20) /* bytes; larger staging buffers, as for a scene, are freed after the frame */
+/* Bytes; a larger staging buffer, as for a scene, is freed when a frame has used less than a quarter of it. */
+#define HEAPS_STAGING_KEPT (16ull << 20)
 
 static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 	[RENDER_HEAP_VERTICES] = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
@@ -35,8 +36,9 @@ void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot)
 	for (uint32_t b = 0; b < slot->outgrown_count; b++)
 		vulkan_buffer_destroy(device, &slot->outgrown[b]);
 	slot->outgrown_count = 0;
-	if (slot->staging.size > HEAPS_STAGING_KEPT)
+	if (slot->staging.size > HEAPS_STAGING_KEPT && slot->staging_used < slot->staging.size / 4)
 		vulkan_buffer_destroy(device, &slot->staging);
+	slot->staging_used = 0;
 }
 
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
@@ -237,6 +239,7 @@ stilb_result vulkan_update(render_device *base, const render_resources *resource
 	material_set_update(device, slot);
 	for (uint32_t u = 0; u < resources->upload_count; u++)
 		bytes += texture_bytes(&resources->uploads[u]);
+	slot->staging_used = bytes;
 	if (bytes == 0)
 		return STILB_OK;
 	result = staging_fit(device, slot, bytes);

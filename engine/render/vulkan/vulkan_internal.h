@@ -104,7 +104,8 @@ typedef struct vulkan_slot {
 	vulkan_list *lists;   /* [list_count] one for each part that a pass is cut into; secondary replay alone */
 	uint32_t list_count;
 	vulkan_buffer memory[RENDER_MEMORY_KINDS];
-	vulkan_buffer staging; /* the source of update's copies */
+	vulkan_buffer staging;     /* the source of update's copies */
+	VkDeviceSize staging_used; /* bytes of it that the slot's frame copies */
 	vulkan_buffer
 		*outgrown; /* [outgrown_count] replaced in this slot's frame, and still read by it or the one before */
 	uint32_t outgrown_count, outgrown_capacity;

@@ -158,8 +158,10 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
 		.imageExtent = {upload->image.width, upload->image.height, 1},
 	};
+	/* Draws of the frames before may still sample a texture that is written again. */
 	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE,
+	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+	                     VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_NONE,
 	                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
 	vkCmdCopyBufferToImage(slot->draw, slot->staging.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

@@ -266,6 +266,9 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 		return result;
 	stilb_scene_edits *edits = scene->edits;
 	uint32_t first = scene->first_part[id], end = scene->first_part[id + 1];
+	for (uint32_t l = 0; l < scene->light_count; l++)
+		if (scene->lights[l].face > first && scene->lights[l].face <= end)
+			scene->lights[l].face = 0;
 	for (uint32_t p = first; p < end; p++) {
 		edits->meshes.users[scene->part_mesh[p]]--;
 		edits->materials.users[scene->part_material[p]]--;

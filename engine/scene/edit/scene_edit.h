@@ -49,6 +49,7 @@ extern "C" {
 stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transform, const stilb_scene_build_part *parts,
                                    uint32_t part_count, uint32_t *id);
 
+/* A light whose face was a part of the model has none from then on. */
 stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id);
 
 /* Moves all parts of a model to this transform. */

@@ -1,0 +1,214 @@
+/* The meshes, materials and textures of the scene that is shown: created with it, and brought up to date with the lists
+ * of what has changed in it. */
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void render_scene_finish(render_scene *scene)
+{
+	free(scene->meshes);
+	free(scene->materials);
+	free(scene->textures);
+	*scene = (render_scene){0};
+}
+
+/* Destroys what the scene holds, materials before their textures. */
+static void shown_destroy(stilb_render *render, render_scene *scene)
+{
+	for (uint32_t i = 0; i < scene->mesh_count; i++)
+		stilb_render_mesh_destroy(render, scene->meshes[i]);
+	for (uint32_t i = 0; i < scene->material_count; i++)
+		stilb_render_material_destroy(render, scene->materials[i]);
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		stilb_render_texture_destroy(render, scene->textures[i].texture);
+	render_scene_finish(scene);
+}
+
+/* Makes one table at least `count` long; new entries are zeros, handles that nothing needs to destroy. */
+static bool shown_table_fit(void **table, uint32_t *capacity, uint32_t count, size_t size)
+{
+	uint32_t before = *capacity;
+	if (!render_reserve(table, capacity, count, size))
+		return false;
+	if (*capacity > before)
+		memset((char *)*table + before * size, 0, (*capacity - before) * size);
+	return true;
+}
+
+/* Makes the tables as long as the scene's. */
+static stilb_result shown_fit(render_scene *tables, const stilb_scene *scene)
+{
+	if (!shown_table_fit((void **)&tables->meshes, &tables->mesh_capacity, scene->mesh_count, sizeof *tables->meshes) ||
+	    !shown_table_fit((void **)&tables->materials, &tables->material_capacity, scene->material_count,
+	                     sizeof *tables->materials) ||
+	    !shown_table_fit((void **)&tables->textures, &tables->texture_capacity, scene->texture_count,
+	                     sizeof *tables->textures))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
+	tables->mesh_count = scene->mesh_count;
+	tables->material_count = scene->material_count;
+	tables->texture_count = scene->texture_count;
+	return STILB_OK;
+}
+
+/* ---- one thing --------------------------------------------------------------------------------------------------- */
+
+/* Replaces the mesh; one without vertices is no mesh. On failure the one before stays. */
+static stilb_result shown_mesh_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
+{
+	stilb_render_mesh mesh = {0};
+	stilb_result result = STILB_OK;
+	if (scene->meshes[id].vertices || scene->meshes[id].vertex_count > 0)
+		result = stilb_render_mesh_create(render, &scene->meshes[id], &mesh);
+	if (result != STILB_OK)
+		return result;
+	if (mesh.id)
+		render_mesh_name(render, mesh, id);
+	stilb_render_mesh_destroy(render, tables->meshes[id]);
+	tables->meshes[id] = mesh;
+	return STILB_OK;
+}
+
+static stilb_render_texture shown_material_texture(const render_scene *tables, const stilb_scene *scene, uint32_t id)
+{
+	uint32_t texture = scene->materials[id].diffuse_texture;
+	STILB_ASSERT(texture <= scene->texture_count);
+	return texture ? tables->textures[texture - 1].texture : (stilb_render_texture){0};
+}
+
+static stilb_result shown_material_set(stilb_render *render, render_scene *tables, const stilb_scene *scene,
+                                       uint32_t id)
+{
+	stilb_render_material *material = &tables->materials[id];
+	stilb_render_texture texture = shown_material_texture(tables, scene, id);
+	if (material->id)
+		return render_material_write(render, *material, &scene->materials[id], texture);
+	stilb_result result = stilb_render_material_create(render, &scene->materials[id], texture, material);
+	if (result == STILB_OK)
+		render_material_name(render, *material, id);
+	return result;
+}
+
+/* Writes into the texture if it has the image's size and format, else replaces it; an image without pixels is no
+ * texture. *replaced: the materials that name it must be written again. On failure the one before stays. */
+static stilb_result shown_texture_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id,
+                                      bool *replaced)
+{
+	const stilb_image *image = &scene->textures[id];
+	render_scene_texture *now = &tables->textures[id], next = {.width = image->width, .height = image->height};
+	stilb_result result = STILB_OK;
+	next.format = image->format;
+	*replaced = false;
+	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
+	    now->format == next.format)
+		return render_texture_write(render, now->texture, image);
+	if (image->pixels)
+		result = stilb_render_texture_create(render, image, &next.texture);
+	if (result != STILB_OK)
+		return result;
+	stilb_render_texture_destroy(render, now->texture);
+	*now = next;
+	*replaced = true;
+	return STILB_OK;
+}
+
+/* ---- the whole scene --------------------------------------------------------------------------------------------- */
+
+/* A part may not name a mesh that was removed. */
+static stilb_result shown_check_parts(const stilb_scene *scene, const render_scene *tables)
+{
+	for (uint32_t p = 0; p < scene->part_count; p++)
+		if (scene->part_mesh[p] != STILB_SCENE_NONE && !tables->meshes[scene->part_mesh[p]].id)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "part %u of the scene is mesh %u, which has no vertices", p,
+			                  scene->part_mesh[p]);
+	return STILB_OK;
+}
+
+static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, render_scene *tables)
+{
+	bool replaced;
+	stilb_result result = shown_fit(tables, scene);
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
+		result = shown_mesh_set(render, tables, scene, i);
+	if (result == STILB_OK)
+		result = shown_check_parts(scene, tables);
+	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++)
+		result = shown_texture_set(render, tables, scene, i, &replaced);
+	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
+		result = shown_material_set(render, tables, scene, i);
+	return result;
+}
+
+stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render_scene next = {0};
+	stilb_result result = scene ? shown_fill(render, scene, &next) : STILB_OK;
+	if (result != STILB_OK) {
+		shown_destroy(render, &next);
+		return result;
+	}
+	shown_destroy(render, &render->scene);
+	render->scene = next;
+	return STILB_OK;
+}
+
+/* ---- what has changed in it -------------------------------------------------------------------------------------- */
+
+/* Textures come before the materials that name them. */
+static stilb_result shown_update_textures(stilb_render *render, const stilb_scene *scene,
+                                          const stilb_scene_changes *changes)
+{
+	render_scene *tables = &render->scene;
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < changes->texture_count && result == STILB_OK; i++) {
+		uint32_t texture = changes->textures[i];
+		bool replaced;
+		result = shown_texture_set(render, tables, scene, texture, &replaced);
+		for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
+			if (scene->materials[m].diffuse_texture == texture + 1)
+				result = shown_material_set(render, tables, scene, m);
+	}
+	return result;
+}
+
+static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene *scene,
+                                        const stilb_scene_changes *changes)
+{
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < changes->mesh_count && result == STILB_OK; i++)
+		result = shown_mesh_set(render, &render->scene, scene, changes->meshes[i]);
+	for (uint32_t i = 0; i < changes->vertices_count && result == STILB_OK; i++) {
+		stilb_scene_vertices range = changes->vertices[i];
+		result = render_mesh_write(render, render->scene.meshes[range.mesh], range.first, range.count,
+		                           scene->meshes[range.mesh].vertices + range.first);
+	}
+	return result;
+}
+
+stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *scene,
+                                       const stilb_scene_changes *changes)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(scene && changes);
+	stilb_result result = shown_fit(&render->scene, scene);
+	if (result == STILB_OK)
+		result = shown_update_meshes(render, scene, changes);
+	if (result == STILB_OK)
+		result = shown_update_textures(render, scene, changes);
+	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
+		result = shown_material_set(render, &render->scene, scene, changes->materials[i]);
+	return result;
+}
+
+stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)
+{
+	STILB_ASSERT(id < render->scene.mesh_count);
+	return render->scene.meshes[id];
+}
+
+stilb_render_material stilb_render_scene_material(const stilb_render *render, uint32_t id)
+{
+	STILB_ASSERT(id < render->scene.material_count);
+	return render->scene.materials[id];
+}

@@ -1,0 +1,225 @@
+/* A scene that is edited between frames, on the null device: what is drawn is what a plain loop over the scene finds,
+ * for any number of workers, culling and replay; only what changed is uploaded; scenes that take turns leave nothing
+ * behind. */
+#include "engine_internal.h"
+#include "render/render_internal.h"
+#include "support/render_reference.h"
+#include "tests/engine/edit_script.h"
+
+#include <malloc.h>
+
+#define FRAMES 40
+#define SWAPS (TEST_TSAN ? 60 : 1000)
+
+static stilb_engine *make_engine(uint32_t workers, stilb_render_replay_mode replay, stilb_cull_method cull)
+{
+	stilb_engine *engine;
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.workers = workers;
+	desc.replay = replay;
+	desc.cull = cull;
+	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.width = 160;
+	desc.height = 120;
+	desc.profile = false;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	return engine;
+}
+
+/* The number of models that the scene's camera sees by the definition in cull.h, and of their parts; continues *hash
+ * over the draws of these. */
+static uint32_t find_visible(const stilb_scene *scene, uint32_t *parts, uint64_t *hash)
+{
+	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 160.0f / 120.0f);
+	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
+	const stilb_scene_bounds *b = &scene->bounds;
+	uint32_t count = 0;
+	*parts = 0;
+	for (uint32_t m = 0; m < scene->model_count; m++) {
+		bool visible = true;
+		for (int p = 0; p < 6; p++) {
+			const stilb_plane *plane = &frustum.planes[p];
+			float sum = ((b->x[m] * plane->x + b->y[m] * plane->y) + b->z[m] * plane->z) + plane->distance;
+			visible = visible && sum >= -b->radius[m];
+		}
+		count += visible;
+		*parts += visible ? scene->first_part[m + 1] - scene->first_part[m] : 0;
+		if (visible)
+			*hash = reference_hash_models(*hash, scene, &m, 1);
+	}
+	return count;
+}
+
+/* Runs the script; hashes: of the stream in each frame. */
+static void run(uint32_t workers, int replay, int cull, uint64_t hashes[FRAMES])
+{
+	edit_script script;
+	stilb_scene *scene = script_begin(&script, 3);
+	stilb_engine *engine = make_engine(workers, (stilb_render_replay_mode)replay, (stilb_cull_method)cull);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	for (uint32_t f = 0; f < FRAMES; f++) {
+		stilb_engine_report report;
+		uint32_t parts;
+		script_step(&script, scene, f);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		uint64_t hash = reference_hash_pass(REFERENCE_HASH_START, &engine->views[0]);
+		assert_int_equal(report.visible, find_visible(scene, &parts, &hash));
+		assert_int_equal(report.render.draws, parts);
+		assert_int_equal(scene->moved_count, 0);
+		hashes[f] = stilb_engine_stream_hash(engine);
+		assert_true(hashes[f] == hash); /* of the scene as it is now, whatever it was before */
+	}
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
+static void edits_do_not_depend_on_workers(void **state)
+{
+	(void)state;
+	static const uint32_t workers[] = {3, 0, 1, 2, 8};
+	uint64_t expected[FRAMES], got[FRAMES];
+	run(0, 0, 0, expected);
+	for (int f = 1; f < FRAMES; f++)
+		assert_true(expected[f] != expected[f - 1]);
+	for (int w = 0; w < (TEST_TSAN ? 1 : 5); w++)
+		for (int replay = 0; replay < 3; replay++) {
+			run(workers[w], replay, (w + replay) % 3, got);
+			assert_memory_equal(got, expected, sizeof got);
+		}
+}
+
+/* ---- what is uploaded -------------------------------------------------------------------------------------------- */
+
+static const render_device_functions *real;
+static uint64_t uploaded[RENDER_HEAPS], uploaded_textures;
+
+static stilb_result count_update(render_device *device, const render_resources *resources)
+{
+	for (int kind = 0; kind < RENDER_HEAPS; kind++) {
+		uploaded[kind] = 0;
+		for (uint32_t r = 0; r < resources->heaps[kind].dirty.count; r++)
+			uploaded[kind] += resources->heaps[kind].dirty.items[r].count;
+	}
+	uploaded_textures = resources->upload_count;
+	return real->update(device, resources);
+}
+
+/* The elements of each heap, and the textures, that the next frame uploads. */
+static void assert_uploads(stilb_engine *engine, uint64_t vertices, uint64_t indices, uint64_t materials,
+                           uint64_t textures)
+{
+	stilb_engine_report report;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(uploaded[RENDER_HEAP_VERTICES], vertices);
+	assert_int_equal(uploaded[RENDER_HEAP_INDICES], indices);
+	assert_int_equal(uploaded[RENDER_HEAP_MATERIALS], materials);
+	assert_int_equal(uploaded_textures, textures);
+}
+
+static void only_changes_are_uploaded(void **state)
+{
+	(void)state;
+	edit_script script;
+	stilb_scene *scene = script_begin(&script, 5);
+	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_AUTO);
+	render_device *device = engine->render->device;
+	render_device_functions counting = *device->functions;
+	stilb_scene_vertex row[SCRIPT_GRID];
+	stilb_scene_material paint = script_paint(&script, 0);
+	stilb_mat4 place = script_place(&script);
+	stilb_image same = script_image(&script, 8);
+	uint32_t vertices = scene->meshes[0].vertex_count + scene->meshes[1].vertex_count;
+	uint32_t indices = scene->meshes[0].index_count + scene->meshes[1].index_count;
+	real = device->functions;
+	counting.update = count_update;
+	device->functions = &counting;
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_uploads(engine, vertices, indices, 2, 1);
+	assert_uploads(engine, 0, 0, 0, 0);
+	assert_int_equal(stilb_scene_set_transform(scene, 3, &place), STILB_OK);
+	assert_int_equal(stilb_scene_remove_model(scene, 4), STILB_OK);
+	assert_uploads(engine, 0, 0, 0, 0);
+	script_sheet_row(2, 1.0f, row);
+	assert_int_equal(stilb_scene_set_vertices(scene, script.sheet, 2 * SCRIPT_GRID, SCRIPT_GRID, row), STILB_OK);
+	assert_int_equal(stilb_scene_set_vertices(scene, script.sheet, 7 * SCRIPT_GRID, 4, row), STILB_OK);
+	assert_uploads(engine, SCRIPT_GRID + 4, 0, 0, 0);
+	assert_int_equal(stilb_scene_set_material(scene, 0, &paint), STILB_OK);
+	assert_uploads(engine, 0, 0, 1, 0);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &same), STILB_OK);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &same), STILB_OK);
+	uint32_t live = engine->render->resources.live, retired = engine->render->resources.retired_count;
+	assert_uploads(engine, 0, 0, 0, 1);
+	assert_int_equal(engine->render->resources.live, live); /* in the place of the old one */
+	assert_int_equal(engine->render->resources.retired_count, retired);
+	stilb_image larger = script_image(&script, 16);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &larger), STILB_OK);
+	assert_uploads(engine, 0, 0, 1, 1); /* the material that names it, too */
+	for (int f = 0; f < 3; f++)
+		assert_uploads(engine, 0, 0, 0, 0);
+	assert_int_equal(engine->render->resources.live, live); /* the old one is free again */
+	device->functions = real;
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- scenes that take turns -------------------------------------------------------------------------------------- */
+
+static void swaps_leave_nothing_behind(void **state)
+{
+	(void)state;
+	edit_script scripts[2];
+	stilb_scene *scenes[2] = {script_begin(&scripts[0], 7), script_begin(&scripts[1], 8)};
+	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_AUTO);
+	const render_resources *resources = &engine->render->resources;
+	stilb_engine_report report;
+	size_t bytes = 0;
+	uint32_t live = 0, vertices = 0;
+	for (int i = 0; i < SWAPS; i++) {
+		assert_int_equal(stilb_engine_set_scene(engine, scenes[i % 2]), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		if (i < 20) {
+			bytes = mallinfo2().uordblks;
+			live = resources->live;
+			vertices = resources->heaps[RENDER_HEAP_VERTICES].size;
+		}
+	}
+	assert_int_equal(resources->live, live);
+	assert_int_equal(resources->heaps[RENDER_HEAP_VERTICES].size, vertices);
+	assert_true(TEST_ASAN || TEST_TSAN || mallinfo2().uordblks <= bytes + 4096);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scenes[0]);
+	stilb_scene_destroy(scenes[1]);
+}
+
+/* Edits made while another scene is shown are there when the scene is shown again. */
+static void edits_of_a_scene_not_shown(void **state)
+{
+	(void)state;
+	edit_script script, other;
+	stilb_scene *scene = script_begin(&script, 9), *beside = script_begin(&other, 10);
+	stilb_engine *engine = make_engine(0, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_OCTREE);
+	stilb_engine_report report;
+	uint32_t parts;
+	uint64_t hash = 0;
+	for (uint32_t f = 0; f < 12; f++) {
+		assert_int_equal(stilb_engine_set_scene(engine, f % 2 ? scene : beside), STILB_OK);
+		script_step(&script, scene, f); /* after it was set, and before that */
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_int_equal(report.visible, find_visible(f % 2 ? scene : beside, &parts, &hash));
+		assert_int_equal(report.render.draws, parts);
+	}
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(beside);
+}
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {
+		cmocka_unit_test(edits_do_not_depend_on_workers),
+		cmocka_unit_test(only_changes_are_uploaded),
+		cmocka_unit_test(swaps_leave_nothing_behind),
+		cmocka_unit_test(edits_of_a_scene_not_shown),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
