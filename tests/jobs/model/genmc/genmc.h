@@ -20,7 +20,9 @@
  *   job_queue_lock_free.c names as seq_cst is weaker, but for the load of used_count in segment_in_use; if cells or
  *   links of that queue are changed relaxed;
  * - one of the counts of the low-lock queue is published relaxed, or read relaxed by a push;
- * - a release or acquire of the SPSC queue is relaxed (all but those of close).
+ * - a release or acquire of the SPSC queue is relaxed (all but those of close);
+ * - a job leaves its group by a release, an acquire or a relaxed exchange, or the count is read relaxed by a wait or by
+ *   a submit of a follower.
  * It finds nothing, because another operation orders the same accesses, if the deque's bottom is put back relaxed after
  * the last pop, if a push reads top relaxed, or if a pop of the low-lock queue reads the producers' count relaxed (the
  * look before the lock has acquired it). It finds nothing, because the program is too short, if the slots of retired
