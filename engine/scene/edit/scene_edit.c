@@ -46,7 +46,9 @@ static stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere 
 	float xx = m[0] * m[0] + m[1] * m[1] + m[2] * m[2], xy = fabsf(m[0] * m[4] + m[1] * m[5] + m[2] * m[6]);
 	float yy = m[4] * m[4] + m[5] * m[5] + m[6] * m[6], xz = fabsf(m[0] * m[8] + m[1] * m[9] + m[2] * m[10]);
 	float zz = m[8] * m[8] + m[9] * m[9] + m[10] * m[10], yz = fabsf(m[4] * m[8] + m[5] * m[9] + m[6] * m[10]);
-	float square = fmaxf(fmaxf(xx + xy + xz, yy + xy + yz), zz + xz + yz);
+	float square = xx + xy + xz, second = yy + xy + yz, third = zz + xz + yz;
+	square = square > second ? square : second; /* not fmaxf, which is a call */
+	square = square > third ? square : third;
 	return (stilb_sphere){at[0], at[1], at[2], sphere.radius * sqrtf(square) * EDIT_MARGIN};
 }
 
@@ -80,7 +82,7 @@ static void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sph
 	scene->bounds.x[model] = sphere.x;
 	scene->bounds.y[model] = sphere.y;
 	scene->bounds.z[model] = sphere.z;
-	scene->edits->radius[model] = sphere.radius;
+	scene->edits->models[model].radius = sphere.radius;
 	if (!shown)
 		return;
 	scene->bounds.radius[model] = sphere.radius;
@@ -115,7 +117,7 @@ void scene_edit_settle(stilb_scene *scene)
 	if (edits->stale_count == 0)
 		return;
 	for (uint32_t m = 0; m < scene->model_count; m++) {
-		if (edits->model_next[m] != EDIT_IN_USE || !edit_is_stale(scene, m))
+		if (edits->models[m].next != EDIT_IN_USE || !edit_is_stale(scene, m))
 			continue;
 		stilb_sphere sphere = edit_fit(scene, m);
 		if (!edit_sphere_is_near(sphere))
@@ -130,12 +132,12 @@ void scene_edit_settle(stilb_scene *scene)
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* STILB_OK if there is such a model and edits can begin. */
-static stilb_result edit_model(stilb_scene *scene, uint32_t id)
+static stilb_result edit_find_model(stilb_scene *scene, uint32_t id)
 {
-	stilb_result result = scene_edit_begin(scene);
+	stilb_result result = scene->edits ? STILB_OK : scene_edit_begin(scene);
 	if (result != STILB_OK)
 		return result;
-	if (id >= scene->model_count || scene->edits->model_next[id] != EDIT_IN_USE)
+	if (id >= scene->model_count || scene->edits->models[id].next != EDIT_IN_USE)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no model %u", id);
 	return STILB_OK;
 }
@@ -171,11 +173,11 @@ static bool edit_take_model(stilb_scene *scene, uint32_t part_count, uint32_t *i
 	while (*link) {
 		uint32_t model = *link - 1;
 		if (scene->first_part[model + 1] - scene->first_part[model] == part_count) {
-			*link = edits->model_next[model];
+			*link = edits->models[model].next;
 			*id = model;
 			return true;
 		}
-		link = &edits->model_next[model];
+		link = &edits->models[model].next;
 	}
 	return false;
 }
@@ -192,9 +194,7 @@ static bool edit_reserve_model(stilb_scene *scene, uint32_t part_count)
 		{(void **)&bounds->radius, sizeof(float), 0},
 		{(void **)&scene->first_part, sizeof(uint32_t), 1},
 		{(void **)&scene->moved, sizeof(uint32_t), 0},
-		{(void **)&edits->radius, sizeof(float), 0},
-		{(void **)&edits->model_next, sizeof(uint32_t), 0},
-		{(void **)&edits->moved_slot, sizeof(uint32_t), 0},
+		{(void **)&edits->models, sizeof *edits->models, 0},
 	};
 	edit_array parts[] = {
 		{(void **)&scene->part_mesh, sizeof(uint32_t), 0},
@@ -252,7 +252,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 		edits->meshes.users[parts[i].mesh]++;
 		edits->materials.users[parts[i].material]++;
 	}
-	edits->model_next[model] = EDIT_IN_USE;
+	edits->models[model].next = EDIT_IN_USE;
 	scene->bounds.radius[model] = sphere.radius; /* shown, also if the model that had this id is removed */
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -261,7 +261,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 
 stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK)
 		return result;
 	stilb_scene_edits *edits = scene->edits;
@@ -274,10 +274,10 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 		edits->materials.users[scene->part_material[p]]--;
 		scene->part_mesh[p] = scene->part_material[p] = STILB_SCENE_NONE;
 	}
-	scene->bounds.radius[id] = edits->radius[id] = (float)NAN;
+	scene->bounds.radius[id] = edits->models[id].radius = (float)NAN;
 	scene_edit_moved(scene, id);
 	uint32_t *bucket = &edits->free_models[(end - first) % EDIT_BUCKETS];
-	edits->model_next[id] = *bucket;
+	edits->models[id].next = *bucket;
 	*bucket = id + 1;
 	return STILB_OK;
 }
@@ -286,7 +286,7 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms, uint32_t step)
 {
 	STILB_ASSERT(transforms);
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK)
 		return result;
 	stilb_sphere sphere = {0};
@@ -313,7 +313,7 @@ stilb_result stilb_scene_set_part_transforms(stilb_scene *scene, uint32_t id, co
 
 stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part, stilb_scene_build_part with)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result == STILB_OK && part >= scene->first_part[id + 1] - scene->first_part[id])
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: there is no part %u", id, part);
 	if (result == STILB_OK)
@@ -339,10 +339,10 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 
 stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK || edit_is_shown(scene, id) == shown)
 		return result;
-	scene->bounds.radius[id] = shown ? scene->edits->radius[id] : (float)NAN;
+	scene->bounds.radius[id] = shown ? scene->edits->models[id].radius : (float)NAN;
 	scene_edit_moved(scene, id);
 	return STILB_OK;
 }

@@ -27,6 +27,12 @@ typedef struct edit_ids {
 	uint32_t changed_count;
 } edit_ids;
 
+typedef struct edit_model {
+	float radius;  /* of its bounds, also while it is hidden */
+	uint32_t next; /* as edit_ids.next */
+	uint32_t slot; /* as edit_ids.slot, in scene->moved */
+} edit_model;
+
 typedef struct stilb_scene_edits {
 	edit_ids meshes, materials, textures;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
@@ -34,9 +40,7 @@ typedef struct stilb_scene_edits {
 	uint32_t stale_count;      /* meshes of which that is true */
 
 	uint32_t model_capacity, part_capacity;
-	float *radius;                      /* [model_capacity] of the bounds, also while the model is hidden */
-	uint32_t *model_next;               /* [model_capacity] as edit_ids.next */
-	uint32_t *moved_slot;               /* [model_capacity] as edit_ids.slot, in scene->moved */
+	edit_model *models;                 /* [model_capacity] */
 	uint32_t free_models[EDIT_BUCKETS]; /* 1 + the first free model of each list; 0: none */
 
 	stilb_scene_vertices *ranges; /* [range_count] */
