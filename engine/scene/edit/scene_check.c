@@ -20,6 +20,12 @@ bool scene_is_unit(const float v[3])
 	return square >= 0.98f && square <= 1.02f;
 }
 
+bool scene_is_affine(const stilb_mat4 *m)
+{
+	return m->m[3] == 0.0f && m->m[7] == 0.0f && m->m[11] == 0.0f && m->m[15] == 1.0f &&
+	       scene_is_within(m->m, 16, -SCENE_FAR, SCENE_FAR);
+}
+
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id)
 {
 	for (uint32_t i = 0; i < count; i++) {

@@ -13,15 +13,8 @@ bool scene_is_within(const float *values, int count, float low, float high);
 /* True if the length is 1, to 1 %. */
 bool scene_is_unit(const float v[3]);
 
-/* True if the last row is 0 0 0 1 and all elements are within SCENE_FAR. Without a branch for each: it is part of every
- * move of a model. */
-static inline bool scene_is_affine(const stilb_mat4 *m)
-{
-	uint32_t far = 0;
-	for (int i = 0; i < 16; i++)
-		far |= !(m->m[i] >= -SCENE_FAR && m->m[i] <= SCENE_FAR);
-	return !far && m->m[3] == 0.0f && m->m[7] == 0.0f && m->m[11] == 0.0f && m->m[15] == 1.0f;
-}
+/* True if the last row is 0 0 0 1 and all elements are within SCENE_FAR. */
+bool scene_is_affine(const stilb_mat4 *m);
 
 /* Vertices `first` .. first + count - 1 of mesh `id`. */
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);

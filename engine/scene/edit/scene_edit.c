@@ -8,13 +8,12 @@
 
 /* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
-stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
+/* A sphere around the vertices of a mesh, which is then known. */
+static stilb_sphere edit_measure_mesh(stilb_scene *scene, uint32_t mesh)
 {
 	stilb_sphere *known = &scene->edits->mesh_sphere[mesh];
 	const stilb_scene_mesh *from = &scene->meshes[mesh];
 	STILB_ASSERT(mesh < scene->mesh_count);
-	if (!isnan(known->radius))
-		return *known;
 	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, most = 0.0f;
 	for (uint32_t v = 0; v < from->vertex_count; v++)
 		for (int i = 0; i < 3; i++) {
@@ -35,9 +34,15 @@ stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
 	return *known;
 }
 
+static inline stilb_sphere edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
+{
+	stilb_sphere known = scene->edits->mesh_sphere[mesh];
+	return isnan(known.radius) ? edit_measure_mesh(scene, mesh) : known;
+}
+
 /* A sphere that holds the transformed one. The greatest factor by which a matrix A stretches is at most the root of the
  * largest row sum of |A^T A|; that is exact where A keeps right angles. */
-static stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere sphere)
+static inline stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere sphere)
 {
 	const float *m = transform->m;
 	float at[3];
@@ -53,7 +58,7 @@ static stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere 
 }
 
 /* The smallest sphere around both. */
-static stilb_sphere edit_sphere_join(stilb_sphere a, stilb_sphere b)
+static inline stilb_sphere edit_sphere_join(stilb_sphere a, stilb_sphere b)
 {
 	float x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, distance = sqrtf(x * x + y * y + z * z);
 	if (distance + b.radius <= a.radius)
@@ -76,7 +81,7 @@ static bool edit_is_shown(const stilb_scene *scene, uint32_t model)
 	return !isnan(scene->bounds.radius[model]);
 }
 
-static void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
+static inline void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
 {
 	bool shown = edit_is_shown(scene, model);
 	scene->bounds.x[model] = sphere.x;
@@ -95,7 +100,7 @@ static stilb_sphere edit_fit(stilb_scene *scene, uint32_t model)
 	stilb_sphere sum = {0};
 	uint32_t first = scene->first_part[model];
 	for (uint32_t p = first; p < scene->first_part[model + 1]; p++) {
-		stilb_sphere mesh = scene_edit_mesh_sphere(scene, scene->part_mesh[p]);
+		stilb_sphere mesh = edit_mesh_sphere(scene, scene->part_mesh[p]);
 		stilb_sphere part = edit_sphere_place(&scene->part_transform[p], mesh);
 		sum = p == first ? part : edit_sphere_join(sum, part);
 	}
@@ -152,17 +157,26 @@ static stilb_result edit_part_check(const stilb_scene *scene, uint32_t model, st
 	return STILB_OK;
 }
 
-/* Adds to *sum, which is {0} before the first part, the sphere of a mesh at a transform. */
-static stilb_result edit_place_check(stilb_scene *scene, uint32_t model, uint32_t mesh, const stilb_mat4 *transform,
-                                     bool first, stilb_sphere *sum)
+/* Why a sphere that is not near, or a transform that is not affine, is refused. */
+__attribute__((noinline)) static stilb_result edit_refuse_place(uint32_t model, uint32_t mesh,
+                                                                const stilb_mat4 *transform)
 {
 	if (!scene_is_affine(transform))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: its transform is not affine, or not within 1e18", model);
-	stilb_sphere part = edit_sphere_place(transform, scene_edit_mesh_sphere(scene, mesh));
-	*sum = first ? part : edit_sphere_join(*sum, part);
-	if (!edit_sphere_is_near(*sum))
-		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", model, mesh);
-	return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", model, mesh);
+}
+
+/* Adds to *sum the sphere of a mesh at a transform; first: instead of adding. A NaN or an infinity among the elements
+ * of the transform is one in the sphere, so that they need not be looked at one by one. */
+static inline stilb_result edit_place_check(stilb_scene *scene, uint32_t model, uint32_t mesh,
+                                            const stilb_mat4 *transform, bool first, stilb_sphere *sum)
+{
+	const float *m = transform->m;
+	stilb_sphere part = edit_sphere_place(transform, edit_mesh_sphere(scene, mesh));
+	part = first ? part : edit_sphere_join(*sum, part);
+	*sum = part;
+	bool affine = m[3] == 0.0f && m[7] == 0.0f && m[11] == 0.0f && m[15] == 1.0f;
+	return affine && edit_sphere_is_near(part) ? STILB_OK : edit_refuse_place(model, mesh, transform);
 }
 
 /* Takes a removed model with so many parts out of its list. False: there is none. */

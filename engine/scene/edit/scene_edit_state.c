@@ -135,18 +135,6 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-void scene_edit_moved(stilb_scene *scene, uint32_t model)
-{
-	stilb_scene_edits *edits = scene->edits;
-	STILB_ASSERT(edits && model < scene->model_count);
-	uint32_t slot = edits->models[model].slot;
-	if (slot < scene->moved_count && scene->moved[slot] == model)
-		return;
-	STILB_ASSERT(scene->moved_count < edits->model_capacity && "each model stands there once");
-	edits->models[model].slot = scene->moved_count;
-	scene->moved[scene->moved_count++] = model;
-}
-
 void scene_edit_changed(edit_ids *ids, uint32_t id)
 {
 	STILB_ASSERT(id < ids->capacity);
