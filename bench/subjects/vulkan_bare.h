@@ -32,7 +32,7 @@ typedef struct bare_row {
 typedef struct bare_material {
 	float diffuse[3], roughness;
 	float specular[3], anisotropy;
-	float wrap, unused[3];
+	float emission[3], wrap, unused[4];
 } bare_material;
 
 typedef struct bare_view {

@@ -184,6 +184,9 @@ typedef struct stilb_gi_settings {
 	/* BRDF of the highlights; diffuse reflection is always Lambert's. */
 	shade_brdf_model model;
 	stilb_gi_only only;
+	/* Nothing hides a light or the surroundings from a surface, and emission is seen by the camera alone: a light with
+	 * a face lights as the list says. What frames without shadows show, for comparing them; DIRECT only. */
+	bool no_shadows;
 	/* Weight bright samples less, 1 / (1 + luminance): no fireflies, but biased. Source: Karis (2013). */
 	bool firefly_weight;
 	/* Russian roulette: the probability with which a path goes on at each bounce from the third on, 0..1; 0: chosen

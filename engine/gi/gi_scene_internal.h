@@ -52,6 +52,7 @@ struct stilb_gi_scene {
 	stilb_scene_material *materials;
 	const stilb_image *textures;
 	gi_lights lights;
+	gi_lights open_lights; /* of settings.no_shadows */
 	stilb_gi_scene_info info;
 	stilb_scene_vertex *vertices; /* of all meshes, in their order */
 	gi_triangle *triangles;       /* likewise */

@@ -100,6 +100,7 @@ static const field FIELDS[] = {
 	NUMBER(FIELD_U32, model.g, 0, SHADE_G_COUNT - 1),
 	NUMBER(FIELD_U32, model.f, 0, SHADE_F_COUNT - 1),
 	NAMED(only, ONLY_NAMES),
+	SWITCH(no_shadows),
 	SWITCH(firefly_weight),
 	NUMBER(FIELD_FLOAT, roulette, 0, 1),
 	NUMBER(FIELD_U32, rays, 1, 65536),
@@ -208,6 +209,8 @@ stilb_result gi_settings_check(const stilb_gi_settings *settings)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "cannot render: lens.blades is %u; an aperture is round (0) or has 3 to 16",
 		                  settings->lens.blades);
+	if (settings->no_shadows && settings->integrator != STILB_GI_INTEGRATOR_DIRECT)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: no_shadows is for the integrator direct alone");
 	if (settings->ao_weighted && !(settings->ao_distance > 0.0f))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: ao_weighted needs an ao_distance above 0");
 	return STILB_OK;

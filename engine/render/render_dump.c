@@ -71,6 +71,7 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 			.roughness = from->roughness, .anisotropy = from->anisotropy, .wrap = from->wrap};
 		memcpy(material.diffuse, from->diffuse, sizeof material.diffuse);
 		memcpy(material.specular, from->specular, sizeof material.specular);
+		memcpy(material.emission, from->emission, sizeof material.emission);
 		if (result == STILB_OK)
 			result = stilb_render_material_create(
 				render, &material, from->texture ? textures[from->texture - 1] : no_texture, &materials[m]);

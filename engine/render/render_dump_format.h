@@ -11,7 +11,7 @@
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
- *   materials          48  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
+ *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
  *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
@@ -78,8 +78,8 @@ typedef struct render_dump_material {
 	uint32_t id;
 	uint32_t texture; /* 0: none, else 1 + its position in the table of textures */
 	float diffuse[3], specular[3];
-	float roughness, anisotropy, wrap;
-	uint32_t unused;
+	float roughness, anisotropy, wrap, emission[3];
+	uint32_t unused[2];
 } render_dump_material;
 
 typedef struct render_dump_mesh {
@@ -94,7 +94,7 @@ typedef struct render_dump_draw {
 
 static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 144 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
-                  sizeof(render_dump_material) == 48 && sizeof(render_dump_mesh) == 16 &&
+                  sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 16 &&
                   sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 

@@ -299,7 +299,7 @@ static stilb_result load_check_materials(const stilb_render_dump *dump, const ch
 		                 (offsetof(render_dump_material, unused) - offsetof(render_dump_material, diffuse)) /
 		                     sizeof(float)))
 			return load_refuse(name, "material %u: a number is not finite", m);
-		if (material->unused != 0)
+		if (material->unused[0] != 0 || material->unused[1] != 0)
 			return load_refuse(name, "material %u: its unused bytes are not zero", m);
 	}
 	return STILB_OK;

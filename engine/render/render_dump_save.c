@@ -334,6 +334,7 @@ static void save_put_materials(const save_job *job)
 		out->roughness = heap[index].roughness;
 		out->anisotropy = heap[index].anisotropy;
 		out->wrap = heap[index].wrap;
+		memcpy(out->emission, heap[index].emission, sizeof out->emission);
 	}
 }
 

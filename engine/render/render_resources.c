@@ -462,6 +462,7 @@ static render_material material_make(const stilb_scene_material *material, uint3
 		.roughness = material->roughness, .anisotropy = material->anisotropy, .wrap = material->wrap, .name = name};
 	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
 	memcpy(out.specular, material->specular, sizeof out.specular);
+	memcpy(out.emission, material->emission, sizeof out.emission);
 	return out;
 }
 

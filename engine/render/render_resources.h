@@ -34,12 +34,12 @@ typedef struct render_mesh_slot {
 typedef struct render_material {
 	float diffuse[3], roughness;
 	float specular[3], anisotropy;
-	float wrap;
+	float emission[3], wrap;
 	uint32_t name; /* as a mesh's; no shader reads it */
-	float unused[2];
+	uint32_t unused[3];
 } render_material;
 
-static_assert(sizeof(render_material) == 48, "std430: three vec4");
+static_assert(sizeof(render_material) == 64, "std430: four vec4");
 
 /* Elements first .. first + count - 1 of a heap. */
 typedef struct render_range {

@@ -9,7 +9,7 @@
 #define SHADE_SURFACE_H
 
 #include "shade_brdf.h"
-#include "shade_light.h"
+#include "shade_light_area.h"
 
 #include "glsl_begin.h"
 
@@ -23,16 +23,52 @@ SHADE_STRUCT(shade_material)
 	float wrap;
 };
 
-/* BRDF times n.l of the material, per channel, sr^-1: diffuse share and highlight. The diffuse share is wrapped by
- * material.wrap, and by nothing for SHADE_BRDF_LAMBERT; the two diffuse kinds have no highlight. */
-SHADE_FN vec3 shade_surface_brdf_cos(shade_brdf_model model, shade_material material, shade_frame frame, vec3 l, vec3 v)
+/* Diffuse share of the BRDF times n.l, per channel, sr^-1. It is wrapped by material.wrap, and by nothing for
+ * SHADE_BRDF_LAMBERT. */
+SHADE_FN vec3 shade_surface_diffuse_cos(shade_brdf_model model, shade_material material, vec3 n, vec3 l)
 {
 	float wrap = select(model.kind == SHADE_BRDF_LAMBERT, 0.0f, material.wrap);
-	vec3 diffuse = material.diffuse * shade_wrapped(dot(frame.n, l), wrap);
+	return material.diffuse * shade_wrapped(dot(n, l), wrap);
+}
+
+/* Highlight times n.l, per channel, sr^-1; the two diffuse kinds have none. */
+SHADE_FN vec3 shade_surface_highlight_cos(shade_brdf_model model, shade_material material, shade_frame frame, vec3 l,
+                                          vec3 v)
+{
 	if (model.kind == SHADE_BRDF_LAMBERT || model.kind == SHADE_BRDF_WRAPPED)
-		return diffuse;
+		return vec3(0.0f);
 	shade_brdf_parameters p = {material.specular, material.roughness, material.anisotropy, material.wrap};
-	return diffuse + shade_brdf_cos(model, p, frame, l, v);
+	return shade_brdf_cos(model, p, frame, l, v);
+}
+
+/* BRDF times n.l of the material, per channel, sr^-1: diffuse share and highlight. */
+SHADE_FN vec3 shade_surface_brdf_cos(shade_brdf_model model, shade_material material, shade_frame frame, vec3 l, vec3 v)
+{
+	return shade_surface_diffuse_cos(model, material, frame.n, l) +
+	       shade_surface_highlight_cos(model, material, frame, l, v);
+}
+
+/* Radiance from the surface to v of one light: seen, from shade_light_at; of a light with a size also spread, from
+ * shade_area_irradiance, which the diffuse share takes in its place, unless it is wrapped. */
+SHADE_FN vec3 shade_surface_lit(shade_brdf_model model, shade_material material, shade_frame frame, shade_sun seen,
+                                bool sized, vec3 spread, vec3 v)
+{
+	bool wrapped = model.kind != SHADE_BRDF_LAMBERT && material.wrap > 0.0f;
+	vec3 even = shade_lambert(material.diffuse) * spread;
+	if (!sized || wrapped)
+		even = shade_surface_diffuse_cos(model, material, frame.n, seen.direction) * seen.irradiance;
+	return even + shade_surface_highlight_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+}
+
+/* The same for a light and a position. */
+SHADE_FN vec3 shade_surface_light(shade_brdf_model model, shade_material material, shade_frame frame, shade_light light,
+                                  vec3 position, vec3 v)
+{
+	bool sized = shade_light_is_sized(light.kind);
+	vec3 spread = vec3(0.0f);
+	if (sized)
+		spread = shade_area_irradiance(light, position, frame.n);
+	return shade_surface_lit(model, material, frame, shade_light_at(light, position), sized, spread, v);
 }
 
 /* Radiance from the surface to v of what the sky sends, evenly reflected: diffuse / pi * E_sky, with E_sky from

@@ -123,7 +123,8 @@ static void make_resources(frame *f)
 		                                 .specular = {0.1f, 0.2f, 0.3f},
 		                                 .roughness = 0.5f,
 		                                 .anisotropy = 0.25f,
-		                                 .wrap = 0.75f};
+		                                 .wrap = 0.75f,
+		                                 .emission = {0.5f, 1.0f, (float)m}};
 		stilb_render_texture texture = m % 5 == 0 ? f->textures[1 + m / 5 % 2] : (stilb_render_texture){0};
 		assert_int_equal(stilb_render_material_create(f->render, &material, texture, &f->materials[m]), STILB_OK);
 	}
@@ -524,12 +525,13 @@ static const struct damage {
 	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3"},
 	{RENDER_DUMP_TEXTURES, 4, 16384, "texture 0: its pixels go beyond"},
 	{RENDER_DUMP_TEXTURES, 20, 1, "bytes of pixels, but textures have"},
-	{RENDER_DUMP_MATERIALS, 48, 0, "material 1: id 0, not in "},
+	{RENDER_DUMP_MATERIALS, 64, 0, "material 1: id 0, not in "},
 	{RENDER_DUMP_MATERIALS, 0, 1 << 24, "material 0: id 16777216, not in 0..16777215"},
 	{RENDER_DUMP_MATERIALS, 4, 3, "material 0: texture 3, but there are 2"},
 	{RENDER_DUMP_MATERIALS, 8, 0x7fc00000, "material 0: a number is not finite"},
 	{RENDER_DUMP_MATERIALS, 40, 0xff800000, "material 0: a number is not finite"},
-	{RENDER_DUMP_MATERIALS, 44, 5, "material 0: its unused"},
+	{RENDER_DUMP_MATERIALS, 52, 0x7fc00000, "material 0: a number is not finite"},
+	{RENDER_DUMP_MATERIALS, 56, 5, "material 0: its unused"},
 	{RENDER_DUMP_MESHES, 16, 1, "mesh 1: id 1, not in 2.."},
 	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},

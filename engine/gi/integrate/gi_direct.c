@@ -17,7 +17,7 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
-	if (!gi_light_sample_at(&view->scene->lights, origin, bsdf->frame.n, numbers[GI_DIMENSION_CHOICE], u, &light))
+	if (!gi_light_sample_at(gi_view_lights(view), origin, bsdf->frame.n, numbers[GI_DIMENSION_CHOICE], u, &light))
 		return false;
 	stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
@@ -34,7 +34,7 @@ stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, co
                            const gi_surface *surface)
 {
 	STILB_ASSERT(surface ? gi_is_hit(ray) : !gi_is_hit(ray));
-	const gi_lights *lights = &view->scene->lights;
+	const gi_lights *lights = gi_view_lights(view);
 	stilb_vec3 origin = gi_ray_origin(&ray->ray), direction = gi_ray_direction(&ray->ray);
 	if (!surface) {
 		stilb_vec3 radiance = gi_environment_radiance(lights, direction);

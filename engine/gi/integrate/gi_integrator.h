@@ -23,6 +23,12 @@ typedef struct gi_view {
 	struct gi_cache *cache; /* IRRADIANCE_CACHE only */
 } gi_view;
 
+/* The lights that are sampled. */
+static inline const gi_lights *gi_view_lights(const gi_view *view)
+{
+	return view->settings.no_shadows ? &view->scene->open_lights : &view->scene->lights;
+}
+
 #define GI_BATCH 1024 /* samples in a batch, at most */
 
 typedef struct gi_batch {

@@ -42,9 +42,11 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	gi_ray_hit ray = gi_ray_hit_make(gi_surface_ray_origin(surface, chosen.direction), chosen.direction);
-	view->scene->tracer.intersect(&view->scene->tracer, &ray);
-	batch->rays_traced++;
 	gi_surface found;
+	if (!view->settings.no_shadows) {
+		view->scene->tracer.intersect(&view->scene->tracer, &ray);
+		batch->rays_traced++;
+	}
 	if (gi_is_hit(&ray))
 		gi_surface_at(view->scene, &ray, &found);
 	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_is_hit(&ray) ? &found : NULL);
@@ -63,6 +65,8 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 	gi_surface surface;
 	gi_surface_at(view->scene, ray, &surface);
 	gi_bsdf bsdf = gi_bsdf_make(&view->settings.model, &surface, -direction);
+	if (view->settings.no_shadows)
+		bsdf.geometric = bsdf.frame.n; /* the triangle itself hides nothing either */
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
 	bool highlight = bsdf.share > 0.0f;
@@ -79,12 +83,14 @@ static void direct_flush(gi_batch *batch, direct_scratch *scratch)
 {
 	PROFILE("gi.shadow");
 	const gi_tracer *tracer = &batch->view->scene->tracer;
-	tracer->occluded(tracer, scratch->shadows, scratch->count);
+	if (!batch->view->settings.no_shadows) {
+		tracer->occluded(tracer, scratch->shadows, scratch->count);
+		batch->rays_traced += scratch->count;
+		batch->shadow_rays += scratch->count;
+	}
 	for (uint32_t s = 0; s < scratch->count; s++)
 		if (scratch->shadows[s].t_max >= 0.0f)
 			batch->radiance[scratch->shadows[s].id] += scratch->light[s];
-	batch->rays_traced += scratch->count;
-	batch->shadow_rays += scratch->count;
 }
 
 static void direct_shade(gi_batch *batch)

@@ -20,11 +20,11 @@ static bool shines(const float color[3])
 	return gi_brightness(gi_vector(color)) > 0.0f && isfinite(gi_brightness(gi_vector(color)));
 }
 
-/* Lights with a face are left out: the triangles of that part emit their light. */
-static void copy_listed(const stilb_scene *scene, gi_lights *lights)
+/* faces: copy the lights with a face, too. */
+static void copy_listed(const stilb_scene *scene, bool faces, gi_lights *lights)
 {
 	for (uint32_t i = 0; i < scene->light_count; i++)
-		if (shines(scene->lights[i].intensity) && !scene->lights[i].face)
+		if (shines(scene->lights[i].intensity) && (faces || !scene->lights[i].face))
 			lights->listed[lights->listed_count++] = gi_light_listed_make(&scene->lights[i]);
 }
 
@@ -108,17 +108,11 @@ static bool lights_are_sound(const gi_lights *lights)
 	return true;
 }
 
-stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
-                              gi_lights *lights)
+/* Fills in lights, whose emitter_count and environment are set. */
+static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emitters, bool faces, gi_lights *lights)
 {
-	STILB_ASSERT(scene && lights);
-	STILB_ASSERT(emitters || emitter_count == 0);
-	*lights = (gi_lights){.emitter_count = emitter_count};
-	stilb_result result = gi_environment_create(scene, &lights->environment);
-	if (result != STILB_OK) {
-		*lights = (gi_lights){0};
-		return result;
-	}
+	uint32_t emitter_count = lights->emitter_count;
+	stilb_result result = STILB_OK;
 	size_t listed = scene->light_count, placed = listed + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
 	lights->listed = stilb_memory_alloc(listed, sizeof *lights->listed);
@@ -129,7 +123,7 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
 	if (leaves && lights->listed && lights->distant && lights->shapes && lights->shape_of && lights->leaf_of &&
 	    lights->nodes) {
-		copy_listed(scene, lights);
+		copy_listed(scene, faces, lights);
 		make_shapes(emitters, emitter_count, lights);
 		make_choice(lights, leaves);
 		STILB_CHECK(lights_are_sound(lights));
@@ -141,9 +135,30 @@ stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitte
 	return result;
 }
 
+stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
+                              gi_lights *lights)
+{
+	STILB_ASSERT(scene && lights);
+	STILB_ASSERT(emitters || emitter_count == 0);
+	*lights = (gi_lights){.emitter_count = emitter_count};
+	stilb_result result = gi_environment_create(scene, &lights->environment);
+	if (result == STILB_OK)
+		return lights_fill(scene, emitters, false, lights);
+	*lights = (gi_lights){0};
+	return result;
+}
+
+stilb_result gi_lights_create_open(const stilb_scene *scene, const gi_lights *lights, gi_lights *open)
+{
+	STILB_ASSERT(scene && lights && lights->environment && open);
+	*open = (gi_lights){.environment = lights->environment, .shares_environment = true};
+	return lights_fill(scene, NULL, true, open);
+}
+
 void gi_lights_destroy(gi_lights *lights)
 {
-	gi_environment_destroy(lights->environment);
+	if (!lights->shares_environment)
+		gi_environment_destroy(lights->environment);
 	free(lights->listed);
 	free(lights->distant);
 	free(lights->shapes);

@@ -33,6 +33,7 @@ typedef struct gi_lights {
 	uint32_t *distant;
 	uint32_t distant_count;
 	struct gi_environment *environment; /* never NULL; black if there are no surroundings */
+	bool shares_environment;            /* with other gi_lights, which own it */
 } gi_lights;
 
 /* emitters: the triangles of all parts whose material emits, in the order of their light numbers; one of area 0 is
@@ -41,6 +42,10 @@ typedef struct gi_lights {
  * Errors: STILB_ERROR_MEMORY; STILB_ERROR_ARGUMENT: the panorama has no floats. Then lights is {0}. */
 stilb_result gi_lights_create(const stilb_scene *scene, const gi_emitter *emitters, uint32_t emitter_count,
                               gi_lights *lights);
+
+/* The lights of stilb_gi_settings.no_shadows: the list with the lights that have a face, and the surroundings, which
+ * are those of lights and must outlive open; no emitting triangles. STILB_ERROR_MEMORY; then open is {0}. */
+stilb_result gi_lights_create_open(const stilb_scene *scene, const gi_lights *lights, gi_lights *open);
 
 /* Accepts {0}. */
 void gi_lights_destroy(gi_lights *lights);

@@ -35,14 +35,18 @@ layout(set = 1, binding = 0, std430) readonly buffer Bound { Material material; 
 
 layout(location = 0) out vec4 color;
 
-// The draw's material plus the view's additions.
-shade_material material_here()
+Material stored_material()
 {
 #ifdef MESH_BIND
-	Material m = bound.material;
+	return bound.material;
 #else
-	Material m = push.materials.materials[material_index];
+	return push.materials.materials[material_index];
 #endif
+}
+
+// The draw's material plus the view's additions.
+shade_material material_here(Material m)
+{
 	vec3 diffuse = m.diffuse_roughness.xyz;
 #ifdef MESH_TEXTURE
 	diffuse *= texture(diffuse_texture, surface_uv).rgb;
@@ -54,7 +58,7 @@ shade_material material_here()
 	return shade_material(reflectance.diffuse, reflectance.specular,
 		clamp(m.diffuse_roughness.w + added.x, 0.0, 1.0),
 		clamp(m.specular_anisotropy.w + added.y, -1.0, 1.0),
-		clamp(m.wrap.x + added.z, 0.0, 1.0));
+		clamp(m.emission_wrap.w + added.z, 0.0, 1.0));
 }
 
 // Meshes have no tangents: anisotropic materials are brushed around the vertical axis, as if turned on a lathe.
@@ -82,23 +86,26 @@ shade_light light_of(uint index)
 		half_y_radius.xyz, direction_reach.w);
 }
 
-// What a light sends to v.
+// What a light sends to v. Each kind has code of its own, so that nothing is left of kinds that the list has not.
 vec3 from_light(shade_light light, shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
 	shade_sun seen = {vec3(0.0, 0.0, 1.0), vec3(0.0)};
-#define FROM_LIGHT(of_kind)                                                                                            \
+	vec3 spread = vec3(0.0);
+#define FROM_LIGHT(of_kind, sized)                                                                                     \
 	if ((lights & (1u << of_kind)) != 0 && light.kind == of_kind) {                                                    \
 		light.kind = of_kind;                                                                                          \
 		seen = shade_light_at(light, world_position);                                                                  \
+		if (sized)                                                                                                     \
+			spread = shade_area_irradiance(light, world_position, frame.n);                                            \
 	}
-	FROM_LIGHT(SHADE_LIGHT_POINT)
-	FROM_LIGHT(SHADE_LIGHT_SPOT)
-	FROM_LIGHT(SHADE_LIGHT_DIRECTIONAL)
-	FROM_LIGHT(SHADE_LIGHT_SPHERE)
-	FROM_LIGHT(SHADE_LIGHT_DISK)
-	FROM_LIGHT(SHADE_LIGHT_RECTANGLE)
+	FROM_LIGHT(SHADE_LIGHT_POINT, false)
+	FROM_LIGHT(SHADE_LIGHT_SPOT, false)
+	FROM_LIGHT(SHADE_LIGHT_DIRECTIONAL, false)
+	FROM_LIGHT(SHADE_LIGHT_SPHERE, true)
+	FROM_LIGHT(SHADE_LIGHT_DISK, true)
+	FROM_LIGHT(SHADE_LIGHT_RECTANGLE, true)
 #undef FROM_LIGHT
-	return shade_surface_brdf_cos(model, material, frame, seen.direction, v) * seen.irradiance;
+	return shade_surface_lit(model, material, frame, seen, shade_light_is_sized(light.kind), spread, v);
 }
 
 // What the lights of the view's list send to v.
@@ -121,11 +128,13 @@ vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 void main()
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
-	shade_material material = material_here();
+	Material stored = stored_material();
+	shade_material material = material_here(stored);
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
 	vec3 n = normalize(world_normal);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera) + shade_surface_sky(material, sky, n);
+	radiance += stored.emission_wrap.xyz;
 	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
 	if (drawn != 0 && (material_index & 1) != drawn - 1)

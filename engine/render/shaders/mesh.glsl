@@ -6,7 +6,8 @@
 struct Material {
 	vec4 diffuse_roughness;
 	vec4 specular_anisotropy;
-	vec4 wrap; // in x; the others are unused
+	vec4 emission_wrap;
+	uvec4 unused;
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Materials { Material materials[]; };

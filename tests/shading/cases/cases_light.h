@@ -5,6 +5,7 @@
 
 #include "case_inputs.h"
 #include "shading/shade_light.h"
+#include "shading/shade_light_area.h"
 #include "shading/shade_light_cone.h"
 
 #include "shading/glsl_begin.h"
@@ -35,8 +36,11 @@
 	X(20, shade_cone_across, 1e-5f, 1e-6f)                                                                             \
 	X(21, shade_cone_union, 1e-5f, 1e-6f)                                                                              \
 	X(22, shade_spot_share, 1e-5f, 1e-5f)                                                                              \
-	X(23, shade_light_at_direction, 1e-5f, 1e-5f)
-#define SHADE_CASES_LIGHT_COUNT 24
+	X(23, shade_light_at_direction, 1e-5f, 1e-5f)                                                                      \
+	X(24, shade_sphere_irradiance, 1e-4f, 1e-4f)                                                                       \
+	X(25, shade_disk_and_rectangle_irradiance, 1e-4f, 1e-4f)                                                           \
+	X(26, shade_area_irradiance, 1e-4f, 1e-4f)
+#define SHADE_CASES_LIGHT_COUNT 27
 
 SHADE_FN shade_light shade_case_some_light(vec4 a, vec4 b)
 {
@@ -157,8 +161,29 @@ SHADE_FN vec4 shade_case_spots(vec4 a, vec4 b)
 	return vec4(shade_spot_share(2.0f * a[0] - 1.0f, inner, outer), shade_spot_share(a[1], inner, inner), 0.0f, 0.0f);
 }
 
+SHADE_FN vec4 shade_case_areas(int row, vec4 a, vec4 b)
+{
+	vec3 n = shade_case_direction(a[3], b[3]);
+	if (row == 24)
+		return vec4(shade_sphere_irradiance(2.0f * a[0] - 1.0f, 0.001f + 0.999f * a[1]), 0.0f, 0.0f, 0.0f);
+	shade_light light = shade_case_some_light(a, b);
+	vec3 direction = shade_case_direction(b[0], b[1]);
+	vec3 x = normalize(cross(direction, vec3(0.3f, 0.5f, 0.8f))) * (0.1f + a[0]);
+	vec3 y = cross(x, direction);
+	vec3 center = 3.0f * vec3(b[2], a[1], a[2]) - 1.5f;
+	if (row == 25)
+		return vec4(shade_disk_irradiance(center, direction, 0.1f + a[0], n),
+		            shade_rectangle_irradiance(center, direction, x, y, n), 0.0f, 0.0f);
+	light.kind = SHADE_LIGHT_SPHERE + int(b[3] * 2.999f);
+	light.half_x = x;
+	light.half_y = y;
+	return vec4(shade_area_irradiance(light, light.position - center, n) * 0.1f, 0.0f);
+}
+
 SHADE_FN vec4 shade_case_light(int row, vec4 a, vec4 b)
 {
+	if (row > 23)
+		return shade_case_areas(row, a, b);
 	if (row == 22)
 		return shade_case_spots(a, b);
 	if (row == 23)

@@ -1,0 +1,236 @@
+/* shade_light_area.h against integrals over the lights' surfaces, in double, and against closed forms of others. */
+#include "numeric/numeric_quadrature.h"
+#include "shading/shade_frame.h"
+#include "shading/shade_light_area.h"
+#include "support/shade_proof.h"
+
+#include <math.h>
+
+#define TRIALS 60
+#define GRID 160 /* cells along a side of a flat light: the horizon's edge in them costs 4e-5 */
+
+typedef struct flat {
+	stilb_vec3 center, direction, half_x, half_y;
+	stilb_vec3 n;
+	double radius; /* of a disk; 0: a rectangle */
+} flat;
+
+/* What a point of the light, in units of its halves, gives to the integral over its area. */
+static double flat_at(const flat *f, double x, double y)
+{
+	double p[3], square = 0.0, here = 0.0, there = 0.0;
+	for (int i = 0; i < 3; i++) {
+		p[i] = (double)f->center[i] + x * (double)f->half_x[i] + y * (double)f->half_y[i];
+		square += p[i] * p[i];
+		here += p[i] * (double)f->n[i];
+		there -= p[i] * (double)f->direction[i];
+	}
+	return fmax(here, 0.0) * fmax(there, 0.0) / (square * square);
+}
+
+/* E / L by the midpoints of a grid; of a disk in polar coordinates. */
+static double flat_integral(const flat *f)
+{
+	double sum = 0.0, x2 = (double)stilb_vec3_dot(f->half_x, f->half_x),
+		   y2 = (double)stilb_vec3_dot(f->half_y, f->half_y);
+	for (int i = 0; i < GRID; i++)
+		for (int k = 0; k < GRID; k++) {
+			double a = (i + 0.5) / GRID, b = (k + 0.5) / GRID;
+			sum += f->radius > 0.0 ? a * flat_at(f, a * cos(2.0 * M_PI * b), a * sin(2.0 * M_PI * b))
+			                       : flat_at(f, 2.0 * a - 1.0, 2.0 * b - 1.0);
+		}
+	double area = f->radius > 0.0 ? 2.0 * M_PI * f->radius * f->radius : 4.0 * sqrt(x2 * y2);
+	return sum * area / GRID / GRID;
+}
+
+/* A light about the size of its distance, so that its plane and the horizon lie anywhere. */
+static flat random_flat(shade_proof_random *random, bool disk)
+{
+	flat f;
+	f.direction = shade_proof_random_direction(random);
+	shade_frame frame = shade_frame_from_normal(f.direction);
+	float turn = shade_proof_range(random, 0.0f, 6.28f), x = shade_proof_range(random, 0.2f, 1.5f);
+	float y = disk ? x : shade_proof_range(random, 0.2f, 1.5f);
+	f.half_x = (frame.t * cosf(turn) + frame.b * sinf(turn)) * x;
+	f.half_y = (frame.b * cosf(turn) - frame.t * sinf(turn)) * y;
+	if (shade_proof_uniform(random) < 0.5f)
+		f.half_y = -f.half_y;
+	stilb_vec3 beside =
+		f.half_x * shade_proof_range(random, -2.0f, 2.0f) + f.half_y * shade_proof_range(random, -2.0f, 2.0f);
+	f.center = beside - f.direction * shade_proof_range(random, 0.4f, 2.0f);
+	f.n = shade_proof_random_direction(random);
+	f.radius = disk ? (double)x : 0.0;
+	return f;
+}
+
+static double flat_formula(const flat *f)
+{
+	return (double)(f->radius > 0.0 ? shade_disk_irradiance(f->center, f->direction, (float)f->radius, f->n)
+	                                : shade_rectangle_irradiance(f->center, f->direction, f->half_x, f->half_y, f->n));
+}
+
+static void flat_lights_are_exact(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 12};
+	for (int disk = 0; disk < 2; disk++) {
+		int cut = 0;
+		for (int i = 0; i < TRIALS; i++) {
+			flat f = random_flat(&random, disk);
+			double truth = flat_integral(&f), middle = (double)stilb_vec3_dot(f.center, f.n);
+			SHADE_PROOF_NEAR(flat_formula(&f), truth, 6e-5, 6e-5);
+			cut += truth > 0.0 && fabs(middle) < 0.5 * fabs(f.radius);
+			f.center -= f.direction * (2.0f * stilb_vec3_dot(f.center, f.direction)); /* the point is behind it */
+			assert_true(flat_formula(&f) == 0.0);
+		}
+		assert_true(!disk || cut > 5); /* disks that the horizon cuts in two */
+	}
+}
+
+/* Small lights that the horizon cuts: against the same integral, as a share of what they send where they face. */
+static void small_lights_on_the_horizon(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 21};
+	double cut = 0.0;
+	for (int i = 0; i < 3 * TRIALS; i++) {
+		flat f = random_flat(&random, i & 1);
+		float size = shade_proof_log_range(&random, 1e-5f, 0.1f);
+		f.half_x *= size;
+		f.half_y *= size;
+		f.radius *= (double)size;
+		float reach = sqrtf(stilb_vec3_dot(f.half_x, f.half_x) + stilb_vec3_dot(f.half_y, f.half_y));
+		stilb_vec3 to_light = stilb_vec3_normalize(f.center);
+		f.n = stilb_vec3_normalize(stilb_vec3_cross(to_light, f.n)); /* upright to the light, then turned a little */
+		f.n = stilb_vec3_normalize(f.n + to_light * (shade_proof_range(&random, -1.2f, 1.2f) * reach));
+		flat facing = f;
+		facing.n = to_light;
+		double most = flat_integral(&facing), truth = flat_integral(&f);
+		SHADE_PROOF_NEAR(flat_formula(&f) / most, truth / most, 0.0, 4e-4);
+		cut += truth > 0.0;
+	}
+	assert_true(cut > TRIALS);
+}
+
+/* From afar the falloffs of shade_light.h; on the axis, where the arc's denominators vanish, Foote's value; a disk that
+ * the horizon halves gives half of what it and its other half do together. */
+static void disks_in_special_places(void **state)
+{
+	(void)state;
+	stilb_vec3 down = stilb_vec3_make(0.0f, -1.0f, 0.0f), up = -down;
+	for (double h = 0.01; h < 1e4; h *= 1.9) {
+		stilb_vec3 center = stilb_vec3_make(0.0f, (float)h, 0.0f);
+		double whole = M_PI / (1.0 + h * h);
+		SHADE_PROOF_NEAR(shade_disk_irradiance(center, down, 1.0f, up), whole, 2e-5, 0.0);
+		/* A surface that stands upright sees one half, and one that faces the other way the other. */
+		for (float turn = 0.0f; turn < 6.0f; turn += 1.1f) {
+			stilb_vec3 n = stilb_vec3_make(cosf(turn), 0.0f, sinf(turn));
+			/* E / L of half a disk on an upright surface: atan(1 / h) - h / (1 + h^2). */
+			SHADE_PROOF_NEAR(shade_disk_irradiance(center, down, 1.0f, n), atan(1.0 / h) - h / (1.0 + h * h), 1e-3,
+			                 3e-7);
+		}
+		if (h > 50.0) {
+			stilb_vec3 aside = stilb_vec3_make((float)h, (float)h, 0.0f), n = stilb_vec3_normalize(aside);
+			double far = M_PI * (double)shade_falloff_disk((float)(2.0 * h * h), 1.0f) * sqrt(0.5);
+			SHADE_PROOF_NEAR(shade_disk_irradiance(aside, down, 1.0f, n), far, 1e-3, 0.0);
+		}
+	}
+}
+
+static void rectangles_in_special_places(void **state)
+{
+	(void)state;
+	stilb_vec3 down = stilb_vec3_make(0.0f, -1.0f, 0.0f), up = -down;
+	stilb_vec3 x = stilb_vec3_make(1e6f, 0.0f, 0.0f), z = stilb_vec3_make(0.0f, 0.0f, 1e6f);
+	SHADE_PROOF_NEAR(shade_rectangle_irradiance(up, down, x, z, up), M_PI, 1e-5, 0.0); /* a ceiling without an end */
+	stilb_vec3 slant = stilb_vec3_make(0.6f, 0.8f, 0.0f);
+	SHADE_PROOF_NEAR(shade_rectangle_irradiance(up, down, x, z, slant), M_PI * 0.9, 1e-5, 0.0); /* (1 + cos) / 2 */
+	x *= 1e-6f;
+	z *= 1e-6f;
+	for (float h = 10.0f; h < 3000.0f; h *= 2.0f) {
+		stilb_vec3 center = up * h;
+		SHADE_PROOF_NEAR(shade_rectangle_irradiance(center, down, x, z, up) * h * h / 4.0f, 1.0,
+		                 1.5 / ((double)h * (double)h) + 1e-3, 0.0);
+	}
+}
+
+typedef struct receiver {
+	double normal[3];
+} receiver;
+
+static double cosine_of_receiver(const double direction[3], const void *context)
+{
+	const double *n = ((const receiver *)context)->normal;
+	return fmax(n[0] * direction[0] + n[2] * direction[2], 0.0);
+}
+
+static void spheres_are_exact_below_the_horizon_too(void **state)
+{
+	(void)state;
+	for (double sine = 0.02; sine < 1.0; sine += 0.12)
+		for (double tilt = 0.0; tilt <= M_PI; tilt += 0.17) {
+			receiver r = {{sin(tilt), 0.0, cos(tilt)}};
+			double truth = stilb_numeric_integrate_sphere(cosine_of_receiver, &r, sqrt(1.0 - sine * sine), 1.0, 16);
+			SHADE_PROOF_NEAR(shade_sphere_irradiance((float)cos(tilt), (float)(sine * sine)), truth, 0.0, 3e-4);
+		}
+	/* From its surface or inside, half of it: a hemisphere. */
+	SHADE_PROOF_NEAR(shade_sphere_irradiance(1.0f, 1.0f), M_PI, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_sphere_irradiance(0.0f, 1.0f), 0.5 * M_PI, 1e-6, 0.0);
+	SHADE_PROOF_NEAR(shade_sphere_irradiance(-1.0f, 1.0f), 0.0, 0.0, 1e-6);
+}
+
+/* All kinds together with their falloff, and what is left of them at the end of their reach. */
+static void lights_send_their_intensity(void **state)
+{
+	(void)state;
+	shade_light light = {.kind = SHADE_LIGHT_SPHERE,
+	                     .position = {0.0f, 50.0f, 0.0f},
+	                     .direction = {0.0f, -1.0f, 0.0f},
+	                     .intensity = {10.0f, 20.0f, 0.0f},
+	                     .radius = 0.5f,
+	                     .half_x = {1.0f, 0.0f, 0.0f},
+	                     .half_y = {0.0f, 0.0f, 0.25f},
+	                     .reach = 100.0f};
+	stilb_vec3 up = stilb_vec3_make(0.0f, 1.0f, 0.0f), here = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	for (light.kind = SHADE_LIGHT_SPHERE; light.kind <= SHADE_LIGHT_RECTANGLE; light.kind++) {
+		light.falloff = SHADE_FALLOFF_PHYSICAL;
+		SHADE_PROOF_NEAR3(shade_area_irradiance(light, here, up), 10.0 / 2500.0, 20.0 / 2500.0, 0.0, 1e-3, 0.0);
+		light.falloff = SHADE_FALLOFF_WINDOWED;
+		SHADE_PROOF_NEAR(shade_area_irradiance(light, here, up)[0], 0.5625 * 10.0 / 2500.0, 1e-3, 0.0);
+		assert_true(shade_area_irradiance(light, here - up * 51.0f, up)[0] == 0.0f);
+	}
+}
+
+/* Finite, and in [0, pi], wherever the light and the surface are. */
+static void bounds(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 5};
+	for (int i = 0; i < SHADE_PROOF_COUNT / 4; i++) {
+		flat f = random_flat(&random, i & 1);
+		float size = shade_proof_log_range(&random, 1e-4f, 1e4f), away = shade_proof_log_range(&random, 1e-6f, 1e6f);
+		f.half_x *= size;
+		f.half_y *= size;
+		f.radius *= (double)size;
+		f.center *= away;
+		double form = flat_formula(&f);
+		assert_true(form >= 0.0 && form <= M_PI * 1.001);
+		float cosine = shade_proof_range(&random, -1.0f, 1.0f);
+		double ball = (double)shade_sphere_irradiance(cosine, shade_proof_log_range(&random, 1e-12f, 1.0f));
+		assert_true(ball >= 0.0 && ball <= M_PI * 1.00001);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(flat_lights_are_exact),
+		cmocka_unit_test(small_lights_on_the_horizon),
+		cmocka_unit_test(disks_in_special_places),
+		cmocka_unit_test(rectangles_in_special_places),
+		cmocka_unit_test(spheres_are_exact_below_the_horizon_too),
+		cmocka_unit_test(lights_send_their_intensity),
+		cmocka_unit_test(bounds),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
