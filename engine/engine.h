@@ -188,8 +188,10 @@ typedef struct stilb_engine_report {
 	                    replay, else CLOCK_MONOTONIC */
 	bool replayed;   /* the gamepads' recording has ended */
 	bool close;      /* the user closed the window */
-	bool lost;       /* the window's display has gone; frames are still drawn, to memory, and nobody can close them */
-	bool drawn;      /* false: the window is minimised, and only input was handled */
+	const char *const *dropped; /* [dropped_count] paths of files that the user dropped onto the window meanwhile; */
+	uint32_t dropped_count;     /* valid until the next frame */
+	bool lost;  /* the window's display has gone; frames are still drawn, to memory, and nobody can close them */
+	bool drawn; /* false: the window is minimised, and only input was handled */
 } stilb_engine_report;
 
 /* Runs one frame and fills *report. While the window is minimised it waits up to 50 ms and draws nothing.
@@ -295,6 +297,10 @@ typedef struct stilb_engine_gamepad_counts {
 
 /* {0} without gamepads. */
 stilb_engine_gamepad_counts stilb_engine_gamepad_counts_get(const stilb_engine *engine);
+
+/* Sets how fast keys and gamepads fly, m/s, finite and >= 0, in place of desc.control.camera.speed; the camera stands
+ * still for a moment. For scenes of different sizes. */
+void stilb_engine_set_speed(stilb_engine *engine, float speed);
 
 /* The position and direction of the scene's camera; {0} without a scene. */
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine);

@@ -211,6 +211,16 @@ void engine_input_captured(stilb_engine *engine)
 		                        INPUT_RUMBLE_LIGHT, INPUT_RUMBLE_MS);
 }
 
+void stilb_engine_set_speed(stilb_engine *engine, float speed)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	engine_input *input = &engine->input;
+	if (!input->control)
+		return;
+	stilb_input_control_set_speed(input->control, speed);
+	stilb_input_control_place(input->control, input->time_us, &input->pose);
+}
+
 /* ---- gamepads and their counts ----------------------------------------------------------------------------------- */
 
 uint32_t stilb_engine_gamepads(const stilb_engine *engine, stilb_input_control_pad pads[STILB_INPUT_PADS_MAX])

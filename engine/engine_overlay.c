@@ -75,6 +75,8 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 	/* The user acted on what the last frame showed, so the focus of that frame decides who gets the keys. */
 	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
 		*input = stilb_input_without_keys(*input);
+	if (engine_overlay_is_open(overlay) && stilb_ui_wants_mouse(overlay->ui))
+		*input = stilb_input_without_pointer(*input);
 	overlay->input = engine_ui_input(window);
 	overlay->input.seconds = engine->step;
 }

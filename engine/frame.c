@@ -72,6 +72,8 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	report->input = stilb_input_from_window(&state);
 	report->close = state.close;
 	report->lost = state.lost;
+	report->dropped = state.dropped;
+	report->dropped_count = state.dropped_count;
 	if (state.lost)
 		return STILB_OK; /* frames go on without a window, in the last size */
 	engine_overlay_input(engine, &state, &report->input);

@@ -14,5 +14,6 @@ int offline_command(int argc, char **argv); /* stilb render; the prefix render_ 
 int replay_command(int argc, char **argv);
 int shade_command(int argc, char **argv);
 int trace_command(int argc, char **argv);
+int view_command(int argc, char **argv);
 
 #endif

@@ -82,12 +82,6 @@ stilb_cull_octree_desc cull_desc_for_scene(const stilb_scene *scene)
 	};
 }
 
-/* True for bounds that no view sees: those of a model that is hidden or removed. It is not in the octree. */
-static bool cull_is_absent(stilb_sphere bounds)
-{
-	return isnan(bounds.x) || isnan(bounds.y) || isnan(bounds.z) || isnan(bounds.radius);
-}
-
 /* Makes an octree of all models of the scene, and sets the sizes at which the next one is made. On failure nothing has
  * changed. */
 static stilb_result cull_build(stilb_cull *cull, const stilb_scene *scene)
@@ -172,25 +166,16 @@ void stilb_cull_destroy(stilb_cull *cull)
 	free(cull);
 }
 
-/* Brings the octree up to date with one model's bounds. */
-static stilb_result cull_update_model(stilb_cull *cull, const stilb_scene *scene, uint32_t id)
-{
-	STILB_ASSERT(id < scene->model_count);
-	stilb_sphere bounds = cull_scene_sphere(scene, id);
-	if (!cull_is_absent(bounds))
-		return cull_octree_put(cull->octree, id, bounds);
-	stilb_cull_octree_remove(cull->octree, id);
-	return STILB_OK;
-}
-
 stilb_result stilb_cull_update(stilb_cull *cull, const stilb_scene *scene, const uint32_t *ids, uint32_t count)
 {
 	stilb_result result = STILB_OK;
 	STILB_ASSERT(scene->model_count >= cull->model_count && "models are removed by their bounds, not by the count");
 	STILB_ASSERT(ids || count == 0);
 	cull_enter(cull);
-	for (uint32_t i = 0; result == STILB_OK && i < count; i++)
-		result = cull_update_model(cull, scene, ids[i]);
+	for (uint32_t i = 0; result == STILB_OK && i < count; i++) {
+		STILB_ASSERT(ids[i] < scene->model_count);
+		result = cull_octree_put(cull->octree, ids[i], cull_scene_sphere(scene, ids[i]));
+	}
 	if (result == STILB_OK) {
 		cull->model_count = scene->model_count;
 		cull_rebuild(cull, scene);

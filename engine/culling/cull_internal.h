@@ -106,7 +106,11 @@ void *cull_grow(void *array, size_t count, size_t capacity, size_t element);
  * its side or infinite, and NaN. */
 cull_cell_name cull_octree_name(const stilb_cull_octree *octree, stilb_sphere bounds);
 
-/* Inserts an object, or moves it if it is in the tree. Fails as these do. */
+/* True for bounds that no view sees because of a NaN: those of a model that is hidden or removed. */
+bool cull_is_absent(stilb_sphere bounds);
+
+/* Inserts an object, or moves it if it is in the tree; removes it if its bounds are absent. STILB_ERROR_MEMORY: it
+ * keeps its old bounds. */
 stilb_result cull_octree_put(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds);
 
 /* The side of cells at this depth, and the centre of one; metres. */

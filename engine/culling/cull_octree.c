@@ -379,18 +379,12 @@ stilb_result stilb_cull_octree_insert(stilb_cull_octree *octree, uint32_t id, st
 	return STILB_OK;
 }
 
-stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
+/* Moves an object of the tree to the cell called name. */
+static stilb_result cull_octree_move_to(stilb_cull_octree *octree, uint32_t id, cull_cell_name name,
+                                        stilb_sphere bounds)
 {
 	uint32_t index;
 	cull_place place = cull_octree_place(octree, id);
-	cull_cell_name name = cull_octree_name(octree, bounds);
-	if (!place.cell_plus_one)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "octree: object %u is not in the tree; insert it first", id);
-	if (cull_name_equal(octree->cells[place.cell_plus_one - 1].name, name)) {
-		cull_cell_store(&octree->cells[place.cell_plus_one - 1], place.slot, bounds);
-		cull_octree_widen(octree, place.cell_plus_one - 1, bounds.radius);
-		return STILB_OK;
-	}
 	if (!cull_cell_find(octree, name, &index))
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory to move object %u", id);
 	cull_octree_add(octree, index, id, bounds); /* before take_out, so that pruning cannot take the new cell */
@@ -398,10 +392,50 @@ stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stil
 	return STILB_OK;
 }
 
+/* True if the object is in the cell called name, and has been given these bounds in its place there. */
+static inline bool cull_octree_move_within(stilb_cull_octree *octree, uint32_t id, cull_cell_name name,
+                                           stilb_sphere bounds)
+{
+	cull_place place = cull_octree_place(octree, id);
+	if (!place.cell_plus_one || !cull_name_equal(octree->cells[place.cell_plus_one - 1].name, name))
+		return false;
+	cull_cell_store(&octree->cells[place.cell_plus_one - 1], place.slot, bounds);
+	cull_octree_widen(octree, place.cell_plus_one - 1, bounds.radius);
+	return true;
+}
+
+stilb_result stilb_cull_octree_move(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
+{
+	if (!cull_octree_place(octree, id).cell_plus_one)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "octree: object %u is not in the tree; insert it first", id);
+	cull_cell_name name = cull_octree_name(octree, bounds);
+	return cull_octree_move_within(octree, id, name, bounds) ? STILB_OK : cull_octree_move_to(octree, id, name, bounds);
+}
+
+bool cull_is_absent(stilb_sphere bounds)
+{
+	return isnan(bounds.x) || isnan(bounds.y) || isnan(bounds.z) || isnan(bounds.radius);
+}
+
+/* The cases of cull_octree_put that are not a move within a cell. */
+__attribute__((noinline)) static stilb_result cull_octree_put_anew(stilb_cull_octree *octree, uint32_t id,
+                                                                   stilb_sphere bounds)
+{
+	if (cull_is_absent(bounds))
+		stilb_cull_octree_remove(octree, id);
+	else if (cull_octree_place(octree, id).cell_plus_one)
+		return stilb_cull_octree_move(octree, id, bounds);
+	else
+		return stilb_cull_octree_insert(octree, id, bounds);
+	return STILB_OK;
+}
+
 stilb_result cull_octree_put(stilb_cull_octree *octree, uint32_t id, stilb_sphere bounds)
 {
-	return cull_octree_place(octree, id).cell_plus_one ? stilb_cull_octree_move(octree, id, bounds)
-	                                                   : stilb_cull_octree_insert(octree, id, bounds);
+	cull_cell_name name = cull_octree_name(octree, bounds); /* the root if bounds are absent */
+	if (name.depth > 0 && cull_octree_move_within(octree, id, name, bounds))
+		return STILB_OK;
+	return cull_octree_put_anew(octree, id, bounds);
 }
 
 void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id)

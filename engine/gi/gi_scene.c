@@ -104,6 +104,7 @@ typedef struct mesh_plan {
 	uint32_t *uses; /* [mesh_count] parts of each mesh that may be instances */
 	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */
 	uint32_t *shared;
+	bool *shown; /* [part_count] false: a part of a hidden or removed model, of which rays see nothing */
 	uint64_t vertices, triangles;
 	uint32_t meshes;
 } mesh_plan;
@@ -129,10 +130,14 @@ static bool part_may_share(const stilb_scene *scene, uint32_t part)
 	return !part_emits(scene, part) && is_near_similarity(to_world);
 }
 
+/* The mesh of parts that are not shown: they keep their place, since parts have the same ids here as in the scene. */
+static const stilb_scene_mesh mesh_of_nothing;
+
 static void plan_finish(mesh_plan *plan)
 {
 	free(plan->uses);
 	free(plan->shared);
+	free(plan->shown);
 }
 
 static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
@@ -148,10 +153,14 @@ static stilb_result plan_make(const stilb_scene *scene, mesh_plan *plan)
 	*plan = (mesh_plan){0};
 	plan->uses = calloc((size_t)scene->mesh_count + 1, sizeof *plan->uses);
 	plan->shared = calloc((size_t)scene->mesh_count + 1, sizeof *plan->shared);
-	if (!plan->uses || !plan->shared)
+	plan->shown = calloc((size_t)scene->part_count + 1, sizeof *plan->shown);
+	if (!plan->uses || !plan->shared || !plan->shown)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", scene->mesh_count);
+	for (uint32_t model = 0; model < scene->model_count; model++)
+		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++)
+			plan->shown[part] = !isnan(scene->bounds.radius[model]);
 	for (uint32_t part = 0; part < scene->part_count; part++)
-		if (part_may_share(scene, part))
+		if (plan->shown[part] && part_may_share(scene, part))
 			plan->uses[scene->part_mesh[part]]++;
 	for (uint32_t mesh = 0; mesh < scene->mesh_count; mesh++) {
 		uint64_t copies = plan->uses[mesh] ? plan->uses[mesh] - 1 : 0;
@@ -162,7 +171,9 @@ static stilb_result plan_make(const stilb_scene *scene, mesh_plan *plan)
 	}
 	for (uint32_t part = 0; part < scene->part_count; part++) {
 		uint32_t mesh = scene->part_mesh[part];
-		if (!plan->shared[mesh] || !part_may_share(scene, part))
+		if (!plan->shown[part])
+			plan_mesh(plan, &mesh_of_nothing);
+		else if (!plan->shared[mesh] || !part_may_share(scene, part))
 			plan_mesh(plan, &scene->meshes[mesh]);
 	}
 	if (plan->triangles > TRIANGLES_MAX)
@@ -266,10 +277,23 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 
 /* ---- parts ------------------------------------------------------------------------------------------------------- */
 
+static void part_add_nothing(stilb_gi_scene *gi, gi_part *part)
+{
+	*part = (gi_part){.first_light = GI_NO_LIGHT, .mesh = gi->mesh_count, .to_world = stilb_mat4_identity()};
+	mesh_add(gi, &mesh_of_nothing, &part->to_world);
+	part->vertices = gi->meshes[part->mesh].vertices;
+	part->triangles = gi->meshes[part->mesh].triangles;
+}
+
 static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t index)
 {
-	STILB_ASSERT(index < gi->part_count && scene->part_mesh[index] < scene->mesh_count);
+	STILB_ASSERT(index < gi->part_count);
+	STILB_ASSERT(!plan->shown[index] || scene->part_mesh[index] < scene->mesh_count);
 	gi_part *part = &gi->parts[index];
+	if (!plan->shown[index]) {
+		part_add_nothing(gi, part);
+		return;
+	}
 	uint32_t mesh = scene->part_mesh[index];
 	bool emits = part_emits(scene, index);
 	*part = (gi_part){.material = scene->part_material[index],
@@ -421,9 +445,11 @@ static bool mesh_is_sound(const gi_mesh *mesh)
 
 static bool part_is_sound(const stilb_gi_scene *gi, const gi_part *part)
 {
-	if (part->mesh >= gi->mesh_count || part->material >= gi->material_count)
+	if (part->mesh >= gi->mesh_count)
 		return false;
 	const gi_mesh *mesh = &gi->meshes[part->mesh];
+	if (mesh->triangle_count > 0 && part->material >= gi->material_count)
+		return false;
 	bool lights = part->first_light == GI_NO_LIGHT ||
 	              (!part->instance && part->first_light + mesh->triangle_count <= gi->lights.emitter_count);
 	return lights && part->vertices == mesh->vertices && part->triangles == mesh->triangles;

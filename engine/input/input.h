@@ -42,6 +42,15 @@ typedef struct stilb_input_state {
 	uint32_t next_view;
 	/* Add so many worker threads; negative: remove them. */
 	int32_t workers;
+	/* Turn about what is looked at, and move along with it: the pointer's movement with the left and with the middle
+	 * button held, to the right and down, in heights of the window. Come closer by so many notches of the wheel. */
+	float drag[2], pan[2], zoom;
+	/* Show all of the scene; go back to the camera at the start. */
+	bool frame, home;
+	/* Go on by so many files; negative: back. */
+	int32_t next_file;
+	/* Give up what is under way. */
+	bool cancel;
 } stilb_input_state;
 
 /* Speed with shift held, relative to the speed without. */
@@ -52,13 +61,17 @@ typedef struct stilb_input_state {
 
 /* The window's state as the program's keys read it: WASD and Q/E move, shift is fast, the captured mouse looks, P
  * writes a trace, F12 a picture, F1 opens and closes the profiler, space freezes it, F2 opens and closes the materials'
- * window, V shows the next view, - and + change the number of workers. Keys held together that oppose each other
- * cancel. Asserts that window is not NULL. [any-thread] */
+ * window, V shows the next view, - and + change the number of workers; F frames the scene, Home goes back, Page Down
+ * and Page Up are the next and the previous file, Escape gives up. Keys held together that oppose each other cancel.
+ * Asserts that window is not NULL. [any-thread] */
 stilb_input_state stilb_input_from_window(const stilb_window_state *window);
 
-/* Input without flying and freezing, which are the keys that a user interface with the keyboard's focus takes
- * (letters and space); the mouse and the other keys stay. [any-thread] */
+/* Input without flying and freezing, and framing, which are the keys that a user interface with the keyboard's
+ * focus takes (letters and space); the mouse and the other keys stay. [any-thread] */
 stilb_input_state stilb_input_without_keys(stilb_input_state input);
+
+/* Input without the visible pointer's drags and the wheel, which a user interface under it takes. [any-thread] */
+stilb_input_state stilb_input_without_pointer(stilb_input_state input);
 
 #ifdef __cplusplus
 }

@@ -413,3 +413,11 @@ void stilb_input_control_place(stilb_input_control *control, int64_t time_us, co
 	control->camera = stilb_input_camera_make(&control->settings.camera, pose, time_us);
 	control_steer(control, time_us);
 }
+
+void stilb_input_control_set_speed(stilb_input_control *control, float speed)
+{
+	STILB_ASSERT(control);
+	STILB_ASSERT(speed >= 0.0f && isfinite(speed));
+	STILB_ASSERT_OWNER(control->owner);
+	control->settings.camera.speed = speed;
+}

@@ -85,6 +85,9 @@ void stilb_input_control_frame(stilb_input_control *control, int64_t time_us, co
  * that the pose is finite. [owner-thread] */
 void stilb_input_control_place(stilb_input_control *control, int64_t time_us, const stilb_input_pose *pose);
 
+/* Sets the camera's speed, m/s, finite and >= 0; it takes effect when the camera is placed. [owner-thread] */
+void stilb_input_control_set_speed(stilb_input_control *control, float speed);
+
 /* One pad as it is now. */
 typedef struct stilb_input_control_pad {
 	/* Its number; see stilb_input_event. */

@@ -235,6 +235,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(passes && (views || view_count == 0));
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
+	for (const stilb_render_pass *pass = passes; pass < passes + pass_count; pass++)
+		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE || pass->view < view_count);
 	render_device *device = render->device;
 	device->stats =
 		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
@@ -251,7 +253,6 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
 		const stilb_render_pass *pass = &passes[render->replayed[p]];
 		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
-		STILB_ASSERT(!scene || pass->view < view_count);
 		uint32_t index = render->replayed[p];
 		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
 		                        .site = replay_site(&render->sites[index], pass->name),

@@ -275,18 +275,6 @@ stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, flo
 	return scene_camera_along(position, target - position, fov_y);
 }
 
-#define CAMERA_FOV 0.7f            /* radians, of the camera for a scene without one */
-#define CAMERA_LEAST_METRES 1e-15f /* smallest size of a scene that a camera is made for: squares of less underflow */
-
-stilb_scene_camera scene_camera_around(const stilb_scene *scene)
-{
-	stilb_sphere sphere = scene_sphere(scene);
-	float radius = sphere.radius > CAMERA_LEAST_METRES ? sphere.radius : 1.0f;
-	stilb_vec3 center = stilb_vec3_make(sphere.x, sphere.y, sphere.z);
-	stilb_vec3 away = stilb_vec3_normalize(stilb_vec3_make(0.45f, 0.35f, 1.0f)) * (radius / sinf(0.5f * CAMERA_FOV));
-	return scene_camera_along(center + away, -away, CAMERA_FOV);
-}
-
 /* The matrix from view space to the view space of the same camera rolled by that angle, radians: a rotation about Z,
  * the axis along which it looks. */
 static stilb_mat4 scene_roll(float roll)

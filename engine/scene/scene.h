@@ -182,7 +182,8 @@ typedef struct stilb_scene {
 
 	stilb_scene_surroundings surroundings;
 	stilb_scene_camera camera;
-	uint64_t seed;                   /* of the stress test, else 0 */
+	bool framed;   /* the camera is stilb_scene_frame's for a square picture, because the file has none */
+	uint64_t seed; /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits; /* of scene_edit.h; NULL: there was none */
 } stilb_scene;
 
@@ -203,7 +204,8 @@ typedef struct stilb_scene {
 const char *stilb_scene_builtin_names(void);
 
 /* Opens a scene by name: a built-in, or else a file of any format that Assimp reads (./cornell is a file): its
- * triangles, materials, textures, lights and first camera. A file without a camera gets one that sees the whole scene;
+ * triangles, materials, textures, lights and first camera. A file without a camera gets one that sees the whole scene
+ * (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer Perspective", ...);
  * a file without any light gets a grey sky. Losses are logged with stilb_log: a texture that is missing (its material
  * becomes magenta), transparency.
  *
@@ -323,6 +325,22 @@ stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh);
 
 /* Frees the arrays and leaves {0}. Accepts {0}. [one-writer] */
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
+
+/* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
+ * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
+ * on both sides. What has no size is 1 m away. Its angle is 0.7 radians. The direction of STILB_SCENE_FRAME_YAW and
+ * _PITCH is from the front, a little from the right and above. Takes time proportional to the number of triangles.
+ * [any-thread] */
+#define STILB_SCENE_FRAME_YAW 0.42f
+#define STILB_SCENE_FRAME_PITCH (-0.31f)
+stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float pitch, float aspect);
+
+/* A sphere around all visible models, about the centre of their box; radius 0 if there are none. [any-thread] */
+stilb_sphere stilb_scene_sphere(const stilb_scene *scene);
+
+/* How far ahead of the camera the middle of the scene is, metres, > 0: what it turns about. If the scene is not ahead,
+ * its radius. [any-thread] */
+float stilb_scene_camera_distance(const stilb_scene *scene, const stilb_scene_camera *camera);
 
 /* World to clip (stilb_mat4_perspective) for a picture of aspect = width / height > 0. [any-thread] */
 stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect);

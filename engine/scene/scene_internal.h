@@ -34,10 +34,6 @@ stilb_scene_camera scene_camera_along(stilb_vec3 position, stilb_vec3 view, floa
 /* scene_camera_along, looking from position to target, which differs from it. */
 stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y);
 
-/* A camera for a scene without one: from the front, a little to the right and above, so far away that the sphere around
- * the scene, or of radius 1 if it has no size, is in view in every picture that is not higher than wide. */
-stilb_scene_camera scene_camera_around(const stilb_scene *scene);
-
 /* A mesh with arrays for these counts, not initialised; index_count is a multiple of 3. STILB_ERROR_MEMORY; mesh is {0}
  * then. */
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count);

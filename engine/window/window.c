@@ -25,6 +25,10 @@ struct stilb_window {
 	bool captured;
 	bool fresh;  /* captured since the last poll: the next movement is ignored, as capturing itself moves the pointer */
 	double x, y; /* of the pointer at the last poll */
+	bool pointer; /* as the last poll reported it, with its position in pixels */
+	float pointer_x, pointer_y;
+	char **dropped; /* [dropped_count], of the events of the last poll */
+	uint32_t dropped_count;
 };
 
 #define WINDOW_GONE "the display has gone"
@@ -55,6 +59,7 @@ static const struct {
 	{GLFW_KEY_E, STILB_WINDOW_KEY_E},
 	{GLFW_KEY_P, STILB_WINDOW_KEY_P},
 	{GLFW_KEY_V, STILB_WINDOW_KEY_V},
+	{GLFW_KEY_F, STILB_WINDOW_KEY_F},
 	{GLFW_KEY_F1, STILB_WINDOW_KEY_F1},
 	{GLFW_KEY_F2, STILB_WINDOW_KEY_F2},
 	{GLFW_KEY_F12, STILB_WINDOW_KEY_F12},
@@ -70,6 +75,9 @@ static const struct {
 	{GLFW_KEY_RIGHT, STILB_WINDOW_KEY_RIGHT},
 	{GLFW_KEY_UP, STILB_WINDOW_KEY_UP},
 	{GLFW_KEY_DOWN, STILB_WINDOW_KEY_DOWN},
+	{GLFW_KEY_PAGE_UP, STILB_WINDOW_KEY_PAGE_UP},
+	{GLFW_KEY_PAGE_DOWN, STILB_WINDOW_KEY_PAGE_DOWN},
+	{GLFW_KEY_HOME, STILB_WINDOW_KEY_HOME},
 	{GLFW_KEY_ESCAPE, STILB_WINDOW_KEY_ESCAPE},
 };
 #define WINDOW_KEYS (sizeof window_keys / sizeof *window_keys)
@@ -151,6 +159,28 @@ static void window_on_wheel(GLFWwindow *handle, double sideways, double notches)
 	window->wheel += (float)notches;
 }
 
+static void window_forget_dropped(stilb_window *window)
+{
+	for (uint32_t i = 0; i < window->dropped_count; i++)
+		free(window->dropped[i]);
+	free(window->dropped);
+	window->dropped = NULL;
+	window->dropped_count = 0;
+}
+
+/* Adds the files of one drop to those of this poll; without memory some are lost. */
+static void window_on_drop(GLFWwindow *handle, int count, const char **paths)
+{
+	stilb_window *window = glfwGetWindowUserPointer(handle);
+	char **dropped = realloc(window->dropped, (window->dropped_count + (size_t)count) * sizeof *dropped);
+	if (!dropped)
+		return;
+	window->dropped = dropped;
+	for (int i = 0; i < count; i++)
+		if ((window->dropped[window->dropped_count] = strdup(paths[i])))
+			window->dropped_count++;
+}
+
 /* The window counts as focused until this reports that it is not. glfwGetWindowAttrib is not asked, because without a
  * window manager it calls a window unfocused that gets keys all the same. */
 static void window_on_focus(GLFWwindow *handle, int focused)
@@ -226,6 +256,7 @@ static void window_call_create(void *data)
 	glfwSetCharCallback(handle, window_on_character);
 	glfwSetMouseButtonCallback(handle, window_on_button);
 	glfwSetScrollCallback(handle, window_on_wheel);
+	glfwSetDropCallback(handle, window_on_drop);
 	glfwSetWindowFocusCallback(handle, window_on_focus);
 	window->handle = handle;
 }
@@ -279,6 +310,7 @@ void stilb_window_destroy(stilb_window *window)
 	STILB_ASSERT(window_open_count > 0);
 	window_open_count--;
 	window_display_call(window_call_destroy, window);
+	window_forget_dropped(window);
 	free(window);
 }
 
@@ -332,11 +364,20 @@ static void window_read_pointer(stilb_window *window, stilb_window_state *state)
 	glfwGetWindowSize(window->handle, &width,
 	                  &height); /* in the unit of the pointer's position, which may differ from a pixel */
 	state->button = glfwGetMouseButton(window->handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
-	state->pointer = !window->captured && (state->button || glfwGetWindowAttrib(window->handle, GLFW_HOVERED));
+	state->middle = glfwGetMouseButton(window->handle, GLFW_MOUSE_BUTTON_MIDDLE) == GLFW_PRESS;
+	state->pointer =
+		!window->captured && (state->button || state->middle || glfwGetWindowAttrib(window->handle, GLFW_HOVERED));
 	if (state->pointer && width > 0 && height > 0) {
 		state->pointer_x = (float)(window->x * state->width / width);
 		state->pointer_y = (float)(window->y * state->height / height);
 	}
+	if (state->pointer && window->pointer) {
+		state->moved_x = state->pointer_x - window->pointer_x;
+		state->moved_y = state->pointer_y - window->pointer_y;
+	}
+	window->pointer = state->pointer;
+	window->pointer_x = state->pointer_x;
+	window->pointer_y = state->pointer_y;
 	state->clicks = window->clicks;
 	state->wheel = window->wheel;
 	window->clicks = 0;
@@ -354,12 +395,15 @@ static void window_read(stilb_window *window, stilb_window_state *state)
 	window_read_keys(window, state);
 	window_read_mouse(window, state);
 	window_read_pointer(window, state);
+	state->dropped = (const char *const *)window->dropped;
+	state->dropped_count = window->dropped_count;
 	STILB_CHECK(window_is_sound(window));
 }
 
 static void window_call_poll(void *data)
 {
 	window_call *call = data;
+	window_forget_dropped(call->window);
 	if (call->seconds > 0.0)
 		glfwWaitEventsTimeout(call->seconds);
 	else

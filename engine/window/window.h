@@ -39,6 +39,7 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_E,
 	STILB_WINDOW_KEY_P,
 	STILB_WINDOW_KEY_V,
+	STILB_WINDOW_KEY_F,
 	STILB_WINDOW_KEY_F1,
 	STILB_WINDOW_KEY_F2,
 	STILB_WINDOW_KEY_F12,
@@ -53,6 +54,9 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_RIGHT,
 	STILB_WINDOW_KEY_UP,
 	STILB_WINDOW_KEY_DOWN,
+	STILB_WINDOW_KEY_PAGE_UP,
+	STILB_WINDOW_KEY_PAGE_DOWN,
+	STILB_WINDOW_KEY_HOME,
 	STILB_WINDOW_KEY_ESCAPE,
 	STILB_WINDOW_KEY_COUNT
 } stilb_window_key;
@@ -79,12 +83,18 @@ typedef struct stilb_window_state {
 	bool pointer;
 	/* The pointer's position, pixels of the picture from the top left; 0 if `pointer` is false. */
 	float pointer_x, pointer_y;
-	/* The left button is down now. */
-	bool button;
+	/* Movement of the visible pointer since the last poll, pixels, y down; 0 if `pointer` was false then or is now. */
+	float moved_x, moved_y;
+	/* The left button is down now, the middle one is. */
+	bool button, middle;
 	/* Number of times that the left button was pressed. */
 	uint8_t clicks;
 	/* Notches of the wheel; turning it away from the user is positive. */
 	float wheel;
+	/* Paths of the files that the user dropped onto the window, UTF-8 as the file manager gave them; valid until the
+	 * next poll. */
+	const char *const *dropped;
+	uint32_t dropped_count;
 } stilb_window_state;
 
 /* Opens a window whose picture has about width x height pixels, both 1..16384, which the system may change. title is

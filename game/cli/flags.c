@@ -291,6 +291,14 @@ static bool flags_are_sound(const flag *flags, size_t flag_count)
 	return true;
 }
 
+void flag_rows_add(flag_rows *table, const flag *rows, size_t count)
+{
+	STILB_ASSERT(table && rows);
+	STILB_ASSERT(count <= FLAG_ROWS_MAX - table->count && "the table has room");
+	memcpy(&table->rows[table->count], rows, count * sizeof *rows);
+	table->count += count;
+}
+
 flags_result flags_parse(const flag *flags, size_t flag_count, int argc, char **argv)
 {
 	STILB_ASSERT(argc >= 0 && (argc == 0 || argv));

@@ -56,6 +56,16 @@ typedef struct flag {
 	const char *const *choices; /* NULL-terminated. Names of C's enumerators are fine: their '_' is typed as '-' */
 } flag;
 
+/* A table that is made of pieces, for rows that several commands share; {0} is empty. */
+#define FLAG_ROWS_MAX 96
+typedef struct flag_rows {
+	size_t count;
+	flag rows[FLAG_ROWS_MAX];
+} flag_rows;
+
+/* Appends rows. Asserts that there is room. */
+void flag_rows_add(flag_rows *table, const flag *rows, size_t count);
+
 typedef enum flags_result {
 	FLAGS_OK,
 	FLAGS_HELP,    /* --help or -h was among the arguments; no value has changed */

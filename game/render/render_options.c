@@ -5,7 +5,6 @@
 #include "game/cli/trace_path.h"
 #include "image/image.h"
 
-#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
@@ -78,10 +77,7 @@ static offline_options options_default(void)
 		.cache_radius = (int)s.cache.radius,
 		.gradients = s.cache.gradients,
 		.overture = s.cache.overture,
-		.brdf = RENDER_NOT_GIVEN,
-		.ndf = RENDER_NOT_GIVEN,
-		.g = RENDER_NOT_GIVEN,
-		.f = RENDER_NOT_GIVEN,
+		.picture = picture_flags_default(),
 		.checkpoint_s = 60.0f,
 	};
 }
@@ -177,10 +173,10 @@ static void options_complete(offline_options *o, const flag *flags, size_t count
 		snprintf(o->checkpoint, sizeof o->checkpoint, "%s%s", o->output, extension);
 }
 
-flags_result offline_options_parse(offline_options *o, int argc, char **argv)
+/* Fills the table with all flags of the command. */
+static void options_table(offline_options *o, flag_rows *table)
 {
-	*o = options_default();
-	const flag flags[] = {
+	const flag picture[] = {
 		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
 		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
@@ -201,26 +197,15 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 	     NULL},
 
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--camera", FLAG_LIST, &o->camera, "X,Y,Z,YAW,PITCH[,FOV]",
-	     "position in metres, angles in degrees (the scene's camera)", 5, 6, NULL},
+	};
+	const flag lens[] = {
 		{"--aperture", FLAG_AMOUNT, &o->aperture, "R", "radius of the lens, metres; 0: everything is in focus (0)", 0,
 	     1000, NULL},
 		{"--focus", FLAG_AMOUNT, &o->focus, "D", "distance of the plane in focus, metres, with --aperture", 0, 1000000,
 	     NULL},
 		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
-		{"--environment", FLAG_TEXT, &o->environment, "FILE|R,G,B",
-	     "a panorama (.hdr, .exr, ...) or a radiance around the scene (its own)", 0, 0, NULL},
-		{"--allow-outside", FLAG_SWITCH, &o->allow_outside, NULL,
-	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
-		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "model of the highlights: phong, minimalist, ... (microfacet)", 0, 0,
-	     stilb_engine_brdf_names},
-		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "distribution D of --brdf microfacet, which it implies (ggx)", 0, 0,
-	     stilb_engine_ndf_names},
-		{"--g", FLAG_CHOICE, &o->g, "NAME", "shadowing term G of --brdf microfacet, which it implies (smith-ggx)", 0, 0,
-	     stilb_engine_g_names},
-		{"--f", FLAG_CHOICE, &o->f, "NAME", "Fresnel term F of --brdf microfacet, which it implies (schlick)", 0, 0,
-	     stilb_engine_f_names},
-
+	};
+	const flag light[] = {
 		{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--depth", FLAG_NUMBER, &o->depth, "N",
 	     "bounces of a path at most, 0..1024; 1: direct light only (64; montecarlo 2)", 0, 1024, NULL},
@@ -273,7 +258,20 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, ray counts and settings", 0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the threads: .json, .folded or .csv", 0, 0, NULL},
 	};
-	size_t count = sizeof flags / sizeof *flags;
+	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
+	picture_flags_add(&o->picture, PICTURE_PLACE, table);
+	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
+	picture_flags_add(&o->picture, PICTURE_BRDF, table);
+	flag_rows_add(table, light, sizeof light / sizeof *light);
+}
+
+flags_result offline_options_parse(offline_options *o, int argc, char **argv)
+{
+	flag_rows table = {0};
+	*o = options_default();
+	options_table(o, &table);
+	const flag *flags = table.rows;
+	size_t count = table.count;
 	flags_result result = flags_parse(flags, count, argc, argv);
 	if (result == FLAGS_HELP)
 		options_print(flags, count);
@@ -310,7 +308,7 @@ FILE *offline_message_stream(const offline_options *o)
 /* Refuses two outputs with the same file, and an output that is also an input. */
 static bool options_outputs_differ(const offline_options *o)
 {
-	const char *outputs[RENDER_OUTPUTS], *const inputs[] = {o->scene, o->environment};
+	const char *outputs[RENDER_OUTPUTS], *const inputs[] = {o->scene, o->picture.environment};
 	options_outputs(o, outputs);
 	for (int i = 0; i < RENDER_OUTPUTS; i++) {
 		for (int k = i + 1; k < RENDER_OUTPUTS; k++)
@@ -386,41 +384,18 @@ bool offline_options_check(const offline_options *o)
 		          (uint64_t)o->size[0] * o->size[1], STILB_GI_MAX_PIXELS);
 		return false;
 	}
-	if (o->camera.count == 6 && !(o->camera.numbers[5] > 0.0f && o->camera.numbers[5] < 180.0f)) {
-		stilb_log("--camera: '%g' is not a field of view; give degrees between 0 and 180",
-		          (double)o->camera.numbers[5]);
-		return false;
-	}
-	return options_lens_check(o) && options_files_check(o);
+	return picture_flags_check(&o->picture) && options_lens_check(o) && options_files_check(o);
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
 
-static float options_radians(float degrees)
-{
-	return degrees * (float)M_PI / 180.0f;
-}
-
-static void options_place(const flag_list *given, stilb_scene_camera *camera)
-{
-	if (given->count == 0)
-		return;
-	for (int i = 0; i < 3; i++)
-		camera->position[i] = given->numbers[i];
-	camera->yaw = options_radians(given->numbers[3]);
-	camera->pitch = options_radians(given->numbers[4]);
-	camera->roll = 0.0f;
-	if (given->count > 5)
-		camera->fov_y = options_radians(given->numbers[5]);
-}
-
 static shade_brdf_model options_model(const offline_options *o, shade_brdf_model model)
 {
-	bool parts = o->ndf != RENDER_NOT_GIVEN || o->g != RENDER_NOT_GIVEN || o->f != RENDER_NOT_GIVEN;
-	model.kind = o->brdf != RENDER_NOT_GIVEN ? o->brdf : parts ? SHADE_BRDF_MICROFACET : model.kind;
-	model.ndf = o->ndf != RENDER_NOT_GIVEN ? o->ndf : model.ndf;
-	model.g = o->g != RENDER_NOT_GIVEN ? o->g : model.g;
-	model.f = o->f != RENDER_NOT_GIVEN ? o->f : model.f;
+	const picture_flags *p = &o->picture;
+	model.kind = p->brdf != PICTURE_NOT_GIVEN ? p->brdf : picture_flags_parts(p) ? SHADE_BRDF_MICROFACET : model.kind;
+	model.ndf = p->ndf != PICTURE_NOT_GIVEN ? p->ndf : model.ndf;
+	model.g = p->g != PICTURE_NOT_GIVEN ? p->g : model.g;
+	model.f = p->f != PICTURE_NOT_GIVEN ? p->f : model.f;
 	return model;
 }
 
@@ -436,7 +411,6 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.seed = o->seed;
 	s.sampler = (stilb_gi_sampler_kind)o->sampler;
 	s.filter = (stilb_gi_filter_kind)o->filter;
-	options_place(&o->camera, &s.camera);
 	s.lens.radius = o->aperture;
 	s.lens.focus = o->focus > 0.0f ? o->focus : s.lens.focus;
 	s.lens.blades = (uint32_t)o->blades;
@@ -461,19 +435,4 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.cache.load = o->cache_load;
 	s.cache.save = o->cache_save;
 	return s;
-}
-
-stilb_result offline_options_surroundings(const offline_options *o, stilb_scene *scene)
-{
-	flag_list color;
-	if (!o->environment)
-		return STILB_OK;
-	if (!flags_numbers(o->environment, 3, 3, &color))
-		return stilb_scene_set_environment(scene, o->environment);
-	for (int i = 0; i < 3; i++)
-		if (!(color.numbers[i] >= 0.0f && isfinite(color.numbers[i])))
-			return stilb_fail(STILB_ERROR_ARGUMENT, "--environment: '%s' is out of range; give radiances in 0..%.2g",
-			                  o->environment, (double)FLT_MAX);
-	stilb_scene_set_sky(scene, color.numbers);
-	return STILB_OK;
 }

@@ -13,24 +13,24 @@
 #define STILB_RENDER_OPTIONS_H
 
 #include "game/cli/flags.h"
+#include "game/cli/picture_flags.h"
 #include "gi/gi_render.h"
 
 #include <limits.h>
 #include <stdio.h>
 
-#define RENDER_NOT_GIVEN (-1)
+#define RENDER_NOT_GIVEN PICTURE_NOT_GIVEN
 
 typedef struct offline_options {
-	const char *scene, *output, *stats, *trace, *environment, *cache_load, *cache_save;
+	const char *scene, *output, *stats, *trace, *cache_load, *cache_save;
 	char checkpoint[PATH_MAX]; /* OUTPUT.checkpoint; "" without an output file */
 	uint64_t samples, seed, depth, rays, blades, cache_rays;
 	float seconds, error, exposure, aperture, focus, roulette, ao_distance, cache_error, checkpoint_s;
 	uint32_t size[2], workers;
 	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
-	int brdf, ndf, g, f; /* a SHADE_BRDF_, SHADE_NDF_, SHADE_G_ and SHADE_F_, or RENDER_NOT_GIVEN */
-	bool preview, resume, dry_run, force, show_records, allow_outside, no_shadows;
-	flag_list camera;
+	picture_flags picture;
+	bool preview, resume, dry_run, force, show_records, no_shadows;
 } offline_options;
 
 /* The words that the flags --integrator, --sampler, --filter and --cache-radius accept, in the order of the
@@ -48,12 +48,8 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv);
  * one line on stderr. Starts nothing and writes nothing. */
 bool offline_options_check(const offline_options *o);
 
-/* The settings for a scene. The camera is the scene's unless --camera is given. The settings point to strings of *o. */
+/* The settings for a scene and its camera. They point to strings of *o. */
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene);
-
-/* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.
- * STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
-stilb_result offline_options_surroundings(const offline_options *o, stilb_scene *scene);
 
 /* The stream for messages: stderr if an output file is standard output, else stdout. */
 FILE *offline_message_stream(const offline_options *o);

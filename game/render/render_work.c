@@ -165,10 +165,11 @@ static bool work_open(work_pieces *p)
 	PROFILE("open the scene");
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_OPENING);
-	stilb_scene_open_options open = {.allow_outside = p->options->allow_outside};
+	stilb_scene_open_options open = {.allow_outside = p->options->picture.allow_outside};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
-	    !work_good(p, offline_options_surroundings(p->options, p->scene)))
+	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)))
 		return false;
+	picture_flags_place(&p->options->picture, (float)p->options->size[0] / (float)p->options->size[1], p->scene);
 	p->result->open_s = work_seconds_since(start);
 	return true;
 }

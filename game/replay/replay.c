@@ -1,5 +1,6 @@
 /* stilb replay: draws a frame that `stilb demo --dump` wrote again and again, and measures the cost of its commands. */
 #include "game/cli/flags.h"
+#include "game/cli/picture_flags.h"
 #include "game/cli/stage_times.h"
 #include "game/commands.h"
 
@@ -21,9 +22,9 @@
 typedef struct replay_options {
 	uint64_t frames;
 	uint32_t workers, size[2];
-	int device, replay, materials;
-	bool validate, headless; /* headless has no effect: there never is a window */
-	const char *file, *gpu, *screenshot, *stats;
+	picture_flags picture;
+	bool headless; /* headless has no effect: there never is a window */
+	const char *file, *screenshot, *stats;
 } replay_options;
 
 typedef struct replay_run {
@@ -36,38 +37,32 @@ typedef struct replay_run {
 
 /* ---- flags ------------------------------------------------------------------------------------------------------- */
 
-static const char *const device_choices[] = {"vulkan", "null", NULL};
-static const char *const replay_choices[] = {"indirect", "direct", "secondary", NULL};
-static const char *const materials_choices[] = {"index", "bind", "pipeline", NULL};
-
 static flags_result replay_parse(replay_options *o, int argc, char **argv)
 {
-	const flag flags[] = {
-		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: for the CPU's part alone (vulkan)", 0,
-	     0, device_choices},
+	const flag run[] = {
 		{"--frames", FLAG_NUMBER, &o->frames, "N", "frames to draw, 1..1000000 (120)", 1, 1000000, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
-		{"--replay", FLAG_CHOICE, &o->replay, "MODE", "indirect, direct or secondary, as in 'stilb demo' (indirect)", 0,
-	     0, replay_choices},
-		{"--materials", FLAG_CHOICE, &o->materials, "MODE", "index, bind or pipeline, as in 'stilb demo' (index)", 0, 0,
-	     materials_choices},
+	};
+	const flag output[] = {
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size (the file's); other proportions stretch the picture", 1,
 	     16384, NULL},
-		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "number of a GPU or part of its name, see 'stilb info'", 0, 0, NULL},
-		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
 		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the picture as .png, or its radiance as .exr or .hdr", 0,
 	     0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times, counts, and the cost of each kind of command", 0,
 	     0, NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "accepted for scripts; there never is a window", 0, 0, NULL},
 	};
-	size_t count = sizeof flags / sizeof *flags;
-	flags_result result = flags_parse(flags, count, argc, argv);
+	flag_rows table = {0};
+	flag_rows_add(&table, run, sizeof run / sizeof *run);
+	picture_flags_add(&o->picture, PICTURE_COMMANDS, &table);
+	picture_flags_add(&o->picture, PICTURE_DEVICE, &table);
+	flag_rows_add(&table, output, sizeof output / sizeof *output);
+	flags_result result = flags_parse(table.rows, table.count, argc, argv);
 	if (result == FLAGS_HELP) {
 		printf("stilb replay FILE [FLAGS]: draws a frame without its scene, and measures its commands. 'stilb demo\n"
 		       "--dump FILE' writes one; - is standard input.\n\n");
-		flags_print(flags, count);
+		flags_print(table.rows, table.count);
 	}
 	return result;
 }
@@ -90,7 +85,7 @@ static bool replay_check(const replay_options *o)
 {
 	if (!replay_check_file(o->file))
 		return false;
-	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
+	if (o->screenshot && o->picture.device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
 	}
@@ -123,14 +118,14 @@ static stilb_result replay_start(replay_run *run)
 	stilb_engine_replay_desc desc = {
 		.path = o->file,
 		.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers,
-		.device = (stilb_render_device_kind)o->device,
-		.replay = (stilb_render_replay_mode)o->replay,
-		.materials = (stilb_render_materials)o->materials,
+		.device = (stilb_render_device_kind)o->picture.device,
+		.replay = (stilb_render_replay_mode)o->picture.replay,
+		.materials = (stilb_render_materials)o->picture.materials,
 		.output = o->screenshot ? &output : NULL,
-		.gpu = o->gpu,
+		.gpu = o->picture.gpu,
 		.width = o->size[0],
 		.height = o->size[1],
-		.validate = o->validate,
+		.validate = o->picture.validate,
 	};
 	run->options.workers = desc.workers;
 	return stilb_engine_replay_create(&desc, &run->replay);
@@ -198,18 +193,18 @@ static void replay_print(const replay_run *run, const stage_summary *summary, ui
 	        info.passes, info.passes == 1 ? "" : "es", info.meshes, info.meshes == 1 ? "" : "es", info.materials,
 	        info.materials == 1 ? "" : "s", info.textures, info.textures == 1 ? "" : "s");
 	fprintf(out, "%s, %ux%u; %s replay, materials by %s, %u worker%s; stream hash %016" PRIx64 ", as in the file\n",
-	        stilb_render_device_name(render), width, height, replay_choices[o->replay], materials_choices[o->materials],
-	        o->workers, o->workers == 1 ? "" : "s", run->hash);
+	        stilb_render_device_name(render), width, height, picture_replay_choices[o->picture.replay],
+	        picture_materials_choices[o->picture.materials], o->workers, o->workers == 1 ? "" : "s", run->hash);
 	fprintf(out, "%" PRIu64 " frame%s, the first %" PRIu64 " not counted; milliseconds:\n", o->frames,
 	        o->frames == 1 ? "" : "s", warmup);
 	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
 	for (size_t i = 0; i < REPLAY_STAGES; i++) {
 		const stage_summary *s = &summary[replay_stages[i]];
-		if (replay_stages[i] != STAGE_GPU || o->device != STILB_RENDER_DEVICE_NULL)
+		if (replay_stages[i] != STAGE_GPU || o->picture.device != STILB_RENDER_DEVICE_NULL)
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[replay_stages[i]], s->median, s->p99, s->min);
 	}
 	replay_print_costs(out, costs);
-	if (o->validate)
+	if (o->picture.validate)
 		fprintf(out, "the validation layer was on; all of these numbers include its work\n");
 }
 
@@ -246,10 +241,10 @@ static stilb_result replay_write_stats(const replay_run *run, const stage_summar
 	stilb_json_int(&json, "draws", (int64_t)run->render.draws);
 	stilb_json_int(&json, "workers", o->workers);
 	stilb_json_int(&json, "frames", (int64_t)o->frames);
-	stilb_json_string(&json, "device", device_choices[o->device]);
+	stilb_json_string(&json, "device", picture_device_choices[o->picture.device]);
 	stilb_json_string(&json, "device_name", stilb_render_device_name(stilb_engine_replay_render(run->replay)));
-	stilb_json_string(&json, "replay", replay_choices[o->replay]);
-	stilb_json_string(&json, "materials", materials_choices[o->materials]);
+	stilb_json_string(&json, "replay", picture_replay_choices[o->picture.replay]);
+	stilb_json_string(&json, "materials", picture_materials_choices[o->picture.materials]);
 	stilb_json_string(&json, "stream_hash", hash);
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)run->render.draw_commands);
@@ -323,7 +318,8 @@ static int replay_main(replay_run *run)
 
 int replay_command(int argc, char **argv)
 {
-	replay_run run = {.options = {.frames = REPLAY_FRAMES, .workers = FLAG_WORKERS_AUTO}};
+	replay_run run = {
+		.options = {.picture = picture_flags_default(), .frames = REPLAY_FRAMES, .workers = FLAG_WORKERS_AUTO}};
 	bool named = argc > 0 && (argv[0][0] != '-' || argv[0][1] == '\0');
 	flags_result parsed = replay_parse(&run.options, argc - named, argv + named);
 	if (parsed == FLAGS_HELP)

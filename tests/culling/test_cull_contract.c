@@ -70,7 +70,7 @@ static void runs(void **state)
 	contract_breaks("method <= STILB_CULL_FLAT", run(&l, (stilb_cull_method)9, &visible));
 	contract_breaks("frustum && visible", run(&l, STILB_CULL_FLAT, NULL));
 	contract_breaks("zero-initialised", run(&l, STILB_CULL_FLAT, &garbage));
-	contract_breaks("id < scene->model_count", stilb_cull_update(l.cull, &l.scene, (uint32_t[]){MODELS}, 1));
+	contract_breaks("ids[i] < scene->model_count", stilb_cull_update(l.cull, &l.scene, (uint32_t[]){MODELS}, 1));
 	contract_breaks("ids || count == 0", stilb_cull_update(l.cull, &l.scene, NULL, 1));
 	visible.bits[0] = 2; /* a bit that is set between runs, which none may be */
 	contract_breaks("cull_visible_is_sound", run(&l, STILB_CULL_FLAT, &visible));

@@ -1,6 +1,6 @@
 /* Names of the pictures that F12 saves: no file is replaced, and the name of the picture that the run saves at its end
  * stays free. */
-#include "game/demo/demo_picture.h"
+#include "game/live/live_picture.h"
 #include "support/folder.h"
 #include "support/test.h"
 
@@ -9,7 +9,7 @@
 
 static void assert_name(const char *path, const char *last, const char *expected)
 {
-	char *name = demo_picture_name(path, last);
+	char *name = live_picture_name(path, last);
 	assert_non_null(name);
 	assert_string_equal(name, expected);
 	free(name);

@@ -2,6 +2,7 @@
  * afterwards. */
 
 #include "gi_world_fixture.h"
+#include "scene/edit/scene_edit.h"
 
 static stilb_result create(const stilb_scene *scene, stilb_gi_scene_desc desc, uint32_t workers, stilb_gi_scene **gi)
 {
@@ -125,6 +126,40 @@ static void which_parts_are_instances(void **state)
 	world_finish(&world);
 }
 
+/* A hidden model and a removed one: rays pass where they were, and the others keep their ids. */
+static void what_is_not_shown(void **state)
+{
+	(void)state;
+	const stilb_gi_intersector *const intersectors[] = {&stilb_gi_embree, &stilb_gi_brute};
+	stilb_scene_material shining = {.diffuse = {0.5f, 0.5f, 0.5f}, .emission = {1.0f, 1.0f, 1.0f}};
+	for (int which = 0; which < 2; which++) {
+		stilb_scene *scene = world_scene(1, 1, 1);
+		uint32_t model, material;
+		assert_int_equal(stilb_scene_mesh_sphere(1, &scene->meshes[0]), STILB_OK);
+		assert_int_equal(stilb_scene_add_material(scene, &shining, &material), STILB_OK);
+		for (uint32_t m = 1; m < 4; m++) {
+			stilb_mat4 place = stilb_mat4_scale_translate(1.0f, 3.0f * (float)m, 0.0f, 0.0f);
+			stilb_scene_build_part part = {0, m == 2 ? material : 0};
+			assert_int_equal(stilb_scene_add_model(scene, &place, &part, 1, &model), STILB_OK);
+		}
+		assert_int_equal(stilb_scene_show_model(scene, 1, false), STILB_OK);
+		assert_int_equal(stilb_scene_remove_model(scene, 2), STILB_OK);
+		world_fixture world = world_trace(scene, intersectors[which], 0);
+		const stilb_gi_scene_info *info = stilb_gi_scene_info_of(world.gi);
+		assert_int_equal(info->triangles, 2 * 80);
+		assert_int_equal(info->lights + info->invalid + info->flat, 0);
+		for (uint32_t m = 0; m < 4; m++) {
+			gi_ray_hit ray =
+				gi_ray_hit_make(stilb_vec3_make(3.0f * (float)m, 0.1f, 5.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
+			world.gi->tracer.intersect(&world.gi->tracer, &ray);
+			assert_int_equal(gi_is_hit(&ray), m == 0 || m == 3);
+			if (gi_is_hit(&ray))
+				assert_int_equal(ray.hit.part, m);
+		}
+		world_finish(&world);
+	}
+}
+
 static void instruction_sets(void **state)
 {
 	(void)state;
@@ -179,6 +214,7 @@ int main(void)
 		cmocka_unit_test(flat_transforms),
 		cmocka_unit_test(the_scene_may_go),
 		cmocka_unit_test(which_parts_are_instances),
+		cmocka_unit_test(what_is_not_shown),
 		cmocka_unit_test(instruction_sets),
 		cmocka_unit_test(memory_runs_out),
 	};

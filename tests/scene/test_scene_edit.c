@@ -403,6 +403,11 @@ static void mistakes_are_told(void **state)
 	REFUSED(stilb_scene_add_model(scene, &bent, &part, 1, &id), "not affine");
 	REFUSED(stilb_scene_add_model(scene, &far, &part, 1, &id), "farther than 1e18");
 	REFUSED(stilb_scene_set_transform(scene, 0, &far), "model 0: mesh 0 reaches farther");
+	for (int i = 0; i < 16; i++) {
+		stilb_mat4 wrong_number = place;
+		wrong_number.m[i] = i % 2 ? (float)NAN : INFINITY;
+		REFUSED(stilb_scene_set_transform(scene, 0, &wrong_number), "model 0: its transform is not affine");
+	}
 	REFUSED(stilb_scene_set_transform(scene, 1, &place), "there is no model 1");
 	REFUSED(stilb_scene_set_part(scene, 0, 1, part), "model 0: there is no part 1");
 	REFUSED(stilb_scene_set_part(scene, 0, 0, no_mesh), "there is no mesh 7");

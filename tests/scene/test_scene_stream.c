@@ -157,7 +157,7 @@ static void a_camera_can_project(void **state)
 	float *const places[] = {&scene->camera.fov_y,       &scene->camera.fov_y,  &scene->camera.fov_y,
 	                         &scene->camera.near_z,      &scene->camera.near_z, &scene->camera.far_z,
 	                         &scene->camera.position[1], &scene->camera.roll};
-	const float wrong[] = {0.0f, 3.2f, NAN, 0.0f, good.far_z, INFINITY, NAN, INFINITY};
+	const float wrong[] = {-1.0f, 3.2f, NAN, 0.0f, good.far_z, INFINITY, NAN, INFINITY};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;
 		*places[i] = wrong[i];
@@ -167,6 +167,13 @@ static void a_camera_can_project(void **state)
 		assert_non_null(strstr(stilb_error_message(), "impossible numbers in its camera"));
 		free(bytes);
 	}
+	size_t size;
+	scene->camera = (stilb_scene_camera){.position = {NAN}}; /* none: the reader frames the scene */
+	unsigned char *bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
+	assert_true(back->framed && back->camera.fov_y > 0.0f && isfinite(back->camera.position[0]));
+	stilb_scene_destroy(back);
+	free(bytes);
 	stilb_scene_destroy(scene);
 }
 

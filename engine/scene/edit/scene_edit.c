@@ -8,13 +8,12 @@
 
 /* ---- spheres ----------------------------------------------------------------------------------------------------- */
 
-stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
+/* A sphere around the vertices of a mesh, which is then known. */
+static stilb_sphere edit_measure_mesh(stilb_scene *scene, uint32_t mesh)
 {
 	stilb_sphere *known = &scene->edits->mesh_sphere[mesh];
 	const stilb_scene_mesh *from = &scene->meshes[mesh];
 	STILB_ASSERT(mesh < scene->mesh_count);
-	if (!isnan(known->radius))
-		return *known;
 	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, most = 0.0f;
 	for (uint32_t v = 0; v < from->vertex_count; v++)
 		for (int i = 0; i < 3; i++) {
@@ -35,9 +34,15 @@ stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
 	return *known;
 }
 
+static inline stilb_sphere edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
+{
+	stilb_sphere known = scene->edits->mesh_sphere[mesh];
+	return isnan(known.radius) ? edit_measure_mesh(scene, mesh) : known;
+}
+
 /* A sphere that holds the transformed one. The greatest factor by which a matrix A stretches is at most the root of the
  * largest row sum of |A^T A|; that is exact where A keeps right angles. */
-static stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere sphere)
+static inline stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere sphere)
 {
 	const float *m = transform->m;
 	float at[3];
@@ -46,12 +51,14 @@ static stilb_sphere edit_sphere_place(const stilb_mat4 *transform, stilb_sphere 
 	float xx = m[0] * m[0] + m[1] * m[1] + m[2] * m[2], xy = fabsf(m[0] * m[4] + m[1] * m[5] + m[2] * m[6]);
 	float yy = m[4] * m[4] + m[5] * m[5] + m[6] * m[6], xz = fabsf(m[0] * m[8] + m[1] * m[9] + m[2] * m[10]);
 	float zz = m[8] * m[8] + m[9] * m[9] + m[10] * m[10], yz = fabsf(m[4] * m[8] + m[5] * m[9] + m[6] * m[10]);
-	float square = fmaxf(fmaxf(xx + xy + xz, yy + xy + yz), zz + xz + yz);
+	float square = xx + xy + xz, second = yy + xy + yz, third = zz + xz + yz;
+	square = square > second ? square : second; /* not fmaxf, which is a call */
+	square = square > third ? square : third;
 	return (stilb_sphere){at[0], at[1], at[2], sphere.radius * sqrtf(square) * EDIT_MARGIN};
 }
 
 /* The smallest sphere around both. */
-static stilb_sphere edit_sphere_join(stilb_sphere a, stilb_sphere b)
+static inline stilb_sphere edit_sphere_join(stilb_sphere a, stilb_sphere b)
 {
 	float x = b.x - a.x, y = b.y - a.y, z = b.z - a.z, distance = sqrtf(x * x + y * y + z * z);
 	if (distance + b.radius <= a.radius)
@@ -74,13 +81,13 @@ static bool edit_is_shown(const stilb_scene *scene, uint32_t model)
 	return !isnan(scene->bounds.radius[model]);
 }
 
-static void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
+static inline void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
 {
 	bool shown = edit_is_shown(scene, model);
 	scene->bounds.x[model] = sphere.x;
 	scene->bounds.y[model] = sphere.y;
 	scene->bounds.z[model] = sphere.z;
-	scene->edits->radius[model] = sphere.radius;
+	scene->edits->models[model].radius = sphere.radius;
 	if (!shown)
 		return;
 	scene->bounds.radius[model] = sphere.radius;
@@ -93,7 +100,7 @@ static stilb_sphere edit_fit(stilb_scene *scene, uint32_t model)
 	stilb_sphere sum = {0};
 	uint32_t first = scene->first_part[model];
 	for (uint32_t p = first; p < scene->first_part[model + 1]; p++) {
-		stilb_sphere mesh = scene_edit_mesh_sphere(scene, scene->part_mesh[p]);
+		stilb_sphere mesh = edit_mesh_sphere(scene, scene->part_mesh[p]);
 		stilb_sphere part = edit_sphere_place(&scene->part_transform[p], mesh);
 		sum = p == first ? part : edit_sphere_join(sum, part);
 	}
@@ -115,7 +122,7 @@ void scene_edit_settle(stilb_scene *scene)
 	if (edits->stale_count == 0)
 		return;
 	for (uint32_t m = 0; m < scene->model_count; m++) {
-		if (edits->model_next[m] != EDIT_IN_USE || !edit_is_stale(scene, m))
+		if (edits->models[m].next != EDIT_IN_USE || !edit_is_stale(scene, m))
 			continue;
 		stilb_sphere sphere = edit_fit(scene, m);
 		if (!edit_sphere_is_near(sphere))
@@ -130,12 +137,12 @@ void scene_edit_settle(stilb_scene *scene)
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
 /* STILB_OK if there is such a model and edits can begin. */
-static stilb_result edit_model(stilb_scene *scene, uint32_t id)
+static stilb_result edit_find_model(stilb_scene *scene, uint32_t id)
 {
-	stilb_result result = scene_edit_begin(scene);
+	stilb_result result = scene->edits ? STILB_OK : scene_edit_begin(scene);
 	if (result != STILB_OK)
 		return result;
-	if (id >= scene->model_count || scene->edits->model_next[id] != EDIT_IN_USE)
+	if (id >= scene->model_count || scene->edits->models[id].next != EDIT_IN_USE)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no model %u", id);
 	return STILB_OK;
 }
@@ -150,17 +157,26 @@ static stilb_result edit_part_check(const stilb_scene *scene, uint32_t model, st
 	return STILB_OK;
 }
 
-/* Adds to *sum, which is {0} before the first part, the sphere of a mesh at a transform. */
-static stilb_result edit_place_check(stilb_scene *scene, uint32_t model, uint32_t mesh, const stilb_mat4 *transform,
-                                     bool first, stilb_sphere *sum)
+/* Why a sphere that is not near, or a transform that is not affine, is refused. */
+__attribute__((noinline)) static stilb_result edit_refuse_place(uint32_t model, uint32_t mesh,
+                                                                const stilb_mat4 *transform)
 {
 	if (!scene_is_affine(transform))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: its transform is not affine, or not within 1e18", model);
-	stilb_sphere part = edit_sphere_place(transform, scene_edit_mesh_sphere(scene, mesh));
-	*sum = first ? part : edit_sphere_join(*sum, part);
-	if (!edit_sphere_is_near(*sum))
-		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", model, mesh);
-	return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", model, mesh);
+}
+
+/* Adds to *sum the sphere of a mesh at a transform; first: instead of adding. A NaN or an infinity among the elements
+ * of the transform is one in the sphere, so that they need not be looked at one by one. */
+static inline stilb_result edit_place_check(stilb_scene *scene, uint32_t model, uint32_t mesh,
+                                            const stilb_mat4 *transform, bool first, stilb_sphere *sum)
+{
+	const float *m = transform->m;
+	stilb_sphere part = edit_sphere_place(transform, edit_mesh_sphere(scene, mesh));
+	part = first ? part : edit_sphere_join(*sum, part);
+	*sum = part;
+	bool affine = m[3] == 0.0f && m[7] == 0.0f && m[11] == 0.0f && m[15] == 1.0f;
+	return affine && edit_sphere_is_near(part) ? STILB_OK : edit_refuse_place(model, mesh, transform);
 }
 
 /* Takes a removed model with so many parts out of its list. False: there is none. */
@@ -171,11 +187,11 @@ static bool edit_take_model(stilb_scene *scene, uint32_t part_count, uint32_t *i
 	while (*link) {
 		uint32_t model = *link - 1;
 		if (scene->first_part[model + 1] - scene->first_part[model] == part_count) {
-			*link = edits->model_next[model];
+			*link = edits->models[model].next;
 			*id = model;
 			return true;
 		}
-		link = &edits->model_next[model];
+		link = &edits->models[model].next;
 	}
 	return false;
 }
@@ -192,9 +208,7 @@ static bool edit_reserve_model(stilb_scene *scene, uint32_t part_count)
 		{(void **)&bounds->radius, sizeof(float), 0},
 		{(void **)&scene->first_part, sizeof(uint32_t), 1},
 		{(void **)&scene->moved, sizeof(uint32_t), 0},
-		{(void **)&edits->radius, sizeof(float), 0},
-		{(void **)&edits->model_next, sizeof(uint32_t), 0},
-		{(void **)&edits->moved_slot, sizeof(uint32_t), 0},
+		{(void **)&edits->models, sizeof *edits->models, 0},
 	};
 	edit_array parts[] = {
 		{(void **)&scene->part_mesh, sizeof(uint32_t), 0},
@@ -252,7 +266,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 		edits->meshes.users[parts[i].mesh]++;
 		edits->materials.users[parts[i].material]++;
 	}
-	edits->model_next[model] = EDIT_IN_USE;
+	edits->models[model].next = EDIT_IN_USE;
 	scene->bounds.radius[model] = sphere.radius; /* shown, also if the model that had this id is removed */
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -261,7 +275,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 
 stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK)
 		return result;
 	stilb_scene_edits *edits = scene->edits;
@@ -274,10 +288,10 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 		edits->materials.users[scene->part_material[p]]--;
 		scene->part_mesh[p] = scene->part_material[p] = STILB_SCENE_NONE;
 	}
-	scene->bounds.radius[id] = edits->radius[id] = (float)NAN;
+	scene->bounds.radius[id] = edits->models[id].radius = (float)NAN;
 	scene_edit_moved(scene, id);
 	uint32_t *bucket = &edits->free_models[(end - first) % EDIT_BUCKETS];
-	edits->model_next[id] = *bucket;
+	edits->models[id].next = *bucket;
 	*bucket = id + 1;
 	return STILB_OK;
 }
@@ -286,7 +300,7 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms, uint32_t step)
 {
 	STILB_ASSERT(transforms);
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK)
 		return result;
 	stilb_sphere sphere = {0};
@@ -313,7 +327,7 @@ stilb_result stilb_scene_set_part_transforms(stilb_scene *scene, uint32_t id, co
 
 stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part, stilb_scene_build_part with)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result == STILB_OK && part >= scene->first_part[id + 1] - scene->first_part[id])
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: there is no part %u", id, part);
 	if (result == STILB_OK)
@@ -339,10 +353,10 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 
 stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 {
-	stilb_result result = edit_model(scene, id);
+	stilb_result result = edit_find_model(scene, id);
 	if (result != STILB_OK || edit_is_shown(scene, id) == shown)
 		return result;
-	scene->bounds.radius[id] = shown ? scene->edits->radius[id] : (float)NAN;
+	scene->bounds.radius[id] = shown ? scene->edits->models[id].radius : (float)NAN;
 	scene_edit_moved(scene, id);
 	return STILB_OK;
 }

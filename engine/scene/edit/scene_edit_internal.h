@@ -27,6 +27,12 @@ typedef struct edit_ids {
 	uint32_t changed_count;
 } edit_ids;
 
+typedef struct edit_model {
+	float radius;  /* of its bounds, also while it is hidden */
+	uint32_t next; /* as edit_ids.next */
+	uint32_t slot; /* as edit_ids.slot, in scene->moved */
+} edit_model;
+
 typedef struct stilb_scene_edits {
 	edit_ids meshes, materials, textures;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
@@ -34,9 +40,7 @@ typedef struct stilb_scene_edits {
 	uint32_t stale_count;      /* meshes of which that is true */
 
 	uint32_t model_capacity, part_capacity;
-	float *radius;                      /* [model_capacity] of the bounds, also while the model is hidden */
-	uint32_t *model_next;               /* [model_capacity] as edit_ids.next */
-	uint32_t *moved_slot;               /* [model_capacity] as edit_ids.slot, in scene->moved */
+	edit_model *models;                 /* [model_capacity] */
 	uint32_t free_models[EDIT_BUCKETS]; /* 1 + the first free model of each list; 0: none */
 
 	stilb_scene_vertices *ranges; /* [range_count] */
@@ -54,15 +58,24 @@ void scene_edit_finish(stilb_scene_edits *edits);
 bool scene_edit_grow(const edit_array *arrays, uint32_t array_count, uint32_t count, uint32_t needed,
                      uint32_t *capacity);
 
-/* Lists a model in scene->moved, and an id among the changed ones of its kind, unless it is there already. */
-void scene_edit_moved(stilb_scene *scene, uint32_t model);
+/* Lists a model in scene->moved unless it is there already. */
+static inline void scene_edit_moved(stilb_scene *scene, uint32_t model)
+{
+	stilb_scene_edits *edits = scene->edits;
+	STILB_ASSERT(edits && model < scene->model_count);
+	uint32_t slot = edits->models[model].slot;
+	if (slot < scene->moved_count && scene->moved[slot] == model)
+		return;
+	STILB_ASSERT(scene->moved_count < edits->model_capacity && "each model stands there once");
+	edits->models[model].slot = scene->moved_count;
+	scene->moved[scene->moved_count++] = model;
+}
+
+/* Lists an id among the changed ones of its kind, unless it is there already. */
 void scene_edit_changed(edit_ids *ids, uint32_t id);
 
 /* True if there is something with this id. count: ids given so far. */
 bool scene_edit_has(const edit_ids *ids, uint32_t count, uint32_t id);
-
-/* A sphere around the vertices of a mesh; computed when it is asked for first. */
-stilb_sphere scene_edit_mesh_sphere(stilb_scene *scene, uint32_t mesh);
 
 /* The new bounds of models that show a mesh whose vertices have changed. */
 void scene_edit_settle(stilb_scene *scene);

@@ -81,9 +81,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_ids_finish(&edits->textures);
 	free(edits->mesh_sphere);
 	free(edits->mesh_stale);
-	free(edits->radius);
-	free(edits->model_next);
-	free(edits->moved_slot);
+	free(edits->models);
 	free(edits->ranges);
 	free(edits);
 }
@@ -103,9 +101,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edits->mesh_stale = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_stale);
 	edits->model_capacity = scene->model_count;
 	edits->part_capacity = scene->part_count;
-	edits->radius = edit_zeros(&failed, scene->model_count, sizeof *edits->radius);
-	edits->model_next = edit_zeros(&failed, scene->model_count, sizeof *edits->model_next);
-	edits->moved_slot = edit_zeros(&failed, scene->model_count, sizeof *edits->moved_slot);
+	edits->models = edit_zeros(&failed, scene->model_count, sizeof *edits->models);
 	if (!failed)
 		return edits;
 	scene_edit_finish(edits);
@@ -129,29 +125,15 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 			edits->textures.users[scene->materials[m].diffuse_texture - 1]++;
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_sphere[m].radius = (float)NAN;
-	for (uint32_t m = 0; m < scene->model_count; m++) {
-		edits->radius[m] = scene->bounds.radius[m];
-		edits->model_next[m] = EDIT_IN_USE;
-	}
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		edits->models[m] = (edit_model){.radius = scene->bounds.radius[m], .next = EDIT_IN_USE};
 	for (uint32_t i = 0; i < scene->moved_count; i++)
-		edits->moved_slot[scene->moved[i]] = i;
+		edits->models[scene->moved[i]].slot = i;
 	scene->edits = edits;
 	return STILB_OK;
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
-
-void scene_edit_moved(stilb_scene *scene, uint32_t model)
-{
-	stilb_scene_edits *edits = scene->edits;
-	STILB_ASSERT(edits && model < scene->model_count);
-	uint32_t slot = edits->moved_slot[model];
-	if (slot < scene->moved_count && scene->moved[slot] == model)
-		return;
-	STILB_ASSERT(scene->moved_count < edits->model_capacity && "each model stands there once");
-	edits->moved_slot[model] = scene->moved_count;
-	scene->moved[scene->moved_count++] = model;
-}
 
 void scene_edit_changed(edit_ids *ids, uint32_t id)
 {

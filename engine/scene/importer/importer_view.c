@@ -122,6 +122,12 @@ static float camera_fov_y(const importer *import, const struct aiCamera *from)
 	return 2.0f * atanf(tanf(0.5f * from->mHorizontalFOV) / (has_ratio ? from->mAspect : 4.0f / 3.0f));
 }
 
+/* True for the cameras that every FBX file has, wherever its model is: "Producer Perspective", "Producer Front", ... */
+static bool camera_is_default(const struct aiCamera *from)
+{
+	return strncmp(from->mName.data, "Producer ", strlen("Producer ")) == 0;
+}
+
 /* Converts one of Assimp's cameras. False: its position or its angle is out of range. */
 static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
 {
@@ -156,8 +162,9 @@ stilb_result importer_add_view(importer *import)
 		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
 	}
 	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
-		if (camera_convert(import, import->from->mCameras[i], &scene->camera))
+		if (!camera_is_default(import->from->mCameras[i]) &&
+		    camera_convert(import, import->from->mCameras[i], &scene->camera))
 			return STILB_OK;
-	scene->camera = scene_camera_around(scene);
+	scene->camera = (stilb_scene_camera){0}; /* none: who receives the scene frames it */
 	return STILB_OK;
 }

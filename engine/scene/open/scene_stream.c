@@ -304,7 +304,8 @@ static stilb_result stream_check(const stilb_scene *scene)
 			return stream_wrong("lights");
 	if (!scene_is_sound(scene))
 		return stream_wrong("indices");
-	return stream_camera_is_usable(&scene->camera) ? STILB_OK : stream_wrong("numbers in its camera");
+	bool none = scene->camera.fov_y == 0.0f;
+	return none || stream_camera_is_usable(&scene->camera) ? STILB_OK : stream_wrong("numbers in its camera");
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
@@ -335,6 +336,9 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 		scene->textures[i] = textures[i];
 		textures[i] = (stilb_image){0};
 	}
+	scene->framed = scene->camera.fov_y == 0.0f;
+	if (scene->framed)
+		scene->camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);
 	*out = scene;
 	return STILB_OK;
 }

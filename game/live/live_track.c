@@ -1,9 +1,9 @@
-#include "demo_track.h"
+#include "live_track.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-stilb_result demo_track_open(demo_track *track, const char *path)
+stilb_result live_track_open(live_track *track, const char *path)
 {
 	static const char head[] = "# frame, time in microseconds, position in metres, yaw and pitch in radians\n";
 	stilb_result result = stilb_file_open(&track->file, path);
@@ -12,7 +12,7 @@ stilb_result demo_track_open(demo_track *track, const char *path)
 	return result;
 }
 
-void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_engine_report *report)
+void live_track_add(live_track *track, const stilb_engine *engine, const stilb_engine_report *report)
 {
 	if (!track->file.path)
 		return;
@@ -29,12 +29,12 @@ void demo_track_add(demo_track *track, const stilb_engine *engine, const stilb_e
 	stilb_file_write(&track->file, line, (size_t)length);
 }
 
-stilb_result demo_track_save(demo_track *track)
+stilb_result live_track_save(live_track *track)
 {
 	return stilb_file_commit(&track->file);
 }
 
-void demo_track_finish(demo_track *track)
+void live_track_finish(live_track *track)
 {
 	stilb_file_finish(&track->file);
 }

@@ -1,4 +1,4 @@
-#include "demo_report.h"
+#include "live_report.h"
 
 #include "base/base_json.h"
 #include "game/cli/jobs_json.h"
@@ -8,7 +8,7 @@
 
 /* Returns the stage with the greatest median time among those that can limit the frame rate by their work. Presenting
  * is not among them: it waits for the screen. */
-static stage demo_bound(const stage_summary *summary)
+static stage live_bound(const stage_summary *summary)
 {
 	stage bound = STAGE_CULL;
 	static const stage candidates[] = {STAGE_RECORD, STAGE_UI, STAGE_REPLAY, STAGE_GPU};
@@ -18,7 +18,7 @@ static stage demo_bound(const stage_summary *summary)
 	return bound;
 }
 
-static const char *demo_bound_name(stage bound)
+static const char *live_bound_name(stage bound)
 {
 	static const char *const names[STAGE_COUNT] = {[STAGE_CULL] = "culling",
 	                                               [STAGE_RECORD] = "recording",
@@ -28,21 +28,22 @@ static const char *demo_bound_name(stage bound)
 	return names[bound];
 }
 
-static void demo_put_choice(stilb_json *json, const char *name, const char *choice)
+static void live_put_choice(stilb_json *json, const char *name, const char *choice)
 {
 	char text[FLAG_CHOICE_SIZE];
 	stilb_json_string(json, name, flags_choice(text, choice));
 }
 
-static void demo_put_shading(stilb_json *json, stilb_render_shading shading, uint32_t light)
+static void live_put_shading(stilb_json *json, stilb_render_shading shading, const stilb_engine_choice *light)
 {
-	demo_put_choice(json, "brdf", stilb_engine_brdf_names[shading.brdf]);
+	live_put_choice(json, "brdf", stilb_engine_brdf_names[shading.brdf]);
 	if (shading.brdf == SHADE_BRDF_MICROFACET) {
-		demo_put_choice(json, "ndf", stilb_engine_ndf_names[shading.ndf]);
-		demo_put_choice(json, "g", stilb_engine_g_names[shading.g]);
-		demo_put_choice(json, "f", stilb_engine_f_names[shading.f]);
+		live_put_choice(json, "ndf", stilb_engine_ndf_names[shading.ndf]);
+		live_put_choice(json, "g", stilb_engine_g_names[shading.g]);
+		live_put_choice(json, "f", stilb_engine_f_names[shading.f]);
 	}
-	demo_put_choice(json, "light_model", stilb_scene_stress_light_names[light]);
+	if (light)
+		live_put_choice(json, "light_model", light->names[light->chosen]);
 	stilb_json_begin(json, "added", '{');
 	stilb_json_double(json, "roughness", (double)shading.roughness);
 	stilb_json_double(json, "anisotropy", (double)shading.anisotropy);
@@ -51,7 +52,7 @@ static void demo_put_shading(stilb_json *json, stilb_render_shading shading, uin
 	stilb_json_end(json, '}');
 }
 
-static void demo_put_gamepads(stilb_json *json, const demo_report *report)
+static void live_put_gamepads(stilb_json *json, const live_report *report)
 {
 	stilb_engine_gamepad_counts counts = stilb_engine_gamepad_counts_get(report->engine);
 	const stage_summary *latency = &report->summary[STAGE_PAD];
@@ -67,29 +68,34 @@ static void demo_put_gamepads(stilb_json *json, const demo_report *report)
 	stilb_json_end(json, '}');
 }
 
-stilb_result demo_report_save(const demo_report *report)
+static uint32_t live_models(const live_report *report)
+{
+	return stilb_engine_scene(report->engine)->model_count;
+}
+
+stilb_result live_report_save(const live_report *report)
 {
 	STILB_ASSERT(report->options->stats && report->frames > 0);
-	const demo_options *o = report->options;
+	const live_options *o = report->options;
 	const stilb_render_stats *render = &report->last.render;
 	const stage_summary *summary = report->summary;
 	char hash[17];
 	snprintf(hash, sizeof hash, "%016" PRIx64, stilb_engine_stream_hash(report->engine));
 	stilb_json json = {0};
 	stilb_json_begin(&json, NULL, '{');
-	stilb_json_int(&json, "models", (int64_t)o->models);
+	stilb_json_int(&json, "models", live_models(report));
 	stilb_json_int(&json, "visible", report->last.visible);
 	stilb_json_int(&json, "draws", (int64_t)render->draws);
 	stilb_json_int(&json, "workers", stilb_engine_workers(report->engine));
 	stilb_json_int(&json, "frames", (int64_t)report->frames);
-	stilb_json_string(&json, "device", demo_device_choices[o->device]);
+	stilb_json_string(&json, "device", picture_device_choices[o->picture.device]);
 	stilb_json_string(&json, "device_name", stilb_engine_device_name(report->engine));
-	stilb_json_string(&json, "replay", demo_replay_choices[o->replay]);
-	stilb_json_string(&json, "materials", demo_materials_choices[o->materials]);
-	stilb_json_string(&json, "cull", demo_cull_choices[o->cull]);
-	stilb_json_string(&json, "culled_by", demo_cull_choices[report->last.cull]);
+	stilb_json_string(&json, "replay", picture_replay_choices[o->picture.replay]);
+	stilb_json_string(&json, "materials", picture_materials_choices[o->picture.materials]);
+	stilb_json_string(&json, "cull", live_cull_choices[o->cull]);
+	stilb_json_string(&json, "culled_by", live_cull_choices[report->last.cull]);
 	stilb_json_string(&json, "stream_hash", hash);
-	demo_put_shading(&json, stilb_engine_shading(report->engine), report->light);
+	live_put_shading(&json, stilb_engine_shading(report->engine), report->light);
 	stilb_json_begin(&json, "commands", '{');
 	stilb_json_int(&json, "draw", (int64_t)render->draw_commands);
 	stilb_json_int(&json, "draw_indirect", (int64_t)render->indirect_commands);
@@ -110,40 +116,40 @@ stilb_result demo_report_save(const demo_report *report)
 	}
 	stilb_json_end(&json, '}');
 	stilb_json_double(&json, "gpu_ms", summary[STAGE_GPU].median);
-	demo_put_gamepads(&json, report);
-	stilb_json_string(&json, "bound", demo_bound_name(demo_bound(summary)));
+	live_put_gamepads(&json, report);
+	stilb_json_string(&json, "bound", live_bound_name(live_bound(summary)));
 	stilb_json_end(&json, '}');
 	return stilb_json_save(&json, o->stats);
 }
 
-void demo_report_print(const demo_report *report)
+void live_report_print(const live_report *report)
 {
-	const demo_options *o = report->options;
+	const live_options *o = report->options;
 	const stage_summary *summary = report->summary;
-	FILE *out = demo_message_stream(o);
+	FILE *out = live_message_stream(o);
 	bool software = stilb_engine_device_is_software(report->engine);
 	uint32_t width, height, workers = stilb_engine_workers(report->engine),
 							samples = stilb_engine_samples(report->engine);
 	stilb_engine_size(report->engine, &width, &height);
-	fprintf(out, "%" PRIu64 " model%s, %u visible, %" PRIu64 " draws; %s%s%s culling, %s replay, %u worker%s\n",
-	        o->models, o->models == 1 ? "" : "s", report->last.visible, report->last.render.draws,
-	        demo_cull_choices[o->cull], o->cull == STILB_CULL_AUTO ? ": " : "",
-	        o->cull == STILB_CULL_AUTO ? demo_cull_choices[report->last.cull] : "", demo_replay_choices[o->replay],
-	        workers, workers == 1 ? "" : "s");
+	fprintf(out, "%u model%s, %u visible, %" PRIu64 " draws; %s%s%s culling, %s replay, %u worker%s\n",
+	        live_models(report), live_models(report) == 1 ? "" : "s", report->last.visible, report->last.render.draws,
+	        live_cull_choices[o->cull], o->cull == STILB_CULL_AUTO ? ": " : "",
+	        o->cull == STILB_CULL_AUTO ? live_cull_choices[report->last.cull] : "",
+	        picture_replay_choices[o->picture.replay], workers, workers == 1 ? "" : "s");
 	fprintf(out, "%s%s, %ux%u, %u sample%s per pixel\n", stilb_engine_device_name(report->engine),
 	        software ? " (software: it draws on the CPU)" : "", width, height, samples, samples == 1 ? "" : "s");
 	fprintf(out, "%" PRIu64 " frame%s, the first %" PRIu64 " not counted; milliseconds:\n", report->frames,
 	        report->frames == 1 ? "" : "s", report->warmup);
 	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
 	for (int s = 0; s < STAGE_COUNT; s++)
-		if (s < STAGE_GPU || (s == STAGE_GPU && o->device != STILB_RENDER_DEVICE_NULL) ||
+		if (s < STAGE_GPU || (s == STAGE_GPU && o->picture.device != STILB_RENDER_DEVICE_NULL) ||
 		    (s == STAGE_PAD && summary[s].median > 0.0))
 			fprintf(out, "  %-8s %9.3f %9.3f %9.3f\n", stage_names[s], summary[s].median, summary[s].p99,
 			        summary[s].min);
-	stage bound = demo_bound(summary);
+	stage bound = live_bound(summary);
 	stilb_engine_gamepad_counts pads = stilb_engine_gamepad_counts_get(report->engine);
 	if (pads.reports > 0)
 		fprintf(out, "gamepads: %" PRIu64 " reports, %" PRIu64 " corrupt, %" PRIu64 " lost\n", pads.reports,
 		        pads.corrupt, pads.lost);
-	fprintf(out, "bound by: %s, %.3f ms\n", demo_bound_name(bound), summary[bound].median);
+	fprintf(out, "bound by: %s, %.3f ms\n", live_bound_name(bound), summary[bound].median);
 }

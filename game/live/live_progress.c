@@ -1,4 +1,4 @@
-#include "demo_progress.h"
+#include "live_progress.h"
 
 #include "base/base.h"
 
@@ -11,14 +11,14 @@
 #define PROGRESS_QUIET_NS 2000000000u  /* a shorter run shows nothing */
 #define PROGRESS_BETWEEN_NS 200000000u /* between two updates of the line */
 
-void demo_progress_begin(demo_progress *progress)
+void live_progress_begin(live_progress *progress)
 {
 	const char *kind = getenv("TERM");
 	bool dumb = kind && strcmp(kind, "dumb") == 0;
-	*progress = (demo_progress){.start_ns = stilb_time_ns(), .terminal = isatty(STDERR_FILENO) && !dumb};
+	*progress = (live_progress){.start_ns = stilb_time_ns(), .terminal = isatty(STDERR_FILENO) && !dumb};
 }
 
-void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wanted)
+void live_progress_show(live_progress *progress, uint64_t frames, uint64_t wanted)
 {
 	STILB_ASSERT(progress->start_ns > 0 && (wanted == 0 || frames <= wanted));
 	uint64_t now = stilb_time_ns(), passed = now - progress->start_ns;
@@ -35,7 +35,7 @@ void demo_progress_show(demo_progress *progress, uint64_t frames, uint64_t wante
 	fputs("\033[K", stderr);
 }
 
-void demo_progress_end(demo_progress *progress)
+void live_progress_end(live_progress *progress)
 {
 	if (progress->shown)
 		fputs("\r\033[K", stderr);

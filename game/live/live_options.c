@@ -1,4 +1,4 @@
-#include "demo_options.h"
+#include "live_options.h"
 
 #include "base/base_file.h"
 #include "game/cli/trace_path.h"
@@ -13,95 +13,70 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char *const view_choices[] = {"all", "half", "few", NULL};
-static const char *const edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
-const char *const demo_cull_choices[] = {"auto", "octree", "flat", NULL};      /* as stilb_cull_method */
-const char *const demo_replay_choices[] = {"indirect", "direct", "secondary", NULL};
-const char *const demo_materials_choices[] = {"index", "bind", "pipeline", NULL};
-const char *const demo_device_choices[] = {"vulkan", "null", NULL};
+static const char *const live_edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
+const char *const live_cull_choices[] = {"auto", "octree", "flat", NULL};           /* as stilb_cull_method */
 
-demo_options demo_options_default(void)
+live_options live_options_default(void)
 {
-	return (demo_options){
-		.models = 10000,
-		.seed = 1,
+	return (live_options){
+		.picture = picture_flags_default(),
+		.brdf = stilb_render_shading_default().brdf,
 		.size = {1280, 720},
 		.workers = FLAG_WORKERS_AUTO,
 		.profile_ring = 64,
-		.brdf = DEMO_NOT_GIVEN,
-		.ndf = DEMO_NOT_GIVEN,
-		.g = DEMO_NOT_GIVEN,
-		.f = DEMO_NOT_GIVEN,
-		.roughness = NAN,
-		.anisotropy = NAN,
-		.wrap = NAN,
-		.specular = NAN,
 		.sensitivity = 1.0f,
 	};
 }
 
-flags_result demo_options_parse(demo_options *o, int argc, char **argv)
+static void live_add_run(live_options *o, flag_rows *table)
 {
-	const flag flags[] = {
-		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--models", FLAG_NUMBER, &o->models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
-		{"--seed", FLAG_NUMBER, &o->seed, "N", "of the random sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
-		{"--animate", FLAG_SWITCH, &o->animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
-		{"--view", FLAG_CHOICE, &o->view, "all|half|few", "how many models the camera sees (all)", 0, 0, view_choices},
-
+	const flag run[] = {
 		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--frames", FLAG_NUMBER, &o->frames, "N",
-	     "frames, 1..1000000 (headless 120, in software 30; in a window endless)", 1, 1000000, NULL},
+		{"--frames", FLAG_NUMBER, &o->frames, "N", o->frames_help, 1, 1000000, NULL},
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "open no window", 0, 0, NULL},
 		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
-		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, demo_cull_choices},
-		{"--replay", FLAG_CHOICE, &o->replay, "MODE",
-	     "indirect, direct (a command a draw) or secondary (those in parallel) (indirect)", 0, 0, demo_replay_choices},
-		{"--materials", FLAG_CHOICE, &o->materials, "MODE",
-	     "index, bind (a descriptor set each) or pipeline (two pipelines) (index)", 0, 0, demo_materials_choices},
+		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, live_cull_choices},
+	};
+	const flag device[] = {{"The device and its pictures", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
+	const flag size[] = {
+		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL}};
+	const flag materials[] = {{"Materials and light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
+	flag_rows_add(table, run, sizeof run / sizeof *run);
+	picture_flags_add(&o->picture, PICTURE_COMMANDS, table);
+	flag_rows_add(table, device, 1);
+	picture_flags_add(&o->picture, PICTURE_DEVICE, table);
+	flag_rows_add(table, size, 1);
+	picture_flags_add(&o->picture, PICTURE_SAMPLES, table);
+	flag_rows_add(table, materials, 1);
+	picture_flags_add(&o->picture, PICTURE_BRDF, table);
+	picture_flags_add(&o->picture, PICTURE_ADDED, table);
+}
 
-		{"The device and its pictures", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--device", FLAG_CHOICE, &o->device, "vulkan|null", "null draws nothing: for the CPU's part alone (vulkan)", 0,
-	     0, demo_device_choices},
-		{"--gpu", FLAG_TEXT, &o->gpu, "N|NAME", "number of a GPU or part of its name, see 'stilb info'", 0, 0, NULL},
-		{"--validate", FLAG_SWITCH, &o->validate, NULL, "Vulkan validation; any message fails the run", 0, 0, NULL},
-		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL},
-		{"--msaa", FLAG_NUMBER, &o->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
-
-		{"Materials and light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
-		{"--brdf", FLAG_CHOICE, &o->brdf, "NAME", "reflection model: lambert, wrapped, ... (blinn-phong-modified)", 0,
-	     0, stilb_engine_brdf_names},
-		{"--ndf", FLAG_CHOICE, &o->ndf, "NAME", "distribution D of --brdf microfacet, which it implies (ggx)", 0, 0,
-	     stilb_engine_ndf_names},
-		{"--g", FLAG_CHOICE, &o->g, "NAME", "shadowing term G of --brdf microfacet, which it implies (smith-ggx)", 0, 0,
-	     stilb_engine_g_names},
-		{"--f", FLAG_CHOICE, &o->f, "NAME", "Fresnel term F of --brdf microfacet, which it implies (schlick)", 0, 0,
-	     stilb_engine_f_names},
-		{"--light-model", FLAG_CHOICE, &o->light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
-	     stilb_scene_stress_light_names},
-		{"--roughness", FLAG_DECIMAL, &o->roughness, "X", "added to the roughness of every material, -1..1 (0)", 0, 1,
-	     NULL},
-		{"--anisotropy", FLAG_DECIMAL, &o->anisotropy, "X",
-	     "added to the anisotropy, -1..1 (0; 0.6 with --ndf ggx-anisotropic)", 0, 1, NULL},
-		{"--wrap", FLAG_DECIMAL, &o->wrap, "X", "added to the wrap, -1..1 (0; 0.5 with --brdf wrapped)", 0, 1, NULL},
-		{"--specular", FLAG_DECIMAL, &o->specular, "X", "added to the specular reflectance, -1..1 (0)", 0, 1, NULL},
-
+static void live_add_windows(live_options *o, flag_rows *table)
+{
+	const flag windows[] = {
 		{"Windows over the picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, also in saved pictures", 0, 0,
 	     NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",
 	     0, 0, NULL},
 		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "MODE",
-	     "their edges: feather (soft), article (soft outside only) or off (feather)", 0, 0, edge_choices},
+	     "their edges: feather (soft), article (soft outside only) or off (feather)", 0, 0, live_edge_choices},
 
 		{"Gamepads", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--gamepad", FLAG_TEXT, &o->gamepad, "SOURCE",
 	     "auto, off, hidraw, hidapi or replay:FILE (auto: hidraw in a window)", 0, 0, NULL},
 		{"--invert-y", FLAG_SWITCH, &o->invert_y, NULL, "pushing the right stick up looks down", 0, 0, NULL},
 		{"--sensitivity", FLAG_AMOUNT, &o->sensitivity, "X", "of looking with the right stick, 0..10 (1)", 0, 10, NULL},
+	};
+	flag_rows_add(table, windows, sizeof windows / sizeof *windows);
+}
 
+static void live_add_output(live_options *o, flag_rows *table)
+{
+	const flag output[] = {
 		{"Output", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--screenshot", FLAG_TEXT, &o->screenshot, "FILE", "the last frame as .png, or its radiance as .exr or .hdr",
 	     0, 0, NULL},
@@ -110,7 +85,7 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the commands of the last frame, for 'stilb replay'", 0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
 	     NULL},
-		{"--capture", FLAG_TEXT, &o->capture, "FILE", "traces by P, SIGUSR1 or --spike, numbered (" DEMO_CAPTURE ")", 0,
+		{"--capture", FLAG_TEXT, &o->capture, "FILE", "traces by P, SIGUSR1 or --spike, numbered (" LIVE_CAPTURE ")", 0,
 	     0, NULL},
 		{"--spike", FLAG_TEXT, &o->spike, "off|auto|MS",
 	     "capture slow frames: longer than MS, or than twice the median (off)", 0, 0, NULL},
@@ -120,23 +95,34 @@ flags_result demo_options_parse(demo_options *o, int argc, char **argv)
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N",
 	     "for tests: allocation memory:N or frame lost:N fails, frame slow:N is slow", 0, 0, NULL},
 	};
-	size_t count = sizeof flags / sizeof *flags;
-	flags_result result = flags_parse(flags, count, argc, argv);
+	flag_rows_add(table, output, sizeof output / sizeof *output);
+}
+
+flags_result live_options_parse(live_options *o, const live_help *help, const flag *own, size_t own_count, int argc,
+                                char **argv)
+{
+	flag_rows table = {0};
+	STILB_ASSERT(o && help && own);
+	o->frames_help = help->frames;
+	flag_rows_add(&table, own, own_count);
+	live_add_run(o, &table);
+	live_add_windows(o, &table);
+	live_add_output(o, &table);
+	flags_result result = flags_parse(table.rows, table.count, argc, argv);
 	if (result == FLAGS_HELP) {
-		printf(
-			"stilb demo: the stress test. Each model is a sphere over a ground tile, each with its own material.\n\n");
-		flags_print(flags, count);
-		printf("\nIn the window:\n" DEMO_KEYS "\n");
+		printf("%s\n\n", help->purpose);
+		flags_print(table.rows, table.count);
+		printf("\nIn the window:\n%s\n", help->keys);
 	}
 	return result;
 }
 
-#define DEMO_OUTPUTS 6
+#define LIVE_OUTPUTS 6
 
-static const char *const demo_output_flags[DEMO_OUTPUTS] = {"--screenshot", "--trace",   "--stats",
+static const char *const live_output_flags[LIVE_OUTPUTS] = {"--screenshot", "--trace",   "--stats",
                                                             "--dump",       "--capture", "--track"};
 
-static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
+static void live_outputs(const live_options *o, const char *paths[LIVE_OUTPUTS])
 {
 	paths[0] = o->screenshot;
 	paths[1] = o->trace;
@@ -146,23 +132,23 @@ static void demo_outputs(const demo_options *o, const char *paths[DEMO_OUTPUTS])
 	paths[5] = o->track;
 }
 
-FILE *demo_message_stream(const demo_options *o)
+FILE *live_message_stream(const live_options *o)
 {
-	const char *paths[DEMO_OUTPUTS];
-	demo_outputs(o, paths);
-	for (int i = 0; i < DEMO_OUTPUTS; i++)
+	const char *paths[LIVE_OUTPUTS];
+	live_outputs(o, paths);
+	for (int i = 0; i < LIVE_OUTPUTS; i++)
 		if (paths[i] && stilb_file_is_stdout(paths[i]))
 			return stderr;
 	return stdout;
 }
 
 /* Refuses two outputs with the same file. */
-static bool demo_outputs_differ(const demo_options *o)
+static bool live_outputs_differ(const live_options *o)
 {
-	const char *paths[DEMO_OUTPUTS];
-	demo_outputs(o, paths);
-	for (int i = 0; i < DEMO_OUTPUTS; i++)
-		for (int k = i + 1; k < DEMO_OUTPUTS; k++)
+	const char *paths[LIVE_OUTPUTS];
+	live_outputs(o, paths);
+	for (int i = 0; i < LIVE_OUTPUTS; i++)
+		for (int k = i + 1; k < LIVE_OUTPUTS; k++)
 			if (paths[i] && paths[k] && stilb_file_same(paths[i], paths[k])) {
 				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[k]);
 				return false;
@@ -171,9 +157,9 @@ static bool demo_outputs_differ(const demo_options *o)
 }
 
 /* Reads --fault, "memory:3", "lost:10" or "slow:50"; NULL: no fault. Returns false if it is none of these. */
-static bool demo_parse_fault(const char *text, demo_faults *faults)
+static bool live_parse_fault(const char *text, live_faults *faults)
 {
-	*faults = (demo_faults){0};
+	*faults = (live_faults){0};
 	if (!text)
 		return true;
 	const struct {
@@ -192,7 +178,7 @@ static bool demo_parse_fault(const char *text, demo_faults *faults)
 }
 
 /* Reads --spike, "off", "auto" or milliseconds like "33.3", into *capture. Returns false if it is none of these. */
-static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
+static bool live_parse_spike(const char *text, stilb_prof_capture_desc *capture)
 {
 	char *end;
 	if (!text || strcmp(text, "off") == 0)
@@ -208,7 +194,7 @@ static bool demo_parse_spike(const char *text, stilb_prof_capture_desc *capture)
 
 /* Reads --gamepad, for example "hidraw" or "replay:flight.rec"; *recording is the file's name of the latter, else NULL.
  * Returns false if it is not known. */
-static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, const char **recording)
+static bool live_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, const char **recording)
 {
 	static const char *const words[] = {[STILB_ENGINE_GAMEPAD_AUTO] = "auto",
 	                                    [STILB_ENGINE_GAMEPAD_OFF] = "off",
@@ -232,16 +218,16 @@ static bool demo_parse_gamepad(const char *text, stilb_engine_gamepad *gamepad, 
 	return true;
 }
 
-bool demo_options_is_replay(const demo_options *o)
+bool live_options_is_replay(const live_options *o)
 {
 	stilb_engine_gamepad gamepad;
 	const char *recording;
-	return demo_parse_gamepad(o->gamepad, &gamepad, &recording) && recording;
+	return live_parse_gamepad(o->gamepad, &gamepad, &recording) && recording;
 }
 
 /* True if a file can be read now, to check it, and again when the run starts. A pipe or a terminal can be read only
  * once. */
-static bool demo_is_readable_twice(const char *path)
+static bool live_is_readable_twice(const char *path)
 {
 	struct stat info;
 	return strcmp(path, "-") != 0 && (stat(path, &info) != 0 || S_ISREG(info.st_mode) || S_ISDIR(info.st_mode));
@@ -249,15 +235,15 @@ static bool demo_is_readable_twice(const char *path)
 
 /* Checks the source of gamepads that --gamepad names: a recording must be sound, as far as it can be read before the
  * start, and no output may replace it. */
-static bool demo_check_recording(const demo_options *o)
+static bool live_check_recording(const live_options *o)
 {
 	stilb_engine_gamepad gamepad;
 	const char *path;
-	if (!demo_parse_gamepad(o->gamepad, &gamepad, &path)) {
+	if (!live_parse_gamepad(o->gamepad, &gamepad, &path)) {
 		stilb_log("--gamepad: '%s' is not known; give auto, off, hidraw, hidapi or replay:FILE", o->gamepad);
 		return false;
 	}
-	if (!path || !demo_is_readable_twice(path))
+	if (!path || !live_is_readable_twice(path))
 		return true;
 	stilb_input_recording *recording;
 	if (stilb_input_recording_load(path, &recording) != STILB_OK) {
@@ -265,25 +251,25 @@ static bool demo_check_recording(const demo_options *o)
 		return false;
 	}
 	stilb_input_recording_free(recording);
-	const char *outputs[DEMO_OUTPUTS];
-	demo_outputs(o, outputs);
-	for (int i = 0; i < DEMO_OUTPUTS; i++)
+	const char *outputs[LIVE_OUTPUTS];
+	live_outputs(o, outputs);
+	for (int i = 0; i < LIVE_OUTPUTS; i++)
 		if (outputs[i] && stilb_file_same(path, outputs[i])) {
 			stilb_log("%s: '%s' would replace the recording '%s' that --gamepad replays; give it another name",
-			          demo_output_flags[i], outputs[i], path);
+			          live_output_flags[i], outputs[i], path);
 			return false;
 		}
 	return true;
 }
 
 /* Checks the flags of the profiler. */
-static bool demo_check_profile(const demo_options *o)
+static bool live_check_profile(const live_options *o)
 {
 	if (o->profile_ring & (o->profile_ring - 1)) {
 		stilb_log("--profile-ring: %" PRIu64 " is not a power of two; give 1, 2, 4, ... 1024", o->profile_ring);
 		return false;
 	}
-	if (!demo_parse_spike(o->spike, &(stilb_prof_capture_desc){0})) {
+	if (!live_parse_spike(o->spike, &(stilb_prof_capture_desc){0})) {
 		stilb_log("--spike: '%s' is not known; give off, auto or milliseconds", o->spike);
 		return false;
 	}
@@ -301,33 +287,26 @@ static bool demo_check_profile(const demo_options *o)
 	return true;
 }
 
-/* True if a part of the microfacet model is chosen: its distribution D, shadowing term G or Fresnel term F. */
-static bool demo_wants_parts(const demo_options *o)
+bool live_options_check(const live_options *o)
 {
-	return o->ndf != DEMO_NOT_GIVEN || o->g != DEMO_NOT_GIVEN || o->f != DEMO_NOT_GIVEN;
-}
-
-bool demo_options_check(const demo_options *o)
-{
-	if (o->samples != 0 && o->samples != 1 && o->samples != 4) {
-		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", o->samples);
+	const picture_flags *picture = &o->picture;
+	if (!picture_flags_check(picture))
 		return false;
-	}
-	if (!demo_parse_fault(o->fault, &(demo_faults){0})) {
+	if (!live_parse_fault(o->fault, &(live_faults){0})) {
 		stilb_log("--fault: '%s' is not known; give memory:N, lost:N or slow:N with N from 1 on", o->fault);
 		return false;
 	}
-	if (o->screenshot && o->device == STILB_RENDER_DEVICE_NULL) {
+	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
 	}
-	if (demo_wants_parts(o) && o->brdf != DEMO_NOT_GIVEN && o->brdf != SHADE_BRDF_MICROFACET) {
+	if (picture_flags_parts(picture) && picture->brdf != PICTURE_NOT_GIVEN && picture->brdf != SHADE_BRDF_MICROFACET) {
 		char brdf[FLAG_CHOICE_SIZE];
 		stilb_log("--brdf: %s has no D, G and F to choose; --ndf, --g and --f are parts of --brdf microfacet",
-		          flags_choice(brdf, stilb_engine_brdf_names[o->brdf]));
+		          flags_choice(brdf, stilb_engine_brdf_names[picture->brdf]));
 		return false;
 	}
-	if (!demo_check_profile(o) || !demo_outputs_differ(o) || !demo_check_recording(o))
+	if (!live_check_profile(o) || !live_outputs_differ(o) || !live_check_recording(o))
 		return false;
 	stilb_isa isa;
 	stilb_result result = stilb_cpu_isa(&isa);
@@ -342,58 +321,32 @@ bool demo_options_check(const demo_options *o)
 	return result == STILB_OK;
 }
 
-static uint32_t demo_choice(int given, uint32_t otherwise)
+live_faults live_options_faults(const live_options *o)
 {
-	return given == DEMO_NOT_GIVEN ? otherwise : (uint32_t)given;
-}
-
-static float demo_added(float given, float otherwise)
-{
-	return isnan(given) ? otherwise : given;
-}
-
-static stilb_render_shading demo_shading(const demo_options *o)
-{
-	stilb_render_shading before = stilb_render_shading_default();
-	stilb_render_shading shading = before;
-	shading.brdf = demo_choice(o->brdf, demo_wants_parts(o) ? SHADE_BRDF_MICROFACET : shading.brdf);
-	shading.ndf = demo_choice(o->ndf, shading.ndf);
-	shading.g = demo_choice(o->g, shading.g);
-	shading.f = demo_choice(o->f, shading.f);
-	stilb_engine_shading_chosen(&before, &shading); /* sets defaults that suit the chosen BRDF */
-	shading.roughness = demo_added(o->roughness, shading.roughness);
-	shading.anisotropy = demo_added(o->anisotropy, shading.anisotropy);
-	shading.wrap = demo_added(o->wrap, shading.wrap);
-	shading.specular = demo_added(o->specular, shading.specular);
-	return shading;
-}
-
-demo_faults demo_options_faults(const demo_options *o)
-{
-	demo_faults faults;
-	bool fault = demo_parse_fault(o->fault, &faults);
-	STILB_ASSERT(fault && "demo_options_check accepted the options");
+	live_faults faults;
+	bool fault = live_parse_fault(o->fault, &faults);
+	STILB_ASSERT(fault && "live_options_check accepted the options");
 	return faults;
 }
 
-stilb_engine_desc demo_options_engine(const demo_options *o)
+stilb_engine_desc live_options_engine(const live_options *o)
 {
 	STILB_ASSERT(o->size[0] >= 1 && o->size[1] >= 1);
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers;
 	desc.cull = (stilb_cull_method)o->cull;
-	desc.device = (stilb_render_device_kind)o->device;
-	desc.replay = (stilb_render_replay_mode)o->replay;
-	desc.materials = (stilb_render_materials)o->materials;
-	desc.gpu = o->gpu;
+	desc.device = (stilb_render_device_kind)o->picture.device;
+	desc.replay = (stilb_render_replay_mode)o->picture.replay;
+	desc.materials = (stilb_render_materials)o->picture.materials;
+	desc.gpu = o->picture.gpu;
 	desc.width = o->size[0];
 	desc.height = o->size[1];
-	desc.samples = (uint32_t)o->samples;
-	desc.window = !o->headless && o->device != STILB_RENDER_DEVICE_NULL;
+	desc.samples = (uint32_t)o->picture.samples;
+	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
-	desc.validate = o->validate;
-	desc.shading = demo_shading(o);
-	bool gamepad = demo_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
+	desc.validate = o->picture.validate;
+	desc.shading = picture_flags_shading(&o->picture, o->brdf);
+	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
@@ -401,12 +354,12 @@ stilb_engine_desc demo_options_engine(const demo_options *o)
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;
 	desc.profile = !o->no_profile;
 	desc.profile_ring_mib = (uint32_t)o->profile_ring;
-	desc.capture.path = o->capture ? o->capture : DEMO_CAPTURE;
+	desc.capture.path = o->capture ? o->capture : LIVE_CAPTURE;
 	desc.capture.process_name = "stilb";
 	desc.capture.signal = SIGUSR1;
 	desc.capture.crash = o->capture;
-	bool spike = demo_parse_spike(o->spike, &desc.capture);
-	STILB_ASSERT(gamepad && spike && "demo_options_check accepted the options");
+	bool spike = live_parse_spike(o->spike, &desc.capture);
+	STILB_ASSERT(gamepad && spike && "live_options_check accepted the options");
 	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* .exr, .hdr: the window has radiance, too */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;

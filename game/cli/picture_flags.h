@@ -1,0 +1,69 @@
+/*
+ * picture_flags: the flags about the picture, each once for all commands that have it: a command adds the groups that
+ * it wants to its table. Help and manual pages come from the same rows.
+ *
+ *   picture_flags picture = picture_flags_default();
+ *   flag_rows table = {0};
+ *   picture_flags_add(&picture, PICTURE_DEVICE, &table);
+ *   picture_flags_add(&picture, PICTURE_BRDF, &table);
+ *   if (flags_parse(table.rows, table.count, argc, argv) == FLAGS_OK && picture_flags_check(&picture))
+ *       desc.shading = picture_flags_shading(&picture, SHADE_BRDF_MICROFACET);
+ *
+ * Threads.  [any-thread] for flags that nobody changes.
+ */
+#ifndef STILB_PICTURE_FLAGS_H
+#define STILB_PICTURE_FLAGS_H
+
+#include "engine.h"
+#include "game/cli/flags.h"
+
+#define PICTURE_NOT_GIVEN (-1)
+
+typedef struct picture_flags {
+	int device, replay, materials;               /* a stilb_render_device_kind, _replay_mode and _materials */
+	uint64_t samples;                            /* 0 if not given */
+	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
+	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
+	bool validate, allow_outside;
+	flag_list camera;
+	const char *gpu, *environment; /* NULL if not given */
+} picture_flags;
+
+typedef enum picture_flags_group {
+	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
+	PICTURE_DEVICE,   /* --device, --gpu, --validate */
+	PICTURE_SAMPLES,  /* --msaa */
+	PICTURE_PLACE,    /* --camera, --environment, --allow-outside: a scene of a file, and where from it is seen */
+	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
+	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
+} picture_flags_group;
+
+/* The words that --replay, --materials and --device accept, in the order of the engine's enumerations;
+ * NULL-terminated. */
+extern const char *const picture_replay_choices[];
+extern const char *const picture_materials_choices[];
+extern const char *const picture_device_choices[];
+
+picture_flags picture_flags_default(void);
+
+/* Appends the rows of a group; their values are those of *picture. */
+void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table);
+
+/* Checks what the table cannot express. Returns false after one line on stderr. */
+bool picture_flags_check(const picture_flags *picture);
+
+/* True if a part of the microfacet model is chosen, which implies it: its D, G or F. */
+bool picture_flags_parts(const picture_flags *picture);
+
+/* The shading of frames. brdf: the SHADE_BRDF_ without --brdf and its parts. */
+stilb_render_shading picture_flags_shading(const picture_flags *picture, uint32_t brdf);
+
+/* The camera of --camera in place of the scene's, for a picture of this aspect: width / height. A scene whose file has
+ * no camera is framed for it. */
+void picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
+
+/* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.
+ * STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result picture_flags_surroundings(const picture_flags *picture, stilb_scene *scene);
+
+#endif

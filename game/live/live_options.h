@@ -1,0 +1,84 @@
+/*
+ * live_options: the flags that `stilb demo` and `stilb view` have in common, read, checked, and turned into the
+ * description of an engine.
+ *
+ *   live_options options = live_options_default();
+ *   if (live_options_parse(&options, &help, own, own_count, argc, argv) == FLAGS_OK && live_options_check(&options))
+ *       desc = live_options_engine(&options);
+ *
+ * Threads.  All [main-thread], but for live_message_stream, which is [any-thread].
+ */
+#ifndef STILB_LIVE_OPTIONS_H
+#define STILB_LIVE_OPTIONS_H
+
+#include "engine.h"
+#include "game/cli/flags.h"
+#include "game/cli/picture_flags.h"
+
+#include <stdio.h>
+
+#define LIVE_CAPTURE "stilb-capture.json"
+
+/* The help for keys and gamepads that all live commands have. */
+#define LIVE_KEYS                                                                                                      \
+	"WASD fly, Q/E down/up, Shift faster, right mouse button looks, Esc releases the mouse,\n"                         \
+	"F1 profiler, Space freezes it, F2 materials, P captures a trace,\n"                                               \
+	"F12 saves a picture, - and + change the number of workers\n"                                                      \
+	"gamepad: left stick flies, right stick looks, triggers slower and faster, shoulders down and up;\n"               \
+	"buttons go by place: A/cross freezes the profiler, X/square captures a trace,\n"                                  \
+	"Y/triangle profiler, menu/options materials, view/share picture;\n"                                               \
+	"d-pad up and down workers"
+
+typedef struct live_options {
+	picture_flags picture;
+	uint32_t brdf;                 /* a SHADE_BRDF_: the command's default, set before parsing */
+	uint64_t frames, profile_ring; /* frames: 0 if not given */
+	uint64_t pictures; /* > 0: end after so many frames, and save each under --screenshot's name with a number */
+	uint32_t workers, size[2];
+	int cull, ui_aa; /* values of the engine's enumerations */
+	bool headless, no_present, overlay, inspector, no_profile, invert_y;
+	float sensitivity; /* of the right stick */
+	const char *frames_help;
+	/* NULL if not given: */
+	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track;
+} live_options;
+
+/* The words that --cull accepts, in the order of stilb_cull_method; NULL-terminated. */
+extern const char *const live_cull_choices[];
+
+/* What a command says of itself in --help. */
+typedef struct live_help {
+	const char *purpose; /* "stilb demo: what it does." */
+	const char *frames;  /* help of --frames */
+	const char *keys;
+} live_help;
+
+/* The options without any flag. */
+live_options live_options_default(void);
+
+/* Reads the command's own flags, which come first in --help, and the common ones into *o; prints the help or the error
+ * instead, as flags_parse returns. */
+flags_result live_options_parse(live_options *o, const live_help *help, const flag *own, size_t own_count, int argc,
+                                char **argv);
+
+/* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
+ * one line on stderr. Starts nothing and writes nothing. */
+bool live_options_check(const live_options *o);
+
+/* The description of the engine for options that live_options_check accepted. It points to strings of *o. */
+stilb_engine_desc live_options_engine(const live_options *o);
+
+/* What --fault asks for. */
+typedef struct live_faults {
+	stilb_render_faults render;
+	uint32_t slow_frame; /* number, from 1, of a frame that is made 100 ms longer; 0: none */
+} live_faults;
+live_faults live_options_faults(const live_options *o);
+
+/* True if --gamepad replays a recording, which has an end. */
+bool live_options_is_replay(const live_options *o);
+
+/* The stream for messages: stderr if an output file is standard output, else stdout. */
+FILE *live_message_stream(const live_options *o);
+
+#endif

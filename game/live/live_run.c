@@ -1,0 +1,294 @@
+#include "live_run.h"
+
+#include "base/base_file.h"
+#include "engine_faults.h"
+#include "live_picture.h"
+#include "live_progress.h"
+#include "live_report.h"
+#include "profiler/prof.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define LIVE_TRACE_FRAMES 1000u /* frames in the file of --trace, at most */
+#define LIVE_TITLE_NS 500000000u
+
+static volatile sig_atomic_t live_interrupted; /* number of the signal; 0: none came */
+
+static void live_on_signal(int signal_number)
+{
+	live_interrupted = signal_number; /* ends live_loop; pictures, traces and statistics are written all the same */
+}
+
+/* Called on the capturing thread after each capture, a trace that is written during the run. An error that repeats,
+ * like a full disk, is printed once, not for every slow frame. */
+static void live_on_captured(void *user, const stilb_prof_captured *captured)
+{
+	live_run *run = user;
+	FILE *out = live_message_stream(run->options);
+	if (captured->error == 0 && captured->cause == STILB_PROF_CAUSE_SPIKE)
+		fprintf(out, "trace: %s, frame %" PRIu64 " took %.1f ms\n", captured->path, captured->frame,
+		        captured->frame_ms);
+	else if (captured->error == 0)
+		fprintf(out, "trace: %s\n", captured->path);
+	else if (captured->error != run->capture_error)
+		stilb_log("cannot write '%s': %s", captured->path, strerror(-captured->error));
+	fflush(out);
+	run->capture_error = captured->error;
+	run->capture_failed |= captured->error != 0;
+}
+
+static void live_stall(void)
+{
+	PROFILE("slow on purpose");
+	nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+}
+
+static void live_update(void *user, const stilb_engine_update *update)
+{
+	live_run *run = user;
+	if (update->frame == run->slow_frame)
+		live_stall();
+	run->program->update(run->user, update);
+}
+
+/* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
+ * runs headless, after a line that says so. */
+static stilb_result live_start(live_run *run)
+{
+	stilb_engine_desc desc = live_options_engine(run->options);
+	desc.capture.done = live_on_captured;
+	desc.capture.user = run;
+	live_faults faults = live_options_faults(run->options);
+	run->slow_frame = faults.slow_frame;
+	desc.update = live_update;
+	desc.user = run;
+	stilb_engine_set_faults(&faults.render);
+	stilb_result result = stilb_engine_create(&desc, &run->engine);
+	if (result == STILB_ERROR_WINDOW) {
+		stilb_log("%s; running headless", stilb_error_message());
+		desc.window = false;
+		result = stilb_engine_create(&desc, &run->engine);
+	}
+	run->window = desc.window;
+	return result == STILB_OK ? run->program->start(run->user, run) : result;
+}
+
+void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path)
+{
+	if (result == STILB_OK)
+		fprintf(live_message_stream(run->options), "%s: %s\n", what, path);
+	else
+		stilb_log("%s", stilb_error_message());
+}
+
+static void live_take_picture(live_run *run)
+{
+	const char *last = run->options->screenshot;
+	char *path = live_picture_name(last && !stilb_file_is_stdout(last) ? last : run->program->picture, last);
+	if (path)
+		live_run_say(run, stilb_engine_screenshot(run->engine, path), "picture", path);
+	else
+		stilb_log("no memory for a picture's name");
+	fflush(live_message_stream(run->options));
+	free(path);
+}
+
+/* Saves the picture of this frame under --screenshot's name with the frame's number: "a.png" becomes "a-001.png". */
+static stilb_result live_take_numbered(const live_run *run)
+{
+	char *path = live_picture_numbered(run->options->screenshot, (uint32_t)run->frames);
+	stilb_result result =
+		path ? stilb_engine_screenshot(run->engine, path) : stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	if (result == STILB_OK)
+		live_run_say(run, result, "picture", path);
+	free(path);
+	return result;
+}
+
+/* Carries out the commands of keys and gamepads in the last frame's input. A file that cannot be written is one line on
+ * stderr; only a failure of the engine ends the run. */
+static stilb_result live_act(live_run *run, const stilb_engine_report *report)
+{
+	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	if (report->input.screenshot)
+		live_take_picture(run);
+	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
+	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
+	if (workers == (int64_t)stilb_engine_workers(run->engine))
+		return run->program->act(run->user, run, report);
+	fprintf(live_message_stream(run->options), "workers: %" PRId64 "\n", workers);
+	stilb_result result = stilb_engine_set_workers(run->engine, (uint32_t)workers);
+	return result == STILB_OK ? run->program->act(run->user, run, report) : result;
+}
+
+static void live_title(live_run *run)
+{
+	uint64_t now = stilb_time_ns();
+	char title[256];
+	if (!run->window || now - run->titled_ns < LIVE_TITLE_NS)
+		return;
+	run->titled_ns = now;
+	run->program->title(run->user, run, title);
+	stilb_engine_set_title(run->engine, title);
+}
+
+uint64_t live_run_wanted(const live_run *run)
+{
+	bool open_ended = run->window || run->lost || live_options_is_replay(run->options);
+	uint64_t frames =
+		stilb_engine_device_is_software(run->engine) ? run->program->software_frames : run->program->frames;
+	if (run->options->pictures > 0)
+		return run->options->pictures;
+	return run->options->frames > 0 ? run->options->frames : open_ended ? 0 : frames;
+}
+
+/* True if the run has ended. Without a window and --frames, a run that replays a gamepad recording ends with it. */
+static bool live_is_over(const live_run *run, const stilb_engine_report *report)
+{
+	uint64_t wanted = live_run_wanted(run);
+	if (live_interrupted || report->close)
+		return true;
+	if (wanted > 0)
+		return run->frames >= wanted;
+	return !run->window && (!live_options_is_replay(run->options) || report->replayed);
+}
+
+/* Called once, when the window's display has gone. The outputs are written all the same. */
+static void live_lose_window(live_run *run)
+{
+	run->window = false;
+	run->lost = true;
+	bool over = live_run_wanted(run) == 0 && !live_options_is_replay(run->options);
+	stilb_log("the display has gone after %" PRIu64 " frames; %s", run->frames,
+	          over ? "ending the run, because no window is left to close" : "running on headless");
+}
+
+static stilb_result live_frame(live_run *run, stilb_engine_report *report)
+{
+	stilb_result result = live_act(run, report); /* on the input of the frame before */
+	if (result == STILB_OK)
+		result = stilb_engine_frame(run->engine, report);
+	if (result != STILB_OK)
+		return result;
+	if (report->drawn) {
+		run->report = *report;
+		run->frames++;
+		live_track_add(&run->track, run->engine, report);
+		if (!stage_times_add(&run->times, &report->times))
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the times of %" PRIu64 " frames", run->frames);
+	}
+	if (report->lost && run->window)
+		live_lose_window(run);
+	return report->drawn && run->options->pictures > 0 ? live_take_numbered(run) : STILB_OK;
+}
+
+static stilb_result live_loop(live_run *run)
+{
+	stilb_engine_report report = {0};
+	live_progress progress;
+	live_progress_begin(&progress);
+	stilb_result result = STILB_OK;
+	while (result == STILB_OK && !live_is_over(run, &report)) {
+		result = live_frame(run, &report);
+		live_gamepads_say(&run->gamepads, run->engine, report.replayed, live_message_stream(run->options));
+		live_title(run);
+		if (!run->window)
+			live_progress_show(&progress, run->frames, live_run_wanted(run));
+	}
+	live_progress_end(&progress);
+	return result;
+}
+
+static void live_say_end(const live_run *run)
+{
+	uint64_t wanted = live_run_wanted(run);
+	char of[32] = "";
+	if (!live_interrupted)
+		return;
+	if (wanted > 0)
+		snprintf(of, sizeof of, " of %" PRIu64, wanted);
+	fprintf(live_message_stream(run->options), "stopped by SIG%s after %" PRIu64 "%s frames\n",
+	        sigabbrev_np(live_interrupted), run->frames, of);
+}
+
+/* Writes all outputs and prints the summary; an output that fails does not keep the others from being written. Returns
+ * true if everything succeeded. */
+static bool live_finish(live_run *run)
+{
+	const live_options *o = run->options;
+	live_report report = {
+		.options = o, .engine = run->engine, .last = run->report, .frames = run->frames, .light = run->light};
+	double gpu_ms;
+	stilb_result waited = stilb_engine_wait(run->engine, &gpu_ms);
+	if (waited != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return false;
+	}
+	stage_times_last_gpu(&run->times, gpu_ms);
+	bool good = stage_times_summarise(&run->times, report.summary, &report.warmup);
+	if (!good)
+		stilb_log("no memory to sort the stage times; they are reported as 0");
+	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
+	if (o->screenshot && o->pictures == 0)
+		live_run_say(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
+	if (o->trace)
+		live_run_say(run, trace = stilb_engine_trace(run->engine, o->trace, LIVE_TRACE_FRAMES), "trace", o->trace);
+	if (o->stats)
+		live_run_say(run, stats = live_report_save(&report), "stats", o->stats);
+	if (o->dump)
+		live_run_say(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
+	if (o->track)
+		live_run_say(run, track = live_track_save(&run->track), "track", o->track);
+	live_say_end(run);
+	live_report_print(&report);
+	uint32_t messages = stilb_engine_validation_messages(run->engine);
+	if (messages > 0)
+		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
+	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK &&
+	       track == STILB_OK && messages == 0;
+}
+
+static int live_run_frames(live_run *run)
+{
+	stilb_result started = live_start(run);
+	if (started == STILB_OK && run->options->track)
+		started = live_track_open(&run->track, run->options->track);
+	if (started != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return exit_code_of(started);
+	}
+	struct sigaction once = {.sa_handler = live_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
+	sigaction(SIGINT, &once, NULL);
+	sigaction(SIGTERM, &once, NULL);
+	if (run->options->no_profile)
+		signal(SIGUSR1, SIG_IGN); /* SIGUSR1 requests a capture; without a profiler it would kill the process */
+	if (run->window)
+		fprintf(live_message_stream(run->options), "%s;\nclose the window to end\n", run->program->keys);
+	fflush(stdout);
+	if (live_loop(run) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+		return EXIT_FAILED;
+	}
+	if (run->frames == 0) {
+		stilb_log("no frame was drawn");
+		return EXIT_FAILED;
+	}
+	bool cut_short = run->lost && live_run_wanted(run) == 0 && !run->report.replayed;
+	return live_finish(run) && !cut_short ? EXIT_DONE : EXIT_FAILED;
+}
+
+int live_run_main(live_run *run)
+{
+	int code = live_run_frames(run);
+	live_track_finish(&run->track);
+	stilb_engine_destroy(run->engine); /* writes the captures that are still pending */
+	run->engine = NULL;
+	stage_times_finish(&run->times);
+	return code == EXIT_DONE && run->capture_failed ? EXIT_FAILED : code;
+}

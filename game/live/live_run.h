@@ -1,0 +1,65 @@
+/*
+ * live_run: the run of a command that draws frames, in a window or headless: the engine, the loop, keys that every such
+ * command has, files that are written during the run and at its end. What is drawn is the command's.
+ *
+ *   live_run run = {.options = &options, .program = &program, .user = &demo};
+ *   int code = live_run_main(&run);
+ *
+ * Threads.  [main-thread]
+ */
+#ifndef STILB_LIVE_RUN_H
+#define STILB_LIVE_RUN_H
+
+#include "game/cli/stage_times.h"
+#include "live_gamepads.h"
+#include "live_options.h"
+#include "live_track.h"
+
+typedef struct live_run live_run;
+
+/* What a command adds to a run. user is the run's. */
+typedef struct live_program {
+	const char *keys;    /* help for the keys in the window */
+	const char *picture; /* name of pictures that a key saves, unless --screenshot names one */
+	/* Frames of a headless run without --frames: on a GPU, and on a device that draws on the CPU. */
+	uint64_t frames, software_frames;
+	stilb_result (*start)(void *user, live_run *run); /* shows the scene in run->engine */
+	stilb_engine_update_fn *update;                   /* as stilb_engine_desc.update */
+	/* Acts on the frame before, before each frame, with its report; {0} before the first frame. */
+	stilb_result (*act)(void *user, live_run *run, const stilb_engine_report *report);
+	void (*title)(void *user, const live_run *run, char title[static 256]); /* of the window, twice a second */
+} live_program;
+
+struct live_run {
+	const live_options *options;
+	const live_program *program;
+	void *user;
+	stilb_engine_choice *light; /* a choice among kinds of light in the materials' window; NULL: none */
+	/* The run's own, for the program to read; all but engine are 0 at first. */
+	stilb_engine *engine;
+	stilb_engine_report report; /* of the last frame that was drawn */
+	uint64_t frames;            /* number of frames drawn */
+	bool window;
+	bool lost;           /* the window's display has gone */
+	uint32_t slow_frame; /* number of a frame that is made 100 ms longer, a fault for tests; 0: none */
+	uint64_t titled_ns;  /* time of the title's last change */
+	stage_times times;
+	live_track track;
+	live_gamepads gamepads;
+	/* Both are written on the profiler's capturing thread. The main thread reads them after it has destroyed the
+	 * engine, which ends that thread. */
+	int capture_error;   /* of the last capture: negative errno, or 0 */
+	bool capture_failed; /* true if any capture failed */
+};
+
+/* Runs until the frames are drawn, the window is closed or a signal comes; writes the outputs; destroys the engine.
+ * Returns the exit code. The program frees its scene afterwards. */
+int live_run_main(live_run *run);
+
+/* Prints "WHAT: PATH" for a file that was written, or the error. */
+void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path);
+
+/* The frames after which the run ends; 0: it ends with its window, its recording or a signal. */
+uint64_t live_run_wanted(const live_run *run);
+
+#endif

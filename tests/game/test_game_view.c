@@ -1,0 +1,127 @@
+/* stilb view without a window: pictures of scenes, the same for any number of workers, and what it refuses. */
+#include "image/image.h"
+#include "support/stilb_program.h"
+
+static void write_text(const char *name, const char *text)
+{
+	FILE *file = fopen(name, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	fclose(file);
+}
+
+/* A square of side 2 with two sides, across Z, as an OBJ file. */
+#define SQUARE "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\nf 3 2 1\nf 4 3 1\n"
+
+/* The picture's pixels that are not of the background, the colour of the upper left corner: their box, pixels. */
+static void drawn_box(const char *path, int box[4])
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	assert_int_equal(image.format, STILB_IMAGE_U8_SRGB);
+	const uint8_t *pixels = image.pixels;
+	box[0] = (int)image.width, box[1] = -1, box[2] = (int)image.height, box[3] = -1;
+	for (int y = 0; y < (int)image.height; y++)
+		for (int x = 0; x < (int)image.width; x++)
+			if (memcmp(pixels, &pixels[((size_t)y * image.width + (size_t)x) * image.channels], image.channels) != 0) {
+				box[0] = x < box[0] ? x : box[0], box[1] = x > box[1] ? x : box[1];
+				box[2] = y < box[2] ? y : box[2], box[3] = y > box[3] ? y : box[3];
+			}
+	stilb_image_finish(&image);
+}
+
+/* The model fills nine tenths of the picture and is in its middle. */
+static void frames_a_file(void **state)
+{
+	(void)state;
+	int box[4];
+	write_text("square.obj", SQUARE);
+	assert_int_equal(
+		stilb_code(no_display, "view square.obj --headless --size 320x180 --screenshot a.png --stats a.json"), 0);
+	drawn_box("a.png", box);
+	assert_in_range(box[3] - box[2], 155, 165);
+	assert_in_range(box[0] + box[1], 315, 323);
+	assert_in_range(box[2] + box[3], 175, 183);
+	assert_int_equal(
+		stilb_code(no_display, "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --msaa 1"), 0);
+	drawn_box("b.png", box);
+	assert_in_range(box[1] - box[0], 86, 93);
+}
+
+static void turns_a_table(void **state)
+{
+	(void)state;
+	write_text("square.obj", SQUARE);
+	assert_int_equal(
+		stilb_code(no_display, "view square.obj --turntable 4 --size 64x64 --screenshot t.png --environment 1,1,1"), 0);
+	int boxes[4][4];
+	for (int i = 0; i < 4; i++) {
+		char name[16];
+		snprintf(name, sizeof name, "t-%03d.png", i + 1);
+		drawn_box(name, boxes[i]);
+	}
+	assert_int_equal(access("t.png", F_OK), -1);
+	/* A quarter turn further the square is seen from its side, nearly edge-on. */
+	assert_true(boxes[1][1] - boxes[1][0] < (boxes[0][1] - boxes[0][0]) * 3 / 4);
+	assert_true(abs((boxes[2][1] - boxes[2][0]) - (boxes[0][1] - boxes[0][0])) <= 6);
+}
+
+static void opens_what_ships(void **state)
+{
+	(void)state;
+	int box[4];
+	stilb_good("view --headless --size 160x90 --screenshot s.png --brdf lambert");
+	drawn_box("s.png", box);
+	assert_true(box[1] - box[0] > 100);
+	stilb_good("view cornell --headless --size 64x64 --screenshot c.png --camera 0.5,0.5,2.4,0,0,40");
+	stilb_good("view cornell --device null --frames 3");
+}
+
+static void refuses(void **state)
+{
+	(void)state;
+	write_text("words.txt", "not a scene\n");
+	write_text("empty.obj", "v 0 0 0\n");
+	assert_int_equal(mkdir("folder", 0700), 0);
+	static const char *const lines[][2] = {
+		{"view none.gltf --headless", "no such file"},
+		{"view folder --headless", "a folder"},
+		{"view words.txt --headless", "cannot read 'words.txt'"},
+		{"view empty.obj --headless", "cannot read 'empty.obj'"},
+		{"view furnace:2 --headless", "furnace:2"},
+		{"view a.obj b.obj", "one word too many"},
+		{"view --turntable 3", "--turntable needs --screenshot"},
+		{"view --turntable 3 --frames 2 --screenshot a.png", "leave --frames out"},
+		{"view --camera 1,2,3,4,5,180 --headless", "field of view"},
+		{"view --msaa 2 --headless", "--msaa"},
+		{"view cornell --headless --environment -1,0,0", "out of range"},
+		{"view cornell --headless --environment none.hdr", "none.hdr"},
+	};
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+		int code = stilb_code(no_display, lines[i][0]);
+		if (code != 2 || !strstr(run.err, lines[i][1]))
+			print_error("stilb %s: %d\n%s", lines[i][0], code, run.err);
+		assert_int_equal(code, 2);
+		assert_non_null(strstr(run.err, lines[i][1]));
+	}
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(frames_a_file, folder_fresh),
+		cmocka_unit_test_setup(turns_a_table, folder_fresh),
+		cmocka_unit_test_setup(opens_what_ships, folder_fresh),
+		cmocka_unit_test_setup(refuses, folder_fresh),
+	};
+	if (argc != 2 || !folder_enter(argv[1], "test_game_view")) {
+		fprintf(stderr, "usage: test_game_view STILB\n");
+		return 1;
+	}
+	if (stilb_code(no_display, "view --headless --size 8x8") != 0 && strstr(run.err, "mesa-vulkan-drivers")) {
+		folder_leave(NULL);
+		printf("skipped: %s", run.err);
+		return 77;
+	}
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}

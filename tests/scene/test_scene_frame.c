@@ -1,0 +1,131 @@
+/* Cameras that frame a scene: closed cases, and the promise on projected vertices for every direction and shape. */
+#include "scene/scene_build.h"
+#include "scene/scene_internal.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <string.h>
+
+#define HALF 0.3650285f /* tan(0.7 / 2): of the picture's height at the distance 1 */
+
+/* A scene of one mesh with these corners, each a triangle of its own. */
+static stilb_scene *scene_of(const float (*corners)[3], uint32_t count)
+{
+	stilb_scene_vertex vertices[16] = {0};
+	uint32_t indices[48];
+	assert_true(count <= 16);
+	for (uint32_t i = 0; i < count; i++) {
+		memcpy(vertices[i].position, corners[i], sizeof vertices[i].position);
+		vertices[i].normal[2] = 1.0f;
+		indices[3 * i] = indices[3 * i + 1] = indices[3 * i + 2] = i;
+	}
+	stilb_scene_mesh mesh = {vertices, indices, count, 3 * count};
+	static const float grey[3] = {0.5f, 0.5f, 0.5f}, none[3] = {0};
+	stilb_scene_material material = stilb_scene_material_make(grey, none, 1.0f);
+	stilb_mat4 here = stilb_mat4_identity();
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_build_part part = {stilb_scene_build_mesh(build, &mesh), stilb_scene_build_material(build, &material)};
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &part, 1);
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	assert_true(scene->framed);
+	return scene;
+}
+
+/* The box that the scene's vertices fill in the picture: left, right, bottom, top, each in [-1, 1]. */
+static void projected(const stilb_scene *scene, const stilb_scene_camera *camera, float aspect, float box[4])
+{
+	stilb_mat4 matrix = stilb_scene_camera_matrix(camera, aspect);
+	box[0] = box[2] = 1e9f;
+	box[1] = box[3] = -1e9f;
+	for (uint32_t i = 0; i < scene->meshes[0].vertex_count; i++) {
+		const float *p = scene->meshes[0].vertices[i].position, *m = matrix.m;
+		float w = m[3] * p[0] + m[7] * p[1] + m[11] * p[2] + m[15];
+		float x = (m[0] * p[0] + m[4] * p[1] + m[8] * p[2] + m[12]) / w;
+		float y = -(m[1] * p[0] + m[5] * p[1] + m[9] * p[2] + m[13]) / w;
+		assert_true(w > camera->near_z && w < camera->far_z);
+		box[0] = fminf(box[0], x), box[1] = fmaxf(box[1], x), box[2] = fminf(box[2], y), box[3] = fmaxf(box[3], y);
+	}
+}
+
+/* A square of side 2 at z = 0 seen along -Z fills .9 of the height: its half, 1, is .9 tan(.35) of the distance. */
+static void square_from_the_front(void **state)
+{
+	(void)state;
+	static const float corners[4][3] = {{4, 6, 0}, {6, 6, 0}, {6, 8, 0}, {4, 8, 0}};
+	stilb_scene *scene = scene_of(corners, 4);
+	stilb_scene_camera camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	float distance = 1.0f / (0.9f * HALF);
+	assert_true(fabsf(camera.position[0] - 5.0f) < 1e-4f && fabsf(camera.position[1] - 7.0f) < 1e-4f);
+	assert_true(fabsf(camera.position[2] - distance) < 1e-4f);
+	assert_true(fabsf(stilb_scene_camera_distance(scene, &camera) - distance) < 1e-4f);
+	camera = stilb_scene_frame(scene, 0.0f, 0.0f, 4.0f); /* the height still decides */
+	assert_true(fabsf(camera.position[2] - distance) < 1e-4f);
+	camera = stilb_scene_frame(scene, 0.0f, 0.0f, 0.5f); /* the width does */
+	assert_true(fabsf(camera.position[2] - 2.0f * distance) < 1e-4f);
+	stilb_scene_destroy(scene);
+}
+
+/* A box of depth 2 and side 2 along -Z: its front face decides, 1 m before its middle. */
+static void near_faces_decide(void **state)
+{
+	(void)state;
+	static const float corners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+	                                    {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
+	stilb_scene *scene = scene_of(corners, 8);
+	stilb_scene_camera camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	assert_true(fabsf(camera.position[2] - (1.0f + 1.0f / (0.9f * HALF))) < 1e-4f);
+	stilb_scene_destroy(scene);
+}
+
+static void fills_from_every_direction(void **state)
+{
+	(void)state;
+	/* Far from symmetric: something near on one side, something far on the other. */
+	static const float corners[6][3] = {{-3, 0, 2}, {1, 0.2f, -9}, {1.5f, 4, 0}, {0, -1, 1}, {0.3f, 2, 5}, {-1, 1, -2}};
+	static const float aspects[] = {0.4f, 1.0f, 1.7778f, 5.0f};
+	stilb_scene *scene = scene_of(corners, 6);
+	for (int yaw = -3; yaw <= 3; yaw++)
+		for (int pitch = -3; pitch <= 3; pitch++)
+			for (int a = 0; a < 4; a++) {
+				float box[4];
+				stilb_scene_camera camera = stilb_scene_frame(scene, (float)yaw, 0.5f * (float)pitch, aspects[a]);
+				projected(scene, &camera, aspects[a], box);
+				assert_true(camera.yaw == (float)yaw && camera.pitch == 0.5f * (float)pitch);
+				float filled = fmaxf(box[1] - box[0], box[3] - box[2]) / 2.0f;
+				assert_true(filled > 0.8f && filled < 0.901f);
+				assert_true(fabsf(box[0] + box[1]) < 2e-3f && fabsf(box[2] + box[3]) < 2e-3f);
+			}
+	stilb_scene_destroy(scene);
+}
+
+/* A point, a line along the view, no vertices at all and hidden models give a camera that works. */
+static void nothing_to_fill(void **state)
+{
+	(void)state;
+	static const float point[1][3] = {{2, 3, 4}}, line[2][3] = {{0, 0, 0}, {0, 0, -8}};
+	stilb_scene *scene = scene_of(point, 1);
+	stilb_scene_camera camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	assert_true(fabsf(camera.position[0] - 2.0f) < 1e-5f && fabsf(camera.position[1] - 3.0f) < 1e-5f);
+	assert_true(camera.position[2] == 5.0f);
+	assert_true(fabsf(stilb_scene_camera_distance(scene, &camera) - 1.0f) < 1e-5f);
+	scene->bounds.radius[0] = NAN; /* hidden */
+	camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	assert_true(camera.position[0] == 0.0f && camera.position[2] == 1.0f);
+	stilb_scene_destroy(scene);
+	scene = scene_of(line, 2);
+	camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	assert_true(camera.position[2] > 0.3f && camera.position[2] < 0.5f && camera.near_z < 0.3f);
+	stilb_scene_destroy(scene);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(square_from_the_front),
+		cmocka_unit_test(near_faces_decide),
+		cmocka_unit_test(fills_from_every_direction),
+		cmocka_unit_test(nothing_to_fill),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
