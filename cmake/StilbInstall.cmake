@@ -97,3 +97,37 @@ stilb_component(engine "${PROJECT_DESCRIPTION}"
 stilb_component(gi "Pictures of scenes by ray tracing"
 	MODULES gi numeric
 	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3)
+
+# ---- the shared library ----
+# One library for all modules, because the profiler's zones belong to one image: what it shares with a program's own copy of
+# the profiler is the headers alone. It exports what the public headers mark, and only that. With BUILD_SHARED_LIBS it is
+# installed as well, and then the components are it; so they are after `cmake --install BUILD --component shared`.
+set(modules engine ui render culling input window gi numeric scene image base jobs profiler)
+list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
+add_library(stilb-shared SHARED ${objects})
+target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-flags # for the libraries of others that these need
+	INTERFACE m) # functions in headers call it
+target_link_options(stilb-shared PRIVATE -Wl,-z,defs -Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/stilb-exports.map)
+set_target_properties(stilb-shared PROPERTIES OUTPUT_NAME stilb EXPORT_NAME shared LINKER_LANGUAGE CXX
+	VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} # 0.x: each minor may break
+	LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/stilb-exports.map)
+target_include_directories(stilb-shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+set(shared COMPONENT shared)
+if(NOT BUILD_SHARED_LIBS)
+	list(APPEND shared EXCLUDE_FROM_ALL)
+	if(NOT STILB_TESTS OR STILB_SANITIZE)
+		set_target_properties(stilb-shared PROPERTIES EXCLUDE_FROM_ALL ON)
+	endif()
+endif()
+install(TARGETS stilb-shared EXPORT stilb-shared-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ${shared}
+	NAMELINK_COMPONENT shared)
+install(EXPORT stilb-shared-targets NAMESPACE stilb:: DESTINATION ${package_dir} ${shared})
+foreach(name jobs scene engine gi)
+	set(description "Stilb's ${name}, in the shared library of all of Stilb")
+	set(requires)
+	set(libs -lstilb)
+	set(more -lm)
+	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+	configure_file(cmake/stilb-component.pc.in shared/stilb-${name}.pc @ONLY)
+	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/shared/stilb-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig ${shared})
+endforeach()

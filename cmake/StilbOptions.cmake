@@ -35,7 +35,8 @@ find_package(Threads REQUIRED)
 add_library(stilb-flags INTERFACE)
 target_compile_definitions(stilb-flags INTERFACE _GNU_SOURCE)
 # gcc and clang would contract different expressions into fused multiply-adds, and pictures are compared bit by bit.
-target_compile_options(stilb-flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow
+# Public functions are exported by the shared library, but nobody replaces them: within a file they are called directly.
+target_compile_options(stilb-flags INTERFACE -fno-semantic-interposition -ffp-contract=off -Wall -Wextra -Wshadow
 	$<$<COMPILE_LANGUAGE:C>:-Wmissing-prototypes -Wdouble-promotion>
 	$<$<BOOL:${STILB_WERROR}>:-Werror>)
 # A program loads only the libraries that it uses: the tests of the null device load neither Vulkan nor GLFW.

@@ -56,6 +56,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_engine stilb_engine;
 
@@ -305,6 +306,7 @@ void stilb_engine_set_speed(stilb_engine *engine, float speed);
 /* The position and direction of the scene's camera; {0} without a scene. */
 stilb_input_pose stilb_engine_pose(const stilb_engine *engine);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -61,6 +61,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The most worker threads of one pool. */
 #define STILB_JOB_MAX_WORKERS 256
@@ -310,6 +311,7 @@ void stilb_job_parallel_for(stilb_job_pool *pool, uint32_t count, uint32_t grain
 void stilb_job_phase_begin(stilb_job_pool *pool);
 void stilb_job_phase_end(stilb_job_pool *pool);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

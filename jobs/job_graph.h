@@ -50,6 +50,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Created by stilb_job_graph_create. */
 typedef struct stilb_job_graph stilb_job_graph;
@@ -93,6 +94,7 @@ int stilb_job_graph_run(stilb_job_graph *graph, stilb_job_pool *pool, stilb_job_
  * ferror(out). The graph may be running. [any-thread] */
 void stilb_job_graph_write_dot(const stilb_job_graph *graph, FILE *out);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -31,6 +31,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The largest alignment that is asked for, in bytes. */
 #define STILB_JOB_MAX_ALIGNMENT 128
@@ -45,6 +46,7 @@ typedef struct stilb_job_allocator {
 	void *user; /* the first argument of both */
 } stilb_job_allocator;
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -42,6 +42,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The most threads that a queue can be created for. */
 #define STILB_JOB_QUEUE_MAX_THREADS 1024
@@ -111,6 +112,7 @@ void stilb_job_queue_close(stilb_job_queue *queue);
  * all its segments meanwhile (see Threads). Costs a few stores. [any-thread] */
 void stilb_job_queue_rest(stilb_job_queue *queue, uint32_t thread);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -42,6 +42,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Created by stilb_job_spsc_create. */
 typedef struct stilb_job_spsc stilb_job_spsc;
@@ -73,6 +74,7 @@ int stilb_job_spsc_pop_wait(stilb_job_spsc *queue, void **item, uint64_t timeout
  * more than once. [producer] */
 void stilb_job_spsc_close(stilb_job_spsc *queue);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -29,6 +29,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The version of this header. While the major number is 0, every minor version may change an interface. */
 #define STILB_VERSION_MAJOR 0
@@ -199,6 +200,7 @@ stilb_isa stilb_cpu_widest_isa(void);
  * STILB_ERROR_ARGUMENT: STILB_ISA names none, or one that this CPU lacks; then *isa must not be used. */
 stilb_result stilb_cpu_isa(stilb_isa *isa);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

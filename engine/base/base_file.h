@@ -73,8 +73,8 @@ stilb_result stilb_file_read_open(const char *path, FILE **stream);
 
 /* Finds one of the files that Stilb starts or loads by itself, such as stilb-scene-import, and writes its path. Looks
  * beside the running program, in the folder above it (tests in a build), in ../lib/stilb from it (the program stilb,
- * installed), in stilb/ beside the shared library that holds this function, and in the installation whose headers the
- * program was compiled with (base.h). False: it is in none of them. [any-thread] */
+ * installed), in stilb/ and ../stilb/ beside the shared library that holds this function, and in the installation whose
+ * headers the program was compiled with (base.h). False: it is in none of them. [any-thread] */
 #define STILB_FILE_PART_MAX 4352 /* bytes of a path: PATH_MAX, and room for a folder and a name */
 bool stilb_file_find_part(const char *name, char path[STILB_FILE_PART_MAX]);
 

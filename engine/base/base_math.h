@@ -21,6 +21,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Also the vector types of engine/base/glsl_types.h and the shading headers. v[0] is x. A vec3 has four lanes; the last
  * is unspecified, and no function here lets it reach a result. */
@@ -95,6 +96,7 @@ stilb_mat4 stilb_mat4_perspective(float fov_y, float aspect, float near_z, float
  * reversed depth. */
 stilb_frustum stilb_frustum_from_matrix(const stilb_mat4 *view_projection);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

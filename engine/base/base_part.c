@@ -58,7 +58,8 @@ bool stilb_file_find_part(const char *name, char path[STILB_FILE_PART_MAX])
 	if (part_program_folder(folder) && (part_is_in(folder, "", name, path) || part_is_in(folder, "/..", name, path) ||
 	                                    part_is_in(folder, "/../lib/stilb", name, path)))
 		return true;
-	if (part_library_folder(folder) && part_is_in(folder, "/stilb", name, path))
+	if (part_library_folder(folder) &&
+	    (part_is_in(folder, "/stilb", name, path) || part_is_in(folder, "/../stilb", name, path)))
 		return true;
 	return part_header_folder(folder) && part_is_in(folder, "/../../lib/stilb", name, path);
 }

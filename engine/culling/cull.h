@@ -49,6 +49,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef enum stilb_cull_method {
 	STILB_CULL_AUTO, /* one of the others, chosen in every run by what the last run saw */
@@ -139,6 +140,7 @@ void stilb_cull_octree_remove(stilb_cull_octree *octree, uint32_t id);
  * for every 64 ids up to the highest. STILB_ERROR_MEMORY: no bit is set. [one-writer] */
 stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -31,6 +31,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */
 
@@ -352,6 +353,7 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
  * the render stays empty. [main-thread] */
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

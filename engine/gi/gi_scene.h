@@ -25,6 +25,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_gi_scene stilb_gi_scene;
 
@@ -98,6 +99,7 @@ const stilb_gi_scene_info *stilb_gi_scene_info_of(const stilb_gi_scene *scene);
 /* The version of Embree that the program was built with, "3.13.5". [any-thread] */
 const char *stilb_gi_library_version(void);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -34,6 +34,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 #define STILB_IMAGE_MAX_SIDE 65536u        /* pixels */
 #define STILB_IMAGE_MAX_BYTES (1ull << 32) /* 16384 x 16384 x 4 floats */
@@ -119,6 +120,7 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path);
  * of a kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -22,6 +22,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* One frame's requests. A switch (overlay, inspector, freeze) is true if this frame flips it: a key pressed twice
  * between two frames changes nothing. */
@@ -73,6 +74,7 @@ stilb_input_state stilb_input_without_keys(stilb_input_state input);
 /* Input without the visible pointer's drags and the wheel, which a user interface under it takes. [any-thread] */
 stilb_input_state stilb_input_without_pointer(stilb_input_state input);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

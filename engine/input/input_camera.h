@@ -32,6 +32,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Position in metres and direction in radians. Yaw 0 looks along -Z and grows to the left, pitch grows
  * upwards. There is no roll. */
@@ -133,6 +134,7 @@ float stilb_input_step_towards(float value, float target, float step);
  * [any-thread] */
 void stilb_input_stick(const float in[2], float inner, float outer, float curve, float out[2]);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -36,6 +36,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Pads at a time; events of more are ignored. */
 #define STILB_INPUT_PADS_MAX 16u
@@ -113,6 +114,7 @@ uint32_t stilb_input_control_pads(const stilb_input_control *control,
  * is unchanged if none leads. [owner-thread] */
 uint32_t stilb_input_control_leader(const stilb_input_control *control, int64_t *last_us);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

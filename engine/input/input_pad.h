@@ -19,6 +19,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* A stick is in [-1, 1], positive to the right and UP, 0 at rest. A trigger is in [0, 1], 0 at rest. */
 typedef enum stilb_input_axis {
@@ -120,6 +121,7 @@ typedef struct stilb_input_event {
 	stilb_input_pad_state state;
 } stilb_input_event;
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

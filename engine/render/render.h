@@ -55,6 +55,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_render stilb_render;
 typedef struct stilb_render_context stilb_render_context;
@@ -433,6 +434,7 @@ const char *stilb_render_vulkan_version(void);
  * loaded for want of memory. STILB_ERROR_DEVICE: no Vulkan driver at all. [any-thread] */
 stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -35,6 +35,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Position and unit normal in model space; uv in units of the texture's width and height, (0, 0) at its top left. */
 typedef struct stilb_scene_vertex {
@@ -345,6 +346,7 @@ float stilb_scene_camera_distance(const stilb_scene *scene, const stilb_scene_ca
 /* World to clip (stilb_mat4_perspective) for a picture of aspect = width / height > 0. [any-thread] */
 stilb_mat4 stilb_scene_camera_matrix(const stilb_scene_camera *camera, float aspect);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -35,6 +35,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_scene_build stilb_scene_build;
 
@@ -84,6 +85,7 @@ void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera
  * *scene is NULL then. */
 stilb_result stilb_scene_build_end(stilb_scene_build *build, stilb_scene **scene);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -23,6 +23,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The segment origin + t direction, near_t < t <= far_t, in world space. direction need not be unit. */
 typedef struct stilb_scene_ray {
@@ -49,6 +50,7 @@ stilb_scene_ray stilb_scene_camera_ray(const stilb_scene_camera *camera, uint32_
  * meets none. */
 bool stilb_scene_pick(const stilb_scene *scene, const stilb_scene_ray *ray, stilb_scene_hit *hit);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -32,6 +32,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_ui_point {
 	float x, y;
@@ -252,6 +253,7 @@ float stilb_ui_draw_text_at(stilb_ui_draw_list *list, const stilb_ui_font *font,
 void stilb_ui_draw_text(stilb_ui_draw_list *list, const stilb_ui_font *font, stilb_ui_rect rect, stilb_ui_align align,
                         stilb_ui_color color, const char *text);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -24,6 +24,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 typedef struct stilb_window stilb_window;
 
@@ -152,6 +153,7 @@ int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surfac
 /* GLFW's version and what it was built with, like "3.3.8 X11 GLX ..."; a static string. [any-thread] */
 const char *stilb_window_library_version(void);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

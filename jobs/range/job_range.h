@@ -29,6 +29,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* The part of a loop that covers indices begin <= i < end; worker and context as in stilb_job_range_fn. */
 typedef void stilb_job_range_64_fn(uint64_t begin, uint64_t end, uint32_t worker, void *context);
@@ -86,6 +87,7 @@ typedef struct stilb_job_reduction {
 int stilb_job_reduce(stilb_job_pool *pool, uint64_t count, uint64_t grain, const stilb_job_reduction *reduction,
                      void *result, uint32_t worker);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

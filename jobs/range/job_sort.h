@@ -19,6 +19,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* Less than 0: *a comes before *b; 0: they are equal; more than 0: *b comes before *a. Only whether it is more than 0
  * is looked at. It is called by several threads
@@ -40,6 +41,7 @@ typedef int stilb_job_compare_fn(const void *a, const void *b, void *context);
 int stilb_job_sort(stilb_job_pool *pool, void *base, size_t count, size_t size, stilb_job_compare_fn *compare,
                    void *context, uint32_t worker);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif

@@ -114,9 +114,9 @@ if [ -e "$build/stilb" ]; then
 	rm -rf "$scratch/consumer"
 	quietly cmake -G Ninja -S "$source/examples" -B "$scratch/consumer" -DCMAKE_PREFIX_PATH="$scratch/whole"
 	quietly cmake --build "$scratch/consumer"
-	flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$scratch/whole" -name stilb-engine.pc)") pkg-config --cflags --libs stilb-engine)
+	engine_flags=$(PKG_CONFIG_PATH=$(dirname "$(find "$scratch/whole" -name stilb-engine.pc)") pkg-config --cflags --libs stilb-engine)
 	# shellcheck disable=SC2086 # words of a command line
-	quietly "$CXX" -Wall -Werror "$here/engine_consumer/consumer.cpp" -o "$scratch/consumer/middle" $flags
+	quietly "$CXX" -Wall -Werror "$here/engine_consumer/consumer.cpp" -o "$scratch/consumer/middle" $engine_flags
 	cd "$scratch"
 	printf 'v -1 0 1\nv 1 0 1\nv 1 2 1\nv -1 2 1\nf 1 2 3 4\n' >square.obj
 	says "2 of 2 models drawn: own_scene.png" own_scene
@@ -135,5 +135,23 @@ if [ -e "$build/stilb" ]; then
 	said=$(HOME=$PWD bash -e run.sh) || { echo "the program of docs/engine.md fails: $said"; exit 1; }
 	[[ $said == [1-9]*" models in view: first.png" && -s first.png ]] ||
 		{ echo "the program of docs/engine.md printed: $said"; exit 1; }
+	# The shared library, which takes the components over where it is installed.
+	library=$build/lib/libstilb.so
+	[[ $(readelf --dynamic "$library") =~ SONAME.*\[libstilb\.so\.[0-9]+\.[0-9]+\] ]] || { echo "$library has no version"; exit 1; }
+	"$here/exports.sh" "$library" | diff "$here/exports.txt" - || {
+		echo "libstilb.so exports other names than exports.txt lists; exports.sh says how to write it anew"
+		exit 1
+	}
+	quietly cmake --install "$build" --component shared --prefix "$scratch/first"
+	cp -r "$scratch/first/." "$scratch/whole" && rm -r "$scratch/first"
+	rm -rf "$scratch/consumer"
+	quietly cmake -G Ninja -S "$source/examples" -B "$scratch/consumer" -DCMAKE_PREFIX_PATH="$scratch/whole"
+	quietly cmake --build "$scratch/consumer"
+	readelf --dynamic "$scratch/consumer/raytrace" | grep -q 'NEEDED.*libstilb\.so\.' || { echo "raytrace is not linked to it"; exit 1; }
+	cd "$scratch"
+	says "2 of 2 models drawn: own_scene.png" own_scene
+	says "cornell by 16 samples a pixel: raytrace.png" raytrace cornell raytrace.png
+	says "*1 models, 2 triangles, 1 materials, 0 textures" file square.obj
+	says "[1-9]* of 1000 models in frame 60: together.json" together
 fi
 echo "the installed libraries work from CMake, from pkg-config and as a subdirectory"

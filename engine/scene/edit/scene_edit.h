@@ -41,6 +41,7 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#pragma GCC visibility push(default)
 
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
@@ -119,6 +120,7 @@ stilb_scene_changes stilb_scene_changes_read(stilb_scene *scene);
 /* Begins new lists, scene->moved too. */
 void stilb_scene_changes_clear(stilb_scene *scene);
 
+#pragma GCC visibility pop
 #ifdef __cplusplus
 }
 #endif
