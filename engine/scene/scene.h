@@ -223,6 +223,10 @@ stilb_result stilb_scene_open(const char *name, stilb_scene **scene);
 /* Options of stilb_scene_open_with; {0} is the default. */
 typedef struct stilb_scene_open_options {
 	bool allow_outside; /* a scene may name any file that the user may read, not only those near it */
+	/* Asked again and again while a file is read, on the same thread; true: the user gives it up, which is
+	 * STILB_ERROR_FILE. NULL: never. */
+	bool (*give_up)(void *user);
+	void *user;
 } stilb_scene_open_options;
 
 /* stilb_scene_open with options. [any-thread] */

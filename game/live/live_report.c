@@ -70,7 +70,8 @@ static void live_put_gamepads(stilb_json *json, const live_report *report)
 
 static uint32_t live_models(const live_report *report)
 {
-	return stilb_engine_scene(report->engine)->model_count;
+	const stilb_scene *scene = stilb_engine_scene(report->engine);
+	return scene ? scene->model_count : 0;
 }
 
 stilb_result live_report_save(const live_report *report)

@@ -271,9 +271,10 @@ static int live_run_frames(live_run *run)
 	if (run->window)
 		fprintf(live_message_stream(run->options), "%s;\nclose the window to end\n", run->program->keys);
 	fflush(stdout);
-	if (live_loop(run) != STILB_OK) {
+	stilb_result result = live_loop(run);
+	if (result != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
-		return EXIT_FAILED;
+		return run->starting ? exit_code_of(result) : EXIT_FAILED;
 	}
 	if (run->frames == 0) {
 		stilb_log("no frame was drawn");
@@ -287,6 +288,8 @@ int live_run_main(live_run *run)
 {
 	int code = live_run_frames(run);
 	live_track_finish(&run->track);
+	if (run->program->finish)
+		run->program->finish(run->user);
 	stilb_engine_destroy(run->engine); /* writes the captures that are still pending */
 	run->engine = NULL;
 	stage_times_finish(&run->times);

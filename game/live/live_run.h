@@ -27,6 +27,7 @@ typedef struct live_program {
 	stilb_engine_update_fn *update;                   /* as stilb_engine_desc.update */
 	/* Acts on the frame before, before each frame, with its report; {0} before the first frame. */
 	stilb_result (*act)(void *user, live_run *run, const stilb_engine_report *report);
+	void (*finish)(void *user); /* before the engine is destroyed; NULL: nothing to do */
 	void (*title)(void *user, const live_run *run, char title[static 256]); /* of the window, twice a second */
 } live_program;
 
@@ -40,6 +41,7 @@ struct live_run {
 	stilb_engine_report report; /* of the last frame that was drawn */
 	uint64_t frames;            /* number of frames drawn */
 	bool window;
+	bool starting;       /* set by the program: as long as it is true, a failure is one of the start (exit_code_of) */
 	bool lost;           /* the window's display has gone */
 	uint32_t slow_frame; /* number of a frame that is made 100 ms longer, a fault for tests; 0: none */
 	uint64_t titled_ns;  /* time of the title's last change */

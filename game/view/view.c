@@ -6,22 +6,66 @@
 #include "shading/shade_brdf.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define VIEW_SCENE "spheres" /* without a scene: it has textures and all kinds of materials */
 #define VIEW_KEYS                                                                                                      \
-	"drag orbits, middle drag pans, the wheel comes closer, F frames the model, Home goes back,\n" LIVE_KEYS
+	"drag orbits, middle drag pans, the wheel comes closer, F frames the model, Home goes back,\n"                     \
+	"Page Down and Page Up: next and previous file of the folder; Esc gives a load up;\n"                              \
+	"drop a file to open it; a file that changes on disk is read again;\n" LIVE_KEYS
+
+/* Begins to open a scene; one that is being opened is given up. again: it is the scene that is shown. */
+static stilb_result view_open(view *v, const char *name, bool again)
+{
+	stilb_scene *scene;
+	if (v->load) {
+		view_load_give_up(v->load);
+		view_load_take(v->load, &scene);
+		stilb_scene_destroy(scene);
+	}
+	return view_load_start(name, &v->options.picture, again, &v->load);
+}
+
+/* Shows what has been opened. The first scene must open; later, a line says why the one before stays. */
+static stilb_result view_opened(view *v)
+{
+	stilb_scene *scene;
+	bool again = view_load_again(v->load);
+	char *name = strdup(view_load_name(v->load));
+	stilb_result result = view_load_take(v->load, &scene);
+	v->load = NULL;
+	if (result == STILB_OK && !name) {
+		stilb_scene_destroy(scene);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	}
+	if (result == STILB_OK)
+		result = view_show(v, scene, again);
+	if (result != STILB_OK) {
+		free(name);
+		if (!v->scene)
+			return result;
+		stilb_log("%s; '%s' stays as it was", stilb_error_message(), v->name);
+		return STILB_OK;
+	}
+	v->run->starting = false;
+	free(v->name);
+	v->name = name;
+	if (!again)
+		view_watch_set(&v->watch, name);
+	return STILB_OK;
+}
 
 static stilb_result view_start(void *user, live_run *run)
 {
 	view *v = user;
 	v->run = run;
-	stilb_scene *scene;
-	stilb_scene_open_options open = {.allow_outside = v->options.picture.allow_outside};
-	stilb_result result = stilb_scene_open_with(v->name, &open, &scene);
-	if (result == STILB_OK)
-		result = picture_flags_surroundings(&v->options.picture, scene);
-	return result == STILB_OK ? view_show(v, scene) : result;
+	run->starting = true;
+	stilb_result result = view_open(v, v->name, false);
+	if (result != STILB_OK || run->window)
+		return result;
+	return view_opened(v); /* headless, the first frame shows the scene: this waits for it */
 }
 
 static void view_update(void *user, const stilb_engine_update *update)
@@ -29,17 +73,83 @@ static void view_update(void *user, const stilb_engine_update *update)
 	view_move(user, update);
 }
 
+/* Opens a file that was dropped onto the window. */
+static stilb_result view_drop(view *v, const char *path)
+{
+	const char *dot = strrchr(path, '.');
+	if (!dot || (strcasecmp(dot, ".hdr") != 0 && strcasecmp(dot, ".exr") != 0))
+		return view_open(v, path, false);
+	stilb_log("'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
+	return STILB_OK;
+}
+
+/* Looks whether the file on disk has changed. */
+static stilb_result view_look(view *v)
+{
+	switch (view_watch_look(&v->watch)) {
+	case VIEW_WATCH_CHANGED:
+		return view_open(v, v->name, true);
+	case VIEW_WATCH_GONE:
+		stilb_log("'%s' has gone; what it was stays, until there is such a file again", v->name);
+		return STILB_OK;
+	default:
+		return STILB_OK;
+	}
+}
+
+/* Begins to open the next or the previous file of the folder. */
+static stilb_result view_step(view *v, int step)
+{
+	char *name = step != 0 ? view_watch_neighbour(v->load ? view_load_name(v->load) : v->name, step) : NULL;
+	stilb_result result = name ? view_open(v, name, false) : STILB_OK;
+	free(name);
+	return result;
+}
+
 static stilb_result view_act(void *user, live_run *run, const stilb_engine_report *report)
 {
-	(void)user, (void)run, (void)report;
-	return STILB_OK;
+	view *v = user;
+	stilb_result result = STILB_OK;
+	if (!run->window && !v->load)
+		return STILB_OK;
+	if (v->load && report->input.cancel)
+		view_load_give_up(v->load);
+	if (v->scene) {
+		result = view_step(v, report->input.next_file);
+		if (result == STILB_OK && report->dropped_count > 0)
+			result = view_drop(v, report->dropped[report->dropped_count - 1]);
+		if (result == STILB_OK && !v->load)
+			result = view_look(v);
+		if (result != STILB_OK) { /* no thread, or no memory for it: the scene stays */
+			stilb_log("%s", stilb_error_message());
+			result = STILB_OK;
+		}
+	}
+	return v->load && view_load_ended(v->load) ? view_opened(v) : result;
+}
+
+static void view_finish(void *user)
+{
+	view *v = user;
+	stilb_scene *scene;
+	if (v->load) {
+		view_load_give_up(v->load);
+		view_load_take(v->load, &scene);
+		stilb_scene_destroy(scene);
+		v->load = NULL;
+	}
+	view_watch_finish(&v->watch);
 }
 
 static void view_title(void *user, const live_run *run, char title[static 256])
 {
 	const view *v = user;
-	const char *slash = strrchr(v->name, '/');
-	snprintf(title, 256, "Stilb: %.120s, frame %.1f ms", slash ? slash + 1 : v->name, run->report.times.frame);
+	const char *name = v->load ? view_load_name(v->load) : v->name, *slash = strrchr(name, '/');
+	name = slash ? slash + 1 : name;
+	if (v->load)
+		snprintf(title, 256, "Stilb: opening %.120s, %.0f s; Esc gives it up", name, view_load_seconds(v->load));
+	else
+		snprintf(title, 256, "Stilb: %.120s, frame %.1f ms", name, run->report.times.frame);
 }
 
 /* Checks what the table of flags cannot express. Returns false after one line on stderr. */
@@ -72,6 +182,7 @@ int view_command(int argc, char **argv)
 		.start = view_start,
 		.update = view_update,
 		.act = view_act,
+		.finish = view_finish,
 		.title = view_title,
 	};
 	static const live_help help = {
@@ -81,12 +192,13 @@ int view_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 1; in a window endless)",
 		VIEW_KEYS,
 	};
-	view v = {.options = live_options_default()};
+	view v = {.options = live_options_default(), .watch = VIEW_WATCH_NONE};
+	const char *name = NULL;
 	v.options.brdf = SHADE_BRDF_MICROFACET;
 	flag_rows own = {0};
 	const flag title[] = {{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag rows[] = {
-		{"scene", FLAG_WORD, &v.name, NULL, NULL, 0, 0, NULL},
+		{"scene", FLAG_WORD, &name, NULL, NULL, 0, 0, NULL},
 		{"--turntable", FLAG_NUMBER, &v.turntable, "N", "N pictures of a whole turn, --screenshot FILE with numbers", 1,
 	     100000, NULL},
 	};
@@ -96,12 +208,16 @@ int view_command(int argc, char **argv)
 	flags_result parsed = live_options_parse(&v.options, &help, own.rows, own.count, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
-	if (!v.name)
-		v.name = VIEW_SCENE;
 	if (parsed == FLAGS_REFUSED || !view_check(&v))
 		return EXIT_REFUSED;
+	v.name = strdup(name ? name : VIEW_SCENE);
+	if (!v.name) {
+		stilb_log("no memory for a name");
+		return EXIT_FAILED;
+	}
 	live_run run = {.options = &v.options, .program = &program, .user = &v};
 	int code = live_run_main(&run);
 	stilb_scene_destroy(v.scene);
+	free(v.name);
 	return code;
 }

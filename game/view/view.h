@@ -3,10 +3,14 @@
 #define STILB_VIEW_H
 
 #include "game/live/live_run.h"
+#include "view_load.h"
+#include "view_watch.h"
 
 typedef struct view {
 	live_options options;
-	const char *name;   /* of the scene, as the user gave it */
+	char *name;         /* of the scene that is shown; before that, of the first that is wanted */
+	view_load *load;    /* what is being opened; NULL: nothing */
+	view_watch watch;   /* of the scene's file */
 	uint64_t turntable; /* pictures of a whole turn; 0: none */
 	live_run *run;
 	stilb_scene *scene;
@@ -17,9 +21,9 @@ typedef struct view {
 	stilb_scene_camera last; /* the camera as the last frame left it */
 } view;
 
-/* Shows the scene, which is the view's from then on, in place of the one before, which is freed. On failure the old one
- * stays, and the new one is freed. */
-stilb_result view_show(view *v, stilb_scene *scene);
+/* Shows the scene, which is the view's from then on, in place of the one before, which is freed. again: it is a new
+ * state of the same file, so the camera stays. On failure the old one stays, and the new one is freed. */
+stilb_result view_show(view *v, stilb_scene *scene, bool again);
 
 /* Moves the camera as the user asks for in this frame. */
 void view_move(view *v, const stilb_engine_update *update);

@@ -59,8 +59,10 @@ static stilb_scene_camera view_turn_home(const view *v)
 	return home;
 }
 
-stilb_result view_show(view *v, stilb_scene *scene)
+stilb_result view_show(view *v, stilb_scene *scene, bool again)
 {
+	again = again && v->scene;
+	stilb_scene_camera kept = again ? v->scene->camera : (stilb_scene_camera){0};
 	stilb_result result = stilb_engine_set_scene(v->run->engine, scene);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
@@ -70,11 +72,15 @@ stilb_result view_show(view *v, stilb_scene *scene)
 	v->scene = scene;
 	v->aspect = view_aspect(v);
 	picture_flags_place(&v->options.picture, v->aspect, scene);
-	v->framed = scene->framed;
 	v->home = scene->camera;
 	if (v->turntable > 0)
 		v->home = view_turn_home(v);
-	v->distance = stilb_scene_camera_distance(scene, &scene->camera);
+	if (again && !v->framed) {
+		scene->camera = kept;
+	} else {
+		v->framed = scene->framed;
+		v->distance = stilb_scene_camera_distance(scene, &scene->camera);
+	}
 	stilb_engine_set_speed(v->run->engine, VIEW_SPEED * v->distance);
 	view_settle(v);
 	return STILB_OK;
@@ -128,6 +134,8 @@ static void view_turn(view *v, float angle)
 
 void view_move(view *v, const stilb_engine_update *update)
 {
+	if (!v->scene)
+		return;
 	stilb_scene_camera *camera = &v->scene->camera;
 	stilb_input_orbit orbit = view_asked(v, update->input);
 	if (v->turntable > 0)

@@ -453,8 +453,8 @@ static uint32_t textures_of(const char *name, bool allow_outside, char said[stat
 	assert_non_null(log);
 	int real = dup(STDERR_FILENO);
 	dup2(fileno(log), STDERR_FILENO);
-	stilb_result result =
-		stilb_scene_open_with(in_folder("deep/scene/square.obj"), &(stilb_scene_open_options){allow_outside}, &scene);
+	stilb_result result = stilb_scene_open_with(in_folder("deep/scene/square.obj"),
+	                                            &(stilb_scene_open_options){.allow_outside = allow_outside}, &scene);
 	dup2(real, STDERR_FILENO);
 	close(real);
 	said[pread(fileno(log), said, 1023, 0)] = '\0';
@@ -728,6 +728,26 @@ static void a_restart_that_fails_says_why(void **state)
 	scene_importer_stop(importer);
 }
 
+static bool give_up_at_once(void *user)
+{
+	int *asked = user;
+	*asked += 1;
+	return true;
+}
+
+static void a_user_gives_up(void **state)
+{
+	(void)state;
+	int asked = 0;
+	stilb_scene *scene;
+	stilb_scene_open_options options = {.give_up = give_up_at_once, .user = &asked};
+	const char *path = write_text("square.obj", SQUARE);
+	assert_int_equal(stilb_scene_open_with(path, &options, &scene), STILB_ERROR_FILE);
+	assert_null(scene);
+	assert_non_null(strstr(stilb_error_message(), "was given up"));
+	assert_true(asked > 0);
+}
+
 static void surroundings_have_three_channels(void **state)
 {
 	(void)state;
@@ -838,6 +858,7 @@ int main(void)
 		cmocka_unit_test(large_surroundings_are_refused_by_their_header),
 		cmocka_unit_test(scenes_leave_no_memory),
 		cmocka_unit_test(a_restart_that_fails_says_why),
+		cmocka_unit_test(a_user_gives_up),
 		cmocka_unit_test(surroundings_have_three_channels),
 		cmocka_unit_test(cameras_of_points_project),
 		cmocka_unit_test(textures_keep_their_precision),

@@ -73,6 +73,8 @@ static void import_begin(scene_importer *importer)
 	STILB_ASSERT(importer->id > 0 && "running");
 	importer->stream.deadline_ns = stilb_time_ns() + (uint64_t)(importer->limits.seconds * 1e9);
 	importer->stream.limit = importer->limits.bytes;
+	importer->stream.give_up = importer->limits.give_up;
+	importer->stream.user = importer->limits.user;
 	importer->stream.taken = 0;
 }
 
@@ -196,6 +198,8 @@ static int import_open(const char *path, stilb_result *result)
 /* The failure of a process that ended without sending a result. decoder: the library that read the file. */
 static stilb_result import_died(const scene_importer *importer, const char *path, const char *decoder, int status)
 {
+	if (importer->stream.given_up)
+		return stilb_fail(STILB_ERROR_FILE, "'%s' was given up", path);
 	if (importer->stream.too_much)
 		return stilb_fail(STILB_ERROR_MEMORY,
 		                  "cannot read '%s': it is larger than the %" PRIu64 " MiB that an import may be", path,
@@ -372,7 +376,8 @@ static stilb_result import_fail(import_request *request, stilb_result result, co
 		return result;
 	char reason[400];
 	snprintf(reason, sizeof reason, "%s", stilb_error_message());
-	bool gone = importer->stream.late || importer->stream.ended || importer->stream.too_much;
+	const scene_stream *stream = &importer->stream;
+	bool gone = stream->late || stream->ended || stream->too_much || stream->given_up;
 	if (importer->id > 0 && gone)
 		return import_died(importer, request->path, decoder, import_end(importer));
 	if (importer->id > 0)

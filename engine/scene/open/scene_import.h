@@ -21,6 +21,9 @@ typedef struct scene_import_limits {
 	uint64_t bytes;     /* > 0: of memory, and of the answer to one request */
 	double seconds;     /* > 0: for one request */
 	bool allow_outside; /* scenes may name files outside of their folder and its parent */
+	/* Asked while waiting, every 50 ms at least; true: the request fails at once. NULL: never. */
+	bool (*give_up)(void *user);
+	void *user;
 } scene_import_limits;
 
 /* The limits that stilb_scene_open describes. */

@@ -45,6 +45,8 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 {
 	scene_import_limits limits = scene_import_limits_default();
 	limits.allow_outside = options->allow_outside;
+	limits.give_up = options->give_up;
+	limits.user = options->user;
 	if (access(path, F_OK) != 0 && errno == ENOENT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
 		                  stilb_scene_builtin_names());

@@ -27,7 +27,9 @@ static bool stream_put(int file, const void *data, size_t size)
 	return true;
 }
 
-/* Waits until there is something to read. False: the deadline has passed, or the descriptor is bad. */
+#define STREAM_ASK_MS 50u /* between two questions whether to give up */
+
+/* Waits until there is something to read. False: the deadline has passed, it was given up, or the descriptor is bad. */
 static bool stream_wait(scene_stream *stream)
 {
 	for (;;) {
@@ -37,8 +39,12 @@ static bool stream_wait(scene_stream *stream)
 			stream->late = true;
 			return false;
 		}
-		uint64_t left_ms = (stream->deadline_ns - now) / 1000000 + 1;
-		int ready = poll(&wait, 1, left_ms < 60000 ? (int)left_ms : 60000);
+		if (stream->give_up && stream->give_up(stream->user)) {
+			stream->given_up = true;
+			return false;
+		}
+		uint64_t left_ms = (stream->deadline_ns - now) / 1000000 + 1, most_ms = stream->give_up ? STREAM_ASK_MS : 60000;
+		int ready = poll(&wait, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
 		if (ready > 0)
 			return true;
 		if (ready < 0 && errno != EINTR)

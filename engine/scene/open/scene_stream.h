@@ -14,11 +14,14 @@
 #include "scene/scene.h"
 
 typedef struct scene_stream {
-	int file;                   /* a socket; scenes without messages can be read from any file */
-	uint64_t deadline_ns;       /* of reading, on the clock of stilb_time_ns; UINT64_MAX: none */
-	uint64_t limit;             /* of bytes read, pictures behind descriptors included; 0: none */
-	uint64_t taken;             /* bytes read so far, <= limit if there is one */
-	bool late, ended, too_much; /* why reading failed: the deadline passed; the other side closed; the limit */
+	int file;                    /* a socket; scenes without messages can be read from any file */
+	uint64_t deadline_ns;        /* of reading, on the clock of stilb_time_ns; UINT64_MAX: none */
+	uint64_t limit;              /* of bytes read, pictures behind descriptors included; 0: none */
+	uint64_t taken;              /* bytes read so far, <= limit if there is one */
+	bool (*give_up)(void *user); /* asked while waiting, every 50 ms at least: true ends it; NULL: never */
+	void *user;
+	bool late, ended, too_much; /* why reading failed: the deadline passed; the other side closed; the limit; */
+	bool given_up;              /* give_up said so */
 } scene_stream;
 
 typedef enum scene_message_kind {

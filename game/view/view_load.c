@@ -1,0 +1,107 @@
+#include "view_load.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct view_load {
+	char *name;
+	const picture_flags *picture;
+	bool again;
+	uint64_t start_ns;
+	pthread_t thread;
+	atomic_bool given_up; /* set by the main thread, read by the other; relaxed: nothing else depends on it */
+	atomic_bool ended;    /* set by the other thread; relaxed: joining it orders what it wrote */
+	/* The outcome, written by the other thread and read after joining it. */
+	stilb_result result;
+	stilb_scene *scene;
+	char message[1024];
+};
+
+static bool load_is_given_up(void *user)
+{
+	view_load *load = user;
+	return atomic_load_explicit(&load->given_up, memory_order_relaxed);
+}
+
+static void *load_run(void *data)
+{
+	view_load *load = data;
+	stilb_scene_open_options options = {load->picture->allow_outside, load_is_given_up, load};
+	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
+	if (load->result == STILB_OK)
+		load->result = picture_flags_surroundings(load->picture, load->scene);
+	if (load->result == STILB_OK && load_is_given_up(load))
+		load->result = stilb_fail(STILB_ERROR_FILE, "'%s' was given up", load->name);
+	if (load->result != STILB_OK) {
+		snprintf(load->message, sizeof load->message, "%s", stilb_error_message());
+		stilb_scene_destroy(load->scene);
+		load->scene = NULL;
+	}
+	atomic_store_explicit(&load->ended, true, memory_order_relaxed);
+	return NULL;
+}
+
+stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, view_load **out)
+{
+	STILB_ASSERT(name && picture && out);
+	*out = NULL;
+	view_load *load = calloc(1, sizeof *load);
+	if (load && !(load->name = strdup(name))) {
+		free(load);
+		load = NULL;
+	}
+	if (!load)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory to open '%s'", name);
+	load->picture = picture;
+	load->again = again;
+	load->start_ns = stilb_time_ns();
+	int error = pthread_create(&load->thread, NULL, load_run, load);
+	if (error != 0) {
+		free(load->name);
+		free(load);
+		return stilb_fail(STILB_ERROR_THREAD, "no thread to open '%s': %s", name, strerror(error));
+	}
+	*out = load;
+	return STILB_OK;
+}
+
+const char *view_load_name(const view_load *load)
+{
+	return load->name;
+}
+
+bool view_load_again(const view_load *load)
+{
+	return load->again;
+}
+
+double view_load_seconds(const view_load *load)
+{
+	return (double)(stilb_time_ns() - load->start_ns) * 1e-9;
+}
+
+bool view_load_ended(const view_load *load)
+{
+	return atomic_load_explicit(&load->ended, memory_order_relaxed);
+}
+
+void view_load_give_up(view_load *load)
+{
+	atomic_store_explicit(&load->given_up, true, memory_order_relaxed);
+}
+
+stilb_result view_load_take(view_load *load, stilb_scene **scene)
+{
+	STILB_ASSERT(load && scene);
+	pthread_join(load->thread, NULL);
+	stilb_result result = load->result;
+	*scene = load->scene;
+	if (result != STILB_OK)
+		stilb_fail(result, "%s", load->message);
+	free(load->name);
+	free(load);
+	return result;
+}

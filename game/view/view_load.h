@@ -1,0 +1,38 @@
+/*
+ * view_load: opens a scene on a thread of its own, so that the window answers meanwhile.
+ *
+ *   view_load *load;
+ *   if (view_load_start("model.gltf", &picture, &load) == STILB_OK) {
+ *       while (!view_load_ended(load))
+ *           ...                              draw frames; view_load_give_up(load) if the user wants that
+ *       result = view_load_take(load, &scene);
+ *   }
+ *
+ * Threads.  [main-thread]
+ */
+#ifndef STILB_VIEW_LOAD_H
+#define STILB_VIEW_LOAD_H
+
+#include "game/cli/picture_flags.h"
+
+typedef struct view_load view_load;
+
+/* Opens the scene and sets the surroundings that the flags name; they must stay unchanged until the end. again is kept
+ * for the caller. STILB_ERROR_MEMORY, STILB_ERROR_THREAD; *load is NULL then. */
+stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, view_load **load);
+
+const char *view_load_name(const view_load *load);
+bool view_load_again(const view_load *load);
+double view_load_seconds(const view_load *load);
+
+/* The thread has ended, and view_load_take will not wait. */
+bool view_load_ended(const view_load *load);
+
+/* Makes the load end soon, with an error that says so. */
+void view_load_give_up(view_load *load);
+
+/* Waits for the end and frees the load. Errors of stilb_scene_open and picture_flags_surroundings; *scene is NULL
+ * then. */
+stilb_result view_load_take(view_load *load, stilb_scene **scene);
+
+#endif

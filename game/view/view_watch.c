@@ -1,0 +1,123 @@
+#include "view_watch.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#define WATCH_QUIET_NS 300000000u
+
+/* The path of the folder that a file is in; freed by the caller. NULL: out of memory. */
+static char *watch_folder(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	if (!slash)
+		return strdup(".");
+	return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
+
+static const char *watch_file(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	return slash ? slash + 1 : path;
+}
+
+void view_watch_finish(view_watch *watch)
+{
+	if (watch->notify >= 0)
+		close(watch->notify);
+	free(watch->file);
+	*watch = VIEW_WATCH_NONE;
+}
+
+void view_watch_set(view_watch *watch, const char *path)
+{
+	STILB_ASSERT(watch && path);
+	view_watch_finish(watch);
+	if (access(path, F_OK) != 0)
+		return;
+	char *folder = watch_folder(path);
+	watch->file = strdup(watch_file(path));
+	watch->notify = folder && watch->file ? inotify_init1(IN_NONBLOCK | IN_CLOEXEC) : -1;
+	uint32_t events = IN_CLOSE_WRITE | IN_MODIFY | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE;
+	if (watch->notify >= 0 && inotify_add_watch(watch->notify, folder, events) < 0)
+		view_watch_finish(watch);
+	free(folder);
+}
+
+view_watch_news view_watch_look(view_watch *watch)
+{
+	STILB_ASSERT(watch);
+	_Alignas(struct inotify_event) char buffer[4096];
+	ssize_t size;
+	view_watch_news news = VIEW_WATCH_NOTHING;
+	while (watch->notify >= 0 && (size = read(watch->notify, buffer, sizeof buffer)) > 0)
+		for (char *at = buffer; at < buffer + size;) {
+			const struct inotify_event *event = (const struct inotify_event *)at;
+			at += sizeof *event + event->len;
+			if (event->len == 0 || strcmp(event->name, watch->file) != 0)
+				continue;
+			bool gone = event->mask & (IN_MOVED_FROM | IN_DELETE);
+			news = gone ? VIEW_WATCH_GONE : VIEW_WATCH_NOTHING;
+			watch->due_ns = gone ? 0 : stilb_time_ns() + WATCH_QUIET_NS;
+		}
+	if (watch->due_ns == 0 || stilb_time_ns() < watch->due_ns)
+		return news;
+	watch->due_ns = 0;
+	return VIEW_WATCH_CHANGED;
+}
+
+/* ---- neighbours -------------------------------------------------------------------------------------------------- */
+
+/* The extensions of scene files. Some that Assimp reads are left out, because other files have them: .xml, .raw. */
+static const char *const watch_extensions[] = {
+	"3d",      "3ds", "3mf", "ac",   "ac3d", "amf", "ase", "b3d",  "blend", "bvh", "cob", "csm", "dae",
+	"dxf",     "fbx", "glb", "gltf", "hmp",  "ifc", "iqm", "irr",  "lwo",   "lws", "m3d", "md2", "md3",
+	"md5mesh", "mdc", "mdl", "ms3d", "nff",  "obj", "off", "ogex", "ply",   "q3o", "q3s", "scn", "sib",
+	"smd",     "stl", "ter", "vta",  "wrl",  "x",   "x3d", "xgl",  "zae",   "zgl",
+};
+
+static int watch_is_scene(const struct dirent *entry)
+{
+	const char *dot = strrchr(entry->d_name, '.');
+	if (!dot || dot == entry->d_name)
+		return 0;
+	for (size_t i = 0; i < sizeof watch_extensions / sizeof *watch_extensions; i++)
+		if (strcasecmp(dot + 1, watch_extensions[i]) == 0)
+			return 1;
+	return 0;
+}
+
+/* The index of the file that is step places after `name` among the sorted entries, in which `name` may be missing. */
+static int watch_after(struct dirent **entries, int count, const char *name, int step)
+{
+	int place = 0;
+	while (place < count && strverscmp(entries[place]->d_name, name) < 0)
+		place++;
+	bool there = place < count && strcmp(entries[place]->d_name, name) == 0;
+	int to = place + step - (!there && step > 0);
+	return (to % count + count) % count;
+}
+
+char *view_watch_neighbour(const char *path, int step)
+{
+	STILB_ASSERT(path);
+	struct dirent **entries;
+	char *found = NULL, *folder = watch_folder(path);
+	int count = folder ? scandir(folder, &entries, watch_is_scene, versionsort) : -1;
+	if (count > 0) {
+		const char *name = entries[watch_after(entries, count, watch_file(path), step)]->d_name;
+		int length = (int)(watch_file(path) - path);
+		if (strcmp(name, watch_file(path)) != 0 && asprintf(&found, "%.*s%s", length, path, name) < 0)
+			found = NULL;
+	}
+	for (int i = 0; i < count; i++)
+		free(entries[i]);
+	if (count >= 0)
+		free(entries);
+	free(folder);
+	return found;
+}

@@ -1,0 +1,179 @@
+/* stilb view on a virtual display: the next file, a file that changes on disk and goes, and files that are dropped. */
+#include "support/stilb_program.h"
+#include "support/x11_server.h"
+
+#include <X11/Xatom.h>
+#include <X11/keysym.h>
+
+static x11_server server;
+static Display *display;
+static Window window;
+
+#define SQUARE "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n"
+
+static void write_text(const char *name, const char *text)
+{
+	FILE *file = fopen(name, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	fclose(file);
+}
+
+/* Waits until the run's stderr has this text. */
+static bool await_said(const char *text)
+{
+	static char all[65536];
+	for (int i = 0; i < 3000; i++, usleep(10000)) {
+		ssize_t size = pread(fileno(run.files[1]), all, sizeof all - 1, 0);
+		all[size > 0 ? size : 0] = '\0';
+		if (strstr(all, text))
+			return true;
+	}
+	return false;
+}
+
+/* ---- dropping, as the freedesktop.org protocol XDND has it ------------------------------------------------------- */
+
+static void drop_tell(const char *kind, Window from, long a, long b, long c, long d)
+{
+	XEvent event = {0};
+	event.xclient.type = ClientMessage;
+	event.xclient.window = window;
+	event.xclient.message_type = XInternAtom(display, kind, False);
+	event.xclient.format = 32;
+	const long values[5] = {(long)from, a, b, c, d};
+	memcpy(event.xclient.data.l, values, sizeof values);
+	XSendEvent(display, window, False, NoEventMask, &event);
+	XFlush(display);
+}
+
+/* Hands the file's URI to who asks for the selection. */
+static void drop_answer(const XSelectionRequestEvent *asked, const char *uri)
+{
+	XChangeProperty(display, asked->requestor, asked->property, asked->target, 8, PropModeReplace,
+	                (const unsigned char *)uri, (int)strlen(uri));
+	XEvent event = {0};
+	event.xselection.type = SelectionNotify;
+	event.xselection.requestor = asked->requestor;
+	event.xselection.selection = asked->selection;
+	event.xselection.target = asked->target;
+	event.xselection.property = asked->property;
+	event.xselection.time = asked->time;
+	XSendEvent(display, asked->requestor, False, NoEventMask, &event);
+	XFlush(display);
+}
+
+/* Drops the file of this name onto the window. False: nobody asked for it. */
+static bool drop(const char *name)
+{
+	char path[PATH_MAX], uri[PATH_MAX + 16];
+	assert_non_null(realpath(name, path));
+	snprintf(uri, sizeof uri, "file://%s\r\n", path);
+	Window from = XCreateSimpleWindow(display, DefaultRootWindow(display), 0, 0, 1, 1, 0, 0, 0);
+	Atom selection = XInternAtom(display, "XdndSelection", False), list = XInternAtom(display, "text/uri-list", False);
+	XSetSelectionOwner(display, selection, from, CurrentTime);
+	drop_tell("XdndEnter", from, 5L << 24, (long)list, 0, 0);
+	drop_tell("XdndPosition", from, 0, 10L << 16 | 10, CurrentTime,
+	          (long)XInternAtom(display, "XdndActionCopy", False));
+	drop_tell("XdndDrop", from, 0, CurrentTime, 0, 0);
+	for (int i = 0; i < 3000; i++, usleep(10000))
+		while (XPending(display) > 0) {
+			XEvent event;
+			XNextEvent(display, &event);
+			if (event.type == SelectionRequest) {
+				drop_answer(&event.xselectionrequest, uri);
+				return true;
+			}
+		}
+	return false;
+}
+
+/* ---- the run ----------------------------------------------------------------------------------------------------- */
+
+/* Kills the run if the test has failed. */
+static int run_end(void **state)
+{
+	(void)state;
+	if (run.pid > 0 && waitpid(run.pid, NULL, WNOHANG) == 0) {
+		kill(run.pid, SIGKILL);
+		waitpid(run.pid, NULL, 0);
+	}
+	x11_server_kill(&server);
+	return 0;
+}
+
+static void open_window(const char *line, const char *title)
+{
+	char name[64];
+	assert_true(x11_server_start(&server));
+	snprintf(name, sizeof name, "DISPLAY=%s", server.name);
+	const char *const environment[] = {name, "WAYLAND_DISPLAY", NULL};
+	stilb_start(environment, -1, line);
+	display = XOpenDisplay(server.name);
+	assert_non_null(display);
+	window = x11_server_await(display, title);
+	assert_true(window);
+}
+
+static void files_come_and_go(void **state)
+{
+	(void)state;
+	write_text("a.obj", SQUARE);
+	write_text("b.obj", SQUARE);
+	write_text("words.txt", "no scene");
+	write_text("sky.hdr", "no picture");
+	open_window("view a.obj --size 160x120 --workers 1 --gamepad off --stats s.json", "Stilb: a.obj");
+	x11_server_type(display, window, XK_Next);
+	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
+	x11_server_type(display, window, XK_Prior); /* words.txt is not a neighbour */
+	assert_true(x11_server_await(display, "Stilb: a.obj") == window);
+	assert_true(drop("words.txt"));
+	assert_true(await_said("'a.obj' stays as it was"));
+	assert_true(drop("sky.hdr"));
+	assert_true(await_said("frames do not draw a panorama yet"));
+	assert_true(drop("b.obj"));
+	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
+	write_text("b.obj", "v -1 -1 0\nf 1 2"); /* as if its writer was not done */
+	assert_true(await_said("b.obj' stays as it was"));
+	write_text("b.obj", "o one\n" SQUARE "o two\nv 2 2 2\nv 3 2 2\nv 3 3 2\nf 4 5 6\n");
+	sleep(1); /* a change is read 0.3 s after it */
+	assert_int_equal(unlink("b.obj"), 0);
+	assert_true(await_said("b.obj' has gone"));
+	XCloseDisplay(display);
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+	read_stats("s.json");
+	assert_int_equal(stat_int("models"), 2);
+}
+
+/* The first scene must open: the run ends as one that was refused. */
+static void the_first_must_open(void **state)
+{
+	(void)state;
+	char name[64];
+	assert_true(x11_server_start(&server));
+	snprintf(name, sizeof name, "DISPLAY=%s", server.name);
+	const char *const environment[] = {name, "WAYLAND_DISPLAY", NULL};
+	write_text("words.txt", "no scene");
+	assert_int_equal(stilb_code(environment, "view words.txt --size 160x120 --gamepad off"), 2);
+	assert_said(run.err, "cannot read 'words.txt'");
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(files_come_and_go, folder_fresh, run_end),
+		cmocka_unit_test_setup_teardown(the_first_must_open, folder_fresh, run_end),
+	};
+	if (!x11_server_start(&server)) {
+		printf("no Xvfb: install xvfb\n");
+		return 77;
+	}
+	x11_server_kill(&server);
+	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_view_window")) {
+		fprintf(stderr, "usage: %s PATH-OF-STILB\n", argv[0]);
+		return 2;
+	}
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
