@@ -1,4 +1,5 @@
 /* The contracts of scene, each broken on purpose. */
+#include "scene/edit/scene_edit.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_import.h"
@@ -34,6 +35,12 @@ static void scenes(void **state)
 	contract_breaks("lights are added once", scene_add_lights(scene, 1));
 	contract_breaks("model < scene->model_count", scene_fit_bounds(scene, 1));
 	contract_breaks("scene && radiance", stilb_scene_set_sky(scene, NULL));
+	contract_breaks("transform && ", stilb_scene_add_model(scene, NULL, NULL, 0, NULL));
+	contract_breaks("`transforms'", stilb_scene_set_part_transforms(scene, 0, NULL));
+	contract_breaks("vertices || count == 0", stilb_scene_set_vertices(scene, 0, 0, 1, NULL));
+	contract_breaks("`mesh && id'", stilb_scene_add_mesh(scene, NULL, NULL));
+	contract_breaks("`material'", stilb_scene_set_material(scene, 0, NULL));
+	contract_breaks("`image'", stilb_scene_set_texture(scene, 0, NULL));
 	contract_breaks("scene && ray && hit", stilb_scene_pick(scene, &(stilb_scene_ray){0}, NULL));
 	contract_breaks("width > 0 && height > 0", stilb_scene_camera_ray(&scene->camera, 0, 1, 0.0, 0.0));
 	contract_breaks("(radiance[i])", stilb_scene_set_sky(scene, (const float[3]){1, INFINITY, 1}));

@@ -356,6 +356,26 @@ static void lists_name_what_has_changed(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* A light that is shown by a part of a model which goes; the one whose face stays keeps it. */
+static void lights_lose_their_faces(void **state)
+{
+	(void)state;
+	stilb_scene *scene = small_scene();
+	stilb_mat4 place = stilb_mat4_identity();
+	stilb_scene_build_part parts[2] = {{0, 0}, {0, 0}};
+	uint32_t model;
+	assert_int_equal(stilb_scene_add_model(scene, &place, parts, 2, &model), STILB_OK);
+	stilb_scene_light lights[4] = {{.face = 1}, {.face = 2}, {.face = 3}, {.face = 0}}, *none = scene->lights;
+	scene->lights = lights;
+	scene->light_count = 4;
+	assert_int_equal(stilb_scene_remove_model(scene, model), STILB_OK);
+	assert_int_equal(lights[0].face, 1);
+	assert_int_equal(lights[1].face + lights[2].face + lights[3].face, 0);
+	scene->lights = none;
+	scene->light_count = 0;
+	stilb_scene_destroy(scene);
+}
+
 /* More ranges than the list holds: the mesh is listed as a whole. */
 static void ranges_are_bounded(void **state)
 {
@@ -531,6 +551,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(reader_has_what_the_scene_has),
 		cmocka_unit_test(lists_name_what_has_changed),
+		cmocka_unit_test(lights_lose_their_faces),
 		cmocka_unit_test(ranges_are_bounded),
 		cmocka_unit_test(mistakes_are_told),
 		cmocka_unit_test(without_memory_nothing_changes),

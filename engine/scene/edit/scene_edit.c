@@ -297,7 +297,7 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 }
 
 /* Moves the parts of a model; `step` is the number of matrices from one part's to the next one's. */
-static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms, uint32_t step)
+static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms, size_t step)
 {
 	STILB_ASSERT(transforms);
 	stilb_result result = edit_find_model(scene, id);

@@ -164,10 +164,12 @@ static void edit_range_add(stilb_scene_edits *edits, stilb_scene_vertices range)
 		last->count = (last_end > end ? last_end : end) - last->first;
 		return;
 	}
-	if (edit_reserve_range(edits))
-		edits->ranges[edits->range_count++] = range;
-	else
+	if (!edit_reserve_range(edits)) {
 		edit_mesh_changed(edits, range.mesh);
+		return;
+	}
+	STILB_ASSERT(edits->ranges && edits->range_count < edits->range_capacity);
+	edits->ranges[edits->range_count++] = range;
 }
 
 stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t first, uint32_t count,
