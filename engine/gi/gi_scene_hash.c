@@ -40,6 +40,8 @@ static uint64_t hash_lights(uint64_t hash, const gi_lights *lights)
 	}
 	size_t numbers = (size_t)environment->width * environment->height * environment->channels;
 	hash = hash_u32(hash_u32(hash, environment->width), environment->height);
+	const float turn[2] = {environment->sine, environment->cosine};
+	hash = stilb_hash_fnv1a64(hash, turn, sizeof turn);
 	return stilb_hash_fnv1a64(hash, environment->map, numbers * sizeof *environment->map);
 }
 

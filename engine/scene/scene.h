@@ -134,8 +134,9 @@ typedef struct stilb_scene_surroundings {
 	float sky[3];    /* radiance from above the horizon, y > 0 */
 	float ground[3]; /* from below it */
 	stilb_image
-		panorama; /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
+		panorama;   /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
 	                       none. Traced pictures only */
+	float rotation; /* of the panorama about +Y, radians, finite; positive to the left, as a camera's yaw */
 	/* Frames: highlights mirror sky and ground, too, by an approximation (shade_hemisphere_radiance). Without it frames
 	 * reflect them evenly alone. Traced pictures always do both. */
 	bool glossy;

@@ -289,6 +289,8 @@ void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_
 	if (!scene_is_within(surroundings->sky, 3, 0.0f, FLT_MAX) ||
 	    !scene_is_within(surroundings->ground, 3, 0.0f, FLT_MAX))
 		build_refuse(build, "surroundings: a radiance is negative or not finite");
+	else if (!scene_is_within(&surroundings->rotation, 1, -FLT_MAX, FLT_MAX))
+		build_refuse(build, "surroundings: the rotation is not finite");
 	else if (map->pixels && (map->channels != 3 || map->format != STILB_IMAGE_F32_LINEAR))
 		build_refuse(build, "surroundings: the panorama has not three channels of linear floats");
 	stilb_image copy = {0};

@@ -73,7 +73,8 @@ uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const 
  * counted over all models so far, or 0. */
 uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light);
 
-/* Sets the surroundings: radiances finite and >= 0; a panorama of 3 channels in F32_LINEAR, or none. Without this call
+/* Sets the surroundings: radiances finite and >= 0; a finite rotation; a panorama of 3 channels in F32_LINEAR, or
+ * none. Without this call
  * they are black. */
 void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_surroundings *surroundings);
 

@@ -762,6 +762,35 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	stilb_image_finish(&mapped.surroundings.panorama);
 }
 
+/* A map turned by k columns is the same as one whose columns lie k farther to the left: for looks and samples. */
+static void a_turned_map_is_a_shifted_one(void **state)
+{
+	(void)state;
+	enum { W = 16, H = 8, K = 3 };
+	stilb_scene turned = {.surroundings = {.panorama = map_of(W, H, 3), .rotation = 2.0f * (float)M_PI * K / W}};
+	stilb_scene shifted = {.surroundings = {.panorama = map_of(W, H, 3)}};
+	float *from = turned.surroundings.panorama.pixels, *to = shifted.surroundings.panorama.pixels;
+	for (uint32_t i = 0; i < W * H * 3; i++)
+		from[i] = stilb_random_float(3, i);
+	for (uint32_t y = 0; y < H; y++)
+		for (uint32_t x = 0; x < W; x++)
+			memcpy(to + 3 * (y * W + (x + W - K) % W), from + 3 * (y * W + x), 3 * sizeof *to);
+	gi_lights one = lights_of(&turned, NULL, 0), other = lights_of(&shifted, NULL, 0);
+	for (uint32_t i = 0; i < W * H; i++) { /* the middles of the texels */
+		float phi = 2.0f * (float)M_PI * ((float)(i % W) + 0.5f) / W, theta = (float)M_PI * ((float)(i / W) + 0.5f) / H;
+		stilb_vec3 d = vec(sinf(theta) * sinf(phi), cosf(theta), -sinf(theta) * cosf(phi));
+		stilb_vec3 a = gi_environment_radiance(&one, d), b = gi_environment_radiance(&other, d);
+		assert_true(a[0] == b[0] && a[1] == b[1] && a[2] == b[2]);
+	}
+	stilb_vec3 slant = vec(0.6f, 0.0f, 0.8f);
+	SHADE_PROOF_NEAR(irradiance(&one, vec(0, 0, 0), slant, 1 << 15), irradiance(&other, vec(0, 0, 0), slant, 1 << 15),
+	                 5e-3, 0.0);
+	gi_lights_destroy(&one);
+	gi_lights_destroy(&other);
+	stilb_image_finish(&turned.surroundings.panorama);
+	stilb_image_finish(&shifted.surroundings.panorama);
+}
+
 /* A map with a sun 1e5 times as bright as its dim and partly black sky: the light samples, projected onto spherical
  * harmonics, give the coefficients of the exact integral over the map, radiance over density is the same for all
  * samples, densities integrate to 1, and each texel is chosen as often as it should. */
@@ -952,6 +981,7 @@ int main(void)
 		cmocka_unit_test(lights_with_a_face_count_once),
 		cmocka_unit_test(raised_horizon_leaves_a_squared_cosine),
 		cmocka_unit_test(hemisphere_of_sky_has_its_closed_form),
+		cmocka_unit_test(a_turned_map_is_a_shifted_one),
 		cmocka_unit_test(map_is_chosen_by_its_brightness),
 		cmocka_unit_test(maps_with_odd_numbers_are_read_as_light),
 		cmocka_unit_test(no_memory_is_an_error),

@@ -310,6 +310,7 @@ static void mistakes_in_lights_and_cameras(void **state)
 	              "light 0: it has a face and a falloff that is not physical");
 	refuses_surroundings((stilb_scene_surroundings){.sky = {0, -1, 0}}, "surroundings: a radiance is negative");
 	refuses_surroundings((stilb_scene_surroundings){.ground = {NAN}}, "surroundings: a radiance is negative");
+	refuses_surroundings((stilb_scene_surroundings){.rotation = INFINITY}, "surroundings: the rotation is not finite");
 	uint8_t byte[3] = {0};
 	refuses_surroundings((stilb_scene_surroundings){.panorama = {1, 1, 3, STILB_IMAGE_U8_SRGB, byte, 0}},
 	                     "surroundings: the panorama has not three channels of linear floats");

@@ -24,10 +24,19 @@ static stilb_vec3 texel_radiance(const gi_environment *environment, uint32_t x, 
 	return stilb_vec3_make(valid(texel[0]), valid(texel[1]), valid(texel[2]));
 }
 
-/* The texel of a direction: the inverse of stilb_numeric_latlong_direction. */
+/* Turns a direction of the map into the world. */
+static stilb_vec3 from_map(const gi_environment *environment, stilb_vec3 d)
+{
+	float s = environment->sine, c = environment->cosine;
+	return stilb_vec3_make(c * d[0] + s * d[2], d[1], c * d[2] - s * d[0]);
+}
+
+/* The texel of a direction: the inverse of stilb_numeric_latlong_direction, turned back. */
 static void texel_of(const gi_environment *environment, stilb_vec3 direction, uint32_t *x, uint32_t *y)
 {
-	float u = atan2f(direction[0], -direction[2]) * (0.5f * SHADE_INV_PI) + 0.5f;
+	float s = environment->sine, c = environment->cosine;
+	float right = c * direction[0] - s * direction[2], back = s * direction[0] + c * direction[2];
+	float u = atan2f(right, -back) * (0.5f * SHADE_INV_PI) + 0.5f;
 	float v = acosf(fminf(fmaxf(direction[1], -1.0f), 1.0f)) * SHADE_INV_PI;
 	uint32_t column = (uint32_t)(u * (float)environment->width), row = (uint32_t)(v * (float)environment->height);
 	*x = column < environment->width ? column : environment->width - 1;
@@ -69,7 +78,7 @@ static void sum_up(gi_environment *environment)
 	environment->mean = (float)(total / (4.0 * M_PI));
 }
 
-static stilb_result use_map(const stilb_image *map, gi_environment *environment)
+static stilb_result use_map(const stilb_image *map, float rotation, gi_environment *environment)
 {
 	STILB_ASSERT(map->width > 0 && map->height > 0);
 	STILB_ASSERT(map->channels >= 1 && map->channels <= 4);
@@ -80,6 +89,8 @@ static stilb_result use_map(const stilb_image *map, gi_environment *environment)
 	environment->width = map->width;
 	environment->height = map->height;
 	environment->channels = map->channels;
+	environment->sine = sinf(rotation);
+	environment->cosine = cosf(rotation);
 	environment->rows = stilb_memory_alloc(map->height, sizeof(float));
 	environment->columns = stilb_memory_alloc((size_t)map->height * map->width, sizeof(float));
 	if (!environment->rows || !environment->columns)
@@ -101,7 +112,7 @@ stilb_result gi_environment_create(const stilb_scene *scene, gi_environment **ou
 	environment->mean = 0.5f * (gi_brightness(environment->sky) + gi_brightness(environment->ground));
 	stilb_result result = STILB_OK;
 	if (scene->surroundings.panorama.pixels)
-		result = use_map(&scene->surroundings.panorama, environment);
+		result = use_map(&scene->surroundings.panorama, scene->surroundings.rotation, environment);
 	if (result == STILB_OK)
 		*out = environment;
 	else
@@ -147,7 +158,7 @@ static bool sample_map(const gi_environment *environment, stilb_vec2 u, gi_light
 	float height = (float)(top + (bottom - top) * (double)down);
 	float sine = sqrtf(fmaxf(1.0f - height * height, 0.0f));
 	float phi = 2.0f * SHADE_PI * (((float)x + across) / (float)environment->width - 0.5f);
-	sample->direction = stilb_vec3_make(sine * sinf(phi), height, -sine * cosf(phi));
+	sample->direction = from_map(environment, stilb_vec3_make(sine * sinf(phi), height, -sine * cosf(phi)));
 	sample->radiance = texel_radiance(environment, x, y);
 	sample->pdf = gi_brightness(sample->radiance) * environment->density;
 	return sample->pdf > 0.0f;

@@ -17,10 +17,11 @@ typedef struct gi_environment {
 	stilb_vec3 sky, ground; /* radiance above and below the horizon, if there is no map */
 	const float *map;       /* [height][width][channels] radiance, or NULL */
 	uint32_t width, height, channels;
-	float *rows;    /* [height] share of all light that is in this row and those above it; the last is 1 */
-	float *columns; /* [height][width] share of a row's light that is in this texel and those left of it */
-	float density;  /* density of sampling a direction, per steradian, where brightness is 1 */
-	float mean;     /* mean brightness over all directions */
+	float sine, cosine; /* of the map's rotation about +Y */
+	float *rows;        /* [height] share of all light that is in this row and those above it; the last is 1 */
+	float *columns;     /* [height][width] share of a row's light that is in this texel and those left of it */
+	float density;      /* density of sampling a direction, per steradian, where brightness is 1 */
+	float mean;         /* mean brightness over all directions */
 } gi_environment;
 
 /* Errors: STILB_ERROR_ARGUMENT: a map that is not of floats; STILB_ERROR_MEMORY. Then *out is NULL. */
