@@ -96,13 +96,31 @@ static void test_mouse(void **state)
 	assert_float_equal(input.look[1], -4.0f * STILB_INPUT_TURN, 1e-7f);
 }
 
+/* A drag counts in heights of the window, of the button that is held; a user interface takes it under the pointer. */
+static void test_drags(void **state)
+{
+	(void)state;
+	stilb_window_state window = {.height = 200, .button = true, .moved_x = 50.0f, .moved_y = -20.0f, .wheel = 2.0f};
+	stilb_input_state input = stilb_input_from_window(&window);
+	assert_true(input.drag[0] == 0.25f && input.drag[1] == -0.1f && input.zoom == 2.0f);
+	assert_true(input.pan[0] == 0.0f && input.pan[1] == 0.0f);
+	window.button = false;
+	window.middle = true;
+	input = stilb_input_from_window(&window);
+	assert_true(input.drag[0] == 0.0f && input.pan[0] == 0.25f && input.pan[1] == -0.1f);
+	input = stilb_input_without_pointer(input);
+	assert_true(input.pan[0] == 0.0f && input.pan[1] == 0.0f && input.zoom == 0.0f);
+	assert_true(pressed(STILB_WINDOW_KEY_F, 1).frame && pressed(STILB_WINDOW_KEY_HOME, 1).home);
+	assert_true(pressed(STILB_WINDOW_KEY_ESCAPE, 1).cancel);
+	assert_int_equal(pressed(STILB_WINDOW_KEY_PAGE_DOWN, 2).next_file, 2);
+	assert_int_equal(pressed(STILB_WINDOW_KEY_PAGE_UP, 1).next_file, -1);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_keys),
-		cmocka_unit_test(test_actions),
-		cmocka_unit_test(test_keys_of_a_user_interface),
-		cmocka_unit_test(test_mouse),
+		cmocka_unit_test(test_keys),  cmocka_unit_test(test_actions), cmocka_unit_test(test_keys_of_a_user_interface),
+		cmocka_unit_test(test_mouse), cmocka_unit_test(test_drags),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
