@@ -232,6 +232,11 @@ stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t
  * the last frame rumbles. STILB_ERROR_ARGUMENT: the profiler is off or captures are. */
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
+/* Shows a line of UTF-8 text, of which it copies 255 bytes at most, at the lower edge of the window for five seconds;
+ * the newest three are shown. A frame whose input has `screenshot` set is drawn without them. Without a window of the
+ * engine's it does nothing. */
+void stilb_engine_tell(stilb_engine *engine, const char *text);
+
 /* The device: its name for the user, true if it is a software rasteriser, the samples per pixel that it draws with, and
  * the number of validation messages so far. The name is valid until the engine is destroyed. */
 const char *stilb_engine_device_name(const stilb_engine *engine);

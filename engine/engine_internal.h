@@ -35,12 +35,25 @@ typedef struct engine_notice {
 	float seconds; /* for which the panel is still shown */
 } engine_notice;
 
+/* Lines that say for a few seconds what has just been done. {0}: none is shown. */
+#define ENGINE_TOASTS 3u
+typedef struct engine_toast {
+	char text[256];
+	float seconds; /* for which it is still shown */
+} engine_toast;
+typedef struct engine_toasts {
+	engine_toast lines[ENGINE_TOASTS]; /* [count], the oldest first */
+	uint32_t count;
+	bool hidden; /* in this frame, because its picture is saved */
+} engine_toasts;
+
 /* The windows over the picture; {0} until one of them is opened for the first time. */
 typedef struct engine_overlay {
 	stilb_ui *ui; /* NULL: none has been open yet */
 	stilb_ui_profiler *profiler;
 	engine_inspector inspector;
 	engine_notice notice;
+	engine_toasts toasts;
 	stilb_ui_input input; /* of this frame; {0} but for its size when headless */
 	bool profiler_open, inspector_open;
 } engine_overlay;
@@ -113,7 +126,8 @@ void engine_profile_stop(stilb_engine *engine);
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
-	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0;
+	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 ||
+	       (overlay->toasts.count > 0 && !overlay->toasts.hidden);
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -124,6 +138,9 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 
 /* Logs that there is no permission to open a gamepad, and shows the notice with the rule that gives it. */
 void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_pad_info *info);
+
+/* Shows a toast. One that cannot be shown is logged with the reason. */
+void engine_overlay_tell(stilb_engine *engine, const char *text);
 
 /* Opens, closes and freezes windows as keys and gamepads ask for it, and lets the window capture the mouse for the
  * camera unless it is over the overlay. */
@@ -166,6 +183,14 @@ void engine_notice_remove(engine_notice *notice, uint32_t pad);
 
 /* Draws the notice, between stilb_ui_begin and stilb_ui_end, and counts its time down. */
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
+
+/* engine_toasts.c */
+
+/* Adds a toast, in place of the oldest if there are ENGINE_TOASTS. The text is copied and cut off after 255 bytes. */
+void engine_toasts_add(engine_toasts *toasts, const char *text);
+
+/* Draws the toasts, between stilb_ui_begin and stilb_ui_end, and counts their time down. */
+void engine_toasts_draw(engine_toasts *toasts, stilb_ui *ui);
 
 /* engine_inspector.c */
 

@@ -1,7 +1,7 @@
 /*
- * The windows over the picture: the profiler, the inspector and the notice of gamepads. They are created when one of
- * them is opened for the first time, get the mouse and the keys before the camera does, and are drawn as a 2D pass of
- * their own.
+ * The windows over the picture: the profiler, the inspector, the notice of gamepads and toasts. They are created when
+ * one of them is opened for the first time, get the mouse and the keys before the camera does, and are drawn as a 2D
+ * pass of their own.
  */
 #include "engine_internal.h"
 
@@ -84,6 +84,7 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
+	overlay->toasts.hidden = input->screenshot;
 	if ((input->overlay || input->inspector) &&
 	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
 	                        overlay->inspector_open != input->inspector) != STILB_OK)
@@ -108,6 +109,22 @@ void engine_overlay_deny(stilb_engine *engine, uint32_t pad, const stilb_input_p
 		stilb_log("%s", stilb_error_message());
 }
 
+void engine_overlay_tell(stilb_engine *engine, const char *text)
+{
+	if (engine_overlay_create(engine) == STILB_OK)
+		engine_toasts_add(&engine->overlay.toasts, text);
+	else
+		stilb_log("%s: %s", text, stilb_error_message());
+}
+
+void stilb_engine_tell(stilb_engine *engine, const char *text)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(text);
+	if (engine->window)
+		engine_overlay_tell(engine, text);
+}
+
 static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading, stilb_engine_choice *choice)
 {
 	PROFILE("ui build");
@@ -118,6 +135,8 @@ static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *
 		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, choice, &overlay->inspector_open);
 	if (overlay->notice.pad_count > 0)
 		engine_notice_draw(&overlay->notice, overlay->ui);
+	if (!overlay->toasts.hidden)
+		engine_toasts_draw(&overlay->toasts, overlay->ui);
 	stilb_ui_end(overlay->ui);
 }
 

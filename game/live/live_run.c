@@ -9,6 +9,7 @@
 
 #include <inttypes.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +23,19 @@ static volatile sig_atomic_t live_interrupted; /* number of the signal; 0: none 
 static void live_on_signal(int signal_number)
 {
 	live_interrupted = signal_number; /* ends live_loop; pictures, traces and statistics are written all the same */
+}
+
+/* Hands the main thread what the window is to say of a capture, in place of what it has not yet said. */
+static void live_tell_later(live_run *run, const stilb_prof_captured *captured)
+{
+	char *text = NULL;
+	if (captured->error == 0 && asprintf(&text, "%s written", captured->path) < 0)
+		return;
+	if (captured->error != 0 &&
+	    asprintf(&text, "cannot write '%s': %s", captured->path, strerror(-captured->error)) < 0)
+		return;
+	/* acq_rel: with the exchange of live_tell_now; either side may have to read and free the other's text */
+	free(atomic_exchange_explicit(&run->told, text, memory_order_acq_rel));
 }
 
 /* Called on the capturing thread after each capture, a trace that is written during the run. An error that repeats,
@@ -38,6 +52,7 @@ static void live_on_captured(void *user, const stilb_prof_captured *captured)
 	else if (captured->error != run->capture_error)
 		stilb_log("cannot write '%s': %s", captured->path, strerror(-captured->error));
 	fflush(out);
+	live_tell_later(run, captured);
 	run->capture_error = captured->error;
 	run->capture_failed |= captured->error != 0;
 }
@@ -86,12 +101,38 @@ void live_run_say(const live_run *run, stilb_result result, const char *what, co
 		stilb_log("%s", stilb_error_message());
 }
 
+/* Shows a line in the window, but not if --screenshot saves the last frame as the window shows it. */
+static void live_tell(live_run *run, const char *text)
+{
+	if (run->window && !run->options->screenshot)
+		stilb_engine_tell(run->engine, text);
+}
+
+/* Says of the newest capture what live_tell_later left. */
+static void live_tell_now(live_run *run)
+{
+	/* acq_rel: with the exchange of live_tell_later */
+	char *text = atomic_exchange_explicit(&run->told, NULL, memory_order_acq_rel);
+	if (text)
+		live_tell(run, text);
+	free(text);
+}
+
+static void live_save_picture(live_run *run, const char *path)
+{
+	char text[256];
+	stilb_result result = stilb_engine_screenshot(run->engine, path);
+	live_run_say(run, result, "picture", path);
+	snprintf(text, sizeof text, "%s written", path);
+	live_tell(run, result == STILB_OK ? text : stilb_error_message());
+}
+
 static void live_take_picture(live_run *run)
 {
 	const char *last = run->options->screenshot;
 	char *path = live_picture_name(last && !stilb_file_is_stdout(last) ? last : run->program->picture, last);
 	if (path)
-		live_run_say(run, stilb_engine_screenshot(run->engine, path), "picture", path);
+		live_save_picture(run, path);
 	else
 		stilb_log("no memory for a picture's name");
 	fflush(live_message_stream(run->options));
@@ -118,11 +159,15 @@ static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 		stilb_log("%s", stilb_error_message());
 	if (report->input.screenshot)
 		live_take_picture(run);
+	live_tell_now(run);
 	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
 	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
 	if (workers == (int64_t)stilb_engine_workers(run->engine))
 		return run->program->act(run->user, run, report);
-	fprintf(live_message_stream(run->options), "workers: %" PRId64 "\n", workers);
+	char text[64];
+	snprintf(text, sizeof text, "workers: %" PRId64, workers);
+	fprintf(live_message_stream(run->options), "%s\n", text);
+	live_tell(run, text);
 	stilb_result result = stilb_engine_set_workers(run->engine, (uint32_t)workers);
 	return result == STILB_OK ? run->program->act(run->user, run, report) : result;
 }
@@ -292,6 +337,8 @@ int live_run_main(live_run *run)
 		run->program->finish(run->user);
 	stilb_engine_destroy(run->engine); /* writes the captures that are still pending */
 	run->engine = NULL;
+	/* relaxed: the engine's end has joined the capturing thread */
+	free(atomic_load_explicit(&run->told, memory_order_relaxed));
 	stage_times_finish(&run->times);
 	return code == EXIT_DONE && run->capture_failed ? EXIT_FAILED : code;
 }

@@ -52,6 +52,8 @@ struct live_run {
 	 * engine, which ends that thread. */
 	int capture_error;   /* of the last capture: negative errno, or 0 */
 	bool capture_failed; /* true if any capture failed */
+	/* What the window is to say of the newest capture; NULL: nothing. Whoever takes it out frees it. */
+	_Atomic(char *) told;
 };
 
 /* Runs until the frames are drawn, the window is closed or a signal comes; writes the outputs; destroys the engine.

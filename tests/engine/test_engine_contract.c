@@ -95,6 +95,7 @@ static void engines(void **state)
 	contract_breaks("width && height", stilb_engine_size(engine, NULL, NULL));
 	contract_breaks("shading", stilb_engine_set_shading(engine, NULL));
 	contract_breaks("title", stilb_engine_set_title(engine, NULL));
+	contract_breaks("text", stilb_engine_tell(engine, NULL));
 	contract_breaks("hit", stilb_engine_pick(engine, 0.0, 0.0, NULL));
 	assert_int_equal(frame(engine), STILB_OK);
 	stress_engine_destroy(engine);

@@ -206,6 +206,35 @@ static void more_than_there_is_room_for(void **state)
 	}
 }
 
+/* Toasts are at the lower edge, the newest three; the frame of a saved picture has none, and each goes by itself. */
+static void toasts_come_and_go(void **state)
+{
+	(void)state;
+	uint32_t one[2], rows[2];
+	draw(plain);
+	engine_overlay_tell(engine, "a.png written");
+	changed(one);
+	assert_in_range(one[0], HEIGHT - 60, HEIGHT - 30);
+	assert_in_range(one[1], HEIGHT - 20, HEIGHT - 12);
+	for (int i = 0; i < 4; i++)
+		engine_overlay_tell(engine,
+		                    "a name that is much longer than the picture is wide, which is cut off at its edge: "
+		                    "a-name-that-is-much-longer-than-the-picture-is-wide.png written");
+	changed(rows);
+	assert_true(rows[1] == one[1] && rows[0] < one[0] - (one[1] - one[0]));
+	assert_int_equal(engine->overlay.toasts.count, ENGINE_TOASTS);
+	engine_overlay_act(engine, &(stilb_input_state){.screenshot = true});
+	assert_false(engine_overlay_is_open(&engine->overlay));
+	engine->overlay.toasts.hidden = false;
+	engine->overlay.input.seconds = 2.0f; /* seconds that each frame takes */
+	int frames = 0;
+	for (rows[1] = 1; rows[1] > 0 && frames < 100; frames++)
+		changed(rows);
+	assert_in_range(frames, 3, 5);
+	assert_int_equal(engine->overlay.toasts.count, 0);
+	engine->overlay.input.seconds = 0.0f;
+}
+
 /* Writes the pictures to a folder, if one is given, for looking at them. */
 static void save_pictures(const char *folder)
 {
@@ -227,6 +256,17 @@ static void save_pictures(const char *folder)
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	snprintf(path, sizeof path, "%s/notice-low.png", folder);
 	assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
+	no_notice(NULL);
+	engine_overlay_tell(engine, "stilb-demo.png written");
+	engine_overlay_tell(engine, "stilb-capture-2.json written");
+	static const uint32_t sizes[][2] = {{1280, 720}, {640, 400}};
+	for (uint32_t i = 0; i < 4; i++) {
+		assert_int_equal(stilb_engine_resize(engine, sizes[i % 2][0], sizes[i % 2][1]), STILB_OK);
+		assert_int_equal(engine_overlay_open(engine, i > 1, i > 1), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		snprintf(path, sizeof path, "%s/toasts-%u.png", folder, i);
+		assert_int_equal(stilb_engine_screenshot(engine, path), STILB_OK);
+	}
 	tear_down(NULL);
 }
 
@@ -239,8 +279,10 @@ int main(int argc, char **argv)
 		return 0;
 	}
 	const struct CMUnitTest tests[] = {
-		TEST(it_comes_and_goes), TEST(equal_rules_are_said_once), TEST(it_goes_by_itself),
-		TEST(it_is_logged),      TEST(half_a_rule_is_not_shown),  TEST(more_than_there_is_room_for),
+		TEST(it_comes_and_goes),           TEST(equal_rules_are_said_once),
+		TEST(it_goes_by_itself),           TEST(it_is_logged),
+		TEST(half_a_rule_is_not_shown),    TEST(toasts_come_and_go),
+		TEST(more_than_there_is_room_for),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -146,6 +146,63 @@ static void test_pictures_are_numbered(void **state)
 	assert_int_equal(folder_entries(), 5);
 }
 
+/* A number that two equal pictures of the window share. */
+static uint64_t window_hash(Display *display, Window window)
+{
+	XImage *image = XGetImage(display, window, 0, 0, 160, 120, AllPlanes, ZPixmap);
+	uint64_t hash = 14695981039346656037u; /* FNV-1a */
+	for (int i = 0; image && i < image->bytes_per_line * image->height; i++)
+		hash = (hash ^ (uint8_t)image->data[i]) * 1099511628211u;
+	if (image)
+		XDestroyImage(image);
+	return hash;
+}
+
+/* The scene stands still, so that the toast is all that changes in the window. */
+static bool await_change(Display *display, Window window, uint64_t from)
+{
+	for (int i = 0; i < 3000; i++, usleep(10000))
+		if (window_hash(display, window) != from)
+			return true;
+	return false;
+}
+
+/* The window says that a picture was written, and the next picture is saved without those words. */
+static void test_toast_is_not_in_pictures(void **state)
+{
+	(void)state;
+	char display_name[64];
+	stilb_image pictures[2] = {{0}};
+	assert_true(x11_server_start(&server));
+	snprintf(display_name, sizeof display_name, "DISPLAY=%s", server.name);
+	const char *const environment[] = {display_name, "WAYLAND_DISPLAY", NULL};
+	stilb_start(environment, -1, "demo --models 200 --size 160x120 --workers 1");
+	Display *display = XOpenDisplay(server.name);
+	assert_non_null(display);
+	Window window = x11_server_await(display, "Stilb: ");
+	bool told = window != 0;
+	for (int i = 0; told && !x11_server_has_picture(display, window); i++, usleep(10000))
+		told = i < 3000;
+	uint64_t before = told ? window_hash(display, window) : 0;
+	if (told)
+		x11_server_type(display, window, XK_F12);
+	told = told && await_whole("stilb-demo.png") && await_change(display, window, before);
+	if (told)
+		x11_server_type(display, window, XK_F12);
+	told = told && await_whole("stilb-demo-2.png");
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	XCloseDisplay(display);
+	assert_true(told);
+	assert_int_equal(run.code, 0);
+	assert_int_equal(stilb_image_load("stilb-demo.png", &pictures[0]), STILB_OK);
+	assert_int_equal(stilb_image_load("stilb-demo-2.png", &pictures[1]), STILB_OK);
+	assert_int_equal(stilb_image_size(&pictures[0]), stilb_image_size(&pictures[1]));
+	assert_memory_equal(pictures[0].pixels, pictures[1].pixels, stilb_image_size(&pictures[0]));
+	stilb_image_finish(&pictures[0]);
+	stilb_image_finish(&pictures[1]);
+}
+
 static void test_render_goes_on(void **state)
 {
 	(void)state;
@@ -168,6 +225,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup_teardown(test_demo_with_frames_to_draw_goes_on, folder_fresh, server_end),
 		cmocka_unit_test_setup_teardown(test_render_goes_on, folder_fresh, server_end),
 		cmocka_unit_test_setup_teardown(test_pictures_are_numbered, folder_fresh, server_end),
+		cmocka_unit_test_setup_teardown(test_toast_is_not_in_pictures, folder_fresh, server_end),
 	};
 	if (!x11_server_start(&server)) {
 		printf("no Xvfb: install xvfb\n");
