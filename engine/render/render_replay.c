@@ -201,7 +201,7 @@ static stilb_result replay_place_lights(stilb_render *render, const stilb_render
 				now.count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, now.count, &now.first) : NULL;
 			if (now.count > 0 && !out)
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", now.count);
-			for (uint32_t i = 0; i < view->light_count; i++)
+			for (uint32_t i = 0; out && i < view->light_count; i++)
 				if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
 					replay_write_light(out++, &view->lights[i]);
 		}
