@@ -205,11 +205,11 @@ typedef struct stilb_scene {
 /* The names of the built-in scenes in one line: "cornell, outdoor, furnace:RHO, ...". Static. [any-thread] */
 const char *stilb_scene_builtin_names(void);
 
-/* Opens a scene by name: a built-in, or else a file of any format that Assimp reads (./cornell is a file): its
+/* Opens a scene by name: a built-in, or else a file (./cornell is one) of glTF 2.0 or any format that Assimp reads: its
  * triangles, materials, textures, lights and first camera. A file without a camera gets one that sees the whole scene
  * (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer Perspective", ...);
- * a file without any light gets a grey sky. Losses are logged with stilb_log: a texture that is missing (its material
- * becomes magenta), transparency.
+ * a file without any light gets a grey sky. Losses are logged with stilb_log, one line for each kind: a texture that is
+ * missing (its material becomes magenta), transparency, normal maps, animations, ... (docs/import.md has the list).
  *
  * Files are read by another process, stilb-scene-import: a crash or an endless loop there is an error here. It can read
  * the file, the files that it names below its folder and, by ../, below that folder's parent; no others, and none
@@ -228,6 +228,10 @@ typedef struct stilb_scene_open_options {
 	 * STILB_ERROR_FILE. NULL: never. */
 	bool (*give_up)(void *user);
 	void *user;
+	bool quiet; /* log nothing of what the file has and is not shown */
+	/* Out: the most memory that the import process has had at once, bytes; 0: it is unknown, or the scene is built in.
+	 * NULL: nobody asks. */
+	uint64_t *import_bytes;
 } stilb_scene_open_options;
 
 /* stilb_scene_open with options. [any-thread] */

@@ -88,6 +88,8 @@ static void picture_add_place(picture_flags *p, flag_rows *table)
 	     "a panorama (.hdr, .exr, ...) or a radiance around the scene (its own)", 0, 0, NULL},
 		{"--allow-outside", FLAG_SWITCH, &p->allow_outside, NULL,
 	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
+		{"--quiet", FLAG_SWITCH, &p->quiet, NULL, "do not list what the scene's file has that is not shown", 0, 0,
+	     NULL},
 	};
 	flag_rows_add(table, place, sizeof place / sizeof *place);
 }

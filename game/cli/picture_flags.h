@@ -24,7 +24,7 @@ typedef struct picture_flags {
 	uint64_t samples;                            /* 0 if not given */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
-	bool validate, allow_outside;
+	bool validate, allow_outside, quiet;
 	flag_list camera;
 	const char *gpu, *environment; /* NULL if not given */
 } picture_flags;
@@ -33,9 +33,9 @@ typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
-	PICTURE_PLACE,    /* --camera, --environment, --allow-outside: a scene of a file, and where from it is seen */
-	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
-	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
+	PICTURE_PLACE, /* --camera, --environment, --allow-outside, --quiet: a scene of a file, and where from it is seen */
+	PICTURE_BRDF,  /* --brdf and the parts of --brdf microfacet */
+	PICTURE_ADDED, /* what is added to the materials: frames alone have it */
 } picture_flags_group;
 
 /* The words that --replay, --materials and --device accept, in the order of the engine's enumerations;

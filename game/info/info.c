@@ -142,12 +142,13 @@ static stilb_result info_save(const info_machine *machine, const char *path)
 int info_command(int argc, char **argv)
 {
 	const char *path = NULL, *scene = NULL;
-	bool allow_outside = false;
+	bool allow_outside = false, quiet = false;
 	const flag flags[] = {
 		{"scene", FLAG_WORD, &scene, NULL, NULL, 0, 0, NULL},
 		{"--json", FLAG_TEXT, &path, "FILE", "write the list as JSON too; - is standard output", 0, 0, NULL},
 		{"--allow-outside", FLAG_SWITCH, &allow_outside, NULL,
 	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
+		{"--quiet", FLAG_SWITCH, &quiet, NULL, "do not list what the scene's file has that is not shown", 0, 0, NULL},
 	};
 	size_t flag_count = sizeof flags / sizeof *flags;
 	flags_result parsed = flags_parse(flags, flag_count, argc, argv);
@@ -165,7 +166,7 @@ int info_command(int argc, char **argv)
 		return EXIT_REFUSED;
 	}
 	if (scene)
-		return info_scene(scene, allow_outside, path);
+		return info_scene(scene, allow_outside, quiet, path);
 	static info_machine machine;
 	info_query(&machine);
 	info_print(path && stilb_file_is_stdout(path) ? stderr : stdout, &machine);

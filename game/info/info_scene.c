@@ -16,9 +16,10 @@ typedef struct info_contents {
 	const stilb_scene *scene;
 	double seconds; /* that opening took */
 	uint64_t vertices, triangles;
-	uint64_t drawn;    /* triangles of all parts: a mesh counts once for each part that shows it */
-	uint64_t emitting; /* of these, those whose material emits */
-	uint64_t bytes;    /* of meshes, textures and environment */
+	uint64_t drawn;        /* triangles of all parts: a mesh counts once for each part that shows it */
+	uint64_t emitting;     /* of these, those whose material emits */
+	uint64_t bytes;        /* of meshes, textures and environment */
+	uint64_t import_bytes; /* the most memory of the import process at once; 0: unknown */
 	uint32_t lights[STILB_SCENE_LIGHT_KINDS];
 	uint64_t hidden;       /* of emitting, those of parts that are no light's face: frames are not lit by them */
 	float low[3], high[3]; /* the box around all vertices, metres; low > high: there are none */
@@ -125,7 +126,10 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 {
 	const stilb_scene *scene = c->scene;
 	const stilb_scene_camera *camera = &scene->camera;
-	fprintf(out, "%s, opened in %.2f s, %.1f MiB\n", name, c->seconds, (double)c->bytes / 1048576.0);
+	fprintf(out, "%s, opened in %.2f s, %.1f MiB", name, c->seconds, (double)c->bytes / 1048576.0);
+	if (c->import_bytes > 0)
+		fprintf(out, "; the import process had %.1f MiB at most", (double)c->import_bytes / 1048576.0);
+	fprintf(out, "\n");
 	fprintf(out, "  %u model%s of %u part%s; %u mesh%s with %" PRIu64 " triangle%s and %" PRIu64 " vertices",
 	        scene->model_count, info_s(scene->model_count), scene->part_count, info_s(scene->part_count),
 	        scene->mesh_count, scene->mesh_count == 1 ? "" : "es", c->triangles, info_s(c->triangles), c->vertices);
@@ -188,6 +192,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_string(&json, "scene", name);
 	stilb_json_double(&json, "seconds", c->seconds);
 	stilb_json_int(&json, "bytes", (int64_t)c->bytes);
+	stilb_json_int(&json, "import_bytes", (int64_t)c->import_bytes);
 	stilb_json_int(&json, "models", scene->model_count);
 	stilb_json_int(&json, "parts", scene->part_count);
 	stilb_json_int(&json, "meshes", scene->mesh_count);
@@ -217,17 +222,19 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	return stilb_json_save(&json, path);
 }
 
-int info_scene(const char *name, bool allow_outside, const char *json)
+int info_scene(const char *name, bool allow_outside, bool quiet, const char *json)
 {
 	stilb_scene *scene;
 	uint64_t start = stilb_time_ns();
-	stilb_result result =
-		stilb_scene_open_with(name, &(stilb_scene_open_options){.allow_outside = allow_outside}, &scene);
+	uint64_t import_bytes = 0;
+	stilb_scene_open_options options = {.allow_outside = allow_outside, .quiet = quiet, .import_bytes = &import_bytes};
+	stilb_result result = stilb_scene_open_with(name, &options, &scene);
 	if (result != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(result);
 	}
 	info_contents contents = info_count(scene, (double)(stilb_time_ns() - start) * 1e-9);
+	contents.import_bytes = import_bytes;
 	info_print_scene(json && stilb_file_is_stdout(json) ? stderr : stdout, name, &contents);
 	if (json && (result = info_scene_save(json, name, &contents)) != STILB_OK)
 		stilb_log("%s", stilb_error_message());

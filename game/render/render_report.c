@@ -136,6 +136,7 @@ static void report_put_run(stilb_json *json, const offline_options *o, const off
 	const stilb_gi_progress *progress = &result->progress;
 	report_put_scene(json, o->scene, &result->scene);
 	stilb_json_double(json, "open_s", result->open_s);
+	stilb_json_int(json, "import_bytes", (int64_t)result->import_bytes);
 	stilb_json_double(json, "build_s", result->build_s);
 	stilb_json_double(json, "render_s", progress->seconds);
 	stilb_json_double(json, "save_s", result->save_s);

@@ -165,7 +165,9 @@ static bool work_open(work_pieces *p)
 	PROFILE("open the scene");
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_OPENING);
-	stilb_scene_open_options open = {.allow_outside = p->options->picture.allow_outside};
+	stilb_scene_open_options open = {.allow_outside = p->options->picture.allow_outside,
+	                                 .quiet = p->options->picture.quiet,
+	                                 .import_bytes = &p->result->import_bytes};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
 	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)))
 		return false;

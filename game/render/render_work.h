@@ -38,6 +38,7 @@ typedef struct offline_result {
 	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
 	uint32_t workers;               /* threads that rendered */
 	double open_s, build_s, save_s; /* seconds of the stages */
+	uint64_t import_bytes;          /* the most memory of the import process at once; 0: unknown */
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
 	stilb_gi_progress progress;

@@ -29,7 +29,10 @@ static bool load_is_given_up(void *user)
 static void *load_run(void *data)
 {
 	view_load *load = data;
-	stilb_scene_open_options options = {load->picture->allow_outside, load_is_given_up, load};
+	stilb_scene_open_options options = {.allow_outside = load->picture->allow_outside,
+	                                    .give_up = load_is_given_up,
+	                                    .user = load,
+	                                    .quiet = load->picture->quiet};
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->scene);

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -282,7 +283,7 @@ static void import_log_refused(import_request *request, const char *name, const 
 	for (uint32_t i = 0; i < request->refused_count; i++)
 		if (strncmp(request->refused[i], last, sizeof *request->refused - 1) == 0)
 			return;
-	if (strlen(last) < 2 || request->refused_count == most)
+	if (strlen(last) < 2 || request->refused_count == most || request->importer->limits.quiet)
 		return;
 	snprintf(request->refused[request->refused_count++], sizeof *request->refused, "%.*s",
 	         (int)sizeof *request->refused - 1, last);
@@ -351,7 +352,7 @@ static stilb_result import_listen(import_request *request, scene_message_kind en
 			passed = -1;
 		} else if (message->kind == SCENE_MESSAGE_OPEN) {
 			import_answer(request, message);
-		} else if (message->kind == SCENE_MESSAGE_WARNING) {
+		} else if (message->kind == SCENE_MESSAGE_WARNING && !request->importer->limits.quiet) {
 			stilb_log("%s: %s", request->path, message->text);
 		}
 		if (passed >= 0)
@@ -385,6 +386,27 @@ static stilb_result import_fail(import_request *request, stilb_result result, co
 	return stilb_fail(result, "cannot read '%s': %s", request->path, reason);
 }
 
+/* The most memory that the process has had at once, bytes, as the kernel counts it (proc(5)); 0: unknown. */
+static uint64_t import_most_bytes(const scene_importer *importer)
+{
+	char path[64], line[128];
+	unsigned long long kib = 0;
+	snprintf(path, sizeof path, "/proc/%d/status", (int)importer->id);
+	FILE *status = fopen(path, "re");
+	while (status && fgets(line, sizeof line, status) && sscanf(line, "VmHWM: %llu", &kib) != 1) {
+	}
+	if (status)
+		fclose(status);
+	return kib * 1024;
+}
+
+/* Who reads the scene in this file, for messages. */
+static const char *import_reader(const char *path)
+{
+	const char *dot = strrchr(path, '.');
+	return dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0) ? "the reader of glTF" : "Assimp";
+}
+
 stilb_result scene_importer_scene(scene_importer *importer, const char *path, stilb_scene **scene)
 {
 	STILB_ASSERT(importer && path && scene);
@@ -403,8 +425,10 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 			result = import_listen(&request, SCENE_MESSAGE_SCENE, &message);
 		if (result == STILB_OK)
 			result = scene_stream_read(&importer->stream, request.pictures, request.picture_count, scene);
+		if (result == STILB_OK && importer->limits.most_bytes)
+			*importer->limits.most_bytes = import_most_bytes(importer);
 		if (result != STILB_OK)
-			result = import_fail(&request, result, "Assimp");
+			result = import_fail(&request, result, import_reader(path));
 		scene_files_finish(&files);
 	}
 	import_free(&request);

@@ -21,9 +21,11 @@ typedef struct scene_import_limits {
 	uint64_t bytes;     /* > 0: of memory, and of the answer to one request */
 	double seconds;     /* > 0: for one request */
 	bool allow_outside; /* scenes may name files outside of their folder and its parent */
+	bool quiet;         /* what the process warns of is not logged */
 	/* Asked while waiting, every 50 ms at least; true: the request fails at once. NULL: never. */
 	bool (*give_up)(void *user);
 	void *user;
+	uint64_t *most_bytes; /* out, of scenes: as stilb_scene_open_options.import_bytes; NULL: nobody asks */
 } scene_import_limits;
 
 /* The limits that stilb_scene_open describes. */

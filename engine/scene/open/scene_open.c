@@ -47,6 +47,8 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 	limits.allow_outside = options->allow_outside;
 	limits.give_up = options->give_up;
 	limits.user = options->user;
+	limits.quiet = options->quiet;
+	limits.most_bytes = options->import_bytes;
 	if (access(path, F_OK) != 0 && errno == ENOENT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
 		                  stilb_scene_builtin_names());
@@ -58,6 +60,8 @@ stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_opti
 	PROFILE("scene open");
 	STILB_ASSERT(name && options && scene);
 	*scene = NULL;
+	if (options->import_bytes)
+		*options->import_bytes = 0;
 	for (size_t i = 0; i < sizeof scene_builtins / sizeof *scene_builtins; i++) {
 		const struct scene_builtin *builtin = &scene_builtins[i];
 		size_t length = strlen(builtin->name);
