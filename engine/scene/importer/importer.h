@@ -1,10 +1,10 @@
 /*
- * importer: converts scenes as the library Assimp reads them to Stilb's, in the import process: a program of its own
- * that reads files which Stilb does not trust (scene_import.h).
+ * importer: converts scenes to Stilb's, in the import process: a program of its own that reads files which Stilb does
+ * not trust (scene_import.h). glTF 2.0 is read here (gltf/gltf.h), every other format by the library Assimp.
  *
- * Life cycle.  For each request an importer begins as {0}: Assimp reads the file -> importer_load_textures ->
- *              importer_list_nodes -> importer_add_meshes -> importer_add_materials -> importer_add_view -> the scene
- *              is sent -> everything is freed.
+ * Life cycle.  For each request an importer begins as {0}: gltf_import, or Assimp reads the file ->
+ *              importer_load_textures -> importer_list_nodes -> importer_add_meshes -> importer_add_materials ->
+ *              importer_add_view. Then importer_tell_losses -> the scene is sent -> everything is freed.
  * Errors.      Files hold anything: every index, count and number of Assimp's is checked before use. Messages are
  *              reasons without the file's name.
  * Threads.     The process's main thread, but for importer_decode and the decoding of textures.
@@ -25,21 +25,52 @@ typedef struct importer_node {
 } importer_node;
 
 typedef struct importer_texture {
-	char name[MAXLEN];    /* as materials name it */
+	char name[MAXLEN];    /* as materials name it, or of glTF as its user knows it */
 	stilb_image image;    /* {0}: it could not be loaded */
 	float mean[3];        /* mean of its texels as linear light */
 	float stored_mean[3]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours */
 	char trouble[256];    /* why it could not be loaded */
 	bool warned;          /* the user was warned of the trouble */
 
-	int file;                         /* the descriptor of its file until it is read, or -1 */
-	const struct aiTexture *embedded; /* the texture inside of the scene's file, or NULL */
+	int file;                       /* the descriptor of its file until it is read, or -1 */
+	importer_bytes inside;          /* its file inside of the scene's file, not owned, or {0} */
+	char hint[HINTMAXTEXTURELEN];   /* the format of that file, "tga"; "": unknown */
+	const struct aiTexture *texels; /* its texels inside of the scene's file, or NULL */
 } importer_texture;
 
+/* What of a file is not shown. The words are in importer_loss.c. */
+typedef enum importer_loss {
+	IMPORTER_LOSS_CUTOUTS,
+	IMPORTER_LOSS_BLENDING,
+	IMPORTER_LOSS_NORMAL_MAPS,
+	IMPORTER_LOSS_OCCLUSION_MAPS,
+	IMPORTER_LOSS_METAL_MAPS,
+	IMPORTER_LOSS_SPECULAR_MAPS,
+	IMPORTER_LOSS_EMISSION_MAPS,
+	IMPORTER_LOSS_WRAPPING,
+	IMPORTER_LOSS_NEAREST,
+	IMPORTER_LOSS_VERTEX_COLORS,
+	IMPORTER_LOSS_LINES,
+	IMPORTER_LOSS_POSITIONS,
+	IMPORTER_LOSS_TRIANGLES,
+	IMPORTER_LOSS_MORPHS,
+	IMPORTER_LOSS_SKINS,
+	IMPORTER_LOSS_ANIMATIONS,
+	IMPORTER_LOSS_SCENES,
+	IMPORTER_LOSS_CAMERAS,
+	IMPORTER_LOSS_RANGES,
+	IMPORTER_LOSSES,
+} importer_loss;
+
+typedef struct importer_lost {
+	uint32_t count;
+	char first[96]; /* the name of the first thing that has it; "": it has no name */
+} importer_lost;
+
 typedef struct importer {
-	const struct aiScene *from;
+	const struct aiScene *from; /* NULL: the file is glTF 2.0 */
 	const char *path;
-	bool gltf; /* the file is glTF: its lights have physical units */
+	bool gltf; /* Assimp read glTF 1.0, whose lights have physical units */
 
 	importer_node *nodes; /* [node_count], a node before its children */
 	uint32_t node_count;
@@ -47,14 +78,28 @@ typedef struct importer {
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
 	uint32_t texture_count;
 
-	uint32_t transparent_materials;
-	stilb_scene *scene; /* the result; from importer_add_meshes on */
+	importer_lost lost[IMPORTER_LOSSES];
+	stilb_scene *scene; /* the result; from importer_add_meshes or gltf_add_meshes on */
 } importer;
 
 #define IMPORTER_MAX_NODES 4000000u
 
 /* Sends a warning for the user: something of the file is lost, but the scene is read. */
 void importer_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* importer_loss.c: counts a thing that is not shown as it should be. name: the material's, the mesh's, ...; NULL: it
+ * has none. */
+void importer_lose(importer *import, importer_loss loss, const char *name);
+
+/* Warns once of each kind of loss. */
+void importer_tell_losses(const importer *import);
+
+/* NaN becomes low. */
+static inline float importer_clamp(float value, float low, float high)
+{
+	STILB_ASSERT(low < high);
+	return !(value > low) ? low : value < high ? value : high;
+}
 
 /* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
@@ -84,6 +129,13 @@ stilb_result importer_add_meshes(importer *import);
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
 
+/* Decodes all listed textures and takes their means, in several threads. One that cannot be loaded has no pixels. */
+void importer_decode_textures(importer *import);
+
+/* True if the texture of this index could be loaded; if not, warns of it the first time. material: the name of the
+ * material that uses it. */
+bool importer_texture_is_there(importer *import, uint32_t index, const char *material);
+
 /* The index of the texture of this name; UINT32_MAX, and a warning the first time, if it could not be loaded. material:
  * the name of the material that uses it. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material);
@@ -100,8 +152,30 @@ stilb_result importer_picture_to_light(stilb_image *image);
  * the textures that they use into the scene. STILB_ERROR_MEMORY. */
 stilb_result importer_add_materials(importer *import);
 
-/* importer_view.c: adds lights and the first camera; a sky if there is no light, a camera if there is none. Needs
- * meshes and materials. STILB_ERROR_MEMORY. */
+#define IMPORTER_DIELECTRIC 0.04f /* reflectance of glass and plastic at normal incidence, an index of 1.5 */
+
+/* A material of metalness and roughness. */
+typedef struct importer_metallic {
+	float color[3], metal, roughness;
+	float dielectric[3];                /* reflectance at normal incidence where it is no metal */
+	const importer_texture *base, *map; /* of the colour; of roughness (green) and metalness (blue); or NULL */
+} importer_metallic;
+
+/* Converts it to diffuse, specular and roughness. */
+void importer_material_metallic(const importer_metallic *from, stilb_scene_material *material);
+
+/* Moves the textures that the scene's materials refer to into the scene and renumbers them. STILB_ERROR_MEMORY. */
+stilb_result importer_take_textures(importer *import);
+
+/* importer_view.c: adds lights and the first camera; a sky if there is no light. Needs meshes and materials.
+ * STILB_ERROR_MEMORY. */
 stilb_result importer_add_view(importer *import);
+
+/* Sets the scene's camera to one at position that looks along view, both axes unit, with an angle of the picture's
+ * height in radians. False: they are out of range. */
+bool importer_place_camera(importer *import, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up, float fov_y);
+
+/* Adds a sky if nothing in the scene shines. has_camera: one was placed; without, who receives the scene frames it. */
+void importer_complete_view(importer *import, bool has_camera);
 
 #endif

@@ -6,6 +6,7 @@
 #include "scene/importer/importer.h"
 
 #include "image/image_import.h"
+#include "scene/importer/gltf/gltf.h"
 #include "scene/importer/importer_sandbox.h"
 #include "scene/open/scene_stream.h"
 
@@ -94,19 +95,36 @@ static bool importer_is_gltf(const struct aiScene *scene)
 	return false;
 }
 
-static stilb_result importer_convert(importer *import, const char *path)
+/* Reads the file by Assimp and converts it. */
+static stilb_result importer_convert_foreign(importer *import)
 {
-	STILB_ASSERT(!import->from && !import->scene);
 	static stilb_result (*const steps[])(importer *) = {importer_list_nodes, importer_add_meshes,
 	                                                    importer_add_materials, importer_add_view};
-	import->path = path;
-	stilb_result result = importer_read(path, &import->from);
+	stilb_result result = importer_read(import->path, &import->from);
 	if (result != STILB_OK)
 		return result;
 	import->gltf = importer_is_gltf(import->from);
 	importer_load_textures(import);
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++)
 		result = steps[s](import);
+	return result;
+}
+
+static stilb_result importer_convert(importer *import, const char *path)
+{
+	STILB_ASSERT(!import->from && !import->scene);
+	char why[256];
+	importer_bytes bytes = {0};
+	int file = importer_files_ask(path, true, why);
+	if (file < 0 || !importer_bytes_read(file, &bytes))
+		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
+	import->path = path;
+	bool own = gltf_is(path, &bytes);
+	if (!own)
+		importer_bytes_free(&bytes); /* Assimp reads it itself */
+	stilb_result result = own ? gltf_import(import, &bytes) : importer_convert_foreign(import);
+	importer_bytes_free(&bytes);
+	importer_tell_losses(import);
 	if (import->bad_nodes)
 		importer_warn("%u of its nodes have a transform that is NaN or infinite: they are left out", import->bad_nodes);
 	STILB_CHECK(result != STILB_OK || scene_is_sound(import->scene));
@@ -118,7 +136,8 @@ static void importer_finish(importer *import)
 	importer_free_textures(import);
 	free(import->nodes);
 	stilb_scene_destroy(import->scene);
-	aiReleaseImport(import->from);
+	if (import->from)
+		aiReleaseImport(import->from);
 }
 
 /* Sends the picture's shape with the descriptor of its memory. */

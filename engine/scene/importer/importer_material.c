@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#define DIELECTRIC 0.04f /* reflectance of glass and plastic at normal incidence; glTF uses it for all non-metals */
-
 /* One of Assimp's materials while it is read. */
 typedef struct material_reader {
 	importer *import;
@@ -16,21 +14,15 @@ typedef struct material_reader {
 	bool missing_texture; /* a texture of its colour could not be loaded: the material becomes magenta */
 } material_reader;
 
-static float material_clamp(float value, float low, float high)
-{
-	STILB_ASSERT(low < high);
-	return !(value > low) ? low : value < high ? value : high; /* NaN becomes low */
-}
-
 /* Reads a colour, >= 0; false: the material has none of this key. */
 static bool material_color(const material_reader *reader, const char *key, unsigned type, unsigned index, float rgb[3])
 {
 	struct aiColor4D color;
 	if (aiGetMaterialColor(reader->from, key, type, index, &color) != aiReturn_SUCCESS)
 		return false;
-	rgb[0] = material_clamp(color.r, 0.0f, 1e9f);
-	rgb[1] = material_clamp(color.g, 0.0f, 1e9f);
-	rgb[2] = material_clamp(color.b, 0.0f, 1e9f);
+	rgb[0] = importer_clamp(color.r, 0.0f, 1e9f);
+	rgb[1] = importer_clamp(color.g, 0.0f, 1e9f);
+	rgb[2] = importer_clamp(color.b, 0.0f, 1e9f);
 	return true;
 }
 
@@ -41,7 +33,7 @@ static bool material_number(const material_reader *reader, const char *key, unsi
 	unsigned count = 1;
 	if (aiGetMaterialFloatArray(reader->from, key, type, index, &value, &count) != aiReturn_SUCCESS || count < 1)
 		return false;
-	*out = material_clamp(value, -1e9f, 1e9f);
+	*out = importer_clamp(value, -1e9f, 1e9f);
 	return true;
 }
 
@@ -67,33 +59,43 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 
 /* ---- kinds ------------------------------------------------------------------------------------------------------- */
 
-/* Converts a material of metalness and roughness. Metals reflect their colour as specular and nothing as diffuse,
- * non-metals their colour as diffuse and DIELECTRIC as specular. A stilb_scene_material has one roughness for the whole
- * surface, so a map of roughness and metalness counts by its mean. base: the colour's texture or NULL. Source: glTF
- * 2.0, appendix B, simplified. */
+/* Metals reflect their colour as specular and nothing as diffuse, non-metals their colour as diffuse and `dielectric`
+ * as specular. A stilb_scene_material has one roughness for the whole surface, so a map of roughness and metalness
+ * counts by its mean. Source: glTF 2.0, appendix B, simplified. */
+void importer_material_metallic(const importer_metallic *from, stilb_scene_material *material)
+{
+	float metal = from->metal * (from->map ? from->map->stored_mean[2] : 1.0f);
+	metal = importer_clamp(metal, 0.0f, 1.0f);
+	for (int i = 0; i < 3; i++) {
+		float mean = importer_clamp(from->color[i] * (from->base ? from->base->mean[i] : 1.0f), 0.0f, 1.0f);
+		float dielectric = from->dielectric[i];
+		float strongest = fmaxf(fmaxf(from->dielectric[0], from->dielectric[1]), from->dielectric[2]);
+		material->diffuse[i] = from->color[i] * (1.0f - metal) * (1.0f - strongest);
+		material->specular[i] = dielectric * (1.0f - metal) + mean * metal;
+	}
+	material->roughness = from->roughness * (from->map ? from->map->stored_mean[1] : 1.0f);
+}
+
+/* Reads a material of metalness and roughness. base: the colour's texture or NULL. */
 static void material_metallic(material_reader *reader, const importer_texture *base, stilb_scene_material *material)
 {
-	float color[3] = {1, 1, 1}, metal = 1.0f, roughness = 1.0f, mean[3];
-	if (!material_color(reader, AI_MATKEY_BASE_COLOR, color))
-		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, color);
-	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal);
-	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &roughness);
+	importer_metallic read = {.color = {1, 1, 1},
+	                          .metal = 1.0f,
+	                          .roughness = 1.0f,
+	                          .dielectric = {IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC},
+	                          .base = base};
+	if (!material_color(reader, AI_MATKEY_BASE_COLOR, read.color))
+		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, read.color);
+	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &read.metal);
+	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &read.roughness);
 	/* material_texture sets missing_texture, which makes the material magenta; for a missing map of roughness that is
 	 * undone, since without it the material's colour is still right. */
 	bool missing = reader->missing_texture;
-	const importer_texture *map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
+	read.map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
 	reader->missing_texture = missing;
-	if (map) { /* green is roughness, blue metalness */
-		roughness *= map->stored_mean[1];
-		metal *= map->stored_mean[2];
-	}
-	metal = material_clamp(metal, 0.0f, 1.0f);
-	for (int i = 0; i < 3; i++) {
-		mean[i] = material_clamp(color[i] * (base ? base->mean[i] : 1.0f), 0.0f, 1.0f);
-		material->diffuse[i] = color[i] * (1.0f - metal) * (1.0f - DIELECTRIC);
-		material->specular[i] = DIELECTRIC * (1.0f - metal) + mean[i] * metal;
-	}
-	material->roughness = roughness;
+	if (read.map)
+		importer_lose(reader->import, IMPORTER_LOSS_METAL_MAPS, reader->name.data);
+	importer_material_metallic(&read, material);
 }
 
 static void material_glossy(const material_reader *reader, float gloss, stilb_scene_material *material)
@@ -124,11 +126,11 @@ static void material_classic(const material_reader *reader, bool textured, stilb
 	bool black = brightest < 0.01f && !textured;
 	if (brightest == 0.0f && textured) /* many exporters write black beside a texture */
 		diffuse[0] = diffuse[1] = diffuse[2] = 1.0f;
-	exponent = material_clamp(exponent, 0.0f, 1e6f);
-	strength = exponent > 0.0f ? material_clamp(strength, 0.0f, 1.0f) : 0.0f;
+	exponent = importer_clamp(exponent, 0.0f, 1e6f);
+	strength = exponent > 0.0f ? importer_clamp(strength, 0.0f, 1.0f) : 0.0f;
 	for (int i = 0; i < 3; i++) {
 		material->diffuse[i] = diffuse[i];
-		material->specular[i] = strength * fminf(specular[i], 1.0f) * (black ? 1.0f : 2.0f * DIELECTRIC);
+		material->specular[i] = strength * fminf(specular[i], 1.0f) * (black ? 1.0f : 2.0f * IMPORTER_DIELECTRIC);
 	}
 	material->roughness = sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
 }
@@ -145,8 +147,36 @@ static void material_emission(material_reader *reader, stilb_scene_material *mat
 	                                  ? material_texture(reader, aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE)
 	                                  : NULL;
 	reader->missing_texture = missing;
+	if (map)
+		importer_lose(reader->import, IMPORTER_LOSS_EMISSION_MAPS, reader->name.data);
 	for (int i = 0; i < 3; i++)
-		material->emission[i] = material_clamp(color[i] * intensity * (map ? map->mean[i] : 1.0f), 0.0f, 1e9f);
+		material->emission[i] = importer_clamp(color[i] * intensity * (map ? map->mean[i] : 1.0f), 0.0f, 1e9f);
+}
+
+/* ---- losses ------------------------------------------------------------------------------------------------------ */
+
+static bool material_has(const material_reader *reader, enum aiTextureType kind)
+{
+	return aiGetMaterialTextureCount(reader->from, kind) > 0;
+}
+
+/* Counts what of the material is not shown. */
+static void material_lose(const material_reader *reader)
+{
+	importer *import = reader->import;
+	const char *name = reader->name.data;
+	float opacity = 1.0f;
+	if (material_number(reader, AI_MATKEY_OPACITY, &opacity) && opacity < 1.0f)
+		importer_lose(import, IMPORTER_LOSS_BLENDING, name);
+	if (material_has(reader, aiTextureType_OPACITY))
+		importer_lose(import, IMPORTER_LOSS_CUTOUTS, name);
+	if (material_has(reader, aiTextureType_NORMALS) || material_has(reader, aiTextureType_HEIGHT) ||
+	    material_has(reader, aiTextureType_NORMAL_CAMERA))
+		importer_lose(import, IMPORTER_LOSS_NORMAL_MAPS, name);
+	if (material_has(reader, aiTextureType_SPECULAR) || material_has(reader, aiTextureType_SHININESS))
+		importer_lose(import, IMPORTER_LOSS_SPECULAR_MAPS, name);
+	if (material_has(reader, aiTextureType_AMBIENT_OCCLUSION) || material_has(reader, aiTextureType_LIGHTMAP))
+		importer_lose(import, IMPORTER_LOSS_OCCLUSION_MAPS, name);
 }
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
@@ -154,7 +184,7 @@ static void material_emission(material_reader *reader, stilb_scene_material *mat
 static void material_convert(importer *import, const struct aiMaterial *from, stilb_scene_material *material)
 {
 	material_reader reader = {.import = import, .from = from};
-	float opacity = 1.0f, metal, gloss;
+	float metal, gloss;
 	stilb_scene_material read = {0};
 	STILB_ASSERT(from);
 	if (aiGetMaterialString(from, AI_MATKEY_NAME, &reader.name) != aiReturn_SUCCESS)
@@ -172,13 +202,11 @@ static void material_convert(importer *import, const struct aiMaterial *from, st
 	if (reader.missing_texture && !texture)
 		*material = stilb_scene_material_make((float[3]){1, 0, 1}, (float[3]){0}, 1.0f);
 	material_emission(&reader, material);
-	if (material_number(&reader, AI_MATKEY_OPACITY, &opacity))
-		import->transparent_materials += opacity < 1.0f;
+	material_lose(&reader);
 }
 
-/* Moves the textures that the converted materials refer to into the scene and renumbers them. The others, such as maps
- * of roughness, were needed for their means only. */
-static stilb_result material_take_textures(importer *import)
+/* The textures that are not moved, such as maps of roughness, were needed for their means only. */
+stilb_result importer_take_textures(importer *import)
 {
 	stilb_scene *scene = import->scene;
 	uint32_t used = 0;
@@ -207,7 +235,5 @@ stilb_result importer_add_materials(importer *import)
 	import->scene->materials[0] = stilb_scene_material_make((float[3]){0.6f, 0.6f, 0.6f}, (float[3]){0}, 1.0f);
 	for (uint32_t m = 0; m < from->mNumMaterials; m++)
 		material_convert(import, from->mMaterials[m], &import->scene->materials[m]);
-	if (import->transparent_materials)
-		importer_warn("%u of its materials are transparent: they are shown opaque", import->transparent_materials);
-	return material_take_textures(import);
+	return importer_take_textures(import);
 }

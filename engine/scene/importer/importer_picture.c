@@ -8,9 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* True if these are the first bytes of a KTX 2 file, of which no library of Debian's reads the Basis textures. */
+static bool picture_is_ktx(const importer_bytes *bytes)
+{
+	static const unsigned char first[] = {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'};
+	return bytes->size >= sizeof first && memcmp(bytes->data, first, sizeof first) == 0;
+}
+
 stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image)
 {
 	STILB_ASSERT(bytes->data);
+	if (picture_is_ktx(bytes)) {
+		*image = (stilb_image){0};
+		return stilb_fail(STILB_ERROR_FILE, "it is KTX2, which is not read: convert it with "
+		                                    "'ktx extract --transcode rgba8 IN.ktx2 OUT.png' and name the PNG instead");
+	}
 	stilb_result result =
 		stilb_image_import_memory(name, bytes->data, bytes->size, flags | STILB_IMAGE_IMPORT_SHARED, image);
 	if (result == STILB_OK)

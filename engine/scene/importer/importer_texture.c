@@ -31,16 +31,10 @@ static const struct aiTexture *texture_embedded(const importer *import, const ch
 	return NULL;
 }
 
-static stilb_result texture_from_memory(const struct aiTexture *texture, const char *name, stilb_image *image)
+static stilb_result texture_from_texels(const struct aiTexture *texture, stilb_image *image)
 {
-	char called[MAXLEN + HINTMAXTEXTURELEN + 2];
 	if (!texture->pcData)
 		return stilb_fail(STILB_ERROR_FILE, "it is empty");
-	if (texture->mHeight == 0) { /* a file, mWidth bytes long */
-		importer_bytes bytes = {(unsigned char *)texture->pcData, texture->mWidth};
-		snprintf(called, sizeof called, "%s.%.*s", name, HINTMAXTEXTURELEN, texture->achFormatHint);
-		return importer_decode(called, &bytes, 0, image);
-	}
 	stilb_result result = stilb_image_create_shared(image, texture->mWidth, texture->mHeight, 3, STILB_IMAGE_U8_SRGB);
 	uint8_t *out = image->pixels;
 	for (size_t i = 0; result == STILB_OK && i < (size_t)texture->mWidth * texture->mHeight; i++) {
@@ -49,6 +43,16 @@ static stilb_result texture_from_memory(const struct aiTexture *texture, const c
 		*out++ = texture->pcData[i].b;
 	}
 	return result;
+}
+
+/* Decodes a file that lies inside of the scene's. */
+static stilb_result texture_from_inside(importer_texture *texture)
+{
+	char called[MAXLEN + HINTMAXTEXTURELEN + 2]; /* with the ending that tells TGA */
+	if (texture->inside.size == 0)
+		return stilb_fail(STILB_ERROR_FILE, "it is empty");
+	snprintf(called, sizeof called, "%s.%s", texture->name, texture->hint);
+	return importer_decode(called, &texture->inside, 0, &texture->image);
 }
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
@@ -121,8 +125,10 @@ static void texture_load(importer_texture *texture)
 {
 	importer_bytes bytes = {0};
 	stilb_result result;
-	if (texture->embedded)
-		result = texture_from_memory(texture->embedded, texture->name, &texture->image);
+	if (texture->texels)
+		result = texture_from_texels(texture->texels, &texture->image);
+	else if (texture->inside.data)
+		result = texture_from_inside(texture);
 	else if (texture->file < 0)
 		return; /* importer_files_ask has set its trouble */
 	else if (!importer_bytes_read(texture->file, &bytes))
@@ -170,9 +176,15 @@ static void texture_list(importer *import, const struct aiMaterial *material, en
 	importer_texture *texture = &import->textures[import->texture_count++];
 	snprintf(texture->name, sizeof texture->name, "%s", path.data);
 	texture->file = -1;
-	texture->embedded = texture_embedded(import, texture->name);
-	if (!texture->embedded)
+	const struct aiTexture *embedded = texture_embedded(import, texture->name);
+	if (!embedded) {
 		texture->file = importer_files_ask(texture->name, true, texture->trouble);
+	} else if (embedded->mHeight == 0 && embedded->pcData) { /* a file, mWidth bytes long */
+		texture->inside = (importer_bytes){(unsigned char *)embedded->pcData, embedded->mWidth};
+		snprintf(texture->hint, sizeof texture->hint, "%.*s", HINTMAXTEXTURELEN - 1, embedded->achFormatHint);
+	} else {
+		texture->texels = embedded;
+	}
 }
 
 #define TEXTURE_THREADS 16
@@ -189,6 +201,11 @@ void importer_load_textures(importer *import)
 		for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
 			texture_list(import, import->from->mMaterials[m], kinds[k]);
 	STILB_ASSERT(import->texture_count <= most);
+	importer_decode_textures(import);
+}
+
+void importer_decode_textures(importer *import)
+{
 	pthread_t threads[TEXTURE_THREADS];
 	texture_queue queue = {.import = import};
 	long cpus = sysconf(_SC_NPROCESSORS_ONLN);
@@ -208,6 +225,17 @@ void importer_free_textures(importer *import)
 	free(import->textures);
 }
 
+bool importer_texture_is_there(importer *import, uint32_t index, const char *material)
+{
+	STILB_ASSERT(index < import->texture_count);
+	importer_texture *texture = &import->textures[index];
+	if (!texture->image.pixels && !texture->warned)
+		importer_warn("material '%s': texture '%s': %s; the material becomes magenta", material, texture->name,
+		              texture->trouble);
+	texture->warned |= !texture->image.pixels;
+	return texture->image.pixels;
+}
+
 uint32_t importer_texture_of(importer *import, const char *name, const char *material)
 {
 	uint32_t i = 0;
@@ -215,12 +243,5 @@ uint32_t importer_texture_of(importer *import, const char *name, const char *mat
 		i++;
 	if (i == import->texture_count)
 		return UINT32_MAX;
-	importer_texture *texture = &import->textures[i];
-	if (texture->image.pixels)
-		return i;
-	if (!texture->warned)
-		importer_warn("material '%s': texture '%s': %s; the material becomes magenta", material, name,
-		              texture->trouble);
-	texture->warned = true;
-	return UINT32_MAX;
+	return importer_texture_is_there(import, i, material) ? i : UINT32_MAX;
 }

@@ -128,16 +128,9 @@ static bool camera_is_default(const struct aiCamera *from)
 	return strncmp(from->mName.data, "Producer ", strlen("Producer ")) == 0;
 }
 
-/* Converts one of Assimp's cameras. False: its position or its angle is out of range. */
-static bool camera_convert(const importer *import, const struct aiCamera *from, stilb_scene_camera *camera)
+bool importer_place_camera(importer *import, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up, float fov_y)
 {
-	const importer_node *node = importer_find_node(import, &from->mName);
-	/* A glTF camera is at its node's origin; Assimp 5.2 adds the node's translation to mPosition a second time. */
-	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
-	stilb_vec3 position = importer_point(node, own);
-	stilb_vec3 view = importer_direction(node, importer_vector(&from->mLookAt));
-	stilb_vec3 up = importer_direction(node, importer_vector(&from->mUp));
-	float fov_y = camera_fov_y(import, from);
+	stilb_scene_camera *camera = &import->scene->camera;
 	stilb_sphere scene = scene_sphere(import->scene);
 	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
 		return false;
@@ -150,21 +143,35 @@ static bool camera_convert(const importer *import, const struct aiCamera *from, 
 	return true;
 }
 
-stilb_result importer_add_view(importer *import)
+/* Sets the scene's camera to one of Assimp's. False: its position or its angle is out of range. */
+static bool camera_convert(importer *import, const struct aiCamera *from)
+{
+	const importer_node *node = importer_find_node(import, &from->mName);
+	/* A glTF camera is at its node's origin; Assimp 5.2 adds the node's translation to mPosition a second time. */
+	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
+	return importer_place_camera(import, importer_point(node, own),
+	                             importer_direction(node, importer_vector(&from->mLookAt)),
+	                             importer_direction(node, importer_vector(&from->mUp)), camera_fov_y(import, from));
+}
+
+void importer_complete_view(importer *import, bool has_camera)
 {
 	stilb_scene *scene = import->scene;
-	STILB_ASSERT(scene && scene->part_count > 0);
-	stilb_result result = view_add_lights(import);
-	if (result != STILB_OK)
-		return result;
 	if (!view_is_lit(scene)) {
 		importer_warn("it has no light: a grey sky shines on it");
 		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
 	}
-	for (uint32_t i = 0; i < import->from->mNumCameras; i++)
-		if (!camera_is_default(import->from->mCameras[i]) &&
-		    camera_convert(import, import->from->mCameras[i], &scene->camera))
-			return STILB_OK;
-	scene->camera = (stilb_scene_camera){0}; /* none: who receives the scene frames it */
-	return STILB_OK;
+	if (!has_camera)
+		scene->camera = (stilb_scene_camera){0}; /* none: who receives the scene frames it */
+}
+
+stilb_result importer_add_view(importer *import)
+{
+	STILB_ASSERT(import->scene && import->scene->part_count > 0);
+	stilb_result result = view_add_lights(import);
+	bool placed = false;
+	for (uint32_t i = 0; !placed && i < import->from->mNumCameras; i++)
+		placed = !camera_is_default(import->from->mCameras[i]) && camera_convert(import, import->from->mCameras[i]);
+	importer_complete_view(import, placed);
+	return result;
 }

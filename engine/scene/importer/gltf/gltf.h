@@ -1,0 +1,203 @@
+/*
+ * gltf: reads files of glTF 2.0, .gltf and .glb, in the import process. Our own reader, for what Assimp and tinygltf
+ * refuse or lose: sparse accessors of every kind, compressed meshes, uv sets, transforms of textures, instances. It
+ * goes over the JSON where it lies (gltf_json.h); vertices are converted from the file's bytes straight into the
+ * scene's, and only those that a triangle of the shown scene uses.
+ *
+ * Sources: the glTF 2.0 specification and the extensions of Khronos' registry that gltf_extensions.c lists.
+ *
+ * Life cycle.  gltf_is -> gltf_import, which goes through: gltf_open -> gltf_list_nodes -> gltf_load_textures ->
+ *              gltf_add_meshes -> gltf_add_materials -> gltf_add_view -> gltf_close.
+ * Errors.      Files hold anything: every index, offset, count and stride is checked before use. Messages are reasons
+ *              without the file's name. What cannot be shown is counted with importer_lose.
+ * Threads.     The process's main thread.
+ */
+#ifndef STILB_SCENE_GLTF_H
+#define STILB_SCENE_GLTF_H
+
+#include "scene/importer/gltf/gltf_json.h"
+#include "scene/importer/importer.h"
+
+/* The arrays of a file's JSON whose values others name by their index: X(name in C, key). */
+#define GLTF_LISTS(X)                                                                                                  \
+	X(ACCESSORS, "accessors")                                                                                          \
+	X(ANIMATIONS, "animations")                                                                                        \
+	X(BUFFERS, "buffers")                                                                                              \
+	X(VIEWS, "bufferViews")                                                                                            \
+	X(CAMERAS, "cameras")                                                                                              \
+	X(IMAGES, "images")                                                                                                \
+	X(MATERIALS, "materials")                                                                                          \
+	X(MESHES, "meshes")                                                                                                \
+	X(NODES, "nodes")                                                                                                  \
+	X(SAMPLERS, "samplers")                                                                                            \
+	X(SCENES, "scenes")                                                                                                \
+	X(SKINS, "skins")                                                                                                  \
+	X(TEXTURES, "textures")                                                                                            \
+	X(LIGHTS, "lights") /* of the extension KHR_lights_punctual */
+
+typedef enum gltf_list_kind {
+#define GLTF_LIST_KIND(name, key) GLTF_##name,
+	GLTF_LISTS(GLTF_LIST_KIND)
+#undef GLTF_LIST_KIND
+		GLTF_LIST_COUNT,
+} gltf_list_kind;
+
+typedef struct gltf_list {
+	uint32_t *items; /* [count]: tokens */
+	uint32_t count;
+} gltf_list;
+
+typedef struct gltf_buffer {
+	const unsigned char *data; /* [size]; NULL: it has none, as a buffer that only a compressed view replaces */
+	uint64_t size;
+	unsigned char *own; /* data if it is not a part of the file; else NULL */
+} gltf_buffer;
+
+/* A buffer view whose range has been checked. */
+typedef struct gltf_view {
+	const unsigned char *data; /* [size]; NULL: it was not used yet */
+	uint64_t size;
+	uint32_t stride;    /* bytes from one element to the next; 0: they follow one another */
+	unsigned char *own; /* data if the view was compressed; else NULL */
+} gltf_view;
+
+/* A node of the scene that is shown. */
+typedef struct gltf_node {
+	uint32_t item; /* its token */
+	stilb_mat4 to_world;
+} gltf_node;
+
+/* One primitive of a mesh, converted. */
+typedef struct gltf_part {
+	stilb_scene_mesh mesh;
+	uint32_t material; /* of the scene */
+} gltf_part;
+
+/* The parts of mesh m are parts[first[m]] .. parts[first[m + 1] - 1]; a mesh that the scene does not show has none. */
+typedef struct gltf_parts {
+	gltf_part *parts; /* [count] */
+	uint32_t count, capacity;
+	uint32_t *first; /* [meshes + 1] */
+} gltf_parts;
+
+typedef struct gltf {
+	importer *import;
+	gltf_json json;
+	gltf_list lists[GLTF_LIST_COUNT];
+	importer_bytes binary; /* the binary part of a .glb, inside of the file's bytes; {0}: none */
+	uint64_t bytes;        /* of the file and its buffers together */
+	gltf_buffer *buffers;  /* [lists[GLTF_BUFFERS].count] */
+	gltf_view *views;      /* [lists[GLTF_VIEWS].count] */
+	gltf_node *nodes;      /* [node_count], a node before its children */
+	uint32_t node_count;
+	uint32_t *picture;        /* [lists[GLTF_IMAGES].count]: 1 + the index in import->textures; 0: it is not used */
+	unsigned char **unpacked; /* [lists[GLTF_IMAGES].count]: bytes of a picture from a data: name, or NULL */
+	gltf_parts parts;
+	bool needs_default_material; /* a part has no material: the scene's last one is for these */
+} gltf;
+
+/* ---- gltf_open.c: the file and its buffers ----------------------------------------------------------------------- */
+
+/* True if the file at path with these bytes is glTF 2.0, or is named .gltf and of no other version. Version 1 is left
+ * to Assimp. */
+bool gltf_is(const char *path, const importer_bytes *bytes);
+
+/* Converts the file into import->scene. Errors of the steps. */
+stilb_result gltf_import(importer *import, const importer_bytes *bytes);
+
+/* STILB_ERROR_FILE: it is damaged, or a buffer cannot be read; STILB_ERROR_MEMORY. Afterwards gltf_close. */
+stilb_result gltf_open(gltf *from, const importer_bytes *bytes);
+void gltf_close(gltf *from);
+
+/* The index of this key's value in a list; GLTF_NONE: there is no such key, or it is out of range, which is a fault. */
+uint32_t gltf_reference(gltf *from, uint32_t object, const char *key, gltf_list_kind kind);
+
+/* The value of an extension of an object; GLTF_NONE: it has none. */
+uint32_t gltf_extension(gltf *from, uint32_t object, const char *name);
+
+/* The name of an item of a list for messages: its own, or "number 3". */
+void gltf_name(gltf *from, gltf_list_kind kind, uint32_t index, char name[static 96]);
+
+/* Makes a buffer view usable; *view stays until gltf_close. STILB_ERROR_FILE: it is out of range of its buffer, or does
+ * not decompress; STILB_ERROR_MEMORY. */
+stilb_result gltf_view_use(gltf *from, uint32_t index, const gltf_view **view);
+
+/* The bytes behind the `data:` of a name, to be freed; NULL: it is no such name, or there is no memory. */
+unsigned char *gltf_unpack(gltf *from, uint32_t uri, size_t *size);
+
+/* The name of a file, with %20 and the like resolved; false: it is too long or empty. */
+bool gltf_file_name(gltf *from, uint32_t uri, char *name, size_t room);
+
+/* gltf_meshopt.c: decompresses a view by EXT_meshopt_compression. extension: its token. Errors of gltf_view_use. */
+stilb_result gltf_meshopt_decode(gltf *from, uint32_t extension, gltf_view *view);
+
+/* ---- gltf_accessor.c --------------------------------------------------------------------------------------------- */
+
+/* The numbers of an accessor, in range of its view. */
+typedef struct gltf_accessor {
+	const unsigned char *data; /* of the first element; NULL: all are 0 */
+	uint64_t count;
+	uint32_t stride;
+	uint32_t components; /* 1..4, 9, 16 */
+	uint32_t type;       /* glTF's componentType, 5120..5126 */
+	bool normalized;
+	void *own; /* data if it is a copy, as of a sparse or a compressed one, freed by gltf_accessor_finish; else NULL */
+} gltf_accessor;
+
+/* components: those that it must have, as a mask of 1 << (components - 1). STILB_ERROR_FILE: the accessor is out of
+ * range or of another shape, the message has its number; STILB_ERROR_MEMORY. accessor is {0} then. */
+stilb_result gltf_accessor_open(gltf *from, uint32_t index, uint32_t components, gltf_accessor *accessor);
+
+/* Accepts {0}. */
+void gltf_accessor_finish(gltf_accessor *accessor);
+
+/* Element i < count as floats, normalised integers scaled to [-1, 1] or [0, 1]. out has room for its components. */
+void gltf_accessor_read(const gltf_accessor *accessor, uint64_t i, float *out);
+
+/* Element i < count of one component as a whole number; of floats, negative and larger ones GLTF_NONE. */
+uint32_t gltf_accessor_index(const gltf_accessor *accessor, uint64_t i);
+
+/* ---- nodes, meshes, materials, view ------------------------------------------------------------------------------ */
+
+/* Lists the nodes of the scene that is shown: the default one, the first, or without scenes all nodes without parents.
+ * STILB_ERROR_FILE: the hierarchy is recursive; STILB_ERROR_MEMORY. */
+stilb_result gltf_list_nodes(gltf *from);
+
+/* The matrix of translation, rotation (a unit quaternion x, y, z, w) and scale. */
+stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3]);
+
+bool gltf_is_finite(const stilb_mat4 *m);
+
+/* Decodes the pictures that materials need. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result gltf_load_textures(gltf *from);
+
+/* The picture of a texture info (an object with index, texCoord, ...): its index in import->textures; GLTF_NONE: there
+ * is none. */
+uint32_t gltf_texture_picture(gltf *from, uint32_t info);
+
+/* How a material's drawn texture takes its coordinates. */
+typedef struct gltf_mapping {
+	uint32_t set;       /* TEXCOORD_<set> */
+	float matrix[2][3]; /* from the file's coordinates to those that are drawn */
+} gltf_mapping;
+
+/* material: of the file; GLTF_NONE: the default one. */
+gltf_mapping gltf_material_mapping(gltf *from, uint32_t material);
+
+/* Creates the scene with the meshes that it shows, and a model for each node, or instance of one, that has any.
+ * STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
+stilb_result gltf_add_meshes(gltf *from);
+
+/* gltf_primitive.c: converts a primitive. No triangles: part->mesh is {0}. Errors of gltf_accessor_open. */
+stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitive, gltf_part *part);
+
+/* Fills the scene's materials. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result gltf_add_materials(gltf *from);
+
+/* Adds lights and the first camera. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result gltf_add_view(gltf *from);
+
+/* gltf_extensions.c: names the extensions, animations, skins, ... of the file that are not shown. */
+void gltf_tell_extensions(gltf *from);
+
+#endif

@@ -1,0 +1,72 @@
+/* Names what a glTF file has besides a scene at rest. */
+#include "scene/importer/gltf/gltf.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The extensions that are read. KHR_materials_variants is told by the names of its variants. */
+static const char *const extensions_read[] = {
+	"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+	"EXT_texture_webp",        "KHR_draco_mesh_compression",
+	"KHR_lights_punctual",     "KHR_materials_emissive_strength",
+	"KHR_materials_ior",       "KHR_materials_pbrSpecularGlossiness",
+	"KHR_materials_specular",  "KHR_materials_variants",
+	"KHR_mesh_quantization",   "KHR_meshopt_compression",
+	"KHR_texture_basisu", /* each of its pictures is named where it is missed */
+	"KHR_texture_transform",   "MSFT_texture_dds",
+};
+
+static bool extensions_are_read(const gltf_json *json, uint32_t name)
+{
+	for (size_t i = 0; i < sizeof extensions_read / sizeof *extensions_read; i++)
+		if (gltf_json_is(json, name, extensions_read[i]))
+			return true;
+	return false;
+}
+
+/* Warns of the strings in an array that is_read does not know, NULL knows none: "<words>: a, b". key: of the string in
+ * the array's objects; NULL: the values themselves. */
+static void extensions_tell(gltf *from, uint32_t array, const char *key, bool (*is_read)(const gltf_json *, uint32_t),
+                            const char *words)
+{
+	gltf_json *json = &from->json;
+	char line[1024] = "";
+	size_t size = 0;
+	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
+		char name[96];
+		if (is_read && is_read(json, at))
+			continue;
+		if (key)
+			gltf_json_string(json, at, key, name, sizeof name);
+		else
+			gltf_json_copy(json, at, name, sizeof name);
+		if (size + strlen(name) + 8 < sizeof line)
+			size += (size_t)snprintf(line + size, sizeof line - size, "%s%s", size ? ", " : "", name);
+	}
+	if (size)
+		importer_warn("%s: %s", words, line);
+}
+
+static void extensions_lose(gltf *from, gltf_list_kind list, importer_loss loss)
+{
+	for (uint32_t i = 0; i < from->lists[list].count; i++) {
+		char name[96];
+		gltf_name(from, list, i, name);
+		importer_lose(from->import, loss, name);
+	}
+}
+
+void gltf_tell_extensions(gltf *from)
+{
+	gltf_json *json = &from->json;
+	uint32_t used = gltf_json_array(json, GLTF_JSON_ROOT, "extensionsUsed");
+	uint32_t required = gltf_json_array(json, GLTF_JSON_ROOT, "extensionsRequired");
+	uint32_t variants = gltf_extension(from, GLTF_JSON_ROOT, "KHR_materials_variants");
+	extensions_tell(from, required, NULL, extensions_are_read,
+	                "it requires extensions that are not shown, so it looks other than it should");
+	extensions_tell(from, used, NULL, extensions_are_read, "it uses extensions that are not shown");
+	extensions_tell(from, gltf_json_array(json, variants, "variants"), "name", NULL,
+	                "its materials have variants, of which none is chosen");
+	extensions_lose(from, GLTF_ANIMATIONS, IMPORTER_LOSS_ANIMATIONS);
+	extensions_lose(from, GLTF_SKINS, IMPORTER_LOSS_SKINS);
+}

@@ -1,0 +1,194 @@
+/* Meshes and the models that show them. */
+#include "scene/importer/gltf/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- instances --------------------------------------------------------------------------------------------------- */
+
+enum { MESH_TRANSLATION, MESH_ROTATION, MESH_SCALE, MESH_INSTANCE_NUMBERS };
+
+/* The instances of a node: EXT_mesh_gpu_instancing, or the node alone. */
+typedef struct mesh_instances {
+	const gltf_node *node;
+	uint64_t count;
+	gltf_accessor numbers[MESH_INSTANCE_NUMBERS]; /* {0}: not given */
+} mesh_instances;
+
+static void mesh_close_instances(mesh_instances *instances)
+{
+	for (int i = 0; i < MESH_INSTANCE_NUMBERS; i++)
+		gltf_accessor_finish(&instances->numbers[i]);
+}
+
+static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_instances *instances)
+{
+	static const char *const names[MESH_INSTANCE_NUMBERS] = {"TRANSLATION", "ROTATION", "SCALE"};
+	uint32_t extension = gltf_extension(from, node->item, "EXT_mesh_gpu_instancing");
+	uint32_t attributes = gltf_json_member(&from->json, extension, "attributes");
+	stilb_result result = STILB_OK;
+	bool any = false;
+	*instances = (mesh_instances){.node = node, .count = 1};
+	for (int i = 0; result == STILB_OK && i < MESH_INSTANCE_NUMBERS; i++) {
+		gltf_accessor *numbers = &instances->numbers[i];
+		uint32_t index = gltf_reference(from, attributes, names[i], GLTF_ACCESSORS);
+		if (index == GLTF_NONE)
+			continue;
+		result = gltf_accessor_open(from, index, i == MESH_ROTATION ? 1u << 3 : 1u << 2, numbers);
+		if (result == STILB_OK && any && numbers->count != instances->count)
+			result = stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu elements for %llu instances", index,
+			                    (unsigned long long)numbers->count, (unsigned long long)instances->count);
+		instances->count = numbers->count;
+		any = true;
+	}
+	if (result == STILB_OK)
+		result = gltf_json_check(&from->json);
+	if (result != STILB_OK)
+		mesh_close_instances(instances);
+	return result;
+}
+
+/* The transform of an instance; false: it is not finite. */
+static bool mesh_instance(const mesh_instances *instances, uint64_t i, stilb_mat4 *to_world)
+{
+	float numbers[MESH_INSTANCE_NUMBERS][4] = {{0}, {0, 0, 0, 1}, {1, 1, 1}};
+	for (int k = 0; k < MESH_INSTANCE_NUMBERS; k++)
+		if (instances->numbers[k].components)
+			gltf_accessor_read(&instances->numbers[k], i, numbers[k]);
+	stilb_mat4 own = gltf_compose(numbers[MESH_TRANSLATION], numbers[MESH_ROTATION], numbers[MESH_SCALE]);
+	*to_world = stilb_mat4_multiply(instances->node->to_world, own);
+	return gltf_is_finite(to_world);
+}
+
+/* ---- parts ------------------------------------------------------------------------------------------------------- */
+
+/* Converts the primitives of a mesh. */
+static stilb_result mesh_convert_primitives(gltf *from, uint32_t mesh)
+{
+	gltf_json *json = &from->json;
+	gltf_parts *parts = &from->parts;
+	uint32_t array = gltf_json_array(json, from->lists[GLTF_MESHES].items[mesh], "primitives");
+	stilb_result result = gltf_json_check(json);
+	for (uint32_t at = gltf_json_first(json, array); result == STILB_OK && at != GLTF_NONE;
+	     at = gltf_json_after(json, array, at)) {
+		if (parts->count == parts->capacity) {
+			uint32_t capacity = 2 * parts->capacity + 64;
+			gltf_part *more =
+				capacity <= 2 * STILB_SCENE_MAX_MODELS ? realloc(parts->parts, capacity * sizeof *more) : NULL;
+			if (!more)
+				return stilb_fail(STILB_ERROR_MEMORY, "no memory for its meshes");
+			parts->parts = more;
+			parts->capacity = capacity;
+		}
+		gltf_part *part = &parts->parts[parts->count];
+		result = gltf_primitive_convert(from, mesh, at, part);
+		if (result == STILB_OK && part->mesh.index_count > 0)
+			parts->count++;
+	}
+	return result;
+}
+
+/* The mesh of a node, or GLTF_NONE. */
+static uint32_t mesh_of(gltf *from, const gltf_node *node)
+{
+	return gltf_reference(from, node->item, "mesh", GLTF_MESHES);
+}
+
+/* Converts the meshes that nodes of the scene show. */
+static stilb_result mesh_convert_all(gltf *from)
+{
+	uint32_t count = from->lists[GLTF_MESHES].count;
+	bool *shown = calloc(count + 1ull, sizeof *shown);
+	from->parts.first = calloc(count + 1ull, sizeof *from->parts.first);
+	if (!shown || !from->parts.first) {
+		free(shown);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its meshes");
+	}
+	for (uint32_t n = 0; n < from->node_count; n++) {
+		uint32_t mesh = mesh_of(from, &from->nodes[n]);
+		if (mesh != GLTF_NONE)
+			shown[mesh] = true;
+	}
+	stilb_result result = gltf_json_check(&from->json);
+	for (uint32_t m = 0; result == STILB_OK && m < count; m++) {
+		if (shown[m])
+			result = mesh_convert_primitives(from, m);
+		from->parts.first[m + 1] = from->parts.count;
+	}
+	free(shown);
+	return result;
+}
+
+/* ---- models ------------------------------------------------------------------------------------------------------ */
+
+typedef struct mesh_models {
+	uint32_t models, parts; /* so far */
+} mesh_models;
+
+/* Counts a model for each instance of a node or, if there is a scene, fills it. */
+static stilb_result mesh_add_node(gltf *from, const gltf_node *node, mesh_models *made)
+{
+	stilb_scene *scene = from->import->scene;
+	uint32_t mesh = mesh_of(from, node);
+	uint32_t first = mesh == GLTF_NONE ? 0 : from->parts.first[mesh];
+	uint32_t end = mesh == GLTF_NONE ? 0 : from->parts.first[mesh + 1];
+	mesh_instances instances;
+	stilb_mat4 to_world;
+	if (first == end)
+		return STILB_OK;
+	stilb_result result = mesh_open_instances(from, node, &instances);
+	for (uint64_t i = 0; result == STILB_OK && i < instances.count; i++) {
+		bool finite = mesh_instance(&instances, i, &to_world);
+		from->import->bad_nodes += !finite && !scene;
+		for (uint32_t p = first; scene && finite && p < end; p++) {
+			scene->part_mesh[made->parts + p - first] = p;
+			scene->part_material[made->parts + p - first] = from->parts.parts[p].material;
+			scene->part_transform[made->parts + p - first] = to_world;
+		}
+		made->parts += finite ? end - first : 0;
+		made->models += finite;
+		if (scene && finite)
+			scene->first_part[made->models] = made->parts;
+		if (made->parts > STILB_SCENE_MAX_MODELS)
+			result = stilb_fail(STILB_ERROR_FILE, "it shows more than %u meshes", STILB_SCENE_MAX_MODELS);
+	}
+	mesh_close_instances(&instances);
+	return result;
+}
+
+static stilb_result mesh_add_models(gltf *from, mesh_models *made)
+{
+	stilb_result result = STILB_OK;
+	*made = (mesh_models){0};
+	for (uint32_t n = 0; result == STILB_OK && n < from->node_count; n++)
+		result = mesh_add_node(from, &from->nodes[n], made);
+	return result;
+}
+
+stilb_result gltf_add_meshes(gltf *from)
+{
+	STILB_ASSERT(!from->import->scene);
+	mesh_models counted, made;
+	gltf_parts *parts = &from->parts;
+	stilb_result result = mesh_convert_all(from);
+	if (result == STILB_OK)
+		result = mesh_add_models(from, &counted);
+	if (result == STILB_OK && counted.parts == 0)
+		result = stilb_fail(STILB_ERROR_FILE, "it has no triangles");
+	uint32_t materials = from->lists[GLTF_MATERIALS].count + from->needs_default_material;
+	if (result == STILB_OK)
+		result =
+			scene_create(counted.models, counted.parts, parts->count, materials ? materials : 1, &from->import->scene);
+	if (result != STILB_OK)
+		return result;
+	stilb_scene *scene = from->import->scene;
+	for (uint32_t p = 0; p < parts->count; p++) {
+		scene->meshes[p] = parts->parts[p].mesh;
+		parts->parts[p].mesh = (stilb_scene_mesh){0};
+	}
+	result = mesh_add_models(from, &made);
+	STILB_ASSERT(result != STILB_OK || (made.parts == counted.parts && made.models == counted.models));
+	for (uint32_t m = 0; result == STILB_OK && m < scene->model_count; m++)
+		scene_fit_bounds(scene, m);
+	return result;
+}

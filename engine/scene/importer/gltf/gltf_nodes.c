@@ -1,0 +1,152 @@
+/* The hierarchy of the scene that is shown. */
+#include "scene/importer/gltf/gltf.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3])
+{
+	float x = q[0], y = q[1], z = q[2], w = q[3];
+	return (stilb_mat4){.m = {
+							(1 - 2 * (y * y + z * z)) * s[0],
+							2 * (x * y + z * w) * s[0],
+							2 * (x * z - y * w) * s[0],
+							0,
+							2 * (x * y - z * w) * s[1],
+							(1 - 2 * (x * x + z * z)) * s[1],
+							2 * (y * z + x * w) * s[1],
+							0,
+							2 * (x * z + y * w) * s[2],
+							2 * (y * z - x * w) * s[2],
+							(1 - 2 * (x * x + y * y)) * s[2],
+							0,
+							t[0],
+							t[1],
+							t[2],
+							1,
+						}};
+}
+
+/* The transform of a node in its parent. */
+static stilb_mat4 nodes_local(gltf *from, uint32_t item)
+{
+	gltf_json *json = &from->json;
+	stilb_mat4 matrix;
+	float t[3] = {0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+	if (gltf_json_numbers(json, item, "matrix", matrix.m, 16))
+		return matrix;
+	gltf_json_numbers(json, item, "translation", t, 3);
+	gltf_json_numbers(json, item, "rotation", q, 4);
+	gltf_json_numbers(json, item, "scale", s, 3);
+	return gltf_compose(t, q, s);
+}
+
+bool gltf_is_finite(const stilb_mat4 *m)
+{
+	float sum = 0.0f;
+	for (int i = 0; i < 16; i++)
+		sum += m->m[i] * 0.0f; /* NaN for NaN and infinity */
+	return sum == 0.0f;
+}
+
+typedef struct nodes_lister {
+	gltf *from;
+	bool *listed; /* [nodes] */
+} nodes_lister;
+
+/* Adds the nodes of an array of indices, in the space of parent. */
+static stilb_result nodes_add(nodes_lister *lister, uint32_t array, const stilb_mat4 *parent)
+{
+	gltf *from = lister->from;
+	gltf_json *json = &from->json;
+	const gltf_list *all = &from->lists[GLTF_NODES];
+	for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
+		uint64_t index = gltf_json_whole(json, at);
+		if (index >= all->count)
+			gltf_json_blame(json, at, "it names node %llu, but there are %u", (unsigned long long)index, all->count);
+		if (json->fault[0])
+			return gltf_json_check(json);
+		if (lister->listed[index])
+			return stilb_fail(STILB_ERROR_FILE, "its hierarchy is recursive or no tree: node %llu has two parents",
+			                  (unsigned long long)index);
+		lister->listed[index] = true;
+		stilb_mat4 own = nodes_local(from, all->items[index]);
+		gltf_node node = {all->items[index], stilb_mat4_multiply(*parent, own)};
+		if (gltf_is_finite(&node.to_world))
+			from->nodes[from->node_count++] = node; /* each node at most once, so there is room */
+		else
+			from->import->bad_nodes++;
+	}
+	return gltf_json_check(json);
+}
+
+/* Adds the nodes that are no other's children. */
+static stilb_result nodes_add_roots(nodes_lister *lister)
+{
+	gltf *from = lister->from;
+	gltf_json *json = &from->json;
+	const gltf_list *all = &from->lists[GLTF_NODES];
+	bool *child = calloc(all->count + 1ull, sizeof *child);
+	if (!child)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
+	for (uint32_t n = 0; n < all->count; n++) {
+		uint32_t array = gltf_json_array(json, all->items[n], "children");
+		for (uint32_t at = gltf_json_first(json, array); at != GLTF_NONE; at = gltf_json_after(json, array, at)) {
+			uint64_t index = gltf_json_whole(json, at);
+			if (index < all->count)
+				child[index] = true;
+		}
+	}
+	for (uint32_t n = 0; n < all->count; n++)
+		if (!child[n]) {
+			gltf_node node = {all->items[n], nodes_local(from, all->items[n])};
+			lister->listed[n] = true;
+			if (gltf_is_finite(&node.to_world))
+				from->nodes[from->node_count++] = node;
+			else
+				from->import->bad_nodes++;
+		}
+	free(child);
+	return gltf_json_check(json);
+}
+
+/* Lists the nodes breadth first; the list itself is the queue of those whose children are still to be added. */
+static stilb_result nodes_list(nodes_lister *lister)
+{
+	gltf *from = lister->from;
+	gltf_json *json = &from->json;
+	const gltf_list *scenes = &from->lists[GLTF_SCENES];
+	stilb_mat4 world = stilb_mat4_identity();
+	uint32_t scene = gltf_reference(from, GLTF_JSON_ROOT, "scene", GLTF_SCENES);
+	if (scene == GLTF_NONE)
+		scene = 0;
+	stilb_result result = scenes->count == 0
+	                          ? nodes_add_roots(lister)
+	                          : nodes_add(lister, gltf_json_array(json, scenes->items[scene], "nodes"), &world);
+	for (uint32_t i = 0; result == STILB_OK && i < from->node_count; i++) {
+		world = from->nodes[i].to_world;
+		result = nodes_add(lister, gltf_json_array(json, from->nodes[i].item, "children"), &world);
+	}
+	for (uint32_t i = 0; result == STILB_OK && i < scenes->count; i++)
+		if (i != scene) {
+			char name[96];
+			gltf_name(from, GLTF_SCENES, i, name);
+			importer_lose(from->import, IMPORTER_LOSS_SCENES, name);
+		}
+	return result;
+}
+
+stilb_result gltf_list_nodes(gltf *from)
+{
+	STILB_ASSERT(!from->nodes);
+	uint32_t count = from->lists[GLTF_NODES].count;
+	if (count > IMPORTER_MAX_NODES)
+		return stilb_fail(STILB_ERROR_FILE, "it has more than %u nodes", IMPORTER_MAX_NODES);
+	nodes_lister lister = {.from = from, .listed = calloc(count + 1ull, sizeof *lister.listed)};
+	from->nodes = calloc(count + 1ull, sizeof *from->nodes);
+	stilb_result result = lister.listed && from->nodes ? nodes_list(&lister)
+	                                                   : stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
+	free(lister.listed);
+	return result;
+}

@@ -1,0 +1,125 @@
+/* Lights, of KHR_lights_punctual, and the camera. Both look along -Z of their node; up is +Y. */
+#include "scene/importer/gltf/gltf.h"
+
+#include <math.h>
+
+/* A direction of the node's space in the world, unit length; -Z if it has no length. */
+static stilb_vec3 view_direction(const stilb_mat4 *m, stilb_vec3 d)
+{
+	stilb_vec3 turned = {0};
+	for (int row = 0; row < 3; row++)
+		turned[row] = m->m[row] * d[0] + m->m[4 + row] * d[1] + m->m[8 + row] * d[2];
+	float length = sqrtf(stilb_vec3_dot(turned, turned));
+	return length > 1e-18f && length < 1e18f ? turned * (1.0f / length) : stilb_vec3_make(0, 0, -1);
+}
+
+static stilb_vec3 view_position(const stilb_mat4 *m)
+{
+	return stilb_vec3_make(m->m[12], m->m[13], m->m[14]);
+}
+
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* The cones of a spot: angles from its axis, 0 <= inner < outer <= pi / 2. */
+static void view_spot(gltf *from, uint32_t item, stilb_scene_light *light)
+{
+	gltf_json *json = &from->json;
+	uint32_t spot = gltf_json_member(json, item, "spot");
+	float inner = (float)gltf_json_number(json, spot, "innerConeAngle", 0.0);
+	float outer = (float)gltf_json_number(json, spot, "outerConeAngle", 0.78539816339); /* pi / 4 */
+	light->cos_inner = cosf(importer_clamp(inner, 0.0f, 1.5707963f));
+	light->cos_outer = fminf(cosf(importer_clamp(outer, 0.0f, 1.5707963f)), light->cos_inner);
+}
+
+/* Converts a light at a node. Its numbers are candela, of directional ones lux. False: it is left out, having no
+ * brightness, or a position that is too far away. */
+static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_scene_light *light)
+{
+	gltf_json *json = &from->json;
+	uint32_t item = from->lists[GLTF_LIGHTS].items[index], type = gltf_json_member(json, item, "type");
+	stilb_vec3 position = view_position(&node->to_world);
+	stilb_vec3 direction = view_direction(&node->to_world, stilb_vec3_make(0, 0, -1));
+	float color[3] = {1, 1, 1}, strength = (float)gltf_json_number(json, item, "intensity", 1.0);
+	bool good = false;
+	gltf_json_numbers(json, item, "color", color, 3);
+	*light = (stilb_scene_light){
+		.kind = STILB_SCENE_LIGHT_POINT, .unit = STILB_SCENE_LIGHT_PHOTOMETRIC, .cos_inner = 1.0f, .cos_outer = 1.0f};
+	if (gltf_json_is(json, type, "directional"))
+		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
+	else if (gltf_json_is(json, type, "spot"))
+		light->kind = STILB_SCENE_LIGHT_SPOT;
+	if (light->kind == STILB_SCENE_LIGHT_SPOT)
+		view_spot(from, item, light);
+	if (gltf_json_member(json, item, "range") != GLTF_NONE)
+		importer_lose(from->import, IMPORTER_LOSS_RANGES, NULL);
+	for (int i = 0; i < 3; i++) {
+		float intensity = color[i] * strength;
+		light->position[i] = position[i];
+		light->direction[i] = direction[i];
+		light->intensity[i] = intensity > 0.0f && intensity < 1e18f ? intensity : 0.0f;
+		good |= light->intensity[i] > 0.0f;
+		if (!(fabsf(position[i]) < 1e18f))
+			return false;
+	}
+	STILB_ASSERT(!stilb_scene_light_mistake(light));
+	return good;
+}
+
+/* The light of a node, or GLTF_NONE. */
+static uint32_t view_light_of(gltf *from, const gltf_node *node)
+{
+	return gltf_reference(from, gltf_extension(from, node->item, "KHR_lights_punctual"), "light", GLTF_LIGHTS);
+}
+
+static stilb_result view_lights(gltf *from)
+{
+	stilb_scene *scene = from->import->scene;
+	uint32_t count = 0;
+	for (uint32_t n = 0; n < from->node_count; n++)
+		count += view_light_of(from, &from->nodes[n]) != GLTF_NONE;
+	stilb_result result = scene_add_lights(scene, count);
+	if (result != STILB_OK)
+		return result;
+	scene->light_count = 0;
+	for (uint32_t n = 0; n < from->node_count; n++) {
+		uint32_t index = view_light_of(from, &from->nodes[n]);
+		if (index != GLTF_NONE)
+			scene->light_count += view_light(from, &from->nodes[n], index, &scene->lights[scene->light_count]);
+	}
+	return gltf_json_check(&from->json);
+}
+
+/* ---- camera ------------------------------------------------------------------------------------------------------ */
+
+/* Sets the scene's camera to a perspective one at a node. False: it is of another kind or out of range. */
+static bool view_camera(gltf *from, const gltf_node *node, uint32_t index)
+{
+	gltf_json *json = &from->json;
+	uint32_t perspective = gltf_json_member(json, from->lists[GLTF_CAMERAS].items[index], "perspective");
+	if (perspective == GLTF_NONE)
+		return false;
+	return importer_place_camera(from->import, view_position(&node->to_world),
+	                             view_direction(&node->to_world, stilb_vec3_make(0, 0, -1)),
+	                             view_direction(&node->to_world, stilb_vec3_make(0, 1, 0)),
+	                             (float)gltf_json_number(json, perspective, "yfov", 0.0));
+}
+
+stilb_result gltf_add_view(gltf *from)
+{
+	bool placed = false;
+	stilb_result result = view_lights(from);
+	for (uint32_t n = 0; result == STILB_OK && n < from->node_count; n++) {
+		uint32_t index = gltf_reference(from, from->nodes[n].item, "camera", GLTF_CAMERAS);
+		if (index == GLTF_NONE)
+			continue;
+		bool kept = !placed && view_camera(from, &from->nodes[n], index);
+		placed |= kept;
+		if (!kept) {
+			char name[96];
+			gltf_name(from, GLTF_CAMERAS, index, name);
+			importer_lose(from->import, IMPORTER_LOSS_CAMERAS, name);
+		}
+	}
+	importer_complete_view(from->import, placed);
+	return result == STILB_OK ? gltf_json_check(&from->json) : result;
+}

@@ -1,0 +1,53 @@
+/* What of a file is not shown: counted by kind while the file is read, told in one line for each kind. */
+#include "scene/importer/importer.h"
+
+#include <stdio.h>
+
+static const struct importer_loss_words {
+	const char *what; /* "<what>: 3 <of>s ('<first>', ...)" */
+	const char *of;
+} importer_loss_words[IMPORTER_LOSSES] = {
+	[IMPORTER_LOSS_CUTOUTS] = {"surfaces cut out by alpha are shown whole", "material"},
+	[IMPORTER_LOSS_BLENDING] = {"transparent surfaces are shown opaque", "material"},
+	[IMPORTER_LOSS_NORMAL_MAPS] = {"normal maps and bump maps are not shown", "material"},
+	[IMPORTER_LOSS_OCCLUSION_MAPS] = {"occlusion maps are not shown", "material"},
+	[IMPORTER_LOSS_METAL_MAPS] = {"maps of metalness and roughness count by their mean", "material"},
+	[IMPORTER_LOSS_SPECULAR_MAPS] = {"maps of specular reflection count by their mean or not at all", "material"},
+	[IMPORTER_LOSS_EMISSION_MAPS] = {"maps of emission count by their mean", "material"},
+	[IMPORTER_LOSS_WRAPPING] = {"textures that are clamped or mirrored are repeated", "material"},
+	[IMPORTER_LOSS_NEAREST] = {"textures of hard texels are shown smooth", "material"},
+	[IMPORTER_LOSS_VERTEX_COLORS] = {"colours of vertices are not shown", "mesh"},
+	[IMPORTER_LOSS_LINES] = {"points and lines are not drawn", "mesh"},
+	[IMPORTER_LOSS_POSITIONS] = {"what has no positions is not drawn", "mesh"},
+	[IMPORTER_LOSS_TRIANGLES] = {"triangles whose vertices do not exist are left out", "mesh"},
+	[IMPORTER_LOSS_MORPHS] = {"morph targets are not shown", "mesh"},
+	[IMPORTER_LOSS_SKINS] = {"skins are shown in their rest pose", "skin"},
+	[IMPORTER_LOSS_ANIMATIONS] = {"animations are not played", "animation"},
+	[IMPORTER_LOSS_SCENES] = {"scenes besides the one that is shown", "scene"},
+	[IMPORTER_LOSS_CAMERAS] = {"cameras besides the one that is used", "camera"},
+	[IMPORTER_LOSS_RANGES] = {"the ranges of lights are ignored", "light"},
+};
+
+void importer_lose(importer *import, importer_loss loss, const char *name)
+{
+	STILB_ASSERT(import && loss < IMPORTER_LOSSES);
+	importer_lost *lost = &import->lost[loss];
+	if (lost->count++ == 0)
+		snprintf(lost->first, sizeof lost->first, "%s", name ? name : "");
+}
+
+void importer_tell_losses(const importer *import)
+{
+	for (int loss = 0; loss < IMPORTER_LOSSES; loss++) {
+		const importer_lost *lost = &import->lost[loss];
+		const struct importer_loss_words *words = &importer_loss_words[loss];
+		if (lost->count == 0)
+			continue;
+		const char *plural = lost->count == 1 ? "" : words->of[0] == 'm' && words->of[2] == 's' ? "es" : "s";
+		const char *more = lost->count > 1 ? ", ..." : "";
+		if (lost->first[0])
+			importer_warn("%s: %u %s%s ('%s'%s)", words->what, lost->count, words->of, plural, lost->first, more);
+		else
+			importer_warn("%s: %u %s%s", words->what, lost->count, words->of, plural);
+	}
+}

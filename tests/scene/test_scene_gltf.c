@@ -1,0 +1,783 @@
+/*
+ * glTF files with known contents: each feature in a file of its own that the test writes, what is not shown and is
+ * named, and files that are damaged in one place. tests/scene/test_scene_import.c has the files of all formats.
+ */
+#include "scene/scene.h"
+#include "support/folder.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <meshoptimizer.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+static unsigned char data[8192]; /* the file's binary part */
+static size_t data_size;
+static char views[4096]; /* JSON of its buffer views */
+
+/* A new file without data. */
+static void begin(void)
+{
+	data_size = 0;
+	views[0] = '\0';
+}
+
+/* Adds bytes as the next buffer view; rest: further JSON of the view, after a comma, or "". */
+static void put_with(const void *bytes, size_t size, const char *rest)
+{
+	assert_true(data_size + size + 4 <= sizeof data);
+	memcpy(data + data_size, bytes, size);
+	snprintf(views + strlen(views), sizeof views - strlen(views),
+	         "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", views[0] ? "," : "", data_size, size, rest);
+	data_size = (data_size + size + 3) / 4 * 4;
+}
+
+static void put(const void *bytes, size_t size)
+{
+	put_with(bytes, size, "");
+}
+
+static void write_u32(FILE *file, uint32_t value)
+{
+	assert_int_equal(fwrite(&value, sizeof value, 1, file), 1);
+}
+
+/* Writes test.glb: the JSON of everything but asset, buffers and views. */
+static void write_glb(const char *json)
+{
+	char *text;
+	int length =
+		asprintf(&text, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[%s],%s}",
+	             data_size, views, json);
+	assert_true(length > 0);
+	uint32_t padded = ((uint32_t)length + 3) / 4 * 4;
+	FILE *file = fopen("test.glb", "wb");
+	assert_non_null(file);
+	fputs("glTF", file);
+	write_u32(file, 2);
+	write_u32(file, 12 + 8 + padded + 8 + (uint32_t)data_size);
+	write_u32(file, padded);
+	write_u32(file, 0x4E4F534A);
+	fprintf(file, "%-*s", (int)padded, text);
+	write_u32(file, (uint32_t)data_size);
+	write_u32(file, 0x004E4942);
+	assert_int_equal(fwrite(data, 1, data_size, file), data_size);
+	assert_int_equal(fclose(file), 0);
+	free(text);
+}
+
+static void write_file(const char *name, const void *bytes, size_t size)
+{
+	FILE *file = fopen(name, "wb");
+	assert_non_null(file);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+static char said[4096]; /* what opening the last file logged */
+
+static stilb_result open_file(const char *name, bool quiet, stilb_scene **scene)
+{
+	FILE *log = tmpfile();
+	assert_non_null(log);
+	int real = dup(STDERR_FILENO);
+	dup2(fileno(log), STDERR_FILENO);
+	stilb_result result = stilb_scene_open_with(name, &(stilb_scene_open_options){.quiet = quiet}, scene);
+	dup2(real, STDERR_FILENO);
+	close(real);
+	ssize_t size = pread(fileno(log), said, sizeof said - 1, 0);
+	said[size > 0 ? size : 0] = '\0';
+	fclose(log);
+	return result;
+}
+
+static stilb_scene *open_glb(const char *json)
+{
+	stilb_scene *scene;
+	write_glb(json);
+	if (open_file("test.glb", false, &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return scene;
+}
+
+static void assert_said(const char *words)
+{
+	if (!strstr(said, words))
+		fail_msg("'%s' does not say '%s'", said, words);
+}
+
+static void assert_refused(const char *json, const char *words)
+{
+	stilb_scene *scene;
+	write_glb(json);
+	stilb_result result = open_file("test.glb", false, &scene);
+	if (result == STILB_OK || !strstr(stilb_error_message(), words) || strstr(stilb_error_message(), "crashed"))
+		fail_msg("'%s' does not say '%s'", result == STILB_OK ? "it opens" : stilb_error_message(), words);
+	assert_null(scene);
+}
+
+static bool near(float a, float b)
+{
+	return fabsf(a - b) < 1e-5f * fmaxf(1.0f, fabsf(b));
+}
+
+static void assert_numbers(const float *got, const float *wanted, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (!near(got[i], wanted[i]))
+			fail_msg("number %u of %u is %g instead of %g", i, count, (double)got[i], (double)wanted[i]);
+}
+
+/* The mesh has these triangles, in this order, by x and y of their corners. */
+static void assert_triangles(const stilb_scene_mesh *mesh, const float (*corners)[2], uint32_t count)
+{
+	assert_int_equal(mesh->index_count, count);
+	for (uint32_t i = 0; i < count; i++)
+		assert_numbers(mesh->vertices[mesh->indices[i]].position, corners[i], 2);
+}
+
+#define NODE "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]"
+#define TRIANGLE "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]"
+#define VEC3(view) "{\"bufferView\":" #view ",\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"
+
+static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+/* ---- accessors --------------------------------------------------------------------------------------------------- */
+
+static void sparse_accessors(void **state)
+{
+	(void)state;
+	/* Element 1 is replaced; the second mesh's accessor has no view: its other elements are 0. */
+	begin();
+	put(triangle, sizeof triangle);
+	put((const uint8_t[]){1, 2}, 2);
+	put((const float[]){5, 6, 7, 8, 9, 10}, 24);
+	stilb_scene *scene =
+		open_glb("\"nodes\":[{\"mesh\":0},{\"mesh\":1}],\"scenes\":[{\"nodes\":[0,1]}],"
+	             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]},"
+	             "{\"primitives\":[{\"attributes\":{\"POSITION\":1}}]}],\"accessors\":["
+	             "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":1,"
+	             "\"indices\":{\"bufferView\":1,\"componentType\":5121},\"values\":{\"bufferView\":2}}},"
+	             "{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":2,"
+	             "\"indices\":{\"bufferView\":1,\"componentType\":5121},\"values\":{\"bufferView\":2}}}]");
+	assert_triangles(&scene->meshes[0], (const float[][2]){{0, 0}, {5, 6}, {0, 1}}, 3);
+	assert_triangles(&scene->meshes[1], (const float[][2]){{0, 0}, {5, 6}, {8, 9}}, 3);
+	stilb_scene_destroy(scene);
+}
+
+/* KHR_mesh_quantization: positions of any integers, normalised or not, with a stride; and indices of each size. */
+static void every_component_type(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *type;
+		int bytes;
+		int32_t most;
+	} types[] = {{"5120", 1, 127}, {"5121", 1, 255}, {"5122", 2, 32767}, {"5123", 2, 65535}};
+	for (int t = 0; t < 4; t++)
+		for (int normalized = 0; normalized < 2; normalized++) {
+			unsigned char positions[3][8] = {{0}};
+			char json[512];
+			int32_t most = normalized ? types[t].most : 100;
+			memcpy(positions[1], &most, (size_t)types[t].bytes); /* little endian */
+			memcpy(positions[2] + types[t].bytes, &most, (size_t)types[t].bytes);
+			begin();
+			put_with(positions, sizeof positions, ",\"byteStride\":8");
+			snprintf(json, sizeof json,
+			         NODE "," TRIANGLE ",\"accessors\":[{\"bufferView\":0,\"componentType\":%s,\"count\":3,"
+			              "\"type\":\"VEC3\",\"normalized\":%s}]",
+			         types[t].type, normalized ? "true" : "false");
+			float one = normalized ? 1 : 100;
+			stilb_scene *scene = open_glb(json);
+			assert_triangles(&scene->meshes[0], (const float[][2]){{0, 0}, {one, 0}, {0, one}}, 3);
+			stilb_scene_destroy(scene);
+		}
+	static const uint8_t bytes[] = {2, 1, 0};
+	static const uint16_t halves[] = {2, 1, 0};
+	static const uint32_t words[] = {2, 1, 0};
+	static const void *const indices[] = {bytes, halves, words};
+	for (int t = 0; t < 3; t++) {
+		char json[512];
+		begin();
+		put(triangle, sizeof triangle);
+		put(indices[t], 3u << t);
+		snprintf(json, sizeof json,
+		         NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\"accessors\":["
+		              "%s,{\"bufferView\":1,\"componentType\":%d,\"count\":3,\"type\":\"SCALAR\"}]",
+		         VEC3(0),
+		         t == 0   ? 5121
+		         : t == 1 ? 5123
+		                  : 5125);
+		stilb_scene *scene = open_glb(json);
+		assert_triangles(&scene->meshes[0], (const float[][2]){{0, 1}, {1, 0}, {0, 0}}, 3);
+		stilb_scene_destroy(scene);
+	}
+}
+
+/* ---- primitives -------------------------------------------------------------------------------------------------- */
+
+static void strips_fans_lines_and_points(void **state)
+{
+	(void)state;
+	/* A zigzag; the fourth index repeats the third, which turns the strip and makes no triangle. */
+	static const float zigzag[] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0, 0};
+	static const uint8_t turned[] = {0, 1, 2, 2, 3, 4};
+	begin();
+	put(zigzag, sizeof zigzag);
+	put(turned, sizeof turned);
+	stilb_scene *scene = open_glb(
+		NODE ",\"meshes\":[{\"name\":\"all\",\"primitives\":["
+			 "{\"mode\":5,\"attributes\":{\"POSITION\":0}},{\"mode\":6,\"attributes\":{\"POSITION\":0}},"
+			 "{\"mode\":5,\"attributes\":{\"POSITION\":0},\"indices\":1},{\"mode\":1,\"attributes\":{\"POSITION\":0}},"
+			 "{\"mode\":0,\"attributes\":{\"POSITION\":0}},{\"attributes\":{}}]}],\"accessors\":["
+			 "{\"bufferView\":0,\"componentType\":5126,\"count\":5,\"type\":\"VEC3\"},"
+			 "{\"bufferView\":1,\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"}]");
+	assert_int_equal(scene->mesh_count, 3);
+	assert_triangles(&scene->meshes[0],
+	                 (const float[][2]){{0, 0}, {0, 1}, {1, 0}, {0, 1}, {1, 1}, {1, 0}, {1, 0}, {1, 1}, {2, 0}}, 9);
+	assert_triangles(&scene->meshes[1],
+	                 (const float[][2]){{0, 1}, {1, 0}, {0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {2, 0}, {0, 0}}, 9);
+	/* Triangle 3 of the strip 0 1 2 2 3 4 is odd: its corners are 2 4 3. */
+	assert_triangles(&scene->meshes[2], (const float[][2]){{0, 0}, {0, 1}, {1, 0}, {1, 0}, {2, 0}, {1, 1}}, 6);
+	assert_said("points and lines are not drawn: 2 meshes ('all', ...)");
+	assert_said("what has no positions is not drawn: 1 mesh ('all')");
+	stilb_scene_destroy(scene);
+}
+
+/* Without normals a mesh is flat; with them vertices are shared, and only those that are used are kept. */
+static void normals(void **state)
+{
+	(void)state;
+	static const float bent[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 9, 9, 9};
+	static const uint8_t two[] = {0, 1, 2, 0, 2, 3};
+	static const int8_t packed[5][4] = {{0, 0, 127}, {0, 0, 127}, {0, 127, 0}, {0, 0, 0}, {1, 1, 1}};
+	begin();
+	put(bent, sizeof bent);
+	put(two, sizeof two);
+	put_with(packed, sizeof packed, ",\"byteStride\":4");
+	stilb_scene *scene =
+		open_glb(NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1},"
+	                  "{\"attributes\":{\"POSITION\":0,\"NORMAL\":2},\"indices\":1}]}],\"accessors\":["
+	                  "{\"bufferView\":0,\"componentType\":5126,\"count\":5,\"type\":\"VEC3\"},"
+	                  "{\"bufferView\":1,\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"},"
+	                  "{\"bufferView\":2,\"componentType\":5120,\"count\":5,\"type\":\"VEC3\",\"normalized\":true}]");
+	assert_int_equal(scene->meshes[0].vertex_count, 6);
+	assert_numbers(scene->meshes[0].vertices[0].normal, (const float[]){0, 0, 1}, 3);
+	assert_numbers(scene->meshes[0].vertices[3].normal, (const float[]){1, 0, 0}, 3);
+	assert_int_equal(scene->meshes[1].vertex_count, 4);
+	assert_numbers(scene->meshes[1].vertices[2].normal, (const float[]){0, 1, 0}, 3);
+	assert_numbers(scene->meshes[1].vertices[3].normal, (const float[]){1, 0, 0}, 3); /* its own is 0: its triangle's */
+	stilb_scene_destroy(scene);
+}
+
+/* ---- nodes ------------------------------------------------------------------------------------------------------- */
+
+static void scenes_and_nodes(void **state)
+{
+	(void)state;
+	begin();
+	put(triangle, sizeof triangle);
+	/* Scene 1 is shown: a parent that moves, a child that turns by 90 degrees about z and scales. */
+	stilb_scene *scene = open_glb(TRIANGLE ",\"accessors\":[" VEC3(
+		0) "],\"scene\":1,\"scenes\":[{\"name\":\"other\",\"nodes\":[2]},{\"nodes\":[0]}],"
+	       "\"nodes\":[{\"translation\":[10,20,30],\"children\":[1]},{\"mesh\":0,"
+	       "\"rotation\":[0,0,0.70710678,0.70710678],\"scale\":[2,3,4]},{\"mesh\":0}]");
+	assert_int_equal(scene->model_count, 1);
+	assert_numbers(scene->part_transform[0].m, (const float[]){0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 10, 20, 30, 1}, 16);
+	assert_said("scenes besides the one that is shown: 1 scene ('other')");
+	stilb_scene_destroy(scene);
+	scene = open_glb(TRIANGLE ",\"accessors\":[" VEC3(
+		0) "],\"nodes\":[{\"mesh\":0,\"matrix\":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1],\"children\":[1]},{\"mesh\":0}]");
+	assert_int_equal(scene->model_count, 2); /* without scenes, all nodes; 1 is a child */
+	assert_numbers(&scene->part_transform[1].m[12], (const float[]){1, 2, 3}, 3);
+	stilb_scene_destroy(scene);
+	assert_refused(TRIANGLE ",\"accessors\":[" VEC3(0) "],\"scenes\":[{\"nodes\":[0]}],"
+	                                                   "\"nodes\":[{\"mesh\":0,\"children\":[0]}]",
+	               "recursive");
+	assert_refused(TRIANGLE ",\"accessors\":[" VEC3(0) "],\"scenes\":[{\"nodes\":[7]}],\"nodes\":[{\"mesh\":0}]",
+	               "it names node 7, but there are 1");
+}
+
+static void instances(void **state)
+{
+	(void)state;
+	begin();
+	put(triangle, sizeof triangle);
+	put((const float[]){1, 0, 0, 0, 2, 0}, 24);
+	put((const int16_t[]){0, 0, 0, 32767, 0, 0, 32767, 0}, 16); /* none, and half a turn about z */
+	stilb_scene *scene = open_glb(
+		"\"nodes\":[{\"mesh\":0,\"scale\":[2,2,2],\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
+		"\"TRANSLATION\":1,\"ROTATION\":2}}}}],\"scenes\":[{\"nodes\":[0]}]," TRIANGLE ",\"accessors\":[" VEC3(
+			0) ","
+			   "{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"},"
+			   "{\"bufferView\":2,\"componentType\":5122,\"count\":2,\"type\":\"VEC4\",\"normalized\":true}]");
+	assert_int_equal(scene->mesh_count, 1);
+	assert_int_equal(scene->model_count, 2);
+	assert_numbers(scene->part_transform[0].m, (const float[]){2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 2, 0, 0, 1}, 16);
+	assert_numbers(scene->part_transform[1].m, (const float[]){-2, 0, 0, 0, 0, -2, 0, 0, 0, 0, 2, 0, 0, 4, 0, 1}, 16);
+	stilb_scene_destroy(scene);
+	assert_refused("\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
+	               "\"TRANSLATION\":1,\"SCALE\":0}}}}],\"scenes\":[{\"nodes\":[0]}]," TRIANGLE ",\"accessors\":[" VEC3(
+					   0) ",{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}]",
+	               "accessor 0 has 3 elements for 2 instances");
+}
+
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+/* A PNG of two texels. */
+static void write_picture(const char *name)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, 2, 1, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	memcpy(image.pixels, (const uint8_t[]){255, 0, 128, 255, 0, 128}, 6);
+	assert_int_equal(stilb_image_save(&image, name), STILB_OK);
+	stilb_image_finish(&image);
+}
+
+/* KHR_texture_transform by the matrix of its specification: offset * rotation * scale, on the set that it names. */
+static void texture_transforms(void **state)
+{
+	(void)state;
+	static const float sets[2][6] = {{0, 0, 0, 0, 0, 0}, {0.25f, 0.5f, 1, 0, 0, 1}};
+	static const struct {
+		const char *json;
+		float offset[2], angle, scale[2];
+	} rows[] = {
+		{"\"scale\":[2,3]", {0, 0}, 0, {2, 3}},
+		{"\"rotation\":0.5", {0, 0}, 0.5f, {1, 1}},
+		{"\"offset\":[0.125,-4],\"rotation\":-1.25,\"scale\":[-2,0.5]", {0.125f, -4}, -1.25f, {-2, 0.5f}},
+	};
+	write_picture("two words.png");
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		char json[1024];
+		begin();
+		put(triangle, sizeof triangle);
+		put(sets, sizeof sets);
+		snprintf(json, sizeof json,
+		         NODE
+		         ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
+		         "\"material\":0}]}],\"accessors\":[%s,"
+		         "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
+		         "{\"bufferView\":1,\"byteOffset\":24,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+		         "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"two%%20words.png\"}],\"materials\":[{"
+		         "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{"
+		         "\"KHR_texture_transform\":{%s,\"texCoord\":1}}}}}]",
+		         VEC3(0), rows[r].json);
+		stilb_scene *scene = open_glb(json);
+		assert_int_equal(scene->texture_count, 1);
+		float c = cosf(rows[r].angle), s = sinf(rows[r].angle);
+		for (uint32_t v = 0; v < 3; v++) {
+			float u = sets[1][2 * v] * rows[r].scale[0], w = sets[1][2 * v + 1] * rows[r].scale[1];
+			/* Counter-clockwise where v points down. */
+			assert_numbers(scene->meshes[0].vertices[v].uv,
+			               (const float[]){c * u + s * w + rows[r].offset[0], -s * u + c * w + rows[r].offset[1]}, 2);
+		}
+		stilb_scene_destroy(scene);
+	}
+	remove("two words.png");
+}
+
+#define TEXTURED                                                                                                       \
+	NODE "," TRIANGLE_OF_0                                                                                             \
+		 ",\"accessors\":[" VEC3(0) "],\"materials\":[{\"name\":\"paint\","                                            \
+									"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+#define TRIANGLE_OF_0 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}]"
+
+static void pictures_of_other_formats(void **state)
+{
+	(void)state;
+	/* Four texels of (255, 0, 128), written by libwebp without loss. */
+	static const uint8_t webp[] = {0x52, 0x49, 0x46, 0x46, 0x1c, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50,
+	                               0x56, 0x50, 0x38, 0x4c, 0x10, 0x00, 0x00, 0x00, 0x2f, 0x01, 0x40, 0x00,
+	                               0x00, 0x07, 0x10, 0xfd, 0x2f, 0x60, 0xff, 0x03, 0x11, 0xd1, 0xff, 0x00};
+	static const uint8_t ktx[] = {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n', 0};
+	begin();
+	put(triangle, sizeof triangle);
+	put(webp, sizeof webp);
+	stilb_scene *scene = open_glb(TEXTURED "\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}],"
+	                                       "\"images\":[{\"bufferView\":1,\"mimeType\":\"image/webp\"}],"
+	                                       "\"extensionsUsed\":[\"EXT_texture_webp\"]");
+	assert_int_equal(scene->texture_count, 1);
+	assert_int_equal(scene->textures[0].width, 2);
+	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){255, 0, 128}), 3);
+	assert_null(strstr(said, "webp"));
+	stilb_scene_destroy(scene);
+	write_file("cold.ktx2", ktx, sizeof ktx);
+	scene = open_glb(TEXTURED "\"textures\":[{\"extensions\":{\"KHR_texture_basisu\":{\"source\":0}}}],"
+	                          "\"images\":[{\"uri\":\"cold.ktx2\"}]");
+	assert_int_equal(scene->texture_count, 0);
+	assert_numbers(scene->materials[0].diffuse, (const float[]){1, 0, 1}, 3);
+	assert_said("material 'paint': texture 'cold.ktx2': it is KTX2");
+	assert_said("ktx extract --transcode rgba8");
+	stilb_scene_destroy(scene);
+	remove("cold.ktx2");
+}
+
+/* ---- compression ------------------------------------------------------------------------------------------------- */
+
+/* Three views of buffer 1, vertices, triangles and normals; count: of the vertices. */
+static void write_packed(const char *count, size_t vertex_size, size_t triangle_size, size_t normal_size)
+{
+	/* Buffer 0 has no data: it is only what readers without the extension would need. */
+	char text[2048];
+	snprintf(
+		text, sizeof text,
+		"{\"asset\":{\"version\":\"2.0\"}," NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+		"\"NORMAL\":2},\"indices\":1}]}],\"buffers\":[{\"byteLength\":100},{\"byteLength\":%zu,\"uri\":\"packed.bin\"}]"
+		","
+		"\"bufferViews\":[{\"buffer\":0,\"byteLength\":64,\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":1,"
+		"\"byteLength\":%zu,\"byteStride\":16,\"count\":%s,\"mode\":\"ATTRIBUTES\"}}},"
+		"{\"buffer\":0,\"byteLength\":12,\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":1,\"byteOffset\":%zu,"
+		"\"byteLength\":%zu,\"byteStride\":2,\"count\":6,\"mode\":\"TRIANGLES\"}}},"
+		"{\"buffer\":0,\"byteLength\":16,\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":1,\"byteOffset\":%zu,"
+		"\"byteLength\":%zu,\"byteStride\":4,\"count\":4,\"mode\":\"ATTRIBUTES\",\"filter\":\"OCTAHEDRAL\"}}}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"
+		"{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"},"
+		"{\"bufferView\":2,\"componentType\":5120,\"count\":4,\"type\":\"VEC3\",\"normalized\":true}]}",
+		vertex_size + triangle_size + normal_size, vertex_size, count, vertex_size, triangle_size,
+		vertex_size + triangle_size, normal_size);
+	write_file("packed.gltf", text, strlen(text));
+}
+
+static void meshopt(void **state)
+{
+	(void)state;
+	static const float quad[4][4] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+	static const float up[4][4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {1, 0, 0}};
+	static const uint32_t two[6] = {0, 1, 2, 0, 2, 3};
+	unsigned char vertices[512], triangles[512], normal_codes[512];
+	int8_t filtered[4][4];
+	size_t vertex_size = meshopt_encodeVertexBuffer(vertices, sizeof vertices, quad, 4, 16);
+	size_t triangle_size = meshopt_encodeIndexBuffer(triangles, sizeof triangles, two, 6);
+	meshopt_encodeFilterOct(filtered, 4, 4, 8, up[0]);
+	size_t normal_size = meshopt_encodeVertexBuffer(normal_codes, sizeof normal_codes, filtered, 4, 4);
+	assert_true(vertex_size > 0 && triangle_size > 0 && normal_size > 0);
+	unsigned char all[1536];
+	memcpy(all, vertices, vertex_size);
+	memcpy(all + vertex_size, triangles, triangle_size);
+	memcpy(all + vertex_size + triangle_size, normal_codes, normal_size);
+	write_file("packed.bin", all, vertex_size + triangle_size + normal_size);
+	write_packed("4", vertex_size, triangle_size, normal_size);
+	stilb_scene *scene;
+	if (open_file("packed.gltf", false, &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	const stilb_scene_mesh *mesh = &scene->meshes[0];
+	assert_int_equal(mesh->index_count, 6);
+	float area = 0;
+	for (uint32_t i = 0; i < 6; i += 3) { /* the encoder may turn a triangle */
+		const float *a = mesh->vertices[mesh->indices[i]].position, *b = mesh->vertices[mesh->indices[i + 1]].position,
+					*c = mesh->vertices[mesh->indices[i + 2]].position;
+		area += 0.5f * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+	}
+	assert_true(near(area, 2.0f));
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		assert_numbers(mesh->vertices[v].normal,
+		               up[mesh->vertices[v].position[0] == 0.0f && mesh->vertices[v].position[1] == 1.0f ? 3 : 0], 3);
+	stilb_scene_destroy(scene);
+	/* A damaged stream, and numbers that the format does not have. */
+	all[0] ^= 0xff;
+	write_file("packed.bin", all, vertex_size + triangle_size + normal_size);
+	assert_int_equal(open_file("packed.gltf", false, &scene), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "buffer view 0 does not decompress"));
+	write_packed("4000000", vertex_size, triangle_size, normal_size); /* no file of so few bytes holds so many */
+	assert_int_equal(open_file("packed.gltf", false, &scene), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "impossible mode, count or stride"));
+	remove("packed.gltf");
+	remove("packed.bin");
+}
+
+/* A quad of 2 x 1 with texture coordinates, written by the Draco library with 11 and 10 bits. */
+static const uint8_t draco_quad[] = {
+	0x44, 0x52, 0x41, 0x43, 0x4f, 0x02, 0x02, 0x01, 0x01, 0x00, 0x00, 0x00, 0x04, 0x02, 0x01, 0x02, 0x00, 0x00, 0x01,
+	0x1f, 0xff, 0x01, 0x11, 0xff, 0x01, 0x11, 0x02, 0xff, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01, 0x00, 0x09, 0x03, 0x00,
+	0x00, 0x02, 0x01, 0x03, 0x09, 0x02, 0x00, 0x01, 0x02, 0x01, 0x01, 0x01, 0x00, 0x0c, 0x03, 0x01, 0x20, 0x01, 0x10,
+	0x1f, 0x01, 0x10, 0x03, 0x00, 0x14, 0x90, 0x08, 0xc0, 0xff, 0x01, 0x20, 0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0x07,
+	0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40, 0x0b,
+	0x01, 0x01, 0x01, 0x00, 0x03, 0x03, 0x01, 0x20, 0x01, 0x20, 0x03, 0x00, 0xf0, 0x83, 0xa6, 0x00, 0x00, 0x00, 0x00,
+	0x00, 0xff, 0x03, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80, 0x3f, 0x0a};
+
+#define DRACO                                                                                                          \
+	NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"              \
+		 "\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0,"            \
+		 "\"TEXCOORD_0\":1}}}}]}],\"accessors\":[{\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"              \
+		 "{\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},{\"componentType\":5125,\"count\":6,\"type\":"        \
+		 "\"SCALAR\"}]"
+
+static void draco(void **state)
+{
+	(void)state;
+	begin();
+	put(draco_quad, sizeof draco_quad);
+	stilb_scene *scene = open_glb(DRACO);
+	const stilb_scene_mesh *mesh = &scene->meshes[0];
+	assert_int_equal(mesh->index_count, 6);
+	for (uint32_t i = 0; i < 6; i++) {
+		const stilb_scene_vertex *vertex = &mesh->vertices[mesh->indices[i]];
+		float x = vertex->position[0], y = vertex->position[1];
+		assert_true(fabsf(x * (2.0f - x)) < 0.01f && fabsf(y * (1.0f - y)) < 0.01f); /* a corner */
+		assert_true(fabsf(vertex->uv[0] - 0.5f * x) < 0.01f && fabsf(vertex->uv[1] - (1.0f - y)) < 0.01f);
+	}
+	stilb_scene_destroy(scene);
+	begin();
+	put(draco_quad, sizeof draco_quad / 2);
+	assert_refused(DRACO, "compressed by Draco, in buffer view 0: it is damaged");
+}
+
+/* ---- materials --------------------------------------------------------------------------------------------------- */
+
+static void materials(void **state)
+{
+	(void)state;
+	begin();
+	put(triangle, sizeof triangle);
+	stilb_scene *scene = open_glb(NODE ",\"accessors\":[" VEC3(
+		0) "],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
+	       "{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{\"POSITION\":0},"
+	       "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2}]}],"
+	       "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":"
+	       "0.25,\"baseColorFactor\":[0.5,0.5,0.5,1]},\"extensions\":{\"KHR_materials_ior\":{"
+	       "\"ior\":3}}},{\"emissiveFactor\":[0.5,1,0],\"extensions\":{"
+	       "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":8},"
+	       "\"KHR_materials_specular\":{\"specularFactor\":0.5,\"specularColorFactor\":[1,0,1]}},"
+	       "\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"extensions\":{"
+	       "\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.25,0.5,0.125,1],"
+	       "\"specularFactor\":[0.5,0.25,0.25],\"glossinessFactor\":0.75}}}]");
+	assert_int_equal(scene->material_count, 4);
+	const stilb_scene_material *m = scene->materials;
+	assert_int_equal(scene->part_material[0], 3); /* without one: white, metal, rough */
+	assert_numbers(m[3].specular, (const float[]){1, 1, 1}, 3);
+	assert_numbers(&m[3].roughness, (const float[]){1}, 1);
+	assert_numbers(m[0].specular, (const float[]){0.25f, 0.25f, 0.25f}, 3); /* ((3 - 1) / (3 + 1))^2 */
+	assert_numbers(m[0].diffuse, (const float[]){0.375f, 0.375f, 0.375f}, 3);
+	assert_numbers(m[1].emission, (const float[]){4, 8, 0}, 3);
+	assert_numbers(m[1].specular, (const float[]){0.02f, 0, 0.02f}, 3);
+	assert_numbers(m[2].diffuse, (const float[]){0.25f, 0.5f, 0.125f}, 3);
+	assert_numbers(m[2].specular, (const float[]){0.5f, 0.25f, 0.25f}, 3);
+	assert_numbers(&m[2].roughness, (const float[]){0.25f}, 1);
+	stilb_scene_destroy(scene);
+}
+
+/* ---- what is not shown ------------------------------------------------------------------------------------------- */
+
+#define EVERYTHING                                                                                                     \
+	NODE ",\"accessors\":[" VEC3(                                                                                      \
+		0) ",{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"                                \
+		   "\"meshes\":[{\"name\":\"card\",\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":0,"             \
+		   "\"TEXCOORD_0\":1},\"material\":0,\"targets\":[{\"POSITION\":0}]}]}],\"textures\":[{\"source\":0,"          \
+		   "\"sampler\":0}],"                                                                                          \
+		   "\"samplers\":[{\"wrapS\":33071,\"magFilter\":9728}],\"images\":[{\"uri\":\"leaf.png\"}],"                  \
+		   "\"materials\":[{\"name\":\"leaf\",\"alphaMode\":\"MASK\",\"emissiveFactor\":[1,1,1],"                      \
+		   "\"normalTexture\":{\"index\":0},\"occlusionTexture\":{\"index\":0},\"emissiveTexture\":{\"index\":0},"     \
+		   "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"metallicRoughnessTexture\":{\"index\":0}}}" \
+		   ","                                                                                                         \
+		   "{\"name\":\"glass\",\"alphaMode\":\"BLEND\"},{\"alphaMode\":\"BLEND\"}],"                                  \
+		   "\"animations\":[{\"name\":\"walk\",\"channels\":[],\"samplers\":[]}],\"skins\":[{\"joints\":[0]}],"        \
+		   "\"extensionsUsed\":[\"KHR_materials_sheen\",\"KHR_texture_transform\",\"ACME_fur\"],"                      \
+		   "\"extensionsRequired\":[\"ACME_fur\"],\"extensions\":{\"KHR_materials_variants\":{\"variants\":["          \
+		   "{\"name\":\"red\"},{\"name\":\"green\"}]}}"
+
+static void what_is_not_shown_is_named(void **state)
+{
+	(void)state;
+	static const char *const lines[] = {
+		"it requires extensions that are not shown, so it looks other than it should: ACME_fur\n",
+		"it uses extensions that are not shown: KHR_materials_sheen, ACME_fur\n",
+		"its materials have variants, of which none is chosen: red, green\n",
+		"surfaces cut out by alpha are shown whole: 1 material ('leaf')\n",
+		"transparent surfaces are shown opaque: 2 materials ('glass', ...)\n",
+		"normal maps and bump maps are not shown: 1 material ('leaf')\n",
+		"occlusion maps are not shown: 1 material ('leaf')\n",
+		"maps of metalness and roughness count by their mean: 1 material ('leaf')\n",
+		"maps of emission count by their mean: 1 material ('leaf')\n",
+		"textures that are clamped or mirrored are repeated: 1 material ('leaf')\n",
+		"textures of hard texels are shown smooth: 1 material ('leaf')\n",
+		"colours of vertices are not shown: 1 mesh ('card')\n",
+		"morph targets are not shown: 1 mesh ('card')\n",
+		"animations are not played: 1 animation ('walk')\n",
+		"skins are shown in their rest pose: 1 skin ('number 0')\n",
+	};
+	write_picture("leaf.png");
+	begin();
+	put(triangle, sizeof triangle);
+	put(triangle, 24);
+	stilb_scene *scene = open_glb(EVERYTHING);
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+		assert_said(lines[i]);
+	stilb_scene_destroy(scene);
+	assert_int_equal(open_file("test.glb", true, &scene), STILB_OK);
+	assert_string_equal(said, "");
+	stilb_scene_destroy(scene);
+	uint64_t bytes = 0;
+	stilb_scene_open_options options = {.quiet = true, .import_bytes = &bytes};
+	assert_int_equal(stilb_scene_open_with("test.glb", &options, &scene), STILB_OK);
+	assert_true(bytes > 1u << 20 && bytes < 1u << 30);
+	stilb_scene_destroy(scene);
+	assert_int_equal(stilb_scene_open_with("cornell", &options, &scene), STILB_OK);
+	assert_true(bytes == 0);
+	stilb_scene_destroy(scene);
+	remove("leaf.png");
+}
+
+/* ---- damaged files ----------------------------------------------------------------------------------------------- */
+
+#define ONE(accessors) NODE "," TRIANGLE ",\"accessors\":[" accessors "]"
+
+static void damaged_numbers_are_refused(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *json, *says;
+	} rows[] = {
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}"),
+	     "accessor 0 needs 48 bytes from byte 0 on, but buffer view 0 has 36"},
+		{ONE("{\"bufferView\":0,\"byteOffset\":9007199254740992,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"),
+	     "accessor 0 needs"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":9007199254740992,\"type\":\"VEC3\"}"),
+	     "accessor 0 has 9007199254740992 elements"},
+		{ONE("{\"componentType\":5126,\"count\":99999999,\"type\":\"VEC3\"}"), "99999999 elements without data"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":-3,\"type\":\"VEC3\"}"), "whole number"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":1.5,\"type\":\"VEC3\"}"), "whole number"},
+		{ONE("{\"bufferView\":9,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"), "there are 1 of these"},
+		{ONE("{\"bufferView\":0,\"componentType\":5130,\"count\":3,\"type\":\"VEC3\"}"),
+	     "accessor 0 has no known type"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}"), "accessor 0 has 2 numbers"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":1,"
+	         "\"indices\":"
+	         "{\"bufferView\":0,\"byteOffset\":12,\"componentType\":5125},\"values\":{\"bufferView\":0}}}"),
+	     "accessor 0 is sparse and replaces its element"},
+		{ONE("{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"sparse\":{\"count\":4}}"),
+	     "without sound indices"},
+		{ONE(""), "'POSITION' is 0, but there are 0"},
+		{NODE ",\"meshes\":3", "'meshes' is not of type array"},
+		{NODE ",\"meshes\":[3]", "is not of type object"},
+		{"\"nodes\":[{\"mesh\":0,\"scale\":[1,2]}]", "'scale' has 2 numbers instead of 3"},
+		{"\"nodes\":[{\"mesh\":5}]", "'mesh' is 5, but there are 0"},
+	};
+	begin();
+	put(triangle, sizeof triangle);
+	((unsigned char *)data)[12] = 99; /* a sparse index */
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		assert_refused(rows[i].json, rows[i].says);
+	snprintf(views, sizeof views, "{\"buffer\":0,\"byteOffset\":8,\"byteLength\":36}");
+	assert_refused(ONE(VEC3(0)), "buffer view 0, 36 bytes from byte 8 on, is not inside buffer 0");
+	snprintf(views, sizeof views, "{\"buffer\":0,\"byteLength\":36,\"byteStride\":99999}");
+	assert_refused(ONE(VEC3(0)), "buffer view 0");
+	snprintf(views, sizeof views, "{\"buffer\":3,\"byteLength\":36}");
+	assert_refused(ONE(VEC3(0)), "'buffer' is 3, but there are 1");
+	snprintf(views, sizeof views, "{\"buffer\":0,\"byteLength\":36},{\"byteLength\":4}");
+	assert_refused(ONE(VEC3(1)), "buffer view 1 is of no buffer");
+}
+
+static void damaged_containers_are_refused(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *text, *says;
+	} rows[] = {
+		{"{\"asset\":{\"version\":\"2.0\"},}", "JSON is damaged at line 1, column 28: expected a key in quotes"},
+		{"{\"asset\":\n{\"version\":\"2.0\"", "line 2, column 17: expected ',' or '}'"},
+		{"[1,2]", "is not an object"},
+		{"", "expected a value"},
+		{"{}", "does not name its version"},
+		{"{\"asset\":{\"version\":\"3.0\"}}", "glTF version 3.0"},
+		{"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":9,\"uri\":\"no.bin\"}]}",
+	     "'no.bin': there is no"},
+		{"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":9,\"uri\":\"data:,AAAA\"}]}",
+	     "has 3 of its 9 bytes"},
+		{"{\"asset\":{\"version\":\"2.0\"}}", "no triangles"},
+		{"{\"asset\":{\"version\":\"2.0\"},\"x\":tru}", "expected a value"},
+		{"{\"asset\":{\"version\":\"2.0\"},\"x\":1e}", "expected a digit"},
+		{"{\"asset\":{\"version\":\"2.0\"}} x", "expected the end"},
+	};
+	stilb_scene *scene;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		write_file("bad.gltf", rows[i].text, strlen(rows[i].text));
+		assert_int_equal(open_file("bad.gltf", false, &scene), STILB_ERROR_FILE);
+		if (!strstr(stilb_error_message(), rows[i].says))
+			fail_msg("'%s' does not say '%s'", stilb_error_message(), rows[i].says);
+	}
+	/* A million brackets: neither reading nor looking up recurses. */
+	static char deep[1000000];
+	memset(deep, '[', sizeof deep);
+	write_file("bad.gltf", deep, sizeof deep);
+	assert_int_equal(open_file("bad.gltf", false, &scene), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "nested more than"));
+	remove("bad.gltf");
+	/* A .glb cut off anywhere is refused with a reason. */
+	begin();
+	put(triangle, sizeof triangle);
+	write_glb(ONE(VEC3(0)));
+	assert_int_equal(open_file("test.glb", false, &scene), STILB_OK);
+	stilb_scene_destroy(scene);
+	unsigned char whole[1024];
+	FILE *file = fopen("test.glb", "rb");
+	assert_non_null(file);
+	size_t size = fread(whole, 1, sizeof whole, file);
+	fclose(file);
+	for (size_t cut = 0; cut < size; cut += 29) {
+		write_file("cut.glb", whole, cut);
+		assert_int_equal(open_file("cut.glb", false, &scene), STILB_ERROR_FILE);
+		assert_null(strstr(stilb_error_message(), "crashed"));
+	}
+	remove("cut.glb");
+}
+
+/* Names of buffers and of their data as exporters write them. */
+static void buffers_by_any_name(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	float longer[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 7, 7, 7};
+	static const char *const names[] = {"a b\\u00e9.bin", "a%20b%C3%A9.bin"};
+	write_file("a b\xC3\xA9.bin", longer, sizeof longer); /* longer than byteLength */
+	for (int i = 0; i < 2; i++) {
+		char text[512];
+		snprintf(text, sizeof text,
+		         "\xEF\xBB\xBF{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":36,\"uri\":\"%s\"}],"
+		         "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],%s}",
+		         names[i], ONE(VEC3(0)));
+		write_file("named.gltf", text, strlen(text));
+		if (open_file("named.gltf", false, &scene) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		assert_triangles(&scene->meshes[0], (const float[][2]){{0, 0}, {1, 0}, {0, 1}}, 3);
+		stilb_scene_destroy(scene);
+	}
+	remove("a b\xC3\xA9.bin");
+	remove("named.gltf");
+}
+
+static int clear_and_remove(void **state)
+{
+	(void)state;
+	remove("test.glb");
+	return folder_remove();
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(sparse_accessors),
+		cmocka_unit_test(every_component_type),
+		cmocka_unit_test(strips_fans_lines_and_points),
+		cmocka_unit_test(normals),
+		cmocka_unit_test(scenes_and_nodes),
+		cmocka_unit_test(instances),
+		cmocka_unit_test(texture_transforms),
+		cmocka_unit_test(pictures_of_other_formats),
+		cmocka_unit_test(meshopt),
+		cmocka_unit_test(draco),
+		cmocka_unit_test(materials),
+		cmocka_unit_test(what_is_not_shown_is_named),
+		cmocka_unit_test(damaged_numbers_are_refused),
+		cmocka_unit_test(damaged_containers_are_refused),
+		cmocka_unit_test(buffers_by_any_name),
+	};
+	return cmocka_run_group_tests(tests, folder_make, clear_and_remove);
+}
