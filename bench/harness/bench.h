@@ -123,7 +123,8 @@ typedef struct bench_suite {
 #define BENCH_MAX_SUBJECTS 256
 
 extern const bench_suite bench_queue_suite, bench_jobs_suite, bench_cull_suite, bench_record_suite,
-	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite, bench_input_suite, bench_import_suite;
+	bench_profiler_suite, bench_shade_suite, bench_gi_suite, bench_furnace_suite, bench_input_suite, bench_import_suite,
+	bench_gltf_suite;
 /* Suites whose cases or subjects depend on the number of CPUs; filled by the first call. */
 const bench_suite *bench_steps_suite(void);
 const bench_suite *bench_threads_suite(void);
