@@ -465,6 +465,23 @@ static uint32_t textures_of(const char *name, bool allow_outside, char said[stat
 	return count;
 }
 
+/* Materials that Assimp reads name what of them is not shown, one line for each kind. */
+static void losses_of_other_formats_are_named(void **state)
+{
+	(void)state;
+	char said[1024];
+	mkdir(in_folder("deep"), 0700);
+	mkdir(in_folder("deep/scene"), 0700);
+	write_text("deep/scene/square.obj", SQUARE);
+	write_picture("deep/scene/bump.png", 128, 128, 255);
+	textures_of("bump.png\nd 0.5\nmap_Bump bump.png\nmap_d bump.png\nmap_Ks bump.png", false, said);
+	if (!strstr(said, "transparent surfaces are shown opaque: 1 material ('one')\n") ||
+	    !strstr(said, "normal maps and bump maps are not shown: 1 material ('one')\n") ||
+	    !strstr(said, "surfaces cut out by alpha are shown whole: 1 material ('one')\n") ||
+	    !strstr(said, "maps of specular reflection count by their mean or not at all: 1 material ('one')\n"))
+		fail_msg("'%s'", said);
+}
+
 static void files_stay_in_their_folder(void **state)
 {
 	(void)state;
@@ -850,6 +867,7 @@ int main(void)
 		cmocka_unit_test(memory_and_time_have_an_end),
 		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
 		cmocka_unit_test(the_library_has_a_version),
+		cmocka_unit_test(losses_of_other_formats_are_named),
 		cmocka_unit_test(files_stay_in_their_folder),
 		cmocka_unit_test(no_descriptor_stays_open),
 		cmocka_unit_test(numbers_may_begin_with_a_point),
