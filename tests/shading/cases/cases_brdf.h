@@ -23,8 +23,44 @@
 	X(6, shade_brdf_cos, 1e-5f, 1e-6f)                                                                                 \
 	X(7, shade_microfacet_cos, 1e-5f, 1e-6f)                                                                           \
 	X(8, shade_surface_brdf_cos, 1e-5f, 1e-6f)                                                                         \
-	X(9, shade_surface_radiance, 1e-5f, 1e-6f)
-#define SHADE_CASES_BRDF_COUNT 10
+	X(9, shade_surface_radiance, 1e-5f, 1e-6f)                                                                         \
+	X(10, shade_surface_diffuse_cos, 1e-5f, 1e-6f)                                                                     \
+	X(11, shade_surface_highlight_cos, 1e-5f, 1e-6f)                                                                   \
+	X(12, shade_surface_sky, 1e-5f, 1e-6f)                                                                             \
+	X(13, shade_surface_lit, 1e-5f, 1e-6f)                                                                             \
+	X(14, shade_surface_light, 1e-4f, 1e-4f)
+#define SHADE_CASES_BRDF_COUNT 15
+
+/* A surface under one light, by parts. */
+SHADE_FN vec4 shade_case_surface(int row, shade_brdf_model model, shade_material material, shade_frame frame, vec3 l,
+                                 vec3 v)
+{
+	shade_sun sun = {l, vec3(4.0f, 3.0f, 2.0f)};
+	shade_sky sky = {vec3(0.3f, 0.5f, 0.9f), vec3(0.2f, 0.1f, 0.05f)};
+	if (row == 9)
+		return vec4(shade_surface_radiance(model, material, sun, sky, frame, v), 0.0f);
+	if (row == 10)
+		return vec4(shade_surface_diffuse_cos(model, material, frame.n, l), 0.0f);
+	if (row == 11)
+		return vec4(shade_surface_highlight_cos(model, material, frame, l, v), 0.0f);
+	if (row == 12)
+		return vec4(shade_surface_sky(material, sky, frame.n), 0.0f);
+	if (row == 13)
+		return vec4(shade_surface_lit(model, material, frame, sun, material.roughness > 0.5f, sky.sky, v), 0.0f);
+	shade_frame around = shade_frame_from_normal(l);
+	shade_light light = {SHADE_LIGHT_POINT + int(material.roughness * 5.999f),
+	                     SHADE_FALLOFF_PHYSICAL,
+	                     l * 2.0f,
+	                     -l,
+	                     vec3(3.0f, 2.0f, 1.0f),
+	                     0.9f,
+	                     0.5f,
+	                     0.5f,
+	                     around.t,
+	                     around.b,
+	                     9.0f};
+	return vec4(shade_surface_light(model, material, frame, light, vec3(0.0f), v), 0.0f);
+}
 
 /* Any model about any normal. */
 SHADE_FN vec4 shade_case_brdf_model(int row, vec4 a, vec4 b)
@@ -44,9 +80,7 @@ SHADE_FN vec4 shade_case_brdf_model(int row, vec4 a, vec4 b)
 	shade_material material = {share.diffuse, share.specular, p.roughness, p.anisotropy, p.wrap};
 	if (row == 8)
 		return vec4(shade_surface_brdf_cos(model, material, frame, l, v), 0.0f);
-	shade_sun sun = {l, vec3(4.0f, 3.0f, 2.0f)};
-	shade_sky sky = {vec3(0.3f, 0.5f, 0.9f), vec3(0.2f, 0.1f, 0.05f)};
-	return vec4(shade_surface_radiance(model, material, sun, sky, frame, v), 0.0f);
+	return shade_case_surface(row, model, material, frame, l, v);
 }
 
 SHADE_FN vec4 shade_case_brdf(int row, vec4 a, vec4 b)

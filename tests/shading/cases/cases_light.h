@@ -39,8 +39,11 @@
 	X(23, shade_light_at_direction, 1e-5f, 1e-5f)                                                                      \
 	X(24, shade_sphere_irradiance, 1e-4f, 1e-4f)                                                                       \
 	X(25, shade_disk_and_rectangle_irradiance, 1e-4f, 1e-4f)                                                           \
-	X(26, shade_area_irradiance, 1e-4f, 1e-4f)
-#define SHADE_CASES_LIGHT_COUNT 27
+	X(26, shade_area_irradiance, 1e-4f, 1e-4f)                                                                         \
+	X(27, shade_area_pieces, 1e-5f, 1e-5f)                                                                             \
+	X(28, shade_disk_pieces, 1e-4f, 1e-4f)                                                                             \
+	X(29, shade_border_edge, 1e-4f, 1e-4f)
+#define SHADE_CASES_LIGHT_COUNT 30
 
 SHADE_FN shade_light shade_case_some_light(vec4 a, vec4 b)
 {
@@ -180,8 +183,33 @@ SHADE_FN vec4 shade_case_areas(int row, vec4 a, vec4 b)
 	return vec4(shade_area_irradiance(light, light.position - center, n) * 0.1f, 0.0f);
 }
 
+/* What the irradiance of disks and rectangles is made of. */
+SHADE_FN vec4 shade_case_area_pieces(int row, vec4 a, vec4 b)
+{
+	vec3 n = shade_case_direction(a[3], b[3]);
+	float short_side = 0.1f + a[2];
+	float long_side = short_side + b[2];
+	if (row == 27)
+		return vec4(shade_area_acos(2.0f * a[0] - 1.0f), shade_disk_ramp(2.0f * a[1] - 1.0f),
+		            shade_rectangle_ramp((2.0f * a[3] - 1.0f) * (long_side + short_side), long_side, short_side),
+		            select(shade_light_is_sized(int(b[3] * 5.999f)), 1.0f, 0.0f));
+	if (row == 28) {
+		shade_disk_seen disk = {n[0], n[1], n[2], 0.1f + 2.0f * a[0], 2.0f * b[0], 0.1f + a[1]};
+		float left = disk.height * disk.height + disk.across * disk.across - disk.radius * disk.radius;
+		float root = sqrt(left * left + 4.0f * disk.radius * disk.radius * disk.height * disk.height);
+		float from = 3.0f * b[1] - 1.5f;
+		return vec4(shade_disk_irradiance_whole(disk, root), shade_disk_arc(disk, root, from, from + 0.1f + b[2]), 0.0f,
+		            0.0f);
+	}
+	shade_border border = {0.0f, vec3(0.0f), vec3(0.0f)};
+	border = shade_border_edge(border, 3.0f * vec3(b[2], a[1], a[2]) - 1.5f, shade_case_direction(b[0], b[1]), n);
+	return vec4(border.sum, border.set[0], border.rise[0], 0.0f);
+}
+
 SHADE_FN vec4 shade_case_light(int row, vec4 a, vec4 b)
 {
+	if (row > 26)
+		return shade_case_area_pieces(row, a, b);
 	if (row > 23)
 		return shade_case_areas(row, a, b);
 	if (row == 22)
