@@ -16,18 +16,29 @@
 #ifndef SHADE_LIGHT_AREA_H
 #define SHADE_LIGHT_AREA_H
 
+#include "shade_frame.h"
 #include "shade_light.h"
 
 #include "glsl_begin.h"
 
 /* Keeps quotients finite: no product of two sines or lengths that is used is below it. */
-#define SHADE_AREA_TINY 1e-20f
+#define SHADE_AREA_EPSILON 1e-20f
 
 /* Squared size over squared distance below which a disk that the horizon cuts, and any rectangle, is integrated with
  * one distance to all of its points. The exact forms are differences of angles there, which leave few digits. The size
  * is a disk's radius or half a rectangle's diagonal: the error is below 4e-4 of what the light sends to a surface that
  * faces it. */
-#define SHADE_AREA_FAR 2e-4f
+#define SHADE_AREA_FAR_LIMIT 2e-4f
+
+/* Least distance of a disk's centre from the point's axis, as a share of the other lengths: below it the disk is seen
+ * as if it were there. */
+#define SHADE_AREA_ACROSS_MIN 1e-6f
+
+/* Least share of the longer side that the shorter one has in shade_rectangle_ramp, where it divides. */
+#define SHADE_AREA_SIDE_MIN 0.02f
+
+/* Half of the sum of a sphere's values at the ends of the range in which the horizon cuts it. */
+#define SHADE_AREA_CHORD_MAX 0.5f
 
 /* Arc cosine of x in [-1, 1] by the arc tangent, which GPUs compute more precisely than acos: lavapipe's acos is off by
  * 2e-4. */
@@ -42,12 +53,13 @@ SHADE_FN float shade_sphere_irradiance(float cosine, float sin2)
 {
 	if (cosine * cosine > sin2)
 		return SHADE_PI * sin2 * max(cosine, 0.0f);
-	float sine = sqrt(max(1.0f - cosine * cosine, SHADE_AREA_TINY));
+	float sine = sqrt(max(1.0f - cosine * cosine, SHADE_AREA_EPSILON));
 	float cot = sqrt(max(1.0f / sin2 - 1.0f, 0.0f));
 	float y = clamp(-cot * cosine / sine, -1.0f, 1.0f);
 	float side = sine * sqrt(max(1.0f - y * y, 0.0f));
 	float form = (cosine * shade_area_acos(y) - cot * side) * sin2 + atan(side, cot);
-	return clamp(form, 0.0f, 0.5f * SHADE_PI * sin2 * (cosine + sqrt(sin2))); /* between its ends it is convex */
+	return clamp(form, 0.0f,
+	             SHADE_AREA_CHORD_MAX * SHADE_PI * sin2 * (cosine + sqrt(sin2))); /* between its ends it is convex */
 }
 
 /* A disk as the lit point sees it: axis_n, across_n and side_n are n along the axis from the point to the disk's plane,
@@ -81,7 +93,7 @@ SHADE_FN float shade_disk_irradiance_whole(shade_disk_seen d, float root)
 SHADE_FN float shade_disk_arc(shade_disk_seen d, float root, float from, float to)
 {
 	float d0 = d.height * d.height + d.across * d.across + d.radius * d.radius;
-	float d1 = max(2.0f * d.radius * d.across, 1e-6f * d0);
+	float d1 = max(2.0f * d.radius * d.across, SHADE_AREA_ACROSS_MIN * d0);
 	float e = d1 / (d0 + root);
 	float turn = atan(e * sin(to), 1.0f + e * cos(to)) - atan(e * sin(from), 1.0f + e * cos(from));
 	float of_one = ((to - from) - 2.0f * turn) / root;
@@ -115,8 +127,8 @@ SHADE_FN float shade_disk_irradiance(vec3 center, vec3 direction, float radius, 
 		return 0.0f;
 	vec3 beside = center + direction * height;
 	float across = sqrt(dot(beside, beside));
-	vec3 any = select(abs(direction[0]) < 0.7f, vec3(1.0f, 0.0f, 0.0f), vec3(0.0f, 1.0f, 0.0f));
-	vec3 u = select(across > 1e-6f * (height + radius), beside, cross(direction, any));
+	shade_frame frame = shade_frame_from_normal(direction);
+	vec3 u = select(across > SHADE_AREA_ACROSS_MIN * (height + radius), beside, frame.t);
 	u = u * inversesqrt(dot(u, u));
 	vec3 v = cross(u, direction);
 	shade_disk_seen d = {-dot(n, direction), dot(n, u), dot(n, v), height, across, radius};
@@ -129,7 +141,7 @@ SHADE_FN float shade_disk_irradiance(vec3 center, vec3 direction, float radius, 
 	if (middle <= -swing)
 		return 0.0f;
 	float square = height * height + across * across;
-	if (radius * radius < SHADE_AREA_FAR * square)
+	if (radius * radius < SHADE_AREA_FAR_LIMIT * square)
 		return radius * radius * height * swing * shade_disk_ramp(middle / swing) / (square * square);
 	float highest = atan(d.side_n, d.across_n);
 	float half_arc = shade_area_acos(clamp(-middle / swing, -1.0f, 1.0f));
@@ -154,7 +166,8 @@ SHADE_FN shade_border shade_border_edge(shade_border border, vec3 a, vec3 edge, 
 {
 	float height_a = dot(n, a);
 	float height_b = height_a + dot(n, edge);
-	float cut = height_a / select(abs(height_a - height_b) > SHADE_AREA_TINY, height_a - height_b, 1.0f);
+	float drop = height_a - height_b;
+	float cut = height_a / select(abs(drop) > SHADE_AREA_EPSILON, drop, height_a); /* only used where it divides */
 	float from = select(height_a < 0.0f, cut, 0.0f);
 	float to = select(height_b < 0.0f, cut, 1.0f);
 	vec3 start = a + edge * from;
@@ -163,7 +176,8 @@ SHADE_FN shade_border shade_border_edge(shade_border border, vec3 a, vec3 edge, 
 	float sine = sqrt(dot(across, across));
 	float angle = atan(sine, dot(start, start) + dot(start, part));
 	bool above = height_a >= 0.0f || height_b >= 0.0f;
-	border.sum += select(above && sine > SHADE_AREA_TINY, dot(n, across) * angle / max(sine, SHADE_AREA_TINY), 0.0f);
+	border.sum +=
+		select(above && sine > SHADE_AREA_EPSILON, dot(n, across) * angle / max(sine, SHADE_AREA_EPSILON), 0.0f);
 	border.set = select(height_a >= 0.0f && height_b < 0.0f, start + part, border.set);
 	border.rise = select(height_a < 0.0f && height_b >= 0.0f, start, border.rise);
 	return border;
@@ -180,11 +194,11 @@ SHADE_FN float shade_rectangle_irradiance(vec3 center, vec3 direction, vec3 half
 	float a = max(abs(dot(n, half_x)), abs(dot(n, half_y)));
 	float b = min(abs(dot(n, half_x)), abs(dot(n, half_y)));
 	float middle = dot(n, center); // height of the centre above the horizon
-	bool far = dot(half_x, half_x) + dot(half_y, half_y) < SHADE_AREA_FAR * square;
+	bool far = dot(half_x, half_x) + dot(half_y, half_y) < SHADE_AREA_FAR_LIMIT * square;
 	if (middle <= -a - b)
 		return 0.0f;
 	if (far) {
-		float mean = select(middle < a + b, shade_rectangle_ramp(middle, a, max(b, 0.02f * a)), middle);
+		float mean = select(middle < a + b, shade_rectangle_ramp(middle, a, max(b, SHADE_AREA_SIDE_MIN * a)), middle);
 		return mean * shade_rectangle_area(half_x, half_y) * height / (square * square);
 	}
 	float winding = select(dot(cross(half_x, half_y), direction) < 0.0f, 1.0f, -1.0f);
@@ -196,7 +210,7 @@ SHADE_FN float shade_rectangle_irradiance(vec3 center, vec3 direction, vec3 half
 	border = shade_border_edge(border, center - x + half_y, -2.0f * half_y, n);
 	float horizon = atan(dot(n, cross(border.set, border.rise)), dot(border.set, border.rise));
 	float chord = dot(border.set, border.set) * dot(border.rise, border.rise);
-	return max(0.5f * (border.sum + select(chord > SHADE_AREA_TINY, horizon, 0.0f)), 0.0f);
+	return max(0.5f * (border.sum + select(chord > SHADE_AREA_EPSILON, horizon, 0.0f)), 0.0f);
 }
 
 /* True for a sphere, a disk and a rectangle. */

@@ -221,9 +221,99 @@ static void bounds(void **state)
 	}
 }
 
+/* ---- exactness: each constant of the header shows ---------------------------------------------------------------- */
+
+#define STEPS 4000 /* of the midpoint rule in one dimension */
+
+/* E / L of a sphere, by circles about the direction to its centre: on each the cosine has a closed form. */
+static double sphere_integral(double cosine, double sin2)
+{
+	double sum = 0.0, sine = sqrt(1.0 - cosine * cosine), end = asin(sqrt(sin2));
+	for (int i = 0; i < STEPS; i++) {
+		double angle = end * (i + 0.5) / STEPS, z = cos(angle) * cosine, s = sin(angle) * sine;
+		double half = z >= s ? M_PI : z <= -s ? 0.0 : acos(-z / s);
+		sum += 2.0 * sin(angle) * (z * half + s * sin(half));
+	}
+	return sum * end / STEPS;
+}
+
+static void spheres_to_six_digits(void **state)
+{
+	(void)state;
+	for (double sin2 = 0.1; sin2 < 1.0; sin2 += 0.2)
+		for (double cosine = -0.95; cosine < 1.0; cosine += 0.1)
+			SHADE_PROOF_NEAR(shade_sphere_irradiance((float)cosine, (float)sin2), sphere_integral(cosine, sin2), 1e-5,
+			                 4e-6);
+	/* Almost upright, from just outside. */
+	static const float steep[] = {-0.9999f, -0.999f, 0.999f, 0.9999f};
+	for (int i = 0; i < 4; i++)
+		SHADE_PROOF_NEAR(shade_sphere_irradiance(steep[i], 0.9999f), sphere_integral((double)steep[i], (double)0.9999f),
+		                 2e-5, 1e-5);
+	for (double x = -1.0; x <= 1.0; x += 0.125)
+		SHADE_PROOF_NEAR(shade_area_acos((float)x), acos(x), 1e-6, 1e-6);
+}
+
+static void ramps_to_six_digits(void **state)
+{
+	(void)state;
+	for (double z = -0.9; z < 1.0; z += 0.3) {
+		double disk = 0.0, rectangle = 0.0, a = 0.9, b = 0.4;
+		for (int i = 0; i < STEPS; i++) {
+			double x = -cos(M_PI * (i + 0.5) / STEPS), u = (2.0 * i + 1.0) / STEPS - 1.0;
+			double low = fmax(z + a * u - b, 0.0), high = fmax(z + a * u + b, 0.0);
+			disk += fmax(z + x, 0.0) * 2.0 * (1.0 - x * x) * M_PI / STEPS;
+			rectangle += (high * high - low * low) / (4.0 * b) / STEPS;
+		}
+		SHADE_PROOF_NEAR(shade_disk_ramp((float)z), disk, 1e-5, 1e-6);
+		SHADE_PROOF_NEAR(shade_rectangle_ramp((float)z, (float)a, (float)b), rectangle, 1e-5, 1e-6);
+	}
+}
+
+/* n . (r x dr) / r^2 along an arc, in the axes of shade_disk_seen. */
+static double arc_integral(shade_disk_seen d, double from, double to)
+{
+	double sum = 0.0, h = (double)d.height, x = (double)d.across, r0 = (double)d.radius;
+	for (int i = 0; i < STEPS; i++) {
+		double t = from + (to - from) * (i + 0.5) / STEPS, c = cos(t), s = sin(t);
+		double square = h * h + x * x + r0 * r0 + 2.0 * r0 * x * c;
+		sum += ((double)d.axis_n * (r0 + x * c) - h * ((double)d.across_n * c + (double)d.side_n * s)) / square;
+	}
+	return sum * r0 * (to - from) / STEPS;
+}
+
+/* The whole border is the whole disk, also of one that is larger than its distance. */
+static void borders_of_disks_to_five_digits(void **state)
+{
+	(void)state;
+	for (float radius = 0.3f; radius < 4.0f; radius *= 1.6f)
+		for (float across = 0.2f; across < 2.0f; across += 0.5f) {
+			shade_disk_seen d = {0.8f, 0.36f, -0.48f, 0.7f, across, radius};
+			float left = d.height * d.height + across * across - radius * radius;
+			float root = sqrtf(left * left + 4.0f * radius * radius * d.height * d.height);
+			SHADE_PROOF_NEAR(shade_disk_arc(d, root, -1.0f, 0.4f), arc_integral(d, -1.0, 0.4), 2e-5, 1e-5);
+			SHADE_PROOF_NEAR(shade_disk_irradiance_whole(d, root), 0.5 * arc_integral(d, -M_PI, M_PI), 2e-5, 1e-6);
+		}
+}
+
+static void flat_lights_to_four_digits(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 33};
+	for (int i = 0; i < 24; i++) {
+		flat f = random_flat(&random, i & 1);
+		SHADE_PROOF_NEAR(flat_formula(&f), flat_integral(&f), 1e-4, 6e-5);
+	}
+}
+
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
+	const struct CMUnitTest exactness[] = {
+		cmocka_unit_test(spheres_to_six_digits),
+		cmocka_unit_test(ramps_to_six_digits),
+		cmocka_unit_test(borders_of_disks_to_five_digits),
+		cmocka_unit_test(flat_lights_to_four_digits),
+	};
+	const struct CMUnitTest properties[] = {
 		cmocka_unit_test(flat_lights_are_exact),
 		cmocka_unit_test(small_lights_on_the_horizon),
 		cmocka_unit_test(disks_in_special_places),
@@ -232,5 +322,5 @@ int main(void)
 		cmocka_unit_test(lights_send_their_intensity),
 		cmocka_unit_test(bounds),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return SHADE_PROOF_RUN(exactness, properties);
 }
