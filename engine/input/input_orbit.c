@@ -28,9 +28,8 @@ void stilb_input_orbit_move(const stilb_input_orbit *orbit, stilb_input_pose *po
 	if (orbit_finite(orbit->turn[1]) != 0.0f) /* a camera of a file may look straight down, until it is turned */
 		pose->pitch = orbit_clamp(pose->pitch + orbit->turn[1], -STILB_INPUT_PITCH_LIMIT, STILB_INPUT_PITCH_LIMIT);
 	stilb_mat4 after = stilb_mat4_view((stilb_vec3){0}, pose->yaw, pose->pitch);
-	for (int i = 0; i < 3; i++) { /* rows of a view matrix: the axes to the right, up and backwards */
-		const float *row = &after.m[4 * i];
-		pose->position[i] += nearer * row[2] - *distance * before.m[4 * i + 2] + right * row[0] + up * row[1];
-	}
+	const float *was = before.m, *is = after.m; /* rows of a view matrix: the axes to the right, up and backwards */
+	for (int i = 0; i < 3; i++, was += 4, is += 4)
+		pose->position[i] += nearer * is[2] - *distance * was[2] + right * is[0] + up * is[1];
 	*distance = nearer;
 }

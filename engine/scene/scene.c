@@ -175,14 +175,30 @@ static bool scene_world(const stilb_mat4 *transform, const float p[3], float out
 	return finite;
 }
 
-/* Calls add with every vertex of the model in world space, but for those that scene_world refuses. */
-static void scene_each_vertex(const stilb_scene *scene, uint32_t model, void (*add)(void *context, const float p[3]),
-                              void *context)
+/* Calls add with the corners of the box, transformed to the world. */
+static void scene_each_corner(const scene_box *box, const stilb_mat4 *transform,
+                              void (*add)(void *context, const float p[3]), void *context)
+{
+	float p[3];
+	for (int corner = 0; corner < 8 && box->low[0] <= box->high[0]; corner++) {
+		float at[3] = {corner & 1 ? box->high[0] : box->low[0], corner & 2 ? box->high[1] : box->low[1],
+		               corner & 4 ? box->high[2] : box->low[2]};
+		if (scene_world(transform, at, p))
+			add(context, p);
+	}
+}
+
+/* Calls add with every vertex of the model in world space, but for those that scene_world refuses. boxes: NULL, or for
+ * each mesh a box whose corners stand for its vertices. */
+static void scene_each_vertex(const stilb_scene *scene, uint32_t model, const scene_box *boxes,
+                              void (*add)(void *context, const float p[3]), void *context)
 {
 	float p[3];
 	for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
 		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[part]];
-		for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		if (boxes)
+			scene_each_corner(&boxes[scene->part_mesh[part]], &scene->part_transform[part], add, context);
+		for (uint32_t v = 0; v < mesh->vertex_count && !boxes; v++)
 			if (scene_world(&scene->part_transform[part], mesh->vertices[v].position, p))
 				add(context, p);
 	}
@@ -200,19 +216,57 @@ static void scene_grow_sphere(void *context, const float p[3])
 	sphere->radius = fmaxf(sphere->radius, sqrtf(x * x + y * y + z * z));
 }
 
-void scene_fit_bounds(stilb_scene *scene, uint32_t model)
+static void scene_fit_model(stilb_scene *scene, uint32_t model, const scene_box *boxes)
 {
 	STILB_ASSERT(model < scene->model_count);
 	scene_box box = scene_box_empty;
-	scene_each_vertex(scene, model, scene_grow_box, &box);
+	scene_each_vertex(scene, model, boxes, scene_grow_box, &box);
 	stilb_vec3 center = scene_box_center(&box);
 	stilb_sphere sphere = {center[0], center[1], center[2], 0.0f};
-	scene_each_vertex(scene, model, scene_grow_sphere, &sphere);
+	scene_each_vertex(scene, model, boxes, scene_grow_sphere, &sphere);
 	scene->bounds.x[model] = sphere.x;
 	scene->bounds.y[model] = sphere.y;
 	scene->bounds.z[model] = sphere.z;
 	scene->bounds.radius[model] = sphere.radius * 1.00001f; /* a margin for rounding */
 	STILB_ASSERT(isfinite(scene->bounds.radius[model]));
+}
+
+void scene_fit_bounds(stilb_scene *scene, uint32_t model)
+{
+	scene_fit_model(scene, model, NULL);
+}
+
+bool scene_is_placed_often(const stilb_scene *scene)
+{
+	uint64_t placed = 0;
+	for (uint32_t part = 0; part < scene->part_count; part++) {
+		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[part]];
+		placed += mesh->vertex_count > mesh->index_count ? mesh->vertex_count : mesh->index_count;
+	}
+	return placed > SCENE_PLACED_OFTEN;
+}
+
+/* The box of each mesh in its own space, [mesh_count], to be freed; NULL without memory. */
+static scene_box *scene_mesh_boxes(const stilb_scene *scene)
+{
+	scene_box *boxes = stilb_memory_alloc(scene->mesh_count, sizeof *boxes);
+	stilb_mat4 itself = stilb_mat4_identity();
+	float p[3];
+	for (uint32_t m = 0; boxes && m < scene->mesh_count; m++) {
+		boxes[m] = scene_box_empty;
+		for (uint32_t v = 0; v < scene->meshes[m].vertex_count; v++)
+			if (scene_world(&itself, scene->meshes[m].vertices[v].position, p))
+				scene_box_add(&boxes[m], p, 0.0f);
+	}
+	return boxes;
+}
+
+void scene_fit_all_bounds(stilb_scene *scene)
+{
+	scene_box *boxes = scene_is_placed_often(scene) ? scene_mesh_boxes(scene) : NULL;
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		scene_fit_model(scene, m, boxes);
+	free(boxes);
 }
 
 stilb_sphere scene_sphere(const stilb_scene *scene)

@@ -358,8 +358,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 		}
 	}
 	scene->first_part[scene->model_count] = scene->part_count;
-	for (uint32_t m = 0; m < scene->model_count; m++)
-		scene_fit_bounds(scene, m);
+	scene_fit_all_bounds(scene);
 	scene->framed = !build->has_camera;
 	scene->camera = build->has_camera ? build->camera
 	                                  : stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);

@@ -80,9 +80,34 @@ static void frame_add_part(frame_extent *extent, frame_outline *outline, const s
 	}
 }
 
+/* Adds the corners of the cubes around the models' bounds, with sides along the camera's axes. */
+static void frame_add_bounds(frame_extent *extent, frame_outline *outline, const stilb_scene *scene,
+                             const stilb_mat4 *to_view)
+{
+	const stilb_scene_bounds *b = &scene->bounds;
+	const float *m = to_view->m;
+	for (uint32_t i = 0; i < scene->model_count; i++)
+		for (int corner = 0; corner < 8 && !isnan(b->radius[i]); corner++) {
+			stilb_vec3 at = {0};
+			for (int k = 0; k < 3; k++)
+				at[k] = m[k] * b->x[i] + m[4 + k] * b->y[i] + m[8 + k] * b->z[i] +
+				        (corner >> k & 1 ? b->radius[i] : -b->radius[i]);
+			at[2] = -at[2];
+			if (extent)
+				frame_add(extent, at);
+			else
+				frame_look(outline, at);
+		}
+}
+
+/* If scene_is_placed_often, the models' bounds stand for their vertices. */
 static void frame_add_scene(frame_extent *extent, frame_outline *outline, const stilb_scene *scene,
                             const stilb_mat4 *to_view)
 {
+	if (scene_is_placed_often(scene)) {
+		frame_add_bounds(extent, outline, scene, to_view);
+		return;
+	}
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1] && !isnan(scene->bounds.radius[m]); p++)
 			frame_add_part(extent, outline, scene, p, to_view);
@@ -124,9 +149,9 @@ stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float 
 	/* From the camera's axes to the world: the rows of the view matrix are the axes. */
 	const float *m = view.m;
 	stilb_vec3 position = {0};
-	for (int i = 0; i < 3; i++)
-		position[i] = at[0] * m[4 * i] + at[1] * m[4 * i + 1] - at[2] * m[4 * i + 2];
 	stilb_vec3 ahead = stilb_vec3_make(-m[2], -m[6], -m[10]);
+	for (int i = 0; i < 3; i++, m += 4)
+		position[i] = at[0] * m[0] + at[1] * m[1] - at[2] * m[2];
 	stilb_scene_camera camera = scene_camera_along(position, ahead * (middle - at[2]), FRAME_FOV);
 	camera.yaw = yaw; /* exactly, also straight up and down */
 	camera.pitch = pitch;

@@ -24,6 +24,15 @@ bool scene_mesh_is_sound(const stilb_scene_mesh *mesh);
  * NaN or beyond 1e18 m in the world are left out. */
 void scene_fit_bounds(stilb_scene *scene, uint32_t model);
 
+/* True if all parts together have more than SCENE_PLACED_OFTEN vertices or indices, a mesh counted as often as it is
+ * placed: to walk them would take seconds. A file of a kilobyte can place a mesh 70,000 times. */
+#define SCENE_PLACED_OFTEN (1u << 27)
+bool scene_is_placed_often(const stilb_scene *scene);
+
+/* scene_fit_bounds for all models. If scene_is_placed_often, the corners of the meshes' boxes stand for their vertices:
+ * bounds are larger then, of a similarity up to sqrt(3) times. */
+void scene_fit_all_bounds(stilb_scene *scene);
+
 /* A sphere around all models' bounds, about the centre of their box; radius 0 if there are no models. */
 stilb_sphere scene_sphere(const stilb_scene *scene);
 

@@ -347,6 +347,39 @@ static void without_memory_nothing_is_lost(void **state)
 	stilb_scene_destroy(from);
 }
 
+/* ---- a mesh that is placed often --------------------------------------------------------------------------------- */
+
+/* A row of spheres along x, too many vertices to walk for each place: bounds and camera come from boxes. */
+static void a_mesh_is_placed_often(void **state)
+{
+	(void)state;
+	enum { ROW = 600 };
+	stilb_scene_mesh sphere;
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_mesh_sphere(6, &sphere), STILB_OK);
+	assert_true((uint64_t)ROW * sphere.index_count > SCENE_PLACED_OFTEN);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_material grey = stilb_scene_material_make((float[3]){0.5f, 0.5f, 0.5f}, (float[3]){0}, 1.0f);
+	stilb_scene_build_part part = {stilb_scene_build_mesh(build, &sphere), stilb_scene_build_material(build, &grey)};
+	for (int i = 0; i < ROW; i++) {
+		stilb_mat4 place = moved(3.0f * (float)i, 1.0f, -2.0f);
+		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &place), &part, 1);
+	}
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	for (uint32_t i = 0; i < ROW; i++) {
+		assert_true(fabsf(scene->bounds.x[i] - 3.0f * (float)i) < 1e-3f && fabsf(scene->bounds.y[i] - 1.0f) < 1e-3f &&
+		            fabsf(scene->bounds.z[i] + 2.0f) < 1e-3f);
+		assert_true(scene->bounds.radius[i] >= 1.0f && scene->bounds.radius[i] < 1.7325f);
+	}
+	/* The row fills nine tenths of the picture's width, but for the corners that stand for the spheres at its ends. */
+	stilb_scene_camera camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	float filled = 0.5f * 1799.0f / ((camera.position[2] + 2.0f) * tanf(0.5f * camera.fov_y));
+	assert_true(fabsf(camera.position[0] - 898.5f) < 0.5f && fabsf(camera.position[1] - 1.0f) < 0.5f);
+	assert_true(filled > 0.89f && filled < 0.901f);
+	stilb_scene_destroy(scene);
+	stilb_scene_mesh_finish(&sphere);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -357,6 +390,7 @@ int main(void)
 		cmocka_unit_test(mistakes_in_materials),
 		cmocka_unit_test(mistakes_in_places),
 		cmocka_unit_test(mistakes_in_lights_and_cameras),
+		cmocka_unit_test(a_mesh_is_placed_often),
 		cmocka_unit_test(without_memory_nothing_is_lost),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

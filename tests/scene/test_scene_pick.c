@@ -40,7 +40,7 @@ static stilb_scene_build *begin_scene(void)
 
 static stilb_scene_ray straight(double x, double y)
 {
-	return (stilb_scene_ray){{x, y, 10.0}, {0.0, 0.0, -2.0}, 0.0, INFINITY};
+	return (stilb_scene_ray){{x, y, 10.0}, {0.0, 0.0, -2.0}, 0.0, HUGE_VAL};
 }
 
 static void test_the_nearest_front_is_met(void **state)
@@ -69,12 +69,12 @@ static void test_the_nearest_front_is_met(void **state)
 	/* (1 - u - v) a + u b + v c of corners 0, 2, 3 of the square */
 	assert_float_equal(-(1.0f - hit.u - hit.v) + hit.u - hit.v, -0.75f, 1e-6f);
 	assert_float_equal(-(1.0f - hit.u - hit.v) + hit.u + hit.v, 0.5f, 1e-6f);
-	scene->bounds.radius[1] = NAN; /* hidden */
+	scene->bounds.radius[1] = (double)NAN; /* hidden */
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
 	ray = straight(1.75, 0.0);
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
 	assert_int_equal(hit.model, 1);                                             /* as before */
-	ray = (stilb_scene_ray){{0.0, 0.0, -10.0}, {0.0, 0.0, 1.0}, 0.0, INFINITY}; /* from behind: only model 0 faces it */
+	ray = (stilb_scene_ray){{0.0, 0.0, -10.0}, {0.0, 0.0, 1.0}, 0.0, HUGE_VAL}; /* from behind: only model 0 faces it */
 	assert_true(stilb_scene_pick(scene, &ray, &hit));
 	assert_int_equal(hit.model, 0);
 	stilb_scene_destroy(scene);
@@ -101,11 +101,11 @@ static void test_segments_and_ties(void **state)
 	ray.far_t = nextafter(5.0, 0.0);
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
 	ray = straight(0.0, 0.0);
-	ray.direction[2] = NAN;
+	ray.direction[2] = (double)NAN;
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
-	ray = straight(NAN, 0.0);
+	ray = straight((double)NAN, 0.0);
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
-	ray = straight(INFINITY, 0.0);
+	ray = straight(HUGE_VAL, 0.0);
 	assert_false(stilb_scene_pick(scene, &ray, &hit));
 	stilb_scene_destroy(scene);
 }

@@ -144,8 +144,7 @@ static void mesh_add_parts(importer *import, const mesh_plan *plan)
 			scene->first_part[++model] = part;
 	}
 	STILB_ASSERT(part == scene->part_count && model == scene->model_count);
-	for (uint32_t m = 0; m < scene->model_count; m++)
-		scene_fit_bounds(scene, m);
+	scene_fit_all_bounds(scene);
 }
 
 stilb_result importer_add_meshes(importer *import)

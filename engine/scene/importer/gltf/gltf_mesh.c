@@ -188,7 +188,7 @@ stilb_result gltf_add_meshes(gltf *from)
 	}
 	result = mesh_add_models(from, &made);
 	STILB_ASSERT(result != STILB_OK || (made.parts == counted.parts && made.models == counted.models));
-	for (uint32_t m = 0; result == STILB_OK && m < scene->model_count; m++)
-		scene_fit_bounds(scene, m);
+	if (result == STILB_OK)
+		scene_fit_all_bounds(scene);
 	return result;
 }
