@@ -28,6 +28,11 @@ static stilb_result view_open(view *v, const char *name, bool again)
 	return view_load_start(name, &v->options.picture, again, &v->load);
 }
 
+static void view_say_panorama(const char *path)
+{
+	stilb_log("'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
+}
+
 /* Shows what has been opened. The first scene must open; later, a line says why the one before stays. */
 static stilb_result view_opened(view *v)
 {
@@ -52,8 +57,11 @@ static stilb_result view_opened(view *v)
 	v->run->starting = false;
 	free(v->name);
 	v->name = name;
-	if (!again)
+	if (!again) {
 		view_watch_set(&v->watch, name);
+		if (scene->surroundings.panorama.pixels && !v->options.picture.quiet)
+			view_say_panorama(v->options.picture.environment ? v->options.picture.environment : name);
+	}
 	return STILB_OK;
 }
 
@@ -79,7 +87,7 @@ static stilb_result view_drop(view *v, const char *path)
 	const char *dot = strrchr(path, '.');
 	if (!dot || (strcasecmp(dot, ".hdr") != 0 && strcasecmp(dot, ".exr") != 0))
 		return view_open(v, path, false);
-	stilb_log("'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
+	view_say_panorama(path);
 	return STILB_OK;
 }
 

@@ -64,6 +64,11 @@ static void turns_a_table(void **state)
 	/* A quarter turn further the square is seen from its side, nearly edge-on. */
 	assert_true(boxes[1][1] - boxes[1][0] < (boxes[0][1] - boxes[0][0]) * 3 / 4);
 	assert_true(abs((boxes[2][1] - boxes[2][0]) - (boxes[0][1] - boxes[0][0])) <= 6);
+	/* What frames do not draw is said. */
+	assert_null(strstr(run.err, "panorama"));
+	assert_int_equal(stilb_code(no_display, "view square.obj --size 64x64 --screenshot p.png --environment t-001.png"),
+	                 0);
+	assert_non_null(strstr(run.err, "'t-001.png': frames do not draw a panorama yet"));
 }
 
 static void opens_what_ships(void **state)
