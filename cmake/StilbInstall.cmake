@@ -33,7 +33,7 @@ set(headers
 	scene/scene.h scene/scene_build.h scene/scene_pick.h scene/edit/scene_edit.h
 	shading/shade_model.h
 	window/window.h
-	input/input.h input/input_camera.h input/input_control.h input/input_pad.h
+	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
 	culling/cull.h
 	render/render.h
 	ui/ui_draw.h

@@ -136,7 +136,9 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	stilb_owner_take(&engine->owner);
 	engine->desc = *desc;
 	engine->shading = desc->shading;
-	stilb_result result = engine_profile_start(engine);
+	stilb_result result = stilb_engine_table(desc, &engine->actions);
+	if (result == STILB_OK)
+		result = engine_profile_start(engine);
 	if (result == STILB_OK)
 		result = engine_start(engine);
 	if (result != STILB_OK) {

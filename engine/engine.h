@@ -69,6 +69,17 @@ typedef enum stilb_engine_gamepad {
 	STILB_ENGINE_GAMEPAD_REPLAY  /* a recorded file, which moves the camera the same way in every run */
 } stilb_engine_gamepad;
 
+/* The rows of the engine's table of actions that follow those of the camera (input_actions.h); then come the program's,
+ * the first with the number STILB_ENGINE_ACTIONS. */
+enum {
+	STILB_ENGINE_PROFILER = STILB_INPUT_ACTIONS, /* open or close the profiler's window */
+	STILB_ENGINE_FREEZE,                         /* freeze it, or let it run again */
+	STILB_ENGINE_MATERIALS,                      /* open or close the materials' window */
+	STILB_ENGINE_CAPTURE,                        /* asked for: a trace of the frames around this moment */
+	STILB_ENGINE_PICTURE,                        /* asked for: a picture, which is drawn without toasts */
+	STILB_ENGINE_ACTIONS
+};
+
 /* What a frame tells the program's part of it. */
 typedef struct stilb_engine_update {
 	uint64_t frame;                 /* number of the frame that is being made, from 1 */
@@ -133,7 +144,12 @@ typedef struct stilb_engine_desc {
 	stilb_engine_gamepad gamepad;
 	const char *gamepad_recording;         /* for REPLAY: the file, see input_recording.h */
 	const char *gamepad_sys, *gamepad_dev; /* folders to look in for gamepads, for tests; NULL: /sys and /dev */
-	stilb_input_control_settings control;  /* how gamepads and keys move the camera */
+	stilb_input_control_settings control;  /* how gamepads and keys move the camera; but its table is the engine's */
+
+	const stilb_input_action *actions; /* [action_count] the program's rows of the table; copied, but for the strings */
+	uint32_t action_count;
+	/* The program does what STILB_ENGINE_CAPTURE and _PICTURE ask for; false: they have no keys. */
+	bool saves;
 } stilb_engine_desc;
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
@@ -145,8 +161,13 @@ stilb_engine_desc stilb_engine_desc_default(void);
 /* The default number of workers. [any-thread] */
 uint32_t stilb_engine_default_workers(void);
 
+/* The table of actions that an engine of this description has: the camera's rows, the engine's and the program's.
+ * STILB_ERROR_ARGUMENT: a row of the program's cannot be added (stilb_input_table_add). [any-thread] */
+stilb_result stilb_engine_table(const stilb_engine_desc *desc, stilb_input_table *table);
+
 /* Creates the engine and its workers, and opens the window; there is no scene yet. On failure *engine is NULL.
- * STILB_ERROR_ARGUMENT: profile_ring_mib is no power of two in its range, or STILB_ISA is wrong.
+ * STILB_ERROR_ARGUMENT: profile_ring_mib is no power of two in its range, STILB_ISA is wrong, or two actions have the
+ * same key or another fault (stilb_input_table_add).
  * STILB_ERROR_WINDOW: no window can be opened here; headless works.
  * STILB_ERROR_DEVICE: no usable GPU, or none that desc.gpu names.
  * STILB_ERROR_FILE: the recording cannot be read, or captures cannot be written.
@@ -233,8 +254,8 @@ stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
 /* Shows a line of UTF-8 text, of which it copies 255 bytes at most, at the lower edge of the window for five seconds;
- * the newest three are shown. A frame whose input has `screenshot` set is drawn without them. Without a window of the
- * engine's it does nothing. */
+ * the newest three are shown. A frame whose input has STILB_ENGINE_PICTURE set is drawn without them. Without a window
+ * of the engine's it does nothing. */
 void stilb_engine_tell(stilb_engine *engine, const char *text);
 
 /* The device: its name for the user, true if it is a software rasteriser, the samples per pixel that it draws with, and

@@ -14,6 +14,53 @@
 #define INPUT_RUMBLE_LIGHT 0.8f
 #define INPUT_RUMBLE_MS 150u
 
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+static const stilb_input_action engine_actions[] = {
+	[STILB_ENGINE_PROFILER - STILB_INPUT_ACTIONS] = {.name = "profiler",
+                                                     .kind = STILB_INPUT_SWITCH,
+                                                     .keys = {STILB_WINDOW_KEY_F1},
+                                                     .pad = STILB_INPUT_PAD(NORTH),
+                                                     .main = true,
+                                                     .help = "open or close the profiler"},
+	[STILB_ENGINE_FREEZE - STILB_INPUT_ACTIONS] = {.name = "freeze",
+                                                   .kind = STILB_INPUT_SWITCH,
+                                                   .keys = {STILB_WINDOW_KEY_SPACE},
+                                                   .pad = STILB_INPUT_PAD(SOUTH),
+                                                   .help = "freeze the profiler, or let it run again"},
+	[STILB_ENGINE_MATERIALS - STILB_INPUT_ACTIONS] = {.name = "materials",
+                                                      .kind = STILB_INPUT_SWITCH,
+                                                      .keys = {STILB_WINDOW_KEY_F2},
+                                                      .pad = STILB_INPUT_PAD(START),
+                                                      .main = true,
+                                                      .help = "open or close the materials"},
+	[STILB_ENGINE_CAPTURE - STILB_INPUT_ACTIONS] = {.name = "trace",
+                                                    .keys = {STILB_WINDOW_KEY_P},
+                                                    .pad = STILB_INPUT_PAD(WEST),
+                                                    .help = "save a trace"},
+	[STILB_ENGINE_PICTURE - STILB_INPUT_ACTIONS] = {.name = "picture",
+                                                    .keys = {STILB_WINDOW_KEY_F12},
+                                                    .pad = STILB_INPUT_PAD(BACK),
+                                                    .main = true,
+                                                    .help = "save a picture"},
+};
+static_assert(sizeof engine_actions / sizeof *engine_actions == STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS, "all rows");
+
+stilb_result stilb_engine_table(const stilb_engine_desc *desc, stilb_input_table *table)
+{
+	STILB_ASSERT(desc && table);
+	STILB_ASSERT(desc->actions || desc->action_count == 0);
+	stilb_input_action rows[STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS];
+	for (uint32_t i = 0; i < STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS; i++) {
+		bool saves = i == STILB_ENGINE_CAPTURE - STILB_INPUT_ACTIONS || i == STILB_ENGINE_PICTURE - STILB_INPUT_ACTIONS;
+		rows[i] = saves && !desc->saves ? (stilb_input_action){.name = engine_actions[i].name} : engine_actions[i];
+	}
+	*table = stilb_input_table_camera();
+	stilb_result result = stilb_input_table_add(table, rows, sizeof rows / sizeof *rows);
+	STILB_ASSERT(result == STILB_OK && "the engine's own rows are sound");
+	return result == STILB_OK ? stilb_input_table_add(table, desc->actions, desc->action_count) : result;
+}
+
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
 static int64_t engine_input_now_us(void)
@@ -91,7 +138,9 @@ stilb_result engine_input_start(stilb_engine *engine)
 	input->focused = true;
 	input->pose = stilb_engine_pose(engine);
 	int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay's time begins at 0, with the first frame */
-	return stilb_input_control_create(&desc->control, &input->pose, time_us, &input->control);
+	stilb_input_control_settings settings = desc->control;
+	settings.table = &engine->actions;
+	return stilb_input_control_create(&settings, &input->pose, time_us, &input->control);
 }
 
 void engine_input_finish(engine_input *input)
@@ -183,7 +232,7 @@ int64_t engine_input_frame(stilb_engine *engine, stilb_input_state *state)
 		engine_input_take_live(engine, time_us);
 	stilb_input_state keys = *state;
 	stilb_input_control_frame(input->control, time_us, &keys, input->focused, state, &input->pose);
-	input->pad_captures = state->capture && !keys.capture;
+	input->pad_captures = state->actions[STILB_ENGINE_CAPTURE] > keys.actions[STILB_ENGINE_CAPTURE];
 	input->time_us = time_us;
 	if (engine->scene)
 		engine_input_move_camera(&engine->scene->camera, &input->pose);

@@ -77,6 +77,7 @@ typedef struct engine_input {
 struct stilb_engine {
 	stilb_owner owner; /* the main thread: the one that created it */
 	stilb_engine_desc desc;
+	stilb_input_table actions; /* the camera's rows, the engine's and the program's */
 	stilb_job_pool *pool;
 	stilb_scene *scene;   /* the program's; NULL: none */
 	stilb_cull *cull;     /* of the scene; NULL: there is none */

@@ -74,7 +74,7 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 	engine_overlay *overlay = &engine->overlay;
 	/* The user acted on what the last frame showed, so the focus of that frame decides who gets the keys. */
 	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
-		*input = stilb_input_without_keys(*input);
+		*input = stilb_input_without_keys(&engine->actions, *input);
 	if (engine_overlay_is_open(overlay) && stilb_ui_wants_mouse(overlay->ui))
 		*input = stilb_input_without_pointer(*input);
 	overlay->input = engine_ui_input(window);
@@ -84,12 +84,12 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 {
 	engine_overlay *overlay = &engine->overlay;
-	overlay->toasts.hidden = input->screenshot;
-	if ((input->overlay || input->inspector) &&
-	    engine_overlay_open(engine, overlay->profiler_open != input->overlay,
-	                        overlay->inspector_open != input->inspector) != STILB_OK)
+	bool profiler = input->actions[STILB_ENGINE_PROFILER] > 0, inspector = input->actions[STILB_ENGINE_MATERIALS] > 0;
+	overlay->toasts.hidden = input->actions[STILB_ENGINE_PICTURE] > 0;
+	if ((profiler || inspector) && engine_overlay_open(engine, overlay->profiler_open != profiler,
+	                                                   overlay->inspector_open != inspector) != STILB_OK)
 		stilb_log("%s", stilb_error_message()); /* only logged: frames go on without that window */
-	if (overlay->profiler_open && input->freeze)
+	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	if (engine->window)
 		stilb_window_set_capturing(engine->window,

@@ -69,7 +69,7 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	if (!state.lost && (state.width == 0 || state.height == 0))
 		stilb_window_wait(engine->window, 0.05, &state);
 	engine->input.focused = state.focused && state.width > 0;
-	report->input = stilb_input_from_window(&state);
+	report->input = stilb_input_from_window(&engine->actions, &state);
 	report->close = state.close;
 	report->lost = state.lost;
 	report->dropped = state.dropped;

@@ -1,53 +1,92 @@
 #include "input/input.h"
 
-/* 1 if only the key `plus` is held, -1 if only `minus` is, 0 if both or neither are. */
-static float axis_of_keys(const bool *held, stilb_window_key plus, stilb_window_key minus)
+#include <string.h>
+
+static float held_axis(const stilb_input_state *input, uint32_t plus, uint32_t minus)
 {
-	return (float)held[plus] - (float)held[minus];
+	return (float)input->actions[plus] - (float)input->actions[minus];
 }
 
-/* True if a key that switches something on and off has an effect in this frame: after an even number of presses since
- * the last frame the switch is where it was. */
-static bool pressed_odd(const stilb_window_state *window, stilb_window_key key)
+/* How often the row's keys were pressed and its characters typed since the last frame. */
+static unsigned row_presses(const stilb_input_action *row, const stilb_window_state *window)
 {
-	return window->pressed[key] % 2 > 0;
+	unsigned presses = 0;
+	for (size_t i = 0; i < sizeof row->keys / sizeof *row->keys; i++)
+		presses += row->keys[i] != STILB_WINDOW_KEY_NONE ? window->pressed[row->keys[i]] : 0u;
+	for (uint32_t i = 0; row->typed && i < window->typed_count; i++)
+		presses += window->typed[i] > 0 && window->typed[i] < 0x80 && strchr(row->typed, (int)window->typed[i]);
+	return presses;
 }
 
-stilb_input_state stilb_input_from_window(const stilb_window_state *window)
+static uint8_t row_state(const stilb_input_action *row, const stilb_window_state *window)
 {
-	STILB_ASSERT(window);
-	STILB_ASSERT(!window->held[STILB_WINDOW_KEY_MINUS] && !window->held[STILB_WINDOW_KEY_PLUS] &&
-	             "typed characters are never held");
-	const bool *held = window->held;
+	unsigned presses = row_presses(row, window);
+	bool held = false;
+	for (size_t i = 0; i < sizeof row->keys / sizeof *row->keys; i++)
+		held = held || (row->keys[i] != STILB_WINDOW_KEY_NONE && window->held[row->keys[i]]);
+	switch (row->kind) {
+	case STILB_INPUT_PRESS:
+		return (uint8_t)(presses < UINT8_MAX ? presses : UINT8_MAX);
+	case STILB_INPUT_SWITCH:
+		return presses % 2 > 0;
+	case STILB_INPUT_HELD:
+		return held;
+	default:
+		return 0;
+	}
+}
+
+stilb_input_state stilb_input_from_window(const stilb_input_table *table, const stilb_window_state *window)
+{
+	STILB_ASSERT(table && window);
+	STILB_ASSERT(table->count >= STILB_INPUT_ACTIONS && "the camera's rows are there");
+	STILB_ASSERT(table->count <= STILB_INPUT_ACTIONS_MAX);
 	float height = (float)(window->height > 0 ? window->height : 1);
 	float x = window->moved_x / height, y = window->moved_y / height;
-	return (stilb_input_state){
-		.move = {axis_of_keys(held, STILB_WINDOW_KEY_D, STILB_WINDOW_KEY_A),
-	             axis_of_keys(held, STILB_WINDOW_KEY_E, STILB_WINDOW_KEY_Q),
-	             axis_of_keys(held, STILB_WINDOW_KEY_W, STILB_WINDOW_KEY_S)},
+	stilb_input_state input = {
 		.look = {-window->mouse_x * STILB_INPUT_TURN, -window->mouse_y * STILB_INPUT_TURN},
-		.fast = held[STILB_WINDOW_KEY_SHIFT],
-		.capture = window->pressed[STILB_WINDOW_KEY_P] > 0,
-		.screenshot = window->pressed[STILB_WINDOW_KEY_F12] > 0,
-		.overlay = pressed_odd(window, STILB_WINDOW_KEY_F1),
-		.inspector = pressed_odd(window, STILB_WINDOW_KEY_F2),
-		.freeze = pressed_odd(window, STILB_WINDOW_KEY_SPACE),
-		.next_view = window->pressed[STILB_WINDOW_KEY_V],
-		.workers = window->pressed[STILB_WINDOW_KEY_PLUS] - window->pressed[STILB_WINDOW_KEY_MINUS],
 		.drag = {window->button ? x : 0.0f, window->button ? y : 0.0f},
 		.pan = {window->middle ? x : 0.0f, window->middle ? y : 0.0f},
 		.zoom = window->wheel,
-		.frame = window->pressed[STILB_WINDOW_KEY_F] > 0,
-		.home = window->pressed[STILB_WINDOW_KEY_HOME] > 0,
-		.next_file = window->pressed[STILB_WINDOW_KEY_PAGE_DOWN] - window->pressed[STILB_WINDOW_KEY_PAGE_UP],
-		.cancel = window->pressed[STILB_WINDOW_KEY_ESCAPE] > 0,
 	};
+	for (uint32_t row = 0; row < table->count; row++)
+		input.actions[row] = row_state(&table->rows[row], window);
+	input.move[0] = held_axis(&input, STILB_INPUT_RIGHTWARD, STILB_INPUT_LEFTWARD);
+	input.move[1] = held_axis(&input, STILB_INPUT_UPWARD, STILB_INPUT_DOWNWARD);
+	input.move[2] = held_axis(&input, STILB_INPUT_FORWARD, STILB_INPUT_BACKWARD);
+	return input;
 }
 
-stilb_input_state stilb_input_without_keys(stilb_input_state input)
+/* True if a user interface with the keyboard's focus is used by this key. */
+static bool is_key_of_interface(stilb_window_key key)
 {
+	switch (key) {
+	case STILB_WINDOW_KEY_TAB:
+	case STILB_WINDOW_KEY_ENTER:
+	case STILB_WINDOW_KEY_SPACE:
+	case STILB_WINDOW_KEY_ESCAPE:
+	case STILB_WINDOW_KEY_LEFT:
+	case STILB_WINDOW_KEY_RIGHT:
+	case STILB_WINDOW_KEY_UP:
+	case STILB_WINDOW_KEY_DOWN:
+		return true;
+	default:
+		return false;
+	}
+}
+
+stilb_input_state stilb_input_without_keys(const stilb_input_table *table, stilb_input_state input)
+{
+	STILB_ASSERT(table);
 	input.move[0] = input.move[1] = input.move[2] = 0.0f;
-	input.fast = input.freeze = input.frame = false;
+	for (uint32_t r = 0; r < table->count; r++) {
+		const stilb_input_action *row = &table->rows[r];
+		bool taken = row->kind == STILB_INPUT_HELD;
+		for (size_t i = 0; i < sizeof row->keys / sizeof *row->keys; i++)
+			taken = taken || is_key_of_interface(row->keys[i]);
+		if (taken)
+			input.actions[r] = 0;
+	}
 	return input;
 }
 

@@ -31,11 +31,12 @@ typedef struct control_pad {
 struct stilb_input_control {
 	stilb_owner owner;
 	stilb_input_control_settings settings;
+	stilb_input_table own; /* the table if the settings have none */
 	stilb_input_camera camera;
 	bool focused;
-	stilb_input_wish keys;     /* the movement that the keys held in the last frame ask for */
-	int64_t keys_until_us;     /* the time from which those keys count as released */
-	stilb_input_state actions; /* presses on the leading pad since the last frame */
+	stilb_input_wish keys;                    /* the movement that the keys held in the last frame ask for */
+	int64_t keys_until_us;                    /* the time from which those keys count as released */
+	uint8_t actions[STILB_INPUT_ACTIONS_MAX]; /* presses on the leading pad since the last frame */
 	uint32_t leader;
 	control_pad pads[STILB_INPUT_PADS_MAX];
 };
@@ -86,6 +87,10 @@ stilb_result stilb_input_control_create(const stilb_input_control_settings *sett
 		return stilb_fail(STILB_ERROR_MEMORY, "input: out of memory");
 	stilb_owner_take(&control->owner);
 	control->settings = *settings;
+	if (!settings->table) {
+		control->own = stilb_input_table_camera();
+		control->settings.table = &control->own;
+	}
 	control->focused = true;
 	control->keys_until_us = time_us;
 	control->camera = stilb_input_camera_make(&settings->camera, pose, time_us);
@@ -119,10 +124,19 @@ static float control_trigger(float value)
 	return out[0];
 }
 
-/* 1 while the button is down, else 0. */
-static float control_button(const stilb_input_pad_state *state, stilb_input_button button)
+/* 1 while a button of the row is down, else 0. */
+static uint8_t control_held(const stilb_input_control_settings *settings, const stilb_input_pad_state *state,
+                            uint32_t row)
 {
-	return (float)(state->buttons >> button & 1u);
+	static_assert(STILB_INPUT_BUTTON_COUNT == 16, "the bits of a row that are no axes");
+	return (settings->table->rows[row].pad & 0xffffu & state->buttons) != 0;
+}
+
+/* 1 while only a button of the row `plus` is down, -1 while only one of `minus` is, else 0. */
+static float control_axis(const stilb_input_control_settings *settings, const stilb_input_pad_state *state,
+                          uint32_t plus, uint32_t minus)
+{
+	return (float)control_held(settings, state, plus) - (float)control_held(settings, state, minus);
 }
 
 static stilb_input_wish control_pad_wish(const stilb_input_control_settings *settings,
@@ -133,9 +147,9 @@ static stilb_input_wish control_pad_wish(const stilb_input_control_settings *set
 	stilb_input_stick(&axes[STILB_INPUT_LEFT_X], settings->inner, settings->outer, settings->curve, left);
 	stilb_input_stick(&axes[STILB_INPUT_RIGHT_X], settings->inner, settings->outer, settings->curve, right);
 	return (stilb_input_wish){
-		.move = {left[0] * sensitivity[0],
-	             control_button(state, STILB_INPUT_RIGHT_SHOULDER) - control_button(state, STILB_INPUT_LEFT_SHOULDER),
-	             left[1] * sensitivity[1]},
+		.move = {left[0] * sensitivity[0] + control_axis(settings, state, STILB_INPUT_RIGHTWARD, STILB_INPUT_LEFTWARD),
+	             control_axis(settings, state, STILB_INPUT_UPWARD, STILB_INPUT_DOWNWARD),
+	             left[1] * sensitivity[1] + control_axis(settings, state, STILB_INPUT_FORWARD, STILB_INPUT_BACKWARD)},
 		.turn = {-right[0] * sensitivity[2], right[1] * sensitivity[3] * (settings->invert_y ? -1.0f : 1.0f)},
 		.boost = settings->boost *
 	             (control_trigger(axes[STILB_INPUT_RIGHT_TRIGGER]) - control_trigger(axes[STILB_INPUT_LEFT_TRIGGER])),
@@ -146,7 +160,7 @@ static stilb_input_wish control_keys_wish(const stilb_input_state *keys)
 {
 	return (stilb_input_wish){
 		.move = {keys->move[0], keys->move[1], keys->move[2]},
-		.boost = keys->fast ? log2f(STILB_INPUT_FAST) : 0.0f,
+		.boost = keys->actions[STILB_INPUT_FASTER] ? log2f(STILB_INPUT_FAST) : 0.0f,
 	};
 }
 
@@ -229,40 +243,17 @@ static bool control_touched(control_pad *pad, const stilb_input_pad_state *state
 	return touched;
 }
 
-static void control_act(stilb_input_state *actions, uint32_t pressed)
+/* Counts the buttons that were pressed at once, by the table. */
+static void control_act(stilb_input_control *control, uint32_t pressed)
 {
-	for (uint32_t button = 0; button < STILB_INPUT_BUTTON_COUNT; button++) {
-		if (!(pressed >> button & 1u))
-			continue;
-		switch ((stilb_input_button)button) {
-		case STILB_INPUT_SOUTH:
-			actions->freeze = !actions->freeze;
-			break;
-		case STILB_INPUT_EAST:
-		case STILB_INPUT_RIGHT:
-			actions->next_view++;
-			break;
-		case STILB_INPUT_WEST:
-			actions->capture = true;
-			break;
-		case STILB_INPUT_NORTH:
-			actions->overlay = !actions->overlay;
-			break;
-		case STILB_INPUT_START:
-			actions->inspector = !actions->inspector;
-			break;
-		case STILB_INPUT_BACK:
-			actions->screenshot = true;
-			break;
-		case STILB_INPUT_UP:
-			actions->workers++;
-			break;
-		case STILB_INPUT_DOWN:
-			actions->workers--;
-			break;
-		default:
-			break;
-		}
+	const stilb_input_table *table = control->settings.table;
+	for (uint32_t row = 0; row < table->count; row++) {
+		uint8_t *state = &control->actions[row];
+		unsigned presses = (unsigned)__builtin_popcount(table->rows[row].pad & 0xffffu & pressed);
+		if (table->rows[row].kind == STILB_INPUT_SWITCH)
+			*state ^= presses % 2 > 0;
+		if (table->rows[row].kind == STILB_INPUT_PRESS)
+			*state = (uint8_t)(*state + presses < UINT8_MAX ? *state + presses : UINT8_MAX);
 	}
 }
 
@@ -282,7 +273,7 @@ static void control_state(stilb_input_control *control, control_pad *pad, const 
 	pad->last_us = time_us;
 	pad->reports++;
 	if (control->focused)
-		control_act(&control->actions, pressed); /* a press is a touch, so this pad leads */
+		control_act(control, pressed); /* a press is a touch, so this pad leads */
 	control_steer(control, time_us);
 }
 
@@ -370,19 +361,23 @@ static void control_look(stilb_input_control *control, int64_t time_us, const fl
 		stilb_input_camera_turn(&control->camera, time_us, look[0], look[1]);
 }
 
-/* The actions of the keys together with those of the pads' buttons since the last frame, which are thereby used up. */
+/* The actions of the keys together with those of the pads' buttons: what the leader holds, and presses since the last
+ * frame, which are thereby used up. */
 static stilb_input_state control_take(stilb_input_control *control, stilb_input_state state)
 {
-	stilb_input_state pad = control->actions;
-	control->actions = (stilb_input_state){0};
+	const stilb_input_table *table = control->settings.table;
+	const control_pad *leader = control->leader && control->focused ? control_find(control, control->leader) : NULL;
 	memcpy(state.move, control->camera.wish.move, sizeof state.move);
-	state.capture = state.capture || pad.capture;
-	state.screenshot = state.screenshot || pad.screenshot;
-	state.overlay = state.overlay != pad.overlay;
-	state.inspector = state.inspector != pad.inspector;
-	state.freeze = state.freeze != pad.freeze;
-	state.next_view += pad.next_view;
-	state.workers += pad.workers;
+	for (uint32_t row = 0; row < table->count; row++) {
+		unsigned both = (unsigned)state.actions[row] + control->actions[row];
+		if (table->rows[row].kind == STILB_INPUT_SWITCH)
+			state.actions[row] = both % 2 > 0;
+		if (table->rows[row].kind == STILB_INPUT_PRESS)
+			state.actions[row] = (uint8_t)(both < UINT8_MAX ? both : UINT8_MAX);
+		if (table->rows[row].kind == STILB_INPUT_HELD && leader)
+			state.actions[row] |= control_held(&control->settings, &leader->state, row);
+	}
+	memset(control->actions, 0, sizeof control->actions);
 	return state;
 }
 

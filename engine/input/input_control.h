@@ -9,12 +9,10 @@
  * Events of the other pads are only looked at for a touch. The wishes of the leading pad and of the keys are added.
  * When the leading pad is unplugged or the window loses the keyboard, the camera stands still at once.
  *
- *   left stick            fly right, forward               A, cross (south)      freeze the profiler, let it run
- *   right stick           look                             B, circle (east)      next view
- *   left, right trigger   slower, faster by powers of two  X, square (west)      write a trace
- *   left, right shoulder  fly down, up                     Y, triangle (north)   open or close the profiler
- *   d-pad up, down        one worker more, less            menu, options (start) open or close the materials' window
- *   d-pad right           next view                        view, share (back)    write a picture
+ *   left stick            fly right, forward
+ *   right stick           look
+ *   left, right trigger   slower, faster by powers of two
+ *   buttons               as the table of actions says; the shoulders fly down and up
  *
  * Life cycle.  create -> a frame: event for each event up to now, then frame -> destroy:
  *
@@ -51,9 +49,13 @@ typedef struct stilb_input_control_settings {
 	bool invert_y;
 	/* The right trigger pulled to its end doubles the speed so many times, the left one halves it as often; 0..8. */
 	float boost;
+	/* What keys and buttons do; lives as long as the control. NULL: they move the camera alone. An engine has its own
+	 * table. */
+	const stilb_input_table *table;
 } stilb_input_control_settings;
 
-/* The camera's defaults; inner 0.12, outer 0.95, curve 2; sensitivity 1; not inverted; boost 3. [any-thread] */
+/* The camera's defaults; inner 0.12, outer 0.95, curve 2; sensitivity 1; not inverted; boost 3; no table.
+ * [any-thread] */
 stilb_input_control_settings stilb_input_control_settings_default(void);
 
 typedef struct stilb_input_control stilb_input_control;

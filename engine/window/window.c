@@ -18,6 +18,7 @@ struct stilb_window {
 	stilb_owner owner;
 	GLFWwindow *handle;
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT]; /* since the last poll */
+	uint32_t typed[STILB_WINDOW_TYPED], typed_count;                           /* [typed_count], since then */
 	uint8_t clicks;
 	float wheel;
 	bool focused;
@@ -46,57 +47,56 @@ static void window_on_error(int code, const char *text)
 	snprintf(window_error, sizeof window_error, "%s", text);
 }
 
-/* GLFW's number of each key of stilb_window_key; several of GLFW's may be one key here. */
+/* GLFW's number of each key of stilb_window_key; several of GLFW's may be one key here. A row is `count` keys that
+ * follow one another in both. */
 static const struct {
 	int glfw;
 	stilb_window_key key;
+	int count;
 } window_keys[] = {
-	{GLFW_KEY_W, STILB_WINDOW_KEY_W},
-	{GLFW_KEY_A, STILB_WINDOW_KEY_A},
-	{GLFW_KEY_S, STILB_WINDOW_KEY_S},
-	{GLFW_KEY_D, STILB_WINDOW_KEY_D},
-	{GLFW_KEY_Q, STILB_WINDOW_KEY_Q},
-	{GLFW_KEY_E, STILB_WINDOW_KEY_E},
-	{GLFW_KEY_P, STILB_WINDOW_KEY_P},
-	{GLFW_KEY_V, STILB_WINDOW_KEY_V},
-	{GLFW_KEY_F, STILB_WINDOW_KEY_F},
-	{GLFW_KEY_F1, STILB_WINDOW_KEY_F1},
-	{GLFW_KEY_F2, STILB_WINDOW_KEY_F2},
-	{GLFW_KEY_F12, STILB_WINDOW_KEY_F12},
-	{GLFW_KEY_LEFT_SHIFT, STILB_WINDOW_KEY_SHIFT},
-	{GLFW_KEY_RIGHT_SHIFT, STILB_WINDOW_KEY_SHIFT},
-	{GLFW_KEY_LEFT_CONTROL, STILB_WINDOW_KEY_CONTROL},
-	{GLFW_KEY_RIGHT_CONTROL, STILB_WINDOW_KEY_CONTROL},
-	{GLFW_KEY_SPACE, STILB_WINDOW_KEY_SPACE},
-	{GLFW_KEY_TAB, STILB_WINDOW_KEY_TAB},
-	{GLFW_KEY_ENTER, STILB_WINDOW_KEY_ENTER},
-	{GLFW_KEY_KP_ENTER, STILB_WINDOW_KEY_ENTER},
-	{GLFW_KEY_LEFT, STILB_WINDOW_KEY_LEFT},
-	{GLFW_KEY_RIGHT, STILB_WINDOW_KEY_RIGHT},
-	{GLFW_KEY_UP, STILB_WINDOW_KEY_UP},
-	{GLFW_KEY_DOWN, STILB_WINDOW_KEY_DOWN},
-	{GLFW_KEY_PAGE_UP, STILB_WINDOW_KEY_PAGE_UP},
-	{GLFW_KEY_PAGE_DOWN, STILB_WINDOW_KEY_PAGE_DOWN},
-	{GLFW_KEY_HOME, STILB_WINDOW_KEY_HOME},
-	{GLFW_KEY_ESCAPE, STILB_WINDOW_KEY_ESCAPE},
+	{GLFW_KEY_A, STILB_WINDOW_KEY_A, 26},
+	{GLFW_KEY_0, STILB_WINDOW_KEY_0, 10},
+	{GLFW_KEY_F1, STILB_WINDOW_KEY_F1, 12},
+	{GLFW_KEY_LEFT_SHIFT, STILB_WINDOW_KEY_SHIFT, 1},
+	{GLFW_KEY_RIGHT_SHIFT, STILB_WINDOW_KEY_SHIFT, 1},
+	{GLFW_KEY_LEFT_CONTROL, STILB_WINDOW_KEY_CONTROL, 1},
+	{GLFW_KEY_RIGHT_CONTROL, STILB_WINDOW_KEY_CONTROL, 1},
+	{GLFW_KEY_SPACE, STILB_WINDOW_KEY_SPACE, 1},
+	{GLFW_KEY_TAB, STILB_WINDOW_KEY_TAB, 1},
+	{GLFW_KEY_ENTER, STILB_WINDOW_KEY_ENTER, 1},
+	{GLFW_KEY_KP_ENTER, STILB_WINDOW_KEY_ENTER, 1},
+	{GLFW_KEY_LEFT, STILB_WINDOW_KEY_LEFT, 1},
+	{GLFW_KEY_RIGHT, STILB_WINDOW_KEY_RIGHT, 1},
+	{GLFW_KEY_UP, STILB_WINDOW_KEY_UP, 1},
+	{GLFW_KEY_DOWN, STILB_WINDOW_KEY_DOWN, 1},
+	{GLFW_KEY_PAGE_UP, STILB_WINDOW_KEY_PAGE_UP, 1},
+	{GLFW_KEY_PAGE_DOWN, STILB_WINDOW_KEY_PAGE_DOWN, 1},
+	{GLFW_KEY_HOME, STILB_WINDOW_KEY_HOME, 1},
+	{GLFW_KEY_END, STILB_WINDOW_KEY_END, 1},
+	{GLFW_KEY_INSERT, STILB_WINDOW_KEY_INSERT, 1},
+	{GLFW_KEY_DELETE, STILB_WINDOW_KEY_DELETE, 1},
+	{GLFW_KEY_BACKSPACE, STILB_WINDOW_KEY_BACKSPACE, 1},
+	{GLFW_KEY_ESCAPE, STILB_WINDOW_KEY_ESCAPE, 1},
 };
 #define WINDOW_KEYS (sizeof window_keys / sizeof *window_keys)
+static_assert(STILB_WINDOW_KEY_Z - STILB_WINDOW_KEY_A == 25 && STILB_WINDOW_KEY_9 - STILB_WINDOW_KEY_0 == 9 &&
+                  STILB_WINDOW_KEY_F12 - STILB_WINDOW_KEY_F1 == 11,
+              "they follow one another, as GLFW's do");
 
-/* The key with this number of GLFW's; STILB_WINDOW_KEY_COUNT: it is not in the table. */
+/* The key with this number of GLFW's; NONE: it is not in the table. */
 static stilb_window_key window_key(int glfw)
 {
 	for (size_t i = 0; i < WINDOW_KEYS; i++)
-		if (window_keys[i].glfw == glfw)
-			return window_keys[i].key;
-	return STILB_WINDOW_KEY_COUNT;
+		if (glfw >= window_keys[i].glfw && glfw < window_keys[i].glfw + window_keys[i].count)
+			return (stilb_window_key)((int)window_keys[i].key + glfw - window_keys[i].glfw);
+	return STILB_WINDOW_KEY_NONE;
 }
 
-/* For STILB_CHECK: `fresh` is set only while the mouse is captured, and the keys that are known by the characters they
- * type are never counted as repeated. */
+/* For STILB_CHECK: `fresh` is set only while the mouse is captured, and NONE is never counted. */
 static bool window_is_sound(const stilb_window *window)
 {
-	return window->handle && (!window->fresh || window->captured) && !window->repeated[STILB_WINDOW_KEY_MINUS] &&
-	       !window->repeated[STILB_WINDOW_KEY_PLUS];
+	return window->handle && (!window->fresh || window->captured) && !window->pressed[STILB_WINDOW_KEY_NONE] &&
+	       !window->repeated[STILB_WINDOW_KEY_NONE];
 }
 
 static void window_capture(stilb_window *window, bool captured)
@@ -125,21 +125,18 @@ static void window_on_key(GLFWwindow *handle, int glfw_key, int scancode, int ac
 	(void)scancode, (void)modifiers;
 	stilb_window *window = glfwGetWindowUserPointer(handle);
 	stilb_window_key key = window_key(glfw_key);
-	if (key == STILB_WINDOW_KEY_COUNT || action == GLFW_RELEASE)
+	if (key == STILB_WINDOW_KEY_NONE || action == GLFW_RELEASE)
 		return;
 	window_count(action == GLFW_PRESS ? &window->pressed[key] : &window->repeated[key]);
 	if (key == STILB_WINDOW_KEY_ESCAPE)
 		window_capture(window, false);
 }
 
-/* - and + are in different positions on different layouts, so they are read as typed characters, not as keys. */
 static void window_on_character(GLFWwindow *handle, unsigned character)
 {
 	stilb_window *window = glfwGetWindowUserPointer(handle);
-	if (character == '-')
-		window_count(&window->pressed[STILB_WINDOW_KEY_MINUS]);
-	if (character == '+' || character == '=')
-		window_count(&window->pressed[STILB_WINDOW_KEY_PLUS]);
+	if (window->typed_count < STILB_WINDOW_TYPED)
+		window->typed[window->typed_count++] = character;
 }
 
 static void window_on_button(GLFWwindow *handle, int button, int action, int modifiers)
@@ -336,12 +333,16 @@ static bool window_is_down(GLFWwindow *handle, int key)
 static void window_read_keys(stilb_window *window, stilb_window_state *state)
 {
 	for (size_t i = 0; i < WINDOW_KEYS; i++)
-		state->held[window_keys[i].key] |= window_is_down(window->handle, window_keys[i].glfw);
+		for (int k = 0; k < window_keys[i].count; k++)
+			state->held[(int)window_keys[i].key + k] |= window_is_down(window->handle, window_keys[i].glfw + k);
 	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++) {
 		state->pressed[key] = window->pressed[key];
 		state->repeated[key] = window->repeated[key];
 		window->pressed[key] = window->repeated[key] = 0;
 	}
+	memcpy(state->typed, window->typed, sizeof state->typed);
+	state->typed_count = window->typed_count;
+	window->typed_count = 0;
 }
 
 static void window_read_mouse(stilb_window *window, stilb_window_state *state)

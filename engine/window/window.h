@@ -28,24 +28,59 @@ extern "C" {
 
 typedef struct stilb_window stilb_window;
 
-/* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout. MINUS and PLUS are
- * characters typed on any layout, so they can be pressed but are never held; '=' is PLUS too, because on many layouts +
- * is shift and =. SHIFT, CONTROL and ENTER are either of their two keys. */
+/* Letters are keys by their position on a US keyboard, so that WASD is a cross on every layout; digits are those above
+ * the letters. What stands elsewhere on other layouts, like + and -, is read as a character: stilb_window_state.typed.
+ * SHIFT, CONTROL and ENTER are either of their two keys. NONE is no key. */
 typedef enum stilb_window_key {
-	STILB_WINDOW_KEY_W,
+	STILB_WINDOW_KEY_NONE,
 	STILB_WINDOW_KEY_A,
-	STILB_WINDOW_KEY_S,
+	STILB_WINDOW_KEY_B,
+	STILB_WINDOW_KEY_C,
 	STILB_WINDOW_KEY_D,
-	STILB_WINDOW_KEY_Q,
 	STILB_WINDOW_KEY_E,
-	STILB_WINDOW_KEY_P,
-	STILB_WINDOW_KEY_V,
 	STILB_WINDOW_KEY_F,
+	STILB_WINDOW_KEY_G,
+	STILB_WINDOW_KEY_H,
+	STILB_WINDOW_KEY_I,
+	STILB_WINDOW_KEY_J,
+	STILB_WINDOW_KEY_K,
+	STILB_WINDOW_KEY_L,
+	STILB_WINDOW_KEY_M,
+	STILB_WINDOW_KEY_N,
+	STILB_WINDOW_KEY_O,
+	STILB_WINDOW_KEY_P,
+	STILB_WINDOW_KEY_Q,
+	STILB_WINDOW_KEY_R,
+	STILB_WINDOW_KEY_S,
+	STILB_WINDOW_KEY_T,
+	STILB_WINDOW_KEY_U,
+	STILB_WINDOW_KEY_V,
+	STILB_WINDOW_KEY_W,
+	STILB_WINDOW_KEY_X,
+	STILB_WINDOW_KEY_Y,
+	STILB_WINDOW_KEY_Z,
+	STILB_WINDOW_KEY_0,
+	STILB_WINDOW_KEY_1,
+	STILB_WINDOW_KEY_2,
+	STILB_WINDOW_KEY_3,
+	STILB_WINDOW_KEY_4,
+	STILB_WINDOW_KEY_5,
+	STILB_WINDOW_KEY_6,
+	STILB_WINDOW_KEY_7,
+	STILB_WINDOW_KEY_8,
+	STILB_WINDOW_KEY_9,
 	STILB_WINDOW_KEY_F1,
 	STILB_WINDOW_KEY_F2,
+	STILB_WINDOW_KEY_F3,
+	STILB_WINDOW_KEY_F4,
+	STILB_WINDOW_KEY_F5,
+	STILB_WINDOW_KEY_F6,
+	STILB_WINDOW_KEY_F7,
+	STILB_WINDOW_KEY_F8,
+	STILB_WINDOW_KEY_F9,
+	STILB_WINDOW_KEY_F10,
+	STILB_WINDOW_KEY_F11,
 	STILB_WINDOW_KEY_F12,
-	STILB_WINDOW_KEY_MINUS,
-	STILB_WINDOW_KEY_PLUS,
 	STILB_WINDOW_KEY_SHIFT,
 	STILB_WINDOW_KEY_CONTROL,
 	STILB_WINDOW_KEY_SPACE,
@@ -58,9 +93,16 @@ typedef enum stilb_window_key {
 	STILB_WINDOW_KEY_PAGE_UP,
 	STILB_WINDOW_KEY_PAGE_DOWN,
 	STILB_WINDOW_KEY_HOME,
+	STILB_WINDOW_KEY_END,
+	STILB_WINDOW_KEY_INSERT,
+	STILB_WINDOW_KEY_DELETE,
+	STILB_WINDOW_KEY_BACKSPACE,
 	STILB_WINDOW_KEY_ESCAPE,
 	STILB_WINDOW_KEY_COUNT
 } stilb_window_key;
+
+/* Typed characters that one poll can hold; more are lost. */
+#define STILB_WINDOW_TYPED 16
 
 /* The window as it is now, and what happened since the last poll. Counts stop at 255. */
 typedef struct stilb_window_state {
@@ -76,6 +118,8 @@ typedef struct stilb_window_state {
 	bool held[STILB_WINDOW_KEY_COUNT];
 	/* Number of times that the key was pressed, and number of times that it was repeated while it was held. */
 	uint8_t pressed[STILB_WINDOW_KEY_COUNT], repeated[STILB_WINDOW_KEY_COUNT];
+	/* The characters that were typed, Unicode, in their order: on any layout, repeats of a held key included. */
+	uint32_t typed[STILB_WINDOW_TYPED], typed_count;
 	/* The right button is held: the pointer is hidden and its movement turns the camera. */
 	bool mouse_captured;
 	/* Movement of the captured pointer, pixels, y down. */

@@ -5,7 +5,6 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#define DEMO_KEYS LIVE_KEYS ";\nV, B/circle or d-pad right: next view"
 #define DEMO_VIEWS 3u /* number of values of stilb_scene_stress_view */
 
 typedef struct demo {
@@ -17,6 +16,17 @@ typedef struct demo {
 	stilb_engine_choice lights; /* and as the user chooses it in the materials' window */
 	stilb_scene *scene;
 } demo;
+
+/* Rows of the table of actions. */
+enum { DEMO_NEXT_VIEW = STILB_ENGINE_ACTIONS };
+static const stilb_input_action demo_rows[] = {
+	{.name = "next view",
+     .keys = {STILB_WINDOW_KEY_V},
+     .pad = STILB_INPUT_PAD(EAST) | STILB_INPUT_PAD(RIGHT),
+     .main = true,
+     .help = "next view"},
+};
+static const live_keys demo_keys = {demo_rows, sizeof demo_rows / sizeof *demo_rows};
 
 static const char *const demo_views[] = {"all", "half", "few", NULL};
 
@@ -50,8 +60,9 @@ static void demo_update(void *user, const stilb_engine_update *update)
 static stilb_result demo_act(void *user, live_run *run, const stilb_engine_report *report)
 {
 	demo *d = user;
-	if (report->input.next_view % DEMO_VIEWS > 0) {
-		d->view = (int)(((uint32_t)d->view + report->input.next_view) % DEMO_VIEWS);
+	uint32_t views = report->input.actions[DEMO_NEXT_VIEW];
+	if (views % DEMO_VIEWS > 0) {
+		d->view = (int)(((uint32_t)d->view + views) % DEMO_VIEWS);
 		demo_look(d, run->engine);
 	}
 	return STILB_OK;
@@ -68,7 +79,7 @@ static void demo_title(void *user, const live_run *run, char title[static 256])
 int demo_command(int argc, char **argv)
 {
 	static const live_program program = {
-		.keys = DEMO_KEYS,
+		.keys = &demo_keys,
 		.picture = "stilb-demo.png",
 		.frames = 120,
 		.software_frames = 30, /* each takes a quarter of a second */
@@ -80,7 +91,7 @@ int demo_command(int argc, char **argv)
 	static const live_help help = {
 		"stilb demo: the stress test. Each model is a sphere over a ground tile, each with its own material.",
 		"frames, 1..1000000 (headless 120, in software 30; in a window endless)",
-		DEMO_KEYS,
+		&demo_keys,
 	};
 	demo d = {.options = live_options_default(), .models = 10000, .seed = 1};
 	const flag own[] = {

@@ -112,7 +112,8 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	if (result == FLAGS_HELP) {
 		printf("%s\n\n", help->purpose);
 		flags_print(table.rows, table.count);
-		printf("\nIn the window:\n%s\n", help->keys);
+		printf("\nIn the window (with a gamepad):\n");
+		live_keys_print(help->keys);
 	}
 	return result;
 }
@@ -351,6 +352,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
+	desc.saves = true;
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;
 	desc.profile = !o->no_profile;
 	desc.profile_ring_mib = (uint32_t)o->profile_ring;

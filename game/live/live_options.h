@@ -14,20 +14,11 @@
 #include "engine.h"
 #include "game/cli/flags.h"
 #include "game/cli/picture_flags.h"
+#include "live_keys.h"
 
 #include <stdio.h>
 
 #define LIVE_CAPTURE "stilb-capture.json"
-
-/* The help for keys and gamepads that all live commands have. */
-#define LIVE_KEYS                                                                                                      \
-	"WASD fly, Q/E down/up, Shift faster, right mouse button looks, Esc releases the mouse,\n"                         \
-	"F1 profiler, Space freezes it, F2 materials, P captures a trace,\n"                                               \
-	"F12 saves a picture, - and + change the number of workers\n"                                                      \
-	"gamepad: left stick flies, right stick looks, triggers slower and faster, shoulders down and up;\n"               \
-	"buttons go by place: A/cross freezes the profiler, X/square captures a trace,\n"                                  \
-	"Y/triangle profiler, menu/options materials, view/share picture;\n"                                               \
-	"d-pad up and down workers"
 
 typedef struct live_options {
 	picture_flags picture;
@@ -50,7 +41,7 @@ extern const char *const live_cull_choices[];
 typedef struct live_help {
 	const char *purpose; /* "stilb demo: what it does." */
 	const char *frames;  /* help of --frames */
-	const char *keys;
+	const live_keys *keys;
 } live_help;
 
 /* The options without any flag. */

@@ -80,6 +80,8 @@ static stilb_result live_start(live_run *run)
 	desc.capture.user = run;
 	live_faults faults = live_options_faults(run->options);
 	run->slow_frame = faults.slow_frame;
+	desc.actions = run->rows;
+	desc.action_count = live_keys_rows(run->program->keys, run->rows);
 	desc.update = live_update;
 	desc.user = run;
 	stilb_engine_set_faults(&faults.render);
@@ -91,6 +93,11 @@ static stilb_result live_start(live_run *run)
 	}
 	run->window = desc.window;
 	return result == STILB_OK ? run->program->start(run->user, run) : result;
+}
+
+uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, live_key key)
+{
+	return report->input.actions[live_keys_number(run->program->keys, key)];
 }
 
 void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path)
@@ -155,12 +162,13 @@ static stilb_result live_take_numbered(const live_run *run)
  * stderr; only a failure of the engine ends the run. */
 static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 {
-	if (report->input.capture && stilb_engine_capture(run->engine) != STILB_OK)
+	if (report->input.actions[STILB_ENGINE_CAPTURE] > 0 && stilb_engine_capture(run->engine) != STILB_OK)
 		stilb_log("%s", stilb_error_message());
-	if (report->input.screenshot)
+	if (report->input.actions[STILB_ENGINE_PICTURE] > 0)
 		live_take_picture(run);
 	live_tell_now(run);
-	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + report->input.workers;
+	int64_t workers = (int64_t)stilb_engine_workers(run->engine) + live_run_asked(run, report, LIVE_KEY_MORE_WORKERS) -
+	                  live_run_asked(run, report, LIVE_KEY_FEWER_WORKERS);
 	workers = workers < 0 ? 0 : workers > STILB_JOB_MAX_WORKERS ? STILB_JOB_MAX_WORKERS : workers;
 	if (workers == (int64_t)stilb_engine_workers(run->engine))
 		return run->program->act(run->user, run, report);
@@ -314,7 +322,7 @@ static int live_run_frames(live_run *run)
 	if (run->options->no_profile)
 		signal(SIGUSR1, SIG_IGN); /* SIGUSR1 requests a capture; without a profiler it would kill the process */
 	if (run->window)
-		fprintf(live_message_stream(run->options), "%s;\nclose the window to end\n", run->program->keys);
+		fputs("--help lists the keys; close the window to end\n", live_message_stream(run->options));
 	fflush(stdout);
 	stilb_result result = live_loop(run);
 	if (result != STILB_OK) {

@@ -19,8 +19,8 @@ typedef struct live_run live_run;
 
 /* What a command adds to a run. user is the run's. */
 typedef struct live_program {
-	const char *keys;    /* help for the keys in the window */
-	const char *picture; /* name of pictures that a key saves, unless --screenshot names one */
+	const live_keys *keys; /* rows of the command's own */
+	const char *picture;   /* name of pictures that a key saves, unless --screenshot names one */
 	/* Frames of a headless run without --frames: on a GPU, and on a device that draws on the CPU. */
 	uint64_t frames, software_frames;
 	stilb_result (*start)(void *user, live_run *run); /* shows the scene in run->engine */
@@ -38,8 +38,9 @@ struct live_run {
 	stilb_engine_choice *light; /* a choice among kinds of light in the materials' window; NULL: none */
 	/* The run's own, for the program to read; all but engine are 0 at first. */
 	stilb_engine *engine;
-	stilb_engine_report report; /* of the last frame that was drawn */
-	uint64_t frames;            /* number of frames drawn */
+	stilb_input_action rows[STILB_INPUT_ACTIONS_MAX]; /* the program's rows of the engine's table */
+	stilb_engine_report report;                       /* of the last frame that was drawn */
+	uint64_t frames;                                  /* number of frames drawn */
 	bool window;
 	bool starting;       /* set by the program: as long as it is true, a failure is one of the start (exit_code_of) */
 	bool lost;           /* the window's display has gone */
@@ -59,6 +60,9 @@ struct live_run {
 /* Runs until the frames are drawn, the window is closed or a signal comes; writes the outputs; destroys the engine.
  * Returns the exit code. The program frees its scene afterwards. */
 int live_run_main(live_run *run);
+
+/* How often one of the keys was pressed that all live commands have. */
+uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, live_key key);
 
 /* Prints "WHAT: PATH" for a file that was written, or the error. */
 void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path);

@@ -11,10 +11,44 @@
 #include <strings.h>
 
 #define VIEW_SCENE "spheres" /* without a scene: it has textures and all kinds of materials */
-#define VIEW_KEYS                                                                                                      \
-	"drag orbits, middle drag pans, the wheel comes closer, F frames the model, Home goes back,\n"                     \
-	"Page Down and Page Up: next and previous file of the folder; Esc gives a load up;\n"                              \
-	"drop a file to open it; a file that changes on disk is read again;\n" LIVE_KEYS
+
+static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS] = {
+	[VIEW_TURN - STILB_ENGINE_ACTIONS] = {.name = "turn",
+                                          .kind = STILB_INPUT_MOTION,
+                                          .mouse = STILB_INPUT_MOUSE_LEFT,
+                                          .main = true,
+                                          .help = "turn about the model"},
+	[VIEW_PAN - STILB_ENGINE_ACTIONS] = {.name = "move",
+                                         .kind = STILB_INPUT_MOTION,
+                                         .mouse = STILB_INPUT_MOUSE_MIDDLE,
+                                         .help = "move along with it"},
+	[VIEW_ZOOM - STILB_ENGINE_ACTIONS] = {.name = "closer",
+                                          .kind = STILB_INPUT_MOTION,
+                                          .mouse = STILB_INPUT_MOUSE_WHEEL,
+                                          .main = true,
+                                          .help = "come closer"},
+	[VIEW_FRAME - STILB_ENGINE_ACTIONS] = {.name = "frame",
+                                           .keys = {STILB_WINDOW_KEY_F},
+                                           .main = true,
+                                           .help = "frame the model from this side"},
+	[VIEW_HOME - STILB_ENGINE_ACTIONS] = {.name = "start",
+                                          .keys = {STILB_WINDOW_KEY_HOME},
+                                          .help = "back to the camera at the start"},
+	[VIEW_NEXT - STILB_ENGINE_ACTIONS] = {.name = "next file",
+                                          .keys = {STILB_WINDOW_KEY_PAGE_DOWN},
+                                          .help = "next, previous file of the folder"},
+	[VIEW_PREVIOUS - STILB_ENGINE_ACTIONS] = {.name = "previous file",
+                                              .keys = {STILB_WINDOW_KEY_PAGE_UP},
+                                              .help = "next, previous file of the folder"},
+	[VIEW_DROP - STILB_ENGINE_ACTIONS] = {.name = "open",
+                                          .kind = STILB_INPUT_MOTION,
+                                          .mouse = STILB_INPUT_MOUSE_DROP,
+                                          .help = "open it"},
+	[VIEW_GIVE_UP - STILB_ENGINE_ACTIONS] = {.name = "give up",
+                                             .keys = {STILB_WINDOW_KEY_ESCAPE},
+                                             .help = "give up what is being opened"},
+};
+static const live_keys view_keys = {view_actions, sizeof view_actions / sizeof *view_actions};
 
 /* Begins to open a scene; one that is being opened is given up. again: it is the scene that is shown. */
 static stilb_result view_open(view *v, const char *name, bool again)
@@ -120,10 +154,10 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 	stilb_result result = STILB_OK;
 	if (!run->window && !v->load)
 		return STILB_OK;
-	if (v->load && report->input.cancel)
+	if (v->load && report->input.actions[VIEW_GIVE_UP] > 0)
 		view_load_give_up(v->load);
 	if (v->scene) {
-		result = view_step(v, report->input.next_file);
+		result = view_step(v, report->input.actions[VIEW_NEXT] - report->input.actions[VIEW_PREVIOUS]);
 		if (result == STILB_OK && report->dropped_count > 0)
 			result = view_drop(v, report->dropped[report->dropped_count - 1]);
 		if (result == STILB_OK && !v->load)
@@ -183,7 +217,7 @@ static bool view_check(view *v)
 int view_command(int argc, char **argv)
 {
 	static const live_program program = {
-		.keys = VIEW_KEYS,
+		.keys = &view_keys,
 		.picture = "stilb-view.png",
 		.frames = 1,
 		.software_frames = 1,
@@ -196,9 +230,9 @@ int view_command(int argc, char **argv)
 	static const live_help help = {
 		"stilb view [SCENE] [FLAGS]: shows a scene in a window, or headless in a picture. SCENE is a file (glTF, OBJ, "
 		"...)\n"
-		"or a built-in scene, as in 'stilb render'; without it spheres.",
+		"or a built-in scene, as in 'stilb render'; without it spheres. A file that changes on disk is read again.",
 		"frames, 1..1000000 (headless 1; in a window endless)",
-		VIEW_KEYS,
+		&view_keys,
 	};
 	view v = {.options = live_options_default(), .watch = VIEW_WATCH_NONE};
 	const char *name = NULL;

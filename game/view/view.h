@@ -6,6 +6,20 @@
 #include "view_load.h"
 #include "view_watch.h"
 
+/* Rows of the table of actions; view.c says which keys they have. */
+enum {
+	VIEW_TURN = STILB_ENGINE_ACTIONS,
+	VIEW_PAN,
+	VIEW_ZOOM,
+	VIEW_FRAME,
+	VIEW_HOME,
+	VIEW_NEXT,
+	VIEW_PREVIOUS,
+	VIEW_DROP,
+	VIEW_GIVE_UP,
+	VIEW_ACTIONS
+};
+
 typedef struct view {
 	live_options options;
 	char *name;         /* of the scene that is shown; before that, of the first that is wanted */

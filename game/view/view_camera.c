@@ -140,12 +140,12 @@ void view_move(view *v, const stilb_engine_update *update)
 	stilb_input_orbit orbit = view_asked(v, update->input);
 	if (v->turntable > 0)
 		view_turn(v, 6.2831853f * (float)(update->frame - 1) / (float)v->turntable);
-	if (update->input->home) {
+	if (update->input->actions[VIEW_HOME] > 0) {
 		*camera = v->home;
 		v->distance = stilb_scene_camera_distance(v->scene, camera);
 		v->framed = v->scene->framed;
 	}
-	if (update->input->frame)
+	if (update->input->actions[VIEW_FRAME] > 0)
 		view_frame(v, camera->yaw, camera->pitch);
 	if (view_orbits(&orbit))
 		view_orbit(v, &orbit);

@@ -245,9 +245,9 @@ static void a_denied_pad_is_named_until_it_is_granted(void **state)
 /* Runs frames until the input of one asks for a capture. */
 static void expect_capture(void)
 {
-	for (int i = 0; i < TRIES && !report.input.capture; i++, usleep(1000))
+	for (int i = 0; i < TRIES && !report.input.actions[STILB_ENGINE_CAPTURE]; i++, usleep(1000))
 		run_frame();
-	assert_true(report.input.capture);
+	assert_true(report.input.actions[STILB_ENGINE_CAPTURE]);
 }
 
 static void a_pad_that_captures_shakes(void **state)
@@ -258,6 +258,7 @@ static void a_pad_that_captures_shakes(void **state)
 	snprintf(path, sizeof path, "%s/capture.json", fake.folder);
 	stilb_engine_desc desc = flown_desc();
 	desc.capture.path = path;
+	desc.saves = true;
 	create(&desc);
 	fake_plug(NODE, dualshock());
 	expect_pads(1);
@@ -272,7 +273,7 @@ static void a_pad_that_captures_shakes(void **state)
 		;
 	assert_true(output[4] == 0 && output[5] == 0); /* the rumble ends */
 	run_frame();
-	assert_false(report.input.capture);
+	assert_false(report.input.actions[STILB_ENGINE_CAPTURE]);
 	assert_int_equal(stilb_engine_capture(engine), STILB_OK); /* requested by the program: no rumble */
 	assert_int_equal(fake_receive(NODE, output, sizeof output, 50), 0);
 	stress_engine_destroy(engine);

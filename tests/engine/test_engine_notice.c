@@ -223,7 +223,7 @@ static void toasts_come_and_go(void **state)
 	changed(rows);
 	assert_true(rows[1] == one[1] && rows[0] < one[0] - (one[1] - one[0]));
 	assert_int_equal(engine->overlay.toasts.count, ENGINE_TOASTS);
-	engine_overlay_act(engine, &(stilb_input_state){.screenshot = true});
+	engine_overlay_act(engine, &(stilb_input_state){.actions = {[STILB_ENGINE_PICTURE] = 1}});
 	assert_false(engine_overlay_is_open(&engine->overlay));
 	engine->overlay.toasts.hidden = false;
 	engine->overlay.input.seconds = 2.0f; /* seconds that each frame takes */

@@ -321,6 +321,17 @@ static void what_cannot_start_says_why(void **state)
 	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_DEVICE);
 	assert_null(engine);
 	assert_string_equal(stilb_error_message(), "no Vulkan in this test");
+	/* The program's keys are checked against the engine's own, of which only those are there that have an effect. */
+	stilb_input_action own = {.name = "print", .keys = {STILB_WINDOW_KEY_F12}, .help = "print"};
+	desc = null_desc(1);
+	desc.actions = &own;
+	desc.action_count = 1;
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_OK);
+	stress_engine_destroy(engine);
+	desc.saves = true;
+	assert_int_equal(stress_engine_create(&desc, &stress, &engine), STILB_ERROR_ARGUMENT);
+	assert_null(engine);
+	assert_string_equal(stilb_error_message(), "actions 'picture' and 'print' both have 'F12'; give one another key");
 }
 
 enum { TURNS = 60 };

@@ -1,5 +1,6 @@
 /* input_control: pads, keys and mouse together: what each stick and button does, which pad leads (was touched last),
  * what is pressed, when the camera stands still, and the same path at every frame rate from the same reports. */
+#include "actions.h"
 #include "input/hid/input_layout.h"
 #include "input/input_control.h"
 #include "support/input_descriptors.h"
@@ -15,6 +16,8 @@
 
 /* ---- a control that is spoken to --------------------------------------------------------------------------------- */
 
+static stilb_input_table table;
+
 /* The camera follows at once, the stick's response is linear, and the triggers double and halve once. */
 static stilb_input_control_settings plain_settings(void)
 {
@@ -25,6 +28,7 @@ static stilb_input_control_settings plain_settings(void)
 		.curve = 1.0f,
 		.sensitivity = {1.0f, 1.0f, 1.0f, 1.0f},
 		.boost = 1.0f,
+		.table = &table,
 	};
 }
 
@@ -202,7 +206,7 @@ static void test_keys_and_pad_add_up(void **state)
 static void test_fast_keys(void **state)
 {
 	(void)state;
-	stilb_input_state fast = {.move = {1, 0, 0}, .fast = true};
+	stilb_input_state fast = {.move = {1, 0, 0}, .actions = {[STILB_INPUT_FASTER] = 1}};
 	frame_with(0, fast);
 	frame_with(SECOND / 10, fast);
 	assert_pose(0.1f * STILB_INPUT_FAST, 0, 0, 0, 0);
@@ -221,13 +225,8 @@ static void test_mouse(void **state)
 
 static void assert_actions(stilb_input_state wanted)
 {
-	assert_int_equal(out.capture, wanted.capture);
-	assert_int_equal(out.screenshot, wanted.screenshot);
-	assert_int_equal(out.overlay, wanted.overlay);
-	assert_int_equal(out.inspector, wanted.inspector);
-	assert_int_equal(out.freeze, wanted.freeze);
-	assert_int_equal(out.next_view, wanted.next_view);
-	assert_int_equal(out.workers, wanted.workers);
+	for (uint32_t row = STILB_INPUT_ACTIONS; row < STILB_INPUT_ACTIONS_MAX; row++)
+		assert_int_equal(out.actions[row], wanted.actions[row]);
 }
 
 static void test_buttons(void **state)
@@ -236,14 +235,22 @@ static void test_buttons(void **state)
 		stilb_input_button button;
 		stilb_input_state wanted;
 	} rows[STILB_INPUT_BUTTON_COUNT] = {
-		{STILB_INPUT_SOUTH, {.freeze = true}},       {STILB_INPUT_EAST, {.next_view = 1}},
-		{STILB_INPUT_WEST, {.capture = true}},       {STILB_INPUT_NORTH, {.overlay = true}},
-		{STILB_INPUT_LEFT_SHOULDER, {.workers = 0}}, {STILB_INPUT_RIGHT_SHOULDER, {.workers = 0}},
-		{STILB_INPUT_BACK, {.screenshot = true}},    {STILB_INPUT_START, {.inspector = true}},
-		{STILB_INPUT_GUIDE, {.workers = 0}},         {STILB_INPUT_LEFT_STICK, {.workers = 0}},
-		{STILB_INPUT_RIGHT_STICK, {.workers = 0}},   {STILB_INPUT_UP, {.workers = 1}},
-		{STILB_INPUT_DOWN, {.workers = -1}},         {STILB_INPUT_LEFT, {.workers = 0}},
-		{STILB_INPUT_RIGHT, {.next_view = 1}},       {STILB_INPUT_EXTRA, {.workers = 0}},
+		{STILB_INPUT_SOUTH, {.actions = {[FREEZE] = 1}}},
+		{STILB_INPUT_EAST, {.actions = {[NEXT_VIEW] = 1}}},
+		{STILB_INPUT_WEST, {.actions = {[CAPTURE] = 1}}},
+		{STILB_INPUT_NORTH, {.actions = {[OVERLAY] = 1}}},
+		{STILB_INPUT_LEFT_SHOULDER, {.actions = {0}}},
+		{STILB_INPUT_RIGHT_SHOULDER, {.actions = {0}}},
+		{STILB_INPUT_BACK, {.actions = {[SCREENSHOT] = 1}}},
+		{STILB_INPUT_START, {.actions = {[INSPECTOR] = 1}}},
+		{STILB_INPUT_GUIDE, {.actions = {0}}},
+		{STILB_INPUT_LEFT_STICK, {.actions = {0}}},
+		{STILB_INPUT_RIGHT_STICK, {.actions = {0}}},
+		{STILB_INPUT_UP, {.actions = {[MORE] = 1}}},
+		{STILB_INPUT_DOWN, {.actions = {[FEWER] = 1}}},
+		{STILB_INPUT_LEFT, {.actions = {[GRAB] = 1}}},
+		{STILB_INPUT_RIGHT, {.actions = {[NEXT_VIEW] = 1}}},
+		{STILB_INPUT_EXTRA, {.actions = {[OVERLAY] = 1}}},
 	};
 	for (int i = 0; i < STILB_INPUT_BUTTON_COUNT; i++) {
 		assert_int_equal(begin(state), 0);
@@ -254,7 +261,7 @@ static void test_buttons(void **state)
 		assert_actions(rows[i].wanted);
 		press(1, 30, 1u << i); /* still held: a press acts only once */
 		frame(40);
-		assert_actions(no_keys);
+		assert_actions(i == STILB_INPUT_LEFT ? rows[i].wanted : no_keys);
 		press(1, 50, 0); /* a release is not a press */
 		frame(60);
 		assert_actions(no_keys);
@@ -274,14 +281,18 @@ static void test_presses_between_frames_count(void **state)
 	press(1, 42, BUTTON(START) | BUTTON(SOUTH));
 	press(1, 43, 0);
 	frame(50);
-	assert_actions((stilb_input_state){.next_view = 3, .overlay = true, .workers = 3, .capture = true});
+	assert_actions((stilb_input_state){.actions = {[NEXT_VIEW] = 3, [OVERLAY] = 1, [MORE] = 3, [CAPTURE] = 3}});
 	/* Actions of keys and pad are combined; a switch that both toggle stays as it was. */
 	press(1, 60, BUTTON(NORTH) | BUTTON(DOWN) | BUTTON(RIGHT) | BUTTON(SOUTH));
-	frame_with(
-		70, (stilb_input_state){.overlay = true, .inspector = true, .workers = 4, .next_view = 2, .screenshot = true});
+	frame_with(70, (stilb_input_state){
+					   .actions = {[OVERLAY] = 1, [INSPECTOR] = 1, [MORE] = 4, [NEXT_VIEW] = 2, [SCREENSHOT] = 1}});
 	assert_actions((stilb_input_state){
-		.overlay = false, .inspector = true, .workers = 3, .next_view = 3, .screenshot = true, .freeze = true});
+		.actions = {[INSPECTOR] = 1, [MORE] = 4, [FEWER] = 1, [NEXT_VIEW] = 3, [SCREENSHOT] = 1, [FREEZE] = 1}});
 	frame(80);
+	assert_actions(no_keys);
+	press(1, 90, 0);
+	press(1, 91, BUTTON(NORTH) | BUTTON(EXTRA)); /* both buttons of a switch at once */
+	frame(100);
 	assert_actions(no_keys);
 }
 
@@ -313,7 +324,7 @@ static void test_the_last_touched_leads(void **state)
 	press(1, SECOND, BUTTON(WEST)); /* a press makes the pad lead, and its action is taken at once */
 	frame(SECOND);
 	assert_int_equal(leader(), 1);
-	assert_true(out.capture);
+	assert_true(out.actions[CAPTURE]);
 	press(2, SECOND + 1, 0); /* letting go of a trigger makes the pad lead, too */
 	assert_int_equal(leader(), 2);
 }
@@ -363,7 +374,7 @@ static void test_first_report(void **state)
 	touch(2, 30, (stilb_input_pad_state){.axes = {0, 1, -1, 1, 1, 1}, .buttons = BUTTON(WEST)});
 	frame(40);
 	assert_int_equal(leader(), 1);
-	assert_false(out.capture);
+	assert_false(out.actions[CAPTURE]);
 	press(2, 50, BUTTON(WEST));
 	assert_int_equal(leader(), 2);
 }
@@ -432,9 +443,9 @@ static void test_focus(void **state)
 	touch(1, SECOND + 10, (stilb_input_pad_state){.axes = {1}, .buttons = BUTTON(WEST)});
 	stilb_input_control_frame(control, 2 * SECOND, &keys, false, &out, &pose);
 	assert_memory_equal(&lost, &pose, sizeof pose);
-	assert_false(out.capture);
+	assert_false(out.actions[CAPTURE]);
 	frame(2 * SECOND); /* the focus is back: the stick moves the camera, presses made meanwhile are dropped */
-	assert_false(out.capture);
+	assert_false(out.actions[CAPTURE]);
 	frame(3 * SECOND);
 	assert_true(pose.position[0] > lost.position[0] + 10.0f);
 }
@@ -547,7 +558,7 @@ static void test_list(void **state)
 	pull(4711, 500);
 	press(4711, 600, BUTTON(WEST));
 	frame(700);
-	assert_false(out.capture);
+	assert_false(out.actions[CAPTURE]);
 	assert_int_equal(stilb_input_control_pads(control, pads), 2);
 }
 
@@ -710,6 +721,13 @@ static void test_path_is_the_same_at_every_rate(void **state)
 	assert_memory_equal(poses, wanted, sizeof poses);
 }
 
+static int make_table(void **state)
+{
+	(void)state;
+	table = action_table();
+	return table.count == END ? 0 : -1;
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
@@ -734,5 +752,5 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_corrupt_reports_move_nothing, begin, end),
 		cmocka_unit_test_setup_teardown(test_path_is_the_same_at_every_rate, begin, end),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, make_table, NULL);
 }

@@ -22,6 +22,9 @@ typedef struct fixture {
 	Window window;
 } fixture;
 
+enum { FEWER = STILB_ENGINE_ACTIONS };
+static const stilb_input_action actions[] = {{.name = "fewer", .typed = "-", .help = "fewer workers"}};
+
 static int set_up(void **state)
 {
 	fixture *f = calloc(1, sizeof *f);
@@ -31,6 +34,9 @@ static int set_up(void **state)
 	desc.height = 200;
 	desc.window = true;
 	desc.validate = true;
+	desc.saves = true;
+	desc.actions = actions;
+	desc.action_count = sizeof actions / sizeof *actions;
 	if (!f || stress_engine_create(&desc, &(stress_engine){.models = 25, .seed = 1}, &f->engine) != STILB_OK) {
 		fprintf(stderr, "%s\n", stilb_error_message());
 		return -1;
@@ -223,16 +229,16 @@ static void test_keys(void **state)
 	send_key(f, XK_minus, true);
 	send_key(f, XK_minus, false);
 	bool capture = false, screenshot = false;
-	int32_t workers = 0;
-	for (int i = 0; i < 50 && !(capture && screenshot && workers); i++) {
+	uint32_t fewer = 0;
+	for (int i = 0; i < 50 && !(capture && screenshot && fewer); i++) {
 		stilb_engine_report report = run_frame(f);
-		capture |= report.input.capture;
-		screenshot |= report.input.screenshot;
-		workers += report.input.workers;
+		capture |= report.input.actions[STILB_ENGINE_CAPTURE] > 0;
+		screenshot |= report.input.actions[STILB_ENGINE_PICTURE] > 0;
+		fewer += report.input.actions[FEWER];
 	}
 	assert_true(capture);
 	assert_true(screenshot);
-	assert_int_equal(workers, -1);
+	assert_int_equal(fewer, 1);
 
 	const stilb_scene_camera *camera = &stilb_engine_scene(f->engine)->camera;
 	float before = camera->position[2];

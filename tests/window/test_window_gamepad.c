@@ -115,6 +115,9 @@ static stilb_engine_report report;
 static stilb_input_control_pad pads[STILB_INPUT_PADS_MAX];
 static uint32_t pad_count, views;
 
+static const stilb_input_action next_view = {.name = "next view",
+                                             .pad = STILB_INPUT_PAD(EAST) | STILB_INPUT_PAD(RIGHT)};
+
 static int set_up(void **state)
 {
 	(void)state;
@@ -126,6 +129,8 @@ static int set_up(void **state)
 	desc.validate = true;
 	desc.gamepad_sys = fake.sys;
 	desc.gamepad_dev = fake.dev;
+	desc.actions = &next_view;
+	desc.action_count = 1;
 	if (stress_engine_create(&desc, &(stress_engine){.models = 25, .seed = 1}, &engine) == STILB_OK)
 		return 0;
 	fprintf(stderr, "%s\n", stilb_error_message());
@@ -143,7 +148,7 @@ static void run_frame(void)
 {
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
-	views += report.input.next_view;
+	views += report.input.actions[STILB_ENGINE_ACTIONS];
 	pad_count = stilb_engine_gamepads(engine, pads);
 }
 
