@@ -49,6 +49,7 @@
 #include "jobs/job.h"
 #include "profiler/prof_capture.h"
 #include "render/render.h"
+#include "scene/edit/scene_variant.h"
 #include "scene/scene.h"
 #include "scene/scene_pick.h"
 #include "ui/ui_draw.h"

@@ -106,6 +106,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->textures);
 	free(scene->lights);
 	scene_edit_finish(scene->edits);
+	scene_variants_finish(scene->variants);
 	free(scene);
 }
 
@@ -134,7 +135,8 @@ bool scene_is_sound(const stilb_scene *scene)
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		sound = sound && scene->lights[i].face <= scene->part_count && !stilb_scene_light_mistake(&scene->lights[i]);
 	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&
-	       scene_all_below(scene->part_material, scene->part_count, scene->material_count);
+	       scene_all_below(scene->part_material, scene->part_count, scene->material_count) &&
+	       scene_variants_are_sound(scene);
 }
 
 /* ---- bounds ------------------------------------------------------------------------------------------------------ */

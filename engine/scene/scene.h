@@ -186,7 +186,8 @@ typedef struct stilb_scene {
 	stilb_scene_camera camera;
 	bool framed;   /* the camera is stilb_scene_frame's for a square picture, because the file has none */
 	uint64_t seed; /* of the stress test, else 0 */
-	struct stilb_scene_edits *edits; /* of scene_edit.h; NULL: there was none */
+	struct stilb_scene_edits *edits;       /* of scene_edit.h; NULL: there was none */
+	struct stilb_scene_variants *variants; /* of scene_variant.h; NULL: the file has none */
 } stilb_scene;
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

@@ -13,6 +13,15 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 
+/* scene_variant.c: room for so many variants, all names "" and all materials 0. STILB_ERROR_MEMORY. */
+stilb_result scene_add_variants(stilb_scene *scene, uint32_t count);
+
+/* Accepts NULL. */
+void scene_variants_finish(struct stilb_scene_variants *variants);
+
+/* True if the names end and the materials exist. */
+bool scene_variants_are_sound(const stilb_scene *scene);
+
 /* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' textures.
  * Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has been made. */
 bool scene_is_sound(const stilb_scene *scene);

@@ -86,6 +86,8 @@ static void picture_add_place(picture_flags *p, flag_rows *table)
 	     "position in metres, angles in degrees (the scene's camera)", 5, 6, NULL},
 		{"--environment", FLAG_TEXT, &p->environment, "FILE|R,G,B",
 	     "a panorama (.hdr, .exr, ...) or a radiance around the scene (its own)", 0, 0, NULL},
+		{"--variant", FLAG_TEXT, &p->variant, "NAME",
+	     "materials of this variant of a glTF file, see 'stilb info SCENE'", 0, 0, NULL},
 		{"--allow-outside", FLAG_SWITCH, &p->allow_outside, NULL,
 	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
 		{"--quiet", FLAG_SWITCH, &p->quiet, NULL, "do not list what the scene's file has that is not shown", 0, 0,
@@ -171,6 +173,14 @@ void picture_flags_place(const picture_flags *p, float aspect, stilb_scene *scen
 	camera->roll = 0.0f;
 	if (p->camera.count > 5)
 		camera->fov_y = picture_radians(p->camera.numbers[5]);
+}
+
+stilb_result picture_flags_variant(const picture_flags *p, stilb_scene *scene)
+{
+	if (!p->variant)
+		return STILB_OK;
+	stilb_result result = stilb_scene_show_variant_named(scene, p->variant);
+	return result == STILB_OK ? result : stilb_fail(result, "--variant: %s", stilb_error_message());
 }
 
 stilb_result picture_flags_surroundings(const picture_flags *p, stilb_scene *scene)

@@ -27,15 +27,16 @@ typedef struct picture_flags {
 	bool validate, allow_outside, quiet;
 	flag_list camera;
 	const char *gpu, *environment; /* NULL if not given */
+	const char *variant;           /* NULL if not given */
 } picture_flags;
 
 typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
-	PICTURE_PLACE, /* --camera, --environment, --allow-outside, --quiet: a scene of a file, and where from it is seen */
-	PICTURE_BRDF,  /* --brdf and the parts of --brdf microfacet */
-	PICTURE_ADDED, /* what is added to the materials: frames alone have it */
+	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
+	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
+	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;
 
 /* The words that --replay, --materials and --device accept, in the order of the engine's enumerations;
@@ -61,6 +62,9 @@ stilb_render_shading picture_flags_shading(const picture_flags *picture, uint32_
 /* The camera of --camera in place of the scene's, for a picture of this aspect: width / height. A scene whose file has
  * no camera is framed for it. */
 void picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
+
+/* Shows the variant of --variant. STILB_ERROR_ARGUMENT: the scene has none of this name; STILB_ERROR_MEMORY. */
+stilb_result picture_flags_variant(const picture_flags *picture, stilb_scene *scene);
 
 /* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.
  * STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */

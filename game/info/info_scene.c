@@ -122,6 +122,14 @@ static void info_print_lights(FILE *out, const info_contents *c)
 		fprintf(out, "  surroundings: black\n");
 }
 
+static void info_print_variants(FILE *out, const stilb_scene_variants *variants)
+{
+	for (uint32_t v = 0; variants && v < variants->count; v++)
+		fprintf(out, "%s'%s'", v == 0 ? "  variants of materials: " : ", ", variants->names[v]);
+	if (variants)
+		fprintf(out, "\n");
+}
+
 static void info_print_scene(FILE *out, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
@@ -145,6 +153,7 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 		fprintf(out, "    texture %u: %ux%u, %u channel%s of %d bits\n", i, scene->textures[i].width,
 		        scene->textures[i].height, scene->textures[i].channels, info_s(scene->textures[i].channels),
 		        info_bits(&scene->textures[i]));
+	info_print_variants(out, scene->variants);
 	info_print_lights(out, c);
 	/* + 0.0 makes 0 of -0. */
 	fprintf(out, "  camera: --camera %.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", (double)camera->position[0],
@@ -184,6 +193,14 @@ static void info_json_textures(stilb_json *json, const stilb_scene *scene)
 	stilb_json_end(json, ']');
 }
 
+static void info_json_variants(stilb_json *json, const stilb_scene_variants *variants)
+{
+	stilb_json_begin(json, "variants", '[');
+	for (uint32_t v = 0; variants && v < variants->count; v++)
+		stilb_json_string(json, NULL, variants->names[v]);
+	stilb_json_end(json, ']');
+}
+
 static stilb_result info_scene_save(const char *path, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
@@ -202,6 +219,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "emitting_triangles", (int64_t)c->emitting);
 	stilb_json_int(&json, "materials", scene->material_count);
 	info_json_textures(&json, scene);
+	info_json_variants(&json, scene->variants);
 	stilb_json_begin(&json, "lights", '{');
 	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		stilb_json_int(&json, info_light_names[i], c->lights[i]);

@@ -169,7 +169,8 @@ static bool work_open(work_pieces *p)
 	                                 .quiet = p->options->picture.quiet,
 	                                 .import_bytes = &p->result->import_bytes};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
-	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)))
+	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)) ||
+	    !work_good(p, picture_flags_variant(&p->options->picture, p->scene)))
 		return false;
 	picture_flags_place(&p->options->picture, (float)p->options->size[0] / (float)p->options->size[1], p->scene);
 	p->result->open_s = work_seconds_since(start);

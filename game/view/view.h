@@ -39,6 +39,13 @@ typedef struct view {
  * state of the same file, so the camera stays. On failure the old one stays, and the new one is freed. */
 stilb_result view_show(view *v, stilb_scene *scene, bool again);
 
+/* view_variant.c: shows the variant of --variant in a new scene; in a new state of the same file the one that was shown
+ * before. Only of the first scene STILB_ERROR_ARGUMENT: it has none of that name. */
+stilb_result view_variant_begin(const view *v, stilb_scene *scene, bool again);
+
+/* Goes on to the next variant, after the last one to the file's own materials, and says so. */
+void view_variant_next(view *v);
+
 /* Moves the camera as the user asks for in this frame. */
 void view_move(view *v, const stilb_engine_update *update);
 

@@ -63,7 +63,9 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again)
 {
 	again = again && v->scene;
 	stilb_scene_camera kept = again ? v->scene->camera : (stilb_scene_camera){0};
-	stilb_result result = stilb_engine_set_scene(v->run->engine, scene);
+	stilb_result result = view_variant_begin(v, scene, again);
+	if (result == STILB_OK)
+		result = stilb_engine_set_scene(v->run->engine, scene);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;

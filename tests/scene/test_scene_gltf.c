@@ -2,7 +2,8 @@
  * glTF files with known contents: each feature in a file of its own that the test writes, what is not shown and is
  * named, and files that are damaged in one place. tests/scene/test_scene_import.c has the files of all formats.
  */
-#include "scene/scene.h"
+#include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_variant.h"
 #include "support/folder.h"
 #include "support/test.h"
 
@@ -564,6 +565,94 @@ static void materials(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- variants ---------------------------------------------------------------------------------------------------- */
+
+#define MAPS(material, variants) "{\"material\":" #material ",\"variants\":[" variants "]}"
+#define HAS_VARIANTS(maps) "\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[" maps "]}}"
+#define VARIANTS "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"red\"},{\"name\":\"\"},{}]}}"
+
+/* Two nodes show mesh 0: its first primitive has variants 0 and 2, the second, without a material, variant 1. */
+static void variants(void **state)
+{
+	(void)state;
+	static const char json[] =
+		"\"nodes\":[{\"mesh\":0},{\"mesh\":0}],\"scenes\":[{\"nodes\":[0,1]}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0," HAS_VARIANTS(MAPS(
+			1,
+			"2,0")) "},{\"attributes\":{\"POSITION\":0}," HAS_VARIANTS(MAPS(2,
+	                                                                        "1")) "}]}],"
+																				  "\"materials\":[{},{},{}]," VARIANTS;
+	static const char wrong[] =
+		NODE "," VARIANTS ",\"materials\":[{}],"
+			 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
+			 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}," HAS_VARIANTS(MAPS(0, "3")) "}]}]";
+	begin();
+	put(triangle, sizeof triangle);
+	stilb_scene *scene = open_glb(json);
+	static const uint32_t wanted[4][4] = {{0, 3, 0, 3}, {1, 3, 1, 3}, {0, 2, 0, 2}, {1, 3, 1, 3}};
+	const stilb_scene_variants *found = scene->variants;
+	assert_non_null(found);
+	assert_int_equal(found->count, 3);
+	assert_int_equal(found->part_count, 4);
+	assert_string_equal(found->names[0], "red");
+	assert_string_equal(found->names[2], "number 2");
+	assert_memory_equal(found->materials, wanted, sizeof wanted);
+	for (uint32_t v = 0; v < 4; v++) {
+		assert_int_equal(stilb_scene_show_variant(scene, v), STILB_OK);
+		assert_int_equal(found->shown, v);
+		assert_memory_equal(scene->part_material, wanted[v], sizeof wanted[v]);
+	}
+	assert_int_equal(stilb_scene_show_variant(scene, 4), STILB_ERROR_ARGUMENT);
+	assert_int_equal(stilb_scene_show_variant_named(scene, "blue"), STILB_ERROR_ARGUMENT);
+	assert_string_equal(stilb_error_message(),
+	                    "there is no variant 'blue' of its materials; there are 'red', 'number 1', 'number 2'");
+	/* What edits have changed stays, and a material that a part shows cannot be removed. */
+	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
+	assert_int_equal(stilb_scene_set_part(scene, 1, 0, (stilb_scene_build_part){0, 2}), STILB_OK);
+	assert_int_equal(stilb_scene_remove_material(scene, 1), STILB_OK);
+	assert_int_equal(stilb_scene_show_variant_named(scene, "red"), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "material 1 was removed"));
+	assert_int_equal(stilb_scene_show_variant(scene, 2), STILB_OK);
+	assert_memory_equal(scene->part_material, ((const uint32_t[]){0, 2, 2, 2}), 16);
+	assert_int_equal(stilb_scene_remove_material(scene, 2), STILB_ERROR_ARGUMENT);
+	assert_int_equal(stilb_scene_remove_model(scene, 0), STILB_OK);
+	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
+	assert_int_equal(scene->part_material[0], STILB_SCENE_NONE);
+	assert_int_equal(scene->part_material[3], 3);
+	stilb_scene_destroy(scene);
+	assert_int_equal(stilb_scene_open("cornell", &scene), STILB_OK);
+	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
+	assert_int_equal(stilb_scene_show_variant_named(scene, "red"), STILB_ERROR_ARGUMENT);
+	stilb_scene_destroy(scene);
+	assert_refused(wrong, "it names variant 3, but there are 3");
+}
+
+/* A mesh has one set of texture coordinates: of the first material that draws a texture. */
+static void variants_share_their_coordinates(void **state)
+{
+	(void)state;
+	static const char json[] =
+		NODE ",\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+			 "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
+			 "{\"bufferView\":1,\"byteOffset\":24,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+			 "\"meshes\":[{\"name\":\"shoe\",\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,"
+			 "\"TEXCOORD_1\":2},\"material\":0," HAS_VARIANTS(MAPS(1, "0") "," MAPS(
+				 2, "1")) "}]}],"
+						  "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"paint.png\"}],\"materials\":[{},"
+						  "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}}},"
+						  "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]," VARIANTS;
+	begin();
+	put(triangle, sizeof triangle);
+	put((const float[]){0, 0, 0, 0, 0, 0, 0.25f, 0.5f, 1, 0, 0, 1}, 48);
+	write_picture("paint.png");
+	stilb_scene *scene = open_glb(json);
+	assert_numbers(scene->meshes[0].vertices[0].uv, (const float[]){0.25f, 0.5f}, 2);
+	assert_said("textures of variants lie as that of the first: 1 mesh ('shoe')");
+	stilb_scene_destroy(scene);
+	remove("paint.png");
+}
+
 /* ---- what is not shown ------------------------------------------------------------------------------------------- */
 
 #define EVERYTHING                                                                                                     \
@@ -589,7 +678,7 @@ static void what_is_not_shown_is_named(void **state)
 	static const char *const lines[] = {
 		"it requires extensions that are not shown, so it looks other than it should: ACME_fur\n",
 		"it uses extensions that are not shown: KHR_materials_sheen, ACME_fur\n",
-		"its materials have variants, of which none is chosen: red, green\n",
+		"its materials have variants: red, green\n",
 		"surfaces cut out by alpha are shown whole: 1 material ('leaf')\n",
 		"transparent surfaces are shown opaque: 2 materials ('glass', ...)\n",
 		"normal maps and bump maps are not shown: 1 material ('leaf')\n",
@@ -774,6 +863,8 @@ int main(void)
 		cmocka_unit_test(meshopt),
 		cmocka_unit_test(draco),
 		cmocka_unit_test(materials),
+		cmocka_unit_test(variants),
+		cmocka_unit_test(variants_share_their_coordinates),
 		cmocka_unit_test(what_is_not_shown_is_named),
 		cmocka_unit_test(damaged_numbers_are_refused),
 		cmocka_unit_test(damaged_containers_are_refused),

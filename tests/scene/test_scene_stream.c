@@ -1,5 +1,7 @@
 /* A scene is written and read back the same; a damaged stream gives a scene that can be used or an error. */
+#include "scene/edit/scene_variant.h"
 #include "scene/open/scene_stream.h"
+#include "scene/scene_internal.h"
 #include "support/test.h"
 
 #include <fcntl.h>
@@ -55,6 +57,8 @@ static stilb_scene *make(void)
 	((uint8_t *)scene->textures[0].pixels)[7] = 99;
 	scene->materials[0].diffuse_texture = 1;
 	scene->surroundings.ground[1] = 0.25f;
+	assert_int_equal(scene_add_variants(scene, 2), STILB_OK);
+	strcpy(scene->variants->names[1], "blue");
 	return scene;
 }
 
@@ -71,6 +75,8 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
 	assert_memory_equal(&back->camera, &scene->camera, sizeof scene->camera);
 	assert_int_equal(back->textures[0].width, 3);
+	assert_int_equal(back->variants->count, 2);
+	assert_string_equal(back->variants->names[1], "blue");
 	assert_true(back->surroundings.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
 	unsigned char *second = bytes_of(back, &again);
 	assert_int_equal(again, size);
@@ -131,10 +137,10 @@ static void nothing_points_past_the_end(void **state)
 	uint32_t *const places[] = {&scene->meshes[0].indices[7], &scene->part_mesh[0],
 	                            &scene->part_material[0],     &scene->materials[0].diffuse_texture,
 	                            &scene->first_part[1],        (uint32_t *)&scene->lights[0].kind,
-	                            &scene->lights[0].face};
+	                            &scene->lights[0].face,       &scene->variants->materials[1]};
 	const uint32_t wrong[] = {scene->meshes[0].vertex_count, scene->mesh_count,     scene->material_count,
 	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_KINDS,
-	                          scene->part_count + 1};
+	                          scene->part_count + 1,         scene->material_count};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;
 		uint32_t old = *places[i];

@@ -49,6 +49,7 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_EMISSION_MAPS,
 	IMPORTER_LOSS_WRAPPING,
 	IMPORTER_LOSS_NEAREST,
+	IMPORTER_LOSS_VARIANT_MAPPINGS,
 	IMPORTER_LOSS_VERTEX_COLORS,
 	IMPORTER_LOSS_LINES,
 	IMPORTER_LOSS_POSITIONS,
@@ -70,7 +71,9 @@ typedef struct importer_lost {
 typedef struct importer {
 	const struct aiScene *from; /* NULL: the file is glTF 2.0 */
 	const char *path;
-	bool gltf; /* Assimp read glTF 1.0, whose lights have physical units */
+	bool gltf;           /* Assimp read glTF 1.0, whose lights have physical units */
+	bool up_is_y;        /* the file says so where its format leaves that open */
+	importer_node world; /* node NULL: the space of the file's scene in ours, whose up is y */
 
 	importer_node *nodes; /* [node_count], a node before its children */
 	uint32_t node_count;
@@ -101,12 +104,21 @@ static inline float importer_clamp(float value, float low, float high)
 	return !(value > low) ? low : value < high ? value : high;
 }
 
+/* importer_axes.c: the transform from the axes of the file's scene to ours. up_is_y: importer_up_is_y of its bytes. */
+stilb_mat4 importer_axes(const struct aiScene *scene, bool up_is_y);
+
+/* True if the file at path is of a format that leaves open which way is up, and says that y is. */
+bool importer_up_is_y(const char *path, const importer_bytes *bytes);
+
+/* True if what Assimp calls the format begins so. */
+bool importer_is_format(const struct aiScene *scene, const char *begins);
+
 /* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
  * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);
 
-/* The first node of this name, or NULL. */
+/* The first node of this name; without one `world`. */
 const importer_node *importer_find_node(const importer *import, const struct aiString *name);
 
 static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
@@ -114,10 +126,10 @@ static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 	return stilb_vec3_make(v->x, v->y, v->z);
 }
 
-/* A point of the node's space in the world; the same point if node is NULL. */
+/* A point of the node's space in the world. */
 stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p);
 
-/* A direction of the node's space in the world, unit length; -Z if it has no length. node may be NULL. */
+/* A direction of the node's space in the world, unit length; -Z if it has no length. */
 stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d);
 
 /* importer_mesh.c: creates the scene with every mesh that has triangles, and a model with its parts and bounds for each

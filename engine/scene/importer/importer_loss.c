@@ -16,6 +16,7 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_EMISSION_MAPS] = {"maps of emission count by their mean", "material"},
 	[IMPORTER_LOSS_WRAPPING] = {"textures that are clamped or mirrored are repeated", "material"},
 	[IMPORTER_LOSS_NEAREST] = {"textures of hard texels are shown smooth", "material"},
+	[IMPORTER_LOSS_VARIANT_MAPPINGS] = {"textures of variants lie as that of the first", "mesh"},
 	[IMPORTER_LOSS_VERTEX_COLORS] = {"colours of vertices are not shown", "mesh"},
 	[IMPORTER_LOSS_LINES] = {"points and lines are not drawn", "mesh"},
 	[IMPORTER_LOSS_POSITIONS] = {"what has no positions is not drawn", "mesh"},

@@ -1,5 +1,6 @@
 #include "scene/open/scene_stream.h"
 
+#include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
 
 #include <errno.h>
@@ -12,7 +13,7 @@
 
 /* ---- bytes ------------------------------------------------------------------------------------------------------- */
 
-static bool stream_put(int file, const void *data, size_t size)
+bool scene_stream_put(int file, const void *data, size_t size)
 {
 	const char *bytes = data;
 	while (size > 0) {
@@ -62,8 +63,7 @@ static bool stream_count(scene_stream *stream, uint64_t size)
 	return !stream->too_much;
 }
 
-/* Reads exactly size bytes. False: one of the stream's flags late, ended and too_much says why. */
-static bool stream_get(scene_stream *stream, void *data, size_t size)
+bool scene_stream_get(scene_stream *stream, void *data, size_t size)
 {
 	STILB_ASSERT(data || size == 0);
 	char *bytes = data;
@@ -150,7 +150,7 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 		return false;
 	*passed = stream_descriptor_of(&got);
 	if (!stream_count(stream, (uint64_t)size) ||
-	    !stream_get(stream, (char *)message + size, sizeof *message - (size_t)size)) {
+	    !scene_stream_get(stream, (char *)message + size, sizeof *message - (size_t)size)) {
 		if (*passed >= 0)
 			close(*passed);
 		*passed = -1;
@@ -231,30 +231,31 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	const stilb_scene_surroundings *around = &scene->surroundings;
-	bool good = stream_put(file, &counts, sizeof counts) && stream_put(file, around->sky, sizeof around->sky) &&
-	            stream_put(file, around->ground, sizeof around->ground) &&
-	            stream_put(file, &scene->camera, sizeof scene->camera);
+	bool good = scene_stream_put(file, &counts, sizeof counts) &&
+	            scene_stream_put(file, around->sky, sizeof around->sky) &&
+	            scene_stream_put(file, around->ground, sizeof around->ground) &&
+	            scene_stream_put(file, &scene->camera, sizeof scene->camera);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
-		good = stream_put(file, arrays[i].data, arrays[i].size);
+		good = scene_stream_put(file, arrays[i].data, arrays[i].size);
 	for (uint32_t i = 0; good && i < scene->mesh_count; i++) {
 		const stilb_scene_mesh *mesh = &scene->meshes[i];
 		const uint32_t sizes[2] = {mesh->vertex_count, mesh->index_count};
-		good = stream_put(file, sizes, sizeof sizes) &&
-		       stream_put(file, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices) &&
-		       stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+		good = scene_stream_put(file, sizes, sizeof sizes) &&
+		       scene_stream_put(file, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices) &&
+		       scene_stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	}
-	return good;
+	return good && scene_stream_write_rest(file, scene);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-static stilb_result stream_broken(const scene_stream *stream)
+stilb_result scene_stream_broken(const scene_stream *stream)
 {
 	return stilb_fail(STILB_ERROR_FILE,
 	                  stream->too_much ? "the scene is larger than an import may be" : "the scene broke off");
 }
 
-static stilb_result stream_wrong(const char *what)
+stilb_result scene_stream_wrong(const char *what)
 {
 	return stilb_fail(STILB_ERROR_FILE, "the scene has impossible %s", what);
 }
@@ -262,16 +263,16 @@ static stilb_result stream_wrong(const char *what)
 static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mesh)
 {
 	uint32_t sizes[2];
-	if (!stream_get(stream, sizes, sizeof sizes))
-		return stream_broken(stream);
+	if (!scene_stream_get(stream, sizes, sizeof sizes))
+		return scene_stream_broken(stream);
 	if (sizes[1] % 3 != 0 || sizes[0] > STREAM_MAX_VERTICES || sizes[1] > 3 * STREAM_MAX_VERTICES)
-		return stream_wrong("triangles");
+		return scene_stream_wrong("triangles");
 	stilb_result result = scene_mesh_create(mesh, sizes[0], sizes[1]);
 	if (result != STILB_OK)
 		return result;
-	if (!stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
-	    !stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
-		return stream_broken(stream);
+	if (!scene_stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
+	    !scene_stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
+		return scene_stream_broken(stream);
 	return STILB_OK;
 }
 
@@ -280,13 +281,13 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	stilb_scene_surroundings *around = &scene->surroundings;
-	bool good = stream_get(stream, around->sky, sizeof around->sky) &&
-	            stream_get(stream, around->ground, sizeof around->ground) &&
-	            stream_get(stream, &scene->camera, sizeof scene->camera);
+	bool good = scene_stream_get(stream, around->sky, sizeof around->sky) &&
+	            scene_stream_get(stream, around->ground, sizeof around->ground) &&
+	            scene_stream_get(stream, &scene->camera, sizeof scene->camera);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
-		good = stream_get(stream, arrays[i].data, arrays[i].size);
+		good = scene_stream_get(stream, arrays[i].data, arrays[i].size);
 	if (!good)
-		return stream_broken(stream);
+		return scene_stream_broken(stream);
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
 		result = stream_read_mesh(stream, &scene->meshes[i]);
@@ -307,11 +308,11 @@ static stilb_result stream_check(const stilb_scene *scene)
 {
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		if (stilb_scene_light_mistake(&scene->lights[i]))
-			return stream_wrong("lights");
+			return scene_stream_wrong("lights");
 	if (!scene_is_sound(scene))
-		return stream_wrong("indices");
+		return scene_stream_wrong("indices");
 	bool none = scene->camera.fov_y == 0.0f;
-	return none || stream_camera_is_usable(&scene->camera) ? STILB_OK : stream_wrong("numbers in its camera");
+	return none || stream_camera_is_usable(&scene->camera) ? STILB_OK : scene_stream_wrong("numbers in its camera");
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
@@ -319,19 +320,21 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 	stream_counts counts;
 	stilb_scene *scene = NULL;
 	*out = NULL;
-	if (!stream_get(stream, &counts, sizeof counts))
-		return stream_broken(stream);
+	if (!scene_stream_get(stream, &counts, sizeof counts))
+		return scene_stream_broken(stream);
 	if (!stream_counts_are_possible(&counts))
 		return stilb_fail(STILB_ERROR_FILE, "the scene has more than %u of something", STILB_SCENE_MAX_MODELS);
 	stilb_result result = scene_create(counts.models, counts.parts, counts.meshes, counts.materials, &scene);
 	if (result == STILB_OK && counts.textures != count)
-		result = stream_wrong("textures");
+		result = scene_stream_wrong("textures");
 	if (result == STILB_OK)
 		result = scene_add_textures(scene, count);
 	if (result == STILB_OK)
 		result = scene_add_lights(scene, counts.lights);
 	if (result == STILB_OK)
 		result = stream_read_into(stream, scene);
+	if (result == STILB_OK)
+		result = scene_stream_read_rest(stream, scene);
 	if (result == STILB_OK)
 		result = stream_check(scene);
 	if (result != STILB_OK) {

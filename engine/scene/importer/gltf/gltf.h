@@ -7,7 +7,7 @@
  * Sources: the glTF 2.0 specification and the extensions of Khronos' registry that gltf_extensions.c lists.
  *
  * Life cycle.  gltf_is -> gltf_import, which goes through: gltf_open -> gltf_list_nodes -> gltf_load_textures ->
- *              gltf_add_meshes -> gltf_add_materials -> gltf_add_view -> gltf_close.
+ *              gltf_add_meshes -> gltf_add_materials -> gltf_add_variants -> gltf_add_view -> gltf_close.
  * Errors.      Files hold anything: every index, offset, count and stride is checked before use. Messages are reasons
  *              without the file's name. What cannot be shown is counted with importer_lose.
  * Threads.     The process's main thread.
@@ -33,7 +33,8 @@
 	X(SCENES, "scenes")                                                                                                \
 	X(SKINS, "skins")                                                                                                  \
 	X(TEXTURES, "textures")                                                                                            \
-	X(LIGHTS, "lights") /* of the extension KHR_lights_punctual */
+	X(LIGHTS, "lights")     /* of the extension KHR_lights_punctual */                                                 \
+	X(VARIANTS, "variants") /* of KHR_materials_variants */
 
 typedef enum gltf_list_kind {
 #define GLTF_LIST_KIND(name, key) GLTF_##name,
@@ -70,6 +71,7 @@ typedef struct gltf_node {
 /* One primitive of a mesh, converted. */
 typedef struct gltf_part {
 	stilb_scene_mesh mesh;
+	uint32_t item;     /* its token */
 	uint32_t material; /* of the scene */
 } gltf_part;
 
@@ -177,12 +179,20 @@ uint32_t gltf_texture_picture(gltf *from, uint32_t info);
 
 /* How a material's drawn texture takes its coordinates. */
 typedef struct gltf_mapping {
+	bool drawn;         /* the material has a texture that is drawn */
 	uint32_t set;       /* TEXCOORD_<set> */
 	float matrix[2][3]; /* from the file's coordinates to those that are drawn */
 } gltf_mapping;
 
 /* material: of the file; GLTF_NONE: the default one. */
 gltf_mapping gltf_material_mapping(gltf *from, uint32_t material);
+
+/* gltf_variant.c: the mapping of a primitive, on which its material and those of its variants must agree; material: its
+ * own or GLTF_NONE. What disagrees is counted as lost. name: of the mesh. */
+gltf_mapping gltf_variant_mapping(gltf *from, uint32_t primitive, uint32_t material, const char *name);
+
+/* Adds the variants of the materials of the scene's parts. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result gltf_add_variants(gltf *from);
 
 /* Creates the scene with the meshes that it shows, and a model for each node, or instance of one, that has any.
  * STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */

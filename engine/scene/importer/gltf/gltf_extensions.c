@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The extensions that are read. KHR_materials_variants is told by the names of its variants. */
+/* The extensions that are read. */
 static const char *const extensions_read[] = {
 	"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
 	"EXT_texture_webp",        "KHR_draco_mesh_compression",
@@ -65,8 +65,7 @@ void gltf_tell_extensions(gltf *from)
 	extensions_tell(from, required, NULL, extensions_are_read,
 	                "it requires extensions that are not shown, so it looks other than it should");
 	extensions_tell(from, used, NULL, extensions_are_read, "it uses extensions that are not shown");
-	extensions_tell(from, gltf_json_array(json, variants, "variants"), "name", NULL,
-	                "its materials have variants, of which none is chosen");
+	extensions_tell(from, gltf_json_array(json, variants, "variants"), "name", NULL, "its materials have variants");
 	extensions_lose(from, GLTF_ANIMATIONS, IMPORTER_LOSS_ANIMATIONS);
 	extensions_lose(from, GLTF_SKINS, IMPORTER_LOSS_SKINS);
 }

@@ -120,9 +120,14 @@ static stilb_result gltf_make_lists(gltf *from)
 	static const char *const keys[GLTF_LIST_COUNT] = {GLTF_LISTS(GLTF_LIST_KEY)};
 #undef GLTF_LIST_KEY
 	uint32_t lights = gltf_extension(from, GLTF_JSON_ROOT, "KHR_lights_punctual");
+	uint32_t variants = gltf_extension(from, GLTF_JSON_ROOT, "KHR_materials_variants");
 	stilb_result result = STILB_OK;
 	for (int kind = 0; result == STILB_OK && kind < GLTF_LIST_COUNT; kind++)
-		result = gltf_list_items(from, kind == GLTF_LIGHTS ? lights : GLTF_JSON_ROOT, keys[kind], &from->lists[kind]);
+		result = gltf_list_items(from,
+		                         kind == GLTF_LIGHTS     ? lights
+		                         : kind == GLTF_VARIANTS ? variants
+		                                                 : GLTF_JSON_ROOT,
+		                         keys[kind], &from->lists[kind]);
 	return result;
 }
 
@@ -342,8 +347,8 @@ void gltf_close(gltf *from)
 
 stilb_result gltf_import(importer *import, const importer_bytes *bytes)
 {
-	static stilb_result (*const steps[])(gltf *) = {gltf_list_nodes, gltf_load_textures, gltf_add_meshes,
-	                                                gltf_add_materials, gltf_add_view};
+	static stilb_result (*const steps[])(gltf *) = {gltf_list_nodes,    gltf_load_textures, gltf_add_meshes,
+	                                                gltf_add_materials, gltf_add_variants,  gltf_add_view};
 	gltf from = {.import = import};
 	stilb_result result = gltf_open(&from, bytes);
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++) {

@@ -278,9 +278,10 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 	uint64_t mode = gltf_json_size(json, primitive, "mode", PRIMITIVE_TRIANGLES);
 	primitive_reader reader = {.from = from, .item = primitive, .mode = (uint32_t)mode};
 	gltf_name(from, GLTF_MESHES, mesh, name);
-	reader.mapping = gltf_material_mapping(from, material);
+	reader.mapping = gltf_variant_mapping(from, primitive, material, name);
 	snprintf(reader.uvs, sizeof reader.uvs, "TEXCOORD_%u", reader.mapping.set);
-	*part = (gltf_part){.material = material == GLTF_NONE ? from->lists[GLTF_MATERIALS].count : material};
+	*part = (gltf_part){.item = primitive,
+	                    .material = material == GLTF_NONE ? from->lists[GLTF_MATERIALS].count : material};
 	if (mode > PRIMITIVE_FAN)
 		gltf_json_blame(json, primitive, "'mode' is %llu; 6 is the most", (unsigned long long)mode);
 	stilb_result result = gltf_json_check(json);

@@ -144,6 +144,7 @@ gltf_mapping gltf_material_mapping(gltf *from, uint32_t material)
 	uint32_t info = texture_drawn(from, from->lists[GLTF_MATERIALS].items[material]);
 	uint32_t transform = gltf_extension(from, info, "KHR_texture_transform");
 	uint64_t set = gltf_json_size(json, transform, "texCoord", gltf_json_size(json, info, "texCoord", 0));
+	mapping.drawn = info != GLTF_NONE;
 	mapping.set = set < 1000 ? (uint32_t)set : 1000;
 	if (transform != GLTF_NONE)
 		texture_transform(from, transform, &mapping);

@@ -1,0 +1,25 @@
+/* What follows the meshes in the stream of a scene: the variants of its materials. Needs the scene's counts. */
+#ifndef STILB_SCENE_STREAM_REST_H
+#define STILB_SCENE_STREAM_REST_H
+
+#include "scene/open/scene_stream.h"
+
+/* scene_stream.c: writes, reads exactly size bytes. False: the other side is gone; one of the stream's flags late,
+ * ended and too_much says why. */
+bool scene_stream_put(int file, const void *data, size_t size);
+bool scene_stream_get(scene_stream *stream, void *data, size_t size);
+
+/* STILB_ERROR_FILE: reading failed; the scene has impossible `what`. */
+stilb_result scene_stream_broken(const scene_stream *stream);
+stilb_result scene_stream_wrong(const char *what);
+
+/* Names are printed: what could move a terminal's cursor becomes a space. */
+void scene_stream_clean_name(char *name, size_t size);
+
+bool scene_stream_write_rest(int file, const stilb_scene *scene);
+
+/* Reads it into the scene, whose other arrays are complete. What it names is not checked yet. STILB_ERROR_FILE,
+ * STILB_ERROR_MEMORY; the scene is to be destroyed then. */
+stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene);
+
+#endif
