@@ -96,13 +96,24 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 	assert_int_equal(stilb_scene_open(MODELS "/glTF2/cameras/Cameras.gltf", &scene), STILB_OK);
 	assert_true(fabsf(scene->camera.position[2] - 3.0f) < 1e-5f && fabsf(scene->camera.fov_y - 0.7f) < 1e-5f);
 	stilb_scene_destroy(scene);
-	/* Blender's start-up scene, whose up is z: its camera is turned about its view. */
+	/* Blender's start-up scene: its z, which is up there, is our y. */
 	assert_int_equal(stilb_scene_open(MODELS "/BLEND/BlenderDefault_250.blend", &scene), STILB_OK);
-	assert_true(fabsf(scene->camera.position[2] - 5.34367f) < 1e-4f);
+	assert_true(fabsf(scene->camera.position[1] - 5.34367f) < 1e-4f);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
-	assert_true(fabsf(matrix.m[8]) < 0.05f &&
-	            matrix.m[9] < -0.5f); /* +z is up in the picture, but for 0.6 deg; y is down */
+	assert_true(fabsf(matrix.m[4]) < 0.05f && matrix.m[5] < -0.5f); /* +y is up in the picture; clip y is down */
 	assert_int_equal(scene->light_count, 1);
+	stilb_scene_destroy(scene);
+	/* A grail stands on its foot: it is as wide as deep. */
+	assert_int_equal(stilb_scene_open(MODELS "/SMD/holy_grailref.smd", &scene), STILB_OK);
+	float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
+	for (uint32_t v = 0; v < scene->meshes[0].vertex_count; v++) {
+		const float *p = scene->meshes[0].vertices[v].position, *m = scene->part_transform[0].m;
+		for (int i = 0; i < 3; i++) {
+			float at = m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i];
+			low[i] = fminf(low[i], at), high[i] = fmaxf(high[i], at);
+		}
+	}
+	assert_true(high[1] - low[1] > 1.2f * (high[0] - low[0]) && high[1] - low[1] > 1.2f * (high[2] - low[2]));
 	stilb_scene_destroy(scene);
 }
 

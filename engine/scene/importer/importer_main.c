@@ -11,7 +11,6 @@
 #include "scene/open/scene_stream.h"
 
 #include <assimp/cimport.h>
-#include <assimp/commonMetaData.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/version.h>
@@ -85,16 +84,6 @@ static stilb_result importer_read(const char *path, const struct aiScene **scene
 	return *scene ? STILB_OK : importer_refuse(path, aiGetErrorString());
 }
 
-static bool importer_is_gltf(const struct aiScene *scene)
-{
-	for (unsigned i = 0; scene->mMetaData && i < scene->mMetaData->mNumProperties; i++) {
-		const struct aiMetadataEntry *entry = &scene->mMetaData->mValues[i];
-		if (strcmp(scene->mMetaData->mKeys[i].data, AI_METADATA_SOURCE_FORMAT) == 0 && entry->mType == AI_AISTRING)
-			return strncmp(((const struct aiString *)entry->mData)->data, "glTF", 4) == 0;
-	}
-	return false;
-}
-
 /* Reads the file by Assimp and converts it. */
 static stilb_result importer_convert_foreign(importer *import)
 {
@@ -103,7 +92,8 @@ static stilb_result importer_convert_foreign(importer *import)
 	stilb_result result = importer_read(import->path, &import->from);
 	if (result != STILB_OK)
 		return result;
-	import->gltf = importer_is_gltf(import->from);
+	import->gltf = importer_is_format(import->from, "glTF");
+	import->world.to_world = importer_axes(import->from, import->up_is_y);
 	importer_load_textures(import);
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++)
 		result = steps[s](import);
@@ -120,6 +110,7 @@ static stilb_result importer_convert(importer *import, const char *path)
 		return stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
 	import->path = path;
 	bool own = gltf_is(path, &bytes);
+	import->up_is_y = !own && importer_up_is_y(path, &bytes);
 	if (!own)
 		importer_bytes_free(&bytes); /* Assimp reads it itself */
 	stilb_result result = own ? gltf_import(import, &bytes) : importer_convert_foreign(import);

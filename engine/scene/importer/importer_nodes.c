@@ -31,7 +31,8 @@ stilb_result importer_list_nodes(importer *import)
 	if (!import->from->mRootNode)
 		return stilb_fail(STILB_ERROR_FILE, "it has no root node");
 	import->nodes[0].node = import->from->mRootNode;
-	import->nodes[0].to_world = importer_matrix(&import->from->mRootNode->mTransformation);
+	stilb_mat4 root = importer_matrix(&import->from->mRootNode->mTransformation);
+	import->nodes[0].to_world = stilb_mat4_multiply(import->world.to_world, root);
 	import->node_count = 1;
 	for (uint32_t i = 0; i < import->node_count; i++) {
 		const struct aiNode *node = import->nodes[i].node;
@@ -66,7 +67,7 @@ const importer_node *importer_find_node(const importer *import, const struct aiS
 	for (uint32_t i = 0; i < import->node_count; i++)
 		if (strcmp(import->nodes[i].node->mName.data, name->data) == 0)
 			return &import->nodes[i];
-	return NULL;
+	return &import->world;
 }
 
 /* Applies the upper left 3 x 3 of m. */
@@ -80,15 +81,13 @@ static stilb_vec3 importer_rotate(const stilb_mat4 *m, stilb_vec3 v)
 
 stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p)
 {
-	if (!node)
-		return p;
 	const float *m = node->to_world.m;
 	return importer_rotate(&node->to_world, p) + stilb_vec3_make(m[12], m[13], m[14]);
 }
 
 stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d)
 {
-	stilb_vec3 turned = node ? importer_rotate(&node->to_world, d) : d;
+	stilb_vec3 turned = importer_rotate(&node->to_world, d);
 	float length = sqrtf(stilb_vec3_dot(turned, turned));
 	return length > 1e-18f && length < 1e18f ? turned * (1.0f / length) : stilb_vec3_make(0, 0, -1);
 }
