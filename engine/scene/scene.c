@@ -59,6 +59,7 @@ void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 		STILB_ASSERT(radiance[i] >= 0.0f && isfinite(radiance[i]));
 	for (int i = 0; i < 3; i++)
 		scene->surroundings.sky[i] = scene->surroundings.ground[i] = radiance[i];
+	scene->revisions.surroundings++; /* the next panorama may lie where the last one did */
 }
 
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)

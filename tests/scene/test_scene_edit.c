@@ -356,6 +356,107 @@ static void lists_name_what_has_changed(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- revisions --------------------------------------------------------------------------------------------------- */
+
+enum { MODELS = 1, PLACES = 2, GEOMETRY = 4, MATERIALS = 8, LIGHTS = 16, SURROUNDINGS = 32, CAMERA = 64 };
+
+/* The kinds whose count is another one than at the last call. */
+static int revised(stilb_scene *scene, stilb_scene_revisions *last)
+{
+	stilb_scene_revisions now = stilb_scene_revisions_read(scene);
+	int kinds = (now.models != last->models) * MODELS | (now.places != last->places) * PLACES |
+	            (now.geometry != last->geometry) * GEOMETRY | (now.materials != last->materials) * MATERIALS |
+	            (now.lights != last->lights) * LIGHTS | (now.surroundings != last->surroundings) * SURROUNDINGS |
+	            (now.camera != last->camera) * CAMERA;
+	*last = now;
+	return kinds;
+}
+
+#define REVISED(edit, kinds)                                                                                           \
+	do {                                                                                                               \
+		assert_int_equal(edit, STILB_OK);                                                                              \
+		assert_int_equal(revised(scene, &last), kinds);                                                                \
+		assert_int_equal(revised(scene, &last), 0);                                                                    \
+	} while (0)
+
+static void edits_count_what_changes(void **state)
+{
+	(void)state;
+	stilb_scene *scene = small_scene();
+	stilb_mat4 place = random_transform();
+	stilb_scene_build_part parts[2] = {{0, 0}, {0, 0}};
+	stilb_scene_mesh mesh = random_mesh();
+	stilb_scene_vertex vertex = random_vertex();
+	stilb_scene_material paint = {.roughness = 0.5f};
+	stilb_image image = random_image();
+	uint32_t model, id;
+	stilb_scene_revisions last = stilb_scene_revisions_read(scene);
+	REVISED(stilb_scene_add_model(scene, &place, parts, 2, &model), MODELS);
+	REVISED(stilb_scene_set_transform(scene, model, &place), PLACES);
+	REVISED(stilb_scene_show_model(scene, model, true), 0); /* it is shown already */
+	REVISED(stilb_scene_show_model(scene, model, false), PLACES);
+	REVISED(stilb_scene_set_transform(scene, model, &place), PLACES); /* seen by who keeps the places of hidden ones */
+	REVISED(stilb_scene_set_part(scene, model, 1, parts[0]), MODELS);
+	REVISED(stilb_scene_remove_model(scene, model), MODELS);
+	REVISED(stilb_scene_add_mesh(scene, &mesh, &id), GEOMETRY);
+	REVISED(stilb_scene_set_mesh(scene, id, &mesh), GEOMETRY);
+	REVISED(stilb_scene_set_vertices(scene, id, 0, 0, &vertex), 0);
+	REVISED(stilb_scene_set_vertices(scene, id, 0, 1, &vertex), GEOMETRY);
+	REVISED(stilb_scene_remove_mesh(scene, id), GEOMETRY);
+	REVISED(stilb_scene_add_material(scene, &paint, &id), MATERIALS);
+	REVISED(stilb_scene_set_material(scene, id, &paint), MATERIALS);
+	REVISED(stilb_scene_remove_material(scene, id), MATERIALS);
+	REVISED(stilb_scene_add_texture(scene, &image, &id), MATERIALS);
+	REVISED(stilb_scene_set_texture(scene, id, &image), MATERIALS);
+	REVISED(stilb_scene_remove_texture(scene, id), MATERIALS);
+	assert_int_not_equal(stilb_scene_remove_mesh(scene, 0), STILB_OK); /* refused: nothing has changed */
+	assert_int_equal(revised(scene, &last), 0);
+	stilb_scene_destroy(scene);
+}
+
+/* What programs assign is noticed down to the last bit of the last member. */
+static void assigned_values_are_noticed(void **state)
+{
+	(void)state;
+	stilb_scene *scene = small_scene();
+	stilb_scene_light lights[3] = {{.radius = 1.0f}, {.face = 1}, {.use = STILB_SCENE_LIGHT_LIVE}};
+	uint32_t codes[2] = {0};
+	scene->lights = lights;
+	stilb_scene_revisions last = stilb_scene_revisions_read(scene);
+	for (uint32_t count = 3; count-- > 0;) { /* also lights that are all zeros come and go */
+		memset(lights, 0, sizeof lights);
+		scene->light_count = count + 1;
+		REVISED(STILB_OK, LIGHTS);
+	}
+	scene->light_count = 3;
+	REVISED(STILB_OK, LIGHTS);
+	for (size_t byte = 0; byte < sizeof lights; byte++) {
+		((unsigned char *)lights)[byte] ^= 1;
+		REVISED(STILB_OK, LIGHTS);
+	}
+	for (size_t byte = 0; byte < sizeof scene->camera; byte++) {
+		((unsigned char *)&scene->camera)[byte] ^= 1;
+		REVISED(STILB_OK, CAMERA);
+	}
+	stilb_scene_surroundings *around = &scene->surroundings;
+	float *numbers[] = {around->sky, around->sky + 2, around->ground, around->ground + 2, &around->rotation};
+	for (int i = 0; i < 5; i++) {
+		*numbers[i] += 1.0f;
+		REVISED(STILB_OK, SURROUNDINGS);
+	}
+	around->glossy = !around->glossy;
+	REVISED(STILB_OK, SURROUNDINGS);
+	around->panorama.pixels = codes;
+	REVISED(STILB_OK, SURROUNDINGS);
+	around->panorama = (stilb_image){0};
+	REVISED(STILB_OK, SURROUNDINGS);
+	stilb_scene_set_sky(scene, around->sky);
+	REVISED(STILB_OK, SURROUNDINGS);
+	scene->lights = NULL;
+	scene->light_count = 0;
+	stilb_scene_destroy(scene);
+}
+
 /* A light that is shown by a part of a model which goes; the one whose face stays keeps it. */
 static void lights_lose_their_faces(void **state)
 {
@@ -551,6 +652,8 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(reader_has_what_the_scene_has),
 		cmocka_unit_test(lists_name_what_has_changed),
+		cmocka_unit_test(edits_count_what_changes),
+		cmocka_unit_test(assigned_values_are_noticed),
 		cmocka_unit_test(lights_lose_their_faces),
 		cmocka_unit_test(ranges_are_bounded),
 		cmocka_unit_test(mistakes_are_told),

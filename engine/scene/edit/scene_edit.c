@@ -267,6 +267,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 		edits->materials.users[parts[i].material]++;
 	}
 	edits->models[model].next = EDIT_IN_USE;
+	scene->revisions.models++;
 	scene->bounds.radius[model] = sphere.radius; /* shown, also if the model that had this id is removed */
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -293,6 +294,7 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 	uint32_t *bucket = &edits->free_models[(end - first) % EDIT_BUCKETS];
 	edits->models[id].next = *bucket;
 	*bucket = id + 1;
+	scene->revisions.models++;
 	return STILB_OK;
 }
 
@@ -312,6 +314,7 @@ static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 
 	for (uint32_t i = 0; i < count; i++)
 		scene->part_transform[first + i] = transforms[i * step];
 	edit_set_bounds(scene, id, sphere);
+	scene->revisions.places++;
 	return STILB_OK;
 }
 
@@ -348,6 +351,7 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 	scene->edits->materials.users[was.material]--;
 	scene->edits->materials.users[with.material]++;
 	edit_set_bounds(scene, id, sphere);
+	scene->revisions.models++;
 	return STILB_OK;
 }
 
@@ -358,6 +362,7 @@ stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 		return result;
 	scene->bounds.radius[id] = shown ? scene->edits->models[id].radius : (float)NAN;
 	scene_edit_moved(scene, id);
+	scene->revisions.places++;
 	return STILB_OK;
 }
 

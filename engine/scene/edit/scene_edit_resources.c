@@ -116,6 +116,7 @@ stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *me
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->meshes, &scene->mesh_count);
+	scene->revisions.geometry++;
 	scene->meshes[*id] = copy;
 	scene->edits->mesh_sphere[*id].radius = (float)NAN;
 	return STILB_OK;
@@ -138,6 +139,7 @@ stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_s
 	scene->meshes[id] = copy;
 	edit_mesh_changed(scene->edits, id);
 	edit_mesh_stale(scene->edits, id);
+	scene->revisions.geometry++;
 	return STILB_OK;
 }
 
@@ -191,6 +193,7 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 	memcpy(mesh->vertices + first, vertices, count * sizeof *vertices);
 	edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
 	edit_mesh_stale(scene->edits, id);
+	scene->revisions.geometry++;
 	return STILB_OK;
 }
 
@@ -202,6 +205,7 @@ stilb_result stilb_scene_remove_mesh(stilb_scene *scene, uint32_t id)
 	if (result != STILB_OK)
 		return result;
 	edit_mesh_changed(scene->edits, id); /* without its ranges */
+	scene->revisions.geometry++;
 	stilb_scene_mesh_finish(&scene->meshes[id]);
 	return STILB_OK;
 }
@@ -226,6 +230,7 @@ static void edit_material_put(stilb_scene *scene, uint32_t id, stilb_scene_mater
 	if (material.diffuse_texture)
 		users[material.diffuse_texture - 1]++;
 	scene->materials[id] = material;
+	scene->revisions.materials++;
 	scene_edit_changed(&scene->edits->materials, id);
 }
 
@@ -287,6 +292,7 @@ stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *imag
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);
+	scene->revisions.materials++;
 	scene->textures[*id] = copy;
 	return STILB_OK;
 }
@@ -307,6 +313,7 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 	stilb_image_finish(&scene->textures[id]);
 	scene->textures[id] = copy;
 	scene_edit_changed(&scene->edits->textures, id);
+	scene->revisions.materials++;
 	return STILB_OK;
 }
 
@@ -315,7 +322,9 @@ stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id)
 	stilb_result result = scene_edit_begin(scene);
 	if (result == STILB_OK)
 		result = edit_give_back(&scene->edits->textures, scene->texture_count, id, "material");
-	if (result == STILB_OK)
-		stilb_image_finish(&scene->textures[id]);
-	return result;
+	if (result != STILB_OK)
+		return result;
+	stilb_image_finish(&scene->textures[id]);
+	scene->revisions.materials++;
+	return STILB_OK;
 }

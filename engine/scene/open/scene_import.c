@@ -508,6 +508,7 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 		STILB_ASSERT(import_is_light(&map));
 		stilb_image_finish(&scene->surroundings.panorama);
 		scene->surroundings.panorama = map;
+		scene->revisions.surroundings++; /* also if the new pixels lie where the old ones did */
 	}
 	return result;
 }

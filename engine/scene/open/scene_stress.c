@@ -201,6 +201,7 @@ void stilb_scene_animate(stilb_scene *scene, double seconds)
 {
 	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
 	STILB_ASSERT(isfinite(seconds));
+	scene->revisions.places++;
 	if (!scene->edits)
 		scene->moved_count = 0;
 	for (uint32_t m = 0; m < scene->model_count; m += 10) {
