@@ -124,6 +124,7 @@ static stilb_result update_scene(stilb_engine *engine)
 	view->lights = scene->lights;
 	view->light_count = scene->light_count;
 	view->shading = engine->shading;
+	view->exposure = scene->camera.exposure;
 	return update_render(engine);
 }
 

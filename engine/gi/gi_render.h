@@ -177,7 +177,7 @@ typedef struct stilb_gi_settings {
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
-	/* near_z and far_z are not used: nothing is clipped. */
+	/* near_z and far_z are not used, as nothing is clipped, and of exposure the member below is. */
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
 	/* Most reflections of a path, 0..1024. 0: only the lights themselves are seen; 1: also direct light. */
@@ -208,7 +208,7 @@ typedef struct stilb_gi_settings {
 } stilb_gi_settings;
 
 /* Integrator path, 64 samples of 512 x 512 pixels, sampler sobol, filter box, depth 64, model GGX with Smith's G and
- * Schlick's F, the scene's camera. [any-thread] */
+ * Schlick's F, the scene's camera and its exposure. [any-thread] */
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene);
 
 /* Number of rays that MONTECARLO traces with these settings if every ray hits something, shadow rays not counted:

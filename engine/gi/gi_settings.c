@@ -18,6 +18,7 @@ stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
 		.sampler = STILB_GI_SAMPLER_SOBOL,
 		.filter = STILB_GI_FILTER_BOX,
 		.camera = scene->camera,
+		.exposure = scene->camera.exposure,
 		.lens = {.focus = 1.0f},
 		.depth = 64,
 		.model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK},

@@ -260,6 +260,7 @@ typedef struct stilb_render_view {
 	uint32_t light_count;
 	stilb_scene_surroundings surroundings; /* sky and ground; the panorama is not read */
 	stilb_render_shading shading;
+	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;
 
 /* The image that a pass draws into. */

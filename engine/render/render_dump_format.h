@@ -53,7 +53,7 @@ typedef struct render_dump_view {
 	uint32_t brdf, ndf, g, f;                    /* its integers: constants of the shading headers */
 	uint32_t lights;                             /* so many of the file's lights are this view's */
 	uint32_t glossy;                             /* 0 or 1: stilb_scene_surroundings.glossy */
-	uint32_t unused;
+	float exposure;                              /* stops, -100..100 */
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */

@@ -159,10 +159,12 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		const render_dump_view *view = &dump->views[v];
 		if (!load_finite(view->view_projection, offsetof(render_dump_view, brdf) / sizeof(float)))
 			return load_refuse(name, "view %u: a number is not finite", v);
+		if (!(fabsf(view->exposure) <= 100.0f))
+			return load_refuse(name, "view %u: its exposure is not within 100 stops", v);
 		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
-		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->unused != 0)
-			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, unused bytes %u",
-			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->unused);
+		    view->f >= SHADE_F_COUNT || view->glossy > 1)
+			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u", v, view->brdf,
+			                   view->ndf, view->g, view->f, view->glossy);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)

@@ -73,6 +73,17 @@ stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
 	return STILB_OK;
 }
 
+stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(!scene->cameras && "cameras are added once");
+	scene->cameras = scene_array(&failed, count, sizeof *scene->cameras);
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u cameras", count);
+	scene->camera_count = count;
+	return STILB_OK;
+}
+
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;
@@ -106,6 +117,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->materials);
 	free(scene->textures);
 	free(scene->lights);
+	free(scene->cameras);
 	scene_edit_finish(scene->edits);
 	scene_variants_finish(scene->variants);
 	free(scene);

@@ -150,7 +150,14 @@ typedef struct stilb_scene_camera {
 	float yaw, pitch, roll; /* radians, of any size */
 	float fov_y;            /* angle of the picture's whole height, (0, pi) */
 	float near_z, far_z;    /* distances of the clip planes, 0 < near_z < far_z */
+	float exposure; /* stops, -100..100: pictures for display are brighter by 2^exposure; radiance stays as it is */
 } stilb_scene_camera;
+
+/* A camera of a file, under its name there, UTF-8, cut to fit; "": it has none. */
+typedef struct stilb_scene_named_camera {
+	char name[64];
+	stilb_scene_camera camera;
+} stilb_scene_named_camera;
 
 /* Bounding spheres, one array for each component (culling reads them sixteen at a time): 64-byte aligned. */
 typedef struct stilb_scene_bounds {
@@ -194,7 +201,9 @@ typedef struct stilb_scene {
 	stilb_scene_light *lights; /* [light_count] */
 
 	stilb_scene_surroundings surroundings;
-	stilb_scene_camera camera;
+	stilb_scene_camera camera;         /* the one to look with; of a file at first its first camera */
+	uint32_t camera_count;             /* of the file's cameras */
+	stilb_scene_named_camera *cameras; /* [camera_count] in the order of the file */
 	bool framed;   /* the camera is stilb_scene_frame's for a square picture, because the file has none */
 	uint64_t seed; /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits;       /* of scene_edit.h; NULL: there was none */
@@ -220,10 +229,11 @@ typedef struct stilb_scene {
 const char *stilb_scene_builtin_names(void);
 
 /* Opens a scene by name: a built-in, or else a file (./cornell is one) of glTF 2.0 or any format that Assimp reads: its
- * triangles, materials, textures, lights and first camera. A file without a camera gets one that sees the whole scene
- * (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer Perspective", ...);
- * a file without any light gets a grey sky. Losses are logged with stilb_log, one line for each kind: a texture that is
- * missing (its material becomes magenta), transparency, normal maps, animations, ... (docs/import.md has the list).
+ * triangles, materials, textures, lights and cameras, and looks with the first. A file without a camera gets one that
+ * sees the whole scene (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer
+ * Perspective", ...); a file without any light gets a grey sky. Losses are logged with stilb_log, one line for each
+ * kind: a texture that is missing (its material becomes magenta), transparency, normal maps, animations, ...
+ * (docs/import.md has the list).
  *
  * Files are read by another process, stilb-scene-import: a crash or an endless loop there is an error here. It can read
  * the file, the files that it names below its folder and, by ../, below that folder's parent; no others, and none

@@ -9,8 +9,9 @@
 stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t mesh_count, uint32_t material_count,
                           stilb_scene **scene);
 
-/* Arrays for textures and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
+/* Arrays for textures, cameras and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
+stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 
 /* scene_variant.c: room for so many variants, all names "" and all materials 0. STILB_ERROR_MEMORY. */

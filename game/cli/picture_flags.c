@@ -5,6 +5,9 @@
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 const char *const picture_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const picture_materials_choices[] = {"index", "bind", "pipeline", NULL};
@@ -82,8 +85,8 @@ static void picture_add_shading(picture_flags *p, picture_flags_group group, fla
 static void picture_add_place(picture_flags *p, flag_rows *table)
 {
 	const flag place[] = {
-		{"--camera", FLAG_LIST, &p->camera, "X,Y,Z,YAW,PITCH[,FOV]",
-	     "position in metres, angles in degrees (the scene's camera)", 5, 6, NULL},
+		{"--camera", FLAG_TEXT, &p->camera, "X,Y,Z,YAW,PITCH[,FOV]|NAME|N",
+	     "metres and degrees, or a camera of the file, see 'stilb info SCENE' (the first)", 0, 0, NULL},
 		{"--environment", FLAG_TEXT, &p->environment, "FILE|R,G,B",
 	     "a panorama (.hdr, .exr, ...) or a radiance around the scene (its own)", 0, 0, NULL},
 		{"--variant", FLAG_TEXT, &p->variant, "NAME",
@@ -96,6 +99,15 @@ static void picture_add_place(picture_flags *p, flag_rows *table)
 	flag_rows_add(table, place, sizeof place / sizeof *place);
 }
 
+static void picture_add_look(picture_flags *p, flag_rows *table)
+{
+	const flag look[] = {
+		{"--exposure", FLAG_TEXT, &p->exposure, "EV|auto",
+	     "brighter by 2^EV, -32..32; auto: as the light needs (0; auto for lights in physical units)", 0, 0, NULL},
+	};
+	flag_rows_add(table, look, sizeof look / sizeof *look);
+}
+
 void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table)
 {
 	STILB_ASSERT(picture && table);
@@ -104,6 +116,8 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 	picture_add_shading(picture, group, table);
 	if (group == PICTURE_PLACE)
 		picture_add_place(picture, table);
+	if (group == PICTURE_LOOK)
+		picture_add_look(picture, table);
 }
 
 /* ---- what the flags mean ----------------------------------------------------------------------------------------- */
@@ -113,18 +127,64 @@ bool picture_flags_parts(const picture_flags *p)
 	return p->ndf != PICTURE_NOT_GIVEN || p->g != PICTURE_NOT_GIVEN || p->f != PICTURE_NOT_GIVEN;
 }
 
+#define PICTURE_CAMERA "X,Y,Z,YAW,PITCH[,FOV]"
+#define PICTURE_STOPS 32.0f   /* the largest --exposure, and the smallest is its negative */
+#define PICTURE_WHITE (-3.0f) /* a metered exposure below it: white would be shown as more than 8 */
+
+/* True if text is meant as numbers with commas between: no camera of a file is asked for. */
+static bool picture_is_list(const char *text)
+{
+	return strchr(text, ',') && strspn(text, "+-.,0123456789eE ") == strlen(text);
+}
+
+static bool picture_check_camera(const char *text)
+{
+	flag_list list;
+	if (!text || !picture_is_list(text))
+		return true;
+	if (!flags_numbers(text, 5, 6, &list)) {
+		stilb_log("--camera: '%s' is not " PICTURE_CAMERA "; give numbers separated by commas", text);
+		return false;
+	}
+	for (uint32_t i = 0; i < list.count; i++)
+		if (!isfinite(list.numbers[i])) {
+			stilb_log("--camera: '%s' is out of range in number %" PRIu32 "; give numbers in -%.2g..%.2g", text, i + 1,
+			          (double)FLT_MAX, (double)FLT_MAX);
+			return false;
+		}
+	if (list.count == 6 && !(list.numbers[5] > 0.0f && list.numbers[5] < 180.0f)) {
+		stilb_log("--camera: '%g' is not a field of view; give degrees between 0 and 180", (double)list.numbers[5]);
+		return false;
+	}
+	return true;
+}
+
+/* Reads --exposure, a number of stops or "auto", which is NaN. Returns false if it is neither. */
+static bool picture_parse_exposure(const char *text, float *stops)
+{
+	flag_list list;
+	*stops = NAN;
+	if (strcmp(text, "auto") == 0)
+		return true;
+	if (!flags_numbers(text, 1, 1, &list) || !(fabsf(list.numbers[0]) <= PICTURE_STOPS))
+		return false;
+	*stops = list.numbers[0];
+	return true;
+}
+
 bool picture_flags_check(const picture_flags *p)
 {
+	float stops;
 	if (p->samples != 0 && p->samples != 1 && p->samples != 4) {
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
 		return false;
 	}
-	if (p->camera.count == 6 && !(p->camera.numbers[5] > 0.0f && p->camera.numbers[5] < 180.0f)) {
-		stilb_log("--camera: '%g' is not a field of view; give degrees between 0 and 180",
-		          (double)p->camera.numbers[5]);
+	if (p->exposure && !picture_parse_exposure(p->exposure, &stops)) {
+		stilb_log("--exposure: '%s' is neither auto nor a number in -%.0f..%.0f", p->exposure, (double)PICTURE_STOPS,
+		          (double)PICTURE_STOPS);
 		return false;
 	}
-	return true;
+	return picture_check_camera(p->camera);
 }
 
 static uint32_t picture_choice(int given, uint32_t otherwise)
@@ -158,21 +218,96 @@ static float picture_radians(float degrees)
 	return degrees * (float)M_PI / 180.0f;
 }
 
-void picture_flags_place(const picture_flags *p, float aspect, stilb_scene *scene)
+/* Appends the file's cameras to a message, as many as fit: "1 'Front', 2 'Top'". */
+static void picture_list_cameras(const stilb_scene *scene, char *text, size_t size)
 {
-	stilb_scene_camera *camera = &scene->camera;
-	if (scene->framed)
-		*camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, aspect);
-	if (p->camera.count == 0)
-		return;
-	scene->framed = false;
+	size_t used = 0;
+	text[0] = '\0';
+	for (uint32_t i = 0; i < scene->camera_count && used < size; i++)
+		used +=
+			(size_t)snprintf(text + used, size - used, "%s%u '%s'", i > 0 ? ", " : "", i + 1, scene->cameras[i].name);
+}
+
+stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, uint32_t *index)
+{
+	STILB_ASSERT(text && scene && index);
+	char list[256], *end;
+	unsigned long number = strtoul(text, &end, 10);
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		if (strcmp(scene->cameras[i].name, text) == 0) {
+			*index = i;
+			return STILB_OK;
+		}
+	if (*end == '\0' && number >= 1 && number <= scene->camera_count) {
+		*index = (uint32_t)number - 1;
+		return STILB_OK;
+	}
+	picture_list_cameras(scene, list, sizeof list);
+	if (scene->camera_count == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "--camera: there is no camera '%s', since the scene has none; give " PICTURE_CAMERA, text);
+	return stilb_fail(STILB_ERROR_ARGUMENT, "--camera: there is no camera '%s'; the scene has %s", text, list);
+}
+
+static void picture_place_numbers(const flag_list *list, stilb_scene_camera *camera)
+{
 	for (int i = 0; i < 3; i++)
-		camera->position[i] = p->camera.numbers[i];
-	camera->yaw = picture_radians(p->camera.numbers[3]);
-	camera->pitch = picture_radians(p->camera.numbers[4]);
+		camera->position[i] = list->numbers[i];
+	camera->yaw = picture_radians(list->numbers[3]);
+	camera->pitch = picture_radians(list->numbers[4]);
 	camera->roll = 0.0f;
-	if (p->camera.count > 5)
-		camera->fov_y = picture_radians(p->camera.numbers[5]);
+	if (list->count > 5)
+		camera->fov_y = picture_radians(list->numbers[5]);
+}
+
+stilb_result picture_flags_place(const picture_flags *p, float aspect, stilb_scene *scene)
+{
+	flag_list list;
+	uint32_t index;
+	if (scene->framed)
+		scene->camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, aspect);
+	if (!p->camera)
+		return STILB_OK;
+	if (flags_numbers(p->camera, 5, 6, &list)) {
+		picture_place_numbers(&list, &scene->camera);
+	} else {
+		stilb_result result = picture_flags_camera(p->camera, scene, &index);
+		if (result != STILB_OK)
+			return result;
+		scene->camera = scene->cameras[index].camera;
+	}
+	scene->framed = false;
+	return STILB_OK;
+}
+
+static bool picture_has_photometric(const stilb_scene *scene)
+{
+	for (uint32_t i = 0; i < scene->light_count; i++)
+		if (scene->lights[i].unit == STILB_SCENE_LIGHT_PHOTOMETRIC)
+			return true;
+	return false;
+}
+
+stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bool *metered)
+{
+	float stops = 0.0f, light = 0.0f;
+	stilb_scene_camera camera = scene->camera;
+	*metered = false;
+	scene->camera.exposure = 0.0f;
+	if (p->exposure)
+		picture_parse_exposure(p->exposure, &stops);
+	else if (scene->light_count > 0)
+		stops = NAN;
+	if (!isnan(stops)) {
+		scene->camera.exposure = stops;
+		return STILB_OK;
+	}
+	if (scene->framed)
+		camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);
+	stilb_result result = stilb_scene_meter(scene, &camera, &light);
+	*metered = result == STILB_OK && (p->exposure || picture_has_photometric(scene) || light < PICTURE_WHITE);
+	scene->camera.exposure = *metered ? light : 0.0f;
+	return result;
 }
 
 stilb_result picture_flags_variant(const picture_flags *p, stilb_scene *scene)

@@ -25,9 +25,7 @@ typedef struct picture_flags {
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool validate, allow_outside, quiet;
-	flag_list camera;
-	const char *gpu, *environment; /* NULL if not given */
-	const char *variant;           /* NULL if not given */
+	const char *gpu, *environment, *camera, *exposure, *variant; /* NULL if not given */
 } picture_flags;
 
 typedef enum picture_flags_group {
@@ -35,6 +33,7 @@ typedef enum picture_flags_group {
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
+	PICTURE_LOOK,     /* --exposure: how the picture shows the scene */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
 	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;
@@ -59,9 +58,21 @@ bool picture_flags_parts(const picture_flags *picture);
 /* The shading of frames. brdf: the SHADE_BRDF_ without --brdf and its parts. */
 stilb_render_shading picture_flags_shading(const picture_flags *picture, uint32_t brdf);
 
-/* The camera of --camera in place of the scene's, for a picture of this aspect: width / height. A scene whose file has
- * no camera is framed for it. */
-void picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
+/* Sets the camera of --camera, numbers or one of the file's, in place of the scene's, for a picture of this aspect:
+ * width / height. A scene whose file has no camera is framed for it. STILB_ERROR_ARGUMENT: the file has no such
+ * camera. */
+stilb_result picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
+
+/* The camera of the file that text names, by its number from 1 on or its name. STILB_ERROR_ARGUMENT: there is none; the
+ * message lists those that there are. */
+stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, uint32_t *index);
+
+/* Sets the exposure of the scene's camera to that of --exposure; call after picture_flags_place. Without the flag it is
+ * 0, and metered (stilb_scene_meter) if the scene has photometric lights, as glTF's, or lights that would show a white
+ * surface as more than 8: exporters write watts. The meter looks from this camera; if the scene is framed, from where a
+ * square picture is, so that the exposure is the same for every shape of the picture. *metered: it was.
+ * STILB_ERROR_MEMORY. */
+stilb_result picture_flags_expose(const picture_flags *picture, stilb_scene *scene, bool *metered);
 
 /* Shows the variant of --variant. STILB_ERROR_ARGUMENT: the scene has none of this name; STILB_ERROR_MEMORY. */
 stilb_result picture_flags_variant(const picture_flags *picture, stilb_scene *scene);

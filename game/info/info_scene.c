@@ -4,6 +4,7 @@
 #include "base/base_json.h"
 #include "engine.h"
 #include "game/cli/flags.h"
+#include "game/cli/picture_flags.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -22,6 +23,7 @@ typedef struct info_contents {
 	uint64_t import_bytes; /* the most memory of the import process at once; 0: unknown */
 	uint32_t lights[STILB_SCENE_LIGHT_KINDS];
 	uint64_t hidden;       /* of emitting, those of parts that are no light's face: frames are not lit by them */
+	bool metered;          /* the camera's exposure is */
 	float low[3], high[3]; /* the box around all vertices, metres; low > high: there are none */
 } info_contents;
 
@@ -130,10 +132,22 @@ static void info_print_variants(FILE *out, const stilb_scene_variants *variants)
 		fprintf(out, "\n");
 }
 
+/* number: of a camera of the file, from 1 on; 0: it is Stilb's own. */
+static void info_print_camera(FILE *out, uint32_t number, const char *name, const stilb_scene_camera *camera)
+{
+	if (number > 0)
+		fprintf(out, "  camera %u '%s':", number, name);
+	else
+		fprintf(out, "  camera:");
+	/* + 0.0 makes 0 of -0. */
+	fprintf(out, " --camera %.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", (double)camera->position[0], (double)camera->position[1],
+	        (double)camera->position[2], (double)camera->yaw * INFO_DEGREES + 0.0,
+	        (double)camera->pitch * INFO_DEGREES + 0.0, (double)camera->fov_y * INFO_DEGREES);
+}
+
 static void info_print_scene(FILE *out, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
-	const stilb_scene_camera *camera = &scene->camera;
 	fprintf(out, "%s, opened in %.2f s, %.1f MiB", name, c->seconds, (double)c->bytes / 1048576.0);
 	if (c->import_bytes > 0)
 		fprintf(out, "; the import process had %.1f MiB at most", (double)c->import_bytes / 1048576.0);
@@ -155,10 +169,12 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 		        info_bits(&scene->textures[i]));
 	info_print_variants(out, scene->variants);
 	info_print_lights(out, c);
-	/* + 0.0 makes 0 of -0. */
-	fprintf(out, "  camera: --camera %.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", (double)camera->position[0],
-	        (double)camera->position[1], (double)camera->position[2], (double)camera->yaw * INFO_DEGREES + 0.0,
-	        (double)camera->pitch * INFO_DEGREES + 0.0, (double)camera->fov_y * INFO_DEGREES);
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		info_print_camera(out, i + 1, scene->cameras[i].name, &scene->cameras[i].camera);
+	if (scene->camera_count == 0)
+		info_print_camera(out, 0, "", &scene->camera);
+	if (c->metered)
+		fprintf(out, "  exposure: %.2f EV, metered from the first camera\n", (double)scene->camera.exposure);
 	const char *comma = "  only in traced pictures, not in live ones: ";
 #define INFO_PRINT(words, there)                                                                                       \
 	if (there) {                                                                                                       \
@@ -201,6 +217,14 @@ static void info_json_variants(stilb_json *json, const stilb_scene_variants *var
 	stilb_json_end(json, ']');
 }
 
+static void info_json_cameras(stilb_json *json, const stilb_scene *scene)
+{
+	stilb_json_begin(json, "cameras", '[');
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		stilb_json_string(json, NULL, scene->cameras[i].name);
+	stilb_json_end(json, ']');
+}
+
 static stilb_result info_scene_save(const char *path, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
@@ -225,6 +249,8 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 		stilb_json_int(&json, info_light_names[i], c->lights[i]);
 	stilb_json_bool(&json, "environment", scene->surroundings.panorama.pixels);
 	stilb_json_end(&json, '}');
+	info_json_cameras(&json, scene);
+	stilb_json_double(&json, "exposure", (double)scene->camera.exposure);
 	if (c->low[0] <= c->high[0]) {
 		info_json_vector(&json, "low", c->low);
 		info_json_vector(&json, "high", c->high);
@@ -251,8 +277,13 @@ int info_scene(const char *name, bool allow_outside, bool quiet, const char *jso
 		stilb_log("%s", stilb_error_message());
 		return exit_code_of(result);
 	}
+	bool metered = false;
+	picture_flags flags = picture_flags_default();
+	if (picture_flags_expose(&flags, scene, &metered) != STILB_OK)
+		stilb_log("%s", stilb_error_message());
 	info_contents contents = info_count(scene, (double)(stilb_time_ns() - start) * 1e-9);
 	contents.import_bytes = import_bytes;
+	contents.metered = metered;
 	info_print_scene(json && stilb_file_is_stdout(json) ? stderr : stdout, name, &contents);
 	if (json && (result = info_scene_save(json, name, &contents)) != STILB_OK)
 		stilb_log("%s", stilb_error_message());

@@ -108,8 +108,7 @@ void live_run_say(const live_run *run, stilb_result result, const char *what, co
 		stilb_log("%s", stilb_error_message());
 }
 
-/* Shows a line in the window, but not if --screenshot saves the last frame as the window shows it. */
-static void live_tell(live_run *run, const char *text)
+void live_run_tell(live_run *run, const char *text)
 {
 	if (run->window && !run->options->screenshot)
 		stilb_engine_tell(run->engine, text);
@@ -121,7 +120,7 @@ static void live_tell_now(live_run *run)
 	/* acq_rel: with the exchange of live_tell_later */
 	char *text = atomic_exchange_explicit(&run->told, NULL, memory_order_acq_rel);
 	if (text)
-		live_tell(run, text);
+		live_run_tell(run, text);
 	free(text);
 }
 
@@ -131,7 +130,7 @@ static void live_save_picture(live_run *run, const char *path)
 	stilb_result result = stilb_engine_screenshot(run->engine, path);
 	live_run_say(run, result, "picture", path);
 	snprintf(text, sizeof text, "%s written", path);
-	live_tell(run, result == STILB_OK ? text : stilb_error_message());
+	live_run_tell(run, result == STILB_OK ? text : stilb_error_message());
 }
 
 static void live_take_picture(live_run *run)
@@ -175,7 +174,7 @@ static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 	char text[64];
 	snprintf(text, sizeof text, "workers: %" PRId64, workers);
 	fprintf(live_message_stream(run->options), "%s\n", text);
-	live_tell(run, text);
+	live_run_tell(run, text);
 	stilb_result result = stilb_engine_set_workers(run->engine, (uint32_t)workers);
 	return result == STILB_OK ? run->program->act(run->user, run, report) : result;
 }

@@ -67,6 +67,9 @@ uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, 
 /* Prints "WHAT: PATH" for a file that was written, or the error. */
 void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path);
 
+/* Shows a line in the window for some seconds, but not if --screenshot saves the last frame as the window shows it. */
+void live_run_tell(live_run *run, const char *text);
+
 /* The frames after which the run ends; 0: it ends with its window, its recording or a signal. */
 uint64_t live_run_wanted(const live_run *run);
 

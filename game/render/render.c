@@ -50,7 +50,6 @@ typedef struct offline_window {
 	float *radiance; /* the picture, 3 floats a pixel */
 	uint8_t *srgb;   /* the picture for display, 3 bytes a pixel */
 	size_t pixels;
-	float exposure;
 	uint64_t next_ns; /* time of the next update of the picture */
 	bool closed;
 } offline_window;
@@ -69,7 +68,7 @@ static void offline_window_open(offline_window *window, const offline_options *o
 	char title[160];
 	snprintf(title, sizeof title, "Stilb: %s", o->scene);
 	stilb_engine_viewer_desc desc = {.title = title, .width = o->size[0], .height = o->size[1], .window = true};
-	*window = (offline_window){.pixels = (size_t)o->size[0] * o->size[1], .exposure = o->exposure};
+	*window = (offline_window){.pixels = (size_t)o->size[0] * o->size[1]};
 	window->radiance = calloc(window->pixels, 3 * sizeof *window->radiance);
 	window->srgb = calloc(window->pixels, 3);
 	stilb_result result = window->radiance && window->srgb
@@ -84,10 +83,11 @@ static void offline_window_open(offline_window *window, const offline_options *o
 /* Updates the window's picture if it is time to: rarely enough that RENDER_PREVIEW_SHARE holds. */
 static void offline_window_refresh(offline_window *window, offline_work *work)
 {
+	float exposure;
 	uint64_t start = stilb_time_ns();
-	if (start < window->next_ns || !offline_work_preview(work, window->radiance))
+	if (start < window->next_ns || !offline_work_preview(work, window->radiance, &exposure))
 		return;
-	stilb_gi_display(window->radiance, window->pixels, window->exposure, window->srgb);
+	stilb_gi_display(window->radiance, window->pixels, exposure, window->srgb);
 	stilb_engine_viewer_picture(window->viewer, window->srgb);
 	uint64_t now = stilb_time_ns();
 	window->next_ns = now + (uint64_t)((double)(now - start) / RENDER_PREVIEW_SHARE);

@@ -193,8 +193,6 @@ static void options_table(offline_options *o, flag_rows *table)
 	     STILB_JOB_MAX_WORKERS, NULL},
 		{"--preview", FLAG_SWITCH, &o->preview, NULL,
 	     "show the picture in a window as it gets finer; closing it ends the run", 0, 0, NULL},
-		{"--exposure", FLAG_DECIMAL, &o->exposure, "EV", "make .png and preview brighter by 2^EV, -32..32 (0)", 0, 32,
-	     NULL},
 
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 	};
@@ -260,6 +258,7 @@ static void options_table(offline_options *o, flag_rows *table)
 	};
 	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
+	picture_flags_add(&o->picture, PICTURE_LOOK, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	flag_rows_add(table, light, sizeof light / sizeof *light);
@@ -424,7 +423,6 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.ao_distance = o->ao_distance;
 	s.ao_weighted = o->ao == 1;
 	s.progressive = true; /* a picture that is stopped early is complete, though coarse */
-	s.exposure = o->exposure;
 	s.cache.mode = (stilb_gi_cache_mode)o->cache;
 	s.cache.radius = (stilb_gi_cache_radius)o->cache_radius;
 	s.cache.error = o->cache_error;

@@ -25,7 +25,7 @@ typedef struct offline_options {
 	const char *scene, *output, *stats, *trace, *cache_load, *cache_save;
 	char checkpoint[PATH_MAX]; /* OUTPUT.checkpoint; "" without an output file */
 	uint64_t samples, seed, depth, rays, blades, cache_rays;
-	float seconds, error, exposure, aperture, focus, roulette, ao_distance, cache_error, checkpoint_s;
+	float seconds, error, aperture, focus, roulette, ao_distance, cache_error, checkpoint_s;
 	uint32_t size[2], workers;
 	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;

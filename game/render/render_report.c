@@ -115,6 +115,7 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 	stilb_json_string(json, "fireflies", s->firefly_weight ? "weight" : "keep");
 	report_put_model(json, s->model);
 	report_put_camera(json, &s->camera);
+	stilb_json_double(json, "exposure", (double)s->exposure);
 	stilb_json_double(json, "aperture", (double)s->lens.radius);
 	stilb_json_double(json, "focus", (double)s->lens.focus);
 }
@@ -205,6 +206,8 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);
 	fprintf(out, "%s rays in %.2f s: %s rays/s\n", rays, progress->seconds, rate);
+	if (result->metered)
+		fprintf(out, "exposure: %.2f EV, metered\n", (double)s->exposure);
 	if (result->saved)
 		fprintf(out, "picture: %s\n", o->output);
 	if (result->stopped && result->checkpointed)

@@ -96,13 +96,15 @@ offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 	return stage;
 }
 
-bool offline_work_preview(offline_work *work, float *rgb)
+bool offline_work_preview(offline_work *work, float *rgb, float *exposure)
 {
 	STILB_ASSERT_OWNER(work->owner);
 	pthread_mutex_lock(&work->lock);
 	bool there = work->render;
-	if (there)
+	if (there) {
 		stilb_gi_render_preview(work->render, rgb);
+		*exposure = work->result.settings.exposure; /* written before the render was published */
+	}
 	pthread_mutex_unlock(&work->lock);
 	return there;
 }
@@ -172,7 +174,10 @@ static bool work_open(work_pieces *p)
 	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)) ||
 	    !work_good(p, picture_flags_variant(&p->options->picture, p->scene)))
 		return false;
-	picture_flags_place(&p->options->picture, (float)p->options->size[0] / (float)p->options->size[1], p->scene);
+	float aspect = (float)p->options->size[0] / (float)p->options->size[1];
+	if (!work_good(p, picture_flags_place(&p->options->picture, aspect, p->scene)) ||
+	    !work_good(p, picture_flags_expose(&p->options->picture, p->scene, &p->result->metered)))
+		return false;
 	p->result->open_s = work_seconds_since(start);
 	return true;
 }

@@ -38,6 +38,7 @@ typedef struct offline_result {
 	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
 	uint32_t workers;               /* threads that rendered */
 	double open_s, build_s, save_s; /* seconds of the stages */
+	bool metered;                   /* the exposure in settings is metered */
 	uint64_t import_bytes;          /* the most memory of the import process at once; 0: unknown */
 	stilb_gi_settings settings;
 	stilb_gi_scene_info scene;
@@ -52,9 +53,9 @@ stilb_result offline_work_start(const offline_options *options, offline_work **w
 /* Returns the present stage. *progress is {0} before rendering begins. */
 offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress);
 
-/* Copies the picture so far into rgb, 3 floats for each pixel of options->size. False: rendering has not
- * begun, or the render has been freed already. */
-bool offline_work_preview(offline_work *work, float *rgb);
+/* Copies the picture so far into rgb, 3 floats for each pixel of options->size, and sets *exposure to that of the
+ * settings. False: rendering has not begun, or the render has been freed already. */
+bool offline_work_preview(offline_work *work, float *rgb, float *exposure);
 
 /* Asks the work to end soon: it writes the picture so far, and a checkpoint. */
 void offline_work_stop(offline_work *work);

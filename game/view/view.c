@@ -246,6 +246,7 @@ int view_command(int argc, char **argv)
 	};
 	flag_rows_add(&own, title, 1);
 	picture_flags_add(&v.options.picture, PICTURE_PLACE, &own);
+	picture_flags_add(&v.options.picture, PICTURE_LOOK, &own);
 	flag_rows_add(&own, rows, sizeof rows / sizeof *rows);
 	flags_result parsed = live_options_parse(&v.options, &help, own.rows, own.count, argc, argv);
 	if (parsed == FLAGS_HELP)

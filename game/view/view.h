@@ -29,6 +29,7 @@ typedef struct view {
 	live_run *run;
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */
+	float exposure;          /* of the pictures, stops, whichever camera takes them */
 	float aspect;            /* of the picture that the scene was framed for */
 	bool framed;             /* the camera frames the scene, and does so again in a picture of another aspect */
 	stilb_scene_camera home; /* the camera at the start */

@@ -4,6 +4,7 @@
 #include "input/input_orbit.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define VIEW_SPEED 0.75f /* of flying: distances of the orbit a second */
@@ -25,6 +26,7 @@ static void view_settle(view *v)
 	stilb_scene_camera *camera = &v->scene->camera;
 	camera->near_z = VIEW_NEAR * v->distance;
 	camera->far_z = VIEW_FAR * v->distance;
+	camera->exposure = v->exposure;
 	v->last = *camera;
 }
 
@@ -59,11 +61,37 @@ static stilb_scene_camera view_turn_home(const view *v)
 	return home;
 }
 
+/* Sets the camera of the flags, and the exposure that suits what it sees. A camera that this file lacks is an error
+ * only for the first scene: later ones are seen by their own. */
+static stilb_result view_place(view *v, stilb_scene *scene, bool *metered)
+{
+	picture_flags flags = v->options.picture;
+	stilb_result result = picture_flags_place(&flags, v->aspect, scene);
+	if (result != STILB_OK && v->scene) {
+		stilb_log("%s", stilb_error_message());
+		flags.camera = NULL;
+		result = picture_flags_place(&flags, v->aspect, scene);
+	}
+	return result == STILB_OK ? picture_flags_expose(&flags, scene, metered) : result;
+}
+
+static void view_tell_exposure(const view *v)
+{
+	char text[96];
+	snprintf(text, sizeof text, "exposure: %.2f EV, metered", (double)v->exposure);
+	fprintf(live_message_stream(&v->options), "%s\n", text);
+	live_run_tell(v->run, text);
+}
+
 stilb_result view_show(view *v, stilb_scene *scene, bool again)
 {
+	bool metered = false;
 	again = again && v->scene;
 	stilb_scene_camera kept = again ? v->scene->camera : (stilb_scene_camera){0};
+	v->aspect = view_aspect(v);
 	stilb_result result = view_variant_begin(v, scene, again);
+	if (result == STILB_OK)
+		result = view_place(v, scene, &metered);
 	if (result == STILB_OK)
 		result = stilb_engine_set_scene(v->run->engine, scene);
 	if (result != STILB_OK) {
@@ -72,9 +100,8 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again)
 	}
 	stilb_scene_destroy(v->scene);
 	v->scene = scene;
-	v->aspect = view_aspect(v);
-	picture_flags_place(&v->options.picture, v->aspect, scene);
 	v->home = scene->camera;
+	v->exposure = scene->camera.exposure;
 	if (v->turntable > 0)
 		v->home = view_turn_home(v);
 	if (again && !v->framed) {
@@ -85,6 +112,8 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again)
 	}
 	stilb_engine_set_speed(v->run->engine, VIEW_SPEED * v->distance);
 	view_settle(v);
+	if (metered)
+		view_tell_exposure(v);
 	return STILB_OK;
 }
 

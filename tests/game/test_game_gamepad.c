@@ -150,20 +150,6 @@ static const track_line *at_ms(int64_t ms)
 	return NULL;
 }
 
-static bool same_file(const char *a, const char *b)
-{
-	FILE *one = fopen(a, "r"), *other = fopen(b, "r");
-	assert_true(one && other);
-	int x, y;
-	do {
-		x = getc(one);
-		y = getc(other);
-	} while (x == y && x != EOF);
-	fclose(one);
-	fclose(other);
-	return x == y;
-}
-
 static void test_the_flight(void **state)
 {
 	(void)state;

@@ -82,6 +82,82 @@ static void opens_what_ships(void **state)
 	stilb_good("view cornell --device null --frames 3");
 }
 
+/* A triangle of side 2 across Z, as glTF, under a sun of 30,000 lux, with two cameras. */
+#define TRIANGLE                                                                                                       \
+	"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\"nodes\":[{\"mesh\":0},"         \
+	"{\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},{\"camera\":0,\"translation\":[0,0,3]},"                 \
+	"{\"camera\":1,\"translation\":[0,0,6]}],\"cameras\":[{\"type\":\"perspective\",\"name\":\"Near\","                \
+	"\"perspective\":{"                                                                                                \
+	"\"yfov\":0.8,\"znear\":0.1}},{\"type\":\"perspective\",\"name\":\"Far\",\"perspective\":{\"yfov\":0.8,\"znear\":" \
+	"0.1}}],"                                                                                                          \
+	"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],\"materials\":[{"                \
+	"\"pbrMetallicRoughness\":{\"metallicFactor\":0}}],\"accessors\":[{\"bufferView\":0,"                              \
+	"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[-1,-1,0],\"max\":[1,1,0]}],\"bufferViews\":[{"      \
+	"\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64," \
+	"AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA\"}],\"extensionsUsed\":[\"KHR_lights_punctual\"],"               \
+	"\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"directional\",\"intensity\":30000}]}}}"
+
+/* log2(pi / 30000) stops show the white triangle at 1, which the tone map makes .8; in frames and traced pictures. */
+static void exposes_physical_light(void **state)
+{
+	(void)state;
+	int box[4];
+	stilb_image image;
+	write_text("sun.gltf", TRIANGLE);
+	stilb_good("info sun.gltf --json i.json");
+	assert_said(run.out, "exposure: -13.22 EV, metered");
+	stilb_good("view sun.gltf --headless --size 90x60 --screenshot a.png --brdf lambert");
+	assert_said(run.out, "exposure: -13.22 EV, metered");
+	assert_int_equal(stilb_image_load("a.png", &image), STILB_OK);
+	uint8_t light = ((const uint8_t *)image.pixels)[3 * (30 * 90 + 45)];
+	stilb_image_finish(&image);
+	assert_in_range(light, 231 - 3, 231 + 1); /* sRGB of .8; some materials keep 4 % for their highlight */
+	stilb_good("render sun.gltf --size 60x60 --spp 4 --integrator direct --brdf lambert -o b.png");
+	assert_said(run.out, "exposure: -13.22 EV, metered");
+	assert_int_equal(stilb_image_load("b.png", &image), STILB_OK);
+	assert_in_range(((const uint8_t *)image.pixels)[3 * (30 * 60 + 30)], light - 1, light + 1);
+	stilb_image_finish(&image);
+	/* The exposure is the display's: radiance stays. The number that was printed gives the same picture. */
+	stilb_good("view sun.gltf --headless --size 90x60 --screenshot c.png --brdf lambert --exposure -13.22");
+	assert_null(strstr(run.out, "metered"));
+	assert_true(same_file("a.png", "c.png"));
+	stilb_good("view sun.gltf --headless --size 90x60 --screenshot d.png --brdf lambert --exposure 0");
+	drawn_box("d.png", box);
+	assert_false(same_file("a.png", "d.png"));
+	/* Built-in scenes are made for 0. */
+	stilb_good("view cornell --headless --size 8x8");
+	assert_null(strstr(run.out, "exposure"));
+	stilb_good("view cornell --headless --size 8x8 --exposure auto");
+	assert_said(run.out, "EV, metered");
+}
+
+/* --camera by name and by number; the second camera is twice as far away. */
+static void chooses_a_camera(void **state)
+{
+	(void)state;
+	int boxes[4][4];
+	write_text("sun.gltf", TRIANGLE);
+	static const char *const cameras[] = {"Near", "2", "Far", "0,0,6,0,0,45.8366"};
+	for (int i = 0; i < 4; i++) {
+		char line[160];
+		snprintf(line, sizeof line, "view sun.gltf --headless --size 90x60 --screenshot a.png --camera %s", cameras[i]);
+		stilb_good("%s", line);
+		drawn_box("a.png", boxes[i]);
+	}
+	assert_in_range(boxes[0][3] - boxes[0][2] + 1, 46, 48);
+	assert_in_range(boxes[1][3] - boxes[1][2] + 1, 23, 24);
+	assert_memory_equal(boxes[1], boxes[2], sizeof boxes[1]);
+	assert_memory_equal(boxes[1], boxes[3], sizeof boxes[1]);
+	assert_int_equal(stilb_code(no_display, "view sun.gltf --headless --camera Top"), 2);
+	assert_said(run.err, "there is no camera 'Top'; the scene has 1 'Near', 2 'Far'");
+	assert_int_equal(stilb_code(no_display, "render sun.gltf -o a.png --camera 3"), 2);
+	assert_said(run.err, "there is no camera '3'");
+	assert_int_equal(stilb_code(no_display, "view cornell --headless --camera 1"), 2);
+	assert_said(run.err, "the scene has none");
+	stilb_good("info sun.gltf");
+	assert_said(run.out, "camera 2 'Far': --camera 0,0,6,0,0,45.8366");
+}
+
 static void refuses(void **state)
 {
 	(void)state;
@@ -98,6 +174,9 @@ static void refuses(void **state)
 		{"view --turntable 3", "--turntable needs --screenshot"},
 		{"view --turntable 3 --frames 2 --screenshot a.png", "leave --frames out"},
 		{"view --camera 1,2,3,4,5,180 --headless", "field of view"},
+		{"view --camera 1,2,3 --headless", "is not X,Y,Z,YAW,PITCH[,FOV]"},
+		{"view --exposure bright --headless", "neither auto nor a number in -32..32"},
+		{"view --exposure 33 --headless", "neither auto nor a number in -32..32"},
 		{"view --msaa 2 --headless", "--msaa"},
 		{"view cornell --headless --environment -1,0,0", "out of range"},
 		{"view cornell --headless --environment none.hdr", "none.hdr"},
@@ -117,6 +196,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(frames_a_file, folder_fresh),
 		cmocka_unit_test_setup(turns_a_table, folder_fresh),
 		cmocka_unit_test_setup(opens_what_ships, folder_fresh),
+		cmocka_unit_test_setup(exposes_physical_light, folder_fresh),
+		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),
 		cmocka_unit_test_setup(refuses, folder_fresh),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_view")) {

@@ -1,6 +1,8 @@
-/* Cameras that frame a scene: closed cases, and the promise on projected vertices for every direction and shape. */
+/* Cameras that frame a scene: closed cases, and the promise on projected vertices for every direction and shape; the
+ * exposure that is metered, against closed forms. */
 #include "scene/scene_build.h"
 #include "scene/scene_internal.h"
+#include "scene/scene_look.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -119,13 +121,112 @@ static void nothing_to_fill(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- exposure ---------------------------------------------------------------------------------------------------- */
+
+/* A square of side 2 at z = 0 that faces +Z and emits, seen from the front, with this light and these surroundings. */
+static stilb_scene *lit_square(const stilb_scene_light *light, const stilb_scene_surroundings *around, float emission)
+{
+	static const float grey[3] = {0.5f, 0.5f, 0.5f}, none[3] = {0};
+	stilb_scene_vertex vertices[4] = {{{-1, -1, 0}, {0, 0, 1}, {0}},
+	                                  {{1, -1, 0}, {0, 0, 1}, {0}},
+	                                  {{1, 1, 0}, {0, 0, 1}, {0}},
+	                                  {{-1, 1, 0}, {0, 0, 1}, {0}}};
+	uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+	stilb_scene_mesh mesh = {vertices, indices, 4, 6};
+	stilb_scene_material material = stilb_scene_material_make(grey, none, 1.0f);
+	for (int i = 0; i < 3; i++)
+		material.emission[i] = emission;
+	stilb_mat4 here = stilb_mat4_identity();
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_build_part part = {stilb_scene_build_mesh(build, &mesh), stilb_scene_build_material(build, &material)};
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &part, 1);
+	if (light)
+		stilb_scene_build_light(build, light);
+	if (around)
+		stilb_scene_build_surroundings(build, around);
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	scene->camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	return scene;
+}
+
+static float metered(stilb_scene *scene)
+{
+	float exposure = NAN;
+	assert_int_equal(stilb_scene_meter(scene, &scene->camera, &exposure), STILB_OK);
+	return exposure;
+}
+
+static float metered_once(const stilb_scene_light *light, const stilb_scene_surroundings *around, float emission)
+{
+	stilb_scene *scene = lit_square(light, around, emission);
+	float exposure = metered(scene);
+	stilb_scene_destroy(scene);
+	return exposure;
+}
+
+static void assert_stops(float exposure, double wanted)
+{
+	if (!(fabs((double)exposure - wanted) < 0.0051))
+		print_error("%.4f stops where %.4f are right\n", (double)exposure, wanted);
+	assert_true(fabs((double)exposure - wanted) < 0.0051);
+}
+
+/* log2(pi / E), E by the closed form of each light. */
+static void meters_the_light(void **state)
+{
+	(void)state;
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.6f, 0, -0.8f}, .intensity = {100, 100, 100}};
+	assert_stops(metered_once(&sun, NULL, 0), log2(M_PI / 80.0));
+	sun.intensity[0] = sun.intensity[2] = 0; /* green has .7152 of the luminance */
+	assert_stops(metered_once(&sun, NULL, 0), log2(M_PI / (80.0 * 0.7152)));
+	stilb_scene_light lamp = {.position = {0, 0, 100}, .intensity = {5e5f, 5e5f, 5e5f}}; /* far enough to be even */
+	assert_stops(metered_once(&lamp, NULL, 0), log2(M_PI / 50.0));
+	lamp.position[2] = -100; /* from behind: nothing is lit, and the lamp's own brightness is not seen */
+	assert_true(metered_once(&lamp, NULL, 0) == 0.0f);
+	stilb_scene_surroundings around = {.sky = {3, 3, 3}, .ground = {1, 1, 1}};
+	assert_stops(metered_once(NULL, &around, 0), -1.0); /* half of each: pi 2 */
+	assert_stops(metered_once(NULL, NULL, 16), -4.0);   /* what shines where there is no light */
+	assert_stops(metered_once(NULL, &around, 16), -1.0);
+	assert_true(metered_once(NULL, NULL, 0) == 0.0f);
+}
+
+/* The lamp stands before the left half: the brightest tenth decides, wherever the model is turned or cut. */
+static void meters_what_is_seen(void **state)
+{
+	(void)state;
+	stilb_scene_light sun = {.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {10, 10, 10}};
+	stilb_scene *scene = lit_square(&sun, NULL, 0);
+	float plain = metered(scene);
+	scene->camera.roll = 1.0f;
+	assert_true(metered(scene) == plain);
+	scene->camera.position[2] = 0.5f; /* inside of the square's outline */
+	scene->camera.pitch = 1.2f;       /* one corner of it is behind the camera */
+	assert_true(metered(scene) == plain);
+	scene->camera.yaw = 3.14159265f; /* it looks away */
+	scene->camera.pitch = 0.0f;
+	assert_true(metered(scene) == 0.0f);
+	scene->camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
+	scene->bounds.radius[0] = NAN; /* hidden */
+	assert_true(metered(scene) == 0.0f);
+	stilb_scene_destroy(scene);
+	/* A spot lights a small part of the square, evenly: the rest, which is dark, does not count. */
+	stilb_scene_light spot = {.kind = STILB_SCENE_LIGHT_SPOT,
+	                          .position = {0, 0, 100},
+	                          .direction = {0, 0, -1},
+	                          .cos_inner = cosf(0.003f),
+	                          .cos_outer = cosf(0.003f),
+	                          .intensity = {1e5f, 1e5f, 1e5f}};
+	assert_stops(metered_once(&spot, NULL, 0), log2(M_PI / 10.0));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(square_from_the_front),
-		cmocka_unit_test(near_faces_decide),
-		cmocka_unit_test(fills_from_every_direction),
-		cmocka_unit_test(nothing_to_fill),
+		cmocka_unit_test(square_from_the_front),      cmocka_unit_test(near_faces_decide),
+		cmocka_unit_test(fills_from_every_direction), cmocka_unit_test(nothing_to_fill),
+		cmocka_unit_test(meters_the_light),           cmocka_unit_test(meters_what_is_seen),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

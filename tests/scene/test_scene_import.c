@@ -187,7 +187,9 @@ static void gltf_camera_and_light(void **state)
 	 * the left about +z means that its right side rises. */
 	const char *path = gltf(
 		"camera.gltf", "\"doubleSided\":true",
-		",\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.6,\"aspectRatio\":1.5,\"znear\":0.1}}],"
+		",\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.6,\"aspectRatio\":1.5,\"znear\":0.1}},"
+		"{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":1,\"znear\":0.1,\"zfar\":9}},"
+		"{\"type\":\"perspective\",\"name\":\"From\\u0007above\",\"perspective\":{\"yfov\":0.9,\"znear\":0.1}}],"
 		"\"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":{\"lights\":["
 		"{\"type\":\"point\",\"color\":[1,0.5,0.25],\"intensity\":8},"
 		"{\"type\":\"spot\",\"intensity\":2,\"spot\":{\"innerConeAngle\":0.2,\"outerConeAngle\":0.5}},"
@@ -195,24 +197,31 @@ static void gltf_camera_and_light(void **state)
 	unsigned char text[4096];
 	size_t size = read_file(path, text, sizeof text - 1);
 	text[size] = '\0';
-	/* Nodes 2 and 3 become camera and lights. */
+	/* Nodes 2 and 3 become a camera, and lights with two more cameras. */
 	char *made;
 	char *third = strstr((char *)text, "{\"name\":\"third\"},{\"name\":\"fourth\"}");
 	*third = '\0';
 	assert_true(
 		asprintf(&made,
 	             "%s{\"camera\":0,\"translation\":[0,0,5],\"rotation\":[0,0,0.2588190451,0.9659258263]},"
-	             "{\"name\":\"lamps\",\"children\":[4,5,6],\"scale\":[2,2,2],\"translation\":[10,0,0]},"
+	             "{\"name\":\"lamps\",\"children\":[4,5,6,7,8],\"scale\":[2,2,2],\"translation\":[10,0,0]},"
 	             "{\"name\":\"a\",\"translation\":[1,2,3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
 	             "{\"name\":\"b\",\"rotation\":[-0.70710678,0,0,0.70710678],"
 	             "\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},"
-	             "{\"name\":\"c\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}%s",
+	             "{\"name\":\"c\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}},"
+	             "{\"camera\":1},{\"camera\":2,\"translation\":[0,7,0]}%s",
 	             text, third + strlen("{\"name\":\"third\"},{\"name\":\"fourth\"}")) > 0);
 	stilb_scene *scene = open_scene(write_text("camera.gltf", made));
 	free(made);
 	assert_three(scene->camera.position, 0, 0, 5);
 	assert_three((const float[3]){scene->camera.yaw, scene->camera.pitch, scene->camera.roll}, 0, 0, -0.52359878f);
 	assert_true(near(scene->camera.fov_y, 0.6f));
+	assert_int_equal(scene->camera_count, 2); /* the orthographic one is left out */
+	assert_memory_equal(&scene->cameras[0].camera, &scene->camera, sizeof scene->camera);
+	assert_string_equal(scene->cameras[0].name, "number 0");
+	assert_string_equal(scene->cameras[1].name, "From above");  /* a control character would move a terminal's cursor */
+	assert_three(scene->cameras[1].camera.position, 10, 14, 0); /* in its parent */
+	assert_true(near(scene->cameras[1].camera.fov_y, 0.9f) && !scene->framed);
 	assert_int_equal(scene->light_count, 3);
 	const stilb_scene_light *light = scene->lights;
 	for (uint32_t i = 0; i < 3; i++, light++) {

@@ -51,6 +51,8 @@ static stilb_scene *make(void)
 	                                       .intensity = {1, 2, 3},
 	                                       .cos_inner = 0.75f,
 	                                       .cos_outer = 0.5f};
+	assert_int_equal(scene_add_cameras(scene, 1), STILB_OK);
+	scene->cameras[0] = (stilb_scene_named_camera){.name = "Front", .camera = scene->camera};
 	scene->texture_count = 1;
 	scene->textures = calloc(1, sizeof *scene->textures);
 	assert_int_equal(stilb_image_create(scene->textures, 3, 2, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
@@ -73,7 +75,8 @@ static void a_scene_comes_back_the_same(void **state)
 	                    scene->meshes[0].vertex_count * sizeof *scene->meshes[0].vertices);
 	assert_memory_equal(back->lights, scene->lights, sizeof *scene->lights);
 	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
-	assert_memory_equal(&back->camera, &scene->camera, sizeof scene->camera);
+	assert_memory_equal(back->cameras, scene->cameras, sizeof *scene->cameras);
+	assert_memory_equal(&back->camera, &scene->cameras[0].camera, sizeof scene->camera);
 	assert_int_equal(back->textures[0].width, 3);
 	assert_int_equal(back->variants->count, 2);
 	assert_string_equal(back->variants->names[1], "blue");
@@ -159,22 +162,24 @@ static void a_camera_can_project(void **state)
 {
 	(void)state;
 	stilb_scene *scene = make(), *back;
-	stilb_scene_camera good = scene->camera;
-	float *const places[] = {&scene->camera.fov_y,       &scene->camera.fov_y,  &scene->camera.fov_y,
-	                         &scene->camera.near_z,      &scene->camera.near_z, &scene->camera.far_z,
-	                         &scene->camera.position[1], &scene->camera.roll};
-	const float wrong[] = {-1.0f, 3.2f, NAN, 0.0f, good.far_z, INFINITY, NAN, INFINITY};
-	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-		size_t size;
-		*places[i] = wrong[i];
+	stilb_scene_named_camera good = scene->cameras[0];
+	stilb_scene_camera *camera = &scene->cameras[0].camera;
+	float *const places[] = {&camera->fov_y,       &camera->fov_y, &camera->fov_y,    &camera->near_z, &camera->near_z,
+	                         &camera->position[1], &camera->roll,  &camera->exposure, &camera->far_z};
+	const float wrong[] = {-1.0f, 3.2f, NAN, 0.0f, camera->far_z, NAN, INFINITY, 101.0f, INFINITY};
+	size_t size;
+	for (size_t i = 0; i <= sizeof places / sizeof *places; i++) {
+		if (i < sizeof places / sizeof *places)
+			*places[i] = wrong[i];
+		else
+			memset(scene->cameras[0].name, 'a', sizeof scene->cameras[0].name); /* a name without an end */
 		unsigned char *bytes = bytes_of(scene, &size);
-		scene->camera = good;
+		scene->cameras[0] = good;
 		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
-		assert_non_null(strstr(stilb_error_message(), "impossible numbers in its camera"));
+		assert_non_null(strstr(stilb_error_message(), "impossible cameras"));
 		free(bytes);
 	}
-	size_t size;
-	scene->camera = (stilb_scene_camera){.position = {NAN}}; /* none: the reader frames the scene */
+	scene->camera_count = 0; /* none: the reader frames the scene */
 	unsigned char *bytes = bytes_of(scene, &size);
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
 	assert_true(back->framed && back->camera.fov_y > 0.0f && isfinite(back->camera.position[0]));

@@ -96,6 +96,20 @@ static inline void assert_said(const char *text, const char *part)
 	assert_non_null(strstr(text, part));
 }
 
+static inline bool same_file(const char *a, const char *b)
+{
+	FILE *one = fopen(a, "r"), *other = fopen(b, "r");
+	assert_true(one && other);
+	int x, y;
+	do {
+		x = getc(one);
+		y = getc(other);
+	} while (x == y && x != EOF);
+	fclose(one);
+	fclose(other);
+	return x == y;
+}
+
 static inline int folder_entries(void)
 {
 	int count = 0;

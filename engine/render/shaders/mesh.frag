@@ -139,5 +139,7 @@ void main()
 		radiance += sky_highlight(material, sky, n, to_camera);
 	if (drawn != 0 && (material_index & 1) != drawn - 1)
 		radiance = vec3(0.0);
-	color = vec4(tone_map ? shade_tonemap(radiance, SHADE_TONEMAP_A, SHADE_TONEMAP_B) : radiance, 1.0);
+	if (tone_map)
+		radiance = shade_tonemap(radiance * push.view.exposure, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	color = vec4(radiance, 1.0);
 }

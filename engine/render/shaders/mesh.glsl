@@ -32,7 +32,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	Lights lights;
 	uint light_count;
-	uint unused;
+	float exposure; // factor of radiance before the tone map
 };
 
 layout(push_constant, std430) uniform Push {

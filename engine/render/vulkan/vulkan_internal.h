@@ -41,7 +41,8 @@ typedef struct vulkan_view {
 	float ground[4];
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 	VkDeviceAddress lights;
-	uint32_t light_count, unused;
+	uint32_t light_count;
+	float exposure; /* factor of radiance before the tone map */
 } vulkan_view;
 
 static_assert(sizeof(vulkan_view) == 144, "std430");

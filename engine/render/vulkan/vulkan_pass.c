@@ -3,6 +3,7 @@
 
 #include "shading/shade_tonemap.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Makes the images ready to be drawn into. The frame's first pass waits for the last frame's passes and its copy to the
@@ -40,7 +41,7 @@ static VkClearColorValue pass_clear_color(const vulkan_device *device, const sti
 		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
 	stilb_vec3 color = stilb_vec3_make(view->surroundings.sky[0], view->surroundings.sky[1], view->surroundings.sky[2]);
 	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
-		color = shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+		color = shade_tonemap(color * exp2f(view->exposure), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
 }
 
@@ -105,7 +106,7 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->added[3] = view->shading.specular;
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
 	out->light_count = stream->light_count;
-	out->unused = 0;
+	out->exposure = exp2f(view->exposure);
 }
 
 /* Records the pass's draws into the frame's own command buffer, not into secondary ones. */

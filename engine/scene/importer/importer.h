@@ -179,15 +179,16 @@ void importer_material_metallic(const importer_metallic *from, stilb_scene_mater
 /* Moves the textures that the scene's materials refer to into the scene and renumbers them. STILB_ERROR_MEMORY. */
 stilb_result importer_take_textures(importer *import);
 
-/* importer_view.c: adds lights and the first camera; a sky if there is no light. Needs meshes and materials.
+/* importer_view.c: adds lights and cameras; a sky if there is no light. Needs meshes and materials.
  * STILB_ERROR_MEMORY. */
 stilb_result importer_add_view(importer *import);
 
-/* Sets the scene's camera to one at position that looks along view, both axes unit, with an angle of the picture's
- * height in radians. False: they are out of range. */
-bool importer_place_camera(importer *import, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up, float fov_y);
+/* Adds a camera at position that looks along view, both axes unit, with an angle of the picture's height in radians.
+ * scene_add_cameras has made room for it, and camera_count is that of the cameras so far. False: it is out of range. */
+bool importer_add_camera(importer *import, const char *name, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up,
+                         float fov_y);
 
-/* Adds a sky if nothing in the scene shines. has_camera: one was placed; without, who receives the scene frames it. */
-void importer_complete_view(importer *import, bool has_camera);
+/* Adds a sky if nothing in the scene shines. */
+void importer_complete_view(importer *import);
 
 #endif

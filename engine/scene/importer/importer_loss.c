@@ -25,7 +25,7 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_SKINS] = {"skins are shown in their rest pose", "skin"},
 	[IMPORTER_LOSS_ANIMATIONS] = {"animations are not played", "animation"},
 	[IMPORTER_LOSS_SCENES] = {"scenes besides the one that is shown", "scene"},
-	[IMPORTER_LOSS_CAMERAS] = {"cameras besides the one that is used", "camera"},
+	[IMPORTER_LOSS_CAMERAS] = {"cameras that are not perspective are left out", "camera"},
 	[IMPORTER_LOSS_RANGES] = {"the ranges of lights are ignored", "light"},
 };
 

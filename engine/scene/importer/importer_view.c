@@ -4,6 +4,7 @@
 #include "shading/shade_constants.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
@@ -128,50 +129,56 @@ static bool camera_is_default(const struct aiCamera *from)
 	return strncmp(from->mName.data, "Producer ", strlen("Producer ")) == 0;
 }
 
-bool importer_place_camera(importer *import, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up, float fov_y)
+bool importer_add_camera(importer *import, const char *name, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up,
+                         float fov_y)
 {
-	stilb_scene_camera *camera = &import->scene->camera;
 	stilb_sphere scene = scene_sphere(import->scene);
 	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
 		return false;
 	stilb_vec3 away = position - stilb_vec3_make(scene.x, scene.y, scene.z);
 	float distance = fmaxf(sqrtf(stilb_vec3_dot(away, away)) + scene.radius, CAMERA_LEAST_METRES);
-	*camera = scene_camera_along(position, view, fov_y);
-	camera->near_z = 1e-4f * distance;
-	camera->far_z = 10.0f * distance;
-	camera->roll = camera_roll(camera, up);
+	STILB_ASSERT(import->scene->cameras && "scene_add_cameras has made room");
+	stilb_scene_named_camera *added = &import->scene->cameras[import->scene->camera_count++];
+	added->camera = scene_camera_along(position, view, fov_y);
+	added->camera.near_z = 1e-4f * distance;
+	added->camera.far_z = 10.0f * distance;
+	added->camera.roll = camera_roll(&added->camera, up);
+	snprintf(added->name, sizeof added->name, "%s", name);
 	return true;
 }
 
-/* Sets the scene's camera to one of Assimp's. False: its position or its angle is out of range. */
+/* Adds one of Assimp's cameras. False: its position or its angle is out of range. */
 static bool camera_convert(importer *import, const struct aiCamera *from)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
 	/* A glTF camera is at its node's origin; Assimp 5.2 adds the node's translation to mPosition a second time. */
 	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
-	return importer_place_camera(import, importer_point(node, own),
-	                             importer_direction(node, importer_vector(&from->mLookAt)),
-	                             importer_direction(node, importer_vector(&from->mUp)), camera_fov_y(import, from));
+	return importer_add_camera(import, from->mName.data, importer_point(node, own),
+	                           importer_direction(node, importer_vector(&from->mLookAt)),
+	                           importer_direction(node, importer_vector(&from->mUp)), camera_fov_y(import, from));
 }
 
-void importer_complete_view(importer *import, bool has_camera)
+void importer_complete_view(importer *import)
 {
 	stilb_scene *scene = import->scene;
 	if (!view_is_lit(scene)) {
 		importer_warn("it has no light: a grey sky shines on it");
 		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
 	}
-	if (!has_camera)
-		scene->camera = (stilb_scene_camera){0}; /* none: who receives the scene frames it */
 }
 
 stilb_result importer_add_view(importer *import)
 {
 	STILB_ASSERT(import->scene && import->scene->part_count > 0);
 	stilb_result result = view_add_lights(import);
-	bool placed = false;
-	for (uint32_t i = 0; !placed && i < import->from->mNumCameras; i++)
-		placed = !camera_is_default(import->from->mCameras[i]) && camera_convert(import, import->from->mCameras[i]);
-	importer_complete_view(import, placed);
+	if (result == STILB_OK)
+		result = scene_add_cameras(import->scene, import->from->mNumCameras);
+	import->scene->camera_count = 0;
+	for (uint32_t i = 0; result == STILB_OK && i < import->from->mNumCameras; i++) {
+		const struct aiCamera *camera = import->from->mCameras[i];
+		if (!camera_is_default(camera) && !camera_convert(import, camera))
+			importer_lose(import, IMPORTER_LOSS_CAMERAS, camera->mName.data);
+	}
+	importer_complete_view(import);
 	return result;
 }

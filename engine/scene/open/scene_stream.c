@@ -183,7 +183,7 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 typedef struct stream_counts {
-	uint32_t models, parts, meshes, materials, textures, lights;
+	uint32_t models, parts, meshes, materials, textures, lights, cameras;
 } stream_counts;
 
 typedef struct stream_array {
@@ -198,10 +198,10 @@ static bool stream_counts_are_possible(const stream_counts *counts)
 {
 	uint32_t most = STILB_SCENE_MAX_MODELS;
 	return counts->models <= most && counts->parts <= most && counts->meshes <= most && counts->materials <= most &&
-	       counts->textures <= most && counts->lights <= most;
+	       counts->textures <= most && counts->lights <= most && counts->cameras <= most;
 }
 
-#define STREAM_ARRAYS 10
+#define STREAM_ARRAYS 11
 
 /* The arrays of a scene in the order of the stream, without those inside meshes and textures. */
 static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_ARRAYS])
@@ -218,6 +218,7 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 		{scene->part_transform, parts * sizeof(stilb_mat4)},
 		{scene->materials, scene->material_count * sizeof(stilb_scene_material)},
 		{scene->lights, scene->light_count * sizeof(stilb_scene_light)},
+		{scene->cameras, scene->camera_count * sizeof(stilb_scene_named_camera)},
 	};
 	for (int i = 0; i < STREAM_ARRAYS; i++)
 		arrays[i] = all[i];
@@ -226,15 +227,14 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 bool scene_stream_write(int file, const stilb_scene *scene)
 {
 	STILB_ASSERT(file >= 0 && scene);
-	stream_counts counts = {scene->model_count,    scene->part_count,    scene->mesh_count,
-	                        scene->material_count, scene->texture_count, scene->light_count};
+	stream_counts counts = {scene->model_count,   scene->part_count,  scene->mesh_count,  scene->material_count,
+	                        scene->texture_count, scene->light_count, scene->camera_count};
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	const stilb_scene_surroundings *around = &scene->surroundings;
 	bool good = scene_stream_put(file, &counts, sizeof counts) &&
 	            scene_stream_put(file, around->sky, sizeof around->sky) &&
-	            scene_stream_put(file, around->ground, sizeof around->ground) &&
-	            scene_stream_put(file, &scene->camera, sizeof scene->camera);
+	            scene_stream_put(file, around->ground, sizeof around->ground);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
 		good = scene_stream_put(file, arrays[i].data, arrays[i].size);
 	for (uint32_t i = 0; good && i < scene->mesh_count; i++) {
@@ -276,18 +276,27 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 	return STILB_OK;
 }
 
+/* Names are printed: what could move a terminal's cursor becomes a space. */
+static void stream_clean_name(char *name, size_t size)
+{
+	for (size_t i = 0; i < size && name[i] != 0; i++)
+		if ((unsigned char)name[i] < ' ' || name[i] == 0x7f)
+			name[i] = ' ';
+}
+
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 {
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	stilb_scene_surroundings *around = &scene->surroundings;
 	bool good = scene_stream_get(stream, around->sky, sizeof around->sky) &&
-	            scene_stream_get(stream, around->ground, sizeof around->ground) &&
-	            scene_stream_get(stream, &scene->camera, sizeof scene->camera);
+	            scene_stream_get(stream, around->ground, sizeof around->ground);
 	for (int i = 0; good && i < STREAM_ARRAYS; i++)
 		good = scene_stream_get(stream, arrays[i].data, arrays[i].size);
 	if (!good)
 		return scene_stream_broken(stream);
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		stream_clean_name(scene->cameras[i].name, sizeof scene->cameras[i].name);
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
 		result = stream_read_mesh(stream, &scene->meshes[i]);
@@ -296,7 +305,8 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 
 static bool stream_camera_is_usable(const stilb_scene_camera *camera)
 {
-	bool finite = isfinite(camera->yaw) && isfinite(camera->pitch) && isfinite(camera->roll) && isfinite(camera->far_z);
+	bool finite = isfinite(camera->yaw) && isfinite(camera->pitch) && isfinite(camera->roll) &&
+	              isfinite(camera->far_z) && fabsf(camera->exposure) <= 100.0f;
 	for (int i = 0; i < 3; i++)
 		finite = finite && isfinite(camera->position[i]);
 	return finite && camera->fov_y > 0.0f && camera->fov_y < 3.1415927f && camera->near_z > 0.0f &&
@@ -311,8 +321,11 @@ static stilb_result stream_check(const stilb_scene *scene)
 			return scene_stream_wrong("lights");
 	if (!scene_is_sound(scene))
 		return scene_stream_wrong("indices");
-	bool none = scene->camera.fov_y == 0.0f;
-	return none || stream_camera_is_usable(&scene->camera) ? STILB_OK : scene_stream_wrong("numbers in its camera");
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		if (!stream_camera_is_usable(&scene->cameras[i].camera) ||
+		    !memchr(scene->cameras[i].name, 0, sizeof scene->cameras[i].name))
+			return scene_stream_wrong("cameras");
+	return STILB_OK;
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
@@ -332,6 +345,8 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 	if (result == STILB_OK)
 		result = scene_add_lights(scene, counts.lights);
 	if (result == STILB_OK)
+		result = scene_add_cameras(scene, counts.cameras);
+	if (result == STILB_OK)
 		result = stream_read_into(stream, scene);
 	if (result == STILB_OK)
 		result = scene_stream_read_rest(stream, scene);
@@ -345,9 +360,9 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 		scene->textures[i] = textures[i];
 		textures[i] = (stilb_image){0};
 	}
-	scene->framed = scene->camera.fov_y == 0.0f;
-	if (scene->framed)
-		scene->camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);
+	scene->framed = scene->camera_count == 0;
+	scene->camera = scene->framed ? stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f)
+	                              : scene->cameras[0].camera;
 	*out = scene;
 	return STILB_OK;
 }

@@ -76,9 +76,9 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message *message, int file,
                                        stilb_image *picture);
 
-/* Writes models, parts, meshes, materials, the number of textures, lights, the colours of sky and ground, and camera,
- * {0} if the scene has none: its reader frames it. Textures are sent before, as PICTURE messages. False: the other side
- * is gone. */
+/* Writes models, parts, meshes, materials, the number of textures, lights, the colours of sky and ground, and
+ * cameras: the reader of a scene without any frames it. Textures are sent before, as PICTURE messages. False: the other
+ * side is gone. */
 bool scene_stream_write(int file, const stilb_scene *scene);
 
 /* Reads a scene and moves textures, [count], into it; they are {0} afterwards, also after a failure. STILB_ERROR_FILE:

@@ -204,7 +204,7 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 /* Fills the scene's materials. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result gltf_add_materials(gltf *from);
 
-/* Adds lights and the first camera. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+/* Adds lights and cameras. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result gltf_add_view(gltf *from);
 
 /* gltf_extensions.c: names the extensions, animations, skins, ... of the file that are not shown. */

@@ -1,4 +1,4 @@
-/* Lights, of KHR_lights_punctual, and the camera. Both look along -Z of their node; up is +Y. */
+/* Lights, of KHR_lights_punctual, and cameras. Both look along -Z of their node; up is +Y. */
 #include "scene/importer/gltf/gltf.h"
 
 #include <math.h>
@@ -89,37 +89,54 @@ static stilb_result view_lights(gltf *from)
 	return gltf_json_check(&from->json);
 }
 
-/* ---- camera ------------------------------------------------------------------------------------------------------ */
+/* ---- cameras ----------------------------------------------------------------------------------------------------- */
 
-/* Sets the scene's camera to a perspective one at a node. False: it is of another kind or out of range. */
-static bool view_camera(gltf *from, const gltf_node *node, uint32_t index)
+/* Adds a perspective camera at a node. False: it is of another kind or out of range. */
+static bool view_camera(gltf *from, const gltf_node *node, uint32_t index, const char *name)
 {
 	gltf_json *json = &from->json;
 	uint32_t perspective = gltf_json_member(json, from->lists[GLTF_CAMERAS].items[index], "perspective");
 	if (perspective == GLTF_NONE)
 		return false;
-	return importer_place_camera(from->import, view_position(&node->to_world),
-	                             view_direction(&node->to_world, stilb_vec3_make(0, 0, -1)),
-	                             view_direction(&node->to_world, stilb_vec3_make(0, 1, 0)),
-	                             (float)gltf_json_number(json, perspective, "yfov", 0.0));
+	return importer_add_camera(from->import, name, view_position(&node->to_world),
+	                           view_direction(&node->to_world, stilb_vec3_make(0, 0, -1)),
+	                           view_direction(&node->to_world, stilb_vec3_make(0, 1, 0)),
+	                           (float)gltf_json_number(json, perspective, "yfov", 0.0));
+}
+
+/* The index of a node's camera, or GLTF_NONE. */
+static uint32_t view_camera_of(gltf *from, const gltf_node *node)
+{
+	return gltf_reference(from, node->item, "camera", GLTF_CAMERAS);
+}
+
+static stilb_result view_cameras(gltf *from)
+{
+	stilb_scene *scene = from->import->scene;
+	uint32_t count = 0;
+	char name[96];
+	for (uint32_t n = 0; n < from->node_count; n++)
+		count += view_camera_of(from, &from->nodes[n]) != GLTF_NONE;
+	stilb_result result = scene_add_cameras(scene, count);
+	if (result != STILB_OK)
+		return result;
+	scene->camera_count = 0;
+	for (uint32_t n = 0; n < from->node_count; n++) {
+		uint32_t index = view_camera_of(from, &from->nodes[n]);
+		if (index == GLTF_NONE)
+			continue;
+		gltf_name(from, GLTF_CAMERAS, index, name);
+		if (!view_camera(from, &from->nodes[n], index, name))
+			importer_lose(from->import, IMPORTER_LOSS_CAMERAS, name);
+	}
+	return gltf_json_check(&from->json);
 }
 
 stilb_result gltf_add_view(gltf *from)
 {
-	bool placed = false;
 	stilb_result result = view_lights(from);
-	for (uint32_t n = 0; result == STILB_OK && n < from->node_count; n++) {
-		uint32_t index = gltf_reference(from, from->nodes[n].item, "camera", GLTF_CAMERAS);
-		if (index == GLTF_NONE)
-			continue;
-		bool kept = !placed && view_camera(from, &from->nodes[n], index);
-		placed |= kept;
-		if (!kept) {
-			char name[96];
-			gltf_name(from, GLTF_CAMERAS, index, name);
-			importer_lose(from->import, IMPORTER_LOSS_CAMERAS, name);
-		}
-	}
-	importer_complete_view(from->import, placed);
-	return result == STILB_OK ? gltf_json_check(&from->json) : result;
+	if (result == STILB_OK)
+		result = view_cameras(from);
+	importer_complete_view(from->import);
+	return result;
 }
