@@ -121,6 +121,7 @@ static stilb_result update_scene(stilb_engine *engine)
 	for (int i = 0; i < 3; i++)
 		view->camera_position[i] = scene->camera.position[i];
 	view->surroundings = scene->surroundings;
+	view->backdrop = scene->backdrop;
 	view->lights = scene->lights;
 	view->light_count = scene->light_count;
 	view->shading = engine->shading;

@@ -7,6 +7,7 @@
  */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
+#include "gi/integrate/gi_backdrop.h"
 #include "gi/sample/gi_counter.h"
 #include "profiler/prof.h"
 
@@ -168,6 +169,7 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 		gi_primary_trace(render->kernels, &render->view, &render->camera, &samples, &worker->primary);
 	}
 	render->integrator->shade(&batch);
+	gi_backdrop_shade(&batch);
 	batch_to_film(render, worker);
 	gi_counter_add(&worker->counters.samples, batch.count);
 	gi_counter_add(&worker->counters.rays, batch.count + batch.rays_traced);

@@ -337,8 +337,9 @@ stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render);
 
 /* Writes the picture, whole or not at all. A name that ends in .exr: all planes as layers (R G B, albedo.*, normal.*,
  * depth.Z, variance.*, samples), with the settings as attributes. .hdr: the mean radiance alone. .png: what
- * stilb_gi_display gives. Errors: STILB_ERROR_ARGUMENT: other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY.
- * [main-thread] */
+ * stilb_gi_display gives. If the scene's backdrop is nothing, .exr and .png have alpha, the share of the samples that
+ * hit something; the radiance of an .exr is then premultiplied, as that format has it. Errors: STILB_ERROR_ARGUMENT:
+ * other endings; STILB_ERROR_FILE; STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path);
 
 /* Writes everything that another process needs to continue with stilb_gi_render_resume: there the same settings, scene,

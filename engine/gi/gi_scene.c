@@ -6,6 +6,7 @@
  * triangles stay in the mesh's space, and rays are transformed to it.
  */
 #include "gi/gi_surface.h"
+#include "gi/integrate/gi_backdrop.h"
 
 #include "profiler/prof.h"
 
@@ -423,6 +424,8 @@ static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	if (result == STILB_OK)
 		result = lights_make(gi, scene);
 	if (result == STILB_OK)
+		result = gi_backdrop_create(scene, &gi->backdrop);
+	if (result == STILB_OK)
 		result = desc->intersector->create(gi, desc, &gi->tracer, &gi->info);
 	return result;
 }
@@ -493,6 +496,7 @@ void stilb_gi_scene_destroy(stilb_gi_scene *scene)
 		return;
 	STILB_ASSERT_OWNER(scene->owner);
 	scene->intersector->destroy(&scene->tracer);
+	gi_backdrop_destroy(scene->backdrop);
 	gi_lights_destroy(&scene->open_lights);
 	gi_lights_destroy(&scene->lights);
 	free(scene->meshes);

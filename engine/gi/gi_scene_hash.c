@@ -1,5 +1,6 @@
 #include "gi/gi_scene_hash.h"
 
+#include "gi/integrate/gi_backdrop.h"
 #include "gi/light/gi_environment.h"
 #include "gi/light/gi_light_listed.h"
 
@@ -47,5 +48,5 @@ static uint64_t hash_lights(uint64_t hash, const gi_lights *lights)
 
 uint64_t gi_scene_hash(const stilb_gi_scene *scene)
 {
-	return hash_lights(hash_surfaces(STILB_FNV1A64_START, scene), &scene->lights);
+	return gi_backdrop_hash(hash_lights(hash_surfaces(STILB_FNV1A64_START, scene), &scene->lights), scene->backdrop);
 }

@@ -42,6 +42,8 @@ typedef struct gi_part {
 	float normal_to_world[9]; /* transposed inverse of to_world, column by column */
 } gi_part;
 
+typedef struct gi_backdrop gi_backdrop; /* integrate/gi_backdrop.h */
+
 struct stilb_gi_scene {
 	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
@@ -53,6 +55,7 @@ struct stilb_gi_scene {
 	const stilb_image *textures;
 	gi_lights lights;
 	gi_lights open_lights; /* of settings.no_shadows */
+	gi_backdrop *backdrop; /* never NULL */
 	stilb_gi_scene_info info;
 	stilb_scene_vertex *vertices; /* of all meshes, in their order */
 	gi_triangle *triangles;       /* likewise */

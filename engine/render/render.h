@@ -259,6 +259,7 @@ typedef struct stilb_render_view {
 	                                  BAKED ones are left out. Read during stilb_render_replay. */
 	uint32_t light_count;
 	stilb_scene_surroundings surroundings; /* sky and ground; the panorama is not read */
+	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the sky's radiance. Not part of dumps */
 	stilb_render_shading shading;
 	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;
@@ -320,8 +321,10 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 stilb_result stilb_render_present(stilb_render *render);
 
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
- * frames. stilb_image_finish it. STILB_ERROR_DEVICE: no frame of this size has been drawn yet, or the null device.
- * STILB_ERROR_MEMORY. [main-thread] */
+ * frames. If the backdrop of the frame's first pass is nothing there is alpha, too, the share of the pixel that models
+ * cover; radiance is premultiplied by it, as EXR files have it, codes are not. stilb_image_finish it.
+ * STILB_ERROR_DEVICE: no frame of this size has been drawn yet, or the null device. STILB_ERROR_MEMORY.
+ * [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
 /* Waits until the device has drawn every submitted frame; stats.gpu_ms is then the last frame's. [main-thread] */

@@ -104,6 +104,8 @@ void stilb_scene_destroy(stilb_scene *scene)
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		stilb_image_finish(&scene->textures[i]);
 	stilb_image_finish(&scene->surroundings.panorama);
+	free(scene->backdrop.map);
+	free(scene->backdrop.floor);
 	free(scene->bounds.x);
 	free(scene->bounds.y);
 	free(scene->bounds.z);

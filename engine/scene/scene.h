@@ -142,6 +142,37 @@ typedef struct stilb_scene_surroundings {
 	bool glossy;
 } stilb_scene_surroundings;
 
+/* What pictures show where no model is. Nothing is lit by it or mirrors it: that is the surroundings' part. */
+typedef enum stilb_scene_backdrop_kind {
+	STILB_SCENE_BACKDROP_SURROUNDINGS, /* the surroundings themselves */
+	STILB_SCENE_BACKDROP_MAP,          /* map */
+	STILB_SCENE_BACKDROP_COLOR,        /* color */
+	STILB_SCENE_BACKDROP_NOTHING,      /* files with alpha are transparent there, all else is black */
+	STILB_SCENE_BACKDROPS,
+} stilb_scene_backdrop_kind;
+
+#define STILB_SCENE_BACKDROP_WIDTH 64
+#define STILB_SCENE_BACKDROP_HEIGHT 32
+#define STILB_SCENE_FLOOR_SIDE 64
+#define STILB_SCENE_FLOOR_REACH 2.0f /* half a side of the square that `covered` spans, in radii */
+
+/* A level floor that shows the models' shadow and nothing else, and is no part of the scene: light, rays after the
+ * first and baking do not meet it. */
+typedef struct stilb_scene_floor {
+	float center[3]; /* below the models' middle, metres; its y is the floor's height */
+	float radius;    /* of the models' sphere, metres, > 0 */
+	/* [z][x] The share of the hemisphere above the floor, weighted by the cosine, that models hide, [0, 1], over the
+	 * square about the center: the shadow that frames show. Traced pictures trace it. */
+	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
+} stilb_scene_floor;
+
+typedef struct stilb_scene_backdrop {
+	stilb_scene_backdrop_kind kind;
+	float color[3];           /* radiance */
+	float *map;               /* [HEIGHT][WIDTH][3] radiance, as a panorama in the world, interpolated; MAP */
+	stilb_scene_floor *floor; /* COLOR: darkens it; NULL: none */
+} stilb_scene_backdrop;
+
 /* Yaw turns about +Y: 0 looks along -Z, positive to the left. Pitch then raises the view. Roll then turns the camera
  * about its view, positive lowers its right side: its right axis is cos(roll) * right - sin(roll) * up of the camera
  * without roll. */
@@ -201,6 +232,9 @@ typedef struct stilb_scene {
 	stilb_scene_light *lights; /* [light_count] */
 
 	stilb_scene_surroundings surroundings;
+	stilb_scene_backdrop backdrop;     /* map and floor are the scene's own, as scene_look.h makes them */
+	bool studio;                       /* the lights are those of stilb_scene_set_studio, not the file's */
+	bool unlit;                        /* of a file without any light: see stilb_scene_open_options.dark */
 	stilb_scene_camera camera;         /* the one to look with; of a file at first its first camera */
 	uint32_t camera_count;             /* of the file's cameras */
 	stilb_scene_named_camera *cameras; /* [camera_count] in the order of the file */
@@ -252,6 +286,10 @@ typedef struct stilb_scene_open_options {
 	 * STILB_ERROR_FILE. NULL: never. */
 	bool (*give_up)(void *user);
 	void *user;
+	/* A file without any light (no light, no ambient light, and emission that gives its surfaces less than a hundredth
+	 * of a studio's light) stays dark, and the scene's `unlit` is true: the caller lights it. Otherwise it gets a grey
+	 * sky, and a line says so. */
+	bool dark;
 	bool quiet; /* log nothing of what the file has and is not shown */
 	/* Out: the most memory that the import process has had at once, bytes; 0: it is unknown, or the scene is built in.
 	 * NULL: nobody asks. */

@@ -43,6 +43,16 @@ bool scene_is_placed_often(const stilb_scene *scene);
  * bounds are larger then, of a similarity up to sqrt(3) times. */
 void scene_fit_all_bounds(stilb_scene *scene);
 
+/* scene_studio.c: false if nothing lights the scene: no light, no surroundings, and its emission gives its surfaces
+ * less than a hundredth of the studio's light, on average and as if nothing were in between. */
+bool scene_is_lit(const stilb_scene *scene);
+
+/* scene_backdrop.c: frees map and floor, and leaves {0}. */
+void scene_backdrop_finish(stilb_scene_backdrop *backdrop);
+
+/* scene_backdrop.c: fills in the floor below the models, whose sphere this is. False: no memory. */
+bool scene_floor_cover(const stilb_scene *scene, const stilb_sphere *sphere, stilb_scene_floor *floor);
+
 /* A sphere around all models' bounds, about the centre of their box; radius 0 if there are no models. */
 stilb_sphere scene_sphere(const stilb_scene *scene);
 

@@ -1,10 +1,16 @@
 /*
- * scene_look: how a picture shows a scene: the exposure that its light needs.
+ * scene_look: how a picture shows a scene: the exposure that its light needs, and a studio for what has none.
  *
- * Threads.  [any-thread]
- * Example.
+ * Threads.  [one-writer] where a scene is changed, else [any-thread].
+ * Errors.   A result and a message; the scene is then as before.
+ * Example.  What `stilb view` does with a file:
  *
- *   stilb_result result = stilb_scene_meter(scene, &scene->camera, &scene->camera.exposure);
+ *   stilb_scene *scene;
+ *   stilb_result result = stilb_scene_open_with("model.obj", &(stilb_scene_open_options){.dark = true}, &scene);
+ *   if (result == STILB_OK && scene->unlit)
+ *       result = stilb_scene_set_studio(scene, scene->camera.yaw);
+ *   if (result == STILB_OK)
+ *       result = stilb_scene_meter(scene, &scene->camera, &scene->camera.exposure);
  */
 #ifndef STILB_SCENE_LOOK_H
 #define STILB_SCENE_LOOK_H
@@ -27,6 +33,22 @@ extern "C" {
  * and camera give the same number. Takes 10 to 20 ns a triangle; of more than 2^22 triangles it looks at every second,
  * third, ... [any-thread] STILB_ERROR_MEMORY; then *exposure is 0. */
 stilb_result stilb_scene_meter(const stilb_scene *scene, const stilb_scene_camera *camera, float *exposure);
+/* Puts the scene into a studio: a key light from the left and above, a fill light from the right and a rim light from
+ * behind, all disks far enough away to be even, with grey surroundings, take the place of its lights and surroundings
+ * (`studio` then says so); what is behind the models is a grey that a floor below them darkens with their shadow. A
+ * white ball in their place is shown with half of the display's range on average, no part of it clipped, and about
+ * 3 : 1 between its bright and its dark side. yaw: of the camera that the lights are placed for, radians.
+ * STILB_ERROR_MEMORY. [one-writer] */
+stilb_result stilb_scene_set_studio(stilb_scene *scene, float yaw);
+
+/* Makes a color, or nothing, the backdrop; without a floor. color: radiance, finite, >= 0. NULL: nothing.
+ * [one-writer] */
+void stilb_scene_set_backdrop(stilb_scene *scene, const float color[3]);
+
+/* Shows the surroundings behind the models, the floor away: out of focus if blurred, by a lobe of some 10 degrees about
+ * each direction. Takes some 30 ms for that, and some nanoseconds for each pixel of a panorama. STILB_ERROR_MEMORY.
+ * [one-writer] */
+stilb_result stilb_scene_show_surroundings(stilb_scene *scene, bool blurred);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

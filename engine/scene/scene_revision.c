@@ -17,6 +17,14 @@ static uint64_t revision_hash(uint64_t hash, const void *values, size_t size)
 	return hash;
 }
 
+/* Its map and its floor are made anew when they change. */
+static uint64_t revision_backdrop(uint64_t hash, const stilb_scene_backdrop *backdrop)
+{
+	const uint64_t parts[3] = {backdrop->kind, (uintptr_t)backdrop->map, (uintptr_t)backdrop->floor};
+	hash = revision_hash(hash, backdrop->color, sizeof backdrop->color);
+	return revision_hash(hash, parts, sizeof parts);
+}
+
 static uint64_t revision_surroundings(const stilb_scene_surroundings *around)
 {
 	const stilb_image *map = &around->panorama;
@@ -33,7 +41,7 @@ stilb_scene_revisions stilb_scene_revisions_read(stilb_scene *scene)
 	uint64_t *counts[3] = {&scene->revisions.lights, &scene->revisions.surroundings, &scene->revisions.camera};
 	const uint64_t now[3] = {
 		revision_hash(scene->light_count, scene->lights, scene->light_count * sizeof *scene->lights),
-		revision_surroundings(&scene->surroundings),
+		revision_backdrop(revision_surroundings(&scene->surroundings), &scene->backdrop),
 		revision_hash(0, &scene->camera, sizeof scene->camera),
 	};
 	for (int i = 0; i < 3; i++) {

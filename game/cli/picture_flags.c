@@ -1,6 +1,8 @@
 #include "picture_flags.h"
 
 #include "shading/shade_brdf.h"
+#include "shading/shade_srgb.h"
+#include "shading/shade_tonemap.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -12,6 +14,7 @@
 const char *const picture_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const picture_materials_choices[] = {"index", "bind", "pipeline", NULL};
 const char *const picture_device_choices[] = {"vulkan", "null", NULL};
+static const char *const picture_studio_choices[] = {"auto", "on", "off", NULL};
 
 picture_flags picture_flags_default(void)
 {
@@ -104,6 +107,11 @@ static void picture_add_look(picture_flags *p, flag_rows *table)
 	const flag look[] = {
 		{"--exposure", FLAG_TEXT, &p->exposure, "EV|auto",
 	     "brighter by 2^EV, -32..32; auto: as the light needs (0; auto for lights in physical units)", 0, 0, NULL},
+		{"--studio", FLAG_CHOICE, &p->studio, "auto|on|off",
+	     "soft light and a floor in place of the scene's light; auto: if it has none (auto)", 0, 0,
+	     picture_studio_choices},
+		{"--background", FLAG_TEXT, &p->background, "NAME|COLOR",
+	     "environment, blur, transparent (in files with alpha), #RRGGBB or R,G,B, linear (environment)", 0, 0, NULL},
 	};
 	flag_rows_add(table, look, sizeof look / sizeof *look);
 }
@@ -172,6 +180,40 @@ static bool picture_parse_exposure(const char *text, float *stops)
 	return true;
 }
 
+/* Reads the color of --background, "#RRGGBB" in codes or "R,G,B" as linear light, each 0..1. False: it is none. */
+static bool picture_parse_color(const char *text, float color[3])
+{
+	unsigned red, green, blue;
+	flag_list list;
+	int end = 0;
+	if (sscanf(text, "#%2x%2x%2x%n", &red, &green, &blue, &end) == 3 && end == 7 && text[7] == '\0') {
+		const unsigned codes[3] = {red, green, blue};
+		for (int i = 0; i < 3; i++)
+			color[i] = shade_srgb_to_linear((float)codes[i] / 255.0f);
+		return true;
+	}
+	if (!flags_numbers(text, 3, 3, &list))
+		return false;
+	for (int i = 0; i < 3; i++) {
+		color[i] = list.numbers[i];
+		if (!(color[i] >= 0.0f && color[i] <= 1.0f))
+			return false;
+	}
+	return true;
+}
+
+static bool picture_is_background(const char *text)
+{
+	float color[3];
+	return strcmp(text, "environment") == 0 || strcmp(text, "blur") == 0 || strcmp(text, "transparent") == 0 ||
+	       picture_parse_color(text, color);
+}
+
+bool picture_flags_are_transparent(const picture_flags *p)
+{
+	return p->background && strcmp(p->background, "transparent") == 0;
+}
+
 bool picture_flags_check(const picture_flags *p)
 {
 	float stops;
@@ -182,6 +224,11 @@ bool picture_flags_check(const picture_flags *p)
 	if (p->exposure && !picture_parse_exposure(p->exposure, &stops)) {
 		stilb_log("--exposure: '%s' is neither auto nor a number in -%.0f..%.0f", p->exposure, (double)PICTURE_STOPS,
 		          (double)PICTURE_STOPS);
+		return false;
+	}
+	if (p->background && !picture_is_background(p->background)) {
+		stilb_log("--background: '%s' is not known; give environment, blur, transparent, #RRGGBB, or R,G,B in 0..1",
+		          p->background);
 		return false;
 	}
 	return picture_check_camera(p->camera);
@@ -288,7 +335,23 @@ static bool picture_has_photometric(const stilb_scene *scene)
 	return false;
 }
 
-stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bool *metered)
+/* The largest light of a background: shown as code 255, while the tone map's inverse is still far from infinite. */
+#define PICTURE_BRIGHTEST 0.998f
+
+/* Sets a color of --background to the radiance that is shown as this color. */
+static void picture_color_background(const picture_flags *p, stilb_scene *scene)
+{
+	float color[3];
+	if (!p->background || !picture_parse_color(p->background, color))
+		return;
+	stilb_vec3 shown = stilb_vec3_make(fminf(color[0], PICTURE_BRIGHTEST), fminf(color[1], PICTURE_BRIGHTEST),
+	                                   fminf(color[2], PICTURE_BRIGHTEST));
+	stilb_vec3 radiance =
+		shade_tonemap_inverse(shown, SHADE_TONEMAP_A, SHADE_TONEMAP_B) * exp2f(-scene->camera.exposure);
+	stilb_scene_set_backdrop(scene, (const float[3]){radiance[0], radiance[1], radiance[2]});
+}
+
+static stilb_result picture_expose(const picture_flags *p, stilb_scene *scene, bool *metered)
 {
 	float stops = 0.0f, light = 0.0f;
 	stilb_scene_camera camera = scene->camera;
@@ -296,7 +359,7 @@ stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bo
 	scene->camera.exposure = 0.0f;
 	if (p->exposure)
 		picture_parse_exposure(p->exposure, &stops);
-	else if (scene->light_count > 0)
+	else if (scene->light_count > 0 && !scene->studio)
 		stops = NAN;
 	if (!isnan(stops)) {
 		scene->camera.exposure = stops;
@@ -310,6 +373,13 @@ stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bo
 	return result;
 }
 
+stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bool *metered)
+{
+	stilb_result result = picture_expose(p, scene, metered);
+	picture_color_background(p, scene);
+	return result;
+}
+
 stilb_result picture_flags_variant(const picture_flags *p, stilb_scene *scene)
 {
 	if (!p->variant)
@@ -318,17 +388,57 @@ stilb_result picture_flags_variant(const picture_flags *p, stilb_scene *scene)
 	return result == STILB_OK ? result : stilb_fail(result, "--variant: %s", stilb_error_message());
 }
 
-stilb_result picture_flags_surroundings(const picture_flags *p, stilb_scene *scene)
+static stilb_result picture_environment(const char *environment, stilb_scene *scene)
 {
 	flag_list color;
-	if (!p->environment)
-		return STILB_OK;
-	if (!flags_numbers(p->environment, 3, 3, &color))
-		return stilb_scene_set_environment(scene, p->environment);
+	if (!flags_numbers(environment, 3, 3, &color))
+		return stilb_scene_set_environment(scene, environment);
 	for (int i = 0; i < 3; i++)
 		if (!(color.numbers[i] >= 0.0f && isfinite(color.numbers[i])))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "--environment: '%s' is out of range; give radiances in 0..%.2g",
-			                  p->environment, (double)FLT_MAX);
+			                  environment, (double)FLT_MAX);
 	stilb_scene_set_sky(scene, color.numbers);
 	return STILB_OK;
+}
+
+/* The yaw of the camera that the flags choose; a camera that is not there is told later. */
+static float picture_yaw(const picture_flags *p, const stilb_scene *scene)
+{
+	flag_list list;
+	uint32_t index;
+	if (p->camera && flags_numbers(p->camera, 5, 6, &list))
+		return picture_radians(list.numbers[3]);
+	if (p->camera && picture_flags_camera(p->camera, scene, &index) == STILB_OK)
+		return scene->cameras[index].camera.yaw;
+	return scene->camera.yaw;
+}
+
+/* Light for a scene without --environment. */
+static stilb_result picture_light(const picture_flags *p, const char *name, stilb_scene *scene)
+{
+	bool studio = p->studio == PICTURE_STUDIO_ON || (p->studio == PICTURE_STUDIO_AUTO && scene->unlit);
+	if (scene->unlit && p->studio != PICTURE_STUDIO_ON && !p->quiet)
+		stilb_log("%s: it has no light: a %s shines on it", name, studio ? "studio" : "grey sky");
+	if (studio)
+		return stilb_scene_set_studio(scene, picture_yaw(p, scene));
+	if (scene->unlit)
+		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
+	return STILB_OK;
+}
+
+stilb_result picture_flags_surroundings(const picture_flags *p, const char *name, stilb_scene *scene)
+{
+	STILB_ASSERT(p && name && scene);
+	stilb_result result = STILB_OK;
+	if (p->studio == PICTURE_STUDIO_ON || !p->environment)
+		result = picture_light(p, name, scene);
+	if (result == STILB_OK && p->environment)
+		result = picture_environment(p->environment, scene);
+	if (result != STILB_OK || !p->background)
+		return result;
+	if (picture_flags_are_transparent(p))
+		stilb_scene_set_backdrop(scene, NULL);
+	else if (strcmp(p->background, "blur") == 0 || strcmp(p->background, "environment") == 0)
+		result = stilb_scene_show_surroundings(scene, p->background[0] == 'b');
+	return result;
 }

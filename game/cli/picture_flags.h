@@ -19,13 +19,20 @@
 
 #define PICTURE_NOT_GIVEN (-1)
 
+typedef enum picture_studio {
+	PICTURE_STUDIO_AUTO, /* for scenes of files without any light */
+	PICTURE_STUDIO_ON,
+	PICTURE_STUDIO_OFF,
+} picture_studio;
+
 typedef struct picture_flags {
 	int device, replay, materials;               /* a stilb_render_device_kind, _replay_mode and _materials */
 	uint64_t samples;                            /* 0 if not given */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool validate, allow_outside, quiet;
-	const char *gpu, *environment, *camera, *exposure, *variant; /* NULL if not given */
+	const char *gpu, *environment, *camera, *exposure, *variant, *background; /* NULL if not given */
+	int studio;                                                               /* a picture_studio */
 } picture_flags;
 
 typedef enum picture_flags_group {
@@ -33,7 +40,7 @@ typedef enum picture_flags_group {
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
-	PICTURE_LOOK,     /* --exposure: how the picture shows the scene */
+	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
 	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;
@@ -70,15 +77,20 @@ stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, ui
 /* Sets the exposure of the scene's camera to that of --exposure; call after picture_flags_place. Without the flag it is
  * 0, and metered (stilb_scene_meter) if the scene has photometric lights, as glTF's, or lights that would show a white
  * surface as more than 8: exporters write watts. The meter looks from this camera; if the scene is framed, from where a
- * square picture is, so that the exposure is the same for every shape of the picture. *metered: it was.
- * STILB_ERROR_MEMORY. */
+ * square picture is, so that the exposure is the same for every shape of the picture. *metered: it was. Also sets a
+ * colour of --background, which is shown as it is, whatever the exposure. STILB_ERROR_MEMORY. */
 stilb_result picture_flags_expose(const picture_flags *picture, stilb_scene *scene, bool *metered);
 
 /* Shows the variant of --variant. STILB_ERROR_ARGUMENT: the scene has none of this name; STILB_ERROR_MEMORY. */
 stilb_result picture_flags_variant(const picture_flags *picture, stilb_scene *scene);
 
-/* Replaces the surroundings of the scene by the colour or the panorama of --environment, if it is given.
- * STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
-stilb_result picture_flags_surroundings(const picture_flags *picture, stilb_scene *scene);
+/* Lights a scene that was opened with stilb_scene_open_options.dark: replaces its surroundings by the colour or the
+ * panorama of --environment, or else puts it into the studio of --studio, which is placed for the camera of the flags;
+ * and sets what --background shows, but a colour. A line says that a file has no light. name: what the scene was opened
+ * by. STILB_ERROR_ARGUMENT, STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result picture_flags_surroundings(const picture_flags *picture, const char *name, stilb_scene *scene);
+
+/* True if files with alpha are to be transparent where no model is. */
+bool picture_flags_are_transparent(const picture_flags *picture);
 
 #endif

@@ -112,6 +112,8 @@ static void info_print_lights(FILE *out, const info_contents *c)
 		comma = ", ";
 	}
 	fprintf(out, "%s\n", comma[0] == ',' ? "" : "  lights: none");
+	if (scene->unlit)
+		fprintf(out, "  nothing lights it: pictures show it in a studio, see --studio\n");
 	if (scene->surroundings.panorama.pixels)
 		fprintf(out, "  surroundings: a panorama of %ux%u pixels\n", scene->surroundings.panorama.width,
 		        scene->surroundings.panorama.height);
@@ -248,6 +250,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		stilb_json_int(&json, info_light_names[i], c->lights[i]);
 	stilb_json_bool(&json, "environment", scene->surroundings.panorama.pixels);
+	stilb_json_bool(&json, "none", scene->unlit);
 	stilb_json_end(&json, '}');
 	info_json_cameras(&json, scene);
 	stilb_json_double(&json, "exposure", (double)scene->camera.exposure);
@@ -271,7 +274,8 @@ int info_scene(const char *name, bool allow_outside, bool quiet, const char *jso
 	stilb_scene *scene;
 	uint64_t start = stilb_time_ns();
 	uint64_t import_bytes = 0;
-	stilb_scene_open_options options = {.allow_outside = allow_outside, .quiet = quiet, .import_bytes = &import_bytes};
+	stilb_scene_open_options options = {
+		.allow_outside = allow_outside, .quiet = quiet, .dark = true, .import_bytes = &import_bytes};
 	stilb_result result = stilb_scene_open_with(name, &options, &scene);
 	if (result != STILB_OK) {
 		stilb_log("%s", stilb_error_message());

@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <strings.h>
 
 #define RENDER_WORD(id, name, ...) #name,
 #define RENDER_HELP(id, name, help) {#name, help},
@@ -381,6 +382,11 @@ bool offline_options_check(const offline_options *o)
 	if ((uint64_t)o->size[0] * o->size[1] > STILB_GI_MAX_PIXELS) {
 		stilb_log("--size: %ux%u is %" PRIu64 " pixels; at most %u are possible", o->size[0], o->size[1],
 		          (uint64_t)o->size[0] * o->size[1], STILB_GI_MAX_PIXELS);
+		return false;
+	}
+	const char *dot = o->output ? strrchr(o->output, '.') : NULL;
+	if (picture_flags_are_transparent(&o->picture) && dot && strcasecmp(dot, ".hdr") == 0) {
+		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
 		return false;
 	}
 	return picture_flags_check(&o->picture) && options_lens_check(o) && options_files_check(o);

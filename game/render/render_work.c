@@ -169,9 +169,10 @@ static bool work_open(work_pieces *p)
 	work_enter(p->work, RENDER_OPENING);
 	stilb_scene_open_options open = {.allow_outside = p->options->picture.allow_outside,
 	                                 .quiet = p->options->picture.quiet,
+	                                 .dark = true,
 	                                 .import_bytes = &p->result->import_bytes};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
-	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->scene)) ||
+	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->options->scene, p->scene)) ||
 	    !work_good(p, picture_flags_variant(&p->options->picture, p->scene)))
 		return false;
 	float aspect = (float)p->options->size[0] / (float)p->options->size[1];

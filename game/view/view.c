@@ -209,6 +209,11 @@ static bool view_check(view *v)
 		stilb_log("--turntable draws a frame for each picture; leave --frames out");
 		return false;
 	}
+	const char *dot = v->options.screenshot ? strrchr(v->options.screenshot, '.') : NULL;
+	if (picture_flags_are_transparent(&v->options.picture) && dot && strcasecmp(dot, ".hdr") == 0) {
+		stilb_log("--background transparent: a .hdr has no alpha; give --screenshot a .png or an .exr");
+		return false;
+	}
 	v->options.pictures = v->turntable;
 	v->options.headless |= v->turntable > 0;
 	return live_options_check(&v->options);

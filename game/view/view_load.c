@@ -32,10 +32,11 @@ static void *load_run(void *data)
 	stilb_scene_open_options options = {.allow_outside = load->picture->allow_outside,
 	                                    .give_up = load_is_given_up,
 	                                    .user = load,
-	                                    .quiet = load->picture->quiet};
+	                                    .quiet = load->picture->quiet,
+	                                    .dark = true};
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
-		load->result = picture_flags_surroundings(load->picture, load->scene);
+		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
 	if (load->result == STILB_OK && load_is_given_up(load))
 		load->result = stilb_fail(STILB_ERROR_FILE, "'%s' was given up", load->name);
 	if (load->result != STILB_OK) {

@@ -82,9 +82,9 @@ static void test_info_of_a_scene(void **state)
 	assert_int_equal(stilb_code(NULL, "info one.obj"), 0);
 	assert_said(run.out, "1 mesh with 1 triangle and 3 vertices");
 	assert_said(run.out, "from 0, 0, 0 to 2, 3, 0 m");
-	assert_said(run.out, "surroundings: a sky of 1, 1, 1 over a ground of 0.4, 0.4, 0.4");
+	assert_said(run.out, "lights: none\n  nothing lights it: pictures show it in a studio");
 	assert_int_equal(stilb_code(NULL, "info one.obj --json /dev/full"), 1);
-	assert_error_lines(2); /* the grey sky, and the full disk */
+	assert_error_lines(1); /* the full disk */
 }
 
 static void test_info(void **state)

@@ -2,6 +2,9 @@
 #include "image/image.h"
 #include "support/stilb_program.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 static void write_text(const char *name, const char *text)
 {
 	FILE *file = fopen(name, "w");
@@ -37,13 +40,16 @@ static void frames_a_file(void **state)
 	int box[4];
 	write_text("square.obj", SQUARE);
 	assert_int_equal(
-		stilb_code(no_display, "view square.obj --headless --size 320x180 --screenshot a.png --stats a.json"), 0);
+		stilb_code(no_display,
+	               "view square.obj --headless --size 320x180 --screenshot a.png --stats a.json --studio off"),
+		0);
 	drawn_box("a.png", box);
 	assert_in_range(box[3] - box[2], 155, 165);
 	assert_in_range(box[0] + box[1], 315, 323);
 	assert_in_range(box[2] + box[3], 175, 183);
 	assert_int_equal(
-		stilb_code(no_display, "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --msaa 1"), 0);
+		stilb_code(no_display, "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --studio off"),
+		0);
 	drawn_box("b.png", box);
 	assert_in_range(box[1] - box[0], 86, 93);
 }
@@ -158,6 +164,129 @@ static void chooses_a_camera(void **state)
 	assert_said(run.out, "camera 2 'Far': --camera 0,0,6,0,0,45.8366");
 }
 
+/* A ball of radius 1 at height 3, white but for the fifth of the light that it keeps, as an OBJ file. */
+static void write_ball(void)
+{
+	FILE *file = fopen("ball.obj", "w");
+	assert_non_null(file);
+	write_text("ball.mtl", "newmtl white\nKd 0.8 0.8 0.8\nKs 0 0 0\n");
+	fprintf(file, "mtllib ball.mtl\nusemtl white\n");
+	for (int row = 0; row <= 24; row++)
+		for (int column = 0; column < 48; column++) {
+			double theta = M_PI * row / 24, phi = 2 * M_PI * column / 48;
+			fprintf(file, "v %.6f %.6f %.6f\n", sin(theta) * cos(phi), 3 + cos(theta), sin(theta) * sin(phi));
+		}
+	for (int row = 0; row < 24; row++)
+		for (int column = 0; column < 48; column++) {
+			int a = row * 48 + column + 1, b = row * 48 + (column + 1) % 48 + 1;
+			fprintf(file, "f %d %d %d %d\n", a, b, b + 48, a + 48);
+		}
+	fclose(file);
+}
+
+static float linear(uint8_t code)
+{
+	float c = (float)code / 255.0f;
+	return c <= 0.04045f ? c / 12.92f : powf((c + 0.055f) / 1.055f, 2.4f);
+}
+
+static int compare_bytes(const void *a, const void *b)
+{
+	return *(const uint8_t *)a - *(const uint8_t *)b;
+}
+
+/* The ball of a picture with alpha: half of the display's range on average, nothing clipped, 3 : 1 from bright to
+ * dark. */
+static void assert_ball(const char *path)
+{
+	stilb_image image;
+	uint8_t codes[96 * 96];
+	double sum = 0.0;
+	int count = 0;
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	assert_true(image.channels == 4 && image.width == 96 && image.height == 96);
+	const uint8_t *pixels = image.pixels;
+	assert_true(pixels[3] == 0 && pixels[0] == 0 && pixels[4 * (48 * 96 + 48) + 3] == 255);
+	for (int i = 0; i < 96 * 96; i++)
+		if (pixels[4 * i + 3] == 255) {
+			codes[count] = pixels[4 * i + 1];
+			sum += (double)linear(codes[count++]);
+		}
+	stilb_image_finish(&image);
+	assert_in_range(count, 5000, 6100); /* nine tenths of the picture's height: pi 43.2^2 = 5863 */
+	qsort(codes, (size_t)count, 1, compare_bytes);
+	double mean = sum / count, ratio = (double)(linear(codes[count * 95 / 100]) / linear(codes[count / 20]));
+	if (!(fabs(mean - 0.5) < 0.1 && ratio > 2.4 && ratio < 3.6 && codes[count - 1] < 250))
+		print_error("%s: mean %.3f, %.2f : 1, at most %d\n", path, mean, ratio, codes[count - 1]);
+	assert_true(fabs(mean - 0.5) < 0.1 && ratio > 2.4 && ratio < 3.6 && codes[count - 1] < 250);
+}
+
+/* The pixel of a picture of 96 x 96, its green code. */
+static int green_at(const char *path, int x, int y)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	int code = ((const uint8_t *)image.pixels)[(size_t)image.channels * (size_t)(y * 96 + x) + 1];
+	stilb_image_finish(&image);
+	return code;
+}
+
+#define SMALL "--quiet --size 96x96"
+
+static void lights_what_has_no_light(void **state)
+{
+	(void)state;
+	write_ball();
+	stilb_good(
+		"view ball.obj --headless --screenshot v.png --background transparent --brdf lambert --workers 0 " SMALL);
+	assert_ball("v.png");
+	stilb_good("render ball.obj -o r.png --spp 64 --background transparent " SMALL);
+	assert_ball("r.png");
+	/* The floor takes the shadow, above it is the backdrop, the same from edge to edge: there is no horizon. */
+	const char *const pictures[] = {"v.png", "r.png"};
+	stilb_good("view ball.obj --headless --screenshot v.png " SMALL);
+	stilb_good("render ball.obj -o r.png --spp 64 " SMALL);
+	for (int i = 0; i < 2; i++) {
+		int behind = green_at(pictures[i], 1, 1);
+		assert_in_range(behind, 148, 150); /* sRGB of .3 */
+		assert_int_equal(green_at(pictures[i], 94, 1), behind);
+		assert_true(green_at(pictures[i], 48, 94) < behind - 15);
+	}
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --size 8x8"), 0);
+	assert_said(run.err, "ball.obj: it has no light: a studio shines on it");
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --size 8x8 --studio off"), 0);
+	assert_said(run.err, "ball.obj: it has no light: a grey sky shines on it");
+	stilb_good("view ball.obj --headless --size 8x8 --environment 1,1,1");
+}
+
+/* What is shown behind a model is what was asked for, whatever the exposure. */
+static void shows_backgrounds(void **state)
+{
+	(void)state;
+	write_ball();
+	stilb_good("view ball.obj --headless --screenshot a.png --background #4080fe --exposure 2 " SMALL);
+	assert_in_range(green_at("a.png", 1, 94), 0x80 - 1, 0x80 + 1);
+	stilb_good("render ball.obj -o b.png --spp 1 --background #4080fe --exposure 2 " SMALL);
+	assert_in_range(green_at("b.png", 1, 94), 0x80 - 1, 0x80 + 1);
+	stilb_good("view ball.obj --headless --screenshot a.png --background 1,1,1 --replay secondary " SMALL);
+	assert_int_equal(green_at("a.png", 1, 94), 255);
+	/* The sky is 1 above and .4 below; the camera looks down, and its upper edge is at the horizon. */
+	stilb_good("view ball.obj --headless --screenshot a.png --background blur --studio off --camera 0,3,5,0,0,60 "
+	           "--replay secondary " SMALL);
+	stilb_good("render ball.obj -o b.png --spp 1 --background blur --studio off --camera 0,3,5,0,0,60 " SMALL);
+	assert_in_range(green_at("a.png", 1, 0), 225, 232);  /* 1 is shown as .8 */
+	assert_in_range(green_at("a.png", 1, 95), 169, 176); /* .4 */
+	assert_in_range(green_at("a.png", 1, 47), 195, 218); /* in between */
+	for (int y = 0; y < 96; y += 19)
+		assert_in_range(green_at("b.png", 1, y), green_at("a.png", 1, y) - 2, green_at("a.png", 1, y) + 2);
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --background transparent --screenshot a.hdr"), 2);
+	assert_said(run.err, "has no alpha");
+	assert_int_equal(stilb_code(no_display, "render ball.obj --background transparent -o a.hdr"), 2);
+	assert_said(run.err, "has no alpha");
+	assert_int_equal(stilb_code(no_display, "view ball.obj --background green"), 2);
+	assert_said(run.err, "--background: 'green' is not known");
+}
+
 static void refuses(void **state)
 {
 	(void)state;
@@ -198,6 +327,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(opens_what_ships, folder_fresh),
 		cmocka_unit_test_setup(exposes_physical_light, folder_fresh),
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),
+		cmocka_unit_test_setup(lights_what_has_no_light, folder_fresh),
+		cmocka_unit_test_setup(shows_backgrounds, folder_fresh),
 		cmocka_unit_test_setup(refuses, folder_fresh),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_view")) {

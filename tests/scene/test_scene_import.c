@@ -166,8 +166,9 @@ static void gltf_geometry_and_metal(void **state)
 	assert_three(paint->specular, 0.03f + 0.2f, 0.03f + 0.1f, 0.03f + 0.05f);
 	assert_true(near(paint->roughness, 0.3f));
 	assert_three(paint->emission, 1, 0.5f, 0);
-	/* It emits light, so no sky is added; the camera that is added sees everything. */
-	assert_three(scene->surroundings.sky, 0, 0, 0);
+	/* What it emits falls on nothing, so a sky is added; the camera that is added sees everything. */
+	assert_three(scene->surroundings.sky, 1, 1, 1);
+	assert_true(scene->unlit);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, 1.0f);
 	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
 	for (uint32_t m = 0; m < 2; m++)

@@ -198,3 +198,13 @@ void gi_film_preview(const gi_film *film, float *rgb)
 		}
 	}
 }
+
+void gi_film_coverage(const gi_film *film, float *share)
+{
+	STILB_ASSERT(film->pixels && share);
+	for (uint32_t y = 0; y < film->height; y++)
+		for (uint32_t x = 0; x < film->width; x++) {
+			const gi_film_pixel *pixel = &film->pixels[film_shown(film, x, y)];
+			*share++ = pixel->samples > 0 ? (float)((double)pixel->hits / pixel->samples) : 0.0f;
+		}
+}

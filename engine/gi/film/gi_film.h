@@ -65,6 +65,10 @@ void gi_film_resolve(gi_film *film, size_t pixel);
  * written. */
 double gi_film_error(const gi_film *film);
 
+/* Writes for each pixel the share of its samples that hit something, of the same pixels as gi_film_preview. Not while
+ * pixels are written. */
+void gi_film_coverage(const gi_film *film, float *share);
+
 /* The body of stilb_gi_render_preview. */
 void gi_film_preview(const gi_film *film, float *rgb);
 

@@ -1,6 +1,7 @@
 /* gi_save: the picture as a file: .exr has all planes unchanged, .hdr the radiance, .png the picture as displayed. */
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
+#include "gi/integrate/gi_backdrop.h"
 #include "image/image_layers.h"
 #include "profiler/prof.h"
 #include "shading/shade_srgb.h"
@@ -39,24 +40,51 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *
 	}
 }
 
+/* The picture for display with alpha, of what is shown before nothing: rgb, whose radiance is a mean over all samples,
+ * is made the mean over those that hit something. srgb: [pixels][4]. */
+static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *srgb)
+{
+	size_t pixels = (size_t)render->film.width * render->film.height;
+	float *share = stilb_memory_alloc(pixels, sizeof *share);
+	uint8_t *opaque = stilb_memory_alloc(pixels, 3);
+	bool good = share && opaque;
+	if (good)
+		gi_film_coverage(&render->film, share);
+	for (size_t i = 0; good && i < pixels; i++)
+		for (size_t c = 0; c < 3 && share[i] > 0.0f; c++)
+			rgb[3 * i + c] /= share[i];
+	if (good)
+		stilb_gi_display(rgb, pixels, render->view.settings.exposure, opaque);
+	for (size_t i = 0; good && i < pixels; i++) {
+		memcpy(srgb + 4 * i, opaque + 3 * i, 3);
+		srgb[4 * i + 3] = (uint8_t)(share[i] * 255.0f + 0.5f);
+	}
+	free(share);
+	free(opaque);
+	return good;
+}
+
 /* A pixel without samples shows a pixel near it, as in stilb_gi_render_preview, so that a progressive picture that was
  * stopped has no holes. */
 static stilb_result save_display(const stilb_gi_render *render, const char *path)
 {
 	const gi_film *film = &render->film;
 	size_t pixels = (size_t)film->width * film->height;
+	bool alpha = gi_backdrop_is_nothing(render->view.scene->backdrop);
 	stilb_image image;
-	stilb_result result = stilb_image_create(&image, film->width, film->height, 3, STILB_IMAGE_U8_SRGB);
+	stilb_result result = stilb_image_create(&image, film->width, film->height, alpha ? 4 : 3, STILB_IMAGE_U8_SRGB);
 	if (result != STILB_OK)
 		return result;
 	float *rgb = stilb_memory_alloc(pixels, sizeof(float[3]));
-	if (rgb) {
+	bool good = rgb;
+	if (good)
 		gi_film_preview(film, rgb);
+	if (good && alpha)
+		good = save_with_alpha(render, rgb, image.pixels);
+	else if (good)
 		stilb_gi_display(rgb, pixels, render->view.settings.exposure, image.pixels);
-		result = stilb_image_save(&image, path);
-	} else {
-		result = stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
-	}
+	result = good ? stilb_image_save(&image, path)
+	              : stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	free(rgb);
 	stilb_image_finish(&image);
 	return result;
@@ -64,7 +92,7 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 
 /* ---- .exr -------------------------------------------------------------------------------------------------------- */
 
-#define SAVE_CHANNELS 14
+#define SAVE_CHANNELS 15 /* the last is there with a backdrop of nothing alone */
 _Static_assert(SAVE_CHANNELS * sizeof(float) * (uint64_t)STILB_GI_MAX_PIXELS <= STILB_IMAGE_MAX_BYTES,
                "what can be rendered can be saved");
 
@@ -75,8 +103,9 @@ static void save_triple(stilb_image_channel *channels, const char *const names[3
 		channels[c] = (stilb_image_channel){.name = names[c], .values = plane + c, .stride = 3};
 }
 
-/* counts: [width x height] memory for the sample counts as floats, which hold them exactly. */
-static void save_channels(const stilb_gi_film *film, float *counts, stilb_image_channel channels[SAVE_CHANNELS])
+/* counts: [width x height] memory for the sample counts as floats, which hold them exactly. share: likewise, alpha. */
+static void save_channels(const stilb_gi_film *film, float *counts, const float *share,
+                          stilb_image_channel channels[SAVE_CHANNELS])
 {
 	for (size_t i = 0; i < (size_t)film->width * film->height; i++)
 		counts[i] = (float)film->samples[i];
@@ -86,6 +115,7 @@ static void save_channels(const stilb_gi_film *film, float *counts, stilb_image_
 	save_triple(channels + 9, (const char *[]){"variance.R", "variance.G", "variance.B"}, film->variance);
 	channels[12] = (stilb_image_channel){.name = "depth.Z", .values = film->depth, .stride = 1};
 	channels[13] = (stilb_image_channel){.name = "samples", .values = counts, .stride = 1};
+	channels[14] = (stilb_image_channel){.name = "A", .values = share, .stride = 1};
 }
 
 #define SAVE_MAX_ATTRIBUTES 64u
@@ -124,21 +154,30 @@ static void save_settings(const stilb_gi_render *render, save_attributes *attrib
 static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 {
 	stilb_gi_film film = stilb_gi_render_film(render);
-	float *counts = stilb_memory_alloc((size_t)film.width * film.height, sizeof *counts);
-	if (!counts)
+	bool alpha = gi_backdrop_is_nothing(render->view.scene->backdrop);
+	size_t pixels = (size_t)film.width * film.height;
+	float *counts = stilb_memory_alloc(pixels, sizeof *counts);
+	float *share = alpha ? stilb_memory_alloc(pixels, sizeof *share) : NULL;
+	if (!counts || (alpha && !share)) {
+		free(counts);
+		free(share);
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
+	}
+	if (alpha)
+		gi_film_coverage(&render->film, share);
 	stilb_image_channel channels[SAVE_CHANNELS];
 	save_attributes attributes;
-	save_channels(&film, counts, channels);
+	save_channels(&film, counts, share, channels);
 	save_settings(render, &attributes);
 	stilb_image_layers layers = {.width = film.width,
 	                             .height = film.height,
-	                             .channel_count = SAVE_CHANNELS,
+	                             .channel_count = SAVE_CHANNELS - !alpha,
 	                             .attribute_count = attributes.count,
 	                             .channels = channels,
 	                             .attributes = attributes.list};
 	stilb_result result = stilb_image_layers_save(&layers, path);
 	free(counts);
+	free(share);
 	return result;
 }
 

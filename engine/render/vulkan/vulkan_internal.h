@@ -112,6 +112,7 @@ typedef struct vulkan_slot {
 	uint32_t outgrown_count, outgrown_capacity;
 	VkDescriptorSet material_set; /* --materials bind: a set with the buffer of materials */
 	VkBuffer material_buffer;     /* the buffer that material_set refers to */
+	vulkan_buffer backdrop;       /* what shaders/backdrop.frag reads; {0}: not needed so far */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer picture;        /* the picture in memory, if there is no window */
 	vulkan_slot_times times;
@@ -196,6 +197,8 @@ typedef struct vulkan_device {
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
 	VkPipeline pipelines_2d[2];    /* without and with a texture */
+	VkPipeline backdrop;           /* null: not needed so far */
+	bool transparent;              /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample a pixel */
@@ -331,6 +334,19 @@ void vulkan_times_read(vulkan_device *device, vulkan_slot *slot);
 
 /* vulkan_pass.c: the commands of one pass. */
 stilb_result vulkan_pass(render_device *base, const render_stream *stream);
+
+/* vulkan_backdrop.c: what is seen where no model is. */
+
+/* True if the backdrop is more than the colour that the picture is cleared to. */
+bool vulkan_backdrop_is_drawn(const stilb_scene_backdrop *backdrop);
+/* The colour that the picture is cleared to: of the backdrop or of the sky, tone mapped as the fragment shader does it;
+ * black without a view. */
+VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view);
+/* Makes what is missing to draw the view's backdrop and writes it to the slot's memory. */
+stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view);
+/* Draws it, after vulkan_draws_area. */
+void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot);
+void vulkan_backdrop_destroy(vulkan_device *device);
 
 /* vulkan_draws.c: the draws of a stream and their bindings. */
 

@@ -1,8 +1,6 @@
 /* One pass on the GPU: the images it draws into, its view, its draws. */
 #include "render/vulkan/vulkan_internal.h"
 
-#include "shading/shade_tonemap.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -34,17 +32,6 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 	vulkan_image_barriers(commands, taken, count);
 }
 
-/* The background: the sky's radiance, tone mapped as the fragment shader does it; black without a view. */
-static VkClearColorValue pass_clear_color(const vulkan_device *device, const stilb_render_view *view)
-{
-	if (!view)
-		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
-	stilb_vec3 color = stilb_vec3_make(view->surroundings.sky[0], view->surroundings.sky[1], view->surroundings.sky[2]);
-	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
-		color = shade_tonemap(color * exp2f(view->exposure), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
-	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
-}
-
 /* contents: 0 if the primary command buffer makes the draws itself, or
  * VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT if it executes others. */
 static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
@@ -62,7 +49,7 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
 		.resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 		.loadOp = load,
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue = {.color = pass_clear_color(device, stream->view)},
+		.clearValue = {.color = vulkan_backdrop_clear(device, stream->view)},
 	};
 	VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -133,6 +120,17 @@ static void pass_label_begin(const vulkan_device *device, VkCommandBuffer comman
 		                                                      .pLabelName = name ? name : "pass"});
 }
 
+/* Draws the backdrop into the cleared picture, in a rendering of its own: that of the draws may consist of secondary
+ * command buffers alone. */
+static void pass_draw_backdrop(vulkan_device *device, const vulkan_slot *slot, const render_stream *stream)
+{
+	pass_take_targets(device, slot->draw, true, true);
+	pass_begin_rendering(device, slot->draw, stream, true, 0);
+	vulkan_draws_area(device, slot->draw);
+	vulkan_backdrop_draw(device, slot);
+	vkCmdEndRendering(slot->draw);
+}
+
 stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 {
 	vulkan_device *device = (vulkan_device *)base;
@@ -149,6 +147,11 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 		pass_write_view(device, slot, stream);
 		result = vulkan_pipeline_choose(device, stream);
 	}
+	bool backdrop = first && scene && vulkan_backdrop_is_drawn(&stream->view->backdrop);
+	if (first)
+		device->transparent = scene && stream->view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
+	if (result == STILB_OK && backdrop)
+		result = vulkan_backdrop_prepare(device, slot, stream->view);
 	if (result != STILB_OK)
 		return result;
 	if (render_stream_mode(base, stream) == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
@@ -159,8 +162,10 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	}
 	pass_label_begin(device, slot->draw, stream->pass->name);
 	vulkan_times_pass_begin(device, stream->site);
-	pass_take_targets(device, slot->draw, first, scene);
-	pass_begin_rendering(device, slot->draw, stream, first,
+	if (backdrop)
+		pass_draw_backdrop(device, slot, stream);
+	pass_take_targets(device, slot->draw, first && !backdrop, scene);
+	pass_begin_rendering(device, slot->draw, stream, first && !backdrop,
 	                     secondary_count > 0 ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0);
 	if (secondary_count > 0)
 		vkCmdExecuteCommands(slot->draw, secondary_count, secondary);

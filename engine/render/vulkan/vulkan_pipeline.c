@@ -461,6 +461,7 @@ void vulkan_pipeline_destroy(vulkan_device *device)
 			vkDestroyShaderModule(device->device, device->mesh_modules[texture][stage], device->allocator);
 		vkDestroyPipeline(device->device, device->pipelines_2d[texture], device->allocator);
 	}
+	vulkan_backdrop_destroy(device);
 	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
 	vkDestroyDescriptorSetLayout(device->device, device->texture_layout, device->allocator);
 	vkDestroyDescriptorSetLayout(device->device, device->material_layout, device->allocator);

@@ -1,6 +1,9 @@
 /* Copies the picture to the window, or to memory. */
 #include "render/vulkan/vulkan_internal.h"
 
+#include "shading/shade_srgb.h"
+
+#include <math.h>
 #include <string.h>
 
 /* Limit of the wait for the window's next image, which a hidden window may never give: then the frame is not shown. */
@@ -323,6 +326,21 @@ static void picture_take(const vulkan_device *device, const vulkan_slot *slot, s
 		memcpy(target + i * to, source + i * from, to);
 }
 
+/* Copies all four channels. Where a pixel is partly covered its colour is premultiplied: codes are divided by alpha, as
+ * linear light; radiance stays, as EXR files have it. */
+static void picture_take_alpha(const vulkan_device *device, const vulkan_slot *slot, stilb_image *image)
+{
+	size_t size = stilb_image_size(image);
+	STILB_ASSERT(slot->picture_valid && size <= slot->picture.size);
+	memcpy(image->pixels, slot->picture.mapped, size);
+	uint8_t *codes = image->pixels;
+	for (size_t i = 0; i < size && device->output == STILB_RENDER_OUTPUT_DISPLAY; i += 4)
+		for (size_t c = 0; c < 3 && codes[i + 3] > 0 && codes[i + 3] < 255; c++) {
+			float light = shade_srgb_to_linear((float)codes[i + c] / 255.0f) * 255.0f / (float)codes[i + 3];
+			codes[i + c] = (uint8_t)(shade_srgb_from_linear(fminf(light, 1.0f)) * 255.0f + 0.5f);
+		}
+}
+
 stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 {
 	vulkan_device *device = (vulkan_device *)base;
@@ -339,10 +357,12 @@ stilb_result vulkan_read_image(render_device *base, stilb_image *image)
 	if (result == STILB_OK)
 		result = vulkan_timeline_wait(device, slot->done);
 	if (result == STILB_OK)
-		result = stilb_image_create(image, base->width, base->height, 3,
+		result = stilb_image_create(image, base->width, base->height, device->transparent ? 4 : 3,
 		                            device->output == STILB_RENDER_OUTPUT_LINEAR ? STILB_IMAGE_F16_LINEAR
 		                                                                         : STILB_IMAGE_U8_SRGB);
-	if (result == STILB_OK)
+	if (result == STILB_OK && device->transparent)
+		picture_take_alpha(device, slot, image);
+	else if (result == STILB_OK)
 		picture_take(device, slot, image);
 	return result;
 }

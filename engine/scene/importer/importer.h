@@ -179,7 +179,7 @@ void importer_material_metallic(const importer_metallic *from, stilb_scene_mater
 /* Moves the textures that the scene's materials refer to into the scene and renumbers them. STILB_ERROR_MEMORY. */
 stilb_result importer_take_textures(importer *import);
 
-/* importer_view.c: adds lights and cameras; a sky if there is no light. Needs meshes and materials.
+/* importer_view.c: adds lights, ambient light and cameras. Needs meshes.
  * STILB_ERROR_MEMORY. */
 stilb_result importer_add_view(importer *import);
 
@@ -187,8 +187,5 @@ stilb_result importer_add_view(importer *import);
  * scene_add_cameras has made room for it, and camera_count is that of the cameras so far. False: it is out of range. */
 bool importer_add_camera(importer *import, const char *name, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up,
                          float fov_y);
-
-/* Adds a sky if nothing in the scene shines. */
-void importer_complete_view(importer *import);
 
 #endif

@@ -1,4 +1,4 @@
-/* Lights, a sky and a camera for the scene. */
+/* Lights, ambient light and cameras for the scene. */
 #include "scene/importer/importer.h"
 
 #include "shading/shade_constants.h"
@@ -87,18 +87,6 @@ static stilb_result view_add_lights(importer *import)
 	return STILB_OK;
 }
 
-/* True if the scene has lights, a sky, or a visible material that emits light. */
-static bool view_is_lit(const stilb_scene *scene)
-{
-	float light = (float)scene->light_count;
-	for (int i = 0; i < 3; i++)
-		light += scene->surroundings.sky[i];
-	for (uint32_t p = 0; p < scene->part_count; p++)
-		for (int i = 0; i < 3; i++)
-			light += scene->materials[scene->part_material[p]].emission[i];
-	return light > 0.0f;
-}
-
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
 #define CAMERA_LEAST_METRES 1e-15f /* smallest distance of a camera: squares of less underflow */
@@ -158,15 +146,6 @@ static bool camera_convert(importer *import, const struct aiCamera *from)
 	                           importer_direction(node, importer_vector(&from->mUp)), camera_fov_y(import, from));
 }
 
-void importer_complete_view(importer *import)
-{
-	stilb_scene *scene = import->scene;
-	if (!view_is_lit(scene)) {
-		importer_warn("it has no light: a grey sky shines on it");
-		scene->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
-	}
-}
-
 stilb_result importer_add_view(importer *import)
 {
 	STILB_ASSERT(import->scene && import->scene->part_count > 0);
@@ -179,6 +158,5 @@ stilb_result importer_add_view(importer *import)
 		if (!camera_is_default(camera) && !camera_convert(import, camera))
 			importer_lose(import, IMPORTER_LOSS_CAMERAS, camera->mName.data);
 	}
-	importer_complete_view(import);
 	return result;
 }

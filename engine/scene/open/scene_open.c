@@ -2,6 +2,7 @@
 #include "profiler/prof.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
+#include "scene/scene_internal.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -52,7 +53,16 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 	if (access(path, F_OK) != 0 && errno == ENOENT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
 		                  stilb_scene_builtin_names());
-	return scene_import_within(path, &limits, scene);
+	stilb_result result = scene_import_within(path, &limits, scene);
+	if (result != STILB_OK || scene_is_lit(*scene))
+		return result;
+	(*scene)->unlit = true;
+	if (options->dark)
+		return result;
+	if (!options->quiet)
+		stilb_log("%s: it has no light: a grey sky shines on it", path);
+	(*scene)->surroundings = (stilb_scene_surroundings){.sky = {1, 1, 1}, .ground = {0.4f, 0.4f, 0.4f}};
+	return result;
 }
 
 stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_options *options, stilb_scene **scene)

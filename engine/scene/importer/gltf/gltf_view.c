@@ -137,6 +137,5 @@ stilb_result gltf_add_view(gltf *from)
 	stilb_result result = view_lights(from);
 	if (result == STILB_OK)
 		result = view_cameras(from);
-	importer_complete_view(from->import);
 	return result;
 }

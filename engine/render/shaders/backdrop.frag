@@ -1,0 +1,88 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#include "../../shading/shade_tonemap.h"
+
+layout(constant_id = 0) const bool tone_map = true;
+
+const int WIDTH = 64; // of the map, as STILB_SCENE_BACKDROP_WIDTH and _HEIGHT
+const int HEIGHT = 32;
+const int SIDE = 64; // of the floor's cells, as STILB_SCENE_FLOOR_SIDE
+const float REACH = 2.0; // as STILB_SCENE_FLOOR_REACH
+const float SHADOW = 0.8; // how dark the floor is where nothing reaches it: some light always does
+
+// As vulkan_backdrop.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Backdrop {
+	vec4 ahead;          // direction at the picture's middle, and what a step of 1 in clip space adds to it
+	vec4 across;
+	vec4 down;
+	vec4 camera;
+	vec4 color_exposure; // w: factor before the tone map
+	vec4 floor_radius;   // its center; w: 0: there is no floor, the map is shown
+	float covered[SIDE * SIDE];
+	vec4 map[WIDTH * HEIGHT];
+};
+
+layout(push_constant, std430) uniform Push {
+	Backdrop backdrop;
+} push;
+
+layout(location = 0) in vec2 clip;
+layout(location = 0) out vec4 color;
+
+vec3 texel(int x, int y)
+{
+	return push.backdrop.map[clamp(y, 0, HEIGHT - 1) * WIDTH + (x + WIDTH) % WIDTH].rgb;
+}
+
+// Between the middles of four texels, linearly, as gi_backdrop.c.
+vec3 map_at(vec3 direction)
+{
+	const float PI = 3.14159265;
+	float x = (atan(direction.x, -direction.z) / (2.0 * PI) + 0.5) * WIDTH - 0.5;
+	float y = acos(clamp(direction.y, -1.0, 1.0)) / PI * HEIGHT - 0.5;
+	int column = int(floor(x)), row = int(floor(y));
+	vec2 part = vec2(x, y) - floor(vec2(x, y));
+	return mix(mix(texel(column, row), texel(column + 1, row), part.x),
+		mix(texel(column, row + 1), texel(column + 1, row + 1), part.x), part.y);
+}
+
+float covered(int x, int z)
+{
+	return push.backdrop.covered[clamp(z, 0, SIDE - 1) * SIDE + clamp(x, 0, SIDE - 1)];
+}
+
+// The share of the light above the floor that models take away where the ray meets it; 0 where it does not.
+float shadow_at(vec3 direction)
+{
+	vec4 center = push.backdrop.floor_radius;
+	vec4 camera = push.backdrop.camera;
+	float above = camera.y - center.y;
+	if (above <= 0.0 || direction.y >= 0.0)
+		return 0.0;
+	vec2 from = (camera.xz + direction.xz * (above / -direction.y) - center.xz) / center.w;
+	float away = length(from);
+	if (!(away < REACH))
+		return 0.0;
+	vec2 at = (from / REACH * 0.5 + 0.5) * SIDE - 0.5;
+	int x = int(floor(at.x)), z = int(floor(at.y));
+	vec2 part = at - floor(at);
+	float share = mix(mix(covered(x, z), covered(x + 1, z), part.x),
+		mix(covered(x, z + 1), covered(x + 1, z + 1), part.x), part.y);
+	return SHADOW * share * (1.0 - smoothstep(0.6 * REACH, REACH, away));
+}
+
+void main()
+{
+	vec4 across = push.backdrop.across, down = push.backdrop.down;
+	vec3 direction = normalize(push.backdrop.ahead.xyz + clip.x * across.xyz + clip.y * down.xyz);
+	vec4 color_exposure = push.backdrop.color_exposure;
+	vec3 radiance;
+	if (push.backdrop.floor_radius.w > 0.0)
+		radiance = color_exposure.rgb * (1.0 - shadow_at(direction));
+	else
+		radiance = map_at(direction);
+	if (tone_map)
+		radiance = shade_tonemap(radiance * color_exposure.w, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	color = vec4(radiance, 1.0);
+}

@@ -1,0 +1,10 @@
+#version 460
+
+layout(location = 0) out vec2 clip;
+
+// One triangle that covers the picture.
+void main()
+{
+	clip = vec2(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0);
+	gl_Position = vec4(clip, 0.0, 1.0);
+}

@@ -1,0 +1,223 @@
+/* What a frame shows where no model is: drawn before its first pass, by one triangle over the whole picture. A backdrop
+ * of one colour needs none: the picture is cleared to it. */
+#include "render/vulkan/vulkan_internal.h"
+
+#include "shading/shade_tonemap.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t backdrop_vert[] =
+#include "backdrop.vert.inc"
+	;
+static const uint32_t backdrop_frag[] =
+#include "backdrop.frag.inc"
+	;
+
+/* As the shader's buffer. */
+typedef struct vulkan_backdrop {
+	float ahead[4], across[4], down[4];
+	float camera[4];
+	float color_exposure[4];
+	float floor_radius[4];
+	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
+	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
+} vulkan_backdrop;
+
+static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
+              "as in backdrop.frag");
+
+bool vulkan_backdrop_is_drawn(const stilb_scene_backdrop *backdrop)
+{
+	return (backdrop->kind == STILB_SCENE_BACKDROP_MAP && backdrop->map) ||
+	       (backdrop->kind == STILB_SCENE_BACKDROP_COLOR && backdrop->floor);
+}
+
+VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view)
+{
+	if (!view)
+		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
+	const stilb_scene_backdrop *backdrop = &view->backdrop;
+	if (backdrop->kind == STILB_SCENE_BACKDROP_NOTHING)
+		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 0.0f}};
+	const float *shown = backdrop->kind == STILB_SCENE_BACKDROP_COLOR ? backdrop->color : view->surroundings.sky;
+	stilb_vec3 color = stilb_vec3_make(shown[0], shown[1], shown[2]);
+	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
+		color = shade_tonemap(color * exp2f(view->exposure), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
+}
+
+/* ---- the pipeline ------------------------------------------------------------------------------------------------ */
+
+static VkResult backdrop_modules(vulkan_device *device, VkShaderModule modules[2])
+{
+	VkShaderModuleCreateInfo infos[2] = {{
+											 .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+											 .codeSize = sizeof backdrop_vert,
+											 .pCode = backdrop_vert,
+										 },
+	                                     {
+											 .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+											 .codeSize = sizeof backdrop_frag,
+											 .pCode = backdrop_frag,
+										 }};
+	VkResult result = vkCreateShaderModule(device->device, &infos[0], device->allocator, &modules[0]);
+	return result == VK_SUCCESS ? vkCreateShaderModule(device->device, &infos[1], device->allocator, &modules[1])
+	                            : result;
+}
+
+static const VkPipelineVertexInputStateCreateInfo no_vertices = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+};
+
+static const VkPipelineInputAssemblyStateCreateInfo backdrop_triangle = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+	.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+};
+
+static const VkPipelineViewportStateCreateInfo backdrop_viewport = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+	.viewportCount = 1,
+	.scissorCount = 1,
+};
+
+static const VkPipelineRasterizationStateCreateInfo backdrop_rasterization = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+	.cullMode = VK_CULL_MODE_NONE,
+	.lineWidth = 1.0f,
+};
+
+static const VkPipelineDepthStencilStateCreateInfo no_depth = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+};
+
+static const VkPipelineColorBlendAttachmentState backdrop_channels = {.colorWriteMask = 0xf};
+
+static const VkPipelineColorBlendStateCreateInfo backdrop_blend = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+	.attachmentCount = 1,
+	.pAttachments = &backdrop_channels,
+};
+
+static const VkDynamicState backdrop_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+
+static const VkPipelineDynamicStateCreateInfo backdrop_dynamic = {
+	.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+	.dynamicStateCount = 2,
+	.pDynamicStates = backdrop_states,
+};
+
+static VkResult backdrop_pipeline(vulkan_device *device, const VkShaderModule modules[2])
+{
+	VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
+	VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof tone_map};
+	VkSpecializationInfo constants = {1, &entry, sizeof tone_map, &tone_map};
+	VkPipelineShaderStageCreateInfo stages[2];
+	for (int i = 0; i < 2; i++)
+		stages[i] = (VkPipelineShaderStageCreateInfo){
+			.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+			.stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
+			.module = modules[i],
+			.pName = "main",
+			.pSpecializationInfo = i == 0 ? NULL : &constants,
+		};
+	VkPipelineMultisampleStateCreateInfo samples = {
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
+	};
+	VkPipelineRenderingCreateInfo rendering = {
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+		.colorAttachmentCount = 1,
+		.pColorAttachmentFormats = &device->color_format,
+		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
+	};
+	VkGraphicsPipelineCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+		.pNext = &rendering,
+		.stageCount = 2,
+		.pStages = stages,
+		.pVertexInputState = &no_vertices,
+		.pInputAssemblyState = &backdrop_triangle,
+		.pViewportState = &backdrop_viewport,
+		.pRasterizationState = &backdrop_rasterization,
+		.pMultisampleState = &samples,
+		.pDepthStencilState = &no_depth,
+		.pColorBlendState = &backdrop_blend,
+		.pDynamicState = &backdrop_dynamic,
+		.layout = device->pipeline_layout,
+	};
+	PROFILE("make a pipeline");
+	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, &device->backdrop);
+}
+
+static stilb_result backdrop_make(vulkan_device *device)
+{
+	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
+	VkResult result = backdrop_modules(device, modules);
+	if (result == VK_SUCCESS)
+		result = backdrop_pipeline(device, modules);
+	for (int stage = 0; stage < 2; stage++)
+		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the pipeline of the background");
+}
+
+void vulkan_backdrop_destroy(vulkan_device *device)
+{
+	vkDestroyPipeline(device->device, device->backdrop, device->allocator);
+}
+
+/* ---- a frame ----------------------------------------------------------------------------------------------------- */
+
+/* Sets out to what a step of 1 in clip space along an axis, a row of the matrix from world to clip space, adds to a
+ * direction: rows are the camera's axes, scaled. */
+static void backdrop_axis(const float matrix[16], size_t row, float out[4])
+{
+	float square = 0.0f;
+	for (size_t i = 0; i < 3; i++)
+		square += matrix[4 * i + row] * matrix[4 * i + row];
+	for (size_t i = 0; i < 3; i++)
+		out[i] = matrix[4 * i + row] / square;
+	out[3] = 0.0f;
+}
+
+static void backdrop_write(const stilb_render_view *view, vulkan_backdrop *out)
+{
+	const stilb_scene_backdrop *from = &view->backdrop;
+	backdrop_axis(view->view_projection.m, 3, out->ahead); /* a unit row: where the camera looks */
+	backdrop_axis(view->view_projection.m, 0, out->across);
+	backdrop_axis(view->view_projection.m, 1, out->down);
+	memcpy(out->camera, view->camera_position, sizeof view->camera_position);
+	memcpy(out->color_exposure, from->color, sizeof from->color);
+	out->color_exposure[3] = exp2f(view->exposure);
+	memset(out->floor_radius, 0, sizeof out->floor_radius);
+	if (from->kind == STILB_SCENE_BACKDROP_COLOR) {
+		memcpy(out->floor_radius, from->floor->center, sizeof from->floor->center);
+		out->floor_radius[3] = from->floor->radius;
+		memcpy(out->covered, from->floor->covered, sizeof out->covered);
+		return;
+	}
+	for (size_t i = 0; i < sizeof out->map / sizeof *out->map; i++)
+		memcpy(out->map[i], from->map + 3 * i, sizeof(float[3]));
+}
+
+stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view)
+{
+	STILB_ASSERT(vulkan_backdrop_is_drawn(&view->backdrop));
+	stilb_result result = device->backdrop ? STILB_OK : backdrop_make(device);
+	if (result == STILB_OK && !slot->backdrop.buffer)
+		result = vulkan_buffer_create(device, sizeof(vulkan_backdrop),
+		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+		                              VULKAN_MEMORY_WRITE, &slot->backdrop);
+	if (result == STILB_OK)
+		backdrop_write(view, slot->backdrop.mapped);
+	return result;
+}
+
+void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot)
+{
+	STILB_ASSERT(device->backdrop && slot->backdrop.address);
+	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop);
+	vkCmdPushConstants(slot->draw, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+	                   0, sizeof slot->backdrop.address, &slot->backdrop.address);
+	vkCmdDraw(slot->draw, 3, 1, 0, 0);
+}
