@@ -301,8 +301,9 @@ stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_opti
 
 /* Sets the panorama to the latitude-longitude map in a file, EXR or HDR (radiance), or codes of 8 or 16 bits (sRGB).
  * The top row is +Y, the middle column -Z, and +X lies a quarter of the width to the right of that. NaN, infinite and
- * negative values become 0. The import process reads it, with the limits of stilb_scene_open. [one-writer]
- * STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the scene is as before. */
+ * negative values become 0. Sky and ground become its means above and below the horizon, which light frames. The import
+ * process reads it, with the limits of stilb_scene_open. [one-writer] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the
+ * scene is as before. */
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);
 
 /* Replaces sky, ground and panorama by one radiance (finite, >= 0 per channel) from all directions. [one-writer] */

@@ -53,6 +53,9 @@ void scene_backdrop_finish(stilb_scene_backdrop *backdrop);
 /* scene_backdrop.c: fills in the floor below the models, whose sphere this is. False: no memory. */
 bool scene_floor_cover(const stilb_scene *scene, const stilb_sphere *sphere, stilb_scene_floor *floor);
 
+/* scene_meter.c: the mean radiance of a panorama above and below its horizon. False: no memory. */
+bool scene_panorama_halves(const stilb_image *panorama, float above[3], float below[3]);
+
 /* A sphere around all models' bounds, about the centre of their box; radius 0 if there are no models. */
 stilb_sphere scene_sphere(const stilb_scene *scene);
 

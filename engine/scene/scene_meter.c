@@ -1,4 +1,5 @@
 /* The exposure that suits the light on what a camera sees. */
+#include "scene/scene_internal.h"
 #include "scene/scene_look.h"
 
 #include "shading/shade_light.h"
@@ -46,6 +47,18 @@ static void meter_mean(const stilb_image *panorama, uint32_t first, uint32_t end
 		mean[c] = weights > 0.0 ? (float)(sum[c] / weights) : 0.0f;
 }
 
+bool scene_panorama_halves(const stilb_image *panorama, float above[3], float below[3])
+{
+	STILB_ASSERT(panorama->pixels);
+	float *row = stilb_memory_alloc((size_t)panorama->width * panorama->channels, sizeof *row);
+	if (!row)
+		return false;
+	meter_mean(panorama, 0, (panorama->height + 1) / 2, row, above);
+	meter_mean(panorama, panorama->height / 2, panorama->height, row, below);
+	free(row);
+	return true;
+}
+
 static bool meter_surroundings(meter *m)
 {
 	const stilb_scene_surroundings *around = &m->scene->surroundings;
@@ -54,15 +67,7 @@ static bool meter_surroundings(meter *m)
 		m->sky[i] = around->sky[i];
 		m->ground[i] = around->ground[i];
 	}
-	if (!panorama->pixels)
-		return true;
-	float *row = stilb_memory_alloc((size_t)panorama->width * panorama->channels, sizeof *row);
-	if (!row)
-		return false;
-	meter_mean(panorama, 0, (panorama->height + 1) / 2, row, m->sky);
-	meter_mean(panorama, panorama->height / 2, panorama->height, row, m->ground);
-	free(row);
-	return true;
+	return !panorama->pixels || scene_panorama_halves(panorama, m->sky, m->ground);
 }
 
 /* ---- which triangle is seen at each pixel ------------------------------------------------------------------------ */

@@ -355,6 +355,8 @@ static void environment_is_light(void **state)
 	assert_int_equal(stilb_image_save(&picture, png), STILB_OK);
 	assert_int_equal(stilb_scene_set_environment(scene, png), STILB_OK);
 	const float *grey = scene->surroundings.panorama.pixels;
+	assert_true(fabsf(scene->surroundings.sky[1] - (0.5029f + 1.0f) / 3.0f) < 1e-3f); /* the mean, for frames */
+	assert_true(scene->surroundings.ground[2] == scene->surroundings.sky[1]);         /* its only row is both halves */
 	assert_true(grey[0] == 0.0f && fabsf(grey[4] - 0.5029f) < 1e-3f && grey[3] == grey[5] && grey[8] == 1.0f);
 	stilb_image_finish(&picture);
 

@@ -3,6 +3,7 @@
 #include "base/base_file.h"
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_stream.h"
+#include "scene/scene_internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -504,13 +505,18 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 	}
 	result = scene_importer_picture(importer, path, true, &map);
 	scene_importer_stop(importer);
-	if (result == STILB_OK) {
-		STILB_ASSERT(import_is_light(&map));
-		stilb_image_finish(&scene->surroundings.panorama);
-		scene->surroundings.panorama = map;
-		scene->revisions.surroundings++; /* also if the new pixels lie where the old ones did */
+	if (result != STILB_OK)
+		return result;
+	STILB_ASSERT(import_is_light(&map));
+	stilb_scene_surroundings *around = &scene->surroundings;
+	if (!scene_panorama_halves(&map, around->sky, around->ground)) {
+		stilb_image_finish(&map);
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': no memory for a row of it", path);
 	}
-	return result;
+	stilb_image_finish(&around->panorama);
+	around->panorama = map;
+	scene->revisions.surroundings++; /* also if the new pixels lie where the old ones did */
+	return STILB_OK;
 }
 
 /* Finds the line "<name> <version>" and copies its version; "not found" if there is none. */
