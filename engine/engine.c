@@ -116,7 +116,7 @@ static stilb_result engine_start(stilb_engine *engine)
 		result = engine_start_workers(engine, desc->workers);
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
-		result = engine_overlay_open(engine, desc->overlay, desc->inspector);
+		result = engine_overlay_start(engine);
 	if (result == STILB_OK)
 		result = engine_input_start(engine);
 	return result;

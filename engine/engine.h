@@ -74,11 +74,13 @@ typedef enum stilb_engine_gamepad {
 /* The rows of the engine's table of actions that follow those of the camera (input_actions.h); then come the program's,
  * the first with the number STILB_ENGINE_ACTIONS. */
 enum {
-	STILB_ENGINE_PROFILER = STILB_INPUT_ACTIONS, /* open or close the profiler's window */
-	STILB_ENGINE_FREEZE,                         /* freeze it, or let it run again */
-	STILB_ENGINE_MATERIALS,                      /* open or close the materials' window */
-	STILB_ENGINE_CAPTURE,                        /* asked for: a trace of the frames around this moment */
-	STILB_ENGINE_PICTURE,                        /* asked for: a picture, which is drawn without toasts */
+	STILB_ENGINE_KEYS = STILB_INPUT_ACTIONS, /* open or close the key card, which lists this table */
+	STILB_ENGINE_TIMES,                      /* show frame rate and time in a corner, or hide them */
+	STILB_ENGINE_PROFILER,                   /* open or close the profiler's window */
+	STILB_ENGINE_FREEZE,                     /* freeze it, or let it run again */
+	STILB_ENGINE_MATERIALS,                  /* open or close the materials' window */
+	STILB_ENGINE_CAPTURE,                    /* asked for: a trace of the frames around this moment */
+	STILB_ENGINE_PICTURE,                    /* asked for: a picture; its frame has no toasts, first line and times */
 	STILB_ENGINE_ACTIONS
 };
 
@@ -135,6 +137,9 @@ typedef struct stilb_engine_desc {
 	bool validate;                          /* with Vulkan's validation layer */
 	bool overlay;                           /* the profiler's window is open from the start */
 	bool inspector;                         /* the materials' window is open from the start */
+	bool keys;                              /* the key card is open from the start */
+	bool times;                             /* frame rate and time are shown from the start */
+	bool hint;                              /* a line names the main keys for the first seconds; only in a window */
 	stilb_ui_aa ui_aa;                      /* how edges in these two windows are smoothed */
 
 	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of

@@ -17,6 +17,17 @@
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
 static const stilb_input_action engine_actions[] = {
+	[STILB_ENGINE_KEYS - STILB_INPUT_ACTIONS] = {.name = "keys",
+                                                 .kind = STILB_INPUT_SWITCH,
+                                                 .keys = {STILB_WINDOW_KEY_H},
+                                                 .typed = "?",
+                                                 .pad = STILB_INPUT_PAD(LEFT),
+                                                 .main = true,
+                                                 .help = "open or close the list of keys"},
+	[STILB_ENGINE_TIMES - STILB_INPUT_ACTIONS] = {.name = "times",
+                                                  .kind = STILB_INPUT_SWITCH,
+                                                  .keys = {STILB_WINDOW_KEY_F3},
+                                                  .help = "show or hide frame rate and time"},
 	[STILB_ENGINE_PROFILER - STILB_INPUT_ACTIONS] = {.name = "profiler",
                                                      .kind = STILB_INPUT_SWITCH,
                                                      .keys = {STILB_WINDOW_KEY_F1},

@@ -44,8 +44,25 @@ typedef struct engine_toast {
 typedef struct engine_toasts {
 	engine_toast lines[ENGINE_TOASTS]; /* [count], the oldest first */
 	uint32_t count;
-	bool hidden; /* in this frame, because its picture is saved */
+	bool hidden; /* in this frame, because its picture is saved; so are the first line and the times */
 } engine_toasts;
+
+/* The key card; {0} at first. */
+typedef struct engine_keys {
+	bool open;
+	stilb_ui_rect place;      /* where it was drawn last */
+	stilb_ui_list_state list; /* where its lines are scrolled to if they do not fit */
+	float hint_seconds;       /* for which the line of main keys is still shown */
+} engine_keys;
+
+/* Frame rate and time, measured over half a second. {0} at first. */
+typedef struct engine_rate {
+	bool open;
+	uint64_t since_ns;         /* clock at which what is being measured began; 0: not yet */
+	uint32_t frames;           /* drawn since then */
+	double sum_ms, longest_ms; /* of their times */
+	float rate, ms, longest;   /* of the half second before: frames/s, mean, milliseconds; 0: not yet known */
+} engine_rate;
 
 /* The windows over the picture; {0} until one of them is opened for the first time. */
 typedef struct engine_overlay {
@@ -54,6 +71,8 @@ typedef struct engine_overlay {
 	engine_inspector inspector;
 	engine_notice notice;
 	engine_toasts toasts;
+	engine_keys keys;
+	engine_rate rate;
 	stilb_ui_input input; /* of this frame; {0} but for its size when headless */
 	bool profiler_open, inspector_open;
 } engine_overlay;
@@ -122,13 +141,17 @@ void engine_profile_stop(stilb_engine *engine);
 
 /* engine_overlay.c */
 
+/* Opens what the engine's description asks for. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
+stilb_result engine_overlay_start(stilb_engine *engine);
+
 /* Opens and closes the profiler's and the materials' windows. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: they cannot be
  * created, and nothing changes. */
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
-	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 ||
-	       (overlay->toasts.count > 0 && !overlay->toasts.hidden);
+	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 || overlay->keys.open ||
+	       (!overlay->toasts.hidden &&
+	        (overlay->toasts.count > 0 || overlay->keys.hint_seconds > 0.0f || overlay->rate.open));
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -190,8 +213,27 @@ void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 /* Adds a toast, in place of the oldest if there are ENGINE_TOASTS. The text is copied and cut off after 255 bytes. */
 void engine_toasts_add(engine_toasts *toasts, const char *text);
 
-/* Draws the toasts, between stilb_ui_begin and stilb_ui_end, and counts their time down. */
-void engine_toasts_draw(engine_toasts *toasts, stilb_ui *ui);
+/* Draws the toasts, between stilb_ui_begin and stilb_ui_end, and counts their time down. `below` pixels are left free
+ * at the picture's lower edge. */
+void engine_toasts_draw(engine_toasts *toasts, stilb_ui *ui, float below);
+
+/* engine_keys.c */
+
+/* Draws the key card, which is open, between stilb_ui_begin and stilb_ui_end. */
+void engine_keys_draw(engine_keys *keys, const stilb_input_table *table, stilb_ui *ui);
+
+/* Draws the line of main keys `below` pixels above the picture's lower edge, unless something covers it, and counts its
+ * time down. Returns the height that it takes, pixels. */
+float engine_keys_hint(engine_keys *keys, const stilb_input_table *table, stilb_ui *ui, float below, bool covered);
+
+/* engine_rate.c */
+
+/* Takes in a frame of this time that ended at now_ns. */
+void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms);
+
+/* Draws rate and time in the upper left corner, between stilb_ui_begin and stilb_ui_end, once they are known, unless a
+ * panel of places[0 .. count - 1] covers a part of them. */
+void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect *places, uint32_t count);
 
 /* engine_inspector.c */
 

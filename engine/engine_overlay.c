@@ -7,6 +7,9 @@
 
 #include "profiler/prof.h"
 
+#define OVERLAY_HINT_SECONDS 10.0f
+#define OVERLAY_BELOW 16.0f /* pixels from the picture's lower edge to the lowest line */
+
 /* Creates the user interface and the profiler's window unless they exist. */
 static stilb_result engine_overlay_create(stilb_engine *engine)
 {
@@ -34,6 +37,23 @@ stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspe
 	STILB_ASSERT(engine->overlay.ui || !(profiler || inspector));
 	engine->overlay.profiler_open = profiler;
 	engine->overlay.inspector_open = inspector;
+	return STILB_OK;
+}
+
+stilb_result engine_overlay_start(stilb_engine *engine)
+{
+	const stilb_engine_desc *desc = &engine->desc;
+	engine_overlay *overlay = &engine->overlay;
+	bool hint = desc->hint && engine->window;
+	stilb_result result = engine_overlay_open(engine, desc->overlay, desc->inspector);
+	if (result == STILB_OK && (desc->keys || desc->times || hint))
+		result = engine_overlay_create(engine);
+	if (result != STILB_OK)
+		return result;
+	overlay->keys.open = desc->keys;
+	overlay->keys.list.selected = STILB_UI_NO_ROW;
+	overlay->rate.open = desc->times;
+	overlay->keys.hint_seconds = hint ? OVERLAY_HINT_SECONDS : 0.0f;
 	return STILB_OK;
 }
 
@@ -89,6 +109,13 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	if ((profiler || inspector) && engine_overlay_open(engine, overlay->profiler_open != profiler,
 	                                                   overlay->inspector_open != inspector) != STILB_OK)
 		stilb_log("%s", stilb_error_message()); /* only logged: frames go on without that window */
+	bool keys = input->actions[STILB_ENGINE_KEYS] > 0, times = input->actions[STILB_ENGINE_TIMES] > 0;
+	if ((keys || times) && engine_overlay_create(engine) != STILB_OK) {
+		stilb_log("%s", stilb_error_message());
+	} else {
+		overlay->keys.open ^= keys;
+		overlay->rate.open ^= times;
+	}
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	if (engine->window)
@@ -125,18 +152,31 @@ void stilb_engine_tell(stilb_engine *engine, const char *text)
 		engine_overlay_tell(engine, text);
 }
 
-static void engine_overlay_build(engine_overlay *overlay, stilb_render_shading *shading, stilb_engine_choice *choice)
+/* Builds it from back to front. */
+static void engine_overlay_build(stilb_engine *engine)
 {
 	PROFILE("ui build");
+	engine_overlay *overlay = &engine->overlay;
+	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->keys.open;
+	float below = OVERLAY_BELOW;
 	stilb_ui_begin(overlay->ui, &overlay->input);
+	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
+	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0}};
+	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
+		engine_rate_draw(&overlay->rate, overlay->ui, places, sizeof places / sizeof *places);
+	if (overlay->keys.hint_seconds > 0.0f && !overlay->toasts.hidden)
+		below += engine_keys_hint(&overlay->keys, &engine->actions, overlay->ui, below, covered);
 	if (overlay->profiler_open)
 		stilb_ui_profiler_draw(overlay->profiler, overlay->ui);
 	if (overlay->inspector_open)
-		engine_inspector_draw(&overlay->inspector, overlay->ui, shading, choice, &overlay->inspector_open);
+		engine_inspector_draw(&overlay->inspector, overlay->ui, &engine->shading, engine->desc.choice,
+		                      &overlay->inspector_open);
+	if (overlay->keys.open)
+		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)
 		engine_notice_draw(&overlay->notice, overlay->ui);
 	if (!overlay->toasts.hidden)
-		engine_toasts_draw(&overlay->toasts, overlay->ui);
+		engine_toasts_draw(&overlay->toasts, overlay->ui, below);
 	stilb_ui_end(overlay->ui);
 }
 
@@ -148,7 +188,7 @@ stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t
 	stilb_render_size(engine->render, &width, &height);
 	overlay->input.width = (float)width;
 	overlay->input.height = (float)height;
-	engine_overlay_build(overlay, &engine->shading, engine->desc.choice);
+	engine_overlay_build(engine);
 	PROFILE("ui record");
 	return stilb_ui_record(overlay->ui, pass, worker);
 }

@@ -10,7 +10,6 @@
 
 #define TOAST_SECONDS 5.0f
 #define TOAST_FADING 1.0f /* the last seconds, in which it fades */
-#define TOAST_BELOW 16.0f /* pixels from the picture's lower edge to the newest one */
 
 void engine_toasts_add(engine_toasts *toasts, const char *text)
 {
@@ -41,10 +40,10 @@ static float toast_draw(const engine_toast *toast, stilb_ui *ui, float bottom)
 	return place.y0;
 }
 
-void engine_toasts_draw(engine_toasts *toasts, stilb_ui *ui)
+void engine_toasts_draw(engine_toasts *toasts, stilb_ui *ui, float below)
 {
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
-	float bottom = floorf(input->height - TOAST_BELOW);
+	float bottom = floorf(input->height - below);
 	for (uint32_t i = toasts->count; i-- > 0;)
 		bottom = toast_draw(&toasts->lines[i], ui, bottom) - stilb_ui_style_get(ui)->gap;
 	uint32_t kept = 0;

@@ -238,6 +238,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		engine->report.cull = engine->visible[0].method;
 		engine->report.render = stilb_render_stats_get(engine->render);
 		engine->report.times.gpu = engine->report.render.gpu_ms;
+		engine_rate_add(&engine->overlay.rate, stilb_time_ns(), engine->report.times.frame);
 		engine->report.frame = ++engine->frame;
 		engine->seconds =
 			frame_by_clock(engine) ? engine->seconds + (double)engine->step : (double)engine->frame / 60.0;

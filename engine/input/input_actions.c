@@ -256,7 +256,7 @@ bool stilb_input_help_next(const stilb_input_table *table, uint32_t *next, stilb
 	if (place >= table->count)
 		return false;
 	const stilb_input_action *first = help_row(table, place);
-	*line = (stilb_input_help){.name = first->name, .help = first->help};
+	*line = (stilb_input_help){.name = first->name, .help = first->help, .row = (uint32_t)(first - table->rows)};
 	help_list keys = {line->keys, sizeof line->keys, 0, 0, ""};
 	help_list mouse = {line->mouse, sizeof line->mouse, 0, 0, ""};
 	help_list pad = {line->pad, sizeof line->pad, 0, 0, ""};

@@ -97,7 +97,8 @@ stilb_result stilb_input_table_add(stilb_input_table *table, const stilb_input_a
 /* One line of help: "W, A, S, D" and so on, "" where there is nothing. Names are UTF-8. */
 typedef struct stilb_input_help {
 	char keys[64], mouse[64], pad[96];
-	const char *name, *help; /* of the first of its rows */
+	const char *name, *help; /* of the first of its rows, */
+	uint32_t row;            /* which has this number */
 	bool main;               /* one of its rows is */
 } stilb_input_help;
 

@@ -80,7 +80,7 @@ typedef struct stilb_ui_style {
 	float scroll_bar;     /* width of the bar of a list */
 } stilb_ui_style;
 
-/* The style that widgets are drawn with; may be changed between frames. Valid until the ui is destroyed. */
+/* The style that widgets are drawn with; may be changed between widgets. Valid until the ui is destroyed. */
 stilb_ui_style *stilb_ui_style_get(stilb_ui *ui);
 
 /* Sets how the edges of the shapes drawn from here on are smoothed. */

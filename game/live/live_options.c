@@ -62,6 +62,10 @@ static void live_add_windows(live_options *o, flag_rows *table)
 	     NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",
 	     0, 0, NULL},
+		{"--keys", FLAG_SWITCH, &o->keys, NULL, "show the list of keys from the start, also in saved pictures", 0, 0,
+	     NULL},
+		{"--times", FLAG_SWITCH, &o->times, NULL, "show frame rate and time, also in the picture of --screenshot", 0, 0,
+	     NULL},
 		{"--ui-aa", FLAG_CHOICE, &o->ui_aa, "MODE",
 	     "their edges: feather (soft), article (soft outside only) or off (feather)", 0, 0, live_edge_choices},
 
@@ -352,6 +356,9 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
+	desc.keys = o->keys;
+	desc.hint = !o->screenshot; /* which saves the last frame as the window shows it */
+	desc.times = o->times || (desc.window && !o->screenshot);
 	desc.saves = true;
 	desc.ui_aa = (stilb_ui_aa)o->ui_aa;
 	desc.profile = !o->no_profile;

@@ -89,6 +89,7 @@ static stilb_result live_start(live_run *run)
 	if (result == STILB_ERROR_WINDOW) {
 		stilb_log("%s; running headless", stilb_error_message());
 		desc.window = false;
+		desc.times = run->options->times;
 		result = stilb_engine_create(&desc, &run->engine);
 	}
 	run->window = desc.window;
@@ -321,7 +322,7 @@ static int live_run_frames(live_run *run)
 	if (run->options->no_profile)
 		signal(SIGUSR1, SIG_IGN); /* SIGUSR1 requests a capture; without a profiler it would kill the process */
 	if (run->window)
-		fputs("--help lists the keys; close the window to end\n", live_message_stream(run->options));
+		fputs("H shows what the keys do; close the window to end\n", live_message_stream(run->options));
 	fflush(stdout);
 	stilb_result result = live_loop(run);
 	if (result != STILB_OK) {

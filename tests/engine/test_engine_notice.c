@@ -1,5 +1,5 @@
-/* The notice over the picture about gamepads that may not be opened: it appears, names them and the udev rules that
- * would permit it, and disappears. */
+/* What is shown over the picture: the notice about gamepads that may not be opened, which names them and the udev rules
+ * that would permit it, toasts, the key card, the line of main keys, and frame rate and time. */
 #include "engine_internal.h"
 #include "image/image.h"
 #include "support/test.h"
@@ -26,6 +26,7 @@ static int set_up(void **state)
 	desc.width = WIDTH;
 	desc.height = HEIGHT;
 	desc.validate = true;
+	desc.hint = true;
 	if (stress_engine_create(&desc, &(stress_engine){.models = 1, .seed = 1}, &engine) == STILB_OK)
 		return 0;
 	fprintf(stderr, "%s\n", stilb_error_message());
@@ -235,6 +236,124 @@ static void toasts_come_and_go(void **state)
 	engine->overlay.input.seconds = 0.0f;
 }
 
+static void ask(uint32_t action)
+{
+	stilb_input_state input = {0};
+	input.actions[action] = 1;
+	engine_overlay_act(engine, &input);
+}
+
+/* The card takes the height that its lines need, within the picture; one that does not fit scrolls. */
+static void the_card_lists_the_table(void **state)
+{
+	(void)state;
+	uint32_t rows[2], lines = 0;
+	stilb_input_help line;
+	for (uint32_t next = 0; stilb_input_help_next(&engine->actions, &next, &line);)
+		lines++;
+	draw(plain);
+	changed(rows);
+	assert_int_equal(rows[1], 0);
+	ask(STILB_ENGINE_KEYS);
+	changed(rows);
+	assert_in_range(rows[1] - rows[0], lines * 18 + 40, lines * 18 + 120);
+	assert_true(rows[0] > 0 && rows[1] < height);
+	assert_true(engine->overlay.keys.list.scroll == 0.0f);
+	ask(STILB_ENGINE_KEYS);
+	changed(rows);
+	assert_int_equal(rows[1], 0);
+	resize(320, 120);
+	ask(STILB_ENGINE_KEYS);
+	draw(plain);
+	engine->overlay.input.mouse_present = true;
+	engine->overlay.input.mouse_x = 160.0f;
+	engine->overlay.input.mouse_y = 90.0f;
+	engine->overlay.input.wheel = -1.0f;
+	changed(rows);
+	changed(rows);
+	assert_true(engine->overlay.keys.list.scroll > 0.0f && rows[1] > rows[0]);
+	engine->overlay.input = (stilb_ui_input){0};
+	ask(STILB_ENGINE_KEYS);
+	resize(WIDTH, HEIGHT);
+}
+
+/* The line is at the lower edge, toasts are above it; it goes by itself, is not in a saved picture, and panels hide
+ * it. */
+static void the_first_line_goes(void **state)
+{
+	(void)state;
+	uint32_t line[2], rows[2];
+	draw(plain);
+	assert_true(engine->overlay.keys.hint_seconds == 0.0f); /* asked for, but there is no window */
+	engine->overlay.keys.hint_seconds = 10.0f;
+	changed(line);
+	assert_in_range(line[0], HEIGHT - 45, HEIGHT - 35);
+	assert_in_range(line[1], HEIGHT - 20, HEIGHT - 12);
+	engine_overlay_tell(engine, "a.png written");
+	changed(rows);
+	assert_true(rows[0] < line[0] - 20 && rows[1] == line[1]);
+	engine->overlay.toasts.count = 0;
+	ask(STILB_ENGINE_PICTURE);
+	assert_false(engine_overlay_is_open(&engine->overlay));
+	engine->overlay.toasts.hidden = false;
+	ask(STILB_ENGINE_KEYS);
+	float left = engine->overlay.keys.hint_seconds;
+	engine->overlay.keys.hint_seconds = 0.0f;
+	draw(plain);
+	engine->overlay.keys.hint_seconds = left;
+	changed(rows);
+	assert_int_equal(rows[1], 0);
+	ask(STILB_ENGINE_KEYS);
+	engine->overlay.keys.hint_seconds = 0.0f;
+	draw(plain);
+	engine->overlay.keys.hint_seconds = 10.0f;
+	engine->overlay.input.seconds = 3.0f;
+	int frames = 0;
+	for (rows[1] = 1; rows[1] > 0 && frames < 100; frames++)
+		changed(rows);
+	assert_int_equal(frames, 5); /* four of three seconds each, and one without it */
+	engine->overlay.input.seconds = 0.0f;
+}
+
+/* Rate and time are those of the last half second, in the corner, unless a panel covers it or the picture is saved. */
+static void rate_and_time_are_measured(void **state)
+{
+	(void)state;
+	engine_rate rate = {0};
+	uint64_t now = 1000000000;
+	uint32_t rows[2];
+	engine_rate_add(&rate, now, 500.0); /* the first frame is left out */
+	for (int i = 1; i <= 50; i++)
+		engine_rate_add(&rate, now += 20000000, i == 30 ? 16.0 : 8.0);
+	assert_float_equal(rate.rate, 50.0f, 1e-3f);
+	assert_float_equal(rate.ms, 8.32f, 1e-3f); /* of the second half: 24 of 8 ms, and the one of 16 */
+	assert_float_equal(rate.longest, 16.0f, 0.0f);
+	for (int i = 1; i <= 24; i++)
+		engine_rate_add(&rate, now += 20000000, 4.0);
+	assert_float_equal(rate.longest, 16.0f, 0.0f); /* stays readable */
+	engine_rate_add(&rate, now += 20000000, 4.0);
+	assert_true(rate.longest == 4.0f && rate.ms == 4.0f);
+	draw(plain);
+	ask(STILB_ENGINE_TIMES);
+	changed(rows);
+	assert_true(rows[0] < 12 && rows[1] < 40 && rows[1] > 20);
+	ask(STILB_ENGINE_PICTURE);
+	assert_false(engine_overlay_is_open(&engine->overlay));
+	engine->overlay.toasts.hidden = false;
+	resize(WIDTH, 120); /* the card is as high as the picture */
+	engine->overlay.rate.open = false;
+	ask(STILB_ENGINE_KEYS);
+	changed(rows);
+	draw(plain);
+	engine->overlay.rate.open = true;
+	changed(rows);
+	assert_int_equal(rows[1], 0);
+	ask(STILB_ENGINE_KEYS);
+	ask(STILB_ENGINE_TIMES);
+	assert_false(engine->overlay.rate.open || engine->overlay.keys.open);
+	resize(WIDTH, HEIGHT);
+}
+
 /* Writes the pictures to a folder, if one is given, for looking at them. */
 static void save_pictures(const char *folder)
 {
@@ -282,7 +401,8 @@ int main(int argc, char **argv)
 		TEST(it_comes_and_goes),           TEST(equal_rules_are_said_once),
 		TEST(it_goes_by_itself),           TEST(it_is_logged),
 		TEST(half_a_rule_is_not_shown),    TEST(toasts_come_and_go),
-		TEST(more_than_there_is_room_for),
+		TEST(more_than_there_is_room_for), TEST(the_card_lists_the_table),
+		TEST(the_first_line_goes),         TEST(rate_and_time_are_measured),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -237,21 +237,21 @@ static void test_help(void **state)
 			assert_string_not_equal(name, stilb_input_key_name((stilb_window_key)b));
 	}
 	static const stilb_input_help wanted[] = {
-		{"P", "", "X/square", "capture", "save a trace", false},
-		{"F12", "", "view/share", "screenshot", "save a picture", true},
-		{"F1", "", "Y/triangle, extra", "overlay", "the profiler", false},
-		{"F2", "", "menu/options", "inspector", "the materials", false},
-		{"Space", "", "A/cross", "freeze", "freeze", false},
-		{"V", "", "B/circle, d-pad right", "next view", "next view", false},
-		{"+, -", "", "d-pad up, d-pad down", "more", "workers", false},
-		{"F, Home", "", "", "frame", "frame", false},
-		{"Esc", "", "", "cancel", "give up", false},
-		{"G", "", "d-pad left", "grab", "grab", false},
-		{"W, A, S, D", "", "left stick", "fly", "fly", true},
-		{"Q, E", "", "left shoulder, right shoulder", "fly down", "fly down, up", false},
-		{"Shift", "", "", "faster", "fly faster", false},
-		{"", "", "left trigger, right trigger", "speed", "fly slower, faster", false},
-		{"", "right drag", "right stick", "look", "look around", false},
+		{"P", "", "X/square", "capture", "save a trace", CAPTURE, false},
+		{"F12", "", "view/share", "screenshot", "save a picture", SCREENSHOT, true},
+		{"F1", "", "Y/triangle, extra", "overlay", "the profiler", OVERLAY, false},
+		{"F2", "", "menu/options", "inspector", "the materials", INSPECTOR, false},
+		{"Space", "", "A/cross", "freeze", "freeze", FREEZE, false},
+		{"V", "", "B/circle, d-pad right", "next view", "next view", NEXT_VIEW, false},
+		{"+, -", "", "d-pad up, d-pad down", "more", "workers", MORE, false},
+		{"F, Home", "", "", "frame", "frame", FRAME, false},
+		{"Esc", "", "", "cancel", "give up", CANCEL, false},
+		{"G", "", "d-pad left", "grab", "grab", GRAB, false},
+		{"W, A, S, D", "", "left stick", "fly", "fly", STILB_INPUT_FORWARD, true},
+		{"Q, E", "", "left shoulder, right shoulder", "fly down", "fly down, up", STILB_INPUT_DOWNWARD, false},
+		{"Shift", "", "", "faster", "fly faster", STILB_INPUT_FASTER, false},
+		{"", "", "left trigger, right trigger", "speed", "fly slower, faster", STILB_INPUT_SPEED, false},
+		{"", "right drag", "right stick", "look", "look around", STILB_INPUT_LOOK, false},
 	};
 	stilb_input_help line;
 	uint32_t next = 0;
@@ -262,6 +262,7 @@ static void test_help(void **state)
 		assert_string_equal(line.pad, wanted[i].pad);
 		assert_string_equal(line.name, wanted[i].name);
 		assert_string_equal(line.help, wanted[i].help);
+		assert_int_equal(line.row, wanted[i].row);
 		assert_int_equal(line.main, wanted[i].main);
 	}
 	assert_false(stilb_input_help_next(&table, &next, &line));

@@ -203,9 +203,11 @@ static void test_minimise(void **state)
 	run_frames(f, 3);
 }
 
-static void send_key(fixture *f, KeySym key, bool down)
+/* state: the modifier keys that are held, as in XKeyEvent. */
+static void send_key_with(fixture *f, KeySym key, unsigned state, bool down)
 {
 	XKeyEvent event = {
+		.state = state,
 		.type = down ? KeyPress : KeyRelease,
 		.display = f->display,
 		.window = f->window,
@@ -216,6 +218,32 @@ static void send_key(fixture *f, KeySym key, bool down)
 	};
 	XSendEvent(f->display, f->window, True, down ? KeyPressMask : KeyReleaseMask, (XEvent *)&event);
 	XSync(f->display, False);
+}
+
+static void send_key(fixture *f, KeySym key, bool down)
+{
+	send_key_with(f, key, 0, down);
+}
+
+static void await_card(fixture *f, bool open)
+{
+	for (int i = 0; i < 10000 && f->engine->overlay.keys.open != open; i++)
+		run_frame(f);
+	assert_int_equal(f->engine->overlay.keys.open, open);
+	run_frames(f, 2);
+}
+
+/* The card is opened by the key H and by the character ?, wherever the layout has it. */
+static void test_key_card(void **state)
+{
+	fixture *f = *state;
+	run_frames(f, 3);
+	send_key(f, XK_h, true);
+	send_key(f, XK_h, false);
+	await_card(f, true);
+	send_key_with(f, XK_question, ShiftMask, true);
+	send_key_with(f, XK_question, ShiftMask, false);
+	await_card(f, false);
 }
 
 static void test_keys(void **state)
@@ -497,6 +525,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_resize_during_frames, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_minimise, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_keys, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_key_card, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_focus, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_overlay, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_inspector, set_up, tear_down),
