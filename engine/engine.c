@@ -154,7 +154,9 @@ void stilb_engine_destroy(stilb_engine *engine)
 	if (!engine)
 		return;
 	STILB_ASSERT_OWNER(engine->owner);
-	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */
+	stilb_engine_pictures_wait(engine);
+	engine_pictures_destroy(engine->pictures); /* their thread ends while the profiler is there, as the workers do */
+	engine_profile_stop_capture(engine);       /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)

@@ -99,6 +99,17 @@ typedef stilb_scene_hit stilb_engine_hit;
  * [main-thread] */
 typedef void stilb_engine_update_fn(void *user, const stilb_engine_update *update);
 
+/* A picture of stilb_engine_picture that has been written, or could not be. */
+typedef struct stilb_engine_pictured {
+	const char *path; /* as it was given; valid during the call, as is message */
+	stilb_result result;
+	const char *message; /* the line for the user; "" if it was written */
+} stilb_engine_pictured;
+
+/* Called between two frames, or while the program waits for pictures; it may call the engine's other functions, but
+ * neither wait for pictures nor destroy the engine. [main-thread] */
+typedef void stilb_engine_pictured_fn(void *user, const stilb_engine_pictured *pictured);
+
 /* A choice of the program's own, which the materials' window lists below the models. The user changes chosen in frames'
  * stage ui; the program reads it in update. */
 typedef struct stilb_engine_choice {
@@ -112,9 +123,10 @@ typedef struct stilb_engine_desc {
 	uint32_t workers;       /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull; /* how visible models are found */
 
-	stilb_engine_update_fn *update; /* NULL: none */
-	void *user;                     /* passed to update */
-	stilb_engine_choice *choice;    /* the program's, valid as long as the engine; NULL: none */
+	stilb_engine_update_fn *update;     /* NULL: none */
+	stilb_engine_pictured_fn *pictured; /* is told how each stilb_engine_picture went; NULL: nobody is */
+	void *user;                         /* passed to update and pictured */
+	stilb_engine_choice *choice;        /* the program's, valid as long as the engine; NULL: none */
 
 	/* The device and how it draws, see stilb_render_desc; shading may change between frames. */
 	stilb_render_device_kind device;
@@ -181,7 +193,8 @@ stilb_result stilb_engine_table(const stilb_engine_desc *desc, stilb_input_table
  * STILB_ERROR_THREAD: too many workers. STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **engine);
 
-/* Ends captures, waits for the device and frees everything. NULL is accepted. */
+/* Ends captures, waits for the device and for pictures that are being written, and frees everything. NULL is
+ * accepted. */
 void stilb_engine_destroy(stilb_engine *engine);
 
 /* Shows this scene from the next frame on, in place of the one before, and copies its meshes, materials and textures
@@ -247,6 +260,16 @@ uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 /* Writes the last frame's picture as .png, .exr or .hdr. With output LINEAR it is the radiance itself. Fails as
  * stilb_render_read_image and stilb_image_save do. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
+
+/* As stilb_engine_screenshot, but only reads the picture back; a thread of the engine's encodes and writes it, and
+ * desc.pictured is told how that went. If four pictures are pending, it waits for one. created: there is an empty file
+ * of this name, which the caller has created so that nobody else takes it (O_EXCL); it is removed if no picture
+ * replaces it. Fails as stilb_render_read_image; STILB_ERROR_MEMORY. */
+stilb_result stilb_engine_picture(stilb_engine *engine, const char *path, bool created);
+
+/* Waits until all pictures of stilb_engine_picture are written and desc.pictured has been told of them; so does
+ * stilb_engine_destroy. */
+void stilb_engine_pictures_wait(stilb_engine *engine);
 
 /* Writes the last frame's command stream for `stilb replay` (render_dump.h), with the lights that the scene has now.
  * STILB_ERROR_ARGUMENT: no frame of this scene has been drawn, or it has textures. STILB_ERROR_FILE. */

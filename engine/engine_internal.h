@@ -93,6 +93,10 @@ typedef struct engine_input {
 	uint64_t reports, corrupt;        /* see stilb_engine_gamepad_counts; corrupt: only of pads that were removed */
 } engine_input;
 
+/* Pictures that are written by a thread of their own. */
+typedef struct engine_pictures engine_pictures;
+#define ENGINE_PICTURES 4u /* that wait or are being written, at most */
+
 struct stilb_engine {
 	stilb_owner owner; /* the main thread: the one that created it */
 	stilb_engine_desc desc;
@@ -112,6 +116,7 @@ struct stilb_engine {
 	uint32_t pass_count;
 	uint32_t frame_passes; /* in this frame: pass_count, or one more for the overlay */
 	engine_overlay overlay;
+	engine_pictures *pictures;    /* NULL: none has been taken yet */
 	stilb_render_shading shading; /* of the next frame */
 
 	bool profiled, captures; /* it has started the profiler; its captures */
@@ -205,6 +210,10 @@ void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pa
 /* Removes the gamepad of that number if the notice names it. */
 void engine_notice_remove(engine_notice *notice, uint32_t pad);
 
+/* The number of bytes of the text that fit into one line of this width, broken after a blank or comma or at a newline
+ * if possible. */
+size_t engine_notice_line(const stilb_ui_font *font, const char *text, float width);
+
 /* Draws the notice, between stilb_ui_begin and stilb_ui_end, and counts its time down. */
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 
@@ -234,6 +243,21 @@ void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms);
 /* Draws rate and time in the upper left corner, between stilb_ui_begin and stilb_ui_end, once they are known, unless a
  * panel of places[0 .. count - 1] covers a part of them. */
 void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect *places, uint32_t count);
+
+/* engine_pictures.c */
+
+/* `save` writes a picture, as stilb_image_save does, on the thread of pictures. NULL: no memory. */
+engine_pictures *engine_pictures_create(stilb_result (*save)(const stilb_image *image, const char *path));
+
+/* Waits for pictures that are being written, and ends their thread. NULL is accepted. */
+void engine_pictures_destroy(engine_pictures *pictures);
+
+/* Hands over the image, which is {0} afterwards, to be written as stilb_engine_picture describes.
+ * STILB_ERROR_MEMORY. */
+stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, const char *path, bool created);
+
+/* Tells the program of pictures that have been written since the last call. */
+void engine_pictures_tell(stilb_engine *engine);
 
 /* engine_inspector.c */
 

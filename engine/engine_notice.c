@@ -39,9 +39,7 @@ void engine_notice_add(engine_notice *notice, uint32_t pad, const stilb_input_pa
 
 /* ---- drawing ----------------------------------------------------------------------------------------------------- */
 
-/* The number of bytes of the text that fit into one line of this width, broken after a blank or comma or at a newline
- * if possible. */
-static size_t notice_line(const stilb_ui_font *font, const char *text, float width)
+size_t engine_notice_line(const stilb_ui_font *font, const char *text, float width)
 {
 	char line[512];
 	size_t fits = 0, length = 0;
@@ -62,7 +60,7 @@ static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *
 {
 	while (*text) {
 		char line[512];
-		size_t length = notice_line(font, text, area->x1 - area->x0);
+		size_t length = engine_notice_line(font, text, area->x1 - area->x0);
 		stilb_ui_rect row = stilb_ui_cut_top(area, stilb_ui_font_line(font));
 		snprintf(line, sizeof line, "%.*s", (int)length, text);
 		if (ui)

@@ -2,11 +2,13 @@
 
 #include "base/base_file.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
 /* Where the extension of a file's name begins, or its end. */
 static const char *picture_extension(const char *path)
@@ -33,14 +35,25 @@ static char *picture_numbered(const char *path, uint32_t n)
 	return written < 0 ? NULL : numbered;
 }
 
-char *live_picture_name(const char *path, const char *last)
+stilb_result live_picture_reserve(const char *path, const char *last, char **name)
 {
-	STILB_ASSERT(path && path[0]);
-	struct stat info;
+	STILB_ASSERT(path && path[0] && name);
 	for (uint32_t n = 1;; n++) {
-		char *name = picture_numbered(path, n);
-		if (!name || (lstat(name, &info) != 0 && !(last && stilb_file_same(name, last))))
-			return name;
-		free(name);
+		*name = picture_numbered(path, n);
+		if (!*name)
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for a picture's name");
+		bool kept = last && stilb_file_same(*name, last);
+		int file = kept ? -1 : open(*name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+		int error = kept ? EEXIST : errno;
+		if (file >= 0) {
+			close(file);
+			return STILB_OK;
+		}
+		if (error != EEXIST)
+			stilb_fail(STILB_ERROR_FILE, "cannot create '%s': %s", *name, strerror(error));
+		free(*name);
+		*name = NULL;
+		if (error != EEXIST)
+			return STILB_ERROR_FILE;
 	}
 }

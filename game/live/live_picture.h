@@ -2,12 +2,13 @@
 #ifndef STILB_LIVE_PICTURE_H
 #define STILB_LIVE_PICTURE_H
 
-#include <stdint.h>
+#include "base/base.h"
 
-/* Returns path if no file has that name yet, else path with "-2", "-3", ... before its extension, as captures are
- * numbered: no picture replaces an older one. last, or NULL, is the name of the picture that the run saves at its end,
- * which is not returned either. The caller frees the result; NULL: out of memory. [any-thread] */
-char *live_picture_name(const char *path, const char *last);
+/* Creates an empty file of the name path, or, if there is such a file, with "-2", "-3", ... before its extension, as
+ * captures are numbered: no picture replaces an older one, and nobody else takes the name meanwhile. last, or NULL, is
+ * the name of the picture that the run saves at its end, which is not taken either. The caller frees *name, which is
+ * NULL after an error. STILB_ERROR_FILE: no file can be created. STILB_ERROR_MEMORY. [any-thread] */
+stilb_result live_picture_reserve(const char *path, const char *last, char **name);
 
 /* Returns path with "-001" and so on before its extension, for pictures of a series, which replace those of an earlier
  * run. The caller frees the result; NULL: out of memory. [any-thread] */

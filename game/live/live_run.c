@@ -71,31 +71,6 @@ static void live_update(void *user, const stilb_engine_update *update)
 	run->program->update(run->user, update);
 }
 
-/* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
- * runs headless, after a line that says so. */
-static stilb_result live_start(live_run *run)
-{
-	stilb_engine_desc desc = live_options_engine(run->options);
-	desc.capture.done = live_on_captured;
-	desc.capture.user = run;
-	live_faults faults = live_options_faults(run->options);
-	run->slow_frame = faults.slow_frame;
-	desc.actions = run->rows;
-	desc.action_count = live_keys_rows(run->program->keys, run->rows);
-	desc.update = live_update;
-	desc.user = run;
-	stilb_engine_set_faults(&faults.render);
-	stilb_result result = stilb_engine_create(&desc, &run->engine);
-	if (result == STILB_ERROR_WINDOW) {
-		stilb_log("%s; running headless", stilb_error_message());
-		desc.window = false;
-		desc.times = run->options->times;
-		result = stilb_engine_create(&desc, &run->engine);
-	}
-	run->window = desc.window;
-	return result == STILB_OK ? run->program->start(run->user, run) : result;
-}
-
 uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, live_key key)
 {
 	return report->input.actions[live_keys_number(run->program->keys, key)];
@@ -115,6 +90,12 @@ void live_run_tell(live_run *run, const char *text)
 		stilb_engine_tell(run->engine, text);
 }
 
+void live_run_warn(live_run *run, const char *text)
+{
+	stilb_log("%s", text);
+	live_run_tell(run, text);
+}
+
 /* Says of the newest capture what live_tell_later left. */
 static void live_tell_now(live_run *run)
 {
@@ -125,35 +106,70 @@ static void live_tell_now(live_run *run)
 	free(text);
 }
 
-static void live_save_picture(live_run *run, const char *path)
+/* Says how a picture went that was written beside the frames. A series ends with the first that fails. */
+static void live_on_pictured(void *user, const stilb_engine_pictured *pictured)
 {
+	live_run *run = user;
 	char text[256];
-	stilb_result result = stilb_engine_screenshot(run->engine, path);
-	live_run_say(run, result, "picture", path);
-	snprintf(text, sizeof text, "%s written", path);
-	live_run_tell(run, result == STILB_OK ? text : stilb_error_message());
+	bool series = run->options->pictures > 0;
+	if (pictured->result == STILB_OK) {
+		fprintf(live_message_stream(run->options), "picture: %s\n", pictured->path);
+		fflush(live_message_stream(run->options));
+		snprintf(text, sizeof text, "%s written", pictured->path);
+		live_run_tell(run, text);
+		return;
+	}
+	if (run->picture_result == STILB_OK)
+		live_run_warn(run, pictured->message);
+	run->picture_result = series ? pictured->result : STILB_OK;
 }
 
+/* Creates the engine and then the scene, which would be made in vain without a driver; without a display the engine
+ * runs headless, after a line that says so. */
+static stilb_result live_start(live_run *run)
+{
+	stilb_engine_desc desc = live_options_engine(run->options);
+	desc.capture.done = live_on_captured;
+	desc.capture.user = run;
+	live_faults faults = live_options_faults(run->options);
+	run->slow_frame = faults.slow_frame;
+	desc.actions = run->rows;
+	desc.action_count = live_keys_rows(run->program->keys, run->rows);
+	desc.update = live_update;
+	desc.pictured = live_on_pictured;
+	desc.user = run;
+	stilb_engine_set_faults(&faults.render);
+	stilb_result result = stilb_engine_create(&desc, &run->engine);
+	if (result == STILB_ERROR_WINDOW) {
+		stilb_log("%s; running headless", stilb_error_message());
+		desc.window = false;
+		desc.times = run->options->times;
+		result = stilb_engine_create(&desc, &run->engine);
+	}
+	run->window = desc.window;
+	return result == STILB_OK ? run->program->start(run->user, run) : result;
+}
+
+/* Takes the picture that a key asked for, under a name of its own. */
 static void live_take_picture(live_run *run)
 {
 	const char *last = run->options->screenshot;
-	char *path = live_picture_name(last && !stilb_file_is_stdout(last) ? last : run->program->picture, last);
-	if (path)
-		live_save_picture(run, path);
-	else
-		stilb_log("no memory for a picture's name");
-	fflush(live_message_stream(run->options));
+	char *path;
+	stilb_result result =
+		live_picture_reserve(last && !stilb_file_is_stdout(last) ? last : run->program->picture, last, &path);
+	if (result == STILB_OK)
+		result = stilb_engine_picture(run->engine, path, true);
+	if (result != STILB_OK)
+		live_run_warn(run, stilb_error_message());
 	free(path);
 }
 
-/* Saves the picture of this frame under --screenshot's name with the frame's number: "a.png" becomes "a-001.png". */
-static stilb_result live_take_numbered(const live_run *run)
+/* Takes the picture of this frame under --screenshot's name with the frame's number: "a.png" becomes "a-001.png". */
+static stilb_result live_take_numbered(live_run *run)
 {
 	char *path = live_picture_numbered(run->options->screenshot, (uint32_t)run->frames);
 	stilb_result result =
-		path ? stilb_engine_screenshot(run->engine, path) : stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
-	if (result == STILB_OK)
-		live_run_say(run, result, "picture", path);
+		path ? stilb_engine_picture(run->engine, path, false) : stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
 	free(path);
 	return result;
 }
@@ -163,7 +179,7 @@ static stilb_result live_take_numbered(const live_run *run)
 static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 {
 	if (report->input.actions[STILB_ENGINE_CAPTURE] > 0 && stilb_engine_capture(run->engine) != STILB_OK)
-		stilb_log("%s", stilb_error_message());
+		live_run_warn(run, stilb_error_message());
 	if (report->input.actions[STILB_ENGINE_PICTURE] > 0)
 		live_take_picture(run);
 	live_tell_now(run);
@@ -205,7 +221,7 @@ uint64_t live_run_wanted(const live_run *run)
 static bool live_is_over(const live_run *run, const stilb_engine_report *report)
 {
 	uint64_t wanted = live_run_wanted(run);
-	if (live_interrupted || report->close)
+	if (live_interrupted || report->close || run->picture_result != STILB_OK)
 		return true;
 	if (wanted > 0)
 		return run->frames >= wanted;
@@ -238,7 +254,8 @@ static stilb_result live_frame(live_run *run, stilb_engine_report *report)
 	}
 	if (report->lost && run->window)
 		live_lose_window(run);
-	return report->drawn && run->options->pictures > 0 ? live_take_numbered(run) : STILB_OK;
+	return report->drawn && run->options->pictures > 0 && run->picture_result == STILB_OK ? live_take_numbered(run)
+	                                                                                      : STILB_OK;
 }
 
 static stilb_result live_loop(live_run *run)
@@ -283,6 +300,7 @@ static bool live_finish(live_run *run)
 		stilb_log("%s", stilb_error_message());
 		return false;
 	}
+	stilb_engine_pictures_wait(run->engine);
 	stage_times_last_gpu(&run->times, gpu_ms);
 	bool good = stage_times_summarise(&run->times, report.summary, &report.warmup);
 	if (!good)
@@ -303,8 +321,8 @@ static bool live_finish(live_run *run)
 	uint32_t messages = stilb_engine_validation_messages(run->engine);
 	if (messages > 0)
 		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
-	return good && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK && dump == STILB_OK &&
-	       track == STILB_OK && messages == 0;
+	return good && run->picture_result == STILB_OK && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK &&
+	       dump == STILB_OK && track == STILB_OK && messages == 0;
 }
 
 static int live_run_frames(live_run *run)

@@ -49,6 +49,7 @@ struct live_run {
 	stage_times times;
 	live_track track;
 	live_gamepads gamepads;
+	stilb_result picture_result; /* of the first picture of a series that could not be written */
 	/* Both are written on the profiler's capturing thread. The main thread reads them after it has destroyed the
 	 * engine, which ends that thread. */
 	int capture_error;   /* of the last capture: negative errno, or 0 */
@@ -69,6 +70,9 @@ void live_run_say(const live_run *run, stilb_result result, const char *what, co
 
 /* Shows a line in the window for some seconds, but not if --screenshot saves the last frame as the window shows it. */
 void live_run_tell(live_run *run, const char *text);
+
+/* Prints a line on stderr, and shows it in the window. */
+void live_run_warn(live_run *run, const char *text);
 
 /* The frames after which the run ends; 0: it ends with its window, its recording or a signal. */
 uint64_t live_run_wanted(const live_run *run);

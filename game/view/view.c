@@ -5,6 +5,7 @@
 #include "game/commands.h"
 #include "shading/shade_brdf.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,9 +63,20 @@ static stilb_result view_open(view *v, const char *name, bool again)
 	return view_load_start(name, &v->options.picture, again, &v->load);
 }
 
-static void view_say_panorama(const char *path)
+/* Says a line on the terminal and in the window. */
+__attribute__((format(printf, 2, 3))) static void view_warn(const view *v, const char *format, ...)
 {
-	stilb_log("'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
+	char text[1280];
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	live_run_warn(v->run, text);
+}
+
+static void view_say_panorama(const view *v, const char *path)
+{
+	view_warn(v, "'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
 }
 
 /* Shows what has been opened. The first scene must open; later, a line says why the one before stays. */
@@ -85,7 +97,7 @@ static stilb_result view_opened(view *v)
 		free(name);
 		if (!v->scene)
 			return result;
-		stilb_log("%s; '%s' stays as it was", stilb_error_message(), v->name);
+		view_warn(v, "%s; '%s' stays as it was", stilb_error_message(), v->name);
 		return STILB_OK;
 	}
 	v->run->starting = false;
@@ -94,7 +106,7 @@ static stilb_result view_opened(view *v)
 	if (!again) {
 		view_watch_set(&v->watch, name);
 		if (scene->surroundings.panorama.pixels && !v->options.picture.quiet)
-			view_say_panorama(v->options.picture.environment ? v->options.picture.environment : name);
+			view_say_panorama(v, v->options.picture.environment ? v->options.picture.environment : name);
 	}
 	return STILB_OK;
 }
@@ -121,7 +133,7 @@ static stilb_result view_drop(view *v, const char *path)
 	const char *dot = strrchr(path, '.');
 	if (!dot || (strcasecmp(dot, ".hdr") != 0 && strcasecmp(dot, ".exr") != 0))
 		return view_open(v, path, false);
-	view_say_panorama(path);
+	view_say_panorama(v, path);
 	return STILB_OK;
 }
 
@@ -132,7 +144,7 @@ static stilb_result view_look(view *v)
 	case VIEW_WATCH_CHANGED:
 		return view_open(v, v->name, true);
 	case VIEW_WATCH_GONE:
-		stilb_log("'%s' has gone; what it was stays, until there is such a file again", v->name);
+		view_warn(v, "'%s' has gone; what it was stays, until there is such a file again", v->name);
 		return STILB_OK;
 	default:
 		return STILB_OK;
@@ -163,7 +175,7 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 		if (result == STILB_OK && !v->load)
 			result = view_look(v);
 		if (result != STILB_OK) { /* no thread, or no memory for it: the scene stays */
-			stilb_log("%s", stilb_error_message());
+			live_run_warn(v->run, stilb_error_message());
 			result = STILB_OK;
 		}
 	}

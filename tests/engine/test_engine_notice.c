@@ -218,11 +218,9 @@ static void toasts_come_and_go(void **state)
 	assert_in_range(one[0], HEIGHT - 60, HEIGHT - 30);
 	assert_in_range(one[1], HEIGHT - 20, HEIGHT - 12);
 	for (int i = 0; i < 4; i++)
-		engine_overlay_tell(engine,
-		                    "a name that is much longer than the picture is wide, which is cut off at its edge: "
-		                    "a-name-that-is-much-longer-than-the-picture-is-wide.png written");
+		engine_overlay_tell(engine, "another one");
 	changed(rows);
-	assert_true(rows[1] == one[1] && rows[0] < one[0] - (one[1] - one[0]));
+	assert_true(rows[1] == one[1] && rows[0] < one[0] - 2 * (one[1] - one[0]));
 	assert_int_equal(engine->overlay.toasts.count, ENGINE_TOASTS);
 	engine_overlay_act(engine, &(stilb_input_state){.actions = {[STILB_ENGINE_PICTURE] = 1}});
 	assert_false(engine_overlay_is_open(&engine->overlay));
@@ -234,6 +232,12 @@ static void toasts_come_and_go(void **state)
 	assert_in_range(frames, 3, 5);
 	assert_int_equal(engine->overlay.toasts.count, 0);
 	engine->overlay.input.seconds = 0.0f;
+	engine_overlay_tell(engine,
+	                    "a line that is much longer than the picture is wide, so that it goes on in a second "
+	                    "one: a-name-that-is-as-long-as-names-of-files-can-be-in-folders-of-others.png written");
+	changed(rows);
+	assert_in_range(rows[1] - rows[0], one[1] - one[0] + 12, one[1] - one[0] + 20);
+	engine->overlay.toasts.count = 0;
 }
 
 static void ask(uint32_t action)

@@ -140,8 +140,9 @@ static void test_pictures_are_numbered(void **state)
 	trace_check_report report;
 	trace_check_file("t.json", &report);
 	assert_string_equal(report.error, "");
-	assert_int_equal(trace_check_zones(&report, "main", "screenshot"), 3); /* two by F12 and the one at the end */
-	assert_int_equal(trace_check_zones(&report, "main", "write the picture"), 3);
+	assert_int_equal(trace_check_zones(&report, "main", "take the picture"), 2); /* by F12 */
+	assert_int_equal(trace_check_zones(&report, "pictures", "write the picture"), 2);
+	assert_int_equal(trace_check_zones(&report, "main", "write the picture"), 1); /* the one at the end */
 	trace_check_finish(&report);
 	assert_int_equal(folder_entries(), 5);
 }

@@ -4,6 +4,7 @@
 
 #include <X11/Xatom.h>
 #include <X11/keysym.h>
+#include <sys/resource.h>
 
 static x11_server server;
 static Display *display;
@@ -102,13 +103,19 @@ static int run_end(void **state)
 	return 0;
 }
 
+static rlim_t file_limit = RLIM_INFINITY; /* bytes of a file that the run may write */
+
 static void open_window(const char *line, const char *title)
 {
 	char name[64];
 	assert_true(x11_server_start(&server));
 	snprintf(name, sizeof name, "DISPLAY=%s", server.name);
 	const char *const environment[] = {name, "WAYLAND_DISPLAY", NULL};
+	struct rlimit before, limit = {file_limit, RLIM_INFINITY};
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
 	stilb_start(environment, -1, line);
+	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 	display = XOpenDisplay(server.name);
 	assert_non_null(display);
 	window = x11_server_await(display, title);
@@ -147,6 +154,25 @@ static void files_come_and_go(void **state)
 	assert_int_equal(stat_int("models"), 2);
 }
 
+/* Files are limited to a kilobyte, as if the disk was full: a picture that cannot be written is told, the run goes on,
+ * and nothing is left of it. */
+static void a_full_disk_is_told(void **state)
+{
+	(void)state;
+	write_text("a.obj", SQUARE);
+	signal(SIGXFSZ, SIG_IGN);
+	file_limit = 1024;
+	open_window("view a.obj --size 320x240 --workers 1 --gamepad off --quiet", "Stilb: a.obj");
+	file_limit = RLIM_INFINITY;
+	x11_server_type(display, window, XK_F12);
+	assert_true(await_said("cannot write 'stilb-view.png'"));
+	assert_int_equal(access("stilb-view.png", F_OK), -1);
+	XCloseDisplay(display);
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+}
+
 /* The first scene must open: the run ends as one that was refused. */
 static void the_first_must_open(void **state)
 {
@@ -164,6 +190,7 @@ int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(files_come_and_go, folder_fresh, run_end),
+		cmocka_unit_test_setup_teardown(a_full_disk_is_told, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(the_first_must_open, folder_fresh, run_end),
 	};
 	if (!x11_server_start(&server)) {
