@@ -92,6 +92,7 @@ static void engines(void **state)
 	contract_breaks("report", stilb_engine_frame(engine, NULL));
 	contract_breaks("gpu_ms", stilb_engine_wait(engine, NULL));
 	contract_breaks("path", stilb_engine_screenshot(engine, NULL));
+	contract_breaks("path", stilb_engine_picture(engine, NULL, false));
 	contract_breaks("width && height", stilb_engine_size(engine, NULL, NULL));
 	contract_breaks("shading", stilb_engine_set_shading(engine, NULL));
 	contract_breaks("title", stilb_engine_set_title(engine, NULL));
