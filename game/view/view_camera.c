@@ -68,7 +68,7 @@ static stilb_result view_place(view *v, stilb_scene *scene, bool *metered)
 	picture_flags flags = v->options.picture;
 	stilb_result result = picture_flags_place(&flags, v->aspect, scene);
 	if (result != STILB_OK && v->scene) {
-		stilb_log("%s", stilb_error_message());
+		live_run_warn(v->run, stilb_error_message());
 		flags.camera = NULL;
 		result = picture_flags_place(&flags, v->aspect, scene);
 	}

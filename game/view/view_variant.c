@@ -12,7 +12,7 @@ stilb_result view_variant_begin(const view *v, stilb_scene *scene, bool again)
 	else if (!before)
 		result = picture_flags_variant(&v->options.picture, scene);
 	if (result != STILB_OK && v->scene) {
-		stilb_log("%s", stilb_error_message());
+		live_run_warn(v->run, stilb_error_message());
 		result = STILB_OK;
 	}
 	return result;
@@ -31,5 +31,5 @@ void view_variant_next(view *v)
 	if (result != STILB_OK)
 		snprintf(text, sizeof text, "%s", stilb_error_message());
 	fprintf(live_message_stream(&v->options), "%s\n", text);
-	stilb_engine_tell(v->run->engine, text);
+	live_run_tell(v->run, text);
 }
