@@ -100,10 +100,23 @@ stilb_component(gi "Pictures of scenes by ray tracing"
 	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3)
 
 # ---- the shared library ----
-# One library for all modules, because the profiler's zones belong to one image: what it shares with a program's own copy of
-# the profiler is the headers alone. It exports what the public headers mark, and only that. With BUILD_SHARED_LIBS it is
-# installed as well, and then the components are it; so they are after `cmake --install BUILD --component shared`.
-set(modules engine ui render culling input window gi numeric scene image base jobs profiler)
+# One library for all modules. It exports what the public headers mark, and only that. With BUILD_SHARED_LIBS it is installed as
+# well, and then the components are it; so they are after `cmake --install BUILD --component shared`.
+#
+# Its profiler is compiled for it, without hidden functions and with shared/prof_image.c: the zones of a program that is compiled
+# with STILB_PROF_SHARED are recorded there. Linked statically, each program or shared object has a profiler of its own.
+get_target_property(sources stilb-profiler SOURCES)
+list(TRANSFORM sources PREPEND profiler/)
+add_library(stilb-profiler-shared OBJECT EXCLUDE_FROM_ALL ${sources} profiler/shared/prof_image.c)
+set_target_properties(stilb-profiler-shared PROPERTIES C_VISIBILITY_PRESET default)
+target_compile_definitions(stilb-profiler-shared PRIVATE PROF_IMAGES)
+target_include_directories(stilb-profiler-shared PRIVATE $<TARGET_PROPERTY:stilb-profiler,INCLUDE_DIRECTORIES>)
+target_link_libraries(stilb-profiler-shared PRIVATE stilb-flags)
+set(shared_definitions STILB_PROF_SHARED)
+if(NOT STILB_PROFILE)
+	list(APPEND shared_definitions STILB_PROFILE_OFF)
+endif()
+set(modules engine ui render culling input window gi numeric scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
 target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-flags # for the libraries of others that these need
@@ -112,6 +125,7 @@ target_link_options(stilb-shared PRIVATE -Wl,-z,defs -Wl,--version-script=${PROJ
 set_target_properties(stilb-shared PROPERTIES OUTPUT_NAME stilb EXPORT_NAME shared LINKER_LANGUAGE CXX
 	VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} # 0.x: each minor may break
 	LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/stilb-exports.map)
+target_compile_definitions(stilb-shared INTERFACE ${shared_definitions})
 target_include_directories(stilb-shared INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 set(shared COMPONENT shared)
 if(NOT BUILD_SHARED_LIBS)
@@ -123,12 +137,16 @@ endif()
 install(TARGETS stilb-shared EXPORT stilb-shared-targets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ${shared}
 	NAMELINK_COMPONENT shared)
 install(EXPORT stilb-shared-targets NAMESPACE stilb:: DESTINATION ${package_dir} ${shared})
-foreach(name jobs scene engine gi)
+list(TRANSFORM shared_definitions PREPEND -D OUTPUT_VARIABLE cflags)
+list(JOIN cflags " " cflags)
+foreach(name jobs profiler scene engine gi)
 	set(description "Stilb's ${name}, in the shared library of all of Stilb")
 	set(requires)
 	set(libs -lstilb)
 	set(more -lm)
 	file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 	configure_file(cmake/stilb-component.pc.in shared/stilb-${name}.pc @ONLY)
+	# The static library's file, if it is there, may be as old to the second, and would be taken for this one.
+	install(CODE "file(REMOVE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/pkgconfig/stilb-${name}.pc\")" ${shared})
 	install(FILES ${CMAKE_CURRENT_BINARY_DIR}/shared/stilb-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig ${shared})
 endforeach()

@@ -232,7 +232,8 @@ typedef struct stilb_engine_report {
 	bool close;      /* the user closed the window */
 	const char *const *dropped; /* [dropped_count] paths of files that the user dropped onto the window meanwhile; */
 	uint32_t dropped_count;     /* valid until the next frame */
-	bool lost;  /* the window's display has gone; frames are still drawn, to memory, and nobody can close them */
+	bool lost;  /* the window or its display has gone, the engine's or the program's: from now on frames are drawn to
+	               memory, in the last size. For another window: another engine, and the same scene */
 	bool drawn; /* false: the window is minimised, and only input was handled */
 } stilb_engine_report;
 

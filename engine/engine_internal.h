@@ -120,6 +120,7 @@ struct stilb_engine {
 	stilb_render_shading shading; /* of the next frame */
 
 	bool profiled, captures; /* it has started the profiler; its captures */
+	bool lost;               /* the window's surface has gone */
 	bool dumpable;           /* a frame of this scene has been drawn */
 	uint64_t frame;          /* frames drawn */
 	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */

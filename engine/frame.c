@@ -186,7 +186,8 @@ static stilb_result present(stilb_engine *engine)
 {
 	PROFILE("present");
 	stilb_result result = stilb_render_present(engine->render);
-	engine->report.lost |= result == STILB_ERROR_WINDOW;
+	engine->lost |= result == STILB_ERROR_WINDOW;
+	engine->report.lost |= engine->lost;
 	return result == STILB_ERROR_WINDOW ? STILB_OK : result;
 }
 

@@ -43,8 +43,11 @@
  * Asserts.      In programs compiled without NDEBUG, the macros and inline functions check their arguments, which costs
  *               some nanoseconds an event.
  *
- * The library is static and keeps its state once per linked program or shared object. The zones of a shared object are
- * recorded by the copy of the library that is linked into it.
+ * Copies.       The library is static and keeps its state once per linked program or shared object. The zones of a
+ *               shared object are recorded by the copy of the library that is linked into it. The copy in libstilb.so,
+ *               Stilb's shared library, also records for the program and all shared objects that are compiled with
+ *               STILB_PROF_SHARED, which Stilb's CMake and pkg-config packages define then. That is up to 63 of them,
+ *               of 512 MiB together; more do not record. They stay in memory when they are closed.
  */
 #ifndef STILB_PROF_H
 #define STILB_PROF_H

@@ -96,10 +96,41 @@ typedef struct stilb_prof_ring {
 	} while (0)
 
 /* The bounds of the array of sites. The linker defines them, and their names. */
+#ifdef STILB_PROF_SHARED
+#define STILB_PROF_BOUND_ __attribute__((weak, visibility("hidden"))) /* NULL in an image without an array */
+#else
+#define STILB_PROF_BOUND_ __attribute__((visibility("hidden")))
+#endif
 extern const stilb_prof_site __start_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
-	__attribute__((visibility("hidden")));
+	STILB_PROF_BOUND_;
 extern const stilb_prof_site __stop_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
-	__attribute__((visibility("hidden")));
+	STILB_PROF_BOUND_;
+
+/* A program, or a shared object of it, that records in the profiler of another: of libstilb.so. */
+typedef struct stilb_prof_image {
+	const uint32_t *session;             /* stilb_prof_session of that profiler; NULL until the image has joined it */
+	uintptr_t begin, size;               /* where the image lies in memory */
+	uint64_t offset;                     /* what events hold for a site at begin */
+	const stilb_prof_site *first, *stop; /* the image's array of sites; NULL: it has none */
+} stilb_prof_image;
+
+#ifdef STILB_PROF_SHARED
+
+/* One for each image, of which all files that include this header have the same. */
+__attribute__((weak, visibility("hidden")))
+stilb_prof_image stilb_prof_this_image = {NULL, 0, 0, 0, __start_stilb_prof_section, __stop_stilb_prof_section};
+
+/* Lets the image take part: fills the members in and returns its session. From then on the image stays in memory, also
+ * after dlclose, because events refer to its sites. An image that does not fit (prof.h) never records. [any-thread] */
+const uint32_t *stilb_prof_image_join(stilb_prof_image *image);
+
+/* What events hold for a site of any image. [any-thread] */
+uint64_t stilb_prof_site_offset_of(const stilb_prof_site *site);
+
+#define stilb_prof_thread_ring stilb_prof_ring_shared
+extern __thread stilb_prof_ring *stilb_prof_thread_ring __attribute__((tls_model("initial-exec")));
+
+#else
 
 /* 0 while recording is off; else the number of the session, which is the time from one switching-on of recording to the
  * next switching-off; each has another number. Zones that were begun in an earlier session are lost. */
@@ -109,6 +140,8 @@ extern uint32_t stilb_prof_session __attribute__((visibility("hidden")));
  * written. */
 extern __thread stilb_prof_ring *stilb_prof_thread_ring
 	__attribute__((visibility("hidden"), tls_model("initial-exec")));
+
+#endif
 
 /* CLOCK_MONOTONIC in nanoseconds. [any-thread] */
 uint64_t stilb_prof_clock_monotonic(void);
@@ -167,10 +200,38 @@ static inline uint64_t stilb_prof_clock_precise(const stilb_prof_ring *ring)
 	return stilb_prof_clock(ring);
 }
 
+/* The value of stilb_prof_session. Relaxed: no data depends on it. */
+static inline uint32_t stilb_prof_session_now(void)
+{
+#ifdef STILB_PROF_SHARED
+	/* Acquire: pairs with the release in stilb_prof_image_join. */
+	const uint32_t *session = __atomic_load_n(&stilb_prof_this_image.session, __ATOMIC_ACQUIRE);
+	if (__builtin_expect(!session, 0))
+		session = stilb_prof_image_join(&stilb_prof_this_image);
+	return __atomic_load_n(session, __ATOMIC_RELAXED);
+#else
+	return __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED);
+#endif
+}
+
+/* What events hold for a site: its distance from the array of sites; from that of libstilb.so as if all images that
+ * record there lay behind one another. */
+static inline uint64_t stilb_prof_site_offset(const stilb_prof_site *site)
+{
+#ifdef STILB_PROF_SHARED
+	uintptr_t inside = (uintptr_t)site - stilb_prof_this_image.begin;
+	if (__builtin_expect(inside >= stilb_prof_this_image.size, 0)) /* of another image: stilb_prof_site_make */
+		return stilb_prof_site_offset_of(site);
+	return stilb_prof_this_image.offset + inside;
+#else
+	return (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
+#endif
+}
+
 static inline bool stilb_prof_is_recording(void)
 {
-	/* Relaxed: no data depends on it. The compiler is told to expect "off": see stilb_prof_recorder. */
-	return __builtin_expect(__atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED) != 0, 0);
+	/* The compiler is told to expect "off": see stilb_prof_recorder. */
+	return __builtin_expect(stilb_prof_session_now() != 0, 0);
 }
 
 /* The ring to record to, in the current session; NULL: nothing is to be recorded. The compiler is told to expect NULL,
@@ -178,7 +239,7 @@ static inline bool stilb_prof_is_recording(void)
  * clock. */
 static inline stilb_prof_ring *stilb_prof_recorder(void)
 {
-	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
+	uint32_t session = stilb_prof_session_now();
 	if (__builtin_expect(session == 0, 1))
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
@@ -188,25 +249,31 @@ static inline stilb_prof_ring *stilb_prof_recorder(void)
 /* The ring whose innermost zone is to end; NULL: no zone is open. */
 static inline stilb_prof_ring *stilb_prof_ender(void)
 {
-	uint32_t session = __atomic_load_n(&stilb_prof_session, __ATOMIC_RELAXED); /* no data depends on it */
+	uint32_t session = stilb_prof_session_now();
 	if (__builtin_expect(session == 0, 1))
 		return NULL;
 	stilb_prof_ring *ring = stilb_prof_thread_ring;
 	return __builtin_expect(ring->session == session && ring->depth > 0, 1) ? ring : NULL;
 }
 
-/* Writes one event. Release stores: they pair with the acquire loads of prof_event_load and prof_copy_events. */
-static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t time, uint64_t low,
-                                    uint64_t payload)
+/* Writes one event of the site that has this offset. Release stores: they pair with the acquire loads of
+ * prof_event_load and prof_copy_events. */
+static inline void stilb_prof_write_at(stilb_prof_ring *ring, uint64_t offset, uint64_t time, uint64_t low,
+                                       uint64_t payload)
 {
 	uint64_t head = __atomic_load_n(&ring->head, __ATOMIC_RELAXED);
-	uint64_t offset = (uint64_t)((uintptr_t)site - (uintptr_t)__start_stilb_prof_section);
 	assert((uint64_t)((int64_t)(offset << 34) >> 34) == offset && "sites lie in the program, not in allocated memory");
 	assert(low < 64 && payload >> 46 == 0);
 	stilb_prof_event *event = &ring->events[head & ring->mask];
 	__atomic_store_n(&event->begin, time << 12 | (offset & 0xfc0) | low, __ATOMIC_RELEASE);
 	__atomic_store_n(&event->end, payload << 18 | (offset >> 12 & 0x3ffff), __ATOMIC_RELEASE);
 	__atomic_store_n(&ring->head, head + 1, __ATOMIC_RELEASE);
+}
+
+static inline void stilb_prof_write(stilb_prof_ring *ring, const stilb_prof_site *site, uint64_t time, uint64_t low,
+                                    uint64_t payload)
+{
+	stilb_prof_write_at(ring, stilb_prof_site_offset(site), time, low, payload);
 }
 
 /* Opens a zone at depth. Release stores: they pair with prof_copy_open_zone. */

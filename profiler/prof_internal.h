@@ -66,6 +66,46 @@ double prof_clock_zone_cost_ns(void);
 /* For tests, before the clock is first read (asserted): pretends that the TSC cannot be used. */
 void prof_clock_force_monotonic(void);
 
+/* ---- shared/prof_image.c: other images that record in this profiler, when it is libstilb.so's -------------------- */
+
+/* What events hold for a site, and the site for that. Where all sites are this image's it is the distance from the
+ * start of their array. */
+#ifdef PROF_IMAGES
+uint64_t stilb_prof_site_offset_of(const stilb_prof_site *site);
+const uint32_t *stilb_prof_image_join(stilb_prof_image *image);
+const stilb_prof_site *prof_site_at(int64_t offset);
+#else
+static inline uint64_t stilb_prof_site_offset_of(const stilb_prof_site *site)
+{
+	return stilb_prof_site_offset(site);
+}
+static inline const stilb_prof_site *prof_site_at(int64_t offset)
+{
+	return (const stilb_prof_site *)((uintptr_t)__start_stilb_prof_section + (uintptr_t)offset);
+}
+#endif
+
+/* Walks the arrays of sites of all other images: NULL gives the first, each site the next, the last one NULL. True: the
+ * site is in one of them. */
+#ifdef PROF_IMAGES
+const stilb_prof_site *prof_image_site_next(const stilb_prof_site *previous);
+bool prof_image_has_site(const stilb_prof_site *site);
+#else
+static inline const stilb_prof_site *prof_image_site_next(const stilb_prof_site *previous)
+{
+	(void)previous;
+	return NULL;
+}
+static inline bool prof_image_has_site(const stilb_prof_site *site)
+{
+	(void)site;
+	return false;
+}
+#endif
+
+/* Stands for what has no site of its own. */
+extern const stilb_prof_site prof_site_more;
+
 /* ---- prof_ring.c: events ----------------------------------------------------------------------------------------- */
 
 /* An unpacked event. Members that the kind of its site does not have are 0. */
@@ -92,7 +132,7 @@ static inline prof_record prof_event_unpack(const stilb_prof_event *event, uint6
 	uint64_t time = limit - ((limit - (event->begin >> 12)) & ((UINT64_C(1) << 52) - 1));
 	uint64_t low = event->begin & 0x3f, payload = event->end >> 18;
 	prof_record record = {
-		.site = (const stilb_prof_site *)((uintptr_t)__start_stilb_prof_section + (uintptr_t)distance),
+		.site = prof_site_at(distance),
 		.begin = time,
 		.end = time,
 	};

@@ -60,6 +60,12 @@ static const stilb_prof_ring prof_ring_none;
 __thread stilb_prof_ring *stilb_prof_thread_ring = (stilb_prof_ring *)&prof_ring_none;
 uint32_t stilb_prof_session = 1;
 
+#ifdef PROF_IMAGES
+/* The name by which other images know it: what is hidden within this library for its own files stays so. */
+extern __thread stilb_prof_ring *stilb_prof_ring_shared
+	__attribute__((alias("stilb_prof_thread_ring"), tls_model("initial-exec")));
+#endif
+
 enum prof_lock_state { PROF_UNLOCKED, PROF_SHARED, PROF_LOCKED };
 
 /* State of the calling thread. */
@@ -548,7 +554,7 @@ uint64_t stilb_prof_flow_begin(const stilb_prof_site *flow)
 		return 0;
 	uint64_t begun = prof_frames_begun();
 	uint64_t id = prof_flow_id(begun > 0 ? begun - 1 : 0, ring->lane, ring->flows++);
-	stilb_prof_write(ring, flow, stilb_prof_clock(ring), prof_flow_level(ring), id);
+	stilb_prof_write_at(ring, stilb_prof_site_offset_of(flow), stilb_prof_clock(ring), prof_flow_level(ring), id);
 	return id;
 }
 
@@ -557,7 +563,8 @@ void stilb_prof_flow_end(const stilb_prof_site *flow, uint64_t id)
 	assert(flow);
 	stilb_prof_ring *ring = id != 0 && flow->kind == STILB_PROF_KIND_FLOW_BEGIN ? stilb_prof_recorder() : NULL;
 	if (ring)
-		stilb_prof_write(ring, flow + 1, stilb_prof_clock(ring), prof_flow_level(ring), id);
+		stilb_prof_write_at(ring, stilb_prof_site_offset_of(flow + 1), stilb_prof_clock(ring), prof_flow_level(ring),
+		                    id);
 }
 
 /* ---- lanes of devices -------------------------------------------------------------------------------------------- */
@@ -583,7 +590,7 @@ void stilb_prof_lane_zone(stilb_prof_lane_handle *lane, const stilb_prof_site *s
 	if (duration > STILB_PROF_DURATION_MAX)
 		duration = STILB_PROF_DURATION_MAX;
 	if (depth < STILB_PROF_DEPTH_MAX)
-		stilb_prof_write(ring, site, begin_ns, depth, duration);
+		stilb_prof_write_at(ring, stilb_prof_site_offset_of(site), begin_ns, depth, duration);
 	else /* a number: no data depends on it */
 		__atomic_store_n(&ring->too_deep, ring->too_deep + 1, __ATOMIC_RELAXED);
 }

@@ -7,8 +7,7 @@
 
 #define PROF_SITES_MADE_MAX 1024
 
-/* Stands for the names that no site could be made for. */
-static const stilb_prof_site prof_site_more STILB_PROF_SECTION_ =
+const stilb_prof_site prof_site_more STILB_PROF_SECTION_ =
 	STILB_PROF_SITE_INIT_("more names", "", 0, STILB_PROF_KIND_ZONE);
 
 /* Head of the list: the newest site. Sites are added at the head and never removed. */
@@ -31,19 +30,24 @@ const stilb_prof_site *stilb_prof_site_next(const stilb_prof_site *previous)
 {
 	if (!previous)
 		return __start_stilb_prof_section;
-	if (!prof_site_is_in_array(previous)) {
+	bool own = prof_site_is_in_array(previous);
+	if (!own && !prof_image_has_site(previous)) {
 		/* Relaxed: the site was reached by the acquire load of the list's head, and its next was stored before that. */
 		assert(__atomic_load_n(&previous->listed, __ATOMIC_RELAXED) == 1 && "a site that stilb_prof_site_next gave");
 		return previous->next;
 	}
-	if (previous + 1 < __stop_stilb_prof_section)
+	if (own && previous + 1 < __stop_stilb_prof_section)
 		return previous + 1;
+	const stilb_prof_site *next = prof_image_site_next(own ? NULL : previous);
+	if (next)
+		return next;
 	return __atomic_load_n(&prof_sites, __ATOMIC_ACQUIRE); /* pairs with the release in stilb_prof_site_list */
 }
 
 bool stilb_prof_site_list(stilb_prof_site *sites, size_t count)
 {
 	assert(sites && count > 0 && !prof_site_is_in_array(sites));
+	stilb_prof_site_offset_of(sites); /* from now on their image stays in memory */
 	for (size_t i = 0; i < count; i++) {
 		/* Relaxed: only decides which thread adds the site; no data depends on it. */
 		if (__atomic_exchange_n(&sites[i].listed, 1, __ATOMIC_RELAXED) != 0)

@@ -1,5 +1,6 @@
 /* Engines with windows side by side, and an engine in a window of the program's own. All under Vulkan validation. */
 #include "engine.h"
+#include "image/image.h"
 #include "support/test.h"
 #include "support/x11_server.h"
 #include "tests/engine/stress_engine.h"
@@ -140,30 +141,65 @@ static int32_t own_create(void *user, void *instance, uint64_t *surface)
 	return result;
 }
 
+static void own_open(own *o)
+{
+	o->window =
+		XCreateSimpleWindow(o->display, RootWindow(o->display, DefaultScreen(o->display)), 0, 0, 160, 100, 0, 0, 0);
+	XMapWindow(o->display, o->window);
+	XSync(o->display, False);
+}
+
+static void run_until_shown(stilb_engine *engine, const own *o)
+{
+	run_frames(engine, 5);
+	for (int i = 0; i < 1000 && !x11_server_has_picture(o->display, o->window); i++)
+		run_frames(engine, 1); /* the X server shows a picture a little later */
+	assert_true(x11_server_has_picture(o->display, o->window));
+}
+
+/* The window goes while the engine draws: it says so from then on and draws to memory. */
+static void lose_the_window(stilb_engine *engine, own *o)
+{
+	stilb_engine_report report;
+	XDestroyWindow(o->display, o->window);
+	XSync(o->display, False);
+	for (int i = 0; i < 4; i++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_true(report.lost && report.drawn);
+	}
+	assert_int_equal(stilb_engine_resize(engine, 90, 50), STILB_OK); /* memory has no size of its own */
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_engine_screenshot(engine, "test_window_guest.png"), STILB_OK);
+	stilb_image image;
+	assert_int_equal(stilb_image_load("test_window_guest.png", &image), STILB_OK);
+	assert_true(image.width == 90 && image.height == 50);
+	stilb_image_finish(&image);
+	remove("test_window_guest.png");
+}
+
 static void test_a_window_of_the_programs_own(void **state)
 {
 	(void)state;
 	own o = {.display = XOpenDisplay(NULL)};
 	assert_non_null(o.display);
-	int screen = DefaultScreen(o.display);
-	o.window = XCreateSimpleWindow(o.display, RootWindow(o.display, screen), 0, 0, 160, 100, 0, 0, 0);
-	XMapWindow(o.display, o.window);
-	XSync(o.display, False);
+	own_open(&o);
 	stilb_engine_desc desc = window_desc();
 	stilb_render_surface surface = {&o, own_extensions, own_create};
 	uint32_t width, height;
 	desc.surface = &surface;
 	stilb_engine *engine = make_engine(&desc);
-	run_frames(engine, 5);
-	for (int i = 0; i < 1000 && !x11_server_has_picture(o.display, o.window); i++)
-		run_frames(engine, 1); /* the X server shows a picture a little later */
-	assert_true(x11_server_has_picture(o.display, o.window));
+	run_until_shown(engine, &o);
 	XResizeWindow(o.display, o.window, 200, 120);
 	XSync(o.display, False);
 	assert_int_equal(stilb_engine_resize(engine, 200, 120), STILB_OK);
 	run_frames(engine, 5);
 	stilb_engine_size(engine, &width, &height);
 	assert_true(width == 200 && height == 120);
+	lose_the_window(engine, &o);
+	stress_engine_destroy(engine);
+	own_open(&o);
+	engine = make_engine(&desc);
+	run_until_shown(engine, &o);
 	stress_engine_destroy(engine);
 	XDestroyWindow(o.display, o.window);
 	XCloseDisplay(o.display);
