@@ -162,6 +162,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);
 	stilb_cull_destroy(engine->cull);
+	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_overlay_finish(&engine->overlay);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
@@ -198,6 +199,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	stilb_scene_pick_index_clear(engine->pick_index);
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
 }
@@ -269,16 +271,28 @@ uint32_t stilb_engine_validation_messages(const stilb_engine *engine)
 	return stilb_render_validation_messages(engine->render);
 }
 
-bool stilb_engine_pick(const stilb_engine *engine, double x, double y, stilb_engine_hit *hit)
+void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes)
+{
+	for (uint32_t i = 0; i < changes->mesh_count; i++)
+		stilb_scene_pick_index_forget(engine->pick_index, changes->meshes[i]);
+	for (uint32_t i = 0; i < changes->vertices_count; i++)
+		stilb_scene_pick_index_forget(engine->pick_index, changes->vertices[i].mesh);
+}
+
+bool stilb_engine_pick(stilb_engine *engine, double x, double y, stilb_engine_hit *hit)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(hit);
 	uint32_t width, height;
 	if (!engine->scene)
 		return false;
+	if (!engine->pick_index)
+		engine->pick_index = stilb_scene_pick_index_create();              /* without memory it is slower */
+	stilb_scene_changes changes = stilb_scene_changes_read(engine->scene); /* bounds, and what no frame has seen yet */
+	engine_pick_forget(engine, &changes);
 	stilb_render_size(engine->render, &width, &height);
 	stilb_scene_ray ray = stilb_scene_camera_ray(&engine->scene->camera, width, height, x, y);
-	return stilb_scene_pick(engine->scene, &ray, hit);
+	return stilb_scene_pick_indexed(engine->scene, &ray, engine->pick_index, hit);
 }
 
 stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine)

@@ -297,9 +297,9 @@ uint32_t stilb_engine_samples(const stilb_engine *engine);
 uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
 
 /* Finds what the scene's camera sees at a point of the picture, pixels from its top left corner; the first pixel's
- * centre is (0.5, 0.5). On the CPU, in the scene as it is now; scene_pick.h says what that costs. False: nothing is
- * there, and *hit is as before. */
-bool stilb_engine_pick(const stilb_engine *engine, double x, double y, stilb_engine_hit *hit);
+ * centre is (0.5, 0.5). On the CPU, in the scene as it is now, with an index of large meshes; scene_pick.h says what
+ * that costs. False: nothing is there, and *hit is as before. */
+bool stilb_engine_pick(stilb_engine *engine, double x, double y, stilb_engine_hit *hit);
 
 /* How pictures get to the screen: desc.presentation, or FIFO if the window does not offer that. */
 stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine);

@@ -119,15 +119,21 @@ struct stilb_engine {
 	engine_pictures *pictures;    /* NULL: none has been taken yet */
 	stilb_render_shading shading; /* of the next frame */
 
-	bool profiled, captures; /* it has started the profiler; its captures */
-	bool lost;               /* the window's surface has gone */
-	bool dumpable;           /* a frame of this scene has been drawn */
-	uint64_t frame;          /* frames drawn */
-	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */
-	double seconds;          /* the engine's time, from 0 */
-	float step;              /* the time that this frame advances, seconds */
+	bool profiled, captures;            /* it has started the profiler; its captures */
+	stilb_scene_pick_index *pick_index; /* of the scene's meshes; NULL: nothing has been picked */
+	bool lost;                          /* the window's surface has gone */
+	bool dumpable;                      /* a frame of this scene has been drawn */
+	uint64_t frame;                     /* frames drawn */
+	uint64_t last_ns;                   /* clock at which the last frame began; 0 before the first */
+	double seconds;                     /* the engine's time, from 0 */
+	float step;                         /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };
+
+/* engine.c */
+
+/* Forgets what the index of stilb_engine_pick knows of meshes that have changed. */
+void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes);
 
 /* engine_profile.c */
 

@@ -98,6 +98,7 @@ static stilb_result frame_begin(stilb_engine *engine)
 static stilb_result update_render(stilb_engine *engine)
 {
 	stilb_scene_changes changes = stilb_scene_changes_read(engine->scene);
+	engine_pick_forget(engine, &changes);
 	return stilb_render_update_scene(engine->render, engine->scene, &changes);
 }
 

@@ -21,7 +21,8 @@
 #define RAYS_OF_BATCH 0x40000 /* rays in a batch, about: few enough that a stop, seen between batches, comes soon */
 #define RAYS_OF_PATH 8        /* rays of one path after its camera ray: an estimate, for the size of a batch */
 #define OVERTURE_SHARE 0.5    /* of the time limit, for filling the irradiance cache before the picture */
-#define FIRST_SAMPLES 16u     /* of each pixel in the first round of a progressive render: see first_samples */
+#define WATCH_NS 50000000u
+#define FIRST_SAMPLES 16u /* of each pixel in the first round of a progressive render: see first_samples */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
@@ -212,10 +213,25 @@ static bool is_ending(const stilb_gi_render *render)
 	       (render->deadline_ns && stilb_time_ns() >= render->deadline_ns);
 }
 
+/* Shows the program how far the render is, on the thread in run, and stops for it. */
+static void watch(stilb_gi_render *render)
+{
+	uint64_t now = render->watch ? stilb_time_ns() : 0;
+	if (!render->watch || now - render->watched_ns < WATCH_NS)
+		return;
+	stilb_gi_progress progress;
+	stilb_gi_render_progress(render, &progress);
+	if (!render->watch(render->watch_user, &progress))
+		stilb_gi_render_stop(render);
+	render->watched_ns = stilb_time_ns();
+}
+
 /* Renders the samples that the worker has collected and empties its batch. False: the render is ending (stop, or the
  * time limit), and the samples were dropped instead. */
 static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 {
+	if (worker == &render->workers[0])
+		watch(render);
 	bool go_on = !is_ending(render);
 	if (go_on && worker->count > 0)
 		batch_render(render, worker);
@@ -451,6 +467,7 @@ static bool overture_report(void *user, const gi_cache_progress *progress)
 	render->overture_done = progress->done;
 	snprintf(render->stage, sizeof render->stage, "overture %u", progress->round);
 	stilb_lock_give(&render->lock);
+	watch(render);
 	return !overture_is_ending(render);
 }
 
@@ -512,6 +529,15 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 	if (end_is_final(end) && render->cache_fill)
 		result = gi_cache_fill_save(render->cache_fill);
 	return result;
+}
+
+void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void *user)
+{
+	STILB_ASSERT(render);
+	STILB_ASSERT_OWNER(render->owner);
+	render->watch = fn;
+	render->watch_user = user;
+	render->watched_ns = 0;
 }
 
 void stilb_gi_render_stop(stilb_gi_render *render)

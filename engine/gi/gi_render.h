@@ -302,6 +302,23 @@ typedef struct stilb_gi_progress {
  */
 void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progress);
 
+/* Takes the state of the moment while run runs; false: run returns, as after stilb_gi_render_stop. Called on the thread
+ * that called run, which works on nothing else meanwhile, every 50 ms at most; it may read the picture so far
+ * (stilb_gi_render_preview), and must not call what is [main-thread]. */
+typedef bool stilb_gi_watch_fn(void *user, const stilb_gi_progress *progress);
+
+/* From the next run on, calls fn with user; NULL: nobody watches, as at the start. Where a thread other than the one in
+ * run may look, it can as well call stilb_gi_render_progress. [main-thread]
+ *
+ *   static bool show(void *user, const stilb_gi_progress *progress)
+ *   {
+ *       window_draw_bar(user, progress->done);
+ *       return !window_is_closed(user);
+ *   }
+ *
+ *   stilb_gi_render_watch(render, show, window); */
+void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void *user);
+
 /* ---- the picture ------------------------------------------------------------------------------------------------- */
 
 /* Copies the picture as far as it is, for a window. rgb: [height][width][3] linear radiance, row 0 at the top; a pixel

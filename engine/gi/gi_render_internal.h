@@ -57,6 +57,11 @@ struct stilb_gi_render {
 	_Atomic bool cut;
 	uint64_t deadline_ns; /* time at which run ends, by stilb_time_ns; 0: none. Written before the loop over tiles */
 
+	/* The program's view of progress; only the thread in run touches these. */
+	stilb_gi_watch_fn *watch;
+	void *watch_user;
+	uint64_t watched_ns; /* when it was called last */
+
 	/* For progress: written by run and read by progress, under the lock. */
 	stilb_lock lock;
 	double seconds;       /* of the calls of run that have returned */

@@ -1,7 +1,12 @@
-/* Rays against the scene as it lies: bounding spheres, then triangles. */
+/* Rays against the scene as it lies: bounding spheres, then triangles; of large meshes those in boxes that the ray
+ * meets. */
 #include "scene/scene_pick.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct pick_mesh pick_mesh;
 
 static double pick_dot(const double a[3], const double b[3])
 {
@@ -85,46 +90,240 @@ static bool pick_triangle(double corner[3][3], const stilb_scene_ray *ray, doubl
 	return tuv[2] >= 0.0 && tuv[1] + tuv[2] <= 1.0 && tuv[0] > ray->near_t && tuv[0] <= far_t;
 }
 
-/* Looks for a triangle of the part that is nearer than far_t; true: *hit and *far_t are its. */
-static bool pick_part(const stilb_scene *scene, uint32_t part, const stilb_scene_ray *ray, double *far_t,
-                      stilb_scene_hit *hit)
+/* The search for the nearest triangle on a ray. */
+typedef struct pick_search {
+	const stilb_scene *scene;
+	const stilb_scene_ray *ray;
+	double far_t;            /* of the nearest so far, or of the ray's end */
+	stilb_scene_hit nearest; /* part UINT32_MAX: none so far */
+	uint32_t model, part;    /* being searched */
+	pick_mesh *boxes;        /* of the part's mesh; NULL: it has none */
+	double inverse[3];       /* of the ray's direction */
+} pick_search;
+
+/* Looks for a nearer one among the triangles first .. end - 1 of the part. */
+static void pick_triangles(pick_search *search, uint32_t first, uint32_t end)
 {
-	const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[part]];
+	const stilb_scene *scene = search->scene;
+	const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[search->part]];
+	stilb_scene_hit *hit = &search->nearest;
 	double corner[3][3], tuv[3];
-	bool found = false;
-	for (uint32_t triangle = 0; triangle < mesh->index_count / 3; triangle++) {
+	for (uint32_t triangle = first; triangle < end; triangle++) {
 		const uint32_t *indices = &mesh->indices[(size_t)3 * triangle];
 		for (int i = 0; i < 3; i++)
-			pick_corner(&scene->part_transform[part], &mesh->vertices[indices[i]], corner[i]);
-		if (!pick_triangle(corner, ray, *far_t, tuv) || (tuv[0] == *far_t && hit->part != UINT32_MAX))
+			pick_corner(&scene->part_transform[search->part], &mesh->vertices[indices[i]], corner[i]);
+		if (!pick_triangle(corner, search->ray, search->far_t, tuv) ||
+		    (tuv[0] == search->far_t && hit->part != UINT32_MAX))
 			continue;
-		found = true;
-		*far_t = tuv[0];
-		hit->part = part;
-		hit->triangle = triangle;
-		hit->u = (float)tuv[1];
-		hit->v = (float)tuv[2];
+		search->far_t = tuv[0];
+		*hit = (stilb_scene_hit){
+			.model = search->model, .part = search->part, .triangle = triangle, .u = (float)tuv[1], .v = (float)tuv[2]};
 	}
-	return found;
+}
+
+/* ---- boxes of large meshes --------------------------------------------------------------------------------------- */
+
+/* Boxes around PICK_GROUP triangles that follow one another in the mesh, boxes around PICK_GROUP of these, and so on.
+ * Files list neighbours one after another, so the boxes are small; nothing is sorted, which is why they are made as
+ * fast as triangles are searched. */
+#define PICK_GROUP 32u
+#define PICK_LEVELS 7         /* 32^7 > 2^32 */
+#define PICK_BOXES_FROM 4096u /* triangles of a mesh; smaller ones take less than 50 us anyway */
+
+typedef struct pick_box {
+	float low[3], high[3];
+} pick_box;
+
+struct pick_mesh {
+	pick_box *boxes; /* all levels, the finest first; NULL: not made */
+	uint32_t levels;
+	uint32_t first[PICK_LEVELS], count[PICK_LEVELS]; /* of each level */
+};
+
+struct stilb_scene_pick_index {
+	uint32_t count;
+	pick_mesh *meshes; /* [count] by the scene's ids */
+};
+
+/* The point is in the box afterwards, unless it is NaN. */
+static void pick_box_take(pick_box *box, const float point[3])
+{
+	for (int i = 0; i < 3; i++) {
+		box->low[i] = point[i] < box->low[i] ? point[i] : box->low[i];
+		box->high[i] = point[i] > box->high[i] ? point[i] : box->high[i];
+	}
+}
+
+static const pick_box pick_box_none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void pick_fill_finest(const stilb_scene_mesh *mesh, pick_mesh *made)
+{
+	uint32_t triangles = mesh->index_count / 3;
+	for (uint32_t b = 0; b < made->count[0]; b++) {
+		uint32_t end = b + 1 < made->count[0] ? (b + 1) * PICK_GROUP : triangles;
+		made->boxes[b] = pick_box_none;
+		for (size_t i = (size_t)3 * b * PICK_GROUP; i < (size_t)3 * end; i++)
+			pick_box_take(&made->boxes[b], mesh->vertices[mesh->indices[i]].position);
+	}
+}
+
+static void pick_fill_level(pick_mesh *made, uint32_t level)
+{
+	const pick_box *finer = &made->boxes[made->first[level - 1]];
+	pick_box *boxes = &made->boxes[made->first[level]];
+	for (uint32_t b = 0; b < made->count[level]; b++) {
+		boxes[b] = pick_box_none;
+		for (uint32_t i = b * PICK_GROUP; i < (b + 1) * PICK_GROUP && i < made->count[level - 1]; i++) {
+			pick_box_take(&boxes[b], finer[i].low);
+			pick_box_take(&boxes[b], finer[i].high);
+		}
+	}
+}
+
+/* Makes the boxes; without memory there are none. */
+static void pick_make(const stilb_scene_mesh *mesh, pick_mesh *made)
+{
+	uint32_t count = mesh->index_count / 3, total = 0;
+	*made = (pick_mesh){0};
+	do {
+		count = (count - 1) / PICK_GROUP + 1;
+		made->first[made->levels] = total;
+		made->count[made->levels++] = count;
+		total += count;
+	} while (count > PICK_GROUP);
+	made->boxes = stilb_memory_alloc(total, sizeof *made->boxes);
+	if (!made->boxes)
+		return;
+	pick_fill_finest(mesh, made);
+	for (uint32_t level = 1; level < made->levels; level++)
+		pick_fill_level(made, level);
+}
+
+/* The boxes of a mesh, which are made if need be. NULL: it has none. */
+static pick_mesh *pick_boxes(stilb_scene_pick_index *index, const stilb_scene *scene, uint32_t mesh)
+{
+	if (!index || scene->meshes[mesh].index_count / 3 < PICK_BOXES_FROM)
+		return NULL;
+	if (mesh >= index->count) {
+		pick_mesh *more = realloc(index->meshes, scene->mesh_count * sizeof *more);
+		if (!more)
+			return NULL;
+		memset(&more[index->count], 0, (scene->mesh_count - index->count) * sizeof *more);
+		index->meshes = more;
+		index->count = scene->mesh_count;
+	}
+	if (!index->meshes[mesh].boxes)
+		pick_make(&scene->meshes[mesh], &index->meshes[mesh]);
+	return index->meshes[mesh].boxes ? &index->meshes[mesh] : NULL;
+}
+
+/* False only if no corner of a triangle in the box, as pick_corner computes it, can lie where the ray passes before
+ * far_t: the box in the world, wider by more than all rounding. */
+static bool pick_box_may_be_met(const pick_search *search, const pick_box *box)
+{
+	const float *m = search->scene->part_transform[search->part].m;
+	double near_t = search->ray->near_t, far_t = search->far_t;
+	for (int row = 0; row < 3; row++) {
+		double middle = (double)m[12 + row], half = 0.0, most = fabs(middle);
+		for (int i = 0; i < 3; i++) {
+			double factor = (double)m[4 * i + row], low = (double)box->low[i], high = (double)box->high[i];
+			middle += factor * 0.5 * (low + high);
+			half += fabs(factor) * 0.5 * (high - low);
+			most += fabs(factor) * fmax(fabs(low), fabs(high));
+		}
+		double from = middle - search->ray->origin[row];
+		half += most * 1e-6 + fabs(search->ray->origin[row]) * 1e-12;
+		if (search->ray->direction[row] == 0.0) {
+			if (fabs(from) > half)
+				return false;
+			continue;
+		}
+		double t = from * search->inverse[row], side = fabs(half * search->inverse[row]), slack = fabs(t) * 1e-12;
+		if (t - side - slack > far_t || t + side + slack < near_t)
+			return false;
+		near_t = fmax(near_t, t - side - slack);
+		far_t = fmin(far_t, t + side + slack);
+	}
+	return !(near_t > far_t);
+}
+
+/* Searches what lies in the boxes first .. end - 1 of a level, in the order of the triangles. */
+static void pick_level(pick_search *search, uint32_t level, uint32_t first, uint32_t end)
+{
+	const pick_mesh *mesh = search->boxes;
+	uint32_t finer = level > 0 ? mesh->count[level - 1]
+	                           : search->scene->meshes[search->scene->part_mesh[search->part]].index_count / 3;
+	for (uint32_t b = first; b < end; b++) {
+		if (!pick_box_may_be_met(search, &mesh->boxes[mesh->first[level] + b]))
+			continue;
+		uint32_t last = b + 1 < mesh->count[level] ? (b + 1) * PICK_GROUP : finer;
+		if (level > 0)
+			pick_level(search, level - 1, b * PICK_GROUP, last);
+		else
+			pick_triangles(search, b * PICK_GROUP, last);
+	}
+}
+
+stilb_scene_pick_index *stilb_scene_pick_index_create(void)
+{
+	return calloc(1, sizeof(stilb_scene_pick_index));
+}
+
+void stilb_scene_pick_index_forget(stilb_scene_pick_index *index, uint32_t mesh)
+{
+	if (!index || mesh >= index->count)
+		return;
+	free(index->meshes[mesh].boxes);
+	index->meshes[mesh].boxes = NULL;
+}
+
+void stilb_scene_pick_index_clear(stilb_scene_pick_index *index)
+{
+	for (uint32_t mesh = 0; index && mesh < index->count; mesh++)
+		stilb_scene_pick_index_forget(index, mesh);
+}
+
+void stilb_scene_pick_index_destroy(stilb_scene_pick_index *index)
+{
+	if (!index)
+		return;
+	stilb_scene_pick_index_clear(index);
+	free(index->meshes);
+	free(index);
+}
+
+/* ---- all models -------------------------------------------------------------------------------------------------- */
+
+bool stilb_scene_pick_indexed(const stilb_scene *scene, const stilb_scene_ray *ray, stilb_scene_pick_index *index,
+                              stilb_scene_hit *hit)
+{
+	STILB_ASSERT(scene && ray && hit);
+	pick_search search = {.scene = scene, .ray = ray, .far_t = ray->far_t, .nearest = {.part = UINT32_MAX}};
+	for (int i = 0; i < 3; i++)
+		search.inverse[i] = 1.0 / ray->direction[i];
+	for (uint32_t model = 0; model < scene->model_count; model++) {
+		if (!pick_may_meet(&scene->bounds, model, ray))
+			continue;
+		search.model = model;
+		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
+			search.part = part;
+			search.boxes = pick_boxes(index, scene, scene->part_mesh[part]);
+			if (search.boxes)
+				pick_level(&search, search.boxes->levels - 1, 0, search.boxes->count[search.boxes->levels - 1]);
+			else
+				pick_triangles(&search, 0, scene->meshes[scene->part_mesh[part]].index_count / 3);
+		}
+	}
+	if (search.nearest.part == UINT32_MAX)
+		return false;
+	*hit = search.nearest;
+	hit->distance = search.far_t * sqrt(pick_dot(ray->direction, ray->direction));
+	for (int i = 0; i < 3; i++)
+		hit->position[i] = (float)(ray->origin[i] + search.far_t * ray->direction[i]);
+	return true;
 }
 
 bool stilb_scene_pick(const stilb_scene *scene, const stilb_scene_ray *ray, stilb_scene_hit *hit)
 {
-	STILB_ASSERT(scene && ray && hit);
-	stilb_scene_hit nearest = {.part = UINT32_MAX};
-	double far_t = ray->far_t;
-	for (uint32_t model = 0; model < scene->model_count; model++) {
-		if (!pick_may_meet(&scene->bounds, model, ray))
-			continue;
-		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++)
-			if (pick_part(scene, part, ray, &far_t, &nearest))
-				nearest.model = model;
-	}
-	if (nearest.part == UINT32_MAX)
-		return false;
-	nearest.distance = far_t * sqrt(pick_dot(ray->direction, ray->direction));
-	for (int i = 0; i < 3; i++)
-		nearest.position[i] = (float)(ray->origin[i] + far_t * ray->direction[i]);
-	*hit = nearest;
-	return true;
+	return stilb_scene_pick_indexed(scene, ray, NULL, hit);
 }

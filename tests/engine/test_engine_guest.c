@@ -2,12 +2,15 @@
 #include "engine.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"
+#include "scene/edit/scene_edit.h"
+#include "scene/scene_build.h"
 #include "support/test.h"
 #include "tests/engine/stress_engine.h"
 
 #include <fenv.h>
 #include <limits.h>
 #include <locale.h>
+#include <math.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -216,6 +219,72 @@ static void test_pick(void **state)
 	stilb_engine_destroy(empty);
 }
 
+/* A sphere of 5,120 triangles, seen from z 40, of which the engine keeps boxes. */
+static stilb_scene *make_ball(stilb_scene_mesh *sphere)
+{
+	stilb_scene *scene;
+	stilb_scene_camera camera = {.position = {0, 0, 40}, .fov_y = 0.25f, .near_z = 0.1f, .far_z = 100.0f};
+	stilb_mat4 one = stilb_mat4_scale_translate(1.0f, 0.0f, 0.0f, 0.0f);
+	assert_int_equal(stilb_scene_mesh_sphere(4, sphere), STILB_OK);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_build_material(build, &(stilb_scene_material){.diffuse = {0.5f, 0.5f, 0.5f}});
+	stilb_scene_build_part part = {.mesh = stilb_scene_build_mesh(build, sphere)};
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &one), &part, 1);
+	stilb_scene_build_camera(build, &camera);
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	return scene;
+}
+
+static void scale_ball(stilb_scene *scene, const stilb_scene_mesh *sphere, float scale)
+{
+	for (uint32_t v = 0; v < sphere->vertex_count; v++) {
+		stilb_scene_vertex vertex = sphere->vertices[v];
+		for (int i = 0; i < 3; i++)
+			vertex.position[i] *= scale;
+		assert_int_equal(stilb_scene_set_vertices(scene, 0, v, 1, &vertex), STILB_OK);
+	}
+}
+
+/* True if the ball lies under the point that is so far above its middle. */
+static bool ball_reaches(stilb_engine *engine, double metres)
+{
+	stilb_engine_hit hit;
+	uint32_t width, height;
+	stilb_engine_size(engine, &width, &height);
+	return stilb_engine_pick(engine, 0.5 * width, 0.5 * height * (1.0 - metres / (40.0 * tan(0.125))), &hit);
+}
+
+/* Picking sees what the program has changed, before and after the frame that draws it, and in another scene. */
+static void test_pick_follows_edits(void **state)
+{
+	(void)state;
+	stilb_scene_mesh sphere, same;
+	stilb_scene *scene = make_ball(&sphere), *other = make_ball(&same);
+	stilb_engine *engine;
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.workers = 0;
+	assert_int_equal(stilb_engine_create(&desc, &engine), STILB_OK);
+	assert_int_equal(stilb_engine_set_scene(engine, other), STILB_OK);
+	/* The last pick before a change meets the ball: then there are boxes, which the change makes wrong. */
+	assert_true(!ball_reaches(engine, 1.2) && ball_reaches(engine, 0.9));
+	scale_ball(scene, &sphere, 2.0f);
+	stilb_scene_changes_read(scene);
+	stilb_scene_changes_clear(scene);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_true(!ball_reaches(engine, 2.3) && ball_reaches(engine, 1.8));
+	scale_ball(scene, &sphere, 3.0f);
+	assert_true(!ball_reaches(engine, 3.3) && ball_reaches(engine, 2.8));
+	scale_ball(scene, &sphere, 4.0f);
+	run_frame(engine);
+	assert_true(ball_reaches(engine, 3.8));
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(other);
+	stilb_scene_mesh_finish(&sphere);
+	stilb_scene_mesh_finish(&same);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -225,6 +294,7 @@ int main(void)
 		cmocka_unit_test(test_engines_share_the_profiler),
 		cmocka_unit_test(test_one_engine_captures),
 		cmocka_unit_test(test_pick),
+		cmocka_unit_test(test_pick_follows_edits),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

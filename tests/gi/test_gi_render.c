@@ -123,6 +123,52 @@ static void stopped_again_and_again(void **state)
 	render_fixture_finish(&fixture);
 }
 
+typedef struct watcher {
+	pthread_t thread;
+	uint32_t calls, stop_at; /* the number of the call that stops the run; 0: none */
+	double done;
+	bool sound;
+} watcher;
+
+static bool on_watch(void *user, const stilb_gi_progress *progress)
+{
+	watcher *w = user;
+	w->sound &= pthread_equal(pthread_self(), w->thread) != 0 && progress->done >= w->done && !progress->finished;
+	w->done = progress->done;
+	return ++w->calls != w->stop_at;
+}
+
+/* The program's function sees progress on the thread in run, and ends it; the picture is the same. */
+static void watched(void **state)
+{
+	(void)state;
+	for (uint32_t workers = 0; workers < 3; workers += 2) {
+		render_fixture fixture = render_fixture_make("cornell", workers);
+		stilb_gi_settings settings = render_fixture_settings(&fixture);
+		stilb_gi_render *plain = render_fixture_create(&fixture, &settings);
+		stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+		assert_int_equal(stilb_gi_render_run(plain), STILB_OK);
+		watcher w = {.thread = pthread_self(), .stop_at = 1, .sound = true};
+		stilb_gi_render_watch(render, on_watch, &w);
+		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+		if (workers == 0) { /* else the others may have done it all */
+			assert_int_equal(w.calls, 1);
+			assert_int_equal(progress_of(render).end, STILB_GI_END_STOPPED);
+			assert_int_equal(progress_of(render).camera_rays, 0);
+		}
+		w.stop_at = 0;
+		while (!progress_of(render).finished)
+			assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+		assert_true(w.sound);
+		assert_true((double)w.calls <= 3.0 + progress_of(render).seconds / 0.05);
+		assert_true(film_hash(render) == film_hash(plain));
+		stilb_gi_render_watch(render, NULL, NULL);
+		stilb_gi_render_destroy(render);
+		stilb_gi_render_destroy(plain);
+		render_fixture_finish(&fixture);
+	}
+}
+
 static void stopped_before_it_runs(void **state)
 {
 	(void)state;
@@ -322,6 +368,7 @@ int main(void)
 		cmocka_unit_test(same_bits_for_workers_and_passes),
 		cmocka_unit_test(other_settings_other_bits),
 		cmocka_unit_test(stopped_again_and_again),
+		cmocka_unit_test(watched),
 		cmocka_unit_test(stopped_before_it_runs),
 		cmocka_unit_test(passes),
 		cmocka_unit_test(time_limit),

@@ -1,10 +1,13 @@
 /* scene_pick: rays whose hits are known in closed form, what they must not meet, and which of several they meet. */
+#include "scene/edit/scene_edit.h"
 #include "scene/scene_build.h"
 #include "scene/scene_pick.h"
 #include "support/test.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Adds a square of side 2, at z in its middle, that faces +Z if `front` is 1 and -Z if it is -1. */
 static void add_square(stilb_scene_build *build, float x, float z, float front)
@@ -163,13 +166,141 @@ static void test_bounds_hide_nothing(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- with an index ----------------------------------------------------------------------------------------------- */
+
+#define SIDE                                                                                                           \
+	90u /* squares of the hilly field, across: 16,200 triangles, a hundred more than boxes of two levels hold */
+
+static float hill(uint32_t seed, uint32_t x, uint32_t y)
+{
+	return stilb_random_float(seed, y * (SIDE + 1) + x);
+}
+
+/* A field of random hills, its triangles in rows, or in random order; a few are slivers, flat or not finite. */
+static stilb_scene *field_scene(bool shuffled)
+{
+	uint32_t count = (SIDE + 1) * (SIDE + 1), triangles = 2 * SIDE * SIDE;
+	stilb_scene_vertex *vertices = calloc(count, sizeof *vertices);
+	uint32_t *indices = malloc(3 * triangles * sizeof *indices);
+	for (uint32_t v = 0; v < count; v++)
+		vertices[v] = (stilb_scene_vertex){
+			.position = {(float)(v % (SIDE + 1)), (float)(v / (SIDE + 1)), hill(1, v % (SIDE + 1), v / (SIDE + 1))},
+			.normal = {0, 0, 1}};
+	for (uint32_t t = 0; t < triangles; t++) {
+		uint32_t at = shuffled ? (uint32_t)(((uint64_t)t * 7919) % triangles) : t;
+		uint32_t x = t / 2 % SIDE, y = t / 2 / SIDE, a = y * (SIDE + 1) + x;
+		uint32_t corners[3] = {a, t % 2 ? a + SIDE + 2 : a + 1, t % 2 ? a + SIDE + 1 : a + SIDE + 2};
+		memcpy(&indices[3 * at], corners, sizeof corners);
+		if (t % 997 == 0)
+			indices[3 * at + 2] = indices[3 * at]; /* no area */
+	}
+	vertices[count / 2].position[2] = 1e-7f;
+	stilb_scene_mesh mesh = {vertices, indices, count, 3 * triangles};
+	stilb_scene_build *build = begin_scene();
+	add_square(build, 3.0f, 0.4f, 1.0f);
+	stilb_scene_build_part part = {.mesh = stilb_scene_build_mesh(build, &mesh)};
+	for (int i = 0; i < 3; i++) { /* beside and above one another, turned, stretched, far away */
+		stilb_mat4 place = stilb_mat4_scale_translate(i == 2 ? 300.0f : 1.0f, i == 2 ? 2e4f : 0.3f * (float)i,
+		                                              0.2f * (float)i, -0.5f * (float)i);
+		place.m[1] = 0.3f * (float)i;
+		place.m[6] = -0.2f * (float)i;
+		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &place), &part, 1);
+	}
+	stilb_scene *scene = finish_scene(build);
+	free(vertices);
+	free(indices);
+	return scene;
+}
+
+static uint32_t field_random; /* number of the next */
+
+static double field_between(double low, double high)
+{
+	return low + (high - low) * (double)stilb_random_float(77, field_random++);
+}
+
+/* A ray at the field, at random: from above, along it, from far away, exactly along an axis. */
+static stilb_scene_ray field_ray(uint32_t i)
+{
+	double far = i % 5 == 0 ? 1e5 : 30.0;
+	stilb_scene_ray ray = {.near_t = 0.0, .far_t = i % 7 == 0 ? 31.0 : HUGE_VAL};
+	double at[3] = {field_between(-2, 94), field_between(-2, 94), field_between(-1, 2)};
+	if (i % 11 == 0)
+		at[0] = 2e4 + 300.0 * at[0];
+	for (int c = 0; c < 3; c++) {
+		ray.origin[c] = at[c] + (c == 2 ? far : i % 3 == 0 ? 0.0 : field_between(-20, 20));
+		ray.direction[c] = at[c] - ray.origin[c];
+	}
+	return ray;
+}
+
+static bool same_hit(const stilb_scene_hit *a, const stilb_scene_hit *b)
+{
+	return a->model == b->model && a->part == b->part && a->triangle == b->triangle && a->distance == b->distance &&
+	       a->u == b->u && a->v == b->v && memcmp(a->position, b->position, sizeof a->position) == 0;
+}
+
+/* A ray straight down, a hair inside of a corner at the edge of the field as floats round it. */
+static stilb_scene_ray edge_ray(const stilb_scene *scene, uint32_t i)
+{
+	uint32_t along = i * 13 % (SIDE + 1), far_edge = i % 2 ? along * (SIDE + 1) + SIDE : SIDE * (SIDE + 1) + along;
+	const float *p = scene->meshes[1].vertices[far_edge].position;
+	const float *m = scene->part_transform[1 + i % 3].m;
+	stilb_scene_ray ray = {.direction = {0.0, 0.0, -1.0}, .far_t = HUGE_VAL};
+	for (int row = 0; row < 3; row++)
+		ray.origin[row] = (double)(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row]);
+	ray.origin[0] += 1e-8 * ((double)scene->bounds.x[1 + i % 3] - ray.origin[0]);
+	ray.origin[1] += 1e-8 * ((double)scene->bounds.y[1 + i % 3] - ray.origin[1]);
+	ray.origin[2] += 30.0;
+	return ray;
+}
+
+/* Returns how many rays hit. */
+static uint32_t compare_picks(const stilb_scene *scene, stilb_scene_pick_index *index, uint32_t rays)
+{
+	uint32_t hits = 0;
+	for (uint32_t i = 0; i < rays; i++) {
+		stilb_scene_ray ray = i % 2 ? field_ray(i / 2) : edge_ray(scene, i / 2);
+		stilb_scene_hit plain, indexed;
+		bool found = stilb_scene_pick(scene, &ray, &plain);
+		assert_int_equal(stilb_scene_pick_indexed(scene, &ray, index, &indexed), found);
+		assert_true(!found || same_hit(&plain, &indexed));
+		hits += found;
+	}
+	return hits;
+}
+
+static void test_an_index_changes_nothing(void **state)
+{
+	(void)state;
+	for (int shuffled = 0; shuffled < 2; shuffled++) {
+		stilb_scene *scene = field_scene(shuffled);
+		stilb_scene_pick_index *index = stilb_scene_pick_index_create();
+		assert_true(compare_picks(scene, index, 150) > 100);
+		/* A mountain: the index must forget the mesh to see it. */
+		stilb_scene_vertex peak = {.position = {45.0f, 45.0f, 20.0f}, .normal = {0, 0, 1}};
+		assert_int_equal(stilb_scene_set_vertices(scene, 1, 45 * (SIDE + 1) + 45, 1, &peak), STILB_OK);
+		stilb_scene_changes_read(scene);
+		stilb_scene_ray ray = {{45.1, 80.0, 15.0}, {0.0, -1.0, 0.0}, 0.0, HUGE_VAL};
+		stilb_scene_hit hit;
+		assert_true(stilb_scene_pick(scene, &ray, &hit));
+		assert_false(stilb_scene_pick_indexed(scene, &ray, index, &hit));
+		stilb_scene_pick_index_forget(index, 1);
+		assert_true(stilb_scene_pick_indexed(scene, &ray, index, &hit));
+		assert_true(compare_picks(scene, index, 60) > 30);
+		stilb_scene_pick_index_destroy(index);
+		stilb_scene_destroy(scene);
+	}
+	stilb_scene_pick_index_destroy(NULL);
+	stilb_scene_pick_index_clear(NULL);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_the_nearest_front_is_met),
-		cmocka_unit_test(test_segments_and_ties),
-		cmocka_unit_test(test_the_cameras_rays),
-		cmocka_unit_test(test_bounds_hide_nothing),
+		cmocka_unit_test(test_the_nearest_front_is_met), cmocka_unit_test(test_segments_and_ties),
+		cmocka_unit_test(test_the_cameras_rays),         cmocka_unit_test(test_bounds_hide_nothing),
+		cmocka_unit_test(test_an_index_changes_nothing),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
