@@ -163,9 +163,10 @@ struct stilb_render_context {
 /* ---- the state of a draw --------------------------------------------------------------------------------------------
  * One number that tells which bindings a draw needs. Bits 0..23: index of its texture, 0 for none. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
- * has no material. */
+ * has no material. Bit 57: one of these that shows a picture pixel by pixel. */
 
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
+#define RENDER_STATE_PICTURE (UINT64_C(1) << 57)
 
 /* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24
  * bits are the index of its texture; or that index alone. */
@@ -211,8 +212,8 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
 	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
 	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
-	if (!from_texture != !to_texture)
-		binds |= RENDER_BIND_PIPELINE; /* pipelines with and without a texture differ */
+	if (!from_texture != !to_texture || ((from ^ to) & RENDER_STATE_PICTURE))
+		binds |= RENDER_BIND_PIPELINE; /* pipelines with and without a texture, and with a picture, differ */
 	if (render_state_material(from) != render_state_material(to))
 		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
 	return binds;

@@ -438,21 +438,43 @@ uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_ren
 	return first_index;
 }
 
-void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
-                          const float clip[4], stilb_render_texture texture)
+/* kind: further bits of the draw's state. factor: the second column of its row. */
+static void record_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
+                           const float clip[4], stilb_render_texture texture, uint64_t kind, float factor)
 {
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && index < STILB_RENDER_MAX_TEXTURES);
 	STILB_ASSERT(!texture.id == !index && "a handle or {0}");
 	STILB_ASSERT(context->render->resources.textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
-	uint64_t state = RENDER_STATE_2D | index;
+	uint64_t state = RENDER_STATE_2D | kind | index;
 	bool room = context->command != context->command_end && context->row != context->row_end;
 	if (context->failed || ((!room || state != context->state) && !record_make_room(context, state)))
 		return;
-	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3]}};
+	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3], factor}};
 	*context->command++ = (render_command){
 		.index_count = index_count, .instance_count = 1, .first_index = first_index, .row = context->row_index++};
+}
+
+void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
+                          const float clip[4], stilb_render_texture texture)
+{
+	record_draw_2d(context, first_index, index_count, clip, texture, 0, 0.0f);
+}
+
+void stilb_render_draw_picture(stilb_render_context *context, const float place[4], const float clip[4],
+                               stilb_render_texture texture, float factor)
+{
+	STILB_ASSERT(texture.id != 0 && place[2] > place[0] && place[3] > place[1] && factor >= 0.0f);
+	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+	const stilb_render_vertex_2d corners[4] = {
+		{.position = {place[0], place[1]}, .uv = {0.0f, 0.0f}, .color = {255, 255, 255, 255}},
+		{.position = {place[2], place[1]}, .uv = {1.0f, 0.0f}, .color = {255, 255, 255, 255}},
+		{.position = {place[2], place[3]}, .uv = {1.0f, 1.0f}, .color = {255, 255, 255, 255}},
+		{.position = {place[0], place[3]}, .uv = {0.0f, 1.0f}, .color = {255, 255, 255, 255}},
+	};
+	uint32_t first = stilb_render_geometry_2d(context, corners, 4, indices, 6);
+	record_draw_2d(context, first, 6, clip, texture, RENDER_STATE_PICTURE, factor);
 }
 
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)

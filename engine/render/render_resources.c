@@ -351,6 +351,10 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 	stilb_result result = stilb_image_create(to, from->width, from->height, 4, from->format);
 	if (result != STILB_OK)
 		return result;
+	if (from->channels == 4) {
+		memcpy(to->pixels, from->pixels, stilb_image_size(from));
+		return STILB_OK;
+	}
 	size_t size = sizes[from->format], pixels = (size_t)from->width * from->height;
 	const uint8_t *in = from->pixels;
 	uint8_t *out = to->pixels;

@@ -1,6 +1,8 @@
 /* 2D passes on the GPU against closed forms: colors, clips, blending, textures and order, pixel by pixel, for every
  * replay mode and both sample counts, over a scene and alone, under the validation layer. */
 #include "render/vulkan/vulkan_internal.h"
+#include "shading/shade_srgb.h"
+#include "shading/shade_tonemap.h"
 #include "support/picture_reference.h"
 
 #define WIDTH 64u
@@ -368,6 +370,92 @@ static void a_picture_at_its_own_size(void **state)
 	stage_close(&s);
 }
 
+/* What a picture of radiance is shown as, in codes: as frames show radiance. */
+static color shown_radiance(const float texel[4], float factor)
+{
+	stilb_vec3 light =
+		shade_tonemap(stilb_vec3_make(texel[0], texel[1], texel[2]) * factor, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+	uint8_t codes[3];
+	for (int c = 0; c < 3; c++)
+		codes[c] = (uint8_t)(255.0f * shade_srgb_from_linear(light[c]) + 0.5f);
+	return (color){codes[0], codes[1], codes[2], 255};
+}
+
+/* A picture of radiance, twice as large as its texels in a clip, over what a glyph's texture has drawn, and that texture
+ * again, by each way of replay. Where the output is radiance it comes out as it is, bit by bit. */
+static void pictures_pixel_by_pixel(void **state)
+{
+	(void)state;
+	enum { SIDE = 16 };
+	float texels[SIDE * SIDE][4];
+	for (uint32_t i = 0; i < SIDE * SIDE; i++)
+		for (uint32_t c = 0; c < 4; c++) /* halves, from 0 to 31.875; alpha is not read */
+			texels[i][c] = (float)(stilb_random_u64(8, 4 * i + c) % 256) / 8.0f * (i % 2 ? 1.0f : 1.0f / 16);
+	uint8_t white[4] = {255, 255, 255, 255};
+	stilb_image light = {SIDE, SIDE, 4, STILB_IMAGE_F32_LINEAR, texels, 0},
+				dot = {1, 1, 4, STILB_IMAGE_U8_SRGB, white, 0};
+	for (int w = 0; w < WAYS; w += 2) {
+		stilb_render_desc desc = way(w);
+		bool linear = w == WAYS - 2;
+		desc.output = linear ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+		stage s = stage_open(desc);
+		stilb_render_texture picture, glyphs;
+		assert_int_equal(stilb_render_texture_create(s.render, &light, &picture), STILB_OK);
+		assert_int_equal(stilb_render_texture_create(s.render, &dot, &glyphs), STILB_OK);
+		frame_begin(&s, 0);
+		stilb_render_context *context = stilb_render_context_get(s.render, 0);
+		draw_quad(context, (float[4]){0, 0, WIDTH, HEIGHT}, (color){255, 0, 0, 255}, everywhere, glyphs);
+		stilb_render_draw_picture(context, (float[4]){8, 4, 8 + 2 * SIDE, 4 + 2 * SIDE},
+		                          (float[4]){12, 0, WIDTH, HEIGHT}, picture, 0.5f);
+		draw_quad(context, (float[4]){0, 40, WIDTH, HEIGHT}, (color){0, 0, 255, 255}, everywhere, glyphs);
+		frame_end(&s);
+		stilb_image image = read_picture(&s);
+		for (uint32_t y = 4; y < 4 + 2 * SIDE; y++)
+			for (uint32_t x = 12; x < 8 + 2 * SIDE; x++) {
+				const float *texel = texels[(y - 4) / 2 * SIDE + (x - 8) / 2];
+				if (!linear)
+					assert_color(&image, x, y, shown_radiance(texel, 0.5f), 1);
+				for (uint32_t c = 0; linear && c < 3; c++)
+					assert_true(reference_half(((const uint16_t *)image.pixels)[3 * (y * WIDTH + x) + c]) ==
+					            (double)texel[c]);
+			}
+		if (!linear) {
+			assert_color(&image, 11, 10, (color){255, 0, 0, 255}, 0);
+			assert_color(&image, 40, 10, (color){255, 0, 0, 255}, 0);
+			assert_color(&image, 30, 41, (color){0, 0, 255, 255}, 0);
+		}
+		stilb_image_finish(&image);
+		stilb_render_texture_destroy(s.render, picture);
+		stilb_render_texture_destroy(s.render, glyphs);
+		stage_close(&s);
+	}
+}
+
+/* With the factor 0 a picture is shown as it is, every code of it. */
+static void pictures_as_they_are(void **state)
+{
+	(void)state;
+	uint8_t codes[HEIGHT][WIDTH][4];
+	for (uint32_t i = 0; i < sizeof codes; i++)
+		(&codes[0][0][0])[i] = (uint8_t)stilb_random_u64(7, i);
+	stilb_image texels = {WIDTH, HEIGHT, 4, STILB_IMAGE_U8_SRGB, codes, 0};
+	stage s = stage_open((stilb_render_desc){0});
+	stilb_render_texture texture;
+	assert_int_equal(stilb_render_texture_create(s.render, &texels, &texture), STILB_OK);
+	frame_begin(&s, 0);
+	stilb_render_draw_picture(stilb_render_context_get(s.render, 0), (float[4]){0, 0, WIDTH, HEIGHT}, everywhere,
+	                          texture, 0.0f);
+	frame_end(&s);
+	stilb_image image = read_picture(&s);
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+		const uint8_t *t = codes[i / WIDTH][i % WIDTH];
+		assert_color(&image, i % WIDTH, i / WIDTH, (color){t[0], t[1], t[2], 255}, 0);
+	}
+	stilb_image_finish(&image);
+	stilb_render_texture_destroy(s.render, texture);
+	stage_close(&s);
+}
+
 /* ---- with a scene ------------------------------------------------------------------------------------------------ */
 
 typedef struct scene_view {
@@ -529,6 +617,7 @@ int main(void)
 		cmocka_unit_test(what_comes_later_is_above), cmocka_unit_test(a_picture_at_its_own_size),
 		cmocka_unit_test(the_scene_is_below),        cmocka_unit_test(memory_grows_in_flight),
 		cmocka_unit_test(an_empty_pass_is_black),    cmocka_unit_test(an_empty_pass_over_a_scene_costs_nothing),
+		cmocka_unit_test(pictures_pixel_by_pixel),   cmocka_unit_test(pictures_as_they_are),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,6 +20,10 @@ layout(location = 2) in vec2 uv;
 layout(location = 2) out vec2 surface_uv;
 #endif
 
+#ifdef FLAT_PICTURE
+layout(location = 3) flat out float factor;
+#endif
+
 void main()
 {
 	vec3 linear = vec3(shade_srgb_to_linear(code.r), shade_srgb_to_linear(code.g), shade_srgb_to_linear(code.b));
@@ -27,6 +31,9 @@ void main()
 	clip = push.rows.rows[gl_InstanceIndex].transform[0];
 #ifdef FLAT_TEXTURE
 	surface_uv = uv;
+#endif
+#ifdef FLAT_PICTURE
+	factor = push.rows.rows[gl_InstanceIndex].transform[1].x;
 #endif
 	gl_Position = vec4(position * push.scale - 1.0, 0.0, 1.0);
 }

@@ -127,6 +127,14 @@ typedef struct vulkan_texture {
 	VkDescriptorSet set;
 } vulkan_texture;
 
+/* The pipelines of 2D passes. */
+typedef enum vulkan_pipeline_2d {
+	VULKAN_PIPELINE_2D_FLAT,
+	VULKAN_PIPELINE_2D_TEXTURE,
+	VULKAN_PIPELINE_2D_PICTURE, /* stilb_render_draw_picture */
+	VULKAN_PIPELINES_2D
+} vulkan_pipeline_2d;
+
 /* The materials that a mesh pipeline draws (shaders/mesh.frag): all, or with --materials pipeline those with an even or
  * an odd index. */
 typedef enum vulkan_pipeline_materials {
@@ -196,7 +204,7 @@ typedef struct vulkan_device {
 	vulkan_shading *shadings;          /* [shading_count] every choice of formulas that a pass has used */
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
-	VkPipeline pipelines_2d[2];    /* without and with a texture */
+	VkPipeline pipelines_2d[VULKAN_PIPELINES_2D];
 	VkPipeline backdrop;           /* null: not needed so far */
 	bool transparent;              /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;

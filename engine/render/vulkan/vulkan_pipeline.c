@@ -1,4 +1,4 @@
-/* Shaders, layouts and pipelines: for meshes one set of pipelines for each choice of formulas, for 2D passes two. */
+/* Shaders, layouts and pipelines: for meshes one set of pipelines for each choice of formulas, for 2D passes three. */
 #include "render/vulkan/vulkan_internal.h"
 
 #include "shading/shade_brdf.h"
@@ -39,6 +39,12 @@ static const uint32_t flat_frag[] =
 static const uint32_t flat_texture_frag[] =
 #include "flat_texture.frag.inc"
 	;
+static const uint32_t flat_picture_vert[] =
+#include "flat_picture.vert.inc"
+	;
+static const uint32_t flat_picture_frag[] =
+#include "flat_picture.frag.inc"
+	;
 
 typedef struct pipeline_code {
 	const uint32_t *words;
@@ -58,10 +64,11 @@ static const pipeline_code fragment_code[2][2] = {
 	{PIPELINE_CODE(mesh_bind_frag), PIPELINE_CODE(mesh_bind_texture_frag)},
 };
 
-/* [1: the pipeline reads a texture][0: vertex shader, 1: fragment shader] */
-static const pipeline_code flat_code[2][2] = {
-	{PIPELINE_CODE(flat_vert), PIPELINE_CODE(flat_frag)},
-	{PIPELINE_CODE(flat_texture_vert), PIPELINE_CODE(flat_texture_frag)},
+/* [a vulkan_pipeline_2d][0: vertex shader, 1: fragment shader] */
+static const pipeline_code flat_code[VULKAN_PIPELINES_2D][2] = {
+	[VULKAN_PIPELINE_2D_FLAT] = {PIPELINE_CODE(flat_vert), PIPELINE_CODE(flat_frag)},
+	[VULKAN_PIPELINE_2D_TEXTURE] = {PIPELINE_CODE(flat_texture_vert), PIPELINE_CODE(flat_texture_frag)},
+	[VULKAN_PIPELINE_2D_PICTURE] = {PIPELINE_CODE(flat_picture_vert), PIPELINE_CODE(flat_picture_frag)},
 };
 
 static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShaderModule *module)
@@ -397,11 +404,15 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
 }
 
-static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], bool texture)
+static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], vulkan_pipeline_2d kind)
 {
+	bool picture = kind == VULKAN_PIPELINE_2D_PICTURE;
+	VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
+	VkSpecializationMapEntry entry = {.constantID = 0, .offset = 0, .size = sizeof tone_map};
+	VkSpecializationInfo constants = {1, &entry, sizeof tone_map, &tone_map};
 	VkPipelineShaderStageCreateInfo stages[2] = {
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], NULL),
-		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], NULL),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], picture ? &constants : NULL),
 	};
 	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
@@ -413,27 +424,27 @@ static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule mod
 		.pNext = &rendering,
 		.stageCount = 2,
 		.pStages = stages,
-		.pVertexInputState = &flat_input[texture],
+		.pVertexInputState = &flat_input[kind != VULKAN_PIPELINE_2D_FLAT],
 		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
 		.pRasterizationState = &flat_rasterization,
 		.pMultisampleState = &flat_samples,
-		.pColorBlendState = &flat_blend,
+		.pColorBlendState = picture ? &blend : &flat_blend,
 		.pDynamicState = &dynamic,
 		.layout = device->pipeline_layout,
 	};
 	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator,
-	                                 &device->pipelines_2d[texture]);
+	                                 &device->pipelines_2d[kind]);
 }
 
-static VkResult pipelines_make_2d(vulkan_device *device, bool texture)
+static VkResult pipelines_make_2d(vulkan_device *device, vulkan_pipeline_2d kind)
 {
 	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-	VkResult result = shader_create(device, flat_code[texture][0], &modules[0]);
+	VkResult result = shader_create(device, flat_code[kind][0], &modules[0]);
 	if (result == VK_SUCCESS)
-		result = shader_create(device, flat_code[texture][1], &modules[1]);
+		result = shader_create(device, flat_code[kind][1], &modules[1]);
 	if (result == VK_SUCCESS)
-		result = pipeline_make_2d(device, modules, texture);
+		result = pipeline_make_2d(device, modules, kind);
 	for (int stage = 0; stage < 2; stage++)
 		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
 	return result;
@@ -446,8 +457,8 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 		result = mesh_modules_make(device, texture);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "make the mesh shaders");
-	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
-		result = pipelines_make_2d(device, texture);
+	for (int kind = 0; kind < VULKAN_PIPELINES_2D && result == VK_SUCCESS; kind++)
+		result = pipelines_make_2d(device, (vulkan_pipeline_2d)kind);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the 2D pipelines");
 }
 
@@ -459,8 +470,9 @@ void vulkan_pipeline_destroy(vulkan_device *device)
 	for (int texture = 0; texture < 2; texture++) {
 		for (int stage = 0; stage < 2; stage++)
 			vkDestroyShaderModule(device->device, device->mesh_modules[texture][stage], device->allocator);
-		vkDestroyPipeline(device->device, device->pipelines_2d[texture], device->allocator);
 	}
+	for (int kind = 0; kind < VULKAN_PIPELINES_2D; kind++)
+		vkDestroyPipeline(device->device, device->pipelines_2d[kind], device->allocator);
 	vulkan_backdrop_destroy(device);
 	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
 	vkDestroyDescriptorSetLayout(device->device, device->texture_layout, device->allocator);
@@ -471,7 +483,9 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 {
 	vulkan_pipeline_materials materials = VULKAN_PIPELINE_ANY;
 	if (state & RENDER_STATE_2D)
-		return device->pipelines_2d[render_state_texture(state) != 0];
+		return device->pipelines_2d[state & RENDER_STATE_PICTURE       ? VULKAN_PIPELINE_2D_PICTURE
+		                            : render_state_texture(state) != 0 ? VULKAN_PIPELINE_2D_TEXTURE
+		                                                               : VULKAN_PIPELINE_2D_FLAT];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
 	VkPipeline pipeline = device->shading->pipelines[render_state_texture(state) != 0][materials];
