@@ -21,8 +21,9 @@
 #define RAYS_OF_BATCH 0x40000 /* rays in a batch, about: few enough that a stop, seen between batches, comes soon */
 #define RAYS_OF_PATH 8        /* rays of one path after its camera ray: an estimate, for the size of a batch */
 #define OVERTURE_SHARE 0.5    /* of the time limit, for filling the irradiance cache before the picture */
-#define WATCH_NS 50000000u
-#define FIRST_SAMPLES 16u /* of each pixel in the first round of a progressive render: see first_samples */
+#define WATCH_NS 50000000u    /* between two calls of the watcher */
+#define FIRST_SAMPLES 16u     /* of each pixel in the first round of a progressive render: see first_samples */
+#define SLICE_BATCH 128u      /* samples in a batch at most where loops are cut into slices: about a millisecond */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
@@ -138,6 +139,20 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 	free(render);
 }
 
+void stilb_gi_render_share(stilb_gi_render *render, uint32_t caller, double slice)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && render->pass_count == 0 && "before the first run");
+	STILB_ASSERT(caller == 0 || caller == STILB_JOB_OUTSIDE);
+	STILB_ASSERT(slice >= 0.0 && slice <= 1e6);
+	STILB_ASSERT(!render->cache_fill && "the irradiance cache is filled by the pool's main thread");
+	render->caller = caller;
+	render->slice_ns = (uint64_t)(slice * 1e9);
+	render->batch_size = batch_size_for(&render->view.settings);
+	if (render->slice_ns > 0 && render->batch_size > SLICE_BATCH)
+		render->batch_size = SLICE_BATCH;
+}
+
 /* ---- batches ----------------------------------------------------------------------------------------------------- */
 
 static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
@@ -185,6 +200,7 @@ typedef struct tile_grid {
 	uint32_t block, target; /* every block-th pixel of every block-th row gets samples until it has target of them */
 	uint32_t tile, tiles_x; /* side of a tile in points of the grid; tiles side by side in a row of tiles */
 	uint32_t tile_count;
+	uint32_t first_tile; /* the loop begins with it */
 } tile_grid;
 
 static uint32_t parts_of(uint32_t whole, uint32_t part)
@@ -226,15 +242,30 @@ static void watch(stilb_gi_render *render)
 	render->watched_ns = stilb_time_ns();
 }
 
+/* The thread's slice of the loop over tiles is over. It begins with the first tile that it takes. */
+static bool slice_is_over(const stilb_gi_render *render, gi_render_worker *worker)
+{
+	if (render->slice_ns == 0)
+		return false;
+	uint64_t now = stilb_time_ns();
+	if (worker->loop != render->loop) {
+		worker->loop = render->loop;
+		worker->slice_end_ns = now + render->slice_ns;
+	}
+	return now >= worker->slice_end_ns;
+}
+
 /* Renders the samples that the worker has collected and empties its batch. False: the render is ending (stop, or the
- * time limit), and the samples were dropped instead. */
+ * time limit), or the thread's slice is over, and the samples were dropped instead. */
 static bool batch_flush(stilb_gi_render *render, gi_render_worker *worker)
 {
 	if (worker == &render->workers[0])
 		watch(render);
-	bool go_on = !is_ending(render);
-	if (go_on && worker->count > 0)
+	bool go_on = worker->count == 0 || (!is_ending(render) && !slice_is_over(render, worker));
+	if (go_on && worker->count > 0) {
 		batch_render(render, worker);
+		worker->added = true;
+	}
 	worker->count = 0;
 	return go_on;
 }
@@ -306,6 +337,17 @@ static void tile_resolve(const tile_grid *grid, const grid_tile *tile)
 	}
 }
 
+/* Notes that a tile was not finished. */
+static void tile_cut(stilb_gi_render *render, uint32_t tile)
+{
+	/* Relaxed: see struct stilb_gi_render. */
+	atomic_store_explicit(&render->cut, true, memory_order_relaxed);
+	uint32_t first = atomic_load_explicit(&render->first_cut, memory_order_relaxed);
+	while (tile < first && !atomic_compare_exchange_weak_explicit(&render->first_cut, &first, tile,
+	                                                              memory_order_relaxed, memory_order_relaxed)) {
+	}
+}
+
 /* stilb_job_range_fn */
 static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
@@ -313,10 +355,13 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 	const tile_grid *grid = context;
 	for (uint32_t i = begin; i < end; i++) {
 		PROFILE("gi.tile");
-		grid_tile tile = tile_of(grid, i);
-		if (!tile_gather(grid, &grid->render->workers[worker], &tile))
-			atomic_store_explicit(&grid->render->cut, true, memory_order_relaxed); /* see struct stilb_gi_render */
-		tile_resolve(grid, &tile);
+		gi_render_worker *own = &grid->render->workers[worker];
+		grid_tile tile = tile_of(grid, grid->first_tile + i);
+		own->added = false;
+		if (slice_is_over(grid->render, own) || !tile_gather(grid, own, &tile))
+			tile_cut(grid->render, grid->first_tile + i);
+		if (own->added)
+			tile_resolve(grid, &tile);
 	}
 }
 
@@ -402,6 +447,33 @@ static double error_after(const stilb_gi_render *render, const stilb_gi_pass *la
 	return wanted ? gi_film_error(&render->film) : render->estimate;
 }
 
+/* Tiles for the next loop: all that are left, or as many as are likely to be done in a slice. With more of them, each
+ * thread would take tiles far behind those of the others, which later loops would visit in vain. */
+static uint32_t loop_tiles(const stilb_gi_render *render, const tile_grid *grid)
+{
+	uint32_t left = grid->tile_count - grid->first_tile, window = render->window;
+	if (window < TILES_FOR_A_WORKER * render->worker_count)
+		window = TILES_FOR_A_WORKER * render->worker_count;
+	return render->slice_ns == 0 || window > left ? left : window;
+}
+
+/* One loop over tiles of the pass. True: not all tiles of the pass are done. */
+static bool tiles_loop(stilb_gi_render *render, tile_grid *grid)
+{
+	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see struct stilb_gi_render */
+	atomic_store_explicit(&render->first_cut, UINT32_MAX, memory_order_relaxed);
+	render->loop++;
+	grid->first_tile = render->first_tile;
+	uint32_t count = loop_tiles(render, grid);
+	stilb_job_parallel_for(render->pool, count, 1, tiles_render, grid, render->caller);
+	bool cut = atomic_load_explicit(&render->cut, memory_order_relaxed);
+	uint32_t end = cut ? atomic_load_explicit(&render->first_cut, memory_order_relaxed) : grid->first_tile + count;
+	STILB_ASSERT(end >= grid->first_tile && end <= grid->tile_count);
+	render->window = cut ? end - grid->first_tile : 2 * count;
+	render->first_tile = end < grid->tile_count ? end : 0;
+	return end < grid->tile_count;
+}
+
 static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 {
 	STILB_ASSERT(!pass->finished && pass->sample_count > 0);
@@ -409,10 +481,12 @@ static void pass_run(stilb_gi_render *render, stilb_gi_pass *pass)
 	PROFILE("gi.pass");
 	tile_grid grid = grid_make(render, pass);
 	uint64_t begun = stilb_time_ns();
-	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see struct stilb_gi_render */
-	stilb_job_parallel_for(render->pool, grid.tile_count, 1, tiles_render, &grid, 0);
+	bool cut;
+	do
+		cut = tiles_loop(render, &grid);
+	while (cut && !is_ending(render)); /* a loop without slices is cut only where the render is ending */
 	stilb_gi_pass done = *pass;
-	done.finished = !atomic_load_explicit(&render->cut, memory_order_relaxed);
+	done.finished = !cut;
 	double estimate = error_after(render, &done);
 	done.seconds += (double)(stilb_time_ns() - begun) * 1e-9;
 	stilb_lock_take(&render->lock);

@@ -17,8 +17,8 @@
  *              order of their numbers. So the picture does not depend on the number of workers, on tiles or passes, or
  *              on being stopped and continued. Settings for which this does not hold say so.
  * Threads.     create, run, film, save, checkpoint, resume, destroy: [main-thread], the one thread that created the
- *              render, which must be the pool's main thread. stop, progress and preview: [any-thread], also while run
- *              runs.
+ *              render, which must be the pool's main thread unless stilb_gi_render_share says otherwise. stop, progress
+ *              and preview: [any-thread], also while run runs.
  * Units.       Radiance in W sr^-1 m^-2, linear Rec.709; metres; radians; seconds.
  * Errors.      A stilb_result, with a line for the user in stilb_error_message.
  */
@@ -229,6 +229,13 @@ stilb_result stilb_gi_render_create(const stilb_gi_scene *scene, const stilb_gi_
 
 /* Frees everything, the film too. Not while run runs. Accepts NULL. [main-thread] */
 void stilb_gi_render_destroy(stilb_gi_render *render);
+
+/* Lets run share its pool with others, before the first run; not with the integrator irradiance-cache. caller: 0, or
+ * STILB_JOB_OUTSIDE for a thread that is not of the pool; that thread only waits, and the pool, which then has workers,
+ * renders. slice, seconds: run's loops on the pool end after so long, and some milliseconds later at most, so that other
+ * work of the pool comes in between; 0: they last until their pass over the picture is done. The same bits either way.
+ * The thread that created it. */
+void stilb_gi_render_share(stilb_gi_render *render, uint32_t caller, double slice);
 
 /* Renders until the picture is finished, a limit is reached, or stop is called; a later call continues. The calling
  * thread works, too. STILB_OK also if stopped: stilb_gi_progress.end says why it returned. Errors: STILB_ERROR_FILE:

@@ -32,6 +32,9 @@ typedef struct gi_render_worker {
 	stilb_vec3 radiance[GI_BATCH];
 	gi_primary primary;
 	void *scratch; /* of the integrator */
+	/* With slices: the number of the loop that this thread has taken tiles of last, and when its slice of it ends. */
+	uint64_t loop, slice_end_ns;
+	bool added; /* samples were added to the film since the tile began */
 } __attribute__((aligned(STILB_CACHE_LINE))) gi_render_worker;
 
 struct stilb_gi_render {
@@ -46,6 +49,11 @@ struct stilb_gi_render {
 	gi_render_worker *workers; /* one for each thread of the pool, the main thread's first */
 	uint32_t worker_count;
 	uint32_t batch_size;      /* samples in a batch, at most GI_BATCH */
+	uint32_t caller;          /* index in the pool of the thread that calls run: 0, or STILB_JOB_OUTSIDE */
+	uint64_t slice_ns;        /* a loop over tiles ends after so long, and another one goes on; 0: never */
+	uint64_t loop;            /* number of the loop over tiles */
+	uint32_t first_tile;      /* of the pass that is being rendered: all tiles before it are done */
+	uint32_t window;          /* tiles of a slice's loop at most, about as many as fit; 0: none is known */
 	gi_render_totals resumed; /* counted before the checkpoint that was resumed */
 	bool overture_finished;   /* the irradiance cache is filled */
 
@@ -55,6 +63,8 @@ struct stilb_gi_render {
 	/* A tile of the current pass was not finished. Relaxed: it is read after the parallel loop over the tiles has
 	 * ended, which orders the workers' stores before the read. */
 	_Atomic bool cut;
+	/* The first tile of the loop that was not finished, UINT32_MAX: none. Relaxed, as `cut`. */
+	_Atomic uint32_t first_cut;
 	uint64_t deadline_ns; /* time at which run ends, by stilb_time_ns; 0: none. Written before the loop over tiles */
 
 	/* The program's view of progress; only the thread in run touches these. */

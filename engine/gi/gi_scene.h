@@ -13,7 +13,8 @@
  *
  * Build.       Embree (the ray tracing library) builds its tree on the pool's threads, one job pinned to each, and
  *              keeps no threads of its own.
- * Threads.     create and destroy: [main-thread] of the pool, the same one. A created scene is read by any thread.
+ * Threads.     create and destroy: [main-thread] of the pool, or a thread outside it (desc.caller), the same one. A
+ *              created scene is read by any thread.
  */
 #ifndef STILB_GI_SCENE_H
 #define STILB_GI_SCENE_H
@@ -50,8 +51,10 @@ extern const stilb_gi_intersector stilb_gi_embree;
 extern const stilb_gi_intersector stilb_gi_brute;
 
 typedef struct stilb_gi_scene_desc {
-	/* Its threads build the tree; it is not used after stilb_gi_scene_create. */
+	/* Its threads build the tree; it is not used after stilb_gi_scene_create. caller: the index in it of the thread that
+	 * calls that: 0, or STILB_JOB_OUTSIDE for a thread that is not of the pool. That thread builds, too, then in place of one worker. */
 	stilb_job_pool *pool;
+	uint32_t caller;
 	const stilb_gi_intersector *intersector;
 	/* The instruction set that Embree may use; stilb_gi_brute ignores it. */
 	stilb_gi_isa isa;

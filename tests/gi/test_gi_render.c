@@ -169,6 +169,68 @@ static void watched(void **state)
 	}
 }
 
+/* ---- a pool that is shared --------------------------------------------------------------------------------------- */
+
+typedef struct guest {
+	render_fixture *fixture;
+	stilb_gi_settings settings;
+	uint64_t hash;
+	_Atomic bool done; /* release by the guest, acquire by the main thread */
+} guest;
+
+/* Makes the scene ready and renders, from a thread that is not of the pool. */
+static void *guest_render(void *context)
+{
+	guest *own = context;
+	stilb_gi_scene_desc desc = {
+		.pool = own->fixture->pool, .caller = STILB_JOB_OUTSIDE, .intersector = &stilb_gi_brute};
+	stilb_gi_scene *gi;
+	stilb_gi_render *render;
+	assert_int_equal(stilb_gi_scene_create(own->fixture->scene, &desc, &gi), STILB_OK);
+	assert_int_equal(stilb_gi_render_create(gi, &own->settings, own->fixture->pool, &render), STILB_OK);
+	stilb_gi_render_share(render, STILB_JOB_OUTSIDE, 1e-4);
+	for (int i = 0; !progress_of(render).finished; i++) {
+		if (i == 0)
+			stilb_gi_render_stop(render);
+		assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	}
+	own->hash = film_hash(render);
+	stilb_gi_render_destroy(render);
+	stilb_gi_scene_destroy(gi);
+	atomic_store_explicit(&own->done, true, memory_order_release);
+	return NULL;
+}
+
+/* stilb_job_range_fn */
+static void count_on(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)worker;
+	atomic_fetch_add_explicit((_Atomic uint32_t *)context, end - begin, memory_order_relaxed);
+}
+
+/* While the pool's own thread runs loops of its own, in which workers take part between slices of the guest's. */
+static void same_bits_in_slices_beside_others(void **state)
+{
+	(void)state;
+	for (uint32_t workers = 1; workers <= 3; workers += 2) {
+		render_fixture fixture = render_fixture_make("cornell", workers);
+		guest other = {.fixture = &fixture, .settings = render_fixture_settings(&fixture)};
+		other.settings.progressive = workers == 1;
+		uint64_t hash = render_whole(&fixture, &other.settings);
+		pthread_t thread;
+		assert_int_equal(pthread_create(&thread, NULL, guest_render, &other), 0);
+		do {
+			_Atomic uint32_t counted = 0; /* relaxed: the loop's end orders the additions before the read */
+			stilb_job_parallel_for(fixture.pool, 1000, 1, count_on, &counted, 0);
+			assert_int_equal(atomic_load_explicit(&counted, memory_order_relaxed), 1000);
+			rest(100);
+		} while (!atomic_load_explicit(&other.done, memory_order_acquire));
+		pthread_join(thread, NULL);
+		assert_int_equal(other.hash, hash);
+		render_fixture_finish(&fixture);
+	}
+}
+
 static void stopped_before_it_runs(void **state)
 {
 	(void)state;
@@ -369,6 +431,7 @@ int main(void)
 		cmocka_unit_test(other_settings_other_bits),
 		cmocka_unit_test(stopped_again_and_again),
 		cmocka_unit_test(watched),
+		cmocka_unit_test(same_bits_in_slices_beside_others),
 		cmocka_unit_test(stopped_before_it_runs),
 		cmocka_unit_test(passes),
 		cmocka_unit_test(time_limit),

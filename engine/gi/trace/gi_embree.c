@@ -298,16 +298,17 @@ static void embree_join(void *data, uint32_t worker)
 /* Builds the tree of an Embree scene; every thread of the pool joins, by a job pinned to it. Where there is no memory
  * for such a job, its thread does not take part. If memory may not suffice for the tree, this thread builds alone:
  * Embree 3.13 breaks down when it is refused memory while several threads build. */
-static void embree_commit(embree *state, stilb_job_pool *pool, RTCScene scene)
+static void embree_commit(embree *state, const stilb_gi_scene_desc *desc, RTCScene scene)
 {
 	PROFILE("gi.build");
 	stilb_job_group group = {0};
-	for (uint32_t worker = 1; worker < state->workers && !state->scarce; worker++) {
+	uint32_t first = desc->caller == STILB_JOB_OUTSIDE ? 2 : 1; /* as many threads as the pool has workers */
+	for (uint32_t worker = first; worker < state->workers && !state->scarce; worker++) {
 		stilb_job_options options = {.pinned = true, .target = worker};
-		stilb_job_submit_with(pool, embree_join, scene, &group, &options, 0);
+		stilb_job_submit_with(desc->pool, embree_join, scene, &group, &options, desc->caller);
 	}
-	embree_join(scene, 0);
-	stilb_job_wait(pool, &group, 0);
+	embree_join(scene, desc->caller);
+	stilb_job_wait(desc->pool, &group, desc->caller);
 }
 
 static RTCScene embree_scene(embree *state)
@@ -348,7 +349,7 @@ static void embree_attach_instance(embree *state, const gi_part *part, uint32_t 
 
 /* Adds all parts to Embree's scene, whose tree the caller builds, and builds the trees of the meshes that instances
  * share. True: some parts are instances. */
-static bool embree_fill(embree *state, const stilb_gi_scene *gi, stilb_job_pool *pool)
+static bool embree_fill(embree *state, const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc)
 {
 	bool instances = false;
 	state->scene = embree_scene(state);
@@ -365,7 +366,7 @@ static bool embree_fill(embree *state, const stilb_gi_scene *gi, stilb_job_pool 
 		if (!state->shared[part->mesh]) {
 			state->shared[part->mesh] = embree_scene(state);
 			embree_attach_mesh(state, state->shared[part->mesh], mesh, 0);
-			embree_commit(state, pool, state->shared[part->mesh]);
+			embree_commit(state, desc, state->shared[part->mesh]);
 		}
 		embree_attach_instance(state, part, i);
 	}
@@ -376,8 +377,8 @@ static stilb_result embree_build(embree *state, const stilb_gi_scene *gi, const 
                                  gi_tracer *tracer, stilb_gi_scene_info *info)
 {
 	uint64_t begin = stilb_time_ns();
-	bool instances = embree_fill(state, gi, desc->pool);
-	embree_commit(state, desc->pool, state->scene);
+	bool instances = embree_fill(state, gi, desc);
+	embree_commit(state, desc, state->scene);
 	info->build_s = (double)(stilb_time_ns() - begin) * 1e-9;
 	info->bytes += (uint64_t)atomic_load_explicit(&state->bytes, memory_order_relaxed);
 	tracer->intersect = instances ? embree_intersect_instances : embree_intersect;
