@@ -33,6 +33,12 @@ uint32_t stilb_engine_workers(const stilb_engine *engine)
 	return stilb_job_pool_worker_count(engine->pool);
 }
 
+stilb_job_pool *stilb_engine_pool(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->pool;
+}
+
 stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine)
 {
 	STILB_ASSERT_OWNER(engine->owner);
@@ -163,6 +169,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 		stilb_cull_visible_finish(&engine->visible[v]);
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_pick_index_destroy(engine->pick_index);
+	engine_picture_finish(engine);
 	engine_overlay_finish(&engine->overlay);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
@@ -200,6 +207,10 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	engine->cull = cull;
 	engine->scene = scene;
 	stilb_scene_pick_index_clear(engine->pick_index);
+	if (!scene)
+		engine_picture_finish(engine);
+	engine_picture_forget_scene(engine);
+	engine->culled_size[0] = 0;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
 }

@@ -91,6 +91,19 @@ typedef struct stilb_engine_update {
 	const stilb_input_state *input; /* this frame's keys, mouse and gamepads */
 } stilb_engine_update;
 
+/* A picture of the program's, such as one that is ray traced, in place of the scene; see stilb_engine_show. */
+typedef struct stilb_engine_shown {
+	/* [height][width][3] linear radiance in W sr^-1 m^-2, row 0 at the top, which is copied; NULL: the pixels of the
+	 * call before. It fills the frame; where it has the frame's size, pixel by pixel. */
+	const float *radiance;
+	uint32_t width, height; /* of radiance, 1..16384 */
+	/* The picture is shown right of this share of the width, the scene left of it: 0: the picture alone; 1: the scene
+	 * alone. The program's, valid as long as a picture is shown; the user's drags change it in frames' stage ui. */
+	float *from;
+	bool still;   /* all that the scene shows is as in the frame before, its camera too: it is not drawn again */
+	bool divider; /* in a window: a line that the user can drag is between them */
+} stilb_engine_shown;
+
 /* What lies under a point of the picture; see scene_pick.h. */
 typedef stilb_scene_hit stilb_engine_hit;
 
@@ -288,6 +301,22 @@ stilb_result stilb_engine_capture(stilb_engine *engine);
  * the newest three are shown. A frame whose input has STILB_ENGINE_PICTURE set is drawn without them. Without a window
  * of the engine's it does nothing. */
 void stilb_engine_tell(stilb_engine *engine, const char *text);
+
+/* Shows a picture of the program's from the next frame on, or in this frame if desc.update calls it; with the exposure
+ * and the tone map that frames have, and as it is with output LINEAR. The scene must be set. NULL: the scene alone
+ * again, and its memory is freed. While `still` holds, frames cost little more than copying the picture. After an error
+ * the scene is shown. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
+stilb_result stilb_engine_show(stilb_engine *engine, const stilb_engine_shown *picture);
+
+/* Shows a line of UTF-8 text, of which it copies 127 bytes at most, in the upper right corner of the window until
+ * another one or NULL is given. A frame of which a picture is asked for is drawn without it. Without a window of the
+ * engine's it does nothing. */
+void stilb_engine_caption(stilb_engine *engine, const char *text);
+
+/* The pool of the workers, which a program may use between frames and, from other threads as STILB_JOB_OUTSIDE, at any
+ * time; frames need it 60 times a second, so jobs should be short. stilb_engine_set_workers replaces it: all jobs must
+ * have ended before. */
+stilb_job_pool *stilb_engine_pool(const stilb_engine *engine);
 
 /* The device: its name for the user, true if it is a software rasteriser, the samples per pixel that it draws with, and
  * the number of validation messages so far. The name is valid until the engine is destroyed. */

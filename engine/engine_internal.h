@@ -75,7 +75,20 @@ typedef struct engine_overlay {
 	engine_rate rate;
 	stilb_ui_input input; /* of this frame; {0} but for its size when headless */
 	bool profiler_open, inspector_open;
+	bool divider_open, caption_open; /* of the program's picture; hidden with the toasts */
 } engine_overlay;
+
+/* The program's picture in place of the scene. {0}: there is none. */
+typedef struct engine_shown {
+	bool shown, still; /* see stilb_engine_shown */
+	bool hides_scene;  /* in this frame: nothing of the scene is seen, or what it looks like is known */
+	float *from;
+	stilb_image radiance;         /* F32_LINEAR, four channels */
+	bool stale;                   /* the texture has not got these pixels yet */
+	stilb_render_texture texture; /* of the radiance */
+	stilb_render_texture scene;   /* what the still scene looks like; {0}: not known */
+	uint32_t scene_size[2];       /* of that */
+} engine_shown;
 
 /* The input that moves the camera; {0}: there is none, as in a headless run without gamepads. */
 typedef struct engine_input {
@@ -116,17 +129,20 @@ struct stilb_engine {
 	uint32_t pass_count;
 	uint32_t frame_passes; /* in this frame: pass_count, or one more for the overlay */
 	engine_overlay overlay;
-	engine_pictures *pictures;    /* NULL: none has been taken yet */
+	engine_pictures *pictures; /* NULL: none has been taken yet */
+	engine_shown picture;
+	char caption[128];
 	stilb_render_shading shading; /* of the next frame */
 
 	bool profiled, captures;            /* it has started the profiler; its captures */
 	stilb_scene_pick_index *pick_index; /* of the scene's meshes; NULL: nothing has been picked */
 	bool lost;                          /* the window's surface has gone */
-	bool dumpable;                      /* a frame of this scene has been drawn */
-	uint64_t frame;                     /* frames drawn */
-	uint64_t last_ns;                   /* clock at which the last frame began; 0 before the first */
-	double seconds;                     /* the engine's time, from 0 */
-	float step;                         /* the time that this frame advances, seconds */
+	bool dumpable;                      /* the last frame has drawn this scene */
+	uint32_t culled_size[2]; /* of the last frame that has drawn it, whose visible models are known; 0: none has */
+	uint64_t frame;          /* frames drawn */
+	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */
+	double seconds;          /* the engine's time, from 0 */
+	float step;              /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };
 
@@ -153,6 +169,9 @@ void engine_profile_stop(stilb_engine *engine);
 
 /* engine_overlay.c */
 
+/* Creates the user interface unless it exists. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
+stilb_result engine_overlay_create(stilb_engine *engine);
+
 /* Opens what the engine's description asks for. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
 stilb_result engine_overlay_start(stilb_engine *engine);
 
@@ -162,8 +181,8 @@ stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspe
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
 	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 || overlay->keys.open ||
-	       (!overlay->toasts.hidden &&
-	        (overlay->toasts.count > 0 || overlay->keys.hint_seconds > 0.0f || overlay->rate.open));
+	       (!overlay->toasts.hidden && (overlay->toasts.count > 0 || overlay->keys.hint_seconds > 0.0f ||
+	                                    overlay->rate.open || overlay->divider_open || overlay->caption_open));
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -188,6 +207,31 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window);
 /* Builds the overlay, of which a window is open, and records it as pass number `pass`, of kind 2D. Fails as
  * stilb_ui_record does. */
 stilb_result engine_overlay_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
+
+/* engine_picture.c */
+
+/* Shows the scene alone again and frees the picture. Also before the renderer is destroyed, or if there is none. */
+void engine_picture_finish(stilb_engine *engine);
+
+/* A frame without windows over it is to be drawn, to see what the still scene looks like. */
+bool engine_picture_wants_scene(const stilb_engine *engine);
+
+/* Takes that frame's picture. Fails as stilb_render_texture_create does. */
+stilb_result engine_picture_keep_scene(stilb_engine *engine, const stilb_image *image);
+
+/* Forgets what the scene looks like. */
+void engine_picture_forget_scene(stilb_engine *engine);
+
+/* Sets hides_scene for the frame. */
+void engine_picture_decide(stilb_engine *engine);
+
+/* Records the picture, which is shown, as pass number `pass`, of kind 2D. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
+stilb_result engine_picture_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
+
+/* Draw the divider, if there is one, which the user can drag, and the caption, between stilb_ui_begin and
+ * stilb_ui_end. */
+void engine_picture_divider(stilb_engine *engine, stilb_ui *ui);
+void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui);
 
 /* engine_input.c */
 

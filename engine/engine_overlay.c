@@ -10,8 +10,8 @@
 #define OVERLAY_HINT_SECONDS 10.0f
 #define OVERLAY_BELOW 16.0f /* pixels from the picture's lower edge to the lowest line */
 
-/* Creates the user interface and the profiler's window unless they exist. */
-static stilb_result engine_overlay_create(stilb_engine *engine)
+/* The profiler's window is created with it. */
+stilb_result engine_overlay_create(stilb_engine *engine)
 {
 	engine_overlay *overlay = &engine->overlay;
 	STILB_ASSERT(!overlay->ui == !overlay->profiler);
@@ -160,6 +160,10 @@ static void engine_overlay_build(stilb_engine *engine)
 	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->keys.open;
 	float below = OVERLAY_BELOW;
 	stilb_ui_begin(overlay->ui, &overlay->input);
+	if (overlay->divider_open && !overlay->toasts.hidden)
+		engine_picture_divider(engine, overlay->ui);
+	if (overlay->caption_open && !overlay->toasts.hidden)
+		engine_picture_caption(engine, overlay->ui);
 	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
 	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */

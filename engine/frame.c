@@ -8,7 +8,8 @@
  *   update_scene   keys, gamepads, step        camera; the program: its scene; then    main
  *                                              meshes, materials, textures that changed
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
- *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
+ *   record         scene, visible ids, the     command lists in numbered segments      jobs, one writer a list
+ *                  program's picture
  *   ui             input, profiler snapshots   the open overlay's command list          main
  *   replay         the lists                   device commands, in number order        main (jobs: secondary lists)
  *   present        the device's picture        the window, or an image in memory       main
@@ -109,6 +110,7 @@ static stilb_result update_scene(stilb_engine *engine)
 	if (engine->desc.update)
 		engine->desc.update(engine->desc.user,
 		                    &(stilb_engine_update){engine->frame + 1, engine->seconds, &engine->report.input});
+	engine_picture_decide(engine);
 	stilb_render_view *view = &engine->views[0];
 	const stilb_scene *scene = engine->scene;
 	if (!scene) {
@@ -142,6 +144,8 @@ static stilb_result cull(stilb_engine *engine)
 	}
 	stilb_result result = stilb_cull_update(engine->cull, scene, scene->moved, scene->moved_count);
 	stilb_scene_changes_clear(scene); /* the program's lists for the next frame begin */
+	if (engine->picture.hides_scene)
+		return result; /* what was visible is so still */
 	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
 		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);
 		result = stilb_cull_run(engine->cull, engine->desc.cull, scene, &frustum, engine->pool, FRAME_OWNER,
@@ -154,22 +158,35 @@ static stilb_result record(stilb_engine *engine)
 {
 	PROFILE("record");
 	stilb_result result = STILB_OK;
+	bool hidden = engine->picture.hides_scene;
 	for (uint32_t p = 0; p < engine->pass_count && result == STILB_OK; p++) {
 		STILB_ASSERT(engine->passes[p].view < engine->view_count);
 		const stilb_cull_visible *visible = &engine->visible[engine->passes[p].view];
-		result = stilb_render_record(engine->render, p, engine->scene, visible->ids, visible->count, engine->pool,
-		                             FRAME_OWNER);
+		result = stilb_render_record(engine->render, p, engine->scene, visible->ids, hidden ? 0 : visible->count,
+		                             engine->pool, FRAME_OWNER);
 	}
+	engine->frame_passes = engine->pass_count;
 	return result;
+}
+
+/* Records the program's picture, if one is shown. */
+static stilb_result picture(stilb_engine *engine)
+{
+	if (!engine->picture.shown)
+		return STILB_OK;
+	PROFILE("picture");
+	STILB_ASSERT(engine->frame_passes < STILB_RENDER_MAX_PASSES);
+	uint32_t pass = engine->frame_passes++;
+	engine->passes[pass] = (stilb_render_pass){.name = "picture", .kind = STILB_RENDER_PASS_2D, .order = 0};
+	return engine_picture_record(engine, pass, FRAME_OWNER);
 }
 
 static stilb_result ui(stilb_engine *engine)
 {
 	PROFILE("ui");
-	engine->frame_passes = engine->pass_count;
 	if (!engine_overlay_is_open(&engine->overlay))
 		return STILB_OK;
-	STILB_ASSERT(engine->pass_count < STILB_RENDER_MAX_PASSES);
+	STILB_ASSERT(engine->frame_passes < STILB_RENDER_MAX_PASSES);
 	uint32_t pass = engine->frame_passes++;
 	engine->passes[pass] = (stilb_render_pass){.name = "overlay", .kind = STILB_RENDER_PASS_2D, .order = UINT32_MAX};
 	return engine_overlay_record(engine, pass, FRAME_OWNER);
@@ -192,6 +209,25 @@ static stilb_result present(stilb_engine *engine)
 	return result == STILB_ERROR_WINDOW ? STILB_OK : result;
 }
 
+/* Draws a frame of the still scene without windows over it, which is shown to nobody, to know what it looks like. */
+static stilb_result frame_keep_scene(stilb_engine *engine)
+{
+	PROFILE("keep the scene");
+	stilb_image image = {0};
+	engine->picture.hides_scene = false;
+	stilb_result result = frame_begin(engine);
+	if (result == STILB_OK)
+		result = record(engine);
+	if (result == STILB_OK)
+		result = replay(engine);
+	if (result == STILB_OK)
+		result = stilb_render_read_image(engine->render, &image);
+	if (result == STILB_OK)
+		result = engine_picture_keep_scene(engine, &image);
+	stilb_image_finish(&image);
+	return result;
+}
+
 static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times)
 {
 	PROFILE_COLOR("frame", 0x7f8ea3); /* grey, so that the stages in it stand out */
@@ -207,6 +243,8 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	frame_clock(&clock, &times->cull);
 	if (result == STILB_OK)
 		result = record(engine);
+	if (result == STILB_OK)
+		result = picture(engine);
 	frame_clock(&clock, &times->record);
 	if (result == STILB_OK)
 		result = ui(engine);
@@ -235,8 +273,13 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		frame_input(engine, &engine->report);
 	if (result == STILB_OK && engine->report.drawn) {
 		engine_profile_frame(engine);
-		result = frame_stages(engine, &engine->report.times);
-		engine->dumpable |= result == STILB_OK;
+		if (engine_picture_wants_scene(engine))
+			result = frame_keep_scene(engine);
+		if (result == STILB_OK)
+			result = frame_stages(engine, &engine->report.times);
+		engine->dumpable = result == STILB_OK && !engine->picture.hides_scene;
+		if (engine->dumpable)
+			stilb_render_size(engine->render, &engine->culled_size[0], &engine->culled_size[1]);
 		engine->report.visible = engine->visible[0].count;
 		engine->report.cull = engine->visible[0].method;
 		engine->report.render = stilb_render_stats_get(engine->render);
