@@ -232,9 +232,9 @@ void stilb_gi_render_destroy(stilb_gi_render *render);
 
 /* Lets run share its pool with others, before the first run; not with the integrator irradiance-cache. caller: 0, or
  * STILB_JOB_OUTSIDE for a thread that is not of the pool; that thread only waits, and the pool, which then has workers,
- * renders. slice, seconds: run's loops on the pool end after so long, and some milliseconds later at most, so that other
- * work of the pool comes in between; 0: they last until their pass over the picture is done. The same bits either way.
- * The thread that created it. */
+ * renders. slice, seconds: run's loops on the pool end after so long, and some milliseconds later at most, so that
+ * other work of the pool comes in between; 0: they last until their pass over the picture is done. The same bits either
+ * way. The thread that created it. */
 void stilb_gi_render_share(stilb_gi_render *render, uint32_t caller, double slice);
 
 /* Renders until the picture is finished, a limit is reached, or stop is called; a later call continues. The calling

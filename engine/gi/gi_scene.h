@@ -51,8 +51,9 @@ extern const stilb_gi_intersector stilb_gi_embree;
 extern const stilb_gi_intersector stilb_gi_brute;
 
 typedef struct stilb_gi_scene_desc {
-	/* Its threads build the tree; it is not used after stilb_gi_scene_create. caller: the index in it of the thread that
-	 * calls that: 0, or STILB_JOB_OUTSIDE for a thread that is not of the pool. That thread builds, too, then in place of one worker. */
+	/* Its threads build the tree; it is not used after stilb_gi_scene_create. caller: the index in it of the thread
+	 * that calls that: 0, or STILB_JOB_OUTSIDE for a thread that is not of the pool, which then builds in place of one
+	 * worker. */
 	stilb_job_pool *pool;
 	uint32_t caller;
 	const stilb_gi_intersector *intersector;

@@ -418,10 +418,10 @@ void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, u
                           const float clip[4], stilb_render_texture texture);
 
 /* Shows a picture: the texture's pixels fill the rectangle `place` (left, top, right, bottom in pixels), each pixel the
- * texel that its centre lies in, unfiltered; where the rectangle is as large as the texture they are the same pixels. In
- * place of what is below, alpha is not read. factor > 0: the texels are linear radiance and are shown as frames show it:
- * with output DISPLAY multiplied by factor and tone mapped, with LINEAR as they are. factor 0: as they are. In a segment
- * of a 2D pass; clip as above. [one-writer] */
+ * texel that its centre lies in, unfiltered; where the rectangle is as large as the texture they are the same pixels.
+ * In place of what is below, alpha is not read. factor > 0: the texels are linear radiance and are shown as frames show
+ * it: with output DISPLAY multiplied by factor and tone mapped, with LINEAR as they are. factor 0: as they are. In a
+ * segment of a 2D pass; clip as above. [one-writer] */
 void stilb_render_draw_picture(stilb_render_context *context, const float place[4], const float clip[4],
                                stilb_render_texture texture, float factor);
 

@@ -25,6 +25,11 @@ static void live_on_signal(int signal_number)
 	live_interrupted = signal_number; /* ends live_loop; pictures, traces and statistics are written all the same */
 }
 
+bool live_run_is_stopped(void)
+{
+	return live_interrupted != 0;
+}
+
 /* Hands the main thread what the window is to say of a capture, in place of what it has not yet said. */
 static void live_tell_later(live_run *run, const stilb_prof_captured *captured)
 {
@@ -191,7 +196,10 @@ static stilb_result live_act(live_run *run, const stilb_engine_report *report)
 	char text[64];
 	snprintf(text, sizeof text, "workers: %" PRId64, workers);
 	fprintf(live_message_stream(run->options), "%s\n", text);
+	fflush(live_message_stream(run->options));
 	live_run_tell(run, text);
+	if (run->program->release)
+		run->program->release(run->user);
 	stilb_result result = stilb_engine_set_workers(run->engine, (uint32_t)workers);
 	return result == STILB_OK ? run->program->act(run->user, run, report) : result;
 }
@@ -243,6 +251,8 @@ static stilb_result live_frame(live_run *run, stilb_engine_report *report)
 	stilb_result result = live_act(run, report); /* on the input of the frame before */
 	if (result == STILB_OK)
 		result = stilb_engine_frame(run->engine, report);
+	if (result == STILB_OK)
+		result = run->wrong;
 	if (result != STILB_OK)
 		return result;
 	if (report->drawn) {

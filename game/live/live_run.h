@@ -27,6 +27,8 @@ typedef struct live_program {
 	stilb_engine_update_fn *update;                   /* as stilb_engine_desc.update */
 	/* Acts on the frame before, before each frame, with its report; {0} before the first frame. */
 	stilb_result (*act)(void *user, live_run *run, const stilb_engine_report *report);
+	/* Before the engine's workers are replaced; NULL: nothing to do. */
+	void (*release)(void *user);
 	void (*finish)(void *user); /* before the engine is destroyed; NULL: nothing to do */
 	void (*title)(void *user, const live_run *run, char title[static 256]); /* of the window, twice a second */
 } live_program;
@@ -42,6 +44,7 @@ struct live_run {
 	stilb_engine_report report;                       /* of the last frame that was drawn */
 	uint64_t frames;                                  /* number of frames drawn */
 	bool window;
+	stilb_result wrong;  /* set by the program in its update, with the line of stilb_error_message: the run ends */
 	bool starting;       /* set by the program: as long as it is true, a failure is one of the start (exit_code_of) */
 	bool lost;           /* the window's display has gone */
 	uint32_t slow_frame; /* number of a frame that is made 100 ms longer, a fault for tests; 0: none */
@@ -64,6 +67,9 @@ int live_run_main(live_run *run);
 
 /* How often one of the keys was pressed that all live commands have. */
 uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, live_key key);
+
+/* A signal has come that ends the run. */
+bool live_run_is_stopped(void);
 
 /* Prints "WHAT: PATH" for a file that was written, or the error. */
 void live_run_say(const live_run *run, stilb_result result, const char *what, const char *path);

@@ -179,8 +179,8 @@ static int offline_dry_run(const offline_options *o)
 	stilb_gi_settings s = offline_options_settings(o, &nothing);
 	double pixels = (double)s.width * s.height;
 	char name[FLAG_CHOICE_SIZE];
-	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, offline_integrators[s.integrator]),
-	       pixels, s.samples, s.samples == 1 ? "" : "s");
+	printf("%s: %.0f pixels, %" PRIu32 " sample%s a pixel", flags_choice(name, rays_integrators[s.integrator]), pixels,
+	       s.samples, s.samples == 1 ? "" : "s");
 	if (s.integrator == STILB_GI_INTEGRATOR_MONTECARLO)
 		printf(", %" PRIu32 " rays at each of %" PRIu32 " bounces: %.0f rays at most, and shadow rays\n", s.rays,
 		       s.depth, stilb_gi_montecarlo_rays(&s));

@@ -14,7 +14,6 @@
 #define RENDER_HELP(id, name, help) {#name, help},
 #define RENDER_SCENE(name, help) {name, help},
 
-const char *const offline_integrators[] = {STILB_GI_INTEGRATORS(RENDER_WORD) NULL};
 const char *const offline_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
 const char *const offline_filters[] = {STILB_GI_FILTERS(RENDER_WORD) NULL};
 const char *const offline_cache_radii[] = {"split-sphere", "hessian", "harmonic", NULL};
@@ -26,38 +25,13 @@ static const char *const cache_choices[] = {"frozen", "live", NULL};
 static const char *const switch_choices[] = {"off", "on", NULL};
 
 #define RENDER_MAX_SAMPLES 65536
-#define RENDER_BRANCHED_DEPTH 2 /* default for montecarlo, whose N rays from each hit make N^depth at the last */
 
 /* ---- defaults ---------------------------------------------------------------------------------------------------- */
-
-/* Sets the defaults that differ between integrators, so that a picture of the default size takes some seconds. */
-static void options_default_of(int integrator, stilb_gi_settings *settings)
-{
-	switch (integrator) {
-	case STILB_GI_INTEGRATOR_AO:
-	case STILB_GI_INTEGRATOR_SPLIT:
-		settings->samples = 16;
-		settings->rays = 16;
-		break;
-	case STILB_GI_INTEGRATOR_MONTECARLO:
-		settings->samples = 4;
-		settings->rays = 8;
-		settings->depth = RENDER_BRANCHED_DEPTH;
-		break;
-	case STILB_GI_INTEGRATOR_IRRADIANCE_CACHE:
-		settings->samples = 16;
-		break;
-	default:
-		break;
-	}
-}
 
 static stilb_gi_settings options_settings_default(int integrator)
 {
 	static const stilb_scene nothing;
-	stilb_gi_settings settings = stilb_gi_settings_default(&nothing);
-	options_default_of(integrator, &settings);
-	return settings;
+	return rays_flags_settings(&(rays_flags){.integrator = integrator}, &nothing);
 }
 
 static offline_options options_default(void)
@@ -67,7 +41,7 @@ static offline_options options_default(void)
 		.size = {s.width, s.height},
 		.workers = FLAG_WORKERS_AUTO,
 		.seed = s.seed,
-		.integrator = (int)s.integrator,
+		.light = rays_flags_default(),
 		.sampler = (int)s.sampler,
 		.filter = (int)s.filter,
 		.roulette = s.roulette,
@@ -148,16 +122,16 @@ static void options_say_unused(const offline_options *o, const flag *flags, size
 {
 	char text[FLAG_CHOICE_SIZE];
 	for (size_t i = 0; i < sizeof options_uses / sizeof *options_uses; i++)
-		if (!(options_uses[i].integrators >> o->integrator & 1) &&
+		if (!(options_uses[i].integrators >> o->light.integrator & 1) &&
 		    flags_given(flags, count, argc, argv, options_uses[i].flag))
 			stilb_log("%s is ignored: --integrator %s does not use it", options_uses[i].flag,
-			          flags_choice(text, offline_integrators[o->integrator]));
+			          flags_choice(text, rays_integrators[o->light.integrator]));
 }
 
 /* Sets the defaults that depend on other flags. */
 static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
-	stilb_gi_settings s = options_settings_default(o->integrator);
+	stilb_gi_settings s = options_settings_default(o->light.integrator);
 	bool limited = o->seconds > 0.0f || o->error > 0.0f; /* then time or error ends the run, not a number of samples */
 	if (!flags_given(flags, count, argc, argv, "--spp"))
 		o->samples = limited ? RENDER_MAX_SAMPLES : s.samples;
@@ -177,12 +151,12 @@ static void options_complete(offline_options *o, const flag *flags, size_t count
 /* Fills the table with all flags of the command. */
 static void options_table(offline_options *o, flag_rows *table)
 {
-	const flag picture[] = {
+	const flag output[] = {
 		{"scene", FLAG_WORD, &o->scene, NULL, NULL, 0, 0, NULL},
 		{"The picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
-		{"--integrator", FLAG_CHOICE, &o->integrator, "NAME", "method that computes the light, see below (path)", 0, 0,
-	     offline_integrators},
+	};
+	const flag picture[] = {
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, at most 67108864 pixels (512x512)", 1, 65536, NULL},
 		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
 	     RENDER_MAX_SAMPLES, NULL},
@@ -204,8 +178,8 @@ static void options_table(offline_options *o, flag_rows *table)
 	     NULL},
 		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
 	};
+	const flag lit[] = {{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag light[] = {
-		{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--depth", FLAG_NUMBER, &o->depth, "N",
 	     "bounces of a path at most, 0..1024; 1: direct light only (64; montecarlo 2)", 0, 1024, NULL},
 		{"--only", FLAG_CHOICE, &o->only, "all|indirect",
@@ -214,8 +188,6 @@ static void options_table(offline_options *o, flag_rows *table)
 	     65536, NULL},
 		{"--roulette", FLAG_AMOUNT, &o->roulette, "P", "probability that a path continues, 0..1; 0: its throughput (0)",
 	     0, 1, NULL},
-		{"--no-shadows", FLAG_SWITCH, &o->no_shadows, NULL,
-	     "nothing hides a light from a surface, and emission lights nothing: as frames without shadows", 0, 0, NULL},
 		{"--fireflies", FLAG_CHOICE, &o->fireflies, "keep|weight",
 	     "weight: bright samples count less, a bias that the file states (keep)", 0, 0, firefly_choices},
 		{"--sampler", FLAG_CHOICE, &o->sampler, "NAME", "source of random numbers, see below (sobol)", 0, 0,
@@ -257,11 +229,15 @@ static void options_table(offline_options *o, flag_rows *table)
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "times, ray counts and settings", 0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the threads: .json, .folded or .csv", 0, 0, NULL},
 	};
+	flag_rows_add(table, output, sizeof output / sizeof *output);
+	rays_flags_add(&o->light, RAYS_INTEGRATOR, table);
 	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
 	picture_flags_add(&o->picture, PICTURE_LOOK, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
+	flag_rows_add(table, lit, 1);
+	rays_flags_add(&o->light, RAYS_SHADOWS, table);
 	flag_rows_add(table, light, sizeof light / sizeof *light);
 }
 
@@ -406,8 +382,7 @@ static shade_brdf_model options_model(const offline_options *o, shade_brdf_model
 
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene)
 {
-	stilb_gi_settings s = stilb_gi_settings_default(scene);
-	s.integrator = (stilb_gi_integrator)o->integrator;
+	stilb_gi_settings s = rays_flags_settings(&o->light, scene);
 	s.width = o->size[0];
 	s.height = o->size[1];
 	s.samples = (uint32_t)o->samples;
@@ -422,13 +397,11 @@ stilb_gi_settings offline_options_settings(const offline_options *o, const stilb
 	s.depth = (uint32_t)o->depth;
 	s.model = options_model(o, s.model);
 	s.only = (stilb_gi_only)o->only;
-	s.no_shadows = o->no_shadows && o->integrator == STILB_GI_INTEGRATOR_DIRECT;
 	s.firefly_weight = o->fireflies == 1;
 	s.roulette = o->roulette;
 	s.rays = (uint32_t)o->rays;
 	s.ao_distance = o->ao_distance;
 	s.ao_weighted = o->ao == 1;
-	s.progressive = true; /* a picture that is stopped early is complete, though coarse */
 	s.cache.mode = (stilb_gi_cache_mode)o->cache;
 	s.cache.radius = (stilb_gi_cache_radius)o->cache_radius;
 	s.cache.error = o->cache_error;

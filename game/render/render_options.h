@@ -15,6 +15,7 @@
 #include "game/cli/flags.h"
 #include "game/cli/picture_flags.h"
 #include "gi/gi_render.h"
+#include "render_rays.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -27,15 +28,15 @@ typedef struct offline_options {
 	uint64_t samples, seed, depth, rays, blades, cache_rays;
 	float seconds, error, aperture, focus, roulette, ao_distance, cache_error, checkpoint_s;
 	uint32_t size[2], workers;
-	int integrator, sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
+	int sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
 	picture_flags picture;
-	bool preview, resume, dry_run, force, show_records, no_shadows;
+	rays_flags light;
+	bool preview, resume, dry_run, force, show_records;
 } offline_options;
 
-/* The words that the flags --integrator, --sampler, --filter and --cache-radius accept, in the order of the
+/* The words that the flags --sampler, --filter and --cache-radius accept, in the order of the
  * enumerations of engine/gi; NULL-terminated. */
-extern const char *const offline_integrators[];
 extern const char *const offline_samplers[];
 extern const char *const offline_filters[];
 extern const char *const offline_cache_radii[];

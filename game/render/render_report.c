@@ -103,7 +103,7 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 {
 	char seed[24];
 	snprintf(seed, sizeof seed, "%" PRIu64, s->seed);
-	report_put_choice(json, "integrator", offline_integrators[s->integrator]);
+	report_put_choice(json, "integrator", rays_integrators[s->integrator]);
 	report_put_choice(json, "sampler", offline_samplers[s->sampler]);
 	report_put_choice(json, "filter", offline_filters[s->filter]);
 	stilb_json_int(json, "width", s->width);
@@ -200,7 +200,7 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	        result->scene.triangles, result->scene.triangles == 1 ? "" : "s", result->scene.lights,
 	        result->scene.lights == 1 ? "" : "s", result->open_s + result->build_s);
 	offline_progress_samples(progress, samples, sizeof samples);
-	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, offline_integrators[s->integrator]),
+	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, rays_integrators[s->integrator]),
 	        s->width, s->height, samples, flags_choice(sampler, offline_samplers[s->sampler]), result->workers,
 	        result->workers == 1 ? "" : "s", result->scene.isa);
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)

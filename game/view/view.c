@@ -48,6 +48,10 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
 	[VIEW_GIVE_UP - STILB_ENGINE_ACTIONS] = {.name = "give up",
                                              .keys = {STILB_WINDOW_KEY_ESCAPE},
                                              .help = "give up what is being opened"},
+	[VIEW_RAYS - STILB_ENGINE_ACTIONS] = {.name = "path trace",
+                                          .keys = {STILB_WINDOW_KEY_T},
+                                          .main = true,
+                                          .help = "path traced, or frames; the line between them can be dragged"},
 };
 static const live_keys view_keys = {view_actions, sizeof view_actions / sizeof *view_actions};
 
@@ -124,7 +128,16 @@ static stilb_result view_start(void *user, live_run *run)
 
 static void view_update(void *user, const stilb_engine_update *update)
 {
-	view_move(user, update);
+	view *v = user;
+	view_move(v, update);
+	if (update->input->actions[VIEW_RAYS] % 2 > 0)
+		view_rays_switch(v);
+	v->run->wrong = view_rays_frame(v, update->frame);
+}
+
+static void view_release(void *user)
+{
+	view_rays_forget(user);
 }
 
 /* Opens a file that was dropped onto the window. */
@@ -164,6 +177,7 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 {
 	view *v = user;
 	stilb_result result = STILB_OK;
+	view_rays_wait(v);
 	if (!run->window && !v->load)
 		return STILB_OK;
 	if (v->load && report->input.actions[VIEW_GIVE_UP] > 0)
@@ -192,6 +206,7 @@ static void view_finish(void *user)
 		stilb_scene_destroy(scene);
 		v->load = NULL;
 	}
+	view_rays_finish(v);
 	view_watch_finish(&v->watch);
 }
 
@@ -202,6 +217,8 @@ static void view_title(void *user, const live_run *run, char title[static 256])
 	name = slash ? slash + 1 : name;
 	if (v->load)
 		snprintf(title, 256, "Stilb: opening %.120s, %.0f s; Esc gives it up", name, view_load_seconds(v->load));
+	else if (v->rays.shown)
+		snprintf(title, 256, "Stilb: %.120s, path traced", name);
 	else
 		snprintf(title, 256, "Stilb: %.120s, frame %.1f ms", name, run->report.times.frame);
 }
@@ -228,7 +245,7 @@ static bool view_check(view *v)
 	}
 	v->options.pictures = v->turntable;
 	v->options.headless |= v->turntable > 0;
-	return live_options_check(&v->options);
+	return live_options_check(&v->options) && view_rays_check(v);
 }
 
 int view_command(int argc, char **argv)
@@ -241,6 +258,7 @@ int view_command(int argc, char **argv)
 		.start = view_start,
 		.update = view_update,
 		.act = view_act,
+		.release = view_release,
 		.finish = view_finish,
 		.title = view_title,
 	};
@@ -251,7 +269,7 @@ int view_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 1; in a window endless)",
 		&view_keys,
 	};
-	view v = {.options = live_options_default(), .watch = VIEW_WATCH_NONE};
+	view v = {.options = live_options_default(), .watch = VIEW_WATCH_NONE, .rays = view_rays_default()};
 	const char *name = NULL;
 	v.options.brdf = SHADE_BRDF_MICROFACET;
 	flag_rows own = {0};
@@ -265,11 +283,13 @@ int view_command(int argc, char **argv)
 	picture_flags_add(&v.options.picture, PICTURE_PLACE, &own);
 	picture_flags_add(&v.options.picture, PICTURE_LOOK, &own);
 	flag_rows_add(&own, rows, sizeof rows / sizeof *rows);
+	view_rays_add(&v.rays, &own);
 	flags_result parsed = live_options_parse(&v.options, &help, own.rows, own.count, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !view_check(&v))
 		return EXIT_REFUSED;
+	view_rays_begin(&v.rays);
 	v.name = strdup(name ? name : VIEW_SCENE);
 	if (!v.name) {
 		stilb_log("no memory for a name");

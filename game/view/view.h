@@ -4,6 +4,7 @@
 
 #include "game/live/live_run.h"
 #include "view_load.h"
+#include "view_rays.h"
 #include "view_watch.h"
 
 /* Rows of the table of actions; view.c says which keys they have. */
@@ -17,10 +18,11 @@ enum {
 	VIEW_PREVIOUS,
 	VIEW_DROP,
 	VIEW_GIVE_UP,
+	VIEW_RAYS,
 	VIEW_ACTIONS
 };
 
-typedef struct view {
+struct view {
 	live_options options;
 	char *name;         /* of the scene that is shown; before that, of the first that is wanted */
 	view_load *load;    /* what is being opened; NULL: nothing */
@@ -34,7 +36,8 @@ typedef struct view {
 	bool framed;             /* the camera frames the scene, and does so again in a picture of another aspect */
 	stilb_scene_camera home; /* the camera at the start */
 	stilb_scene_camera last; /* the camera as the last frame left it */
-} view;
+	view_rays rays;
+};
 
 /* Shows the scene, which is the view's from then on, in place of the one before, which is freed. again: it is a new
  * state of the same file, so the camera stays. On failure the old one stays, and the new one is freed. */

@@ -98,6 +98,8 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again)
 		stilb_scene_destroy(scene);
 		return result;
 	}
+	if (v->scene)
+		view_rays_forget(v);
 	stilb_scene_destroy(v->scene);
 	v->scene = scene;
 	v->home = scene->camera;

@@ -77,6 +77,54 @@ static void turns_a_table(void **state)
 	assert_non_null(strstr(run.err, "'t-001.png': frames do not draw a panorama yet"));
 }
 
+static stilb_image load_light(const char *path)
+{
+	stilb_image image = {0};
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	assert_int_equal(image.format, STILB_IMAGE_F32_LINEAR);
+	return image;
+}
+
+/* Each number is a half beside the one of `stilb render`, which writes floats; frames are left of column `from`. */
+static void assert_traced(const char *path, const char *rendered, const char *framed, uint32_t from)
+{
+	stilb_image got = load_light(path), want = load_light(rendered), left = load_light(framed);
+	assert_int_equal(got.width, want.width);
+	for (uint32_t y = 0; y < got.height; y++)
+		for (uint32_t x = 0; x < got.width; x++)
+			for (uint32_t c = 0; c < 3; c++) {
+				float a = ((float *)got.pixels)[(y * got.width + x) * got.channels + c];
+				float b = ((float *)want.pixels)[(y * want.width + x) * want.channels + c];
+				float l = ((float *)left.pixels)[(y * left.width + x) * left.channels + c];
+				bool good = x < from ? a == l : fabsf(a - b) < fmaxf(b, 1.0f / 16384) / 1024;
+				if (!good)
+					fail_msg("%s: pixel %u, %u: %g; traced %g, frame %g", path, x, y, (double)a, (double)b, (double)l);
+			}
+	stilb_image_finish(&got);
+	stilb_image_finish(&want);
+	stilb_image_finish(&left);
+}
+
+#define DIRECT " --integrator direct --no-shadows --brdf lambert"
+
+/* What rays show beside frames is what `stilb render` gives with the same flags and samples. */
+static void rays_beside_frames(void **state)
+{
+	(void)state;
+	stilb_good("view spheres --headless --size 48x30 --screenshot frame.exr");
+	stilb_good("render spheres --size 48x30 --spp 3 -o path.exr");
+	stilb_good("view spheres --headless --size 48x30 --screenshot a.exr --split 0 --spp 3");
+	assert_traced("a.exr", "path.exr", "frame.exr", 0);
+	stilb_good("view spheres --headless --size 48x30 --screenshot b.exr --split 0.5 --spp 3 --workers 0");
+	assert_traced("b.exr", "path.exr", "frame.exr", 24);
+	stilb_good("view spheres --headless --size 48x30 --screenshot c.exr --split 1 --spp 3 --frames 2");
+	assert_traced("c.exr", "path.exr", "frame.exr", 48);
+	stilb_good("render cornell --size 48x30 --spp 2 -o direct.exr" DIRECT);
+	stilb_good("view cornell --headless --size 48x30 --screenshot d.exr --split 0 --spp 2" DIRECT);
+	assert_traced("d.exr", "direct.exr", "direct.exr", 0);
+	assert_said(run.out, "picture: d.exr");
+}
+
 static void opens_what_ships(void **state)
 {
 	(void)state;
@@ -309,6 +357,11 @@ static void refuses(void **state)
 		{"view --msaa 2 --headless", "--msaa"},
 		{"view cornell --headless --environment -1,0,0", "out of range"},
 		{"view cornell --headless --environment none.hdr", "none.hdr"},
+		{"view cornell --headless --spp 4", "only --split"},
+		{"view cornell --split 0.5 --device null", "the null device"},
+		{"view cornell --headless --split 1.5", "--split"},
+		{"view cornell --split 0 --no-shadows", "--integrator direct"},
+		{"view cornell --split 0 --integrator irradiance-cache", "no place beside frames"},
 	};
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
 		int code = stilb_code(no_display, lines[i][0]);
@@ -324,6 +377,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(frames_a_file, folder_fresh),
 		cmocka_unit_test_setup(turns_a_table, folder_fresh),
+		cmocka_unit_test_setup(rays_beside_frames, folder_fresh),
 		cmocka_unit_test_setup(opens_what_ships, folder_fresh),
 		cmocka_unit_test_setup(exposes_physical_light, folder_fresh),
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),

@@ -20,17 +20,22 @@ static void write_text(const char *name, const char *text)
 	fclose(file);
 }
 
-/* Waits until the run's stderr has this text. */
-static bool await_said(const char *text)
+/* Waits until the run's stdout (0) or stderr (1) has this text. */
+static bool await_in(int file, const char *text)
 {
 	static char all[65536];
 	for (int i = 0; i < 3000; i++, usleep(10000)) {
-		ssize_t size = pread(fileno(run.files[1]), all, sizeof all - 1, 0);
+		ssize_t size = pread(fileno(run.files[file]), all, sizeof all - 1, 0);
 		all[size > 0 ? size : 0] = '\0';
 		if (strstr(all, text))
 			return true;
 	}
 	return false;
+}
+
+static bool await_said(const char *text)
+{
+	return await_in(1, text);
 }
 
 /* ---- dropping, as the freedesktop.org protocol XDND has it ------------------------------------------------------- */
@@ -173,6 +178,31 @@ static void a_full_disk_is_told(void **state)
 	assert_int_equal(run.code, 0);
 }
 
+/* The path tracer takes over, goes on with other workers, with another file and with the file's next state, gives the
+ * window back, and ends with a signal while it traces. */
+static void rays_take_over(void **state)
+{
+	(void)state;
+	write_text("a.obj", SQUARE);
+	write_text("b.obj", SQUARE);
+	open_window("view a.obj --size 160x120 --workers 1 --gamepad off", "Stilb: a.obj");
+	x11_server_type(display, window, XK_t);
+	assert_true(x11_server_await(display, "Stilb: a.obj, path traced") == window);
+	x11_server_type(display, window, XK_minus); /* no workers: a thread of its own traces */
+	assert_true(await_in(0, "workers: 0"));
+	assert_true(x11_server_await(display, "Stilb: a.obj, path traced") == window);
+	x11_server_type(display, window, XK_Next);
+	assert_true(x11_server_await(display, "Stilb: b.obj, path traced") == window);
+	x11_server_type(display, window, XK_t);
+	assert_true(x11_server_await(display, "Stilb: b.obj, frame") == window);
+	x11_server_type(display, window, XK_t);
+	assert_true(x11_server_await(display, "Stilb: b.obj, path traced") == window);
+	XCloseDisplay(display);
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+}
+
 /* The first scene must open: the run ends as one that was refused. */
 static void the_first_must_open(void **state)
 {
@@ -191,6 +221,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(files_come_and_go, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(a_full_disk_is_told, folder_fresh, run_end),
+		cmocka_unit_test_setup_teardown(rays_take_over, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(the_first_must_open, folder_fresh, run_end),
 	};
 	if (!x11_server_start(&server)) {

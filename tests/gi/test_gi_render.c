@@ -216,6 +216,7 @@ static void same_bits_in_slices_beside_others(void **state)
 		render_fixture fixture = render_fixture_make("cornell", workers);
 		guest other = {.fixture = &fixture, .settings = render_fixture_settings(&fixture)};
 		other.settings.progressive = workers == 1;
+		other.settings.samples = 2;
 		uint64_t hash = render_whole(&fixture, &other.settings);
 		pthread_t thread;
 		assert_int_equal(pthread_create(&thread, NULL, guest_render, &other), 0);

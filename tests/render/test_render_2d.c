@@ -381,7 +381,7 @@ static color shown_radiance(const float texel[4], float factor)
 	return (color){codes[0], codes[1], codes[2], 255};
 }
 
-/* A picture of radiance, twice as large as its texels in a clip, over what a glyph's texture has drawn, and that texture
+/* A picture of radiance, twice as large as its texels in a clip, over what a glyph's texture has drawn, and that
  * again, by each way of replay. Where the output is radiance it comes out as it is, bit by bit. */
 static void pictures_pixel_by_pixel(void **state)
 {

@@ -1,0 +1,331 @@
+#include "view_rays.h"
+
+#include "game/render/render_progress.h"
+#include "view.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define RAYS_SAMPLES 64u        /* of a picture without a window, unless --spp is given */
+#define RAYS_MAX_SAMPLES 65536u /* in a window */
+#define RAYS_REST_NS 150000000u /* so long must what is seen be still before rays begin */
+#define RAYS_LOOK_NS 100000000u /* between two copies of their picture */
+#define RAYS_FRAME_NS 33000000u /* between two frames while rays are shown */
+#define RAYS_COARSEST 8u        /* side of the blocks that are shown at first */
+#define RAYS_ENDLESS 1e9        /* seconds: with a limit of time, the first samples of all pixels are there soon */
+#define RAYS_TICK_NS 20000000   /* between two looks at a picture that frames wait for */
+
+view_rays view_rays_default(void)
+{
+	return (view_rays){.flags = rays_flags_default(), .split = NAN};
+}
+
+void view_rays_add(view_rays *rays, flag_rows *table)
+{
+	const flag title[] = {{"Rays beside the frames", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
+	const flag rows[] = {
+		{"--split", FLAG_AMOUNT, &rays->split, "X", "path traced right of this share of the width, 0..1; 0: all of it",
+	     0, 1, NULL},
+		{"--spp", FLAG_NUMBER, &rays->spp, "N", "samples a pixel of the rays, 1..65536 (64; in a window 65536)", 1,
+	     RAYS_MAX_SAMPLES, NULL},
+	};
+	flag_rows_add(table, title, 1);
+	flag_rows_add(table, rows, sizeof rows / sizeof *rows);
+	rays_flags_add(&rays->flags, RAYS_INTEGRATOR, table);
+	rays_flags_add(&rays->flags, RAYS_SHADOWS, table);
+}
+
+bool view_rays_check(const view *v)
+{
+	const view_rays *rays = &v->rays;
+	bool split = !isnan(rays->split), headless = v->options.headless;
+	if (split && v->options.picture.device == STILB_RENDER_DEVICE_NULL)
+		stilb_log("--split: the null device draws no picture; use --device vulkan");
+	else if (headless && !split && rays->spp > 0)
+		stilb_log("--spp: without a window only --split X has rays; give it, too");
+	else if (rays->flags.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
+		stilb_log("--integrator: the irradiance cache has no place beside frames; 'stilb render' has it");
+	else if (rays->flags.no_shadows && rays->flags.integrator != STILB_GI_INTEGRATOR_DIRECT)
+		stilb_log("--no-shadows needs --integrator direct");
+	else
+		return true;
+	return false;
+}
+
+void view_rays_begin(view_rays *rays)
+{
+	rays->on = !isnan(rays->split);
+	rays->from = rays->on ? rays->split : 0.0f;
+}
+
+/* ---- what is seen ------------------------------------------------------------------------------------------------ */
+
+static view_seen rays_seen(const view *v)
+{
+	view_seen seen = {.camera = v->scene->camera, .shading = stilb_engine_shading(v->run->engine)};
+	stilb_engine_size(v->run->engine, &seen.width, &seen.height);
+	seen.scene = stilb_scene_revisions_read(v->scene);
+	seen.scene.camera = 0; /* the camera is compared itself */
+	return seen;
+}
+
+static bool rays_is_same_scene(const view_seen *a, const view_seen *b)
+{
+	return memcmp(&a->scene, &b->scene, sizeof a->scene) == 0;
+}
+
+static bool rays_is_same(const view_seen *a, const view_seen *b)
+{
+	return memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 &&
+	       memcmp(&a->shading, &b->shading, sizeof a->shading) == 0 && a->width == b->width && a->height == b->height &&
+	       rays_is_same_scene(a, b);
+}
+
+/* The settings of `stilb render` with the same flags, so that it gives the same bits. */
+static stilb_gi_settings rays_settings(const view *v)
+{
+	const view_rays *rays = &v->rays;
+	const stilb_render_shading *shading = &rays->seen.shading;
+	stilb_gi_settings settings = rays_flags_settings(&rays->flags, v->scene);
+	settings.width = rays->seen.width;
+	settings.height = rays->seen.height;
+	settings.model = (shade_brdf_model){(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
+	settings.samples = rays->spp > 0 ? (uint32_t)rays->spp : v->run->window ? RAYS_MAX_SAMPLES : RAYS_SAMPLES;
+	if (v->run->window)
+		settings.seconds = RAYS_ENDLESS;
+	return settings;
+}
+
+/* ---- life -------------------------------------------------------------------------------------------------------- */
+
+/* Shows frames again. */
+static void rays_hide(view *v)
+{
+	if (v->rays.shown)
+		stilb_engine_show(v->run->engine, NULL);
+	v->rays.shown = v->rays.whole = false;
+}
+
+void view_rays_forget(view *v)
+{
+	rays_hide(v);
+	view_trace_end(v->rays.trace);
+	v->rays.trace = NULL;
+	v->rays.asked = false;
+	v->rays.changed_ns = stilb_time_ns();
+}
+
+static void rays_turn_off(view *v)
+{
+	view_rays_forget(v);
+	stilb_engine_caption(v->run->engine, NULL);
+	v->rays.on = false;
+}
+
+void view_rays_switch(view *v)
+{
+	if (v->rays.on)
+		rays_turn_off(v);
+	else
+		v->rays.on = true;
+}
+
+void view_rays_finish(view *v)
+{
+	view_trace_end(v->rays.trace);
+	free(v->rays.radiance);
+	v->rays.trace = NULL;
+	v->rays.radiance = NULL;
+}
+
+static stilb_result rays_begin(view *v)
+{
+	view_rays *rays = &v->rays;
+	uint32_t workers = v->run->window ? 1 : stilb_engine_default_workers() + 1;
+	rays->begun_ns = stilb_time_ns();
+	return view_trace_start(v->scene, v->run->window ? stilb_engine_pool(v->run->engine) : NULL, workers, &rays->trace);
+}
+
+/* ---- the picture ------------------------------------------------------------------------------------------------- */
+
+/* Shows the rays' picture as far as it is. */
+static stilb_result rays_show(view *v, bool anew)
+{
+	view_rays *rays = &v->rays;
+	if (anew && !view_trace_preview(rays->trace, rays->radiance))
+		return STILB_OK;
+	stilb_engine_shown picture = {.radiance = anew ? rays->radiance : NULL,
+	                                .width = rays->seen.width,
+	                                .height = rays->seen.height,
+	                                .from = &rays->from,
+	                                .still = v->run->window,
+	                                .divider = true};
+	rays->looked_ns = anew ? stilb_time_ns() : rays->looked_ns;
+	stilb_result result = stilb_engine_show(v->run->engine, &picture);
+	rays->shown = result == STILB_OK;
+	return result;
+}
+
+/* Asks for a picture of what is seen. */
+static stilb_result rays_ask(view *v)
+{
+	view_rays *rays = &v->rays;
+	float *radiance = realloc(rays->radiance, (size_t)rays->seen.width * rays->seen.height * 3 * sizeof *radiance);
+	if (!radiance)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a picture of %u x %u pixels", rays->seen.width,
+		                  rays->seen.height);
+	rays->radiance = radiance;
+	rays->begun_ns = stilb_time_ns();
+	rays->asked = true;
+	stilb_gi_settings settings = rays_settings(v);
+	view_trace_look(rays->trace, &settings);
+	return STILB_OK;
+}
+
+static void rays_caption(view *v, view_trace_stage where, const stilb_gi_progress *at)
+{
+	char text[128], samples[64];
+	double seconds = (double)(stilb_time_ns() - v->rays.begun_ns) * 1e-9;
+	offline_progress_samples(at, samples, sizeof samples);
+	if (where == VIEW_TRACE_BUILDING)
+		snprintf(text, sizeof text, "preparing rays, %.1f s", seconds);
+	else if (v->rays.shown)
+		snprintf(text, sizeof text, "path traced: %s, %.1f s", samples,
+		         where == VIEW_TRACE_FINISHED ? at->seconds : seconds);
+	else if (v->rays.asked)
+		snprintf(text, sizeof text, "path tracing begins");
+	else
+		snprintf(text, sizeof text, "path traced when the view is still");
+	stilb_engine_caption(v->run->engine, text);
+}
+
+/* ---- in a window ------------------------------------------------------------------------------------------------- */
+
+/* The pass that is shown first is done. */
+static bool rays_are_fine(const stilb_gi_progress *at)
+{
+	return at->samples > 0 || (at->block > 0 && at->block <= RAYS_COARSEST);
+}
+
+static stilb_result rays_follow(view *v, uint64_t now)
+{
+	view_rays *rays = &v->rays;
+	stilb_gi_progress at = {0};
+	stilb_result result = STILB_OK;
+	if (!rays->trace)
+		result = rays_begin(v);
+	if (result != STILB_OK)
+		return result;
+	view_trace_stage where = view_trace_state(rays->trace, &at);
+	if (where == VIEW_TRACE_FAILED) {
+		const char *message;
+		stilb_result failed = view_trace_error(rays->trace, &message);
+		return stilb_fail(failed, "%s", message);
+	}
+	if (!rays->asked && where != VIEW_TRACE_BUILDING && now - rays->changed_ns >= RAYS_REST_NS)
+		return rays_ask(v);
+	bool finished = rays->asked && where == VIEW_TRACE_FINISHED;
+	if (rays->asked && rays_are_fine(&at) && !rays->whole && (finished || now - rays->looked_ns >= RAYS_LOOK_NS)) {
+		result = rays_show(v, true);
+		rays->whole = finished && result == STILB_OK;
+	} else if (rays->shown) {
+		result = rays_show(v, false);
+	}
+	rays_caption(v, where, &at);
+	return result;
+}
+
+static void rays_in_window(view *v)
+{
+	view_rays *rays = &v->rays;
+	uint64_t now = stilb_time_ns();
+	view_seen seen = rays_seen(v);
+	if (!rays_is_same_scene(&seen, &rays->seen))
+		view_rays_forget(v);
+	if (!rays_is_same(&seen, &rays->seen)) {
+		rays->seen = seen;
+		rays->changed_ns = now;
+		rays->asked = false;
+		rays_hide(v);
+		if (rays->trace)
+			view_trace_rest(rays->trace);
+	}
+	stilb_result result = rays_follow(v, now);
+	if (result == STILB_OK)
+		return;
+	stilb_log("%s; frames are shown again", stilb_error_message());
+	stilb_engine_tell(v->run->engine, stilb_error_message());
+	rays_turn_off(v);
+}
+
+void view_rays_wait(view *v)
+{
+	uint64_t now = stilb_time_ns(), since = now - v->rays.frame_ns;
+	if (v->rays.on && v->rays.asked && v->run->window && since < RAYS_FRAME_NS)
+		nanosleep(&(struct timespec){.tv_nsec = (long)(RAYS_FRAME_NS - since)}, NULL); /* a signal ends it */
+	v->rays.frame_ns = stilb_time_ns();
+}
+
+/* ---- without a window -------------------------------------------------------------------------------------------- */
+
+/* Waits until the picture is finished, or a signal has come. */
+static stilb_result rays_await(const view *v, stilb_gi_progress *at)
+{
+	offline_progress progress;
+	view_trace_stage where;
+	offline_progress_begin(&progress);
+	for (;;) {
+		where = view_trace_state(v->rays.trace, at);
+		if (where == VIEW_TRACE_FINISHED || where == VIEW_TRACE_FAILED || live_run_is_stopped())
+			break;
+		offline_progress_show(&progress, where == VIEW_TRACE_BUILDING ? RENDER_BUILDING : RENDER_RENDERING, at);
+		nanosleep(&(struct timespec){.tv_nsec = RAYS_TICK_NS}, NULL);
+	}
+	if (progress.terminal)
+		offline_progress_clear();
+	if (where != VIEW_TRACE_FAILED)
+		return STILB_OK;
+	const char *message;
+	stilb_result failed = view_trace_error(v->rays.trace, &message);
+	return stilb_fail(failed, "%s", message);
+}
+
+static stilb_result rays_headless(view *v)
+{
+	view_rays *rays = &v->rays;
+	stilb_gi_progress at = {0};
+	view_seen seen = rays_seen(v);
+	if (rays->shown && rays_is_same(&seen, &rays->seen))
+		return rays_show(v, false);
+	if (!rays_is_same_scene(&seen, &rays->seen))
+		view_rays_forget(v);
+	rays->seen = seen;
+	stilb_result result = rays->trace ? STILB_OK : rays_begin(v);
+	if (result == STILB_OK)
+		result = rays_ask(v);
+	if (result == STILB_OK)
+		result = rays_await(v, &at);
+	if (result == STILB_OK && at.pass_count > 0)
+		result = rays_show(v, true);
+	return result;
+}
+
+stilb_result view_rays_frame(view *v, uint64_t frame)
+{
+	view_rays *rays = &v->rays;
+	if (!v->scene)
+		return STILB_OK;
+	if (v->run->window && rays->on)
+		rays_in_window(v);
+	if (v->run->lost && rays->on)
+		rays_turn_off(v);
+	if (v->run->window)
+		return STILB_OK;
+	/* Of a run of many frames the last one is what remains, or each of them is saved. */
+	uint64_t wanted = live_run_wanted(v->run);
+	bool saved = wanted == 0 || frame == wanted || v->options.pictures > 0;
+	return rays->on && saved ? rays_headless(v) : STILB_OK;
+}

@@ -1,0 +1,57 @@
+/*
+ * view_trace: path traces a scene on a thread of its own and on the workers of a pool, while frames go on.
+ *
+ *   view_trace *trace;
+ *   if (view_trace_start(scene, pool, &trace) == STILB_OK) {
+ *       view_trace_look(trace, &settings);
+ *       while (view_trace_state(trace, &progress) == VIEW_TRACE_RENDERING)
+ *           ...                                     draw frames; view_trace_preview(trace, rgb); view_trace_look again
+ *       view_trace_end(trace);
+ *   }
+ *
+ * The scene.  It is copied when the trace starts, in VIEW_TRACE_BUILDING, but for its textures and its panorama: until
+ *             then nothing of it but the camera may change, and until the end its textures may not. So rays see one
+ *             state of it, and a changed scene takes a new trace.
+ * Slices.     The workers' loops end after some 3 ms, so that frames get workers, too, and so does all of it when it is
+ *             told to; but not the building of the tree.
+ * Threads.    [main-thread]
+ */
+#ifndef STILB_VIEW_TRACE_H
+#define STILB_VIEW_TRACE_H
+
+#include "gi/gi_render.h"
+
+typedef struct view_trace view_trace;
+
+typedef enum view_trace_stage {
+	VIEW_TRACE_BUILDING, /* the tree of the scene's triangles */
+	VIEW_TRACE_WAITING,  /* for view_trace_look */
+	VIEW_TRACE_RENDERING,
+	VIEW_TRACE_FINISHED, /* all samples are done */
+	VIEW_TRACE_FAILED,   /* view_trace_error says why; only view_trace_end may follow */
+} view_trace_stage;
+
+/* Begins to build the tree. pool: its workers trace, if it has any, and none of its other threads; NULL: a pool of the
+ * trace's own of `workers` threads, 1..STILB_JOB_MAX_WORKERS, this one's not counted. STILB_ERROR_MEMORY,
+ * STILB_ERROR_THREAD; *trace is NULL then. */
+stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, uint32_t workers, view_trace **trace);
+
+/* Begins a picture with these settings, in place of the one before. */
+void view_trace_look(view_trace *trace, const stilb_gi_settings *settings);
+
+/* Gives up the picture that is being rendered, within milliseconds. */
+void view_trace_rest(view_trace *trace);
+
+/* Where it stands. *progress is {0} without a picture. */
+view_trace_stage view_trace_state(view_trace *trace, stilb_gi_progress *progress);
+
+/* The error of VIEW_TRACE_FAILED; valid until the end. */
+stilb_result view_trace_error(view_trace *trace, const char **message);
+
+/* Copies the picture so far, [height][width][3] of the settings' size. False: there is none yet. */
+bool view_trace_preview(view_trace *trace, float *rgb);
+
+/* Ends all of it within milliseconds, or when the tree is built. Accepts NULL. */
+void view_trace_end(view_trace *trace);
+
+#endif
