@@ -15,7 +15,7 @@ void rays_flags_add(rays_flags *rays, rays_flags_group group, flag_rows *table)
 	STILB_ASSERT(rays && table);
 	flag rows[] = {
 		[RAYS_INTEGRATOR] = {"--integrator", FLAG_CHOICE, &rays->integrator, "NAME",
-	                         "method that computes the light, see below (path)", 0, 0, rays_integrators},
+	                         "method that computes the light: 'stilb render --help' (path)", 0, 0, rays_integrators},
 		[RAYS_SHADOWS] =
 			{"--no-shadows", FLAG_SWITCH, &rays->no_shadows, NULL,
 	         "nothing hides a light from a surface, and emission lights nothing: as frames without shadows", 0, 0,
