@@ -12,8 +12,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define DIVIDER_REACH 8.0f /* pixels to each side of the divider within which it can be dragged */
-#define DIVIDER_GRIP 40.0f /* height of its grip, pixels */
+#define DIVIDER_REACH 8.0f  /* pixels to each side of the divider within which it can be dragged */
+#define DIVIDER_GRIP 40.0f  /* height of its grip, pixels */
+#define CAPTION_BESIDE 8.0f /* pixels from the picture's edges to the caption */
 
 void engine_picture_forget_scene(stilb_engine *engine)
 {
@@ -208,8 +209,10 @@ void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui)
 	stilb_ui_draw_list *list = stilb_ui_list(ui);
 	float room = stilb_ui_input_get(ui)->width;
 	float width = fminf(ceilf(stilb_ui_text_width(font, engine->caption)) + 2.0f * style->margin, room);
-	stilb_ui_rect place = {room - width, 0.0f, room, style->control_height};
-	stilb_ui_draw_rect(list, place, stilb_ui_fade(style->panel, 0.8f));
+	float right = fmaxf(room - CAPTION_BESIDE, width);
+	stilb_ui_rect place = {right - width, CAPTION_BESIDE, right, CAPTION_BESIDE + style->control_height};
+	stilb_ui_draw_rounded(list, place, style->radius, style->panel);
+	stilb_ui_draw_rounded_outline(list, place, style->radius, 1.0f, style->panel_border);
 	stilb_ui_cut_left(&place, style->margin);
-	stilb_ui_draw_text(list, font, place, STILB_UI_ALIGN_LEFT, style->text, engine->caption);
+	stilb_ui_draw_text(list, font, place, STILB_UI_ALIGN_LEFT, style->text_strong, engine->caption);
 }
