@@ -158,11 +158,11 @@ static stilb_result rays_show(view *v, bool anew)
 	if (anew && !view_trace_preview(rays->trace, rays->radiance))
 		return STILB_OK;
 	stilb_engine_shown picture = {.radiance = anew ? rays->radiance : NULL,
-	                                .width = rays->seen.width,
-	                                .height = rays->seen.height,
-	                                .from = &rays->from,
-	                                .still = v->run->window,
-	                                .divider = true};
+	                              .width = rays->seen.width,
+	                              .height = rays->seen.height,
+	                              .from = &rays->from,
+	                              .still = v->run->window,
+	                              .divider = true};
 	rays->looked_ns = anew ? stilb_time_ns() : rays->looked_ns;
 	stilb_result result = stilb_engine_show(v->run->engine, &picture);
 	rays->shown = result == STILB_OK;

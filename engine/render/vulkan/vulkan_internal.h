@@ -205,8 +205,8 @@ typedef struct vulkan_device {
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
 	VkPipeline pipelines_2d[VULKAN_PIPELINES_2D];
-	VkPipeline backdrop;           /* null: not needed so far */
-	bool transparent;              /* the frame's backdrop is nothing, and the picture's alpha counts */
+	VkPipeline backdrop; /* null: not needed so far */
+	bool transparent;    /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample a pixel */
