@@ -119,8 +119,8 @@ static void rays_beside_frames(void **state)
 	assert_traced("b.exr", "path.exr", "frame.exr", 24);
 	stilb_good("view spheres --headless --size 48x30 --screenshot c.exr --split 1 --spp 3 --frames 2");
 	assert_traced("c.exr", "path.exr", "frame.exr", 48);
-	stilb_good("render cornell --size 48x30 --spp 2 -o direct.exr" DIRECT);
-	stilb_good("view cornell --headless --size 48x30 --screenshot d.exr --split 0 --spp 2" DIRECT);
+	stilb_good("render spheres --size 48x30 --spp 2 -o direct.exr" DIRECT);
+	stilb_good("view spheres --headless --size 48x30 --screenshot d.exr --split 0 --spp 2" DIRECT);
 	assert_traced("d.exr", "direct.exr", "direct.exr", 0);
 	assert_said(run.out, "picture: d.exr");
 }
