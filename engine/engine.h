@@ -248,11 +248,21 @@ typedef struct stilb_engine_report {
 	bool lost;  /* the window or its display has gone, the engine's or the program's: from now on frames are drawn to
 	               memory, in the last size. For another window: another engine, and the same scene */
 	bool drawn; /* false: the window is minimised, and only input was handled */
+	bool ui_keys, ui_mouse; /* the engine's panels took the keys, the mouse: they are for nobody else */
 } stilb_engine_report;
 
 /* Runs one frame and fills *report. While the window is minimised it waits up to 50 ms and draws nothing.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST. */
 stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *report);
+
+/* Gives the next frame what happened in the program's own window since the frame before: keys, mouse and the wish to
+ * close, as stilb_window_poll gives them, so that the camera, the table of actions, the profiler's and the materials'
+ * window and report.input work as in a window of the engine's. Call it before each frame, without a window too, where
+ * tests may give keys. *state is copied; the files in `dropped` live until the frame has returned. Without another
+ * call what is held stays held, and nothing is pressed or moved. width and height are the picture's new size; 0: as it
+ * is. lost, and gamepads, are not read from it: desc.gamepad chooses their source. The program captures and shows the
+ * pointer itself. Not in a window of the engine's. STILB_ERROR_MEMORY; then nothing is given. */
+stilb_result stilb_engine_input(stilb_engine *engine, const stilb_window_state *state);
 
 /* Waits until the device has drawn every frame; *gpu_ms is the last frame's time on it, milliseconds, 0 if unknown.
  * STILB_ERROR_DEVICE_LOST. */
@@ -298,8 +308,8 @@ stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t
 stilb_result stilb_engine_capture(stilb_engine *engine);
 
 /* Shows a line of UTF-8 text, of which it copies 255 bytes at most, at the lower edge of the window for five seconds;
- * the newest three are shown. A frame whose input has STILB_ENGINE_PICTURE set is drawn without them. Without a window
- * of the engine's it does nothing. */
+ * the newest three are shown. A frame whose input has STILB_ENGINE_PICTURE set is drawn without them. It does nothing
+ * without a window of the engine's and without stilb_engine_input. */
 void stilb_engine_tell(stilb_engine *engine, const char *text);
 
 /* Shows a picture of the program's from the next frame on, or in this frame if desc.update calls it; with the exposure

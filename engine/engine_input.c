@@ -84,7 +84,7 @@ static int64_t engine_input_now_us(void)
 static int64_t engine_input_time_us(stilb_engine *engine)
 {
 	engine_input *input = &engine->input;
-	if (!engine->window && !input->pads)
+	if (!engine->window && !engine->desc.surface && !input->pads)
 		return (int64_t)(engine->frame * 1000000u / INPUT_FRAMES);
 	int64_t now = engine_input_now_us();
 	if (!input->recording)
@@ -129,6 +129,18 @@ static stilb_result engine_input_open_pads(engine_input *input, const stilb_engi
 	return STILB_OK;
 }
 
+/* Creates the control, whose time begins now; a replay's at 0, with the first frame. */
+static stilb_result engine_input_create(stilb_engine *engine)
+{
+	engine_input *input = &engine->input;
+	input->focused = true;
+	input->pose = stilb_engine_pose(engine);
+	int64_t time_us = input->recording ? 0 : engine_input_time_us(engine);
+	stilb_input_control_settings settings = engine->desc.control;
+	settings.table = &engine->actions;
+	return stilb_input_control_create(&settings, &input->pose, time_us, &input->control);
+}
+
 stilb_result engine_input_start(stilb_engine *engine)
 {
 	engine_input *input = &engine->input;
@@ -144,14 +156,7 @@ stilb_result engine_input_start(stilb_engine *engine)
 		result = stilb_input_recording_load(desc->gamepad_recording, &input->recording);
 	if (live)
 		result = engine_input_open_pads(input, desc);
-	if (result != STILB_OK)
-		return result;
-	input->focused = true;
-	input->pose = stilb_engine_pose(engine);
-	int64_t time_us = replay ? 0 : engine_input_time_us(engine); /* a replay's time begins at 0, with the first frame */
-	stilb_input_control_settings settings = desc->control;
-	settings.table = &engine->actions;
-	return stilb_input_control_create(&settings, &input->pose, time_us, &input->control);
+	return result == STILB_OK ? engine_input_create(engine) : result;
 }
 
 void engine_input_finish(engine_input *input)
@@ -160,6 +165,44 @@ void engine_input_finish(engine_input *input)
 	stilb_input_recording_free(input->recording);
 	stilb_input_control_destroy(input->control);
 	*input = (engine_input){0};
+}
+
+/* ---- what the program gives -------------------------------------------------------------------------------------- */
+
+stilb_result stilb_engine_input(stilb_engine *engine, const stilb_window_state *state)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(state);
+	STILB_ASSERT(!engine->window && "the engine reads its own window");
+	engine_input *input = &engine->input;
+	stilb_result result = input->control ? STILB_OK : engine_input_create(engine);
+	if (result != STILB_OK)
+		return result;
+	input->given = *state;
+	input->is_given = true;
+	return STILB_OK;
+}
+
+bool engine_input_take_given(stilb_engine *engine, stilb_window_state *state)
+{
+	engine_input *input = &engine->input;
+	if (!input->is_given)
+		return false;
+	stilb_window_state *given = &input->given;
+	*state = *given;
+	state->lost = false;
+	if (state->width == 0 || state->height == 0)
+		stilb_render_size(engine->render, &state->width, &state->height);
+	stilb_window_state stays = {.focused = given->focused,
+	                            .mouse_captured = given->mouse_captured,
+	                            .pointer = given->pointer,
+	                            .pointer_x = given->pointer_x,
+	                            .pointer_y = given->pointer_y,
+	                            .button = given->button,
+	                            .middle = given->middle};
+	memcpy(stays.held, given->held, sizeof stays.held);
+	*given = stays;
+	return true;
 }
 
 /* ---- events ------------------------------------------------------------------------------------------------------ */

@@ -104,6 +104,8 @@ typedef struct engine_input {
 	int64_t start_us;                 /* clock at which a replay in a window began; 0: not yet */
 	int64_t newest_us;                /* time of this frame's newest report; 0: none came since the last frame */
 	uint64_t reports, corrupt;        /* see stilb_engine_gamepad_counts; corrupt: only of pads that were removed */
+	bool is_given;                    /* stilb_engine_input was called */
+	stilb_window_state given;         /* by it, for the next frame */
 } engine_input;
 
 /* Pictures that are written by a thread of their own. */
@@ -238,6 +240,10 @@ void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui);
 /* Opens the gamepads or the recording; the window, if any, and the scene exist. STILB_ERROR_MEMORY, STILB_ERROR_FILE,
  * STILB_ERROR_DEVICE, STILB_ERROR_THREAD. */
 stilb_result engine_input_start(stilb_engine *engine);
+
+/* Takes what the program has given for this frame, with the picture's size: what is held stays for the next, what has
+ * happened goes. False: nothing was ever given. */
+bool engine_input_take_given(stilb_engine *engine, stilb_window_state *state);
 
 /* Closes the gamepads or the recording and frees the control. Accepts {0}. */
 void engine_input_finish(engine_input *input);

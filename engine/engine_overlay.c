@@ -93,9 +93,11 @@ void engine_overlay_input(stilb_engine *engine, const stilb_window_state *window
 {
 	engine_overlay *overlay = &engine->overlay;
 	/* The user acted on what the last frame showed, so the focus of that frame decides who gets the keys. */
-	if (engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui))
+	engine->report.ui_keys = engine_overlay_is_open(overlay) && stilb_ui_wants_keys(overlay->ui);
+	engine->report.ui_mouse = engine_overlay_is_open(overlay) && stilb_ui_wants_mouse(overlay->ui);
+	if (engine->report.ui_keys)
 		*input = stilb_input_without_keys(&engine->actions, *input);
-	if (engine_overlay_is_open(overlay) && stilb_ui_wants_mouse(overlay->ui))
+	if (engine->report.ui_mouse)
 		*input = stilb_input_without_pointer(*input);
 	overlay->input = engine_ui_input(window);
 	overlay->input.seconds = engine->step;
@@ -148,7 +150,7 @@ void stilb_engine_tell(stilb_engine *engine, const char *text)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(text);
-	if (engine->window)
+	if (engine->window || engine->input.is_given)
 		engine_overlay_tell(engine, text);
 }
 

@@ -64,10 +64,11 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	engine->step = FRAME_STEP;
 	if (frame_by_clock(engine))
 		frame_step(engine);
-	if (!engine->window)
+	if (!engine->window && !engine_input_take_given(engine, &state))
 		return STILB_OK;
-	stilb_window_poll(engine->window, &state);
-	if (!state.lost && (state.width == 0 || state.height == 0))
+	if (engine->window)
+		stilb_window_poll(engine->window, &state);
+	if (engine->window && !state.lost && (state.width == 0 || state.height == 0))
 		stilb_window_wait(engine->window, 0.05, &state);
 	engine->input.focused = state.focused && state.width > 0;
 	report->input = stilb_input_from_window(&engine->actions, &state);

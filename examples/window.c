@@ -1,6 +1,6 @@
 /* window [FRAMES]: the engine draws into a window of the program's own, made by GLFW, from the program's own loop. That
- * has the events: A and D turn the camera, Escape ends. With FRAMES it ends after so many, and halfway it makes the
- * window smaller. */
+ * gives the engine keys and size: W A S D fly, F1 shows the profiler, Escape ends. With FRAMES it ends after so many,
+ * and halfway it makes the window smaller. */
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 #include <stdio.h>
@@ -21,44 +21,45 @@ static int32_t surface_create(void *user, void *instance, uint64_t *surface)
 	return result;
 }
 
-/* Follows the size of the window. False: it has none, because it is minimised. */
-static bool follow_size(GLFWwindow *window, stilb_engine *engine, stilb_result *result)
+/* What the engine's camera and panels need of the window's events: keys and size here, the mouse could follow. False:
+ * the window is minimised. */
+static bool read_window(GLFWwindow *window, stilb_window_state *state)
 {
+	static const int keys[][2] = {{GLFW_KEY_W, STILB_WINDOW_KEY_W},
+	                              {GLFW_KEY_A, STILB_WINDOW_KEY_A},
+	                              {GLFW_KEY_S, STILB_WINDOW_KEY_S},
+	                              {GLFW_KEY_D, STILB_WINDOW_KEY_D},
+	                              {GLFW_KEY_F1, STILB_WINDOW_KEY_F1}};
 	int width, height;
-	uint32_t drawn_width, drawn_height;
+	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+		bool down = glfwGetKey(window, keys[i][0]) == GLFW_PRESS;
+		state->pressed[keys[i][1]] = down && !state->held[keys[i][1]];
+		state->held[keys[i][1]] = down;
+	}
+	state->focused = glfwGetWindowAttrib(window, GLFW_FOCUSED);
+	state->close = glfwWindowShouldClose(window) || glfwGetKey(window, GLFW_KEY_ESCAPE) == GLFW_PRESS;
 	glfwGetFramebufferSize(window, &width, &height);
-	if (width <= 0 || height <= 0)
-		return false;
-	stilb_engine_size(engine, &drawn_width, &drawn_height);
-	if ((uint32_t)width != drawn_width || (uint32_t)height != drawn_height)
-		*result = stilb_engine_resize(engine, (uint32_t)width, (uint32_t)height);
-	return *result == STILB_OK;
-}
-
-static void turn_camera(GLFWwindow *window, stilb_scene *scene)
-{
-	if (glfwGetKey(window, GLFW_KEY_A) == GLFW_PRESS)
-		scene->camera.yaw += 0.02f;
-	if (glfwGetKey(window, GLFW_KEY_D) == GLFW_PRESS)
-		scene->camera.yaw -= 0.02f;
+	state->width = width > 0 ? (uint32_t)width : 0;
+	state->height = height > 0 ? (uint32_t)height : 0;
+	return state->width > 0 && state->height > 0;
 }
 
 static stilb_result loop(GLFWwindow *window, stilb_engine *engine, uint64_t frames)
 {
+	stilb_window_state state = {0};
 	stilb_engine_report report = {0};
 	stilb_result result = STILB_OK;
-	while (result == STILB_OK && !report.lost && !glfwWindowShouldClose(window) &&
-	       (frames == 0 || report.frame < frames)) {
+	while (result == STILB_OK && !report.lost && !state.close && (frames == 0 || report.frame < frames)) {
 		glfwPollEvents();
 		if (frames > 0 && report.frame == frames / 2)
 			glfwSetWindowSize(window, 320, 200);
-		if (glfwGetKey(window, GLFW_KEY_ESCAPE) == GLFW_PRESS)
-			glfwSetWindowShouldClose(window, GLFW_TRUE);
-		turn_camera(window, stilb_engine_scene(engine));
-		if (follow_size(window, engine, &result))
-			result = stilb_engine_frame(engine, &report);
-		else if (result == STILB_OK)
+		if (!read_window(window, &state)) {
 			glfwWaitEvents();
+			continue;
+		}
+		result = stilb_engine_input(engine, &state);
+		if (result == STILB_OK)
+			result = stilb_engine_frame(engine, &report);
 	}
 	uint32_t width, height;
 	stilb_engine_size(engine, &width, &height);

@@ -285,6 +285,70 @@ static void test_pick_follows_edits(void **state)
 	stilb_scene_mesh_finish(&same);
 }
 
+/* ---- input that the program gives -------------------------------------------------------------------------------- */
+
+static stilb_engine_report given_frame(stilb_engine *engine, const stilb_window_state *state)
+{
+	stilb_engine_report report;
+	if (state)
+		assert_int_equal(stilb_engine_input(engine, state), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	return report;
+}
+
+/* Flies, opens the profiler's window and presses the program's own key. The camera's pose at the end. */
+static stilb_input_pose fly_by_given_input(void)
+{
+	static const stilb_input_action wave = {.name = "wave", .keys = {STILB_WINDOW_KEY_Z}, .help = "wave"};
+	stilb_engine *engine;
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.device = STILB_RENDER_DEVICE_NULL;
+	desc.workers = 0;
+	desc.actions = &wave;
+	desc.action_count = 1;
+	if (stress_engine_create(&desc, &stress, &engine) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_input_pose start = stilb_engine_pose(engine), still;
+	given_frame(engine, NULL);
+	stilb_window_state state = {.focused = true, .width = 800, .height = 500};
+	state.held[STILB_WINDOW_KEY_W] = true;
+	state.pressed[STILB_WINDOW_KEY_W] = state.pressed[STILB_WINDOW_KEY_Z] = 1;
+	stilb_engine_report report = given_frame(engine, &state);
+	assert_int_equal(report.input.actions[STILB_ENGINE_ACTIONS], 1); /* the program's first row */
+	uint32_t width, height;
+	stilb_engine_size(engine, &width, &height);
+	assert_true(width == 800 && height == 500 && !report.close && !report.ui_mouse);
+	report = given_frame(engine, NULL); /* the key is still down, and was not pressed again */
+	assert_true(report.input.actions[STILB_ENGINE_ACTIONS] == 0 && report.input.move[2] > 0.0f);
+	stilb_input_pose one = stilb_engine_pose(engine);
+	given_frame(engine, NULL);
+	stilb_input_pose two = stilb_engine_pose(engine);
+	assert_true(memcmp(one.position, start.position, sizeof one.position) != 0);
+	assert_true(memcmp(two.position, one.position, sizeof one.position) != 0);
+	for (int i = 0; i < 60; i++) /* comes to rest */
+		given_frame(engine, &(stilb_window_state){.focused = true});
+	still = stilb_engine_pose(engine);
+	state =
+		(stilb_window_state){.focused = true, .pointer = true, .pointer_x = 400.0f, .pointer_y = 400.0f, .close = true};
+	state.pressed[STILB_WINDOW_KEY_F1] = 1;
+	report = given_frame(engine, &state);
+	assert_true(report.close && !report.ui_mouse);
+	given_frame(engine, NULL);
+	report = given_frame(engine, NULL); /* the pointer is still over the window that opened */
+	assert_true(report.ui_mouse && !report.close);
+	stilb_input_pose end = stilb_engine_pose(engine);
+	assert_memory_equal(&still, &end, sizeof end);
+	stress_engine_destroy(engine);
+	return end;
+}
+
+static void test_the_program_gives_input(void **state)
+{
+	(void)state;
+	stilb_input_pose first = fly_by_given_input(), second = fly_by_given_input();
+	assert_memory_equal(&first, &second, sizeof first);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -295,6 +359,7 @@ int main(void)
 		cmocka_unit_test(test_one_engine_captures),
 		cmocka_unit_test(test_pick),
 		cmocka_unit_test(test_pick_follows_edits),
+		cmocka_unit_test(test_the_program_gives_input),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
