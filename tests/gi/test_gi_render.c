@@ -145,6 +145,8 @@ static void watched(void **state)
 	for (uint32_t workers = 0; workers < 3; workers += 2) {
 		render_fixture fixture = render_fixture_make("cornell", workers);
 		stilb_gi_settings settings = render_fixture_settings(&fixture);
+		settings.width = 19;
+		settings.height = 11;
 		stilb_gi_render *plain = render_fixture_create(&fixture, &settings);
 		stilb_gi_render *render = render_fixture_create(&fixture, &settings);
 		assert_int_equal(stilb_gi_render_run(plain), STILB_OK);
