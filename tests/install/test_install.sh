@@ -6,7 +6,7 @@
 # examples/ against it, linked statically and then with the shared library.
 #
 # What is tested is what is found and linked, not how fast it is: everything is compiled without optimisation, and the
-# libraries, which are built five times, as one file each after the first time.
+# libraries, which are built five times besides BUILD, as one file each.
 set -euo pipefail
 source=$1 build=$4
 export CC=$2 CXX=$3
@@ -84,12 +84,12 @@ has_headers() { # NAME HEADER...: the headers installed to $scratch/NAME are the
 	[ "$found" = "${*:2}" ] || { echo "$1 installs the headers $found instead of ${*:2}"; exit 1; }
 }
 
-install_moved "$source" both -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF
+unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0) # names are unique in a module: statics.sh
+install_moved "$source" both -DSTILB_ENGINE=OFF -DSTILB_TESTS=OFF "${unity[@]}"
 builds consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds jobs_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds profiler_consumer -DCMAKE_PREFIX_PATH="$scratch/both"
 builds_by_pkg_config "$scratch/both" "$CC" consumer/consumer.c stilb-jobs stilb-profiler
-unity=(-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=0) # names are unique in a module: statics.sh
 builds consumer -DSTILB_FOLDER="$source" "${unity[@]}"
 
 mkdir "$scratch/elsewhere"
