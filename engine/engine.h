@@ -51,6 +51,7 @@
 #include "render/render.h"
 #include "scene/edit/scene_variant.h"
 #include "scene/scene.h"
+#include "scene/scene_animation.h"
 #include "scene/scene_look.h"
 #include "scene/scene_pick.h"
 #include "ui/ui_draw.h"

@@ -1,6 +1,7 @@
 #include "scene/scene_internal.h"
 
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/scene_animation_internal.h"
 #include "shading/shade_energy.h"
 
 #include <float.h>
@@ -122,6 +123,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->cameras);
 	scene_edit_finish(scene->edits);
 	scene_variants_finish(scene->variants);
+	scene_animation_finish(scene->animation);
 	free(scene);
 }
 
@@ -151,7 +153,7 @@ bool scene_is_sound(const stilb_scene *scene)
 		sound = sound && scene->lights[i].face <= scene->part_count && !stilb_scene_light_mistake(&scene->lights[i]);
 	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&
 	       scene_all_below(scene->part_material, scene->part_count, scene->material_count) &&
-	       scene_variants_are_sound(scene);
+	       scene_variants_are_sound(scene) && scene_animation_is_sound(scene);
 }
 
 /* ---- bounds ------------------------------------------------------------------------------------------------------ */

@@ -147,6 +147,33 @@ static void info_print_camera(FILE *out, uint32_t number, const char *name, cons
 	        (double)camera->pitch * INFO_DEGREES + 0.0, (double)camera->fov_y * INFO_DEGREES);
 }
 
+static void info_print_animation(FILE *out, const stilb_scene_animation *a)
+{
+	uint32_t skinned = 0, morphed = 0, targets = 0;
+	if (!a)
+		return;
+	for (uint32_t d = 0; d < a->deform_count; d++) {
+		skinned += a->deforms[d].influences > 0;
+		morphed += a->deforms[d].targets > 0;
+		targets += a->deforms[d].targets;
+	}
+	const char *comma = "  kept, and not played yet: ";
+	if (a->clip_count > 0)
+		fprintf(out, "%s%u animation%s", comma, a->clip_count, info_s(a->clip_count));
+	comma = a->clip_count > 0 ? ", " : comma;
+	if (a->skin_count > 0)
+		fprintf(out, "%s%u skin%s of %u joint%s on %u mesh%s", comma, a->skin_count, info_s(a->skin_count),
+		        a->joint_count, info_s(a->joint_count), skinned, skinned == 1 ? "" : "es");
+	comma = a->skin_count > 0 ? ", " : comma;
+	if (targets > 0)
+		fprintf(out, "%s%u morph target%s of %u mesh%s", comma, targets, info_s(targets), morphed,
+		        morphed == 1 ? "" : "es");
+	fprintf(out, "\n");
+	for (uint32_t c = 0; c < a->clip_count; c++)
+		fprintf(out, "    animation '%s': %.3f s, %u channel%s\n", a->clips[c].name, (double)a->clips[c].duration,
+		        a->clips[c].channel_count, info_s(a->clips[c].channel_count));
+}
+
 static void info_print_scene(FILE *out, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
@@ -170,6 +197,7 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 		        scene->textures[i].height, scene->textures[i].channels, info_s(scene->textures[i].channels),
 		        info_bits(&scene->textures[i]));
 	info_print_variants(out, scene->variants);
+	info_print_animation(out, scene->animation);
 	info_print_lights(out, c);
 	for (uint32_t i = 0; i < scene->camera_count; i++)
 		info_print_camera(out, i + 1, scene->cameras[i].name, &scene->cameras[i].camera);
@@ -227,6 +255,31 @@ static void info_json_cameras(stilb_json *json, const stilb_scene *scene)
 	stilb_json_end(json, ']');
 }
 
+static void info_json_animation(stilb_json *json, const stilb_scene_animation *a)
+{
+	stilb_json_begin(json, "animations", '[');
+	for (uint32_t c = 0; a && c < a->clip_count; c++) {
+		stilb_json_begin(json, NULL, '{');
+		stilb_json_string(json, "name", a->clips[c].name);
+		stilb_json_double(json, "seconds", (double)a->clips[c].duration);
+		stilb_json_int(json, "channels", a->clips[c].channel_count);
+		stilb_json_end(json, '}');
+	}
+	stilb_json_end(json, ']');
+	stilb_json_begin(json, "skins", '[');
+	for (uint32_t s = 0; a && s < a->skin_count; s++) {
+		stilb_json_begin(json, NULL, '{');
+		stilb_json_string(json, "name", a->skins[s].name);
+		stilb_json_int(json, "joints", a->skins[s].joint_count);
+		stilb_json_end(json, '}');
+	}
+	stilb_json_end(json, ']');
+	int64_t targets = 0;
+	for (uint32_t d = 0; a && d < a->deform_count; d++)
+		targets += a->deforms[d].targets;
+	stilb_json_int(json, "morph_targets", targets);
+}
+
 static stilb_result info_scene_save(const char *path, const char *name, const info_contents *c)
 {
 	const stilb_scene *scene = c->scene;
@@ -246,6 +299,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "materials", scene->material_count);
 	info_json_textures(&json, scene);
 	info_json_variants(&json, scene->variants);
+	info_json_animation(&json, scene->animation);
 	stilb_json_begin(&json, "lights", '{');
 	for (int i = 0; i < STILB_SCENE_LIGHT_KINDS; i++)
 		stilb_json_int(&json, info_light_names[i], c->lights[i]);

@@ -4,6 +4,7 @@
  */
 #include "scene/edit/scene_edit.h"
 #include "scene/edit/scene_variant.h"
+#include "scene/scene_animation.h"
 #include "support/folder.h"
 #include "support/test.h"
 
@@ -653,6 +654,190 @@ static void variants_share_their_coordinates(void **state)
 	remove("paint.png");
 }
 
+/* ---- what moves -------------------------------------------------------------------------------------------------- */
+
+/* Views: 0 positions, 1 indices that use vertices 2 1 0 alone, 2 joints, 3 weights, 4 matrices, 5 times, 6 values,
+ * 7 what a target adds, 8 places of a sparse accessor. */
+static void put_moving(void)
+{
+	static const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}};
+	static const uint8_t joints[4][4] = {{0, 1, 0, 0}, {1, 0, 200, 200}, {0, 0, 0, 0}, {255, 255, 255, 255}};
+	static const float weights[4][4] = {{0.75f, 0.25f, 0, 0}, {1, 0, 0, 0}, {0.5f, 0, 0, -1}, {1, 1, 1, 1}};
+	static const float binds[2][16] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1},
+	                                   {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1}};
+	static const float times[4] = {0, 0.5f, 0.5f, 2};
+	float values[48];
+	for (int i = 0; i < 48; i++)
+		values[i] = 0.125f * (float)i;
+	begin();
+	put(corners, sizeof corners);
+	put((const uint8_t[]){2, 1, 0}, 3);
+	put(joints, sizeof joints);
+	put(weights, sizeof weights);
+	put(binds, sizeof binds);
+	put(times, sizeof times);
+	put(values, sizeof values);
+	put((const float[]){3, 4, 5}, 12);
+	put((const uint8_t[]){1}, 1);
+}
+
+#define NUMBERS(view, type, count, shape)                                                                              \
+	"{\"bufferView\":" #view ",\"componentType\":" #type ",\"count\":" #count ",\"type\":\"" shape "\"}"
+#define MOVING_ACCESSORS                                                                                               \
+	"\"accessors\":["                                                                                                  \
+	"{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"                                         \
+	"{\"bufferView\":1,\"componentType\":5121,\"count\":3,\"type\":\"SCALAR\"},"                                       \
+	"{\"bufferView\":2,\"componentType\":5121,\"count\":4,\"type\":\"VEC4\"},"                                         \
+	"{\"bufferView\":3,\"componentType\":5126,\"count\":4,\"type\":\"VEC4\"},"                                         \
+	"{\"bufferView\":4,\"componentType\":5126,\"count\":2,\"type\":\"MAT4\"},"                                         \
+	"{\"bufferView\":5,\"componentType\":5126,\"count\":4,\"type\":\"SCALAR\"},"                                       \
+	"{\"bufferView\":6,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"                                         \
+	"{\"bufferView\":6,\"componentType\":5126,\"count\":12,\"type\":\"VEC4\"},"                                        \
+	"{\"bufferView\":6,\"componentType\":5126,\"count\":8,\"type\":\"SCALAR\"},"                                       \
+	"{\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":8,"     \
+	"\"componentType\":5121},\"values\":{\"bufferView\":7}}}"
+
+#define MOVING_MESH                                                                                                    \
+	"\"meshes\":[{\"weights\":[0.5,0.25],\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"JOINTS_0\":2," \
+	"\"WEIGHTS_0\":3},\"indices\":1,\"targets\":[{\"POSITION\":9},{\"NORMAL\":9}]}]}]"
+
+/* Node 0 is in no scene. The scene's nodes are 3, its child 1 and then 2, a grandchild. */
+#define MOVING_NODES                                                                                                   \
+	"\"scenes\":[{\"nodes\":[3]}],\"nodes\":[{},{\"name\":\"arm\",\"mesh\":0,\"skin\":0,\"translation\":[1,2,3],"      \
+	"\"children\":[2]},{\"mesh\":0,\"weights\":[7],\"scale\":[2,2,2]},{\"name\":\"root\",\"children\":[1],"            \
+	"\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,4,0,0,1]}]"
+
+#define CHANNEL(sampler, node, path) "{\"sampler\":" #sampler ",\"target\":{\"node\":" #node ",\"path\":\"" path "\"}}"
+#define CLIP(samplers, channels) "\"samplers\":[" samplers "],\"channels\":[" channels "]"
+#define SAMPLER(input, output) "{\"input\":" #input ",\"output\":" #output "}"
+#define MOVING_CLIP                                                                                                    \
+	"\"name\":\"wave\"," CLIP("{\"input\":5,\"output\":6,\"interpolation\":\"STEP\"},"                                 \
+	                          "{\"input\":5,\"output\":7,\"interpolation\":\"CUBICSPLINE\"}," SAMPLER(5, 8),           \
+	                          CHANNEL(0, 1, "translation") "," CHANNEL(1, 2, "rotation") "," CHANNEL(                  \
+								  2, 1, "weights") "," CHANNEL(0, 0, "scale") "," CHANNEL(0, 2, "scale"))
+#define SCALES CHANNEL(0, 1, "scale")
+#define MOVING_SKINS "\"skins\":[{\"name\":\"bones\",\"joints\":[2,3],\"inverseBindMatrices\":4}]"
+
+static void assert_hierarchy(const stilb_scene_animation *a)
+{
+	assert_int_equal(a->node_count, 3);
+	assert_string_equal(a->nodes[0].name, "root");
+	assert_false(a->nodes[0].moves);
+	assert_true(a->nodes[0].parent == STILB_SCENE_NONE && a->nodes[1].parent == 0 && a->nodes[2].parent == 1);
+	assert_numbers(a->nodes[0].local.m + 12, (const float[]){4, 0, 0}, 3);
+	assert_numbers(a->nodes[1].translation, (const float[]){1, 2, 3}, 3);
+	assert_true(a->nodes[1].moves && a->nodes[1].skin == 0 && a->nodes[2].skin == STILB_SCENE_NONE);
+	assert_true(a->nodes[0].model_count == 0 && a->nodes[1].model_count == 1 && a->nodes[2].first_model == 1);
+	assert_int_equal(a->nodes[1].weight_count, 2);
+	assert_numbers(a->weights + a->nodes[1].first_weight, (const float[]){0.5f, 0.25f}, 2);
+	assert_numbers(a->weights + a->nodes[2].first_weight, (const float[]){7, 0}, 2);
+}
+
+/* The vertices that triangles use, in the order of the file: joints of a weight that is not above 0 are 0. */
+static void assert_deform(const stilb_scene_deform *d)
+{
+	assert_true(d->mesh == 0 && d->influences == 4 && d->targets == 2);
+	assert_memory_equal(d->joints, ((const uint16_t[]){0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}), 24);
+	assert_numbers(d->weights, (const float[]){0.75f, 0.25f, 0, 0, 1, 0, 0, 0, 0.5f, 0, 0, 0}, 12);
+	assert_numbers(d->positions, (const float[]){0, 0, 0, 3, 4, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 18);
+	assert_numbers(d->normals, (const float[]){0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 4, 5, 0, 0, 0}, 18);
+}
+
+/* Channels share the times of their accessor, and one that moves what is in no scene is not there. */
+static void assert_channels(const stilb_scene_animation *a)
+{
+	const stilb_scene_channel *c = a->channels;
+	assert_int_equal(a->clip_count, 1);
+	assert_string_equal(a->clips[0].name, "wave");
+	assert_true(a->clips[0].duration == 2.0f && a->clips[0].channel_count == 4 && a->time_count == 4);
+	assert_true(c[0].node == 1 && c[0].path == STILB_SCENE_PATH_TRANSLATION && c[0].interpolation == STILB_SCENE_STEP);
+	assert_true(c[1].node == 2 && c[1].path == STILB_SCENE_PATH_ROTATION && c[1].interpolation == STILB_SCENE_CUBIC);
+	assert_true(c[2].width == 2 && c[2].path == STILB_SCENE_PATH_WEIGHTS && c[2].interpolation == STILB_SCENE_LINEAR);
+	assert_true(c[3].node == 2 && c[3].path == STILB_SCENE_PATH_SCALE && c[3].first_value == c[0].first_value);
+	assert_numbers(a->times + c[2].first_time, (const float[]){0, 0.5f, 0.5f, 2}, 4);
+	assert_int_equal(a->value_count, 12 + 48 + 8);
+	assert_numbers(a->values + c[1].first_value + 47, (const float[]){47 * 0.125f}, 1);
+}
+
+static void clips_skins_and_targets_are_kept(void **state)
+{
+	(void)state;
+	put_moving();
+	stilb_scene *scene = open_glb(MOVING_NODES "," MOVING_MESH "," MOVING_ACCESSORS "]," MOVING_SKINS
+	                                           ",\"animations\":[{" MOVING_CLIP "}]");
+	const stilb_scene_animation *a = scene->animation;
+	assert_non_null(a);
+	assert_hierarchy(a);
+	assert_true(a->deform_count == 1 && scene->meshes[0].vertex_count == 3);
+	assert_deform(a->deforms);
+	assert_true(a->skin_count == 1 && a->skins[0].joint_count == 2 && a->joints[0] == 2 && a->joints[1] == 0);
+	assert_string_equal(a->skins[0].name, "bones");
+	assert_numbers(a->inverse_binds[0].m + 12, (const float[]){5, 6, 7, 1}, 4);
+	assert_numbers(a->inverse_binds[1].m, (const float[]){2, 0}, 2);
+	assert_channels(a);
+	stilb_scene_destroy(scene);
+}
+
+#define MESH_OF(rest) "\"meshes\":[{\"primitives\":[{\"indices\":1," rest "}]}]"
+
+/* What is damaged of it is left out and named with its reason; the rest of the file opens. */
+static void damaged_motion_is_left_out(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *skins, *clip, *mesh, *says;
+		uint32_t clip_count, skin_count, deform_count;
+	} rows[] = {
+		{MOVING_SKINS, CLIP("", SCALES), MOVING_MESH,
+	     "animations that are damaged are left out: 1 animation ('number 0: it has no sampler 0')", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(5, 8), SCALES), MOVING_MESH, "accessor 8 has 1 numbers an element", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(8, 6), SCALES), MOVING_MESH, "accessor 6 has 12 numbers for 8 keys of 3", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(6, 6), SCALES), MOVING_MESH, "accessor 6 has 3 numbers an element", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(5, 6), CHANNEL(0, 3, "scale")), MOVING_MESH, "it moves node 3, which has a matrix",
+	     0, 1, 1},
+		{MOVING_SKINS, CLIP("{\"input\":5,\"output\":6,\"interpolation\":\"BEZIER\"}", SCALES), MOVING_MESH,
+	     "an unknown interpolation", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(10, 6), SCALES), MOVING_MESH, "the times of accessor 10 are negative or descend", 0,
+	     1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(5, 99), SCALES), MOVING_MESH, "'output' is 99, but there are 12", 0, 1, 1},
+		{MOVING_SKINS, CLIP(SAMPLER(5, 11), CHANNEL(0, 1, "rotation")), MOVING_MESH, "accessor 11 is NaN or infinite",
+	     0, 1, 1},
+		{"\"skins\":[{\"joints\":[0,2]}]", MOVING_CLIP, MOVING_MESH,
+	     "skins that are damaged are left out: 1 skin ('number 0: joint 0 is not in the scene')", 1, 0, 1},
+		{"\"skins\":[{\"joints\":[1,77]}]", MOVING_CLIP, MOVING_MESH, "joint 77 is not in the scene", 1, 0, 1},
+		{"\"skins\":[{\"joints\":[1,2,3],\"inverseBindMatrices\":4}]", MOVING_CLIP, MOVING_MESH,
+	     "accessor 4 has 2 matrices for 3 joints", 1, 0, 1},
+		{"\"skins\":[{\"joints\":[2]}]", MOVING_CLIP, MOVING_MESH, "a vertex names joint 1 of 1", 1, 1, 1},
+		{MOVING_SKINS, MOVING_CLIP, MESH_OF("\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]"),
+	     "skins and morph targets of meshes that are damaged are left out: 1 mesh ('number 0: accessor 1 has 1", 1, 1,
+	     0},
+		{MOVING_SKINS, MOVING_CLIP, MESH_OF("\"attributes\":{\"POSITION\":0,\"JOINTS_0\":2}"),
+	     "JOINTS_0 and WEIGHTS_0 do not go together", 1, 1, 0},
+		{MOVING_SKINS, MOVING_CLIP, MESH_OF("\"attributes\":{\"POSITION\":0,\"JOINTS_0\":11,\"WEIGHTS_0\":3}"),
+	     "has joint nan with weight", 1, 1, 0},
+	};
+	put_moving();
+	static const float descending[2] = {1, 0.5f};
+	float nan[16];
+	for (int i = 0; i < 16; i++)
+		nan[i] = NAN;
+	put(descending, sizeof descending);
+	put(nan, sizeof nan);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char json[8192];
+		snprintf(json, sizeof json, "%s,%s,%s,%s,%s],%s,\"animations\":[{%s}]", MOVING_NODES, rows[i].mesh,
+		         MOVING_ACCESSORS, NUMBERS(9, 5126, 2, "SCALAR"), NUMBERS(10, 5126, 4, "VEC4"), rows[i].skins,
+		         rows[i].clip);
+		stilb_scene *scene = open_glb(json);
+		assert_said(rows[i].says);
+		const stilb_scene_animation *a = scene->animation;
+		uint32_t clips = a ? a->clip_count : 0, skins = a ? a->skin_count : 0, deforms = a ? a->deform_count : 0;
+		if (clips != rows[i].clip_count || skins != rows[i].skin_count || deforms != rows[i].deform_count)
+			fail_msg("row %zu: %u clips, %u skins, %u deforms", i, clips, skins, deforms);
+		stilb_scene_destroy(scene);
+	}
+}
+
 /* ---- what is not shown ------------------------------------------------------------------------------------------- */
 
 #define EVERYTHING                                                                                                     \
@@ -865,6 +1050,8 @@ int main(void)
 		cmocka_unit_test(materials),
 		cmocka_unit_test(variants),
 		cmocka_unit_test(variants_share_their_coordinates),
+		cmocka_unit_test(clips_skins_and_targets_are_kept),
+		cmocka_unit_test(damaged_motion_is_left_out),
 		cmocka_unit_test(what_is_not_shown_is_named),
 		cmocka_unit_test(damaged_numbers_are_refused),
 		cmocka_unit_test(damaged_containers_are_refused),

@@ -1,6 +1,7 @@
 /* A scene is written and read back the same; a damaged stream gives a scene that can be used or an error. */
 #include "scene/edit/scene_variant.h"
 #include "scene/open/scene_stream.h"
+#include "scene/scene_animation_internal.h"
 #include "scene/scene_internal.h"
 #include "support/test.h"
 
@@ -154,6 +155,183 @@ static void nothing_points_past_the_end(void **state)
 		assert_non_null(strstr(stilb_error_message(), "impossible"));
 		free(bytes);
 	}
+	stilb_scene_destroy(scene);
+}
+
+/* ---- what moves -------------------------------------------------------------------------------------------------- */
+
+/* Two nodes, a clip that turns one of them and weighs the other's morph target, a skin of both, on the scene's mesh. */
+static void add_animation(stilb_scene *scene)
+{
+	static const stilb_scene_animation counts = {.node_count = 2,
+	                                             .clip_count = 1,
+	                                             .channel_count = 2,
+	                                             .skin_count = 1,
+	                                             .joint_count = 2,
+	                                             .deform_count = 1,
+	                                             .time_count = 2,
+	                                             .value_count = 10,
+	                                             .weight_count = 1};
+	assert_int_equal(scene_animation_create(&counts, &scene->animation), STILB_OK);
+	stilb_scene_animation *a = scene->animation;
+	for (uint32_t n = 0; n < 2; n++)
+		a->nodes[n] = (stilb_scene_rest){.parent = n ? 0 : STILB_SCENE_NONE,
+		                                 .local = stilb_mat4_identity(),
+		                                 .scale = {1, 1, 1},
+		                                 .moves = true,
+		                                 .model_count = n,
+		                                 .skin = n ? 0 : STILB_SCENE_NONE,
+		                                 .weight_count = n};
+	a->channels[0] = (stilb_scene_channel){
+		.node = 0, .path = STILB_SCENE_PATH_ROTATION, .interpolation = STILB_SCENE_LINEAR, .key_count = 2, .width = 4};
+	a->channels[1] = (stilb_scene_channel){.node = 1,
+	                                       .path = STILB_SCENE_PATH_WEIGHTS,
+	                                       .interpolation = STILB_SCENE_STEP,
+	                                       .key_count = 2,
+	                                       .width = 1,
+	                                       .first_value = 8};
+	a->clips[0] = (stilb_scene_clip){.name = "turn\n", .duration = 3, .channel_count = 2};
+	a->skins[0] = (stilb_scene_skin){.joint_count = 2};
+	a->joints[1] = 1;
+	a->times[1] = 3;
+	a->values[9] = 0.5f;
+	a->deforms[0] = (stilb_scene_deform){.influences = 4, .targets = 1};
+	assert_int_equal(scene_deform_create(a->deforms, scene->meshes[0].vertex_count, false), STILB_OK);
+	a->deforms[0].joints[3] = 1;
+	a->deforms[0].weights[3] = 0.25f;
+	a->deforms[0].positions[2] = 7.0f;
+}
+
+static void what_moves_comes_back_the_same(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	size_t size;
+	add_animation(scene);
+	unsigned char *bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
+	const stilb_scene_animation *a = scene->animation, *b = back->animation;
+	assert_string_equal(b->clips[0].name, "turn ");
+	assert_memory_equal(a->nodes, b->nodes, 2 * sizeof *a->nodes);
+	assert_memory_equal(a->channels, b->channels, 2 * sizeof *a->channels);
+	assert_memory_equal(a->values, b->values, 10 * sizeof *a->values);
+	assert_true(b->joints[1] == 1 && b->times[1] == 3.0f && b->deforms[0].joints[3] == 1 && !b->deforms[0].normals);
+	assert_true(b->deforms[0].weights[3] == 0.25f && b->deforms[0].positions[2] == 7.0f);
+	stilb_scene_destroy(back);
+	for (size_t cut = 1; cut < 30000; cut += 1 + cut / 4) {
+		assert_int_equal(read_bytes(bytes, size - cut, &back), STILB_ERROR_FILE);
+		assert_null(back);
+	}
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
+/* Each of these numbers in turn is wrong: what names too much, and what is no number. */
+static void what_moves_is_checked(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	add_animation(scene);
+	stilb_scene_animation *a = scene->animation;
+	const struct {
+		uint32_t *place, wrong;
+	} counts[] = {
+		{&a->nodes[0].parent, 0},
+		{&a->nodes[1].parent, 1},
+		{&a->nodes[1].skin, 1},
+		{&a->nodes[1].model_count, 2},
+		{&a->nodes[1].first_model, UINT32_MAX},
+		{&a->nodes[1].first_weight, 1},
+		{&a->nodes[1].weight_count, 0},
+		{&a->nodes[0].model_count, 1}, /* the model of node 1 */
+		{&a->channels[0].node, 2},
+		{(uint32_t *)&a->channels[0].path, STILB_SCENE_PATHS},
+		{(uint32_t *)&a->channels[0].interpolation, STILB_SCENE_INTERPOLATIONS},
+		{(uint32_t *)&a->channels[0].interpolation, STILB_SCENE_CUBIC}, /* three times as many numbers */
+		{&a->channels[0].key_count, 0},
+		{&a->channels[0].key_count, UINT32_MAX},
+		{&a->channels[0].width, 3},
+		{&a->channels[0].first_time, 1},
+		{&a->channels[1].first_value, 9},
+		{&a->channels[1].first_value, UINT32_MAX},
+		{&a->clips[0].channel_count, 3},
+		{&a->clips[0].first_channel, UINT32_MAX},
+		{&a->skins[0].joint_count, 3},
+		{&a->skins[0].first_joint, 1},
+		{&a->joints[0], 2},
+	};
+	const struct {
+		float *place, wrong;
+	} numbers[] = {
+		{&a->times[0], -1.0f},
+		{&a->times[0], 4.0f},
+		{&a->times[1], NAN},
+		{&a->values[9], INFINITY},
+		{&a->clips[0].duration, NAN},
+		{&a->nodes[0].local.m[5], NAN},
+		{&a->nodes[1].rotation[3], NAN},
+		{&a->inverse_binds[1].m[2], INFINITY},
+		{&a->weights[0], NAN},
+		{&a->deforms[0].weights[1], -0.5f},
+		{&a->deforms[0].positions[0], NAN},
+	};
+	size_t count = sizeof counts / sizeof *counts, all = count + sizeof numbers / sizeof *numbers, size;
+	for (size_t i = 0; i < all; i++) {
+		uint32_t *place = i < count ? counts[i].place : (uint32_t *)numbers[i - count].place, old = *place;
+		memcpy(place, i < count ? (const void *)&counts[i].wrong : (const void *)&numbers[i - count].wrong, sizeof old);
+		unsigned char *bytes = bytes_of(scene, &size);
+		*place = old;
+		if (read_bytes(bytes, size, &back) != STILB_ERROR_FILE)
+			fail_msg("row %zu is taken", i);
+		free(bytes);
+	}
+	a->deforms[0].joints[3] = 2; /* more than the skin has */
+	unsigned char *bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	free(bytes);
+	a->deforms[0].joints[3] = 1;
+	memset(a->nodes[1].name, 'x', sizeof a->nodes[1].name);
+	bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
+/* Counts that need more than there is are refused before memory is asked for. */
+static void what_moves_has_an_end(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	add_animation(scene);
+	size_t size, last;
+	unsigned char *bytes = bytes_of(scene, &size);
+	/* The counts stand between the variants and the nodes: so far from the end as the animation is long. */
+	stilb_scene_animation *moving = scene->animation;
+	scene->animation = NULL;
+	free(bytes_of(scene, &last));
+	scene->animation = moving;
+	size_t counts = last - sizeof *moving;
+	for (size_t i = 0; i < 9; i++) {
+		uint32_t old, huge = 0xFFFFFFF0u;
+		memcpy(&old, bytes + counts + 4 * i, 4);
+		memcpy(bytes + counts + 4 * i, &huge, 4);
+		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "impossible animation"));
+		memcpy(bytes + counts + 4 * i, &old, 4);
+	}
+	/* The deform is last: its mesh, influences and targets stand before the arrays. */
+	size_t vertices = scene->meshes[0].vertex_count, head = size - vertices * (4 * 2 + 4 * 4 + 3 * 4) - 16;
+	static const uint32_t wrong[3] = {1, UINT32_MAX - 3, 0x0FFFFFFFu};
+	for (size_t i = 0; i < 3; i++) {
+		uint32_t old;
+		memcpy(&old, bytes + head + 4 * i, 4);
+		assert_int_equal(old, i == 0 ? 0 : i == 1 ? 4 : 1);
+		memcpy(bytes + head + 4 * i, &wrong[i], 4);
+		assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+		assert_non_null(strstr(stilb_error_message(), "impossible animation"));
+		memcpy(bytes + head + 4 * i, &old, 4);
+	}
+	free(bytes);
 	stilb_scene_destroy(scene);
 }
 
@@ -392,11 +570,19 @@ static void memory_is_used_again(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_scene_comes_back_the_same), cmocka_unit_test(damaged_streams_give_no_damaged_scene),
-		cmocka_unit_test(nothing_points_past_the_end), cmocka_unit_test(the_deadline_ends_waiting),
-		cmocka_unit_test(what_is_sent_has_an_end),     cmocka_unit_test(pictures_are_sealed),
-		cmocka_unit_test(a_camera_can_project),        cmocka_unit_test(lent_pictures_are_copied),
-		cmocka_unit_test(lent_memory_may_vanish),      cmocka_unit_test(what_is_not_lent),
+		cmocka_unit_test(a_scene_comes_back_the_same),
+		cmocka_unit_test(damaged_streams_give_no_damaged_scene),
+		cmocka_unit_test(nothing_points_past_the_end),
+		cmocka_unit_test(what_moves_comes_back_the_same),
+		cmocka_unit_test(what_moves_is_checked),
+		cmocka_unit_test(what_moves_has_an_end),
+		cmocka_unit_test(the_deadline_ends_waiting),
+		cmocka_unit_test(what_is_sent_has_an_end),
+		cmocka_unit_test(pictures_are_sealed),
+		cmocka_unit_test(a_camera_can_project),
+		cmocka_unit_test(lent_pictures_are_copied),
+		cmocka_unit_test(lent_memory_may_vanish),
+		cmocka_unit_test(what_is_not_lent),
 		cmocka_unit_test(memory_is_used_again),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

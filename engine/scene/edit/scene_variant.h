@@ -26,7 +26,7 @@ typedef struct stilb_scene_variants {
 	uint32_t count;      /* 1..STILB_SCENE_MAX_VARIANTS */
 	uint32_t part_count; /* that the file had: parts which edits have added have no variants */
 	uint32_t shown;      /* 0: the file's own materials; v + 1: variant v */
-	char (*names)[64];   /* [count] UTF-8, cut to fit */
+	char (*names)[64];   /* [count] UTF-8, cut to fit; "number 3": it has none */
 	uint32_t *materials; /* [(count + 1) * part_count]: first the file's own, then those of each variant */
 } stilb_scene_variants;
 

@@ -276,14 +276,6 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 	return STILB_OK;
 }
 
-/* Names are printed: what could move a terminal's cursor becomes a space. */
-static void stream_clean_name(char *name, size_t size)
-{
-	for (size_t i = 0; i < size && name[i] != 0; i++)
-		if ((unsigned char)name[i] < ' ' || name[i] == 0x7f)
-			name[i] = ' ';
-}
-
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 {
 	stream_array arrays[STREAM_ARRAYS];
@@ -296,7 +288,7 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 	if (!good)
 		return scene_stream_broken(stream);
 	for (uint32_t i = 0; i < scene->camera_count; i++)
-		stream_clean_name(scene->cameras[i].name, sizeof scene->cameras[i].name);
+		scene_stream_clean_name(scene->cameras[i].name, sizeof scene->cameras[i].name);
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
 		result = stream_read_mesh(stream, &scene->meshes[i]);

@@ -1,7 +1,10 @@
 #include "scene/open/scene_stream_rest.h"
 
 #include "scene/edit/scene_variant.h"
+#include "scene/scene_animation_internal.h"
 #include "scene/scene_internal.h"
+
+#include <stdlib.h>
 
 void scene_stream_clean_name(char *name, size_t size)
 {
@@ -45,14 +48,125 @@ static stilb_result stream_get_variants(scene_stream *stream, stilb_scene *scene
 	return good ? STILB_OK : scene_stream_broken(stream);
 }
 
+/* ---- what moves -------------------------------------------------------------------------------------------------- */
+
+#define STREAM_MAX_MOVING                                                                                              \
+	(1u << 28) /* elements of an array: what is of them at once is limited by the import's bytes */
+
+/* What a stilb_scene_deform has besides its arrays. */
+typedef struct stream_deform {
+	uint32_t mesh, influences, targets, normals;
+} stream_deform;
+
+static bool stream_put_deform(int file, const stilb_scene *scene, const stilb_scene_deform *deform)
+{
+	scene_animation_array arrays[SCENE_DEFORM_ARRAYS];
+	stream_deform head = {deform->mesh, deform->influences, deform->targets, deform->normals ? 1 : 0};
+	stilb_scene_deform copy = *deform;
+	bool good = scene_stream_put(file, &head, sizeof head);
+	scene_deform_arrays(&copy, scene->meshes[deform->mesh].vertex_count, arrays);
+	for (int i = 0; good && i < SCENE_DEFORM_ARRAYS; i++)
+		good = !*arrays[i].at || scene_stream_put(file, *arrays[i].at, arrays[i].count * arrays[i].size);
+	return good;
+}
+
+/* The counts of the animation's arrays go first, as a struct whose pointers are NULL; all 0: there is none. */
+static bool stream_put_animation(int file, const stilb_scene *scene)
+{
+	scene_animation_array arrays[SCENE_ANIMATION_ARRAYS];
+	stilb_scene_animation counts = {0};
+	if (!scene->animation)
+		return scene_stream_put(file, &counts, sizeof counts);
+	counts = *scene->animation;
+	counts.deforms = NULL;
+	scene_animation_arrays(&counts, arrays);
+	for (int i = 0; i < SCENE_ANIMATION_ARRAYS; i++)
+		*arrays[i].at = NULL;
+	bool good = scene_stream_put(file, &counts, sizeof counts);
+	scene_animation_arrays(scene->animation, arrays);
+	for (int i = 0; good && i < SCENE_ANIMATION_ARRAYS; i++)
+		good = scene_stream_put(file, *arrays[i].at, arrays[i].count * arrays[i].size);
+	for (uint32_t d = 0; good && d < counts.deform_count; d++)
+		good = stream_put_deform(file, scene, &scene->animation->deforms[d]);
+	return good;
+}
+
+static stilb_result stream_get_deform(scene_stream *stream, const stilb_scene *scene, stilb_scene_deform *deform)
+{
+	scene_animation_array arrays[SCENE_DEFORM_ARRAYS];
+	stream_deform head;
+	if (!scene_stream_get(stream, &head, sizeof head))
+		return scene_stream_broken(stream);
+	if (head.mesh >= scene->mesh_count)
+		return scene_stream_wrong("animation");
+	uint32_t vertices = scene->meshes[head.mesh].vertex_count;
+	stilb_scene_deform made = {.mesh = head.mesh, .influences = head.influences, .targets = head.targets};
+	if ((uint64_t)vertices * head.influences > STREAM_MAX_MOVING || 3ull * vertices * head.targets > STREAM_MAX_MOVING)
+		return scene_stream_wrong("animation");
+	stilb_result result = scene_deform_create(&made, vertices, head.normals > 0);
+	*deform = made;
+	if (result != STILB_OK)
+		return result;
+	bool good = true;
+	scene_deform_arrays(deform, vertices, arrays);
+	for (int i = 0; good && i < SCENE_DEFORM_ARRAYS; i++)
+		good = !*arrays[i].at || scene_stream_get(stream, *arrays[i].at, arrays[i].count * arrays[i].size);
+	return good ? STILB_OK : scene_stream_broken(stream);
+}
+
+static stilb_result stream_get_animation(scene_stream *stream, stilb_scene *scene)
+{
+	scene_animation_array arrays[SCENE_ANIMATION_ARRAYS];
+	stilb_scene_animation counts;
+	if (!scene_stream_get(stream, &counts, sizeof counts))
+		return scene_stream_broken(stream);
+	uint64_t all = counts.deform_count;
+	uint32_t most = STILB_SCENE_MAX_MODELS;
+	bool possible = counts.deform_count <= scene->mesh_count && counts.node_count <= most &&
+	                counts.clip_count <= most && counts.channel_count <= most && counts.skin_count <= most &&
+	                counts.joint_count <= most;
+	scene_animation_arrays(&counts, arrays);
+	for (int i = 0; i < SCENE_ANIMATION_ARRAYS; i++) {
+		possible &= arrays[i].count <= STREAM_MAX_MOVING;
+		all += arrays[i].count;
+	}
+	if (all == 0)
+		return STILB_OK;
+	if (!possible)
+		return scene_stream_wrong("animation");
+	stilb_result result = scene_animation_create(&counts, &scene->animation);
+	if (result != STILB_OK)
+		return result;
+	stilb_scene_animation *made = scene->animation;
+	bool good = true;
+	scene_animation_arrays(made, arrays);
+	for (int i = 0; good && i < SCENE_ANIMATION_ARRAYS; i++)
+		good = scene_stream_get(stream, *arrays[i].at, arrays[i].count * arrays[i].size);
+	if (!good)
+		return scene_stream_broken(stream);
+	for (uint32_t n = 0; n < made->node_count; n++) {
+		unsigned char *moves = (unsigned char *)&made->nodes[n].moves;
+		*moves = *moves > 0; /* a bool has no other values */
+		scene_stream_clean_name(made->nodes[n].name, sizeof made->nodes[n].name);
+	}
+	for (uint32_t c = 0; c < made->clip_count; c++)
+		scene_stream_clean_name(made->clips[c].name, sizeof made->clips[c].name);
+	for (uint32_t s = 0; s < made->skin_count; s++)
+		scene_stream_clean_name(made->skins[s].name, sizeof made->skins[s].name);
+	for (uint32_t d = 0; result == STILB_OK && d < made->deform_count; d++)
+		result = stream_get_deform(stream, scene, &made->deforms[d]);
+	return result;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 bool scene_stream_write_rest(int file, const stilb_scene *scene)
 {
-	return stream_put_variants(file, scene->variants);
+	return stream_put_variants(file, scene->variants) && stream_put_animation(file, scene);
 }
 
 stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene)
 {
-	return stream_get_variants(stream, scene);
+	stilb_result result = stream_get_variants(stream, scene);
+	return result == STILB_OK ? stream_get_animation(stream, scene) : result;
 }

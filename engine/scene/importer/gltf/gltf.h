@@ -7,7 +7,8 @@
  * Sources: the glTF 2.0 specification and the extensions of Khronos' registry that gltf_extensions.c lists.
  *
  * Life cycle.  gltf_is -> gltf_import, which goes through: gltf_open -> gltf_list_nodes -> gltf_load_textures ->
- *              gltf_add_meshes -> gltf_add_materials -> gltf_add_variants -> gltf_add_view -> gltf_close.
+ *              gltf_add_meshes -> gltf_add_materials -> gltf_add_variants ->
+ *              gltf_add_animation -> gltf_add_view -> gltf_close.
  * Errors.      Files hold anything: every index, offset, count and stride is checked before use. Messages are reasons
  *              without the file's name. What cannot be shown is counted with importer_lose.
  * Threads.     The process's main thread.
@@ -17,6 +18,7 @@
 
 #include "scene/importer/gltf/gltf_json.h"
 #include "scene/importer/importer.h"
+#include "scene/scene_animation_internal.h"
 
 /* The arrays of a file's JSON whose values others name by their index: X(name in C, key). */
 #define GLTF_LISTS(X)                                                                                                  \
@@ -64,15 +66,19 @@ typedef struct gltf_view {
 
 /* A node of the scene that is shown. */
 typedef struct gltf_node {
-	uint32_t item; /* its token */
+	uint32_t item;   /* its token */
+	uint32_t index;  /* in the file's list */
+	uint32_t parent; /* among the nodes of the scene; GLTF_NONE: it has none */
 	stilb_mat4 to_world;
+	uint32_t first_model, model_count; /* that show its mesh; once they are there */
 } gltf_node;
 
 /* One primitive of a mesh, converted. */
 typedef struct gltf_part {
 	stilb_scene_mesh mesh;
-	uint32_t item;     /* its token */
-	uint32_t material; /* of the scene */
+	uint32_t item;             /* its token */
+	uint32_t material;         /* of the scene */
+	stilb_scene_deform deform; /* {0}: its vertices have neither joints nor morph targets */
 } gltf_part;
 
 /* The parts of mesh m are parts[first[m]] .. parts[first[m + 1] - 1]; a mesh that the scene does not show has none. */
@@ -95,6 +101,7 @@ typedef struct gltf {
 	uint32_t *picture;        /* [lists[GLTF_IMAGES].count]: 1 + the index in import->textures; 0: it is not used */
 	unsigned char **unpacked; /* [lists[GLTF_IMAGES].count]: bytes of a picture from a data: name, or NULL */
 	gltf_parts parts;
+	uint64_t moving;             /* numbers of all deforms and clips so far */
 	bool needs_default_material; /* a part has no material: the scene's last one is for these */
 } gltf;
 
@@ -110,6 +117,10 @@ stilb_result gltf_import(importer *import, const importer_bytes *bytes);
 /* STILB_ERROR_FILE: it is damaged, or a buffer cannot be read; STILB_ERROR_MEMORY. Afterwards gltf_close. */
 stilb_result gltf_open(gltf *from, const importer_bytes *bytes);
 void gltf_close(gltf *from);
+
+/* Lists the tokens of the objects in the array of this key, to be freed by its caller, also after a failure.
+ * STILB_ERROR_FILE: a value is no object; STILB_ERROR_MEMORY. */
+stilb_result gltf_list_items(gltf *from, uint32_t object, const char *key, gltf_list *list);
 
 /* The index of this key's value in a list; GLTF_NONE: there is no such key, or it is out of range, which is a fault. */
 uint32_t gltf_reference(gltf *from, uint32_t object, const char *key, gltf_list_kind kind);
@@ -193,6 +204,30 @@ gltf_mapping gltf_variant_mapping(gltf *from, uint32_t primitive, uint32_t mater
 
 /* Adds the variants of the materials of the scene's parts. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result gltf_add_variants(gltf *from);
+
+/* The matrix of a node in its parent; of translation, rotation and scale if it has no matrix of its own. */
+typedef struct gltf_place {
+	bool moves; /* it is made of the three */
+	float translation[3], rotation[4], scale[3];
+	stilb_mat4 local;
+} gltf_place;
+gltf_place gltf_node_place(gltf *from, uint32_t item);
+
+#define GLTF_MOVING_MOST (1ull << 28) /* numbers of all clips, skins and morph targets of a file, 1 GiB */
+
+/* gltf_deform.c: reads the skin and the morph targets of a primitive. source: for each vertex of the mesh that of the
+ * file; packed: the joints and weights that were compressed with it, or {0}. What is damaged is counted as lost.
+ * STILB_ERROR_MEMORY. name: of the mesh. */
+stilb_result gltf_deform_read(gltf *from, const uint32_t *source, const gltf_accessor packed[2], const char *name,
+                              gltf_part *part);
+
+/* Counts what is damaged as lost, with the reason, so that reading goes on. STILB_ERROR_MEMORY is not damage, and
+ * returned. */
+stilb_result gltf_leave_out(gltf *from, stilb_result result, importer_loss loss, const char *name);
+
+/* gltf_animation.c: adds nodes, clips, skins and morph targets to the scene, if anything of it moves.
+ * STILB_ERROR_MEMORY. */
+stilb_result gltf_add_animation(gltf *from);
 
 /* Creates the scene with the meshes that it shows, and a model for each node, or instance of one, that has any.
  * STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-#define GLTF_DRACO_VALUES 3
+#define GLTF_DRACO_VALUES 5
 
 /* The values of one attribute of all points, to be decoded. */
 typedef struct gltf_draco_values {

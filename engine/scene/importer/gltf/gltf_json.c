@@ -316,6 +316,11 @@ bool gltf_json_numbers(gltf_json *json, uint32_t object, const char *key, float 
 	return true;
 }
 
+double gltf_json_value(const gltf_json *json, uint32_t token)
+{
+	return json->tokens[token].kind == GLTF_JSON_NUMBER ? json_value(json, token) : (double)NAN;
+}
+
 double gltf_json_number(gltf_json *json, uint32_t object, const char *key, double missing)
 {
 	uint32_t token = gltf_json_member(json, object, key);

@@ -74,6 +74,9 @@ uint32_t gltf_json_array(gltf_json *json, uint32_t object, const char *key);
  * not `count` numbers, which is a fault. */
 bool gltf_json_numbers(gltf_json *json, uint32_t object, const char *key, float *out, uint32_t count);
 
+/* The number that a token is; NaN: it is none. */
+double gltf_json_value(const gltf_json *json, uint32_t token);
+
 double gltf_json_number(gltf_json *json, uint32_t object, const char *key, double missing);
 bool gltf_json_bool(gltf_json *json, uint32_t object, const char *key, bool missing);
 

@@ -126,7 +126,7 @@ typedef struct mesh_models {
 } mesh_models;
 
 /* Counts a model for each instance of a node or, if there is a scene, fills it. */
-static stilb_result mesh_add_node(gltf *from, const gltf_node *node, mesh_models *made)
+static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made)
 {
 	stilb_scene *scene = from->import->scene;
 	uint32_t mesh = mesh_of(from, node);
@@ -134,6 +134,7 @@ static stilb_result mesh_add_node(gltf *from, const gltf_node *node, mesh_models
 	uint32_t end = mesh == GLTF_NONE ? 0 : from->parts.first[mesh + 1];
 	mesh_instances instances;
 	stilb_mat4 to_world;
+	node->first_model = made->models;
 	if (first == end)
 		return STILB_OK;
 	stilb_result result = mesh_open_instances(from, node, &instances);
@@ -153,6 +154,7 @@ static stilb_result mesh_add_node(gltf *from, const gltf_node *node, mesh_models
 			result = stilb_fail(STILB_ERROR_FILE, "it shows more than %u meshes", STILB_SCENE_MAX_MODELS);
 	}
 	mesh_close_instances(&instances);
+	node->model_count = made->models - node->first_model;
 	return result;
 }
 

@@ -28,18 +28,18 @@ stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3])
 						}};
 }
 
-/* The transform of a node in its parent. */
-static stilb_mat4 nodes_local(gltf *from, uint32_t item)
+gltf_place gltf_node_place(gltf *from, uint32_t item)
 {
 	gltf_json *json = &from->json;
-	stilb_mat4 matrix;
-	float t[3] = {0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
-	if (gltf_json_numbers(json, item, "matrix", matrix.m, 16))
-		return matrix;
-	gltf_json_numbers(json, item, "translation", t, 3);
-	gltf_json_numbers(json, item, "rotation", q, 4);
-	gltf_json_numbers(json, item, "scale", s, 3);
-	return gltf_compose(t, q, s);
+	gltf_place place = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+	if (gltf_json_numbers(json, item, "matrix", place.local.m, 16))
+		return place;
+	place.moves = true;
+	gltf_json_numbers(json, item, "translation", place.translation, 3);
+	gltf_json_numbers(json, item, "rotation", place.rotation, 4);
+	gltf_json_numbers(json, item, "scale", place.scale, 3);
+	place.local = gltf_compose(place.translation, place.rotation, place.scale);
+	return place;
 }
 
 bool gltf_is_finite(const stilb_mat4 *m)
@@ -50,13 +50,26 @@ bool gltf_is_finite(const stilb_mat4 *m)
 	return sum == 0.0f;
 }
 
+/* Lists a node, each at most once, so there is room; one whose transform is not finite is left out. */
+static void nodes_append(gltf *from, uint32_t index, uint32_t parent)
+{
+	gltf_node node = {.item = from->lists[GLTF_NODES].items[index], .index = index, .parent = parent};
+	node.to_world = gltf_node_place(from, node.item).local;
+	if (parent != GLTF_NONE)
+		node.to_world = stilb_mat4_multiply(from->nodes[parent].to_world, node.to_world);
+	if (gltf_is_finite(&node.to_world))
+		from->nodes[from->node_count++] = node;
+	else
+		from->import->bad_nodes++;
+}
+
 typedef struct nodes_lister {
 	gltf *from;
 	bool *listed; /* [nodes] */
 } nodes_lister;
 
-/* Adds the nodes of an array of indices, in the space of parent. */
-static stilb_result nodes_add(nodes_lister *lister, uint32_t array, const stilb_mat4 *parent)
+/* Adds the nodes of an array of indices, in the space of a listed node; GLTF_NONE: in the world. */
+static stilb_result nodes_add(nodes_lister *lister, uint32_t array, uint32_t parent)
 {
 	gltf *from = lister->from;
 	gltf_json *json = &from->json;
@@ -71,12 +84,7 @@ static stilb_result nodes_add(nodes_lister *lister, uint32_t array, const stilb_
 			return stilb_fail(STILB_ERROR_FILE, "its hierarchy is recursive or no tree: node %llu has two parents",
 			                  (unsigned long long)index);
 		lister->listed[index] = true;
-		stilb_mat4 own = nodes_local(from, all->items[index]);
-		gltf_node node = {all->items[index], stilb_mat4_multiply(*parent, own)};
-		if (gltf_is_finite(&node.to_world))
-			from->nodes[from->node_count++] = node; /* each node at most once, so there is room */
-		else
-			from->import->bad_nodes++;
+		nodes_append(from, (uint32_t)index, parent);
 	}
 	return gltf_json_check(json);
 }
@@ -100,12 +108,8 @@ static stilb_result nodes_add_roots(nodes_lister *lister)
 	}
 	for (uint32_t n = 0; n < all->count; n++)
 		if (!child[n]) {
-			gltf_node node = {all->items[n], nodes_local(from, all->items[n])};
 			lister->listed[n] = true;
-			if (gltf_is_finite(&node.to_world))
-				from->nodes[from->node_count++] = node;
-			else
-				from->import->bad_nodes++;
+			nodes_append(from, n, GLTF_NONE);
 		}
 	free(child);
 	return gltf_json_check(json);
@@ -117,17 +121,14 @@ static stilb_result nodes_list(nodes_lister *lister)
 	gltf *from = lister->from;
 	gltf_json *json = &from->json;
 	const gltf_list *scenes = &from->lists[GLTF_SCENES];
-	stilb_mat4 world = stilb_mat4_identity();
 	uint32_t scene = gltf_reference(from, GLTF_JSON_ROOT, "scene", GLTF_SCENES);
 	if (scene == GLTF_NONE)
 		scene = 0;
 	stilb_result result = scenes->count == 0
 	                          ? nodes_add_roots(lister)
-	                          : nodes_add(lister, gltf_json_array(json, scenes->items[scene], "nodes"), &world);
-	for (uint32_t i = 0; result == STILB_OK && i < from->node_count; i++) {
-		world = from->nodes[i].to_world;
-		result = nodes_add(lister, gltf_json_array(json, from->nodes[i].item, "children"), &world);
-	}
+	                          : nodes_add(lister, gltf_json_array(json, scenes->items[scene], "nodes"), GLTF_NONE);
+	for (uint32_t i = 0; result == STILB_OK && i < from->node_count; i++)
+		result = nodes_add(lister, gltf_json_array(json, from->nodes[i].item, "children"), i);
 	for (uint32_t i = 0; result == STILB_OK && i < scenes->count; i++)
 		if (i != scene) {
 			char name[96];

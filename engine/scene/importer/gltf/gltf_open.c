@@ -96,8 +96,7 @@ static stilb_result gltf_check_version(gltf *from)
 	                  version);
 }
 
-/* Lists the tokens of an array's values. */
-static stilb_result gltf_list_items(gltf *from, uint32_t object, const char *key, gltf_list *list)
+stilb_result gltf_list_items(gltf *from, uint32_t object, const char *key, gltf_list *list)
 {
 	gltf_json *json = &from->json;
 	uint32_t array = gltf_json_array(json, object, key), count = 0;
@@ -330,8 +329,10 @@ void gltf_close(gltf *from)
 		free(from->views[i].own);
 	for (uint32_t i = 0; from->unpacked && i < from->lists[GLTF_IMAGES].count; i++)
 		free(from->unpacked[i]);
-	for (uint32_t i = 0; i < from->parts.count; i++)
+	for (uint32_t i = 0; i < from->parts.count; i++) {
 		stilb_scene_mesh_finish(&from->parts.parts[i].mesh);
+		scene_deform_finish(&from->parts.parts[i].deform);
+	}
 	for (int kind = 0; kind < GLTF_LIST_COUNT; kind++)
 		free(from->lists[kind].items);
 	free(from->buffers);
@@ -348,7 +349,8 @@ void gltf_close(gltf *from)
 stilb_result gltf_import(importer *import, const importer_bytes *bytes)
 {
 	static stilb_result (*const steps[])(gltf *) = {gltf_list_nodes,    gltf_load_textures, gltf_add_meshes,
-	                                                gltf_add_materials, gltf_add_variants,  gltf_add_view};
+	                                                gltf_add_materials, gltf_add_variants,  gltf_add_animation,
+	                                                gltf_add_view};
 	gltf from = {.import = import};
 	stilb_result result = gltf_open(&from, bytes);
 	for (size_t s = 0; result == STILB_OK && s < sizeof steps / sizeof *steps; s++) {

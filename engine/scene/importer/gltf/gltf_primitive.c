@@ -21,7 +21,10 @@ typedef struct primitive_reader {
 	char uvs[24]; /* the name of the attribute with the texture coordinates: TEXCOORD_0, ... */
 	gltf_accessor attributes[PRIMITIVE_ATTRIBUTES]; /* {0}: the primitive has none */
 	gltf_accessor indices;                          /* {0}: its vertices follow one another */
-	uint32_t *corners;                              /* [3 * triangles]: vertices in the file */
+	gltf_accessor packed[2]; /* joints and weights that were compressed with the others; {0}: there are none */
+	uint32_t *source;        /* [vertices of the mesh]: those of the file; corners or shared */
+	uint32_t *shared;
+	uint32_t *corners; /* [3 * triangles]: vertices in the file */
 	uint32_t triangles;
 	uint32_t low, high;    /* the range of vertices that corners names; low > high: there are none */
 	bool leaves_triangles; /* some have vertices that do not exist */
@@ -60,6 +63,10 @@ static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extensio
 		uint64_t id = gltf_json_size(json, names, primitive_attribute(reader, i), UINT32_MAX);
 		mesh.values[i] = (gltf_draco_values){id < UINT32_MAX, (uint32_t)id, primitive_components[i], NULL};
 	}
+	for (int i = 0; i < 2 && from->lists[GLTF_SKINS].count > 0; i++) {
+		uint64_t id = gltf_json_size(json, names, i == 0 ? "JOINTS_0" : "WEIGHTS_0", UINT32_MAX);
+		mesh.values[PRIMITIVE_ATTRIBUTES + i] = (gltf_draco_values){id < UINT32_MAX, (uint32_t)id, 4, NULL};
+	}
 	stilb_result result = gltf_json_check(json);
 	if (result == STILB_OK)
 		result = gltf_view_use(from, number, &view);
@@ -73,6 +80,9 @@ static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extensio
 	for (int i = 0; i < PRIMITIVE_ATTRIBUTES; i++)
 		if (mesh.values[i].data)
 			reader->attributes[i] = primitive_own(mesh.values[i].data, mesh.point_count, primitive_components[i], 5126);
+	for (int i = 0; i < 2; i++)
+		if (mesh.values[PRIMITIVE_ATTRIBUTES + i].data)
+			reader->packed[i] = primitive_own(mesh.values[PRIMITIVE_ATTRIBUTES + i].data, mesh.point_count, 4, 5126);
 	reader->mode = PRIMITIVE_TRIANGLES;
 	return STILB_OK;
 }
@@ -105,7 +115,10 @@ static void primitive_finish(primitive_reader *reader)
 	for (int i = 0; i < PRIMITIVE_ATTRIBUTES; i++)
 		gltf_accessor_finish(&reader->attributes[i]);
 	gltf_accessor_finish(&reader->indices);
+	for (int i = 0; i < 2; i++)
+		gltf_accessor_finish(&reader->packed[i]);
 	free(reader->corners);
+	free(reader->shared);
 }
 
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
@@ -213,7 +226,7 @@ static void primitive_complete_normals(stilb_scene_mesh *mesh)
 }
 
 /* A mesh in which each triangle has vertices of its own, as flat shading needs. */
-static stilb_result primitive_split(const primitive_reader *reader, stilb_scene_mesh *mesh)
+static stilb_result primitive_split(primitive_reader *reader, stilb_scene_mesh *mesh)
 {
 	uint32_t count = 3 * reader->triangles;
 	stilb_result result = scene_mesh_create(mesh, count, count);
@@ -221,11 +234,12 @@ static stilb_result primitive_split(const primitive_reader *reader, stilb_scene_
 		mesh->vertices[i] = primitive_vertex(reader, reader->corners[i]);
 		mesh->indices[i] = i;
 	}
+	reader->source = reader->corners;
 	return result;
 }
 
 /* A mesh of the vertices that triangles use, in the order of the file. */
-static stilb_result primitive_share(const primitive_reader *reader, stilb_scene_mesh *mesh)
+static stilb_result primitive_share(primitive_reader *reader, stilb_scene_mesh *mesh)
 {
 	uint32_t range = reader->high - reader->low + 1, count = 3 * reader->triangles, used = 0;
 	uint32_t *place = calloc(range, sizeof *place); /* 1: it is used; then its place in the mesh */
@@ -236,10 +250,14 @@ static stilb_result primitive_share(const primitive_reader *reader, stilb_scene_
 	for (uint32_t v = 0; v < range; v++)
 		used += place[v];
 	stilb_result result = scene_mesh_create(mesh, used, count);
+	reader->source = reader->shared = malloc((used + 1ull) * sizeof *reader->shared);
+	if (result == STILB_OK && !reader->shared)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for %u vertices", range);
 	used = 0;
 	for (uint32_t v = 0; result == STILB_OK && v < range; v++)
 		if (place[v]) {
 			mesh->vertices[used] = primitive_vertex(reader, reader->low + v);
+			reader->shared[used] = reader->low + v;
 			place[v] = used++;
 		}
 	for (uint32_t i = 0; result == STILB_OK && i < count; i++)
@@ -293,6 +311,8 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 		return STILB_OK;
 	}
 	result = primitive_convert(&reader, &part->mesh);
+	if (result == STILB_OK && part->mesh.index_count > 0)
+		result = gltf_deform_read(from, reader.source, reader.packed, name, part);
 	if (reader.leaves_triangles)
 		importer_lose(import, IMPORTER_LOSS_TRIANGLES, name);
 	if (gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
@@ -300,6 +320,8 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 	if (gltf_json_member(json, primitive, "targets") != GLTF_NONE)
 		importer_lose(import, IMPORTER_LOSS_MORPHS, name);
 	primitive_finish(&reader);
+	if (result != STILB_OK)
+		stilb_scene_mesh_finish(&part->mesh);
 	if (result == STILB_OK && part->mesh.index_count > 0)
 		from->needs_default_material |= material == GLTF_NONE;
 	return result;
