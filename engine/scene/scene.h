@@ -94,6 +94,7 @@ typedef enum stilb_scene_light_falloff {
 	STILB_SCENE_LIGHT_PHYSICAL,   /* not at all: I / d^2 */
 	STILB_SCENE_LIGHT_WINDOWED,   /* times (1 - d^2 / reach^2)^2: it ends softly at reach */
 	STILB_SCENE_LIGHT_SUBTRACTED, /* times 1 - d^2 / reach^2, which keeps more light and ends with an edge */
+	STILB_SCENE_LIGHT_RANGED,     /* times 1 - d^4 / reach^4, as glTF's range: more light still, and an edge */
 	STILB_SCENE_LIGHT_FALLOFFS,
 } stilb_scene_light_falloff;
 
@@ -119,7 +120,7 @@ typedef struct stilb_scene_light {
 	float radius;               /* SPHERE, DISK: metres, > 0 */
 	float half_x[3], half_y[3]; /* RECTANGLE: from its centre to the middles of two neighbouring sides, metres;
 	                             perpendicular to each other and to direction */
-	float reach;                /* WINDOWED, SUBTRACTED: metres, > 0 and > radius */
+	float reach;                /* of falloffs that are not PHYSICAL: metres, > 0 and > radius */
 	stilb_scene_light_unit unit;
 	stilb_scene_light_falloff falloff;
 	stilb_scene_light_use use;

@@ -227,18 +227,30 @@ SHADE_FN float shade_reach_from_error(float intensity, float error)
 	return sqrt(intensity / error);
 }
 
+/* What ends a falloff at reach in files of glTF: max(1 - d^4 / reach^4, 0), a factor in [0, 1]. It keeps more light
+ * than the window does, and ends with an edge. Source: Khronos, KHR_lights_punctual, "Range Property". */
+SHADE_FN float shade_falloff_range(float square, float reach)
+{
+	float share = square / max(reach * reach, SHADE_LIGHT_SQUARE_MIN);
+	return max(1.0f - share * share, 0.0f);
+}
+
 /* The share, [0, 1], of its light that the falloff leaves at the distance sqrt(square) from the light's centre: 1,
- * shade_falloff_window, or what shade_falloff_subtracted leaves of a sphere's falloff for the tolerance of this reach.
+ * shade_falloff_window, shade_falloff_range, or what shade_falloff_subtracted leaves of a sphere's falloff for the
+ * tolerance of this reach.
  * radius: of a sphere or a disk, else 0. */
 #define SHADE_FALLOFF_PHYSICAL 0
 #define SHADE_FALLOFF_WINDOWED 1
 #define SHADE_FALLOFF_SUBTRACTED 2
+#define SHADE_FALLOFF_RANGED 3
 SHADE_FN float shade_falloff_share(int falloff, float square, float radius, float reach)
 {
 	if (falloff == SHADE_FALLOFF_PHYSICAL)
 		return 1.0f;
 	if (falloff == SHADE_FALLOFF_WINDOWED)
 		return shade_falloff_window(square, reach);
+	if (falloff == SHADE_FALLOFF_RANGED)
+		return shade_falloff_range(square, reach);
 	return max(1.0f - max(square, radius * radius) * shade_tolerance_from_reach(reach), 0.0f);
 }
 

@@ -89,6 +89,9 @@ static void falloffs_are_those_of_their_formulas(void **state)
 		SHADE_PROOF_NEAR(shade_falloff_disk((float)square, 0.5f), 1.0 / (square + 0.25), 3e-7, 0.0);
 		double left = fmax(1.0 - square / 36.0, 0.0);
 		SHADE_PROOF_NEAR(shade_falloff_window((float)square, 6.0f), left * left, 1e-6, 0.0);
+		double quartic = fmax(1.0 - square * square / 1296.0, 0.0);
+		SHADE_PROOF_NEAR(shade_falloff_range((float)square, 6.0f), quartic, 1e-6, 0.0);
+		SHADE_PROOF_NEAR(shade_falloff_share(SHADE_FALLOFF_RANGED, (float)square, 0.5f, 6.0f), quartic, 1e-6, 0.0);
 	}
 	SHADE_PROOF_NEAR(shade_falloff_subtracted(0.5f, 0.3f), 0.2, 2e-7, 0.0);
 	assert_true(shade_falloff_subtracted(0.3f, 0.5f) == 0.0f);
@@ -402,8 +405,8 @@ static void lamps_keep_their_bounds(void **state)
 	for (int i = 0; i < SHADE_PROOF_COUNT; i++) {
 		shade_light lamp = random_lamp(&random), flat = lamp;
 		stilb_vec3 position = random_position(&random, &lamp);
-		shade_sun seen[3];
-		for (lamp.falloff = 0; lamp.falloff < 3; lamp.falloff++) {
+		shade_sun seen[4];
+		for (lamp.falloff = 0; lamp.falloff < 4; lamp.falloff++) {
 			seen[lamp.falloff] = shade_light_at(lamp, position);
 			SHADE_PROOF_LIGHT3(seen[lamp.falloff].irradiance);
 			stilb_vec3 direction = seen[lamp.falloff].direction;
@@ -420,11 +423,14 @@ static void lamps_keep_their_bounds(void **state)
 		assert_true(sphere - subtracted <=
 		            1.000001f * intensity * shade_tolerance_from_reach(lamp.reach) + 1e-6f * sphere);
 		stilb_vec3 offset = position - lamp.position;
-		/* Outside of the body both have I / d^2 times a factor: (1 - x^2)^2 and 1 - x^2, with x = d / reach. */
-		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f))
+		float ranged = seen[SHADE_FALLOFF_RANGED].irradiance[0];
+		/* Outside of the body all have I / d^2 times a factor: (1 - x^2)^2, 1 - x^2 and 1 - x^4, with x = d / reach. */
+		if (sqrtf(stilb_vec3_dot(offset, offset)) > fmaxf(lamp.radius, 1e-4f)) {
 			assert_true(seen[SHADE_FALLOFF_WINDOWED].irradiance[0] <= subtracted + 1e-6f * sphere);
+			assert_true(subtracted <= ranged + 1e-6f * sphere);
+		}
 		if (sqrtf(stilb_vec3_dot(offset, offset)) > 1.00001f * lamp.reach)
-			assert_true(seen[SHADE_FALLOFF_WINDOWED].irradiance[0] == 0.0f && subtracted == 0.0f);
+			assert_true(seen[SHADE_FALLOFF_WINDOWED].irradiance[0] == 0.0f && subtracted == 0.0f && ranged == 0.0f);
 	}
 }
 

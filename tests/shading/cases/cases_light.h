@@ -52,7 +52,7 @@ SHADE_FN shade_light shade_case_some_light(vec4 a, vec4 b)
 	vec3 direction = shade_case_direction(b[0], b[1]);
 	vec3 across = shade_case_direction(b[1], b[2]);
 	shade_light light = {int(b[3] * 5.999f),
-	                     int(a[2] * 2.999f),
+	                     int(a[2] * 3.999f),
 	                     vec3(a) * 4.0f - 2.0f,
 	                     direction,
 	                     vec3(b) + 0.1f,
@@ -80,9 +80,10 @@ SHADE_FN vec4 shade_case_lights(int row, vec4 a, vec4 b)
 		return vec4(shade_falloff_share(SHADE_FALLOFF_PHYSICAL, square, light.radius, light.reach),
 		            shade_falloff_share(SHADE_FALLOFF_WINDOWED, 0.2f * square, light.radius, light.reach),
 		            shade_falloff_share(SHADE_FALLOFF_SUBTRACTED, 0.2f * square, light.radius, light.reach),
-		            shade_rectangle_area(light.half_x, light.half_y));
+		            shade_falloff_share(SHADE_FALLOFF_RANGED, 0.2f * square, light.radius, light.reach));
 	if (row == 11)
-		return vec4(shade_light_falloff(light, square + 0.1f, cosine), 0.0f, 0.0f, 0.0f);
+		return vec4(shade_light_falloff(light, square + 0.1f, cosine),
+		            shade_rectangle_area(light.half_x, light.half_y), 0.0f, 0.0f);
 	shade_sun seen = shade_light_at(light, position);
 	if (row == 23)
 		return vec4(seen.direction, 0.0f);
