@@ -45,6 +45,9 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
                                           .kind = STILB_INPUT_MOTION,
                                           .mouse = STILB_INPUT_MOUSE_DROP,
                                           .help = "open it"},
+	[VIEW_VARIANT - STILB_ENGINE_ACTIONS] = {.name = "variant",
+                                             .keys = {STILB_WINDOW_KEY_V},
+                                             .help = "next variant of the materials"},
 	[VIEW_GIVE_UP - STILB_ENGINE_ACTIONS] = {.name = "give up",
                                              .keys = {STILB_WINDOW_KEY_ESCAPE},
                                              .help = "give up what is being opened"},
@@ -61,7 +64,7 @@ static stilb_result view_open(view *v, const char *name, bool again)
 	stilb_scene *scene;
 	if (v->load) {
 		view_load_give_up(v->load);
-		view_load_take(v->load, &scene);
+		view_load_take(v->load, &scene, NULL);
 		stilb_scene_destroy(scene);
 	}
 	return view_load_start(name, &v->options.picture, again, &v->load);
@@ -89,7 +92,8 @@ static stilb_result view_opened(view *v)
 	stilb_scene *scene;
 	bool again = view_load_again(v->load);
 	char *name = strdup(view_load_name(v->load));
-	stilb_result result = view_load_take(v->load, &scene);
+	view_load_cost cost;
+	stilb_result result = view_load_take(v->load, &scene, &cost);
 	v->load = NULL;
 	if (result == STILB_OK && !name) {
 		stilb_scene_destroy(scene);
@@ -107,6 +111,9 @@ static stilb_result view_opened(view *v)
 	v->run->starting = false;
 	free(v->name);
 	v->name = name;
+	if (cost.import_bytes > 0 && !v->options.picture.quiet)
+		fprintf(live_message_stream(&v->options), "%s: opened in %.2f s; the import process had %.1f MiB at most\n",
+		        name, cost.seconds, (double)cost.import_bytes / 1048576.0);
 	if (!again) {
 		view_watch_set(&v->watch, name);
 		if (scene->surroundings.panorama.pixels && !v->options.picture.quiet)
@@ -183,6 +190,8 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 	if (v->load && report->input.actions[VIEW_GIVE_UP] > 0)
 		view_load_give_up(v->load);
 	if (v->scene) {
+		for (uint8_t i = 0; i < report->input.actions[VIEW_VARIANT]; i++)
+			view_variant_next(v);
 		result = view_step(v, report->input.actions[VIEW_NEXT] - report->input.actions[VIEW_PREVIOUS]);
 		if (result == STILB_OK && report->dropped_count > 0)
 			result = view_drop(v, report->dropped[report->dropped_count - 1]);
@@ -202,7 +211,7 @@ static void view_finish(void *user)
 	stilb_scene *scene;
 	if (v->load) {
 		view_load_give_up(v->load);
-		view_load_take(v->load, &scene);
+		view_load_take(v->load, &scene, NULL);
 		stilb_scene_destroy(scene);
 		v->load = NULL;
 	}

@@ -17,6 +17,7 @@ struct view_load {
 	/* The outcome, written by the other thread and read after joining it. */
 	stilb_result result;
 	stilb_scene *scene;
+	view_load_cost cost;
 	char message[1024];
 };
 
@@ -33,7 +34,8 @@ static void *load_run(void *data)
 	                                    .give_up = load_is_given_up,
 	                                    .user = load,
 	                                    .quiet = load->picture->quiet,
-	                                    .dark = true};
+	                                    .dark = true,
+	                                    .import_bytes = &load->cost.import_bytes};
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
@@ -44,6 +46,7 @@ static void *load_run(void *data)
 		stilb_scene_destroy(load->scene);
 		load->scene = NULL;
 	}
+	load->cost.seconds = view_load_seconds(load);
 	atomic_store_explicit(&load->ended, true, memory_order_relaxed);
 	return NULL;
 }
@@ -97,12 +100,14 @@ void view_load_give_up(view_load *load)
 	atomic_store_explicit(&load->given_up, true, memory_order_relaxed);
 }
 
-stilb_result view_load_take(view_load *load, stilb_scene **scene)
+stilb_result view_load_take(view_load *load, stilb_scene **scene, view_load_cost *cost)
 {
 	STILB_ASSERT(load && scene);
 	pthread_join(load->thread, NULL);
 	stilb_result result = load->result;
 	*scene = load->scene;
+	if (cost)
+		*cost = load->cost;
 	if (result != STILB_OK)
 		stilb_fail(result, "%s", load->message);
 	free(load->name);

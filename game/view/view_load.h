@@ -31,8 +31,14 @@ bool view_load_ended(const view_load *load);
 /* Makes the load end soon, with an error that says so. */
 void view_load_give_up(view_load *load);
 
-/* Waits for the end and frees the load. Errors of stilb_scene_open and picture_flags_surroundings; *scene is NULL
- * then. */
-stilb_result view_load_take(view_load *load, stilb_scene **scene);
+/* What a load has cost. */
+typedef struct view_load_cost {
+	double seconds;
+	uint64_t import_bytes; /* as stilb_scene_open_options.import_bytes */
+} view_load_cost;
+
+/* Waits for the end and frees the load. cost: NULL if nobody asks. Errors of stilb_scene_open and
+ * picture_flags_surroundings; *scene is NULL then. */
+stilb_result view_load_take(view_load *load, stilb_scene **scene, view_load_cost *cost);
 
 #endif
