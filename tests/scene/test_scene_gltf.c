@@ -566,6 +566,37 @@ static void materials(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+#define LIGHT_AT(node) "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":" #node "}}}"
+
+/* A range ends the light where it says; cones are the cosines of their angles from the axis. */
+static void lights(void **state)
+{
+	(void)state;
+	static const char json[] = "\"scenes\":[{\"nodes\":[0,1,2,3,4]}],\"nodes\":[{\"mesh\":0}," LIGHT_AT(0) "," LIGHT_AT(
+		1) "," LIGHT_AT(2) "," LIGHT_AT(3) "]," TRIANGLE ",\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+	                                                     "\"count\":3,\"type\":\"VEC3\"}],"
+										   "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\","
+	                                       "\"range\":12.5},"
+										   "{\"type\":\"spot\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,"
+										   "\"outerConeAngle\":0.5}},{\"type\":\"directional\",\"range\":4},"
+										   "{\"name\":\"off\",\"type\":\"point\",\"intensity\":0}]}}";
+	begin();
+	put(triangle, sizeof triangle);
+	stilb_scene *scene = open_glb(json);
+	assert_int_equal(scene->light_count, 3);
+	assert_int_equal(scene->lights[0].falloff, STILB_SCENE_LIGHT_RANGED);
+	assert_true(scene->lights[0].reach == 12.5f);
+	assert_int_equal(scene->lights[1].kind, STILB_SCENE_LIGHT_SPOT);
+	assert_int_equal(scene->lights[1].falloff, STILB_SCENE_LIGHT_PHYSICAL);
+	assert_numbers(&scene->lights[1].cos_inner, (const float[]){cosf(0.25f), cosf(0.5f)}, 2);
+	assert_numbers(scene->lights[1].direction, (const float[]){0, 0, -1}, 3);
+	assert_int_equal(scene->lights[2].kind, STILB_SCENE_LIGHT_DIRECTIONAL);
+	assert_said("lights without brightness, or too far away, are left out: 1 light ('off')");
+	stilb_scene_destroy(scene);
+}
+
 /* ---- variants ---------------------------------------------------------------------------------------------------- */
 
 #define MAPS(material, variants) "{\"material\":" #material ",\"variants\":[" variants "]}"
@@ -1048,6 +1079,7 @@ int main(void)
 		cmocka_unit_test(meshopt),
 		cmocka_unit_test(draco),
 		cmocka_unit_test(materials),
+		cmocka_unit_test(lights),
 		cmocka_unit_test(variants),
 		cmocka_unit_test(variants_share_their_coordinates),
 		cmocka_unit_test(clips_skins_and_targets_are_kept),

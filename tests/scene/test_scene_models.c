@@ -103,6 +103,22 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 	assert_true(fabsf(matrix.m[4]) < 0.05f && matrix.m[5] < -0.5f); /* +y is up in the picture; clip y is down */
 	assert_int_equal(scene->light_count, 1);
 	stilb_scene_destroy(scene);
+	/* Two of its lights are areas, one of 0.5 x 2. */
+	assert_int_equal(stilb_scene_open(MODELS "/BLEND/AreaLight_269.blend", &scene), STILB_OK);
+	uint32_t areas = 0;
+	bool found = false;
+	for (uint32_t i = 0; i < scene->light_count; i++) {
+		const stilb_scene_light *light = &scene->lights[i];
+		const float *x = light->half_x, *y = light->half_y;
+		float width = 2.0f * sqrtf(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+		float height = 2.0f * sqrtf(y[0] * y[0] + y[1] * y[1] + y[2] * y[2]);
+		if (light->kind != STILB_SCENE_LIGHT_RECTANGLE)
+			continue;
+		areas++;
+		found |= fabsf(width - 0.5f) < 0.01f && fabsf(height - 2.0f) < 0.01f;
+	}
+	assert_true(areas == 2 && found);
+	stilb_scene_destroy(scene);
 	/* A grail stands on its foot: it is as wide as deep. */
 	assert_int_equal(stilb_scene_open(MODELS "/SMD/holy_grailref.smd", &scene), STILB_OK);
 	float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};
@@ -115,6 +131,45 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 	}
 	assert_true(high[1] - low[1] > 1.2f * (high[0] - low[0]) && high[1] - low[1] > 1.2f * (high[2] - low[2]));
 	stilb_scene_destroy(scene);
+}
+
+/* ---- losses ------------------------------------------------------------------------------------------------------ */
+
+static void collect(void *user, const char *line)
+{
+	char *said = user;
+	size_t size = strlen(said);
+	if (size + strlen(line) + 2 < 4096)
+		snprintf(said + size, 4096 - size, "%s\n", line);
+}
+
+static void what_assimp_gives_and_is_not_shown_is_named(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *name, *says;
+	} rows[] = {
+		{"ASE/anim.ASE", "animations are not played: 1 animation\n"},
+		{"FBX/huesitos.fbx", "skins are shown in their rest pose: 1 skin ('Cylinder')\n"},
+		{"PLY/float-color.ply", "colours of vertices are not shown: 1 mesh\n"},
+		{"LWS/move_x.lws", "lights fade with the square of the distance, not as the file says: 1 light"},
+		{"OpenGEX/camera.ogex", "lights without brightness, or too far away, are left out: 2 lights ('Lamp', ...)\n"},
+		{"BLEND/BlenderMaterial_269.blend", "mirrors beside a highlight"},
+		{"DXF/lineTest.dxf", "points and lines are not drawn: 1 mesh ('1')\n"},
+		{"Collada/lights.dae", "it has no meshes: spikes stand for its nodes\n"},
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char path[512], said[4096] = "";
+		stilb_scene *scene;
+		snprintf(path, sizeof path, MODELS "/%s", rows[i].name);
+		stilb_log_set(collect, said);
+		stilb_result result = stilb_scene_open(path, &scene);
+		stilb_log_set(NULL, NULL);
+		if (result != STILB_OK || !strstr(said, rows[i].says))
+			fail_msg("%s: '%s' does not say '%s'", path, result == STILB_OK ? said : stilb_error_message(),
+			         rows[i].says);
+		stilb_scene_destroy(scene);
+	}
 }
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
@@ -166,6 +221,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(named_files_end_as_they_should),
 		cmocka_unit_test(cameras_and_lights_stand_where_they_should),
+		cmocka_unit_test(what_assimp_gives_and_is_not_shown_is_named),
 		cmocka_unit_test(every_file_ends_in_a_scene_or_a_message),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

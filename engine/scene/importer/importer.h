@@ -62,7 +62,13 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_BAD_ANIMATIONS,
 	IMPORTER_LOSS_SCENES,
 	IMPORTER_LOSS_CAMERAS,
-	IMPORTER_LOSS_RANGES,
+	IMPORTER_LOSS_LIGHTS,
+	IMPORTER_LOSS_FALLOFFS,
+	IMPORTER_LOSS_COATS,
+	IMPORTER_LOSS_TRANSMISSION,
+	IMPORTER_LOSS_MIRRORS,
+	IMPORTER_LOSS_LAYERS,
+	IMPORTER_LOSS_WIRES,
 	IMPORTER_LOSSES,
 } importer_loss;
 
@@ -75,6 +81,7 @@ typedef struct importer {
 	const struct aiScene *from; /* NULL: the file is glTF 2.0 */
 	const char *path;
 	bool gltf;           /* Assimp read glTF 1.0, whose lights have physical units */
+	bool flat;           /* its format is of solids without normals, whose vertices Assimp shares across edges */
 	bool up_is_y;        /* the file says so where its format leaves that open */
 	importer_node world; /* node NULL: the space of the file's scene in ours, whose up is y */
 
@@ -115,6 +122,10 @@ bool importer_up_is_y(const char *path, const importer_bytes *bytes);
 
 /* True if what Assimp calls the format begins so. */
 bool importer_is_format(const struct aiScene *scene, const char *begins);
+
+/* importer_assimp.c: reads the file by Assimp into import->from, with all polygons split into triangles, and counts
+ * what of it is not shown. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result importer_read(importer *import);
 
 /* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;

@@ -29,7 +29,14 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_BAD_ANIMATIONS] = {"animations that are damaged are left out", "animation"},
 	[IMPORTER_LOSS_SCENES] = {"scenes besides the one that is shown", "scene"},
 	[IMPORTER_LOSS_CAMERAS] = {"cameras that are not perspective are left out", "camera"},
-	[IMPORTER_LOSS_RANGES] = {"the ranges of lights are ignored", "light"},
+	[IMPORTER_LOSS_FALLOFFS] = {"lights fade with the square of the distance, not as the file says", "light"},
+	[IMPORTER_LOSS_COATS] = {"clear coats and sheen are not shown", "material"},
+	[IMPORTER_LOSS_TRANSMISSION] = {"light that passes through surfaces is not shown", "material"},
+	[IMPORTER_LOSS_MIRRORS] = {"mirrors beside a highlight, and pictures of what they mirror, are not shown",
+                               "material"},
+	[IMPORTER_LOSS_LAYERS] = {"of several textures of a colour the first is shown", "material"},
+	[IMPORTER_LOSS_WIRES] = {"wire frames are shown as surfaces", "material"},
+	[IMPORTER_LOSS_LIGHTS] = {"lights without brightness, or too far away, are left out", "light"},
 };
 
 void importer_lose(importer *import, importer_loss loss, const char *name)

@@ -11,8 +11,6 @@
 #include "scene/open/scene_stream.h"
 
 #include <assimp/cimport.h>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/version.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -20,9 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* Without normals in a file, neighbouring faces are shaded smoothly if they meet at a smaller angle. */
-#define IMPORTER_SMOOTH_DEGREES 60.0f
 
 #define IMPORTER_SOCKET 3 /* the same in scene_import.c */
 
@@ -53,43 +48,12 @@ static void importer_send(scene_message_kind kind, stilb_result result, const ch
 	va_end(arguments);
 }
 
-/* Translates an error message of Assimp for a user who does not know Assimp. */
-static stilb_result importer_refuse(const char *path, const char *words)
-{
-	if (strstr(words, "bad_alloc"))
-		return stilb_fail(STILB_ERROR_MEMORY, "it asks for more memory than an import may have");
-	if (strncmp(words, "No suitable reader", 18) == 0) {
-		const char *dot = strrchr(path, '.');
-		bool known = dot && !strchr(dot, '/') && aiIsExtensionSupported(dot);
-		return stilb_fail(STILB_ERROR_FILE, known ? "it is damaged, or not of the format that its name says"
-		                                          : "Assimp knows no such format");
-	}
-	return stilb_fail(STILB_ERROR_FILE, "%s", words[0] ? words : "Assimp does not say why");
-}
-
-/* Reads the file by Assimp, with all polygons split into triangles. */
-static stilb_result importer_read(const char *path, const struct aiScene **scene)
-{
-	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
-	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
-	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
-	struct aiPropertyStore *properties = aiCreatePropertyStore();
-	/* These parts of a file are dropped: Stilb does not use them, they take time, and they may be damaged. */
-	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS,
-	                           aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
-	                               aiComponent_TANGENTS_AND_BITANGENTS);
-	aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, IMPORTER_SMOOTH_DEGREES);
-	*scene = aiImportFileExWithProperties(path, steps, &importer_file_io, properties);
-	aiReleasePropertyStore(properties);
-	return *scene ? STILB_OK : importer_refuse(path, aiGetErrorString());
-}
-
 /* Reads the file by Assimp and converts it. */
 static stilb_result importer_convert_foreign(importer *import)
 {
 	static stilb_result (*const steps[])(importer *) = {importer_list_nodes, importer_add_meshes,
 	                                                    importer_add_materials, importer_add_view};
-	stilb_result result = importer_read(import->path, &import->from);
+	stilb_result result = importer_read(import);
 	if (result != STILB_OK)
 		return result;
 	import->gltf = importer_is_format(import->from, "glTF");

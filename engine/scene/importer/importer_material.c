@@ -160,6 +160,20 @@ static bool material_has(const material_reader *reader, enum aiTextureType kind)
 	return aiGetMaterialTextureCount(reader->from, kind) > 0;
 }
 
+/* True if the texture of the colour is clamped or mirrored where it ends. */
+static bool material_clamps(const material_reader *reader)
+{
+	static const enum aiTextureType kinds[2] = {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE};
+	for (int i = 0; i < 2; i++) {
+		float u = (float)aiTextureMapMode_Wrap, v = u;
+		material_number(reader, AI_MATKEY_MAPPINGMODE_U(kinds[i], 0), &u);
+		material_number(reader, AI_MATKEY_MAPPINGMODE_V(kinds[i], 0), &v);
+		if (material_has(reader, kinds[i]) && (u != (float)aiTextureMapMode_Wrap || v != (float)aiTextureMapMode_Wrap))
+			return true;
+	}
+	return false;
+}
+
 /* Counts what of the material is not shown. */
 static void material_lose(const material_reader *reader)
 {
@@ -170,6 +184,24 @@ static void material_lose(const material_reader *reader)
 		importer_lose(import, IMPORTER_LOSS_BLENDING, name);
 	if (material_has(reader, aiTextureType_OPACITY))
 		importer_lose(import, IMPORTER_LOSS_CUTOUTS, name);
+	float factor = 0.0f, mirrored[3] = {0}, seen[3] = {0};
+	if ((material_number(reader, AI_MATKEY_CLEARCOAT_FACTOR, &factor) && factor > 0.0f) ||
+	    (material_color(reader, AI_MATKEY_SHEEN_COLOR_FACTOR, seen) && seen[0] + seen[1] + seen[2] > 0.0f))
+		importer_lose(import, IMPORTER_LOSS_COATS, name);
+	if (material_number(reader, AI_MATKEY_TRANSMISSION_FACTOR, &factor) && factor > 0.0f)
+		importer_lose(import, IMPORTER_LOSS_TRANSMISSION, name);
+	factor = 0.0f;
+	if (material_has(reader, aiTextureType_REFLECTION) ||
+	    (material_number(reader, AI_MATKEY_REFLECTIVITY, &factor) && factor > 0.0f &&
+	     material_color(reader, AI_MATKEY_COLOR_REFLECTIVE, mirrored) &&
+	     mirrored[0] + mirrored[1] + mirrored[2] > 0.0f))
+		importer_lose(import, IMPORTER_LOSS_MIRRORS, name);
+	if (aiGetMaterialTextureCount(reader->from, aiTextureType_DIFFUSE) > 1)
+		importer_lose(import, IMPORTER_LOSS_LAYERS, name);
+	if (material_number(reader, AI_MATKEY_ENABLE_WIREFRAME, &factor) && factor > 0.0f)
+		importer_lose(import, IMPORTER_LOSS_WIRES, name);
+	if (material_clamps(reader))
+		importer_lose(import, IMPORTER_LOSS_WRAPPING, name);
 	if (material_has(reader, aiTextureType_NORMALS) || material_has(reader, aiTextureType_HEIGHT) ||
 	    material_has(reader, aiTextureType_NORMAL_CAMERA))
 		importer_lose(import, IMPORTER_LOSS_NORMAL_MAPS, name);

@@ -58,6 +58,75 @@ static stilb_scene_vertex mesh_vertex(const struct aiMesh *mesh, uint32_t v)
 	return vertex;
 }
 
+/* Gives each triangle three vertices of its own, with its normal. triangles: of mesh_triangles, > 0. */
+static stilb_result mesh_convert_flat(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+{
+	stilb_result result = scene_mesh_create(mesh, 3 * triangles, 3 * triangles);
+	uint32_t used = 0;
+	for (uint32_t f = 0; result == STILB_OK && f < from->mNumFaces; f++) {
+		if (!mesh_is_triangle(from, &from->mFaces[f]))
+			continue;
+		stilb_vec3 normal = mesh_normal(from, from->mFaces[f].mIndices);
+		for (int i = 0; i < 3; i++, used++) {
+			mesh->vertices[used] = mesh_vertex(from, from->mFaces[f].mIndices[i]);
+			for (int k = 0; k < 3; k++)
+				mesh->vertices[used].normal[k] = normal[k];
+			mesh->indices[used] = used;
+		}
+	}
+	return result;
+}
+
+/* What the triangles of a mesh say of its sides. */
+typedef struct mesh_sides {
+	double agree;  /* how far normals and triangles face the same way, by area: from all, 1, to none, -1 */
+	double volume; /* of what they enclose, > 0 if they face outwards; in cubes of the root of their area */
+} mesh_sides;
+
+static mesh_sides mesh_find_sides(const stilb_scene_mesh *mesh)
+{
+	stilb_vec3 middle = {0};
+	double area = 0.0, agree = 0.0, volume = 0.0;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		for (int k = 0; k < 3; k++)
+			middle[k] += mesh->vertices[v].position[k] / (float)mesh->vertex_count;
+	for (uint32_t i = 0; i < mesh->index_count; i += 3) {
+		stilb_vec3 p[3], sum = {0};
+		for (int c = 0; c < 3; c++) {
+			const stilb_scene_vertex *vertex = &mesh->vertices[mesh->indices[i + (uint32_t)c]];
+			p[c] = stilb_vec3_make(vertex->position[0], vertex->position[1], vertex->position[2]) - middle;
+			sum += stilb_vec3_make(vertex->normal[0], vertex->normal[1], vertex->normal[2]);
+		}
+		stilb_vec3 cross = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+		double length = (double)sqrtf(stilb_vec3_dot(cross, cross)), facing = (double)stilb_vec3_dot(cross, sum);
+		area += length;
+		agree += facing > 0.0 ? length : facing < 0.0 ? -length : 0.0;
+		volume += (double)stilb_vec3_dot(cross, p[0]) / 6.0;
+	}
+	bool usable = area > 0.0 && area < 1e30;
+	return usable ? (mesh_sides){agree / area, volume / pow(0.5 * area, 1.5)} : (mesh_sides){1.0, 0.0};
+}
+
+#define MESH_CLOSED 0.02 /* of mesh_sides.volume: of more, which way is out is clear; a sphere has 0.09 */
+
+/* Makes triangles and normals face the same way where they say the opposite: some files, and some of Assimp's readers,
+ * have one of the two wrong. Outwards is right, else what the normals say. */
+static void mesh_settle_sides(stilb_scene_mesh *mesh)
+{
+	mesh_sides sides = mesh_find_sides(mesh);
+	if (!(sides.agree < -0.5))
+		return;
+	bool triangles_are_right = sides.volume > MESH_CLOSED;
+	for (uint32_t v = 0; triangles_are_right && v < mesh->vertex_count; v++)
+		for (int k = 0; k < 3; k++)
+			mesh->vertices[v].normal[k] *= -1.0f;
+	for (uint32_t i = 0; !triangles_are_right && i < mesh->index_count; i += 3) {
+		uint32_t second = mesh->indices[i + 1];
+		mesh->indices[i + 1] = mesh->indices[i + 2];
+		mesh->indices[i + 2] = second;
+	}
+}
+
 /* Vertices without a normal get that of the first of their triangles. triangles: of mesh_triangles, > 0. */
 static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
 {
@@ -157,8 +226,13 @@ stilb_result importer_add_meshes(importer *import)
 	if (result == STILB_OK)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)
-		if (plan.place[m] != IMPORTER_NO_MESH)
-			result = mesh_convert(from->mMeshes[m], plan.triangles[m], &import->scene->meshes[plan.place[m]]);
+		if (plan.place[m] != IMPORTER_NO_MESH) {
+			stilb_scene_mesh *mesh = &import->scene->meshes[plan.place[m]];
+			result = import->flat ? mesh_convert_flat(from->mMeshes[m], plan.triangles[m], mesh)
+			                      : mesh_convert(from->mMeshes[m], plan.triangles[m], mesh);
+			if (result == STILB_OK)
+				mesh_settle_sides(mesh);
+		}
 	if (result == STILB_OK)
 		mesh_add_parts(import, &plan);
 	free(plan.place);

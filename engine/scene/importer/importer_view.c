@@ -36,6 +36,41 @@ static float light_cone_cosine(const importer *import, float angle)
 	return half > 0.0f ? cosf(fminf(half, 0.5f * SHADE_PI)) : 1.0f;
 }
 
+/* True if the file has another falloff than that with the square. A light of which a format says nothing has a linear
+ * one in Assimp. */
+static bool light_fades_otherwise(const importer *import, const struct aiLight *light)
+{
+	bool unsaid = light->mAttenuationConstant == 0.0f && light->mAttenuationLinear == 1.0f &&
+	              light->mAttenuationQuadratic == 0.0f;
+	return !import->gltf && light->mType != aiLightSource_DIRECTIONAL && !unsaid &&
+	       (light->mAttenuationConstant > 0.0f || light->mAttenuationLinear > 0.0f);
+}
+
+/* Sets the halves of an area light's sides, which lie across its direction, one of them across `up` too. False: it has
+ * no size, and is a point. */
+static bool light_spread(const struct aiLight *from, const importer_node *node, stilb_scene_light *light)
+{
+	stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
+	stilb_vec3 up = importer_direction(node, importer_vector(&from->mUp));
+	stilb_vec3 x = stilb_vec3_cross(direction, up);
+	float length = sqrtf(stilb_vec3_dot(x, x)), scale = 1.0f;
+	if (node) {
+		const float *m = node->to_world.m;
+		scale = cbrtf(fabsf(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+		                    m[8] * (m[1] * m[6] - m[2] * m[5])));
+	}
+	float width = 0.5f * scale * from->mSize.x, height = 0.5f * scale * from->mSize.y;
+	if (!(length > 0.01f && width > 1e-6f && height > 1e-6f && width < 1e9f && height < 1e9f))
+		return false;
+	x *= 1.0f / length;
+	stilb_vec3 y = stilb_vec3_cross(x, direction);
+	for (int i = 0; i < 3; i++) {
+		light->half_x[i] = width * x[i];
+		light->half_y[i] = height * y[i];
+	}
+	return true;
+}
+
 /* Converts one of Assimp's lights. False: it is left out, having no brightness or a position that is not finite. */
 static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
 {
@@ -52,6 +87,8 @@ static bool light_convert(const importer *import, const struct aiLight *from, st
 		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
 	else if (from->mType == aiLightSource_SPOT)
 		light->kind = STILB_SCENE_LIGHT_SPOT;
+	else if (from->mType == aiLightSource_AREA && light_spread(from, node, light))
+		light->kind = STILB_SCENE_LIGHT_RECTANGLE;
 	for (int i = 0; i < 3; i++) {
 		float intensity = color[i] * scale;
 		light->position[i] = position[i];
@@ -78,10 +115,15 @@ static stilb_result view_add_lights(importer *import)
 	for (uint32_t i = 0; i < from->mNumLights; i++) {
 		const struct aiLight *light = from->mLights[i];
 		const struct aiColor3D *ambient = &light->mColorAmbient;
-		if (light->mType != aiLightSource_AMBIENT)
-			scene->light_count += light_convert(import, light, &scene->lights[scene->light_count]);
-		else if (ambient->r >= 0.0f && ambient->g >= 0.0f && ambient->b >= 0.0f &&
-		         ambient->r + ambient->g + ambient->b < 1e9f)
+		if (light->mType != aiLightSource_AMBIENT) {
+			if (light_convert(import, light, &scene->lights[scene->light_count]))
+				scene->light_count++;
+			else
+				importer_lose(import, IMPORTER_LOSS_LIGHTS, light->mName.data);
+			if (light_fades_otherwise(import, light))
+				importer_lose(import, IMPORTER_LOSS_FALLOFFS, light->mName.data);
+		} else if (ambient->r >= 0.0f && ambient->g >= 0.0f && ambient->b >= 0.0f &&
+		           ambient->r + ambient->g + ambient->b < 1e9f)
 			stilb_scene_set_sky(scene, (const float[3]){ambient->r, ambient->g, ambient->b});
 	}
 	return STILB_OK;

@@ -50,8 +50,9 @@ static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_
 		light->kind = STILB_SCENE_LIGHT_SPOT;
 	if (light->kind == STILB_SCENE_LIGHT_SPOT)
 		view_spot(from, item, light);
-	if (gltf_json_member(json, item, "range") != GLTF_NONE)
-		importer_lose(from->import, IMPORTER_LOSS_RANGES, NULL);
+	float range = (float)gltf_json_number(json, item, "range", 0.0);
+	if (range > 1e-9f && range < 1e18f)
+		light->falloff = STILB_SCENE_LIGHT_RANGED, light->reach = range;
 	for (int i = 0; i < 3; i++) {
 		float intensity = color[i] * strength;
 		light->position[i] = position[i];
@@ -83,8 +84,14 @@ static stilb_result view_lights(gltf *from)
 	scene->light_count = 0;
 	for (uint32_t n = 0; n < from->node_count; n++) {
 		uint32_t index = view_light_of(from, &from->nodes[n]);
-		if (index != GLTF_NONE)
-			scene->light_count += view_light(from, &from->nodes[n], index, &scene->lights[scene->light_count]);
+		if (index == GLTF_NONE)
+			continue;
+		char name[96];
+		gltf_name(from, GLTF_LIGHTS, index, name);
+		if (view_light(from, &from->nodes[n], index, &scene->lights[scene->light_count]))
+			scene->light_count++;
+		else
+			importer_lose(from->import, IMPORTER_LOSS_LIGHTS, name);
 	}
 	return gltf_json_check(&from->json);
 }

@@ -1,0 +1,82 @@
+/* Reading by Assimp, and what its scene holds that is not shown. */
+#include "scene/importer/importer.h"
+
+#include <assimp/cimport.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <string.h>
+#include <strings.h>
+
+/* Without normals in a file, neighbouring faces are shaded smoothly if they meet at a smaller angle. */
+#define IMPORTER_SMOOTH_DEGREES 60.0f
+
+/* Translates an error message of Assimp for a user who does not know Assimp. */
+static stilb_result assimp_refuse(const char *path, const char *words)
+{
+	if (strstr(words, "bad_alloc"))
+		return stilb_fail(STILB_ERROR_MEMORY, "it asks for more memory than an import may have");
+	if (strncmp(words, "No suitable reader", 18) == 0) {
+		const char *dot = strrchr(path, '.');
+		bool known = dot && !strchr(dot, '/') && aiIsExtensionSupported(dot);
+		return stilb_fail(STILB_ERROR_FILE, known ? "it is damaged, or not of the format that its name says"
+		                                          : "Assimp knows no such format");
+	}
+	return stilb_fail(STILB_ERROR_FILE, "%s", words[0] ? words : "Assimp does not say why");
+}
+
+/* ---- losses ------------------------------------------------------------------------------------------------------ */
+
+static void assimp_lose_mesh(importer *import, const struct aiMesh *mesh)
+{
+	bool lines = false;
+	for (uint32_t f = 0; f < mesh->mNumFaces && !lines; f++)
+		lines = mesh->mFaces[f].mNumIndices < 3;
+	if (lines)
+		importer_lose(import, IMPORTER_LOSS_LINES, mesh->mName.data);
+	if (mesh->mColors[0])
+		importer_lose(import, IMPORTER_LOSS_VERTEX_COLORS, mesh->mName.data);
+	if (mesh->mNumBones > 0)
+		importer_lose(import, IMPORTER_LOSS_SKINS, mesh->mName.data);
+	if (mesh->mNumAnimMeshes > 0)
+		importer_lose(import, IMPORTER_LOSS_MORPHS, mesh->mName.data);
+}
+
+/* Counts what the scene holds before parts of it are dropped. */
+static void assimp_lose(importer *import)
+{
+	const struct aiScene *from = import->from;
+	bool spikes = from->mFlags & AI_SCENE_FLAGS_INCOMPLETE && from->mNumMeshes == 1 && from->mMeshes[0]->mNumBones > 0;
+	for (uint32_t m = 0; m < from->mNumMeshes && !spikes; m++)
+		assimp_lose_mesh(import, from->mMeshes[m]);
+	for (uint32_t a = 0; a < from->mNumAnimations; a++)
+		importer_lose(import, IMPORTER_LOSS_ANIMATIONS, from->mAnimations[a]->mName.data);
+	if (spikes)
+		importer_warn("it has no meshes: spikes stand for its nodes");
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+stilb_result importer_read(importer *import)
+{
+	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
+	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
+	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
+	/* These parts of a file are dropped: Stilb does not use them, they take time, and they may be damaged. */
+	int dropped =
+		aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TANGENTS_AND_BITANGENTS;
+	const char *dot = strrchr(import->path, '.');
+	/* Assimp gives Blender's meshes smooth normals, also those that are flat: made anew, edges of a box are sharp. */
+	if (dot && strcasecmp(dot, ".blend") == 0)
+		dropped |= aiComponent_NORMALS;
+	struct aiPropertyStore *properties = aiCreatePropertyStore();
+	aiSetImportPropertyInteger(properties, AI_CONFIG_PP_RVC_FLAGS, dropped);
+	aiSetImportPropertyFloat(properties, AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, IMPORTER_SMOOTH_DEGREES);
+	import->from = aiImportFileExWithProperties(import->path, 0, &importer_file_io, properties);
+	aiReleasePropertyStore(properties);
+	if (!import->from)
+		return assimp_refuse(import->path, aiGetErrorString());
+	assimp_lose(import);
+	import->flat = importer_is_format(import->from, "3mf") || importer_is_format(import->from, "Additive");
+	import->from = aiApplyPostProcessing(import->from, steps); /* frees the scene if it fails */
+	return import->from ? STILB_OK : assimp_refuse(import->path, aiGetErrorString());
+}
