@@ -568,20 +568,21 @@ static void materials(void **state)
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-#define LIGHT_AT(node) "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":" #node "}}}"
-
 /* A range ends the light where it says; cones are the cosines of their angles from the axis. */
 static void lights(void **state)
 {
 	(void)state;
-	static const char json[] = "\"scenes\":[{\"nodes\":[0,1,2,3,4]}],\"nodes\":[{\"mesh\":0}," LIGHT_AT(0) "," LIGHT_AT(
-		1) "," LIGHT_AT(2) "," LIGHT_AT(3) "]," TRIANGLE ",\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
-	                                                     "\"count\":3,\"type\":\"VEC3\"}],"
-										   "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\","
-	                                       "\"range\":12.5},"
-										   "{\"type\":\"spot\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,"
-										   "\"outerConeAngle\":0.5}},{\"type\":\"directional\",\"range\":4},"
-										   "{\"name\":\"off\",\"type\":\"point\",\"intensity\":0}]}}";
+#define LIT "{\"extensions\":{\"KHR_lights_punctual\":{\"light\":"
+	static const char nodes[] = "{\"mesh\":0}," LIT "0}}}," LIT "1}}}," LIT "2}}}," LIT "3}}}";
+	static const char list[] =
+		"{\"type\":\"point\",\"range\":12.5},"
+		"{\"type\":\"spot\",\"intensity\":3,\"spot\":{\"innerConeAngle\":0.25,\"outerConeAngle\":0.5}},"
+		"{\"type\":\"directional\",\"range\":4},{\"name\":\"off\",\"type\":\"point\",\"intensity\":0}";
+	char json[2048];
+	snprintf(json, sizeof json,
+	         "\"scenes\":[{\"nodes\":[0,1,2,3,4]}],\"nodes\":[%s],%s,\"accessors\":[%s],"
+	         "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[%s]}}",
+	         nodes, TRIANGLE, VEC3(0), list);
 	begin();
 	put(triangle, sizeof triangle);
 	stilb_scene *scene = open_glb(json);

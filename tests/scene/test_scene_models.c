@@ -103,6 +103,20 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 	assert_true(fabsf(matrix.m[4]) < 0.05f && matrix.m[5] < -0.5f); /* +y is up in the picture; clip y is down */
 	assert_int_equal(scene->light_count, 1);
 	stilb_scene_destroy(scene);
+	/* Edges of boxes are sharp, also where a file shares their corners. */
+	static const char *const boxes[] = {"OFF/Cube.off", "PLY/cube.ply", "3MF/box.3mf", "BLEND/box.blend"};
+	for (size_t i = 0; i < sizeof boxes / sizeof *boxes; i++) {
+		char path[512];
+		snprintf(path, sizeof path, MODELS "/%s", boxes[i]);
+		assert_int_equal(stilb_scene_open(path, &scene), STILB_OK);
+		const stilb_scene_mesh *mesh = &scene->meshes[0];
+		assert_int_equal(mesh->vertex_count, 24);
+		for (uint32_t v = 0; v < 24; v++) {
+			const float *n = mesh->vertices[v].normal;
+			assert_true(fmaxf(fmaxf(fabsf(n[0]), fabsf(n[1])), fabsf(n[2])) > 0.999f);
+		}
+		stilb_scene_destroy(scene);
+	}
 	/* Two of its lights are areas, one of 0.5 x 2. */
 	assert_int_equal(stilb_scene_open(MODELS "/BLEND/AreaLight_269.blend", &scene), STILB_OK);
 	uint32_t areas = 0;

@@ -81,7 +81,7 @@ typedef struct importer {
 	const struct aiScene *from; /* NULL: the file is glTF 2.0 */
 	const char *path;
 	bool gltf;           /* Assimp read glTF 1.0, whose lights have physical units */
-	bool flat;           /* its format is of solids without normals, whose vertices Assimp shares across edges */
+	bool shares;         /* it has no normals, and its triangles share vertices across edges */
 	bool up_is_y;        /* the file says so where its format leaves that open */
 	importer_node world; /* node NULL: the space of the file's scene in ours, whose up is y */
 

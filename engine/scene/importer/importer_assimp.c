@@ -54,6 +54,19 @@ static void assimp_lose(importer *import)
 		importer_warn("it has no meshes: spikes stand for its nodes");
 }
 
+/* Assimp's readers of some formats give triangles the same vertices also where an edge is sharp, and then makes their
+ * normals smooth. */
+static bool assimp_shares(const struct aiScene *scene)
+{
+	static const char *const formats[] = {"3mf", "Additive", "OFF", "Stanford Polygon"};
+	bool found = false;
+	for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+		found |= importer_is_format(scene, formats[i]);
+	for (uint32_t m = 0; m < scene->mNumMeshes; m++)
+		found = found && !scene->mMeshes[m]->mNormals;
+	return found;
+}
+
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 stilb_result importer_read(importer *import)
@@ -76,7 +89,7 @@ stilb_result importer_read(importer *import)
 	if (!import->from)
 		return assimp_refuse(import->path, aiGetErrorString());
 	assimp_lose(import);
-	import->flat = importer_is_format(import->from, "3mf") || importer_is_format(import->from, "Additive");
+	import->shares = assimp_shares(import->from);
 	import->from = aiApplyPostProcessing(import->from, steps); /* frees the scene if it fails */
 	return import->from ? STILB_OK : assimp_refuse(import->path, aiGetErrorString());
 }

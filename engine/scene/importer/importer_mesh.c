@@ -58,23 +58,126 @@ static stilb_scene_vertex mesh_vertex(const struct aiMesh *mesh, uint32_t v)
 	return vertex;
 }
 
-/* Gives each triangle three vertices of its own, with its normal. triangles: of mesh_triangles, > 0. */
-static stilb_result mesh_convert_flat(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+/* ---- normals of vertices that triangles share ------------------------------------------------------------------- */
+
+#define MESH_CREASE 0.5f      /* the cosine of the angle from which on an edge is sharp */
+#define MESH_MOST_AROUND 256u /* triangles around a vertex; of more, all make one normal: else it would take too long */
+
+/* The triangles of a mesh of Assimp's, and which of them are around each vertex. */
+typedef struct mesh_fans {
+	const struct aiMesh *from;
+	const struct aiFace **faces; /* [triangles] */
+	stilb_vec3 *normals;         /* [triangles] unit */
+	float *areas;                /* [triangles] */
+	uint32_t *first;             /* [vertices + 1]: around[first[v]] .. around[first[v + 1] - 1] */
+	uint32_t *around;            /* [3 * triangles] */
+	uint32_t *made;              /* [3 * triangles] of each place in around: the vertex that was made for it */
+} mesh_fans;
+
+static void mesh_fans_finish(mesh_fans *fans)
 {
-	stilb_result result = scene_mesh_create(mesh, 3 * triangles, 3 * triangles);
+	free(fans->faces);
+	free(fans->normals);
+	free(fans->areas);
+	free(fans->first);
+	free(fans->around);
+	free(fans->made);
+}
+
+/* False: no memory. */
+static bool mesh_fans_make(const struct aiMesh *from, uint32_t triangles, mesh_fans *fans)
+{
+	size_t corners = 3 * (size_t)triangles, vertices = from->mNumVertices;
+	*fans = (mesh_fans){.from = from,
+	                    .faces = malloc(triangles * sizeof *fans->faces),
+	                    .normals = aligned_alloc(16, triangles * sizeof *fans->normals),
+	                    .areas = malloc(triangles * sizeof *fans->areas),
+	                    .first = calloc(vertices + 2, sizeof *fans->first),
+	                    .around = malloc(corners * sizeof *fans->around),
+	                    .made = malloc(corners * sizeof *fans->made)};
+	if (!fans->faces || !fans->normals || !fans->areas || !fans->first || !fans->around || !fans->made)
+		return false;
 	uint32_t used = 0;
-	for (uint32_t f = 0; result == STILB_OK && f < from->mNumFaces; f++) {
+	for (uint32_t f = 0; f < from->mNumFaces; f++) {
 		if (!mesh_is_triangle(from, &from->mFaces[f]))
 			continue;
-		stilb_vec3 normal = mesh_normal(from, from->mFaces[f].mIndices);
-		for (int i = 0; i < 3; i++, used++) {
-			mesh->vertices[used] = mesh_vertex(from, from->mFaces[f].mIndices[i]);
-			for (int k = 0; k < 3; k++)
-				mesh->vertices[used].normal[k] = normal[k];
-			mesh->indices[used] = used;
+		const uint32_t *corner = from->mFaces[f].mIndices;
+		stilb_vec3 p[3];
+		for (int i = 0; i < 3; i++) {
+			p[i] = importer_vector(&from->mVertices[corner[i]]);
+			fans->first[corner[i] + 2]++;
 		}
+		stilb_vec3 cross = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+		float area = sqrtf(stilb_vec3_dot(cross, cross));
+		fans->faces[used] = &from->mFaces[f];
+		fans->normals[used] = mesh_normal(from, corner);
+		fans->areas[used++] = area > 0.0f && area < INFINITY ? area : 0.0f;
 	}
-	return result;
+	for (size_t v = 2; v < vertices + 2; v++)
+		fans->first[v] += fans->first[v - 1];
+	for (uint32_t t = 0; t < used; t++)
+		for (int i = 0; i < 3; i++)
+			fans->around[fans->first[fans->faces[t]->mIndices[i] + 1]++] = t;
+	return true;
+}
+
+/* The normal of triangle t at vertex v: the mean, by area, of those around v that meet it at less than the crease. */
+static stilb_vec3 mesh_fans_normal(const mesh_fans *fans, uint32_t v, uint32_t t)
+{
+	stilb_vec3 sum = {0};
+	uint32_t first = fans->first[v], end = fans->first[v + 1];
+	bool all = end - first > MESH_MOST_AROUND;
+	for (uint32_t a = first; a < end; a++) {
+		uint32_t other = fans->around[a];
+		if (all || stilb_vec3_dot(fans->normals[t], fans->normals[other]) > MESH_CREASE)
+			sum += fans->normals[other] * fans->areas[other];
+	}
+	float length = sqrtf(stilb_vec3_dot(sum, sum));
+	return length > 0.0f && length < INFINITY ? sum * (1.0f / length) : fans->normals[t];
+}
+
+/* The vertex of triangle t at vertex v of the file: one that was made for v with the same normal, or a new one. */
+static uint32_t mesh_fans_vertex(const mesh_fans *fans, uint32_t v, uint32_t t, uint32_t place, stilb_scene_mesh *mesh)
+{
+	stilb_vec3 normal = mesh_fans_normal(fans, v, t);
+	uint32_t first = fans->first[v], look = place - first > MESH_MOST_AROUND ? first + MESH_MOST_AROUND : place;
+	for (uint32_t a = first; a < look; a++) {
+		const float *n = mesh->vertices[fans->made[a]].normal;
+		if (n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2] > 0.99999f)
+			return fans->made[a];
+	}
+	stilb_scene_vertex *vertex = &mesh->vertices[mesh->vertex_count];
+	*vertex = mesh_vertex(fans->from, v);
+	for (int k = 0; k < 3; k++)
+		vertex->normal[k] = normal[k];
+	return mesh->vertex_count++;
+}
+
+/* Converts a mesh whose triangles share vertices, and which has no normals: edges are sharp from 60 degrees on.
+ * triangles: of mesh_triangles, > 0. */
+static stilb_result mesh_convert_shared(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+{
+	mesh_fans fans;
+	stilb_result result = scene_mesh_create(mesh, 3 * triangles, 3 * triangles);
+	if (result == STILB_OK && !mesh_fans_make(from, triangles, &fans)) {
+		mesh_fans_finish(&fans);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the normals of %u triangles", triangles);
+	}
+	if (result != STILB_OK)
+		return result;
+	mesh->vertex_count = 0;
+	/* Around a vertex at a time, so that equal normals are found. Triangles' corners stand at their own place. */
+	uint32_t *corner_of = mesh->indices;
+	for (uint32_t v = 0; v < from->mNumVertices; v++)
+		for (uint32_t a = fans.first[v]; a < fans.first[v + 1]; a++) {
+			uint32_t t = fans.around[a], made = mesh_fans_vertex(&fans, v, t, a, mesh);
+			fans.made[a] = made;
+			for (uint32_t i = 0; i < 3; i++)
+				if (fans.faces[t]->mIndices[i] == v)
+					corner_of[3 * t + i] = made;
+		}
+	mesh_fans_finish(&fans);
+	return STILB_OK;
 }
 
 /* What the triangles of a mesh say of its sides. */
@@ -228,8 +331,8 @@ stilb_result importer_add_meshes(importer *import)
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)
 		if (plan.place[m] != IMPORTER_NO_MESH) {
 			stilb_scene_mesh *mesh = &import->scene->meshes[plan.place[m]];
-			result = import->flat ? mesh_convert_flat(from->mMeshes[m], plan.triangles[m], mesh)
-			                      : mesh_convert(from->mMeshes[m], plan.triangles[m], mesh);
+			result = import->shares ? mesh_convert_shared(from->mMeshes[m], plan.triangles[m], mesh)
+			                        : mesh_convert(from->mMeshes[m], plan.triangles[m], mesh);
 			if (result == STILB_OK)
 				mesh_settle_sides(mesh);
 		}
