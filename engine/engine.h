@@ -244,6 +244,10 @@ typedef struct stilb_engine_report {
 	                    replay, else CLOCK_MONOTONIC */
 	bool replayed;   /* the gamepads' recording has ended */
 	bool close;      /* the user closed the window */
+	/* The left button was pressed and let go in the same place, outside of the engine's windows: pixels from the
+	 * picture's upper left corner, as stilb_engine_pick takes them. */
+	bool clicked;
+	float click_x, click_y;
 	const char *const *dropped; /* [dropped_count] paths of files that the user dropped onto the window meanwhile; */
 	uint32_t dropped_count;     /* valid until the next frame */
 	bool lost;  /* the window or its display has gone, the engine's or the program's: from now on frames are drawn to

@@ -112,7 +112,14 @@ typedef struct engine_input {
 typedef struct engine_pictures engine_pictures;
 #define ENGINE_PICTURES 4u /* that wait or are being written, at most */
 
+/* A press of the left button that may become a click; {0}: there is none. */
+typedef struct engine_press {
+	bool still; /* the pointer is where it was pressed */
+	float x, y; /* pixels */
+} engine_press;
+
 struct stilb_engine {
+	engine_press press;
 	stilb_owner owner; /* the main thread: the one that created it */
 	stilb_engine_desc desc;
 	stilb_input_table actions; /* the camera's rows, the engine's and the program's */

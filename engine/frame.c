@@ -20,6 +20,7 @@
 
 #define FRAME_STEP (1.0f / 60.0f)
 #define FRAME_MAX_STEP 0.1f /* seconds: after a stall a longer step would make everything that moves jump */
+#define FRAME_STILL 4.0f    /* pixels that the pointer may move in a click */
 #define FRAME_OWNER 0u      /* the main thread's worker index */
 
 /* Ends a stage that began at *since: *ms is its time, and the next stage begins now. */
@@ -56,6 +57,24 @@ static void frame_step(stilb_engine *engine)
 	engine->last_ns = now;
 }
 
+/* A click is a press of the left button that does not become a drag. */
+static void frame_click(stilb_engine *engine, const stilb_window_state *state, stilb_engine_report *report)
+{
+	const engine_overlay *overlay = &engine->overlay;
+	engine_press *press = &engine->press;
+	if (state->clicks > 0 && state->pointer)
+		*press = (engine_press){!engine_overlay_is_open(overlay) || !stilb_ui_wants_mouse(overlay->ui),
+		                        state->pointer_x, state->pointer_y};
+	float x = state->pointer_x - press->x, y = state->pointer_y - press->y;
+	press->still = press->still && state->pointer && x * x + y * y <= FRAME_STILL * FRAME_STILL;
+	if (state->button || !press->still)
+		return;
+	report->clicked = true;
+	report->click_x = press->x;
+	report->click_y = press->y;
+	press->still = false;
+}
+
 /* Takes the window's events and sets the frame's step. */
 static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *report)
 {
@@ -78,6 +97,7 @@ static stilb_result frame_window(stilb_engine *engine, stilb_engine_report *repo
 	report->dropped_count = state.dropped_count;
 	if (state.lost)
 		return STILB_OK; /* frames go on without a window, in the last size */
+	frame_click(engine, &state, report);
 	engine_overlay_input(engine, &state, &report->input);
 	return frame_resize(engine, &state, &report->drawn);
 }

@@ -287,6 +287,9 @@ typedef struct stilb_scene_open_options {
 	/* Asked again and again while a file is read, on the same thread; true: the user gives it up, which is
 	 * STILB_ERROR_FILE. NULL: never. */
 	bool (*give_up)(void *user);
+	/* Told of each file that the scene's file names and that is read, by its path from the root, on the same thread;
+	 * NULL: nobody asks. */
+	void (*opened)(void *user, const char *path);
 	void *user;
 	/* A file without any light (no light, no ambient light, and emission that gives its surfaces less than a hundredth
 	 * of a studio's light) stays dark, and the scene's `unlit` is true: the caller lights it. Otherwise it gets a grey

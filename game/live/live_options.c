@@ -13,8 +13,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char *const live_edge_choices[] = {"feather", "article", "off", NULL}; /* as stilb_ui_aa */
-const char *const live_cull_choices[] = {"auto", "octree", "flat", NULL};           /* as stilb_cull_method */
+static const char *const live_edge_choices[] = {"feather", "article", "off", NULL};       /* as stilb_ui_aa */
+static const char *const live_present_choices[] = {"fifo", "mailbox", "immediate", NULL}; /* as its enumeration */
+const char *const live_cull_choices[] = {"auto", "octree", "flat", NULL};                 /* as stilb_cull_method */
 
 live_options live_options_default(void)
 {
@@ -36,6 +37,9 @@ static void live_add_run(live_options *o, flag_rows *table)
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "open no window", 0, 0, NULL},
+		{"--present", FLAG_CHOICE, &o->present, "MODE",
+	     "how the window shows frames: fifo (with the screen), mailbox (the newest) or immediate (fifo)", 0, 0,
+	     live_present_choices},
 		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
 		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, live_cull_choices},
 	};
@@ -349,6 +353,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.samples = (uint32_t)o->picture.samples;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
+	desc.presentation = (stilb_render_presentation)o->present;
 	desc.validate = o->picture.validate;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);

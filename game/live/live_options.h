@@ -26,7 +26,7 @@ typedef struct live_options {
 	uint64_t frames, profile_ring; /* frames: 0 if not given */
 	uint64_t pictures; /* > 0: end after so many frames, and save each under --screenshot's name with a number */
 	uint32_t workers, size[2];
-	int cull, ui_aa; /* values of the engine's enumerations */
+	int cull, ui_aa, present; /* values of the engine's enumerations */
 	bool headless, no_present, overlay, inspector, keys, times, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
 	const char *frames_help;

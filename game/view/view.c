@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <time.h>
 
 #define VIEW_SCENE "spheres" /* without a scene: it has textures and all kinds of materials */
 
@@ -18,7 +19,7 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
                                           .kind = STILB_INPUT_MOTION,
                                           .mouse = STILB_INPUT_MOUSE_LEFT,
                                           .main = true,
-                                          .help = "turn about the model"},
+                                          .help = "turn about the model; a click names what is there"},
 	[VIEW_PAN - STILB_ENGINE_ACTIONS] = {.name = "move",
                                          .kind = STILB_INPUT_MOTION,
                                          .mouse = STILB_INPUT_MOUSE_MIDDLE,
@@ -55,18 +56,38 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
                                           .keys = {STILB_WINDOW_KEY_T},
                                           .main = true,
                                           .help = "path traced, or frames; the line between them can be dragged"},
+#define VIEW_CAMERA(number)                                                                                            \
+	[VIEW_CAMERA_1 + (number)-1 - STILB_ENGINE_ACTIONS] = {                                                            \
+		.name = "camera " #number, .keys = {STILB_WINDOW_KEY_##number}, .help = "look with a camera of the file"}
+	VIEW_CAMERA(1),
+	VIEW_CAMERA(2),
+	VIEW_CAMERA(3),
+	VIEW_CAMERA(4),
+	VIEW_CAMERA(5),
+	VIEW_CAMERA(6),
+	VIEW_CAMERA(7),
+	VIEW_CAMERA(8),
+	VIEW_CAMERA(9),
+#undef VIEW_CAMERA
 };
 static const live_keys view_keys = {view_actions, sizeof view_actions / sizeof *view_actions};
+
+/* Gives up what is being opened, and waits for that. */
+static void view_end_load(view *v)
+{
+	stilb_scene *scene;
+	if (!v->load)
+		return;
+	view_load_give_up(v->load);
+	view_load_take(v->load, &scene, NULL);
+	stilb_scene_destroy(scene);
+	v->load = NULL;
+}
 
 /* Begins to open a scene; one that is being opened is given up. again: it is the scene that is shown. */
 static stilb_result view_open(view *v, const char *name, bool again)
 {
-	stilb_scene *scene;
-	if (v->load) {
-		view_load_give_up(v->load);
-		view_load_take(v->load, &scene, NULL);
-		stilb_scene_destroy(scene);
-	}
+	view_end_load(v);
 	return view_load_start(name, &v->options.picture, again, &v->load);
 }
 
@@ -83,7 +104,40 @@ __attribute__((format(printf, 2, 3))) static void view_warn(const view *v, const
 
 static void view_say_panorama(const view *v, const char *path)
 {
-	view_warn(v, "'%s': frames do not draw a panorama yet; 'stilb render SCENE --environment FILE' does", path);
+	view_warn(
+		v, "'%s': frames do not draw a panorama yet, its means light them; 'stilb render SCENE --environment FILE' does",
+		path);
+}
+
+/* Takes what has been opened, and adds its files to those that are watched. */
+static stilb_result view_load_taken(view *v, stilb_scene **scene, view_watch *watch, view_load_cost *cost)
+{
+	uint32_t count = 0;
+	while (!view_load_ended(v->load))
+		nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+	const char *const *files = view_load_files(v->load, &count);
+	for (uint32_t i = 0; i < count; i++)
+		view_watch_add(watch, files[i]);
+	stilb_result result = view_load_take(v->load, scene, cost);
+	v->load = NULL;
+	return result;
+}
+
+/* A panorama that was dropped counts from when it has been read; until then, and if it cannot be, the one before
+ * does. */
+static void view_settle_environment(view *v, bool good)
+{
+	if (!v->dropping)
+		return;
+	if (good) {
+		free(v->dropped);
+		v->dropped = v->dropping;
+		view_say_panorama(v, v->dropped);
+	} else {
+		free(v->dropping);
+	}
+	v->dropping = NULL;
+	v->options.picture.environment = v->dropped ? v->dropped : v->environment;
 }
 
 /* Shows what has been opened. The first scene must open; later, a line says why the one before stays. */
@@ -93,16 +147,20 @@ static stilb_result view_opened(view *v)
 	bool again = view_load_again(v->load);
 	char *name = strdup(view_load_name(v->load));
 	view_load_cost cost;
-	stilb_result result = view_load_take(v->load, &scene, &cost);
-	v->load = NULL;
+	view_watch watch = VIEW_WATCH_NONE;
+	if (!again)
+		view_watch_set(&watch, view_load_name(v->load));
+	stilb_result result = view_load_taken(v, &scene, again ? &v->watch : &watch, &cost);
 	if (result == STILB_OK && !name) {
 		stilb_scene_destroy(scene);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
 	}
 	if (result == STILB_OK)
 		result = view_show(v, scene, again);
+	view_settle_environment(v, result == STILB_OK);
 	if (result != STILB_OK) {
 		free(name);
+		view_watch_finish(&watch);
 		if (!v->scene)
 			return result;
 		view_warn(v, "%s; '%s' stays as it was", stilb_error_message(), v->name);
@@ -115,7 +173,8 @@ static stilb_result view_opened(view *v)
 		fprintf(live_message_stream(&v->options), "%s: opened in %.2f s; the import process had %.1f MiB at most\n",
 		        name, cost.seconds, (double)cost.import_bytes / 1048576.0);
 	if (!again) {
-		view_watch_set(&v->watch, name);
+		view_watch_finish(&v->watch);
+		v->watch = watch;
 		if (scene->surroundings.panorama.pixels && !v->options.picture.quiet)
 			view_say_panorama(v, v->options.picture.environment ? v->options.picture.environment : name);
 	}
@@ -147,14 +206,21 @@ static void view_release(void *user)
 	view_rays_forget(user);
 }
 
-/* Opens a file that was dropped onto the window. */
+/* Opens a file that was dropped onto the window; a panorama becomes the environment of what is shown, which is opened
+ * again with it, beside the frames. */
 static stilb_result view_drop(view *v, const char *path)
 {
 	const char *dot = strrchr(path, '.');
 	if (!dot || (strcasecmp(dot, ".hdr") != 0 && strcasecmp(dot, ".exr") != 0))
 		return view_open(v, path, false);
-	view_say_panorama(v, path);
-	return STILB_OK;
+	char *dropping = strdup(path);
+	if (!dropping)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	view_end_load(v); /* it reads the flags */
+	free(v->dropping);
+	v->dropping = dropping;
+	v->options.picture.environment = dropping;
+	return view_open(v, v->name, true);
 }
 
 /* Looks whether the file on disk has changed. */
@@ -189,6 +255,8 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 		return STILB_OK;
 	if (v->load && report->input.actions[VIEW_GIVE_UP] > 0)
 		view_load_give_up(v->load);
+	if (v->scene && report->clicked)
+		view_choose_part(v, report->click_x, report->click_y);
 	if (v->scene) {
 		for (uint8_t i = 0; i < report->input.actions[VIEW_VARIANT]; i++)
 			view_variant_next(v);
@@ -208,13 +276,7 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 static void view_finish(void *user)
 {
 	view *v = user;
-	stilb_scene *scene;
-	if (v->load) {
-		view_load_give_up(v->load);
-		view_load_take(v->load, &scene, NULL);
-		stilb_scene_destroy(scene);
-		v->load = NULL;
-	}
+	view_end_load(v);
 	view_rays_finish(v);
 	view_watch_finish(&v->watch);
 }
@@ -299,6 +361,7 @@ int view_command(int argc, char **argv)
 	if (parsed == FLAGS_REFUSED || !view_check(&v))
 		return EXIT_REFUSED;
 	view_rays_begin(&v.rays);
+	v.environment = v.options.picture.environment;
 	v.name = strdup(name ? name : VIEW_SCENE);
 	if (!v.name) {
 		stilb_log("no memory for a name");
@@ -307,6 +370,8 @@ int view_command(int argc, char **argv)
 	live_run run = {.options = &v.options, .program = &program, .user = &v};
 	int code = live_run_main(&run);
 	stilb_scene_destroy(v.scene);
+	free(v.dropping);
+	free(v.dropped);
 	free(v.name);
 	return code;
 }

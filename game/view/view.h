@@ -20,15 +20,20 @@ enum {
 	VIEW_VARIANT,
 	VIEW_GIVE_UP,
 	VIEW_RAYS,
+	VIEW_CAMERA_1, /* of the file; eight more follow */
+	VIEW_CAMERA_9 = VIEW_CAMERA_1 + 8,
 	VIEW_ACTIONS
 };
 
 struct view {
 	live_options options;
-	char *name;         /* of the scene that is shown; before that, of the first that is wanted */
-	view_load *load;    /* what is being opened; NULL: nothing */
-	view_watch watch;   /* of the scene's file */
-	uint64_t turntable; /* pictures of a whole turn; 0: none */
+	char *name;              /* of the scene that is shown; before that, of the first that is wanted */
+	view_load *load;         /* what is being opened; NULL: nothing */
+	view_watch watch;        /* of the scene's file */
+	const char *environment; /* of --environment; NULL: none */
+	char *dropped;           /* the panorama that takes its place since it was dropped; NULL: none was */
+	char *dropping;          /* the one that is being read; NULL: none is */
+	uint64_t turntable;      /* pictures of a whole turn; 0: none */
 	live_run *run;
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */
@@ -50,6 +55,12 @@ stilb_result view_variant_begin(const view *v, stilb_scene *scene, bool again);
 
 /* Goes on to the next variant, after the last one to the file's own materials, and says so. */
 void view_variant_next(view *v);
+
+/* view_choose.c: looks with camera number `index` of the file, from 0 on, and says its name. */
+void view_choose_camera(view *v, uint32_t index);
+
+/* Says what the picture shows at a point, pixels from its upper left corner: part and material. */
+void view_choose_part(const view *v, float x, float y);
 
 /* Moves the camera as the user asks for in this frame. */
 void view_move(view *v, const stilb_engine_update *update);

@@ -178,6 +178,9 @@ void view_move(view *v, const stilb_engine_update *update)
 		v->distance = stilb_scene_camera_distance(v->scene, camera);
 		v->framed = v->scene->framed;
 	}
+	for (uint32_t i = 0; i < 9; i++)
+		if (update->input->actions[VIEW_CAMERA_1 + i] > 0)
+			view_choose_camera(v, i);
 	if (update->input->actions[VIEW_FRAME] > 0)
 		view_frame(v, camera->yaw, camera->pitch);
 	if (view_orbits(&orbit))

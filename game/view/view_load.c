@@ -13,13 +13,33 @@ struct view_load {
 	uint64_t start_ns;
 	pthread_t thread;
 	atomic_bool given_up; /* set by the main thread, read by the other; relaxed: nothing else depends on it */
-	atomic_bool ended;    /* set by the other thread; relaxed: joining it orders what it wrote */
+	/* Set by the other thread: release, and acquire where it is read, so that the files are seen, too. */
+	atomic_bool ended;
 	/* The outcome, written by the other thread and read after joining it. */
 	stilb_result result;
 	stilb_scene *scene;
 	view_load_cost cost;
 	char message[1024];
+	char **files; /* [file_count] paths that the scene's file names */
+	uint32_t file_count;
 };
+
+#define LOAD_FILES 1024u /* kept at most: a scene of more is watched in part */
+
+static void load_opened(void *user, const char *path)
+{
+	view_load *load = user;
+	for (uint32_t i = 0; i < load->file_count; i++)
+		if (strcmp(load->files[i], path) == 0)
+			return;
+	if (load->file_count == LOAD_FILES)
+		return;
+	if (!load->files)
+		load->files = calloc(LOAD_FILES, sizeof *load->files);
+	char *copy = load->files ? strdup(path) : NULL;
+	if (copy)
+		load->files[load->file_count++] = copy;
+}
 
 static bool load_is_given_up(void *user)
 {
@@ -32,6 +52,7 @@ static void *load_run(void *data)
 	view_load *load = data;
 	stilb_scene_open_options options = {.allow_outside = load->picture->allow_outside,
 	                                    .give_up = load_is_given_up,
+	                                    .opened = load_opened,
 	                                    .user = load,
 	                                    .quiet = load->picture->quiet,
 	                                    .dark = true,
@@ -47,7 +68,7 @@ static void *load_run(void *data)
 		load->scene = NULL;
 	}
 	load->cost.seconds = view_load_seconds(load);
-	atomic_store_explicit(&load->ended, true, memory_order_relaxed);
+	atomic_store_explicit(&load->ended, true, memory_order_release);
 	return NULL;
 }
 
@@ -92,7 +113,14 @@ double view_load_seconds(const view_load *load)
 
 bool view_load_ended(const view_load *load)
 {
-	return atomic_load_explicit(&load->ended, memory_order_relaxed);
+	return atomic_load_explicit(&load->ended, memory_order_acquire);
+}
+
+const char *const *view_load_files(const view_load *load, uint32_t *count)
+{
+	STILB_ASSERT(view_load_ended(load));
+	*count = load->file_count;
+	return (const char *const *)load->files;
 }
 
 void view_load_give_up(view_load *load)
@@ -110,6 +138,9 @@ stilb_result view_load_take(view_load *load, stilb_scene **scene, view_load_cost
 		*cost = load->cost;
 	if (result != STILB_OK)
 		stilb_fail(result, "%s", load->message);
+	for (uint32_t i = 0; i < load->file_count; i++)
+		free(load->files[i]);
+	free(load->files);
 	free(load->name);
 	free(load);
 	return result;

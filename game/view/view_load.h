@@ -25,6 +25,10 @@ const char *view_load_name(const view_load *load);
 bool view_load_again(const view_load *load);
 double view_load_seconds(const view_load *load);
 
+/* The files that the scene's file names and that were read, paths from the root, each once; *count is their number.
+ * Once the thread has ended; valid until view_load_take. */
+const char *const *view_load_files(const view_load *load, uint32_t *count);
+
 /* The thread has ended, and view_load_take will not wait. */
 bool view_load_ended(const view_load *load);
 

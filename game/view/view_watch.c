@@ -29,8 +29,38 @@ void view_watch_finish(view_watch *watch)
 {
 	if (watch->notify >= 0)
 		close(watch->notify);
-	free(watch->file);
-	*watch = VIEW_WATCH_NONE;
+	for (uint32_t i = 0; i < watch->file_count; i++)
+		free(watch->files[i].name);
+	free(watch->files);
+	watch->files = NULL;
+	watch->file_count = 0;
+	watch->notify = -1;
+	watch->due_ns = 0;
+}
+
+/* The number by which inotify watches the file's folder; -1: it cannot. */
+static int watch_number(const view_watch *watch, const char *path)
+{
+	uint32_t events = IN_CLOSE_WRITE | IN_MODIFY | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE;
+	char *folder = watch_folder(path);
+	int number = folder && watch->notify >= 0 ? inotify_add_watch(watch->notify, folder, events) : -1;
+	free(folder);
+	return number;
+}
+
+void view_watch_add(view_watch *watch, const char *path)
+{
+	STILB_ASSERT(watch && path);
+	int number = watch_number(watch, path);
+	for (uint32_t i = 0; i < watch->file_count; i++)
+		if (watch->files[i].folder == number && strcmp(watch->files[i].name, watch_file(path)) == 0)
+			return;
+	view_watch_file *more = number >= 0 ? realloc(watch->files, (watch->file_count + 1) * sizeof *more) : NULL;
+	if (!more)
+		return;
+	watch->files = more;
+	more[watch->file_count] = (view_watch_file){number, strdup(watch_file(path))};
+	watch->file_count += more[watch->file_count].name ? 1 : 0;
 }
 
 void view_watch_set(view_watch *watch, const char *path)
@@ -39,13 +69,32 @@ void view_watch_set(view_watch *watch, const char *path)
 	view_watch_finish(watch);
 	if (access(path, F_OK) != 0)
 		return;
-	char *folder = watch_folder(path);
-	watch->file = strdup(watch_file(path));
-	watch->notify = folder && watch->file ? inotify_init1(IN_NONBLOCK | IN_CLOEXEC) : -1;
-	uint32_t events = IN_CLOSE_WRITE | IN_MODIFY | IN_MOVED_TO | IN_MOVED_FROM | IN_DELETE;
-	if (watch->notify >= 0 && inotify_add_watch(watch->notify, folder, events) < 0)
+	watch->notify = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+	view_watch_add(watch, path);
+	if (watch->file_count == 0)
 		view_watch_finish(watch);
-	free(folder);
+}
+
+/* The number of the file that the event is about, or file_count. */
+static uint32_t watch_which(const view_watch *watch, const struct inotify_event *event)
+{
+	uint32_t i = 0;
+	while (i < watch->file_count &&
+	       (event->len == 0 || event->wd != watch->files[i].folder || strcmp(event->name, watch->files[i].name) != 0))
+		i++;
+	return i;
+}
+
+/* What an event means. A file that the scene names may go: its writer may be about to put another in its place. */
+static void watch_take(view_watch *watch, const struct inotify_event *event, view_watch_news *news)
+{
+	uint32_t which = watch_which(watch, event);
+	bool gone = event->mask & (IN_MOVED_FROM | IN_DELETE);
+	if (which == watch->file_count || (gone && which > 0))
+		return;
+	if (which == 0)
+		*news = gone ? VIEW_WATCH_GONE : VIEW_WATCH_NOTHING;
+	watch->due_ns = gone ? 0 : stilb_time_ns() + WATCH_QUIET_NS;
 }
 
 view_watch_news view_watch_look(view_watch *watch)
@@ -58,11 +107,7 @@ view_watch_news view_watch_look(view_watch *watch)
 		for (char *at = buffer; at < buffer + size;) {
 			const struct inotify_event *event = (const struct inotify_event *)at;
 			at += sizeof *event + event->len;
-			if (event->len == 0 || strcmp(event->name, watch->file) != 0)
-				continue;
-			bool gone = event->mask & (IN_MOVED_FROM | IN_DELETE);
-			news = gone ? VIEW_WATCH_GONE : VIEW_WATCH_NOTHING;
-			watch->due_ns = gone ? 0 : stilb_time_ns() + WATCH_QUIET_NS;
+			watch_take(watch, event, &news);
 		}
 	if (watch->due_ns == 0 || stilb_time_ns() < watch->due_ns)
 		return news;

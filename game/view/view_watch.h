@@ -1,5 +1,6 @@
 /*
- * view_watch: tells when a file has changed on disk, and names its neighbours in the folder. [main-thread]
+ * view_watch: tells when a scene's file, or one that it names, has changed on disk, and names its neighbours in the
+ * folder. [main-thread]
  *
  *   view_watch watch = VIEW_WATCH_NONE;
  *   view_watch_set(&watch, "model.gltf");
@@ -11,9 +12,15 @@
 
 #include "base/base.h"
 
+typedef struct view_watch_file {
+	int folder; /* inotify's number of its folder */
+	char *name; /* in the folder */
+} view_watch_file;
+
 typedef struct view_watch {
-	int notify;      /* an inotify descriptor for the file's folder; -1: nothing is watched */
-	char *file;      /* the file's name in its folder */
+	int notify;             /* an inotify descriptor for the files' folders; -1: nothing is watched */
+	view_watch_file *files; /* [file_count] the first is the scene's, the others are those that it names */
+	uint32_t file_count;
 	uint64_t due_ns; /* time at which a change is reported, unless another one comes before; 0: there was none */
 } view_watch;
 
@@ -28,6 +35,9 @@ typedef enum view_watch_news {
 /* Watches the folder of this file in place of the one before. A built-in scene's name, or a folder that cannot be
  * watched: nothing is. */
 void view_watch_set(view_watch *watch, const char *path);
+
+/* Watches a file that the scene's file names, too: when it is written, that has changed. */
+void view_watch_add(view_watch *watch, const char *path);
 
 /* What has happened since the last look. Does not wait. */
 view_watch_news view_watch_look(view_watch *watch);

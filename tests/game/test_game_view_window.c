@@ -1,4 +1,5 @@
 /* stilb view on a virtual display: the next file, a file that changes on disk and goes, and files that are dropped. */
+#include "image/image.h"
 #include "support/stilb_program.h"
 #include "support/x11_server.h"
 
@@ -21,11 +22,11 @@ static void write_text(const char *name, const char *text)
 }
 
 /* Waits until the run's stdout (0) or stderr (1) has this text. */
-static bool await_in(int file, const char *text)
+static bool await_in(int stream, const char *text)
 {
 	static char all[65536];
 	for (int i = 0; i < 3000; i++, usleep(10000)) {
-		ssize_t size = pread(fileno(run.files[file]), all, sizeof all - 1, 0);
+		ssize_t size = pread(fileno(run.files[stream]), all, sizeof all - 1, 0);
 		all[size > 0 ? size : 0] = '\0';
 		if (strstr(all, text))
 			return true;
@@ -36,6 +37,31 @@ static bool await_in(int file, const char *text)
 static bool await_said(const char *text)
 {
 	return await_in(1, text);
+}
+
+static bool await_told(const char *text)
+{
+	return await_in(0, text);
+}
+
+/* Sends the window a press and a release of the left button at a point of the picture. */
+static void click(int x, int y)
+{
+	XButtonEvent button = {.type = ButtonPress,
+	                       .display = display,
+	                       .window = window,
+	                       .root = DefaultRootWindow(display),
+	                       .time = CurrentTime,
+	                       .x = x,
+	                       .y = y,
+	                       .button = Button1,
+	                       .same_screen = True};
+	XWarpPointer(display, None, window, 0, 0, 0, 0, x, y);
+	XSync(display, False);
+	XSendEvent(display, window, True, ButtonPressMask, (XEvent *)&button);
+	button.type = ButtonRelease;
+	XSendEvent(display, window, True, ButtonReleaseMask, (XEvent *)&button);
+	XSync(display, False);
 }
 
 /* ---- dropping, as the freedesktop.org protocol XDND has it ------------------------------------------------------- */
@@ -134,7 +160,11 @@ static void files_come_and_go(void **state)
 	write_text("b.obj", SQUARE);
 	write_text("words.txt", "no scene");
 	write_text("sky.hdr", "no picture");
-	open_window("view a.obj --size 160x120 --workers 1 --gamepad off --stats s.json", "Stilb: a.obj");
+	stilb_image sky;
+	assert_int_equal(stilb_image_create(&sky, 4, 2, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	assert_int_equal(stilb_image_save(&sky, "black.hdr"), STILB_OK);
+	stilb_image_finish(&sky);
+	open_window("view a.obj --size 160x120 --workers 1 --gamepad off --stats s.json --present mailbox", "Stilb: a.obj");
 	x11_server_type(display, window, XK_Next);
 	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
 	x11_server_type(display, window, XK_Prior); /* words.txt is not a neighbour */
@@ -142,7 +172,9 @@ static void files_come_and_go(void **state)
 	assert_true(drop("words.txt"));
 	assert_true(await_said("'a.obj' stays as it was"));
 	assert_true(drop("sky.hdr"));
-	assert_true(await_said("frames do not draw a panorama yet"));
+	assert_true(await_said("sky.hdr'"));
+	assert_true(drop("black.hdr"));
+	assert_true(await_said("black.hdr': frames do not draw a panorama yet"));
 	assert_true(drop("b.obj"));
 	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
 	write_text("b.obj", "v -1 -1 0\nf 1 2"); /* as if its writer was not done */
@@ -203,6 +235,26 @@ static void rays_take_over(void **state)
 	assert_int_equal(run.code, 0);
 }
 
+/* Keys, a click, and a file that the scene names: its number of triangles grows. */
+static void keys_clicks_and_materials(void **state)
+{
+	(void)state;
+	write_text("a.mtl", "newmtl grey\nKd .5 .5 .5\n");
+	write_text("a.obj", "mtllib a.mtl\nusemtl grey\n" SQUARE);
+	open_window("view a.obj --size 160x120 --workers 1 --gamepad off", "Stilb: a.obj");
+	assert_true(x11_server_shows(&server, "Stilb: a.obj, frame"));
+	x11_server_type(display, window, XK_2);
+	assert_true(await_told("the file has no cameras"));
+	click(90, 70);
+	assert_true(await_told("roughness"));
+	write_text("a.mtl", "newmtl grey\nKd .5 .5 .5\nmap_Kd none.png\n");
+	assert_true(await_said("none.png"));
+	XCloseDisplay(display);
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+}
+
 /* The first scene must open: the run ends as one that was refused. */
 static void the_first_must_open(void **state)
 {
@@ -222,6 +274,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup_teardown(files_come_and_go, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(a_full_disk_is_told, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(rays_take_over, folder_fresh, run_end),
+		cmocka_unit_test_setup_teardown(keys_clicks_and_materials, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(the_first_must_open, folder_fresh, run_end),
 	};
 	if (!x11_server_start(&server)) {

@@ -293,6 +293,18 @@ static void import_log_refused(import_request *request, const char *name, const 
 	stilb_log("%s: '%s' is not read: %s", request->path, name, why);
 }
 
+/* Tells who asks for it the path of a file that the scene names. */
+static void import_tell_opened(const scene_import_limits *limits, int file)
+{
+	char link[32], path[PATH_MAX];
+	snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+	ssize_t length = limits->opened ? readlink(link, path, sizeof path - 1) : -1;
+	if (length <= 0)
+		return;
+	path[length] = '\0';
+	limits->opened(limits->user, path);
+}
+
 /* Answers an OPEN message with the file's descriptor or a refusal. Logs a refusal unless asked->flags is set: then the
  * import process warns of it, as it does of textures. */
 static void import_answer(import_request *request, const scene_message *asked)
@@ -306,6 +318,8 @@ static void import_answer(import_request *request, const scene_message *asked)
 	if (request->files && file < 0 && scene_files_outside(why) && !asked->flags)
 		import_log_refused(request, asked->text, why);
 	scene_stream_write_message(request->importer->stream.file, &answer, file);
+	if (file >= 0)
+		import_tell_opened(&request->importer->limits, file);
 	if (file >= 0)
 		close(file);
 }

@@ -24,6 +24,7 @@ typedef struct scene_import_limits {
 	bool quiet;         /* what the process warns of is not logged */
 	/* Asked while waiting, every 50 ms at least; true: the request fails at once. NULL: never. */
 	bool (*give_up)(void *user);
+	void (*opened)(void *user, const char *path); /* as stilb_scene_open_options.opened */
 	void *user;
 	uint64_t *most_bytes; /* out, of scenes: as stilb_scene_open_options.import_bytes; NULL: nobody asks */
 } scene_import_limits;

@@ -47,6 +47,7 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 	scene_import_limits limits = scene_import_limits_default();
 	limits.allow_outside = options->allow_outside;
 	limits.give_up = options->give_up;
+	limits.opened = options->opened;
 	limits.user = options->user;
 	limits.quiet = options->quiet;
 	limits.most_bytes = options->import_bytes;
