@@ -85,6 +85,22 @@ stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count)
 	return STILB_OK;
 }
 
+stilb_result scene_add_names(stilb_scene *scene)
+{
+	bool failed = false;
+	stilb_scene_names *names = &scene->names;
+	STILB_ASSERT(!names->models && "names are added once");
+	if ((uint64_t)scene->model_count + scene->material_count > SCENE_NAMES)
+		return STILB_OK;
+	names->models = scene_array(&failed, scene->model_count, sizeof *names->models);
+	names->materials = scene_array(&failed, scene->material_count, sizeof *names->materials);
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the names of %u models", scene->model_count);
+	names->model_count = scene->model_count;
+	names->material_count = scene->material_count;
+	return STILB_OK;
+}
+
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;
@@ -121,6 +137,8 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->textures);
 	free(scene->lights);
 	free(scene->cameras);
+	free(scene->names.models);
+	free(scene->names.materials);
 	scene_edit_finish(scene->edits);
 	scene_variants_finish(scene->variants);
 	scene_animation_finish(scene->animation);

@@ -185,11 +185,21 @@ typedef struct stilb_scene_camera {
 	float exposure; /* stops, -100..100: pictures for display are brighter by 2^exposure; radiance stays as it is */
 } stilb_scene_camera;
 
+#define STILB_SCENE_NAME 64 /* bytes of a name with its end */
+
 /* A camera of a file, under its name there, UTF-8, cut to fit; "": it has none. */
 typedef struct stilb_scene_named_camera {
-	char name[64];
+	char name[STILB_SCENE_NAME];
 	stilb_scene_camera camera;
 } stilb_scene_named_camera;
+
+/* Names of a file's models (their nodes) and materials, UTF-8, cut to fit; "": it has none there. Of those that the
+ * file had when it was opened; none at all if it has more than 65,536. */
+typedef struct stilb_scene_names {
+	uint32_t model_count, material_count;
+	char (*models)[STILB_SCENE_NAME];    /* [model_count] */
+	char (*materials)[STILB_SCENE_NAME]; /* [material_count] */
+} stilb_scene_names;
 
 /* Bounding spheres, one array for each component (culling reads them sixteen at a time): 64-byte aligned. */
 typedef struct stilb_scene_bounds {
@@ -233,7 +243,8 @@ typedef struct stilb_scene {
 	stilb_scene_light *lights; /* [light_count] */
 
 	stilb_scene_surroundings surroundings;
-	stilb_scene_backdrop backdrop;     /* map and floor are the scene's own, as scene_look.h makes them */
+	stilb_scene_backdrop backdrop; /* map and floor are the scene's own, as scene_look.h makes them */
+	stilb_scene_names names;
 	bool studio;                       /* the lights are those of stilb_scene_set_studio, not the file's */
 	bool unlit;                        /* of a file without any light: see stilb_scene_open_options.dark */
 	stilb_scene_camera camera;         /* the one to look with; of a file at first its first camera */

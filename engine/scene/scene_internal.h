@@ -12,6 +12,12 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 /* Arrays for textures, cameras and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
+
+/* Room for the names of the scene's models and materials, all "", unless they are more than SCENE_NAMES: it has none
+ * then. STILB_ERROR_MEMORY. */
+#define SCENE_NAMES 65536u
+stilb_result scene_add_names(stilb_scene *scene);
+
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 
 /* scene_variant.c: room for so many variants, all names "" and all materials 0. STILB_ERROR_MEMORY. */

@@ -28,17 +28,26 @@ void view_choose_camera(view *v, uint32_t index)
 	choose_tell(v, text);
 }
 
+/* The name of a thing of the file, or its number. */
+static const char *choose_name(char (*names)[STILB_SCENE_NAME], uint32_t count, uint32_t index, char number[static 32])
+{
+	snprintf(number, 32, "%u", index);
+	return index < count && names[index][0] ? names[index] : number;
+}
+
 void view_choose_part(const view *v, float x, float y)
 {
 	stilb_engine_hit hit;
-	char text[192];
+	char text[256], model[32], material[32];
+	const stilb_scene_names *names = &v->scene->names;
 	if (!stilb_engine_pick(v->run->engine, (double)x, (double)y, &hit))
 		return;
-	const stilb_scene_material *material = &v->scene->materials[v->scene->part_material[hit.part]];
-	snprintf(text, sizeof text, "model %u, part %u, %.3g m away; material %u: colour %.2f %.2f %.2f, roughness %.2f",
-	         hit.model, hit.part, hit.distance, v->scene->part_material[hit.part],
-	         (double)(material->diffuse[0] + material->specular[0]),
-	         (double)(material->diffuse[1] + material->specular[1]),
-	         (double)(material->diffuse[2] + material->specular[2]), (double)material->roughness);
+	uint32_t of = v->scene->part_material[hit.part];
+	const stilb_scene_material *m = &v->scene->materials[of];
+	snprintf(text, sizeof text, "model %s, %.3g m away; material %s: colour %.2f %.2f %.2f, roughness %.2f",
+	         choose_name(names->models, names->model_count, hit.model, model), hit.distance,
+	         choose_name(names->materials, names->material_count, of, material),
+	         (double)(m->diffuse[0] + m->specular[0]), (double)(m->diffuse[1] + m->specular[1]),
+	         (double)(m->diffuse[2] + m->specular[2]), (double)m->roughness);
 	choose_tell(v, text);
 }

@@ -246,7 +246,7 @@ static void keys_clicks_and_materials(void **state)
 	x11_server_type(display, window, XK_2);
 	assert_true(await_told("the file has no cameras"));
 	click(90, 70);
-	assert_true(await_told("roughness"));
+	assert_true(await_told("material grey: colour 0.50 0.50 0.50, roughness"));
 	write_text("a.mtl", "newmtl grey\nKd .5 .5 .5\nmap_Kd none.png\n");
 	assert_true(await_said("none.png"));
 	XCloseDisplay(display);

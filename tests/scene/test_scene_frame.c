@@ -192,10 +192,16 @@ static void meters_the_light(void **state)
 	assert_true(metered_once(NULL, NULL, 0) == 0.0f);
 }
 
-/* The lamp stands before the left half: the brightest tenth decides, wherever the model is turned or cut. */
+/* The brightest tenth decides, wherever the camera is rolled or the model cut. */
 static void meters_what_is_seen(void **state)
 {
 	(void)state;
+	/* A lamp at the height 1 before the square of area 4: I / (1 + r^2)^(3/2) where pi r^2 is a tenth of the area. */
+	stilb_scene_light near = {.position = {0, 0, 1}, .intensity = {20, 20, 20}};
+	double brightest = metered_once(&near, NULL, 0), right = log2(M_PI / (20.0 * pow(1.0 + 0.4 / M_PI, -1.5)));
+	if (!(fabs(brightest - right) < 0.02))
+		print_error("%g stops where %g are right\n", brightest, right);
+	assert_true(fabs(brightest - right) < 0.02);
 	stilb_scene_light sun = {.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0, 0, -1}, .intensity = {10, 10, 10}};
 	stilb_scene *scene = lit_square(&sun, NULL, 0);
 	float plain = metered(scene);

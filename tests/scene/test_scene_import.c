@@ -223,6 +223,8 @@ static void gltf_camera_and_light(void **state)
 	assert_string_equal(scene->cameras[1].name, "From above");  /* a control character would move a terminal's cursor */
 	assert_three(scene->cameras[1].camera.position, 10, 14, 0); /* in its parent */
 	assert_true(near(scene->cameras[1].camera.fov_y, 0.9f) && !scene->framed);
+	assert_int_equal(scene->names.material_count, scene->material_count);
+	assert_string_equal(scene->names.materials[0], "paint");
 	assert_int_equal(scene->light_count, 3);
 	const stilb_scene_light *light = scene->lights;
 	for (uint32_t i = 0; i < 3; i++, light++) {

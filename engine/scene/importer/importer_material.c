@@ -4,6 +4,7 @@
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* One of Assimp's materials while it is read. */
@@ -265,7 +266,12 @@ stilb_result importer_add_materials(importer *import)
 	const struct aiScene *from = import->from;
 	STILB_ASSERT(import->scene->material_count == (from->mNumMaterials ? from->mNumMaterials : 1));
 	import->scene->materials[0] = stilb_scene_material_make((float[3]){0.6f, 0.6f, 0.6f}, (float[3]){0}, 1.0f);
-	for (uint32_t m = 0; m < from->mNumMaterials; m++)
+	for (uint32_t m = 0; m < from->mNumMaterials; m++) {
+		struct aiString name = {0};
 		material_convert(import, from->mMaterials[m], &import->scene->materials[m]);
+		if (import->scene->names.materials &&
+		    aiGetMaterialString(from->mMaterials[m], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS)
+			snprintf(import->scene->names.materials[m], STILB_SCENE_NAME, "%.*s", STILB_SCENE_NAME - 1, name.data);
+	}
 	return importer_take_textures(import);
 }

@@ -1,6 +1,7 @@
 #include "scene/importer/importer.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -312,8 +313,11 @@ static void mesh_add_parts(importer *import, const mesh_plan *plan)
 			scene->part_material[part] = material < scene->material_count ? material : 0;
 			scene->part_transform[part++] = import->nodes[n].to_world;
 		}
-		if (part > first)
-			scene->first_part[++model] = part;
+		if (part == first)
+			continue;
+		if (scene->names.models)
+			snprintf(scene->names.models[model], STILB_SCENE_NAME, "%.*s", STILB_SCENE_NAME - 1, node->mName.data);
+		scene->first_part[++model] = part;
 	}
 	STILB_ASSERT(part == scene->part_count && model == scene->model_count);
 	scene_fit_all_bounds(scene);
@@ -328,6 +332,8 @@ stilb_result importer_add_meshes(importer *import)
 	uint32_t materials = from->mNumMaterials ? from->mNumMaterials : 1;
 	if (result == STILB_OK)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
+	if (result == STILB_OK)
+		result = scene_add_names(import->scene);
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)
 		if (plan.place[m] != IMPORTER_NO_MESH) {
 			stilb_scene_mesh *mesh = &import->scene->meshes[plan.place[m]];

@@ -158,15 +158,58 @@ static stilb_result stream_get_animation(scene_stream *stream, stilb_scene *scen
 	return result;
 }
 
+/* ---- names ------------------------------------------------------------------------------------------------------- */
+
+static bool stream_put_names(int file, const stilb_scene_names *names)
+{
+	bool there = names->models;
+	if (!scene_stream_put(file, &there, sizeof there) || !there)
+		return !there;
+	return scene_stream_put(file, names->models, names->model_count * sizeof *names->models) &&
+	       scene_stream_put(file, names->materials, names->material_count * sizeof *names->materials);
+}
+
+static void stream_end_names(char (*names)[STILB_SCENE_NAME], uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		names[i][STILB_SCENE_NAME - 1] = '\0';
+		scene_stream_clean_name(names[i], STILB_SCENE_NAME);
+	}
+}
+
+static stilb_result stream_get_names(scene_stream *stream, stilb_scene *scene)
+{
+	unsigned char there;
+	stilb_scene_names *names = &scene->names;
+	if (!scene_stream_get(stream, &there, sizeof there))
+		return scene_stream_broken(stream);
+	if (there == 0)
+		return STILB_OK;
+	stilb_result result = scene_add_names(scene);
+	if (result != STILB_OK)
+		return result;
+	if (!names->models)
+		return scene_stream_wrong("names");
+	if (!scene_stream_get(stream, names->models, names->model_count * sizeof *names->models) ||
+	    !scene_stream_get(stream, names->materials, names->material_count * sizeof *names->materials))
+		return scene_stream_broken(stream);
+	stream_end_names(names->models, names->model_count);
+	stream_end_names(names->materials, names->material_count);
+	return STILB_OK;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 bool scene_stream_write_rest(int file, const stilb_scene *scene)
 {
-	return stream_put_variants(file, scene->variants) && stream_put_animation(file, scene);
+	return stream_put_variants(file, scene->variants) && stream_put_animation(file, scene) &&
+	       stream_put_names(file, &scene->names);
 }
 
 stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene)
 {
 	stilb_result result = stream_get_variants(stream, scene);
-	return result == STILB_OK ? stream_get_animation(stream, scene) : result;
+	if (result == STILB_OK)
+		result = stream_get_animation(stream, scene);
+	return result == STILB_OK ? stream_get_names(stream, scene) : result;
 }

@@ -174,8 +174,11 @@ stilb_result gltf_add_materials(gltf *from)
 	stilb_scene *scene = from->import->scene;
 	const gltf_list *materials = &from->lists[GLTF_MATERIALS];
 	STILB_ASSERT(scene->material_count >= materials->count);
-	for (uint32_t m = 0; m < materials->count; m++)
+	for (uint32_t m = 0; m < materials->count; m++) {
 		material_read(from, m, &scene->materials[m]);
+		if (scene->names.materials)
+			gltf_json_string(&from->json, materials->items[m], "name", scene->names.materials[m], STILB_SCENE_NAME);
+	}
 	/* The default material is white metal, glTF 2.0, 3.9.6: rough, without maps. */
 	for (uint32_t m = materials->count; m < scene->material_count; m++) {
 		importer_metallic plain = {.color = {1, 1, 1},

@@ -125,6 +125,14 @@ typedef struct mesh_models {
 	uint32_t models, parts; /* so far */
 } mesh_models;
 
+/* Names a model by its node, which may have no name. */
+static void mesh_name_model(gltf *from, const gltf_node *node, uint32_t model)
+{
+	stilb_scene_names *names = &from->import->scene->names;
+	if (names->models)
+		gltf_json_string(&from->json, node->item, "name", names->models[model], STILB_SCENE_NAME);
+}
+
 /* Counts a model for each instance of a node or, if there is a scene, fills it. */
 static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made)
 {
@@ -148,8 +156,10 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 		}
 		made->parts += finite ? end - first : 0;
 		made->models += finite;
-		if (scene && finite)
+		if (scene && finite) {
 			scene->first_part[made->models] = made->parts;
+			mesh_name_model(from, node, made->models - 1);
+		}
 		if (made->parts > STILB_SCENE_MAX_MODELS)
 			result = stilb_fail(STILB_ERROR_FILE, "it shows more than %u meshes", STILB_SCENE_MAX_MODELS);
 	}
@@ -181,6 +191,8 @@ stilb_result gltf_add_meshes(gltf *from)
 	if (result == STILB_OK)
 		result =
 			scene_create(counted.models, counted.parts, parts->count, materials ? materials : 1, &from->import->scene);
+	if (result == STILB_OK)
+		result = scene_add_names(from->import->scene);
 	if (result != STILB_OK)
 		return result;
 	stilb_scene *scene = from->import->scene;
