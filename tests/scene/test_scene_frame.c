@@ -210,12 +210,29 @@ static void meters_what_is_seen(void **state)
 	scene->camera.position[2] = 0.5f; /* inside of the square's outline */
 	scene->camera.pitch = 1.2f;       /* one corner of it is behind the camera */
 	assert_true(metered(scene) == plain);
-	scene->camera.yaw = 3.14159265f; /* it looks away */
+	sun.direction[2] = 1; /* from behind, where the square is seen from, too */
+	scene->lights[0] = sun;
+	scene->camera =
+		(stilb_scene_camera){.position = {0, 0, -3}, .yaw = 3.14159265f, .fov_y = 0.7f, .near_z = 0.1f, .far_z = 10.0f};
+	assert_true(metered(scene) == plain);
+	scene->camera.position[2] = 3.0f; /* it looks away */
 	scene->camera.pitch = 0.0f;
 	assert_true(metered(scene) == 0.0f);
 	scene->camera = stilb_scene_frame(scene, 0.0f, 0.0f, 1.0f);
 	scene->bounds.radius[0] = NAN; /* hidden */
 	assert_true(metered(scene) == 0.0f);
+	stilb_scene_destroy(scene);
+	/* What is lit is seen through triangles that reach behind the camera. */
+	stilb_scene_light small = {.kind = STILB_SCENE_LIGHT_SPOT,
+	                           .position = {0, 0.789f, 10},
+	                           .direction = {0, 0, -1},
+	                           .cos_inner = cosf(0.008f),
+	                           .cos_outer = cosf(0.008f),
+	                           .intensity = {1e3f, 1e3f, 1e3f}};
+	scene = lit_square(&small, NULL, 0);
+	scene->camera = (stilb_scene_camera){
+		.position = {0, 0.2f, 0.3f}, .pitch = 1.1f, .fov_y = 0.7f, .near_z = 0.01f, .far_z = 10.0f};
+	assert_stops(metered(scene), log2(M_PI / 10.0));
 	stilb_scene_destroy(scene);
 	/* A spot lights a small part of the square, evenly: the rest, which is dark, does not count. */
 	stilb_scene_light spot = {.kind = STILB_SCENE_LIGHT_SPOT,

@@ -60,6 +60,13 @@ static void emission_that_counts(void **state)
 	assert_true(lit_across(3.60f, 1));
 	assert_false(lit_across(100.0f, -1)); /* it shines the other way */
 	assert_false(lit_across(0.0f, 1));
+	/* Light that goes another way does not count against what arrives: 8 x 4 x 4 / 400 / 3 / 4 on three squares. */
+	static const rectangle three[] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 8},
+	                                  {{0, 0, 20}, {-1, 0, 0}, {0, 1, 0}, 0},
+	                                  {{0, 0, -5}, {-1, 0, 0}, {0, 1, 0}, 100}};
+	stilb_scene *both = scene_of(three, 3);
+	assert_true(scene_is_lit(both));
+	stilb_scene_destroy(both);
 	/* What is bright and convex lights nothing but the camera. */
 	static const rectangle cube[] = {
 		{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 1e6f},  {{0, 0, -1}, {-1, 0, 0}, {0, 1, 0}, 1e6f},
@@ -171,6 +178,16 @@ static void surroundings_out_of_focus(void **state)
 	assert_true(largest > 1.0f && map_at(scene, 32, 16)[0] > 0.97f * largest &&
 	            map_at(scene, 48, 16)[0] < 0.01f * largest);
 	assert_true(map_at(scene, 32, 16)[1] == 0.0f);
+	/* Near the pole, where cells are small, light stays as much as it was: the mean of all directions. */
+	memset(panorama->pixels, 0, stilb_image_size(panorama));
+	((float *)panorama->pixels)[3 * (4 * 128 + 20)] = 1000;
+	assert_int_equal(stilb_scene_show_surroundings(scene, true), STILB_OK);
+	double mean = 0, given = 250.0 * sin(M_PI * 2.5 / 32) / (64 * 32); /* a quarter of a cell */
+	for (int y = 0; y < STILB_SCENE_BACKDROP_HEIGHT; y++)
+		for (int x = 0; x < STILB_SCENE_BACKDROP_WIDTH; x++)
+			mean += (double)map_at(scene, x, y)[0] * sin(M_PI * (y + 0.5) / STILB_SCENE_BACKDROP_HEIGHT) /
+			        (STILB_SCENE_BACKDROP_WIDTH * STILB_SCENE_BACKDROP_HEIGHT);
+	assert_near(mean, given, 0.1 * given);
 	assert_int_equal(stilb_scene_show_surroundings(scene, false), STILB_OK);
 	assert_true(scene->backdrop.kind == STILB_SCENE_BACKDROP_SURROUNDINGS && !scene->backdrop.map);
 	/* Somebody who follows the scene learns of it. */
