@@ -198,7 +198,7 @@ static void meters_what_is_seen(void **state)
 	(void)state;
 	/* A lamp at the height 1 before the square of area 4: I / (1 + r^2)^(3/2) where pi r^2 is a tenth of the area. */
 	stilb_scene_light near = {.position = {0, 0, 1}, .intensity = {20, 20, 20}};
-	double brightest = metered_once(&near, NULL, 0), right = log2(M_PI / (20.0 * pow(1.0 + 0.4 / M_PI, -1.5)));
+	double brightest = (double)metered_once(&near, NULL, 0), right = log2(M_PI / (20.0 * pow(1.0 + 0.4 / M_PI, -1.5)));
 	if (!(fabs(brightest - right) < 0.02))
 		print_error("%g stops where %g are right\n", brightest, right);
 	assert_true(fabs(brightest - right) < 0.02);
