@@ -202,14 +202,14 @@ static stilb_result stream_get_names(scene_stream *stream, stilb_scene *scene)
 
 bool scene_stream_write_rest(int file, const stilb_scene *scene)
 {
-	return stream_put_variants(file, scene->variants) && stream_put_animation(file, scene) &&
-	       stream_put_names(file, &scene->names);
+	return stream_put_variants(file, scene->variants) && stream_put_names(file, &scene->names) &&
+	       stream_put_animation(file, scene);
 }
 
 stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene)
 {
 	stilb_result result = stream_get_variants(stream, scene);
 	if (result == STILB_OK)
-		result = stream_get_animation(stream, scene);
-	return result == STILB_OK ? stream_get_names(stream, scene) : result;
+		result = stream_get_names(stream, scene);
+	return result == STILB_OK ? stream_get_animation(stream, scene) : result;
 }

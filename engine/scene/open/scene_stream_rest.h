@@ -1,4 +1,4 @@
-/* What follows the meshes in the stream of a scene: the variants of its materials, what moves, and names. Needs the
+/* What follows the meshes in the stream of a scene: the variants of its materials, names, and what moves. Needs the
  * scene's counts and meshes. */
 #ifndef STILB_SCENE_STREAM_REST_H
 #define STILB_SCENE_STREAM_REST_H
