@@ -38,8 +38,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	     NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "open no window", 0, 0, NULL},
 		{"--present", FLAG_CHOICE, &o->present, "MODE",
-	     "how the window shows frames: fifo (with the screen), mailbox (the newest) or immediate (fifo)", 0, 0,
-	     live_present_choices},
+	     "how frames get to the window: fifo, mailbox (the newest) or immediate (fifo)", 0, 0, live_present_choices},
 		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
 		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, live_cull_choices},
 	};
