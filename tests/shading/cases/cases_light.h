@@ -83,7 +83,7 @@ SHADE_FN vec4 shade_case_lights(int row, vec4 a, vec4 b)
 		            shade_falloff_share(SHADE_FALLOFF_RANGED, 0.2f * square, light.radius, light.reach));
 	if (row == 11)
 		return vec4(shade_light_falloff(light, square + 0.1f, cosine), shade_rectangle_area(light.half_x, light.half_y),
-		            0.0f, 0.0f);
+		            shade_falloff_range(0.2f * square, light.reach), 0.0f);
 	shade_sun seen = shade_light_at(light, position);
 	if (row == 23)
 		return vec4(seen.direction, 0.0f);
