@@ -96,12 +96,15 @@ static void *pictures_run(void *user)
 	return NULL;
 }
 
-/* Starts the thread, with all signals blocked: they are the program's. */
+/* Starts the thread. Signals are the program's threads' to handle, but for those of the thread's own faults. */
 static void pictures_start(engine_pictures *pictures)
 {
-	sigset_t all, before;
-	sigfillset(&all);
-	pthread_sigmask(SIG_BLOCK, &all, &before);
+	static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
+	sigset_t others, before;
+	sigfillset(&others);
+	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
+		sigdelset(&others, faults[i]);
+	pthread_sigmask(SIG_BLOCK, &others, &before);
 	pictures->running = pthread_create(&pictures->thread, NULL, pictures_run, pictures) == 0;
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 }

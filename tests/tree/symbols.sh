@@ -40,7 +40,7 @@ guest+='|pthread_atfork|freopen|dup2'
 may_call() {
 	case $1:$2 in
 	profiler:sigaction) ;;                            # captures on a signal or a crash, if the program asks for them
-	profiler:pthread_sigmask | input:pthread_sigmask) ;; # the masks of their own threads
+	profiler:pthread_sigmask | input:pthread_sigmask | engine:pthread_sigmask) ;; # the masks of their own threads
 	window:setlocale) ;;                              # puts back what GLFW changed
 	image:__cxa_atexit) ;;                            # static objects of C++
 	bench-*:* | sim:*) ;;                             # no program links these
