@@ -38,6 +38,7 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	memcpy(view.ground, scene->surroundings.ground, 3 * sizeof(float));
 	view.lights = frame->view.address + offsetof(bare_view, sun);
 	view.light_count = scene->light_count; /* 1: the stress test's sun */
+	view.exposure = 1.0f;
 	view.sun[3] = STILB_SCENE_LIGHT_DIRECTIONAL;
 	memcpy(&view.sun[4], scene->lights[0].direction, 3 * sizeof(float));
 	memcpy(&view.sun[8], scene->lights[0].intensity, 3 * sizeof(float));

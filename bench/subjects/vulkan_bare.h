@@ -40,7 +40,8 @@ typedef struct bare_view {
 	float camera_position[4], sky[4], ground[4];
 	float added[4];         /* all 0: nothing added to the materials' colours */
 	VkDeviceAddress lights; /* of sun */
-	uint32_t light_count, unused;
+	uint32_t light_count;
+	float exposure;
 	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
