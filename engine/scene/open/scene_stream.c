@@ -1,5 +1,6 @@
 #include "scene/open/scene_stream.h"
 
+#include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
 
@@ -10,79 +11,6 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-/* ---- bytes ------------------------------------------------------------------------------------------------------- */
-
-bool scene_stream_put(int file, const void *data, size_t size)
-{
-	const char *bytes = data;
-	while (size > 0) {
-		ssize_t put = write(file, bytes, size);
-		if (put < 0 && errno == EINTR)
-			continue;
-		if (put <= 0)
-			return false;
-		bytes += put;
-		size -= (size_t)put;
-	}
-	return true;
-}
-
-#define STREAM_ASK_MS 50u /* between two questions whether to give up */
-
-/* Waits until there is something to read. False: the deadline has passed, it was given up, or the descriptor is bad. */
-static bool stream_wait(scene_stream *stream)
-{
-	for (;;) {
-		uint64_t now = stilb_time_ns();
-		struct pollfd wait = {.fd = stream->file, .events = POLLIN};
-		if (now >= stream->deadline_ns) {
-			stream->late = true;
-			return false;
-		}
-		if (stream->give_up && stream->give_up(stream->user)) {
-			stream->given_up = true;
-			return false;
-		}
-		uint64_t left_ms = (stream->deadline_ns - now) / 1000000 + 1, most_ms = stream->give_up ? STREAM_ASK_MS : 60000;
-		int ready = poll(&wait, 1, (int)(left_ms < most_ms ? left_ms : most_ms));
-		if (ready > 0)
-			return true;
-		if (ready < 0 && errno != EINTR)
-			return false;
-	}
-}
-
-/* Counts size more bytes. False: they would exceed the limit. */
-static bool stream_count(scene_stream *stream, uint64_t size)
-{
-	STILB_ASSERT(stream->limit == 0 || stream->taken <= stream->limit);
-	stream->too_much |= stream->limit > 0 && size > stream->limit - stream->taken;
-	if (!stream->too_much)
-		stream->taken += size;
-	return !stream->too_much;
-}
-
-bool scene_stream_get(scene_stream *stream, void *data, size_t size)
-{
-	STILB_ASSERT(data || size == 0);
-	char *bytes = data;
-	if (!stream_count(stream, size))
-		return false;
-	while (size > 0) {
-		if (!stream_wait(stream))
-			return false;
-		ssize_t got = read(stream->file, bytes, size);
-		if (got < 0 && errno == EINTR)
-			continue;
-		stream->ended |= got == 0;
-		if (got <= 0)
-			return false;
-		bytes += got;
-		size -= (size_t)got;
-	}
-	return true;
-}
 
 /* ---- messages ---------------------------------------------------------------------------------------------------- */
 
@@ -141,7 +69,7 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 	ssize_t size;
 	*passed = -1;
 	do {
-		if (!stream_wait(stream))
+		if (!scene_stream_wait(stream))
 			return false;
 		size = recvmsg(stream->file, &got, MSG_CMSG_CLOEXEC);
 	} while (size < 0 && errno == EINTR);
@@ -149,7 +77,7 @@ bool scene_stream_read_message(scene_stream *stream, scene_message *message, int
 	if (size <= 0)
 		return false;
 	*passed = stream_descriptor_of(&got);
-	if (!stream_count(stream, (uint64_t)size) ||
+	if (!scene_stream_count(stream, (uint64_t)size) ||
 	    !scene_stream_get(stream, (char *)message + size, sizeof *message - (size_t)size)) {
 		if (*passed >= 0)
 			close(*passed);
@@ -173,7 +101,7 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 			stilb_image_receive(file, message->width, message->height, message->channels, message->format, picture);
 	if (file >= 0)
 		close(file);
-	if (result == STILB_OK && !stream_count(stream, stilb_image_size(picture))) {
+	if (result == STILB_OK && !scene_stream_count(stream, stilb_image_size(picture))) {
 		stilb_image_finish(picture);
 		result = stilb_fail(STILB_ERROR_FILE, "its pictures are too large together");
 	}
@@ -248,17 +176,6 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
-
-stilb_result scene_stream_broken(const scene_stream *stream)
-{
-	return stilb_fail(STILB_ERROR_FILE,
-	                  stream->too_much ? "the scene is larger than an import may be" : "the scene broke off");
-}
-
-stilb_result scene_stream_wrong(const char *what)
-{
-	return stilb_fail(STILB_ERROR_FILE, "the scene has impossible %s", what);
-}
 
 static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mesh)
 {

@@ -1,5 +1,7 @@
 #include "scene/open/scene_stream_rest.h"
 
+#include "scene/open/scene_stream_bytes.h"
+
 #include "scene/edit/scene_variant.h"
 #include "scene/scene_animation_internal.h"
 #include "scene/scene_internal.h"

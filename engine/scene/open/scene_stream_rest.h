@@ -5,15 +5,6 @@
 
 #include "scene/open/scene_stream.h"
 
-/* scene_stream.c: writes, reads exactly size bytes. False: the other side is gone; one of the stream's flags late,
- * ended and too_much says why. */
-bool scene_stream_put(int file, const void *data, size_t size);
-bool scene_stream_get(scene_stream *stream, void *data, size_t size);
-
-/* STILB_ERROR_FILE: reading failed; the scene has impossible `what`. */
-stilb_result scene_stream_broken(const scene_stream *stream);
-stilb_result scene_stream_wrong(const char *what);
-
 /* Names are printed: what could move a terminal's cursor becomes a space. */
 void scene_stream_clean_name(char *name, size_t size);
 
