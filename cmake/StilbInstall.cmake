@@ -31,7 +31,7 @@ set(headers
 	base/base.h base/base_math.h
 	image/image.h
 	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_look.h scene/scene_pick.h
-	scene/edit/scene_edit.h scene/edit/scene_variant.h
+	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
 	shading/shade_model.h
 	window/window.h
 	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
@@ -91,7 +91,7 @@ endfunction()
 
 stilb_component(scene "Scenes as plain data: files, a builder, pictures"
 	MODULES scene image base shading
-	REQUIRES stilb-profiler libpng OpenEXR LIBS -lstdc++ -lm -ldl -pthread)
+	REQUIRES stilb-jobs stilb-profiler libpng OpenEXR LIBS -lstdc++ -lm -ldl -pthread)
 stilb_component(engine "${PROJECT_DESCRIPTION}"
 	MODULES engine ui render culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)

@@ -5,8 +5,9 @@
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
- *   update_scene   keys, gamepads, step        camera; the program: its scene; then    main
- *                                              meshes, materials, textures that changed
+ *   update_scene   keys, gamepads, step        camera; the program: its scene; then    main, jobs
+ *                                              what hangs on moved nodes, and meshes,
+ *                                              materials, textures that changed
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids, the     command lists in numbered segments      jobs, one writer a list
  *                  program's picture
@@ -17,6 +18,7 @@
 #include "engine_internal.h"
 
 #include "profiler/prof.h"
+#include "scene/edit/scene_node.h"
 
 #define FRAME_STEP (1.0f / 60.0f)
 #define FRAME_MAX_STEP 0.1f /* seconds: after a stall a longer step would make everything that moves jump */
@@ -138,6 +140,7 @@ static stilb_result update_scene(stilb_engine *engine)
 		*view = (stilb_render_view){.shading = engine->shading};
 		return STILB_OK;
 	}
+	stilb_scene_update_nodes(engine->scene, engine->pool, FRAME_OWNER);
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);

@@ -35,6 +35,7 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 	scene->bounds.radius = scene_array(&failed, model_count, sizeof(float));
 	scene->first_part = scene_array(&failed, (size_t)model_count + 1, sizeof(uint32_t));
 	scene->moved = scene_array(&failed, model_count, sizeof(uint32_t));
+	scene->model_node = scene_array(&failed, model_count, sizeof(uint32_t));
 	scene->part_count = part_count;
 	scene->part_mesh = scene_array(&failed, part_count, sizeof(uint32_t));
 	scene->part_material = scene_array(&failed, part_count, sizeof(uint32_t));
@@ -112,6 +113,22 @@ stilb_result scene_add_lights(stilb_scene *scene, uint32_t count)
 	return STILB_OK;
 }
 
+stilb_result scene_add_nodes(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	stilb_scene_nodes *nodes = &scene->nodes;
+	STILB_ASSERT(!nodes->parent && "nodes are added once");
+	nodes->parent = scene_array(&failed, count, sizeof *nodes->parent);
+	nodes->pose = scene_array(&failed, count, sizeof *nodes->pose);
+	nodes->local = scene_array(&failed, count, sizeof *nodes->local);
+	nodes->to_world = scene_array(&failed, count, sizeof *nodes->to_world);
+	nodes->name = scene_array(&failed, count, sizeof *nodes->name);
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u nodes", count);
+	nodes->count = count;
+	return STILB_OK;
+}
+
 void stilb_scene_destroy(stilb_scene *scene)
 {
 	if (!scene)
@@ -129,6 +146,12 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->bounds.radius);
 	free(scene->first_part);
 	free(scene->moved);
+	free(scene->model_node);
+	free(scene->nodes.parent);
+	free(scene->nodes.pose);
+	free(scene->nodes.local);
+	free(scene->nodes.to_world);
+	free(scene->nodes.name);
 	free(scene->part_mesh);
 	free(scene->part_material);
 	free(scene->part_transform);
@@ -156,6 +179,22 @@ static bool scene_all_below(const uint32_t *values, uint32_t count, uint32_t lim
 bool scene_mesh_is_sound(const stilb_scene_mesh *mesh)
 {
 	return mesh->index_count % 3 == 0 && scene_all_below(mesh->indices, mesh->index_count, mesh->vertex_count);
+}
+
+bool scene_nodes_are_sound(const stilb_scene *scene)
+{
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	bool sound = true;
+	for (uint32_t n = 0; n < nodes->count; n++) {
+		const float *pose = (const float *)&nodes->pose[n]; /* ten of them */
+		sound =
+			sound && (nodes->parent[n] < n || nodes->parent[n] == STILB_SCENE_NONE) && memchr(nodes->name[n], 0, 64);
+		for (int i = 0; i < 16; i++)
+			sound = sound && isfinite(nodes->local[n].m[i]) && isfinite(pose[i % 10]);
+	}
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		sound = sound && scene->model_node[m] <= nodes->count;
+	return sound;
 }
 
 bool scene_is_sound(const stilb_scene *scene)

@@ -201,6 +201,25 @@ typedef struct stilb_scene_names {
 	char (*materials)[STILB_SCENE_NAME]; /* [material_count] */
 } stilb_scene_names;
 
+/* A place in the space of a parent: scaled first, then turned, then moved. */
+typedef struct stilb_scene_pose {
+	float translation[3];
+	float rotation[4]; /* a unit quaternion x, y, z, w */
+	float scale[3];    /* along the axes before they are turned; of any sign */
+} stilb_scene_pose;
+
+/* A hierarchy of places, on which models hang. scene_node.h changes it. Scenes of files have none yet: their models
+ * stand where the file's nodes put them. */
+typedef struct stilb_scene_nodes {
+	uint32_t count;
+	uint32_t *parent;       /* [count] STILB_SCENE_NONE: the world; of a removed node: itself */
+	stilb_scene_pose *pose; /* [count] */
+	stilb_mat4 *local;    /* [count] to the parent's space: pose as a matrix, unless the node was given a matrix, which
+	                         pose then comes close to */
+	stilb_mat4 *to_world; /* [count] as of the last frame or stilb_scene_update_nodes */
+	char (*name)[64];     /* [count] UTF-8, cut to fit; "": it has none */
+} stilb_scene_nodes;
+
 /* Bounding spheres, one array for each component (culling reads them sixteen at a time): 64-byte aligned. */
 typedef struct stilb_scene_bounds {
 	float *x, *y, *z, *radius; /* a NaN radius: the model is hidden or removed, and no view sees it */
@@ -213,7 +232,7 @@ typedef struct stilb_scene_bounds {
  * once. */
 typedef struct stilb_scene_revisions {
 	uint64_t models;    /* added, removed; other meshes or materials of their parts */
-	uint64_t places;    /* moved, shown, hidden */
+	uint64_t places;    /* models moved, shown, hidden */
 	uint64_t geometry;  /* meshes */
 	uint64_t materials; /* with their textures */
 	uint64_t lights, surroundings, camera;
@@ -224,6 +243,8 @@ typedef struct stilb_scene {
 	stilb_scene_bounds bounds; /* [model_count] */
 	uint32_t *first_part;      /* [model_count + 1]: model m owns parts first_part[m] .. first_part[m + 1] - 1 */
 
+	uint32_t *model_node; /* [model_count] 1 + the node on which the model hangs, whose place its parts have; 0: none */
+
 	uint32_t part_count;
 	uint32_t *part_mesh;        /* [part_count], or STILB_SCENE_NONE */
 	uint32_t *part_material;    /* [part_count], or STILB_SCENE_NONE */
@@ -233,6 +254,8 @@ typedef struct stilb_scene {
 	stilb_scene_mesh *meshes; /* [mesh_count]; {0}: a removed one */
 	uint32_t material_count;
 	stilb_scene_material *materials; /* [material_count] */
+
+	stilb_scene_nodes nodes;
 
 	uint32_t moved_count; /* models whose bounds have changed since the last frame; the engine sets it back to 0 */
 	uint32_t *moved;      /* their ids, each once, in any order; room for model_count */
@@ -412,6 +435,15 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
  * [any-thread] STILB_ERROR_MEMORY; then mesh is {0}. */
 stilb_result stilb_scene_mesh_plane(stilb_scene_mesh *mesh);
 
+/* The pose that changes nothing. [any-thread] */
+stilb_scene_pose stilb_scene_pose_identity(void);
+
+/* As a matrix: translation * rotation * scale. [any-thread] */
+stilb_mat4 stilb_scene_pose_matrix(const stilb_scene_pose *pose);
+
+/* The pose of an affine matrix. What shears is lost; of a mirrored space one scale is negative. [any-thread] */
+stilb_scene_pose stilb_scene_pose_of(const stilb_mat4 *matrix);
+
 /* Frees the arrays and leaves {0}. Accepts {0}. [one-writer] */
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
 
@@ -427,7 +459,8 @@ stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float 
 /* What has changed, counted since the scene was made. Any number of readers may compare it with what they read before.
  * Lights, surroundings and camera, which programs assign, are compared by a hash of their values at this call with
  * that at the last one; values that were changed and changed back in between are not noticed, nor is a panorama whose
- * pixels were written in place. Takes 1 ns for about 8 bytes of the list of lights. [one-writer] */
+ * pixels were written in place. Reads the whole list of lights, and gives moved nodes their places
+ * (stilb_scene_update_nodes). [one-writer] */
 stilb_scene_revisions stilb_scene_revisions_read(stilb_scene *scene);
 
 /* A sphere around all visible models, about the centre of their box; radius 0 if there are none. [any-thread] */

@@ -24,11 +24,18 @@ typedef struct build_model {
 	uint32_t node, first_part;
 } build_model;
 
+typedef struct build_node {
+	uint32_t parent;
+	stilb_scene_pose pose;
+	stilb_mat4 local, to_world;
+	char name[64];
+} build_node;
+
 struct stilb_scene_build {
 	build_list meshes;    /* of build_mesh */
 	build_list textures;  /* of stilb_image */
 	build_list materials; /* of stilb_scene_material */
-	build_list nodes;     /* of stilb_mat4, node to world */
+	build_list nodes;     /* of build_node */
 	build_list models;    /* of build_model */
 	build_list parts;     /* of stilb_scene_build_part */
 	build_list lights;    /* of stilb_scene_light */
@@ -188,25 +195,53 @@ uint32_t stilb_scene_build_material(stilb_scene_build *build, const stilb_scene_
 
 /* ---- nodes and models -------------------------------------------------------------------------------------------- */
 
+/* Adds a node whose parent and local are set. */
+static uint32_t build_add_node(stilb_scene_build *build, build_node *node)
+{
+	uint32_t id = build->nodes.count, parent = node->parent;
+	const build_node *nodes = build->nodes.items;
+	if (parent != STILB_SCENE_NO_PARENT && parent >= id) {
+		build_refuse(build, "node %u: there is no node %u before it", id, parent);
+		return 0;
+	}
+	node->to_world = node->local;
+	if (parent != STILB_SCENE_NO_PARENT)
+		node->to_world = stilb_mat4_multiply(nodes[parent].to_world, node->local);
+	if (!scene_is_affine(&node->local) || !scene_is_affine(&node->to_world)) {
+		build_refuse(build, "node %u: its transform is not affine, or not within 1e18", id);
+		return 0;
+	}
+	return build_add(build, &build->nodes, node, sizeof *node, "node");
+}
+
 uint32_t stilb_scene_build_node(stilb_scene_build *build, uint32_t parent, const stilb_mat4 *local)
 {
 	STILB_ASSERT(local);
 	if (!build_goes_on(build))
 		return 0;
-	uint32_t id = build->nodes.count;
-	const stilb_mat4 *nodes = build->nodes.items;
-	stilb_mat4 world = *local;
-	if (parent != STILB_SCENE_NO_PARENT && parent >= id) {
-		build_refuse(build, "node %u: there is no node %u before it", id, parent);
+	build_node node = {.parent = parent, .pose = stilb_scene_pose_of(local), .local = *local};
+	return build_add_node(build, &node);
+}
+
+uint32_t stilb_scene_build_pose(stilb_scene_build *build, uint32_t parent, const stilb_scene_pose *pose)
+{
+	STILB_ASSERT(pose);
+	if (!build_goes_on(build) || !build_accept(build, scene_check_pose(pose, build->nodes.count)))
 		return 0;
-	}
-	if (parent != STILB_SCENE_NO_PARENT)
-		world = stilb_mat4_multiply(nodes[parent], *local);
-	if (!scene_is_affine(local) || !scene_is_affine(&world)) {
-		build_refuse(build, "node %u: its transform is not affine, or not within 1e18", id);
-		return 0;
-	}
-	return build_add(build, &build->nodes, &world, sizeof world, "node");
+	build_node node = {.parent = parent, .pose = *pose, .local = stilb_scene_pose_matrix(pose)};
+	return build_add_node(build, &node);
+}
+
+void stilb_scene_build_name(stilb_scene_build *build, uint32_t node, const char *name)
+{
+	STILB_ASSERT(name);
+	if (!build_goes_on(build))
+		return;
+	build_node *nodes = build->nodes.items;
+	if (node >= build->nodes.count)
+		build_refuse(build, "the name '%.63s': there is no node %u", name, node);
+	else
+		snprintf(nodes[node].name, sizeof nodes->name, "%s", name);
 }
 
 /* True if every vertex of a mesh of this reach is within SCENE_FAR in the world. */
@@ -226,7 +261,7 @@ static bool build_model_check(stilb_scene_build *build, uint32_t node, const sti
 {
 	uint32_t id = build->models.count;
 	const build_mesh *meshes = build->meshes.items;
-	const stilb_mat4 *nodes = build->nodes.items;
+	const build_node *nodes = build->nodes.items;
 	if (id == STILB_SCENE_MAX_MODELS)
 		return build_refuse(build, "more than %u models", STILB_SCENE_MAX_MODELS);
 	if (node >= build->nodes.count)
@@ -238,7 +273,7 @@ static bool build_model_check(stilb_scene_build *build, uint32_t node, const sti
 			return build_refuse(build, "model %u: there is no mesh %u", id, parts[i].mesh);
 		if (parts[i].material >= build->materials.count)
 			return build_refuse(build, "model %u: there is no material %u", id, parts[i].material);
-		if (!build_is_near(&nodes[node], meshes[parts[i].mesh].reach))
+		if (!build_is_near(&nodes[node].to_world, meshes[parts[i].mesh].reach))
 			return build_refuse(build, "model %u: mesh %u reaches farther than 1e18 m there", id, parts[i].mesh);
 	}
 	return true;
@@ -326,12 +361,23 @@ void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera
 
 /* ---- the scene --------------------------------------------------------------------------------------------------- */
 
+static void build_fill_nodes(const stilb_scene_build *build, stilb_scene_nodes *to)
+{
+	const build_node *nodes = build->nodes.items;
+	for (uint32_t n = 0; n < to->count; n++) {
+		to->parent[n] = nodes[n].parent;
+		to->pose[n] = nodes[n].pose;
+		to->local[n] = nodes[n].local;
+		to->to_world[n] = nodes[n].to_world;
+		memcpy(to->name[n], nodes[n].name, sizeof *to->name);
+	}
+}
+
 /* Moves meshes and textures, copies the rest. */
 static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 {
 	const build_model *models = build->models.items;
 	const build_mesh *meshes = build->meshes.items;
-	const stilb_mat4 *nodes = build->nodes.items;
 	const stilb_scene_build_part *parts = build->parts.items;
 	const struct {
 		void *to;
@@ -348,13 +394,15 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 	build->meshes.count = build->textures.count = 0;
 	scene->surroundings = build->surroundings;
 	build->surroundings.panorama = (stilb_image){0};
+	build_fill_nodes(build, &scene->nodes);
 	for (uint32_t m = 0; m < scene->model_count; m++) {
 		uint32_t end = m + 1 < scene->model_count ? models[m + 1].first_part : scene->part_count;
 		scene->first_part[m] = models[m].first_part;
+		scene->model_node[m] = models[m].node + 1;
 		for (uint32_t p = models[m].first_part; p < end; p++) {
 			scene->part_mesh[p] = parts[p].mesh;
 			scene->part_material[p] = parts[p].material;
-			scene->part_transform[p] = nodes[models[m].node];
+			scene->part_transform[p] = scene->nodes.to_world[models[m].node];
 		}
 	}
 	scene->first_part[scene->model_count] = scene->part_count;
@@ -362,7 +410,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 	scene->framed = !build->has_camera;
 	scene->camera = build->has_camera ? build->camera
 	                                  : stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);
-	STILB_CHECK(scene_is_sound(scene));
+	STILB_CHECK(scene_is_sound(scene) && scene_nodes_are_sound(scene));
 }
 
 static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
@@ -376,6 +424,8 @@ static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
 		result = scene_add_textures(scene, build->textures.count);
 	if (result == STILB_OK && build->lights.count > 0)
 		result = scene_add_lights(scene, build->lights.count);
+	if (result == STILB_OK && build->nodes.count > 0)
+		result = scene_add_nodes(scene, build->nodes.count);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;

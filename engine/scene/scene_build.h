@@ -59,12 +59,19 @@ uint32_t stilb_scene_build_material(stilb_scene_build *build, const stilb_scene_
 #define STILB_SCENE_NO_PARENT UINT32_MAX
 uint32_t stilb_scene_build_node(stilb_scene_build *build, uint32_t parent, const stilb_mat4 *local);
 
+/* The same by a pose: numbers within 1e18, the rotation unit to 1 %. */
+uint32_t stilb_scene_build_pose(stilb_scene_build *build, uint32_t parent, const stilb_scene_pose *pose);
+
+/* Names a node; cut to 63 bytes. */
+void stilb_scene_build_name(stilb_scene_build *build, uint32_t node, const char *name);
+
 /* The pieces of a model, by id. */
 typedef struct stilb_scene_build_part {
 	uint32_t mesh, material;
 } stilb_scene_build_part;
 
-/* Adds a model, which is culled as a whole: part_count >= 1 parts in the space of the node. Its bounds are computed. At
+/* Adds a model, which is culled as a whole: part_count >= 1 parts in the space of the node, on which it hangs: who
+ * moves the node later moves the model (scene_node.h). Its bounds are computed. At
  * most STILB_SCENE_MAX_MODELS. */
 uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const stilb_scene_build_part *parts,
                                  uint32_t part_count);

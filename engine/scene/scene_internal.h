@@ -29,6 +29,14 @@ void scene_variants_finish(struct stilb_scene_variants *variants);
 /* True if the names end and the materials exist. */
 bool scene_variants_are_sound(const stilb_scene *scene);
 
+/* Arrays for nodes in a scene that has none yet, all values zero: who fills them gives each a parent, pose, local and
+ * to_world. STILB_ERROR_MEMORY. */
+stilb_result scene_add_nodes(stilb_scene *scene, uint32_t count);
+
+/* True if each node stands after its parent, with finite places, and models hang on nodes that exist. Not for scenes
+ * that were edited. */
+bool scene_nodes_are_sound(const stilb_scene *scene);
+
 /* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' textures.
  * Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has been made. */
 bool scene_is_sound(const stilb_scene *scene);

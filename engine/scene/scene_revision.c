@@ -1,5 +1,5 @@
 /* What has changed of a scene. */
-#include "scene/scene.h"
+#include "scene/edit/scene_node.h"
 
 #include <string.h>
 
@@ -38,6 +38,7 @@ static uint64_t revision_surroundings(const stilb_scene_surroundings *around)
 stilb_scene_revisions stilb_scene_revisions_read(stilb_scene *scene)
 {
 	STILB_ASSERT(scene);
+	stilb_scene_update_nodes(scene, NULL, 0);
 	uint64_t *counts[3] = {&scene->revisions.lights, &scene->revisions.surroundings, &scene->revisions.camera};
 	const uint64_t now[3] = {
 		revision_hash(scene->light_count, scene->lights, scene->light_count * sizeof *scene->lights),

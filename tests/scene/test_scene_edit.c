@@ -1,6 +1,7 @@
 /* A scene that is edited: a reader that applies the lists of changes has what the scene has, bounds hold the vertices,
  * each mistake is told in words, and nothing changes without memory. */
 #include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_node.h"
 #include "support/failing_memory.h"
 #include "support/test.h"
 
@@ -574,7 +575,9 @@ static uint64_t scene_hash(const stilb_scene *scene)
 	           {scene->moved, scene->moved_count * sizeof *scene->moved},
 	           {scene->part_mesh, scene->part_count * sizeof *scene->part_mesh},
 	           {scene->part_transform, scene->part_count * sizeof *scene->part_transform},
-	           {scene->materials, scene->material_count * sizeof *scene->materials}};
+	           {scene->materials, scene->material_count * sizeof *scene->materials},
+	           {scene->nodes.parent, scene->nodes.count * sizeof *scene->nodes.parent},
+	           {scene->nodes.local, scene->nodes.count * sizeof *scene->nodes.local}};
 	uint64_t hash = STILB_FNV1A64_START;
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
 		hash = stilb_hash_fnv1a64(hash, &all[i].size, sizeof all[i].size);
@@ -599,6 +602,7 @@ static stilb_result edit_number(stilb_scene *scene, int edit)
 	stilb_scene_material paint = {.roughness = 0.5f};
 	stilb_scene_build_part parts[17] = {{0, 0}}; /* more than arrays of a built scene have room for */
 	stilb_scene_vertex vertex = random_vertex();
+	stilb_scene_pose pose = stilb_scene_pose_identity();
 	switch (edit) {
 	case 0:
 		return stilb_scene_add_model(scene, &place, parts, 17, &id);
@@ -614,6 +618,8 @@ static stilb_result edit_number(stilb_scene *scene, int edit)
 		return stilb_scene_set_texture(scene, 0, &image);
 	case 6:
 		return stilb_scene_remove_model(scene, 0);
+	case 7:
+		return stilb_scene_add_node(scene, 0, &pose, &id);
 	default:
 		return stilb_scene_set_vertices(scene, 0, 0, 1, &vertex);
 	}
@@ -622,7 +628,7 @@ static stilb_result edit_number(stilb_scene *scene, int edit)
 static void without_memory_nothing_changes(void **state)
 {
 	(void)state;
-	for (int edit = 0; edit < 8; edit++) {
+	for (int edit = 0; edit < 9; edit++) {
 		int failures = 0;
 		for (int failed = 0;; failed++) {
 			random_index = 0;

@@ -26,6 +26,19 @@ bool scene_is_affine(const stilb_mat4 *m)
 	       scene_is_within(m->m, 16, -SCENE_FAR, SCENE_FAR);
 }
 
+stilb_result scene_check_pose(const stilb_scene_pose *pose, uint32_t id)
+{
+	const float *q = pose->rotation;
+	float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+	if (!scene_is_within(pose->translation, 3, -SCENE_FAR, SCENE_FAR) ||
+	    !scene_is_within(pose->scale, 3, -SCENE_FAR, SCENE_FAR))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u: its translation or scale is not within 1e18", id);
+	if (!(square >= 0.98f && square <= 1.02f))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u: its rotation %g, %g, %g, %g is not a unit quaternion", id,
+		                  (double)q[0], (double)q[1], (double)q[2], (double)q[3]);
+	return STILB_OK;
+}
+
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id)
 {
 	for (uint32_t i = 0; i < count; i++) {

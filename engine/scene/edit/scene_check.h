@@ -16,6 +16,9 @@ bool scene_is_unit(const float v[3]);
 /* True if the last row is 0 0 0 1 and all elements are within SCENE_FAR. */
 bool scene_is_affine(const stilb_mat4 *m);
 
+/* Of node `id`. */
+stilb_result scene_check_pose(const stilb_scene_pose *pose, uint32_t id);
+
 /* Vertices `first` .. first + count - 1 of mesh `id`. */
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);

@@ -1,6 +1,7 @@
 /* Models that come, go, move and hide, and their bounds. */
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/edit/scene_node.h"
 
 #include <math.h>
 
@@ -32,6 +33,15 @@ static stilb_sphere edit_measure_mesh(stilb_scene *scene, uint32_t mesh)
 	}
 	*known = (stilb_sphere){center[0], center[1], center[2], sqrtf(most) * EDIT_MARGIN};
 	return *known;
+}
+
+void scene_edit_measure(stilb_scene *scene)
+{
+	stilb_scene_edits *edits = scene->edits;
+	for (uint32_t m = 0; m < scene->mesh_count && edits->unmeasured; m++)
+		if (edits->meshes.users[m] > 0 && isnan(edits->mesh_sphere[m].radius))
+			edit_measure_mesh(scene, m);
+	edits->unmeasured = false;
 }
 
 static inline stilb_sphere edit_mesh_sphere(stilb_scene *scene, uint32_t mesh)
@@ -76,22 +86,23 @@ static bool edit_sphere_is_near(stilb_sphere s)
 
 /* ---- bounds ------------------------------------------------------------------------------------------------------ */
 
-static bool edit_is_shown(const stilb_scene *scene, uint32_t model)
+/* Without listing it. True if the model is shown. */
+static inline bool edit_put_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
 {
-	return !isnan(scene->bounds.radius[model]);
+	edit_model *own = &scene->edits->models[model];
+	scene->bounds.x[model] = sphere.x;
+	scene->bounds.y[model] = sphere.y;
+	scene->bounds.z[model] = sphere.z;
+	own->radius = sphere.radius;
+	if (!own->hidden)
+		scene->bounds.radius[model] = sphere.radius;
+	return !own->hidden;
 }
 
 static inline void edit_set_bounds(stilb_scene *scene, uint32_t model, stilb_sphere sphere)
 {
-	bool shown = edit_is_shown(scene, model);
-	scene->bounds.x[model] = sphere.x;
-	scene->bounds.y[model] = sphere.y;
-	scene->bounds.z[model] = sphere.z;
-	scene->edits->models[model].radius = sphere.radius;
-	if (!shown)
-		return;
-	scene->bounds.radius[model] = sphere.radius;
-	scene_edit_moved(scene, model);
+	if (edit_put_bounds(scene, model, sphere))
+		scene_edit_moved(scene, model);
 }
 
 /* A sphere around the parts of a model. */
@@ -122,7 +133,8 @@ void scene_edit_settle(stilb_scene *scene)
 	if (edits->stale_count == 0)
 		return;
 	for (uint32_t m = 0; m < scene->model_count; m++) {
-		if (edits->models[m].next != EDIT_IN_USE || !edit_is_stale(scene, m))
+		bool placed = edits->models[m].next == EDIT_IN_USE && !isnan(edits->models[m].radius);
+		if (!placed || !edit_is_stale(scene, m))
 			continue;
 		stilb_sphere sphere = edit_fit(scene, m);
 		if (!edit_sphere_is_near(sphere))
@@ -209,6 +221,7 @@ static bool edit_reserve_model(stilb_scene *scene, uint32_t part_count)
 		{(void **)&scene->first_part, sizeof(uint32_t), 1},
 		{(void **)&scene->moved, sizeof(uint32_t), 0},
 		{(void **)&edits->models, sizeof *edits->models, 0},
+		{(void **)&scene->model_node, sizeof(uint32_t), 0},
 	};
 	edit_array parts[] = {
 		{(void **)&scene->part_mesh, sizeof(uint32_t), 0},
@@ -267,8 +280,8 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 		edits->materials.users[parts[i].material]++;
 	}
 	edits->models[model].next = EDIT_IN_USE;
+	edits->models[model].hidden = false;
 	scene->revisions.models++;
-	scene->bounds.radius[model] = sphere.radius; /* shown, also if the model that had this id is removed */
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
 	return STILB_OK;
@@ -289,6 +302,7 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 		edits->materials.users[scene->part_material[p]]--;
 		scene->part_mesh[p] = scene->part_material[p] = STILB_SCENE_NONE;
 	}
+	scene_edit_detach(scene, id);
 	scene->bounds.radius[id] = edits->models[id].radius = (float)NAN;
 	scene_edit_moved(scene, id);
 	uint32_t *bucket = &edits->free_models[(end - first) % EDIT_BUCKETS];
@@ -311,6 +325,8 @@ static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 
 		result = edit_place_check(scene, id, scene->part_mesh[first + i], &transforms[i * step], i == 0, &sphere);
 	if (result != STILB_OK)
 		return result;
+	if (scene->model_node[id])
+		scene_edit_detach(scene, id);
 	for (uint32_t i = 0; i < count; i++)
 		scene->part_transform[first + i] = transforms[i * step];
 	edit_set_bounds(scene, id, sphere);
@@ -350,6 +366,8 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 	scene->edits->meshes.users[with.mesh]++;
 	scene->edits->materials.users[was.material]--;
 	scene->edits->materials.users[with.material]++;
+	if (isnan(scene->edits->models[id].radius))
+		sphere.radius = (float)NAN; /* its node is still too far away */
 	edit_set_bounds(scene, id, sphere);
 	scene->revisions.models++;
 	return STILB_OK;
@@ -358,11 +376,69 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 {
 	stilb_result result = edit_find_model(scene, id);
-	if (result != STILB_OK || edit_is_shown(scene, id) == shown)
+	if (result != STILB_OK || scene->edits->models[id].hidden == !shown)
 		return result;
+	scene->edits->models[id].hidden = !shown;
 	scene->bounds.radius[id] = shown ? scene->edits->models[id].radius : (float)NAN;
 	scene_edit_moved(scene, id);
 	scene->revisions.places++;
+	return STILB_OK;
+}
+
+void scene_edit_place_model(stilb_scene *scene, uint32_t model, const stilb_mat4 *transform)
+{
+	stilb_sphere sum = {0};
+	uint32_t first = scene->first_part[model], end = scene->first_part[model + 1];
+	bool near = true;
+	for (uint32_t p = first; p < end && near; p++) {
+		stilb_sphere part = edit_sphere_place(transform, scene->edits->mesh_sphere[scene->part_mesh[p]]);
+		sum = p == first ? part : edit_sphere_join(sum, part);
+		near = edit_sphere_is_near(part);
+	}
+	for (uint32_t p = first; p < end && near; p++)
+		scene->part_transform[p] = *transform;
+	edit_put_bounds(scene, model, near ? sum : (stilb_sphere){.radius = (float)NAN});
+}
+
+/* ---- nodes of models --------------------------------------------------------------------------------------------- */
+
+void scene_edit_detach(stilb_scene *scene, uint32_t model)
+{
+	edit_model *models = scene->edits->models, *own = &models[model];
+	uint32_t node = scene->model_node[model];
+	if (!node)
+		return;
+	if (own->next_on_node)
+		models[own->next_on_node - 1].previous_on_node = own->previous_on_node;
+	if (own->previous_on_node)
+		models[own->previous_on_node - 1].next_on_node = own->next_on_node;
+	else
+		scene->edits->nodes.first_model[node - 1] = own->next_on_node;
+	own->next_on_node = own->previous_on_node = scene->model_node[model] = 0;
+}
+
+stilb_result stilb_scene_attach_model(stilb_scene *scene, uint32_t model, uint32_t node)
+{
+	stilb_result result = edit_find_model(scene, model);
+	if (result != STILB_OK)
+		return result;
+	edit_nodes *nodes = &scene->edits->nodes;
+	edit_model *models = scene->edits->models;
+	if (node != STILB_SCENE_NONE && (node >= scene->nodes.count || nodes->next[node] != EDIT_IN_USE))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: there is no node %u", model, node);
+	scene_edit_detach(scene, model);
+	if (node == STILB_SCENE_NONE) {
+		if (isnan(models[model].radius)) /* its node was too far away */
+			edit_set_bounds(scene, model, edit_fit(scene, model));
+		return STILB_OK;
+	}
+	uint32_t first = nodes->first_model[node];
+	models[model].next_on_node = first;
+	if (first)
+		models[first - 1].previous_on_node = model + 1;
+	nodes->first_model[node] = model + 1;
+	scene->model_node[model] = node + 1;
+	scene_edit_node_changed(nodes, node);
 	return STILB_OK;
 }
 
@@ -372,6 +448,7 @@ stilb_scene_changes stilb_scene_changes_read(stilb_scene *scene)
 	const stilb_scene_edits *edits = scene->edits;
 	if (!edits)
 		return (stilb_scene_changes){0};
+	stilb_scene_update_nodes(scene, NULL, 0);
 	scene_edit_settle(scene);
 	return (stilb_scene_changes){
 		.meshes = edits->meshes.changed,

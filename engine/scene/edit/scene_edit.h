@@ -12,7 +12,7 @@
  * Bounds       follow the edits: those of a model that was added or moved enclose the spheres around its meshes.
  * Mistakes.    STILB_ERROR_ARGUMENT with a line that names what is wrong, or STILB_ERROR_MEMORY: then the scene is as
  *              it was.
- * Not here.    Lights, surroundings and camera are plain members of the scene, which frames read anew: assign them.
+ * Not here.    Surroundings and camera are plain members of the scene, which frames read anew: assign them.
  * Threads.     [one-writer] for each scene, and nobody reads it meanwhile: between frames, or in
  *              stilb_engine_desc.update.
  * Readers.     stilb_scene_changes_read tells what has changed since stilb_scene_changes_clear; one reader, the engine
@@ -95,6 +95,13 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 
 /* STILB_ERROR_ARGUMENT also if a material names it. */
 stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id);
+
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* Replaces the list of lights by a copy of this one; count may be 0, and lights may be the scene's own. A light may
+ * also be changed where it stands in the scene's list. STILB_ERROR_ARGUMENT: stilb_scene_light_mistake finds
+ * something, or there is no part `face`. */
+stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light *lights, uint32_t count);
 
 /* ---- what has changed -------------------------------------------------------------------------------------------- */
 

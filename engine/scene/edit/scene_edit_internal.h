@@ -28,14 +28,38 @@ typedef struct edit_ids {
 } edit_ids;
 
 typedef struct edit_model {
-	float radius;  /* of its bounds, also while it is hidden */
+	float radius;  /* of its bounds, also while it is hidden; NaN: it was removed, or its node is too far away */
 	uint32_t next; /* as edit_ids.next */
 	uint32_t slot; /* as edit_ids.slot, in scene->moved */
+	bool hidden;   /* by the program */
+	uint32_t next_on_node, previous_on_node; /* 1 + a model that hangs on the same node; 0: there is none */
 } edit_model;
+
+/* The hierarchy, besides what stilb_scene_nodes has. Subtrees are ranges of `order`. */
+typedef struct edit_nodes {
+	uint32_t capacity;     /* of the scene's arrays of nodes, and of those below */
+	uint32_t first_free;   /* as of edit_ids */
+	uint32_t *next;        /* as edit_ids.next */
+	uint32_t *children;    /* how many nodes hang on it */
+	uint32_t *first_model; /* 1 + the first model that hangs on it; 0: none does */
+	uint32_t *order;       /* [order_count] nodes, a parent before its children; STILB_SCENE_NONE: one was removed */
+	uint32_t *end;         /* [order_count] where in order the subtree ends that begins here */
+	uint32_t *position;    /* where a node stands in order */
+	uint32_t order_count, hole_count;
+	bool unordered;        /* order, end and position are to be made anew */
+	uint32_t *first_child; /* while they are made: 1 + a node */
+	uint32_t *sibling;     /* the same */
+	uint32_t *changed;     /* [changed_count] nodes with other places than at the last update, each once */
+	uint32_t *slot;        /* as edit_ids.slot */
+	unsigned char *marks;  /* [order_count] 1 during an update: the node there has changed */
+	uint32_t changed_count;
+} edit_nodes;
 
 typedef struct stilb_scene_edits {
 	edit_ids meshes, materials, textures;
+	edit_nodes nodes;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
+	bool unmeasured;           /* a mesh in use may have no sphere yet */
 	bool *mesh_stale;          /* [meshes.capacity] models that show it have the bounds of the mesh before */
 	uint32_t stale_count;      /* meshes of which that is true */
 
@@ -76,6 +100,20 @@ void scene_edit_changed(edit_ids *ids, uint32_t id);
 
 /* True if there is something with this id. count: ids given so far. */
 bool scene_edit_has(const edit_ids *ids, uint32_t count, uint32_t id);
+
+/* Gives all meshes in use their spheres, so that bounds can be made on several threads. */
+void scene_edit_measure(stilb_scene *scene);
+
+/* Puts all parts of a model at a transform, with its bounds; a model that would lie too far away gets NaN as their
+ * radius and keeps the transforms that it had. Does not list it. Needs scene_edit_measure.
+ * [any-thread], for each model one at a time */
+void scene_edit_place_model(stilb_scene *scene, uint32_t model, const stilb_mat4 *transform);
+
+/* Takes a model off its node, if it hangs on one. */
+void scene_edit_detach(stilb_scene *scene, uint32_t model);
+
+/* Lists a node among those that the next update places. */
+void scene_edit_node_changed(edit_nodes *nodes, uint32_t node);
 
 /* The new bounds of models that show a mesh whose vertices have changed. */
 void scene_edit_settle(stilb_scene *scene);

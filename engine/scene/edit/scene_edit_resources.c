@@ -1,8 +1,9 @@
-/* Meshes, materials and textures that come, change and go. */
+/* Meshes, materials, textures and lights that come, change and go. */
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- ids --------------------------------------------------------------------------------------------------------- */
@@ -98,6 +99,7 @@ static void edit_mesh_changed(stilb_scene_edits *edits, uint32_t id)
 static void edit_mesh_stale(stilb_scene_edits *edits, uint32_t id)
 {
 	edits->mesh_sphere[id].radius = (float)NAN;
+	edits->unmeasured = true;
 	edits->stale_count += !edits->mesh_stale[id];
 	edits->mesh_stale[id] = true;
 }
@@ -119,6 +121,7 @@ stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *me
 	scene->revisions.geometry++;
 	scene->meshes[*id] = copy;
 	scene->edits->mesh_sphere[*id].radius = (float)NAN;
+	scene->edits->unmeasured = true;
 	return STILB_OK;
 }
 
@@ -272,6 +275,37 @@ stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id)
 	if (result == STILB_OK)
 		edit_material_put(scene, id, (stilb_scene_material){0});
 	return result;
+}
+
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+static stilb_result edit_check_light(const stilb_scene *scene, const stilb_scene_light *light, uint32_t id)
+{
+	const char *mistake = stilb_scene_light_mistake(light);
+	if (mistake)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "light %u: %s", id, mistake);
+	if (light->face > scene->part_count || (light->face && scene->part_mesh[light->face - 1] == STILB_SCENE_NONE))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "light %u: there is no part %u", id, light->face - 1);
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light *lights, uint32_t count)
+{
+	STILB_ASSERT(scene && (lights || count == 0));
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < count && result == STILB_OK; i++)
+		result = edit_check_light(scene, &lights[i], i);
+	if (result != STILB_OK)
+		return result;
+	stilb_scene_light *copy = stilb_memory_alloc(count + (size_t)1, sizeof *copy);
+	if (!copy)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", count);
+	if (count > 0)
+		memcpy(copy, lights, count * sizeof *copy);
+	free(scene->lights);
+	scene->lights = copy;
+	scene->light_count = count;
+	return STILB_OK;
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */

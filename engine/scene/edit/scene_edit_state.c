@@ -7,7 +7,7 @@
 
 /* ---- arrays ------------------------------------------------------------------------------------------------------ */
 
-#define EDIT_MOST_ARRAYS 9
+#define EDIT_MOST_ARRAYS 16
 
 bool scene_edit_grow(const edit_array *arrays, uint32_t array_count, uint32_t count, uint32_t needed,
                      uint32_t *capacity)
@@ -72,6 +72,34 @@ static void edit_ids_finish(edit_ids *ids)
 	free(ids->slot);
 }
 
+static void edit_nodes_make(edit_nodes *nodes, uint32_t count, bool *failed)
+{
+	*nodes = (edit_nodes){
+		.capacity = count,
+		.next = edit_zeros(failed, count, sizeof *nodes->next),
+		.children = edit_zeros(failed, count, sizeof *nodes->children),
+		.first_model = edit_zeros(failed, count, sizeof *nodes->first_model),
+		.order = edit_zeros(failed, count, sizeof *nodes->order),
+		.end = edit_zeros(failed, count, sizeof *nodes->end),
+		.position = edit_zeros(failed, count, sizeof *nodes->position),
+		.unordered = true,
+		.first_child = edit_zeros(failed, count, sizeof *nodes->first_child),
+		.sibling = edit_zeros(failed, count, sizeof *nodes->sibling),
+		.changed = edit_zeros(failed, count, sizeof *nodes->changed),
+		.slot = edit_zeros(failed, count, sizeof *nodes->slot),
+		.marks = edit_zeros(failed, count, sizeof *nodes->marks),
+	};
+}
+
+static void edit_nodes_finish(edit_nodes *nodes)
+{
+	void *arrays[] = {nodes->next,    nodes->children, nodes->first_model, nodes->order,
+	                  nodes->end,     nodes->position, nodes->first_child, nodes->sibling,
+	                  nodes->changed, nodes->slot,     nodes->marks};
+	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+		free(arrays[i]);
+}
+
 void scene_edit_finish(stilb_scene_edits *edits)
 {
 	if (!edits)
@@ -79,6 +107,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_ids_finish(&edits->meshes);
 	edit_ids_finish(&edits->materials);
 	edit_ids_finish(&edits->textures);
+	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
 	free(edits->mesh_stale);
 	free(edits->models);
@@ -97,6 +126,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edit_ids_make(&edits->meshes, "mesh", scene->mesh_count, &failed);
 	edit_ids_make(&edits->materials, "material", scene->material_count, &failed);
 	edit_ids_make(&edits->textures, "texture", scene->texture_count, &failed);
+	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
 	edits->mesh_stale = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_stale);
 	edits->model_capacity = scene->model_count;
@@ -106,6 +136,27 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 		return edits;
 	scene_edit_finish(edits);
 	return NULL;
+}
+
+/* Which nodes and models hang on which node. */
+static void edit_nodes_fill(const stilb_scene *scene, stilb_scene_edits *edits)
+{
+	edit_nodes *nodes = &edits->nodes;
+	for (uint32_t n = 0; n < scene->nodes.count; n++) {
+		nodes->next[n] = EDIT_IN_USE;
+		if (scene->nodes.parent[n] != STILB_SCENE_NONE)
+			nodes->children[scene->nodes.parent[n]]++;
+	}
+	for (uint32_t m = scene->model_count; m-- > 0;) {
+		uint32_t node = scene->model_node[m];
+		if (!node)
+			continue;
+		uint32_t *first = &nodes->first_model[node - 1];
+		edits->models[m].next_on_node = *first;
+		if (*first)
+			edits->models[*first - 1].previous_on_node = m + 1;
+		*first = m + 1;
+	}
 }
 
 stilb_result scene_edit_begin(stilb_scene *scene)
@@ -126,9 +177,12 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_sphere[m].radius = (float)NAN;
 	for (uint32_t m = 0; m < scene->model_count; m++)
-		edits->models[m] = (edit_model){.radius = scene->bounds.radius[m], .next = EDIT_IN_USE};
+		edits->models[m] = (edit_model){
+			.radius = scene->bounds.radius[m], .next = EDIT_IN_USE, .hidden = isnan(scene->bounds.radius[m])};
 	for (uint32_t i = 0; i < scene->moved_count; i++)
 		edits->models[scene->moved[i]].slot = i;
+	edits->unmeasured = true;
+	edit_nodes_fill(scene, edits);
 	scene->edits = edits;
 	return STILB_OK;
 }
