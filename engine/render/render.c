@@ -56,6 +56,8 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = render_resources_create(&render->resources, desc->keep_textures);
+	if (result == STILB_OK && desc->faults.textures > 0) /* and one more, which stands for no texture */
+		render->resources.indices[RENDER_RESOURCE_TEXTURE].capacity = desc->faults.textures + 1;
 	if (result == STILB_OK)
 		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)
 		                                                  : render_vulkan_create(desc, &render->device);

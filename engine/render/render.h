@@ -83,8 +83,10 @@ typedef enum stilb_render_materials {
 
 /* Errors that a device makes on purpose, for tests. Counted from 1; 0: none. */
 typedef struct stilb_render_faults {
-	uint32_t allocation; /* the device's n-th allocation of memory fails */
-	uint32_t lost_frame; /* the device is lost when its n-th frame is submitted */
+	uint32_t allocation;   /* the device's n-th allocation of memory fails */
+	uint32_t lost_frame;   /* the device is lost when its n-th frame is submitted */
+	uint32_t texture_side; /* it has no larger textures; 0: its own limit */
+	uint32_t textures;     /* it has no more of them at once; 0: STILB_RENDER_MAX_TEXTURES - 1 */
 } stilb_render_faults;
 
 /* The format of the picture. */
@@ -162,7 +164,7 @@ uint32_t stilb_render_validation_messages(const stilb_render *render);
  * while frames that use it are in flight: its memory is reused only after they are drawn. No thread may draw with a
  * handle while or after another thread destroys it.
  * Errors of creation: STILB_ERROR_ARGUMENT for data that cannot be drawn, STILB_ERROR_MEMORY for no memory or no free
- * id. *out is then {0}.
+ * id of a mesh or material. *out is then {0}.
  *
  *   stilb_render_texture texture;
  *   stilb_render_material material;
@@ -200,8 +202,8 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh);
 
 /* Copies the pixels: 1..16384 a side, 1..4 channels (grey, grey and alpha, RGB, RGBA), any stilb_image_format. Sampled
- * with linear filtering, repeated in both directions, without mip levels. STILB_ERROR_ARGUMENT: out of these ranges.
- * STILB_ERROR_DEVICE: larger than this GPU's textures, or a format that it cannot filter. [any-thread] */
+ * with linear filtering, repeated in both directions, without mip levels. STILB_ERROR_ARGUMENT: out of these ranges,
+ * larger than this GPU's textures, a format that it cannot filter, or there are as many as can exist. [any-thread] */
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
 
 /* Destroy the materials that use it first. [any-thread] */
@@ -224,7 +226,8 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
  * new, changed vertices as ranges, and destroys what was removed; in a frame before stilb_render_record, or between
  * frames. The device does not wait: frames that it still draws show what they were recorded with. Errors as
  * stilb_render_set_scene: then part of the changes may have been made, and the same call may be made again.
- * [main-thread] */
+ * STILB_ERROR_ARGUMENT: the device does not take a texture, which the line names; what was drawn in its place before
+ * stays, all other changes were made, and the same call made again leaves this image out and is done. [main-thread] */
 stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *scene,
                                        const stilb_scene_changes *changes);
 

@@ -293,6 +293,10 @@ struct render_device {
 stilb_result render_null_create(const stilb_render_desc *desc, render_device **device);
 stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device);
 
+/* The error of an image that is larger than the device's largest texture of its format, width x height. */
+stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
+                                      const stilb_image *image);
+
 /* Counts an allocation of the device; true if it must fail (stilb_render_faults). [any-thread] */
 bool render_fault_allocation(render_device *device);
 /* True if the device must be lost with the frame that is submitted now (stilb_render_faults). */
@@ -322,10 +326,12 @@ typedef struct render_scene_texture {
 	stilb_render_texture texture;
 	uint32_t width, height;
 	stilb_image_format format;
+	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
 /* Handles of the resources of the scene that was set, by id in the scene; {0}: there is none with this id. */
 typedef struct render_scene {
+	bool refused;                     /* an image of a texture */
 	stilb_render_mesh *meshes;        /* [mesh_count] */
 	stilb_render_material *materials; /* [material_count] */
 	render_scene_texture *textures;   /* [texture_count] */

@@ -172,7 +172,8 @@ static stilb_result resource_no_memory(const render_resources *resources, render
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t most = indices->capacity - (kind == RENDER_RESOURCE_TEXTURE); /* index 0 is no texture */
 	if (indices->next_unused == indices->capacity && indices->free_count == 0)
-		return stilb_fail(STILB_ERROR_MEMORY, "no id for another %s: at most %u can exist at once", names[kind], most);
+		return stilb_fail(kind == RENDER_RESOURCE_TEXTURE ? STILB_ERROR_ARGUMENT : STILB_ERROR_MEMORY,
+		                  "no id for another %s: at most %u can exist at once; remove some first", names[kind], most);
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for another %s", names[kind]);
 }
 
@@ -425,6 +426,14 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	return result;
 }
 
+stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
+                                      const stilb_image *image)
+{
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->name,
+	                  width, height, image->width, image->height);
+}
+
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
@@ -439,6 +448,9 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
 		                  image->height);
 	STILB_ASSERT(image->pixels);
+	uint32_t side = render->device->faults.texture_side;
+	if (side > 0 && (image->width > side || image->height > side))
+		return render_texture_too_large(render->device, side, side, image);
 	stilb_result result = texture_convert(image, &converted);
 	if (result != STILB_OK)
 		return result;

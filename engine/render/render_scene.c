@@ -2,6 +2,7 @@
  * of what has changed in it. */
 #include "render/render_internal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,8 +90,19 @@ static stilb_result shown_material_set(stilb_render *render, render_scene *table
 	return result;
 }
 
+/* The image cannot be drawn: names it, and remembers that it was told. */
+static stilb_result shown_texture_refuse(render_scene *tables, const stilb_image *image, uint32_t id)
+{
+	char reason[400];
+	snprintf(reason, sizeof reason, "%s", stilb_error_message());
+	tables->textures[id].refused = *image;
+	tables->refused = true;
+	return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u of the scene: %s", id, reason);
+}
+
 /* Writes into the texture if it has the image's size and format, else replaces it; an image without pixels is no
- * texture. *replaced: the materials that name it must be written again. On failure the one before stays. */
+ * texture. *replaced: the materials that name it must be written again. On failure the one before stays; an image that
+ * the device does not take fails once. */
 static stilb_result shown_texture_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id,
                                       bool *replaced)
 {
@@ -99,11 +111,16 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	stilb_result result = STILB_OK;
 	next.format = image->format;
 	*replaced = false;
+	if (image->pixels && image->pixels == now->refused.pixels && image->width == now->refused.width &&
+	    image->height == now->refused.height)
+		return STILB_OK;
 	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
 	    now->format == next.format)
 		return render_texture_write(render, now->texture, image);
 	if (image->pixels)
 		result = stilb_render_texture_create(render, image, &next.texture);
+	if (result == STILB_ERROR_ARGUMENT)
+		return shown_texture_refuse(tables, image, id);
 	if (result != STILB_OK)
 		return result;
 	stilb_render_texture_destroy(render, now->texture);
@@ -155,21 +172,26 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 
 /* ---- what has changed in it -------------------------------------------------------------------------------------- */
 
-/* Textures come before the materials that name them. */
+/* Textures come before the materials that name them. One that the device does not take is an error when the others are
+ * done. */
 static stilb_result shown_update_textures(stilb_render *render, const stilb_scene *scene,
                                           const stilb_scene_changes *changes)
 {
 	render_scene *tables = &render->scene;
-	stilb_result result = STILB_OK;
+	stilb_result result = STILB_OK, refused = STILB_OK;
 	for (uint32_t i = 0; i < changes->texture_count && result == STILB_OK; i++) {
 		uint32_t texture = changes->textures[i];
 		bool replaced;
 		result = shown_texture_set(render, tables, scene, texture, &replaced);
+		if (result == STILB_ERROR_ARGUMENT) {
+			refused = result;
+			result = STILB_OK;
+		}
 		for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
 			if (scene->materials[m].diffuse_texture == texture + 1)
 				result = shown_material_set(render, tables, scene, m);
 	}
-	return result;
+	return result == STILB_OK ? refused : result;
 }
 
 static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene *scene,
@@ -186,6 +208,14 @@ static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene 
 	return result;
 }
 
+/* From now on another image may lie where a refused one lay. */
+static void shown_forget_refused(render_scene *tables)
+{
+	for (uint32_t t = 0; t < tables->texture_count; t++)
+		tables->textures[t].refused = (stilb_image){0};
+	tables->refused = false;
+}
+
 stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *scene,
                                        const stilb_scene_changes *changes)
 {
@@ -194,10 +224,13 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 	stilb_result result = shown_fit(&render->scene, scene);
 	if (result == STILB_OK)
 		result = shown_update_meshes(render, scene, changes);
-	if (result == STILB_OK)
-		result = shown_update_textures(render, scene, changes);
+	stilb_result textures = result == STILB_OK ? shown_update_textures(render, scene, changes) : result;
+	result = textures == STILB_ERROR_ARGUMENT ? STILB_OK : textures;
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
 		result = shown_material_set(render, &render->scene, scene, changes->materials[i]);
+	result = result == STILB_OK ? textures : result;
+	if (result == STILB_OK && render->scene.refused)
+		shown_forget_refused(&render->scene);
 	return result;
 }
 

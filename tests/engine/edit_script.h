@@ -3,6 +3,7 @@
 #define STILB_TEST_EDIT_SCRIPT_H
 
 #include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_node.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -106,6 +107,8 @@ static inline stilb_scene *script_begin(edit_script *script, uint64_t seed)
 	return scene;
 }
 
+/* ---- edits ------------------------------------------------------------------------------------------------------- */
+
 /* An edit may be refused, because it names what is not there or is in use; it may not fail otherwise. */
 static inline void script_note(stilb_result result)
 {
@@ -170,6 +173,87 @@ static inline void script_edit_resource(edit_script *script, stilb_scene *scene)
 	}
 }
 
+static inline stilb_scene_pose script_pose(edit_script *script)
+{
+	float angle = script_between(script, -3.0f, 3.0f);
+	return (stilb_scene_pose){
+		.translation = {script_between(script, -4.0f, 4.0f), script_between(script, 0.0f, 2.0f),
+	                    script_between(script, -4.0f, 4.0f)},
+		.rotation = {0.0f, sinf(0.5f * angle), 0.0f, cosf(0.5f * angle)},
+		.scale = {script_between(script, 0.3f, 1.2f), script_between(script, 0.3f, 1.2f), 1.0f},
+	};
+}
+
+static inline void script_edit_node(edit_script *script, stilb_scene *scene)
+{
+	uint32_t count = scene->nodes.count, node = script_below(script, count), other = script_below(script, count + 1),
+			 id;
+	uint32_t model = script_below(script, scene->model_count), kind = script_below(script, 8);
+	stilb_scene_pose pose = script_pose(script);
+	other = other == count ? STILB_SCENE_NONE : other;
+	switch (kind) {
+	case 0:
+		script_note(stilb_scene_add_node(scene, other, &pose, &id));
+		break;
+	case 1:
+		script_note(stilb_scene_remove_node(scene, node));
+		break;
+	case 2:
+		script_note(stilb_scene_set_node_parent(scene, node, other));
+		break;
+	case 3:
+	case 4:
+		script_note(stilb_scene_attach_model(scene, model, other));
+		break;
+	default:
+		script_note(stilb_scene_set_node_pose(scene, node, &pose));
+		break;
+	}
+}
+
+/* A light of any kind; some shine through the part of a model, which may go. */
+static inline stilb_scene_light script_light(edit_script *script, const stilb_scene *scene)
+{
+	stilb_scene_light light = {
+		.kind = (stilb_scene_light_kind)script_below(script, STILB_SCENE_LIGHT_KINDS),
+		.position = {script_between(script, -9.0f, 9.0f), 6.0f, script_between(script, -9.0f, 9.0f)},
+		.direction = {0.0f, -1.0f, 0.0f},
+		.intensity = {script_between(script, 0.0f, 9.0f), 4.0f, 2.0f},
+		.cos_inner = 0.9f,
+		.cos_outer = 0.6f,
+		.radius = 0.5f,
+		.half_x = {0.5f, 0.0f, 0.0f},
+		.half_y = {0.0f, 0.0f, script_between(script, 0.1f, 1.0f)},
+		.reach = 20.0f,
+		.falloff = (stilb_scene_light_falloff)script_below(script, STILB_SCENE_LIGHT_FALLOFFS),
+		.use = (stilb_scene_light_use)script_below(script, STILB_SCENE_LIGHT_USES),
+	};
+	if (script_below(script, 3) == 0) {
+		light.falloff = STILB_SCENE_LIGHT_PHYSICAL;
+		light.face = 1 + script_below(script, scene->part_count);
+	}
+	return light;
+}
+
+/* Lights come, change and go, and the surroundings are others. */
+static inline void script_edit_light(edit_script *script, stilb_scene *scene)
+{
+	stilb_scene_light lights[7] = {{0}};
+	uint32_t count = scene->light_count < 6 ? scene->light_count : 6, kind = script_below(script, 4);
+	for (uint32_t l = 0; l < count; l++)
+		lights[l] = scene->lights[l];
+	if (kind == 0)
+		lights[count++] = script_light(script, scene);
+	else if (kind == 1 && count > 0)
+		lights[script_below(script, count)] = lights[count - 1];
+	else if (count > 0)
+		scene->lights[script_below(script, count)].intensity[1] = script_between(script, 0.0f, 9.0f);
+	if (kind < 2)
+		script_note(stilb_scene_set_lights(scene, lights, kind == 1 && count > 0 ? count - 1 : count));
+	scene->surroundings.sky[kind % 3] = script_between(script, 0.1f, 1.0f);
+	scene->surroundings.glossy = script_below(script, 2);
+}
+
 /* The edits before frame number `frame`. */
 static inline void script_step(edit_script *script, stilb_scene *scene, uint32_t frame)
 {
@@ -178,6 +262,9 @@ static inline void script_step(edit_script *script, stilb_scene *scene, uint32_t
 		script_edit_model(script, scene);
 	for (int i = 0; i < 4; i++)
 		script_edit_resource(script, scene);
+	for (int i = 0; i < 10; i++)
+		script_edit_node(script, scene);
+	script_edit_light(script, scene);
 	for (uint32_t r = 0; r < SCRIPT_GRID; r += 1 + frame % 3) { /* every row, or every second or third */
 		script_sheet_row(r, (float)frame, row);
 		script_note(stilb_scene_set_vertices(scene, script->sheet, r * SCRIPT_GRID, SCRIPT_GRID, row));

@@ -1,12 +1,14 @@
 /* A scene that is edited between frames, on the null device: what is drawn is what a plain loop over the scene finds,
  * for any number of workers, culling and replay; only what changed is uploaded; scenes that take turns leave nothing
  * behind. */
+#include "engine_faults.h"
 #include "engine_internal.h"
 #include "render/render_internal.h"
 #include "support/render_reference.h"
 #include "tests/engine/edit_script.h"
 
 #include <malloc.h>
+#include <string.h>
 
 #define FRAMES 40
 #define SWAPS (TEST_TSAN ? 60 : 1000)
@@ -162,6 +164,86 @@ static void only_changes_are_uploaded(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- textures that the device does not take ---------------------------------------------------------------------- */
+
+#define REFUSED(call, words)                                                                                           \
+	do {                                                                                                               \
+		assert_int_equal(call, STILB_ERROR_ARGUMENT);                                                                  \
+		if (!strstr(stilb_error_message(), words))                                                                     \
+			fail_msg("%s", stilb_error_message());                                                                     \
+	} while (0)
+
+/* A texture that is too large, or one too many, is an error of one frame, which keeps what was there; of
+ * stilb_engine_set_scene it is one that keeps the scene. */
+static void textures_beyond_the_device(void **state)
+{
+	(void)state;
+	edit_script script, other;
+	stilb_scene *scene = script_begin(&script, 11), *large = script_begin(&other, 12);
+	stilb_engine_report report;
+	uint32_t second, third;
+	stilb_image small = script_image(&script, 8);
+	stilb_engine_set_faults(&(stilb_render_faults){.texture_side = 12, .textures = 2});
+	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_AUTO);
+	stilb_engine_set_faults(NULL);
+	const render_resources *resources = &engine->render->resources;
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	uint32_t live = resources->live, texture = engine->render->scene.textures[0].texture.id;
+	stilb_image image = script_image(&script, 16);
+	stilb_scene_material paint = script_paint(&script, 0);
+	stilb_mat4 place = script_place(&script);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &image), STILB_OK);
+	assert_int_equal(stilb_scene_set_material(scene, 1, &paint), STILB_OK);
+	assert_int_equal(stilb_scene_set_transform(scene, 2, &place), STILB_OK);
+	REFUSED(stilb_engine_frame(engine, &report),
+	        "texture 0 of the scene: GPU 'null' has textures of up to 12x12 pixels, not 16x16; use a smaller image");
+	for (int f = 0; f < 3; f++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		uint32_t parts;
+		uint64_t hash = reference_hash_pass(REFERENCE_HASH_START, &engine->views[0]);
+		assert_int_equal(report.visible, find_visible(scene, &parts, &hash));
+		assert_true(stilb_engine_stream_hash(engine) == hash); /* with the other edits */
+	}
+	assert_int_equal(engine->render->scene.textures[0].texture.id, texture);
+	assert_int_equal(resources->live, live);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &image), STILB_OK);
+	REFUSED(stilb_engine_frame(engine, &report), "texture 0 of the scene"); /* told each time that it is set */
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &small), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_scene_add_texture(scene, &small, &second), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &image), STILB_OK); /* likely where the refused one lay */
+	assert_int_equal(stilb_scene_set_texture(scene, second, &image), STILB_OK);
+	REFUSED(stilb_engine_frame(engine, &report), "has textures of up to 12x12");
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK); /* one error for both */
+	assert_int_equal(stilb_scene_set_texture(scene, 0, &small), STILB_OK);
+	assert_int_equal(stilb_scene_set_texture(scene, second, &small), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_scene_add_texture(scene, &small, &third), STILB_OK);
+	paint.diffuse_texture = third + 1;
+	assert_int_equal(stilb_scene_set_material(scene, 1, &paint), STILB_OK);
+	REFUSED(stilb_engine_frame(engine, &report),
+	        "texture 2 of the scene: no id for another texture: at most 2 can exist at once; remove some first");
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK); /* its material has none */
+	assert_int_equal(stilb_scene_remove_texture(scene, second), STILB_OK);
+	for (int f = 0; f < 4; f++) /* until the device is done with it */
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(stilb_scene_set_texture(scene, third, &small), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_true(engine->render->scene.textures[third].texture.id != 0);
+	live = resources->live;
+	assert_int_equal(stilb_scene_set_texture(large, 0, &image), STILB_OK);
+	REFUSED(stilb_engine_set_scene(engine, large), "texture 0 of the scene: GPU 'null'");
+	assert_ptr_equal(stilb_engine_scene(engine), scene);
+	for (int f = 0; f < 4; f++)
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_int_equal(resources->live, live);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(large);
+}
+
 /* ---- scenes that take turns -------------------------------------------------------------------------------------- */
 
 static void swaps_leave_nothing_behind(void **state)
@@ -216,9 +298,8 @@ static void edits_of_a_scene_not_shown(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(edits_do_not_depend_on_workers),
-		cmocka_unit_test(only_changes_are_uploaded),
-		cmocka_unit_test(swaps_leave_nothing_behind),
+		cmocka_unit_test(edits_do_not_depend_on_workers), cmocka_unit_test(only_changes_are_uploaded),
+		cmocka_unit_test(textures_beyond_the_device),     cmocka_unit_test(swaps_leave_nothing_behind),
 		cmocka_unit_test(edits_of_a_scene_not_shown),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

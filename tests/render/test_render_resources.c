@@ -830,7 +830,7 @@ static void no_more_textures(void **state)
 		count++;
 	assert_int_equal(count, STILB_RENDER_MAX_TEXTURES - 1); /* index 0 means no texture */
 	for (int again = 0; again < 3; again++) {
-		assert_int_equal(result, STILB_ERROR_MEMORY);
+		assert_int_equal(result, STILB_ERROR_ARGUMENT);
 		assert_int_equal(textures[count].id, 0);
 		assert_non_null(strstr(stilb_error_message(), "no id for another texture"));
 		result = gpu_texture_create(render, 9, &textures[count]);
@@ -838,11 +838,11 @@ static void no_more_textures(void **state)
 	}
 	stilb_render_texture_destroy(render, textures[1000]);
 	assert_int_equal(gpu_texture_create(render, 9, &textures[count]),
-	                 STILB_ERROR_MEMORY); /* the destroyed one is still used by a frame in flight */
+	                 STILB_ERROR_ARGUMENT); /* the destroyed one is still used by a frame in flight */
 	frames_pass(render);
 	assert_int_equal(gpu_texture_create(render, 9, &textures[count]), STILB_OK);
 	assert_int_equal(fixture_index(textures[count].id), fixture_index(textures[1000].id));
-	assert_int_equal(gpu_texture_create(render, 9, &textures[0]), STILB_ERROR_MEMORY);
+	assert_int_equal(gpu_texture_create(render, 9, &textures[0]), STILB_ERROR_ARGUMENT);
 	gpu_detach(render);
 	stilb_render_destroy(render);
 }

@@ -50,7 +50,7 @@ static inline uint64_t reference_hash_light(uint64_t hash, const stilb_scene_lig
 	return reference_hash_float(hash, round ? light->radius : 0.0f);
 }
 
-/* Continues the hash over the begin of a pass in this view, none of whose lights is only baked. */
+/* Continues the hash over the begin of a pass in this view; lights that are only baked are left out. */
 static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_view *view)
 {
 	const stilb_render_shading *shading = &view->shading;
@@ -62,9 +62,13 @@ static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_vie
 	hash = reference_hash_floats(hash, view->surroundings.sky, 3);
 	hash = reference_hash_floats(hash, view->surroundings.ground, 3);
 	hash = reference_hash_u32(hash, view->surroundings.glossy);
-	hash = reference_hash_u32(hash, view->light_count);
+	uint32_t lit = 0;
 	for (uint32_t i = 0; i < view->light_count; i++)
-		hash = reference_hash_light(hash, &view->lights[i]);
+		lit += view->lights[i].use != STILB_SCENE_LIGHT_BAKED;
+	hash = reference_hash_u32(hash, lit);
+	for (uint32_t i = 0; i < view->light_count; i++)
+		if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
+			hash = reference_hash_light(hash, &view->lights[i]);
 	return hash;
 }
 

@@ -57,7 +57,7 @@ void vulkan_textures_destroy(vulkan_device *device)
 /* ---- one texture ------------------------------------------------------------------------------------------------- */
 
 /* Checks the GPU's limits: creating an image beyond them is undefined behaviour, not an error. */
-static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info)
+static stilb_result texture_check(const vulkan_device *device, const VkImageCreateInfo *info, const stilb_image *image)
 {
 	VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
 	                              VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT |
@@ -69,14 +69,12 @@ static stilb_result texture_check(const vulkan_device *device, const VkImageCrea
 	                                                           info->usage, info->flags, &can);
 	if ((format.optimalTilingFeatures & needed) != needed || result == VK_ERROR_FORMAT_NOT_SUPPORTED)
 		return stilb_fail(
-			STILB_ERROR_DEVICE, "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
+			STILB_ERROR_ARGUMENT, "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
 			device->base.name, info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "ask the GPU for its largest texture");
 	if (info->extent.width > can.maxExtent.width || info->extent.height > can.maxExtent.height)
-		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' has textures of up to %ux%u, not %ux%u; use a smaller image",
-		                  device->base.name, can.maxExtent.width, can.maxExtent.height, info->extent.width,
-		                  info->extent.height);
+		return render_texture_too_large(&device->base, can.maxExtent.width, can.maxExtent.height, image);
 	return STILB_OK;
 }
 
@@ -124,7 +122,7 @@ stilb_result vulkan_texture_create(render_device *base, uint32_t index, const st
 		.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
 		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
 	};
-	stilb_result possible = texture_check(device, &info);
+	stilb_result possible = texture_check(device, &info, image);
 	if (possible != STILB_OK)
 		return possible;
 	VkResult result = vulkan_image_create(device, &info, VK_IMAGE_ASPECT_COLOR_BIT, &texture->image);
