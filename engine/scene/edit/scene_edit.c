@@ -79,6 +79,26 @@ static inline stilb_sphere edit_sphere_join(stilb_sphere a, stilb_sphere b)
 	return (stilb_sphere){a.x + share * x, a.y + share * y, a.z + share * z, radius * EDIT_MARGIN};
 }
 
+__attribute__((noinline)) static void edit_measure_model(stilb_scene *scene, uint32_t model)
+{
+	edit_model *own = &scene->edits->models[model];
+	uint32_t first = scene->first_part[model];
+	own->sphere = edit_mesh_sphere(scene, scene->part_mesh[first]);
+	for (uint32_t p = first + 1; p < scene->first_part[model + 1]; p++)
+		own->sphere = edit_sphere_join(own->sphere, edit_mesh_sphere(scene, scene->part_mesh[p]));
+	own->measured = scene->edits->measures;
+}
+
+/* A sphere around the meshes of a model in the space of parts that have one transform. It stays known, so that a model
+ * of several parts is moved at the cost of one. */
+static inline stilb_sphere edit_model_sphere(stilb_scene *scene, uint32_t model)
+{
+	const edit_model *own = &scene->edits->models[model];
+	if (own->measured != scene->edits->measures)
+		edit_measure_model(scene, model);
+	return own->sphere;
+}
+
 static bool edit_sphere_is_near(stilb_sphere s)
 {
 	return fabsf(s.x) + fabsf(s.y) + fabsf(s.z) + s.radius <= SCENE_FAR;
@@ -281,6 +301,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 	}
 	edits->models[model].next = EDIT_IN_USE;
 	edits->models[model].hidden = false;
+	edits->models[model].measured = 0;
 	scene->revisions.models++;
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -336,7 +357,21 @@ static stilb_result edit_move(stilb_scene *scene, uint32_t id, const stilb_mat4 
 
 stilb_result stilb_scene_set_transform(stilb_scene *scene, uint32_t id, const stilb_mat4 *transform)
 {
-	return edit_move(scene, id, transform, 0);
+	STILB_ASSERT(transform);
+	stilb_result result = edit_find_model(scene, id);
+	if (result != STILB_OK)
+		return result;
+	const float *m = transform->m;
+	stilb_sphere sphere = edit_sphere_place(transform, edit_model_sphere(scene, id));
+	if (m[3] != 0.0f || m[7] != 0.0f || m[11] != 0.0f || m[15] != 1.0f || !edit_sphere_is_near(sphere))
+		return edit_move(scene, id, transform, 0); /* part by part, for what is wrong */
+	if (scene->model_node[id])
+		scene_edit_detach(scene, id);
+	for (uint32_t p = scene->first_part[id]; p < scene->first_part[id + 1]; p++)
+		scene->part_transform[p] = *transform;
+	edit_set_bounds(scene, id, sphere);
+	scene->revisions.places++;
+	return STILB_OK;
 }
 
 stilb_result stilb_scene_set_part_transforms(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms)
@@ -362,6 +397,7 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", id, with.mesh);
 	}
 	scene->part_material[p] = with.material;
+	scene->edits->models[id].measured = 0;
 	scene->edits->meshes.users[was.mesh]--;
 	scene->edits->meshes.users[with.mesh]++;
 	scene->edits->materials.users[was.material]--;
@@ -387,17 +423,11 @@ stilb_result stilb_scene_show_model(stilb_scene *scene, uint32_t id, bool shown)
 
 void scene_edit_place_model(stilb_scene *scene, uint32_t model, const stilb_mat4 *transform)
 {
-	stilb_sphere sum = {0};
-	uint32_t first = scene->first_part[model], end = scene->first_part[model + 1];
-	bool near = true;
-	for (uint32_t p = first; p < end && near; p++) {
-		stilb_sphere part = edit_sphere_place(transform, scene->edits->mesh_sphere[scene->part_mesh[p]]);
-		sum = p == first ? part : edit_sphere_join(sum, part);
-		near = edit_sphere_is_near(part);
-	}
-	for (uint32_t p = first; p < end && near; p++)
+	stilb_sphere sphere = edit_sphere_place(transform, edit_model_sphere(scene, model));
+	bool near = edit_sphere_is_near(sphere);
+	for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1] && near; p++)
 		scene->part_transform[p] = *transform;
-	edit_put_bounds(scene, model, near ? sum : (stilb_sphere){.radius = (float)NAN});
+	edit_put_bounds(scene, model, near ? sphere : (stilb_sphere){.radius = (float)NAN});
 }
 
 /* ---- nodes of models --------------------------------------------------------------------------------------------- */

@@ -28,10 +28,12 @@ typedef struct edit_ids {
 } edit_ids;
 
 typedef struct edit_model {
-	float radius;  /* of its bounds, also while it is hidden; NaN: it was removed, or its node is too far away */
-	uint32_t next; /* as edit_ids.next */
-	uint32_t slot; /* as edit_ids.slot, in scene->moved */
-	bool hidden;   /* by the program */
+	float radius;        /* of its bounds, also while it is hidden; NaN: it was removed, or its node is too far away */
+	uint32_t next;       /* as edit_ids.next */
+	uint32_t slot;       /* as edit_ids.slot, in scene->moved */
+	bool hidden;         /* by the program */
+	stilb_sphere sphere; /* around the spheres of its meshes, in the space of parts that have one transform */
+	uint64_t measured;   /* stilb_scene_edits.measures when `sphere` was made; 0: never, or for other parts */
 	uint32_t next_on_node, previous_on_node; /* 1 + a model that hangs on the same node; 0: there is none */
 } edit_model;
 
@@ -60,6 +62,7 @@ typedef struct stilb_scene_edits {
 	edit_nodes nodes;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
 	bool unmeasured;           /* a mesh in use may have no sphere yet */
+	uint64_t measures;         /* 1 + the changes of meshes so far: spheres of models made before them may be wrong */
 	bool *mesh_stale;          /* [meshes.capacity] models that show it have the bounds of the mesh before */
 	uint32_t stale_count;      /* meshes of which that is true */
 

@@ -100,6 +100,7 @@ static void edit_mesh_stale(stilb_scene_edits *edits, uint32_t id)
 {
 	edits->mesh_sphere[id].radius = (float)NAN;
 	edits->unmeasured = true;
+	edits->measures++;
 	edits->stale_count += !edits->mesh_stale[id];
 	edits->mesh_stale[id] = true;
 }

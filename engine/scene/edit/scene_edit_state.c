@@ -182,6 +182,7 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 	for (uint32_t i = 0; i < scene->moved_count; i++)
 		edits->models[scene->moved[i]].slot = i;
 	edits->unmeasured = true;
+	edits->measures = 1;
 	edit_nodes_fill(scene, edits);
 	scene->edits = edits;
 	return STILB_OK;
