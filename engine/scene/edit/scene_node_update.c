@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define UPDATE_GRAIN 256u   /* nodes of a piece */
-#define UPDATE_ALONE 2048u  /* below so many nodes the pool is not asked */
+#define UPDATE_ALONE 8192u  /* below so many nodes the pool is not asked: it would take longer */
 #define UPDATE_PIECES 1024u /* at once */
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
