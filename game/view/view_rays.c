@@ -146,7 +146,8 @@ static stilb_result rays_begin(view *v)
 	view_rays *rays = &v->rays;
 	uint32_t workers = v->run->window ? 1 : stilb_engine_default_workers() + 1;
 	rays->begun_ns = stilb_time_ns();
-	return view_trace_start(v->scene, v->run->window ? stilb_engine_pool(v->run->engine) : NULL, workers, &rays->trace);
+	return view_trace_start(v->scene, v->run->window ? stilb_engine_pool(v->run->engine) : NULL, workers,
+	                        &stilb_gi_embree, &rays->trace);
 }
 
 /* ---- the picture ------------------------------------------------------------------------------------------------- */

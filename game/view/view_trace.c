@@ -17,6 +17,7 @@ struct view_trace {
 	const stilb_scene *scene;
 	stilb_job_pool *shared; /* NULL: it makes a pool of its own, of `workers` threads with its own one */
 	uint32_t workers;
+	const stilb_gi_intersector *intersector;
 	pthread_t thread;
 	pthread_mutex_t lock;
 	pthread_cond_t asked;
@@ -69,6 +70,7 @@ static stilb_result trace_build(const view_trace *trace, trace_own *own)
 		return result;
 	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(own->pool);
 	desc.caller = own->caller;
+	desc.intersector = trace->intersector;
 	return stilb_gi_scene_create(trace->scene, &desc, &own->scene);
 }
 
@@ -156,9 +158,10 @@ static int trace_create_thread(view_trace *trace)
 	return error;
 }
 
-stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, uint32_t workers, view_trace **out)
+stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, uint32_t workers,
+                              const stilb_gi_intersector *intersector, view_trace **out)
 {
-	STILB_ASSERT(scene && out && workers >= 1);
+	STILB_ASSERT(scene && intersector && out && workers >= 1);
 	*out = NULL;
 	view_trace *trace = calloc(1, sizeof *trace);
 	if (!trace)
@@ -167,6 +170,7 @@ stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, ui
 	trace->scene = scene;
 	trace->shared = pool;
 	trace->workers = workers;
+	trace->intersector = intersector;
 	pthread_mutex_init(&trace->lock, NULL);
 	pthread_cond_init(&trace->asked, NULL);
 	int error = trace_create_thread(trace);

@@ -2,7 +2,7 @@
  * view_trace: path traces a scene on a thread of its own and on the workers of a pool, while frames go on.
  *
  *   view_trace *trace;
- *   if (view_trace_start(scene, pool, &trace) == STILB_OK) {
+ *   if (view_trace_start(scene, pool, 1, &stilb_gi_embree, &trace) == STILB_OK) {
  *       view_trace_look(trace, &settings);
  *       while (view_trace_state(trace, &progress) == VIEW_TRACE_RENDERING)
  *           ...                                     draw frames; view_trace_preview(trace, rgb); view_trace_look again
@@ -34,7 +34,8 @@ typedef enum view_trace_stage {
 /* Begins to build the tree. pool: its workers trace, if it has any, and none of its other threads; NULL: a pool of the
  * trace's own of `workers` threads, 1..STILB_JOB_MAX_WORKERS, this one's not counted. STILB_ERROR_MEMORY,
  * STILB_ERROR_THREAD; *trace is NULL then. */
-stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, uint32_t workers, view_trace **trace);
+stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, uint32_t workers,
+                              const stilb_gi_intersector *intersector, view_trace **trace);
 
 /* Begins a picture with these settings, in place of the one before. */
 void view_trace_look(view_trace *trace, const stilb_gi_settings *settings);

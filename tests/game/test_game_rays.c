@@ -1,5 +1,5 @@
 /* view_trace: pictures on the workers of a pool, beside the loops of the thread that owns it: the bits of a render of
- * its own, whatever was asked for before, and an end at any time. */
+ * its own, whatever was asked for before, and an end at any time. No other library (Embree) takes part. */
 #include "game/view/view_trace.h"
 #include "support/test.h"
 
@@ -41,7 +41,7 @@ static void render_alone(const stilb_gi_settings *settings, float rgb[NUMBERS])
 	stilb_gi_scene *gi;
 	stilb_gi_render *render;
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 1}, &pool), 0);
-	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+	stilb_gi_scene_desc desc = {.pool = pool, .intersector = &stilb_gi_brute};
 	assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
 	assert_int_equal(stilb_gi_render_create(gi, settings, pool, &render), STILB_OK);
 	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
@@ -85,7 +85,7 @@ static void same_bits_as_a_render(void **state)
 		view_trace *trace;
 		if (workers < 3) /* then a pool of the trace's own */
 			assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = workers}, &pool), 0);
-		assert_int_equal(view_trace_start(scene, pool, 2, &trace), STILB_OK);
+		assert_int_equal(view_trace_start(scene, pool, 2, &stilb_gi_brute, &trace), STILB_OK);
 		view_trace_look(trace, &first); /* while the tree is built */
 		assert_int_equal(await(trace, pool, VIEW_TRACE_FINISHED).samples, 5);
 		assert_true(view_trace_preview(trace, got));
@@ -113,7 +113,7 @@ static void ends_at_once(void **state)
 	for (int i = 0; i < 5; i++) {
 		view_trace *trace;
 		stilb_gi_settings endless = settings_for(65536, 0.0f);
-		assert_int_equal(view_trace_start(scene, NULL, 1, &trace), STILB_OK);
+		assert_int_equal(view_trace_start(scene, NULL, 1, &stilb_gi_brute, &trace), STILB_OK);
 		if (i > 0)
 			view_trace_look(trace, &endless);
 		if (i > 1)
@@ -132,7 +132,7 @@ static void fails_with_a_reason(void **state)
 	const char *message;
 	float rgb[3];
 	stilb_gi_settings wrong = settings_for(0, 0.0f);
-	assert_int_equal(view_trace_start(scene, NULL, 1, &trace), STILB_OK);
+	assert_int_equal(view_trace_start(scene, NULL, 1, &stilb_gi_brute, &trace), STILB_OK);
 	view_trace_look(trace, &wrong);
 	await(trace, NULL, VIEW_TRACE_FAILED);
 	assert_int_equal(view_trace_error(trace, &message), STILB_ERROR_ARGUMENT);
