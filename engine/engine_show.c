@@ -1,5 +1,5 @@
-/* A picture of the program's in place of the scene, or to the right of a divider that the user drags, and the caption, a
- * line in the picture's corner: what the program says of them. engine_picture.c draws them. */
+/* What the program says of a picture of its own, shown in place of the scene or to the right of a divider that the user
+ * drags, and of the caption, a line in the picture's corner. engine_picture.c draws them. */
 #include "engine_internal.h"
 
 #include <stdio.h>
