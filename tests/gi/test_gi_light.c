@@ -657,8 +657,10 @@ static void listed_lights_with_a_size_follow_their_formulas(void **state)
 		light.falloff = (stilb_scene_light_falloff)falloff;
 		light.reach = 10.0f;
 		lights = lights_of(&scene, NULL, 0);
-		double share = falloff == STILB_SCENE_LIGHT_WINDOWED ? 0.75 * 0.75 : 0.75;
-		SHADE_PROOF_NEAR(irradiance(&lights, o, up, 4096), share * sphere, 1e-5, 0.0);
+		static const double shares[STILB_SCENE_LIGHT_FALLOFFS] = {[STILB_SCENE_LIGHT_WINDOWED] = 0.75 * 0.75,
+		                                                          [STILB_SCENE_LIGHT_SUBTRACTED] = 0.75,
+		                                                          [STILB_SCENE_LIGHT_RANGED] = 1.0 - 0.25 * 0.25};
+		SHADE_PROOF_NEAR(irradiance(&lights, o, up, 4096), shares[falloff] * sphere, 1e-5, 0.0);
 		gi_lights_destroy(&lights);
 	}
 	light.falloff = STILB_SCENE_LIGHT_PHYSICAL;

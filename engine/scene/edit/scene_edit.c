@@ -471,23 +471,3 @@ stilb_result stilb_scene_attach_model(stilb_scene *scene, uint32_t model, uint32
 	scene_edit_node_changed(nodes, node);
 	return STILB_OK;
 }
-
-stilb_scene_changes stilb_scene_changes_read(stilb_scene *scene)
-{
-	STILB_ASSERT(scene);
-	const stilb_scene_edits *edits = scene->edits;
-	if (!edits)
-		return (stilb_scene_changes){0};
-	stilb_scene_update_nodes(scene, NULL, 0);
-	scene_edit_settle(scene);
-	return (stilb_scene_changes){
-		.meshes = edits->meshes.changed,
-		.mesh_count = edits->meshes.changed_count,
-		.materials = edits->materials.changed,
-		.material_count = edits->materials.changed_count,
-		.textures = edits->textures.changed,
-		.texture_count = edits->textures.changed_count,
-		.vertices = edits->ranges,
-		.vertices_count = edits->range_count,
-	};
-}
