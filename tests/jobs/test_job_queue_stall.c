@@ -167,12 +167,14 @@ static void release_walkers(walker *walkers, uint32_t count)
 	await_walkers(walkers, count, false);
 }
 
-/* Stops threads and watches the others; returns how many times the others had to wait. */
+/* Stops threads and watches the others; returns how many times the others had to wait. Threads of the low-lock queue
+ * are stopped more often until one was that held a lock, which may take long on a busy machine. */
 static uint32_t stop_and_watch(walker *walkers)
 {
+	enum { MOST = 50 };
 	uint32_t waits = 0;
 	uint64_t random = 1;
-	for (uint32_t round = 0; round < rounds; round++) {
+	for (uint32_t round = 0; round < rounds || (!kind->lock_free && waits == 0 && round < MOST * rounds); round++) {
 		uint32_t stopped = 1 + round % (THREADS - 1);
 		stop_walkers(walkers, stopped, &random);
 		bool goes_on = kind->lock_free ? progress_within(walkers, stopped, PROGRESS, PATIENCE_S * 1000)
