@@ -87,6 +87,7 @@ void stilb_render_destroy(stilb_render *render)
 		free(render->passes[p].runs);
 	}
 	render_scene_finish(&render->scene);
+	render_panorama_finish(&render->panorama);
 	render_resources_destroy(&render->resources);
 	free(render->sort_items);
 	free(render);

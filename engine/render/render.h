@@ -261,8 +261,12 @@ typedef struct stilb_render_view {
 		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); none casts a shadow;
 	                                  BAKED ones are left out. Read during stilb_render_replay. */
 	uint32_t light_count;
-	stilb_scene_surroundings surroundings; /* sky and ground; the panorama is not read */
-	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the sky's radiance. Not part of dumps */
+	/* The panorama in place of sky and ground if it has floats; read during stilb_render_replay, which makes what the
+	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
+	 * may go unnoticed. One panorama a frame, that of the first view with one. Dumps have sky and ground alone. */
+	stilb_scene_surroundings surroundings;
+	stilb_scene_backdrop
+		backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance. Not part of dumps */
 	stilb_render_shading shading;
 	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;

@@ -426,7 +426,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		.header = {.magic = RENDER_DUMP_MAGIC,
 	               .version = RENDER_DUMP_VERSION,
 	               .byte_order = RENDER_DUMP_BYTE_ORDER,
-	               .stream_hash = stilb_render_stream_hash(render),
+	               .stream_hash = render_hash_dumped(render),
 	               .width = render->device->width,
 	               .height = render->device->height,
 	               .samples = render->device->samples,

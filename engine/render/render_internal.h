@@ -8,6 +8,7 @@
 #include "base/base_contract.h"
 #include "profiler/prof.h"
 #include "render/render.h"
+#include "render/render_panorama.h"
 #include "render/render_resources.h"
 
 #include <stdatomic.h>
@@ -52,8 +53,9 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHTS_END 64u    /* some have a falloff that is not physical */
-#define RENDER_LIGHTS_GLOSS 128u /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_END 64u       /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u    /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u /* the panorama's irradiance in place of sky and ground */
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -126,7 +128,9 @@ typedef struct render_pass_lists {
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
-	uint32_t glossy, first_light, light_count;
+	uint32_t glossy, first_light, light_count; /* lights without the panorama's lamps */
+	uint64_t panorama;                         /* render_panorama.key; 0: none */
+	float rotation;                            /* of the panorama */
 } render_pass_lists;
 
 /* What one worker needs to record draws; written by one worker at a time. Aligned so that two workers never write the
@@ -235,9 +239,10 @@ typedef struct render_stream {
 	uint64_t states;      /* bitwise or of all runs' states */
 	uint32_t first_light; /* the view's lights: elements first_light .. first_light + light_count - 1 of the memory */
 	uint32_t light_count;
-	uint32_t light_bits;  /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
-	stilb_job_pool *pool; /* records secondary command buffers, one a worker */
-	uint32_t worker;      /* the caller's index in pool */
+	uint32_t light_bits;             /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
+	const render_panorama *panorama; /* of the view; NULL: sky and ground */
+	stilb_job_pool *pool;            /* records secondary command buffers, one a worker */
+	uint32_t worker;                 /* the caller's index in pool */
 } render_stream;
 
 /* Part of a stream: `count` consecutive draws; the first is draw number `offset`, from 0, of the stream's run `run`. */
@@ -350,6 +355,7 @@ struct stilb_render {
 	uint32_t context_count;
 	render_resources resources;
 	render_scene scene;
+	render_panorama panorama; /* of the last frame that showed one */
 	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
@@ -368,6 +374,9 @@ void render_contexts_rewind(stilb_render *render);
 /* Replaces the contexts; after an error the old ones are still there. */
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
+
+/* stilb_render_stream_hash as a dump of the frame replays it: without a panorama, which dumps leave out. */
+uint64_t render_hash_dumped(const stilb_render *render);
 
 /* Grows the frame's memory to hold every claim, and copies into it those that had to go to the heap
  * (render_overflow). */

@@ -111,7 +111,9 @@ static void replay_keep_view(render_pass_lists *lists, const render_stream *stre
 	memcpy(lists->ground, around->ground, sizeof lists->ground);
 	lists->glossy = around->glossy;
 	lists->first_light = stream->first_light;
-	lists->light_count = stream->light_count;
+	lists->light_count = stream->light_count - (stream->panorama ? stream->panorama->lamp_count : 0);
+	lists->panorama = stream->panorama ? stream->panorama->key : 0;
+	lists->rotation = stream->panorama ? around->rotation : 0.0f;
 }
 
 static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists,
@@ -169,7 +171,7 @@ typedef struct replay_lights {
 } replay_lights;
 
 /* Number and bits of the lights that frames show. */
-static replay_lights replay_count_lights(const stilb_render_view *view)
+static replay_lights replay_count_lights(const stilb_render_view *view, const render_panorama *panorama)
 {
 	replay_lights found = {0};
 	for (uint32_t i = 0; i < view->light_count; i++) {
@@ -180,7 +182,44 @@ static replay_lights replay_count_lights(const stilb_render_view *view)
 		found.bits |= 1u << light->kind;
 		found.bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
 	}
+	if (!panorama)
+		return found;
+	found.count += panorama->lamp_count;
+	found.bits |= panorama->lamp_count > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0;
+	found.bits |= RENDER_LIGHTS_PANORAMA;
 	return found;
+}
+
+/* Writes the lights, then the panorama's lamps. */
+static void replay_write_lights(render_light *out, const stilb_render_view *view, const render_panorama *panorama)
+{
+	for (uint32_t i = 0; i < view->light_count; i++)
+		if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
+			replay_write_light(out++, &view->lights[i]);
+	for (uint32_t i = 0; panorama && i < panorama->lamp_count; i++, out++) {
+		const render_panorama_lamp *lamp = &panorama->lamps[i];
+		*out = (render_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL};
+		render_panorama_turn(lamp->direction, view->surroundings.rotation, out->direction);
+		for (int c = 0; c < 3; c++)
+			out->direction[c] = -out->direction[c];
+		memcpy(out->intensity, lamp->irradiance, sizeof out->intensity);
+	}
+}
+
+/* True if both views have the same lights. */
+static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
+{
+	return a->lights == b->lights && a->light_count == b->light_count &&
+	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
+	       a->surroundings.rotation == b->surroundings.rotation;
+}
+
+/* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
+static const render_panorama *replay_panorama(const stilb_render *render, const stilb_render_view *view)
+{
+	const stilb_image *map = &view->surroundings.panorama;
+	bool shown = render->panorama.key != 0 && render_panorama_is_good(map);
+	return shown && render->panorama.pixels == map->pixels ? &render->panorama : NULL;
 }
 
 /* Copies the lights of the views that passes show, without those that are only baked, to the frame's memory, before it
@@ -193,21 +232,31 @@ static stilb_result replay_place_lights(stilb_render *render, const stilb_render
 	for (uint32_t p = 0; p < pass_count; p++) {
 		const stilb_render_view *view = passes[p].kind == STILB_RENDER_PASS_SCENE ? &views[passes[p].view] : NULL;
 		placed[p] = (replay_lights){0};
-		if (!view || view->light_count == 0)
+		if (!view)
 			continue;
-		if (!last || view->lights != last->lights || view->light_count != last->light_count) {
-			now = replay_count_lights(view);
+		if (!last || !replay_lights_are_same(view, last)) {
+			const render_panorama *panorama = replay_panorama(render, view);
+			now = replay_count_lights(view, panorama);
 			render_light *out =
 				now.count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, now.count, &now.first) : NULL;
 			if (now.count > 0 && !out)
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", now.count);
-			for (uint32_t i = 0; out && i < view->light_count; i++)
-				if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
-					replay_write_light(out++, &view->lights[i]);
+			if (out)
+				replay_write_lights(out, view, panorama);
 		}
 		placed[p] = now;
 		last = view;
 	}
+	return STILB_OK;
+}
+
+/* Makes what frames need of the panorama of the first view that has one. */
+static stilb_result replay_update_panorama(stilb_render *render, const stilb_render_view *views, uint32_t view_count,
+                                           stilb_job_pool *pool, uint32_t worker)
+{
+	for (uint32_t v = 0; v < view_count; v++)
+		if (render_panorama_is_good(&views[v].surroundings.panorama))
+			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, pool, worker);
 	return STILB_OK;
 }
 
@@ -242,7 +291,9 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
 	replay_lights lights[STILB_RENDER_MAX_PASSES];
-	stilb_result result = replay_place_lights(render, passes, pass_count, views, lights);
+	stilb_result result = replay_update_panorama(render, views, view_count, pool, worker);
+	if (result == STILB_OK)
+		result = replay_place_lights(render, passes, pass_count, views, lights);
 	if (result == STILB_OK)
 		result = render_memory_place(render);
 	if (result == STILB_OK)
@@ -258,6 +309,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		                        .site = replay_site(&render->sites[index], pass->name),
 		                        .first_light = lights[index].first,
 		                        .light_count = lights[index].count,
+		                        .panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
 		                        .light_bits =
 		                            lights[index].bits |
 		                            (scene && views[pass->view].surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0),
@@ -326,7 +378,7 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 
 static_assert(sizeof(stilb_render_shading) == 8 * sizeof(uint32_t), "hashed as it is: no padding");
 
-static uint64_t hash_view(uint64_t hash, const stilb_render *render, const render_pass_lists *lists)
+static uint64_t hash_view(uint64_t hash, const stilb_render *render, const render_pass_lists *lists, bool panorama)
 {
 	const render_memory *memory = &render->memory[RENDER_MEMORY_LIGHTS];
 	hash = stilb_hash_fnv1a64(hash, &lists->shading, sizeof lists->shading);
@@ -334,6 +386,10 @@ static uint64_t hash_view(uint64_t hash, const stilb_render *render, const rende
 	hash = stilb_hash_fnv1a64(hash, lists->ground, sizeof lists->ground);
 	hash = stilb_hash_fnv1a64(hash, &lists->glossy, sizeof lists->glossy);
 	hash = stilb_hash_fnv1a64(hash, &lists->light_count, sizeof lists->light_count);
+	if (panorama && lists->panorama != 0) {
+		hash = stilb_hash_fnv1a64(hash, &lists->panorama, sizeof lists->panorama);
+		hash = stilb_hash_fnv1a64(hash, &lists->rotation, sizeof lists->rotation);
+	}
 	if (lists->light_count == 0)
 		return hash;
 	STILB_ASSERT(lists->first_light + lists->light_count <= memory->capacity);
@@ -342,14 +398,14 @@ static uint64_t hash_view(uint64_t hash, const stilb_render *render, const rende
 }
 
 /* Caller holds the lock of resources: other threads may create materials, which may move their heap. */
-static uint64_t hash_passes(const stilb_render *render)
+static uint64_t hash_passes(const stilb_render *render, bool panorama)
 {
 	uint64_t hash = STILB_FNV1A64_START;
 	for (uint32_t i = 0; i < render->replayed_count; i++) {
 		const render_pass_lists *lists = &render->passes[render->replayed[i]];
 		if (lists->kind != STILB_RENDER_PASS_SCENE)
 			continue;
-		hash = hash_view(hash, render, lists);
+		hash = hash_view(hash, render, lists, panorama);
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			const render_run *run = &lists->runs[r];
 			STILB_ASSERT(run->first + run->count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);
@@ -363,12 +419,22 @@ static uint64_t hash_passes(const stilb_render *render)
 	return hash;
 }
 
+static uint64_t hash_locked(const stilb_render *render, bool panorama)
+{
+	stilb_lock *lock = (stilb_lock *)&render->resources.lock;
+	stilb_lock_take(lock);
+	uint64_t hash = hash_passes(render, panorama);
+	stilb_lock_give(lock);
+	return hash;
+}
+
 uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	stilb_lock *lock = (stilb_lock *)&render->resources.lock;
-	stilb_lock_take(lock);
-	uint64_t hash = hash_passes(render);
-	stilb_lock_give(lock);
-	return hash;
+	return hash_locked(render, true);
+}
+
+uint64_t render_hash_dumped(const stilb_render *render)
+{
+	return hash_locked(render, false);
 }

@@ -136,7 +136,7 @@ typedef struct stilb_scene_surroundings {
 	float ground[3]; /* from below it */
 	stilb_image
 		panorama;   /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
-	                       none. Traced pictures only */
+	                       none. Highlights in frames do not mirror it */
 	float rotation; /* of the panorama about +Y, radians, finite; positive to the left, as a camera's yaw */
 	/* Frames: highlights mirror sky and ground, too, by an approximation (shade_hemisphere_radiance). Without it frames
 	 * reflect them evenly alone. Traced pictures always do both. */
@@ -340,7 +340,7 @@ stilb_result stilb_scene_open_with(const char *name, const stilb_scene_open_opti
 
 /* Sets the panorama to the latitude-longitude map in a file, EXR or HDR (radiance), or codes of 8 or 16 bits (sRGB).
  * The top row is +Y, the middle column -Z, and +X lies a quarter of the width to the right of that. NaN, infinite and
- * negative values become 0. Sky and ground become its means above and below the horizon, which light frames. The import
+ * negative values become 0. Sky and ground become its means above and below the horizon, which dumps keep. The import
  * process reads it, with the limits of stilb_scene_open. [one-writer] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then the
  * scene is as before. */
 stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path);

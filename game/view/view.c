@@ -105,8 +105,7 @@ __attribute__((format(printf, 2, 3))) static void view_warn(const view *v, const
 static void view_say_panorama(const view *v, const char *path)
 {
 	view_warn(
-		v,
-		"'%s': frames do not draw a panorama yet, its means light them; 'stilb render SCENE --environment FILE' does",
+		v, "'%s': highlights in frames do not mirror a panorama yet; T and 'stilb render SCENE --environment FILE' do",
 		path);
 }
 

@@ -74,7 +74,7 @@ static void turns_a_table(void **state)
 	assert_null(strstr(run.err, "panorama"));
 	assert_int_equal(stilb_code(no_display, "view square.obj --size 64x64 --screenshot p.png --environment t-001.png"),
 	                 0);
-	assert_non_null(strstr(run.err, "'t-001.png': frames do not draw a panorama yet"));
+	assert_non_null(strstr(run.err, "'t-001.png': highlights in frames do not mirror a panorama yet"));
 }
 
 static stilb_image load_light(const char *path)

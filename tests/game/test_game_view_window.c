@@ -174,7 +174,7 @@ static void files_come_and_go(void **state)
 	assert_true(drop("sky.hdr"));
 	assert_true(await_said("sky.hdr'"));
 	assert_true(drop("black.hdr"));
-	assert_true(await_said("black.hdr': frames do not draw a panorama yet"));
+	assert_true(await_said("black.hdr': highlights in frames do not mirror"));
 	assert_true(drop("b.obj"));
 	assert_true(x11_server_await(display, "Stilb: b.obj") == window);
 	write_text("b.obj", "v -1 -1 0\nf 1 2"); /* as if its writer was not done */

@@ -11,6 +11,9 @@ const int SIDE = 64; // of the floor's cells, as STILB_SCENE_FLOOR_SIDE
 const float REACH = 2.0; // as STILB_SCENE_FLOOR_REACH
 const float SHADOW = 0.8; // how dark the floor is where nothing reaches it: some light always does
 
+// Half floats, row after row.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Texels { uvec2 texels[]; };
+
 // As vulkan_backdrop.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Backdrop {
 	vec4 ahead;          // direction at the picture's middle, and what a step of 1 in clip space adds to it
@@ -21,6 +24,9 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ba
 	vec4 floor_radius;   // its center; w: 0: there is no floor, the map is shown
 	float covered[SIDE * SIDE];
 	vec4 map[WIDTH * HEIGHT];
+	uvec2 size; // of the panorama in texels; 0: it is not shown
+	vec2 turn;  // sine and cosine of its rotation
+	Texels panorama;
 };
 
 layout(push_constant, std430) uniform Push {
@@ -45,6 +51,20 @@ vec3 map_at(vec3 direction)
 	vec2 part = vec2(x, y) - floor(vec2(x, y));
 	return mix(mix(texel(column, row), texel(column + 1, row), part.x),
 		mix(texel(column, row + 1), texel(column + 1, row + 1), part.x), part.y);
+}
+
+// The texel that rays see, too (gi_environment.c).
+vec3 panorama_at(vec3 direction)
+{
+	const float PI = 3.14159265;
+	vec2 turn = push.backdrop.turn;
+	uvec2 size = push.backdrop.size;
+	float right = turn.y * direction.x - turn.x * direction.z;
+	float back = turn.x * direction.x + turn.y * direction.z;
+	uint x = uint(clamp(atan(right, -back) / (2.0 * PI) + 0.5, 0.0, 1.0) * float(size.x));
+	uint y = uint(acos(clamp(direction.y, -1.0, 1.0)) / PI * float(size.y));
+	uvec2 bits = push.backdrop.panorama.texels[min(y, size.y - 1) * size.x + min(x, size.x - 1)];
+	return vec3(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y).x);
 }
 
 float covered(int x, int z)
@@ -80,6 +100,8 @@ void main()
 	vec3 radiance;
 	if (push.backdrop.floor_radius.w > 0.0)
 		radiance = color_exposure.rgb * (1.0 - shadow_at(direction));
+	else if (push.backdrop.size.x > 0)
+		radiance = panorama_at(direction);
 	else
 		radiance = map_at(direction);
 	if (tone_map)

@@ -14,11 +14,12 @@ layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
 layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
 
-// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and two more bits (RENDER_LIGHTS_... of
+// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and three more bits (RENDER_LIGHTS_... of
 // render_internal.h). Only the code of these is left: software devices compute every branch for every pixel.
 layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
 const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
 const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground
+const bool lights_panorama = (lights & 256u) != 0; // its irradiance in place of theirs
 
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
@@ -112,9 +113,32 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
 	vec3 radiance = vec3(0.0);
-	for (uint i = 0; lights != 0 && i < push.view.light_count; i++)
+	for (uint i = 0; (lights & 63u) != 0 && i < push.view.light_count; i++)
 		radiance += from_light(light_of(i), model, material, frame, v);
 	return radiance;
+}
+
+// The panorama's irradiance at a normal, between four of the table; its lamps are lights of the list.
+vec3 panorama_irradiance(vec3 n)
+{
+	const int COLUMNS = 128; // as RENDER_PANORAMA_COLUMNS and _ROWS
+	const int ROWS = 65;
+	vec2 turn = push.view.turn;
+	float right = turn.y * n.x - turn.x * n.z;
+	float back = turn.x * n.x + turn.y * n.z;
+	float longitude = right == 0.0 && back == 0.0 ? 0.0 : atan(right, -back);
+	float x = clamp(longitude / (2.0 * SHADE_PI) + 0.5, 0.0, 1.0) * float(COLUMNS);
+	float y = atan(length(vec2(right, back)), n.y) / SHADE_PI * float(ROWS - 1);
+	int column = int(floor(x));
+	int row = clamp(int(floor(y)), 0, ROWS - 2);
+	int left = row * COLUMNS + column % COLUMNS;
+	int next = row * COLUMNS + (column + 1) % COLUMNS;
+	float across = x - float(column);
+	vec3 above = mix(push.view.panorama.table[left].xyz, push.view.panorama.table[next].xyz, across);
+	left += COLUMNS;
+	next += COLUMNS;
+	vec3 below = mix(push.view.panorama.table[left].xyz, push.view.panorama.table[next].xyz, across);
+	return mix(above, below, y - float(row));
 }
 
 // Sky and ground as a highlight mirrors them.
@@ -133,7 +157,11 @@ void main()
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
 	vec3 n = normalize(world_normal);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
-	vec3 radiance = from_lights(model, material, frame_here(n), to_camera) + shade_surface_sky(material, sky, n);
+	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
+	if (lights_panorama)
+		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n);
+	else
+		radiance += shade_surface_sky(material, sky, n);
 	radiance += stored.emission_wrap.xyz;
 	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);

@@ -23,6 +23,9 @@ struct Light {
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
 
+// Irradiance by the normal, in latitude and longitude, as render_panorama.table.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
+
 // As vulkan_view.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
@@ -33,6 +36,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	Lights lights;
 	uint light_count;
 	float exposure; // factor of radiance before the tone map
+	Panorama panorama;
+	vec2 turn; // sine and cosine of its rotation
 };
 
 layout(push_constant, std430) uniform Push {

@@ -22,13 +22,19 @@ typedef struct vulkan_backdrop {
 	float floor_radius[4];
 	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
+	uint32_t size[2];         /* of the panorama; 0: it is not shown */
+	float turn[2];            /* sine and cosine of its rotation */
+	VkDeviceAddress panorama; /* its texels */
 } vulkan_backdrop;
 
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
 
-bool vulkan_backdrop_is_drawn(const stilb_scene_backdrop *backdrop)
+bool vulkan_backdrop_is_drawn(const render_stream *stream)
 {
+	const stilb_scene_backdrop *backdrop = &stream->view->backdrop;
+	if (backdrop->kind == STILB_SCENE_BACKDROP_SURROUNDINGS)
+		return stream->panorama;
 	return (backdrop->kind == STILB_SCENE_BACKDROP_MAP && backdrop->map) ||
 	       (backdrop->kind == STILB_SCENE_BACKDROP_COLOR && backdrop->floor);
 }
@@ -180,8 +186,9 @@ static void backdrop_axis(const float matrix[16], size_t row, float out[4])
 	out[3] = 0.0f;
 }
 
-static void backdrop_write(const stilb_render_view *view, vulkan_backdrop *out)
+static void backdrop_write(const vulkan_slot *slot, const render_stream *stream, vulkan_backdrop *out)
 {
+	const stilb_render_view *view = stream->view;
 	const stilb_scene_backdrop *from = &view->backdrop;
 	backdrop_axis(view->view_projection.m, 3, out->ahead); /* a unit row: where the camera looks */
 	backdrop_axis(view->view_projection.m, 0, out->across);
@@ -196,20 +203,52 @@ static void backdrop_write(const stilb_render_view *view, vulkan_backdrop *out)
 		memcpy(out->covered, from->floor->covered, sizeof out->covered);
 		return;
 	}
+	memset(out->size, 0, sizeof out->size);
+	if (from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
+		out->size[0] = stream->panorama->width;
+		out->size[1] = stream->panorama->height;
+		out->turn[0] = sinf(view->surroundings.rotation);
+		out->turn[1] = cosf(view->surroundings.rotation);
+		out->panorama = slot->panorama.address + sizeof stream->panorama->table;
+		return;
+	}
 	for (size_t i = 0; i < sizeof out->map / sizeof *out->map; i++)
 		memcpy(out->map[i], from->map + 3 * i, sizeof(float[3]));
 }
 
-stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view)
+stilb_result vulkan_backdrop_take_panorama(vulkan_device *device, vulkan_slot *slot, const render_panorama *panorama)
 {
-	STILB_ASSERT(vulkan_backdrop_is_drawn(&view->backdrop));
+	STILB_ASSERT(panorama->key != 0 && panorama->texels);
+	if (slot->panorama_version == panorama->version)
+		return STILB_OK;
+	size_t texels = (size_t)panorama->width * panorama->height * sizeof *panorama->texels;
+	VkDeviceSize size = sizeof panorama->table + texels;
+	if (slot->panorama.size != size) {
+		vulkan_buffer_destroy(device, &slot->panorama); /* the slot's last frame is done */
+		stilb_result result = vulkan_buffer_create(
+			device, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+			VULKAN_MEMORY_WRITE, &slot->panorama);
+		slot->panorama_version = 0;
+		if (result != STILB_OK)
+			return result;
+	}
+	PROFILE("copy the panorama");
+	memcpy(slot->panorama.mapped, panorama->table, sizeof panorama->table);
+	memcpy((char *)slot->panorama.mapped + sizeof panorama->table, panorama->texels, texels);
+	slot->panorama_version = panorama->version;
+	return STILB_OK;
+}
+
+stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream)
+{
+	STILB_ASSERT(vulkan_backdrop_is_drawn(stream));
 	stilb_result result = device->backdrop ? STILB_OK : backdrop_make(device);
 	if (result == STILB_OK && !slot->backdrop.buffer)
 		result = vulkan_buffer_create(device, sizeof(vulkan_backdrop),
 		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 		                              VULKAN_MEMORY_WRITE, &slot->backdrop);
 	if (result == STILB_OK)
-		backdrop_write(view, slot->backdrop.mapped);
+		backdrop_write(slot, stream, slot->backdrop.mapped);
 	return result;
 }
 

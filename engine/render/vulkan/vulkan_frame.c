@@ -67,6 +67,7 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vulkan_secondary_destroy(device, slot);
 		vulkan_heaps_destroy_slot(device, slot);
 		vulkan_buffer_destroy(device, &slot->backdrop);
+		vulkan_buffer_destroy(device, &slot->panorama);
 		vulkan_buffer_destroy(device, &slot->views);
 		vulkan_buffer_destroy(device, &slot->picture);
 	}

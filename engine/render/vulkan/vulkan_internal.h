@@ -42,10 +42,12 @@ typedef struct vulkan_view {
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 	VkDeviceAddress lights;
 	uint32_t light_count;
-	float exposure; /* factor of radiance before the tone map */
+	float exposure;           /* factor of radiance before the tone map */
+	VkDeviceAddress panorama; /* render_panorama.table */
+	float turn[2];            /* sine and cosine of its rotation */
 } vulkan_view;
 
-static_assert(sizeof(vulkan_view) == 144, "std430");
+static_assert(sizeof(vulkan_view) == 160, "std430");
 
 /* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {
@@ -113,6 +115,8 @@ typedef struct vulkan_slot {
 	VkDescriptorSet material_set; /* --materials bind: a set with the buffer of materials */
 	VkBuffer material_buffer;     /* the buffer that material_set refers to */
 	vulkan_buffer backdrop;       /* what shaders/backdrop.frag reads; {0}: not needed so far */
+	vulkan_buffer panorama;       /* its table, then its texels; {0}: not needed so far */
+	uint32_t panorama_version;    /* of render_panorama in it */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer picture;        /* the picture in memory, if there is no window */
 	vulkan_slot_times times;
@@ -345,13 +349,15 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream);
 
 /* vulkan_backdrop.c: what is seen where no model is. */
 
-/* True if the backdrop is more than the colour that the picture is cleared to. */
-bool vulkan_backdrop_is_drawn(const stilb_scene_backdrop *backdrop);
+/* True if what is seen is more than the colour that the picture is cleared to. */
+bool vulkan_backdrop_is_drawn(const render_stream *stream);
+/* Copies the stream's panorama to the slot's memory, unless it is there. */
+stilb_result vulkan_backdrop_take_panorama(vulkan_device *device, vulkan_slot *slot, const render_panorama *panorama);
 /* The colour that the picture is cleared to: of the backdrop or of the sky, tone mapped as the fragment shader does it;
  * black without a view. */
 VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view);
-/* Makes what is missing to draw the view's backdrop and writes it to the slot's memory. */
-stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const stilb_render_view *view);
+/* Makes what is missing to draw the backdrop of the stream's view and writes it to the slot's memory. */
+stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream);
 /* Draws it, after vulkan_draws_area. */
 void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot);
 void vulkan_backdrop_destroy(vulkan_device *device);

@@ -94,6 +94,9 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
 	out->light_count = stream->light_count;
 	out->exposure = exp2f(view->exposure);
+	out->panorama = stream->panorama ? slot->panorama.address : 0;
+	out->turn[0] = sinf(view->surroundings.rotation);
+	out->turn[1] = cosf(view->surroundings.rotation);
 }
 
 /* Records the pass's draws into the frame's own command buffer, not into secondary ones. */
@@ -143,15 +146,17 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	if (!scene && !first && stream->draws == 0)
 		return STILB_OK;
 	stilb_result result = STILB_OK;
-	if (scene) {
+	if (scene && stream->panorama)
+		result = vulkan_backdrop_take_panorama(device, slot, stream->panorama);
+	if (scene && result == STILB_OK) {
 		pass_write_view(device, slot, stream);
 		result = vulkan_pipeline_choose(device, stream);
 	}
-	bool backdrop = first && scene && vulkan_backdrop_is_drawn(&stream->view->backdrop);
+	bool backdrop = first && scene && vulkan_backdrop_is_drawn(stream);
 	if (first)
 		device->transparent = scene && stream->view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
 	if (result == STILB_OK && backdrop)
-		result = vulkan_backdrop_prepare(device, slot, stream->view);
+		result = vulkan_backdrop_prepare(device, slot, stream);
 	if (result != STILB_OK)
 		return result;
 	if (render_stream_mode(base, stream) == STILB_RENDER_REPLAY_SECONDARY && stream->draws > 0) {
