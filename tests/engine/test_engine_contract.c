@@ -134,7 +134,7 @@ static void stages(void **state)
 	contract_breaks("engine->passes[p].view < engine->view_count", break_pass(engine));
 	contract_breaks("models are removed by their bounds", break_moved(engine));
 	contract_breaks("engine->view_count >= 1", break_views(engine));
-	contract_breaks("engine->pass_count < ", break_pass_count(engine));
+	contract_breaks("engine->frame_passes < ", break_pass_count(engine));
 	contract_breaks("engine_overlay_is_open", engine_overlay_record(engine, 1, 0));
 	stress_engine_destroy(engine);
 }
