@@ -122,7 +122,8 @@ static void panorama_read(uint32_t begin, uint32_t end, uint32_t worker, void *c
 			double solid =
 				2.0 * M_PI / work->across * (cos(M_PI * j / work->down) - cos(M_PI * (j + 1.0) / work->down));
 			for (uint32_t i = 0; i < work->across; i++) {
-				double direction[3] = {sine * work->column[2 * i], height, -sine * work->column[2 * i + 1]};
+				double direction[3] = {sine * work->column[2 * (size_t)i], height,
+				                       -sine * work->column[2 * (size_t)i + 1]};
 				uint32_t across = (uint32_t)((2 * (uint64_t)i + 1) * CELLS_ACROSS / (2 * (uint64_t)work->across));
 				panorama_add(&work->cells[cell * CELLS_ACROSS + across],
 				             panorama_texel(work->map, i / per_texel, j / per_row), direction, solid);
@@ -295,8 +296,8 @@ static bool panorama_prepare(panorama_work *work)
 		return false;
 	for (uint32_t i = 0; i < work->across; i++) {
 		double phi = 2.0 * M_PI * ((i + 0.5) / work->across - 0.5);
-		work->column[2 * i] = sin(phi);
-		work->column[2 * i + 1] = cos(phi);
+		work->column[2 * (size_t)i] = sin(phi);
+		work->column[2 * (size_t)i + 1] = cos(phi);
 	}
 	return true;
 }

@@ -187,6 +187,7 @@ const stilb_prof_site *prof_image_site_next(const stilb_prof_site *previous)
 	uint32_t count = prof_image_count(), i = 0;
 	if (previous) {
 		const prof_image *image = prof_image_at(previous);
+		assert(image);
 		if (previous + 1 < image->stop)
 			return previous + 1;
 		i = (uint32_t)(image - prof_images.images) + 1;

@@ -156,13 +156,10 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 	stilb_gi_film film = stilb_gi_render_film(render);
 	bool alpha = gi_backdrop_is_nothing(render->view.scene->backdrop);
 	size_t pixels = (size_t)film.width * film.height;
-	float *counts = stilb_memory_alloc(pixels, sizeof *counts);
-	float *share = alpha ? stilb_memory_alloc(pixels, sizeof *share) : NULL;
-	if (!counts || (alpha && !share)) {
-		free(counts);
-		free(share);
+	float *counts = stilb_memory_alloc(alpha ? 2 * pixels : pixels, sizeof *counts);
+	if (!counts)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
-	}
+	float *share = alpha ? counts + pixels : NULL;
 	if (alpha)
 		gi_film_coverage(&render->film, share);
 	stilb_image_channel channels[SAVE_CHANNELS];
@@ -177,7 +174,6 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 	                             .attributes = attributes.list};
 	stilb_result result = stilb_image_layers_save(&layers, path);
 	free(counts);
-	free(share);
 	return result;
 }
 
