@@ -443,6 +443,11 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		result = save_put_resources(&job);
 	if (result == STILB_OK)
 		result = save_put(&job, path);
+	for (uint32_t v = 0; v < view_count && result == STILB_OK; v++)
+		if (views[v].backdrop.kind != STILB_SCENE_BACKDROP_SURROUNDINGS || views[v].surroundings.panorama.pixels) {
+			stilb_log("'%s': without the background and the panorama, which dumps do not hold", path);
+			break;
+		}
 	free(job.bytes);
 	save_table_finish(&job.meshes);
 	save_table_finish(&job.materials);

@@ -14,7 +14,7 @@
  *            cell's width.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
- * Cost.      docs/rendering.md.
+ * Cost.      Of the time and the memory, and how far the light is from the exact one: docs/rendering.md.
  */
 #ifndef STILB_RENDER_PANORAMA_H
 #define STILB_RENDER_PANORAMA_H
@@ -23,7 +23,7 @@
 #include "jobs/job.h"
 
 #define RENDER_PANORAMA_LAMPS 8
-#define RENDER_PANORAMA_COLUMNS 128 /* of the table; shaders/mesh.glsl has both, too */
+#define RENDER_PANORAMA_COLUMNS 128 /* of the table; shaders/mesh.frag has both, too */
 #define RENDER_PANORAMA_ROWS 65
 #define RENDER_PANORAMA_WIDTH 2048u /* of the texels at most */
 #define RENDER_PANORAMA_HEIGHT 1024u

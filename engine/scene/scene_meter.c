@@ -1,8 +1,7 @@
 /* The exposure that suits the light on what a camera sees. */
 #include "scene/scene_internal.h"
+#include "scene/scene_light_shade.h"
 #include "scene/scene_look.h"
-
-#include "shading/shade_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -169,24 +168,6 @@ static void meter_draw_scene(meter *m)
 
 /* ---- light at a pixel -------------------------------------------------------------------------------------------- */
 
-static shade_light meter_light(const stilb_scene_light *from)
-{
-	shade_light light = {
-		.kind = (int)from->kind,
-		.falloff = (int)from->falloff,
-		.position = stilb_vec3_make(from->position[0], from->position[1], from->position[2]),
-		.direction = stilb_vec3_make(from->direction[0], from->direction[1], from->direction[2]),
-		.intensity = stilb_vec3_make(from->intensity[0], from->intensity[1], from->intensity[2]),
-		.cos_inner = from->cos_inner,
-		.cos_outer = from->cos_outer,
-		.radius = from->radius,
-		.half_x = stilb_vec3_make(from->half_x[0], from->half_x[1], from->half_x[2]),
-		.half_y = stilb_vec3_make(from->half_y[0], from->half_y[1], from->half_y[2]),
-		.reach = from->reach,
-	};
-	return light;
-}
-
 /* The luminance of the irradiance at a point with this unit normal. */
 static float meter_irradiance(const meter *m, stilb_vec3 at, stilb_vec3 normal)
 {
@@ -195,7 +176,7 @@ static float meter_irradiance(const meter *m, stilb_vec3 at, stilb_vec3 normal)
 	stilb_vec3 ground = stilb_vec3_make(m->ground[0], m->ground[1], m->ground[2]);
 	float sum = shade_luminance(shade_hemisphere_irradiance(normal[1], sky, ground));
 	for (uint32_t i = 0; i < scene->light_count; i++) {
-		shade_sun seen = shade_light_at(meter_light(&scene->lights[i]), at);
+		shade_sun seen = shade_light_at(scene_light_shade(&scene->lights[i]), at);
 		sum += fmaxf(stilb_vec3_dot(normal, seen.direction), 0.0f) * shade_luminance(seen.irradiance);
 	}
 	return sum;

@@ -2,6 +2,7 @@
 
 #include "gi/trace/gi_ray.h"
 #include "profiler/prof.h"
+#include "scene/scene_light_shade.h"
 #include "shading/shade_light_area.h"
 
 #include <math.h>
@@ -20,24 +21,6 @@ struct gi_backdrop {
 };
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
-
-static shade_light backdrop_light(const stilb_scene_light *from)
-{
-	shade_light light = {
-		.kind = (int)from->kind,
-		.falloff = (int)from->falloff,
-		.position = stilb_vec3_make(from->position[0], from->position[1], from->position[2]),
-		.direction = stilb_vec3_make(from->direction[0], from->direction[1], from->direction[2]),
-		.intensity = stilb_vec3_make(from->intensity[0], from->intensity[1], from->intensity[2]),
-		.cos_inner = from->cos_inner,
-		.cos_outer = from->cos_outer,
-		.radius = from->radius,
-		.half_x = stilb_vec3_make(from->half_x[0], from->half_x[1], from->half_x[2]),
-		.half_y = stilb_vec3_make(from->half_y[0], from->half_y[1], from->half_y[2]),
-		.reach = from->reach,
-	};
-	return light;
-}
 
 static void *backdrop_copy(const void *from, size_t size)
 {
@@ -68,7 +51,7 @@ stilb_result gi_backdrop_create(const stilb_scene *scene, gi_backdrop **out)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a backdrop");
 	}
 	for (uint32_t i = 0; i < scene->light_count; i++)
-		backdrop->lights[backdrop->light_count++] = backdrop_light(&scene->lights[i]);
+		backdrop->lights[backdrop->light_count++] = scene_light_shade(&scene->lights[i]);
 	*out = backdrop;
 	return STILB_OK;
 }
