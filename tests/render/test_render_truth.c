@@ -419,7 +419,7 @@ static void panoramas_are_as_traced(void **state)
 		stilb_scene_destroy(scene);
 		stilb_image_finish(&around.panorama);
 	}
-	stilb_scene_surroundings around = panorama_of(PANORAMA_EVEN, 90);
+	stilb_scene_surroundings around = panorama_of(PANORAMA_ROOM, 90);
 	stilb_scene *scene = scene_of(NULL, &around);
 	find_inside_of(render, true);
 	compare(render, scene, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT}, BLOCK, "panorama-background");
