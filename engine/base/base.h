@@ -60,7 +60,8 @@ const char stilb_header_path[] = __FILE__;
 	X(ERROR_DEVICE, "device error")                                                                                    \
 	X(ERROR_DEVICE_LOST, "device lost")                                                                                \
 	X(ERROR_WINDOW, "window error")                                                                                    \
-	X(ERROR_THREAD, "thread error")
+	X(ERROR_THREAD, "thread error")                                                                                    \
+	X(ERROR_GIVEN_UP, "given up")
 
 typedef enum stilb_result {
 #define STILB_RESULT_ENUM(name, text) STILB_##name,

@@ -3,7 +3,8 @@
  *
  * A part's mesh is copied into world space, where rays are traced fastest. Only if the copies for all parts of a mesh
  * would have more than COPIES_MAX triangles beyond the mesh's own do the parts share one mesh, as instances: the
- * triangles stay in the mesh's space, and rays are transformed to it.
+ * triangles stay in the mesh's space, and rays are transformed to it. In a scene whose models will move (desc.movable)
+ * all parts are instances that can be, so that what moves is only their transforms.
  */
 #include "gi/gi_surface.h"
 #include "gi/integrate/gi_backdrop.h"
@@ -17,6 +18,7 @@
 #define COPIES_MAX 65536u    /* triangles that copies of a mesh may add to the mesh's own */
 #define COORDINATE_MAX 1e10f /* metres; products of three edges between such points are still finite */
 #define TRIANGLES_MAX (1u << 30)
+#define ASK_TRIANGLES (1u << 18) /* triangles that are copied between two questions whether the scene is given up */
 
 static_assert(sizeof(stilb_scene_vertex) == 32, "gi_primary loads whole vertices");
 
@@ -99,13 +101,19 @@ static void normal_to_world(const float matrix[9], const float n[3], float out[3
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
+/* What becomes of a part. */
+typedef struct part_plan {
+	uint32_t mesh;        /* index of its mesh in the result */
+	bool shown, instance; /* shown: rays see it; a hidden model's parts, or a removed one's, are not */
+} part_plan;
+
 /* Decided before anything is copied: which meshes are shared by instances, and how many vertices, triangles and meshes
  * the gi_scene will have. */
 typedef struct mesh_plan {
 	uint32_t *uses; /* [mesh_count] parts of each mesh that may be instances */
 	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */
 	uint32_t *shared;
-	bool *shown; /* [part_count] false: a part of a hidden or removed model, of which rays see nothing */
+	part_plan *parts; /* [part_count] */
 	uint64_t vertices, triangles;
 	uint32_t meshes;
 } mesh_plan;
@@ -138,7 +146,7 @@ static void plan_finish(mesh_plan *plan)
 {
 	free(plan->uses);
 	free(plan->shared);
-	free(plan->shown);
+	free(plan->parts);
 }
 
 static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
@@ -149,34 +157,52 @@ static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
 	plan->meshes++;
 }
 
-static stilb_result plan_make(const stilb_scene *scene, mesh_plan *plan)
+/* Which parts are shown, and which of them may be instances: of a scene that is movable hidden ones, too, since they
+ * may be shown again. */
+static void plan_parts(const stilb_scene *scene, bool movable, mesh_plan *plan)
 {
-	*plan = (mesh_plan){0};
-	plan->uses = calloc((size_t)scene->mesh_count + 1, sizeof *plan->uses);
-	plan->shared = calloc((size_t)scene->mesh_count + 1, sizeof *plan->shared);
-	plan->shown = calloc((size_t)scene->part_count + 1, sizeof *plan->shown);
-	if (!plan->uses || !plan->shared || !plan->shown)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", scene->mesh_count);
 	for (uint32_t model = 0; model < scene->model_count; model++)
-		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++)
-			plan->shown[part] = !isnan(scene->bounds.radius[model]);
-	for (uint32_t part = 0; part < scene->part_count; part++)
-		if (plan->shown[part] && part_may_share(scene, part))
-			plan->uses[scene->part_mesh[part]]++;
+		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
+			part_plan *to = &plan->parts[part];
+			to->shown = !isnan(scene->bounds.radius[model]);
+			bool kept = movable && scene->part_mesh[part] != STILB_SCENE_NONE;
+			to->instance = (to->shown || kept) && part_may_share(scene, part);
+			if (to->instance)
+				plan->uses[scene->part_mesh[part]]++;
+		}
+}
+
+/* Gives the meshes of the result their places: first the shared ones, then the parts' own. */
+static void plan_meshes(const stilb_scene *scene, bool movable, mesh_plan *plan)
+{
 	for (uint32_t mesh = 0; mesh < scene->mesh_count; mesh++) {
 		uint64_t copies = plan->uses[mesh] ? plan->uses[mesh] - 1 : 0;
-		if (copies * (scene->meshes[mesh].index_count / 3) <= COPIES_MAX)
+		bool saves = copies * (scene->meshes[mesh].index_count / 3) > COPIES_MAX;
+		if (!saves && !(movable && plan->uses[mesh] > 0))
 			continue;
 		plan_mesh(plan, &scene->meshes[mesh]);
 		plan->shared[mesh] = plan->meshes;
 	}
 	for (uint32_t part = 0; part < scene->part_count; part++) {
+		part_plan *to = &plan->parts[part];
 		uint32_t mesh = scene->part_mesh[part];
-		if (!plan->shown[part])
-			plan_mesh(plan, &mesh_of_nothing);
-		else if (!plan->shared[mesh] || !part_may_share(scene, part))
-			plan_mesh(plan, &scene->meshes[mesh]);
+		to->instance = to->instance && plan->shared[mesh] > 0;
+		to->mesh = to->instance ? plan->shared[mesh] - 1 : plan->meshes;
+		if (!to->instance)
+			plan_mesh(plan, to->shown ? &scene->meshes[mesh] : &mesh_of_nothing);
 	}
+}
+
+static stilb_result plan_make(const stilb_scene *scene, bool movable, mesh_plan *plan)
+{
+	*plan = (mesh_plan){0};
+	plan->uses = calloc((size_t)scene->mesh_count + 1, sizeof *plan->uses);
+	plan->shared = calloc((size_t)scene->mesh_count + 1, sizeof *plan->shared);
+	plan->parts = calloc((size_t)scene->part_count + 1, sizeof *plan->parts);
+	if (!plan->uses || !plan->shared || !plan->parts)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", scene->mesh_count);
+	plan_parts(scene, movable, plan);
+	plan_meshes(scene, movable, plan);
 	if (plan->triangles > TRIANGLES_MAX)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "the scene has %llu triangles; at most %u can be traced",
 		                  (unsigned long long)plan->triangles, TRIANGLES_MAX);
@@ -228,18 +254,12 @@ static void mesh_box(gi_mesh *mesh)
 			box_add(mesh->low, mesh->high, mesh->vertices[mesh->triangles[k].vertex[corner]].position);
 }
 
-/* Appends a copy of the mesh, transformed, without the triangles that cannot be hit. */
-static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const stilb_mat4 *transform)
+/* Fills the mesh's arrays with a copy of another one, transformed, without the triangles that cannot be hit. */
+static void mesh_fill(gi_mesh *out, const stilb_scene_mesh *mesh, const stilb_mat4 *transform)
 {
-	gi_mesh *out = &gi->meshes[gi->mesh_count];
-	stilb_scene_vertex *vertices = gi->vertices;
-	gi_triangle *triangles = gi->triangles;
-	if (gi->mesh_count > 0) {
-		const gi_mesh *last = out - 1;
-		STILB_ASSERT(last->vertices && last->triangles && "meshes are added in order");
-		vertices = (stilb_scene_vertex *)last->vertices + last->vertex_count;
-		triangles = (gi_triangle *)last->triangles + last->triangle_count;
-	}
+	STILB_ASSERT(out->vertex_count == mesh->vertex_count && out->triangle_room == mesh->index_count / 3);
+	stilb_scene_vertex *vertices = (stilb_scene_vertex *)out->vertices;
+	gi_triangle *triangles = (gi_triangle *)out->triangles;
 	float normal_matrix[9];
 	normal_matrix_of(transform, normal_matrix);
 	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
@@ -266,64 +286,71 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, const sti
 			.vertex = {a, b, c},
 			.error = gi_triangle_shape_error(vertices[a].position, vertices[b].position, vertices[c].position)};
 	}
-	*out = (gi_mesh){.vertices = vertices,
-	                 .triangles = triangles,
-	                 .vertex_count = mesh->vertex_count,
-	                 .triangle_count = count,
-	                 .invalid_count = invalid};
+	out->triangle_count = count;
+	out->invalid_count = invalid;
 	mesh_box(out);
+	STILB_ASSERT(count <= out->triangle_room);
+}
+
+/* Appends a copy of the scene's mesh number `source`, of which mesh_of_nothing has none. */
+static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, uint32_t source, const stilb_mat4 *transform)
+{
+	gi_mesh *out = &gi->meshes[gi->mesh_count];
+	*out = (gi_mesh){.vertices = gi->vertices,
+	                 .triangles = gi->triangles,
+	                 .vertex_count = mesh->vertex_count,
+	                 .triangle_room = mesh->index_count / 3,
+	                 .source = source};
+	if (gi->mesh_count > 0) {
+		const gi_mesh *last = out - 1;
+		STILB_ASSERT(last->vertices && last->triangles && "meshes are added in order");
+		out->vertices = last->vertices + last->vertex_count;
+		out->triangles = last->triangles + last->triangle_room;
+	}
+	mesh_fill(out, mesh, transform);
 	gi->mesh_count++;
-	STILB_ASSERT(count <= mesh->index_count / 3);
 }
 
 /* ---- parts ------------------------------------------------------------------------------------------------------- */
 
-static void part_add_nothing(stilb_gi_scene *gi, gi_part *part)
+/* Fills in a part whose mesh is there, and counts what it shows. */
+static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t index)
 {
-	*part = (gi_part){.first_light = GI_NO_LIGHT, .mesh = gi->mesh_count, .to_world = stilb_mat4_identity()};
-	mesh_add(gi, &mesh_of_nothing, &part->to_world);
-	part->vertices = gi->meshes[part->mesh].vertices;
-	part->triangles = gi->meshes[part->mesh].triangles;
-}
-
-static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t index)
-{
-	STILB_ASSERT(index < gi->part_count);
-	STILB_ASSERT(!plan->shown[index] || scene->part_mesh[index] < scene->mesh_count);
+	STILB_ASSERT(index < gi->part_count && plan->mesh < gi->mesh_count);
+	const gi_mesh *mesh = &gi->meshes[plan->mesh];
 	gi_part *part = &gi->parts[index];
-	if (!plan->shown[index]) {
-		part_add_nothing(gi, part);
-		return;
-	}
-	uint32_t mesh = scene->part_mesh[index];
-	bool emits = part_emits(scene, index);
-	*part = (gi_part){.material = scene->part_material[index],
+	*part = (gi_part){.mesh = plan->mesh,
+	                  .vertices = mesh->vertices,
+	                  .triangles = mesh->triangles,
 	                  .first_light = GI_NO_LIGHT,
-	                  .instance = plan->shared[mesh] && part_may_share(scene, index),
-	                  .to_world = scene->part_transform[index]};
+	                  .instance = plan->instance,
+	                  .hidden = !plan->shown,
+	                  .to_world = plan->shown || plan->instance ? scene->part_transform[index] : stilb_mat4_identity()};
+	if (!plan->shown)
+		return;
+	part->material = scene->part_material[index];
 	normal_matrix_of(&part->to_world, part->normal_to_world);
 	part->stretch = stretch_of(&part->to_world);
 	const stilb_scene_material *material = &gi->materials[part->material];
 	part->plain = !part->instance && !material->diffuse_texture;
 	for (int i = 0; i < 3; i++)
 		part->albedo[i] = material->diffuse[i] + material->specular[i];
-	if (part->instance) {
-		part->mesh = plan->shared[mesh] - 1;
-	} else {
-		part->mesh = gi->mesh_count;
-		mesh_add(gi, &scene->meshes[mesh], &part->to_world);
-	}
-	part->vertices = gi->meshes[part->mesh].vertices;
-	part->triangles = gi->meshes[part->mesh].triangles;
-	uint32_t count = gi->meshes[part->mesh].triangle_count;
-	uint32_t invalid = gi->meshes[part->mesh].invalid_count;
-	if (emits) {
+	if (part_emits(scene, index)) {
 		part->first_light = gi->info.lights;
-		gi->info.lights += count;
+		gi->info.lights += mesh->triangle_count;
 	}
-	gi->info.triangles += count;
-	gi->info.invalid += invalid;
-	gi->info.flat += scene->meshes[mesh].index_count / 3 - count - invalid;
+	gi->info.triangles += mesh->triangle_count;
+	gi->info.invalid += mesh->invalid_count;
+	gi->info.flat += mesh->triangle_room - mesh->triangle_count - mesh->invalid_count;
+}
+
+static void part_add(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t index)
+{
+	if (!plan->instance && plan->shown)
+		mesh_add(gi, &scene->meshes[scene->part_mesh[index]], scene->part_mesh[index], &scene->part_transform[index]);
+	else if (!plan->instance)
+		mesh_add(gi, &mesh_of_nothing, STILB_SCENE_NONE, &scene->part_transform[index]);
+	part_set(gi, scene, plan, index);
 }
 
 /* The box around the boxes of all parts. Larger than needed for a rotated instance. */
@@ -333,7 +360,7 @@ static void box_of_parts(stilb_gi_scene *gi)
 	for (uint32_t i = 0; i < gi->part_count; i++) {
 		const gi_part *part = &gi->parts[i];
 		const gi_mesh *mesh = &gi->meshes[part->mesh];
-		for (uint32_t corner = 0; mesh->triangle_count > 0 && corner < 8; corner++) {
+		for (uint32_t corner = 0; mesh->triangle_count > 0 && !part->hidden && corner < 8; corner++) {
 			float point[3];
 			for (int axis = 0; axis < 3; axis++)
 				point[axis] = corner >> axis & 1 ? mesh->high[axis] : mesh->low[axis];
@@ -344,6 +371,43 @@ static void box_of_parts(stilb_gi_scene *gi)
 	}
 }
 
+/* A hash of all that lights are made of. Lights and surroundings are hashed as scene_revision.c hashes them: by their
+ * bytes, and a panorama by where its pixels are and by the count of its changes. */
+static uint64_t lights_hash(const stilb_scene *scene, const gi_emitter *emitters, uint32_t count)
+{
+	const stilb_scene_surroundings *around = &scene->surroundings;
+	const uint64_t numbers[] = {(uintptr_t)around->panorama.pixels, around->panorama.width, around->panorama.height,
+	                            scene->revisions.surroundings, scene->light_count};
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, emitters, count * sizeof *emitters);
+	hash = stilb_hash_fnv1a64(hash, scene->lights, scene->light_count * sizeof *scene->lights);
+	hash = stilb_hash_fnv1a64(hash, around->sky, sizeof around->sky);
+	hash = stilb_hash_fnv1a64(hash, around->ground, sizeof around->ground);
+	hash = stilb_hash_fnv1a64(hash, &around->rotation, sizeof around->rotation);
+	return stilb_hash_fnv1a64(hash, numbers, sizeof numbers);
+}
+
+static void lights_finish(stilb_gi_scene *gi)
+{
+	gi_lights_destroy(&gi->open_lights);
+	gi_lights_destroy(&gi->lights);
+	gi->lights_hash = 0;
+}
+
+/* Makes the tables of lights, unless they are there and as they would become. */
+static stilb_result lights_update(stilb_gi_scene *gi, const stilb_scene *scene, const gi_emitter *emitters)
+{
+	uint64_t hash = lights_hash(scene, emitters, gi->info.lights);
+	if (gi->lights.environment && gi->lights_hash == hash)
+		return STILB_OK;
+	lights_finish(gi);
+	stilb_result result = gi_lights_create(scene, emitters, gi->info.lights, &gi->lights);
+	if (result == STILB_OK)
+		result = gi_lights_create_open(scene, &gi->lights, &gi->open_lights);
+	gi->lights_hash = hash;
+	return result;
+}
+
+/* The list of emitting triangles, and what is made of it and of the scene's lights. */
 static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 {
 	PROFILE("gi.lights");
@@ -362,11 +426,19 @@ static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 			memcpy(emitter->emission, gi->materials[part->material].emission, sizeof emitter->emission);
 		}
 	}
-	stilb_result result = gi_lights_create(scene, emitters, gi->info.lights, &gi->lights);
+	stilb_result result = lights_update(gi, scene, emitters);
 	free(emitters);
-	if (result == STILB_OK)
-		result = gi_lights_create_open(scene, &gi->lights, &gi->open_lights);
 	gi->info.lights += gi->lights.listed_count;
+	return result;
+}
+
+/* What is behind everything, in place of what was. */
+static stilb_result backdrop_make(stilb_gi_scene *gi, const stilb_scene *scene)
+{
+	gi_backdrop *backdrop;
+	stilb_result result = gi_backdrop_create(scene, &backdrop);
+	gi_backdrop_destroy(gi->backdrop);
+	gi->backdrop = backdrop;
 	return result;
 }
 
@@ -386,48 +458,89 @@ static stilb_result gi_scene_allocate(stilb_gi_scene *gi, const stilb_scene *sce
 	if (!gi->meshes || !gi->parts || !gi->materials || !gi->vertices || !gi->triangles)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %llu triangles",
 		                  (unsigned long long)plan->triangles);
-	gi->info.bytes = vertices * sizeof *gi->vertices + triangles * sizeof *gi->triangles + parts * sizeof *gi->parts +
-	                 meshes * sizeof *gi->meshes;
+	gi->own_bytes = vertices * sizeof *gi->vertices + triangles * sizeof *gi->triangles + parts * sizeof *gi->parts +
+	                meshes * sizeof *gi->meshes;
 	return STILB_OK;
 }
 
-static stilb_result gi_scene_fill(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan)
+static bool is_given_up(const stilb_gi_scene_desc *desc)
 {
-	PROFILE("gi.triangles");
-	stilb_result result = gi_scene_allocate(gi, scene, plan);
-	if (result != STILB_OK)
-		return result;
-	memcpy(gi->materials, scene->materials, scene->material_count * sizeof *gi->materials);
+	return desc->give_up && desc->give_up(desc->user);
+}
+
+static stilb_result fail_given_up(void)
+{
+	return stilb_fail(STILB_ERROR_GIVEN_UP, "the scene was given up while it was made ready for rays");
+}
+
+/* Copies what may change at no cost. There is room for the materials. */
+static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
+{
+	if (scene->material_count > 0)
+		memcpy(gi->materials, scene->materials, scene->material_count * sizeof *gi->materials);
 	gi->material_count = scene->material_count;
 	gi->textures = scene->textures;
 	gi->texture_count = scene->texture_count;
+	gi->info = (stilb_gi_scene_info){.isa = gi->info.isa, .bytes = gi->own_bytes};
+}
+
+static stilb_result gi_scene_fill(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
+                                  const mesh_plan *plan)
+{
+	PROFILE("gi.triangles");
+	uint64_t copied = 0;
+	stilb_result result = gi_scene_allocate(gi, scene, plan);
+	if (result != STILB_OK)
+		return result;
+	gi_scene_copy(gi, scene);
 	stilb_mat4 identity = stilb_mat4_identity();
 	for (uint32_t mesh = 0; mesh < scene->mesh_count; mesh++)
 		if (plan->shared[mesh])
-			mesh_add(gi, &scene->meshes[mesh], &identity);
+			mesh_add(gi, &scene->meshes[mesh], mesh, &identity);
 	gi->part_count = scene->part_count;
-	for (uint32_t part = 0; part < scene->part_count; part++)
-		part_add(gi, scene, plan, part);
-	STILB_ASSERT(gi->mesh_count == plan->meshes &&
-	             gi->info.triangles + gi->info.flat + gi->info.invalid >= plan->triangles);
+	for (uint32_t part = 0; part < scene->part_count; part++) {
+		part_add(gi, scene, &plan->parts[part], part);
+		copied += gi->meshes[gi->parts[part].mesh].triangle_count;
+		if (copied < ASK_TRIANGLES)
+			continue;
+		copied = 0;
+		if (is_given_up(desc))
+			return fail_given_up();
+	}
+	STILB_ASSERT(gi->mesh_count == plan->meshes);
 	box_of_parts(gi);
 	return STILB_OK;
 }
 
-static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc)
+static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
+                                  const mesh_plan *plan)
 {
-	mesh_plan plan;
-	stilb_result result = plan_make(scene, &plan);
-	if (result == STILB_OK)
-		result = gi_scene_fill(gi, scene, &plan);
-	plan_finish(&plan);
+	gi->movable = desc->movable;
+	gi->geometry = scene->revisions.geometry;
+	stilb_result result = gi_scene_fill(gi, scene, desc, plan);
 	if (result == STILB_OK)
 		result = lights_make(gi, scene);
 	if (result == STILB_OK)
-		result = gi_backdrop_create(scene, &gi->backdrop);
+		result = backdrop_make(gi, scene);
+	if (result == STILB_OK && is_given_up(desc))
+		result = fail_given_up();
 	if (result == STILB_OK)
 		result = desc->intersector->create(gi, desc, &gi->tracer, &gi->info);
 	return result;
+}
+
+/* Leaves a scene of nothing, whose owner and intersector stay. */
+static void gi_scene_clear(stilb_gi_scene *gi)
+{
+	gi->intersector->destroy(&gi->tracer);
+	gi_backdrop_destroy(gi->backdrop);
+	lights_finish(gi);
+	free(gi->meshes);
+	free(gi->parts);
+	free(gi->materials);
+	free(gi->vertices);
+	free(gi->triangles);
+	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector};
 }
 
 /* All indices are in range, and every triangle can be hit. For STILB_CHECK. */
@@ -480,7 +593,11 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene");
 	stilb_owner_take(&gi->owner);
 	gi->intersector = desc->intersector;
-	stilb_result result = gi_scene_make(gi, scene, desc);
+	mesh_plan plan;
+	stilb_result result = plan_make(scene, desc->movable, &plan);
+	if (result == STILB_OK)
+		result = gi_scene_make(gi, scene, desc, &plan);
+	plan_finish(&plan);
 	if (result != STILB_OK) {
 		stilb_gi_scene_destroy(gi);
 		return result;
@@ -490,20 +607,114 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 	return STILB_OK;
 }
 
+/* ---- updates ----------------------------------------------------------------------------------------------------- */
+
+static bool is_same_place(const stilb_mat4 *a, const stilb_mat4 *b)
+{
+	return memcmp(a, b, sizeof *a) == 0;
+}
+
+/* True if all parts keep their meshes, so that these need not be made anew; of a scene that is not movable also if no
+ * part has moved. */
+static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
+                        const mesh_plan *plan)
+{
+	if (gi->broken || gi->movable != desc->movable || gi->geometry != scene->revisions.geometry ||
+	    gi->part_count != scene->part_count || gi->mesh_count != plan->meshes)
+		return false;
+	for (uint32_t i = 0; i < gi->part_count; i++) {
+		const gi_part *part = &gi->parts[i];
+		const part_plan *to = &plan->parts[i];
+		uint32_t source = to->shown || to->instance ? scene->part_mesh[i] : STILB_SCENE_NONE;
+		if (part->mesh != to->mesh || part->instance != to->instance || gi->meshes[to->mesh].source != source)
+			return false;
+		bool moved = source != STILB_SCENE_NONE && !is_same_place(&part->to_world, &scene->part_transform[i]);
+		if (!gi->movable && moved)
+			return false;
+	}
+	return true;
+}
+
+/* Fills in all parts, and makes the copies of those that have moved anew. *moved: room for all parts; gets those that
+ * rays shall see elsewhere, or no more, or again. */
+static uint32_t update_parts(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t *moved)
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < gi->part_count; i++) {
+		const gi_part *part = &gi->parts[i];
+		const part_plan *to = &plan->parts[i];
+		bool there = to->shown || to->instance, hidden = part->hidden;
+		bool same = !there || is_same_place(&part->to_world, &scene->part_transform[i]);
+		if (!same && !to->instance)
+			mesh_fill(&gi->meshes[to->mesh], &scene->meshes[scene->part_mesh[i]], &scene->part_transform[i]);
+		part_set(gi, scene, to, i);
+		if (!same || hidden != part->hidden)
+			moved[count++] = i;
+	}
+	box_of_parts(gi);
+	return count;
+}
+
+static stilb_result update_room(stilb_gi_scene *gi, const stilb_scene *scene)
+{
+	stilb_scene_material *materials =
+		realloc(gi->materials, ((size_t)scene->material_count + 1) * sizeof *gi->materials);
+	if (!materials)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u materials", scene->material_count);
+	gi->materials = materials;
+	return STILB_OK;
+}
+
+/* Brings a scene up to date whose parts keep their meshes. */
+static stilb_result update_in_place(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
+                                    const mesh_plan *plan)
+{
+	uint32_t *moved = malloc(((size_t)gi->part_count + 1) * sizeof *moved);
+	if (!moved)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u parts", gi->part_count);
+	uint64_t bytes = gi->info.bytes;
+	stilb_result result = update_room(gi, scene);
+	if (result == STILB_OK) {
+		gi_scene_copy(gi, scene);
+		uint32_t count = update_parts(gi, scene, plan, moved);
+		result = lights_make(gi, scene);
+		if (result == STILB_OK)
+			result = backdrop_make(gi, scene);
+		if (result == STILB_OK && count > 0)
+			result = gi->intersector->update(gi, moved, count, desc, &gi->tracer, &gi->info);
+		else
+			gi->info.bytes = bytes;
+	}
+	free(moved);
+	return result;
+}
+
+stilb_result stilb_gi_scene_update(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc)
+{
+	STILB_ASSERT(gi && scene && desc && desc->pool);
+	STILB_ASSERT(desc->intersector == gi->intersector && "a scene keeps its intersector");
+	STILB_ASSERT_OWNER(gi->owner);
+	PROFILE("gi.update");
+	mesh_plan plan;
+	stilb_result result = plan_make(scene, desc->movable, &plan);
+	if (result == STILB_OK && update_fits(gi, scene, desc, &plan)) {
+		result = update_in_place(gi, scene, desc, &plan);
+	} else if (result == STILB_OK) {
+		gi_scene_clear(gi);
+		result = gi_scene_make(gi, scene, desc, &plan);
+	}
+	plan_finish(&plan);
+	gi->broken = result != STILB_OK;
+	STILB_CHECK(gi->broken || gi_scene_is_sound(gi));
+	return result;
+}
+
 void stilb_gi_scene_destroy(stilb_gi_scene *scene)
 {
 	if (!scene)
 		return;
 	STILB_ASSERT_OWNER(scene->owner);
-	scene->intersector->destroy(&scene->tracer);
-	gi_backdrop_destroy(scene->backdrop);
-	gi_lights_destroy(&scene->open_lights);
-	gi_lights_destroy(&scene->lights);
-	free(scene->meshes);
-	free(scene->parts);
-	free(scene->materials);
-	free(scene->vertices);
-	free(scene->triangles);
+	gi_scene_clear(scene);
 	free(scene);
 }
 

@@ -1,8 +1,9 @@
 /*
  * gi_scene: a scene made ready for ray tracing: its triangles in an acceleration structure, its lights in tables.
  *
- * Life cycle.  stilb_gi_scene_create -> any number of renders (gi_render.h) -> stilb_gi_scene_destroy. It does not
- *              change in between: a scene that moves is created again.
+ * Life cycle.  stilb_gi_scene_create -> any number of renders (gi_render.h) -> stilb_gi_scene_update after edits of the
+ *              scene, and renders again -> stilb_gi_scene_destroy. In between it does not change, whatever becomes of
+ *              the scene, but for pixels.
  *
  *   stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
  *   stilb_gi_scene *gi_scene;
@@ -13,8 +14,18 @@
  *
  * Build.       Embree (the ray tracing library) builds its tree on the pool's threads, one job pinned to each, and
  *              keeps no threads of its own.
- * Threads.     create and destroy: [main-thread] of the pool, or a thread outside it (desc.caller), the same one. A
- *              created scene is read by any thread.
+ * Moving.      With desc.movable, what moves costs the top of the tree, not the triangles:
+ *
+ *   desc.movable = true;
+ *   result = stilb_gi_scene_create(scene, &desc, &gi_scene);
+ *   while (result == STILB_OK && next_picture(scene)) {        moves models: scene_edit.h
+ *       result = stilb_gi_scene_update(gi_scene, scene, &desc);
+ *       if (result == STILB_OK)
+ *           result = render_picture(gi_scene);                 stilb_gi_render_create ... _destroy
+ *   }
+ *
+ * Threads.     create, update and destroy: [main-thread] of the pool, or a thread outside it (desc.caller), the same
+ *              one. In between the scene is read by any thread.
  */
 #ifndef STILB_GI_SCENE_H
 #define STILB_GI_SCENE_H
@@ -61,6 +72,15 @@ typedef struct stilb_gi_scene_desc {
 	stilb_gi_isa isa;
 	/* Bytes that Embree may take; 0: what the machine has free (MemAvailable). */
 	uint64_t memory;
+	/* Models will move: each part whose transform is nearly a similarity and which does not shine is traced as an
+	 * instance of its mesh, with a tree of its own, and the others have trees of their own. Updates are cheap then,
+	 * rays cost more, and where a part is an instance only because of this, numbers are rounded otherwise: pictures
+	 * differ in their last bits from those of the same scene without movable. */
+	bool movable;
+	/* Asked again and again in create and update, on any thread that builds, several at once; true: the caller gives it
+	 * up, which is STILB_ERROR_GIVEN_UP within milliseconds. NULL: never. */
+	bool (*give_up)(void *user);
+	void *user;
 } stilb_gi_scene_desc;
 
 /* Embree, the widest instruction set, all free memory. [any-thread] */
@@ -79,7 +99,7 @@ typedef struct stilb_gi_scene_info {
 	uint64_t bytes;
 	/* Emitting triangles, and lights of the list that shine and have no face. */
 	uint32_t lights;
-	/* Seconds in Embree's build. */
+	/* Seconds in Embree's build, that of the last update; 0: it has built nothing. */
 	double build_s;
 	/* Embree's instruction set, "avx512", ...; "none" for brute. */
 	const char *isa;
@@ -91,8 +111,19 @@ typedef struct stilb_gi_scene_info {
  * its panorama, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
  * more than 65,536 triangles.
  * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, a panorama that has no
- * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails. Then *out is NULL. [main-thread] */
+ * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails; STILB_ERROR_GIVEN_UP. Then *out is NULL.
+ * [main-thread] */
 stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scene_desc *desc, stilb_gi_scene **out);
+
+/* Brings it up to date with the scene that it was created from, which was edited (scene_edit.h; where nodes have moved,
+ * stilb_scene_update_nodes comes first): pictures are those of a scene that is created now, bit for bit. No render of
+ * it may exist. desc: as for create, of any pool; intersector, isa and memory stay as they were.
+ * What it costs: after other materials, lights or surroundings nothing is built. In a movable scene, after models were
+ * moved, hidden or shown, only the top of the tree is, and the triangles of those parts that are no instances; 10,000
+ * parts take some milliseconds. All else, as models and meshes that come, go or change, is built anew.
+ * After an error only update, which then builds all of it, and destroy may follow. Errors: as of create.
+ * [main-thread], the one that created it. */
+stilb_result stilb_gi_scene_update(stilb_gi_scene *gi_scene, const stilb_scene *scene, const stilb_gi_scene_desc *desc);
 
 /* After all renders of it. Accepts NULL. [main-thread], the one that created it. */
 void stilb_gi_scene_destroy(stilb_gi_scene *scene);

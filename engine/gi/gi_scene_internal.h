@@ -1,6 +1,6 @@
 /*
  * gi_scene_internal: the scene in the form that rays are traced in: meshes, parts, materials, lights, and the
- * interface of intersectors. Written by stilb_gi_scene_create, then read by any thread.
+ * interface of intersectors. Written by stilb_gi_scene_create and _update, then read by any thread.
  */
 #ifndef STILB_GI_SCENE_INTERNAL_H
 #define STILB_GI_SCENE_INTERNAL_H
@@ -23,7 +23,9 @@ typedef struct gi_mesh {
 	const stilb_scene_vertex *vertices;
 	const gi_triangle *triangles;
 	uint32_t vertex_count, triangle_count;
+	uint32_t triangle_room; /* triangles that its array has room for: those that it was made of */
 	uint32_t invalid_count; /* triangles left out because a corner is NaN, infinite, too far away or missing */
+	uint32_t source;        /* index in the scene of the mesh that it was made of; STILB_SCENE_NONE: of none */
 	float low[3], high[3];  /* box around its triangles; low > high: there are none */
 } gi_mesh;
 
@@ -35,6 +37,7 @@ typedef struct gi_part {
 	uint32_t mesh, material;
 	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
 	bool instance;        /* triangles are in the mesh's space, not in the world's; false for all emitting parts */
+	bool hidden;          /* rays do not see it */
 	bool plain;           /* neither an instance nor textured: gi_primary shades it without calling gi_surface_at */
 	float albedo[4];      /* of a plain part: diffuse + specular */
 	float stretch;        /* of an instance: upper bound of the factor by which to_world lengthens a vector */
@@ -59,6 +62,11 @@ struct stilb_gi_scene {
 	stilb_gi_scene_info info;
 	stilb_scene_vertex *vertices; /* of all meshes, in their order */
 	gi_triangle *triangles;       /* likewise */
+	uint64_t own_bytes;           /* of these arrays, meshes and parts */
+	/* What it was made of, and how, for updates. */
+	bool movable, broken; /* broken: the last update failed */
+	uint64_t geometry;    /* the scene's count of changes of its meshes */
+	uint64_t lights_hash; /* of all that lights were made of */
 };
 
 /* An intersector: a method to find what rays hit. create builds its acceleration structure for a scene whose meshes and
@@ -68,6 +76,10 @@ struct stilb_gi_intersector {
 	const char *name;
 	stilb_result (*create)(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
 	                       stilb_gi_scene_info *info);
+	/* After these parts of a movable scene have moved, been hidden or shown again; meshes that are not shared, and
+	 * lights, have been made anew. Only destroy may follow an error. */
+	stilb_result (*update)(const stilb_gi_scene *gi, const uint32_t *moved, uint32_t moved_count,
+	                       const stilb_gi_scene_desc *desc, gi_tracer *tracer, stilb_gi_scene_info *info);
 	void (*destroy)(gi_tracer *tracer);
 };
 

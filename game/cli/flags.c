@@ -355,6 +355,7 @@ int exit_code_of(stilb_result result)
 	case STILB_ERROR_MEMORY:
 	case STILB_ERROR_DEVICE_LOST:
 	case STILB_ERROR_THREAD:
+	case STILB_ERROR_GIVEN_UP:
 		break;
 	}
 	return EXIT_FAILED;

@@ -65,7 +65,7 @@ static void test_result_text(void **state)
 	(void)state;
 	assert_string_equal(stilb_result_text(STILB_OK), "ok");
 	assert_string_equal(stilb_result_text(STILB_ERROR_DEVICE_LOST), "device lost");
-	for (int a = STILB_OK; a <= STILB_ERROR_THREAD; a++)
+	for (int a = STILB_OK; a <= STILB_ERROR_GIVEN_UP; a++)
 		for (int b = STILB_OK; b < a; b++)
 			assert_string_not_equal(stilb_result_text((stilb_result)a), stilb_result_text((stilb_result)b));
 	assert_string_equal(stilb_result_text((stilb_result)999), "unknown result");

@@ -340,6 +340,7 @@ static void test_exit_codes(void **state)
 	assert_int_equal(exit_code_of(STILB_ERROR_WINDOW), 2);
 	assert_int_equal(exit_code_of(STILB_ERROR_MEMORY), 1);
 	assert_int_equal(exit_code_of(STILB_ERROR_THREAD), 1);
+	assert_int_equal(exit_code_of(STILB_ERROR_GIVEN_UP), 1);
 	assert_int_equal(exit_code_of(STILB_ERROR_DEVICE_LOST), 1);
 }
 

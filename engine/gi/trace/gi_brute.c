@@ -122,7 +122,7 @@ static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 	STILB_ASSERT(index < gi->part_count);
 	const gi_part *part = &gi->parts[index];
 	const gi_mesh *mesh = &gi->meshes[part->mesh];
-	for (uint32_t k = 0; k < mesh->triangle_count; k++) {
+	for (uint32_t k = 0; k < mesh->triangle_count && !part->hidden; k++) {
 		brute_triangle *triangle = &state->triangles[state->count++];
 		double v1[3], v2[3];
 		brute_corner(part, mesh->vertices[mesh->triangles[k].vertex[0]].position, triangle->v0);
@@ -158,6 +158,18 @@ static stilb_result brute_create(const stilb_gi_scene *gi, const stilb_gi_scene_
 static void brute_destroy(gi_tracer *tracer)
 {
 	free(tracer->state);
+	*tracer = (gi_tracer){0};
 }
 
-const stilb_gi_intersector stilb_gi_brute = {.name = "brute", .create = brute_create, .destroy = brute_destroy};
+/* stilb_gi_intersector.update: it has no tree, so all is made anew. */
+static stilb_result brute_update(const stilb_gi_scene *gi, const uint32_t *moved, uint32_t moved_count,
+                                 const stilb_gi_scene_desc *desc, gi_tracer *tracer, stilb_gi_scene_info *info)
+{
+	(void)moved;
+	(void)moved_count;
+	brute_destroy(tracer);
+	return brute_create(gi, desc, tracer, info);
+}
+
+const stilb_gi_intersector stilb_gi_brute = {
+	.name = "brute", .create = brute_create, .update = brute_update, .destroy = brute_destroy};

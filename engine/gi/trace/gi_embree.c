@@ -5,6 +5,9 @@
  * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one
  *           pinned job each. A worker that comes late finds it done and returns at once, so none waits for another to
  *           arrive.
+ * Movable.  Then every mesh has a tree of its own, and the scene's tree holds instances alone: also of the meshes of
+ *           one part, which are in world space and stay where they are. A move builds the scene's tree again, and the
+ *           trees of meshes that were made anew.
  * Robust.   The tree's robust mode: no ray passes between two triangles that share an edge.
  */
 #include "gi/trace/gi_embree.h"
@@ -23,21 +26,27 @@
 typedef struct embree {
 	RTCDevice device;
 	RTCScene scene;
-	RTCScene *shared; /* [mesh_count] tree of a mesh that instances share, else NULL */
+	RTCScene *shared; /* [mesh_count] tree of a mesh that instances show, else NULL */
 	uint32_t mesh_count;
 	const gi_part *parts;
+	bool *attached; /* [part_count] rays see it: the scene's tree has a geometry of the part's index */
 	uint32_t part_count;
-	uint32_t workers;
+	uint32_t workers; /* threads that build at most: those that the device was made for */
+	bool movable;
+	const stilb_gi_scene_desc *desc; /* of the create or update that runs; else NULL */
 	/* Written by all threads that build. Relaxed: they are read after the wait for the build's jobs, which orders the
 	 * stores before the reads. */
 	_Atomic int64_t bytes; /* memory that Embree has now */
 	_Atomic int error;     /* the first RTCError */
+	_Atomic bool given_up; /* by desc->give_up */
 	int64_t bytes_max;     /* that it may have */
 	bool scarce;           /* bytes_max may be too little for this scene */
 } embree;
 
 #define EMBREE_BYTES                                                                                                   \
 	512.0 /* for a triangle or an instance while the tree is built, with room to spare (a finished one has some 100) */
+
+#define EMBREE_ALONE 4096u /* primitives of a tree that is not worth waking the workers */
 
 /* ---- rays -------------------------------------------------------------------------------------------------------- */
 
@@ -164,9 +173,10 @@ static void embree_intersect_instances(const gi_tracer *tracer, gi_ray_hit *ray)
 	embree_intersect(tracer, ray);
 	if (!gi_is_hit(ray) || ray->hit.instance == GI_NO_PART)
 		return;
-	STILB_ASSERT(ray->hit.instance < state->part_count && state->parts[ray->hit.instance].instance);
+	STILB_ASSERT(ray->hit.instance < state->part_count && state->attached[ray->hit.instance]);
 	ray->hit.part = ray->hit.instance;
-	embree_normal(&state->parts[ray->hit.part], &ray->hit.normal[0], &ray->hit.normal[1], &ray->hit.normal[2]);
+	if (state->parts[ray->hit.part].instance)
+		embree_normal(&state->parts[ray->hit.part], &ray->hit.normal[0], &ray->hit.normal[1], &ray->hit.normal[2]);
 }
 
 static void embree_intersect16_instances(const gi_tracer *tracer, const int *valid, gi_ray_hit16 *rays)
@@ -180,9 +190,10 @@ static void embree_intersect16_instances(const gi_tracer *tracer, const int *val
 		uint32_t part = hit->instance[i];
 		if (!valid[i] || hit->part[i] == GI_NO_PART || part == GI_NO_PART)
 			continue;
-		STILB_ASSERT(part < state->part_count && state->parts[part].instance);
+		STILB_ASSERT(part < state->part_count && state->attached[part]);
 		hit->part[i] = part;
-		embree_normal(&state->parts[part], &hit->normal[0][i], &hit->normal[1][i], &hit->normal[2][i]);
+		if (state->parts[part].instance)
+			embree_normal(&state->parts[part], &hit->normal[0][i], &hit->normal[1][i], &hit->normal[2][i]);
 	}
 }
 
@@ -240,6 +251,18 @@ static bool embree_on_memory(void *user, ssize_t bytes, bool post)
 	return post || bytes <= 0 || now <= state->bytes_max;
 }
 
+/* RTCProgressMonitorFunction: false ends the build. */
+static bool embree_on_progress(void *user, double done)
+{
+	embree *state = user;
+	(void)done;
+	if (atomic_load_explicit(&state->given_up, memory_order_relaxed))
+		return false;
+	if (state->desc->give_up(state->desc->user))
+		atomic_store_explicit(&state->given_up, true, memory_order_relaxed);
+	return !atomic_load_explicit(&state->given_up, memory_order_relaxed);
+}
+
 /* Bytes that the machine has free, by /proc/meminfo; INT64_MAX if that cannot be read. */
 static int64_t embree_memory(void)
 {
@@ -253,8 +276,15 @@ static int64_t embree_memory(void)
 	return kilobytes > 0 ? (int64_t)kilobytes * 1024 : INT64_MAX;
 }
 
+static bool embree_is_given_up(const embree *state)
+{
+	return atomic_load_explicit(&state->given_up, memory_order_relaxed);
+}
+
 static stilb_result embree_result(const embree *state)
 {
+	if (embree_is_given_up(state))
+		return stilb_fail(STILB_ERROR_GIVEN_UP, "the tree of the scene's triangles was given up");
 	switch (atomic_load_explicit(&state->error, memory_order_relaxed)) {
 	case RTC_ERROR_NONE:
 		return STILB_OK;
@@ -295,15 +325,22 @@ static void embree_join(void *data, uint32_t worker)
 	rtcJoinCommitScene(data);
 }
 
-/* Builds the tree of an Embree scene; every thread of the pool joins, by a job pinned to it. Where there is no memory
- * for such a job, its thread does not take part. If memory may not suffice for the tree, this thread builds alone:
- * Embree 3.13 breaks down when it is refused memory while several threads build. */
-static void embree_commit(embree *state, const stilb_gi_scene_desc *desc, RTCScene scene)
+/* Builds the tree of an Embree scene of so many primitives; every thread of the pool joins, by a job pinned to it.
+ * Where there is no memory for such a job, its thread does not take part. If memory may not suffice for the tree, this
+ * thread builds alone: Embree 3.13 breaks down when it is refused memory while several threads build. */
+static void embree_commit(embree *state, RTCScene scene, uint64_t primitives)
 {
 	PROFILE("gi.build");
+	const stilb_gi_scene_desc *desc = state->desc;
 	stilb_job_group group = {0};
+	bool alone = state->scarce || primitives < EMBREE_ALONE;
 	uint32_t first = desc->caller == STILB_JOB_OUTSIDE ? 2 : 1; /* as many threads as the pool has workers */
-	for (uint32_t worker = first; worker < state->workers && !state->scarce; worker++) {
+	uint32_t workers = stilb_job_pool_worker_count(desc->pool) + 1;
+	workers = workers < state->workers ? workers : state->workers; /* an update may come with another pool */
+	if (embree_is_given_up(state))
+		return;
+	rtcSetSceneProgressMonitorFunction(scene, desc->give_up ? embree_on_progress : NULL, state);
+	for (uint32_t worker = first; worker < workers && !alone; worker++) {
 		stilb_job_options options = {.pinned = true, .target = worker};
 		stilb_job_submit_with(desc->pool, embree_join, scene, &group, &options, desc->caller);
 	}
@@ -337,54 +374,59 @@ static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mes
 	embree_attach(scene, geometry, id);
 }
 
+/* Builds the tree of a mesh of its own, unless it is there. */
+static void embree_share(embree *state, const gi_mesh *mesh, uint32_t index)
+{
+	STILB_ASSERT(index < state->mesh_count);
+	if (state->shared[index])
+		return;
+	state->shared[index] = embree_scene(state);
+	embree_attach_mesh(state, state->shared[index], mesh, 0);
+	embree_commit(state, state->shared[index], mesh->triangle_count);
+}
+
+/* Gives an instance of a part its tree and its place. */
+static void embree_place(const embree *state, RTCGeometry geometry, const gi_part *part)
+{
+	STILB_ASSERT(part->mesh < state->mesh_count && state->shared[part->mesh] && "the mesh has a tree of its own");
+	stilb_mat4 place = part->instance ? part->to_world : stilb_mat4_identity();
+	rtcSetGeometryInstancedScene(geometry, state->shared[part->mesh]);
+	rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, place.m);
+}
+
 static void embree_attach_instance(embree *state, const gi_part *part, uint32_t id)
 {
-	STILB_ASSERT(part->instance && part->mesh < state->mesh_count);
-	STILB_ASSERT(state->shared[part->mesh] && "the mesh has a tree of its own");
 	RTCGeometry geometry = rtcNewGeometry(state->device, RTC_GEOMETRY_TYPE_INSTANCE);
-	rtcSetGeometryInstancedScene(geometry, state->shared[part->mesh]);
-	rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, part->to_world.m);
+	embree_place(state, geometry, part);
 	embree_attach(state->scene, geometry, id);
 }
 
-/* Adds all parts to Embree's scene, whose tree the caller builds, and builds the trees of the meshes that instances
- * share. True: some parts are instances. */
-static bool embree_fill(embree *state, const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc)
+/* Shows a part of the scene in Embree's scene, whose tree the caller builds, as it is now: also if it was another way
+ * before, or not there. */
+static void embree_show(embree *state, const stilb_gi_scene *gi, uint32_t id)
 {
-	bool instances = false;
-	state->scene = embree_scene(state);
-	for (uint32_t i = 0; i < gi->part_count; i++) {
-		const gi_part *part = &gi->parts[i];
-		const gi_mesh *mesh = &gi->meshes[part->mesh];
-		if (mesh->triangle_count == 0)
-			continue;
-		if (!part->instance) {
-			embree_attach_mesh(state, state->scene, mesh, i);
-			continue;
-		}
-		instances = true;
-		if (!state->shared[part->mesh]) {
-			state->shared[part->mesh] = embree_scene(state);
-			embree_attach_mesh(state, state->shared[part->mesh], mesh, 0);
-			embree_commit(state, desc, state->shared[part->mesh]);
-		}
-		embree_attach_instance(state, part, i);
+	const gi_part *part = &gi->parts[id];
+	const gi_mesh *mesh = &gi->meshes[part->mesh];
+	bool shown = !part->hidden && mesh->triangle_count > 0, before = state->attached[id];
+	state->attached[id] = shown;
+	if (!shown) {
+		if (before)
+			rtcDetachGeometry(state->scene, id);
+		return;
 	}
-	return instances;
-}
-
-static stilb_result embree_build(embree *state, const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc,
-                                 gi_tracer *tracer, stilb_gi_scene_info *info)
-{
-	uint64_t begin = stilb_time_ns();
-	bool instances = embree_fill(state, gi, desc);
-	embree_commit(state, desc, state->scene);
-	info->build_s = (double)(stilb_time_ns() - begin) * 1e-9;
-	info->bytes += (uint64_t)atomic_load_explicit(&state->bytes, memory_order_relaxed);
-	tracer->intersect = instances ? embree_intersect_instances : embree_intersect;
-	tracer->intersect16 = instances ? embree_intersect16_instances : embree_intersect16;
-	tracer->occluded = embree_occluded;
-	return embree_result(state);
+	if (!part->instance && !state->movable) {
+		STILB_ASSERT(!before);
+		embree_attach_mesh(state, state->scene, mesh, id);
+		return;
+	}
+	embree_share(state, mesh, part->mesh);
+	if (!before) {
+		embree_attach_instance(state, part, id);
+		return;
+	}
+	RTCGeometry geometry = rtcGetGeometry(state->scene, id);
+	embree_place(state, geometry, part);
+	rtcCommitGeometry(geometry);
 }
 
 /* Number of triangles and instances in all trees. */
@@ -396,35 +438,79 @@ static uint64_t embree_primitives(const stilb_gi_scene *gi)
 	return count;
 }
 
+/* Builds the scene's tree, and says how. */
+static stilb_result embree_build(embree *state, uint64_t begin, gi_tracer *tracer, stilb_gi_scene_info *info)
+{
+	bool instances = state->movable;
+	for (uint32_t i = 0; i < state->part_count && !instances; i++)
+		instances = state->parts[i].instance;
+	embree_commit(state, state->scene, UINT64_MAX);
+	info->build_s = (double)(stilb_time_ns() - begin) * 1e-9;
+	info->bytes += (uint64_t)atomic_load_explicit(&state->bytes, memory_order_relaxed);
+	tracer->intersect = instances ? embree_intersect_instances : embree_intersect;
+	tracer->intersect16 = instances ? embree_intersect16_instances : embree_intersect16;
+	tracer->occluded = embree_occluded;
+	state->desc = NULL;
+	return embree_result(state);
+}
+
 static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
                                   stilb_gi_scene_info *info)
 {
 	STILB_ASSERT(!tracer->state && "a tracer is created once");
 	STILB_ASSERT(desc->pool);
 	stilb_gi_isa isa = desc->isa;
+	uint64_t begin = stilb_time_ns();
 	stilb_result result = embree_isa(&isa);
 	if (result != STILB_OK)
 		return result;
 	embree *state = calloc(1, sizeof *state);
 	RTCScene *shared = calloc((size_t)gi->mesh_count + 1, sizeof *shared);
-	if (!state || !shared) {
+	bool *attached = calloc((size_t)gi->part_count + 1, sizeof *attached);
+	if (!state || !shared || !attached) {
 		free(state);
 		free(shared);
+		free(attached);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", gi->mesh_count);
 	}
 	*state = (embree){.shared = shared,
 	                  .mesh_count = gi->mesh_count,
 	                  .parts = gi->parts,
+	                  .attached = attached,
 	                  .part_count = gi->part_count,
 	                  .workers = stilb_job_pool_worker_count(desc->pool) + 1,
+	                  .movable = desc->movable,
+	                  .desc = desc,
 	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
 	tracer->state = state;
 	info->isa = embree_isa_names[isa];
 	state->scarce = EMBREE_BYTES * (double)embree_primitives(gi) > (double)state->bytes_max;
 	result = embree_device(state, info->isa);
-	if (result == STILB_OK)
-		result = embree_build(state, gi, desc, tracer, info);
-	return result;
+	if (result != STILB_OK)
+		return result;
+	state->scene = embree_scene(state);
+	for (uint32_t i = 0; i < gi->part_count && !embree_is_given_up(state); i++)
+		embree_show(state, gi, i);
+	return embree_build(state, begin, tracer, info);
+}
+
+/* stilb_gi_intersector.update */
+static stilb_result embree_update(const stilb_gi_scene *gi, const uint32_t *moved, uint32_t moved_count,
+                                  const stilb_gi_scene_desc *desc, gi_tracer *tracer, stilb_gi_scene_info *info)
+{
+	embree *state = tracer->state;
+	STILB_ASSERT(state->movable && state->parts == gi->parts && "parts that move are instances");
+	uint64_t begin = stilb_time_ns();
+	state->desc = desc;
+	for (uint32_t i = 0; i < moved_count && !embree_is_given_up(state); i++) {
+		const gi_part *part = &gi->parts[moved[i]];
+		if (!part->instance && state->shared[part->mesh]) { /* its triangles are in the world, and new ones */
+			rtcReleaseScene(state->shared[part->mesh]);
+			state->shared[part->mesh] = NULL;
+		}
+		embree_show(state, gi, moved[i]);
+	}
+	return embree_build(state, begin, tracer, info);
 }
 
 static void embree_destroy(gi_tracer *tracer)
@@ -440,10 +526,13 @@ static void embree_destroy(gi_tracer *tracer)
 	if (state->device)
 		rtcReleaseDevice(state->device);
 	free(state->shared);
+	free(state->attached);
 	free(state);
+	*tracer = (gi_tracer){0};
 }
 
-const stilb_gi_intersector stilb_gi_embree = {.name = "embree", .create = embree_create, .destroy = embree_destroy};
+const stilb_gi_intersector stilb_gi_embree = {
+	.name = "embree", .create = embree_create, .update = embree_update, .destroy = embree_destroy};
 
 stilb_gi_scene_desc stilb_gi_scene_desc_default(stilb_job_pool *pool)
 {
