@@ -14,6 +14,11 @@
 
 static const bench_metric build_metrics[] = {
 	{"stilb", "ms", true, NULL}, {"embree", "ms", true, NULL}, {"ratio", "x", true, NULL}};
+static const bench_metric move_metrics[] = {{"whole", "ms", true, NULL},
+                                            {"movable", "ms", true, NULL},
+                                            {"update", "ms", true, NULL},
+                                            {"ratio", "x", true, NULL},
+                                            {"rays", "x", false, NULL}};
 static const bench_metric rate_metrics[] = {
 	{"stilb", "Mrays/s", false, NULL}, {"embree", "Mrays/s", false, NULL}, {"ratio", "x", false, NULL}};
 static const bench_metric path_metrics[] = {{"stilb", "Mrays/s", false, NULL},
@@ -103,7 +108,8 @@ static void report(FILE *out, const bench_results *results)
 	for (size_t i = 0; i < COUNT(cases); i++)
 		report_case(out, results, &cases[i]);
 	fprintf(out,
-	        "\n  embree: the same rays by rtcIntersect1 and rtcOccluded1 on one thread, 1,037,244 triangles (build: "
+	        "\n  move: whole, movable: a new scene that is not and that is movable; rays: rates of movable / not\n"
+	        "  embree: the same rays by rtcIntersect1 and rtcOccluded1 on one thread, 1,037,244 triangles (build: "
 	        "rtcCommitScene; primary: rtcIntersect16)\n"
 	        "  baseline: a plain path tracer on Embree with PCG32 numbers, one light sample for each hit, multiple "
 	        "importance sampling, Russian roulette\n"

@@ -365,6 +365,8 @@ int main(int argc, char **argv)
 		bench_child_metric("samples", child.round); /* a run must print at least one metric */
 	} else if (is_case(&child, "build"))
 		gi_run_build(&child);
+	else if (is_case(&child, "move"))
+		gi_run_move(&child);
 	else if (is_case(&child, "primary"))
 		gi_run_primary(&child);
 	else if (is_case(&child, "path"))

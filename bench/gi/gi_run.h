@@ -82,6 +82,8 @@ gi_run_picture gi_plain_render(const gi_plain *plain, const stilb_gi_settings *s
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
 
 void gi_run_build(const bench_child *child);
+
+void gi_run_move(const bench_child *child);
 void gi_run_primary(const bench_child *child);
 void gi_run_path(const bench_child *child);
 
