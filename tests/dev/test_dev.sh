@@ -26,7 +26,7 @@ fresh_project() {
 	touch "$scratch"/project/tests/{gi,jobs,profiler,vm}/CMakeLists.txt
 	cp "$source/dev" "$source/packages.txt" "$scratch/project"
 	local tool
-	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nice nproc paste rm sed setarch sleep tail true xargs; do
+	for tool in awk bash cat chmod cut dirname env grep mkdir mkfifo mktemp nice nproc paste renice rm sed setarch sleep tail true xargs; do
 		ln -s "$(command -v "$tool")" "$scratch/bin/$tool"
 	done
 	awk '!/^#/ && NF { print "installed", $2 }' "$source/packages.txt" >"$scratch/installed"
@@ -315,6 +315,34 @@ test_summary() {
 		sleep 0.1
 	done
 	[ $tries -le 50 ] || fail "the analysis still runs"
+
+	fresh_project "builds go on while tests run"
+	stand_in ctest "
+		case \$* in *--print-labels*) echo '  unit' ; exit 0 ;; esac
+		tries=0
+		until grep -q '^cmake --build --preset arm64' '$calls' || [ \$((tries += 1)) -gt 500 ]; do sleep 0.01; done
+		[ \$tries -le 500 ] || exit 1
+		while [ \$# -gt 0 ]; do [ \$1 != --output-junit ] || cat '$scratch/junit-good' >\"\$2\"; shift; done"
+	dev 0 test
+	last_line "10 passed, 0 failed, 0 skipped"
+
+	fresh_project "the builds end with the rest"
+	rm -f "$scratch/building"
+	stand_in cmake "[[ \$* != '--build --preset clang '* ]] || { echo \$\$ >$scratch/building; exec sleep 100; }"
+	stand_in ctest "[[ \$* != *--print-labels* ]] || { echo '  unit'; exit 0; }
+		until [ -s $scratch/building ]; do sleep 0.01; done; kill \$PPID"
+	dev 143 test
+	tries=0
+	while kill -0 "$(cat "$scratch/building")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
+		sleep 0.1
+	done
+	[ $tries -le 50 ] || fail "a build still runs"
+
+	fresh_project "the first build fails"
+	stand_in cmake '[ "$2" != release ]'
+	dev 1 test
+	grep -q '^unit      failed   the build release failed' "$scratch/out" || fail "no line for the tier"
+	last_line "8 passed, 7 failed, 0 skipped"
 
 	fresh_project quick
 	dev 0 test --quick
