@@ -38,7 +38,7 @@ static const stilb_input_action engine_actions[] = {
                                                    .kind = STILB_INPUT_SWITCH,
                                                    .keys = {STILB_WINDOW_KEY_SPACE},
                                                    .pad = STILB_INPUT_PAD(SOUTH),
-                                                   .help = "freeze the profiler, or let it run again"},
+                                                   .help = "freeze the profiler, or let it go on"},
 	[STILB_ENGINE_MATERIALS - STILB_INPUT_ACTIONS] = {.name = "materials",
                                                       .kind = STILB_INPUT_SWITCH,
                                                       .keys = {STILB_WINDOW_KEY_F2},

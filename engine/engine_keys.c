@@ -10,12 +10,14 @@
 #define KEYS_COLUMNS 4
 #define KEYS_GAP 14.0f   /* pixels between columns */
 #define KEYS_EDGE 6.0f   /* pixels between the card and the picture's edges at least */
+#define KEYS_HELP 0.8f   /* less of the width of the help texts, and there is one column of keys */
 #define KEYS_BORDER 2.0f /* pixels: the panel's border is no thicker */
 #define HINT_FADING 2.0f /* the last seconds, in which the line fades */
 #define HINT_GAP 18.0f   /* pixels between two keys of the line */
 #define HINT_WORD 5.0f   /* pixels between a key and its name */
 
 static const char *const keys_heads[KEYS_COLUMNS] = {"Keyboard", "Mouse", "Gamepad", ""};
+static const char *const keys_narrow_heads[KEYS_COLUMNS] = {"Key or mouse", "", "", ""};
 
 /* ---- the card ---------------------------------------------------------------------------------------------------- */
 
@@ -26,24 +28,29 @@ typedef struct keys_set {
 	float columns[KEYS_COLUMNS]; /* widths, with the gap behind each but the last */
 	float width;                 /* of all columns */
 	uint32_t lines;
+	bool narrow; /* one column for keys, mouse and gamepad: the first of these that the line has */
 } keys_set;
 
-static const char *keys_cell(const stilb_input_help *line, int column)
+static const char *keys_cell(const keys_set *set, const stilb_input_help *line, int column)
 {
-	return (const char *[KEYS_COLUMNS]){line->keys, line->mouse, line->pad, line->help}[column];
+	const char *cells[KEYS_COLUMNS] = {line->keys, line->mouse, line->pad, line->help};
+	if (set->narrow && column == 0 && !line->keys[0])
+		return line->mouse[0] ? line->mouse : line->pad;
+	return set->narrow && (column == 1 || column == 2) ? "" : cells[column];
 }
 
-static keys_set keys_measure(const stilb_input_table *table, const stilb_ui_font *font, float line_height)
+static keys_set keys_measure(const stilb_input_table *table, const stilb_ui_font *font, float line_height, bool narrow)
 {
-	keys_set set = {.font = font, .line = line_height};
+	keys_set set = {.font = font, .line = line_height, .narrow = narrow};
 	stilb_input_help line;
 	for (int c = 0; c < KEYS_COLUMNS; c++)
-		set.columns[c] = stilb_ui_text_width(font, keys_heads[c]);
+		set.columns[c] = stilb_ui_text_width(font, narrow ? keys_narrow_heads[c] : keys_heads[c]);
 	for (uint32_t next = 0; stilb_input_help_next(table, &next, &line); set.lines++)
 		for (int c = 0; c < KEYS_COLUMNS; c++)
-			set.columns[c] = fmaxf(set.columns[c], stilb_ui_text_width(font, keys_cell(&line, c)));
+			set.columns[c] = fmaxf(set.columns[c], stilb_ui_text_width(font, keys_cell(&set, &line, c)));
 	for (int c = 0; c < KEYS_COLUMNS; c++) {
-		set.columns[c] = ceilf(set.columns[c]) + (c + 1 < KEYS_COLUMNS ? KEYS_GAP : 0.0f);
+		bool gap = c + 1 < KEYS_COLUMNS && set.columns[c] > 0.0f;
+		set.columns[c] = ceilf(set.columns[c]) + (gap ? KEYS_GAP : 0.0f);
 		set.width += set.columns[c];
 	}
 	return set;
@@ -61,7 +68,8 @@ static void keys_line(stilb_ui *ui, const keys_set *set, stilb_ui_rect place, co
 	for (int c = 0; c < KEYS_COLUMNS; c++) {
 		stilb_ui_rect cell = stilb_ui_cut_left(&place, set->columns[c]);
 		cell.x1 = c + 1 < KEYS_COLUMNS ? cell.x1 - KEYS_GAP : cell.x1;
-		stilb_ui_draw_text(stilb_ui_list(ui), set->font, cell, STILB_UI_ALIGN_LEFT, colors[c], cells[c]);
+		if (set->columns[c] > 0.0f)
+			stilb_ui_draw_text(stilb_ui_list(ui), set->font, cell, STILB_UI_ALIGN_LEFT, colors[c], cells[c]);
 	}
 }
 
@@ -81,7 +89,9 @@ static void keys_lines(engine_keys *keys, const stilb_input_table *table, stilb_
 	for (uint32_t row = 0, next = 0; stilb_input_help_next(table, &next, &line); row++) {
 		if (row < rows.first || row >= rows.end)
 			continue;
-		const char *cells[KEYS_COLUMNS] = {line.keys, line.mouse, line.pad, line.help};
+		const char *cells[KEYS_COLUMNS];
+		for (int c = 0; c < KEYS_COLUMNS; c++)
+			cells[c] = keys_cell(set, &line, c);
 		keys_line(ui, set, whole ? stilb_ui_cut_top(&area, set->line) : stilb_ui_row(ui, &rows, row), cells, colors);
 	}
 	if (!whole)
@@ -94,11 +104,14 @@ void engine_keys_draw(engine_keys *keys, const stilb_input_table *table, stilb_u
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_input *input = stilb_ui_input_get(ui);
 	float room_x = input->width - 2.0f * KEYS_EDGE, room_y = input->height - 2.0f * KEYS_EDGE;
-	keys_set set = keys_measure(table, stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), style->row_height);
+	keys_set set = keys_measure(table, stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL), style->row_height, false);
 	float frame = 2.0f * (style->margin + KEYS_BORDER);
 	if (set.width + frame > room_x || keys_around(style, &set) + (float)set.lines * set.line > room_y) {
 		const stilb_ui_font *small = stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL);
-		set = keys_measure(table, small, ceilf(stilb_ui_font_line(small)));
+		set = keys_measure(table, small, ceilf(stilb_ui_font_line(small)), false);
+		float left_for_help = room_x - frame - set.width + set.columns[KEYS_COLUMNS - 1];
+		if (left_for_help < KEYS_HELP * set.columns[KEYS_COLUMNS - 1])
+			set = keys_measure(table, small, set.line, true);
 	}
 	float width = fminf(set.width + frame, room_x);
 	float height = fminf(keys_around(style, &set) + (float)set.lines * set.line, room_y);
@@ -106,7 +119,7 @@ void engine_keys_draw(engine_keys *keys, const stilb_input_table *table, stilb_u
 	keys->place = (stilb_ui_rect){left, top, left + width, top + height};
 	stilb_ui_color muted[KEYS_COLUMNS] = {style->text_muted, style->text_muted, style->text_muted, style->text_muted};
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Keys", &keys->place, 0, &keys->open);
-	keys_line(ui, &set, stilb_ui_cut_top(&area, set.line), keys_heads, muted);
+	keys_line(ui, &set, stilb_ui_cut_top(&area, set.line), set.narrow ? keys_narrow_heads : keys_heads, muted);
 	keys_lines(keys, table, ui, &set, area);
 	stilb_ui_panel_end(ui);
 }

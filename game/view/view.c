@@ -19,7 +19,7 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
                                           .kind = STILB_INPUT_MOTION,
                                           .mouse = STILB_INPUT_MOUSE_LEFT,
                                           .main = true,
-                                          .help = "turn about the model; a click names what is there"},
+                                          .help = "turn about it; a click names the part"},
 	[VIEW_PAN - STILB_ENGINE_ACTIONS] = {.name = "move",
                                          .kind = STILB_INPUT_MOTION,
                                          .mouse = STILB_INPUT_MOUSE_MIDDLE,
@@ -55,7 +55,7 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
 	[VIEW_RAYS - STILB_ENGINE_ACTIONS] = {.name = "path trace",
                                           .keys = {STILB_WINDOW_KEY_T},
                                           .main = true,
-                                          .help = "path traced, or frames; the line between them can be dragged"},
+                                          .help = "path traced; drag its left edge"},
 #define VIEW_CAMERA(number)                                                                                            \
 	[VIEW_CAMERA_1 + (number)-1 - STILB_ENGINE_ACTIONS] = {                                                            \
 		.name = "camera " #number, .keys = {STILB_WINDOW_KEY_##number}, .help = "look with a camera of the file"}
