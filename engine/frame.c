@@ -152,6 +152,7 @@ static stilb_result update_scene(stilb_engine *engine)
 	view->lights = scene->lights;
 	view->light_count = scene->light_count;
 	view->shading = engine->shading;
+	view->both_sides = scene->both_sides;
 	view->exposure = scene->camera.exposure;
 	return update_render(engine);
 }

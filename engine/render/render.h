@@ -268,7 +268,8 @@ typedef struct stilb_render_view {
 	stilb_scene_backdrop
 		backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance. Not part of dumps */
 	stilb_render_shading shading;
-	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
+	bool both_sides; /* triangles are seen from behind, too: see stilb_scene.both_sides */
+	float exposure;  /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;
 
 /* The image that a pass draws into. */

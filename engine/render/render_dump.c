@@ -152,6 +152,7 @@ static void upload_tables(stilb_render_dump *dump)
 		view->light_count = from->lights;
 		lights += from->lights;
 		view->shading = upload_shading(from);
+		view->both_sides = from->both_sides;
 		view->exposure = from->exposure;
 	}
 	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */

@@ -53,6 +53,7 @@ typedef struct render_dump_view {
 	uint32_t brdf, ndf, g, f;                    /* its integers: constants of the shading headers */
 	uint32_t lights;                             /* so many of the file's lights are this view's */
 	uint32_t glossy;                             /* 0 or 1: stilb_scene_surroundings.glossy */
+	uint32_t both_sides;                         /* 0 or 1: stilb_render_view.both_sides */
 	float exposure;                              /* stops, -100..100 */
 } render_dump_view;
 
@@ -92,7 +93,7 @@ typedef struct render_dump_draw {
 	float transform[12];     /* the three rows of the affine transform */
 } render_dump_draw;
 
-static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 144 && sizeof(render_dump_light) == 96 &&
+static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
                   sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 16 &&
                   sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,

@@ -162,9 +162,9 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		if (!(fabsf(view->exposure) <= 100.0f))
 			return load_refuse(name, "view %u: its exposure is not within 100 stops", v);
 		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
-		    view->f >= SHADE_F_COUNT || view->glossy > 1)
-			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u", v, view->brdf,
-			                   view->ndf, view->g, view->f, view->glossy);
+		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
+			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",
+			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->both_sides);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)

@@ -260,6 +260,7 @@ static void save_put_views(const save_job *job)
 		memcpy(out->ground, view->surroundings.ground, sizeof out->ground);
 		out->glossy = view->surroundings.glossy;
 		out->lights = view->light_count;
+		out->both_sides = view->both_sides;
 		out->exposure = view->exposure;
 		save_put_shading(out, &view->shading);
 	}

@@ -56,6 +56,7 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_END 64u       /* some have a falloff that is not physical */
 #define RENDER_LIGHTS_GLOSS 128u    /* highlights mirror sky and ground */
 #define RENDER_LIGHTS_PANORAMA 256u /* the panorama's irradiance in place of sky and ground */
+#define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -128,9 +129,10 @@ typedef struct render_pass_lists {
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
-	uint32_t glossy, first_light, light_count; /* lights without the panorama's lamps */
-	uint64_t panorama;                         /* render_panorama.key; 0: none */
-	float rotation;                            /* of the panorama */
+	uint32_t glossy;                   /* stilb_scene_surroundings.glossy + 2 * stilb_render_view.both_sides */
+	uint32_t first_light, light_count; /* lights without the panorama's lamps */
+	uint64_t panorama;                 /* render_panorama.key; 0: none */
+	float rotation;                    /* of the panorama */
 } render_pass_lists;
 
 /* What one worker needs to record draws; written by one worker at a time. Aligned so that two workers never write the

@@ -109,7 +109,7 @@ static void replay_keep_view(render_pass_lists *lists, const render_stream *stre
 	lists->shading = stream->view->shading;
 	memcpy(lists->sky, around->sky, sizeof lists->sky);
 	memcpy(lists->ground, around->ground, sizeof lists->ground);
-	lists->glossy = around->glossy;
+	lists->glossy = around->glossy | (stream->view->both_sides ? 2u : 0u);
 	lists->first_light = stream->first_light;
 	lists->light_count = stream->light_count - (stream->panorama ? stream->panorama->lamp_count : 0);
 	lists->panorama = stream->panorama ? stream->panorama->key : 0;
@@ -182,6 +182,7 @@ static replay_lights replay_count_lights(const stilb_render_view *view, const re
 		found.bits |= 1u << light->kind;
 		found.bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
 	}
+	found.bits |= view->both_sides ? RENDER_LIGHTS_SIDES : 0;
 	if (!panorama)
 		return found;
 	found.count += panorama->lamp_count;

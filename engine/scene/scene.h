@@ -273,8 +273,11 @@ typedef struct stilb_scene {
 	stilb_scene_camera camera;         /* the one to look with; of a file at first its first camera */
 	uint32_t camera_count;             /* of the file's cameras */
 	stilb_scene_named_camera *cameras; /* [camera_count] in the order of the file */
-	bool framed;   /* the camera is stilb_scene_frame's for a square picture, because the file has none */
-	uint64_t seed; /* of the stress test, else 0 */
+	bool framed; /* the camera is stilb_scene_frame's for a square picture, because the file has none */
+	/* Frames show triangles from behind, too, as rays do, with the normal on the viewer's side; they emit from the
+	 * front alone. True of files, whose triangles do not all face outwards. It costs what is drawn of back sides. */
+	bool both_sides;
+	uint64_t seed;                           /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits;         /* of scene_edit.h; NULL: there was none */
 	struct stilb_scene_animation *animation; /* of scene_animation.h; NULL: nothing of the file moves */
 	struct stilb_scene_variants *variants;   /* of scene_variant.h; NULL: the file has none */

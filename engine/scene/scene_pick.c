@@ -67,9 +67,9 @@ static void pick_corner(const stilb_mat4 *transform, const stilb_scene_vertex *v
 		out[row] = (double)(m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row]);
 }
 
-/* Intersects the ray with the front of a triangle: t, u, v. False: no hit within the segment. Source: Moeller and
- * Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997). */
-static bool pick_triangle(double corner[3][3], const stilb_scene_ray *ray, double far_t, double tuv[3])
+/* Intersects the ray with the front of a triangle, or with both its sides: t, u, v. False: no hit within the segment.
+ * Source: Moeller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection" (1997). */
+static bool pick_triangle(double corner[3][3], const stilb_scene_ray *ray, bool both_sides, double far_t, double tuv[3])
 {
 	double e1[3], e2[3], from[3], p[3], q[3];
 	for (int i = 0; i < 3; i++) {
@@ -79,7 +79,7 @@ static bool pick_triangle(double corner[3][3], const stilb_scene_ray *ray, doubl
 	}
 	pick_cross(ray->direction, e2, p);
 	double determinant = pick_dot(e1, p);
-	if (!(determinant > 0.0)) /* seen from behind, from its edge, or NaN */
+	if (!(determinant > 0.0 || (both_sides && determinant < 0.0))) /* seen from behind, from its edge, or NaN */
 		return false;
 	tuv[1] = pick_dot(from, p) / determinant;
 	if (!(tuv[1] >= 0.0 && tuv[1] <= 1.0))
@@ -112,7 +112,7 @@ static void pick_triangles(pick_search *search, uint32_t first, uint32_t end)
 		const uint32_t *indices = &mesh->indices[(size_t)3 * triangle];
 		for (int i = 0; i < 3; i++)
 			pick_corner(&scene->part_transform[search->part], &mesh->vertices[indices[i]], corner[i]);
-		if (!pick_triangle(corner, search->ray, search->far_t, tuv) ||
+		if (!pick_triangle(corner, search->ray, scene->both_sides, search->far_t, tuv) ||
 		    (tuv[0] == search->far_t && hit->part != UINT32_MAX))
 			continue;
 		search->far_t = tuv[0];

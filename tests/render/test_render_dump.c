@@ -176,6 +176,7 @@ static void fill_views(stilb_render_view views[2])
 		views[v].shading.brdf -= (uint32_t)v;
 		views[v].lights = v ? &lights[2] : lights;
 		views[v].light_count = v ? 1 : 2;
+		views[v].both_sides = v == 0;
 	}
 }
 
@@ -493,13 +494,15 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(height), 16385, "header: a picture of 64x16385"},
 	{RENDER_DUMP_HEADER, HEADER(samples), 2, "header: 2 samples"},
 	{RENDER_DUMP_HEADER, HEADER(output), 2, "header: unknown output 2"},
-	{RENDER_DUMP_VIEWS, 144 + 16, 0x7f800000, "view 1: a number is not finite"},
+	{RENDER_DUMP_VIEWS, 148 + 16, 0x7f800000, "view 1: a number is not finite"},
 	{RENDER_DUMP_VIEWS, VIEW(specular), 0xff800000, "view 0: a number is not finite"},
 	{RENDER_DUMP_VIEWS, VIEW(brdf), 8, "view 0: unknown shading: model 8, D 3, G 4, F 2, glossy 0"},
 	{RENDER_DUMP_VIEWS, VIEW(ndf), 4, "D 4,"},
 	{RENDER_DUMP_VIEWS, VIEW(g), 8, "G 8,"},
 	{RENDER_DUMP_VIEWS, VIEW(f), UINT32_MAX, "F 4294967295,"},
-	{RENDER_DUMP_VIEWS, 144 + VIEW(glossy), 2, "view 1: unknown shading: model 6, D 3, G 4, F 2, glossy 2"},
+	{RENDER_DUMP_VIEWS, 148 + VIEW(glossy), 2,
+     "view 1: unknown shading: model 6, D 3, G 4, F 2, glossy 2, both sides 0"},
+	{RENDER_DUMP_VIEWS, 148 + VIEW(both_sides), 3, "glossy 1, both sides 3"},
 	{RENDER_DUMP_VIEWS, VIEW(lights), 1, "header: 3 lights, but views have 2"},
 	{RENDER_DUMP_HEADER, HEADER(lights), 4, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(unused), 1, "header: its unused"},

@@ -39,7 +39,6 @@ typedef struct picture {
 /* What was found of a file. */
 typedef struct model_result {
 	double rms, most; /* of the difference, relative to the largest value; the largest value */
-	double fronts;    /* as rms, of a frame that shows fronts alone */
 	uint32_t inside;  /* pixels that were compared */
 	bool textured, bright;
 	uint32_t messages; /* of the validation layer */
@@ -83,6 +82,7 @@ static void live_picture(stilb_render *render, const stilb_scene *scene, picture
 		.light_count = scene->light_count,
 		.surroundings = scene->surroundings,
 		.shading = {.brdf = SHADE_BRDF_LAMBERT},
+		.both_sides = scene->both_sides,
 	};
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
 	uint32_t *ids = malloc((scene->model_count + (size_t)1) * sizeof *ids);
@@ -217,29 +217,6 @@ static void whiten(stilb_scene *scene)
 	}
 }
 
-/* Gives every triangle a back with the opposite normals: frames draw fronts alone, and rays both sides. */
-static void add_backs(stilb_scene *scene)
-{
-	for (uint32_t m = 0; m < scene->mesh_count; m++) {
-		stilb_scene_mesh *mesh = &scene->meshes[m],
-						 both = {.vertex_count = 2 * mesh->vertex_count, .index_count = 2 * mesh->index_count};
-		both.vertices = malloc((both.vertex_count + (size_t)1) * sizeof *both.vertices);
-		both.indices = malloc((both.index_count + (size_t)1) * sizeof *both.indices);
-		assert_true(both.vertices && both.indices);
-		memcpy(both.vertices, mesh->vertices, mesh->vertex_count * sizeof *both.vertices);
-		memcpy(both.vertices + mesh->vertex_count, mesh->vertices, mesh->vertex_count * sizeof *both.vertices);
-		for (uint32_t v = mesh->vertex_count; v < both.vertex_count; v++)
-			for (int i = 0; i < 3; i++)
-				both.vertices[v].normal[i] *= -1.0f;
-		for (uint32_t i = 0; i < mesh->index_count; i++) {
-			both.indices[i] = mesh->indices[i];
-			both.indices[both.index_count - 1 - i] = mesh->indices[i] + mesh->vertex_count;
-		}
-		stilb_scene_mesh_finish(mesh);
-		*mesh = both;
-	}
-}
-
 /* False: the file does not open. */
 static bool measure(stilb_render *render, const char *path, model_result *result)
 {
@@ -257,12 +234,6 @@ static bool measure(stilb_render *render, const char *path, model_result *result
 	result->messages = stilb_render_validation_messages(render) - before;
 	traced_picture(scene, &traced);
 	compare(&live, &traced, result);
-	result->fronts = result->rms;
-	if (result->rms > BOUND) {
-		add_backs(scene);
-		live_picture(render, scene, &live);
-		compare(&live, &traced, result);
-	}
 	result->bright = result->most > (double)MODEL_BRIGHT;
 	if (result->most > 0.0)
 		save_all(path, &live, &traced, result->most);
@@ -279,8 +250,6 @@ static void tell(const char *path, const model_result *result)
 {
 	printf("%s %.2f %% of %.3g on %u pixels%s%s", path, 100.0 * result->rms, result->most, result->inside,
 	       result->textured ? ", textured" : "", result->bright ? ", too bright" : "");
-	if (result->fronts > result->rms)
-		printf(", %.2f %% of fronts alone", 100.0 * result->fronts);
 	printf(result->messages ? ", %u messages\n" : "\n", result->messages);
 }
 

@@ -80,6 +80,11 @@ static void test_the_nearest_front_is_met(void **state)
 	ray = (stilb_scene_ray){{0.0, 0.0, -10.0}, {0.0, 0.0, 1.0}, 0.0, HUGE_VAL}; /* from behind: only model 0 faces it */
 	assert_true(stilb_scene_pick(scene, &ray, &hit));
 	assert_int_equal(hit.model, 0);
+	scene->both_sides = true;
+	assert_true(stilb_scene_pick(scene, &ray, &hit)); /* model 1, whose front is on the other side, is hidden */
+	assert_int_equal(hit.model, 2);
+	assert_float_equal(hit.distance, 12.0, 1e-12);
+	assert_float_equal(hit.position[2], 2.0f, 0.0f);
 	stilb_scene_destroy(scene);
 }
 

@@ -14,12 +14,13 @@ layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
 layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
 
-// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and three more bits (RENDER_LIGHTS_... of
+// The kinds of light in the view's list, 1 << SHADE_LIGHT_... each, and four more bits (RENDER_LIGHTS_... of
 // render_internal.h). Only the code of these is left: software devices compute every branch for every pixel.
 layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
 const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
 const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground
 const bool lights_panorama = (lights & 256u) != 0; // its irradiance in place of theirs
+const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
@@ -149,20 +150,36 @@ vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 		shade_hemisphere_radiance(reflect(-v, n).y, shade_exponent_about_r(exponent), sky.sky, sky.ground);
 }
 
+// The interpolated normal on the side of the triangle that is seen, and bent towards the viewer if it faces away, as
+// rays have it (gi_surface.c).
+vec3 seen_normal(vec3 n, vec3 to_camera)
+{
+	vec3 flat_normal = cross(dFdx(world_position), dFdy(world_position));
+	if (dot(flat_normal, to_camera) < 0.0)
+		flat_normal = -flat_normal;
+	if (dot(n, flat_normal) < 0.0)
+		n = -n;
+	float lacking = 1e-3 - dot(n, to_camera);
+	return lacking > 0.0 ? normalize(n + to_camera * lacking) : n;
+}
+
 void main()
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	Material stored = stored_material();
 	shade_material material = material_here(stored);
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
-	vec3 n = normalize(world_normal);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
+	vec3 n = normalize(world_normal);
+	if (both_sides)
+		n = seen_normal(n, to_camera);
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 	if (lights_panorama)
 		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n);
 	else
 		radiance += shade_surface_sky(material, sky, n);
-	radiance += stored.emission_wrap.xyz;
+	if (!both_sides || gl_FrontFacing)
+		radiance += stored.emission_wrap.xyz;
 	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
 	if (drawn != 0 && (material_index & 1) != drawn - 1)

@@ -301,6 +301,9 @@ static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VUL
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], NULL),
 		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, device->mesh_modules[texture][1], &specialization),
 	};
+	VkPipelineRasterizationStateCreateInfo sides = rasterization;
+	if ((formulas[VULKAN_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0)
+		sides.cullMode = VK_CULL_MODE_NONE;
 	VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
@@ -319,7 +322,7 @@ static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VUL
 		.pVertexInputState = &vertex_input[texture],
 		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
-		.pRasterizationState = &rasterization,
+		.pRasterizationState = &sides,
 		.pMultisampleState = &multisample,
 		.pDepthStencilState = &depth,
 		.pColorBlendState = &blend,

@@ -269,6 +269,7 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 		scene->textures[i] = textures[i];
 		textures[i] = (stilb_image){0};
 	}
+	scene->both_sides = true;
 	scene->framed = scene->camera_count == 0;
 	scene->camera = scene->framed ? stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f)
 	                              : scene->cameras[0].camera;
