@@ -146,7 +146,8 @@ static stilb_result live_start(live_run *run)
 	stilb_engine_set_faults(&faults.render);
 	stilb_result result = stilb_engine_create(&desc, &run->engine);
 	if (result == STILB_ERROR_WINDOW) {
-		stilb_log("%s; running headless", stilb_error_message());
+		stilb_log("%s; running headless%s", stilb_error_message(),
+		          run->options->screenshot ? "" : "; --screenshot FILE.png keeps the picture");
 		desc.window = false;
 		desc.times = run->options->times;
 		result = stilb_engine_create(&desc, &run->engine);
@@ -335,13 +336,21 @@ static bool live_finish(live_run *run)
 	       dump == STILB_OK && track == STILB_OK && messages == 0;
 }
 
+/* Says why the run ends; of memory also what helps, unless the message does so itself. */
+static void live_say_failed(stilb_result result)
+{
+	const char *message = stilb_error_message();
+	bool hint = result == STILB_ERROR_MEMORY && !strstr(message, "ulimit");
+	stilb_log("%s%s", message, hint ? "; close other programs, or raise the limit that 'ulimit -v' shows" : "");
+}
+
 static int live_run_frames(live_run *run)
 {
 	stilb_result started = live_start(run);
 	if (started == STILB_OK && run->options->track)
 		started = live_track_open(&run->track, run->options->track);
 	if (started != STILB_OK) {
-		stilb_log("%s", stilb_error_message());
+		live_say_failed(started);
 		return exit_code_of(started);
 	}
 	struct sigaction once = {.sa_handler = live_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
@@ -354,7 +363,7 @@ static int live_run_frames(live_run *run)
 	fflush(stdout);
 	stilb_result result = live_loop(run);
 	if (result != STILB_OK) {
-		stilb_log("%s", stilb_error_message());
+		live_say_failed(result);
 		return run->starting ? exit_code_of(result) : EXIT_FAILED;
 	}
 	if (run->frames == 0) {

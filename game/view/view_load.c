@@ -90,7 +90,9 @@ stilb_result view_load_start(const char *name, const picture_flags *picture, boo
 	if (error != 0) {
 		free(load->name);
 		free(load);
-		return stilb_fail(STILB_ERROR_THREAD, "no thread to open '%s': %s", name, strerror(error));
+		return stilb_fail(STILB_ERROR_THREAD,
+		                  "no thread to open '%s': %s; see the limits of 'ulimit -u' and 'ulimit -v'", name,
+		                  strerror(error));
 	}
 	*out = load;
 	return STILB_OK;

@@ -159,6 +159,7 @@ static void files_come_and_go(void **state)
 	write_text("a.obj", SQUARE);
 	write_text("b.obj", SQUARE);
 	write_text("words.txt", "no scene");
+	write_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nl 2 3\nl 3 1\n");
 	write_text("sky.hdr", "no picture");
 	stilb_image sky;
 	assert_int_equal(stilb_image_create(&sky, 4, 2, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
@@ -171,6 +172,11 @@ static void files_come_and_go(void **state)
 	assert_true(x11_server_await(display, "Stilb: a.obj") == window);
 	assert_true(drop("words.txt"));
 	assert_true(await_said("'a.obj' stays as it was"));
+	assert_int_equal(mkdir("folder", 0777), 0);
+	assert_true(drop("folder"));
+	assert_true(await_said("folder': it is a folder, not a file; 'a.obj' stays"));
+	assert_true(drop("points.obj"));
+	assert_true(await_said("points.obj': it has no triangles, and nothing else is shown; 'a.obj' stays"));
 	assert_true(drop("sky.hdr"));
 	assert_true(await_said("sky.hdr'"));
 	assert_true(drop("black.hdr"));

@@ -990,7 +990,7 @@ static void damaged_containers_are_refused(void **state)
 		{"{\"asset\":{\"version\":\"2.0\"},}", "JSON is damaged at line 1, column 28: expected a key in quotes"},
 		{"{\"asset\":\n{\"version\":\"2.0\"", "line 2, column 17: expected ',' or '}'"},
 		{"[1,2]", "is not an object"},
-		{"", "expected a value"},
+		{"", "it is empty"},
 		{"{}", "does not name its version"},
 		{"{\"asset\":{\"version\":\"3.0\"}}", "glTF version 3.0"},
 		{"{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":9,\"uri\":\"no.bin\"}]}",

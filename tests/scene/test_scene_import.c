@@ -362,8 +362,8 @@ static void files_that_are_no_scenes(void **state)
 	assert_int_equal(mkfifo(in_folder("pipe.obj"), 0600), 0);
 	assert_refused(in_folder("pipe.obj"), STILB_ERROR_ARGUMENT, "not a regular file"); /* and does not wait */
 	assert_refused("/dev/zero", STILB_ERROR_ARGUMENT, "not a regular file");
-	assert_refused(write_text("empty.obj", ""), STILB_ERROR_FILE, "too small");
-	assert_refused(write_text("letter.txt", "Dear Sir or Madam"), STILB_ERROR_FILE, "knows no such format");
+	assert_refused(write_text("empty.obj", ""), STILB_ERROR_FILE, "it is empty");
+	assert_refused(write_text("letter.txt", "Dear Sir or Madam"), STILB_ERROR_FILE, "knows no such format; give glTF");
 	assert_refused(write_text("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), STILB_ERROR_FILE, "no triangles");
 	assert_refused(write_text("range.obj", "v 0 0 0\nf 1 2 3\n"), STILB_ERROR_FILE, "index");
 	assert_refused(write_text("half.gltf", "{\"asset\":{\"version\":\"2.0\"},\"sce"), STILB_ERROR_FILE, "damaged");

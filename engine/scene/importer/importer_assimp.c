@@ -19,7 +19,7 @@ static stilb_result assimp_refuse(const char *path, const char *words)
 		const char *dot = strrchr(path, '.');
 		bool known = dot && !strchr(dot, '/') && aiIsExtensionSupported(dot);
 		return stilb_fail(STILB_ERROR_FILE, known ? "it is damaged, or not of the format that its name says"
-		                                          : "Assimp knows no such format");
+		                                          : "Assimp knows no such format; give glTF, OBJ, FBX, PLY, STL, ...");
 	}
 	return stilb_fail(STILB_ERROR_FILE, "%s", words[0] ? words : "Assimp does not say why");
 }

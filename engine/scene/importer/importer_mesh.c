@@ -292,7 +292,7 @@ static stilb_result mesh_plan_make(const importer *import, mesh_plan *plan)
 			return stilb_fail(STILB_ERROR_FILE, "it shows more than %u meshes", STILB_SCENE_MAX_MODELS);
 	}
 	if (plan->parts == 0)
-		return stilb_fail(STILB_ERROR_FILE, "it has no triangles");
+		return stilb_fail(STILB_ERROR_FILE, "it has no triangles, and nothing else is shown");
 	return STILB_OK;
 }
 

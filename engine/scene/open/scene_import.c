@@ -188,6 +188,8 @@ static int import_open(const char *path, stilb_result *result)
 	else if (!S_ISREG(info.st_mode))
 		stilb_fail(STILB_ERROR_ARGUMENT, "cannot read '%s': it is %s", path,
 		           S_ISDIR(info.st_mode) ? "a folder, not a file" : "not a regular file");
+	else if (info.st_size == 0)
+		*result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it is empty", path);
 	else
 		*result = STILB_OK;
 	if (*result == STILB_OK)

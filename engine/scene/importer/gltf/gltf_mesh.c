@@ -186,7 +186,7 @@ stilb_result gltf_add_meshes(gltf *from)
 	if (result == STILB_OK)
 		result = mesh_add_models(from, &counted);
 	if (result == STILB_OK && counted.parts == 0)
-		result = stilb_fail(STILB_ERROR_FILE, "it has no triangles");
+		result = stilb_fail(STILB_ERROR_FILE, "it has no triangles, and nothing else is shown");
 	uint32_t materials = from->lists[GLTF_MATERIALS].count + from->needs_default_material;
 	if (result == STILB_OK)
 		result =
