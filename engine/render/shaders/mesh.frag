@@ -157,7 +157,9 @@ vec3 seen_normal(vec3 n, vec3 to_camera)
 	vec3 flat_normal = cross(dFdx(world_position), dFdy(world_position));
 	if (dot(flat_normal, to_camera) < 0.0)
 		flat_normal = -flat_normal;
-	if (dot(n, flat_normal) < 0.0)
+	float along = dot(n, flat_normal);
+	bool clear = abs(along) > 1e-3 * length(flat_normal); // else the derivatives' rounding would choose, pixel by pixel
+	if (clear ? along < 0.0 : !gl_FrontFacing)
 		n = -n;
 	float lacking = 1e-3 - dot(n, to_camera);
 	return lacking > 0.0 ? normalize(n + to_camera * lacking) : n;
