@@ -127,7 +127,7 @@ static void y_is_up(void **state)
 {
 	(void)state;
 	static const char *const z_up[] = {"Blender 3D Importer (http://www.blender3d.org)", "Valve SMD Importer",
-	                                   "TrueSpace Object Importer", "3mf Importer"};
+	                                   "TrueSpace Object Importer", "3mf Importer", "Quick3D Importer"};
 	static const struct aiScene none;
 	for (size_t i = 0; i < sizeof z_up / sizeof *z_up; i++)
 		assert_axes(scene_of(z_up[i], NULL), false, 1, 3, -2);

@@ -64,10 +64,10 @@ bool importer_up_is_y(const char *path, const importer_bytes *bytes)
 }
 
 /* The axes of Blender, of Valve's Source engine and of trueSpace are those of the program; 3MF's specification, 3.3.1,
- * has z point up from the plate. */
+ * has z point up from the plate. Quick3D's are those of the files that assimp-testmodels has. */
 stilb_mat4 importer_axes(const struct aiScene *scene, bool up_is_y)
 {
-	static const char *const z_up[] = {"Blender 3D", "Valve SMD", "TrueSpace", "3mf"};
+	static const char *const z_up[] = {"Blender 3D", "Valve SMD", "TrueSpace", "3mf", "Quick3D"};
 	stilb_mat4 axes;
 	for (size_t i = 0; i < sizeof z_up / sizeof *z_up; i++)
 		if (importer_is_format(scene, z_up[i]))
