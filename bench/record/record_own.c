@@ -443,9 +443,11 @@ static void make_scene(run *r)
 		.lights = r->scene->lights,
 		.light_count = r->scene->light_count,
 		.surroundings = r->scene->surroundings,
+		.backdrop = {.kind = STILB_SCENE_BACKDROP_COLOR}, /* the sky's colour, as of the bare program: no horizon */
 		.shading = stilb_render_shading_default(),
 	};
 	memcpy(r->view.camera_position, r->scene->camera.position, sizeof r->view.camera_position);
+	memcpy(r->view.backdrop.color, r->scene->surroundings.sky, sizeof r->view.backdrop.color);
 	r->pass = (stilb_render_pass){.name = "main"};
 }
 

@@ -274,6 +274,11 @@ typedef struct render_device_functions {
 	stilb_result (*update)(render_device *device, const render_resources *resources);
 	/* Adds the commands of a pass to the frame. */
 	stilb_result (*pass)(render_device *device, const render_stream *stream);
+	/* Memory for a panorama that frames will show, RENDER_PANORAMA_BYTES. The one that is shown stays in place. NULL:
+	 * there is none, and the message says so. */
+	void *(*panorama_make)(render_device *device, size_t bytes);
+	/* From this frame on they show that one. */
+	void (*panorama_show)(render_device *device);
 	stilb_result (*submit)(render_device *device);
 	stilb_result (*present)(render_device *device);
 	stilb_result (*wait)(render_device *device);
@@ -283,7 +288,7 @@ typedef struct render_device_functions {
 struct render_device {
 	const render_device_functions *functions;
 	char name[256];
-	bool software;
+	bool software, in_window;
 	uint32_t width, height, samples;
 	stilb_render_presentation presentation; /* the one in use */
 	uint32_t validation_messages;

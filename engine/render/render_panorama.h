@@ -1,19 +1,21 @@
 /*
- * render_panorama: what frames need of a panorama, made once on the pool when another one is shown: its small bright
- * lamps as directional lights, the irradiance of the rest by normal, and its texels for the background. Turning it
- * makes nothing anew. Not for other modules.
+ * render_panorama: what frames need of a panorama, made on the pool when another one is shown: its small bright lamps
+ * as distant lights, the irradiance of the rest by normal, and its texels for the background. Turning it makes nothing
+ * anew. Not for other modules.
  *
- * Cells.     The panorama is read as 64 x 32 cells of equal angles; each keeps the sum of its texels' L dw (irradiance
- *            across their beam) and the mean of their directions, weighted by brightness. A cell that is wholly above a
- *            surface's horizon gives it exactly the product of both.
- * Lamps.     A cell whose light comes from one place (a sun) and is at least 1 / 200 of all is a directional light,
- *            which frames compute without interpolation, and whose highlight the surface's formula shapes; of more than
- *            eight the brightest are. Its cell is left out of the table.
- * Table.     [65][128] irradiance by the normal, in the panorama's latitude and longitude, poles and the middle column
- *            included, interpolated between four. Where the horizon cuts a cell, its light is taken as spread over the
- *            cell's width.
+ * Cells.     The panorama's light, L dw, in 512 x 256 cells of equal angles; a texel counts for each cell by the share
+ *            of its solid angle that lies in it.
+ * Lamps.     Light of at least 1 / 200 of all that comes from within 1.2 degrees, with little around it (a sun, a bulb,
+ *            not a part of a window), is a distant rectangle with the same mean direction and the same spread along its
+ *            two axes: surfaces are lit by shade_distant_share, without interpolation, and the surface's formula shapes
+ *            its highlight. Of more than eight the brightest are. Their cells are left out of the table.
+ * Table.     [129][256] irradiance by the normal, in the panorama's latitude and longitude, poles and the middle column
+ *            included, interpolated between four. The light of a cell is spread evenly over its width; a row of cells
+ *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
+ * Slices.    The work is cut into rows of five stages. It may be done at once, or a slice of some milliseconds a frame,
+ *            while what was made before stays in use. Neither that nor the workers change a bit of the result.
  * Cost.      Of the time and the memory, and how far the light is from the exact one: docs/rendering.md.
  */
 #ifndef STILB_RENDER_PANORAMA_H
@@ -23,26 +25,43 @@
 #include "jobs/job.h"
 
 #define RENDER_PANORAMA_LAMPS 8
-#define RENDER_PANORAMA_COLUMNS 128 /* of the table; shaders/mesh.frag has both, too */
-#define RENDER_PANORAMA_ROWS 65
+#define RENDER_PANORAMA_COLUMNS 256 /* of the table; shaders/mesh.frag has both, too */
+#define RENDER_PANORAMA_ROWS 129
 #define RENDER_PANORAMA_WIDTH 2048u /* of the texels at most */
 #define RENDER_PANORAMA_HEIGHT 1024u
 
-/* A directional light: unit direction to it in the panorama's own axes, irradiance across its beam. */
+/* A distant rectangle, in the panorama's own axes: unit direction to its middle, irradiance across its beam, and from
+ * its middle to those of two sides, radians (shade_distant_share). */
 typedef struct render_panorama_lamp {
-	float direction[3], irradiance[3];
+	float direction[3], irradiance[3], half_x[3], half_y[3];
 } render_panorama_lamp;
+
+/* W m^-2; the fourth is 0. */
+typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMNS][4];
+
+/* What devices read, one after the other: render_panorama_table, then texels [height][width][4], half floats of which
+ * the fourth is 0. */
+#define RENDER_PANORAMA_BYTES(width, height)                                                                           \
+	(sizeof(render_panorama_table) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
+
+typedef struct render_panorama_work render_panorama_work; /* of one that is being made */
 
 typedef struct render_panorama {
 	uint64_t key;       /* of the panorama that this was made of: its size and some of its values; 0: none */
-	const void *pixels; /* where it lay */
-	uint32_t version;   /* counts what was made, for devices that keep a copy */
+	const void *pixels; /* where it lay; NULL: it is made anew, but in use until then */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
-	float table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMNS][4]; /* W m^-2; the fourth is 0 */
-	uint32_t width, height;
-	uint16_t (*texels)[4]; /* [height][width] half floats; the fourth is 0 */
+	uint32_t width, height;     /* of the texels */
+	render_panorama_work *next; /* NULL: none is being made */
 } render_panorama;
+
+/* Where the bytes that devices read are made. make: memory of this size for the next panorama, NULL: there is none; the
+ * one before stays. show: the next panorama is complete and takes the place of the one before. */
+typedef struct render_panorama_memory {
+	void *(*make)(void *user, size_t bytes);
+	void (*show)(void *user);
+	void *user;
+} render_panorama_memory;
 
 /* True if frames can draw it: three channels or more of floats. {0}: false. */
 bool render_panorama_is_good(const stilb_image *panorama);
@@ -50,10 +69,21 @@ bool render_panorama_is_good(const stilb_image *panorama);
 /* A number of its size and 251 of its texels. Not 0. */
 uint64_t render_panorama_key(const stilb_image *panorama);
 
-/* Makes *out of a panorama that is good, unless it was made of the same one. Same bits for any number of workers. pool
- * may be NULL. STILB_ERROR_MEMORY: *out has key 0. [main-thread] */
-stilb_result render_panorama_update(render_panorama *out, const stilb_image *panorama, stilb_job_pool *pool,
-                                    uint32_t worker);
+/* Makes *out of a panorama that is good, unless it was made of the same one: all of it, or if sliced what a frame has
+ * time for: call it again in the next one. It reads the panorama during calls alone, and begins anew with another one.
+ * pool may be NULL, but is the same until it is made. STILB_ERROR_MEMORY: *out has key 0. [main-thread] */
+stilb_result render_panorama_update(render_panorama *out, const stilb_image *panorama, render_panorama_memory memory,
+                                    bool sliced, stilb_job_pool *pool, uint32_t worker);
+
+/* Another scene is shown, whose panorama may lie where this one's does: it is made anew, and in use until then.
+ * [main-thread] */
+void render_panorama_renew(render_panorama *panorama);
+
+/* A frame shows none: what is being made is given up, and so is what was to be made anew. [main-thread] */
+void render_panorama_leave(render_panorama *panorama);
+
+/* True while frames show this panorama, or what was before it. */
+bool render_panorama_shows(const render_panorama *panorama, const stilb_image *map);
 
 /* A direction of the panorama's own axes in the world, turned by rotation (stilb_scene_surroundings). */
 void render_panorama_turn(const float own[3], float rotation, float world[3]);

@@ -204,6 +204,8 @@ static void replay_write_lights(render_light *out, const stilb_render_view *view
 		for (int c = 0; c < 3; c++)
 			out->direction[c] = -out->direction[c];
 		memcpy(out->intensity, lamp->irradiance, sizeof out->intensity);
+		render_panorama_turn(lamp->half_x, view->surroundings.rotation, out->half_x);
+		render_panorama_turn(lamp->half_y, view->surroundings.rotation, out->half_y);
 	}
 }
 
@@ -218,9 +220,7 @@ static bool replay_lights_are_same(const stilb_render_view *a, const stilb_rende
 /* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
 static const render_panorama *replay_panorama(const stilb_render *render, const stilb_render_view *view)
 {
-	const stilb_image *map = &view->surroundings.panorama;
-	bool shown = render->panorama.key != 0 && render_panorama_is_good(map);
-	return shown && render->panorama.pixels == map->pixels ? &render->panorama : NULL;
+	return render_panorama_shows(&render->panorama, &view->surroundings.panorama) ? &render->panorama : NULL;
 }
 
 /* Copies the lights of the views that passes show, without those that are only baked, to the frame's memory, before it
@@ -251,13 +251,29 @@ static stilb_result replay_place_lights(stilb_render *render, const stilb_render
 	return STILB_OK;
 }
 
-/* Makes what frames need of the panorama of the first view that has one. */
+static void *replay_make_panorama(void *user, size_t bytes)
+{
+	render_device *device = user;
+	return device->functions->panorama_make(device, bytes);
+}
+
+static void replay_show_panorama(void *user)
+{
+	render_device *device = user;
+	device->functions->panorama_show(device);
+}
+
+/* Makes what frames need of the panorama of the first view that has one: in a window over several frames, so that it
+ * never waits for a large one. */
 static stilb_result replay_update_panorama(stilb_render *render, const stilb_render_view *views, uint32_t view_count,
                                            stilb_job_pool *pool, uint32_t worker)
 {
+	render_panorama_memory memory = {replay_make_panorama, replay_show_panorama, render->device};
 	for (uint32_t v = 0; v < view_count; v++)
 		if (render_panorama_is_good(&views[v].surroundings.panorama))
-			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, pool, worker);
+			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, memory,
+			                              render->device->in_window, pool, worker);
+	render_panorama_leave(&render->panorama);
 	return STILB_OK;
 }
 

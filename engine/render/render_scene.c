@@ -166,7 +166,7 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 		return result;
 	}
 	shown_destroy(render, &render->scene);
-	render->panorama.key = 0; /* the next scene's may lie where this one's does */
+	render_panorama_renew(&render->panorama);
 	render->scene = next;
 	return STILB_OK;
 }

@@ -119,6 +119,22 @@ SHADE_FN float shade_rectangle_ramp(float z, float a, float b)
 	return max(outer * outer * outer - upper * upper * upper - lower * lower * lower, 0.0f) / (24.0f * a * b);
 }
 
+/* The share, [0, 1], of the irradiance across its beam that a distant rectangle of small angles gives to a surface with
+ * the unit normal n. direction: to its middle; half_x, half_y: from there to the middles of two neighbouring sides,
+ * radians across the beam, at most 0.1 long; both 0: the light has no size, and this is the cosine. Exact to the square
+ * of the angles, where the horizon cuts it to their cube. */
+SHADE_FN float shade_distant_share(vec3 direction, vec3 half_x, vec3 half_y, vec3 n)
+{
+	float middle = dot(n, direction);
+	float x = abs(dot(n, half_x));
+	float y = abs(dot(n, half_y));
+	float a = max(x, y);
+	float b = max(min(x, y), SHADE_AREA_SIDE_MIN * a);
+	if (abs(middle) >= a + b)
+		return max(middle, 0.0f);
+	return shade_rectangle_ramp(middle, a, b);
+}
+
 /* E / L of a disk. direction: its unit normal, where it shines to; radius > 0. */
 SHADE_FN float shade_disk_irradiance(vec3 center, vec3 direction, float radius, vec3 n)
 {

@@ -41,15 +41,17 @@ static void frames_a_file(void **state)
 	write_text("square.obj", SQUARE);
 	assert_int_equal(
 		stilb_code(no_display,
-	               "view square.obj --headless --size 320x180 --screenshot a.png --stats a.json --studio off"),
+	               "view square.obj --headless --size 320x180 --screenshot a.png --stats a.json --studio off "
+	               "--background #000000"),
 		0);
 	drawn_box("a.png", box);
 	assert_in_range(box[3] - box[2], 155, 165);
 	assert_in_range(box[0] + box[1], 315, 323);
 	assert_in_range(box[2] + box[3], 175, 183);
-	assert_int_equal(
-		stilb_code(no_display, "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --studio off"),
-		0);
+	assert_int_equal(stilb_code(no_display,
+	                            "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --studio off "
+	                            "--background #000000"),
+	                 0);
 	drawn_box("b.png", box);
 	assert_in_range(box[1] - box[0], 86, 93);
 }

@@ -3,7 +3,10 @@
  * and under the sky or a panorama on Lambert. Frames shade eight by eight points of a pixel, of which the mean is
  * compared. With STILB_TRUTH_PICTURES=FOLDER in the environment the pictures and their difference, times 100, are
  * written there. */
+#include "gi/film/gi_camera.h"
 #include "gi/gi_render.h"
+#include "gi/gi_surface.h"
+#include "panorama_exact.h"
 #include "render/render.h"
 #include "scene/scene_build.h"
 #include "support/test.h"
@@ -22,6 +25,9 @@
 #define BOUND 1e-3
 
 static stilb_job_pool *pool;
+static stilb_scene_camera camera; /* of the scenes */
+static const stilb_scene_camera camera_default = {
+	.position = {0.3f, 2.6f, 5.2f}, .yaw = 0.05f, .pitch = -0.35f, .fov_y = 0.75f, .near_z = 0.1f, .far_z = 100.0f};
 
 /* ---- the scene --------------------------------------------------------------------------------------------------- */
 
@@ -52,12 +58,7 @@ static stilb_scene *scene_of(const stilb_scene_light *light, const stilb_scene_s
 		stilb_scene_build_light(build, light);
 	if (surroundings)
 		stilb_scene_build_surroundings(build, surroundings);
-	stilb_scene_build_camera(build, &(stilb_scene_camera){.position = {0.3f, 2.6f, 5.2f},
-	                                                      .yaw = 0.05f,
-	                                                      .pitch = -0.35f,
-	                                                      .fov_y = 0.75f,
-	                                                      .near_z = 0.1f,
-	                                                      .far_z = 100.0f});
+	stilb_scene_build_camera(build, &camera);
 	stilb_scene *scene;
 	if (stilb_scene_build_end(build, &scene) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
@@ -360,6 +361,72 @@ static void surroundings_are_as_traced(void **state)
 	stilb_render_destroy(render);
 }
 
+/* Sky and ground behind the scene meet at the horizon, also where the camera is not level. */
+static void the_ground_is_seen_below_the_horizon(void **state)
+{
+	(void)state;
+	stilb_scene_surroundings around = {.sky = {0.6f, 0.8f, 1.2f}, .ground = {0.4f, 0.3f, 0.2f}};
+	static const float looks[][2] = {{-0.2f, 0.0f}, {0.05f, 0.6f}, {-1.0f, 0.0f}, {1.2f, 2.0f}}; /* pitch, roll */
+	stilb_render *render = render_make();
+	for (size_t i = 0; i < sizeof looks / sizeof *looks; i++) {
+		camera.pitch = looks[i][0];
+		camera.roll = looks[i][1];
+		camera.position[1] = looks[i][0] < -0.9f ? -1.0f : 2.6f;
+		stilb_scene *scene = scene_of(NULL, &around);
+		find_inside_of(render, true);
+		compare(render, scene, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT}, BLOCK, "sky-background");
+		stilb_scene_destroy(scene);
+	}
+	stilb_render_destroy(render);
+}
+
+/* Radiance of Lambert's model under the scene's panorama, without noise, where a point of a frame in the middle of
+ * pixel x, y is: the ray's surface, and all of the panorama's texels. */
+static void exact_at(const stilb_scene *scene, const stilb_gi_scene *gi, uint32_t x, uint32_t y, double out[3])
+{
+	stilb_gi_settings settings = stilb_gi_settings_default(scene);
+	gi_camera eye = gi_camera_make(&scene->camera, &settings.lens, WIDTH, HEIGHT);
+	gi_ray_hit ray;
+	gi_surface surface;
+	float middle = ((float)(FINE / 2) + 0.5f) / (float)FINE;
+	gi_camera_ray(&eye, (float)x + middle, (float)y + middle, (stilb_vec2){0.5f, 0.5f}, &ray);
+	gi->tracer.intersect(&gi->tracer, &ray);
+	assert_true(gi_is_hit(&ray));
+	gi_surface_at(gi, &ray, &surface);
+	double n[3] = {(double)surface.normal[0], (double)surface.normal[1], (double)surface.normal[2]};
+	panorama_exact(&scene->surroundings.panorama, (double)scene->surroundings.rotation, n, out);
+	for (int c = 0; c < 3; c++)
+		out[c] = out[c] * (double)surface.diffuse[c] / M_PI + (double)surface.emission[c];
+}
+
+/* The largest difference of a frame's points from what they are exactly, as a share of the largest value. */
+static double difference_exact(stilb_render *render, const stilb_scene *scene, uint32_t step)
+{
+	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+	stilb_gi_scene *gi;
+	assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
+	stilb_image image = frame_of(render, scene, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT});
+	double most = 0.0, apart = 0.0, squares = 0.0, count = 0.0;
+	for (uint32_t y = 0; y < HEIGHT; y += step)
+		for (uint32_t x = y / step % 2; x < WIDTH; x += step) {
+			double exact[3];
+			if (!inside[y][x])
+				continue;
+			exact_at(scene, gi, x, y, exact);
+			for (int c = 0; c < 3; c++, count++) {
+				double d = fabs(half(point_of(&image, x * FINE + FINE / 2, y * FINE + FINE / 2)[c]) - exact[c]);
+				apart = fmax(apart, d);
+				squares += d * d;
+				most = fmax(most, exact[c]);
+			}
+		}
+	assert_true(most > 0.05 && count > 150.0);
+	printf("rms %.1e of %g values, worst %.1e\n", sqrt(squares / count) / most, count, apart / most);
+	stilb_image_finish(&image);
+	stilb_gi_scene_destroy(gi);
+	return apart / most;
+}
+
 /* A day: a sky that grows darker to the zenith over a brown ground, with a sun of half a degree in half of its texel,
  * or without; or a night: three windows of different size and colour, and faint noise. */
 typedef enum panorama_kind { PANORAMA_EVEN, PANORAMA_SUN, PANORAMA_ROOM } panorama_kind;
@@ -416,6 +483,7 @@ static void panoramas_are_as_traced(void **state)
 		find_inside(render);
 		compare_within(render, scene, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT}, BLOCK, cases[i].bound,
 		               cases[i].name);
+		assert_true(difference_exact(render, scene, 4) <= BOUND);
 		stilb_scene_destroy(scene);
 		stilb_image_finish(&around.panorama);
 	}
@@ -426,6 +494,13 @@ static void panoramas_are_as_traced(void **state)
 	stilb_scene_destroy(scene);
 	stilb_image_finish(&around.panorama);
 	stilb_render_destroy(render);
+}
+
+static int level(void **state)
+{
+	(void)state;
+	camera = camera_default;
+	return 0;
 }
 
 static int set_up(void **state)
@@ -444,10 +519,11 @@ static int tear_down(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(lights_without_a_size_are_as_traced),
-		cmocka_unit_test(lights_with_a_size_are_as_traced),
-		cmocka_unit_test(surroundings_are_as_traced),
-		cmocka_unit_test(panoramas_are_as_traced),
+		cmocka_unit_test_setup(lights_without_a_size_are_as_traced, level),
+		cmocka_unit_test_setup(lights_with_a_size_are_as_traced, level),
+		cmocka_unit_test_setup(surroundings_are_as_traced, level),
+		cmocka_unit_test_setup(the_ground_is_seen_below_the_horizon, level),
+		cmocka_unit_test_setup(panoramas_are_as_traced, level),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

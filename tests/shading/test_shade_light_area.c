@@ -269,6 +269,32 @@ static void ramps_to_six_digits(void **state)
 	}
 }
 
+/* A distant rectangle, 0.12 by 0.04 in the tangents of its angles, that rises over the horizon: the mean over its
+ * points of max(n . l, 0), which small angles give to the cube of them. */
+static void a_distant_rectangle_rises(void **state)
+{
+	(void)state;
+	stilb_vec3 direction = {0.0f, 0.6f, -0.8f}, x = {0.06f, 0.0f, 0.0f}, y = {0.0f, 0.016f, 0.012f};
+	for (double above = -0.1; above < 0.1; above += 0.009)
+		for (double side = 0.0; side < 1.0; side += 0.2) {
+			double up[3] = {side, 0.8 * sqrt(1.0 - side * side), 0.6 * sqrt(1.0 - side * side)}, mean = 0.0;
+			double across = sqrt(1.0 - above * above);
+			stilb_vec3 n = {0.0f, 0.0f, 0.0f};
+			for (int c = 0; c < 3; c++)
+				n[c] = (float)(up[c] * across + (double)direction[c] * above);
+			for (int i = 0; i < 400 * 400; i++) {
+				double u = (i % 400 * 2.0 + 1.0) / 400.0 - 1.0, v = (i / 400 * 2.0 + 1.0) / 400.0 - 1.0, height = 0.0;
+				for (int c = 0; c < 3; c++)
+					height += (double)n[c] * ((double)direction[c] + u * (double)x[c] + v * (double)y[c]);
+				mean += fmax(height, 0.0) / (400.0 * 400.0);
+			}
+			SHADE_PROOF_NEAR(shade_distant_share(direction, x, y, n), mean, 1e-4, 2e-6);
+		}
+	stilb_vec3 none = {0.0f, 0.0f, 0.0f};
+	assert_true(shade_distant_share(direction, none, none, direction) > 0.999999f);
+	assert_true(shade_distant_share(direction, none, none, -direction) == 0.0f);
+}
+
 /* n . (r x dr) / r^2 along an arc, in the axes of shade_disk_seen. */
 static double arc_integral(shade_disk_seen d, double from, double to)
 {
@@ -308,9 +334,8 @@ static void flat_lights_to_four_digits(void **state)
 int main(void)
 {
 	const struct CMUnitTest exactness[] = {
-		cmocka_unit_test(spheres_to_six_digits),
-		cmocka_unit_test(ramps_to_six_digits),
-		cmocka_unit_test(borders_of_disks_to_five_digits),
+		cmocka_unit_test(spheres_to_six_digits),      cmocka_unit_test(ramps_to_six_digits),
+		cmocka_unit_test(a_distant_rectangle_rises),  cmocka_unit_test(borders_of_disks_to_five_digits),
 		cmocka_unit_test(flat_lights_to_four_digits),
 	};
 	const struct CMUnitTest properties[] = {

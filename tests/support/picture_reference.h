@@ -243,7 +243,9 @@ static inline stilb_image picture_make(const stilb_scene *scene, const reference
 		.light_count = scene->light_count,
 		.surroundings = scene->surroundings,
 		.shading = how.shading ? *how.shading : stilb_render_shading_default(),
+		.backdrop = {.kind = STILB_SCENE_BACKDROP_COLOR}, /* the sky's colour, below the horizon, too */
 	};
+	memcpy(view.backdrop.color, scene->surroundings.sky, sizeof view.backdrop.color);
 	reference_set3(view.camera_position, (float)camera->position.x, (float)camera->position.y,
 	               (float)camera->position.z);
 	stilb_render *render;

@@ -40,6 +40,7 @@ typedef struct null_device {
 	null_list *lists;   /* [list_capacity] */
 	render_part *parts; /* [list_capacity] */
 	uint32_t list_capacity;
+	void *panorama, *next_panorama; /* shown, and made */
 } null_device;
 
 static void null_destroy(render_device *base)
@@ -52,6 +53,8 @@ static void null_destroy(render_device *base)
 	free(device->indirect);
 	free(device->lists);
 	free(device->parts);
+	free(device->panorama);
+	free(device->next_panorama);
 	free(device);
 }
 
@@ -141,6 +144,24 @@ static stilb_result null_update(render_device *base, const render_resources *res
 	(void)base, (void)resources;
 	STILB_ASSERT_LOCKED(&resources->lock);
 	return STILB_OK;
+}
+
+static void *null_panorama_make(render_device *base, size_t bytes)
+{
+	null_device *device = (null_device *)base;
+	free(device->next_panorama);
+	device->next_panorama = null_alloc(base, 1, bytes);
+	if (!device->next_panorama)
+		stilb_fail(STILB_ERROR_MEMORY, "no memory for a panorama");
+	return device->next_panorama;
+}
+
+static void null_panorama_show(render_device *base)
+{
+	null_device *device = (null_device *)base;
+	free(device->panorama);
+	device->panorama = device->next_panorama;
+	device->next_panorama = NULL;
 }
 
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
@@ -288,6 +309,8 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.texture_create = null_texture_create,
 		.texture_destroy = null_texture_destroy,
 		.update = null_update,
+		.panorama_make = null_panorama_make,
+		.panorama_show = null_panorama_show,
 		.pass = null_pass,
 		.submit = null_submit,
 		.present = null_nothing,

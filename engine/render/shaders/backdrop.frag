@@ -22,6 +22,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ba
 	vec4 camera;
 	vec4 color_exposure; // w: factor before the tone map
 	vec4 floor_radius;   // its center; w: 0: there is no floor, the map is shown
+	vec4 sky; // w: 1: it and the ground are shown
+	vec4 ground;
 	float covered[SIDE * SIDE];
 	vec4 map[WIDTH * HEIGHT];
 	uvec2 size; // of the panorama in texels; 0: it is not shown
@@ -100,6 +102,9 @@ void main()
 	vec3 radiance;
 	if (push.backdrop.floor_radius.w > 0.0)
 		radiance = color_exposure.rgb * (1.0 - shadow_at(direction));
+	else if (push.backdrop.sky.w > 0.0)
+		radiance = mix(push.backdrop.ground.rgb, push.backdrop.sky.rgb,
+			clamp(direction.y / max(fwidth(direction.y), 1e-9) + 0.5, 0.0, 1.0)); // an edge one pixel wide
 	else if (push.backdrop.size.x > 0)
 		radiance = panorama_at(direction);
 	else

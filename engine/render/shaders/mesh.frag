@@ -103,11 +103,14 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 	FROM_LIGHT(SHADE_LIGHT_POINT, false)
 	FROM_LIGHT(SHADE_LIGHT_SPOT, false)
 	FROM_LIGHT(SHADE_LIGHT_DIRECTIONAL, false)
+	bool lamp = lights_panorama && light.kind == SHADE_LIGHT_DIRECTIONAL; // one of its, or a light without a size
+	if (lamp)
+		spread = light.intensity * shade_distant_share(-light.direction, light.half_x, light.half_y, frame.n);
 	FROM_LIGHT(SHADE_LIGHT_SPHERE, true)
 	FROM_LIGHT(SHADE_LIGHT_DISK, true)
 	FROM_LIGHT(SHADE_LIGHT_RECTANGLE, true)
 #undef FROM_LIGHT
-	return shade_surface_lit(model, material, frame, seen, shade_light_is_sized(light.kind), spread, v);
+	return shade_surface_lit(model, material, frame, seen, lamp || shade_light_is_sized(light.kind), spread, v);
 }
 
 // What the lights of the view's list send to v.
@@ -122,8 +125,8 @@ vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame fr
 // The panorama's irradiance at a normal, between four of the table; its lamps are lights of the list.
 vec3 panorama_irradiance(vec3 n)
 {
-	const int COLUMNS = 128; // as RENDER_PANORAMA_COLUMNS and _ROWS
-	const int ROWS = 65;
+	const int COLUMNS = 256; // as RENDER_PANORAMA_COLUMNS and _ROWS
+	const int ROWS = 129;
 	vec2 turn = push.view.turn;
 	float right = turn.y * n.x - turn.x * n.z;
 	float back = turn.x * n.x + turn.y * n.z;

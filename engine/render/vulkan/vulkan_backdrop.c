@@ -20,6 +20,7 @@ typedef struct vulkan_backdrop {
 	float camera[4];
 	float color_exposure[4];
 	float floor_radius[4];
+	float sky[4], ground[4]; /* [3] of the sky: 1: these two are shown, else 0 */
 	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
 	uint32_t size[2];         /* of the panorama; 0: it is not shown */
@@ -30,11 +31,49 @@ typedef struct vulkan_backdrop {
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
 
+/* ---- what is seen ------------------------------------------------------------------------------------------------ */
+
+/* Sets out to what a step of 1 in clip space along an axis, a row of the matrix from world to clip space, adds to a
+ * direction: rows are the camera's axes, scaled. */
+static void backdrop_axis(const float matrix[16], size_t row, float out[4])
+{
+	float square = 0.0f;
+	for (size_t i = 0; i < 3; i++)
+		square += matrix[4 * i + row] * matrix[4 * i + row];
+	for (size_t i = 0; i < 3; i++)
+		out[i] = matrix[4 * i + row] / square;
+	out[3] = 0.0f;
+}
+
+/* Which of the two colours a view shows at the corners of its picture. */
+typedef struct backdrop_sides {
+	bool sky, ground;
+} backdrop_sides;
+
+static backdrop_sides backdrop_sides_of(const stilb_render_view *view)
+{
+	float ahead[4], across[4], down[4];
+	backdrop_sides sides = {false, false};
+	backdrop_axis(view->view_projection.m, 3, ahead);
+	backdrop_axis(view->view_projection.m, 0, across);
+	backdrop_axis(view->view_projection.m, 1, down);
+	for (int corner = 0; corner < 4; corner++) {
+		float height = ahead[1] + (corner & 1 ? across[1] : -across[1]) + (corner & 2 ? down[1] : -down[1]);
+		sides.sky |= height >= 0.0f;
+		sides.ground |= height < 0.0f;
+	}
+	return sides;
+}
+
 bool vulkan_backdrop_is_drawn(const render_stream *stream)
 {
-	const stilb_scene_backdrop *backdrop = &stream->view->backdrop;
-	if (backdrop->kind == STILB_SCENE_BACKDROP_SURROUNDINGS)
-		return stream->panorama;
+	const stilb_render_view *view = stream->view;
+	const stilb_scene_backdrop *backdrop = &view->backdrop;
+	if (backdrop->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
+		backdrop_sides sides = backdrop_sides_of(view);
+		bool differ = memcmp(view->surroundings.sky, view->surroundings.ground, sizeof view->surroundings.sky) != 0;
+		return stream->panorama || (differ && sides.sky && sides.ground);
+	}
 	return (backdrop->kind == STILB_SCENE_BACKDROP_MAP && backdrop->map) ||
 	       (backdrop->kind == STILB_SCENE_BACKDROP_COLOR && backdrop->floor);
 }
@@ -46,7 +85,9 @@ VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb
 	const stilb_scene_backdrop *backdrop = &view->backdrop;
 	if (backdrop->kind == STILB_SCENE_BACKDROP_NOTHING)
 		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 0.0f}};
-	const float *shown = backdrop->kind == STILB_SCENE_BACKDROP_COLOR ? backdrop->color : view->surroundings.sky;
+	backdrop_sides sides = backdrop_sides_of(view);
+	const float *around = sides.ground && !sides.sky ? view->surroundings.ground : view->surroundings.sky;
+	const float *shown = backdrop->kind == STILB_SCENE_BACKDROP_COLOR ? backdrop->color : around;
 	stilb_vec3 color = stilb_vec3_make(shown[0], shown[1], shown[2]);
 	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
 		color = shade_tonemap(color * exp2f(view->exposure), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
@@ -174,19 +215,7 @@ void vulkan_backdrop_destroy(vulkan_device *device)
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
-/* Sets out to what a step of 1 in clip space along an axis, a row of the matrix from world to clip space, adds to a
- * direction: rows are the camera's axes, scaled. */
-static void backdrop_axis(const float matrix[16], size_t row, float out[4])
-{
-	float square = 0.0f;
-	for (size_t i = 0; i < 3; i++)
-		square += matrix[4 * i + row] * matrix[4 * i + row];
-	for (size_t i = 0; i < 3; i++)
-		out[i] = matrix[4 * i + row] / square;
-	out[3] = 0.0f;
-}
-
-static void backdrop_write(const vulkan_slot *slot, const render_stream *stream, vulkan_backdrop *out)
+static void backdrop_write(const vulkan_device *device, const render_stream *stream, vulkan_backdrop *out)
 {
 	const stilb_render_view *view = stream->view;
 	const stilb_scene_backdrop *from = &view->backdrop;
@@ -204,39 +233,22 @@ static void backdrop_write(const vulkan_slot *slot, const render_stream *stream,
 		return;
 	}
 	memset(out->size, 0, sizeof out->size);
+	memcpy(out->sky, view->surroundings.sky, sizeof view->surroundings.sky);
+	memcpy(out->ground, view->surroundings.ground, sizeof view->surroundings.ground);
+	out->sky[3] = from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS && !stream->panorama ? 1.0f : 0.0f;
+	out->ground[3] = 0.0f;
+	if (out->sky[3] > 0.0f)
+		return;
 	if (from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
 		out->size[0] = stream->panorama->width;
 		out->size[1] = stream->panorama->height;
 		out->turn[0] = sinf(view->surroundings.rotation);
 		out->turn[1] = cosf(view->surroundings.rotation);
-		out->panorama = slot->panorama.address + sizeof stream->panorama->table;
+		out->panorama = device->panorama.address + sizeof(render_panorama_table);
 		return;
 	}
 	for (size_t i = 0; i < sizeof out->map / sizeof *out->map; i++)
 		memcpy(out->map[i], from->map + 3 * i, sizeof(float[3]));
-}
-
-stilb_result vulkan_backdrop_take_panorama(vulkan_device *device, vulkan_slot *slot, const render_panorama *panorama)
-{
-	STILB_ASSERT(panorama->key != 0 && panorama->texels);
-	if (slot->panorama_version == panorama->version)
-		return STILB_OK;
-	size_t texels = (size_t)panorama->width * panorama->height * sizeof *panorama->texels;
-	VkDeviceSize size = sizeof panorama->table + texels;
-	if (slot->panorama.size != size) {
-		vulkan_buffer_destroy(device, &slot->panorama); /* the slot's last frame is done */
-		stilb_result result = vulkan_buffer_create(
-			device, size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-			VULKAN_MEMORY_WRITE, &slot->panorama);
-		slot->panorama_version = 0;
-		if (result != STILB_OK)
-			return result;
-	}
-	PROFILE("copy the panorama");
-	memcpy(slot->panorama.mapped, panorama->table, sizeof panorama->table);
-	memcpy((char *)slot->panorama.mapped + sizeof panorama->table, panorama->texels, texels);
-	slot->panorama_version = panorama->version;
-	return STILB_OK;
 }
 
 stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream)
@@ -248,7 +260,7 @@ stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, c
 		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
 		                              VULKAN_MEMORY_WRITE, &slot->backdrop);
 	if (result == STILB_OK)
-		backdrop_write(slot, stream, slot->backdrop.mapped);
+		backdrop_write(device, stream, slot->backdrop.mapped);
 	return result;
 }
 

@@ -181,6 +181,8 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.texture_create = vulkan_texture_create,
 		.texture_destroy = vulkan_texture_destroy,
 		.update = vulkan_update,
+		.panorama_make = vulkan_panorama_make,
+		.panorama_show = vulkan_panorama_show,
 		.pass = vulkan_pass,
 		.submit = vulkan_submit,
 		.present = vulkan_present,
@@ -196,6 +198,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.replay = desc->replay;
 	device->base.materials = desc->materials;
 	device->base.faults = desc->faults;
+	device->base.in_window = desc->surface;
 	device->allocator = vulkan_host_allocator;
 	device->output = desc->output;
 	device->presentation = desc->presentation;

@@ -67,10 +67,11 @@ void vulkan_frames_destroy(vulkan_device *device)
 		vulkan_secondary_destroy(device, slot);
 		vulkan_heaps_destroy_slot(device, slot);
 		vulkan_buffer_destroy(device, &slot->backdrop);
-		vulkan_buffer_destroy(device, &slot->panorama);
 		vulkan_buffer_destroy(device, &slot->views);
 		vulkan_buffer_destroy(device, &slot->picture);
 	}
+	vulkan_buffer_destroy(device, &device->panorama);
+	vulkan_buffer_destroy(device, &device->next_panorama);
 	vkDestroyDescriptorPool(device->device, device->material_pool, device->allocator); /* frees the slots' sets too */
 	vulkan_times_destroy(device);
 	vkDestroySemaphore(device->device, device->timeline, device->allocator);
@@ -314,4 +315,30 @@ stilb_result vulkan_wait(render_device *base)
 	for (uint32_t i = 1; i <= VULKAN_SLOTS && result == STILB_OK; i++) /* the oldest first */
 		vulkan_times_read(device, &device->slots[(device->slot + i) % VULKAN_SLOTS]);
 	return result;
+}
+
+/* ---- panoramas --------------------------------------------------------------------------------------------------- */
+
+void *vulkan_panorama_make(render_device *base, size_t bytes)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	if (device->next_panorama.size != bytes) {
+		vulkan_buffer_destroy(device, &device->next_panorama); /* no frame has read it */
+		vulkan_buffer_create(device, bytes,
+		                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+		                     VULKAN_MEMORY_WRITE, &device->next_panorama);
+	}
+	return device->next_panorama.mapped;
+}
+
+void vulkan_panorama_show(render_device *base)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	STILB_ASSERT(device->next_panorama.buffer);
+	if (device->panorama.buffer && vulkan_buffer_retire(device, &device->panorama) != STILB_OK) {
+		vulkan_timeline_wait(device, device->timeline_value);
+		vulkan_buffer_destroy(device, &device->panorama);
+	}
+	device->panorama = device->next_panorama;
+	device->next_panorama = (vulkan_buffer){0};
 }

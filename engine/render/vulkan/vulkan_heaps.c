@@ -17,18 +17,26 @@ static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 
 /* ---- replaced buffers -------------------------------------------------------------------------------------------- */
 
-stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
+stilb_result vulkan_buffer_retire(vulkan_device *device, vulkan_buffer *buffer)
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
-	STILB_ASSERT(with.buffer && with.buffer != buffer->buffer && with.size > buffer->size);
 	if (!render_reserve((void **)&slot->outgrown, &slot->outgrown_capacity, slot->outgrown_count + 1,
-	                    sizeof *slot->outgrown)) {
-		vulkan_buffer_destroy(device, &with);
+	                    sizeof *slot->outgrown))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of outgrown buffers");
-	}
 	slot->outgrown[slot->outgrown_count++] = *buffer;
-	*buffer = with;
+	*buffer = (vulkan_buffer){0};
 	return STILB_OK;
+}
+
+stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
+{
+	STILB_ASSERT(with.buffer && with.buffer != buffer->buffer && with.size > buffer->size);
+	stilb_result result = vulkan_buffer_retire(device, buffer);
+	if (result == STILB_OK)
+		*buffer = with;
+	else
+		vulkan_buffer_destroy(device, &with);
+	return result;
 }
 
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot)

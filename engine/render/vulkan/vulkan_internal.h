@@ -43,7 +43,7 @@ typedef struct vulkan_view {
 	VkDeviceAddress lights;
 	uint32_t light_count;
 	float exposure;           /* factor of radiance before the tone map */
-	VkDeviceAddress panorama; /* render_panorama.table */
+	VkDeviceAddress panorama; /* of device.panorama: its table */
 	float turn[2];            /* sine and cosine of its rotation */
 } vulkan_view;
 
@@ -115,8 +115,6 @@ typedef struct vulkan_slot {
 	VkDescriptorSet material_set; /* --materials bind: a set with the buffer of materials */
 	VkBuffer material_buffer;     /* the buffer that material_set refers to */
 	vulkan_buffer backdrop;       /* what shaders/backdrop.frag reads; {0}: not needed so far */
-	vulkan_buffer panorama;       /* its table, then its texels; {0}: not needed so far */
-	uint32_t panorama_version;    /* of render_panorama in it */
 	vulkan_buffer views;          /* vulkan_view[STILB_RENDER_MAX_PASSES] */
 	vulkan_buffer picture;        /* the picture in memory, if there is no window */
 	vulkan_slot_times times;
@@ -209,8 +207,9 @@ typedef struct vulkan_device {
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
 	VkPipeline pipelines_2d[VULKAN_PIPELINES_2D];
-	VkPipeline backdrop; /* null: not needed so far */
-	bool transparent;    /* the frame's backdrop is nothing, and the picture's alpha counts */
+	VkPipeline backdrop;                   /* null: not needed so far */
+	vulkan_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
+	bool transparent;                      /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;
 	VkFormat color_format;
 	vulkan_image color;         /* the picture, one sample a pixel */
@@ -291,6 +290,9 @@ stilb_result vulkan_update(render_device *base, const render_resources *resource
 /* Stores `with` in *buffer, and destroys the old buffer when no frame can read it any more. On STILB_ERROR_MEMORY
  * *buffer is as before and `with` is destroyed. */
 stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with);
+/* Destroys *buffer, which may be {0}, when no frame can read it any more, and leaves {0}. STILB_ERROR_MEMORY: *buffer
+ * is as before. */
+stilb_result vulkan_buffer_retire(vulkan_device *device, vulkan_buffer *buffer);
 /* Call when the slot's last frame is done: destroys the buffers that were replaced in it. */
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot);
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot);
@@ -325,6 +327,8 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
                          uint32_t keep);
 stilb_result vulkan_submit(render_device *base);
 stilb_result vulkan_wait(render_device *base);
+void *vulkan_panorama_make(render_device *base, size_t bytes);
+void vulkan_panorama_show(render_device *base);
 /* Submits a command buffer. Its transfers wait for the semaphore `wait`, and it signals `signal` and the timeline's
  * next value; both semaphores may be null. */
 stilb_result vulkan_queue_submit(vulkan_device *device, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
@@ -351,10 +355,8 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream);
 
 /* True if what is seen is more than the colour that the picture is cleared to. */
 bool vulkan_backdrop_is_drawn(const render_stream *stream);
-/* Copies the stream's panorama to the slot's memory, unless it is there. */
-stilb_result vulkan_backdrop_take_panorama(vulkan_device *device, vulkan_slot *slot, const render_panorama *panorama);
-/* The colour that the picture is cleared to: of the backdrop or of the sky, tone mapped as the fragment shader does it;
- * black without a view. */
+/* The colour that the picture is cleared to: of the backdrop, or of the sky or the ground, tone mapped as the fragment
+ * shader does it; black without a view. */
 VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view);
 /* Makes what is missing to draw the backdrop of the stream's view and writes it to the slot's memory. */
 stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream);

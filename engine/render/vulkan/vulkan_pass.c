@@ -94,7 +94,7 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
 	out->light_count = stream->light_count;
 	out->exposure = exp2f(view->exposure);
-	out->panorama = stream->panorama ? slot->panorama.address : 0;
+	out->panorama = stream->panorama ? device->panorama.address : 0;
 	out->turn[0] = sinf(view->surroundings.rotation);
 	out->turn[1] = cosf(view->surroundings.rotation);
 }
@@ -146,9 +146,7 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	if (!scene && !first && stream->draws == 0)
 		return STILB_OK;
 	stilb_result result = STILB_OK;
-	if (scene && stream->panorama)
-		result = vulkan_backdrop_take_panorama(device, slot, stream->panorama);
-	if (scene && result == STILB_OK) {
+	if (scene) {
 		pass_write_view(device, slot, stream);
 		result = vulkan_pipeline_choose(device, stream);
 	}

@@ -199,7 +199,9 @@ SHADE_FN vec4 shade_case_area_pieces(int row, vec4 a, vec4 b)
 		float left = disk.height * disk.height + disk.across * disk.across - disk.radius * disk.radius;
 		float root = sqrt(left * left + 4.0f * disk.radius * disk.radius * disk.height * disk.height);
 		float from = 3.0f * b[1] - 1.5f;
-		return vec4(shade_disk_irradiance_whole(disk, root), shade_disk_arc(disk, root, from, from + 0.1f + b[2]), 0.0f,
+		return vec4(shade_disk_irradiance_whole(disk, root), shade_disk_arc(disk, root, from, from + 0.1f + b[2]),
+		            shade_distant_share(n, vec3(0.1f * a[1], 0.0f, 0.0f), vec3(0.0f, 0.1f * b[2], 0.0f),
+		                                vec3(a[0], 0.1f * b[1], a[2])),
 		            0.0f);
 	}
 	shade_border border = {0.0f, vec3(0.0f), vec3(0.0f)};
