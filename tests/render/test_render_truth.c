@@ -6,6 +6,9 @@
 #include "gi/film/gi_camera.h"
 #include "gi/gi_render.h"
 #include "gi/gi_surface.h"
+#include "gi/trace/gi_ray.h"
+#include "numeric/numeric_albedo.h"
+#include "numeric/numeric_catalog.h"
 #include "panorama_exact.h"
 #include "render/render.h"
 #include "scene/scene_build.h"
@@ -37,6 +40,8 @@ static uint32_t add_model(stilb_scene_build *build, uint32_t mesh, const stilb_s
 	return stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &at), &part, 1);
 }
 
+static const stilb_scene_material *look; /* of all parts; NULL: their own */
+
 /* Two spheres over a floor, one of which emits a little, in this light; NULL: none. */
 static stilb_scene *scene_of(const stilb_scene_light *light, const stilb_scene_surroundings *surroundings)
 {
@@ -46,6 +51,8 @@ static stilb_scene *scene_of(const stilb_scene_light *light, const stilb_scene_s
 	stilb_scene_material floor = stilb_scene_material_make(grey, shine, 0.7f);
 	memcpy(glow.diffuse, green, sizeof green);
 	glow.emission[2] = 0.02f;
+	if (look)
+		paint = glow = floor = *look;
 	stilb_scene_mesh sphere, plane;
 	assert_int_equal(stilb_scene_mesh_sphere(5, &sphere), STILB_OK);
 	assert_int_equal(stilb_scene_mesh_plane(&plane), STILB_OK);
@@ -92,11 +99,11 @@ static stilb_image frame_of(stilb_render *render, const stilb_scene *scene, cons
 		.shading = *shading,
 	};
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
-	uint32_t ids[3] = {0, 1, 2};
+	uint32_t ids[3] = {0, 1, 2}, count = scene->model_count;
 	stilb_image image = {0};
 	assert_int_equal(stilb_render_set_scene(render, scene), STILB_OK);
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
-	assert_int_equal(stilb_render_record(render, 0, scene, ids, 3, pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_record(render, 0, scene, ids, count, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_replay(render, &pass, 1, &view, 1, pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_read_image(render, &image), STILB_OK);
 	assert_int_equal(image.format, STILB_IMAGE_F16_LINEAR);
@@ -120,8 +127,8 @@ static void live_picture(stilb_render *render, const stilb_scene *scene, const s
 	stilb_image_finish(&image);
 }
 
-static void traced_picture(const stilb_scene *scene, const stilb_render_shading *shading, uint32_t samples,
-                           picture *out)
+static void traced_picture_of(const stilb_scene *scene, const stilb_render_shading *shading, uint32_t samples,
+                              uint64_t seed, picture *out)
 {
 	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
 	stilb_gi_scene *gi;
@@ -133,6 +140,7 @@ static void traced_picture(const stilb_scene *scene, const stilb_render_shading 
 	settings.width = WIDTH;
 	settings.height = HEIGHT;
 	settings.samples = samples;
+	settings.seed = seed;
 	settings.model = (shade_brdf_model){(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
 	assert_int_equal(stilb_gi_render_create(gi, &settings, pool, &render), STILB_OK);
 	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
@@ -141,6 +149,12 @@ static void traced_picture(const stilb_scene *scene, const stilb_render_shading 
 		out->value[i / 3 / WIDTH][i / 3 % WIDTH][i % 3] = (double)radiance[i];
 	stilb_gi_render_destroy(render);
 	stilb_gi_scene_destroy(gi);
+}
+
+static void traced_picture(const stilb_scene *scene, const stilb_render_shading *shading, uint32_t samples,
+                           picture *out)
+{
+	traced_picture_of(scene, shading, samples, stilb_gi_settings_default(scene).seed, out);
 }
 
 /* Pixels all of whose points, and those of the pixels around, show one part: inside[y][x]. Found in a frame in which
@@ -246,17 +260,19 @@ static void compare(stilb_render *render, const stilb_scene *scene, const stilb_
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-static stilb_render *render_make(void)
+static stilb_render *render_sized(uint32_t width, uint32_t height)
 {
-	stilb_render_desc desc = {.output = STILB_RENDER_OUTPUT_LINEAR,
-	                          .width = WIDTH * FINE,
-	                          .height = HEIGHT * FINE,
-	                          .samples = 1,
-	                          .context_count = 1};
+	stilb_render_desc desc = {
+		.output = STILB_RENDER_OUTPUT_LINEAR, .width = width, .height = height, .samples = 1, .context_count = 1};
 	stilb_render *render;
 	if (stilb_render_create(&desc, &render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	return render;
+}
+
+static stilb_render *render_make(void)
+{
+	return render_sized(WIDTH * FINE, HEIGHT * FINE);
 }
 
 static const struct {
@@ -496,6 +512,287 @@ static void panoramas_are_as_traced(void **state)
 	stilb_render_destroy(render);
 }
 
+/* ---- furnace ----------------------------------------------------------------------------------------------------- */
+
+#define FURNACE_LIGHTS 3000u
+#define FURNACE_WIDTH 16u /* points of the picture; as wide for its height as the others */
+#define FURNACE_HEIGHT 12u
+
+/* A white ball of this material in light. */
+static stilb_scene *furnace_of(const stilb_scene_material *white, const stilb_scene_light *lamps, uint32_t count,
+                               const stilb_scene_surroundings *around)
+{
+	stilb_scene_mesh sphere;
+	assert_int_equal(stilb_scene_mesh_sphere(5, &sphere), STILB_OK);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	add_model(build, stilb_scene_build_mesh(build, &sphere), white, stilb_mat4_scale_translate(1.0f, 0.0f, 0.0f, 0.0f));
+	for (uint32_t i = 0; i < count; i++)
+		stilb_scene_build_light(build, &lamps[i]);
+	if (around)
+		stilb_scene_build_surroundings(build, around);
+	stilb_scene_build_camera(
+		build, &(stilb_scene_camera){.position = {0.0f, 0.0f, 3.0f}, .fov_y = 0.8f, .near_z = 0.1f, .far_z = 10.0f});
+	stilb_scene *scene;
+	if (stilb_scene_build_end(build, &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_scene_mesh_finish(&sphere);
+	return scene;
+}
+
+/* A matt white ball in surroundings of radiance 1 is not seen: every point of the frame is 1. By two colours and by a
+ * panorama, with a texel of which is brighter by nothing. */
+static void a_matt_ball_vanishes_in_the_furnace(void **state)
+{
+	(void)state;
+	stilb_scene_material white = stilb_scene_material_make((float[3]){1, 1, 1}, (float[3]){0, 0, 0}, 1.0f);
+	stilb_scene_surroundings around = {.sky = {1, 1, 1}, .ground = {1, 1, 1}};
+	stilb_render *render = render_make();
+	for (int panorama = 0; panorama < 2; panorama++) {
+		if (panorama) {
+			assert_int_equal(stilb_image_create(&around.panorama, 30, 15, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+			for (uint32_t i = 0; i < 30 * 15 * 3; i++)
+				((float *)around.panorama.pixels)[i] = 1.0f;
+		}
+		stilb_scene *scene = furnace_of(&white, NULL, 0, &around);
+		stilb_image image = frame_of(render, scene, &(stilb_render_shading){.brdf = SHADE_BRDF_LAMBERT});
+		double apart = 0.0;
+		for (uint32_t y = 0; y < HEIGHT * FINE; y++)
+			for (uint32_t x = 0; x < WIDTH * FINE; x++)
+				for (int c = 0; c < 3; c++)
+					apart = fmax(apart, fabs(half(point_of(&image, x, y)[c]) - 1.0));
+		printf("furnace-lambert-%s %.1e\n", panorama ? "panorama" : "sky", apart);
+		assert_true(apart <= (panorama ? BOUND : 0x1p-11)); /* a half float below 1 */
+		stilb_image_finish(&image);
+		stilb_scene_destroy(scene);
+	}
+	stilb_image_finish(&around.panorama);
+	stilb_render_destroy(render);
+}
+
+/* Light of radiance 1 from everywhere, as directional lights evenly over the sphere (Fibonacci's spiral). */
+static void furnace_lights(stilb_scene_light *lamps)
+{
+	for (uint32_t i = 0; i < FURNACE_LIGHTS; i++) {
+		float height = 1.0f - (2.0f * (float)i + 1.0f) / (float)FURNACE_LIGHTS;
+		float level = sqrtf(1.0f - height * height), turn = (float)fmod(2.399963229728653 * i, 2.0 * M_PI);
+		float light = 4.0f * 3.14159265f / (float)FURNACE_LIGHTS;
+		lamps[i] = (stilb_scene_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+		                               .direction = {level * cosf(turn), height, level * sinf(turn)},
+		                               .intensity = {light, light, light}};
+	}
+}
+
+/* The albedo, by quadrature, of the ball's surface that a point shows; 0: it shows none, or a slanted one. */
+static double furnace_albedo(const stilb_gi_scene *gi, const gi_camera *eye, const shade_brdf_model *model,
+                             const shade_brdf_parameters *parameters, uint32_t x, uint32_t y)
+{
+	gi_ray_hit ray;
+	gi_surface surface;
+	gi_camera_ray(eye, (float)x + 0.5f, (float)y + 0.5f, (stilb_vec2){0.5f, 0.5f}, &ray);
+	gi->tracer.intersect(&gi->tracer, &ray);
+	if (!gi_is_hit(&ray))
+		return 0.0;
+	gi_surface_at(gi, &ray, &surface);
+	double cosine = -(double)stilb_vec3_dot(surface.normal, gi_ray_direction(&ray.ray));
+	if (cosine < 0.3)
+		return 0.0;
+	return stilb_numeric_albedo_of_view(model, parameters, (stilb_numeric_angles){.polar = acos(fmin(cosine, 1.0))});
+}
+
+/* In frames a ball of a glossy model under even light is as bright as the model's albedo says. The light comes from
+ * some thousand directions, so the bound is theirs: highlights that are narrower need more. */
+static void glossy_balls_have_their_albedo(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *name;
+		float roughness;
+		shade_brdf_model model;
+	} cases[] = {
+		{"blinn-phong", 0.6f, {.kind = SHADE_BRDF_BLINN_PHONG_MODIFIED}},
+		{"phong", 0.7f, {.kind = SHADE_BRDF_PHONG_MODIFIED}},
+		{"ggx", 0.5f, {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK}},
+		{"ggx", 1.0f, {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK}},
+	};
+	static stilb_scene_light lamps[FURNACE_LIGHTS];
+	stilb_render *render = render_sized(FURNACE_WIDTH, FURNACE_HEIGHT);
+	furnace_lights(lamps);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		stilb_scene_material white =
+			stilb_scene_material_make((float[3]){0, 0, 0}, (float[3]){1, 1, 1}, cases[i].roughness);
+		stilb_render_shading shading = {.brdf = (uint32_t)cases[i].model.kind,
+		                                .ndf = (uint32_t)cases[i].model.ndf,
+		                                .g = (uint32_t)cases[i].model.g,
+		                                .f = (uint32_t)cases[i].model.f};
+		stilb_scene *scene = furnace_of(&white, lamps, FURNACE_LIGHTS, NULL);
+		stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+		stilb_gi_scene *gi;
+		assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
+		stilb_gi_settings settings = stilb_gi_settings_default(scene);
+		gi_camera eye = gi_camera_make(&scene->camera, &settings.lens, FURNACE_WIDTH, FURNACE_HEIGHT);
+		shade_brdf_parameters parameters = stilb_numeric_white(cases[i].roughness, 0.0f);
+		stilb_image image = frame_of(render, scene, &shading);
+		double apart = 0.0, least = 2.0, most = 0.0;
+		for (uint32_t y = 0; y < FURNACE_HEIGHT; y++)
+			for (uint32_t x = 0; x < FURNACE_WIDTH; x++) {
+				double albedo = furnace_albedo(gi, &eye, &cases[i].model, &parameters, x, y);
+				if (albedo > 0.0)
+					apart = fmax(apart, fabs(half(point_of(&image, x, y)[1]) - albedo));
+				least = albedo > 0.0 ? fmin(least, albedo) : least;
+				most = fmax(most, albedo);
+			}
+		printf("furnace-%s-%.1f albedo %.3f..%.3f, %.1e\n", cases[i].name, (double)cases[i].roughness, least, most,
+		       apart / most);
+		assert_true(most > 0.3 && apart <= BOUND * most);
+		stilb_image_finish(&image);
+		stilb_gi_scene_destroy(gi);
+		stilb_scene_destroy(scene);
+	}
+	stilb_render_destroy(render);
+}
+
+/* ---- the table of docs/rendering.md ------------------------------------------------------------------------------ */
+
+#define GLOSS_ROUGHNESSES 4
+#define GLOSS_SIDE 2u /* pixels of a pixel in the pictures */
+
+static const struct {
+	const char *name;
+	stilb_render_shading shading;
+} gloss_models[] = {
+	{"phong-modified", {.brdf = SHADE_BRDF_PHONG_MODIFIED}},
+	{"blinn-phong-modified", {.brdf = SHADE_BRDF_BLINN_PHONG_MODIFIED}},
+	{"microfacet (ggx)",
+     {.brdf = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK}},
+};
+
+static const float gloss_roughness[GLOSS_ROUGHNESSES] = {0.1f, 0.3f, 0.6f, 1.0f};
+
+/* Light of the scenes, of which one member is used. */
+typedef struct gloss_light {
+	const char *name;
+	stilb_scene_light light;
+	bool sky;
+	panorama_kind panorama;
+} gloss_light;
+
+static const gloss_light gloss_lights[] = {
+#define GLOSS_AREA .position = {0.5f, 3.0f, 1.0f}, .direction = {0.0f, -0.8f, -0.6f}, .intensity = {12.0f, 10.0f, 8.0f}
+	{"sphere", {.kind = STILB_SCENE_LIGHT_SPHERE, GLOSS_AREA, .radius = 0.5f}, false, PANORAMA_EVEN},
+	{"disk", {.kind = STILB_SCENE_LIGHT_DISK, GLOSS_AREA, .radius = 0.6f}, false, PANORAMA_EVEN},
+	{"rectangle",
+     {.kind = STILB_SCENE_LIGHT_RECTANGLE, GLOSS_AREA, .half_x = {1.0f, 0.0f, 0.0f}, .half_y = {0.0f, 0.18f, -0.24f}},
+     false,
+     PANORAMA_EVEN},
+	{"two-colour sky", {.intensity = {0.0f}}, true, PANORAMA_EVEN},
+	{"panorama with a sun", {.intensity = {0.0f}}, true, PANORAMA_SUN},
+	{"panorama of a room", {.intensity = {0.0f}}, true, PANORAMA_ROOM},
+};
+
+#define GLOSS_LIGHTS (sizeof gloss_lights / sizeof *gloss_lights)
+#define GLOSS_MODELS (sizeof gloss_models / sizeof *gloss_models)
+
+static stilb_scene *gloss_scene(const gloss_light *light)
+{
+	stilb_scene_surroundings around = {.sky = {0.6f, 0.8f, 1.2f}, .ground = {0.4f, 0.3f, 0.2f}, .glossy = true};
+	if (light->panorama != PANORAMA_EVEN) {
+		around = panorama_of(light->panorama, 500);
+		around.glossy = false;
+	}
+	stilb_scene *scene = light->sky ? scene_of(NULL, &around) : scene_of(&light->light, NULL);
+	stilb_image_finish(&around.panorama);
+	return scene;
+}
+
+typedef struct gloss_error {
+	double rms, worst, noise;
+} gloss_error;
+
+/* Of frames against two pictures of rays, whose difference tells the noise of their mean; shares of the largest value
+ * of a pixel. */
+static gloss_error gloss_measure(const picture *live, const picture *one, const picture *two)
+{
+	gloss_error e = {0};
+	double most = 0.0, count = 0.0;
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3 && inside[y][x]; c++, count++) {
+				double mean = 0.5 * (one->value[y][x][c] + two->value[y][x][c]), d = fabs(live->value[y][x][c] - mean);
+				double noise = 0.5 * (one->value[y][x][c] - two->value[y][x][c]);
+				most = fmax(most, mean);
+				e.worst = fmax(e.worst, d);
+				e.rms += d * d;
+				e.noise += noise * noise;
+			}
+	return (gloss_error){sqrt(e.rms / count) / most, e.worst / most, sqrt(e.noise / count) / most};
+}
+
+/* Writes frames, rays and five times their difference side by side, with the mean of the models at a quarter, to row
+ * `row` of a sheet of sRGB codes. */
+static void gloss_draw(stilb_image *sheet, uint32_t row, const picture *live, const picture *traced)
+{
+	double sum = 0.0, count = 0.0;
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3 && inside[y][x]; c++, count++)
+				sum += traced->value[y][x][c];
+	double factor = 0.25 * count / sum;
+	for (uint32_t y = 0; y < HEIGHT * GLOSS_SIDE; y++)
+		for (uint32_t x = 0; x < 3 * WIDTH * GLOSS_SIDE; x++)
+			for (uint32_t c = 0; c < 3; c++) {
+				const double *a = live->value[y / GLOSS_SIDE][x / GLOSS_SIDE % WIDTH];
+				const double *b = traced->value[y / GLOSS_SIDE][x / GLOSS_SIDE % WIDTH];
+				uint32_t which = x / (WIDTH * GLOSS_SIDE);
+				double value = which == 0 ? a[c] : which == 1 ? b[c] : 5.0 * fabs(a[c] - b[c]);
+				size_t at = ((size_t)(row * HEIGHT * GLOSS_SIDE + y) * sheet->width + x) * 3 + c;
+				((uint8_t *)sheet->pixels)[at] = (uint8_t)(255.0 * pow(fmin(factor * value, 1.0), 1.0 / 2.2) + 0.5);
+			}
+}
+
+/* Prints frames against rays for every kind of light, model and roughness, as Markdown; folder: pictures are written
+ * there, of GGX and roughness 0.3. samples: of a pixel, for each of two pictures by rays. */
+static void gloss_table(uint32_t samples, const char *folder)
+{
+	static picture live, one, two;
+	stilb_render *render = render_make();
+	stilb_image sheet;
+	double noise = 0.0;
+	assert_int_equal(
+		stilb_image_create(&sheet, 3 * WIDTH * GLOSS_SIDE, GLOSS_LIGHTS * HEIGHT * GLOSS_SIDE, 3, STILB_IMAGE_U8_SRGB),
+		STILB_OK);
+	find_inside(render);
+	printf("| light | BRDF | 0.1 | 0.3 | 0.6 | 1.0 |\n|---|---|---|---|---|---|\n");
+	for (uint32_t l = 0; l < GLOSS_LIGHTS; l++)
+		for (uint32_t m = 0; m < GLOSS_MODELS; m++) {
+			printf("| %s | %s |", gloss_lights[l].name, gloss_models[m].name);
+			for (int r = 0; r < GLOSS_ROUGHNESSES; r++) {
+				stilb_scene_material material = stilb_scene_material_make(
+					(float[3]){0.3f, 0.3f, 0.3f}, (float[3]){0.5f, 0.5f, 0.5f}, gloss_roughness[r]);
+				look = &material;
+				stilb_scene *scene = gloss_scene(&gloss_lights[l]);
+				live_picture(render, scene, &gloss_models[m].shading, &live);
+				traced_picture_of(scene, &gloss_models[m].shading, samples, 1, &one);
+				traced_picture_of(scene, &gloss_models[m].shading, samples, 2, &two);
+				gloss_error e = gloss_measure(&live, &one, &two);
+				noise = fmax(noise, e.noise);
+				printf(" %.1f %% (%.0f %%) |", 100.0 * e.rms, 100.0 * e.worst);
+				fflush(stdout);
+				if (m == GLOSS_MODELS - 1 && r == 1)
+					gloss_draw(&sheet, l, &live, &one);
+				stilb_scene_destroy(scene);
+				look = NULL;
+			}
+			printf("\n");
+		}
+	printf("\nNoise of the rays: %.2f %% at most (RMS).\n", 100.0 * noise);
+	char path[512];
+	snprintf(path, sizeof path, "%s/gloss.png", folder ? folder : ".");
+	if (folder)
+		assert_int_equal(stilb_image_save(&sheet, path), STILB_OK);
+	stilb_image_finish(&sheet);
+	stilb_render_destroy(render);
+}
+
 static int level(void **state)
 {
 	(void)state;
@@ -516,7 +813,8 @@ static int tear_down(void **state)
 	return 0;
 }
 
-int main(void)
+/* With `gloss [SAMPLES]` it prints the table of how far highlights in frames are from rays. */
+int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(lights_without_a_size_are_as_traced, level),
@@ -524,6 +822,14 @@ int main(void)
 		cmocka_unit_test_setup(surroundings_are_as_traced, level),
 		cmocka_unit_test_setup(the_ground_is_seen_below_the_horizon, level),
 		cmocka_unit_test_setup(panoramas_are_as_traced, level),
+		cmocka_unit_test(a_matt_ball_vanishes_in_the_furnace),
+		cmocka_unit_test(glossy_balls_have_their_albedo),
 	};
+	if (argc > 1 && strcmp(argv[1], "gloss") == 0) {
+		set_up(NULL);
+		level(NULL);
+		gloss_table(argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 10) : 1024, getenv("STILB_TRUTH_PICTURES"));
+		return tear_down(NULL);
+	}
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }
