@@ -443,37 +443,39 @@ static void *grow(void *array, size_t *space, size_t needed, size_t item)
 	return array;
 }
 
-static uint64_t hash_word(uint64_t hash, const char *bytes)
+/* Two words with one multiplication of 64 bits by 64. */
+static uint64_t hash_pair(uint64_t hash, const char *bytes)
 {
-	uint64_t word;
-	memcpy(&word, bytes, sizeof word);
-	__extension__ unsigned __int128 product = (unsigned __int128)(hash ^ word) * 0x9e3779b97f4a7c15u;
+	uint64_t word[2];
+	memcpy(word, bytes, sizeof word);
+	__extension__ unsigned __int128 product =
+		(unsigned __int128)(word[0] ^ 0x9e3779b97f4a7c15u) * (hash ^ word[1] ^ 0xa0761d6478bd642fu);
 	return (uint64_t)product ^ (uint64_t)(product >> 64);
 }
 
 /* Eight hashes side by side, since one alone waits for each multiplication; unrolled, they stay in registers. */
 static uint64_t hash_bytes(uint64_t hash, const char *bytes, size_t size)
 {
-	enum { LANES = 8, WORD = sizeof(uint64_t) };
+	enum { LANES = 8, PAIR = 2 * sizeof(uint64_t) };
 	uint64_t lane[LANES];
 	size_t at = 0;
 #pragma GCC unroll 8
 	for (size_t i = 0; i < LANES; i++)
 		lane[i] = hash + i;
-	for (; size - at >= LANES * WORD; at += LANES * WORD) {
+	for (; size - at >= LANES * PAIR; at += LANES * PAIR) {
 #pragma GCC unroll 8
 		for (size_t i = 0; i < LANES; i++)
-			lane[i] = hash_word(lane[i] + at, bytes + at + i * WORD);
+			lane[i] = hash_pair(lane[i] + at, bytes + at + i * PAIR);
 	}
-	for (size_t step; at < size; at += step) {
-		char last[WORD] = {0};
-		step = size - at < WORD ? size - at : WORD;
+	for (size_t i = 0, step; at < size; i++, at += step) {
+		char last[PAIR] = {0};
+		step = size - at < PAIR ? size - at : PAIR;
 		memcpy(last, bytes + at, step);
-		lane[0] = hash_word(lane[0] + at, last);
+		lane[i % LANES] = hash_pair(lane[i % LANES] + at, last);
 	}
-	for (size_t i = 1; i < LANES; i++)
-		lane[0] = hash_word(lane[0], (const char *)&lane[i]);
-	return lane[0];
+	for (size_t i = 0; i < LANES; i += 2)
+		hash = hash_pair(hash, (const char *)&lane[i]);
+	return hash;
 }
 
 static size_t world_used(void)
