@@ -60,10 +60,8 @@ static void test_list(void **state)
 
 #if TEST_ASAN
 #define LARGE_CASE ""
-#define PICTURE_CASES "picture"
 #else
 #define LARGE_CASE ",draws-1000000"
-#define PICTURE_CASES "picture*"
 #endif
 
 /* Each run compares its stream hash, a checksum of all draws in order, with the expected one, so exit code 0 is the
@@ -104,26 +102,43 @@ static void test_null_device(void **state)
 	some("sort", "radix", "sort");
 }
 
-static void test_pictures_are_the_same(void **state)
+static bool pictures_are_the_same(const char *cases)
 {
-	(void)state;
-	static const char line[] = "record --goals --seconds 0.01 --rounds 1 --case " PICTURE_CASES " --json a.json";
+	char line[256];
+	snprintf(line, sizeof line, "record --goals --seconds 0.01 --rounds 1 --json a.json --case %s", cases);
 	assert_int_equal(bench_code(line), 0);
 	assert_null(strstr(run.out, "FAILED"));
 	if (strstr(run.err, "left out")) {
 		print_message("skipped: %s", run.err);
-		skip();
+		return false;
 	}
 	read_stats("a.json");
-	static const char *const cases[] = {"picture", "picture-bind", "picture-pipeline"}; /* with asan the first alone */
+	return true;
+}
+
+static void test_pictures_are_the_same(void **state)
+{
+	(void)state;
+	if (!pictures_are_the_same("picture"))
+		skip();
 	static const char *const replays[] = {"stilb-indirect", "stilb-direct", "stilb-secondary"};
-	for (int c = 0; c < (TEST_ASAN ? 1 : 3); c++)
-		for (int i = 0; i < 3; i++)
-			assert_true(some(cases[c], replays[i], "least") <= some(cases[c], replays[i], "frame"));
+	for (int i = 0; i < 3; i++)
+		assert_true(some("picture", replays[i], "least") <= some("picture", replays[i], "frame"));
 	assert_true(some("picture", "vulkan-bare", "cpu") > 0.0);
-	if (!TEST_ASAN) /* vulkan-bare does not have the case */
-		assert_true(isnan(row_median("picture-bind", "vulkan-bare", "frame")));
 	assert_said(run.out, "lavapipe frame / bare Vulkan");
+}
+
+/* The other materials in one way of replay: test_render_picture has them in all. With the address sanitizer, which sees
+ * the same there, not at all. */
+static void test_pictures_of_other_materials(void **state)
+{
+	(void)state;
+	if (TEST_ASAN || !pictures_are_the_same("picture-* --only stilb-direct,vulkan-bare"))
+		skip();
+	static const char *const cases[] = {"picture-bind", "picture-pipeline"};
+	for (int c = 0; c < 2; c++)
+		assert_true(some(cases[c], "stilb-direct", "least") <= some(cases[c], "stilb-direct", "frame"));
+	assert_true(isnan(row_median("picture-bind", "vulkan-bare", "frame"))); /* it does not have the case */
 }
 
 /* ---- wrong pictures, and no driver ------------------------------------------------------------------------------- */
@@ -232,8 +247,13 @@ static void test_plot(void **state)
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
-		FRESH_TEST(test_list),          FRESH_TEST(test_null_device), FRESH_TEST(test_pictures_are_the_same),
-		FRESH_TEST(test_wrong_picture), FRESH_TEST(test_no_lavapipe), FRESH_TEST(test_goals),
+		FRESH_TEST(test_list),
+		FRESH_TEST(test_null_device),
+		FRESH_TEST(test_pictures_are_the_same),
+		FRESH_TEST(test_pictures_of_other_materials),
+		FRESH_TEST(test_wrong_picture),
+		FRESH_TEST(test_no_lavapipe),
+		FRESH_TEST(test_goals),
 		FRESH_TEST(test_plot),
 	};
 	if (argc != 2 || !realpath(argv[1], programs) || !folder_enter(argv[1], "bench_record")) {

@@ -426,6 +426,8 @@ static void the_same_however_it_was_drawn(void **state)
 	static const uint32_t workers[] = {0, 1, 3};
 	stilb_image first = picture_make(scene, &camera, (picture_desc){.replay = STILB_RENDER_REPLAY_DIRECT});
 	for (int way = 0; way < 27; way++) {
+		if (TEST_ASAN && way / 9 != (way + way / 3) % 3)
+			continue; /* all pairs of replay and materials are left, each with one number of workers */
 		stilb_render_stats stats;
 		picture_desc how = {
 			.replay = (stilb_render_replay_mode)(way % 3),
