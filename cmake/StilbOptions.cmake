@@ -5,6 +5,7 @@ option(STILB_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_JOBS_EXAMPLES "Build the examples of the jobs library" ${STILB_TESTS}) # the tests run them
 option(STILB_PROFILER_EXAMPLES "Build the examples of the profiler library" ${STILB_TESTS}) # likewise
 option(STILB_BENCH "Build stilb-bench, the measurements against other libraries" ${STILB_ENGINE})
+option(STILB_PARTS "Build what a library starts or loads by itself (importer, module for pictures) with that library" ON)
 option(STILB_WERROR "Treat warnings as errors (on in ./dev and CI)" OFF)
 option(STILB_HARDENED "Build with the hardening flags of distributions (off for one that passes its own)" ${PROJECT_IS_TOP_LEVEL})
 option(STILB_PROFILE "Compile the PROFILE macros in" ON)
@@ -65,6 +66,16 @@ function(stilb_hot)
 	set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -falign-loops=64)
 	if(STILB_HARDENED)
 		set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fno-stack-protector -fno-stack-clash-protection)
+	endif()
+endfunction()
+
+# stilb_brief(TARGET...): programs and libraries whose own code runs for moments. The build with the address sanitizer does not
+# optimise them: clang compiles them in a third of the time, and the sanitizers see all accesses of the source.
+function(stilb_brief)
+	if(STILB_SANITIZE MATCHES address)
+		foreach(target ${ARGN})
+			target_compile_options(${target} PRIVATE -O0)
+		endforeach()
 	endif()
 endfunction()
 
