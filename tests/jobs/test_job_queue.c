@@ -483,7 +483,7 @@ static void test_random_calls(void **state)
 {
 	(void)state;
 	static const size_t capacities[] = {SIZE_MAX, 1, 100, 512, 1500};
-	for (uint64_t seed = 0; seed < (TEST_EMULATED ? 20 : 100); seed++)
+	for (uint64_t seed = 0; seed < (TEST_EMULATED ? 20 : TEST_ASAN ? 30 : 100); seed++)
 		random_calls_with(seed, kind->bounded ? capacities[seed / 2 % 5] : SIZE_MAX);
 }
 

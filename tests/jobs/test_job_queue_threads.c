@@ -17,7 +17,9 @@
 #include "support/test.h"
 
 enum {
-	SLOWER = TEST_TSAN || TEST_EMULATED ? 8 : 1,
+	SLOWER = TEST_TSAN || TEST_EMULATED ? 8
+	         : TEST_ASAN                ? 4
+	                                    : 1,
 	SIDE_MOST = 8,
 	THREADS = 2 * SIDE_MOST,
 	ITEMS = 120000 / SLOWER,
