@@ -25,7 +25,14 @@
 #include "support/test.h"
 
 /* PROGRESS: items pushed and popped while threads are stopped; many segments. */
-enum { THREADS = 4, ROUNDS = 100, PROGRESS = 20000, SOME = 200, PATIENCE_S = 30, STOP_MS = 5 };
+enum {
+	THREADS = 4,
+	ROUNDS = TEST_ASAN || TEST_EMULATED ? 40 : 100,
+	PROGRESS = 20000,
+	SOME = 200,
+	PATIENCE_S = 30,
+	STOP_MS = 5
+};
 
 static const queue_kind *kind;
 static uint32_t rounds = ROUNDS;
