@@ -239,9 +239,9 @@ static void a_model_looks_as_rendered(void **state)
 {
 	(void)state;
 	outcome result;
-	measure(MODELS "/PLY/Wuson.ply", &result);
-	tell(MODELS "/PLY/Wuson.ply", &result);
-	assert_true(is_compared(&result) && is_good(MODELS "/PLY/Wuson.ply", &result));
+	measure(MODELS "/OFF/Wuson.off", &result);
+	tell(MODELS "/OFF/Wuson.off", &result);
+	assert_true(is_compared(&result) && is_good(MODELS "/OFF/Wuson.off", &result));
 }
 
 static void all_models_look_as_rendered(void **state)
