@@ -150,6 +150,22 @@ static float floor_covered(const floor_columns *columns, int x, int z)
 	return sum / FLOOR_DIRECTIONS;
 }
 
+/* Takes the cells' steps out of the shadow's edge: each becomes a mean with its neighbours, of weights 1 2 1, along x
+ * and then along z. */
+static void floor_smooth(stilb_scene_floor *floor)
+{
+	for (int pass = 0; pass < 2; pass++)
+		for (int line = 0; line < FLOOR_SIDE; line++) {
+			float before = 0.0f;
+			for (int i = 0; i < FLOOR_SIDE; i++) {
+				float *cell = pass == 0 ? &floor->covered[line][i] : &floor->covered[i][line], own = *cell;
+				float after = i + 1 == FLOOR_SIDE ? 0.0f : cell[pass == 0 ? 1 : FLOOR_SIDE];
+				*cell = 0.25f * (before + 2.0f * own + after);
+				before = own;
+			}
+		}
+}
+
 bool scene_floor_cover(const stilb_scene *scene, const stilb_sphere *sphere, stilb_scene_floor *floor)
 {
 	STILB_ASSERT(scene && sphere && sphere->radius > 0.0f && floor);
@@ -175,6 +191,7 @@ bool scene_floor_cover(const stilb_scene *scene, const stilb_sphere *sphere, sti
 	for (int z = 0; z < FLOOR_SIDE; z++)
 		for (int x = 0; x < FLOOR_SIDE; x++)
 			floor->covered[z][x] = floor_covered(columns, x, z);
+	floor_smooth(floor);
 	free(columns);
 	return true;
 }
