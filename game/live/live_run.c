@@ -340,7 +340,7 @@ static bool live_finish(live_run *run)
 static void live_say_failed(stilb_result result)
 {
 	const char *message = stilb_error_message();
-	bool hint = result == STILB_ERROR_MEMORY && !strstr(message, "ulimit");
+	bool hint = result == STILB_ERROR_MEMORY && strncmp(message, "no memory", 9) == 0 && !strstr(message, "ulimit");
 	stilb_log("%s%s", message, hint ? "; close other programs, or raise the limit that 'ulimit -v' shows" : "");
 }
 
