@@ -444,8 +444,9 @@ static double difference_exact(stilb_render *render, const stilb_scene *scene, u
 }
 
 /* A day: a sky that grows darker to the zenith over a brown ground, with a sun of half a degree in half of its texel,
- * or without; or a night: three windows of different size and colour, and faint noise. */
-typedef enum panorama_kind { PANORAMA_EVEN, PANORAMA_SUN, PANORAMA_ROOM } panorama_kind;
+ * or without; or a night: three windows of different size and colour, and faint noise. Or a dim sky with a lamp of two
+ * degrees that the floor's horizon halves. */
+typedef enum panorama_kind { PANORAMA_EVEN, PANORAMA_SUN, PANORAMA_ROOM, PANORAMA_LOW } panorama_kind;
 
 static void panorama_texel(panorama_kind kind, uint32_t x, uint32_t y, uint32_t width, uint32_t height, float out[3])
 {
@@ -459,6 +460,8 @@ static void panorama_texel(panorama_kind kind, uint32_t x, uint32_t y, uint32_t 
 		out[c] = up > 0.0f ? 0.4f + 0.2f * (float)c - 0.25f * up + 0.1f * cosf(phi) : 0.3f - 0.05f * (float)c;
 		if (kind == PANORAMA_SUN && x == width * 7 / 10 && y == height / 5)
 			out[c] = 30000.0f - 4000.0f * (float)c;
+		if (kind == PANORAMA_LOW)
+			out[c] = x / 2 == width / 14 && y + 2 >= height / 2 && y < height / 2 + 2 ? 400.0f : 0.05f;
 		if (kind != PANORAMA_ROOM)
 			continue;
 		out[c] = 0.02f * (float)((x * 7 + y * 13 + (uint32_t)c * 5) % 11);
@@ -503,6 +506,12 @@ static void panoramas_are_as_traced(void **state)
 		stilb_scene_destroy(scene);
 		stilb_image_finish(&around.panorama);
 	}
+	stilb_scene_surroundings low = panorama_of(PANORAMA_LOW, 720);
+	stilb_scene *lit = scene_of(NULL, &low);
+	find_inside(render);
+	assert_true(difference_exact(render, lit, 4) <= BOUND);
+	stilb_scene_destroy(lit);
+	stilb_image_finish(&low.panorama);
 	stilb_scene_surroundings around = panorama_of(PANORAMA_ROOM, 90);
 	stilb_scene *scene = scene_of(NULL, &around);
 	find_inside_of(render, true);
