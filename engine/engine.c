@@ -97,6 +97,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.samples = desc->samples,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
+		.keep_textures = desc->keep_textures,
 		.faults = engine_faults,
 	};
 	return stilb_render_create(&render, &engine->render);

@@ -161,12 +161,13 @@ typedef struct stilb_engine_desc {
 	const stilb_render_surface *surface;
 	stilb_render_presentation presentation; /* how pictures get to the screen */
 	bool validate;                          /* with Vulkan's validation layer */
-	bool overlay;                           /* the profiler's window is open from the start */
-	bool inspector;                         /* the materials' window is open from the start */
-	bool keys;                              /* the key card is open from the start */
-	bool times;                             /* frame rate and time are shown from the start */
-	bool hint;                              /* a line names the main keys for the first seconds; only in a window */
-	stilb_ui_aa ui_aa;                      /* how edges in these two windows are smoothed */
+	bool keep_textures; /* keep a copy of all textures in memory: stilb_engine_dump of a scene with textures needs it */
+	bool overlay;       /* the profiler's window is open from the start */
+	bool inspector;     /* the materials' window is open from the start */
+	bool keys;          /* the key card is open from the start */
+	bool times;         /* frame rate and time are shown from the start */
+	bool hint;          /* a line names the main keys for the first seconds; only in a window */
+	stilb_ui_aa ui_aa;  /* how edges in these two windows are smoothed */
 
 	/* Record what every thread does, for the overlay and for files. Each thread keeps its last profile_ring_mib MiB of
 	 * records, a power of two, 1..STILB_ENGINE_PROFILE_RING_MAX; memory is taken as it is used. */
@@ -301,7 +302,8 @@ stilb_result stilb_engine_picture(stilb_engine *engine, const char *path, bool c
 void stilb_engine_pictures_wait(stilb_engine *engine);
 
 /* Writes the last frame's command stream for `stilb replay` (render_dump.h), with the lights that the scene has now.
- * STILB_ERROR_ARGUMENT: no frame of this scene has been drawn, or it has textures. STILB_ERROR_FILE. */
+ * STILB_ERROR_ARGUMENT: no frame of this scene has been drawn, or a draw uses a texture and the engine was created
+ * without keep_textures. STILB_ERROR_FILE. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
 /* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending

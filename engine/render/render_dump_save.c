@@ -218,8 +218,8 @@ static stilb_result save_size(save_job *job)
 		render_dump_texture texture = save_texture(job, t);
 		if (texture.width == 0)
 			return stilb_fail(STILB_ERROR_ARGUMENT,
-			                  "cannot dump a frame that uses texture %u: its pixels were not kept; make the renderer "
-			                  "with keep_textures",
+			                  "cannot dump a frame that uses texture %u: its pixels were not kept; create the renderer "
+			                  "or the engine with keep_textures",
 			                  texture.id);
 		header->pixel_bytes += render_dump_fill(render_dump_pixel_bytes(&texture));
 	}

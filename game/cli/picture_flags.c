@@ -234,6 +234,12 @@ bool picture_flags_check(const picture_flags *p)
 	return picture_check_camera(p->camera);
 }
 
+void picture_flags_log_start(const picture_flags *p, stilb_result result)
+{
+	bool device = result == STILB_ERROR_DEVICE && p->device != STILB_RENDER_DEVICE_NULL;
+	stilb_log("%s%s", stilb_error_message(), device ? ", or run without a GPU with --device null" : "");
+}
+
 static uint32_t picture_choice(int given, uint32_t otherwise)
 {
 	return given == PICTURE_NOT_GIVEN ? otherwise : (uint32_t)given;

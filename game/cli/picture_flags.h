@@ -59,6 +59,9 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 /* Checks what the table cannot express. Returns false after one line on stderr. */
 bool picture_flags_check(const picture_flags *picture);
 
+/* Prints the error of a run that did not start; if that is the device's, with the flag that does without it. */
+void picture_flags_log_start(const picture_flags *picture, stilb_result result);
+
 /* True if a part of the microfacet model is chosen, which implies it: its D, G or F. */
 bool picture_flags_parts(const picture_flags *picture);
 

@@ -354,6 +354,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.present = !o->no_present;
 	desc.presentation = (stilb_render_presentation)o->present;
 	desc.validate = o->picture.validate;
+	desc.keep_textures = o->dump;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;

@@ -10,8 +10,14 @@
  * NULL after an error. STILB_ERROR_FILE: no file can be created. STILB_ERROR_MEMORY. [any-thread] */
 stilb_result live_picture_reserve(const char *path, const char *last, char **name);
 
-/* Returns path with "-001" and so on before its extension, for pictures of a series, which replace those of an earlier
- * run. The caller frees the result; NULL: out of memory. [any-thread] */
-char *live_picture_numbered(const char *path, uint32_t number);
+/* Finds a name for a series of count pictures, 1 or more: path, or, if there is a file of any of its numbered names,
+ * path with "-2", "-3", ... before its extension. The caller frees *series, which is NULL after an error.
+ * STILB_ERROR_MEMORY. [any-thread] */
+stilb_result live_picture_series(const char *path, uint32_t count, char **series);
+
+/* Creates an empty file of the series' name with "-001" and so on before its extension. The caller frees *name, which
+ * is NULL after an error. STILB_ERROR_FILE: it cannot be created, also because there is one meanwhile.
+ * STILB_ERROR_MEMORY. [any-thread] */
+stilb_result live_picture_reserve_numbered(const char *series, uint32_t number, char **name);
 
 #endif

@@ -170,12 +170,19 @@ static void live_take_picture(live_run *run)
 	free(path);
 }
 
-/* Takes the picture of this frame under --screenshot's name with the frame's number: "a.png" becomes "a-001.png". */
+/* Takes the picture of this frame under --screenshot's name with the frame's number: "a.png" becomes "a-001.png", or
+ * "a-2-001.png" if there are pictures of an earlier run. */
 static stilb_result live_take_numbered(live_run *run)
 {
-	char *path = live_picture_numbered(run->options->screenshot, (uint32_t)run->frames);
-	stilb_result result =
-		path ? stilb_engine_picture(run->engine, path, false) : stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	const live_options *o = run->options;
+	char *path = NULL;
+	stilb_result result = STILB_OK;
+	if (!run->series)
+		result = live_picture_series(o->screenshot, (uint32_t)o->pictures, &run->series);
+	if (result == STILB_OK)
+		result = live_picture_reserve_numbered(run->series, (uint32_t)run->frames, &path);
+	if (result == STILB_OK)
+		result = stilb_engine_picture(run->engine, path, true);
 	free(path);
 	return result;
 }
@@ -350,7 +357,10 @@ static int live_run_frames(live_run *run)
 	if (started == STILB_OK && run->options->track)
 		started = live_track_open(&run->track, run->options->track);
 	if (started != STILB_OK) {
-		live_say_failed(started);
+		if (started == STILB_ERROR_DEVICE)
+			picture_flags_log_start(&run->options->picture, started);
+		else
+			live_say_failed(started);
 		return exit_code_of(started);
 	}
 	struct sigaction once = {.sa_handler = live_on_signal, .sa_flags = SA_RESETHAND}; /* a second one kills */
@@ -384,6 +394,7 @@ int live_run_main(live_run *run)
 	run->engine = NULL;
 	/* relaxed: the engine's end has joined the capturing thread */
 	free(atomic_load_explicit(&run->told, memory_order_relaxed));
+	free(run->series);
 	stage_times_finish(&run->times);
 	return code == EXIT_DONE && run->capture_failed ? EXIT_FAILED : code;
 }

@@ -52,6 +52,7 @@ struct live_run {
 	stage_times times;
 	live_track track;
 	live_gamepads gamepads;
+	char *series;                /* --screenshot's name for a series of pictures (live_picture.h); NULL: none yet */
 	stilb_result picture_result; /* of the first picture of a series that could not be written */
 	/* Both are written on the profiler's capturing thread. The main thread reads them after it has destroyed the
 	 * engine, which ends that thread. */

@@ -308,7 +308,7 @@ static int replay_main(replay_run *run)
 {
 	stilb_result started = replay_start(run), played = started == STILB_OK ? replay_play(run) : started;
 	if (played != STILB_OK) {
-		stilb_log("%s", stilb_error_message());
+		picture_flags_log_start(&run->options.picture, played);
 		/* Damage to a file may be noticed only in the first frame, when the hash of its draws differs from the
 		 * file's. */
 		return started != STILB_OK || played == STILB_ERROR_FILE ? exit_code_of(played) : EXIT_FAILED;

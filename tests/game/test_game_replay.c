@@ -243,6 +243,7 @@ static void test_no_driver(void **state)
 	assert_int_equal(stilb_code(no_driver, "replay a.dump"), 2);
 	assert_error_lines(1);
 	assert_said(run.err, "mesa-vulkan-drivers");
+	assert_said(run.err, "--device null");
 }
 
 /* ---- with Vulkan ------------------------------------------------------------------------------------------------- */
@@ -301,6 +302,30 @@ static void test_the_same_picture_in_other_ways(void **state)
 	assert_true(same_picture("a.exr", "c.exr"));
 }
 
+static void write_text(const char *name, const char *text)
+{
+	FILE *file = fopen(name, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	fclose(file);
+}
+
+static void test_textures(void **state)
+{
+	(void)state;
+	stilb_good("demo --headless --frames 1 --models 50 --size 64x64 --screenshot tile.png");
+	write_text("tile.mtl", "newmtl tile\nKd 1 1 1\nmap_Kd tile.png\n");
+	write_text("tile.obj", "mtllib tile.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl tile\n"
+	                       "f 1/1 2/2 3/3\n");
+	stilb_good(
+		"view tile.obj --headless --studio off --environment 1,1,1 --size 64x64 --dump a.dump --screenshot a.png");
+	stilb_good("replay a.dump --frames 1 --screenshot b.png --validate");
+	assert_true(same_picture("a.png", "b.png"));
+	write_text("tile.mtl", "newmtl tile\nKd 1 1 1\n");
+	stilb_good("view tile.obj --headless --studio off --environment 1,1,1 --size 64x64 --screenshot b.png");
+	assert_false(same_picture("a.png", "b.png")); /* the texture is seen */
+}
+
 #define FRESH_TEST(name) cmocka_unit_test_setup(name, folder_fresh)
 
 int main(int argc, char **argv)
@@ -313,6 +338,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		FRESH_TEST(test_the_same_picture),
 		FRESH_TEST(test_the_same_picture_in_other_ways),
+		FRESH_TEST(test_textures),
 	};
 	bool null = argc == 3 && strcmp(argv[2], "null") == 0;
 	if ((argc != 2 && !null) || !folder_enter(argv[1], null ? "test_game_replay_null" : "test_game_replay")) {

@@ -72,6 +72,19 @@ static void turns_a_table(void **state)
 	/* A quarter turn further the square is seen from its side, nearly edge-on. */
 	assert_true(boxes[1][1] - boxes[1][0] < (boxes[0][1] - boxes[0][0]) * 3 / 4);
 	assert_true(abs((boxes[2][1] - boxes[2][0]) - (boxes[0][1] - boxes[0][0])) <= 6);
+	/* A second series leaves the first alone. */
+	stilb_image before, after;
+	assert_int_equal(stilb_image_load("t-002.png", &before), STILB_OK);
+	assert_int_equal(stilb_code(no_display, "view square.obj --turntable 2 --size 16x16 --screenshot t.png"), 0);
+	assert_non_null(strstr(run.out, "picture: t-2-001.png"));
+	assert_non_null(strstr(run.out, "picture: t-2-002.png"));
+	assert_int_equal(stilb_image_load("t-002.png", &after), STILB_OK);
+	assert_int_equal(after.width, before.width);
+	stilb_image_finish(&before);
+	stilb_image_finish(&after);
+	assert_int_equal(stilb_image_load("t-2-002.png", &after), STILB_OK);
+	assert_int_equal(after.width, 16);
+	stilb_image_finish(&after);
 	/* What frames do not draw is said. */
 	assert_null(strstr(run.err, "panorama"));
 	assert_int_equal(stilb_code(no_display, "view square.obj --size 64x64 --screenshot p.png --environment t-001.png"),

@@ -64,12 +64,11 @@ static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
 {
 	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || stilb_memory_is_scarce(VULKAN_DRIVER_BYTES))
 		return stilb_fail(STILB_ERROR_MEMORY,
-		                  "no memory to load a Vulkan driver (%s gives %d); raise the limit that 'ulimit -v' shows, or "
-		                  "run without a GPU with --device null",
+		                  "no memory to load a Vulkan driver (%s gives %d); raise the limit that 'ulimit -v' shows",
 		                  call, (int)error);
 	return stilb_fail(STILB_ERROR_DEVICE,
 	                  "no Vulkan driver found (%s gives %d); install one, for example the software driver "
-	                  "with 'apt install mesa-vulkan-drivers', or run without a GPU with --device null",
+	                  "with 'apt install mesa-vulkan-drivers'",
 	                  call, (int)error);
 }
 
