@@ -183,11 +183,12 @@ static replay_lights replay_count_lights(const stilb_render_view *view, const re
 		found.bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
 	}
 	found.bits |= view->both_sides ? RENDER_LIGHTS_SIDES : 0;
-	if (!panorama)
-		return found;
-	found.count += panorama->lamp_count;
-	found.bits |= panorama->lamp_count > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0;
-	found.bits |= RENDER_LIGHTS_PANORAMA;
+	if (panorama) {
+		found.count += panorama->lamp_count;
+		found.bits |= panorama->lamp_count > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0;
+		found.bits |= RENDER_LIGHTS_PANORAMA;
+	}
+	found.bits |= found.count == 1 ? RENDER_LIGHTS_ONE : 0;
 	return found;
 }
 
