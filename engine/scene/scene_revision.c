@@ -46,7 +46,9 @@ stilb_scene_revisions stilb_scene_revisions_read(stilb_scene *scene)
 		revision_hash(0, &scene->camera, sizeof scene->camera),
 	};
 	for (int i = 0; i < 3; i++) {
-		*counts[i] += scene->values[i] != now[i];
+		if (scene->values[i] == now[i])
+			continue; /* written only where something has changed: other threads may read the counts meanwhile */
+		(*counts[i])++;
 		scene->values[i] = now[i];
 	}
 	return scene->revisions;

@@ -377,7 +377,10 @@ static int live_run_frames(live_run *run)
 		return run->starting ? exit_code_of(result) : EXIT_FAILED;
 	}
 	if (run->frames == 0) {
-		stilb_log("no frame was drawn");
+		if (live_interrupted)
+			stilb_log("stopped by SIG%s before a frame was drawn; nothing was written", sigabbrev_np(live_interrupted));
+		else
+			stilb_log("no frame was drawn");
 		return EXIT_FAILED;
 	}
 	bool cut_short = run->lost && live_run_wanted(run) == 0 && !run->report.replayed;

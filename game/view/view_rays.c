@@ -65,23 +65,10 @@ void view_rays_begin(view_rays *rays)
 
 static view_seen rays_seen(const view *v)
 {
-	view_seen seen = {.camera = v->scene->camera, .shading = stilb_engine_shading(v->run->engine)};
-	stilb_engine_size(v->run->engine, &seen.width, &seen.height);
-	seen.scene = stilb_scene_revisions_read(v->scene);
-	seen.scene.camera = 0; /* the camera is compared itself */
-	return seen;
-}
-
-static bool rays_is_same_scene(const view_seen *a, const view_seen *b)
-{
-	return memcmp(&a->scene, &b->scene, sizeof a->scene) == 0;
-}
-
-static bool rays_is_same(const view_seen *a, const view_seen *b)
-{
-	return memcmp(&a->camera, &b->camera, sizeof a->camera) == 0 &&
-	       memcmp(&a->shading, &b->shading, sizeof a->shading) == 0 && a->width == b->width && a->height == b->height &&
-	       rays_is_same_scene(a, b);
+	stilb_render_shading shading = stilb_engine_shading(v->run->engine);
+	uint32_t width, height;
+	stilb_engine_size(v->run->engine, &width, &height);
+	return view_seen_read(v->scene, &shading, width, height);
 }
 
 /* The settings of `stilb render` with the same flags, so that it gives the same bits. */
@@ -114,8 +101,35 @@ void view_rays_forget(view *v)
 	rays_hide(v);
 	view_trace_end(v->rays.trace);
 	v->rays.trace = NULL;
+	v->rays.held = v->rays.asked = false;
+	v->rays.changed_ns = stilb_time_ns();
+}
+
+void view_rays_hold(view *v)
+{
+	rays_hide(v);
 	v->rays.asked = false;
 	v->rays.changed_ns = stilb_time_ns();
+	if (!v->rays.trace || v->rays.held)
+		return;
+	view_trace_hold(v->rays.trace);
+	v->rays.held = true;
+}
+
+/* After edits, which view_rays_hold came before: brings the tracer up to date. */
+static void rays_take_edits(view *v, const view_seen *seen)
+{
+	view_rays *rays = &v->rays;
+	if (rays->held) {
+		rays->held = false;
+		rays->begun_ns = stilb_time_ns();
+		view_trace_follow(rays->trace);
+		return;
+	}
+	bool same = view_seen_same_scene(seen, &rays->seen);
+	STILB_ASSERT((same || !rays->trace) && "view_rays_hold comes before edits");
+	if (!same)
+		view_rays_forget(v);
 }
 
 static void rays_turn_off(view *v)
@@ -162,7 +176,7 @@ static stilb_result rays_show(view *v, bool anew)
 	                              .width = rays->seen.width,
 	                              .height = rays->seen.height,
 	                              .from = &rays->from,
-	                              .still = v->run->window,
+	                              .still = v->run->window && !rays->redraw,
 	                              .divider = true};
 	rays->looked_ns = anew ? stilb_time_ns() : rays->looked_ns;
 	stilb_result result = stilb_engine_show(v->run->engine, &picture);
@@ -244,16 +258,16 @@ static void rays_in_window(view *v)
 	view_rays *rays = &v->rays;
 	uint64_t now = stilb_time_ns();
 	view_seen seen = rays_seen(v);
-	if (!rays_is_same_scene(&seen, &rays->seen))
-		view_rays_forget(v);
-	if (!rays_is_same(&seen, &rays->seen)) {
-		rays->seen = seen;
+	rays_take_edits(v, &seen);
+	rays->redraw = !view_seen_same_frame(&seen, &rays->seen);
+	if (!view_seen_same_rays(&seen, &rays->seen)) {
 		rays->changed_ns = now;
 		rays->asked = false;
 		rays_hide(v);
 		if (rays->trace)
 			view_trace_rest(rays->trace);
 	}
+	rays->seen = seen;
 	stilb_result result = rays_follow(v, now);
 	if (result == STILB_OK)
 		return;
@@ -272,6 +286,19 @@ void view_rays_wait(view *v)
 
 /* ---- without a window -------------------------------------------------------------------------------------------- */
 
+/* Says how far the rays' picture was when a signal came. */
+static void rays_say_cut(const view *v, const stilb_gi_progress *at)
+{
+	char samples[64];
+	FILE *out = live_message_stream(&v->options);
+	offline_progress_samples(at, samples, sizeof samples);
+	if (at->pass_count > 0)
+		fprintf(out, "rays stopped early: the picture has %s of %u\n", samples, rays_settings(v).samples);
+	else
+		fputs("rays stopped before they began: the picture shows frames alone\n", out);
+	fflush(out);
+}
+
 /* Waits until the picture is finished, or a signal has come. */
 static stilb_result rays_await(const view *v, stilb_gi_progress *at)
 {
@@ -287,6 +314,8 @@ static stilb_result rays_await(const view *v, stilb_gi_progress *at)
 	}
 	if (progress.terminal)
 		offline_progress_clear();
+	if (where != VIEW_TRACE_FAILED && where != VIEW_TRACE_FINISHED)
+		rays_say_cut(v, at);
 	if (where != VIEW_TRACE_FAILED)
 		return STILB_OK;
 	const char *message;
@@ -299,10 +328,9 @@ static stilb_result rays_headless(view *v)
 	view_rays *rays = &v->rays;
 	stilb_gi_progress at = {0};
 	view_seen seen = rays_seen(v);
-	if (rays->shown && rays_is_same(&seen, &rays->seen))
+	if (rays->shown && !rays->held && view_seen_same_rays(&seen, &rays->seen))
 		return rays_show(v, false);
-	if (!rays_is_same_scene(&seen, &rays->seen))
-		view_rays_forget(v);
+	rays_take_edits(v, &seen);
 	rays->seen = seen;
 	stilb_result result = rays->trace ? STILB_OK : rays_begin(v);
 	if (result == STILB_OK)

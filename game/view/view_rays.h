@@ -12,17 +12,10 @@
 
 #include "game/cli/flags.h"
 #include "game/render/render_rays.h"
+#include "view_seen.h"
 #include "view_trace.h"
 
 #include "engine.h"
-
-/* What a picture depends on. */
-typedef struct view_seen {
-	stilb_scene_camera camera;
-	stilb_scene_revisions scene; /* but for the camera's */
-	stilb_render_shading shading;
-	uint32_t width, height;
-} view_seen;
 
 typedef struct view_rays {
 	/* Of the flags. */
@@ -33,9 +26,11 @@ typedef struct view_rays {
 	bool on;
 	float from;          /* where the divider is, as a share of the width: frames are left of it */
 	view_trace *trace;   /* of the scene; NULL: none */
+	bool held;           /* the scene may be edited */
 	uint64_t begun_ns;   /* when the trace began, and then the picture */
 	view_seen seen;      /* in the last frame */
 	uint64_t changed_ns; /* when that was other than in the frame before */
+	bool redraw;         /* frames show something else since the last one, and rays do not */
 	bool asked;          /* for a picture of what is seen */
 	bool shown, whole;   /* the engine shows it; all of it */
 	float *radiance;     /* [seen.height][seen.width][3] */
@@ -66,8 +61,11 @@ stilb_result view_rays_frame(view *v, uint64_t frame);
 /* Between frames: waits if they need not come sooner, so that rays get the time. */
 void view_rays_wait(view *v);
 
-/* Before the scene is changed or replaced, the workers are, or the engine ends: forgets it. Rays begin anew with the
- * next frame. */
+/* Before each edit of the scene: rays read nothing of it until the next frame, which begins with what has changed. */
+void view_rays_hold(view *v);
+
+/* Before the scene is replaced, the workers are, or the engine ends: forgets it. Rays begin anew with the next
+ * frame. */
 void view_rays_forget(view *v);
 
 /* Frees all of it. */

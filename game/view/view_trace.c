@@ -6,6 +6,7 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,12 +20,19 @@ struct view_trace {
 	uint32_t workers;
 	const stilb_gi_intersector *intersector;
 	pthread_t thread;
+	/* Ends a build of the tree: set by the main thread, and read by threads that build. Relaxed: no other data goes
+	 * with it. */
+	_Atomic bool give_up;
 	pthread_mutex_t lock;
-	pthread_cond_t asked;
+	pthread_cond_t asked; /* the thread has something to do */
+	pthread_cond_t idle;  /* it is not busy any more */
 	/* Under the lock. */
 	view_trace_stage stage;
 	stilb_gi_settings settings; /* of the next picture, if one is wanted */
 	bool wanted, ending;
+	bool stale;              /* the scene was edited, or was never read */
+	bool held;               /* the scene may be edited: nothing reads it */
+	bool busy;               /* the thread reads the scene, or renders a picture of it */
 	stilb_gi_render *render; /* the thread's; NULL: there is none */
 	stilb_result result;     /* of VIEW_TRACE_FAILED */
 	char message[512];
@@ -35,6 +43,8 @@ typedef struct trace_own {
 	stilb_job_pool *pool;
 	uint32_t caller; /* this thread's index in it */
 	stilb_gi_scene *scene;
+	uint64_t places; /* the scene's count of moves when it was read */
+	bool movable;    /* its models have moved */
 } trace_own;
 
 static void trace_fail(view_trace *trace, stilb_result result)
@@ -43,6 +53,8 @@ static void trace_fail(view_trace *trace, stilb_result result)
 	trace->stage = VIEW_TRACE_FAILED;
 	trace->result = result;
 	snprintf(trace->message, sizeof trace->message, "%s", stilb_error_message());
+	trace->busy = false;
+	pthread_cond_signal(&trace->idle);
 	pthread_mutex_unlock(&trace->lock);
 }
 
@@ -62,29 +74,56 @@ static stilb_result trace_pool(const view_trace *trace, trace_own *own)
 	return error == 0 ? STILB_OK : stilb_fail_threads(trace->workers, -error);
 }
 
-static stilb_result trace_build(const view_trace *trace, trace_own *own)
+/* stilb_gi_scene_desc.give_up */
+static bool trace_gives_up(void *user)
+{
+	view_trace *trace = user;
+	return atomic_load_explicit(&trace->give_up, memory_order_relaxed);
+}
+
+/* Makes the scene ready for rays, or brings it up to date. Once a model has moved, more moves are expected. */
+static stilb_result trace_build(view_trace *trace, trace_own *own)
 {
 	PROFILE("build the tree");
-	stilb_result result = trace_pool(trace, own);
+	stilb_result result = own->pool ? STILB_OK : trace_pool(trace, own);
 	if (result != STILB_OK)
 		return result;
 	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(own->pool);
 	desc.caller = own->caller;
 	desc.intersector = trace->intersector;
-	return stilb_gi_scene_create(trace->scene, &desc, &own->scene);
+	desc.give_up = trace_gives_up;
+	desc.user = trace;
+	stilb_scene_revisions before = trace->scene->revisions;
+	own->movable = own->movable || (own->scene && before.places != own->places);
+	desc.movable = own->movable;
+	result = own->scene ? stilb_gi_scene_update(own->scene, trace->scene, &desc)
+	                    : stilb_gi_scene_create(trace->scene, &desc, &own->scene);
+	own->places = before.places;
+	STILB_ASSERT(before.models == trace->scene->revisions.models && before.places == trace->scene->revisions.places &&
+	             before.geometry == trace->scene->revisions.geometry &&
+	             before.materials == trace->scene->revisions.materials && "view_trace_hold comes before edits");
+	return result;
 }
 
-/* Waits for a picture to make. False: it is to end. */
-static bool trace_wait(view_trace *trace, stilb_gi_settings *settings)
+typedef enum trace_task { TRACE_END, TRACE_BUILD, TRACE_PICTURE } trace_task;
+
+/* Waits for something to do, and is busy then. */
+static trace_task trace_wait(view_trace *trace, stilb_gi_settings *settings)
 {
 	pthread_mutex_lock(&trace->lock);
-	while (!trace->wanted && !trace->ending)
+	trace->busy = false;
+	pthread_cond_signal(&trace->idle);
+	while (!trace->ending && (trace->held || !(trace->stale || trace->wanted)))
 		pthread_cond_wait(&trace->asked, &trace->lock);
-	bool go_on = !trace->ending;
+	trace_task task = trace->ending ? TRACE_END : trace->stale ? TRACE_BUILD : TRACE_PICTURE;
+	if (task == TRACE_BUILD)
+		trace->stale = false;
+	if (task == TRACE_PICTURE)
+		trace->wanted = false;
 	*settings = trace->settings;
-	trace->wanted = false;
+	trace->busy = task != TRACE_END;
 	pthread_mutex_unlock(&trace->lock);
-	return go_on;
+	return task;
 }
 
 /* Puts a render in place of the one before, which is freed. NULL: none. */
@@ -95,6 +134,20 @@ static void trace_publish(view_trace *trace, stilb_gi_render *render)
 	trace->render = render;
 	pthread_mutex_unlock(&trace->lock);
 	stilb_gi_render_destroy(before);
+}
+
+/* Builds the tree, if nobody gives it up. */
+static stilb_result trace_ready(view_trace *trace, trace_own *own)
+{
+	trace_publish(trace, NULL); /* it is of the scene as it was */
+	stilb_result result = trace_build(trace, own);
+	pthread_mutex_lock(&trace->lock);
+	bool given_up = result == STILB_ERROR_GIVEN_UP;
+	trace->stale = trace->stale || given_up;
+	if (result == STILB_OK && trace->stage == VIEW_TRACE_BUILDING && !trace->stale)
+		trace->stage = trace->wanted ? VIEW_TRACE_RENDERING : VIEW_TRACE_WAITING;
+	pthread_mutex_unlock(&trace->lock);
+	return given_up ? STILB_OK : result;
 }
 
 /* Renders a picture until it is finished or given up. */
@@ -115,7 +168,7 @@ static stilb_result trace_picture(view_trace *trace, const trace_own *own, const
 		result = stilb_gi_render_run(render);
 	stilb_gi_render_progress(render, &progress);
 	pthread_mutex_lock(&trace->lock);
-	if (progress.finished && !trace->wanted)
+	if (progress.finished && !trace->wanted && trace->stage == VIEW_TRACE_RENDERING)
 		trace->stage = VIEW_TRACE_FINISHED;
 	pthread_mutex_unlock(&trace->lock);
 	return result;
@@ -126,15 +179,11 @@ static void *trace_main(void *data)
 	view_trace *trace = data;
 	trace_own own = {0};
 	stilb_gi_settings settings;
+	trace_task task;
+	stilb_result result = STILB_OK;
 	stilb_prof_thread_begin("tracer");
-	stilb_result result = trace_build(trace, &own);
-	if (result == STILB_OK) {
-		pthread_mutex_lock(&trace->lock);
-		trace->stage = trace->wanted ? VIEW_TRACE_RENDERING : VIEW_TRACE_WAITING;
-		pthread_mutex_unlock(&trace->lock);
-	}
-	while (result == STILB_OK && trace_wait(trace, &settings))
-		result = trace_picture(trace, &own, &settings);
+	while (result == STILB_OK && (task = trace_wait(trace, &settings)) != TRACE_END)
+		result = task == TRACE_BUILD ? trace_ready(trace, &own) : trace_picture(trace, &own, &settings);
 	if (result != STILB_OK)
 		trace_fail(trace, result);
 	trace_publish(trace, NULL);
@@ -171,10 +220,13 @@ stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, ui
 	trace->shared = pool;
 	trace->workers = workers;
 	trace->intersector = intersector;
+	trace->stale = true;
 	pthread_mutex_init(&trace->lock, NULL);
 	pthread_cond_init(&trace->asked, NULL);
+	pthread_cond_init(&trace->idle, NULL);
 	int error = trace_create_thread(trace);
 	if (error != 0) {
+		pthread_cond_destroy(&trace->idle);
 		pthread_cond_destroy(&trace->asked);
 		pthread_mutex_destroy(&trace->lock);
 		free(trace);
@@ -200,6 +252,7 @@ void view_trace_look(view_trace *trace, const stilb_gi_settings *settings)
 {
 	STILB_ASSERT_OWNER(trace->owner);
 	pthread_mutex_lock(&trace->lock);
+	STILB_ASSERT(!trace->held && "view_trace_follow comes first");
 	trace->settings = *settings;
 	trace->wanted = true;
 	if (trace_is_built(trace))
@@ -217,6 +270,32 @@ void view_trace_rest(view_trace *trace)
 	if (trace_is_built(trace))
 		trace->stage = VIEW_TRACE_WAITING;
 	trace_stop(trace);
+	pthread_mutex_unlock(&trace->lock);
+}
+
+void view_trace_hold(view_trace *trace)
+{
+	STILB_ASSERT_OWNER(trace->owner);
+	view_trace_rest(trace);
+	atomic_store_explicit(&trace->give_up, true, memory_order_relaxed); /* see struct view_trace */
+	pthread_mutex_lock(&trace->lock);
+	trace->held = true;
+	while (trace->busy)
+		pthread_cond_wait(&trace->idle, &trace->lock);
+	pthread_mutex_unlock(&trace->lock);
+	atomic_store_explicit(&trace->give_up, false, memory_order_relaxed); /* nothing is built before the next call */
+}
+
+void view_trace_follow(view_trace *trace)
+{
+	STILB_ASSERT_OWNER(trace->owner);
+	pthread_mutex_lock(&trace->lock);
+	STILB_ASSERT(trace->held && "view_trace_hold comes before the edits");
+	trace->held = false;
+	trace->stale = true;
+	if (trace->stage != VIEW_TRACE_FAILED)
+		trace->stage = VIEW_TRACE_BUILDING;
+	pthread_cond_signal(&trace->asked);
 	pthread_mutex_unlock(&trace->lock);
 }
 
@@ -259,12 +338,14 @@ void view_trace_end(view_trace *trace)
 	if (!trace)
 		return;
 	STILB_ASSERT_OWNER(trace->owner);
+	atomic_store_explicit(&trace->give_up, true, memory_order_relaxed); /* see struct view_trace */
 	pthread_mutex_lock(&trace->lock);
 	trace->ending = true;
 	trace_stop(trace);
 	pthread_cond_signal(&trace->asked);
 	pthread_mutex_unlock(&trace->lock);
 	pthread_join(trace->thread, NULL);
+	pthread_cond_destroy(&trace->idle);
 	pthread_cond_destroy(&trace->asked);
 	pthread_mutex_destroy(&trace->lock);
 	free(trace);

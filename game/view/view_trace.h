@@ -6,14 +6,19 @@
  *       view_trace_look(trace, &settings);
  *       while (view_trace_state(trace, &progress) == VIEW_TRACE_RENDERING)
  *           ...                                     draw frames; view_trace_preview(trace, rgb); view_trace_look again
+ *       view_trace_hold(trace);
+ *       result = stilb_scene_set_transform(...);      any edits
+ *       view_trace_follow(trace);
+ *       view_trace_look(trace, &settings);
  *       view_trace_end(trace);
  *   }
  *
- * The scene.  It is copied when the trace starts, in VIEW_TRACE_BUILDING, but for its textures and its panorama: until
- *             then nothing of it but the camera may change, and until the end its textures may not. So rays see one
- *             state of it, and a changed scene takes a new trace.
+ * The scene.  It is read in VIEW_TRACE_BUILDING, its textures and its panorama also later. Nothing of it but the camera
+ *             may change, except between view_trace_hold and view_trace_follow: so rays see one state of it. What has
+ *             changed then decides how much is built again (stilb_gi_scene_update): nothing for materials and lights,
+ *             the top of the tree for models that moved, from the second time on.
  * Slices.     The workers' loops end after some 3 ms, so that frames get workers, too, and so does all of it when it is
- *             told to; but not the building of the tree.
+ *             told to. A tree that is being built is given up then.
  * Threads.    [main-thread]
  */
 #ifndef STILB_VIEW_TRACE_H
@@ -43,6 +48,13 @@ void view_trace_look(view_trace *trace, const stilb_gi_settings *settings);
 /* Gives up the picture that is being rendered, within milliseconds. */
 void view_trace_rest(view_trace *trace);
 
+/* To be called before the scene is edited: gives up the picture, and the tree if it is being built, and waits until
+ * nothing reads the scene, milliseconds. */
+void view_trace_hold(view_trace *trace);
+
+/* After the edits: brings the tree up to date. There is no picture until view_trace_look asks for one. */
+void view_trace_follow(view_trace *trace);
+
 /* Where it stands. *progress is {0} without a picture. */
 view_trace_stage view_trace_state(view_trace *trace, stilb_gi_progress *progress);
 
@@ -52,7 +64,7 @@ stilb_result view_trace_error(view_trace *trace, const char **message);
 /* Copies the picture so far, [height][width][3] of the settings' size. False: there is none yet. */
 bool view_trace_preview(view_trace *trace, float *rgb);
 
-/* Ends all of it within milliseconds, or when the tree is built. Accepts NULL. */
+/* Ends all of it within milliseconds. Accepts NULL. */
 void view_trace_end(view_trace *trace);
 
 #endif

@@ -23,7 +23,7 @@ void view_variant_next(view *v)
 	const stilb_scene_variants *variants = v->scene->variants;
 	char text[128] = "the file has no variants of its materials";
 	uint32_t next = variants && variants->shown < variants->count ? variants->shown + 1 : 0;
-	view_rays_forget(v);
+	view_rays_hold(v);
 	stilb_result result = stilb_scene_show_variant(v->scene, next);
 	if (variants && next > 0)
 		snprintf(text, sizeof text, "variant %u of %u: %s", next, variants->count, variants->names[next - 1]);
@@ -32,5 +32,6 @@ void view_variant_next(view *v)
 	if (result != STILB_OK)
 		snprintf(text, sizeof text, "%s", stilb_error_message());
 	fprintf(live_message_stream(&v->options), "%s\n", text);
+	fflush(live_message_stream(&v->options));
 	live_run_tell(v->run, text);
 }

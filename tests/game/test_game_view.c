@@ -140,6 +140,49 @@ static void rays_beside_frames(void **state)
 	assert_said(run.out, "picture: d.exr");
 }
 
+/* Ctrl-C while frames wait for rays, which say on a terminal how far they are: the picture is written as it is then. */
+static void rays_are_stopped(void **state)
+{
+	(void)state;
+	static char said[65536];
+	size_t length = 0;
+	int master = posix_openpt(O_RDWR | O_NOCTTY), status;
+	assert_true(master >= 0 && grantpt(master) == 0 && unlockpt(master) == 0);
+	int terminal = open(ptsname(master), O_RDWR | O_NOCTTY), out = open("out", O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+	assert_true(terminal >= 0 && out >= 0);
+	pid_t pid = fork();
+	assert_true(pid >= 0);
+	if (pid == 0) {
+		dup2(terminal, STDERR_FILENO);
+		dup2(out, STDOUT_FILENO);
+		close(terminal);
+		close(master);
+		setenv("TERM", "xterm", 1);
+		execl(stilb_path, stilb_path, "view", "spheres", "--headless", "--size", "48x30", "--screenshot", "cut.exr",
+		      "--split", "0", "--spp", "65536", NULL);
+		_exit(127);
+	}
+	close(terminal);
+	bool stopped = false;
+	for (ssize_t got; length < sizeof said - 1 && (got = read(master, said + length, sizeof said - 1 - length)) > 0;) {
+		length += (size_t)got;
+		if (!stopped && strstr(said, " samples a pixel, ") && strstr(said, " left\033[K"))
+			stopped = kill(pid, SIGINT) == 0;
+	}
+	close(master);
+	assert_int_equal(waitpid(pid, &status, 0), pid);
+	assert_int_equal(status, 0);
+	assert_true(stopped);
+	ssize_t size = pread(out, said, sizeof said - 1, 0);
+	said[size > 0 ? size : 0] = '\0';
+	close(out);
+	assert_said(said, "rays stopped early: the picture has ");
+	assert_said(said, " samples a pixel of 65536\npicture: cut.exr\nstopped by SIGINT after 1 of 1 frames\n");
+	stilb_image picture = load_light("cut.exr");
+	assert_int_equal(picture.width, 48);
+	stilb_image_finish(&picture);
+}
+
 static void opens_what_ships(void **state)
 {
 	(void)state;
@@ -393,6 +436,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(frames_a_file, folder_fresh),
 		cmocka_unit_test_setup(turns_a_table, folder_fresh),
 		cmocka_unit_test_setup(rays_beside_frames, folder_fresh),
+		cmocka_unit_test_setup(rays_are_stopped, folder_fresh),
 		cmocka_unit_test_setup(opens_what_ships, folder_fresh),
 		cmocka_unit_test_setup(exposes_physical_light, folder_fresh),
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),

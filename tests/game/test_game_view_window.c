@@ -216,19 +216,53 @@ static void a_full_disk_is_told(void **state)
 	assert_int_equal(run.code, 0);
 }
 
-/* The path tracer takes over, goes on with other workers, with another file and with the file's next state, gives the
- * window back, and ends with a signal while it traces. */
+/* A black triangle of side 2 across Z, as glTF, with the variants red and green. */
+#define VARIED                                                                                                         \
+	"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"              \
+	"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0,\"extensions\":{"                    \
+	"\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0]},{\"material\":2,\"variants\":[1]}]}"  \
+	"}}]}],\"materials\":[" PAINT("0,0,0") "," PAINT("1,0,0") "," PAINT(                                               \
+		"0,1,0") "],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","            \
+				 "\"min\":[-1,-1,0],\"max\":[1,1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":" \
+				 "[{"                                                                                                  \
+				 "\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"                                   \
+				 "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA\"}],\"extensionsUsed\":[\"KHR_materials_"           \
+				 "variants\"],"                                                                                        \
+				 "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"red\"},{\"name\":\"green\"}]}" \
+				 "}}"
+#define PAINT(color) "{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorFactor\":[" color ",1]}}"
+
+/* The middle of the picture is green. */
+static void assert_green(const char *path)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	const uint8_t *middle =
+		(const uint8_t *)image.pixels + image.channels * (image.height / 2 * image.width + image.width / 2);
+	assert_true(middle[1] > middle[0] + 60 && middle[1] > middle[2] + 60);
+	stilb_image_finish(&image);
+}
+
+/* The path tracer takes over, follows an edit (another variant of the materials), goes on with other workers and with
+ * another file, gives the window back, and ends with a signal while it traces. */
 static void rays_take_over(void **state)
 {
 	(void)state;
-	write_text("a.obj", SQUARE);
+	write_text("a.gltf", VARIED);
 	write_text("b.obj", SQUARE);
-	open_window("view a.obj --size 160x120 --workers 1 --gamepad off", "Stilb: a.obj");
+	open_window("view a.gltf --size 160x120 --workers 1 --gamepad off", "Stilb: a.gltf");
 	x11_server_type(display, window, XK_t);
-	assert_true(x11_server_await(display, "Stilb: a.obj, path traced") == window);
+	x11_server_type(display, window, XK_v); /* perhaps while the tree is built */
+	assert_true(await_in(0, "variant 1 of 2: red"));
+	assert_true(x11_server_await(display, "Stilb: a.gltf, path traced") == window);
+	x11_server_type(display, window, XK_v);
+	assert_true(await_in(0, "variant 2 of 2: green"));
 	x11_server_type(display, window, XK_minus); /* no workers: a thread of its own traces */
 	assert_true(await_in(0, "workers: 0"));
-	assert_true(x11_server_await(display, "Stilb: a.obj, path traced") == window);
+	assert_true(x11_server_await(display, "Stilb: a.gltf, path traced") == window);
+	x11_server_type(display, window, XK_F12);
+	assert_true(await_in(0, "picture: "));
+	assert_green("stilb-view.png");
 	x11_server_type(display, window, XK_Next);
 	assert_true(x11_server_await(display, "Stilb: b.obj, path traced") == window);
 	x11_server_type(display, window, XK_t);
