@@ -102,6 +102,7 @@ void view_rays_forget(view *v)
 	view_trace_end(v->rays.trace);
 	v->rays.trace = NULL;
 	v->rays.held = v->rays.asked = false;
+	v->rays.paused_ns = 0;
 	v->rays.changed_ns = stilb_time_ns();
 }
 
@@ -109,6 +110,7 @@ void view_rays_hold(view *v)
 {
 	rays_hide(v);
 	v->rays.asked = false;
+	v->rays.paused_ns = 0;
 	v->rays.changed_ns = stilb_time_ns();
 	if (!v->rays.trace || v->rays.held)
 		return;
@@ -139,10 +141,35 @@ static void rays_turn_off(view *v)
 	v->rays.on = false;
 }
 
+/* Gives the window back. The tree stays, and the picture. */
+static void rays_pause(view *v)
+{
+	view_rays *rays = &v->rays;
+	rays_hide(v);
+	if (rays->trace)
+		view_trace_rest(rays->trace);
+	rays->paused_ns = rays->asked ? stilb_time_ns() : 0;
+	rays->on = rays->asked = false;
+	stilb_engine_caption(v->run->engine, NULL);
+}
+
+/* Goes on with the picture at which rays were turned off. False: there is none any more. */
+static bool rays_go_on(view_rays *rays, uint64_t now)
+{
+	uint64_t since = rays->paused_ns;
+	rays->paused_ns = 0;
+	if (since == 0 || !view_trace_go_on(rays->trace))
+		return false;
+	rays->begun_ns += now - since;
+	rays->looked_ns = 0;
+	rays->asked = true;
+	return true;
+}
+
 void view_rays_switch(view *v)
 {
 	if (v->rays.on)
-		rays_turn_off(v);
+		rays_pause(v);
 	else
 		v->rays.on = true;
 }
@@ -240,6 +267,8 @@ static stilb_result rays_follow(view *v, uint64_t now)
 		stilb_result failed = view_trace_error(rays->trace, &message);
 		return stilb_fail(failed, "%s", message);
 	}
+	if (rays_go_on(rays, now))
+		where = view_trace_state(rays->trace, &at);
 	if (!rays->asked && where != VIEW_TRACE_BUILDING && now - rays->changed_ns >= RAYS_REST_NS)
 		return rays_ask(v);
 	bool finished = rays->asked && where == VIEW_TRACE_FINISHED;
@@ -262,6 +291,7 @@ static void rays_in_window(view *v)
 	rays->redraw = !view_seen_same_frame(&seen, &rays->seen);
 	if (!view_seen_same_rays(&seen, &rays->seen)) {
 		rays->changed_ns = now;
+		rays->paused_ns = 0;
 		rays->asked = false;
 		rays_hide(v);
 		if (rays->trace)

@@ -33,6 +33,7 @@ typedef struct view_rays {
 	bool redraw;         /* frames show something else since the last one, and rays do not */
 	bool asked;          /* for a picture of what is seen */
 	bool shown, whole;   /* the engine shows it; all of it */
+	uint64_t paused_ns;  /* when rays were turned off while there was a picture; 0: there was none */
 	float *radiance;     /* [seen.height][seen.width][3] */
 	uint64_t looked_ns;  /* when it was copied */
 	uint64_t frame_ns;   /* when the last frame ended */
@@ -52,7 +53,7 @@ bool view_rays_check(const view *v);
 /* Turns rays on if --split is given. */
 void view_rays_begin(view_rays *rays);
 
-/* Turns rays on, or off. */
+/* Turns rays on, or off. What they have found stays meanwhile, and goes on if nothing has changed. */
 void view_rays_switch(view *v);
 
 /* In each frame, after the camera was moved. STILB_ERROR_..., only without a window: the picture cannot be traced. */

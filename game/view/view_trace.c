@@ -30,6 +30,7 @@ struct view_trace {
 	view_trace_stage stage;
 	stilb_gi_settings settings; /* of the next picture, if one is wanted */
 	bool wanted, ending;
+	bool again;              /* the picture that was rested goes on */
 	bool stale;              /* the scene was edited, or was never read */
 	bool held;               /* the scene may be edited: nothing reads it */
 	bool busy;               /* the thread reads the scene, or renders a picture of it */
@@ -105,7 +106,7 @@ static stilb_result trace_build(view_trace *trace, trace_own *own)
 	return result;
 }
 
-typedef enum trace_task { TRACE_END, TRACE_BUILD, TRACE_PICTURE } trace_task;
+typedef enum trace_task { TRACE_END, TRACE_BUILD, TRACE_PICTURE, TRACE_GO_ON } trace_task;
 
 /* Waits for something to do, and is busy then. */
 static trace_task trace_wait(view_trace *trace, stilb_gi_settings *settings)
@@ -113,13 +114,18 @@ static trace_task trace_wait(view_trace *trace, stilb_gi_settings *settings)
 	pthread_mutex_lock(&trace->lock);
 	trace->busy = false;
 	pthread_cond_signal(&trace->idle);
-	while (!trace->ending && (trace->held || !(trace->stale || trace->wanted)))
+	while (!trace->ending && (trace->held || !(trace->stale || trace->wanted || trace->again)))
 		pthread_cond_wait(&trace->asked, &trace->lock);
-	trace_task task = trace->ending ? TRACE_END : trace->stale ? TRACE_BUILD : TRACE_PICTURE;
+	trace_task task = trace->ending   ? TRACE_END
+	                  : trace->stale  ? TRACE_BUILD
+	                  : trace->wanted ? TRACE_PICTURE
+	                                  : TRACE_GO_ON;
 	if (task == TRACE_BUILD)
 		trace->stale = false;
 	if (task == TRACE_PICTURE)
 		trace->wanted = false;
+	if (task != TRACE_BUILD)
+		trace->again = false;
 	*settings = trace->settings;
 	trace->busy = task != TRACE_END;
 	pthread_mutex_unlock(&trace->lock);
@@ -150,28 +156,49 @@ static stilb_result trace_ready(view_trace *trace, trace_own *own)
 	return given_up ? STILB_OK : result;
 }
 
-/* Renders a picture until it is finished or given up. */
+static bool trace_may_run(view_trace *trace)
+{
+	pthread_mutex_lock(&trace->lock);
+	bool may = !trace->wanted && !trace->ending && trace->stage == VIEW_TRACE_RENDERING;
+	pthread_mutex_unlock(&trace->lock);
+	return may;
+}
+
+/* Renders the picture until it is finished or given up. It may also have been stopped for a moment, or before it
+ * ran. */
+static stilb_result trace_run(view_trace *trace, stilb_gi_render *render)
+{
+	stilb_result result = STILB_OK;
+	stilb_gi_progress progress = {0};
+	while (result == STILB_OK && !progress.finished && trace_may_run(trace)) {
+		result = stilb_gi_render_run(render);
+		stilb_gi_render_progress(render, &progress);
+	}
+	pthread_mutex_lock(&trace->lock);
+	if (progress.finished && !trace->wanted && trace->stage == VIEW_TRACE_RENDERING)
+		trace->stage = VIEW_TRACE_FINISHED;
+	pthread_mutex_unlock(&trace->lock);
+	return result;
+}
+
+/* Begins a picture. */
 static stilb_result trace_picture(view_trace *trace, const trace_own *own, const stilb_gi_settings *settings)
 {
 	stilb_gi_render *render;
-	stilb_gi_progress progress = {0};
 	trace_publish(trace, NULL);
 	stilb_result result = stilb_gi_render_create(own->scene, settings, own->pool, &render);
 	if (result != STILB_OK)
 		return result;
 	stilb_gi_render_share(render, own->caller, TRACE_SLICE);
 	trace_publish(trace, render);
-	pthread_mutex_lock(&trace->lock);
-	bool given_up = trace->wanted || trace->ending || trace->stage != VIEW_TRACE_RENDERING;
-	pthread_mutex_unlock(&trace->lock);
-	if (!given_up)
-		result = stilb_gi_render_run(render);
-	stilb_gi_render_progress(render, &progress);
-	pthread_mutex_lock(&trace->lock);
-	if (progress.finished && !trace->wanted && trace->stage == VIEW_TRACE_RENDERING)
-		trace->stage = VIEW_TRACE_FINISHED;
-	pthread_mutex_unlock(&trace->lock);
-	return result;
+	return trace_run(trace, render);
+}
+
+static stilb_result trace_do(view_trace *trace, trace_own *own, trace_task task, const stilb_gi_settings *settings)
+{
+	if (task == TRACE_BUILD)
+		return trace_ready(trace, own);
+	return task == TRACE_PICTURE ? trace_picture(trace, own, settings) : trace_run(trace, trace->render);
 }
 
 static void *trace_main(void *data)
@@ -183,7 +210,7 @@ static void *trace_main(void *data)
 	stilb_result result = STILB_OK;
 	stilb_prof_thread_begin("tracer");
 	while (result == STILB_OK && (task = trace_wait(trace, &settings)) != TRACE_END)
-		result = task == TRACE_BUILD ? trace_ready(trace, &own) : trace_picture(trace, &own, &settings);
+		result = trace_do(trace, &own, task, &settings);
 	if (result != STILB_OK)
 		trace_fail(trace, result);
 	trace_publish(trace, NULL);
@@ -266,11 +293,25 @@ void view_trace_rest(view_trace *trace)
 {
 	STILB_ASSERT_OWNER(trace->owner);
 	pthread_mutex_lock(&trace->lock);
-	trace->wanted = false;
+	trace->wanted = trace->again = false;
 	if (trace_is_built(trace))
 		trace->stage = VIEW_TRACE_WAITING;
 	trace_stop(trace);
 	pthread_mutex_unlock(&trace->lock);
+}
+
+bool view_trace_go_on(view_trace *trace)
+{
+	STILB_ASSERT_OWNER(trace->owner);
+	pthread_mutex_lock(&trace->lock);
+	bool there = trace->stage == VIEW_TRACE_WAITING && trace->render && !trace->held && !trace->stale;
+	if (there) {
+		trace->again = true;
+		trace->stage = VIEW_TRACE_RENDERING;
+		pthread_cond_signal(&trace->asked);
+	}
+	pthread_mutex_unlock(&trace->lock);
+	return there;
 }
 
 void view_trace_hold(view_trace *trace)

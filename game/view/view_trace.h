@@ -45,8 +45,11 @@ stilb_result view_trace_start(const stilb_scene *scene, stilb_job_pool *pool, ui
 /* Begins a picture with these settings, in place of the one before. */
 void view_trace_look(view_trace *trace, const stilb_gi_settings *settings);
 
-/* Gives up the picture that is being rendered, within milliseconds. */
+/* Stops the picture that is being rendered, within milliseconds. */
 void view_trace_rest(view_trace *trace);
+
+/* Goes on with the picture that was rested, where it was. False: there is none, or the scene was edited. */
+bool view_trace_go_on(view_trace *trace);
 
 /* To be called before the scene is edited: gives up the picture, and the tree if it is being built, and waits until
  * nothing reads the scene, milliseconds. */

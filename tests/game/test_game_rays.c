@@ -113,6 +113,61 @@ static void same_bits_as_a_render(void **state)
 	}
 }
 
+/* True once the picture does not change any more. */
+static bool comes_to_rest(view_trace *trace)
+{
+	stilb_gi_progress before = {0}, now;
+	for (int i = 0; i < 500; i++, before = now) {
+		view_trace_state(trace, &now);
+		if (i > 0 && now.rays == before.rays)
+			return true;
+		nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+	}
+	return false;
+}
+
+/* A picture that is stopped again and again, before it has begun, in the middle and when it is finished. */
+static void what_rests_goes_on(void **state)
+{
+	(void)state;
+	static float want[NUMBERS], got[NUMBERS];
+	stilb_job_pool *pool;
+	view_trace *trace;
+	stilb_gi_settings settings = settings_for(5, 0.0f);
+	render_alone(&settings, false, want);
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 1}, &pool), 0);
+	assert_int_equal(view_trace_start(scene, pool, 2, &stilb_gi_brute, &trace), STILB_OK);
+	assert_false(view_trace_go_on(trace)); /* there is nothing yet */
+	await(trace, pool, VIEW_TRACE_WAITING);
+	assert_false(view_trace_go_on(trace));
+	view_trace_look(trace, &settings);
+	while (!view_trace_preview(trace, got)) {
+	}
+	for (int i = 0; i < 12; i++) {
+		view_trace_rest(trace);
+		nanosleep(&(struct timespec){.tv_nsec = i % 3 * 600000}, NULL);
+		view_trace_rest(trace); /* perhaps when it does not run any more */
+		assert_true(view_trace_go_on(trace));
+		assert_false(view_trace_go_on(trace)); /* it does already */
+		if (i == 6 || i == 11)
+			await(trace, pool, VIEW_TRACE_FINISHED);
+	}
+	assert_true(view_trace_preview(trace, got));
+	assert_memory_equal(got, want, sizeof got);
+	settings.samples = 65536;
+	view_trace_look(trace, &settings);
+	while (await(trace, pool, VIEW_TRACE_RENDERING).samples == 0) {
+	}
+	view_trace_rest(trace);
+	assert_true(comes_to_rest(trace));
+	view_trace_hold(trace);
+	assert_false(view_trace_go_on(trace));
+	view_trace_follow(trace);
+	assert_false(view_trace_go_on(trace));
+	view_trace_end(trace);
+	stilb_job_pool_destroy(pool);
+}
+
 static void ends_at_once(void **state)
 {
 	(void)state;
@@ -299,11 +354,9 @@ static void fails_with_a_reason(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(same_bits_as_a_render),
-		cmocka_unit_test(ends_at_once),
-		cmocka_unit_test(edits_are_followed),
-		cmocka_unit_test(a_tree_is_given_up),
-		cmocka_unit_test(rays_stay_for_what_only_shows_them),
+		cmocka_unit_test(same_bits_as_a_render), cmocka_unit_test(what_rests_goes_on),
+		cmocka_unit_test(ends_at_once),          cmocka_unit_test(edits_are_followed),
+		cmocka_unit_test(a_tree_is_given_up),    cmocka_unit_test(rays_stay_for_what_only_shows_them),
 		cmocka_unit_test(fails_with_a_reason),
 	};
 	return cmocka_run_group_tests(tests, open_scene, close_scene);
