@@ -188,6 +188,8 @@ static stilb_gi_scene *scene_damaged(void)
 static void structures(void **state)
 {
 	(void)state;
+	stilb_gi_scene_desc other = stilb_gi_scene_desc_default(fixture.pool);
+	contract_breaks("desc->intersector == gi->intersector", stilb_gi_scene_update(fixture.gi, fixture.scene, &other));
 	contract_breaks("gi_scene_is_sound(gi)", scene_damaged());
 }
 
