@@ -7,6 +7,7 @@
 
 #include "profiler/prof.h"
 
+#include <math.h>
 #include <string.h>
 
 #define INPUT_FRAMES 60u /* frames in a second of the camera's time, without a window */
@@ -317,6 +318,7 @@ void engine_input_captured(stilb_engine *engine)
 void stilb_engine_set_speed(stilb_engine *engine, float speed)
 {
 	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(speed >= 0.0f && isfinite(speed));
 	engine_input *input = &engine->input;
 	if (!input->control)
 		return;

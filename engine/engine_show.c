@@ -35,6 +35,7 @@ stilb_result stilb_engine_show(stilb_engine *engine, const stilb_engine_shown *p
 	}
 	STILB_ASSERT(picture->from && (picture->radiance || engine->picture.shown));
 	STILB_ASSERT(!picture->radiance || (picture->width >= 1 && picture->height >= 1));
+	STILB_ASSERT(!picture->radiance || (picture->width <= 16384 && picture->height <= 16384));
 	stilb_result result = picture->radiance ? show_copy(&engine->picture, picture) : STILB_OK;
 	bool divider = picture->divider && engine->window;
 	if (result == STILB_OK && divider)

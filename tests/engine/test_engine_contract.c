@@ -8,6 +8,7 @@
 #include "trace_view.h"
 #include "viewer.h"
 
+#include <math.h>
 #include <pthread.h>
 
 static stilb_engine_desc null_desc(void)
@@ -102,6 +103,63 @@ static void engines(void **state)
 	stress_engine_destroy(engine);
 }
 
+/* Shows a picture of a width, through a share that may be NULL. */
+static void show(stilb_engine *engine, const float *radiance, uint32_t width, float *from)
+{
+	stilb_engine_show(engine, &(stilb_engine_shown){.radiance = radiance, .width = width, .height = 1, .from = from});
+}
+
+static void input_in_a_window(stilb_engine *engine)
+{
+	engine->window = (stilb_window *)engine; /* only its presence is looked at */
+	stilb_engine_input(engine, &(stilb_window_state){0});
+}
+
+static void resize_a_window(stilb_engine *engine)
+{
+	engine->window = (stilb_window *)engine;
+	stilb_engine_resize(engine, 64, 64);
+}
+
+static void table_without_rows(void)
+{
+	stilb_input_table table;
+	stilb_engine_desc desc = null_desc();
+	desc.action_count = 1;
+	stilb_engine_table(&desc, &table);
+}
+
+static void *show_of(void *engine)
+{
+	stilb_engine_show(engine, NULL);
+	return NULL;
+}
+
+static void what_programs_give(void **state)
+{
+	(void)state;
+	static const float radiance[3] = {1.0f, 1.0f, 1.0f};
+	float from = 0.0f;
+	stilb_engine *engine = make();
+	contract_breaks("picture->from", show(engine, radiance, 1, NULL));
+	contract_breaks("picture->radiance || engine->picture.shown", show(engine, NULL, 1, &from));
+	contract_breaks("picture->width >= 1", show(engine, radiance, 0, &from));
+	contract_breaks("picture->width <= 16384", show(engine, radiance, 16385, &from));
+	contract_breaks("called on the owner's thread", call_on_another_thread(show_of, engine));
+	contract_breaks("`state'", stilb_engine_input(engine, NULL));
+	contract_breaks("the engine reads its own window", input_in_a_window(engine));
+	contract_breaks("the picture follows the window", resize_a_window(engine));
+	contract_breaks("1..16384 pixels a side", stilb_engine_resize(engine, 16385, 1));
+	contract_breaks("speed >= 0.0f", stilb_engine_set_speed(engine, -1.0f));
+	contract_breaks("(speed)", stilb_engine_set_speed(engine, INFINITY));
+	contract_breaks("desc && table", stilb_engine_table(NULL, NULL));
+	contract_breaks("desc->actions || ", table_without_rows());
+	contract_breaks("path", stilb_engine_dump(engine, NULL));
+	contract_breaks("path", stilb_engine_trace(engine, NULL, 0));
+	contract_breaks("`pads'", stilb_engine_gamepads(engine, NULL));
+	stress_engine_destroy(engine);
+}
+
 static void break_pass(stilb_engine *engine)
 {
 	engine->passes[0].view = engine->view_count;
@@ -171,6 +229,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(engines),
+		cmocka_unit_test(what_programs_give),
 		cmocka_unit_test(stages),
 		cmocka_unit_test(parts),
 	};

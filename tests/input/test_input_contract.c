@@ -157,6 +157,20 @@ static void read_without_rows(void)
 	stilb_input_from_window(&(stilb_input_table){0}, &(stilb_window_state){0});
 }
 
+/* Reads help of a table without the camera's rows. */
+static void help_without_rows(void)
+{
+	uint32_t next = 0;
+	stilb_input_help line;
+	stilb_input_help_next(&(stilb_input_table){0}, &next, &line);
+}
+
+static void add_to_a_long_table(void)
+{
+	stilb_input_table table = {.count = STILB_INPUT_ACTIONS_MAX + 1};
+	stilb_input_table_add(&table, NULL, 0);
+}
+
 static void feed_a_gamepad_without_guid(void)
 {
 	stilb_input_window window = {0};
@@ -171,6 +185,11 @@ static void sources_keep_their_promises(void **state)
 	(void)state;
 	contract_breaks("a pad is added once", (add_twice(), 0));
 	contract_breaks("the camera's rows are there", (read_without_rows(), 0));
+	contract_breaks("table && next && line", stilb_input_help_next(NULL, NULL, NULL));
+	contract_breaks("table->count >= ", (help_without_rows(), 0));
+	contract_breaks("rows || count == 0", stilb_input_table_add(&(stilb_input_table){0}, NULL, 1));
+	contract_breaks("table->count <= ", (add_to_a_long_table(), 0));
+	contract_breaks("`table'", (stilb_input_without_keys(NULL, (stilb_input_state){0}), 0));
 	contract_breaks("a gamepad has a GUID", (feed_a_gamepad_without_guid(), 0));
 }
 

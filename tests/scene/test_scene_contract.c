@@ -1,11 +1,14 @@
 /* The contracts of scene, each broken on purpose. */
 #include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_node.h"
+#include "scene/edit/scene_variant.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_import.h"
 #include "scene/open/scene_stream.h"
 #include "scene/scene_build.h"
 #include "scene/scene_internal.h"
+#include "scene/scene_look.h"
 #include "scene/scene_pick.h"
 #include "support/contract.h"
 #include "support/test.h"
@@ -50,6 +53,43 @@ static void scenes(void **state)
 	contract_breaks("name && options && scene", stilb_scene_open(NULL, &other));
 	contract_breaks("name && options && scene", stilb_scene_open_with("cornell", NULL, &other));
 	contract_breaks("reflectance < 1", scene_create_furnace(1.0f, &other));
+	stilb_scene_destroy(scene);
+}
+
+static void looks(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	stilb_scene_camera no_view = {.near_z = 0.1f};
+	float exposure;
+	assert_int_equal(stilb_scene_open("spheres", &scene), STILB_OK);
+	contract_breaks("scene && camera && exposure", stilb_scene_meter(scene, &scene->camera, NULL));
+	contract_breaks("camera->fov_y > 0.0f", stilb_scene_meter(scene, &no_view, &exposure));
+	contract_breaks("(yaw)", stilb_scene_set_studio(scene, NAN));
+	contract_breaks("color[i] >= 0.0f", (stilb_scene_set_backdrop(scene, (const float[3]){0, -1, 0}), 0));
+	contract_breaks("scene && name", stilb_scene_show_variant_named(scene, NULL));
+	contract_breaks("`scene'", stilb_scene_show_variant(NULL, 0));
+	contract_breaks("`scene'", stilb_scene_revisions_read(NULL));
+	contract_breaks("lights || count == 0", stilb_scene_set_lights(scene, NULL, 1));
+	stilb_scene_destroy(scene);
+}
+
+static void nodes(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	stilb_scene_pose pose = stilb_scene_pose_identity();
+	uint32_t id;
+	assert_int_equal(stilb_scene_open("spheres", &scene), STILB_OK);
+	contract_breaks("pose && id", stilb_scene_add_node(scene, STILB_SCENE_NONE, NULL, &id));
+	contract_breaks("pose && id", stilb_scene_add_node(scene, STILB_SCENE_NONE, &pose, NULL));
+	contract_breaks("`scene'", stilb_scene_add_node(NULL, STILB_SCENE_NONE, &pose, &id));
+	contract_breaks("`pose'", stilb_scene_set_node_pose(scene, 0, NULL));
+	contract_breaks("`local'", stilb_scene_set_node_matrix(scene, 0, NULL));
+	contract_breaks("scene && name", stilb_scene_find_node(scene, NULL));
+	contract_breaks("`scene'", (stilb_scene_update_nodes(NULL, NULL, 0), 0));
+	contract_breaks("`pose'", (stilb_scene_pose_matrix(NULL), 0));
+	contract_breaks("`matrix'", (stilb_scene_pose_of(NULL), 0));
 	stilb_scene_destroy(scene);
 }
 
@@ -126,8 +166,9 @@ static void builds(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(meshes),  cmocka_unit_test(scenes),          cmocka_unit_test(builds),
-		cmocka_unit_test(cameras), cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
+		cmocka_unit_test(meshes),          cmocka_unit_test(scenes),    cmocka_unit_test(builds),
+		cmocka_unit_test(looks),           cmocka_unit_test(nodes),     cmocka_unit_test(cameras),
+		cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
