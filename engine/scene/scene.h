@@ -208,8 +208,9 @@ typedef struct stilb_scene_pose {
 	float scale[3];    /* along the axes before they are turned; of any sign */
 } stilb_scene_pose;
 
-/* A hierarchy of places, on which models hang. scene_node.h changes it. Scenes of files have none yet: their models
- * stand where the file's nodes put them. */
+/* A hierarchy of places, on which models hang. scene_node.h changes it. Scenes of files have the file's nodes, every
+ * parent before its children, and a node for each instance of an instanced one; lights and cameras do not hang on
+ * them. */
 typedef struct stilb_scene_nodes {
 	uint32_t count;
 	uint32_t *parent;       /* [count] STILB_SCENE_NONE: the world; of a removed node: itself */

@@ -3,6 +3,7 @@
  * named, and files that are damaged in one place. tests/scene/test_scene_import.c has the files of all formats.
  */
 #include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_node.h"
 #include "scene/edit/scene_variant.h"
 #include "scene/scene_animation.h"
 #include "support/folder.h"
@@ -289,11 +290,25 @@ static void scenes_and_nodes(void **state)
 	/* Scene 1 is shown: a parent that moves, a child that turns by 90 degrees about z and scales. */
 	stilb_scene *scene = open_glb(TRIANGLE ",\"accessors\":[" VEC3(
 		0) "],\"scene\":1,\"scenes\":[{\"name\":\"other\",\"nodes\":[2]},{\"nodes\":[0]}],"
-	       "\"nodes\":[{\"translation\":[10,20,30],\"children\":[1]},{\"mesh\":0,"
+	       "\"nodes\":[{\"name\":\"arm\",\"translation\":[10,20,30],\"children\":[1]},{\"mesh\":0,"
 	       "\"rotation\":[0,0,0.70710678,0.70710678],\"scale\":[2,3,4]},{\"mesh\":0}]");
 	assert_int_equal(scene->model_count, 1);
 	assert_numbers(scene->part_transform[0].m, (const float[]){0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 10, 20, 30, 1}, 16);
 	assert_said("scenes besides the one that is shown: 1 scene ('other')");
+	assert_int_equal(scene->nodes.count, 2); /* of the scene that is shown */
+	assert_true(scene->nodes.parent[0] == STILB_SCENE_NONE && scene->nodes.parent[1] == 0);
+	assert_string_equal(scene->nodes.name[0], "arm");
+	assert_string_equal(scene->nodes.name[1], "");
+	assert_numbers(scene->nodes.pose[0].translation, (const float[]){10, 20, 30}, 3);
+	assert_numbers(scene->nodes.pose[1].rotation, (const float[]){0, 0, 0.70710678f, 0.70710678f}, 4);
+	assert_numbers(scene->nodes.pose[1].scale, (const float[]){2, 3, 4}, 3);
+	assert_int_equal(scene->model_node[0], 2);
+	assert_memory_equal(&scene->nodes.to_world[1], scene->part_transform, sizeof *scene->part_transform);
+	stilb_scene_pose turned = scene->nodes.pose[0];
+	turned.scale[2] = 2.0f;
+	assert_int_equal(stilb_scene_set_node_pose(scene, 0, &turned), STILB_OK);
+	stilb_scene_update_nodes(scene, NULL, 0);
+	assert_numbers(&scene->part_transform[0].m[8], (const float[]){0, 0, 8}, 3);
 	stilb_scene_destroy(scene);
 	scene = open_glb(TRIANGLE ",\"accessors\":[" VEC3(
 		0) "],\"nodes\":[{\"mesh\":0,\"matrix\":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1],\"children\":[1]},{\"mesh\":0}]");
@@ -322,6 +337,10 @@ static void instances(void **state)
 			   "{\"bufferView\":2,\"componentType\":5122,\"count\":2,\"type\":\"VEC4\",\"normalized\":true}]");
 	assert_int_equal(scene->mesh_count, 1);
 	assert_int_equal(scene->model_count, 2);
+	assert_int_equal(scene->nodes.count, 3); /* each instance is a node on the file's */
+	assert_true(scene->nodes.parent[1] == 0 && scene->nodes.parent[2] == 0);
+	assert_true(scene->model_node[0] == 2 && scene->model_node[1] == 3);
+	assert_numbers(scene->nodes.pose[2].rotation, (const float[]){0, 0, 1, 0}, 4);
 	assert_numbers(scene->part_transform[0].m, (const float[]){2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 2, 0, 0, 1}, 16);
 	assert_numbers(scene->part_transform[1].m, (const float[]){-2, 0, 0, 0, 0, -2, 0, 0, 0, 0, 2, 0, 0, 4, 0, 1}, 16);
 	stilb_scene_destroy(scene);

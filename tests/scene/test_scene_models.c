@@ -17,6 +17,25 @@
 
 #define MODELS "/usr/share/assimp/models"
 
+/* Every model hangs on a node and has its place, which is the product of the matrices from the root. */
+static void assert_nodes(const stilb_scene *scene)
+{
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	for (uint32_t n = 0; n < nodes->count; n++) {
+		stilb_mat4 place = nodes->local[n];
+		assert_true(nodes->parent[n] < n || nodes->parent[n] == STILB_SCENE_NONE);
+		if (nodes->parent[n] != STILB_SCENE_NONE)
+			place = stilb_mat4_multiply(nodes->to_world[nodes->parent[n]], place);
+		assert_memory_equal(&nodes->to_world[n], &place, sizeof place);
+	}
+	for (uint32_t m = 0; m < scene->model_count; m++) {
+		assert_true(scene->model_node[m] > 0 && scene->model_node[m] <= nodes->count);
+		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1]; p++)
+			assert_memory_equal(&scene->part_transform[p], &nodes->to_world[scene->model_node[m] - 1],
+			                    sizeof(stilb_mat4));
+	}
+}
+
 static void assert_usable(const stilb_scene *scene)
 {
 	uint64_t triangles = 0;
@@ -45,6 +64,7 @@ static void assert_usable(const stilb_scene *scene)
 	for (int i = 0; i < 3; i++)
 		assert_true(isfinite(camera->position[i]));
 	assert_true(isfinite(camera->yaw + camera->pitch + camera->roll));
+	assert_nodes(scene);
 }
 
 /* ---- named ones -------------------------------------------------------------------------------------------------- */

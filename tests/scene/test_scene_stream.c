@@ -62,6 +62,14 @@ static stilb_scene *make(void)
 	scene->surroundings.ground[1] = 0.25f;
 	assert_int_equal(scene_add_variants(scene, 2), STILB_OK);
 	strcpy(scene->variants->names[1], "blue");
+	assert_int_equal(scene_add_nodes(scene, 3), STILB_OK);
+	for (uint32_t n = 0; n < 3; n++) {
+		scene->nodes.parent[n] = n == 0 ? STILB_SCENE_NONE : 0;
+		scene->nodes.pose[n] = stilb_scene_pose_identity();
+		scene->nodes.local[n] = stilb_mat4_scale_translate(2.0f, 1.0f, (float)n, 0.0f);
+	}
+	strcpy(scene->nodes.name[2], "hand\tle");
+	scene->model_node[0] = 3;
 	return scene;
 }
 
@@ -81,6 +89,11 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_int_equal(back->textures[0].width, 3);
 	assert_int_equal(back->variants->count, 2);
 	assert_string_equal(back->variants->names[1], "blue");
+	assert_int_equal(back->nodes.count, 3);
+	assert_string_equal(back->nodes.name[2], "hand le"); /* what could move a terminal's cursor is gone */
+	assert_memory_equal(back->nodes.pose, scene->nodes.pose, 3 * sizeof *scene->nodes.pose);
+	assert_true(back->model_node[0] == 3 && back->nodes.to_world[2].m[13] == 2.0f * 2.0f + 0.0f);
+	assert_true(back->nodes.to_world[2].m[0] == 4.0f && back->nodes.to_world[2].m[12] == 3.0f);
 	assert_true(back->surroundings.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
 	unsigned char *second = bytes_of(back, &again);
 	assert_int_equal(again, size);
@@ -106,6 +119,7 @@ static void assert_usable(const stilb_scene *scene)
 		assert_true(scene->materials[m].diffuse_texture <= scene->texture_count);
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		assert_null(stilb_scene_light_mistake(&scene->lights[i]));
+	assert_true(scene_nodes_are_sound(scene));
 }
 
 /* Changes each byte before the vertices in turn, and some after. */
@@ -138,13 +152,28 @@ static void nothing_points_past_the_end(void **state)
 {
 	(void)state;
 	stilb_scene *scene = make(), *back;
-	uint32_t *const places[] = {&scene->meshes[0].indices[7], &scene->part_mesh[0],
-	                            &scene->part_material[0],     &scene->materials[0].diffuse_texture,
-	                            &scene->first_part[1],        (uint32_t *)&scene->lights[0].kind,
-	                            &scene->lights[0].face,       &scene->variants->materials[1]};
-	const uint32_t wrong[] = {scene->meshes[0].vertex_count, scene->mesh_count,     scene->material_count,
-	                          scene->texture_count + 1,      scene->part_count + 1, STILB_SCENE_LIGHT_KINDS,
-	                          scene->part_count + 1,         scene->material_count};
+	uint32_t *const places[] = {&scene->meshes[0].indices[7],
+	                            &scene->part_mesh[0],
+	                            &scene->part_material[0],
+	                            &scene->materials[0].diffuse_texture,
+	                            &scene->first_part[1],
+	                            (uint32_t *)&scene->lights[0].kind,
+	                            &scene->lights[0].face,
+	                            &scene->variants->materials[1],
+	                            &scene->nodes.parent[1],
+	                            &scene->model_node[0],
+	                            (uint32_t *)&scene->nodes.local[2].m[5]};
+	const uint32_t wrong[] = {scene->meshes[0].vertex_count,
+	                          scene->mesh_count,
+	                          scene->material_count,
+	                          scene->texture_count + 1,
+	                          scene->part_count + 1,
+	                          STILB_SCENE_LIGHT_KINDS,
+	                          scene->part_count + 1,
+	                          scene->material_count,
+	                          1,
+	                          scene->nodes.count + 1,
+	                          0x7f800000u /* infinity */};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;
 		uint32_t old = *places[i];

@@ -69,7 +69,7 @@ static stilb_result node_reserve(stilb_scene *scene)
 	};
 	if (nodes->first_free || all->count < nodes->capacity)
 		return STILB_OK;
-	if (all->count == STILB_SCENE_MAX_MODELS)
+	if (all->count >= STILB_SCENE_MAX_MODELS) /* of a file there may be more, which stay */
 		return stilb_fail(STILB_ERROR_ARGUMENT, "more than %u nodes", STILB_SCENE_MAX_MODELS);
 	if (scene_edit_grow(arrays, sizeof arrays / sizeof *arrays, all->count, all->count + 1, &nodes->capacity))
 		return STILB_OK;

@@ -22,6 +22,8 @@
 typedef struct importer_node {
 	const struct aiNode *node;
 	stilb_mat4 to_world;
+	uint32_t parent; /* among the listed nodes, or STILB_SCENE_NONE */
+	stilb_mat4 local;
 } importer_node;
 
 typedef struct importer_texture {
@@ -131,6 +133,9 @@ stilb_result importer_read(importer *import);
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
  * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);
+
+/* Adds the listed nodes to the scene, in their order. STILB_ERROR_MEMORY. */
+stilb_result importer_add_nodes(importer *import);
 
 /* The first node of this name; without one `world`. */
 const importer_node *importer_find_node(const importer *import, const struct aiString *name);

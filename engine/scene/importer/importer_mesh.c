@@ -317,6 +317,7 @@ static void mesh_add_parts(importer *import, const mesh_plan *plan)
 			continue;
 		if (scene->names.models)
 			snprintf(scene->names.models[model], STILB_SCENE_NAME, "%.*s", STILB_SCENE_NAME - 1, node->mName.data);
+		scene->model_node[model] = 1 + n;
 		scene->first_part[++model] = part;
 	}
 	STILB_ASSERT(part == scene->part_count && model == scene->model_count);
@@ -342,6 +343,8 @@ stilb_result importer_add_meshes(importer *import)
 			if (result == STILB_OK)
 				mesh_settle_sides(mesh);
 		}
+	if (result == STILB_OK)
+		result = importer_add_nodes(import);
 	if (result == STILB_OK)
 		mesh_add_parts(import, &plan);
 	free(plan.place);

@@ -1,6 +1,7 @@
 #include "scene/importer/importer.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,7 +33,8 @@ stilb_result importer_list_nodes(importer *import)
 		return stilb_fail(STILB_ERROR_FILE, "it has no root node");
 	import->nodes[0].node = import->from->mRootNode;
 	stilb_mat4 root = importer_matrix(&import->from->mRootNode->mTransformation);
-	import->nodes[0].to_world = stilb_mat4_multiply(import->world.to_world, root);
+	import->nodes[0].to_world = import->nodes[0].local = stilb_mat4_multiply(import->world.to_world, root);
+	import->nodes[0].parent = STILB_SCENE_NONE;
 	import->node_count = 1;
 	for (uint32_t i = 0; i < import->node_count; i++) {
 		const struct aiNode *node = import->nodes[i].node;
@@ -50,7 +52,7 @@ stilb_result importer_list_nodes(importer *import)
 			if (!node->mChildren[c])
 				continue; /* Assimp 5.2 leaves holes in the hierarchy of .raw */
 			stilb_mat4 own = importer_matrix(&node->mChildren[c]->mTransformation);
-			importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own)};
+			importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own), i, own};
 			if (importer_is_finite(&child.to_world))
 				import->nodes[import->node_count++] = child;
 			else
@@ -59,6 +61,21 @@ stilb_result importer_list_nodes(importer *import)
 		STILB_ASSERT(import->node_count <= capacity);
 	}
 	return STILB_OK;
+}
+
+stilb_result importer_add_nodes(importer *import)
+{
+	stilb_scene_nodes *nodes = &import->scene->nodes;
+	stilb_result result = scene_add_nodes(import->scene, import->node_count);
+	for (uint32_t n = 0; result == STILB_OK && n < import->node_count; n++) {
+		const importer_node *from = &import->nodes[n];
+		nodes->parent[n] = from->parent;
+		nodes->pose[n] = stilb_scene_pose_of(&from->local);
+		nodes->local[n] = from->local;
+		nodes->to_world[n] = from->to_world;
+		snprintf(nodes->name[n], sizeof *nodes->name, "%.63s", from->node->mName.data);
+	}
+	return result;
 }
 
 const importer_node *importer_find_node(const importer *import, const struct aiString *name)

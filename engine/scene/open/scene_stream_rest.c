@@ -200,17 +200,67 @@ static stilb_result stream_get_names(scene_stream *stream, stilb_scene *scene)
 	return STILB_OK;
 }
 
+/* ---- nodes ------------------------------------------------------------------------------------------------------- */
+
+static bool stream_put_nodes(int file, const stilb_scene *scene)
+{
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	size_t count = nodes->count;
+	if (!scene_stream_put(file, &nodes->count, sizeof nodes->count) || count == 0)
+		return count == 0;
+	return scene_stream_put(file, nodes->parent, count * sizeof *nodes->parent) &&
+	       scene_stream_put(file, nodes->pose, count * sizeof *nodes->pose) &&
+	       scene_stream_put(file, nodes->local, count * sizeof *nodes->local) &&
+	       scene_stream_put(file, nodes->name, count * sizeof *nodes->name) &&
+	       scene_stream_put(file, scene->model_node, scene->model_count * sizeof *scene->model_node);
+}
+
+/* The places in the world follow from the others. */
+static stilb_result stream_get_nodes(scene_stream *stream, stilb_scene *scene)
+{
+	stilb_scene_nodes *nodes = &scene->nodes;
+	uint32_t count;
+	if (!scene_stream_get(stream, &count, sizeof count))
+		return scene_stream_broken(stream);
+	if (count > 2 * STILB_SCENE_MAX_MODELS)
+		return scene_stream_wrong("nodes");
+	stilb_result result = count > 0 ? scene_add_nodes(scene, count) : STILB_OK;
+	if (result != STILB_OK || count == 0)
+		return result;
+	if (!scene_stream_get(stream, nodes->parent, count * sizeof *nodes->parent) ||
+	    !scene_stream_get(stream, nodes->pose, count * sizeof *nodes->pose) ||
+	    !scene_stream_get(stream, nodes->local, count * sizeof *nodes->local) ||
+	    !scene_stream_get(stream, nodes->name, count * sizeof *nodes->name) ||
+	    !scene_stream_get(stream, scene->model_node, scene->model_count * sizeof *scene->model_node))
+		return scene_stream_broken(stream);
+	for (uint32_t n = 0; n < count; n++) {
+		nodes->name[n][sizeof *nodes->name - 1] = 0;
+		scene_stream_clean_name(nodes->name[n], sizeof *nodes->name);
+	}
+	if (!scene_nodes_are_sound(scene))
+		return scene_stream_wrong("nodes");
+	for (uint32_t n = 0; n < count; n++) {
+		uint32_t parent = nodes->parent[n];
+		nodes->to_world[n] = nodes->local[n];
+		if (parent != STILB_SCENE_NONE)
+			nodes->to_world[n] = stilb_mat4_multiply(nodes->to_world[parent], nodes->local[n]);
+	}
+	return STILB_OK;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 bool scene_stream_write_rest(int file, const stilb_scene *scene)
 {
-	return stream_put_variants(file, scene->variants) && stream_put_names(file, &scene->names) &&
-	       stream_put_animation(file, scene);
+	return stream_put_nodes(file, scene) && stream_put_variants(file, scene->variants) &&
+	       stream_put_names(file, &scene->names) && stream_put_animation(file, scene);
 }
 
 stilb_result scene_stream_read_rest(scene_stream *stream, stilb_scene *scene)
 {
-	stilb_result result = stream_get_variants(stream, scene);
+	stilb_result result = stream_get_nodes(stream, scene);
+	if (result == STILB_OK)
+		result = stream_get_variants(stream, scene);
 	if (result == STILB_OK)
 		result = stream_get_names(stream, scene);
 	return result == STILB_OK ? stream_get_animation(stream, scene) : result;

@@ -1,5 +1,5 @@
-/* What follows the meshes in the stream of a scene: the variants of its materials, names, and what moves. Needs the
- * scene's counts and meshes. */
+/* What follows the meshes in the stream of a scene: its nodes, the variants of its materials, names, and what moves.
+ * Needs the scene's counts and meshes. */
 #ifndef STILB_SCENE_STREAM_REST_H
 #define STILB_SCENE_STREAM_REST_H
 

@@ -229,8 +229,12 @@ stilb_result gltf_leave_out(gltf *from, stilb_result result, importer_loss loss,
  * STILB_ERROR_MEMORY. */
 stilb_result gltf_add_animation(gltf *from);
 
-/* Creates the scene with the meshes that it shows, and a model for each node, or instance of one, that has any.
- * STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
+/* Adds the listed nodes to the scene, in their order, and reserves room for more. STILB_ERROR_FILE,
+ * STILB_ERROR_MEMORY. */
+stilb_result gltf_add_nodes(gltf *from, uint32_t instances);
+
+/* Creates the scene with its nodes and the meshes that it shows, and a model for each node, or instance of one, that
+ * has any. STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
 stilb_result gltf_add_meshes(gltf *from);
 
 /* gltf_primitive.c: converts a primitive. No triangles: part->mesh is {0}. Errors of gltf_accessor_open. */

@@ -12,6 +12,7 @@ enum { MESH_TRANSLATION, MESH_ROTATION, MESH_SCALE, MESH_INSTANCE_NUMBERS };
 typedef struct mesh_instances {
 	const gltf_node *node;
 	uint64_t count;
+	bool several;                                 /* the file has instances of it: each becomes a node on this one */
 	gltf_accessor numbers[MESH_INSTANCE_NUMBERS]; /* {0}: not given */
 } mesh_instances;
 
@@ -27,7 +28,6 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 	uint32_t extension = gltf_extension(from, node->item, "EXT_mesh_gpu_instancing");
 	uint32_t attributes = gltf_json_member(&from->json, extension, "attributes");
 	stilb_result result = STILB_OK;
-	bool any = false;
 	*instances = (mesh_instances){.node = node, .count = 1};
 	for (int i = 0; result == STILB_OK && i < MESH_INSTANCE_NUMBERS; i++) {
 		gltf_accessor *numbers = &instances->numbers[i];
@@ -35,11 +35,11 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 		if (index == GLTF_NONE)
 			continue;
 		result = gltf_accessor_open(from, index, i == MESH_ROTATION ? 1u << 3 : 1u << 2, numbers);
-		if (result == STILB_OK && any && numbers->count != instances->count)
+		if (result == STILB_OK && instances->several && numbers->count != instances->count)
 			result = stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu elements for %llu instances", index,
 			                    (unsigned long long)numbers->count, (unsigned long long)instances->count);
 		instances->count = numbers->count;
-		any = true;
+		instances->several = true;
 	}
 	if (result == STILB_OK)
 		result = gltf_json_check(&from->json);
@@ -48,15 +48,15 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 	return result;
 }
 
-/* The transform of an instance; false: it is not finite. */
-static bool mesh_instance(const mesh_instances *instances, uint64_t i, stilb_mat4 *to_world)
+/* The transform of an instance, in the node's space and to the world; false: it is not finite. */
+static bool mesh_instance(const mesh_instances *instances, uint64_t i, stilb_mat4 *own, stilb_mat4 *to_world)
 {
 	float numbers[MESH_INSTANCE_NUMBERS][4] = {{0}, {0, 0, 0, 1}, {1, 1, 1}};
 	for (int k = 0; k < MESH_INSTANCE_NUMBERS; k++)
 		if (instances->numbers[k].components)
 			gltf_accessor_read(&instances->numbers[k], i, numbers[k]);
-	stilb_mat4 own = gltf_compose(numbers[MESH_TRANSLATION], numbers[MESH_ROTATION], numbers[MESH_SCALE]);
-	*to_world = stilb_mat4_multiply(instances->node->to_world, own);
+	*own = gltf_compose(numbers[MESH_TRANSLATION], numbers[MESH_ROTATION], numbers[MESH_SCALE]);
+	*to_world = instances->several ? stilb_mat4_multiply(instances->node->to_world, *own) : instances->node->to_world;
 	return gltf_is_finite(to_world);
 }
 
@@ -122,7 +122,7 @@ static stilb_result mesh_convert_all(gltf *from)
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
 typedef struct mesh_models {
-	uint32_t models, parts; /* so far */
+	uint32_t models, parts, instances; /* so far */
 } mesh_models;
 
 /* Names a model by its node, which may have no name. */
@@ -133,6 +133,18 @@ static void mesh_name_model(gltf *from, const gltf_node *node, uint32_t model)
 		gltf_json_string(&from->json, node->item, "name", names->models[model], STILB_SCENE_NAME);
 }
 
+/* Adds a node for an instance of a node, and returns its index. */
+static uint32_t mesh_add_instance(stilb_scene_nodes *nodes, uint32_t parent, const stilb_mat4 *own,
+                                  const stilb_mat4 *to_world)
+{
+	uint32_t node = nodes->count++;
+	nodes->parent[node] = parent;
+	nodes->pose[node] = stilb_scene_pose_of(own);
+	nodes->local[node] = *own;
+	nodes->to_world[node] = *to_world;
+	return node;
+}
+
 /* Counts a model for each instance of a node or, if there is a scene, fills it. */
 static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made)
 {
@@ -141,21 +153,27 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 	uint32_t first = mesh == GLTF_NONE ? 0 : from->parts.first[mesh];
 	uint32_t end = mesh == GLTF_NONE ? 0 : from->parts.first[mesh + 1];
 	mesh_instances instances;
-	stilb_mat4 to_world;
+	stilb_mat4 own, to_world;
 	node->first_model = made->models;
 	if (first == end)
 		return STILB_OK;
 	stilb_result result = mesh_open_instances(from, node, &instances);
 	for (uint64_t i = 0; result == STILB_OK && i < instances.count; i++) {
-		bool finite = mesh_instance(&instances, i, &to_world);
+		bool finite = mesh_instance(&instances, i, &own, &to_world);
 		from->import->bad_nodes += !finite && !scene;
 		for (uint32_t p = first; scene && finite && p < end; p++) {
 			scene->part_mesh[made->parts + p - first] = p;
 			scene->part_material[made->parts + p - first] = from->parts.parts[p].material;
 			scene->part_transform[made->parts + p - first] = to_world;
 		}
+		uint32_t hangs_on = (uint32_t)(node - from->nodes);
+		if (scene && finite && instances.several)
+			hangs_on = mesh_add_instance(&scene->nodes, hangs_on, &own, &to_world);
+		if (scene && finite)
+			scene->model_node[made->models] = 1 + hangs_on;
 		made->parts += finite ? end - first : 0;
 		made->models += finite;
+		made->instances += finite && instances.several;
 		if (scene && finite) {
 			scene->first_part[made->models] = made->parts;
 			mesh_name_model(from, node, made->models - 1);
@@ -200,7 +218,9 @@ stilb_result gltf_add_meshes(gltf *from)
 		scene->meshes[p] = parts->parts[p].mesh;
 		parts->parts[p].mesh = (stilb_scene_mesh){0};
 	}
-	result = mesh_add_models(from, &made);
+	result = gltf_add_nodes(from, counted.instances);
+	if (result == STILB_OK)
+		result = mesh_add_models(from, &made);
 	STILB_ASSERT(result != STILB_OK || (made.parts == counted.parts && made.models == counted.models));
 	if (result == STILB_OK)
 		scene_fit_all_bounds(scene);

@@ -7,25 +7,11 @@
 
 stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3])
 {
-	float x = q[0], y = q[1], z = q[2], w = q[3];
-	return (stilb_mat4){.m = {
-							(1 - 2 * (y * y + z * z)) * s[0],
-							2 * (x * y + z * w) * s[0],
-							2 * (x * z - y * w) * s[0],
-							0,
-							2 * (x * y - z * w) * s[1],
-							(1 - 2 * (x * x + z * z)) * s[1],
-							2 * (y * z + x * w) * s[1],
-							0,
-							2 * (x * z + y * w) * s[2],
-							2 * (y * z - x * w) * s[2],
-							(1 - 2 * (x * x + y * y)) * s[2],
-							0,
-							t[0],
-							t[1],
-							t[2],
-							1,
-						}};
+	stilb_scene_pose pose;
+	memcpy(pose.translation, t, sizeof pose.translation);
+	memcpy(pose.rotation, q, sizeof pose.rotation);
+	memcpy(pose.scale, s, sizeof pose.scale);
+	return stilb_scene_pose_matrix(&pose);
 }
 
 gltf_place gltf_node_place(gltf *from, uint32_t item)
@@ -150,4 +136,35 @@ stilb_result gltf_list_nodes(gltf *from)
 	                                                   : stilb_fail(STILB_ERROR_MEMORY, "no memory for its hierarchy");
 	free(lister.listed);
 	return result;
+}
+
+/* The pose of a place: as the file has it, unless its rotation is none. */
+static stilb_scene_pose nodes_pose(const gltf_place *place)
+{
+	const float *q = place->rotation;
+	float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+	if (!place->moves || !(square >= 0.98f && square <= 1.02f))
+		return stilb_scene_pose_of(&place->local);
+	stilb_scene_pose pose;
+	memcpy(pose.translation, place->translation, sizeof pose.translation);
+	memcpy(pose.rotation, q, sizeof pose.rotation);
+	memcpy(pose.scale, place->scale, sizeof pose.scale);
+	return pose;
+}
+
+stilb_result gltf_add_nodes(gltf *from, uint32_t instances)
+{
+	stilb_scene *scene = from->import->scene;
+	stilb_scene_nodes *nodes = &scene->nodes;
+	stilb_result result = scene_add_nodes(scene, from->node_count + instances);
+	for (uint32_t n = 0; result == STILB_OK && n < from->node_count; n++) {
+		gltf_place place = gltf_node_place(from, from->nodes[n].item);
+		nodes->parent[n] = from->nodes[n].parent;
+		nodes->pose[n] = nodes_pose(&place);
+		nodes->local[n] = place.local;
+		nodes->to_world[n] = from->nodes[n].to_world;
+		gltf_json_string(&from->json, from->nodes[n].item, "name", nodes->name[n], sizeof *nodes->name);
+	}
+	nodes->count = result == STILB_OK ? from->node_count : 0; /* the instances are added one by one */
+	return result == STILB_OK ? gltf_json_check(&from->json) : result;
 }
