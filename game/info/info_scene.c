@@ -186,6 +186,8 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 	        scene->mesh_count, scene->mesh_count == 1 ? "" : "es", c->triangles, info_s(c->triangles), c->vertices);
 	if (c->drawn != c->triangles)
 		fprintf(out, ", drawn as %" PRIu64 " triangles", c->drawn);
+	if (scene->nodes.count > 0)
+		fprintf(out, "; %u node%s", scene->nodes.count, info_s(scene->nodes.count));
 	fprintf(out, "\n");
 	if (c->low[0] <= c->high[0])
 		fprintf(out, "  from %.4g, %.4g, %.4g to %.4g, %.4g, %.4g m\n", (double)c->low[0], (double)c->low[1],
@@ -291,6 +293,7 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "import_bytes", (int64_t)c->import_bytes);
 	stilb_json_int(&json, "models", scene->model_count);
 	stilb_json_int(&json, "parts", scene->part_count);
+	stilb_json_int(&json, "nodes", scene->nodes.count);
 	stilb_json_int(&json, "meshes", scene->mesh_count);
 	stilb_json_int(&json, "vertices", (int64_t)c->vertices);
 	stilb_json_int(&json, "triangles", (int64_t)c->triangles);

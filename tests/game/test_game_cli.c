@@ -80,7 +80,7 @@ static void test_info_of_a_scene(void **state)
 	fputs("v 0 0 0\nv 2 0 0\nv 0 3 0\nvn 0 0 1\nf 1//1 2//1 3//1\n", file);
 	assert_int_equal(fclose(file), 0);
 	assert_int_equal(stilb_code(NULL, "info one.obj"), 0);
-	assert_said(run.out, "1 mesh with 1 triangle and 3 vertices");
+	assert_said(run.out, "1 mesh with 1 triangle and 3 vertices; 2 nodes\n");
 	assert_said(run.out, "from 0, 0, 0 to 2, 3, 0 m");
 	assert_said(run.out, "lights: none\n  nothing lights it: pictures show it in a studio");
 	assert_int_equal(stilb_code(NULL, "info one.obj --json /dev/full"), 1);
