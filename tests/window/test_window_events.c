@@ -85,7 +85,7 @@ static void expect_size(fixture *f, uint32_t width, uint32_t height)
 	assert_int_equal(h, height);
 }
 
-/* The window shows the drawn picture: both the colour of the sky and other colours. */
+/* The window shows the drawn picture: both the colour of the ground, on which the camera looks down, and others. */
 static void test_shows_picture(void **state)
 {
 	fixture *f = *state;
@@ -97,24 +97,24 @@ static void test_shows_picture(void **state)
 	double gpu_ms;
 	assert_int_equal(stilb_engine_wait(f->engine, &gpu_ms), STILB_OK);
 	assert_true(gpu_ms > 0.0);
-	const float *sky = stilb_engine_scene(f->engine)->surroundings.sky;
-	assert_true(sky[2] > sky[0]); /* the sky has more blue than red, as is looked for below */
+	const float *ground = stilb_engine_scene(f->engine)->surroundings.ground;
+	assert_true(ground[0] > ground[2]); /* more red than blue, as is looked for below */
 	XImage *image = NULL;
-	int sky_pixels = 0, other_pixels = 0;
-	for (int tries = 0; tries < 15000 && (sky_pixels == 0 || other_pixels == 0); tries++) {
+	int ground_pixels = 0, other_pixels = 0;
+	for (int tries = 0; tries < 15000 && (ground_pixels == 0 || other_pixels == 0); tries++) {
 		image = XGetImage(f->display, f->window, 0, 0, 320, 200, AllPlanes, ZPixmap);
 		assert_non_null(image);
 		unsigned long corner = XGetPixel(image, 0, 0);
-		sky_pixels = other_pixels = 0;
+		ground_pixels = other_pixels = 0;
 		for (int i = 0; i < 320 * 200; i++)
-			*(XGetPixel(image, i % 320, i / 320) == corner ? &sky_pixels : &other_pixels) += 1;
+			*(XGetPixel(image, i % 320, i / 320) == corner ? &ground_pixels : &other_pixels) += 1;
 		unsigned blue = corner & 0xff, red = corner >> 16 & 0xff;
 		XDestroyImage(image);
-		if (blue <= red)
-			sky_pixels = 0; /* the window is not drawn yet: look again */
+		if (red <= blue)
+			ground_pixels = 0; /* the window is not drawn yet: look again */
 		usleep(20000);
 	}
-	assert_true(sky_pixels > 320 * 200 / 20);
+	assert_true(ground_pixels > 320 * 200 / 20);
 	assert_true(other_pixels > 320 * 200 / 20);
 }
 
