@@ -354,10 +354,11 @@ typedef struct stilb_render_stats {
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
- * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy and the number of lights (32 bits each),
- * and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id (32 bits
- * each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of the
- * transform (column-major) and the index count (32 bits). The same for every device, replay mode and number of workers.
+ * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy, both_sides and the number of lights (32
+ * bits each), and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id
+ * (32 bits each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of
+ * the transform (column-major) and the index count (32 bits). The same for every device, replay mode and number of
+ * workers.
  * Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of nothing.
  * [main-thread] */
 uint64_t stilb_render_stream_hash(const stilb_render *render);

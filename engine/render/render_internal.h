@@ -130,7 +130,7 @@ typedef struct render_pass_lists {
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
-	uint32_t glossy;                   /* stilb_scene_surroundings.glossy + 2 * stilb_render_view.both_sides */
+	uint32_t glossy, both_sides;       /* of the surroundings and of the view */
 	uint32_t first_light, light_count; /* lights without the panorama's lamps */
 	uint64_t panorama;                 /* render_panorama.key; 0: none */
 	float rotation;                    /* of the panorama */

@@ -109,7 +109,8 @@ static void replay_keep_view(render_pass_lists *lists, const render_stream *stre
 	lists->shading = stream->view->shading;
 	memcpy(lists->sky, around->sky, sizeof lists->sky);
 	memcpy(lists->ground, around->ground, sizeof lists->ground);
-	lists->glossy = around->glossy | (stream->view->both_sides ? 2u : 0u);
+	lists->glossy = around->glossy;
+	lists->both_sides = stream->view->both_sides;
 	lists->first_light = stream->first_light;
 	lists->light_count = stream->light_count - (stream->panorama ? stream->panorama->lamp_count : 0);
 	lists->panorama = stream->panorama ? stream->panorama->key : 0;
@@ -403,6 +404,7 @@ static uint64_t hash_view(uint64_t hash, const stilb_render *render, const rende
 	hash = stilb_hash_fnv1a64(hash, lists->sky, sizeof lists->sky);
 	hash = stilb_hash_fnv1a64(hash, lists->ground, sizeof lists->ground);
 	hash = stilb_hash_fnv1a64(hash, &lists->glossy, sizeof lists->glossy);
+	hash = stilb_hash_fnv1a64(hash, &lists->both_sides, sizeof lists->both_sides);
 	hash = stilb_hash_fnv1a64(hash, &lists->light_count, sizeof lists->light_count);
 	if (panorama && lists->panorama != 0) {
 		hash = stilb_hash_fnv1a64(hash, &lists->panorama, sizeof lists->panorama);

@@ -103,6 +103,14 @@ last_line() {
 	[ "$(tail -n 1 "$scratch/out")" = "$1" ] || fail "the last line is not: $1"
 }
 
+ends() { # FILE WORDS: waits for the process whose number is in FILE; if it does not end, fails with the words
+	local tries=0
+	while kill -0 "$(cat "$1")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
+		sleep 0.1
+	done
+	[ $tries -le 50 ] || fail "$2"
+}
+
 remove_package() {
 	sed -i "/ $1\$/d" "$scratch/installed"
 }
@@ -270,11 +278,7 @@ test_summary() {
 	dev 0 test
 	last_line "14 passed, 0 failed, 0 skipped"
 	prints out "display for release window: :7"
-	local tries=0
-	while kill -0 "$(cat "$scratch/display-server")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
-		sleep 0.1
-	done
-	[ $tries -le 50 ] || fail "the display server still runs"
+	ends "$scratch/display-server" "the display server still runs"
 	local preset
 	for preset in release clang asan tsan arm64; do
 		called "cmake --preset $preset $options -DSTILB_TESTS=ON"
@@ -310,11 +314,7 @@ test_summary() {
 	mv "$scratch/bin/analyze.sh" "$scratch/project/tests/tree"
 	stand_in ctest "[[ \$* != *--print-labels* ]] || exit 0; until [ -s $scratch/analyzer ]; do sleep 0.01; done; kill \$PPID"
 	dev 143 test
-	tries=0
-	while kill -0 "$(cat "$scratch/analyzer")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
-		sleep 0.1
-	done
-	[ $tries -le 50 ] || fail "the analysis still runs"
+	ends "$scratch/analyzer" "the analysis still runs"
 
 	fresh_project "builds go on while tests run"
 	stand_in ctest "
@@ -332,11 +332,7 @@ test_summary() {
 	stand_in ctest "[[ \$* != *--print-labels* ]] || { echo '  unit'; exit 0; }
 		until [ -s $scratch/building ]; do sleep 0.01; done; kill \$PPID"
 	dev 143 test
-	tries=0
-	while kill -0 "$(cat "$scratch/building")" 2>/dev/null && [ $((tries += 1)) -le 50 ]; do
-		sleep 0.1
-	done
-	[ $tries -le 50 ] || fail "a build still runs"
+	ends "$scratch/building" "a build still runs"
 
 	fresh_project "the first build fails"
 	stand_in cmake '[ "$2" != release ]'

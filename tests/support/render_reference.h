@@ -61,7 +61,8 @@ static inline uint64_t reference_hash_pass(uint64_t hash, const stilb_render_vie
 	hash = reference_hash_floats(hash, added, 4);
 	hash = reference_hash_floats(hash, view->surroundings.sky, 3);
 	hash = reference_hash_floats(hash, view->surroundings.ground, 3);
-	hash = reference_hash_u32(hash, view->surroundings.glossy | (view->both_sides ? 2u : 0u));
+	hash = reference_hash_u32(hash, view->surroundings.glossy);
+	hash = reference_hash_u32(hash, view->both_sides);
 	uint32_t lit = 0;
 	for (uint32_t i = 0; i < view->light_count; i++)
 		lit += view->lights[i].use != STILB_SCENE_LIGHT_BAKED;

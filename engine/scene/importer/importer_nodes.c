@@ -73,7 +73,7 @@ stilb_result importer_add_nodes(importer *import)
 		nodes->pose[n] = stilb_scene_pose_of(&from->local);
 		nodes->local[n] = from->local;
 		nodes->to_world[n] = from->to_world;
-		snprintf(nodes->name[n], sizeof *nodes->name, "%.63s", from->node->mName.data);
+		snprintf(nodes->name[n], sizeof *nodes->name, "%.*s", STILB_SCENE_NAME - 1, from->node->mName.data);
 	}
 	return result;
 }

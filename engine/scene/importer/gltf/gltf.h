@@ -176,9 +176,6 @@ uint32_t gltf_accessor_index(const gltf_accessor *accessor, uint64_t i);
  * STILB_ERROR_FILE: the hierarchy is recursive; STILB_ERROR_MEMORY. */
 stilb_result gltf_list_nodes(gltf *from);
 
-/* The matrix of translation, rotation (a unit quaternion x, y, z, w) and scale. */
-stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3]);
-
 bool gltf_is_finite(const stilb_mat4 *m);
 
 /* Decodes the pictures that materials need. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
@@ -207,8 +204,8 @@ stilb_result gltf_add_variants(gltf *from);
 
 /* The matrix of a node in its parent; of translation, rotation and scale if it has no matrix of its own. */
 typedef struct gltf_place {
-	bool moves; /* it is made of the three */
-	float translation[3], rotation[4], scale[3];
+	bool moves; /* it is made of the pose, whose rotation is as the file has it, of any length */
+	stilb_scene_pose pose;
 	stilb_mat4 local;
 } gltf_place;
 gltf_place gltf_node_place(gltf *from, uint32_t item);

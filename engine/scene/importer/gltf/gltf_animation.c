@@ -93,7 +93,8 @@ static bool animation_place_is_finite(const gltf_place *place)
 {
 	float sum = 0.0f;
 	for (int i = 0; i < 4; i++)
-		sum += (i < 3 ? place->translation[i] + place->scale[i] : 0.0f) * 0.0f + place->rotation[i] * 0.0f;
+		sum +=
+			(i < 3 ? place->pose.translation[i] + place->pose.scale[i] : 0.0f) * 0.0f + place->pose.rotation[i] * 0.0f;
 	return sum == 0.0f;
 }
 
@@ -104,16 +105,16 @@ static stilb_result animation_add_node(animation_reader *reader, uint32_t n)
 	gltf_place place = gltf_node_place(from, listed->item);
 	stilb_scene_rest *node = &reader->made.nodes[n];
 	if (!animation_place_is_finite(&place))
-		place = (gltf_place){.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}, .local = place.local};
+		place = (gltf_place){.pose = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}}, .local = place.local};
 	*node = (stilb_scene_rest){.parent = listed->parent,
 	                           .local = place.local,
 	                           .moves = place.moves,
 	                           .first_model = listed->first_model,
 	                           .model_count = listed->model_count,
 	                           .skin = STILB_SCENE_NONE};
-	memcpy(node->translation, place.translation, sizeof node->translation);
-	memcpy(node->rotation, place.rotation, sizeof node->rotation);
-	memcpy(node->scale, place.scale, sizeof node->scale);
+	memcpy(node->translation, place.pose.translation, sizeof node->translation);
+	memcpy(node->rotation, place.pose.rotation, sizeof node->rotation);
+	memcpy(node->scale, place.pose.scale, sizeof node->scale);
 	gltf_json_string(&from->json, listed->item, "name", node->name, sizeof node->name);
 	uint32_t mesh = gltf_reference(from, listed->item, "mesh", GLTF_MESHES);
 	if (mesh == GLTF_NONE)

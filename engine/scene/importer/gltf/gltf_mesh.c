@@ -51,11 +51,12 @@ static stilb_result mesh_open_instances(gltf *from, const gltf_node *node, mesh_
 /* The transform of an instance, in the node's space and to the world; false: it is not finite. */
 static bool mesh_instance(const mesh_instances *instances, uint64_t i, stilb_mat4 *own, stilb_mat4 *to_world)
 {
-	float numbers[MESH_INSTANCE_NUMBERS][4] = {{0}, {0, 0, 0, 1}, {1, 1, 1}};
+	stilb_scene_pose pose = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+	float *const numbers[MESH_INSTANCE_NUMBERS] = {pose.translation, pose.rotation, pose.scale};
 	for (int k = 0; k < MESH_INSTANCE_NUMBERS; k++)
 		if (instances->numbers[k].components)
 			gltf_accessor_read(&instances->numbers[k], i, numbers[k]);
-	*own = gltf_compose(numbers[MESH_TRANSLATION], numbers[MESH_ROTATION], numbers[MESH_SCALE]);
+	*own = stilb_scene_pose_matrix(&pose);
 	*to_world = instances->several ? stilb_mat4_multiply(instances->node->to_world, *own) : instances->node->to_world;
 	return gltf_is_finite(to_world);
 }

@@ -5,26 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-stilb_mat4 gltf_compose(const float t[3], const float q[4], const float s[3])
-{
-	stilb_scene_pose pose;
-	memcpy(pose.translation, t, sizeof pose.translation);
-	memcpy(pose.rotation, q, sizeof pose.rotation);
-	memcpy(pose.scale, s, sizeof pose.scale);
-	return stilb_scene_pose_matrix(&pose);
-}
-
 gltf_place gltf_node_place(gltf *from, uint32_t item)
 {
 	gltf_json *json = &from->json;
-	gltf_place place = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
+	gltf_place place = {.pose = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}}};
 	if (gltf_json_numbers(json, item, "matrix", place.local.m, 16))
 		return place;
 	place.moves = true;
-	gltf_json_numbers(json, item, "translation", place.translation, 3);
-	gltf_json_numbers(json, item, "rotation", place.rotation, 4);
-	gltf_json_numbers(json, item, "scale", place.scale, 3);
-	place.local = gltf_compose(place.translation, place.rotation, place.scale);
+	gltf_json_numbers(json, item, "translation", place.pose.translation, 3);
+	gltf_json_numbers(json, item, "rotation", place.pose.rotation, 4);
+	gltf_json_numbers(json, item, "scale", place.pose.scale, 3);
+	place.local = stilb_scene_pose_matrix(&place.pose);
 	return place;
 }
 
@@ -141,15 +132,10 @@ stilb_result gltf_list_nodes(gltf *from)
 /* The pose of a place: as the file has it, unless its rotation is none. */
 static stilb_scene_pose nodes_pose(const gltf_place *place)
 {
-	const float *q = place->rotation;
+	const float *q = place->pose.rotation;
 	float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-	if (!place->moves || !(square >= 0.98f && square <= 1.02f))
-		return stilb_scene_pose_of(&place->local);
-	stilb_scene_pose pose;
-	memcpy(pose.translation, place->translation, sizeof pose.translation);
-	memcpy(pose.rotation, q, sizeof pose.rotation);
-	memcpy(pose.scale, place->scale, sizeof pose.scale);
-	return pose;
+	bool turns = place->moves && square >= 0.98f && square <= 1.02f;
+	return turns ? place->pose : stilb_scene_pose_of(&place->local);
 }
 
 stilb_result gltf_add_nodes(gltf *from, uint32_t instances)
