@@ -352,10 +352,11 @@ static int order_by_key(const void *a, const void *b)
 static uint64_t hash_view(const stilb_render_view *view)
 {
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &view->shading, sizeof view->shading);
-	uint32_t glossy = view->surroundings.glossy;
+	uint32_t glossy = view->surroundings.glossy, both_sides = view->both_sides;
 	hash = stilb_hash_fnv1a64(hash, view->surroundings.sky, sizeof view->surroundings.sky);
 	hash = stilb_hash_fnv1a64(hash, view->surroundings.ground, sizeof view->surroundings.ground);
 	hash = stilb_hash_fnv1a64(hash, &glossy, sizeof glossy);
+	hash = stilb_hash_fnv1a64(hash, &both_sides, sizeof both_sides);
 	hash = stilb_hash_fnv1a64(hash, &view->light_count, sizeof view->light_count);
 	for (uint32_t i = 0; i < view->light_count; i++) {
 		const stilb_scene_light *light = &view->lights[i];

@@ -19,9 +19,9 @@ static void work_for(long us)
 
 static void run(long sort_us)
 {
-	for (int i = 0; i < 30; i++) {
+	for (int i = 0; i < 12; i++) {
 		PROFILE("load");
-		work_for(2000);
+		work_for(5000);
 		PROFILE_NEXT("sort");
 		work_for(sort_us);
 	}
@@ -41,7 +41,7 @@ int main(void)
 	stilb_prof_shutdown(); /* forgets the first run */
 	if (stilb_prof_thread_begin("main") != 0)
 		return 1;
-	run(5000);
+	run(25000);
 	if (stilb_prof_snapshot_take(&b, NULL) != 0 || stilb_prof_diff_make(&diff, &a, &b, &desc) != 0)
 		return 1;
 	const char *sort = "?", *load = "?";

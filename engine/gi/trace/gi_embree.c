@@ -326,14 +326,15 @@ static void embree_join(void *data, uint32_t worker)
 }
 
 /* Builds the tree of an Embree scene of so many primitives; every thread of the pool joins, by a job pinned to it.
- * Where there is no memory for such a job, its thread does not take part. If memory may not suffice for the tree, this
- * thread builds alone: Embree 3.13 breaks down when it is refused memory while several threads build. */
+ * Where there is no memory for such a job, its thread does not take part. If memory may not suffice for the tree, or
+ * the build may be given up, this thread builds alone: Embree 3.13 breaks down when a build that several threads have
+ * joined ends early, since each of them then takes the one exception that ended it. */
 static void embree_commit(embree *state, RTCScene scene, uint64_t primitives)
 {
 	PROFILE("gi.build");
 	const stilb_gi_scene_desc *desc = state->desc;
 	stilb_job_group group = {0};
-	bool alone = state->scarce || primitives < EMBREE_ALONE;
+	bool alone = state->scarce || desc->give_up || primitives < EMBREE_ALONE;
 	uint32_t first = desc->caller == STILB_JOB_OUTSIDE ? 2 : 1; /* as many threads as the pool has workers */
 	uint32_t workers = stilb_job_pool_worker_count(desc->pool) + 1;
 	workers = workers < state->workers ? workers : state->workers; /* an update may come with another pool */
