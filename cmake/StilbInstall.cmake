@@ -97,7 +97,7 @@ stilb_component(engine "${PROJECT_DESCRIPTION}"
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
 	MODULES gi numeric
-	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3)
+	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3 -ltbb -lstdc++)
 
 # ---- the shared library ----
 # One library for all modules. It exports what the public headers mark, and only that. With BUILD_SHARED_LIBS it is installed as

@@ -184,23 +184,24 @@ static void instruction_sets(void **state)
 	stilb_scene_destroy(scene);
 }
 
-/* However many build, and whether the tree is that of the scene or of a shared mesh. */
+/* However many build, and whether the tree is of the scene or of a shared mesh; refused at once, or in the middle. */
 static void memory_runs_out(void **state)
 {
 	(void)state;
 	for (uint32_t parts = 1; parts <= 100; parts += 99)
 		for (uint32_t workers = 0; workers < 4; workers++) {
 			stilb_scene *scene = world_scene(parts, 1, 1);
-			assert_int_equal(stilb_scene_mesh_sphere(4, &scene->meshes[0]), STILB_OK);
+			assert_int_equal(stilb_scene_mesh_sphere(5, &scene->meshes[0]), STILB_OK);
 			stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(NULL);
-			desc.memory = 100000;
 			stilb_gi_scene *gi;
-			assert_int_equal(create(scene, desc, workers, &gi), STILB_ERROR_MEMORY);
-			assert_null(gi);
-			assert_non_null(strstr(stilb_error_message(), "memory"));
+			for (desc.memory = 100000; desc.memory < 1000000; desc.memory += desc.memory) {
+				assert_int_equal(create(scene, desc, workers, &gi), STILB_ERROR_MEMORY);
+				assert_null(gi);
+				assert_non_null(strstr(stilb_error_message(), "memory"));
+			}
 			desc.memory = 0;
 			assert_int_equal(create(scene, desc, workers, &gi), STILB_OK);
-			assert_true(stilb_gi_scene_info_of(gi)->bytes > 100000);
+			assert_true(stilb_gi_scene_info_of(gi)->bytes > 1000000);
 			stilb_gi_scene_destroy(gi);
 			stilb_scene_destroy(scene);
 		}

@@ -2,9 +2,8 @@
  * gi_embree: Embree's tree behind gi_tracer. The only file of the library that calls Embree, so that programs which do
  * not name stilb_gi_embree do not load it.
  *
- * Build.    Embree has no threads of its own here ("threads=N,user_threads=N"): the pool's workers join the build, one
- *           pinned job each. A worker that comes late finds it done and returns at once, so none waits for another to
- *           arrive.
+ * Build.    Embree starts no threads here: the pool's workers help, one pinned job each (gi_embree_team). A worker that
+ *           comes late finds the build done and returns at once, so none waits for another to arrive.
  * Movable.  Then every mesh has a tree of its own, and the scene's tree holds instances alone: also of the meshes of
  *           one part, which are in world space and stay where they are. A move builds the scene's tree again, and the
  *           trees of meshes that were made anew.
@@ -12,6 +11,7 @@
  */
 #include "gi/trace/gi_embree.h"
 #include "gi/gi_scene_internal.h"
+#include "gi/trace/gi_embree_team.h"
 #include "gi/trace/gi_packet.h"
 
 #include "profiler/prof.h"
@@ -25,6 +25,7 @@
 
 typedef struct embree {
 	RTCDevice device;
+	gi_embree_team *team;
 	RTCScene scene;
 	RTCScene *shared; /* [mesh_count] tree of a mesh that instances show, else NULL */
 	uint32_t mesh_count;
@@ -40,11 +41,7 @@ typedef struct embree {
 	_Atomic int error;     /* the first RTCError */
 	_Atomic bool given_up; /* by desc->give_up */
 	int64_t bytes_max;     /* that it may have */
-	bool scarce;           /* bytes_max may be too little for this scene */
 } embree;
-
-#define EMBREE_BYTES                                                                                                   \
-	512.0 /* for a triangle or an instance while the tree is built, with room to spare (a finished one has some 100) */
 
 #define EMBREE_ALONE 4096u /* primitives of a tree that is not worth waking the workers */
 
@@ -301,10 +298,11 @@ static stilb_result embree_result(const embree *state)
 static stilb_result embree_device(embree *state, const char *isa)
 {
 	char config[96];
-	snprintf(config, sizeof config, "threads=%u,user_threads=%u,isa=%s", state->workers, state->workers, isa);
-	state->device = rtcNewDevice(config);
+	snprintf(config, sizeof config, "threads=%u,isa=%s", state->workers, isa);
+	state->team = gi_embree_team_create(state->workers);
+	state->device = state->team ? rtcNewDevice(config) : NULL;
 	if (!state->device) {
-		enum RTCError error = rtcGetDeviceError(NULL);
+		enum RTCError error = state->team ? rtcGetDeviceError(NULL) : RTC_ERROR_OUT_OF_MEMORY;
 		if (error == RTC_ERROR_OUT_OF_MEMORY)
 			return stilb_fail(
 				STILB_ERROR_MEMORY,
@@ -318,34 +316,40 @@ static stilb_result embree_device(embree *state, const char *isa)
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
-static void embree_join(void *data, uint32_t worker)
+typedef struct embree_help {
+	gi_embree_team *team;
+	_Atomic uint32_t begun; /* helpers that have; relaxed: they only get different numbers */
+} embree_help;
+
+static void embree_help_build(void *data, uint32_t worker)
 {
-	PROFILE("gi.join");
+	PROFILE("gi.help");
 	(void)worker;
-	rtcJoinCommitScene(data);
+	embree_help *help = data;
+	gi_embree_team_help(help->team, atomic_fetch_add_explicit(&help->begun, 1, memory_order_relaxed));
 }
 
-/* Builds the tree of an Embree scene of so many primitives; every thread of the pool joins, by a job pinned to it.
- * Where there is no memory for such a job, its thread does not take part. If memory may not suffice for the tree, or
- * the build may be given up, this thread builds alone: Embree 3.13 breaks down when a build that several threads have
- * joined ends early, since each of them then takes the one exception that ended it. */
+/* Builds the tree of an Embree scene of so many primitives; every thread of the pool helps, by a job pinned to it.
+ * Where there is no memory for such a job, its thread does not take part. */
 static void embree_commit(embree *state, RTCScene scene, uint64_t primitives)
 {
 	PROFILE("gi.build");
 	const stilb_gi_scene_desc *desc = state->desc;
 	stilb_job_group group = {0};
-	bool alone = state->scarce || desc->give_up || primitives < EMBREE_ALONE;
+	embree_help help = {.team = state->team};
 	uint32_t first = desc->caller == STILB_JOB_OUTSIDE ? 2 : 1; /* as many threads as the pool has workers */
 	uint32_t workers = stilb_job_pool_worker_count(desc->pool) + 1;
 	workers = workers < state->workers ? workers : state->workers; /* an update may come with another pool */
 	if (embree_is_given_up(state))
 		return;
 	rtcSetSceneProgressMonitorFunction(scene, desc->give_up ? embree_on_progress : NULL, state);
-	for (uint32_t worker = first; worker < workers && !alone; worker++) {
+	bool helped = primitives >= EMBREE_ALONE && workers > first && gi_embree_team_call(state->team);
+	for (uint32_t worker = first; worker < workers && helped; worker++) {
 		stilb_job_options options = {.pinned = true, .target = worker};
-		stilb_job_submit_with(desc->pool, embree_join, scene, &group, &options, desc->caller);
+		stilb_job_submit_with(desc->pool, embree_help_build, &help, &group, &options, desc->caller);
 	}
-	embree_join(scene, desc->caller);
+	if (!gi_embree_team_commit(state->team, scene))
+		embree_on_error(state, RTC_ERROR_OUT_OF_MEMORY, NULL);
 	stilb_job_wait(desc->pool, &group, desc->caller);
 }
 
@@ -430,15 +434,6 @@ static void embree_show(embree *state, const stilb_gi_scene *gi, uint32_t id)
 	rtcCommitGeometry(geometry);
 }
 
-/* Number of triangles and instances in all trees. */
-static uint64_t embree_primitives(const stilb_gi_scene *gi)
-{
-	uint64_t count = gi->part_count;
-	for (uint32_t mesh = 0; mesh < gi->mesh_count; mesh++)
-		count += gi->meshes[mesh].triangle_count;
-	return count;
-}
-
 /* Builds the scene's tree, and says how. */
 static stilb_result embree_build(embree *state, uint64_t begin, gi_tracer *tracer, stilb_gi_scene_info *info)
 {
@@ -485,7 +480,6 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 	                  .bytes_max = desc->memory ? (int64_t)desc->memory : embree_memory()};
 	tracer->state = state;
 	info->isa = embree_isa_names[isa];
-	state->scarce = EMBREE_BYTES * (double)embree_primitives(gi) > (double)state->bytes_max;
 	result = embree_device(state, info->isa);
 	if (result != STILB_OK)
 		return result;
@@ -526,6 +520,7 @@ static void embree_destroy(gi_tracer *tracer)
 			rtcReleaseScene(state->shared[mesh]);
 	if (state->device)
 		rtcReleaseDevice(state->device);
+	gi_embree_team_destroy(state->team);
 	free(state->shared);
 	free(state->attached);
 	free(state);
