@@ -294,7 +294,7 @@ test_summary() {
 	fresh_project "the code is analysed"
 	touch "$scratch/project/build/release/compile_commands.json"
 	dev 0 test
-	called "analyze.sh $scratch/project/build/release"
+	grep -q "^analyze.sh $scratch/project/build/release .*/analyze-yields\$" "$calls" || fail "not analysed"
 	grep -q '^analyze   passed   nothing found in 50 files, ' "$scratch/out" || fail "no line for the tier"
 	last_line "15 passed, 0 failed, 0 skipped"
 	local end
@@ -306,6 +306,16 @@ test_summary() {
 		require=unit,analyze dev 1 test
 		last_line "14 passed, 1 failed, 0 skipped"
 	done
+
+	fresh_project "the analysis yields to the tests, and after them no more"
+	touch "$scratch/project/build/release/compile_commands.json"
+	stand_in analyze.sh "
+		[ -e \"\$2\" ] || exit 1
+		for try in {1..500}; do [ -e \"\$2\" ] || exit 0; sleep 0.01; done
+		exit 1"
+	mv "$scratch/bin/analyze.sh" "$scratch/project/tests/tree"
+	dev 0 test
+	last_line "15 passed, 0 failed, 0 skipped"
 
 	fresh_project "the analysis ends with the rest"
 	touch "$scratch/project/build/release/compile_commands.json"

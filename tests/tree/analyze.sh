@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
-# analyze.sh BUILD: runs clang-tidy (.clang-tidy names the checks) and gcc's analyzer on the modules below, with the flags
-# of BUILD, a build by gcc. Prints their findings; exit 1 if there are any, 77 if clang-tidy is not installed.
+# analyze.sh BUILD [FILE]: runs clang-tidy (.clang-tidy names the checks) and gcc's analyzer on the modules below, with the
+# flags of BUILD, a build by gcc. Prints their findings; exit 1 if there are any, 77 if clang-tidy is not installed. What
+# begins while FILE exists has the lowest priority.
 # Asserts are on: they tell the analyzers which paths are impossible. A file without findings is skipped until its text,
 # a header, a flag, a check or an analyzer changes; BUILD/analyzed/ has a file for each such state.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 build=$(cd "$1" && pwd)
+yields=${2:-}
 modules='game|jobs|job_prof|profiler|engine/(base|culling|gi|image|input|numeric|render|scene|shading|ui|window)'
 command -v clang-tidy >/dev/null || { echo "skipped: no clang-tidy here (package clang-tidy)"; exit 77; }
 
@@ -36,6 +38,7 @@ tidy() {
 # analyze "FILE COMMAND": runs both, unless they have found nothing in the same text. The object file is thrown away.
 analyze() {
 	local file=${1%% *} compile text
+	[ ! -e "$yields" ] || renice -n 19 "$BASHPID" >/dev/null
 	compile=$(sed -E 's/^([^ ]* )?[^ ]*ccache //; s/ -M[DTF]( [^ -][^ ]*)?//g; s/ -o [^ ]*//' <<<"${1#* } -UNDEBUG")
 	# With comments, which may hold NOLINT, and with the definitions of macros.
 	text=$(echo "$about $compile"; cd "$build" && eval "$compile -E -CC -dD")
@@ -46,7 +49,7 @@ analyze() {
 
 mkdir -p "$build/analyzed" && find "$build/analyzed" -type f -mtime +30 -delete
 about=$(cat .clang-tidy tests/tree/analyze.sh; clang-tidy --version; gcc --version)
-export build modules steps gcc_options about
+export build yields modules steps gcc_options about
 export -f tidy analyze
 if xargs -P "$(nproc)" -d '\n' -n 1 bash -c 'analyze "$1" || exit 1' analyze <<<"$commands"; then
 	echo "nothing found in $files files"
