@@ -103,6 +103,8 @@ stilb_result engine_picture_record(stilb_engine *engine, uint32_t pass, uint32_t
 		return result;
 	stilb_render_size(engine->render, &width, &height);
 	float edge = picture_edge(picture, width), right = (float)width, bottom = (float)height;
+	if (picture->hides_scene && picture->scene.id == 0)
+		edge = 0.0f; /* the divider has just left the edge: the next frame knows what the scene looks like */
 	const float place[4] = {0.0f, 0.0f, right, bottom};
 	stilb_render_context *context = stilb_render_context_get(engine->render, worker);
 	stilb_render_segment_begin(context, pass, 0);

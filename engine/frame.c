@@ -9,9 +9,9 @@
  *                                              what hangs on moved nodes, and meshes,
  *                                              materials, textures that changed
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
- *   record         scene, visible ids, the     command lists in numbered segments      jobs, one writer a list
- *                  program's picture
- *   ui             input, profiler snapshots   the open overlay's command list          main
+ *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
+ *   ui             input, profiler snapshots,  the lists of the open overlay and of    main
+ *                  the program's picture       that picture
  *   replay         the lists                   device commands, in number order        main (jobs: secondary lists)
  *   present        the device's picture        the window, or an image in memory       main
  */
@@ -194,7 +194,7 @@ static stilb_result record(stilb_engine *engine)
 	return result;
 }
 
-/* Records the program's picture, if one is shown. */
+/* Records the program's picture, if one is shown: after ui, in which the user drags its edge. */
 static stilb_result picture(stilb_engine *engine)
 {
 	if (!engine->picture.shown)
@@ -268,11 +268,11 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 	frame_clock(&clock, &times->cull);
 	if (result == STILB_OK)
 		result = record(engine);
-	if (result == STILB_OK)
-		result = picture(engine);
 	frame_clock(&clock, &times->record);
 	if (result == STILB_OK)
 		result = ui(engine);
+	if (result == STILB_OK)
+		result = picture(engine);
 	frame_clock(&clock, &times->ui);
 	if (result == STILB_OK)
 		result = replay(engine);

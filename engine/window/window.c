@@ -409,6 +409,9 @@ static void window_call_poll(void *data)
 		glfwWaitEventsTimeout(call->seconds);
 	else
 		glfwPollEvents();
+	/* On X11 that may have been only what came with the answers to the last poll's questions: Xlib looks for newer
+	 * events when it holds none. */
+	glfwPollEvents();
 	window_read(call->window, call->state);
 }
 

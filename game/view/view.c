@@ -196,6 +196,8 @@ static void view_update(void *user, const stilb_engine_update *update)
 {
 	view *v = user;
 	view_move(v, update);
+	for (uint8_t i = 0; v->scene && i < update->input->actions[VIEW_VARIANT]; i++)
+		view_variant_next(v);
 	if (update->input->actions[VIEW_RAYS] % 2 > 0)
 		view_rays_switch(v);
 	v->run->wrong = view_rays_frame(v, update->frame);
@@ -258,8 +260,6 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 	if (v->scene && report->clicked)
 		view_choose_part(v, report->click_x, report->click_y);
 	if (v->scene) {
-		for (uint8_t i = 0; i < report->input.actions[VIEW_VARIANT]; i++)
-			view_variant_next(v);
 		result = view_step(v, report->input.actions[VIEW_NEXT] - report->input.actions[VIEW_PREVIOUS]);
 		if (result == STILB_OK && report->dropped_count > 0)
 			result = view_drop(v, report->dropped[report->dropped_count - 1]);

@@ -311,6 +311,10 @@ void view_rays_wait(view *v)
 	uint64_t now = stilb_time_ns(), since = now - v->rays.frame_ns;
 	if (v->rays.on && v->rays.asked && v->run->window && since < RAYS_FRAME_NS)
 		nanosleep(&(struct timespec){.tv_nsec = (long)(RAYS_FRAME_NS - since)}, NULL); /* a signal ends it */
+	/* The next frame reads its input when the device has drawn all that was read before. An error comes with it. */
+	double gpu_ms;
+	if (v->rays.on && v->run->window)
+		stilb_engine_wait(v->run->engine, &gpu_ms);
 	v->rays.frame_ns = stilb_time_ns();
 }
 

@@ -156,6 +156,26 @@ static void test_held_key_repeats(void **state)
 	assert_quiet();
 }
 
+/* What has come before a poll is in its state, although Xlib still holds older events: those of a new title, which come
+ * with the answers to what the poll before asks the server. */
+static void test_newest_behind_older(void **state)
+{
+	(void)state;
+	stilb_window_state now;
+	awaited = STILB_WINDOW_KEY_W;
+	for (int i = 0; i < 10; i++) {
+		stilb_window_title(window, i % 2 == 0 ? "one" : "another");
+		stilb_window_poll(window, &now);
+		send_key(XK_w, i % 2 == 0);
+		for (int k = 0; k < 3; k++)
+			XSync(display, False); /* the server sends events to others before it reads a second request from here */
+		stilb_window_poll(window, &now);
+		assert_int_equal(now.held[awaited], i % 2 == 0);
+	}
+	stilb_window_title(window, "Stilb input");
+	stilb_window_poll(window, &now);
+}
+
 static bool focused(const stilb_window_state *state)
 {
 	return state->focused;
@@ -318,6 +338,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_each_key),
 		cmocka_unit_test(test_held_key_repeats),
+		cmocka_unit_test(test_newest_behind_older),
 		cmocka_unit_test(test_focus),
 		cmocka_unit_test(test_pointer),
 		cmocka_unit_test(test_left_button),
