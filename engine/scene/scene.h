@@ -328,6 +328,9 @@ typedef struct stilb_scene_open_options {
 	/* Told of each file that the scene's file names and that is read, by its path from the root, on the same thread;
 	 * NULL: nobody asks. */
 	void (*opened)(void *user, const char *path);
+	/* Told how much of a file is read, on the same thread: (0, 1], never less than before, 1 when the scene is there.
+	 * It stands still while Assimp reads a file of its formats. NULL: nobody asks. */
+	void (*progress)(void *user, float done);
 	void *user;
 	/* A file without any light (no light, no ambient light, and emission that gives its surfaces less than a hundredth
 	 * of a studio's light) stays dark, and the scene's `unlit` is true: the caller lights it. Otherwise it gets a grey

@@ -287,7 +287,8 @@ static void view_title(void *user, const live_run *run, char title[static 256])
 	const char *name = v->load ? view_load_name(v->load) : v->name, *slash = strrchr(name, '/');
 	name = slash ? slash + 1 : name;
 	if (v->load)
-		snprintf(title, 256, "Stilb: opening %.120s, %.0f s; Esc gives it up", name, view_load_seconds(v->load));
+		snprintf(title, 256, "Stilb: opening %.120s, %.0f %%, %.0f s; Esc gives it up", name,
+		         100.0 * (double)view_load_done(v->load), view_load_seconds(v->load));
 	else if (v->rays.shown)
 		snprintf(title, 256, "Stilb: %.120s, path traced", name);
 	else

@@ -13,6 +13,7 @@ struct view_load {
 	uint64_t start_ns;
 	pthread_t thread;
 	atomic_bool given_up; /* set by the main thread, read by the other; relaxed: nothing else depends on it */
+	_Atomic float done;   /* set by the other thread, read by the main thread; relaxed: it is only shown */
 	/* Set by the other thread: release, and acquire where it is read, so that the files are seen, too. */
 	atomic_bool ended;
 	/* The outcome, written by the other thread and read after joining it. */
@@ -47,12 +48,19 @@ static bool load_is_given_up(void *user)
 	return atomic_load_explicit(&load->given_up, memory_order_relaxed);
 }
 
+static void load_advances(void *user, float done)
+{
+	view_load *load = user;
+	atomic_store_explicit(&load->done, done, memory_order_relaxed);
+}
+
 static void *load_run(void *data)
 {
 	view_load *load = data;
 	stilb_scene_open_options options = {.allow_outside = load->picture->allow_outside,
 	                                    .give_up = load_is_given_up,
 	                                    .opened = load_opened,
+	                                    .progress = load_advances,
 	                                    .user = load,
 	                                    .quiet = load->picture->quiet,
 	                                    .dark = true,
@@ -111,6 +119,11 @@ bool view_load_again(const view_load *load)
 double view_load_seconds(const view_load *load)
 {
 	return (double)(stilb_time_ns() - load->start_ns) * 1e-9;
+}
+
+float view_load_done(const view_load *load)
+{
+	return atomic_load_explicit(&load->done, memory_order_relaxed);
 }
 
 bool view_load_ended(const view_load *load)

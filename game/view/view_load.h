@@ -24,6 +24,7 @@ stilb_result view_load_start(const char *name, const picture_flags *picture, boo
 const char *view_load_name(const view_load *load);
 bool view_load_again(const view_load *load);
 double view_load_seconds(const view_load *load);
+float view_load_done(const view_load *load); /* as stilb_scene_open_options.progress */
 
 /* The files that the scene's file names and that were read, paths from the root, each once; *count is their number.
  * Once the thread has ended; valid until view_load_take. */

@@ -777,6 +777,64 @@ static void a_user_gives_up(void **state)
 	assert_true(asked > 0);
 }
 
+typedef struct told {
+	int times;
+	float last;
+	float give_up_at;
+} told;
+
+static void keep_progress(void *user, float done)
+{
+	told *so_far = user;
+	assert_true(done > so_far->last && done <= 1.0f);
+	so_far->times++;
+	so_far->last = done;
+}
+
+static bool is_far_enough(void *user)
+{
+	const told *so_far = user;
+	return so_far->give_up_at > 0.0f && so_far->last >= so_far->give_up_at;
+}
+
+/* An OBJ of so many objects, each a fan of some thousand triangles. */
+static const char *write_objects(uint32_t objects)
+{
+	size_t size = (size_t)objects * 200000, at = 0;
+	char *text = malloc(size);
+	assert_non_null(text);
+	for (uint32_t o = 0, first = 1; o < objects; o++, first += 2000) {
+		at += (size_t)snprintf(text + at, size - at, "o object%u\n", o);
+		for (int v = 0; v < 2000; v++)
+			at += (size_t)snprintf(text + at, size - at, "v %d %u %d\n", v, o, v * v % 97);
+		for (uint32_t t = 1; t + 1 < 2000; t++)
+			at += (size_t)snprintf(text + at, size - at, "f %u %u %u\n", first, first + t, first + t + 1);
+		assert_true(at < size);
+	}
+	const char *path = write_text("objects.obj", text);
+	free(text);
+	return path;
+}
+
+/* Progress grows to 1, and what is given up on the way leaves no scene. */
+static void progress_is_told(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	told so_far = {0};
+	stilb_scene_open_options options = {.progress = keep_progress, .give_up = is_far_enough, .user = &so_far};
+	const char *path = write_objects(40);
+	assert_int_equal(stilb_scene_open_with(path, &options, &scene), STILB_OK);
+	assert_true(so_far.last == 1.0f);
+	assert_true(so_far.times >= 2); /* the first mesh is told, whatever the time */
+	stilb_scene_destroy(scene);
+	so_far = (told){.give_up_at = 1e-6f};
+	assert_int_equal(stilb_scene_open_with(path, &options, &scene), STILB_ERROR_FILE);
+	assert_null(scene);
+	assert_true(so_far.last > 0.0f && so_far.last < 1.0f);
+	assert_non_null(strstr(stilb_error_message(), "was given up"));
+}
+
 static void surroundings_have_three_channels(void **state)
 {
 	(void)state;
@@ -889,6 +947,7 @@ int main(void)
 		cmocka_unit_test(scenes_leave_no_memory),
 		cmocka_unit_test(a_restart_that_fails_says_why),
 		cmocka_unit_test(a_user_gives_up),
+		cmocka_unit_test(progress_is_told),
 		cmocka_unit_test(surroundings_have_three_channels),
 		cmocka_unit_test(cameras_of_points_project),
 		cmocka_unit_test(textures_keep_their_precision),

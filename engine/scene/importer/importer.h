@@ -102,6 +102,11 @@ typedef struct importer {
 /* Sends a warning for the user: something of the file is lost, but the scene is read. */
 void importer_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Tells Stilb, every 20 ms at most, that `done` of `count` textures are loaded, or of meshes are converted, which come
+ * after the textures. Main thread. */
+void importer_advance_textures(uint32_t done, uint32_t count);
+void importer_advance_meshes(const importer *import, uint32_t done, uint32_t count);
+
 /* importer_loss.c: counts a thing that is not shown as it should be. name: the material's, the mesh's, ...; NULL: it
  * has none. */
 void importer_lose(importer *import, importer_loss loss, const char *name);

@@ -37,6 +37,33 @@ void importer_warn(const char *format, ...)
 	va_end(arguments);
 }
 
+#define IMPORTER_TELL_NS 20000000u
+
+static void importer_tell(float done)
+{
+	static uint64_t told_ns;
+	uint64_t now = stilb_time_ns();
+	if (now - told_ns < IMPORTER_TELL_NS)
+		return;
+	told_ns = now;
+	scene_message message = {.kind = SCENE_MESSAGE_PROGRESS, .done = done};
+	if (!scene_stream_write_message(importer_stream.file, &message, -1))
+		_exit(1); /* Stilb is gone */
+}
+
+void importer_advance_textures(uint32_t done, uint32_t count)
+{
+	STILB_ASSERT(done <= count && count > 0);
+	importer_tell(0.5f * (float)done / (float)count);
+}
+
+void importer_advance_meshes(const importer *import, uint32_t done, uint32_t count)
+{
+	STILB_ASSERT(done <= count && count > 0);
+	float before = import->texture_count > 0 ? 0.5f : 0.0f;
+	importer_tell(before + (1.0f - before) * (float)done / (float)count);
+}
+
 static void importer_send(scene_message_kind kind, stilb_result result, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 

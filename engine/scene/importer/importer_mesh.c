@@ -335,7 +335,7 @@ stilb_result importer_add_meshes(importer *import)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
 	if (result == STILB_OK)
 		result = scene_add_names(import->scene);
-	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++)
+	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++) {
 		if (plan.place[m] != IMPORTER_NO_MESH) {
 			stilb_scene_mesh *mesh = &import->scene->meshes[plan.place[m]];
 			result = import->shares ? mesh_convert_shared(from->mMeshes[m], plan.triangles[m], mesh)
@@ -343,6 +343,8 @@ stilb_result importer_add_meshes(importer *import)
 			if (result == STILB_OK)
 				mesh_settle_sides(mesh);
 		}
+		importer_advance_meshes(import, m + 1, from->mNumMeshes);
+	}
 	if (result == STILB_OK)
 		result = importer_add_nodes(import);
 	if (result == STILB_OK)

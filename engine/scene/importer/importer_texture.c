@@ -148,8 +148,18 @@ static void texture_load(importer_texture *texture)
 
 typedef struct texture_queue {
 	importer *import;
-	atomic_uint next;
+	pthread_t main;
+	atomic_uint next, done;
 } texture_queue;
+
+/* Progress, which the main thread tells: also of what the others have done. */
+static void texture_done(texture_queue *queue)
+{
+	/* relaxed: for progress alone */
+	unsigned done = atomic_fetch_add_explicit(&queue->done, 1, memory_order_relaxed) + 1;
+	if (pthread_equal(pthread_self(), queue->main))
+		importer_advance_textures(done, queue->import->texture_count);
+}
 
 static void *texture_work(void *context)
 {
@@ -160,6 +170,7 @@ static void *texture_work(void *context)
 		if (i >= queue->import->texture_count)
 			return NULL;
 		texture_load(&queue->import->textures[i]);
+		texture_done(queue);
 	}
 }
 
@@ -207,7 +218,7 @@ void importer_load_textures(importer *import)
 void importer_decode_textures(importer *import)
 {
 	pthread_t threads[TEXTURE_THREADS];
-	texture_queue queue = {.import = import};
+	texture_queue queue = {.import = import, .main = pthread_self()};
 	long cpus = sysconf(_SC_NPROCESSORS_ONLN);
 	unsigned started = 0;
 	while (started < TEXTURE_THREADS && started + 1 < import->texture_count && started + 1 < cpus &&

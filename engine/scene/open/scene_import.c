@@ -228,6 +228,8 @@ static stilb_result import_died(const scene_importer *importer, const char *path
 
 /* ---- requests ---------------------------------------------------------------------------------------------------- */
 
+#define IMPORT_DONE_MOST 0.99f /* of what the process says: the scene must still be sent, and checked */
+
 /* One request, while it runs. */
 typedef struct import_request {
 	scene_importer *importer;
@@ -235,6 +237,7 @@ typedef struct import_request {
 	scene_files *files;    /* opens the files that the scene names; NULL: it may name none */
 	stilb_image *pictures; /* [picture_count], received in this order */
 	uint32_t picture_count, picture_capacity;
+	float done;          /* what scene_import_limits.progress was told last */
 	bool ended;          /* the process has sent a result, so it is alive and ready for the next request */
 	char refused[8][64]; /* last parts of names that were logged as refused: Assimp asks more than once */
 	uint32_t refused_count;
@@ -307,6 +310,16 @@ static void import_tell_opened(const scene_import_limits *limits, int file)
 	limits->opened(limits->user, path);
 }
 
+/* Tells who asks for it how much is done, unless that is not more than before, or not less than all. */
+static void import_tell_progress(import_request *request, float done, float most)
+{
+	const scene_import_limits *limits = &request->importer->limits;
+	if (!limits->progress || !(done > request->done) || !(done <= most))
+		return;
+	request->done = done;
+	limits->progress(limits->user, done);
+}
+
 /* Answers an OPEN message with the file's descriptor or a refusal. Logs a refusal unless asked->flags is set: then the
  * import process warns of it, as it does of textures. */
 static void import_answer(import_request *request, const scene_message *asked)
@@ -369,6 +382,8 @@ static stilb_result import_listen(import_request *request, scene_message_kind en
 			passed = -1;
 		} else if (message->kind == SCENE_MESSAGE_OPEN) {
 			import_answer(request, message);
+		} else if (message->kind == SCENE_MESSAGE_PROGRESS) {
+			import_tell_progress(request, message->done, IMPORT_DONE_MOST);
 		} else if (message->kind == SCENE_MESSAGE_WARNING && !request->importer->limits.quiet) {
 			stilb_log("%s: %s", request->path, message->text);
 		}
@@ -442,6 +457,8 @@ stilb_result scene_importer_scene(scene_importer *importer, const char *path, st
 			result = import_listen(&request, SCENE_MESSAGE_SCENE, &message);
 		if (result == STILB_OK)
 			result = scene_stream_read(&importer->stream, request.pictures, request.picture_count, scene);
+		if (result == STILB_OK)
+			import_tell_progress(&request, 1.0f, 1.0f);
 		if (result == STILB_OK && importer->limits.most_bytes)
 			*importer->limits.most_bytes = import_most_bytes(importer);
 		if (result != STILB_OK)

@@ -25,6 +25,7 @@ typedef struct scene_import_limits {
 	/* Asked while waiting, every 50 ms at least; true: the request fails at once. NULL: never. */
 	bool (*give_up)(void *user);
 	void (*opened)(void *user, const char *path); /* as stilb_scene_open_options.opened */
+	void (*progress)(void *user, float done);     /* as stilb_scene_open_options.progress */
 	void *user;
 	uint64_t *most_bytes; /* out, of scenes: as stilb_scene_open_options.import_bytes; NULL: nobody asks */
 } scene_import_limits;

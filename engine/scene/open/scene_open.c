@@ -48,6 +48,7 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 	limits.allow_outside = options->allow_outside;
 	limits.give_up = options->give_up;
 	limits.opened = options->opened;
+	limits.progress = options->progress;
 	limits.user = options->user;
 	limits.quiet = options->quiet;
 	limits.most_bytes = options->import_bytes;

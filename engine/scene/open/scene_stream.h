@@ -4,8 +4,8 @@
  * whatever the other side sent.
  *
  * Order.       Stilb sends a request (READ_SCENE, READ_PICTURE or READ_LIGHT with the file's descriptor, or ABOUT) and
- *              listens until a result: SCENE, PICTURE, VERSION or ERROR. Meanwhile the import process may send warnings
- *              and textures, and ask for further files (OPEN), each of which Stilb answers at once (FILE).
+ *              listens until a result: SCENE, PICTURE, VERSION or ERROR. Meanwhile the import process may send
+ *              warnings, progress and textures, and ask for further files (OPEN), each answered at once (FILE).
  * Threads.     [one-writer] per stream.
  */
 #ifndef STILB_SCENE_STREAM_H
@@ -26,9 +26,10 @@ typedef struct scene_stream {
 
 typedef enum scene_message_kind {
 	/* from the import process */
-	SCENE_MESSAGE_HELLO,   /* first, once; text: of scene_stream_version; flags: of scene_protection */
-	SCENE_MESSAGE_WARNING, /* at any time; text: for the user */
-	SCENE_MESSAGE_OPEN,    /* asks for a file; text: its name in the scene */
+	SCENE_MESSAGE_HELLO,    /* first, once; text: of scene_stream_version; flags: of scene_protection */
+	SCENE_MESSAGE_WARNING,  /* at any time; text: for the user */
+	SCENE_MESSAGE_PROGRESS, /* at any time; done */
+	SCENE_MESSAGE_OPEN,     /* asks for a file; text: its name in the scene */
 	/* Size and format, with the descriptor of the pixels: a scene's next texture, or the result of READ_PICTURE. */
 	SCENE_MESSAGE_PICTURE,
 	SCENE_MESSAGE_ERROR,   /* the result of any request that failed; text: the reason; result: its kind */
@@ -55,6 +56,7 @@ typedef enum scene_protection {
 typedef struct scene_message {
 	scene_message_kind kind;
 	stilb_result result;              /* of ERROR */
+	float done;                       /* of PROGRESS: the share of the file that is converted */
 	uint32_t flags;                   /* of HELLO; of OPEN 1: the process warns itself if the file is refused */
 	uint32_t width, height, channels; /* of PICTURE */
 	stilb_image_format format;        /* of PICTURE */

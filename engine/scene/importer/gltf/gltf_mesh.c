@@ -69,6 +69,7 @@ static stilb_result mesh_convert_primitives(gltf *from, uint32_t mesh)
 	gltf_json *json = &from->json;
 	gltf_parts *parts = &from->parts;
 	uint32_t array = gltf_json_array(json, from->lists[GLTF_MESHES].items[mesh], "primitives");
+	uint32_t list = gltf_json_array(json, GLTF_JSON_ROOT, "meshes"); /* tokens of it are how far we are */
 	stilb_result result = gltf_json_check(json);
 	for (uint32_t at = gltf_json_first(json, array); result == STILB_OK && at != GLTF_NONE;
 	     at = gltf_json_after(json, array, at)) {
@@ -85,6 +86,7 @@ static stilb_result mesh_convert_primitives(gltf *from, uint32_t mesh)
 		result = gltf_primitive_convert(from, mesh, at, part);
 		if (result == STILB_OK && part->mesh.index_count > 0)
 			parts->count++;
+		importer_advance_meshes(from->import, json->tokens[at].next - list, json->tokens[list].next - list);
 	}
 	return result;
 }
