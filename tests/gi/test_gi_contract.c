@@ -59,9 +59,31 @@ static void *save_checkpoint(void *unused)
 	return unused;
 }
 
+static void *update_scene(void *unused)
+{
+	stilb_gi_scene_desc desc = {.pool = fixture.pool, .intersector = fixture.gi->intersector};
+	stilb_gi_scene_update(fixture.gi, fixture.scene, &desc);
+	return unused;
+}
+
+static void *share_render(void *unused)
+{
+	stilb_gi_render_share(render, 0, 0.0);
+	return unused;
+}
+
+static void *watch_render(void *unused)
+{
+	stilb_gi_render_watch(render, NULL, NULL);
+	return unused;
+}
+
 static void threads(void **state)
 {
 	(void)state;
+	contract_breaks("called on the owner's thread", on_another_thread(update_scene));
+	contract_breaks("called on the owner's thread", on_another_thread(share_render));
+	contract_breaks("called on the owner's thread", on_another_thread(watch_render));
 	contract_breaks("called on the owner's thread", on_another_thread(destroy_scene));
 	contract_breaks("called on the owner's thread", on_another_thread(run_render));
 	contract_breaks("called on the owner's thread", on_another_thread(save_checkpoint));
@@ -71,6 +93,13 @@ static stilb_gi_film film_during_run(void)
 {
 	render->begun_ns = 1;
 	return stilb_gi_render_film(render);
+}
+
+static bool share_during_run(void)
+{
+	render->begun_ns = 1;
+	stilb_gi_render_share(render, 0, 0.0);
+	return true;
 }
 
 static bool add_outside(void)
@@ -83,7 +112,14 @@ static bool add_outside(void)
 static void pictures(void **state)
 {
 	(void)state;
+	stilb_gi_scene_desc desc = {.pool = fixture.pool, .intersector = &stilb_gi_embree};
 	contract_breaks("run does not run", film_during_run());
+	contract_breaks("before the first run", share_during_run());
+	contract_breaks("caller == 0 || caller == ", (stilb_gi_render_share(render, 1, 0.0), 0));
+	contract_breaks("slice >= 0.0", (stilb_gi_render_share(render, 0, -1.0), 0));
+	contract_breaks("render", (stilb_gi_render_stop(NULL), 0));
+	contract_breaks("render && rgb", (stilb_gi_render_preview(render, NULL), 0));
+	contract_breaks("a scene keeps its intersector", stilb_gi_scene_update(fixture.gi, fixture.scene, &desc));
 	contract_breaks("index < (size_t)film->width * film->height", add_outside());
 	contract_breaks("index < gi_settings_count()", gi_settings_get(&render->view.settings, gi_settings_count()));
 	contract_breaks("name < STILB_GI_INTEGRATOR_COUNT", gi_integrator_of(STILB_GI_INTEGRATOR_COUNT));

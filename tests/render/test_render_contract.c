@@ -226,6 +226,10 @@ static void draws(void **state)
 	contract_breaks("a mesh that exists", draw(context, (stilb_render_mesh){0}, material, 1.0f));
 	contract_breaks("a material that exists", draw(context, mesh, (stilb_render_material){0}, 1.0f));
 	contract_breaks("most < vertex_count", geometry(context));
+	contract_breaks("texture.id != 0",
+	                (stilb_render_draw_picture(context, (float[4]){0.0f, 0.0f, 9.0f, 9.0f},
+	                                           (float[4]){0.0f, 0.0f, 9.0f, 9.0f}, (stilb_render_texture){0}, 1.0f),
+	                 0));
 	contract_breaks("between frames", stilb_render_resize(render, 32, 32));
 	stilb_render_segment_end(context);
 	assert_int_equal(stilb_render_pass_end(render, 0), STILB_OK);

@@ -45,6 +45,7 @@ static void scenes(void **state)
 	contract_breaks("`material'", stilb_scene_set_material(scene, 0, NULL));
 	contract_breaks("`image'", stilb_scene_set_texture(scene, 0, NULL));
 	contract_breaks("scene && ray && hit", stilb_scene_pick(scene, &(stilb_scene_ray){0}, NULL));
+	contract_breaks("scene && ray && hit", stilb_scene_pick_indexed(scene, &(stilb_scene_ray){0}, NULL, NULL));
 	contract_breaks("width > 0 && height > 0", stilb_scene_camera_ray(&scene->camera, 0, 1, 0.0, 0.0));
 	contract_breaks("(radiance[i])", stilb_scene_set_sky(scene, (const float[3]){1, INFINITY, 1}));
 	contract_breaks("radiance[i] >= 0", stilb_scene_set_sky(scene, (const float[3]){1, -1, 1}));
