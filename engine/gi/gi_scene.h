@@ -78,7 +78,8 @@ typedef struct stilb_gi_scene_desc {
 	 * differ in their last bits from those of the same scene without movable. */
 	bool movable;
 	/* Asked again and again in create and update, on any thread that builds, several at once; true: the caller gives it
-	 * up, which is STILB_ERROR_GIVEN_UP soon: of a mesh of a million triangles after 20 ms, 135 at most (at load 9).
+	 * up, which is STILB_ERROR_GIVEN_UP soon: a million triangles were given up after 20 ms, 135 at most beside nine
+	 * busy programs.
 	 * NULL: never. */
 	bool (*give_up)(void *user);
 	void *user;
