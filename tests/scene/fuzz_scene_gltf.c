@@ -22,6 +22,16 @@ void importer_warn(const char *format, ...)
 	(void)format;
 }
 
+void importer_advance_textures(uint32_t done, uint32_t count)
+{
+	STILB_ASSERT(done <= count && count > 0);
+}
+
+void importer_advance_meshes(const importer *import, uint32_t done, uint32_t count)
+{
+	STILB_ASSERT(import && done <= count && count > 0);
+}
+
 int importer_files_ask(const char *name, bool quiet, char why[static 256])
 {
 	(void)name, (void)quiet;
