@@ -85,7 +85,10 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 static stilb_result upload_mesh(stilb_render *render, const stilb_scene_vertex *vertices, uint32_t vertex_count,
                                 const uint32_t *indices, uint32_t index_count, stilb_render_mesh *out)
 {
-	stilb_scene_mesh mesh = {(stilb_scene_vertex *)vertices, (uint32_t *)indices, vertex_count, index_count};
+	stilb_scene_mesh mesh = {.vertices = (stilb_scene_vertex *)vertices,
+	                         .indices = (uint32_t *)indices,
+	                         .vertex_count = vertex_count,
+	                         .index_count = index_count};
 	return stilb_render_mesh_create(render, &mesh, out);
 }
 

@@ -178,7 +178,15 @@ static bool scene_all_below(const uint32_t *values, uint32_t count, uint32_t lim
 
 bool scene_mesh_is_sound(const stilb_scene_mesh *mesh)
 {
-	return mesh->index_count % 3 == 0 && scene_all_below(mesh->indices, mesh->index_count, mesh->vertex_count);
+	bool sound = mesh->index_count % 3 == 0 && scene_all_below(mesh->indices, mesh->index_count, mesh->vertex_count);
+	for (uint32_t l = 0; l < mesh->level_count; l++) {
+		const stilb_scene_level *level = &mesh->levels[l];
+		sound = sound && level->first_index <= mesh->level_index_count && level->index_count % 3 == 0 &&
+		        level->index_count <= mesh->level_index_count - level->first_index &&
+		        level->vertex_count <= mesh->vertex_count &&
+		        scene_all_below(mesh->level_indices + level->first_index, level->index_count, level->vertex_count);
+	}
+	return sound;
 }
 
 bool scene_nodes_are_sound(const stilb_scene *scene)

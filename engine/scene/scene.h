@@ -44,11 +44,30 @@ typedef struct stilb_scene_vertex {
 	float uv[2];
 } stilb_scene_vertex;
 
-/* Triangles, counter-clockwise seen from the front. */
+#define STILB_SCENE_MAX_LEVELS 32
+
+/* A coarser version of a mesh: other triangles over the first of its vertices. */
+typedef struct stilb_scene_level {
+	uint32_t first_index, index_count; /* in stilb_scene_mesh.level_indices; fewer indices than the finer level has */
+	uint32_t vertex_count; /* its triangles use vertices 0 .. vertex_count - 1 alone; at most as many as the finer level
+	                          has */
+	float error; /* metres in the mesh's space, >= 0, at least the finer level's: no point of this surface is farther
+	                from the mesh's own, and none of that one is farther from this */
+} stilb_scene_level;
+
+/* Triangles, counter-clockwise seen from the front, and coarser versions of them to draw where the difference is not
+ * seen. Rays, bounds and all else that does not say so go by the mesh itself. */
 typedef struct stilb_scene_mesh {
 	stilb_scene_vertex *vertices; /* [vertex_count] */
 	uint32_t *indices;            /* [index_count], three for each triangle, each < vertex_count */
 	uint32_t vertex_count, index_count;
+	uint32_t level_count, level_index_count; /* 0: there is no coarser version */
+	stilb_scene_level *levels; /* [level_count] from finer to coarser; the mesh itself comes before them */
+	uint32_t *level_indices;   /* [level_index_count] */
+	/* [vertex_count] Where a vertex goes on the way to the first level that does not use it: with all of these vertices
+	 * there, the finer triangles lie on the coarser ones and have their normals and uv. Normals are at most unit: the
+	 * mean of two is shorter. Vertices that every level uses have entries that nobody reads. NULL: unknown. */
+	stilb_scene_vertex *morph;
 } stilb_scene_mesh;
 
 /* The view selects the reflection model (stilb_render_shading); a model ignores the parameters that it does not use.
@@ -434,8 +453,9 @@ const char *stilb_scene_light_mistake(const stilb_scene_light *light);
 
 /* The unit sphere as an icosahedron split `splits` times (0..6): 20 * 4^splits triangles with vertices on the sphere. u
  * is the longitude, 0 at -Z, growing eastward (towards -X) to 1 at -Z again; v is the polar angle / pi, 0 at +Y, 1 at
- * -Y. Triangles share their vertices, so a texture is squeezed in those across u = 0 and at the poles. [any-thread]
- * STILB_ERROR_MEMORY; then mesh is {0}. */
+ * -Y. Triangles share their vertices, so a texture is squeezed in those across u = 0 and at the poles. Its levels are
+ * the spheres of fewer splits, and the vertices that a split adds morph to the middles of the edges that it halves.
+ * [any-thread] STILB_ERROR_MEMORY; then mesh is {0}. */
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
 
 /* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. u grows with x, v with z, each from 0 to 1.

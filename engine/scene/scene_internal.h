@@ -41,7 +41,7 @@ bool scene_nodes_are_sound(const stilb_scene *scene);
  * Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has been made. */
 bool scene_is_sound(const stilb_scene *scene);
 
-/* True if mesh holds whole triangles whose vertices exist. */
+/* True if the mesh and its levels hold whole triangles whose vertices exist. */
 bool scene_mesh_is_sound(const stilb_scene_mesh *mesh);
 
 /* Sets the bounds of a model from the vertices of its parts: a sphere around the centre of their box. Vertices that are
@@ -80,8 +80,16 @@ stilb_scene_camera scene_camera_along(stilb_vec3 position, stilb_vec3 view, floa
 /* scene_camera_along, looking from position to target, which differs from it. */
 stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, float fov_y);
 
-/* A mesh with arrays for these counts, not initialised; index_count is a multiple of 3. STILB_ERROR_MEMORY; mesh is {0}
- * then. */
+/* A mesh with arrays for these counts, not initialised, and without levels; index_count is a multiple of 3.
+ * STILB_ERROR_MEMORY; mesh is {0} then. */
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count);
+
+/* Arrays for level_count > 0 levels in a mesh that has none yet, not initialised, and morph of zeros if asked for.
+ * After STILB_ERROR_MEMORY stilb_scene_mesh_finish frees what was made. */
+stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count, uint32_t level_index_count,
+                                   bool morph);
+
+/* Frees the levels, if there are any: the mesh itself is left. */
+void scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
 #endif

@@ -1,6 +1,7 @@
 #include "scene/scene_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count)
 {
@@ -18,9 +19,36 @@ stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, ui
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for a mesh of %u vertices", vertex_count);
 }
 
+stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count, uint32_t level_index_count, bool morph)
+{
+	STILB_ASSERT(mesh && mesh->level_count == 0 && level_count > 0 && level_index_count > 0);
+	mesh->levels = stilb_memory_alloc(level_count, sizeof *mesh->levels);
+	mesh->level_indices = stilb_memory_alloc(level_index_count, sizeof *mesh->level_indices);
+	mesh->morph = morph ? stilb_memory_alloc(mesh->vertex_count, sizeof *mesh->morph) : NULL;
+	if (!mesh->levels || !mesh->level_indices || (morph && !mesh->morph))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the %u levels of a mesh", level_count);
+	if (morph && mesh->vertex_count > 0)
+		memset(mesh->morph, 0, mesh->vertex_count * sizeof *mesh->morph);
+	mesh->level_count = level_count;
+	mesh->level_index_count = level_index_count;
+	return STILB_OK;
+}
+
+void scene_mesh_drop_levels(stilb_scene_mesh *mesh)
+{
+	free(mesh->levels);
+	free(mesh->level_indices);
+	free(mesh->morph);
+	mesh->levels = NULL;
+	mesh->level_indices = NULL;
+	mesh->morph = NULL;
+	mesh->level_count = mesh->level_index_count = 0;
+}
+
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(mesh);
+	scene_mesh_drop_levels(mesh);
 	free(mesh->vertices);
 	free(mesh->indices);
 	*mesh = (stilb_scene_mesh){0};
@@ -63,6 +91,19 @@ static void mesh_add_vertex(stilb_scene_mesh *mesh, stilb_vec3 p)
 	mesh->vertices[mesh->vertex_count++] = (stilb_scene_vertex){{p[0], p[1], p[2]}, {p[0], p[1], p[2]}, {u, v}};
 }
 
+/* What interpolation gives in the middle between two vertices. */
+static stilb_scene_vertex mesh_vertex_between(const stilb_scene_vertex *p, const stilb_scene_vertex *q)
+{
+	stilb_scene_vertex mean;
+	for (int i = 0; i < 3; i++) {
+		mean.position[i] = 0.5f * (p->position[i] + q->position[i]);
+		mean.normal[i] = 0.5f * (p->normal[i] + q->normal[i]);
+	}
+	for (int i = 0; i < 2; i++)
+		mean.uv[i] = 0.5f * (p->uv[i] + q->uv[i]);
+	return mean;
+}
+
 /* The vertex in the middle of an edge, made if there is none yet. */
 static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint32_t a, uint32_t b)
 {
@@ -70,12 +111,14 @@ static uint32_t mesh_edge_middle(stilb_scene_mesh *mesh, mesh_edges *edges, uint
 	for (int i = 0; i < edges->used[low]; i++)
 		if (edges->other[low][i] == high)
 			return edges->middle[low][i];
-	const float *p = mesh->vertices[low].position, *q = mesh->vertices[high].position;
-	STILB_ASSERT(low < high && edges->used[low] < MESH_EDGES);
+	const stilb_scene_vertex *p = &mesh->vertices[low], *q = &mesh->vertices[high];
+	STILB_ASSERT(low < high && edges->used[low] < MESH_EDGES && mesh->morph);
 	uint32_t slot = edges->used[low]++;
 	edges->other[low][slot] = high;
 	edges->middle[low][slot] = mesh->vertex_count;
-	mesh_add_vertex(mesh, stilb_vec3_make(p[0] + q[0], p[1] + q[1], p[2] + q[2]));
+	mesh->morph[mesh->vertex_count] = mesh_vertex_between(p, q);
+	mesh_add_vertex(mesh, stilb_vec3_make(p->position[0] + q->position[0], p->position[1] + q->position[1],
+	                                      p->position[2] + q->position[2]));
 	return edges->middle[low][slot];
 }
 
@@ -122,13 +165,71 @@ static void mesh_icosahedron(stilb_scene_mesh *mesh)
 	mesh->index_count = 60;
 }
 
+/* Keeps the triangles so far as level number `level`, behind those of the coarser ones. */
+static void mesh_keep_level(stilb_scene_mesh *mesh, uint32_t level, uint32_t first_index)
+{
+	STILB_ASSERT(level < mesh->level_count && first_index + mesh->index_count <= mesh->level_index_count);
+	mesh->levels[level] = (stilb_scene_level){
+		.first_index = first_index, .index_count = mesh->index_count, .vertex_count = mesh->vertex_count};
+	for (uint32_t i = 0; i < mesh->index_count; i++)
+		mesh->level_indices[first_index + i] = mesh->indices[i];
+}
+
+/* How far the sphere's vertices lie outside of a triangle of a level, along the line to the centre, at most. indices:
+ * of the sphere's triangles that the level's triangle was split into. */
+static float mesh_sphere_error(const stilb_scene_mesh *mesh, const uint32_t corners[3], const uint32_t *indices,
+                               uint32_t count)
+{
+	stilb_vec3 p[3];
+	for (int i = 0; i < 3; i++) {
+		const float *position = mesh->vertices[corners[i]].position;
+		p[i] = stilb_vec3_make(position[0], position[1], position[2]);
+	}
+	stilb_vec3 normal = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+	float distance = stilb_vec3_dot(normal, p[0]), error = 0.0f;
+	for (uint32_t i = 0; i < count; i++) {
+		const float *v = mesh->vertices[indices[i]].position;
+		float along = normal[0] * v[0] + normal[1] * v[1] + normal[2] * v[2];
+		error = fmaxf(error, 1.0f - distance / along);
+	}
+	return error;
+}
+
+/* The levels' errors. Level and sphere are convex, and the level lies inside the sphere, since its vertices are some of
+ * the sphere's. The largest distance between the surfaces of two such bodies is that of a point of the outer one from
+ * the inner one (Schneider, "Convex Bodies" (1993), lemma 1.8.1), which is a convex function and so largest at a
+ * vertex. The way from there towards the centre to the level is no shorter. */
+static void mesh_sphere_errors(stilb_scene_mesh *mesh)
+{
+	for (uint32_t l = 0; l < mesh->level_count; l++) {
+		stilb_scene_level *level = &mesh->levels[l];
+		const uint32_t *corners = mesh->level_indices + level->first_index;
+		uint32_t inner = 3 * (mesh->index_count / level->index_count);
+		for (uint32_t t = 0; t < level->index_count / 3; t++)
+			level->error = fmaxf(level->error, mesh_sphere_error(mesh, corners + (size_t)3 * t,
+			                                                     mesh->indices + (size_t)inner * t, inner));
+		level->error += 1e-6f; /* for rounding */
+	}
+}
+
+static stilb_result mesh_sphere_create(uint32_t splits, stilb_scene_mesh *mesh)
+{
+	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler's formula for triangles */
+	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
+	if (result == STILB_OK && splits > 0)
+		result = scene_mesh_add_levels(mesh, splits, triangles - 20, true); /* 3 * 20 (1 + 4 + 16 + ...) */
+	if (result != STILB_OK)
+		stilb_scene_mesh_finish(mesh);
+	return result;
+}
+
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(splits <= 6 && mesh);
-	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler's formula for triangles */
-	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
+	stilb_result result = mesh_sphere_create(splits, mesh);
 	if (result != STILB_OK)
 		return result;
+	uint32_t vertices = mesh->vertex_count, indices = mesh->index_count, first_index = 0;
 	mesh_edges edges = {
 		.other = stilb_memory_alloc(vertices, sizeof *edges.other),
 		.middle = stilb_memory_alloc(vertices, sizeof *edges.middle),
@@ -137,13 +238,17 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 	if (edges.other && edges.middle && edges.used) {
 		mesh->vertex_count = 0;
 		mesh_icosahedron(mesh);
-		for (uint32_t i = 0; i < splits; i++)
+		for (uint32_t i = 0; i < splits; i++) {
+			mesh_keep_level(mesh, splits - 1 - i, first_index);
+			first_index += mesh->index_count;
 			mesh_split(mesh, &edges);
-		STILB_ASSERT(mesh->vertex_count == vertices && mesh->index_count == 3 * triangles);
+		}
+		STILB_ASSERT(mesh->vertex_count == vertices && mesh->index_count == indices);
+		mesh_sphere_errors(mesh);
 		STILB_CHECK(scene_mesh_is_sound(mesh));
 	} else {
 		stilb_scene_mesh_finish(mesh);
-		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a sphere of %u triangles", triangles);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a sphere of %u triangles", indices / 3);
 	}
 	free(edges.other);
 	free(edges.middle);

@@ -65,7 +65,8 @@ static inline stilb_scene_mesh script_sheet(void)
 			for (int k = 0; k < 6; k++)
 				indices[count++] = quad[k];
 		}
-	return (stilb_scene_mesh){vertices, indices, SCRIPT_GRID * SCRIPT_GRID, count};
+	return (stilb_scene_mesh){
+		.vertices = vertices, .indices = indices, .vertex_count = SCRIPT_GRID * SCRIPT_GRID, .index_count = count};
 }
 
 static inline stilb_image script_image(edit_script *script, uint32_t side)

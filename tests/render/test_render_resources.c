@@ -738,12 +738,22 @@ static void bad_meshes(void **state)
 	stilb_render *render = fixture_render(1, 0, 0);
 	stilb_scene_vertex vertices[3] = {0};
 	uint32_t indices[6] = {0, 1, 2, 2, 3, 0};
-	assert_mesh_refused(render, (stilb_scene_mesh){vertices, indices, 3, 6}, "index 4 of a mesh is vertex 3");
-	assert_mesh_refused(render, (stilb_scene_mesh){vertices, indices, 3, 6}, "3 vertices");
+	assert_mesh_refused(
+		render, (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 6},
+		"index 4 of a mesh is vertex 3");
+	assert_mesh_refused(
+		render, (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 6},
+		"3 vertices");
 	indices[4] = UINT32_MAX;
-	assert_mesh_refused(render, (stilb_scene_mesh){vertices, indices, 3, 6}, "4294967295");
-	assert_mesh_refused(render, (stilb_scene_mesh){vertices, indices, 0, 6}, "0 vertices");
-	assert_mesh_refused(render, (stilb_scene_mesh){vertices, indices, 3, 0}, "0 indices");
+	assert_mesh_refused(
+		render, (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 6},
+		"4294967295");
+	assert_mesh_refused(
+		render, (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 0, .index_count = 6},
+		"0 vertices");
+	assert_mesh_refused(
+		render, (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 0},
+		"0 indices");
 	stilb_scene *scene = fixture_scene(5);
 	uint32_t last = scene->meshes[1].index_count - 1, held = scene->meshes[1].indices[last];
 	scene->meshes[1].indices[last] = 12345;

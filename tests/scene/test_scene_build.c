@@ -93,7 +93,10 @@ static stilb_scene_build *begin(void)
 		{{0, 0, 0}, {0, 0, 1}, {0, 0}}, {{1, 0, 0}, {0, 0, 1}, {1, 0}}, {{0, 2, 0}, {0, 0, 1}, {0, 1}}};
 	uint32_t indices[3] = {0, 1, 2};
 	stilb_scene_build *build = stilb_scene_build_begin();
-	assert_int_equal(stilb_scene_build_mesh(build, &(stilb_scene_mesh){vertices, indices, 3, 3}), 0);
+	assert_int_equal(
+		stilb_scene_build_mesh(
+			build, &(stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 3}),
+		0);
 	assert_int_equal(stilb_scene_build_material(build, &(stilb_scene_material){.roughness = 0.5f}), 0);
 	return build;
 }
@@ -174,7 +177,11 @@ static void refuses_mesh(float x, float normal, float u, uint32_t index, uint32_
 		{{x, 0, 0}, {0, normal, 0}, {u, 0}}, {{0}, {0, 1, 0}, {0}}, {{0}, {1, 0, 0}, {0}}};
 	uint32_t corners[6] = {0, 1, index, 0, 1, 2};
 	stilb_scene_build *build = begin();
-	assert_int_equal(stilb_scene_build_mesh(build, &(stilb_scene_mesh){vertices, corners, 3, indices}), 0);
+	assert_int_equal(
+		stilb_scene_build_mesh(
+			build,
+			&(stilb_scene_mesh){.vertices = vertices, .indices = corners, .vertex_count = 3, .index_count = indices}),
+		0);
 	assert_refused(build, words);
 }
 

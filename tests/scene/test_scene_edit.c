@@ -46,7 +46,10 @@ static stilb_scene_mesh random_mesh(void)
 {
 	static stilb_scene_vertex vertices[MOST_VERTICES];
 	static uint32_t indices[6];
-	stilb_scene_mesh mesh = {vertices, indices, 1 + below(MOST_VERTICES), below(2) ? 3 : 6};
+	stilb_scene_mesh mesh = {.vertices = vertices,
+	                         .indices = indices,
+	                         .vertex_count = 1 + below(MOST_VERTICES),
+	                         .index_count = below(2) ? 3 : 6};
 	for (uint32_t v = 0; v < mesh.vertex_count; v++)
 		vertices[v] = random_vertex();
 	for (uint32_t i = 0; i < mesh.index_count; i++)

@@ -21,7 +21,7 @@ static stilb_scene *scene_of(const float (*corners)[3], uint32_t count)
 		vertices[i].normal[2] = 1.0f;
 		indices[3 * i] = indices[3 * i + 1] = indices[3 * i + 2] = i;
 	}
-	stilb_scene_mesh mesh = {vertices, indices, count, 3 * count};
+	stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = count, .index_count = 3 * count};
 	static const float grey[3] = {0.5f, 0.5f, 0.5f}, none[3] = {0};
 	stilb_scene_material material = stilb_scene_material_make(grey, none, 1.0f);
 	stilb_mat4 here = stilb_mat4_identity();
@@ -132,7 +132,7 @@ static stilb_scene *lit_square(const stilb_scene_light *light, const stilb_scene
 	                                  {{1, 1, 0}, {0, 0, 1}, {0}},
 	                                  {{-1, 1, 0}, {0, 0, 1}, {0}}};
 	uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
-	stilb_scene_mesh mesh = {vertices, indices, 4, 6};
+	stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = 4, .index_count = 6};
 	stilb_scene_material material = stilb_scene_material_make(grey, none, 1.0f);
 	for (int i = 0; i < 3; i++)
 		material.emission[i] = emission;

@@ -41,7 +41,7 @@ static stilb_scene_mesh triangle(float x)
 	static uint32_t indices[3] = {0, 1, 2};
 	for (int i = 0; i < 3; i++)
 		vertices[i] = (stilb_scene_vertex){{x + (float)i, (float)(i % 2), 0.5f}, {0.0f, 0.0f, 1.0f}, {0.0f, 0.0f}};
-	return (stilb_scene_mesh){vertices, indices, 3, 3};
+	return (stilb_scene_mesh){.vertices = vertices, .indices = indices, .vertex_count = 3, .index_count = 3};
 }
 
 /* Models 0..3 on nodes 0..3, a chain: node n hangs on node n - 1. */

@@ -28,7 +28,7 @@ static stilb_scene *scene_of(const rectangle *rectangles, uint32_t count)
 				vertices[corner].position[i] = rectangles[r].center[i] +
 				                               (corner == 1 || corner == 2 ? 1.0f : -1.0f) * rectangles[r].half_x[i] +
 				                               (corner >= 2 ? 1.0f : -1.0f) * rectangles[r].half_y[i];
-		stilb_scene_mesh mesh = {vertices, indices, 4, 6};
+		stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = 4, .index_count = 6};
 		stilb_scene_material material = stilb_scene_material_make(grey, none, 1.0f);
 		for (int i = 0; i < 3; i++)
 			material.emission[i] = rectangles[r].emission;

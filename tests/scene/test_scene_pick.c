@@ -18,7 +18,7 @@ static void add_square(stilb_scene_build *build, float x, float z, float front)
 	for (int i = 0; i < 4; i++)
 		vertices[i] =
 			(stilb_scene_vertex){.position = {front * corners[i][0], corners[i][1], 0}, .normal = {0, 0, front}};
-	stilb_scene_mesh mesh = {vertices, indices, 4, 6};
+	stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = 4, .index_count = 6};
 	stilb_mat4 place = stilb_mat4_scale_translate(1.0f, x, 0.0f, z);
 	stilb_scene_build_part part = {.mesh = stilb_scene_build_mesh(build, &mesh)};
 	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &place), &part, 1);
@@ -200,7 +200,8 @@ static stilb_scene *field_scene(bool shuffled)
 			indices[3 * at + 2] = indices[3 * at]; /* no area */
 	}
 	vertices[count / 2].position[2] = 1e-7f;
-	stilb_scene_mesh mesh = {vertices, indices, count, 3 * triangles};
+	stilb_scene_mesh mesh = {
+		.vertices = vertices, .indices = indices, .vertex_count = count, .index_count = 3 * triangles};
 	stilb_scene_build *build = begin_scene();
 	add_square(build, 3.0f, 0.4f, 1.0f);
 	stilb_scene_build_part part = {.mesh = stilb_scene_build_mesh(build, &mesh)};

@@ -57,6 +57,68 @@ stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t f
 	return STILB_OK;
 }
 
+/* Level number `l` against the finer one, which may stand for the mesh itself. */
+static stilb_result check_level(const stilb_scene_mesh *mesh, const stilb_scene_level *finer, uint32_t l, uint32_t id)
+{
+	const stilb_scene_level *level = &mesh->levels[l];
+	uint32_t first = level->first_index, count = level->index_count;
+	if (count == 0 || count % 3 != 0 || count >= finer->index_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "mesh %u: its level %u has %u indices; that takes a multiple of 3 below the finer level's %u",
+		                  id, l, count, finer->index_count);
+	if (first > mesh->level_index_count || count > mesh->level_index_count - first)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: indices %u to %llu of its level %u; its levels have %u", id,
+		                  first, (unsigned long long)first + count - 1, l, mesh->level_index_count);
+	if (level->vertex_count == 0 || level->vertex_count > finer->vertex_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: its level %u has %u vertices, the finer one %u", id, l,
+		                  level->vertex_count, finer->vertex_count);
+	if (!(level->error >= finer->error && level->error <= SCENE_FAR))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: the error of its level %u is %g m, the finer one's %g", id, l,
+		                  (double)level->error, (double)finer->error);
+	for (uint32_t i = 0; i < count; i++)
+		if (mesh->level_indices[first + i] >= level->vertex_count)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: index %u of its level %u is vertex %u, but it has %u", id,
+			                  i, l, mesh->level_indices[first + i], level->vertex_count);
+	return STILB_OK;
+}
+
+/* Where vertices morph to, of those that not every level uses. */
+static stilb_result check_morph(const stilb_scene_mesh *mesh, uint32_t id)
+{
+	for (uint32_t v = mesh->levels[mesh->level_count - 1].vertex_count; v < mesh->vertex_count; v++) {
+		const stilb_scene_vertex *to = &mesh->morph[v];
+		const float *n = to->normal;
+		float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+		if (!scene_is_within(to->position, 3, -SCENE_FAR, SCENE_FAR) || !(square <= 1.02f) ||
+		    !scene_is_within(to->uv, 2, -FLT_MAX, FLT_MAX))
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "mesh %u: vertex %u morphs to what is no vertex: position %g, %g, %g, normal %g, %g, %g, "
+			                  "uv %g, %g",
+			                  id, v, (double)to->position[0], (double)to->position[1], (double)to->position[2],
+			                  (double)n[0], (double)n[1], (double)n[2], (double)to->uv[0], (double)to->uv[1]);
+	}
+	return STILB_OK;
+}
+
+static stilb_result check_levels(const stilb_scene_mesh *mesh, uint32_t id)
+{
+	if (mesh->level_count == 0 && mesh->level_index_count == 0 && !mesh->morph)
+		return STILB_OK;
+	if (mesh->level_count == 0 || mesh->level_count > STILB_SCENE_MAX_LEVELS || !mesh->levels || !mesh->level_indices)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "mesh %u: %u levels of %u indices; there are 1..%u, or none without "
+		                  "indices and morph",
+		                  id, mesh->level_count, mesh->level_index_count, STILB_SCENE_MAX_LEVELS);
+	stilb_scene_level finer = {.index_count = mesh->index_count, .vertex_count = mesh->vertex_count};
+	for (uint32_t l = 0; l < mesh->level_count; l++) {
+		stilb_result result = check_level(mesh, &finer, l, id);
+		if (result != STILB_OK)
+			return result;
+		finer = mesh->levels[l];
+	}
+	return mesh->morph ? check_morph(mesh, id) : STILB_OK;
+}
+
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 {
 	if (mesh->vertex_count == 0 || mesh->index_count == 0 || !mesh->vertices || !mesh->indices)
@@ -67,7 +129,8 @@ stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 		if (mesh->indices[i] >= mesh->vertex_count)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: index %u is vertex %u, but it has %u vertices", id, i,
 			                  mesh->indices[i], mesh->vertex_count);
-	return scene_check_vertices(mesh->vertices, 0, mesh->vertex_count, id);
+	stilb_result result = scene_check_vertices(mesh->vertices, 0, mesh->vertex_count, id);
+	return result == STILB_OK ? check_levels(mesh, id) : result;
 }
 
 stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
@@ -104,10 +167,20 @@ stilb_result scene_check_material(const stilb_scene_material *m, uint32_t id)
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to)
 {
 	stilb_result result = scene_mesh_create(to, from->vertex_count, from->index_count);
-	if (result != STILB_OK)
+	if (result == STILB_OK && from->level_count > 0)
+		result = scene_mesh_add_levels(to, from->level_count, from->level_index_count, from->morph);
+	if (result != STILB_OK) {
+		stilb_scene_mesh_finish(to);
 		return result;
+	}
 	memcpy(to->vertices, from->vertices, from->vertex_count * sizeof *to->vertices);
 	memcpy(to->indices, from->indices, from->index_count * sizeof *to->indices);
+	if (from->level_count == 0)
+		return STILB_OK;
+	memcpy(to->levels, from->levels, from->level_count * sizeof *to->levels);
+	memcpy(to->level_indices, from->level_indices, from->level_index_count * sizeof *to->level_indices);
+	if (from->morph)
+		memcpy(to->morph, from->morph, from->vertex_count * sizeof *to->morph);
 	return STILB_OK;
 }
 

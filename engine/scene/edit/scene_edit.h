@@ -75,7 +75,8 @@ stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_s
 
 /* Replaces vertices first .. first + count - 1 of a mesh. Only they go to the device: frames that are still drawn keep
  * the ones they had. Bounds of the models that show the mesh follow when the scene is read
- * (stilb_scene_changes_read). */
+ * (stilb_scene_changes_read). The mesh loses its levels, whose errors hold no longer; if it has some, all of it goes to
+ * the device this once. */
 stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t first, uint32_t count,
                                       const stilb_scene_vertex *vertices);
 

@@ -1,6 +1,7 @@
 /* Meshes, materials, textures and lights that come, change and go. */
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/scene_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -187,7 +188,7 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 		result = edit_find(&scene->edits->meshes, scene->mesh_count, id);
 	if (result != STILB_OK)
 		return result;
-	const stilb_scene_mesh *mesh = &scene->meshes[id];
+	stilb_scene_mesh *mesh = &scene->meshes[id];
 	if (first > mesh->vertex_count || count > mesh->vertex_count - first)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: it has %u vertices, not %llu", id, mesh->vertex_count,
 		                  (unsigned long long)first + count);
@@ -195,7 +196,12 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 	if (result != STILB_OK || count == 0)
 		return result;
 	memcpy(mesh->vertices + first, vertices, count * sizeof *vertices);
-	edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
+	if (mesh->level_count > 0) {
+		scene_mesh_drop_levels(mesh);
+		edit_mesh_changed(scene->edits, id);
+	} else {
+		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
+	}
 	edit_mesh_stale(scene->edits, id);
 	scene->revisions.geometry++;
 	return STILB_OK;
