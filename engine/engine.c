@@ -83,7 +83,7 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 static stilb_result engine_create_render(stilb_engine *engine)
 {
 	const stilb_engine_desc *desc = &engine->desc;
-	stilb_render_surface own = {engine->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_surface own = engine->window ? engine_surface_of(engine->window) : (stilb_render_surface){0};
 	stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,

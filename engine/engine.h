@@ -156,8 +156,8 @@ typedef struct stilb_engine_desc {
 	bool window;            /* true: in a window of the engine's; false: to `surface`, or headless, to memory */
 	bool present;           /* false: pictures are drawn, but not shown in the window */
 	/* A window of the program's own, if `window` is false; NULL: none. Needed only during stilb_engine_create; the
-	 * window lives until the engine is destroyed. The program handles its events and tells its size by
-	 * stilb_engine_resize. */
+	 * window lives until the engine is destroyed or stilb_engine_set_surface takes another one. The program handles its
+	 * events and tells its size by stilb_engine_resize. */
 	const stilb_render_surface *surface;
 	stilb_render_presentation presentation; /* how pictures get to the screen */
 	bool validate;                          /* with Vulkan's validation layer */
@@ -251,8 +251,10 @@ typedef struct stilb_engine_report {
 	float click_x, click_y;
 	const char *const *dropped; /* [dropped_count] paths of files that the user dropped onto the window meanwhile; */
 	uint32_t dropped_count;     /* valid until the next frame */
-	bool lost;  /* the window or its display has gone, the engine's or the program's: from now on frames are drawn to
-	               memory, in the last size. For another window: another engine, and the same scene */
+	bool lost;  /* the window or its display has gone, the engine's or the program's: frames are drawn to memory, in the
+	               last size. The program's: until stilb_engine_set_surface gives another one. The engine's: a surface
+	               that is lost while the window lives is made anew, at once if that is possible, and `lost` says so
+	               only after a second in vain; a display that has gone does not come back in this process */
 	bool drawn; /* false: the window is minimised, and only input was handled */
 	bool ui_keys, ui_mouse; /* the engine's panels took the keys, the mouse: they are for nobody else */
 } stilb_engine_report;
@@ -357,6 +359,16 @@ void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *he
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE (larger than this GPU draws): no frame can be drawn until a resize
  * succeeds. */
 stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t height);
+
+/* Shows frames from the next one on in this window of the program's, in place of the one before, which may be lost,
+ * have been closed or be the same; NULL: draws them to memory. Scene, camera and everything else stay. Who closes a
+ * window and opens another one later gives NULL before; if desc.surface was a window that has gone by itself, the new
+ * one may be given at once. The size is the program's to tell, as ever (stilb_engine_resize). Only if desc.surface was
+ * given; needed only during the call, from the thread of the frames, between frames. STILB_ERROR_WINDOW: the engine was
+ * created without a surface, or this GPU cannot draw to this window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window
+ * cannot be used now. After these frames are drawn to memory, and the call may be made again.
+ * STILB_ERROR_DEVICE_LOST. */
+stilb_result stilb_engine_set_surface(stilb_engine *engine, const stilb_render_surface *surface);
 
 /* Sets the window's title, UTF-8; does nothing without a window. */
 void stilb_engine_set_title(stilb_engine *engine, const char *title);

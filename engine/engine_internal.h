@@ -118,6 +118,13 @@ typedef struct engine_press {
 	float x, y; /* pixels */
 } engine_press;
 
+/* A surface that is shown in. {0}: it is not lost. */
+typedef struct engine_surface {
+	bool lost;         /* and there is no other yet: pictures are copied to memory */
+	uint64_t since_ns; /* the clock when it was lost */
+	uint64_t tried_ns; /* the clock when another one was tried last; 0: not yet */
+} engine_surface;
+
 struct stilb_engine {
 	engine_press press;
 	stilb_owner owner; /* the main thread: the one that created it */
@@ -145,7 +152,7 @@ struct stilb_engine {
 
 	bool profiled, captures;            /* it has started the profiler; its captures */
 	stilb_scene_pick_index *pick_index; /* of the scene's meshes; NULL: nothing has been picked */
-	bool lost;                          /* the window's surface has gone */
+	engine_surface surface;             /* of the window, the engine's or the program's */
 	bool dumpable;                      /* the last frame has drawn this scene */
 	uint32_t culled_size[2]; /* of the last frame that has drawn it, whose visible models are known; 0: none has */
 	uint64_t frame;          /* frames drawn */
@@ -280,6 +287,17 @@ size_t engine_notice_line(const stilb_ui_font *font, const char *text, float wid
 
 /* Draws the notice, between stilb_ui_begin and stilb_ui_end, and counts its time down. */
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
+
+/* engine_surface.c */
+
+/* The window as stilb_render_create takes it. */
+stilb_render_surface engine_surface_of(stilb_window *window);
+
+/* stilb_render_present; a surface that is lost is no error, and if `window` is not NULL another one is made of it. */
+stilb_result engine_surface_present(engine_surface *surface, stilb_render *render, stilb_window *window);
+
+/* True if the surface is lost and `window` has given no other for a while, or is NULL. */
+bool engine_surface_is_gone(const engine_surface *surface, const stilb_window *window);
 
 /* engine_toasts.c */
 

@@ -228,10 +228,10 @@ static stilb_result replay(stilb_engine *engine)
 static stilb_result present(stilb_engine *engine)
 {
 	PROFILE("present");
-	stilb_result result = stilb_render_present(engine->render);
-	engine->lost |= result == STILB_ERROR_WINDOW;
-	engine->report.lost |= engine->lost;
-	return result == STILB_ERROR_WINDOW ? STILB_OK : result;
+	stilb_result result =
+		engine_surface_present(&engine->surface, engine->render, engine->report.lost ? NULL : engine->window);
+	engine->report.lost |= engine_surface_is_gone(&engine->surface, engine->window);
+	return result;
 }
 
 /* Draws a frame of the still scene without windows over it, which is shown to nobody, to know what it looks like. */

@@ -16,6 +16,7 @@ struct stilb_engine_trace_view {
 	uint32_t first, count; /* the history: trace->frames[first .. first + count - 1] */
 	stilb_window *window;  /* NULL: none */
 	stilb_render *render;
+	engine_surface surface; /* of the window */
 	stilb_ui *ui;
 	stilb_ui_profiler *profiler;
 	stilb_ui_input input;
@@ -61,7 +62,7 @@ static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine
 		result = stilb_window_create("Stilb trace", desc->width, desc->height, &view->window);
 	if (result != STILB_OK)
 		return result;
-	stilb_render_surface surface = {view->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_surface surface = view->window ? engine_surface_of(view->window) : (stilb_render_surface){0};
 	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = view->window ? &surface : NULL,
@@ -163,7 +164,7 @@ static stilb_result view_draw(stilb_engine_trace_view *view)
 		result = stilb_ui_record(view->ui, VIEW_PASS, VIEW_WORKER);
 	if (result == STILB_OK)
 		result = stilb_render_replay(view->render, &pass, 1, NULL, 0, NULL, VIEW_WORKER);
-	return result == STILB_OK ? stilb_render_present(view->render) : result;
+	return result == STILB_OK ? engine_surface_present(&view->surface, view->render, view->window) : result;
 }
 
 stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *close)
@@ -172,7 +173,11 @@ stilb_result stilb_engine_trace_view_frame(stilb_engine_trace_view *view, bool *
 	STILB_ASSERT(close);
 	bool drawn;
 	stilb_result result = view_input(view, close, &drawn);
-	return result == STILB_OK && drawn ? view_draw(view) : result;
+	if (result == STILB_OK && drawn)
+		result = view_draw(view);
+	if (result == STILB_OK && engine_surface_is_gone(&view->surface, view->window))
+		result = stilb_fail(STILB_ERROR_WINDOW, "the window's surface was lost, and it gives no other");
+	return result;
 }
 
 stilb_result stilb_engine_trace_view_screenshot(stilb_engine_trace_view *view, const char *path)

@@ -24,6 +24,7 @@ struct stilb_engine_viewer {
 	stilb_owner owner;    /* the main thread: the one that created it */
 	stilb_window *window; /* NULL: none */
 	stilb_render *render;
+	engine_surface surface; /* of the window */
 	stilb_ui *ui;
 	stilb_image picture;          /* the picture as the program gave it, U8_SRGB */
 	stilb_image shown;            /* the part in the window at the window's size, F32_LINEAR */
@@ -145,7 +146,7 @@ static stilb_result viewer_start(stilb_engine_viewer *viewer, const stilb_engine
 		result = stilb_window_create(desc->title, size[0], size[1], &viewer->window);
 	if (result != STILB_OK)
 		return result;
-	stilb_render_surface surface = {viewer->window, stilb_window_surface_extensions, stilb_window_surface_create};
+	stilb_render_surface surface = viewer->window ? engine_surface_of(viewer->window) : (stilb_render_surface){0};
 	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = viewer->window ? &surface : NULL,
@@ -351,7 +352,7 @@ static stilb_result viewer_draw(stilb_engine_viewer *viewer, const char *words)
 		result = stilb_ui_record(viewer->ui, VIEWER_PASS_WORDS, VIEWER_WORKER);
 	if (result == STILB_OK)
 		result = stilb_render_replay(viewer->render, passes, VIEWER_PASSES, NULL, 0, NULL, VIEWER_WORKER);
-	return result == STILB_OK ? stilb_render_present(viewer->render) : result;
+	return result == STILB_OK ? engine_surface_present(&viewer->surface, viewer->render, viewer->window) : result;
 }
 
 stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *words, double seconds, bool *close)
@@ -361,5 +362,9 @@ stilb_result stilb_engine_viewer_frame(stilb_engine_viewer *viewer, const char *
 	STILB_ASSERT(seconds >= 0.0);
 	bool drawn;
 	stilb_result result = viewer_input(viewer, seconds, close, &drawn);
-	return result == STILB_OK && drawn ? viewer_draw(viewer, words) : result;
+	if (result == STILB_OK && drawn)
+		result = viewer_draw(viewer, words);
+	if (result == STILB_OK && engine_surface_is_gone(&viewer->surface, viewer->window))
+		result = stilb_fail(STILB_ERROR_WINDOW, "the window's surface was lost, and it gives no other");
+	return result;
 }

@@ -178,6 +178,14 @@ stilb_result stilb_render_present(stilb_render *render)
 	return render->device->functions->present(render->device);
 }
 
+stilb_result stilb_render_set_surface(stilb_render *render, const stilb_render_surface *surface)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(!surface || (surface->extensions && surface->create));
+	STILB_ASSERT(!render_is_recording(render) && "between frames");
+	return render->device->functions->set_surface(render->device, surface);
+}
+
 stilb_result stilb_render_wait(stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);

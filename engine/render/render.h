@@ -87,6 +87,7 @@ typedef struct stilb_render_faults {
 	uint32_t lost_frame;   /* the device is lost when its n-th frame is submitted */
 	uint32_t texture_side; /* it has no larger textures; 0: its own limit */
 	uint32_t textures;     /* it has no more of them at once; 0: STILB_RENDER_MAX_TEXTURES - 1 */
+	uint32_t surface_lost; /* the window's surface is lost when the n-th frame is shown */
 } stilb_render_faults;
 
 /* The format of the picture. */
@@ -104,7 +105,7 @@ typedef enum stilb_render_presentation {
 } stilb_render_presentation;
 
 /* A window to present to, as two functions that hide both the window system and Vulkan's types. user is passed back to
- * them. Needed only until stilb_render_create returns. */
+ * them. Needed only until stilb_render_create or stilb_render_set_surface returns. */
 typedef struct stilb_render_surface {
 	void *user;
 	const char *const *(*extensions)(void *user, uint32_t *count);    /* Vulkan instance extensions that it needs */
@@ -325,8 +326,17 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 
 /* Shows the replayed picture in the window, or without one copies it to memory. An outdated or minimised window is no
  * error: the frame is then not shown. STILB_ERROR_WINDOW: the window or its display has gone; later pictures are copied
- * to memory. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST. [main-thread] */
+ * to memory until stilb_render_set_surface gives another one. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE,
+ * STILB_ERROR_DEVICE_LOST. [main-thread] */
 stilb_result stilb_render_present(stilb_render *render);
+
+/* From the next stilb_render_present on pictures are shown in this window instead of the one before, which may be lost,
+ * have been closed or be the same; NULL: they are copied to memory. The old surface is destroyed, so call it with NULL
+ * before the old window closes. The presentation that desc asks for is tried again. Scene and last picture stay.
+ * Between frames. STILB_ERROR_WINDOW: the renderer was created without a surface, or this GPU cannot present to this
+ * window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window cannot be used now. After these pictures are copied to
+ * memory, and the call may be made again. STILB_ERROR_DEVICE_LOST. [main-thread] */
+stilb_result stilb_render_set_surface(stilb_render *render, const stilb_render_surface *surface);
 
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
  * frames. If the backdrop of the frame's first pass is nothing there is alpha, too, the share of the pixel that models

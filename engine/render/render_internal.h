@@ -282,6 +282,8 @@ typedef struct render_device_functions {
 	void (*panorama_show)(render_device *device);
 	stilb_result (*submit)(render_device *device);
 	stilb_result (*present)(render_device *device);
+	/* See stilb_render_set_surface. */
+	stilb_result (*set_surface)(render_device *device, const stilb_render_surface *surface);
 	stilb_result (*wait)(render_device *device);
 	stilb_result (*read_image)(render_device *device, stilb_image *image);
 } render_device_functions;
@@ -314,6 +316,8 @@ stilb_result render_texture_too_large(const render_device *device, uint32_t widt
 bool render_fault_allocation(render_device *device);
 /* True if the device must be lost with the frame that is submitted now (stilb_render_faults). */
 bool render_fault_lost(const render_device *device);
+/* True if the window's surface must be lost now that the submitted frame is shown; once (stilb_render_faults). */
+bool render_fault_surface(render_device *device);
 
 /* How a stream is replayed on this device. 2D passes have too few draws to gain from secondary command buffers. */
 static inline stilb_render_replay_mode render_stream_mode(const render_device *device, const render_stream *stream)

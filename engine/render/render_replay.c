@@ -379,6 +379,14 @@ bool render_fault_lost(const render_device *device)
 	return device->frames == device->faults.lost_frame && device->faults.lost_frame > 0;
 }
 
+bool render_fault_surface(render_device *device)
+{
+	bool lost = device->frames == device->faults.surface_lost && device->faults.surface_lost > 0;
+	if (lost)
+		device->faults.surface_lost = 0;
+	return lost;
+}
+
 /* ---- the hash of the stream -------------------------------------------------------------------------------------- */
 
 static uint64_t hash_draw(uint64_t hash, const render_resources *resources, const render_command *command,

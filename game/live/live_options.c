@@ -100,7 +100,10 @@ static void live_add_output(live_options *o, flag_rows *table)
 	     "size of each thread's profile, 1, 2, 4, ... 1024 (64)", 1, STILB_ENGINE_PROFILE_RING_MAX, NULL},
 		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N",
-	     "for tests: allocation memory:N or frame lost:N fails, frame slow:N is slow", 0, 0, NULL},
+	     "for tests: allocation memory:N or frame lost:N fails, frame surface:N loses the window's surface, frame "
+	     "slow:N "
+	     "is slow",
+	     0, 0, NULL},
 	};
 	flag_rows_add(table, output, sizeof output / sizeof *output);
 }
@@ -164,7 +167,7 @@ static bool live_outputs_differ(const live_options *o)
 	return true;
 }
 
-/* Reads --fault, "memory:3", "lost:10" or "slow:50"; NULL: no fault. Returns false if it is none of these. */
+/* Reads --fault, "memory:3", "lost:10", "surface:5" or "slow:50"; NULL: no fault. False: it is none of these. */
 static bool live_parse_fault(const char *text, live_faults *faults)
 {
 	*faults = (live_faults){0};
@@ -174,7 +177,11 @@ static bool live_parse_fault(const char *text, live_faults *faults)
 		const char *kind;
 		uint32_t *number;
 	} kinds[] = {
-		{"memory:", &faults->render.allocation}, {"lost:", &faults->render.lost_frame}, {"slow:", &faults->slow_frame}};
+		{"memory:", &faults->render.allocation},
+		{"lost:", &faults->render.lost_frame},
+		{"surface:", &faults->render.surface_lost},
+		{"slow:", &faults->slow_frame},
+	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
 		size_t length = strlen(kinds[i].kind);
 		int end = 0;
@@ -301,7 +308,7 @@ bool live_options_check(const live_options *o)
 	if (!picture_flags_check(picture))
 		return false;
 	if (!live_parse_fault(o->fault, &(live_faults){0})) {
-		stilb_log("--fault: '%s' is not known; give memory:N, lost:N or slow:N with N from 1 on", o->fault);
+		stilb_log("--fault: '%s' is not known; give memory:N, lost:N, surface:N or slow:N with N from 1 on", o->fault);
 		return false;
 	}
 	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {

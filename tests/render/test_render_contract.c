@@ -231,6 +231,7 @@ static void draws(void **state)
 	                                           (float[4]){0.0f, 0.0f, 9.0f, 9.0f}, (stilb_render_texture){0}, 1.0f),
 	                 0));
 	contract_breaks("between frames", stilb_render_resize(render, 32, 32));
+	contract_breaks("between frames", stilb_render_set_surface(render, NULL));
 	stilb_render_segment_end(context);
 	assert_int_equal(stilb_render_pass_end(render, 0), STILB_OK);
 	stilb_render_destroy(render);

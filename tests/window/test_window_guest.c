@@ -1,8 +1,10 @@
 /* Engines with windows side by side, and an engine in a window of the program's own. All under Vulkan validation. */
 #include "engine.h"
+#include "engine_faults.h"
 #include "image/image.h"
 #include "support/test.h"
 #include "support/x11_server.h"
+#include "support/x11_window.h"
 #include "tests/engine/stress_engine.h"
 
 #define VK_USE_PLATFORM_XLIB_KHR
@@ -61,12 +63,29 @@ VKAPI_ATTR VkResult VKAPI_CALL __wrap_vkGetPhysicalDeviceSurfacePresentModesKHR(
 	return VK_SUCCESS;
 }
 
-static uint32_t presentation_lines; /* of the log: a presentation that the window does not offer */
+/* Likewise, to count the surfaces that exist. */
+static int surfaces;
+
+VKAPI_ATTR void VKAPI_CALL __real_vkDestroySurfaceKHR(VkInstance instance, VkSurfaceKHR surface,
+                                                      const VkAllocationCallbacks *allocator);
+VKAPI_ATTR void VKAPI_CALL __wrap_vkDestroySurfaceKHR(VkInstance instance, VkSurfaceKHR surface,
+                                                      const VkAllocationCallbacks *allocator);
+
+VKAPI_ATTR void VKAPI_CALL __wrap_vkDestroySurfaceKHR(VkInstance instance, VkSurfaceKHR surface,
+                                                      const VkAllocationCallbacks *allocator)
+{
+	surfaces--;
+	__real_vkDestroySurfaceKHR(instance, surface, allocator);
+}
+
+/* Of the log: a presentation that the window does not offer; a surface that was made anew. */
+static uint32_t presentation_lines, surface_lines;
 
 static void on_line(void *user, const char *line)
 {
 	(void)user;
 	presentation_lines += strstr(line, "presentation") ? 1 : 0;
+	surface_lines += strstr(line, "surface was lost") ? 1 : 0;
 }
 
 /* Three windows, each with a way of presentation; they end in the order in which they began. */
@@ -138,7 +157,15 @@ static int32_t own_create(void *user, void *instance, uint64_t *surface)
 	VkSurfaceKHR made = VK_NULL_HANDLE;
 	VkResult result = vkCreateXlibSurfaceKHR(instance, &info, NULL, &made);
 	memcpy(surface, &made, sizeof *surface);
+	surfaces += result == VK_SUCCESS;
 	return result;
+}
+
+/* A window of which the system cannot make a surface. */
+static int32_t own_create_in_vain(void *user, void *instance, uint64_t *surface)
+{
+	(void)user, (void)instance, (void)surface;
+	return VK_ERROR_OUT_OF_HOST_MEMORY;
 }
 
 static void own_open(own *o)
@@ -177,6 +204,119 @@ static void lose_the_window(stilb_engine *engine, own *o)
 	remove("test_window_guest.png");
 }
 
+/* A picture of what the engine draws, as bytes; to be freed. */
+static uint8_t *take_picture(stilb_engine *engine)
+{
+	stilb_image image;
+	assert_int_equal(stilb_engine_screenshot(engine, "test_window_guest.png"), STILB_OK);
+	assert_int_equal(stilb_image_load("test_window_guest.png", &image), STILB_OK);
+	assert_int_equal(stilb_image_size(&image), 160 * 100 * 3);
+	uint8_t *bytes = image.pixels;
+	image.pixels = NULL;
+	stilb_image_finish(&image);
+	remove("test_window_guest.png");
+	return bytes;
+}
+
+/* The window goes, by itself or closed by the program in order, and another one comes: the engine goes on there with
+ * the same scene. As often as one likes, with one surface at a time. */
+static void test_another_window_for_the_same_engine(void **state)
+{
+	(void)state;
+	own o = {.display = XOpenDisplay(NULL)};
+	assert_non_null(o.display);
+	own_open(&o);
+	stilb_engine_desc desc = window_desc();
+	stilb_render_surface surface = {&o, own_extensions, own_create};
+	desc.surface = &surface;
+	surfaces = 0;
+	stilb_engine *engine = make_engine(&desc);
+	run_until_shown(engine, &o);
+	uint8_t *before = take_picture(engine);
+	for (int round = 0; round < 6; round++) {
+		stilb_engine_report report;
+		bool in_order = round % 2;
+		if (in_order)
+			assert_int_equal(stilb_engine_set_surface(engine, NULL), STILB_OK);
+		XDestroyWindow(o.display, o.window);
+		XSync(o.display, False);
+		for (int i = 0; i < 3; i++) {
+			assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+			assert_true(report.drawn && report.lost == !in_order);
+		}
+		own_open(&o);
+		assert_int_equal(stilb_engine_set_surface(engine, &surface), STILB_OK);
+		run_until_shown(engine, &o);
+		assert_int_equal(surfaces, 1);
+	}
+	uint8_t *after = take_picture(engine);
+	assert_memory_equal(before, after, 160 * 100 * 3);
+	free(before);
+	free(after);
+	stress_engine_destroy(engine);
+	assert_int_equal(surfaces, 0);
+	XDestroyWindow(o.display, o.window);
+	XCloseDisplay(o.display);
+}
+
+/* A window that cannot be had is an error after which frames go on, and the next window is taken. */
+static void test_a_window_that_cannot_be_had(void **state)
+{
+	(void)state;
+	own o = {.display = XOpenDisplay(NULL)};
+	assert_non_null(o.display);
+	own_open(&o);
+	stilb_engine_desc desc = window_desc();
+	stilb_render_surface surface = {&o, own_extensions, own_create}, vain = {&o, own_extensions, own_create_in_vain};
+	stilb_engine_report report;
+	desc.surface = &surface;
+	stilb_engine *engine = make_engine(&desc);
+	assert_int_equal(stilb_engine_set_surface(engine, &vain), STILB_ERROR_WINDOW);
+	for (int i = 0; i < 3; i++) {
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_true(report.lost && report.drawn);
+	}
+	assert_int_equal(stilb_engine_set_surface(engine, &surface), STILB_OK);
+	run_until_shown(engine, &o);
+	stress_engine_destroy(engine);
+
+	desc.surface = NULL;
+	engine = make_engine(&desc);
+	assert_int_equal(stilb_engine_set_surface(engine, &surface), STILB_ERROR_WINDOW);
+	assert_non_null(strstr(stilb_error_message(), "created without a window"));
+	assert_int_equal(stilb_engine_set_surface(engine, NULL), STILB_OK);
+	run_frames(engine, 2);
+	stress_engine_destroy(engine);
+	XDestroyWindow(o.display, o.window);
+	XCloseDisplay(o.display);
+}
+
+/* The driver loses the surface of the engine's own window, which lives: the engine makes another one and shows its
+ * pictures there, and the program hears of it in the log alone. */
+static void test_the_engines_window_goes_on(void **state)
+{
+	(void)state;
+	Display *display = XOpenDisplay(NULL);
+	assert_non_null(display);
+	stilb_engine_desc desc = window_desc();
+	desc.window = true;
+	stilb_engine_set_faults(&(stilb_render_faults){.surface_lost = 2});
+	surface_lines = 0;
+	stilb_log_set(on_line, NULL);
+	stilb_engine *engine = make_engine(&desc);
+	stilb_engine_set_faults(NULL);
+	Window window = x11_window_find(display, "Stilb");
+	run_frames(engine, 2);
+	assert_int_equal(surface_lines, 1);
+	XClearWindow(display, window); /* what the lost surface has shown */
+	XSync(display, False);
+	run_until_shown(engine, &(own){display, window});
+	assert_int_equal(surface_lines, 1);
+	stress_engine_destroy(engine);
+	stilb_log_set(NULL, NULL);
+	XCloseDisplay(display);
+}
+
 static void test_a_window_of_the_programs_own(void **state)
 {
 	(void)state;
@@ -208,9 +348,9 @@ static void test_a_window_of_the_programs_own(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_engines_with_windows),
-		cmocka_unit_test(test_a_presentation_is_replaced),
-		cmocka_unit_test(test_a_window_of_the_programs_own),
+		cmocka_unit_test(test_engines_with_windows),         cmocka_unit_test(test_a_presentation_is_replaced),
+		cmocka_unit_test(test_a_window_of_the_programs_own), cmocka_unit_test(test_another_window_for_the_same_engine),
+		cmocka_unit_test(test_a_window_that_cannot_be_had),  cmocka_unit_test(test_the_engines_window_goes_on),
 	};
 	Display *held = XOpenDisplay(NULL); /* a display server without clients may start anew and refuse for a moment */
 	if (!held) {

@@ -293,6 +293,12 @@ static stilb_result null_nothing(render_device *base)
 	return STILB_OK;
 }
 
+static stilb_result null_set_surface(render_device *base, const stilb_render_surface *surface)
+{
+	(void)base, (void)surface;
+	return STILB_OK;
+}
+
 static stilb_result null_read_image(render_device *base, stilb_image *image)
 {
 	(void)base, (void)image;
@@ -314,6 +320,7 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.pass = null_pass,
 		.submit = null_submit,
 		.present = null_nothing,
+		.set_surface = null_set_surface,
 		.wait = null_nothing,
 		.read_image = null_read_image,
 	};

@@ -186,6 +186,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.pass = vulkan_pass,
 		.submit = vulkan_submit,
 		.present = vulkan_present,
+		.set_surface = vulkan_set_surface,
 		.wait = vulkan_wait,
 		.read_image = vulkan_read_image,
 	};
@@ -201,7 +202,8 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.in_window = desc->surface;
 	device->allocator = vulkan_host_allocator;
 	device->output = desc->output;
-	device->presentation = desc->presentation;
+	device->presentation = device->asked = desc->presentation;
+	device->presents = desc->surface;
 	device->color_format =
 		desc->output == STILB_RENDER_OUTPUT_LINEAR ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_SRGB;
 	stilb_result result = device_start(device, desc);

@@ -123,15 +123,26 @@ static VkResult vulkan_messenger_create(vulkan_device *device)
 	return create ? create(device->instance, &info, NULL, &device->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
 }
 
-static stilb_result vulkan_surface_create(vulkan_device *device, const stilb_render_surface *surface)
+stilb_result vulkan_surface_create(vulkan_device *device, const stilb_render_surface *surface)
 {
+	STILB_ASSERT(!device->surface);
 	uint64_t handle = 0;
 	VkResult result = surface->create(surface->user, device->instance, &handle);
+	if (result != VK_SUCCESS) {
+		vulkan_fail(device, result, "make a Vulkan surface for the window");
+		return STILB_ERROR_WINDOW;
+	}
 	memcpy(&device->surface, &handle, sizeof handle); /* a pointer, or a number on machines of 32 bits */
-	if (result == VK_SUCCESS)
-		return STILB_OK;
-	vulkan_fail(device, result, "make a Vulkan surface for the window");
-	return STILB_ERROR_WINDOW;
+	return STILB_OK;
+}
+
+void vulkan_surface_destroy(vulkan_device *device)
+{
+	STILB_ASSERT(!device->swapchain.handle && "it is of this surface");
+	if (device->surface)
+		vkDestroySurfaceKHR(device->instance, device->surface, NULL);
+	device->surface = VK_NULL_HANDLE;
+	device->surface_lost = false;
 }
 
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc)
@@ -190,8 +201,7 @@ void vulkan_instance_destroy(vulkan_device *device)
 {
 	if (!device->instance)
 		return;
-	if (device->surface)
-		vkDestroySurfaceKHR(device->instance, device->surface, NULL);
+	vulkan_surface_destroy(device);
 	PFN_vkDestroyDebugUtilsMessengerEXT destroy =
 		(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkDestroyDebugUtilsMessengerEXT");
 	if (device->messenger && destroy)

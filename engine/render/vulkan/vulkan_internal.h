@@ -180,7 +180,9 @@ typedef struct vulkan_device {
 	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate */
 	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
 	VkSurfaceKHR surface;                   /* null without a window */
-	stilb_render_presentation presentation; /* as asked for */
+	bool presents;                          /* created with a surface: another one can take its place */
+	stilb_render_presentation presentation; /* of this surface; as asked for, or FIFO */
+	stilb_render_presentation asked;        /* as asked for */
 	bool surface_lost;                      /* the window or its display has gone: pictures are copied to memory */
 	VkPhysicalDevice gpu;
 	VkPhysicalDeviceProperties properties;
@@ -241,6 +243,10 @@ extern const VkAllocationCallbacks *vulkan_host_allocator;
  * (VK_ERROR_OUT_OF_HOST_MEMORY -1); try ...". */
 stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what);
 stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc);
+/* Makes the surface of a window, device->surface. STILB_ERROR_WINDOW: then it is null. */
+stilb_result vulkan_surface_create(vulkan_device *device, const stilb_render_surface *surface);
+/* Safe to call without a surface; its swapchain has been destroyed. */
+void vulkan_surface_destroy(vulkan_device *device);
 /* Chooses the GPU that `wanted` names (stilb_render_desc.gpu). */
 stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted);
 /* Safe to call again, and without an instance. */
@@ -387,6 +393,7 @@ void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot);
 stilb_result vulkan_swapchain_create(vulkan_device *device);
 void vulkan_swapchain_destroy(vulkan_device *device);
 stilb_result vulkan_present(render_device *base);
+stilb_result vulkan_set_surface(render_device *base, const stilb_render_surface *surface);
 stilb_result vulkan_read_image(render_device *base, stilb_image *image);
 
 #endif

@@ -151,6 +151,41 @@ static stilb_result swapchain_renew(vulkan_device *device)
 	return vulkan_swapchain_create(device);
 }
 
+/* The surface is new: asks whether this GPU can present to it, and makes its swapchain. */
+static stilb_result surface_use(vulkan_device *device)
+{
+	VkBool32 shows = VK_FALSE;
+	VkResult result = vkGetPhysicalDeviceSurfaceSupportKHR(device->gpu, device->queue_family, device->surface, &shows);
+	if (result != VK_SUCCESS)
+		return vulkan_fail(device, result, "ask the window whether it can be drawn to");
+	if (!shows)
+		return stilb_fail(STILB_ERROR_WINDOW, "GPU '%s' cannot draw to this window", device->base.name);
+	return vulkan_swapchain_create(device);
+}
+
+stilb_result vulkan_set_surface(render_device *base, const stilb_render_surface *surface)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	if (surface && !device->presents)
+		return stilb_fail(STILB_ERROR_WINDOW,
+		                  "the renderer was created without a window and cannot draw to one; create it with a surface");
+	VkResult idle = vkDeviceWaitIdle(device->device);
+	if (idle != VK_SUCCESS)
+		return vulkan_fail(device, idle, "wait for the GPU");
+	vulkan_swapchain_destroy(device);
+	vulkan_surface_destroy(device);
+	device->presentation = device->asked;
+	stilb_result result = surface ? vulkan_surface_create(device, surface) : STILB_OK;
+	if (result == STILB_OK && surface)
+		result = surface_use(device);
+	if (result != STILB_OK) {
+		vulkan_swapchain_destroy(device);
+		vulkan_surface_destroy(device);
+	}
+	base->in_window = device->surface;
+	return result;
+}
+
 /* ---- to the window ----------------------------------------------------------------------------------------------- */
 
 static stilb_result show_begin(vulkan_device *device, vulkan_slot *slot)
@@ -216,8 +251,10 @@ static stilb_result present_acquire(vulkan_device *device, vulkan_slot *slot, ui
 		if (result != STILB_OK || !device->swapchain.handle)
 			return result;
 	}
-	VkResult result = vkAcquireNextImageKHR(device->device, device->swapchain.handle, PRESENT_TIMEOUT_NS,
-	                                        slot->acquired, VK_NULL_HANDLE, image);
+	VkResult result = render_fault_surface(&device->base)
+	                      ? VK_ERROR_SURFACE_LOST_KHR
+	                      : vkAcquireNextImageKHR(device->device, device->swapchain.handle, PRESENT_TIMEOUT_NS,
+	                                              slot->acquired, VK_NULL_HANDLE, image);
 	if (result == VK_ERROR_OUT_OF_DATE_KHR)
 		device->swapchain.stale = true;
 	if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY)
