@@ -43,12 +43,13 @@ static keys_set keys_measure(const stilb_input_table *table, const stilb_ui_font
 {
 	keys_set set = {.font = font, .line = line_height, .narrow = narrow};
 	stilb_input_help line;
-	for (int c = 0; c < KEYS_COLUMNS; c++)
-		set.columns[c] = stilb_ui_text_width(font, narrow ? keys_narrow_heads[c] : keys_heads[c]);
 	for (uint32_t next = 0; stilb_input_help_next(table, &next, &line); set.lines++)
 		for (int c = 0; c < KEYS_COLUMNS; c++)
 			set.columns[c] = fmaxf(set.columns[c], stilb_ui_text_width(font, keys_cell(&set, &line, c)));
 	for (int c = 0; c < KEYS_COLUMNS; c++) {
+		if (set.columns[c] > 0.0f) /* a column without cells has no head */
+			set.columns[c] =
+				fmaxf(set.columns[c], stilb_ui_text_width(font, narrow ? keys_narrow_heads[c] : keys_heads[c]));
 		bool gap = c + 1 < KEYS_COLUMNS && set.columns[c] > 0.0f;
 		set.columns[c] = ceilf(set.columns[c]) + (gap ? KEYS_GAP : 0.0f);
 		set.width += set.columns[c];

@@ -66,12 +66,14 @@ void engine_overlay_finish(engine_overlay *overlay)
 
 stilb_ui_input engine_ui_input(const stilb_window_state *window)
 {
-	static const stilb_window_key keys[STILB_UI_KEY_COUNT] = {
-		[STILB_UI_KEY_TAB] = STILB_WINDOW_KEY_TAB,     [STILB_UI_KEY_ENTER] = STILB_WINDOW_KEY_ENTER,
-		[STILB_UI_KEY_SPACE] = STILB_WINDOW_KEY_SPACE, [STILB_UI_KEY_ESCAPE] = STILB_WINDOW_KEY_ESCAPE,
-		[STILB_UI_KEY_LEFT] = STILB_WINDOW_KEY_LEFT,   [STILB_UI_KEY_RIGHT] = STILB_WINDOW_KEY_RIGHT,
-		[STILB_UI_KEY_UP] = STILB_WINDOW_KEY_UP,       [STILB_UI_KEY_DOWN] = STILB_WINDOW_KEY_DOWN,
+	static const uint32_t rows[STILB_UI_KEY_COUNT] = {
+		[STILB_UI_KEY_TAB] = STILB_INPUT_PANEL_NEXT,    [STILB_UI_KEY_ENTER] = STILB_INPUT_PANEL_ENTER,
+		[STILB_UI_KEY_SPACE] = STILB_INPUT_PANEL_SPACE, [STILB_UI_KEY_ESCAPE] = STILB_INPUT_PANEL_LEAVE,
+		[STILB_UI_KEY_LEFT] = STILB_INPUT_PANEL_LEFT,   [STILB_UI_KEY_RIGHT] = STILB_INPUT_PANEL_RIGHT,
+		[STILB_UI_KEY_UP] = STILB_INPUT_PANEL_UP,       [STILB_UI_KEY_DOWN] = STILB_INPUT_PANEL_DOWN,
 	};
+	stilb_input_table panels = stilb_input_table_panels();
+	stilb_input_state asked = stilb_input_from_window(&panels, window);
 	stilb_ui_input input = {
 		.mouse_present = window->pointer,
 		.mouse_x = window->pointer_x,
@@ -79,13 +81,10 @@ stilb_ui_input engine_ui_input(const stilb_window_state *window)
 		.mouse_down = window->button,
 		.mouse_presses = window->clicks,
 		.wheel = window->wheel,
-		.shift = window->held[STILB_WINDOW_KEY_SHIFT],
-		.control = window->held[STILB_WINDOW_KEY_CONTROL],
+		.shift = asked.actions[STILB_INPUT_PANEL_BACK] > 0,
 	};
-	for (int key = 0; key < STILB_UI_KEY_COUNT; key++) {
-		unsigned typed = (unsigned)window->pressed[keys[key]] + window->repeated[keys[key]];
-		input.keys[key] = (uint8_t)(typed < UINT8_MAX ? typed : UINT8_MAX);
-	}
+	for (int key = 0; key < STILB_UI_KEY_COUNT; key++)
+		input.keys[key] = asked.actions[rows[key]];
 	return input;
 }
 

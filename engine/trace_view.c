@@ -10,6 +10,8 @@
 #define VIEW_PASS 0u
 #define VIEW_WORKER 0u /* there is only the main thread */
 
+enum { VIEW_ZOOM = STILB_INPUT_PANEL_ACTIONS, VIEW_MOVE, VIEW_SELECT, VIEW_FIT, VIEW_KEYS, VIEW_ACTIONS };
+
 struct stilb_engine_trace_view {
 	stilb_owner owner; /* the main thread: the one that created it */
 	const stilb_prof_snapshot *trace;
@@ -20,6 +22,8 @@ struct stilb_engine_trace_view {
 	stilb_ui *ui;
 	stilb_ui_profiler *profiler;
 	stilb_ui_input input;
+	stilb_input_table actions;
+	engine_keys keys; /* the key card */
 	uint64_t last_ns; /* clock at which the last frame began; 0 before the first */
 };
 
@@ -51,6 +55,31 @@ static void view_choose(stilb_engine_trace_view *view, uint32_t frame)
 	view->first = frame > most / 2 ? frame - most / 2 : 0;
 	if (view->first > all - view->count)
 		view->first = all - view->count;
+}
+
+/* ---- what keys and mouse do -------------------------------------------------------------------------------------- */
+
+/* What the mouse does is the profiler's window's own doing, which knows what lies under it. */
+stilb_input_table stilb_engine_trace_view_table(void)
+{
+#define VIEW_ROW(row) [VIEW_##row - STILB_INPUT_PANEL_ACTIONS]
+	static const stilb_input_action rows[VIEW_ACTIONS - STILB_INPUT_PANEL_ACTIONS] = {
+		VIEW_ROW(ZOOM) = {"zoom", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_WHEEL,
+	                      .help = "zoom in and out at the pointer"},
+		VIEW_ROW(MOVE) = {"move", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_LEFT,
+	                      .help = "move through time and lanes"},
+		VIEW_ROW(SELECT) = {"select", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_CLICK,
+	                        .help = "select a zone, or the frame of a bar"},
+		VIEW_ROW(FIT) = {"fit", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_DOUBLE,
+	                     .help = "fit a zone into the view"},
+		VIEW_ROW(KEYS) = {"keys", STILB_INPUT_SWITCH, .keys = {STILB_WINDOW_KEY_H}, .typed = "?", .help = "this list"},
+	};
+#undef VIEW_ROW
+	stilb_input_table table = stilb_input_table_panels();
+	stilb_result result = stilb_input_table_add(&table, rows, sizeof rows / sizeof *rows);
+	STILB_ASSERT(result == STILB_OK);
+	(void)result;
+	return table;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
@@ -101,6 +130,8 @@ stilb_result stilb_engine_trace_view_create(const stilb_engine_trace_view_desc *
 	stilb_owner_take(&view->owner);
 	view->trace = desc->trace;
 	view_choose(view, desc->frame);
+	view->actions = stilb_engine_trace_view_table();
+	view->keys.list.selected = STILB_UI_NO_ROW;
 	stilb_result result = view_start(view, desc);
 	if (result == STILB_OK)
 		*out = view;
@@ -140,6 +171,7 @@ static stilb_result view_input(stilb_engine_trace_view *view, bool *close, bool 
 	*drawn = state.width > 0 && state.height > 0;
 	stilb_window_set_capturing(view->window, false); /* there is no camera */
 	view->input = engine_ui_input(&state);
+	view->keys.open ^= stilb_input_from_window(&view->actions, &state).actions[VIEW_KEYS] > 0;
 	view->input.seconds = view->last_ns ? (float)((double)(now - view->last_ns) * 1e-9) : 0.0f;
 	view->last_ns = now;
 	uint32_t width, height;
@@ -158,6 +190,8 @@ static stilb_result view_draw(stilb_engine_trace_view *view)
 	view->input.height = (float)height;
 	stilb_ui_begin(view->ui, &view->input);
 	stilb_ui_profiler_draw(view->profiler, view->ui);
+	if (view->keys.open)
+		engine_keys_draw(&view->keys, &view->actions, view->ui);
 	stilb_ui_end(view->ui);
 	stilb_result result = stilb_render_frame_begin(view->render);
 	if (result == STILB_OK)

@@ -1,6 +1,6 @@
 /*
  * engine trace_view: the profiler's window (ui/ui_profiler.h) over a trace file instead of over this process. It fills
- * the picture, and nothing else is drawn.
+ * the picture. stilb_engine_trace_view_table has what keys and mouse do, and H shows it.
  *
  * Life cycle.  stilb_engine_trace_view_create -> stilb_engine_trace_view_frame until *close ->
  *              stilb_engine_trace_view_destroy.
@@ -18,6 +18,7 @@
 #define STILB_ENGINE_TRACE_VIEW_H
 
 #include "base/base.h"
+#include "input/input_actions.h"
 #include "profiler/prof_snapshot.h"
 #include "ui/ui_draw.h"
 
@@ -31,6 +32,9 @@ typedef struct stilb_engine_trace_view_desc {
 	stilb_ui_aa aa;                   /* how edges are smoothed */
 	const char *gpu;                  /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 } stilb_engine_trace_view_desc;
+
+/* What keys and mouse do in the window; no row is the program's to act on. [any-thread] */
+stilb_input_table stilb_engine_trace_view_table(void);
 
 /* Opens the device and, if asked for, the window. On failure *view is NULL. STILB_ERROR_ARGUMENT: the trace has no such
  * frame. STILB_ERROR_WINDOW: no window can be opened here; without one it works. STILB_ERROR_DEVICE,

@@ -18,6 +18,8 @@
 #define VIEWER_HIGHEST 800u
 #define VIEWER_MAX_SCALE 64.0f /* pixels of the window for one of the picture */
 
+enum { VIEWER_ZOOM = STILB_INPUT_ACTIONS, VIEWER_MOVE, VIEWER_FIT, VIEWER_CLOSE, VIEWER_KEYS, VIEWER_ACTIONS };
+
 enum { VIEWER_PASS_PICTURE, VIEWER_PASS_WORDS, VIEWER_PASSES };
 
 struct stilb_engine_viewer {
@@ -26,6 +28,9 @@ struct stilb_engine_viewer {
 	stilb_render *render;
 	engine_surface surface; /* of the window */
 	stilb_ui *ui;
+	stilb_input_table actions;
+	engine_keys keys;             /* the key card */
+	stilb_ui_input input;         /* of this frame; {0} without a window */
 	stilb_image picture;          /* the picture as the program gave it, U8_SRGB */
 	stilb_image shown;            /* the part in the window at the window's size, F32_LINEAR */
 	stilb_render_texture texture; /* of `shown` */
@@ -122,6 +127,28 @@ static stilb_result viewer_texture(stilb_engine_viewer *viewer, uint32_t width, 
 	return result;
 }
 
+/* ---- what keys and mouse do -------------------------------------------------------------------------------------- */
+
+stilb_input_table stilb_engine_viewer_table(void)
+{
+#define VIEWER_ROW(row) [VIEWER_##row - STILB_INPUT_ACTIONS]
+	static const stilb_input_action rows[VIEWER_ACTIONS - STILB_INPUT_ACTIONS] = {
+		VIEWER_ROW(ZOOM) = {"zoom", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_WHEEL,
+	                        .help = "zoom in and out at the pointer"},
+		VIEWER_ROW(MOVE) = {"move", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_LEFT, .help = "move the picture"},
+		VIEWER_ROW(FIT) = {"fit", .keys = {STILB_WINDOW_KEY_SPACE}, .help = "fit the picture to the window"},
+		VIEWER_ROW(CLOSE) = {"close", .keys = {STILB_WINDOW_KEY_ESCAPE}, .help = "close the window"},
+		VIEWER_ROW(KEYS) = {"keys", STILB_INPUT_SWITCH, .keys = {STILB_WINDOW_KEY_H}, .typed = "?",
+	                        .help = "this list"},
+	};
+#undef VIEWER_ROW
+	stilb_input_table table = stilb_input_table_plain();
+	stilb_result result = stilb_input_table_add(&table, rows, sizeof rows / sizeof *rows);
+	STILB_ASSERT(result == STILB_OK);
+	(void)result;
+	return table;
+}
+
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
 /* The window's size at first: the picture's, but larger for tiny pictures and smaller for those that would not fit a
@@ -176,6 +203,8 @@ stilb_result stilb_engine_viewer_create(const stilb_engine_viewer_desc *desc, st
 	for (int code = 0; code < 256; code++)
 		viewer->light[code] = shade_srgb_to_linear((float)code / 255.0f);
 	viewer->stale = true;
+	viewer->actions = stilb_engine_viewer_table();
+	viewer->keys.list.selected = STILB_UI_NO_ROW;
 	stilb_result result = viewer_start(viewer, desc);
 	if (result == STILB_OK)
 		*out = viewer;
@@ -241,23 +270,28 @@ static void viewer_drag(stilb_engine_viewer *viewer, const float pointer[2])
 	viewer->stale = true;
 }
 
-static void viewer_act(stilb_engine_viewer *viewer, const stilb_window_state *state, uint32_t width, uint32_t height)
+/* What the card takes of the mouse is not the picture's. */
+static void viewer_act(stilb_engine_viewer *viewer, const stilb_window_state *state, const stilb_input_state *asked,
+                       uint32_t width, uint32_t height)
 {
+	bool ours = !viewer->keys.open || !stilb_ui_wants_mouse(viewer->ui);
+	float zoom = ours ? asked->zoom : 0.0f;
 	float pointer[2] = {state->pointer_x, state->pointer_y};
 	float from_middle[2] = {pointer[0] - 0.5f * (float)width, pointer[1] - 0.5f * (float)height};
 	bool dragged =
 		state->button && viewer->dragging && (pointer[0] != viewer->drag[0] || pointer[1] != viewer->drag[1]);
-	if (dragged || state->wheel != 0.0f)
+	if (dragged || zoom != 0.0f)
 		viewer_take_over(viewer, width, height);
 	if (dragged)
 		viewer_drag(viewer, pointer);
-	if (state->wheel != 0.0f)
-		viewer_zoom(viewer, state->wheel, from_middle);
-	if (state->pressed[STILB_WINDOW_KEY_SPACE] > 0) {
+	if (zoom != 0.0f)
+		viewer_zoom(viewer, zoom, from_middle);
+	if (asked->actions[VIEWER_FIT] > 0) {
 		viewer->scale = 0.0f;
 		viewer->stale = true;
 	}
-	viewer->dragging = state->button;
+	viewer->keys.open ^= asked->actions[VIEWER_KEYS] > 0;
+	viewer->dragging = state->button && ours;
 	memcpy(viewer->drag, pointer, sizeof pointer);
 }
 
@@ -274,11 +308,13 @@ static stilb_result viewer_input(stilb_engine_viewer *viewer, double seconds, bo
 	stilb_window_wait(viewer->window, seconds, &state);
 	if (state.lost)
 		return stilb_fail(STILB_ERROR_WINDOW, "the display has gone");
-	*close = state.close || state.pressed[STILB_WINDOW_KEY_ESCAPE] > 0;
+	stilb_input_state asked = stilb_input_from_window(&viewer->actions, &state);
+	viewer->input = engine_ui_input(&state);
+	*close = state.close || asked.actions[VIEWER_CLOSE] > 0;
 	*drawn = state.width > 0 && state.height > VIEWER_STRIP;
 	if (!*drawn)
 		return STILB_OK;
-	viewer_act(viewer, &state, state.width, state.height - VIEWER_STRIP);
+	viewer_act(viewer, &state, &asked, state.width, state.height - VIEWER_STRIP);
 	stilb_render_size(viewer->render, &width, &height);
 	if (state.width == width && state.height == height)
 		return STILB_OK;
@@ -341,9 +377,12 @@ static stilb_result viewer_draw(stilb_engine_viewer *viewer, const char *words)
 	stilb_result result = viewer_texture(viewer, width, height - VIEWER_STRIP);
 	if (result != STILB_OK)
 		return result;
-	stilb_ui_input nobody = {.width = (float)width, .height = (float)height};
-	stilb_ui_begin(viewer->ui, &nobody);
+	viewer->input.width = (float)width;
+	viewer->input.height = (float)height;
+	stilb_ui_begin(viewer->ui, &viewer->input);
 	viewer_words(viewer, words, width, height);
+	if (viewer->keys.open)
+		engine_keys_draw(&viewer->keys, &viewer->actions, viewer->ui);
 	stilb_ui_end(viewer->ui);
 	result = stilb_render_frame_begin(viewer->render);
 	if (result == STILB_OK)

@@ -2,8 +2,7 @@
  * engine viewer: a window that shows a picture while it is being made, pixel for pixel.
  *
  * At first the picture fits the window; if that enlarges it, then by a whole number, so that its pixels stay equal
- * squares. The wheel zooms about the pointer, the left button drags, space fits it again, Escape closes. A line of text
- * is below it.
+ * squares. stilb_engine_viewer_table has what keys and mouse do, and H shows it. A line of text is below the picture.
  *
  * Life cycle.  stilb_engine_viewer_create -> stilb_engine_viewer_picture whenever the picture has changed, and
  *              stilb_engine_viewer_frame until *close -> stilb_engine_viewer_destroy.
@@ -24,6 +23,7 @@
 
 #include "base/base.h"
 #include "image/image.h"
+#include "input/input_actions.h"
 
 typedef struct stilb_engine_viewer stilb_engine_viewer;
 
@@ -34,6 +34,9 @@ typedef struct stilb_engine_viewer_desc {
 	bool validate;          /* with Vulkan's validation layer */
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 } stilb_engine_viewer_desc;
+
+/* What keys and mouse do in the window; no row is the program's to act on. [any-thread] */
+stilb_input_table stilb_engine_viewer_table(void);
 
 /* Opens the device and, if asked for, the window; the picture is black. On failure *viewer is NULL. STILB_ERROR_WINDOW,
  * STILB_ERROR_DEVICE: nothing can be shown here. STILB_ERROR_MEMORY. */

@@ -7,12 +7,14 @@ static float held_axis(const stilb_input_state *input, uint32_t plus, uint32_t m
 	return (float)input->actions[plus] - (float)input->actions[minus];
 }
 
-/* How often the row's keys were pressed and its characters typed since the last frame. */
+/* How often the row's keys were pressed, or repeated if that counts, and its characters typed since the last frame. */
 static unsigned row_presses(const stilb_input_action *row, const stilb_window_state *window)
 {
 	unsigned presses = 0;
 	for (size_t i = 0; i < sizeof row->keys / sizeof *row->keys; i++)
-		presses += row->keys[i] != STILB_WINDOW_KEY_NONE ? window->pressed[row->keys[i]] : 0u;
+		if (row->keys[i] != STILB_WINDOW_KEY_NONE)
+			presses += (unsigned)window->pressed[row->keys[i]] +
+			           (row->kind == STILB_INPUT_REPEAT ? window->repeated[row->keys[i]] : 0u);
 	for (uint32_t i = 0; row->typed && i < window->typed_count; i++)
 		presses += window->typed[i] > 0 && window->typed[i] < 0x80 && strchr(row->typed, (int)window->typed[i]);
 	return presses;
@@ -26,6 +28,7 @@ static uint8_t row_state(const stilb_input_action *row, const stilb_window_state
 		held = held || (row->keys[i] != STILB_WINDOW_KEY_NONE && window->held[row->keys[i]]);
 	switch (row->kind) {
 	case STILB_INPUT_PRESS:
+	case STILB_INPUT_REPEAT:
 		return (uint8_t)(presses < UINT8_MAX ? presses : UINT8_MAX);
 	case STILB_INPUT_SWITCH:
 		return presses % 2 > 0;
@@ -57,33 +60,26 @@ stilb_input_state stilb_input_from_window(const stilb_input_table *table, const 
 	return input;
 }
 
-/* True if a user interface with the keyboard's focus is used by this key. */
-static bool is_key_of_interface(stilb_window_key key)
+/* True if a panel with the keyboard is used by this key. */
+static bool is_key_of_panels(const stilb_input_table *panels, stilb_window_key key)
 {
-	switch (key) {
-	case STILB_WINDOW_KEY_TAB:
-	case STILB_WINDOW_KEY_ENTER:
-	case STILB_WINDOW_KEY_SPACE:
-	case STILB_WINDOW_KEY_ESCAPE:
-	case STILB_WINDOW_KEY_LEFT:
-	case STILB_WINDOW_KEY_RIGHT:
-	case STILB_WINDOW_KEY_UP:
-	case STILB_WINDOW_KEY_DOWN:
-		return true;
-	default:
-		return false;
-	}
+	for (uint32_t row = STILB_INPUT_ACTIONS; key != STILB_WINDOW_KEY_NONE && row < panels->count; row++)
+		for (size_t i = 0; i < sizeof panels->rows[row].keys / sizeof *panels->rows[row].keys; i++)
+			if (panels->rows[row].keys[i] == key)
+				return true;
+	return false;
 }
 
 stilb_input_state stilb_input_without_keys(const stilb_input_table *table, stilb_input_state input)
 {
 	STILB_ASSERT(table);
+	stilb_input_table panels = stilb_input_table_panels();
 	input.move[0] = input.move[1] = input.move[2] = 0.0f;
 	for (uint32_t r = 0; r < table->count; r++) {
 		const stilb_input_action *row = &table->rows[r];
 		bool taken = row->kind == STILB_INPUT_HELD;
 		for (size_t i = 0; i < sizeof row->keys / sizeof *row->keys; i++)
-			taken = taken || is_key_of_interface(row->keys[i]);
+			taken = taken || is_key_of_panels(&panels, row->keys[i]);
 		if (taken)
 			input.actions[r] = 0;
 	}

@@ -50,7 +50,7 @@ typedef struct stilb_input_state {
 stilb_input_state stilb_input_from_window(const stilb_input_table *table, const stilb_window_state *window);
 
 /* Input without what a user interface with the keyboard's focus takes: flying, everything else that is held, and rows
- * with one of the keys by which it is used (Tab, Enter, Space, Esc and the arrows). The mouse and the other rows stay.
+ * with one of the keys by which it is used (stilb_input_table_panels). The mouse and the other rows stay.
  * [any-thread] */
 stilb_input_state stilb_input_without_keys(const stilb_input_table *table, stilb_input_state input);
 

@@ -77,7 +77,8 @@ static const char *const pad_names[32] = {
 	[16 + STILB_INPUT_RIGHT_TRIGGER] = "right trigger",
 };
 
-static const char *const mouse_names[] = {"drag", "middle drag", "right drag", "wheel", "dropped file"};
+static const char *const mouse_names[] = {"drag",         "middle drag", "right drag",  "wheel",
+                                          "dropped file", "click",       "double click"};
 #define MOUSE_NAMES (sizeof mouse_names / sizeof *mouse_names)
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
@@ -102,6 +103,37 @@ stilb_input_table stilb_input_table_camera(void)
 	};
 	stilb_input_table table = {.count = STILB_INPUT_ACTIONS};
 	memcpy(table.rows, camera, sizeof camera);
+	return table;
+}
+
+stilb_input_table stilb_input_table_plain(void)
+{
+	stilb_input_table table = stilb_input_table_camera();
+	for (uint32_t row = 0; row < table.count; row++)
+		table.rows[row] = (stilb_input_action){.name = "", .kind = table.rows[row].kind};
+	return table;
+}
+
+stilb_input_table stilb_input_table_panels(void)
+{
+#define PANEL_ROW(row) [STILB_INPUT_PANEL_##row - STILB_INPUT_ACTIONS]
+	static const stilb_input_action panels[STILB_INPUT_PANEL_ACTIONS - STILB_INPUT_ACTIONS] = {
+		PANEL_ROW(NEXT) = {"next", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_TAB},
+	                       .help = "next part of the panel; with Shift the one before"},
+		PANEL_ROW(ENTER) = {"press", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_ENTER}, .help = "press it"},
+		PANEL_ROW(SPACE) = {"press it", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_SPACE}, .help = "press it"},
+		PANEL_ROW(LEAVE) = {"leave", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_ESCAPE}, .help = "leave the panel"},
+		PANEL_ROW(LEFT) = {"left", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_LEFT}, .help = "go along it"},
+		PANEL_ROW(RIGHT) = {"right", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_RIGHT}, .help = "go along it"},
+		PANEL_ROW(UP) = {"up", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_UP}, .help = "go along it"},
+		PANEL_ROW(DOWN) = {"down", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_DOWN}, .help = "go along it"},
+		PANEL_ROW(BACK) = {"back", STILB_INPUT_HELD, .keys = {STILB_WINDOW_KEY_SHIFT}},
+	};
+#undef PANEL_ROW
+	stilb_input_table table = stilb_input_table_plain();
+	stilb_result result = stilb_input_table_add(&table, panels, sizeof panels / sizeof *panels);
+	STILB_ASSERT(result == STILB_OK);
+	(void)result;
 	return table;
 }
 

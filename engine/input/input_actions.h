@@ -35,6 +35,7 @@ extern "C" {
 /* What the number of a row in stilb_input_state.actions says. */
 typedef enum stilb_input_kind {
 	STILB_INPUT_PRESS,  /* how often it was asked for since the last frame, 255 at most */
+	STILB_INPUT_REPEAT, /* as PRESS, and repeats of a key that is held count, too */
 	STILB_INPUT_SWITCH, /* 1 if this frame flips it: asked for twice between two frames, nothing changes */
 	STILB_INPUT_HELD,   /* 1 while one of its keys or buttons is down; it cannot be typed */
 	STILB_INPUT_MOTION, /* 0: how far the mouse, wheel or stick moved is in other members of stilb_input_state */
@@ -47,6 +48,8 @@ enum {
 	STILB_INPUT_MOUSE_RIGHT = 4,
 	STILB_INPUT_MOUSE_WHEEL = 8,
 	STILB_INPUT_MOUSE_DROP = 16, /* a file that is dropped onto the window */
+	STILB_INPUT_MOUSE_CLICK = 32,
+	STILB_INPUT_MOUSE_DOUBLE = 64, /* double click */
 };
 
 /* Bits of stilb_input_action.pad: of a button, by its name in stilb_input_button, as in STILB_INPUT_PAD(SOUTH); of a
@@ -88,6 +91,26 @@ enum {
 
 /* A table of these rows alone. */
 stilb_input_table stilb_input_table_camera(void);
+
+/* A table for a window without a camera: these rows are there, but nothing asks for them and help leaves them out. */
+stilb_input_table stilb_input_table_plain(void);
+
+/* The keys that a panel takes while it has the keyboard: they are looked up here by all who must know them. */
+enum {
+	STILB_INPUT_PANEL_NEXT = STILB_INPUT_ACTIONS,
+	STILB_INPUT_PANEL_ENTER,
+	STILB_INPUT_PANEL_SPACE,
+	STILB_INPUT_PANEL_LEAVE,
+	STILB_INPUT_PANEL_LEFT,
+	STILB_INPUT_PANEL_RIGHT,
+	STILB_INPUT_PANEL_UP,
+	STILB_INPUT_PANEL_DOWN,
+	STILB_INPUT_PANEL_BACK, /* held: NEXT goes back */
+	STILB_INPUT_PANEL_ACTIONS
+};
+
+/* A plain table of these rows. */
+stilb_input_table stilb_input_table_panels(void);
 
 /* Adds rows[0 .. count - 1] to the table. STILB_ERROR_ARGUMENT: a row has no name or that of another; a key, a
  * character, a button or a part of the mouse belongs to two rows, also if one has a letter's key and the other types

@@ -123,7 +123,7 @@ typedef struct stilb_ui_input {
 	uint8_t mouse_presses;            /* times that the left button went down: also one that is up again is a click */
 	float wheel;                      /* notches that the wheel was turned; away from the user is positive */
 	uint8_t keys[STILB_UI_KEY_COUNT]; /* times that each key went down, repeats of a held key included */
-	bool shift, control;              /* the key is held now */
+	bool shift;                       /* the key is held now */
 	float seconds;                    /* since the last frame, >= 0 */
 } stilb_ui_input;
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define KEYS_COLUMN 22 /* characters of the column of keys, with the blanks around it */
+#define KEYS_COLUMN 23 /* characters of the column of keys, with the blanks around it */
 
 static const stilb_input_action live_rows[LIVE_KEY_COUNT] = {
 	[LIVE_KEY_FEWER_WORKERS] = {.name = "fewer workers",
@@ -34,13 +34,18 @@ void live_keys_print(const live_keys *keys)
 {
 	stilb_input_action rows[STILB_INPUT_ACTIONS_MAX];
 	stilb_input_table table;
-	stilb_input_help line;
 	stilb_engine_desc desc = {.actions = rows, .action_count = live_keys_rows(keys, rows), .saves = true};
 	if (stilb_engine_table(&desc, &table) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return;
 	}
-	for (uint32_t next = 0; stilb_input_help_next(&table, &next, &line);) {
+	live_keys_print_table(&table);
+}
+
+void live_keys_print_table(const stilb_input_table *table)
+{
+	stilb_input_help line;
+	for (uint32_t next = 0; stilb_input_help_next(table, &next, &line);) {
 		char names[sizeof line.keys + sizeof line.mouse + 2];
 		snprintf(names, sizeof names, "%s%s%s", line.mouse, line.mouse[0] && line.keys[0] ? ", " : "", line.keys);
 		printf("  %-*s%s%s%s%s\n", KEYS_COLUMN, names[0] ? names : "gamepad", line.help, line.pad[0] ? " (" : "",

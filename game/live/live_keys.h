@@ -26,4 +26,7 @@ uint32_t live_keys_rows(const live_keys *keys, stilb_input_action rows[static ST
 /* Prints a line for each action on stdout: keys and mouse, what they do, the gamepad in brackets. */
 void live_keys_print(const live_keys *keys);
 
+/* As live_keys_print, of a table. */
+void live_keys_print_table(const stilb_input_table *table);
+
 #endif

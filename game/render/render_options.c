@@ -3,7 +3,9 @@
 #include "base/base_file.h"
 #include "engine.h"
 #include "game/cli/trace_path.h"
+#include "game/live/live_keys.h"
 #include "image/image.h"
+#include "viewer.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -80,6 +82,9 @@ static void options_print(const flag *flags, size_t count)
 	printf("\nFilters:\n");
 	for (size_t i = 0; i < sizeof filters / sizeof *filters; i++)
 		printf("  %-18s %s\n", flags_choice(text, filters[i][0]), filters[i][1]);
+	printf("\nIn the window of --preview:\n");
+	stilb_input_table keys = stilb_engine_viewer_table();
+	live_keys_print_table(&keys);
 	printf("\nCtrl-C writes the picture so far, and OUTPUT.checkpoint, from which --resume continues.\n");
 }
 

@@ -1,5 +1,6 @@
 /* stilb trace show: the profiler's timeline of a trace file, in a window or as a picture. */
 #include "game/cli/flags.h"
+#include "game/live/live_keys.h"
 #include "trace.h"
 
 #include "base/base_file.h"
@@ -33,10 +34,11 @@ static flags_result show_parse(show_options *o, int argc, char **argv)
 		printf("stilb trace show FILE [FLAGS]: shows what each thread did in a frame, and what it waited for. FILE is "
 		       "what\n"
 		       "'stilb demo --trace' wrote, or Chrome trace JSON of another program that marks frames as it does;\n"
-		       "- is standard input. The wheel zooms, dragging pans, a double click fits a zone into the view, a click "
-		       "on\n"
-		       "a bar selects a frame.\n\n");
+		       "- is standard input.\n\n");
 		flags_print(flags, count);
+		printf("\nIn the window:\n");
+		stilb_input_table table = stilb_engine_trace_view_table();
+		live_keys_print_table(&table);
 	}
 	return result;
 }

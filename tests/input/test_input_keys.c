@@ -101,6 +101,54 @@ static void test_held_and_typed(void **state)
 	assert_int_equal(asked(stilb_input_from_window(&table, &window)), 0);
 }
 
+/* A window without a camera: no key is the camera's, and help has only rows that were added. */
+static void test_a_plain_table(void **state)
+{
+	(void)state;
+	static const stilb_input_action rows[] = {
+		{"west", STILB_INPUT_REPEAT, .keys = {STILB_WINDOW_KEY_A}, .help = "go west"},
+		{"look", STILB_INPUT_MOTION, .mouse = STILB_INPUT_MOUSE_CLICK | STILB_INPUT_MOUSE_DOUBLE, .help = "look at it"},
+	};
+	stilb_input_table plain = stilb_input_table_plain();
+	stilb_input_help line;
+	uint32_t next = 0;
+	stilb_window_state all = {0};
+	assert_false(stilb_input_help_next(&plain, &next, &line));
+	for (int key = 0; key < STILB_WINDOW_KEY_COUNT; key++)
+		all.held[key] = key != STILB_WINDOW_KEY_S && key != STILB_WINDOW_KEY_A && key != STILB_WINDOW_KEY_Q;
+	stilb_input_state input = stilb_input_from_window(&plain, &all);
+	assert_true(input.move[0] == 0.0f && input.move[1] == 0.0f && input.move[2] == 0.0f);
+	assert_false(input.actions[STILB_INPUT_FASTER]);
+	assert_int_equal(stilb_input_table_add(&plain, rows, 2), STILB_OK); /* A is the camera's in other tables */
+	all = (stilb_window_state){.pressed = {[STILB_WINDOW_KEY_A] = 2}, .repeated = {[STILB_WINDOW_KEY_A] = 5}};
+	assert_int_equal(stilb_input_from_window(&plain, &all).actions[STILB_INPUT_ACTIONS], 7);
+	assert_int_equal(stilb_input_from_window(&table, &all).actions[STILB_INPUT_LEFTWARD], 0);
+	next = 0;
+	assert_true(stilb_input_help_next(&plain, &next, &line));
+	assert_true(strcmp(line.keys, "A") == 0 && strcmp(line.help, "go west") == 0);
+	assert_true(stilb_input_help_next(&plain, &next, &line));
+	assert_string_equal(line.mouse, "click, double click");
+	assert_false(stilb_input_help_next(&plain, &next, &line));
+}
+
+/* Each key of the panels' table is one that a panel takes, and only those are. */
+static void test_the_keys_of_panels_are_a_table(void **state)
+{
+	(void)state;
+	stilb_input_table panels = stilb_input_table_panels();
+	for (int key = 1; key < STILB_WINDOW_KEY_COUNT; key++) {
+		stilb_input_action row = {.name = "one", .keys = {(stilb_window_key)key}, .help = "one"};
+		stilb_input_table one = stilb_input_table_plain();
+		assert_int_equal(stilb_input_table_add(&one, &row, 1), STILB_OK);
+		stilb_window_state window = {0};
+		window.pressed[key] = 1;
+		window.held[key] = true;
+		bool taken = asked(stilb_input_from_window(&panels, &window)) > 0;
+		stilb_input_state left = stilb_input_without_keys(&one, stilb_input_from_window(&one, &window));
+		assert_int_equal(asked(left), !taken);
+	}
+}
+
 static void test_keys_of_a_user_interface(void **state)
 {
 	(void)state;
@@ -293,6 +341,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_keys),           cmocka_unit_test(test_actions),
 		cmocka_unit_test(test_held_and_typed), cmocka_unit_test(test_keys_of_a_user_interface),
+		cmocka_unit_test(test_a_plain_table),  cmocka_unit_test(test_the_keys_of_panels_are_a_table),
 		cmocka_unit_test(test_mouse),          cmocka_unit_test(test_drags),
 		cmocka_unit_test(test_refused_rows),   cmocka_unit_test(test_full_table),
 		cmocka_unit_test(test_help),
