@@ -36,7 +36,8 @@ typedef enum jobs_graph_shape {
 typedef struct jobs_case {
 	const char *name;
 	jobs_kind kind;
-	uint32_t threads; /* of the job system, the caller included; JOBS_OUTSIDE: without the outside threads */
+	/* Of the job system, the caller included; JOBS_OUTSIDE: without the outside threads; 0: one for each CPU. */
+	uint32_t threads;
 	uint32_t count;   /* jobs, chunks, items, nodes, rows, floats or elements; JOBS_OUTSIDE: for each outside thread */
 	uint32_t outside; /* number of outside threads */
 	jobs_graph_shape shape;
@@ -128,6 +129,17 @@ typedef struct jobs_case {
 	X("steal", "one job for a worker that is looking for work", STEAL, .threads = 2, .phase = true)                    \
 	X("steal-pinned", "one job for a worker that is looking for work, pinned", STEAL, .threads = 2, .phase = true,     \
 	  .pinned = true)                                                                                                  \
+	X("spawn-all", "100,000 empty jobs one by one, a thread for each CPU", SPAWN, .count = 100000)                     \
+	X("join64-all", "fork-join of 64 x 1 us, a thread for each CPU", JOIN, .count = 64, .microseconds = 1)             \
+	X("join64-all-phase", "fork-join of 64 x 1 us in a phase, a thread for each CPU", JOIN, .count = 64,               \
+	  .microseconds = 1, .phase = true)                                                                                \
+	X("loop-all", "loop over 20,000 items of 200 ns, a thread for each CPU", LOOP, .count = 20000,                     \
+	  .microseconds = 0.2)                                                                                             \
+	X("fib-all", "fib(20), each call a job, a thread for each CPU", FIB)                                               \
+	X("graph-us-all", "graph of 100 layers of 100 nodes of 1 us, a thread for each CPU", GRAPH, .count = 10000,        \
+	  .shape = JOBS_LAYERS, .microseconds = 1)                                                                         \
+	X("reduce-all", "sum of 4,000,000 floats, a thread for each CPU", REDUCE, .count = 4000000)                        \
+	X("sort-all", "sort of 1,000,000 random elements, a thread for each CPU", SORT, .count = 1000000)                  \
 	X("idle", "CPU time of the other threads after all work is done", IDLE, .threads = 2, .count = 64,                 \
 	  .microseconds = 1, .phase = true)
 

@@ -677,11 +677,14 @@ static const jobs_case cases[] = {
 #undef CASE
 };
 
-static const jobs_case *find_case(const char *name)
+static jobs_case find_case(const char *name, uint32_t cpus)
 {
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-		if (strcmp(cases[i].name, name) == 0)
-			return &cases[i];
+		if (strcmp(cases[i].name, name) == 0) {
+			jobs_case found = cases[i];
+			found.threads = found.threads ? found.threads : cpus;
+			return found;
+		}
 	bench_child_fail("no case %s", name);
 }
 
@@ -701,12 +704,13 @@ int main(int argc, char **argv)
 		bench_child_metric("per-us", chain_rate());
 		return 0;
 	}
-	r.on = find_case(child.case_name);
+	uint32_t cpus = bench_child_cpu_count();
+	jobs_case on = find_case(child.case_name, cpus);
+	r.on = &on;
 	r.subject = find_subject(child.subject);
 	r.duration = (uint64_t)(child.seconds * 1e9);
 	r.per_us = child.argument ? strtod(child.argument, NULL) : chain_rate();
 	r.chain = (uint32_t)(r.on->microseconds * r.per_us);
-	uint32_t cpus = bench_child_cpu_count();
 	r.divisor = !r.subject->ideal ? 1 : r.on->threads < cpus ? r.on->threads : cpus;
 	if (!able(r.subject, r.on->kind))
 		return BENCH_CHILD_SKIP;

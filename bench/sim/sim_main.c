@@ -1,4 +1,5 @@
 /* The program stilb-bench-sim: the cases of sim_cases.h on machines and numbers of CPUs of the caller's choice. */
+#include "bench/sim/sim_costs.h"
 #include "bench/sim/sim_plot.h"
 #include "game/cli/flags.h"
 
@@ -8,7 +9,7 @@
 static const char *const all = "all";
 
 typedef struct options {
-	const char *machine, *name, *before, *plot;
+	const char *machine, *name, *before, *plot, *costs;
 	uint64_t cores, threads;
 	bool json, lines;
 } options;
@@ -52,6 +53,8 @@ int main(int argc, char **argv)
 	const flag flags[] = {
 		{"--machine", FLAG_TEXT, &o.machine, "NAME", "xeon, epyc, graviton, here, or all: the first three (all)", 0, 0,
 	     NULL},
+		{"--costs", FLAG_TEXT, &o.costs, "FILE",
+	     "a machine that stilb-bench-sim-here --costs has measured, in place of these", 0, 0, NULL},
 		{"--cores", FLAG_NUMBER, &o.cores, "N", "CPUs, 2..256 (2, 4, ... 256)", 2, SIM_CPUS_MAX, NULL},
 		{"--threads", FLAG_NUMBER, &o.threads, "N", "threads of the pool, 1..257 (one for each CPU)", 1, 257, NULL},
 		{"--case", FLAG_TEXT, &o.name, "NAME", "one case (all)", 0, 0, NULL},
@@ -66,13 +69,24 @@ int main(int argc, char **argv)
 		flags_print(flags, count);
 	if (parsed != FLAGS_OK)
 		return parsed == FLAGS_HELP ? 0 : 2;
+	static sim_machine measured = {.name = "measured", .title = "a machine that was measured"};
+	if (o.costs && (strcmp(o.machine, all) != 0 || o.plot)) {
+		fprintf(
+			stderr,
+			"stilb-bench-sim: --costs: goes with neither --machine nor --plot, which are for the table's machines\n");
+		return 2;
+	}
+	if (o.costs && !sim_costs_read(&measured, o.costs))
+		return 2;
 	const sim_machine *machine = sim_machine_named(o.machine);
 	if (!machine && strcmp(o.machine, all) != 0) {
 		fprintf(stderr, "stilb-bench-sim: --machine: there is no %s\n", o.machine);
 		return 2;
 	}
 	sim_pool_threads = (uint32_t)o.threads;
-	for (size_t i = 0; i < sim_machine_count; i++)
+	if (o.costs)
+		run_machine(&o, &measured);
+	for (size_t i = 0; i < sim_machine_count && !o.costs; i++)
 		if (machine ? machine == &sim_machines[i] : strcmp(sim_machines[i].name, "here") != 0)
 			run_machine(&o, &sim_machines[i]);
 	if (o.json)

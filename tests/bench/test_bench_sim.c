@@ -3,7 +3,10 @@
 
 #include "support/program.h"
 
-#include "bench/sim/sim.h"
+#include "bench/sim/sim_costs.h"
+
+#include <sched.h>
+#include <unistd.h>
 
 /* Costs with which each part of a sum can be told from its number: rows of 2 cores with one cache, 4 in a socket. */
 static const sim_machine machine = {.name = "test",
@@ -263,18 +266,23 @@ static void test_nearer_is_cheaper_on_every_machine(void **state)
 	}
 }
 
-static const char *simulator;
+static const char *simulator, *measurer;
 
-/* The number that the program prints for a case on 8 CPUs. */
-static double value_of(const char *name, program_run *run)
+/* The number that the program prints for a case on 8 CPUs of a machine: flag is --machine or --costs. */
+static double value_on(const char *flag, const char *value_of_flag, const char *name, program_run *run)
 {
-	const char *words[] = {simulator, "--machine", "epyc", "--cores", "8", "--case", name, "--json", NULL};
+	const char *words[] = {simulator, flag, value_of_flag, "--cores", "8", "--case", name, "--json", NULL};
 	assert_true(program_start(run, words, NULL, -1));
 	program_wait(run);
 	assert_int_equal(run->code, 0);
 	const char *value = strstr(run->out, "\"value\":");
 	assert_non_null(value);
 	return strtod(value + strlen("\"value\":"), NULL);
+}
+
+static double value_of(const char *name, program_run *run)
+{
+	return value_on("--machine", "epyc", name, run);
 }
 
 /* The pool itself: loops cost what their slices take on 8 CPUs and a little more, and twice the same. */
@@ -290,13 +298,124 @@ static void test_the_pool_runs_on_simulated_cpus(void **state)
 	assert_true(phase > 20.0 && phase < 7 * 27.0); /* between one wake-up and a chain of seven */
 }
 
+/* ---- files of costs ---------------------------------------------------------------------------------------------- */
+
+/* A file with this text, to be unlinked. */
+static const char *file_with(const char *text)
+{
+	static char path[32];
+	strcpy(path, "sim_costs_XXXXXX");
+	int fd = mkstemp(path);
+	assert_true(fd >= 0);
+	assert_int_equal(write(fd, text, strlen(text)), (ssize_t)strlen(text));
+	close(fd);
+	return path;
+}
+
+static const sim_machine *epyc(void)
+{
+	size_t i = 0;
+	while (strcmp(sim_machines[i].name, "epyc") != 0)
+		i++;
+	return &sim_machines[i];
+}
+
+/* The text of a machine's costs. */
+static const char *text_of(const sim_machine *m)
+{
+	static char text[2048];
+	FILE *out = fmemopen(text, sizeof text, "w");
+	assert_non_null(out);
+	sim_costs_write(out, m);
+	fclose(out);
+	return text;
+}
+
+static void test_a_machine_from_a_file_costs_what_the_table_says(void **state)
+{
+	(void)state;
+	static program_run run;
+	const char *path = file_with(text_of(epyc()));
+	double value = value_on("--costs", path, "join-64", &run);
+	unlink(path);
+	assert_true(value == value_of("join-64", &run));
+}
+
+/* Runs the program with a file of this text, which it must refuse with these words. */
+static void refuses(const char *text, const char *words)
+{
+	static program_run run;
+	const char *path = file_with(text);
+	const char *line[] = {simulator, "--costs", path, NULL};
+	assert_true(program_start(&run, line, NULL, -1));
+	program_wait(&run);
+	unlink(path);
+	assert_int_equal(run.code, 2);
+	assert_string_equal(run.out, "");
+	assert_non_null(strstr(run.err, words));
+	assert_non_null(strstr(run.err, path));
+}
+
+/* The costs of epyc, and this line at the end. */
+static const char *and_line(const char *line)
+{
+	static char text[4096];
+	snprintf(text, sizeof text, "%s%s\n", text_of(epyc()), line);
+	return text;
+}
+
+/* The costs of epyc with another near. */
+static const char *with_near(double near)
+{
+	sim_machine m = *epyc();
+	m.near = near;
+	return text_of(&m);
+}
+
+static void test_bad_files_of_costs_are_refused(void **state)
+{
+	(void)state;
+	refuses("", "has no line for cores");
+	refuses("cores 2.5\n", "line 1 has a number that is not whole or not in 1..256");
+	refuses("# a comment\n\ncores 300\n", "line 3 has a number that is not whole or not in 1..256");
+	refuses(and_line("colour 3"), "line 19 has a name that is no cost");
+	refuses(and_line("near 3"), "line 19 has a cost that an earlier line has");
+	refuses(and_line("near"), "line 19 is not a name and a number");
+	refuses(and_line("near 3 4"), "line 19 is not a name and a number");
+	refuses("near nan\n", "line 1 has a time that is not in 0..1e9 ns");
+	refuses("near -1\n", "line 1 has a time that is not in 0..1e9 ns");
+	refuses(with_near(200), "near, socket and far are not in rising order");
+}
+
+/* What is measured here is a file that the simulator reads. */
+static void test_this_machine_can_be_measured(void **state)
+{
+	(void)state;
+	static program_run run;
+	cpu_set_t allowed;
+	assert_int_equal(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+	if (CPU_COUNT(&allowed) < 2)
+		skip();
+	const char *words[] = {measurer, "--costs", NULL};
+	assert_true(program_start(&run, words, NULL, -1));
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+	sim_machine m = {0};
+	const char *path = file_with(run.out);
+	bool read = sim_costs_read(&m, path);
+	unlink(path);
+	assert_true(read);
+	assert_true(m.rmw > 0.3 && m.pause > 0.1 && m.near > 1.0 && m.wake > 100.0 && m.latency > 0.0 && m.create > 100.0);
+}
+
 int main(int argc, char **argv)
 {
-	if (argc != 2) {
-		fprintf(stderr, "usage: test_bench_sim STILB-BENCH-SIM\n");
+	if (argc != 3) {
+		fprintf(stderr, "usage: test_bench_sim STILB-BENCH-SIM STILB-BENCH-SIM-HERE\n");
 		return 1;
 	}
 	simulator = argv[1];
+	measurer = argv[2];
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_a_chain_of_n_wakes_costs_n_wakes),
 		cmocka_unit_test(test_a_pass_costs_the_transfers_over_the_distance),
@@ -305,6 +424,9 @@ int main(int argc, char **argv)
 		cmocka_unit_test(test_a_run_repeats),
 		cmocka_unit_test(test_nearer_is_cheaper_on_every_machine),
 		cmocka_unit_test(test_the_pool_runs_on_simulated_cpus),
+		cmocka_unit_test(test_a_machine_from_a_file_costs_what_the_table_says),
+		cmocka_unit_test(test_bad_files_of_costs_are_refused),
+		cmocka_unit_test(test_this_machine_can_be_measured),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
