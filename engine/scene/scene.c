@@ -1,5 +1,6 @@
 #include "scene/scene_internal.h"
 
+#include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/scene_animation_internal.h"
 #include "shading/shade_energy.h"
@@ -129,6 +130,15 @@ stilb_result scene_add_nodes(stilb_scene *scene, uint32_t count)
 	return STILB_OK;
 }
 
+stilb_result scene_add_mounts(stilb_scene_mount **mounts, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(mounts);
+	if (!*mounts)
+		*mounts = scene_array(&failed, count, sizeof **mounts);
+	return failed ? stilb_fail(STILB_ERROR_MEMORY, "no memory to hang %u lights or cameras on nodes", count) : STILB_OK;
+}
+
 void stilb_scene_destroy(stilb_scene *scene)
 {
 	if (!scene)
@@ -159,7 +169,9 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->materials);
 	free(scene->textures);
 	free(scene->lights);
+	free(scene->light_mounts);
 	free(scene->cameras);
+	free(scene->camera_mounts);
 	free(scene->names.models);
 	free(scene->names.materials);
 	scene_edit_finish(scene->edits);
@@ -189,6 +201,25 @@ bool scene_mesh_is_sound(const stilb_scene_mesh *mesh)
 	return sound;
 }
 
+/* True if all numbers are within 1e18. */
+static bool scene_mount_is_sound(const stilb_scene_mount *mount)
+{
+	const float *vectors[] = {mount->position, mount->direction, mount->half_x, mount->half_y, mount->up};
+	bool sound = scene_is_within(&mount->radius, 1, -SCENE_FAR, SCENE_FAR);
+	for (size_t v = 0; v < sizeof vectors / sizeof *vectors; v++)
+		sound = sound && scene_is_within(vectors[v], 3, -SCENE_FAR, SCENE_FAR);
+	return sound;
+}
+
+/* mounts: NULL, or [count]. */
+static bool scene_mounts_are_sound(const stilb_scene_mount *mounts, uint32_t count, uint32_t node_count)
+{
+	bool sound = true;
+	for (uint32_t i = 0; mounts && i < count; i++)
+		sound = sound && mounts[i].node <= node_count && scene_mount_is_sound(&mounts[i]);
+	return sound;
+}
+
 bool scene_nodes_are_sound(const stilb_scene *scene)
 {
 	const stilb_scene_nodes *nodes = &scene->nodes;
@@ -202,7 +233,8 @@ bool scene_nodes_are_sound(const stilb_scene *scene)
 	}
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		sound = sound && scene->model_node[m] <= nodes->count;
-	return sound;
+	return sound && scene_mounts_are_sound(scene->light_mounts, scene->light_count, nodes->count) &&
+	       scene_mounts_are_sound(scene->camera_mounts, scene->camera_count, nodes->count);
 }
 
 bool scene_is_sound(const stilb_scene *scene)

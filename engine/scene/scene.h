@@ -206,7 +206,7 @@ typedef struct stilb_scene_camera {
 
 #define STILB_SCENE_NAME 64 /* bytes of a name with its end */
 
-/* A camera of a file, under its name there, UTF-8, cut to fit; "": it has none. */
+/* A camera of a file or a build, under its name there, UTF-8, cut to fit; "": it has none. */
 typedef struct stilb_scene_named_camera {
 	char name[STILB_SCENE_NAME];
 	stilb_scene_camera camera;
@@ -227,9 +227,8 @@ typedef struct stilb_scene_pose {
 	float scale[3];    /* along the axes before they are turned; of any sign */
 } stilb_scene_pose;
 
-/* A hierarchy of places, on which models hang. scene_node.h changes it. Scenes of files have the file's nodes, every
- * parent before its children, and a node for each instance of an instanced one; lights and cameras do not hang on
- * them. */
+/* A hierarchy of places, on which models, lights and cameras hang. scene_node.h changes it. Scenes of files have the
+ * file's nodes, every parent before its children, and a node for each instance of an instanced one. */
 typedef struct stilb_scene_nodes {
 	uint32_t count;
 	uint32_t *parent;       /* [count] STILB_SCENE_NONE: the world; of a removed node: itself */
@@ -239,6 +238,17 @@ typedef struct stilb_scene_nodes {
 	stilb_mat4 *to_world; /* [count] as of the last frame or stilb_scene_update_nodes */
 	char (*name)[64];     /* [count] UTF-8, cut to fit; "": it has none */
 } stilb_scene_nodes;
+
+/* How a light or a camera stands in the space of the node on which it hangs. What the list of lights or cameras says of
+ * it is its place in the world (stilb_scene_attach_light). */
+typedef struct stilb_scene_mount {
+	uint32_t node;              /* 1 + the node; 0: it hangs on none, and the other members are unused */
+	float position[3];          /* within 1e18 */
+	float direction[3];         /* of a light, or along a camera's view */
+	float half_x[3], half_y[3]; /* of a RECTANGLE */
+	float radius;               /* of a SPHERE or DISK */
+	float up[3];                /* of a camera: the direction that is up in its picture */
+} stilb_scene_mount;
 
 /* Bounding spheres, one array for each component (culling reads them sixteen at a time): 64-byte aligned. */
 typedef struct stilb_scene_bounds {
@@ -283,7 +293,8 @@ typedef struct stilb_scene {
 	uint32_t texture_count;
 	stilb_image *textures; /* [texture_count]; 1 to 4 channels; row 0 is v = 0; repeated outside [0, 1] */
 	uint32_t light_count;
-	stilb_scene_light *lights; /* [light_count] */
+	stilb_scene_light *lights;       /* [light_count] */
+	stilb_scene_mount *light_mounts; /* [light_count]; NULL: no light hangs on a node */
 
 	stilb_scene_surroundings surroundings;
 	stilb_scene_backdrop backdrop; /* map and floor are the scene's own, as scene_look.h makes them */
@@ -293,6 +304,7 @@ typedef struct stilb_scene {
 	stilb_scene_camera camera;         /* the one to look with; of a file at first its first camera */
 	uint32_t camera_count;             /* of the file's cameras */
 	stilb_scene_named_camera *cameras; /* [camera_count] in the order of the file */
+	stilb_scene_mount *camera_mounts;  /* [camera_count]; NULL: no camera hangs on a node */
 	bool framed; /* the camera is stilb_scene_frame's for a square picture, because the file has none */
 	/* Frames show triangles from behind, too, as rays do, with the normal on the viewer's side; they emit from the
 	 * front alone. True of files, whose triangles do not all face outwards. It costs what is drawn of back sides. */

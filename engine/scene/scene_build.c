@@ -31,6 +31,11 @@ typedef struct build_node {
 	char name[64];
 } build_node;
 
+typedef struct build_camera {
+	stilb_scene_named_camera named; /* in the world */
+	stilb_scene_mount mount;
+} build_camera;
+
 struct stilb_scene_build {
 	build_list meshes;    /* of build_mesh */
 	build_list textures;  /* of stilb_image */
@@ -38,7 +43,9 @@ struct stilb_scene_build {
 	build_list nodes;     /* of build_node */
 	build_list models;    /* of build_model */
 	build_list parts;     /* of stilb_scene_build_part */
-	build_list lights;    /* of stilb_scene_light */
+	build_list lights;    /* of stilb_scene_light, in the world */
+	build_list mounts;    /* of stilb_scene_mount, one for each light */
+	build_list cameras;   /* of build_camera */
 	stilb_scene_surroundings surroundings;
 	stilb_scene_camera camera;
 	bool has_camera;
@@ -125,6 +132,8 @@ static void build_free(stilb_scene_build *build)
 	free(build->models.items);
 	free(build->parts.items);
 	free(build->lights.items);
+	free(build->mounts.items);
+	free(build->cameras.items);
 	free(build);
 }
 
@@ -299,11 +308,19 @@ uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const 
 
 /* ---- light and camera -------------------------------------------------------------------------------------------- */
 
-uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light)
+/* The place of a node of this build, for thing `id`; NULL after the mistake that there is none. */
+static const stilb_mat4 *build_place(stilb_scene_build *build, uint32_t node, const char *what, uint32_t id)
 {
-	STILB_ASSERT(light);
-	if (!build_goes_on(build))
-		return 0;
+	const build_node *nodes = build->nodes.items;
+	if (node < build->nodes.count)
+		return &nodes[node].to_world;
+	build_refuse(build, "%s %u: there is no node %u", what, id, node);
+	return NULL;
+}
+
+/* Adds a light in the world, and how it hangs on a node, or {0}. */
+static uint32_t build_add_light(stilb_scene_build *build, const stilb_scene_light *light, stilb_scene_mount mount)
+{
 	uint32_t id = build->lights.count;
 	const char *mistake = stilb_scene_light_mistake(light);
 	if (mistake)
@@ -312,7 +329,33 @@ uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_lig
 		build_refuse(build, "light %u: there is no part %u", id, light->face - 1);
 	if (!build_goes_on(build))
 		return 0;
-	return build_add(build, &build->lights, light, sizeof *light, "light");
+	build_add(build, &build->mounts, &mount, sizeof mount, "light");
+	return build_goes_on(build) ? build_add(build, &build->lights, light, sizeof *light, "light") : 0;
+}
+
+uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light)
+{
+	STILB_ASSERT(light);
+	return build_goes_on(build) ? build_add_light(build, light, (stilb_scene_mount){0}) : 0;
+}
+
+uint32_t stilb_scene_build_light_on(stilb_scene_build *build, uint32_t node, const stilb_scene_light *light)
+{
+	STILB_ASSERT(light);
+	if (!build_goes_on(build))
+		return 0;
+	uint32_t id = build->lights.count;
+	const stilb_mat4 *place = build_place(build, node, "light", id);
+	const char *mistake = stilb_scene_light_mistake(light);
+	if (!place || mistake)
+		return place ? (build_refuse(build, "light %u: %s", id, mistake), 0) : 0;
+	stilb_scene_mount mount = scene_mount_of_light(light, node + 1);
+	stilb_scene_light placed = *light;
+	if (!scene_mount_light(&mount, place, &placed)) {
+		build_refuse(build, "light %u: node %u makes it too small or puts it too far away", id, node);
+		return 0;
+	}
+	return build_add_light(build, &placed, mount);
 }
 
 void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_surroundings *surroundings)
@@ -342,21 +385,53 @@ void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_
 	build->surroundings.panorama = copy;
 }
 
+/* True if there is nothing wrong with a camera. name: "camera", or its number, too. */
+static bool build_camera_check(stilb_scene_build *build, const char *name, const stilb_scene_camera *camera)
+{
+	const float angles[3] = {camera->yaw, camera->pitch, camera->roll};
+	if (!scene_is_within(camera->position, 3, -SCENE_FAR, SCENE_FAR) || !scene_is_within(angles, 3, -FLT_MAX, FLT_MAX))
+		build_refuse(build, "%s: its position is not within 1e18 m, or an angle is not finite", name);
+	else if (!(camera->fov_y > 0.0f && camera->fov_y < 3.1415925f))
+		build_refuse(build, "%s: the field of view %g is not between 0 and pi", name, (double)camera->fov_y);
+	else if (!(camera->near_z > 0.0f && camera->near_z < camera->far_z && camera->far_z <= SCENE_FAR))
+		build_refuse(build, "%s: near %g and far %g are not 0 < near < far", name, (double)camera->near_z,
+		             (double)camera->far_z);
+	return build_goes_on(build);
+}
+
 void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera *camera)
 {
 	STILB_ASSERT(camera);
-	if (!build_goes_on(build))
+	if (!build_goes_on(build) || !build_camera_check(build, "camera", camera))
 		return;
-	const float angles[3] = {camera->yaw, camera->pitch, camera->roll};
-	if (!scene_is_within(camera->position, 3, -SCENE_FAR, SCENE_FAR) || !scene_is_within(angles, 3, -FLT_MAX, FLT_MAX))
-		build_refuse(build, "camera: its position is not within 1e18 m, or an angle is not finite");
-	else if (!(camera->fov_y > 0.0f && camera->fov_y < 3.1415925f))
-		build_refuse(build, "camera: the field of view %g is not between 0 and pi", (double)camera->fov_y);
-	else if (!(camera->near_z > 0.0f && camera->near_z < camera->far_z && camera->far_z <= SCENE_FAR))
-		build_refuse(build, "camera: near %g and far %g are not 0 < near < far", (double)camera->near_z,
-		             (double)camera->far_z);
 	build->camera = *camera;
 	build->has_camera = true;
+}
+
+uint32_t stilb_scene_build_named_camera(stilb_scene_build *build, const char *name, uint32_t node,
+                                        const stilb_scene_camera *camera)
+{
+	STILB_ASSERT(name && camera);
+	if (!build_goes_on(build))
+		return 0;
+	char what[32];
+	uint32_t id = build->cameras.count;
+	build_camera made = {.named.camera = *camera};
+	snprintf(what, sizeof what, "camera %u", id);
+	snprintf(made.named.name, sizeof made.named.name, "%s", name);
+	if (!build_camera_check(build, what, camera))
+		return 0;
+	if (node != STILB_SCENE_NO_PARENT) {
+		const stilb_mat4 *place = build_place(build, node, "camera", id);
+		if (!place)
+			return 0;
+		made.mount = scene_mount_of_camera(camera, node + 1);
+		if (!scene_mount_camera(&made.mount, place, &made.named.camera)) {
+			build_refuse(build, "camera %u: node %u puts it too far away", id, node);
+			return 0;
+		}
+	}
+	return build_add(build, &build->cameras, &made, sizeof made, "camera");
 }
 
 /* ---- the scene --------------------------------------------------------------------------------------------------- */
@@ -370,6 +445,19 @@ static void build_fill_nodes(const stilb_scene_build *build, stilb_scene_nodes *
 		to->local[n] = nodes[n].local;
 		to->to_world[n] = nodes[n].to_world;
 		memcpy(to->name[n], nodes[n].name, sizeof *to->name);
+	}
+}
+
+/* Copies cameras, and how lights and cameras hang on nodes where the scene has room for that. */
+static void build_fill_mounts(const stilb_scene_build *build, stilb_scene *scene)
+{
+	const build_camera *cameras = build->cameras.items;
+	if (scene->light_mounts)
+		memcpy(scene->light_mounts, build->mounts.items, scene->light_count * sizeof *scene->light_mounts);
+	for (uint32_t c = 0; c < scene->camera_count; c++) {
+		scene->cameras[c] = cameras[c].named;
+		if (scene->camera_mounts)
+			scene->camera_mounts[c] = cameras[c].mount;
 	}
 }
 
@@ -395,6 +483,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 	scene->surroundings = build->surroundings;
 	build->surroundings.panorama = (stilb_image){0};
 	build_fill_nodes(build, &scene->nodes);
+	build_fill_mounts(build, scene);
 	for (uint32_t m = 0; m < scene->model_count; m++) {
 		uint32_t end = m + 1 < scene->model_count ? models[m + 1].first_part : scene->part_count;
 		scene->first_part[m] = models[m].first_part;
@@ -413,6 +502,17 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 	STILB_CHECK(scene_is_sound(scene) && scene_nodes_are_sound(scene));
 }
 
+/* Room for nodes, and for the lights and cameras that may hang on them. */
+static stilb_result build_add_nodes(const stilb_scene_build *build, stilb_scene *scene)
+{
+	stilb_result result = scene_add_nodes(scene, build->nodes.count);
+	if (result == STILB_OK && scene->light_count > 0)
+		result = scene_add_mounts(&scene->light_mounts, scene->light_count);
+	if (result == STILB_OK && scene->camera_count > 0)
+		result = scene_add_mounts(&scene->camera_mounts, scene->camera_count);
+	return result;
+}
+
 static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
 {
 	if (build->error != STILB_OK)
@@ -424,8 +524,10 @@ static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
 		result = scene_add_textures(scene, build->textures.count);
 	if (result == STILB_OK && build->lights.count > 0)
 		result = scene_add_lights(scene, build->lights.count);
+	if (result == STILB_OK && build->cameras.count > 0)
+		result = scene_add_cameras(scene, build->cameras.count);
 	if (result == STILB_OK && build->nodes.count > 0)
-		result = scene_add_nodes(scene, build->nodes.count);
+		result = build_add_nodes(build, scene);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;

@@ -81,6 +81,10 @@ uint32_t stilb_scene_build_model(stilb_scene_build *build, uint32_t node, const 
  * counted over all models so far, or 0. */
 uint32_t stilb_scene_build_light(stilb_scene_build *build, const stilb_scene_light *light);
 
+/* The same for a light that hangs on a node, and is in its space: who moves the node later moves the light
+ * (scene_node.h). */
+uint32_t stilb_scene_build_light_on(stilb_scene_build *build, uint32_t node, const stilb_scene_light *light);
+
 /* Sets the surroundings: radiances finite and >= 0; a finite rotation; a panorama of 3 channels in F32_LINEAR, or
  * none. Without this call
  * they are black. */
@@ -89,6 +93,11 @@ void stilb_scene_build_surroundings(stilb_scene_build *build, const stilb_scene_
 /* Sets the camera, whose members are in the ranges that stilb_scene_camera says. Without this call it is one that sees
  * the whole scene from the front, a little from above. */
 void stilb_scene_build_camera(stilb_scene_build *build, const stilb_scene_camera *camera);
+
+/* Adds to scene->cameras one that hangs on a node, and is in its space; STILB_SCENE_NO_PARENT: it hangs on none. The
+ * name is cut to 63 bytes. */
+uint32_t stilb_scene_build_named_camera(stilb_scene_build *build, const char *name, uint32_t node,
+                                        const stilb_scene_camera *camera);
 
 /* Makes the scene, and frees the build in any case. STILB_ERROR_ARGUMENT: the first mistake. STILB_ERROR_MEMORY.
  * *scene is NULL then. */

@@ -33,7 +33,21 @@ bool scene_variants_are_sound(const stilb_scene *scene);
  * to_world. STILB_ERROR_MEMORY. */
 stilb_result scene_add_nodes(stilb_scene *scene, uint32_t count);
 
-/* True if each node stands after its parent, with finite places, and models hang on nodes that exist. Not for scenes
+/* Rooms for what hangs on nodes of lights and cameras, of those that there are now, all on none. Does nothing if it is
+ * there. STILB_ERROR_MEMORY. */
+stilb_result scene_add_mounts(stilb_scene_mount **mounts, uint32_t count);
+
+/* scene_mount.c: how a light or a camera stands in a space in which it is what it says. node: 1 + a node. */
+stilb_scene_mount scene_mount_of_light(const stilb_scene_light *light, uint32_t node);
+stilb_scene_mount scene_mount_of_camera(const stilb_scene_camera *camera, uint32_t node);
+
+/* Puts a light or a camera where its node's place, affine, has it. False: it would be out of its ranges there; then it
+ * is as it was. [any-thread] */
+bool scene_mount_light(const stilb_scene_mount *mount, const stilb_mat4 *to_world, stilb_scene_light *light);
+bool scene_mount_camera(const stilb_scene_mount *mount, const stilb_mat4 *to_world, stilb_scene_camera *camera);
+
+/* True if each node stands after its parent, with finite places, and models, lights and cameras hang on nodes that
+ * exist. Not for scenes
  * that were edited. */
 bool scene_nodes_are_sound(const stilb_scene *scene);
 

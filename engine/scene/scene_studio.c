@@ -187,6 +187,8 @@ stilb_result stilb_scene_set_studio(stilb_scene *scene, float yaw)
 	for (size_t i = 0; i < STUDIO_LIGHTS; i++)
 		lights[i] = studio_light_of(&studio_lights[i], yaw, &sphere);
 	free(scene->lights);
+	free(scene->light_mounts);
+	scene->light_mounts = NULL;
 	scene->lights = lights;
 	scene->light_count = STUDIO_LIGHTS;
 	scene->studio = true;

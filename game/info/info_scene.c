@@ -93,6 +93,26 @@ static int info_bits(const stilb_image *image)
 	return (int)(stilb_image_size(image) * 8 / ((uint64_t)image->width * image->height * image->channels));
 }
 
+/* How many of these hang on nodes; mounts: NULL, or [count]. */
+static uint32_t info_mounted(const stilb_scene_mount *mounts, uint32_t count)
+{
+	uint32_t mounted = 0;
+	for (uint32_t i = 0; mounts && i < count; i++)
+		mounted += mounts[i].node > 0;
+	return mounted;
+}
+
+static void info_print_nodes(FILE *out, const stilb_scene *scene)
+{
+	uint32_t lights = info_mounted(scene->light_mounts, scene->light_count);
+	uint32_t cameras = info_mounted(scene->camera_mounts, scene->camera_count);
+	fprintf(out, "; %u node%s", scene->nodes.count, info_s(scene->nodes.count));
+	if (lights > 0)
+		fprintf(out, ", with %u light%s", lights, info_s(lights));
+	if (cameras > 0)
+		fprintf(out, "%s%u camera%s", lights > 0 ? " and " : ", with ", cameras, info_s(cameras));
+}
+
 /* What frames do not draw, of what is there: X(words, is it there). */
 #define INFO_NOT_LIVE(X)                                                                                               \
 	X("light from emitting triangles", c->hidden > 0)                                                                  \
@@ -187,7 +207,7 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 	if (c->drawn != c->triangles)
 		fprintf(out, ", drawn as %" PRIu64 " triangles", c->drawn);
 	if (scene->nodes.count > 0)
-		fprintf(out, "; %u node%s", scene->nodes.count, info_s(scene->nodes.count));
+		info_print_nodes(out, scene);
 	fprintf(out, "\n");
 	if (c->low[0] <= c->high[0])
 		fprintf(out, "  from %.4g, %.4g, %.4g to %.4g, %.4g, %.4g m\n", (double)c->low[0], (double)c->low[1],
@@ -294,6 +314,8 @@ static stilb_result info_scene_save(const char *path, const char *name, const in
 	stilb_json_int(&json, "models", scene->model_count);
 	stilb_json_int(&json, "parts", scene->part_count);
 	stilb_json_int(&json, "nodes", scene->nodes.count);
+	stilb_json_int(&json, "lights_on_nodes", info_mounted(scene->light_mounts, scene->light_count));
+	stilb_json_int(&json, "cameras_on_nodes", info_mounted(scene->camera_mounts, scene->camera_count));
 	stilb_json_int(&json, "meshes", scene->mesh_count);
 	stilb_json_int(&json, "vertices", (int64_t)c->vertices);
 	stilb_json_int(&json, "triangles", (int64_t)c->triangles);

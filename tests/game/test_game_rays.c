@@ -5,6 +5,7 @@
 #include "game/view/view_trace.h"
 #include "gi/gi_scene_internal.h"
 #include "scene/edit/scene_edit.h"
+#include "scene/edit/scene_node.h"
 #include "support/test.h"
 
 #include <stdatomic.h>
@@ -186,9 +187,32 @@ static void ends_at_once(void **state)
 	view_trace_end(NULL);
 }
 
-/* Edits of the scene: other paint, and parts that move. */
+/* A lamp on a node, then the node moves. */
+static void edit_lamp(bool move)
+{
+	static uint32_t node;
+	stilb_scene_pose pose = stilb_scene_pose_identity();
+	stilb_scene_light lights[2] = {scene->lights[0],
+	                               {.kind = STILB_SCENE_LIGHT_POINT, .intensity = {0.3f, 0.2f, 0.1f}}};
+	for (int i = 0; i < 3; i++) /* in the middle of the box, or nearer to a wall */
+		pose.translation[i] =
+			0.5f * (scene->bounds.x[0] * (i == 0) + scene->bounds.y[0] * (i == 1)) + 0.1f * (float)move;
+	if (move) {
+		assert_int_equal(stilb_scene_set_node_pose(scene, node, &pose), STILB_OK);
+		return;
+	}
+	assert_int_equal(stilb_scene_add_node(scene, STILB_SCENE_NONE, &pose, &node), STILB_OK);
+	assert_int_equal(stilb_scene_set_lights(scene, lights, 2), STILB_OK);
+	assert_int_equal(stilb_scene_attach_light(scene, 1, node), STILB_OK);
+}
+
+/* Edits of the scene: other paint, parts that move, and a lamp that does. */
 static void edit(int step)
 {
+	if (step > 4) {
+		edit_lamp(step > 5);
+		return;
+	}
 	stilb_scene_material paint = scene->materials[0];
 	stilb_mat4 places[4]; /* of the white walls with the blocks, a red one, a green one, the lamp */
 	paint.diffuse[1] = step == 0 ? 0.1f : 0.7f;
@@ -210,7 +234,7 @@ static void edits_are_followed(void **state)
 	stilb_gi_settings settings = settings_for(2, 0.0f), endless = settings_for(65536, 0.1f);
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 1}, &pool), 0);
 	assert_int_equal(view_trace_start(scene, pool, 2, &stilb_gi_brute, &trace), STILB_OK);
-	for (int step = 0; step < 5; step++) {
+	for (int step = 0; step < 7; step++) {
 		view_trace_look(trace, &endless);
 		if (step % 2 > 0)
 			await(trace, pool, VIEW_TRACE_RENDERING);

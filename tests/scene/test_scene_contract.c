@@ -157,7 +157,9 @@ static void builds(void **state)
 	contract_breaks("`local'", stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, NULL));
 	contract_breaks("parts || part_count == 0", stilb_scene_build_model(build, 0, NULL, 1));
 	contract_breaks("`light'", stilb_scene_build_light(build, NULL));
+	contract_breaks("`light'", stilb_scene_build_light_on(build, 0, NULL));
 	contract_breaks("`camera'", stilb_scene_build_camera(build, NULL));
+	contract_breaks("name && camera", stilb_scene_build_named_camera(build, NULL, 0, NULL));
 	contract_breaks("`scene'", stilb_scene_build_end(build, NULL));
 	stilb_scene *scene;
 	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);

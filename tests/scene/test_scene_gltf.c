@@ -614,6 +614,39 @@ static void lights(void **state)
 	assert_numbers(scene->lights[1].direction, (const float[]){0, 0, -1}, 3);
 	assert_int_equal(scene->lights[2].kind, STILB_SCENE_LIGHT_DIRECTIONAL);
 	assert_said("lights without brightness, or too far away, are left out: 1 light ('off')");
+	for (uint32_t i = 0; i < 3; i++)
+		assert_int_equal(scene->light_mounts[i].node, 2 + i);
+	stilb_scene_destroy(scene);
+}
+
+/* A spot and a camera on a child of an arm; where the arm turns, they follow. */
+static void lights_and_cameras_hang_on_their_nodes(void **state)
+{
+	(void)state;
+	begin();
+	put(triangle, sizeof triangle);
+	stilb_scene *scene = open_glb(TRIANGLE ",\"accessors\":[" VEC3(
+		0) "],\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0},"
+	       "{\"name\":\"arm\",\"translation\":[0,5,0],\"children\":[2]},{\"translation\":[1,0,0],\"camera\":0,"
+	       "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],"
+	       "\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.8,\"znear\":0.1}}],"
+	       "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\"}]}}");
+	assert_true(scene->light_count == 1 && scene->camera_count == 1);
+	assert_true(scene->light_mounts[0].node == 3 && scene->camera_mounts[0].node == 3);
+	assert_numbers(scene->lights[0].position, (const float[]){1, 5, 0}, 3);
+	assert_numbers(scene->cameras[0].camera.position, (const float[]){1, 5, 0}, 3);
+	stilb_scene_pose turned = scene->nodes.pose[1]; /* a quarter of a turn to the left, seen from above */
+	turned.rotation[1] = turned.rotation[3] = sqrtf(0.5f);
+	turned.scale[0] = turned.scale[1] = turned.scale[2] = 2.0f;
+	assert_int_equal(stilb_scene_set_node_pose(scene, 1, &turned), STILB_OK);
+	stilb_scene_update_nodes(scene, NULL, 0);
+	assert_numbers(scene->lights[0].position, (const float[]){0, 5, -2}, 3);
+	assert_numbers(scene->lights[0].direction, (const float[]){-1, 0, 0}, 3);
+	assert_numbers(scene->lights[0].intensity, (const float[]){1, 1, 1}, 3);
+	const stilb_scene_camera *camera = &scene->cameras[0].camera;
+	assert_numbers(camera->position, (const float[]){0, 5, -2}, 3);
+	assert_true(fabsf(camera->yaw - 1.5707963f) < 1e-5f && fabsf(camera->pitch) < 1e-5f && camera->roll == 0.0f);
+	assert_true(camera->fov_y == 0.8f);
 	stilb_scene_destroy(scene);
 }
 
@@ -1100,6 +1133,7 @@ int main(void)
 		cmocka_unit_test(draco),
 		cmocka_unit_test(materials),
 		cmocka_unit_test(lights),
+		cmocka_unit_test(lights_and_cameras_hang_on_their_nodes),
 		cmocka_unit_test(variants),
 		cmocka_unit_test(variants_share_their_coordinates),
 		cmocka_unit_test(clips_skins_and_targets_are_kept),

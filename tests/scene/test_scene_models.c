@@ -4,7 +4,7 @@
  * listed.
  */
 #include "scene/open/scene_import.h"
-#include "scene/scene.h"
+#include "scene/scene_internal.h"
 #include "support/test.h"
 
 #include <fts.h>
@@ -16,6 +16,33 @@
 #include <unistd.h>
 
 #define MODELS "/usr/share/assimp/models"
+
+static uint32_t lights_on_nodes, cameras_on_nodes; /* of all files */
+
+/* Lights and cameras that hang on nodes stand where these have them, bit for bit. */
+static void assert_mounts(const stilb_scene *scene)
+{
+	const stilb_mat4 *places = scene->nodes.to_world;
+	for (uint32_t i = 0; i < scene->light_count; i++) {
+		const stilb_scene_mount *mount = &scene->light_mounts[i];
+		stilb_scene_light light = scene->lights[i];
+		light.position[0] += light.kind == STILB_SCENE_LIGHT_DIRECTIONAL ? 0.0f : 1.0f;
+		light.direction[1] += light.kind == STILB_SCENE_LIGHT_POINT ? 0.0f : 1.0f;
+		assert_true(mount->node <= scene->nodes.count);
+		if (mount->node && scene_mount_light(mount, &places[mount->node - 1], &light))
+			assert_memory_equal(&light, &scene->lights[i], sizeof light);
+		lights_on_nodes += mount->node > 0;
+	}
+	for (uint32_t c = 0; c < scene->camera_count; c++) {
+		const stilb_scene_mount *mount = &scene->camera_mounts[c];
+		stilb_scene_camera camera = scene->cameras[c].camera;
+		camera.yaw = camera.pitch = camera.roll = camera.position[2] = 7.0f;
+		assert_true(mount->node <= scene->nodes.count);
+		if (mount->node && scene_mount_camera(mount, &places[mount->node - 1], &camera))
+			assert_memory_equal(&camera, &scene->cameras[c].camera, sizeof camera);
+		cameras_on_nodes += mount->node > 0;
+	}
+}
 
 /* Every model hangs on a node and has its place, which is the product of the matrices from the root. */
 static void assert_nodes(const stilb_scene *scene)
@@ -34,6 +61,7 @@ static void assert_nodes(const stilb_scene *scene)
 			assert_memory_equal(&scene->part_transform[p], &nodes->to_world[scene->model_node[m] - 1],
 			                    sizeof(stilb_mat4));
 	}
+	assert_mounts(scene);
 }
 
 static void assert_usable(const stilb_scene *scene)
@@ -240,7 +268,9 @@ static void every_file_ends_in_a_scene_or_a_message(void **state)
 		stilb_scene_destroy(scene);
 	}
 	fts_close(walk);
-	print_message("%d of %d files are scenes\n", scenes, files);
+	print_message("%d of %d files are scenes, with %u lights and %u cameras on nodes\n", scenes, files, lights_on_nodes,
+	              cameras_on_nodes);
+	assert_true(lights_on_nodes > 10 && cameras_on_nodes > 10);
 	assert_true(scenes * 3 > files); /* of all files it is 55 % */
 }
 

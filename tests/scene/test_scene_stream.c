@@ -70,6 +70,10 @@ static stilb_scene *make(void)
 	}
 	strcpy(scene->nodes.name[2], "hand\tle");
 	scene->model_node[0] = 3;
+	assert_int_equal(scene_add_mounts(&scene->light_mounts, 1), STILB_OK);
+	assert_int_equal(scene_add_mounts(&scene->camera_mounts, 1), STILB_OK);
+	scene->light_mounts[0] = scene_mount_of_light(&scene->lights[0], 2);
+	scene->camera_mounts[0] = scene_mount_of_camera(&scene->cameras[0].camera, 3);
 	return scene;
 }
 
@@ -94,6 +98,8 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_memory_equal(back->nodes.pose, scene->nodes.pose, 3 * sizeof *scene->nodes.pose);
 	assert_true(back->model_node[0] == 3 && back->nodes.to_world[2].m[13] == 2.0f * 2.0f + 0.0f);
 	assert_true(back->nodes.to_world[2].m[0] == 4.0f && back->nodes.to_world[2].m[12] == 3.0f);
+	assert_memory_equal(back->light_mounts, scene->light_mounts, sizeof *scene->light_mounts);
+	assert_memory_equal(back->camera_mounts, scene->camera_mounts, sizeof *scene->camera_mounts);
 	assert_true(back->surroundings.ground[1] == 0.25f && back->bounds.radius[0] == scene->bounds.radius[0]);
 	unsigned char *second = bytes_of(back, &again);
 	assert_int_equal(again, size);
@@ -162,6 +168,9 @@ static void nothing_points_past_the_end(void **state)
 	                            &scene->variants->materials[1],
 	                            &scene->nodes.parent[1],
 	                            &scene->model_node[0],
+	                            &scene->light_mounts[0].node,
+	                            &scene->camera_mounts[0].node,
+	                            (uint32_t *)&scene->camera_mounts[0].up[2],
 	                            (uint32_t *)&scene->nodes.local[2].m[5]};
 	const uint32_t wrong[] = {scene->meshes[0].vertex_count,
 	                          scene->mesh_count,
@@ -173,6 +182,9 @@ static void nothing_points_past_the_end(void **state)
 	                          scene->material_count,
 	                          1,
 	                          scene->nodes.count + 1,
+	                          scene->nodes.count + 1,
+	                          scene->nodes.count + 1,
+	                          0x7fc00000u /* NaN */,
 	                          0x7f800000u /* infinity */};
 	for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
 		size_t size;

@@ -99,9 +99,9 @@ stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id);
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
-/* Replaces the list of lights by a copy of this one; count may be 0, and lights may be the scene's own. A light may
- * also be changed where it stands in the scene's list. STILB_ERROR_ARGUMENT: stilb_scene_light_mistake finds
- * something, or there is no part `face`. */
+/* Replaces the list of lights by a copy of this one; count may be 0, and lights may be the scene's own. None of the new
+ * list hangs on a node (stilb_scene_attach_light). A light may also be changed where it stands in the scene's list.
+ * STILB_ERROR_ARGUMENT: stilb_scene_light_mistake finds something, or there is no part `face`. */
 stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light *lights, uint32_t count);
 
 /* ---- what has changed -------------------------------------------------------------------------------------------- */

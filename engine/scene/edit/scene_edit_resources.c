@@ -310,6 +310,8 @@ stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light 
 	if (count > 0)
 		memcpy(copy, lights, count * sizeof *copy);
 	free(scene->lights);
+	free(scene->light_mounts);
+	scene->light_mounts = NULL;
 	scene->lights = copy;
 	scene->light_count = count;
 	return STILB_OK;

@@ -3,6 +3,7 @@
 
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/scene_internal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -132,18 +133,43 @@ stilb_result stilb_scene_add_node(stilb_scene *scene, uint32_t parent, const sti
 	return STILB_OK;
 }
 
-stilb_result stilb_scene_remove_node(stilb_scene *scene, uint32_t id)
+/* The first of these that hangs on a node, or STILB_SCENE_NONE. mounts: NULL, or [count]. */
+static uint32_t node_mounted(const stilb_scene_mount *mounts, uint32_t count, uint32_t node)
 {
-	stilb_result result = node_find(scene, id);
-	if (result != STILB_OK)
-		return result;
-	edit_nodes *nodes = &scene->edits->nodes;
+	for (uint32_t i = 0; mounts && i < count; i++)
+		if (mounts[i].node == node + 1)
+			return i;
+	return STILB_SCENE_NONE;
+}
+
+/* STILB_OK if nothing hangs on a node. */
+static stilb_result node_check_free(const stilb_scene *scene, uint32_t id)
+{
+	const edit_nodes *nodes = &scene->edits->nodes;
 	if (nodes->children[id] > 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u is in use by %u node%s; remove these first", id,
 		                  nodes->children[id], nodes->children[id] == 1 ? "" : "s");
 	if (nodes->first_model[id])
 		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u is in use by model %u; attach it elsewhere first", id,
 		                  nodes->first_model[id] - 1);
+	uint32_t light = node_mounted(scene->light_mounts, scene->light_count, id);
+	if (light != STILB_SCENE_NONE)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u is in use by light %u; attach it elsewhere first", id, light);
+	uint32_t camera = node_mounted(scene->camera_mounts, scene->camera_count, id);
+	if (camera != STILB_SCENE_NONE)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "node %u is in use by camera %u; attach it elsewhere first", id,
+		                  camera);
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_remove_node(stilb_scene *scene, uint32_t id)
+{
+	stilb_result result = node_find(scene, id);
+	if (result == STILB_OK)
+		result = node_check_free(scene, id);
+	if (result != STILB_OK)
+		return result;
+	edit_nodes *nodes = &scene->edits->nodes;
 	uint32_t parent = scene->nodes.parent[id];
 	if (parent != STILB_SCENE_NONE)
 		nodes->children[parent]--;
@@ -225,4 +251,47 @@ uint32_t stilb_scene_find_node(const stilb_scene *scene, const char *name)
 		if (scene->nodes.parent[n] != n && strcmp(scene->nodes.name[n], name) == 0)
 			return n;
 	return STILB_SCENE_NONE;
+}
+
+/* ---- lights and cameras ------------------------------------------------------------------------------------------ */
+
+/* Checks that thing `id` of `count` can hang on a node, and makes room in its list. */
+static stilb_result node_mount(stilb_scene *scene, stilb_scene_mount **mounts, uint32_t count, uint32_t id,
+                               uint32_t node, const char *what)
+{
+	stilb_result result = scene_edit_begin(scene);
+	if (result == STILB_OK && id >= count)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no %s %u", what, id);
+	if (result == STILB_OK && node != STILB_SCENE_NONE && !node_exists(scene, node))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "%s %u: there is no node %u", what, id, node);
+	return result == STILB_OK && node != STILB_SCENE_NONE ? scene_add_mounts(mounts, count) : result;
+}
+
+/* Keeps how a thing hangs; one that hangs on no node needs no list. */
+static void node_mount_put(stilb_scene *scene, stilb_scene_mount *mounts, uint32_t id, stilb_scene_mount mount)
+{
+	if (mounts)
+		mounts[id] = mount;
+	if (mount.node)
+		scene_edit_node_changed(&scene->edits->nodes, mount.node - 1);
+}
+
+stilb_result stilb_scene_attach_light(stilb_scene *scene, uint32_t light, uint32_t node)
+{
+	stilb_result result = node_mount(scene, &scene->light_mounts, scene->light_count, light, node, "light");
+	if (result == STILB_OK)
+		node_mount_put(scene, scene->light_mounts, light,
+		               node == STILB_SCENE_NONE ? (stilb_scene_mount){0}
+		                                        : scene_mount_of_light(&scene->lights[light], node + 1));
+	return result;
+}
+
+stilb_result stilb_scene_attach_camera(stilb_scene *scene, uint32_t camera, uint32_t node)
+{
+	stilb_result result = node_mount(scene, &scene->camera_mounts, scene->camera_count, camera, node, "camera");
+	if (result == STILB_OK)
+		node_mount_put(scene, scene->camera_mounts, camera,
+		               node == STILB_SCENE_NONE ? (stilb_scene_mount){0}
+		                                        : scene_mount_of_camera(&scene->cameras[camera].camera, node + 1));
+	return result;
 }

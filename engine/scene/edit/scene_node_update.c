@@ -5,6 +5,7 @@
 
 #include "profiler/prof.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/scene_internal.h"
 
 #include <string.h>
 
@@ -190,6 +191,37 @@ static bool update_list_models(stilb_scene *scene, uint32_t begin, uint32_t end)
 	return any;
 }
 
+/* True if the node lies in one of the ranges, whose begins are in nodes->changed, in ascending order. */
+static bool update_has_placed(const edit_nodes *nodes, uint32_t range_count, uint32_t node)
+{
+	uint32_t low = 0, high = range_count, position = nodes->position[node];
+	while (low < high) { /* the first range that begins after the node */
+		uint32_t middle = low + (high - low) / 2;
+		if (nodes->changed[middle] <= position)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low > 0 && position < nodes->end[nodes->changed[low - 1]];
+}
+
+/* Places the lights and cameras on nodes that were placed. */
+static void update_mounts(stilb_scene *scene, uint32_t range_count)
+{
+	const edit_nodes *nodes = &scene->edits->nodes;
+	const stilb_mat4 *places = scene->nodes.to_world;
+	for (uint32_t i = 0; scene->light_mounts && i < scene->light_count; i++) {
+		const stilb_scene_mount *mount = &scene->light_mounts[i];
+		if (mount->node && update_has_placed(nodes, range_count, mount->node - 1))
+			scene_mount_light(mount, &places[mount->node - 1], &scene->lights[i]);
+	}
+	for (uint32_t i = 0; scene->camera_mounts && i < scene->camera_count; i++) {
+		const stilb_scene_mount *mount = &scene->camera_mounts[i];
+		if (mount->node && update_has_placed(nodes, range_count, mount->node - 1))
+			scene_mount_camera(mount, &places[mount->node - 1], &scene->cameras[i].camera);
+	}
+}
+
 void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
 {
 	STILB_ASSERT(scene);
@@ -217,5 +249,6 @@ void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t
 	for (uint32_t r = 0; r < range_count; r++)
 		any |= update_list_models(scene, nodes->changed[r], nodes->end[nodes->changed[r]]);
 	scene->revisions.places += any;
+	update_mounts(scene, range_count);
 	nodes->changed_count = 0;
 }

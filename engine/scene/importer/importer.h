@@ -153,9 +153,6 @@ static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 /* A point of the node's space in the world. */
 stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p);
 
-/* A direction of the node's space in the world, unit length; -Z if it has no length. */
-stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d);
-
 /* importer_mesh.c: creates the scene with every mesh that has triangles, and a model with its parts and bounds for each
  * node with such meshes. STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
 stilb_result importer_add_meshes(importer *import);
@@ -207,9 +204,9 @@ stilb_result importer_take_textures(importer *import);
  * STILB_ERROR_MEMORY. */
 stilb_result importer_add_view(importer *import);
 
-/* Adds a camera at position that looks along view, both axes unit, with an angle of the picture's height in radians.
- * scene_add_cameras has made room for it, and camera_count is that of the cameras so far. False: it is out of range. */
-bool importer_add_camera(importer *import, const char *name, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up,
+/* Adds a camera on a node of this place, with an angle of the picture's height in radians. scene_add_cameras and
+ * scene_add_mounts have made room for it, and camera_count is that of the cameras so far. False: it is out of range. */
+bool importer_add_camera(importer *import, const char *name, const stilb_scene_mount *mount, const stilb_mat4 *to_world,
                          float fov_y);
 
 #endif

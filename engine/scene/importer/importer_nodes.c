@@ -87,24 +87,11 @@ const importer_node *importer_find_node(const importer *import, const struct aiS
 	return &import->world;
 }
 
-/* Applies the upper left 3 x 3 of m. */
-static stilb_vec3 importer_rotate(const stilb_mat4 *m, stilb_vec3 v)
-{
-	stilb_vec3 turned = {0};
-	for (int row = 0; row < 3; row++)
-		turned[row] = m->m[row] * v[0] + m->m[4 + row] * v[1] + m->m[8 + row] * v[2];
-	return turned;
-}
-
 stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p)
 {
 	const float *m = node->to_world.m;
-	return importer_rotate(&node->to_world, p) + stilb_vec3_make(m[12], m[13], m[14]);
-}
-
-stilb_vec3 importer_direction(const importer_node *node, stilb_vec3 d)
-{
-	stilb_vec3 turned = importer_rotate(&node->to_world, d);
-	float length = sqrtf(stilb_vec3_dot(turned, turned));
-	return length > 1e-18f && length < 1e18f ? turned * (1.0f / length) : stilb_vec3_make(0, 0, -1);
+	stilb_vec3 at = {0};
+	for (int row = 0; row < 3; row++)
+		at[row] = m[row] * p[0] + m[4 + row] * p[1] + m[8 + row] * p[2] + m[12 + row];
+	return at;
 }

@@ -1,6 +1,7 @@
 /* Lights, ambient light and cameras for the scene. */
 #include "scene/importer/importer.h"
 
+#include "scene/edit/scene_check.h"
 #include "shading/shade_constants.h"
 
 #include <math.h>
@@ -46,38 +47,73 @@ static bool light_fades_otherwise(const importer *import, const struct aiLight *
 	       (light->mAttenuationConstant > 0.0f || light->mAttenuationLinear > 0.0f);
 }
 
-/* Sets the halves of an area light's sides, which lie across its direction, one of them across `up` too. False: it has
- * no size, and is a point. */
-static bool light_spread(const struct aiLight *from, const importer_node *node, stilb_scene_light *light)
+/* Sets the halves of an area light's sides in the node's space, across its direction, one of them across `up` too.
+ * False: it has no size. */
+static bool light_spread(const struct aiLight *from, stilb_scene_mount *mount)
 {
-	stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
-	stilb_vec3 up = importer_direction(node, importer_vector(&from->mUp));
-	stilb_vec3 x = stilb_vec3_cross(direction, up);
-	float length = sqrtf(stilb_vec3_dot(x, x)), scale = 1.0f;
-	if (node) {
-		const float *m = node->to_world.m;
-		scale = cbrtf(fabsf(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-		                    m[8] * (m[1] * m[6] - m[2] * m[5])));
-	}
-	float width = 0.5f * scale * from->mSize.x, height = 0.5f * scale * from->mSize.y;
-	if (!(length > 0.01f && width > 1e-6f && height > 1e-6f && width < 1e9f && height < 1e9f))
+	stilb_vec3 direction = importer_vector(&from->mDirection), up = importer_vector(&from->mUp);
+	stilb_vec3 x = stilb_vec3_cross(direction, up), y = stilb_vec3_cross(x, direction);
+	float x_length = sqrtf(stilb_vec3_dot(x, x)), y_length = sqrtf(stilb_vec3_dot(y, y));
+	float lengths = sqrtf(stilb_vec3_dot(direction, direction) * stilb_vec3_dot(up, up));
+	if (!(x_length > 0.01f * lengths && y_length > 0.0f))
 		return false;
-	x *= 1.0f / length;
-	stilb_vec3 y = stilb_vec3_cross(x, direction);
 	for (int i = 0; i < 3; i++) {
-		light->half_x[i] = width * x[i];
-		light->half_y[i] = height * y[i];
+		mount->half_x[i] = 0.5f * from->mSize.x / x_length * x[i];
+		mount->half_y[i] = 0.5f * from->mSize.y / y_length * y[i];
 	}
 	return true;
 }
 
+/* Makes an area light of a point, if it has a size in the world, which is not below 2e-6 m. */
+static void light_make_rectangle(const struct aiLight *from, const importer_node *node, stilb_scene_mount *mount,
+                                 stilb_scene_light *light)
+{
+	stilb_scene_mount spread = *mount;
+	stilb_scene_light area = *light;
+	area.kind = STILB_SCENE_LIGHT_RECTANGLE;
+	if (!light_spread(from, &spread) || !scene_mount_light(&spread, &node->to_world, &area))
+		return;
+	float least = 1e-6f, most = 1e9f, lengths[2] = {0};
+	for (int i = 0; i < 3; i++) {
+		lengths[0] += area.half_x[i] * area.half_x[i];
+		lengths[1] += area.half_y[i] * area.half_y[i];
+	}
+	if (!scene_is_within(lengths, 2, least * least, most * most))
+		return;
+	*light = area;
+	*mount = spread;
+}
+
+/* How a thing of a name stands on the node of that name. */
+static stilb_scene_mount view_hang(const importer *import, const importer_node *node)
+{
+	return (stilb_scene_mount){.node = node == &import->world ? 0 : 1 + (uint32_t)(node - import->nodes)};
+}
+
+/* Copies a position or a direction of a file, or this instead where a number is not finite or beyond 1e18. */
+static void view_put(const struct aiVector3D *v, const float instead[3], float out[3])
+{
+	const float values[3] = {v->x, v->y, v->z};
+	bool good = scene_is_within(values, 3, -SCENE_FAR, SCENE_FAR);
+	for (int i = 0; i < 3; i++)
+		out[i] = good ? values[i] : instead[i];
+}
+
+static const float view_ahead[3] = {0.0f, 0.0f, -1.0f}, view_origin[3];
+
+/* False for a position that is no place; a directional light needs none. */
+static bool light_is_near(const struct aiLight *from)
+{
+	const float at[3] = {from->mPosition.x, from->mPosition.y, from->mPosition.z};
+	return from->mType == aiLightSource_DIRECTIONAL || scene_is_within(at, 3, -SCENE_FAR, SCENE_FAR);
+}
+
 /* Converts one of Assimp's lights. False: it is left out, having no brightness or a position that is not finite. */
-static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light)
+static bool light_convert(const importer *import, const struct aiLight *from, stilb_scene_light *light,
+                          stilb_scene_mount *mount)
 {
 	const importer_node *node = importer_find_node(import, &from->mName);
-	stilb_vec3 position = importer_point(node, importer_vector(&from->mPosition));
-	stilb_vec3 direction = importer_direction(node, importer_vector(&from->mDirection));
-	float scale = light_scale(import, from, position);
+	float scale = light_scale(import, from, importer_point(node, importer_vector(&from->mPosition)));
 	const float color[3] = {from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b};
 	bool good = false;
 	/* KHR_lights_punctual has candela and lux; other formats have no units, and light_scale gives them W sr^-1. */
@@ -87,21 +123,20 @@ static bool light_convert(const importer *import, const struct aiLight *from, st
 		light->kind = STILB_SCENE_LIGHT_DIRECTIONAL;
 	else if (from->mType == aiLightSource_SPOT)
 		light->kind = STILB_SCENE_LIGHT_SPOT;
-	else if (from->mType == aiLightSource_AREA && light_spread(from, node, light))
-		light->kind = STILB_SCENE_LIGHT_RECTANGLE;
 	for (int i = 0; i < 3; i++) {
 		float intensity = color[i] * scale;
-		light->position[i] = position[i];
-		light->direction[i] = direction[i];
 		light->intensity[i] = intensity > 0.0f && intensity < 1e18f ? intensity : 0.0f;
 		good |= light->intensity[i] > 0.0f;
-		if (!(fabsf(position[i]) < 1e18f))
-			return false;
 	}
 	light->cos_inner = light_cone_cosine(import, from->mAngleInnerCone);
 	light->cos_outer = fminf(light_cone_cosine(import, from->mAngleOuterCone), light->cos_inner);
-	STILB_ASSERT(!stilb_scene_light_mistake(light));
-	return good;
+	*mount = view_hang(import, node);
+	view_put(&from->mPosition, view_origin, mount->position);
+	view_put(&from->mDirection, view_ahead, mount->direction);
+	bool placed = scene_mount_light(mount, &node->to_world, light);
+	if (placed && from->mType == aiLightSource_AREA)
+		light_make_rectangle(from, node, mount, light);
+	return placed && good && light_is_near(from);
 }
 
 static stilb_result view_add_lights(importer *import)
@@ -109,6 +144,8 @@ static stilb_result view_add_lights(importer *import)
 	const struct aiScene *from = import->from;
 	stilb_scene *scene = import->scene;
 	stilb_result result = scene_add_lights(scene, from->mNumLights);
+	if (result == STILB_OK && from->mNumLights > 0)
+		result = scene_add_mounts(&scene->light_mounts, from->mNumLights);
 	if (result != STILB_OK)
 		return result;
 	scene->light_count = 0;
@@ -116,7 +153,8 @@ static stilb_result view_add_lights(importer *import)
 		const struct aiLight *light = from->mLights[i];
 		const struct aiColor3D *ambient = &light->mColorAmbient;
 		if (light->mType != aiLightSource_AMBIENT) {
-			if (light_convert(import, light, &scene->lights[scene->light_count]))
+			uint32_t next = scene->light_count;
+			if (light_convert(import, light, &scene->lights[next], &scene->light_mounts[next]))
 				scene->light_count++;
 			else
 				importer_lose(import, IMPORTER_LOSS_LIGHTS, light->mName.data);
@@ -132,16 +170,6 @@ static stilb_result view_add_lights(importer *import)
 /* ---- camera ------------------------------------------------------------------------------------------------------ */
 
 #define CAMERA_LEAST_METRES 1e-15f /* smallest distance of a camera: squares of less underflow */
-
-/* The roll of an upright camera that brings its up axis to `up`. The camera's axes are the rows of its view matrix. */
-static float camera_roll(const stilb_scene_camera *camera, stilb_vec3 up)
-{
-	stilb_mat4 view = stilb_mat4_view((stilb_vec3){0}, camera->yaw, camera->pitch);
-	stilb_vec3 upright_right = stilb_vec3_make(view.m[0], view.m[4], view.m[8]);
-	stilb_vec3 upright_up = stilb_vec3_make(view.m[1], view.m[5], view.m[9]);
-	float sine = stilb_vec3_dot(up, upright_right), cosine = stilb_vec3_dot(up, upright_up);
-	return fabsf(sine) > 1e-5f || cosine < 0.0f ? atan2f(sine, cosine) : 0.0f;
-}
 
 /* The angle of the picture's height. Assimp's field holds the angle of the width, for the file's aspect ratio or 4 : 3;
  * of glTF, Assimp 5.2 stores the angle of the height times the aspect ratio there. */
@@ -159,43 +187,55 @@ static bool camera_is_default(const struct aiCamera *from)
 	return strncmp(from->mName.data, "Producer ", strlen("Producer ")) == 0;
 }
 
-bool importer_add_camera(importer *import, const char *name, stilb_vec3 position, stilb_vec3 view, stilb_vec3 up,
+bool importer_add_camera(importer *import, const char *name, const stilb_scene_mount *mount, const stilb_mat4 *to_world,
                          float fov_y)
 {
-	stilb_sphere scene = scene_sphere(import->scene);
-	if (!(fov_y > 0.03f && fov_y < 3.1f) || !(fabsf(position[0]) + fabsf(position[1]) + fabsf(position[2]) < 1e18f))
+	stilb_scene *scene = import->scene;
+	stilb_sphere sphere = scene_sphere(scene);
+	STILB_ASSERT(scene->cameras && scene->camera_mounts && "there is room");
+	stilb_scene_camera camera = {.fov_y = fov_y};
+	if (!(fov_y > 0.03f && fov_y < 3.1f) || !scene_mount_camera(mount, to_world, &camera))
 		return false;
-	stilb_vec3 away = position - stilb_vec3_make(scene.x, scene.y, scene.z);
-	float distance = fmaxf(sqrtf(stilb_vec3_dot(away, away)) + scene.radius, CAMERA_LEAST_METRES);
-	STILB_ASSERT(import->scene->cameras && "scene_add_cameras has made room");
-	stilb_scene_named_camera *added = &import->scene->cameras[import->scene->camera_count++];
-	added->camera = scene_camera_along(position, view, fov_y);
-	added->camera.near_z = 1e-4f * distance;
-	added->camera.far_z = 10.0f * distance;
-	added->camera.roll = camera_roll(&added->camera, up);
+	stilb_vec3 away = stilb_vec3_make(camera.position[0], camera.position[1], camera.position[2]) -
+	                  stilb_vec3_make(sphere.x, sphere.y, sphere.z);
+	float distance = fmaxf(sqrtf(stilb_vec3_dot(away, away)) + sphere.radius, CAMERA_LEAST_METRES);
+	camera.near_z = 1e-4f * distance;
+	camera.far_z = 10.0f * distance;
+	stilb_scene_named_camera *added = &scene->cameras[scene->camera_count];
+	added->camera = camera;
 	snprintf(added->name, sizeof added->name, "%s", name);
+	scene->camera_mounts[scene->camera_count++] = *mount;
 	return true;
 }
 
 /* Adds one of Assimp's cameras. False: its position or its angle is out of range. */
 static bool camera_convert(importer *import, const struct aiCamera *from)
 {
+	static const float up[3] = {0.0f, 1.0f, 0.0f};
 	const importer_node *node = importer_find_node(import, &from->mName);
+	const float at[3] = {from->mPosition.x, from->mPosition.y, from->mPosition.z};
+	stilb_scene_mount mount = view_hang(import, node);
 	/* A glTF camera is at its node's origin; Assimp 5.2 adds the node's translation to mPosition a second time. */
-	stilb_vec3 own = import->gltf ? (stilb_vec3){0} : importer_vector(&from->mPosition);
-	return importer_add_camera(import, from->mName.data, importer_point(node, own),
-	                           importer_direction(node, importer_vector(&from->mLookAt)),
-	                           importer_direction(node, importer_vector(&from->mUp)), camera_fov_y(import, from));
+	if (!import->gltf)
+		view_put(&from->mPosition, view_origin, mount.position);
+	view_put(&from->mLookAt, view_ahead, mount.direction);
+	view_put(&from->mUp, up, mount.up);
+	return (import->gltf || scene_is_within(at, 3, -SCENE_FAR, SCENE_FAR)) &&
+	       importer_add_camera(import, from->mName.data, &mount, &node->to_world, camera_fov_y(import, from));
 }
 
 stilb_result importer_add_view(importer *import)
 {
-	STILB_ASSERT(import->scene && import->scene->part_count > 0);
+	stilb_scene *scene = import->scene;
+	STILB_ASSERT(scene && scene->part_count > 0);
+	uint32_t count = import->from->mNumCameras;
 	stilb_result result = view_add_lights(import);
 	if (result == STILB_OK)
-		result = scene_add_cameras(import->scene, import->from->mNumCameras);
-	import->scene->camera_count = 0;
-	for (uint32_t i = 0; result == STILB_OK && i < import->from->mNumCameras; i++) {
+		result = scene_add_cameras(scene, count);
+	if (result == STILB_OK && count > 0)
+		result = scene_add_mounts(&scene->camera_mounts, count);
+	scene->camera_count = 0;
+	for (uint32_t i = 0; result == STILB_OK && i < count; i++) {
 		const struct aiCamera *camera = import->from->mCameras[i];
 		if (!camera_is_default(camera) && !camera_convert(import, camera))
 			importer_lose(import, IMPORTER_LOSS_CAMERAS, camera->mName.data);

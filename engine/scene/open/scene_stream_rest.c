@@ -202,13 +202,34 @@ static stilb_result stream_get_names(scene_stream *stream, stilb_scene *scene)
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
+/* Where lights or cameras hang; mounts: NULL, or [count]. */
+static bool stream_put_mounts(int file, const stilb_scene_mount *mounts, uint32_t count)
+{
+	bool there = mounts;
+	return scene_stream_put(file, &there, sizeof there) &&
+	       (!there || scene_stream_put(file, mounts, count * sizeof *mounts));
+}
+
+static stilb_result stream_get_mounts(scene_stream *stream, stilb_scene_mount **mounts, uint32_t count)
+{
+	unsigned char there;
+	if (!scene_stream_get(stream, &there, sizeof there))
+		return scene_stream_broken(stream);
+	stilb_result result = there > 0 ? scene_add_mounts(mounts, count) : STILB_OK;
+	if (result == STILB_OK && there > 0 && !scene_stream_get(stream, *mounts, count * sizeof **mounts))
+		return scene_stream_broken(stream);
+	return result;
+}
+
 static bool stream_put_nodes(int file, const stilb_scene *scene)
 {
 	const stilb_scene_nodes *nodes = &scene->nodes;
 	size_t count = nodes->count;
 	if (!scene_stream_put(file, &nodes->count, sizeof nodes->count) || count == 0)
 		return count == 0;
-	return scene_stream_put(file, nodes->parent, count * sizeof *nodes->parent) &&
+	return stream_put_mounts(file, scene->light_mounts, scene->light_count) &&
+	       stream_put_mounts(file, scene->camera_mounts, scene->camera_count) &&
+	       scene_stream_put(file, nodes->parent, count * sizeof *nodes->parent) &&
 	       scene_stream_put(file, nodes->pose, count * sizeof *nodes->pose) &&
 	       scene_stream_put(file, nodes->local, count * sizeof *nodes->local) &&
 	       scene_stream_put(file, nodes->name, count * sizeof *nodes->name) &&
@@ -225,6 +246,10 @@ static stilb_result stream_get_nodes(scene_stream *stream, stilb_scene *scene)
 	if (count > 2 * STILB_SCENE_MAX_MODELS)
 		return scene_stream_wrong("nodes");
 	stilb_result result = count > 0 ? scene_add_nodes(scene, count) : STILB_OK;
+	if (result == STILB_OK && count > 0)
+		result = stream_get_mounts(stream, &scene->light_mounts, scene->light_count);
+	if (result == STILB_OK && count > 0)
+		result = stream_get_mounts(stream, &scene->camera_mounts, scene->camera_count);
 	if (result != STILB_OK || count == 0)
 		return result;
 	if (!scene_stream_get(stream, nodes->parent, count * sizeof *nodes->parent) ||

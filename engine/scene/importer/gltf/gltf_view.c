@@ -3,19 +3,11 @@
 
 #include <math.h>
 
-/* A direction of the node's space in the world, unit length; -Z if it has no length. */
-static stilb_vec3 view_direction(const stilb_mat4 *m, stilb_vec3 d)
+/* At the origin of a node, along its -Z. */
+static stilb_scene_mount view_mount(const gltf *from, const gltf_node *node)
 {
-	stilb_vec3 turned = {0};
-	for (int row = 0; row < 3; row++)
-		turned[row] = m->m[row] * d[0] + m->m[4 + row] * d[1] + m->m[8 + row] * d[2];
-	float length = sqrtf(stilb_vec3_dot(turned, turned));
-	return length > 1e-18f && length < 1e18f ? turned * (1.0f / length) : stilb_vec3_make(0, 0, -1);
-}
-
-static stilb_vec3 view_position(const stilb_mat4 *m)
-{
-	return stilb_vec3_make(m->m[12], m->m[13], m->m[14]);
+	return (stilb_scene_mount){
+		.node = 1 + (uint32_t)(node - from->nodes), .direction = {0.0f, 0.0f, -1.0f}, .up = {0.0f, 1.0f, 0.0f}};
 }
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
@@ -33,12 +25,11 @@ static void view_spot(gltf *from, uint32_t item, stilb_scene_light *light)
 
 /* Converts a light at a node. Its numbers are candela, of directional ones lux. False: it is left out, having no
  * brightness, or a position that is too far away. */
-static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_scene_light *light)
+static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_scene_light *light,
+                       stilb_scene_mount *mount)
 {
 	gltf_json *json = &from->json;
 	uint32_t item = from->lists[GLTF_LIGHTS].items[index], type = gltf_json_member(json, item, "type");
-	stilb_vec3 position = view_position(&node->to_world);
-	stilb_vec3 direction = view_direction(&node->to_world, stilb_vec3_make(0, 0, -1));
 	float color[3] = {1, 1, 1}, strength = (float)gltf_json_number(json, item, "intensity", 1.0);
 	bool good = false;
 	gltf_json_numbers(json, item, "color", color, 3);
@@ -55,15 +46,11 @@ static bool view_light(gltf *from, const gltf_node *node, uint32_t index, stilb_
 		light->falloff = STILB_SCENE_LIGHT_RANGED, light->reach = range;
 	for (int i = 0; i < 3; i++) {
 		float intensity = color[i] * strength;
-		light->position[i] = position[i];
-		light->direction[i] = direction[i];
 		light->intensity[i] = intensity > 0.0f && intensity < 1e18f ? intensity : 0.0f;
 		good |= light->intensity[i] > 0.0f;
-		if (!(fabsf(position[i]) < 1e18f))
-			return false;
 	}
-	STILB_ASSERT(!stilb_scene_light_mistake(light));
-	return good;
+	*mount = view_mount(from, node);
+	return scene_mount_light(mount, &node->to_world, light) && good;
 }
 
 /* The light of a node, or GLTF_NONE. */
@@ -79,6 +66,8 @@ static stilb_result view_lights(gltf *from)
 	for (uint32_t n = 0; n < from->node_count; n++)
 		count += view_light_of(from, &from->nodes[n]) != GLTF_NONE;
 	stilb_result result = scene_add_lights(scene, count);
+	if (result == STILB_OK && count > 0)
+		result = scene_add_mounts(&scene->light_mounts, count);
 	if (result != STILB_OK)
 		return result;
 	scene->light_count = 0;
@@ -88,7 +77,8 @@ static stilb_result view_lights(gltf *from)
 			continue;
 		char name[96];
 		gltf_name(from, GLTF_LIGHTS, index, name);
-		if (view_light(from, &from->nodes[n], index, &scene->lights[scene->light_count]))
+		uint32_t next = scene->light_count;
+		if (view_light(from, &from->nodes[n], index, &scene->lights[next], &scene->light_mounts[next]))
 			scene->light_count++;
 		else
 			importer_lose(from->import, IMPORTER_LOSS_LIGHTS, name);
@@ -105,9 +95,8 @@ static bool view_camera(gltf *from, const gltf_node *node, uint32_t index, const
 	uint32_t perspective = gltf_json_member(json, from->lists[GLTF_CAMERAS].items[index], "perspective");
 	if (perspective == GLTF_NONE)
 		return false;
-	return importer_add_camera(from->import, name, view_position(&node->to_world),
-	                           view_direction(&node->to_world, stilb_vec3_make(0, 0, -1)),
-	                           view_direction(&node->to_world, stilb_vec3_make(0, 1, 0)),
+	stilb_scene_mount mount = view_mount(from, node);
+	return importer_add_camera(from->import, name, &mount, &node->to_world,
 	                           (float)gltf_json_number(json, perspective, "yfov", 0.0));
 }
 
@@ -125,6 +114,8 @@ static stilb_result view_cameras(gltf *from)
 	for (uint32_t n = 0; n < from->node_count; n++)
 		count += view_camera_of(from, &from->nodes[n]) != GLTF_NONE;
 	stilb_result result = scene_add_cameras(scene, count);
+	if (result == STILB_OK && count > 0)
+		result = scene_add_mounts(&scene->camera_mounts, count);
 	if (result != STILB_OK)
 		return result;
 	scene->camera_count = 0;
