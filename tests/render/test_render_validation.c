@@ -375,6 +375,19 @@ static void a_window_without_a_surface(void **state)
 	assert_non_null(strstr(stilb_error_message(), "surface for the window"));
 }
 
+/* True if the program has a driver's library loaded; that of the loader is libvulkan.so. */
+static bool has_driver(void)
+{
+	char line[4096];
+	bool found = false;
+	FILE *maps = fopen("/proc/self/maps", "r");
+	assert_non_null(maps);
+	while (!found && fgets(line, sizeof line, maps))
+		found = strstr(line, "/libvulkan_") && !strstr(line, "/libvulkan.so");
+	fclose(maps);
+	return found;
+}
+
 static void without_the_layer(void **state)
 {
 	(void)state;
@@ -390,8 +403,10 @@ static void without_the_layer(void **state)
 	desc.validate = false;
 	engine = start(&desc);
 	frames(engine, 1);
+	assert_true(has_driver());
 	stress_engine_destroy(engine);
 	unsetenv("VK_LAYER_PATH");
+	assert_true(has_driver()); /* for the next engine: some cannot be loaded again */
 }
 
 int main(int argc, char **argv)

@@ -2,6 +2,7 @@
 #include "render/vulkan/vulkan_internal.h"
 
 #include <ctype.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -197,6 +198,18 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 	return desc->surface ? vulkan_surface_create(device, desc->surface) : STILB_OK;
 }
 
+/* Keeps the first instance that would be destroyed until the program ends, and returns true then. The loader unloads a
+ * driver with its last instance, and not every driver can be loaded again: after a few rounds NVIDIA's (580.159) finds
+ * no room for its thread-local variables, and the program has no driver any more. An instance with the validation layer
+ * is not kept, since the layer would stay with it. */
+static bool vulkan_instance_keep(VkInstance instance)
+{
+	static _Atomic(VkInstance) kept;
+	VkInstance none = VK_NULL_HANDLE;
+	/* Relaxed: nobody reads what the instance points to by way of this word. */
+	return atomic_compare_exchange_strong_explicit(&kept, &none, instance, memory_order_relaxed, memory_order_relaxed);
+}
+
 void vulkan_instance_destroy(vulkan_device *device)
 {
 	if (!device->instance)
@@ -206,7 +219,8 @@ void vulkan_instance_destroy(vulkan_device *device)
 		(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkDestroyDebugUtilsMessengerEXT");
 	if (device->messenger && destroy)
 		destroy(device->instance, device->messenger, NULL);
-	vkDestroyInstance(device->instance, NULL);
+	if (device->messenger || !vulkan_instance_keep(device->instance))
+		vkDestroyInstance(device->instance, NULL);
 	device->instance = VK_NULL_HANDLE;
 }
 
