@@ -264,10 +264,9 @@ typedef struct stilb_render_view {
 	uint32_t light_count;
 	/* The panorama in place of sky and ground if it has floats; read during stilb_render_replay, which makes what the
 	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
-	 * may go unnoticed. One panorama a frame, that of the first view with one. Dumps have sky and ground alone. */
+	 * may go unnoticed. One panorama a frame, that of the first view with one. */
 	stilb_scene_surroundings surroundings;
-	stilb_scene_backdrop
-		backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance. Not part of dumps */
+	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance */
 	stilb_render_shading shading;
 	bool both_sides; /* triangles are seen from behind, too: see stilb_scene.both_sides */
 	float exposure;  /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */

@@ -157,6 +157,7 @@ static void upload_tables(stilb_render_dump *dump)
 		view->shading = upload_shading(from);
 		view->both_sides = from->both_sides;
 		view->exposure = from->exposure;
+		render_dump_backdrop_get(dump, v, view);
 	}
 	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */
 	for (uint32_t s = 0; s <= dump->header->segments; s++) {

@@ -18,6 +18,10 @@
  *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...
  *   indices             4  header.indices        of mesh 0, then of mesh 1, ...; below its vertex count
  *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
+ *   backdrops           1  header.backdrop_bytes render_dump_backdrop of view 0, then of view 1, ...; then floats: the
+ *                                                panorama, which all views with one share, top row first; of view 0 the
+ *                                                map and the floor, then of view 1, ...; padded to 8 bytes together.
+ *                                                0: the views show their sky and ground
  *   checksum            8  1                     FNV-1a 64 of all bytes before it
  *
  * "mesh 1" here, and the references of draws and materials, are positions in the tables above. The ids are those of the
@@ -42,7 +46,8 @@ typedef struct render_dump_header {
 	uint32_t output; /* stilb_render_output */
 	uint32_t views, passes, segments, textures, materials, meshes;
 	uint64_t draws, vertices, indices, pixel_bytes;
-	uint32_t lights, unused;
+	uint32_t lights;
+	uint32_t backdrop_bytes; /* 0 in files that were written before there was this part */
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -62,6 +67,15 @@ typedef struct render_dump_light {
 	uint32_t kind, unit, falloff, use, unused;
 	float position[3], direction[3], intensity[3], cos_inner, cos_outer, radius, half_x[3], half_y[3], reach;
 } render_dump_light;
+
+/* Of a view: stilb_scene_backdrop, and the panorama of its surroundings. */
+typedef struct render_dump_backdrop {
+	uint32_t kind;                    /* stilb_scene_backdrop_kind */
+	float color[3];                   /* radiance */
+	float rotation;                   /* of the panorama, radians */
+	uint32_t map, floor;              /* 0 or 1: the view has one, [32][64][3] and stilb_scene_floor */
+	uint32_t width, height, channels; /* of the panorama; 0: the view has none */
+} render_dump_backdrop;
 
 typedef struct render_dump_pass {
 	char name[64]; /* at most 63 bytes, padded with zeros */
@@ -96,7 +110,8 @@ typedef struct render_dump_draw {
 static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
                   sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 16 &&
-                  sizeof(render_dump_draw) == 64 && sizeof(stilb_scene_vertex) == 32,
+                  sizeof(render_dump_draw) == 64 && sizeof(render_dump_backdrop) == 40 &&
+                  sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
 typedef enum render_dump_part {
@@ -112,6 +127,7 @@ typedef enum render_dump_part {
 	RENDER_DUMP_VERTICES,
 	RENDER_DUMP_INDICES,
 	RENDER_DUMP_PIXELS,
+	RENDER_DUMP_BACKDROPS,
 	RENDER_DUMP_CHECKSUM,
 	RENDER_DUMP_PARTS,
 } render_dump_part;
@@ -153,6 +169,7 @@ struct stilb_render_dump {
 	const stilb_scene_vertex *vertices;
 	const uint32_t *indices;
 	const uint8_t *pixels;
+	const render_dump_backdrop *backdrops; /* [header->views] if header->backdrop_bytes > 0 */
 
 	/* Made by stilb_render_dump_upload; NULL before. */
 	stilb_render_pass pass_table[STILB_RENDER_MAX_PASSES];
@@ -164,6 +181,24 @@ struct stilb_render_dump {
 
 /* A light of the file as one of a scene. [any-thread] */
 stilb_scene_light render_dump_light_get(const render_dump_light *light);
+
+/* render_dump_backdrop.c: the bytes of the part, for records whose panoramas have the same size. */
+uint64_t render_dump_backdrop_bytes(const render_dump_backdrop *records, uint32_t views);
+
+/* Fills in the records of the last frame's views. False: they show sky and ground alone, and need no records.
+ * without_panorama: a view has one that frames do not show yet, or another than the first. */
+bool render_dump_backdrops_fill(const stilb_render *render, const stilb_render_view *views, uint32_t count,
+                                render_dump_backdrop *records, bool *without_panorama);
+
+/* Writes the part, whose bytes are zero. */
+void render_dump_backdrops_put(const render_dump_backdrop *records, const stilb_render_view *views, uint32_t count,
+                               uint8_t *out);
+
+/* Checks the part of a file whose header and views are sound. STILB_ERROR_FILE; the message is the reason alone. */
+stilb_result render_dump_check_backdrops(const stilb_render_dump *dump);
+
+/* Sets backdrop and panorama of a view, which point into the file's bytes. */
+void render_dump_backdrop_get(const stilb_render_dump *dump, uint32_t view, stilb_render_view *out);
 
 /* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **dump);

@@ -30,6 +30,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_VERTICES] = {header->vertices, sizeof(stilb_scene_vertex)},
 		[RENDER_DUMP_INDICES] = {header->indices, sizeof(uint32_t)},
 		[RENDER_DUMP_PIXELS] = {header->pixel_bytes, 1},
+		[RENDER_DUMP_BACKDROPS] = {header->backdrop_bytes, 1},
 		[RENDER_DUMP_CHECKSUM] = {1, sizeof(uint64_t)},
 	};
 	begin[0] = 0;
@@ -145,8 +146,8 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
 	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
-	if (h->unused != 0)
-		return load_refuse(name, "header: its unused bytes are not zero");
+	if (h->backdrop_bytes % 8 != 0)
+		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
 	if (h->draws > UINT32_MAX)
 		return load_refuse(name, "header: %" PRIu64 " draws; at most %u can be recorded", h->draws, UINT32_MAX);
 	return STILB_OK;
@@ -354,6 +355,15 @@ static stilb_result load_check_draws(const stilb_render_dump *dump, const char *
 	return STILB_OK;
 }
 
+static stilb_result load_check_backdrops(const stilb_render_dump *dump, const char *name)
+{
+	char reason[256];
+	if (render_dump_check_backdrops(dump) == STILB_OK)
+		return STILB_OK;
+	snprintf(reason, sizeof reason, "%s", stilb_error_message());
+	return load_refuse(name, "%s", reason);
+}
+
 static void load_find_parts(stilb_render_dump *dump)
 {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
@@ -370,13 +380,14 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->vertices = (const stilb_scene_vertex *)(dump->bytes + begin[RENDER_DUMP_VERTICES]);
 	dump->indices = (const uint32_t *)(dump->bytes + begin[RENDER_DUMP_INDICES]);
 	dump->pixels = dump->bytes + begin[RENDER_DUMP_PIXELS];
+	dump->backdrops = (const render_dump_backdrop *)(dump->bytes + begin[RENDER_DUMP_BACKDROPS]);
 }
 
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **out)
 {
 	stilb_result (*const checks[])(const stilb_render_dump *, const char *) = {
-		load_check_header,   load_check_views,     load_check_lights, load_check_passes,
-		load_check_textures, load_check_materials, load_check_meshes, load_check_draws,
+		load_check_header,    load_check_views,  load_check_lights, load_check_passes,    load_check_textures,
+		load_check_materials, load_check_meshes, load_check_draws,  load_check_backdrops,
 	};
 	*out = NULL;
 	stilb_result result = load_check_size(bytes, size, name);

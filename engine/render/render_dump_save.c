@@ -29,6 +29,7 @@ typedef struct save_job {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
 	save_table meshes, materials, textures;
+	render_dump_backdrop backdrops[RENDER_DUMP_MAX_VIEWS]; /* [header.views] */
 } save_job;
 
 /* ---- draws in recorded order ------------------------------------------------------------------------------------- */
@@ -384,6 +385,8 @@ static stilb_result save_put(save_job *job, const char *path)
 	save_put_views(job);
 	save_put_lights(job);
 	save_put_passes(job);
+	if (job->header.backdrop_bytes > 0)
+		render_dump_backdrops_put(job->backdrops, job->views, job->header.views, save_part(job, RENDER_DUMP_BACKDROPS));
 	save_each_draw(job, save_put_draw, &draws);
 	uint64_t end = job->begin[RENDER_DUMP_CHECKSUM];
 	uint64_t checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, job->bytes, end);
@@ -412,6 +415,23 @@ static stilb_result save_put_resources(save_job *job)
 	                  (unsigned long long)job->header.file_size);
 }
 
+/* Counts what the views have of backgrounds, and takes the stream's hash, which covers the panorama that is kept. */
+static stilb_result save_backdrops(save_job *job, bool *without_panorama)
+{
+	render_dump_header *header = &job->header;
+	bool any = render_dump_backdrops_fill(job->render, job->views, header->views, job->backdrops, without_panorama);
+	uint64_t bytes = any ? render_dump_backdrop_bytes(job->backdrops, header->views) : 0;
+	if (bytes > UINT32_MAX - 7)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot dump a panorama of %ux%u texels: it has 4 GiB or more",
+		                  job->backdrops[0].width, job->backdrops[0].height);
+	header->backdrop_bytes = (uint32_t)bytes;
+	bool kept = false;
+	for (uint32_t v = 0; v < header->views; v++)
+		kept |= job->backdrops[v].width > 0;
+	header->stream_hash = kept ? stilb_render_stream_hash(job->render) : render_hash_plain(job->render);
+	return STILB_OK;
+}
+
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path)
 {
@@ -427,7 +447,6 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		.header = {.magic = RENDER_DUMP_MAGIC,
 	               .version = RENDER_DUMP_VERSION,
 	               .byte_order = RENDER_DUMP_BYTE_ORDER,
-	               .stream_hash = render_hash_dumped(render),
 	               .width = render->device->width,
 	               .height = render->device->height,
 	               .samples = render->device->samples,
@@ -439,16 +458,16 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 			job.pass[job.header.passes++] = p;
 	if (job.header.passes == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has 2D passes alone");
-	stilb_result result = save_find_used(&job);
+	bool without_panorama;
+	stilb_result result = save_backdrops(&job, &without_panorama);
+	if (result == STILB_OK)
+		result = save_find_used(&job);
 	if (result == STILB_OK)
 		result = save_put_resources(&job);
 	if (result == STILB_OK)
 		result = save_put(&job, path);
-	for (uint32_t v = 0; v < view_count && result == STILB_OK; v++)
-		if (views[v].backdrop.kind != STILB_SCENE_BACKDROP_SURROUNDINGS || views[v].surroundings.panorama.pixels) {
-			stilb_log("'%s': without the background and the panorama, which dumps do not hold", path);
-			break;
-		}
+	if (result == STILB_OK && without_panorama)
+		stilb_log("'%s': without a panorama that the frame did not show yet, or that was not its first", path);
 	free(job.bytes);
 	save_table_finish(&job.meshes);
 	save_table_finish(&job.materials);

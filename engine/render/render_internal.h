@@ -387,8 +387,8 @@ void render_contexts_rewind(stilb_render *render);
 stilb_result render_contexts_create(stilb_render *render, uint32_t count);
 void render_contexts_destroy(stilb_render *render);
 
-/* stilb_render_stream_hash as a dump of the frame replays it: without a panorama, which dumps leave out. */
-uint64_t render_hash_dumped(const stilb_render *render);
+/* stilb_render_stream_hash as a dump without the panorama replays the frame. */
+uint64_t render_hash_plain(const stilb_render *render);
 
 /* Grows the frame's memory to hold every claim, and copies into it those that had to go to the heap
  * (render_overflow). */

@@ -462,7 +462,7 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 	return hash_locked(render, true);
 }
 
-uint64_t render_hash_dumped(const stilb_render *render)
+uint64_t render_hash_plain(const stilb_render *render)
 {
 	return hash_locked(render, false);
 }

@@ -297,6 +297,16 @@ static void test_the_same_picture_in_other_ways(void **state)
 	stilb_good("demo --headless --frames 2 " SMALL "--dump a.dump --screenshot a.exr");
 	stilb_good("replay a.dump --frames 1 --screenshot b.exr --validate");
 	assert_true(same_picture("a.exr", "b.exr"));
+	/* Backgrounds, and a panorama that lights, are in the file. */
+	static const char *const views[] = {"--environment sky.hdr", "--environment sky.hdr --background blur",
+	                                    "--studio on", "--background transparent"};
+	stilb_good("render outdoor -o sky.hdr --size 16x8 --spp 1");
+	for (size_t v = 0; v < sizeof views / sizeof *views; v++) {
+		stilb_good("view spheres --headless --frames 2 --size 96x54 --quiet %s --dump a.dump --screenshot a.png",
+		           views[v]);
+		stilb_good("replay a.dump --frames 1 --screenshot b.png");
+		assert_true(same_picture("a.png", "b.png"));
+	}
 	stilb_good("demo --headless --device null --frames 2 " SMALL "--dump a.dump"); /* a dump of the null device */
 	stilb_good("replay a.dump --frames 1 --screenshot c.exr");
 	assert_true(same_picture("a.exr", "c.exr"));

@@ -60,7 +60,13 @@ static void make_seed(const char *path, uint32_t pass_count)
 {
 	static const stilb_render_pass passes[3] = {
 		{.name = "main"}, {.name = "sorted", .view = 1, .sort = true, .order = 3}, {.name = "last", .order = 2}};
+	static float texels[4 * 2 * 3] = {1.0f, 0.5f, 0.25f},
+								map[3 * STILB_SCENE_BACKDROP_WIDTH * STILB_SCENE_BACKDROP_HEIGHT];
 	stilb_render_view views[2] = {{.view_projection = stilb_mat4_identity()}};
+	if (pass_count == 2) /* one seed of three has a panorama, and a background */
+		views[0].surroundings.panorama = (stilb_image){4, 2, 3, STILB_IMAGE_F32_LINEAR, texels, 0};
+	if (pass_count == 2)
+		views[1].backdrop = (stilb_scene_backdrop){.kind = STILB_SCENE_BACKDROP_MAP, .map = map};
 	stilb_mat4 transform = stilb_mat4_scale_translate(2.0f, 3.0f, 4.0f, 5.0f);
 	stilb_render *render = make_render(0);
 	stilb_scene_mesh plane;

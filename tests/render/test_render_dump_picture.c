@@ -60,6 +60,41 @@ static void record_quads(stilb_render *render, stilb_render_mesh mesh, const sti
 	}
 }
 
+/* What views show behind the models, for each round of the test. */
+static enum { PLAIN, FLOOR, MAP, NOTHING, PANORAMA, BACKGROUNDS } background;
+
+#define PANORAMA_WIDTH 32u
+#define PANORAMA_HEIGHT 16u
+
+static void fill_background(stilb_render_view *view)
+{
+	static float map[3 * STILB_SCENE_BACKDROP_WIDTH * STILB_SCENE_BACKDROP_HEIGHT];
+	static float texels[3 * PANORAMA_WIDTH * PANORAMA_HEIGHT];
+	static stilb_scene_floor floor = {.center = {0.0f, -1.5f, -5.0f}, .radius = 3.0f};
+	static const stilb_scene_backdrop_kind kinds[BACKGROUNDS] = {
+		[FLOOR] = STILB_SCENE_BACKDROP_COLOR,
+		[MAP] = STILB_SCENE_BACKDROP_MAP,
+		[NOTHING] = STILB_SCENE_BACKDROP_NOTHING,
+	};
+	for (size_t i = 0; i < sizeof map / sizeof *map; i++)
+		map[i] = stilb_random_float(5, i);
+	for (size_t i = 0; i < sizeof texels / sizeof *texels; i++)
+		texels[i] = stilb_random_float(6, i) * (i == 3 * 100 ? 400.0f : 1.0f); /* one of them is a lamp */
+	for (size_t i = 0; i < STILB_SCENE_FLOOR_SIDE * STILB_SCENE_FLOOR_SIDE; i++)
+		floor.covered[i / STILB_SCENE_FLOOR_SIDE][i % STILB_SCENE_FLOOR_SIDE] = stilb_random_float(7, i);
+	view->backdrop.kind = kinds[background];
+	view->backdrop.color[0] = view->backdrop.color[2] = 0.7f;
+	view->backdrop.map = background == MAP ? map : NULL;
+	view->backdrop.floor = background == FLOOR ? &floor : NULL;
+	view->surroundings.rotation = 0.4f;
+	if (background == PANORAMA)
+		view->surroundings.panorama = (stilb_image){.width = PANORAMA_WIDTH,
+		                                            .height = PANORAMA_HEIGHT,
+		                                            .channels = 3,
+		                                            .format = STILB_IMAGE_F32_LINEAR,
+		                                            .pixels = texels};
+}
+
 static void fill_views(stilb_render_view views[2])
 {
 	static const stilb_scene_light sun = {
@@ -73,6 +108,7 @@ static void fill_views(stilb_render_view views[2])
 		                               .light_count = 1,
 		                               .surroundings = {.sky = {0.2f, 0.3f, 0.5f}, .ground = {0.1f, 0.1f, 0.1f}},
 		                               .shading = stilb_render_shading_default()};
+		fill_background(&views[v]);
 	}
 }
 
@@ -143,6 +179,7 @@ static void the_same_pixels(void **state)
 	(void)state;
 	stilb_render *render;
 	stilb_image picture;
+	background = PLAIN;
 	assert_int_equal(make_render(STILB_RENDER_REPLAY_DIRECT, STILB_RENDER_MATERIALS_INDEX, &render), STILB_OK);
 	draw_and_save(render, &picture);
 	uint64_t hash = stilb_render_stream_hash(render);
@@ -153,9 +190,41 @@ static void the_same_pixels(void **state)
 	stilb_image_finish(&picture);
 }
 
+/* The number of bytes in which two pictures of one size differ. */
+static size_t bytes_that_differ(const stilb_image *a, const stilb_image *b)
+{
+	size_t differ = 0;
+	assert_true(a->width == b->width && a->height == b->height);
+	for (uint32_t i = 0; i < a->width * a->height; i++)
+		for (uint32_t c = 0; c < 3; c++)
+			differ +=
+				((const uint8_t *)a->pixels)[i * a->channels + c] != ((const uint8_t *)b->pixels)[i * b->channels + c];
+	return differ;
+}
+
+/* Each kind of background, and a panorama, which lights the squares, too. */
+static void backgrounds_come_back(void **state)
+{
+	(void)state;
+	stilb_image pictures[BACKGROUNDS];
+	for (int b = PLAIN + 1; b < BACKGROUNDS; b++) {
+		stilb_render *render;
+		background = b;
+		assert_int_equal(make_render(b % 3, STILB_RENDER_MATERIALS_INDEX, &render), STILB_OK);
+		draw_and_save(render, &pictures[b]);
+		uint64_t hash = stilb_render_stream_hash(render);
+		stilb_render_destroy(render);
+		assert_plays((b + 1) % 3, b % 2, &pictures[b], hash);
+		for (int other = PLAIN + 1; other < b; other++)
+			assert_true(bytes_that_differ(&pictures[b], &pictures[other]) > SIDE * SIDE / 20);
+	}
+	for (int b = PLAIN + 1; b < BACKGROUNDS; b++)
+		stilb_image_finish(&pictures[b]);
+}
+
 int main(void)
 {
-	struct CMUnitTest tests[] = {cmocka_unit_test(the_same_pixels)};
+	struct CMUnitTest tests[] = {cmocka_unit_test(the_same_pixels), cmocka_unit_test(backgrounds_come_back)};
 	stilb_job_pool_desc desc = {.worker_count = 2};
 	if (reference_no_driver())
 		return 77;
