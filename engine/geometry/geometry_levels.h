@@ -1,0 +1,38 @@
+/*
+ * geometry_levels: makes the levels of a scene's mesh (stilb_scene_level): each has about half of the triangles of the
+ * one before it and uses a prefix of the same vertices, so that all of them share one upload and a vertex moves on its
+ * own way to where the next level has it.
+ *
+ * Example.  A mesh of a scene that is about to be built:
+ *
+ *   stilb_geometry_levels_desc desc = stilb_geometry_levels_desc_default();
+ *   stilb_result result = stilb_geometry_levels(&mesh, &desc, pool, 0);
+ *
+ * The same vertices and triangles are in the mesh afterwards, in another order: that of the levels, and inside of it
+ * one that suits the caches of a device. What else belongs to vertices by their number (skins, shapes) must not exist.
+ * Threads and errors are those of geometry.h; after an error the mesh is as it was.
+ */
+#ifndef STILB_GEOMETRY_LEVELS_H
+#define STILB_GEOMETRY_LEVELS_H
+
+#include "geometry/geometry.h"
+#include "scene/scene.h"
+
+typedef struct stilb_geometry_levels_desc {
+	float ratio;         /* triangles of a level in terms of the finer one, [0.1, 0.9] */
+	uint32_t least;      /* no level is made of one that has this many triangles or fewer */
+	float normal_weight; /* of the streams (stilb_geometry_stream.weight) */
+	float uv_weight;
+	const uint8_t *locked; /* [vertex_count] as stilb_geometry_mesh.locked; NULL: none */
+} stilb_geometry_levels_desc;
+
+/* Halves down to 20 triangles. [any-thread] */
+stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void);
+
+/* Replaces the mesh's levels by new ones, as many as can be made: none of a mesh of few triangles or one that cannot
+ * be simplified. The errors of levels hold for the surfaces; they are measured at many points of both, more of them
+ * where the distance is large, and enlarged by 6 % for what lies between. */
+stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, stilb_job_pool *pool,
+                                   uint32_t worker);
+
+#endif

@@ -1,0 +1,781 @@
+/* Simplifies a piece of a mesh: a queue of vertices by the cost of their cheapest collapse. */
+#include "geometry/geometry_region.h"
+
+#include "geometry/geometry_quadric.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NONE UINT32_MAX
+#define RING 96            /* neighbours of a position that may be removed, at most */
+#define WEDGES 96          /* vertices at such a position, at most */
+#define BUCKETS 4096       /* costs of one bucket differ by a sixteenth at most */
+#define BORDER_WEIGHT 4.0f /* what leaving a border counts against leaving the surface */
+#define SEAM_WEIGHT 1.0f
+#define TURN_COSINE_2 0.0625f /* the squared cosine of the angle by which a triangle may turn */
+
+/* An edge from the position that is looked at. */
+typedef struct ring_edge {
+	uint32_t position;       /* the other end */
+	uint32_t uses;           /* triangles at this edge */
+	uint32_t from[2], to[2]; /* vertices at both ends in the first two of these */
+	float cost;              /* of the collapse along it, m^2, or less while it is not `exact`; FLT_MAX: refused */
+	bool exact;
+} ring_edge;
+
+/* A triangle and, of each corner, the next corner at its position: 3 t + k is corner k of triangle t. */
+typedef struct region_triangle {
+	uint32_t vertex[3]; /* NONE: the triangle is gone */
+	uint32_t position[3];
+	uint32_t next[3];
+} region_triangle;
+
+typedef struct region {
+	const geometry_round *round;
+	uint32_t triangle_count, vertex_count, position_count, live;
+	uint32_t groups;
+	size_t value_size; /* bytes of a value quadric */
+	region_triangle *triangles;
+	/* of vertices */
+	uint32_t *vertex_global, *vertex_position;
+	uint32_t *vertex_next; /* the next vertex at the same position */
+	uint32_t *vertex_seam; /* the first vertex at this position with the same values in all streams with seams */
+	stilb_vec4 *values;    /* [vertex][groups] times their scales */
+	unsigned char *value_quadrics;
+	/* of positions */
+	stilb_vec3 *point; /* from the middle of the region */
+	uint32_t *head;    /* the first corner */
+	uint32_t *first;   /* the first vertex */
+	geometry_plane_quadric *planes;
+	float *cost;
+	uint32_t *best; /* the neighbour onto which it goes at this cost */
+	uint32_t *queue_next;
+	uint32_t *mark; /* serial << 8 | place in the ring, if it is in the ring gathered last */
+	uint32_t *seen; /* seen_serial, if it is a neighbour of the other end, too */
+	uint8_t *fixed, *dirty, *queued;
+	uint8_t *shared;              /* it has triangles in other regions */
+	uint32_t serial, seen_serial; /* of gather's and link_is_sound's last call */
+	/* what gather has found at one position */
+	ring_edge ring[RING];
+	uint32_t ring_count, corner_count, border_count;
+	uint32_t corners[RING];
+	uint8_t sides[RING][2]; /* of each corner's triangle: the edges in ring along its other two corners */
+	uint32_t wedges[WEDGES], wedge_count;
+	/* the queue */
+	uint32_t bucket_head[BUCKETS], bucket_tail[BUCKETS];
+	uint64_t bucket_used[BUCKETS / 64];
+	void *build_memory, *memory;
+	geometry_record *record;
+} region;
+
+static geometry_value_quadric *value_quadric(const region *r, uint32_t vertex)
+{
+	return (geometry_value_quadric *)(r->value_quadrics + vertex * r->value_size);
+}
+
+/* ---- building ---------------------------------------------------------------------------------------------------- */
+
+/* Numbers the keys in the order of their arrival. */
+typedef struct number_table {
+	uint32_t *keys, *numbers;
+	uint32_t mask, count;
+} number_table;
+
+static uint32_t number_of(number_table *table, uint32_t key)
+{
+	for (uint32_t i = key * 2654435769u >> 7 & table->mask;; i = (i + 1) & table->mask) {
+		if (table->keys[i] == key)
+			return table->numbers[i];
+		if (table->keys[i] == NONE) {
+			table->keys[i] = key;
+			table->numbers[i] = table->count;
+			return table->count++;
+		}
+	}
+}
+
+/* The next part of a block. */
+static void *take(unsigned char **at, size_t count, size_t size)
+{
+	void *part = *at;
+	*at += (count * size + 63) & ~(size_t)63;
+	return part;
+}
+
+static const float *position_of(const geometry_round *round, uint32_t vertex)
+{
+	return (const float *)((const char *)round->mesh->positions + vertex * round->mesh->position_stride);
+}
+
+/* Numbers the vertices. */
+static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint32_t count)
+{
+	uint32_t corners = 3 * count, capacity = 64;
+	while (capacity < 4 * count)
+		capacity *= 2;
+	size_t size = (size_t)capacity * 8 + (size_t)corners * 8 + (size_t)count * sizeof *r->triangles + 8 * 64;
+	unsigned char *at = r->build_memory = stilb_memory_alloc(size, 1);
+	if (!at)
+		return false;
+	number_table table = {.mask = capacity - 1};
+	table.keys = take(&at, capacity, 4);
+	table.numbers = take(&at, capacity, 4);
+	memset(table.keys, 0xff, (size_t)capacity * 4);
+	r->triangles = take(&at, count, sizeof *r->triangles);
+	r->vertex_global = take(&at, corners, 4);
+	r->vertex_position = take(&at, corners, 4);
+	for (uint32_t t = 0; t < count; t++)
+		for (uint32_t k = 0; k < 3; k++) {
+			uint32_t vertex = number_of(&table, triangles[t][k]);
+			r->triangles[t].vertex[k] = vertex;
+			r->vertex_global[vertex] = triangles[t][k];
+		}
+	r->vertex_count = table.count;
+	memset(table.keys, 0xff, (size_t)capacity * 4);
+	table.count = 0;
+	for (uint32_t v = 0; v < r->vertex_count; v++)
+		r->vertex_position[v] = number_of(&table, r->round->canonical[r->vertex_global[v]]);
+	r->position_count = table.count;
+	for (uint32_t t = 0; t < count; t++)
+		for (uint32_t k = 0; k < 3; k++)
+			r->triangles[t].position[k] = r->vertex_position[r->triangles[t].vertex[k]];
+	return true;
+}
+
+static bool region_allocate(region *r)
+{
+	size_t v = r->vertex_count, p = r->position_count;
+	r->value_size = sizeof(geometry_value_quadric) + r->groups * 4 * sizeof(stilb_vec4);
+	size_t size = v * (8 + r->groups * sizeof(stilb_vec4) + r->value_size) +
+	              p * (sizeof(stilb_vec3) + sizeof(geometry_plane_quadric) + 4 * 7 + 4) + 24 * 64;
+	unsigned char *at = r->memory = stilb_memory_alloc(size, 1);
+	if (!at)
+		return false;
+	r->value_quadrics = take(&at, v, r->value_size);
+	r->planes = take(&at, p, sizeof *r->planes);
+	memset(r->memory, 0, (size_t)(at - (unsigned char *)r->memory));
+	r->values = take(&at, v * r->groups, sizeof *r->values);
+	r->point = take(&at, p, sizeof *r->point);
+	r->vertex_next = take(&at, v, 4);
+	r->vertex_seam = take(&at, v, 4);
+	r->head = take(&at, p, 4);
+	r->first = take(&at, p, 4);
+	r->cost = take(&at, p, 4);
+	r->best = take(&at, p, 4);
+	r->queue_next = take(&at, p, 4);
+	unsigned char *zeroed = at;
+	r->mark = take(&at, p, 4);
+	r->seen = take(&at, p, 4);
+	r->fixed = take(&at, p, 1);
+	r->dirty = take(&at, p, 1);
+	r->queued = take(&at, p, 1);
+	r->shared = take(&at, p, 1);
+	memset(zeroed, 0, (size_t)(at - zeroed));
+	memset(r->head, 0xff, p * 4);
+	memset(r->first, 0xff, p * 4);
+	return true;
+}
+
+/* Reads the values of a vertex, times their scales. */
+static void read_values(const region *r, uint32_t vertex)
+{
+	const stilb_geometry_mesh *mesh = r->round->mesh;
+	float *out = (float *)&r->values[(size_t)vertex * r->groups];
+	uint32_t n = 0;
+	for (uint32_t s = 0; s < mesh->stream_count; s++) {
+		const stilb_geometry_stream *stream = &mesh->streams[s];
+		const float *in = (const float *)((const char *)stream->values + r->vertex_global[vertex] * stream->stride);
+		for (uint32_t k = 0; k < stream->components; k++) {
+			float value = in[k] * r->round->scale[s];
+			out[n++] = isfinite(value) ? value : 0.0f;
+		}
+	}
+	for (; n < 4 * r->groups; n++)
+		out[n] = 0.0f;
+}
+
+/* True if two vertices have the same values in all streams that have seams. */
+static bool same_seam(const region *r, uint32_t a, uint32_t b)
+{
+	const stilb_geometry_mesh *mesh = r->round->mesh;
+	for (uint32_t s = 0; s < mesh->stream_count; s++) {
+		const stilb_geometry_stream *stream = &mesh->streams[s];
+		if (stream->seam &&
+		    memcmp((const char *)stream->values + r->vertex_global[a] * stream->stride,
+		           (const char *)stream->values + r->vertex_global[b] * stream->stride, stream->components * 4) != 0)
+			return false;
+	}
+	return true;
+}
+
+static void region_build_vertices(region *r, uint32_t id)
+{
+	const geometry_round *round = r->round;
+	const float *middle = position_of(round, r->vertex_global[0]);
+	for (uint32_t v = 0; v < r->vertex_count; v++) {
+		uint32_t p = r->vertex_position[v], canonical = round->canonical[r->vertex_global[v]];
+		if (r->first[p] == NONE) {
+			const float *at = position_of(round, canonical);
+			r->point[p] = stilb_vec3_make(at[0] - middle[0], at[1] - middle[1], at[2] - middle[2]);
+			r->shared[p] = round->owner && round->owner[canonical] != id;
+			r->fixed[p] = r->shared[p] || (round->locked && round->locked[canonical]);
+		}
+		r->vertex_seam[v] = v;
+		for (uint32_t w = r->first[p]; w != NONE; w = r->vertex_next[w])
+			if (r->vertex_seam[w] == w && same_seam(r, v, w)) {
+				r->vertex_seam[v] = w;
+				break;
+			}
+		r->vertex_next[v] = r->first[p];
+		r->first[p] = v;
+		if (r->groups > 0)
+			read_values(r, v);
+	}
+	for (uint32_t t = r->triangle_count; t-- > 0;)
+		for (uint32_t k = 0; k < 3; k++) {
+			uint32_t p = r->triangles[t].position[k];
+			r->triangles[t].next[k] = r->head[p];
+			r->head[p] = 3 * t + k;
+		}
+}
+
+/* How the values change over a triangle per metre along x, y and z. across[k]: the gradient of the barycentric
+ * coordinate of corner k. */
+static void value_gradients(const region *r, const uint32_t *vertex, const stilb_vec3 across[3], stilb_vec4 *gradient)
+{
+	for (uint32_t g = 0; g < r->groups; g++) {
+		stilb_vec4 base = r->values[(size_t)vertex[0] * r->groups + g];
+		stilb_vec4 d1 = r->values[(size_t)vertex[1] * r->groups + g] - base;
+		stilb_vec4 d2 = r->values[(size_t)vertex[2] * r->groups + g] - base;
+		for (uint32_t axis = 0; axis < 3; axis++)
+			gradient[3 * g + axis] = d1 * across[1][axis] + d2 * across[2][axis];
+	}
+}
+
+static void region_build_quadrics(region *r)
+{
+	stilb_vec4 gradient[3 * STILB_GEOMETRY_STREAMS];
+	for (uint32_t t = 0; t < r->triangle_count; t++) {
+		const uint32_t *vertex = r->triangles[t].vertex, *p = r->triangles[t].position;
+		stilb_vec3 e1 = r->point[p[1]] - r->point[p[0]], e2 = r->point[p[2]] - r->point[p[0]];
+		stilb_vec3 normal = stilb_vec3_cross(e1, e2);
+		float square = stilb_vec3_dot(normal, normal), l1 = stilb_vec3_dot(e1, e1), l2 = stilb_vec3_dot(e2, e2);
+		if (!(square > FLT_MIN))
+			continue;
+		float area = 0.5f * sqrtf(square);
+		stilb_vec3 unit = normal * (0.5f / area);
+		for (uint32_t k = 0; k < 3; k++) {
+			geometry_plane_add(&r->planes[p[k]], unit, area);
+			r->planes[p[k]].area += area;
+		}
+		if (r->groups == 0)
+			continue;
+		/* Of needles, whose gradients are large and mean nothing, they are smaller. */
+		float inverse = 1.0f / (square + 1e-4f * l1 * l2);
+		stilb_vec3 across[3] = {{0}, stilb_vec3_cross(e2, normal) * inverse, stilb_vec3_cross(normal, e1) * inverse};
+		value_gradients(r, vertex, across, gradient);
+		for (uint32_t k = 0; k < 3; k++)
+			geometry_value_add(value_quadric(r, vertex[k]), r->groups, gradient, area);
+	}
+}
+
+/* ---- the ring of a position -------------------------------------------------------------------------------------- */
+
+/* Notes the edge from vertex `from` to vertex `to`, at position q, of a triangle; returns its place in the ring, RING:
+ * there are too many neighbours. */
+static inline uint32_t ring_note(region *r, uint32_t from, uint32_t to, uint32_t q)
+{
+	uint32_t mark = r->mark[q], slot = mark & 0xff;
+	if (mark >> 8 == r->serial) {
+		ring_edge *edge = &r->ring[slot];
+		if (edge->uses++ == 1) {
+			edge->from[1] = from;
+			edge->to[1] = to;
+		}
+		return slot;
+	}
+	if (r->ring_count == RING)
+		return RING;
+	slot = r->ring_count++;
+	r->mark[q] = r->serial << 8 | slot;
+	ring_edge *edge = &r->ring[slot];
+	edge->position = q;
+	edge->uses = 1;
+	edge->from[0] = from;
+	edge->to[0] = to;
+	return slot;
+}
+
+/* The place of a neighbour in the ring. */
+static uint32_t slot_of(const region *r, uint32_t q)
+{
+	return r->mark[q] & 0xff;
+}
+
+static bool ring_note_wedge(region *r, uint32_t vertex)
+{
+	for (uint32_t i = 0; i < r->wedge_count; i++)
+		if (r->wedges[i] == vertex)
+			return true;
+	if (r->wedge_count == WEDGES)
+		return false;
+	r->wedges[r->wedge_count++] = vertex;
+	return true;
+}
+
+/* Finds neighbours, corners and vertices of a position, and forgets corners of triangles that are gone. False: its
+ * triangles are no disk or half disk around it, or they are too many, so it cannot be removed. */
+static bool region_gather(region *r, uint32_t p)
+{
+	if (++r->serial == 1u << 24) { /* marks have no room for more */
+		memset(r->mark, 0, r->position_count * sizeof *r->mark);
+		r->serial = 1;
+	}
+	r->ring_count = r->corner_count = r->wedge_count = r->border_count = 0;
+	for (uint32_t *link = &r->head[p]; *link != NONE;) {
+		uint32_t corner = *link, k = corner % 3;
+		region_triangle *triangle = &r->triangles[corner / 3];
+		uint32_t vertex = triangle->vertex[k];
+		if (vertex == NONE) {
+			*link = triangle->next[k];
+			continue;
+		}
+		if (r->corner_count == RING)
+			return false;
+		uint32_t k1 = k == 2 ? 0 : k + 1, k2 = k == 0 ? 2 : k - 1;
+		uint32_t a = ring_note(r, vertex, triangle->vertex[k1], triangle->position[k1]);
+		uint32_t b = ring_note(r, vertex, triangle->vertex[k2], triangle->position[k2]);
+		if (!ring_note_wedge(r, vertex) || a == RING || b == RING)
+			return false;
+		r->sides[r->corner_count][0] = (uint8_t)a;
+		r->sides[r->corner_count][1] = (uint8_t)b;
+		r->corners[r->corner_count++] = corner;
+		link = &triangle->next[k];
+	}
+	for (uint32_t i = 0; i < r->ring_count; i++) {
+		if (r->ring[i].uses > 2)
+			return false;
+		r->border_count += r->ring[i].uses == 1;
+	}
+	/* One fan of triangles has as many neighbours as triangles, or one more with two edges at the border. Two closed
+	 * fans have as many, too: ring_is_one finds them. */
+	return r->ring_count > 0 && ((r->border_count == 0 && r->ring_count == r->corner_count) ||
+	                             (r->border_count == 2 && r->ring_count == r->corner_count + 1));
+}
+
+/* True if the neighbours hang together: walks from triangle to triangle. */
+static bool ring_is_one(const region *r)
+{
+	bool reached[RING] = {[0] = true};
+	uint32_t count = 1;
+	for (bool found = true; found && count < r->ring_count;) {
+		found = false;
+		for (uint32_t i = 0; i < r->corner_count; i++) {
+			uint32_t a = r->sides[i][0], b = r->sides[i][1];
+			if (reached[a] == reached[b])
+				continue;
+			reached[a] = reached[b] = found = true;
+			count++;
+		}
+	}
+	return count == r->ring_count;
+}
+
+/* ---- the cost of a collapse -------------------------------------------------------------------------------------- */
+
+/* Where the vertices at a position go in a collapse. */
+typedef struct wedge_map {
+	uint32_t to[WEDGES];
+	float cost;
+} wedge_map;
+
+/* What the values of a vertex cost, m^4. A texture that lies wrong by some triangles is wrong, and not more wrong with
+ * each triangle: without a limit a strip into which a whole texture is squeezed would be kept at any price. */
+static float wedge_cost(const region *r, uint32_t from, uint32_t to, stilb_vec3 d)
+{
+	const geometry_value_quadric *q = value_quadric(r, from);
+	float cost =
+		geometry_value_cost(q, r->groups, d, &r->values[(size_t)from * r->groups], &r->values[(size_t)to * r->groups]);
+	float most = r->round->value_limit * q->area;
+	return cost < most ? cost : most;
+}
+
+/* The vertex at the other end of an edge where `wedge` belongs: on its side of all seams, and the cheapest of these.
+ * NONE: there is none, or the seam begins at the other end, and the wedge would belong to both sides of it. */
+static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t wedge, stilb_vec3 d, float *cost)
+{
+	uint32_t side = NONE, uses = edge->uses < 2 ? edge->uses : 2;
+	for (uint32_t i = 0; i < uses; i++) {
+		if (r->vertex_seam[edge->from[i]] != r->vertex_seam[wedge])
+			continue;
+		uint32_t seam = r->vertex_seam[edge->to[i]];
+		if (side != NONE && side != seam)
+			return NONE;
+		side = seam;
+	}
+	if (side == NONE)
+		return NONE;
+	uint32_t best = NONE;
+	for (uint32_t v = r->first[edge->position]; v != NONE; v = r->vertex_next[v]) {
+		if (r->vertex_seam[v] != side)
+			continue;
+		float c = r->groups > 0 ? wedge_cost(r, wedge, v, d) : 0.0f;
+		if (best == NONE || c < *cost) {
+			best = v;
+			*cost = c;
+		}
+	}
+	return best;
+}
+
+/* Finds where all vertices of the gathered position go along an edge. False: one has no place there. */
+static bool map_wedges(const region *r, const ring_edge *edge, stilb_vec3 d, wedge_map *map)
+{
+	map->cost = 0.0f;
+	for (uint32_t i = 0; i < r->wedge_count; i++) {
+		float cost = 0.0f;
+		map->to[i] = wedge_target(r, edge, r->wedges[i], d, &cost);
+		if (map->to[i] == NONE)
+			return false;
+		map->cost += cost;
+	}
+	return true;
+}
+
+/* The part of an edge's cost that values have, m^4; FLT_MAX: a vertex has no place at the other end. */
+static float edge_value_cost(const region *r, const ring_edge *edge, stilb_vec3 d)
+{
+	uint32_t only = r->first[edge->position];
+	if (r->wedge_count == 1 && r->vertex_next[only] == NONE)
+		return r->groups > 0 ? wedge_cost(r, r->wedges[0], only, d) : 0.0f;
+	wedge_map map;
+	return map_wedges(r, edge, d, &map) ? map.cost : FLT_MAX;
+}
+
+/* ---- what may be collapsed --------------------------------------------------------------------------------------- */
+
+/* True if both ends have no common neighbours but those that the edge's triangles have, so that a manifold remains one.
+ * The ring of one end is gathered. */
+static bool link_is_sound(region *r, const ring_edge *edge)
+{
+	uint32_t common = 0, corners = 0, opposite = 0;
+	r->seen_serial++;
+	for (uint32_t *link = &r->head[edge->position]; *link != NONE;) {
+		uint32_t corner = *link, k = corner % 3;
+		region_triangle *triangle = &r->triangles[corner / 3];
+		if (triangle->vertex[k] == NONE) {
+			*link = triangle->next[k];
+			continue;
+		}
+		uint32_t on_ring = 0;
+		for (uint32_t i = 0; i < 3; i++) {
+			uint32_t q = triangle->position[i];
+			if (i == k || r->mark[q] >> 8 != r->serial)
+				continue;
+			on_ring++;
+			common += r->seen[q] != r->seen_serial;
+			r->seen[q] = r->seen_serial;
+		}
+		corners++;
+		opposite += on_ring == 2;
+		link = &triangle->next[k];
+	}
+	if (common != edge->uses || corners == edge->uses)
+		return false;              /* the last: nothing would be left */
+	if (r->shared[edge->position]) /* two that are shared may be neighbours in another region */
+		for (uint32_t i = 0; i < r->ring_count; i++) {
+			uint32_t q = r->ring[i].position;
+			if (q != edge->position && r->shared[q] && r->seen[q] != r->seen_serial)
+				return false;
+		}
+	/* A closed fan of three triangles is a corner of a tetrahedron if its ring is a triangle, too. */
+	return !(r->corner_count == 3 && r->border_count == 0 && opposite > 0);
+}
+
+/* True if a triangle at the gathered position turns over, or nearly so, when the position moves to that of `to`. */
+static bool turns_over(const region *r, uint32_t p, uint32_t to)
+{
+	stilb_vec3 before = r->point[p], after = r->point[to];
+	uint32_t slot = slot_of(r, to);
+	for (uint32_t i = 0; i < r->corner_count; i++) {
+		if (r->sides[i][0] == slot || r->sides[i][1] == slot)
+			continue;
+		stilb_vec3 a = r->point[r->ring[r->sides[i][0]].position],
+				   edge = r->point[r->ring[r->sides[i][1]].position] - a;
+		stilb_vec3 n = stilb_vec3_cross(edge, before - a), m = stilb_vec3_cross(edge, after - a);
+		float nn = stilb_vec3_dot(n, n), mm = stilb_vec3_dot(m, m), nm = stilb_vec3_dot(n, m);
+		if (nn > 0.0f && !(nm > 0.0f && nm * nm > TURN_COSINE_2 * nn * mm))
+			return true;
+	}
+	return false;
+}
+
+static bool edge_is_allowed(region *r, uint32_t p, const ring_edge *edge)
+{
+	return link_is_sound(r, edge) && !turns_over(r, p, edge->position);
+}
+
+/* Finds the cheapest collapse of the gathered position; with `checked` the cheapest that is allowed. Values are looked
+ * at only where the planes alone do not make an edge dearer. */
+static bool region_evaluate(region *r, uint32_t p, bool checked)
+{
+	r->best[p] = NONE;
+	const geometry_plane_quadric *planes = &r->planes[p];
+	float inverse = planes->area > 0.0f ? 1.0f / planes->area : 1.0f;
+	for (uint32_t i = 0; i < r->ring_count; i++) {
+		ring_edge *edge = &r->ring[i];
+		edge->exact = false;
+		edge->cost = r->border_count > 0 && edge->uses != 1
+		                 ? FLT_MAX
+		                 : geometry_plane_cost(planes, r->point[edge->position] - r->point[p]) * inverse;
+	}
+	for (;;) {
+		ring_edge *best = &r->ring[0];
+		for (uint32_t i = 1; i < r->ring_count; i++)
+			if (r->ring[i].cost < best->cost)
+				best = &r->ring[i];
+		if (!(best->cost < FLT_MAX))
+			return false;
+		if (!best->exact) {
+			best->exact = true;
+			float values = edge_value_cost(r, best, r->point[best->position] - r->point[p]);
+			best->cost = values < FLT_MAX ? best->cost + values * inverse : FLT_MAX;
+			continue;
+		}
+		if (!checked || edge_is_allowed(r, p, best)) {
+			r->best[p] = best->position;
+			r->cost[p] = best->cost;
+			return true;
+		}
+		best->cost = FLT_MAX;
+	}
+}
+
+/* ---- the queue --------------------------------------------------------------------------------------------------- */
+
+static uint32_t bucket_of(float cost)
+{
+	uint32_t bits;
+	memcpy(&bits, &cost, sizeof bits);
+	return bits >> 19;
+}
+
+static void queue_push(region *r, uint32_t p)
+{
+	uint32_t bucket = bucket_of(r->cost[p]);
+	uint64_t bit = (uint64_t)1 << bucket % 64;
+	if (r->bucket_used[bucket / 64] & bit)
+		r->queue_next[r->bucket_tail[bucket]] = p;
+	else
+		r->bucket_head[bucket] = p;
+	r->bucket_used[bucket / 64] |= bit;
+	r->bucket_tail[bucket] = p;
+	r->queue_next[p] = NONE;
+	r->queued[p] = 1;
+}
+
+static uint32_t queue_pop(region *r)
+{
+	for (uint32_t word = 0; word < BUCKETS / 64; word++) {
+		if (r->bucket_used[word] == 0)
+			continue;
+		uint32_t bucket = word * 64 + (uint32_t)__builtin_ctzll(r->bucket_used[word]), p = r->bucket_head[bucket];
+		r->bucket_head[bucket] = r->queue_next[p];
+		if (r->queue_next[p] == NONE)
+			r->bucket_used[word] &= r->bucket_used[word] - 1;
+		r->queued[p] = 0;
+		return p;
+	}
+	return NONE;
+}
+
+/* ---- collapsing -------------------------------------------------------------------------------------------------- */
+
+static void record_collapse(region *r, const wedge_map *map, uint32_t removed, float cost)
+{
+	geometry_record *record = r->record;
+	uint32_t i = record->count++, end = i > 0 ? record->maps_end[i - 1] : 0;
+	for (uint32_t k = 0; k < r->wedge_count; k++) {
+		record->from[end] = r->vertex_global[r->wedges[k]];
+		record->to[end++] = r->vertex_global[map->to[k]];
+	}
+	record->maps_end[i] = end;
+	record->triangles[i] = removed + (i > 0 ? record->triangles[i - 1] : 0);
+	record->cost[i] = i > 0 && record->cost[i - 1] > cost ? record->cost[i - 1] : cost;
+}
+
+/* After p has gone to `to`: marks what a neighbour has computed as old; what could not go may go now. A neighbour's
+ * cost is that of its own quadrics, and so it is still right if its way did not lead to p. */
+static void neighbour_changed(region *r, uint32_t p, uint32_t to, uint32_t q, float cost)
+{
+	if (r->fixed[q])
+		return;
+	r->dirty[q] |= q == to || r->best[q] == p || !r->queued[q];
+	if (!r->queued[q]) {
+		r->cost[q] = cost;
+		queue_push(r, q);
+	}
+}
+
+/* Moves the gathered position p to its neighbour r->best[p]. */
+static void region_collapse(region *r, uint32_t p)
+{
+	uint32_t to = r->best[p];
+	const ring_edge *edge = &r->ring[slot_of(r, to)];
+	stilb_vec3 d = r->point[to] - r->point[p];
+	wedge_map map;
+	bool mapped = map_wedges(r, edge, d, &map);
+	STILB_ASSERT(mapped && "a collapse that was allowed maps all vertices");
+	(void)mapped;
+	geometry_plane_move(&r->planes[to], &r->planes[p], d);
+	for (uint32_t i = 0; i < r->wedge_count && r->groups > 0; i++) {
+		uint32_t from = r->wedges[i], wedge = map.to[i];
+		geometry_value_move(value_quadric(r, wedge), value_quadric(r, from), r->groups, d,
+		                    &r->values[(size_t)from * r->groups], &r->values[(size_t)wedge * r->groups]);
+	}
+	uint32_t removed = 0;
+	uint32_t gone = slot_of(r, to);
+	for (uint32_t i = 0; i < r->corner_count; i++) {
+		uint32_t corner = r->corners[i], k = corner % 3, wedge = 0;
+		region_triangle *triangle = &r->triangles[corner / 3];
+		if (r->sides[i][0] == gone || r->sides[i][1] == gone) {
+			triangle->vertex[0] = triangle->vertex[1] = triangle->vertex[2] = NONE;
+			removed++;
+			continue;
+		}
+		while (r->wedges[wedge] != triangle->vertex[k])
+			wedge++;
+		triangle->vertex[k] = map.to[wedge];
+		triangle->position[k] = to;
+		triangle->next[k] = r->head[to];
+		r->head[to] = corner;
+	}
+	r->live -= removed;
+	r->head[p] = NONE;
+	record_collapse(r, &map, removed, r->cost[p]);
+	for (uint32_t i = 0; i < r->ring_count; i++)
+		neighbour_changed(r, p, to, r->ring[i].position, r->cost[p]);
+}
+
+/* Borders and seams hold the gathered position: planes through them, perpendicular to the surface. */
+static void add_edges(region *r, uint32_t p)
+{
+	for (uint32_t i = 0; i < r->ring_count; i++) {
+		const ring_edge *edge = &r->ring[i];
+		bool seam = edge->uses == 2 && (r->vertex_seam[edge->from[0]] != r->vertex_seam[edge->from[1]] ||
+		                                r->vertex_seam[edge->to[0]] != r->vertex_seam[edge->to[1]]);
+		if (edge->uses != 1 && !seam)
+			continue;
+		stilb_vec3 along = r->point[edge->position] - r->point[p];
+		float weight = stilb_vec3_dot(along, along) * (seam ? SEAM_WEIGHT : BORDER_WEIGHT);
+		for (uint32_t c = 0; c < r->corner_count; c++) {
+			if (r->sides[c][0] != i && r->sides[c][1] != i)
+				continue;
+			stilb_vec3 a = r->point[r->ring[r->sides[c][0]].position] - r->point[p];
+			stilb_vec3 b = r->point[r->ring[r->sides[c][1]].position] - r->point[p];
+			stilb_vec3 out = stilb_vec3_cross(along, stilb_vec3_cross(a, b));
+			float square = stilb_vec3_dot(out, out);
+			if (square > FLT_MIN)
+				geometry_plane_add(&r->planes[p], out * (1.0f / sqrtf(square)), weight);
+		}
+	}
+}
+
+/* Gathers each position for the first time: what cannot go ever is fixed. */
+static void region_start(region *r)
+{
+	for (uint32_t p = 0; p < r->position_count; p++) {
+		if (r->fixed[p])
+			continue;
+		if (!region_gather(r, p) || (r->border_count == 0 && !ring_is_one(r))) {
+			r->fixed[p] = 1;
+			continue;
+		}
+		if (r->border_count > 0 || r->wedge_count > 1)
+			add_edges(r, p);
+		if (region_evaluate(r, p, false))
+			queue_push(r, p);
+	}
+}
+
+static void region_run(region *r, geometry_stop stop)
+{
+	region_start(r);
+	while (r->live > stop.triangles) {
+		uint32_t p = queue_pop(r);
+		if (p == NONE || r->cost[p] > stop.cost)
+			return;
+		if (!region_gather(r, p))
+			continue; /* it has too many neighbours now */
+		if (r->dirty[p] || !edge_is_allowed(r, p, &r->ring[slot_of(r, r->best[p])])) {
+			float cost = r->cost[p];
+			r->dirty[p] = 0;
+			if (!region_evaluate(r, p, true))
+				continue;
+			if (bucket_of(r->cost[p]) > bucket_of(cost)) {
+				queue_push(r, p);
+				continue;
+			}
+		}
+		region_collapse(r, p);
+	}
+}
+
+static bool record_allocate(geometry_record *record, uint32_t positions, uint32_t vertices)
+{
+	size_t size = (size_t)positions * 12 + (size_t)vertices * 8 + 5 * 64;
+	unsigned char *at = record->memory = stilb_memory_alloc(size, 1);
+	if (!at)
+		return false;
+	record->cost = take(&at, positions, 4);
+	record->triangles = take(&at, positions, 4);
+	record->maps_end = take(&at, positions, 4);
+	record->from = take(&at, vertices, 4);
+	record->to = take(&at, vertices, 4);
+	return true;
+}
+
+bool geometry_region_collapse(const geometry_round *round, uint32_t id, const uint32_t (*triangles)[3], uint32_t count,
+                              geometry_stop stop, geometry_record *record)
+{
+	STILB_ASSERT(round && record);
+	*record = (geometry_record){0};
+	if (count == 0)
+		return true;
+	region *r = calloc(1, sizeof *r);
+	if (!r)
+		return false;
+	*r = (region){.round = round, .triangle_count = count, .live = count, .groups = round->groups, .record = record};
+	bool made = region_build_corners(r, triangles, count) && region_allocate(r) &&
+	            record_allocate(record, r->position_count, r->vertex_count);
+	if (made) {
+		region_build_vertices(r, id);
+		region_build_quadrics(r);
+		region_run(r, stop);
+	}
+	free(r->build_memory);
+	free(r->memory);
+	free(r);
+	return made;
+}
+
+uint32_t geometry_record_prefix(const geometry_record *record, float cost)
+{
+	uint32_t low = 0, high = record->count;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (record->cost[middle] <= cost)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+void geometry_record_finish(geometry_record *record)
+{
+	free(record->memory);
+	*record = (geometry_record){0};
+}
