@@ -177,7 +177,7 @@ typedef struct stilb_gi_settings {
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
-	/* near_z and far_z are not used, as nothing is clipped, and of exposure the member below is. */
+	/* Camera rays see what lies between near_z and far_z, as frames do; of exposure the member below is used. */
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
 	/* Most reflections of a path, 0..1024. 0: only the lights themselves are seen; 1: also direct light. */

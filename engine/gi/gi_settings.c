@@ -91,6 +91,8 @@ static const field FIELDS[] = {
 	NUMBER(FIELD_FLOAT, camera.pitch, -1e6, 1e6),
 	NUMBER(FIELD_FLOAT, camera.roll, -1e6, 1e6),
 	NUMBER(FIELD_FLOAT, camera.fov_y, 1e-4, 3.14),
+	NUMBER(FIELD_FLOAT, camera.near_z, 1e-30, FARTHEST),
+	NUMBER(FIELD_FLOAT, camera.far_z, 1e-30, 1e4 * FARTHEST),
 	NUMBER(FIELD_FLOAT, lens.radius, 0, FARTHEST),
 	NUMBER(FIELD_FLOAT, lens.focus, 1e-9, FARTHEST),
 	NUMBER(FIELD_U32, lens.blades, 0, 16),
@@ -206,6 +208,9 @@ stilb_result gi_settings_check(const stilb_gi_settings *settings)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "cannot render: width x height is %u x %u; at most %u pixels are possible", settings->width,
 		                  settings->height, STILB_GI_MAX_PIXELS);
+	if (settings->camera.near_z >= settings->camera.far_z)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot render: camera.near_z is %g, not below camera.far_z, %g",
+		                  (double)settings->camera.near_z, (double)settings->camera.far_z);
 	if (settings->lens.blades == 1 || settings->lens.blades == 2)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "cannot render: lens.blades is %u; an aperture is round (0) or has 3 to 16",

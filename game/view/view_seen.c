@@ -20,9 +20,9 @@ bool view_seen_same_rays(const view_seen *a, const view_seen *b)
 	const stilb_scene_camera *c = &a->camera, *d = &b->camera;
 	const stilb_render_shading *s = &a->shading, *t = &b->shading;
 	return a->width == b->width && a->height == b->height && view_seen_same_scene(a, b) &&
-	       memcmp(c->position, d->position, sizeof c->position) == 0 && c->yaw == d->yaw && c->pitch == d->pitch &&
-	       c->roll == d->roll && c->fov_y == d->fov_y && s->brdf == t->brdf && s->ndf == t->ndf && s->g == t->g &&
-	       s->f == t->f;
+	       memcmp(c->position, d->position, sizeof c->position) == 0 && c->near_z == d->near_z &&
+	       c->far_z == d->far_z && c->yaw == d->yaw && c->pitch == d->pitch && c->roll == d->roll &&
+	       c->fov_y == d->fov_y && s->brdf == t->brdf && s->ndf == t->ndf && s->g == t->g && s->f == t->f;
 }
 
 bool view_seen_same_frame(const view_seen *a, const view_seen *b)

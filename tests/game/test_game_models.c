@@ -216,15 +216,9 @@ static bool is_compared(const outcome *result)
 	       result->most < (double)BRIGHT;
 }
 
-/* True for the file whose camera is inside its model: frames begin at its near plane, 0.1 m away, rays at the lens. */
-static bool is_inside_out(const char *path)
+static bool is_good(const outcome *result)
 {
-	return strstr(path, "/Collada/cameras.dae");
-}
-
-static bool is_good(const char *path, const outcome *result)
-{
-	return result->messages == 0 && (!is_compared(result) || result->rms <= BOUND || is_inside_out(path));
+	return result->messages == 0 && (!is_compared(result) || result->rms <= BOUND);
 }
 
 static void tell(const char *path, const outcome *result)
@@ -241,7 +235,7 @@ static void a_model_looks_as_rendered(void **state)
 	outcome result;
 	measure(MODELS "/OFF/Wuson.off", &result);
 	tell(MODELS "/OFF/Wuson.off", &result);
-	assert_true(is_compared(&result) && is_good(MODELS "/OFF/Wuson.off", &result));
+	assert_true(is_compared(&result) && is_good(&result));
 }
 
 static void all_models_look_as_rendered(void **state)
@@ -262,7 +256,7 @@ static void all_models_look_as_rendered(void **state)
 			continue;
 		opened++;
 		compared += is_compared(&result);
-		bad += !is_good(entry->fts_path, &result);
+		bad += !is_good(&result);
 		tell(entry->fts_path, &result);
 	}
 	fts_close(walk);

@@ -329,7 +329,7 @@ static void rays_stay_for_what_only_shows_them(void **state)
 		float *number;
 		bool rays; /* must begin anew */
 	} floats[] = {
-		{&other.camera.exposure, false},    {&other.camera.near_z, false},     {&other.camera.far_z, false},
+		{&other.camera.exposure, false},    {&other.camera.near_z, true},      {&other.camera.far_z, true},
 		{&other.shading.roughness, false},  {&other.shading.wrap, false},      {&other.shading.specular, false},
 		{&other.shading.anisotropy, false}, {&other.camera.position[2], true}, {&other.camera.yaw, true},
 		{&other.camera.pitch, true},        {&other.camera.roll, true},        {&other.camera.fov_y, true},

@@ -87,8 +87,11 @@ static void instruction_sets_agree(void **state)
 	world_fixture world = world_trace(all_kinds(), &stilb_gi_embree, 0);
 	static const uint32_t counts[] = {1, 15, 16, 17, 500, GI_BATCH};
 	for (stilb_isa isa = STILB_ISA_AVX2; isa <= stilb_cpu_widest_isa(); isa++)
-		for (int lens = 0; lens < 2; lens++) {
+		for (int way = 0; way < 4; way++) {
+			int lens = way % 2;
 			gi_view view = view_of(&world, STILB_GI_SAMPLER_SOBOL, STILB_GI_FILTER_GAUSSIAN);
+			world.scene->camera.near_z = way < 2 ? 0.1f : 7.6f; /* some see into spheres, others nothing any more */
+			world.scene->camera.far_z = way < 2 ? 100.0f : 11.0f;
 			gi_camera camera = gi_camera_make(
 				&world.scene->camera, &(stilb_gi_lens){.radius = 0.1f * (float)lens, .focus = 6.0f}, WIDTH, HEIGHT);
 			for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
@@ -169,11 +172,56 @@ static void packets_are_single_rays(void **state)
 	give_back(&world);
 }
 
+/* Frames draw what lies between two planes; so do camera rays: with the near plane before everything and the far one
+ * behind it nothing changes, else the first surface between both is seen, whose depth is the same. */
+static void rays_end_at_the_clip_planes(void **state)
+{
+	(void)state;
+	uint32_t kept = 0, inside = 0, cut = 0;
+	world_fixture world = world_trace(all_kinds(), &stilb_gi_embree, 0);
+	gi_view view = view_of(&world, STILB_GI_SAMPLER_SOBOL, STILB_GI_FILTER_BOX);
+	static const float planes[][2] = {{7.6f, 100.0f}, {7.6f, 7.9f}, {0.1f, 7.9f}, {20.0f, 21.0f}};
+	for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
+		for (int lens = 0; lens < 2; lens++) {
+			stilb_gi_lens glass = {.radius = 0.1f * (float)lens, .focus = 6.0f};
+			stilb_scene_camera clipped = world.scene->camera;
+			clipped.near_z = planes[p][0];
+			clipped.far_z = planes[p][1];
+			gi_camera all = gi_camera_make(&world.scene->camera, &glass, WIDTH, HEIGHT);
+			gi_camera between = gi_camera_make(&clipped, &glass, WIDTH, HEIGHT);
+			for (uint32_t first = 0; first < WIDTH * HEIGHT; first += 1000) {
+				batch(&view, first, 1000);
+				trace(&view, &all, stilb_cpu_widest_isa(), 1000, &scalar);
+				trace(&view, &between, stilb_cpu_widest_isa(), 1000, &wide);
+				for (uint32_t i = 0; i < 1000; i++) {
+					float depth = scalar.depth[i], now = wide.depth[i], slack = 1e-5f * depth;
+					bool sure = fabsf(depth - clipped.near_z) > slack && fabsf(depth - clipped.far_z) > slack;
+					assert_true(now == INFINITY ||
+					            (now >= clipped.near_z * 0.99999f && now <= clipped.far_z * 1.00001f));
+					if (sure && depth > clipped.near_z && depth < clipped.far_z) {
+						assert_true(now == depth && wide.rays[i].hit.triangle == scalar.rays[i].hit.triangle);
+						kept++;
+					} else if (sure && depth < clipped.near_z && now < INFINITY) {
+						assert_true(now > depth);
+						inside++;
+					} else if (sure && depth < INFINITY) {
+						assert_true(now == INFINITY);
+						assert_true(wide.albedo[i][0] == 0.0f && wide.normal[i][0] == 0.0f);
+						cut++;
+					}
+				}
+			}
+		}
+	assert_true(kept > 500 && inside > 500 && cut > 500);
+	give_back(&world);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(instruction_sets_agree),
 		cmocka_unit_test(packets_are_single_rays),
+		cmocka_unit_test(rays_end_at_the_clip_planes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,6 +7,7 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 {
 	STILB_ASSERT(width > 0 && height > 0);
 	STILB_ASSERT(camera->fov_y > 0.0f && camera->fov_y < 3.1415927f);
+	STILB_ASSERT(camera->near_z > 0.0f && camera->near_z < camera->far_z);
 	STILB_ASSERT(lens->radius == 0.0f || (lens->radius > 0.0f && lens->focus > 0.0f));
 	STILB_ASSERT(lens->blades == 0 || (lens->blades >= 3 && lens->blades <= 16));
 	/* The camera's axes are taken from the rows of the rasteriser's matrix from world to clip space, which are the
@@ -23,6 +24,8 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 		.half_height = half_height,
 		.to_u = 2.0f * half_width / (float)width,
 		.to_v = 2.0f * half_height / (float)height,
+		.near_z = camera->near_z,
+		.far_z = camera->far_z,
 		.lens = *lens,
 	};
 }
@@ -61,4 +64,8 @@ void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, g
 	}
 	direction = stilb_vec3_normalize(direction);
 	*ray = gi_ray_hit_make(origin, direction);
+	float cosine =
+		direction[0] * camera->forward[0] + direction[1] * camera->forward[1] + direction[2] * camera->forward[2];
+	ray->ray.t_min = camera->near_z / cosine;
+	ray->ray.t_max = camera->far_z / cosine;
 }

@@ -5,6 +5,9 @@
  * ray through a point of the aperture starts there and goes to the same point. So points of the plane are sharp, and
  * a point at depth z is spread over a disk of diameter 2 r |z - focus| / (z focus) in the picture plane at distance
  * 1, with r the radius of the aperture.
+ *
+ * Clip planes. A ray begins in the plane at distance near_z along the view axis and ends in the one at far_z, as frames
+ * draw what lies between them: along the ray that is near_z / cos, with the angle between ray and axis.
  */
 #ifndef STILB_GI_CAMERA_H
 #define STILB_GI_CAMERA_H
@@ -16,6 +19,7 @@ typedef struct gi_camera {
 	stilb_vec3 position, right, up, forward; /* in world space; the last three are the camera's axes, unit */
 	float half_width, half_height;           /* of the part of the plane at distance 1 that the picture shows */
 	float to_u, to_v;                        /* from pixels to units of that plane */
+	float near_z, far_z;                     /* of the clip planes */
 	stilb_gi_lens lens;
 } gi_camera;
 
@@ -25,7 +29,7 @@ gi_camera gi_camera_make(const stilb_scene_camera *camera, const stilb_gi_lens *
 stilb_vec2 gi_camera_aperture(const gi_camera *camera, stilb_vec2 u);
 
 /* The ray through (x, y), in pixels from the top left corner of the picture; lens in [0, 1)^2 chooses the point of
- * the aperture. direction is unit, t_min 0, t_max infinite, nothing hit. */
+ * the aperture. direction is unit, t_min and t_max lie in the clip planes, nothing is hit. */
 void gi_camera_ray(const gi_camera *camera, float x, float y, stilb_vec2 lens, gi_ray_hit *ray);
 
 /* An offset from the pixel's centre, in pixels, distributed like the filter's weights: all weights are positive, so

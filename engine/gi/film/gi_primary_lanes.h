@@ -49,6 +49,18 @@ static void lanes_pinhole(const gi_camera *camera, const float *x, const float *
 	}
 }
 
+/* Where the rays meet the clip planes, as in gi_camera_ray. */
+static void lanes_clip(const gi_camera *camera, gi_ray16 *rays)
+{
+	stilb_vec3 forward = camera->forward;
+	for (int i = 0; i < 16; i++) {
+		float cosine = rays->direction[0][i] * forward[0] + rays->direction[1][i] * forward[1] +
+		               rays->direction[2][i] * forward[2];
+		rays->t_min[i] = camera->near_z / cosine;
+		rays->t_max[i] = camera->far_z / cosine;
+	}
+}
+
 /* Rays through a lens with an aperture, one lane (ray) at a time: the C library's sines and cosines are scalar. */
 static void lanes_lens(const gi_camera *camera, const gi_primary_places *places, uint32_t first, gi_ray16 *rays)
 {
@@ -72,9 +84,9 @@ static void lanes_rays(const gi_camera *camera, const gi_primary_places *places,
 		lanes_lens(camera, places, first, &rays->ray);
 	else
 		lanes_pinhole(camera, places->x + first, places->y + first, &rays->ray);
+	lanes_clip(camera, &rays->ray);
 	for (int i = 0; i < 16; i++) {
-		rays->ray.t_min[i] = rays->ray.time[i] = 0.0f;
-		rays->ray.t_max[i] = INFINITY;
+		rays->ray.time[i] = 0.0f;
 		rays->ray.mask[i] = UINT32_MAX;
 		rays->ray.id[i] = rays->ray.flags[i] = 0;
 		rays->hit.part[i] = rays->hit.instance[i] = GI_NO_PART;
@@ -136,12 +148,15 @@ static bool lanes_normals(const gi_ray_hit16 *rays, float normals[3][16])
 	return !more;
 }
 
+/* Infinite where nothing was hit up to the far plane. */
 static void lanes_depths(const gi_camera *camera, const gi_ray_hit16 *rays, float *restrict depths)
 {
-	for (int i = 0; i < 16; i++)
-		depths[i] = rays->ray.t_max[i] *
-		            (rays->ray.direction[0][i] * camera->forward[0] + rays->ray.direction[1][i] * camera->forward[1] +
-		             rays->ray.direction[2][i] * camera->forward[2]);
+	for (int i = 0; i < 16; i++) {
+		float t = rays->hit.part[i] == GI_NO_PART ? INFINITY : rays->ray.t_max[i];
+		depths[i] =
+			t * (rays->ray.direction[0][i] * camera->forward[0] + rays->ray.direction[1][i] * camera->forward[1] +
+		         rays->ray.direction[2][i] * camera->forward[2]);
+	}
 }
 
 /* Writes lane i again by gi_surface_at: for textures, instances, and normals that need correction. */
