@@ -12,6 +12,7 @@
 #define INSPECTOR_COLUMN 168.0f   /* width of a column of lists, pixels */
 #define INSPECTOR_LOBE 156.0f     /* height of the plot at most, pixels */
 #define INSPECTOR_LOBE_POINTS 181 /* directions that are plotted */
+#define INSPECTOR_SLIDERS 124.0f  /* width in which sliders have room for name and value, pixels */
 #define INSPECTOR_ARROW 7.0f      /* length of the arrowhead of the light, pixels */
 #define INSPECTOR_BORDER 2.0f     /* pixels: the panel's border is no thicker */
 #define INSPECTOR_WRAP 0.5f       /* wrap and anisotropy that a choice of model adds: stilb_engine_shading_chosen */
@@ -167,6 +168,12 @@ static void inspector_lists(engine_inspector *inspector, stilb_ui *ui, stilb_ui_
 
 /* ---- sliders ----------------------------------------------------------------------------------------------------- */
 
+/* Pixels that the sliders need with their heading. */
+static float inspector_sliders_height(const stilb_ui_style *style)
+{
+	return style->row_height + 5.0f * style->control_height + 4.0f * style->gap;
+}
+
 /* Draws the sliders for the values added to all materials; one whose value the chosen models do not read is muted. */
 static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_shading *shading,
                               stilb_engine_choice *choice)
@@ -184,24 +191,26 @@ static void inspector_sliders(stilb_ui *ui, stilb_ui_rect area, stilb_render_sha
 		{"Wrap", &shading->wrap, !lambert},
 		{"Specular", &shading->specular, highlight},
 	};
-	stilb_ui_draw_text(stilb_ui_list(ui), stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL),
-	                   stilb_ui_cut_top(&area, style->row_height), STILB_UI_ALIGN_LEFT, style->text,
-	                   "Added to each material's own");
-	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		(rows[r].read ? stilb_ui_slider : stilb_ui_slider_muted)(ui, stilb_ui_cut_top(&area, style->control_height),
-		                                                         rows[r].label, rows[r].value, &range);
-		stilb_ui_cut_top(&area, style->gap);
+	float room = area.y1 - area.y0, needed = inspector_sliders_height(style), gap = style->gap;
+	float control = style->control_height;
+	if (room >= needed) {
+		stilb_ui_draw_text(stilb_ui_list(ui), stilb_ui_font_get(ui, STILB_UI_TEXT_SMALL),
+		                   stilb_ui_cut_top(&area, style->row_height), STILB_UI_ALIGN_LEFT, style->text,
+		                   "Added to each material's own");
+	} else { /* in a low window without the heading, and closer together */
+		gap = floorf(fminf(gap, fmaxf(room - 5.0f * control, 0.0f) / 4.0f));
+		control = floorf(fminf(control, (room - 4.0f * gap) / 5.0f));
 	}
-	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, style->control_height), "Default")) {
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		(rows[r].read ? stilb_ui_slider : stilb_ui_slider_muted)(ui, stilb_ui_cut_top(&area, control), rows[r].label,
+		                                                         rows[r].value, &range);
+		stilb_ui_cut_top(&area, gap);
+	}
+	if (stilb_ui_button(ui, stilb_ui_cut_top(&area, control), "Default")) {
 		*shading = stilb_render_shading_default();
 		if (choice)
 			choice->chosen = choice->initial;
 	}
-}
-
-static float inspector_sliders_height(const stilb_ui_style *style)
-{
-	return style->row_height + 5.0f * style->control_height + 4.0f * style->gap;
 }
 
 /* ---- the lobe ---------------------------------------------------------------------------------------------------- */
@@ -315,6 +324,8 @@ void engine_inspector_draw(engine_inspector *inspector, stilb_ui *ui, stilb_rend
 	stilb_ui_rect area = stilb_ui_panel_begin(ui, "Materials", &inspector->place, STILB_UI_PANEL_MOVABLE, open);
 	float columns = inspector->beside ? 3.0f : 2.0f;
 	float column = floorf((area.x1 - area.x0 + gap) / columns - gap);
+	if (inspector->beside && column < INSPECTOR_SLIDERS) /* lists bear being narrow better than sliders */
+		column = fmaxf(floorf(0.5f * (area.x1 - area.x0 - INSPECTOR_SLIDERS) - gap), floorf(0.5f * column));
 	stilb_ui_rect rest = area, upper = inspector->beside ? area : stilb_ui_cut_top(&rest, lists), lobe;
 	stilb_ui_rect left = stilb_ui_cut_left(&upper, column);
 	stilb_ui_cut_left(&upper, gap);
