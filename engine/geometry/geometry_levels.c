@@ -1,6 +1,7 @@
 #include "geometry/geometry_levels.h"
 
 #include "geometry/geometry_internal.h"
+#include "geometry/geometry_plan.h"
 #include "geometry/geometry_tree.h"
 
 #include <float.h>
@@ -20,7 +21,6 @@ stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void)
 
 /* The levels on their way. Level 0 is the mesh itself, without triangles that cannot be seen. */
 typedef struct chain {
-	stilb_scene_mesh *mesh;
 	const stilb_geometry_mesh *view;
 	stilb_job_pool *pool;
 	uint32_t worker;
@@ -150,51 +150,64 @@ static void chain_number(const chain *c, uint32_t *number, uint32_t counts[STILB
 			number[v] = next++;
 }
 
-static void write_mesh(const chain *c, const uint32_t *number, const uint32_t *counts, stilb_scene_mesh *out)
+static void write_plan(const chain *c, const uint32_t *number, const uint32_t *counts, geometry_plan *plan)
 {
 	uint32_t first = 0;
 	for (uint32_t l = 1; l <= c->count; l++) {
-		out->levels[l - 1] = (stilb_scene_level){
+		plan->levels[l - 1] = (stilb_scene_level){
 			.first_index = first, .index_count = c->index_count[l], .vertex_count = counts[l], .error = c->error[l]};
 		for (uint32_t i = 0; i < c->index_count[l]; i++)
-			out->level_indices[first++] = number[c->indices[l][i]];
+			plan->level_indices[first++] = number[c->indices[l][i]];
 	}
-	for (uint32_t i = 0; i < c->view->index_count; i++)
-		out->indices[i] = number[c->all[i]];
-	for (uint32_t v = 0; v < c->view->vertex_count; v++) {
-		out->vertices[number[v]] = c->mesh->vertices[v];
+	for (uint32_t i = 0; i < plan->index_count; i++)
+		plan->indices[i] = number[c->all[i]];
+	for (uint32_t v = 0; v < plan->vertex_count; v++) {
 		bool moves = c->last[v] > 0 && c->last[v] <= c->count; /* not what all levels use, nor what no triangle uses */
-		out->morph[number[v]] = c->mesh->vertices[moves ? c->to[v] : v];
+		plan->order[number[v]] = v;
+		plan->to[number[v]] = moves ? c->to[v] : v;
 	}
 }
 
-/* Replaces the mesh by one with the levels. */
-static stilb_result chain_write(const chain *c)
+bool geometry_plan_allocate(geometry_plan *plan)
 {
-	stilb_scene_mesh *mesh = c->mesh;
-	stilb_scene_mesh out = {
-		.vertex_count = mesh->vertex_count, .index_count = mesh->index_count, .level_count = c->count};
-	for (uint32_t l = 1; l <= c->count; l++)
-		out.level_index_count += c->index_count[l];
-	uint32_t *number = stilb_memory_alloc(mesh->vertex_count, sizeof *number);
-	out.vertices = stilb_memory_alloc(out.vertex_count, sizeof *out.vertices);
-	out.indices = stilb_memory_alloc(out.index_count, sizeof *out.indices);
-	out.levels = stilb_memory_alloc(out.level_count, sizeof *out.levels);
-	out.level_indices = stilb_memory_alloc(out.level_index_count, sizeof *out.level_indices);
-	out.morph = stilb_memory_alloc(out.vertex_count, sizeof *out.morph);
-	if (!number || !out.vertices || !out.indices || !out.levels || !out.level_indices || !out.morph) {
-		free(number);
-		stilb_scene_mesh_finish(&out);
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
-		                  mesh->index_count / 3);
-	}
+	size_t v = plan->vertex_count, i = plan->index_count, l = plan->level_count, n = plan->level_index_count;
+	plan->size = l * sizeof *plan->levels + (2 * v + i + n) * sizeof(uint32_t);
+	plan->memory = stilb_memory_alloc(plan->size, 1);
+	if (!plan->memory)
+		return false;
+	plan->levels = plan->memory;
+	plan->order = (uint32_t *)(plan->levels + l);
+	plan->to = plan->order + v;
+	plan->indices = plan->to + v;
+	plan->level_indices = plan->indices + i;
+	return true;
+}
+
+void geometry_plan_finish(geometry_plan *plan)
+{
+	free(plan->memory);
+	*plan = (geometry_plan){0};
+}
+
+/* What the chain has found, as a plan. False: no memory. */
+static bool chain_plan(const chain *c, geometry_plan *plan)
+{
 	uint32_t counts[STILB_SCENE_MAX_LEVELS + 1];
-	chain_number(c, number, counts);
-	write_mesh(c, number, counts, &out);
+	*plan = (geometry_plan){.level_count = c->count};
+	if (c->count == 0)
+		return true;
+	plan->vertex_count = c->view->vertex_count;
+	plan->index_count = c->view->index_count;
+	for (uint32_t l = 1; l <= c->count; l++)
+		plan->level_index_count += c->index_count[l];
+	uint32_t *number = stilb_memory_alloc(plan->vertex_count, sizeof *number);
+	bool made = number && geometry_plan_allocate(plan);
+	if (made) {
+		chain_number(c, number, counts);
+		write_plan(c, number, counts, plan);
+	}
 	free(number);
-	stilb_scene_mesh_finish(mesh);
-	*mesh = out;
-	return STILB_OK;
+	return made;
 }
 
 /* Frees levels that the mesh had. */
@@ -235,25 +248,76 @@ static stilb_geometry_mesh view_of(const stilb_scene_mesh *mesh, const stilb_geo
 	                             .locked = desc->locked};
 }
 
-stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, stilb_job_pool *pool,
-                                   uint32_t worker)
+stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                stilb_job_pool *pool, uint32_t worker, geometry_plan *plan)
 {
-	STILB_ASSERT(mesh && desc);
+	*plan = (geometry_plan){0};
+	stilb_geometry_stream streams[2];
+	stilb_geometry_mesh view = view_of(mesh, desc, streams);
+	chain c = {.view = &view, .pool = pool, .worker = worker};
+	stilb_result result = STILB_OK;
+	if (mesh->index_count / 3 > desc->least)
+		result = chain_make(&c, desc);
+	if (result == STILB_OK && !chain_plan(&c, plan))
+		result =
+			stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles", mesh->index_count / 3);
+	chain_finish(&c);
+	return result;
+}
+
+stilb_result geometry_plan_apply(const geometry_plan *plan, stilb_scene_mesh *mesh)
+{
+	if (plan->level_count == 0) {
+		drop_levels(mesh);
+		return STILB_OK;
+	}
+	STILB_ASSERT(plan->vertex_count == mesh->vertex_count && plan->index_count == mesh->index_count);
+	stilb_scene_mesh out = {.vertex_count = mesh->vertex_count,
+	                        .index_count = mesh->index_count,
+	                        .level_count = plan->level_count,
+	                        .level_index_count = plan->level_index_count};
+	out.vertices = stilb_memory_alloc(out.vertex_count, sizeof *out.vertices);
+	out.indices = stilb_memory_alloc(out.index_count, sizeof *out.indices);
+	out.levels = stilb_memory_alloc(out.level_count, sizeof *out.levels);
+	out.level_indices = stilb_memory_alloc(out.level_index_count, sizeof *out.level_indices);
+	out.morph = stilb_memory_alloc(out.vertex_count, sizeof *out.morph);
+	if (!out.vertices || !out.indices || !out.levels || !out.level_indices || !out.morph) {
+		stilb_scene_mesh_finish(&out);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
+		                  mesh->index_count / 3);
+	}
+	memcpy(out.indices, plan->indices, out.index_count * sizeof *out.indices);
+	memcpy(out.levels, plan->levels, out.level_count * sizeof *out.levels);
+	memcpy(out.level_indices, plan->level_indices, out.level_index_count * sizeof *out.level_indices);
+	for (uint32_t v = 0; v < out.vertex_count; v++) {
+		out.vertices[v] = mesh->vertices[plan->order[v]];
+		out.morph[v] = mesh->vertices[plan->to[v]];
+	}
+	stilb_scene_mesh_finish(mesh);
+	*mesh = out;
+	return STILB_OK;
+}
+
+stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc)
+{
 	if (!(desc->ratio >= 0.1f && desc->ratio <= 0.9f))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "levels of %g times the triangles: it takes 0.1 to 0.9",
 		                  (double)desc->ratio);
 	stilb_geometry_stream streams[2];
 	stilb_geometry_mesh view = view_of(mesh, desc, streams);
-	stilb_result result = geometry_mesh_check(&view);
-	if (result != STILB_OK)
-		return result;
-	chain c = {.mesh = mesh, .view = &view, .pool = pool, .worker = worker};
-	if (mesh->index_count / 3 > desc->least)
-		result = chain_make(&c, desc);
-	if (result == STILB_OK && c.count == 0)
-		drop_levels(mesh);
-	else if (result == STILB_OK)
-		result = chain_write(&c);
-	chain_finish(&c);
+	return geometry_mesh_check(&view);
+}
+
+stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, stilb_job_pool *pool,
+                                   uint32_t worker)
+{
+	STILB_ASSERT(mesh && desc);
+	geometry_plan plan = {0};
+	stilb_result result = geometry_levels_check(mesh, desc);
+	if (result == STILB_OK)
+		result = geometry_plan_make(mesh, desc, pool, worker, &plan);
+	if (result == STILB_OK)
+		result = geometry_plan_apply(&plan, mesh);
+	geometry_plan_finish(&plan);
 	return result;
 }

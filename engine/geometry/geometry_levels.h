@@ -35,4 +35,21 @@ stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void);
 stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, stilb_job_pool *pool,
                                    uint32_t worker);
 
+/* ---- the cache on disk ---------------------------------------------------------------------------------------------
+ * Levels are kept in files, one a mesh, under a hash of the mesh's values and of all settings: in the folder
+ * stilb/levels of $XDG_CACHE_HOME, else of $HOME/.cache. A file is whole or not there. One that is damaged, or was
+ * written by somebody else, is as good as none: sizes, checksum and every number in it are checked before it is used.
+ * A full disk, a folder that cannot be written, or neither of the two variables only cost the time of the next run. */
+
+#define STILB_GEOMETRY_CACHE_BYTES ((uint64_t)1 << 30) /* files that were not used for longest go beyond this */
+#define STILB_GEOMETRY_CACHE_LEAST 2000u /* triangles; what takes about as long to make as to read is not kept */
+
+/* stilb_geometry_levels, which are kept on disk, or come from there. */
+stilb_result stilb_geometry_levels_cached(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                          stilb_job_pool *pool, uint32_t worker);
+
+/* Takes levels from the disk alone. False: they are not there, or there is no memory, and the mesh is as it was. True
+ * also for a mesh that is known to have none. [any-thread] */
+bool stilb_geometry_levels_find(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc);
+
 #endif

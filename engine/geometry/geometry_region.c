@@ -482,7 +482,7 @@ static bool link_is_sound(region *r, const ring_edge *edge)
 		opposite += on_ring == 2;
 		link = &triangle->next[k];
 	}
-	if (common != edge->uses || corners == edge->uses)
+	if (common != edge->uses || corners + r->corner_count == 2 * edge->uses)
 		return false;              /* the last: nothing would be left */
 	if (r->shared[edge->position]) /* two that are shared may be neighbours in another region */
 		for (uint32_t i = 0; i < r->ring_count; i++) {

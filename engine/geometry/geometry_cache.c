@@ -1,0 +1,308 @@
+/* Levels of meshes on disk. */
+#include "base/base_file.h"
+#include "geometry/geometry_plan.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Counts up with every change of what levels are made of the same mesh, or of the file. */
+#define CACHE_VERSION 1u
+#define CACHE_ENDING ".levels"
+#define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
+
+typedef struct cache_header {
+	char magic[8];
+	uint32_t version, endian;
+	uint64_t key[2];
+	uint32_t vertex_count, index_count, level_count, level_index_count;
+	uint64_t checksum; /* of the rest of the file */
+} cache_header;
+
+static const char cache_magic[8] = "STILBLV";
+
+/* ---- keys and names ---------------------------------------------------------------------------------------------- */
+
+static void cache_add(uint64_t key[2], const void *data, size_t size)
+{
+	key[0] = stilb_hash_fnv1a64(key[0], data, size);
+	key[1] = stilb_hash_fnv1a64(key[1], data, size);
+}
+
+/* Two hashes that begin differently. */
+static void cache_key(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
+{
+	key[0] = STILB_FNV1A64_START;
+	key[1] = ~STILB_FNV1A64_START;
+	const uint32_t numbers[5] = {CACHE_VERSION, mesh->vertex_count, mesh->index_count, desc->least,
+	                             desc->locked ? 1 : 0};
+	const float floats[3] = {desc->ratio, desc->normal_weight, desc->uv_weight};
+	cache_add(key, numbers, sizeof numbers);
+	cache_add(key, floats, sizeof floats);
+	cache_add(key, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices);
+	cache_add(key, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+	if (desc->locked)
+		cache_add(key, desc->locked, mesh->vertex_count);
+}
+
+/* Makes a folder, unless it is there. */
+static bool cache_folder_make(const char *path)
+{
+	return mkdir(path, 0700) == 0 || errno == EEXIST;
+}
+
+/* The folder; with `make` it exists then. False: there can be none. */
+static bool cache_folder(char path[PATH_MAX], bool make)
+{
+	const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME"), *within = "";
+	if (!base || base[0] != '/') { /* relative paths are to be ignored: XDG Base Directory Specification */
+		base = home;
+		within = "/.cache";
+	}
+	if (!base || base[0] != '/')
+		return false;
+	const char *const parts[] = {within, "/stilb", "/levels"};
+	size_t length = (size_t)snprintf(path, PATH_MAX, "%s", base);
+	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+		if (length + strlen(parts[i]) + CACHE_NAME + 2 > PATH_MAX)
+			return false;
+		length += (size_t)snprintf(path + length, PATH_MAX - length, "%s", parts[i]);
+		if (make && !cache_folder_make(path))
+			return false;
+	}
+	return true;
+}
+
+static bool cache_path(const uint64_t key[2], bool make, char path[PATH_MAX])
+{
+	if (!cache_folder(path, make))
+		return false;
+	size_t length = strlen(path);
+	return snprintf(path + length, PATH_MAX - length, "/%016llx%016llx%s", (unsigned long long)key[0],
+	                (unsigned long long)key[1], CACHE_ENDING) < (int)(PATH_MAX - length);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
+
+/* True if all of count numbers are below `end`. */
+static bool are_below(const uint32_t *numbers, uint32_t count, uint32_t end)
+{
+	for (uint32_t i = 0; i < count; i++)
+		if (numbers[i] >= end)
+			return false;
+	return true;
+}
+
+/* True if each vertex stands once in the order. */
+static bool is_order(const geometry_plan *plan)
+{
+	uint8_t *seen = calloc(plan->vertex_count + 1u, 1);
+	bool once = seen && are_below(plan->order, plan->vertex_count, plan->vertex_count);
+	for (uint32_t v = 0; once && v < plan->vertex_count; v++)
+		once = !seen[plan->order[v]]++;
+	free(seen);
+	return once;
+}
+
+static bool levels_are_sound(const geometry_plan *plan)
+{
+	stilb_scene_level finer = {.index_count = plan->index_count, .vertex_count = plan->vertex_count};
+	uint32_t first = 0;
+	for (uint32_t l = 0; l < plan->level_count; l++) {
+		const stilb_scene_level *level = &plan->levels[l];
+		if (level->first_index != first || level->index_count == 0 || level->index_count % 3 != 0 ||
+		    level->index_count >= finer.index_count || level->index_count > plan->level_index_count - first ||
+		    level->vertex_count == 0 || level->vertex_count > finer.vertex_count ||
+		    !(level->error >= finer.error && level->error <= 1e18f) ||
+		    !are_below(plan->level_indices + first, level->index_count, level->vertex_count))
+			return false;
+		first += level->index_count;
+		finer = *level;
+	}
+	return first == plan->level_index_count;
+}
+
+/* True if a plan that was read fits to a mesh of these counts, and nothing in it leads out of them. */
+static bool plan_is_sound(const geometry_plan *plan)
+{
+	return are_below(plan->to, plan->vertex_count, plan->vertex_count) &&
+	       are_below(plan->indices, plan->index_count, plan->vertex_count) && is_order(plan) && levels_are_sound(plan);
+}
+
+static bool cache_read_header(FILE *stream, const stilb_scene_mesh *mesh, const uint64_t key[2], cache_header *header)
+{
+	if (fread(header, sizeof *header, 1, stream) != 1 || memcmp(header->magic, cache_magic, sizeof cache_magic) != 0 ||
+	    header->version != CACHE_VERSION || header->endian != 1 || memcmp(header->key, key, sizeof header->key) != 0)
+		return false;
+	if (header->level_count == 0)
+		return header->vertex_count == 0 && header->index_count == 0 && header->level_index_count == 0;
+	return header->vertex_count == mesh->vertex_count && header->index_count == mesh->index_count &&
+	       header->level_count <= STILB_SCENE_MAX_LEVELS &&
+	       header->level_index_count <= (uint64_t)mesh->index_count * STILB_SCENE_MAX_LEVELS;
+}
+
+static bool cache_read_plan(FILE *stream, const cache_header *header, geometry_plan *plan)
+{
+	*plan = (geometry_plan){.vertex_count = header->vertex_count,
+	                        .index_count = header->index_count,
+	                        .level_count = header->level_count,
+	                        .level_index_count = header->level_index_count};
+	struct stat status;
+	uint64_t size = sizeof *header + (uint64_t)header->level_count * sizeof *plan->levels +
+	                (2 * (uint64_t)header->vertex_count + header->index_count + header->level_index_count) * 4;
+	if (fstat(fileno(stream), &status) != 0 || (uint64_t)status.st_size != size || !geometry_plan_allocate(plan))
+		return false;
+	return (plan->size == 0 || fread(plan->memory, plan->size, 1, stream) == 1) &&
+	       stilb_hash_fnv1a64(STILB_FNV1A64_START, plan->memory, plan->size) == header->checksum && plan_is_sound(plan);
+}
+
+/* Reads the plan of a mesh. False: there is none that is sound. */
+static bool cache_read(const stilb_scene_mesh *mesh, const uint64_t key[2], geometry_plan *plan)
+{
+	char path[PATH_MAX];
+	FILE *stream;
+	*plan = (geometry_plan){0};
+	if (!cache_path(key, false, path) || access(path, R_OK) != 0 || stilb_file_read_open(path, &stream) != STILB_OK)
+		return false;
+	cache_header header;
+	bool read = cache_read_header(stream, mesh, key, &header) && cache_read_plan(stream, &header, plan);
+	fclose(stream);
+	if (read)
+		utimensat(AT_FDCWD, path, NULL, 0); /* it was used last; if that cannot be noted, it goes sooner */
+	else
+		geometry_plan_finish(plan);
+	return read;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+typedef struct cache_file {
+	char name[CACHE_NAME];
+	struct timespec used;
+	uint64_t size;
+} cache_file;
+
+static int by_use(const void *a, const void *b)
+{
+	const cache_file *l = a, *r = b;
+	if (l->used.tv_sec != r->used.tv_sec)
+		return l->used.tv_sec < r->used.tv_sec ? -1 : 1;
+	if (l->used.tv_nsec != r->used.tv_nsec)
+		return l->used.tv_nsec < r->used.tv_nsec ? -1 : 1;
+	return strcmp(l->name, r->name);
+}
+
+/* Lists the cache's files. *count of them; free the list. NULL: there are none, or there is no memory. */
+static cache_file *cache_list(DIR *folder, size_t *count)
+{
+	cache_file *files = NULL;
+	size_t room = 0;
+	*count = 0;
+	for (const struct dirent *entry; (entry = readdir(folder));) {
+		size_t length = strlen(entry->d_name);
+		struct stat status;
+		if (length + 1 != CACHE_NAME || strcmp(entry->d_name + 32, CACHE_ENDING) != 0 ||
+		    fstatat(dirfd(folder), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(status.st_mode))
+			continue;
+		if (*count == room) {
+			room = room * 2 + 64;
+			cache_file *more = realloc(files, room * sizeof *files);
+			if (!more)
+				break;
+			files = more;
+		}
+		cache_file *file = &files[(*count)++];
+		*file = (cache_file){.used = status.st_mtim, .size = (uint64_t)status.st_size};
+		memcpy(file->name, entry->d_name, length + 1);
+	}
+	return files;
+}
+
+/* Removes the files that were not used for longest, until the rest has at most this many bytes. */
+static void cache_trim(uint64_t most)
+{
+	char path[PATH_MAX];
+	DIR *folder = cache_folder(path, false) ? opendir(path) : NULL;
+	if (!folder)
+		return;
+	size_t count;
+	uint64_t sum = 0;
+	cache_file *files = cache_list(folder, &count);
+	for (size_t i = 0; i < count; i++)
+		sum += files[i].size;
+	if (sum > most)
+		qsort(files, count, sizeof *files, by_use);
+	for (size_t i = 0; i < count && sum > most; i++)
+		if (unlinkat(dirfd(folder), files[i].name, 0) == 0)
+			sum -= files[i].size;
+	free(files);
+	closedir(folder);
+}
+
+static void cache_write(const uint64_t key[2], const geometry_plan *plan)
+{
+	char path[PATH_MAX];
+	stilb_file file;
+	if (!cache_path(key, true, path) || stilb_file_open(&file, path) != STILB_OK)
+		return;
+	cache_header header = {.version = CACHE_VERSION,
+	                       .endian = 1,
+	                       .key = {key[0], key[1]},
+	                       .vertex_count = plan->vertex_count,
+	                       .index_count = plan->index_count,
+	                       .level_count = plan->level_count,
+	                       .level_index_count = plan->level_index_count,
+	                       .checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, plan->memory, plan->size)};
+	memcpy(header.magic, cache_magic, sizeof header.magic);
+	if (stilb_file_write(&file, &header, sizeof header) == 0 && stilb_file_write(&file, plan->memory, plan->size) == 0)
+		stilb_file_commit(&file); /* a full disk costs the next run its time, and nothing else */
+	stilb_file_finish(&file);
+	cache_trim(STILB_GEOMETRY_CACHE_BYTES);
+}
+
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
+
+bool stilb_geometry_levels_find(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc)
+{
+	STILB_ASSERT(mesh && desc);
+	uint64_t key[2];
+	geometry_plan plan;
+	if (mesh->index_count / 3 < STILB_GEOMETRY_CACHE_LEAST)
+		return false;
+	cache_key(mesh, desc, key);
+	if (!cache_read(mesh, key, &plan))
+		return false;
+	bool applied = geometry_plan_apply(&plan, mesh) == STILB_OK;
+	geometry_plan_finish(&plan);
+	return applied;
+}
+
+stilb_result stilb_geometry_levels_cached(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                          stilb_job_pool *pool, uint32_t worker)
+{
+	STILB_ASSERT(mesh && desc);
+	if (mesh->index_count / 3 < STILB_GEOMETRY_CACHE_LEAST)
+		return stilb_geometry_levels(mesh, desc, pool, worker);
+	stilb_result result = geometry_levels_check(mesh, desc);
+	if (result != STILB_OK)
+		return result;
+	uint64_t key[2];
+	geometry_plan plan;
+	cache_key(mesh, desc, key);
+	if (!cache_read(mesh, key, &plan)) {
+		result = geometry_plan_make(mesh, desc, pool, worker, &plan);
+		if (result == STILB_OK)
+			cache_write(key, &plan);
+	}
+	if (result == STILB_OK)
+		result = geometry_plan_apply(&plan, mesh);
+	geometry_plan_finish(&plan);
+	return result;
+}
