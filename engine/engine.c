@@ -163,7 +163,9 @@ void stilb_engine_destroy(stilb_engine *engine)
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_engine_pictures_wait(engine);
 	engine_pictures_destroy(engine->pictures); /* their thread ends while the profiler is there, as the workers do */
-	engine_profile_stop_capture(engine);       /* before the workers end, whose records it may still write */
+	engine_prepare_drop(&engine->prepare);
+	engine_prepare_drop(&engine->compiling);
+	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
@@ -193,11 +195,19 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_cull *cull = NULL;
-	if (scene)
-		stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
-	stilb_result result = scene ? stilb_cull_create(scene, &cull) : STILB_OK;
-	if (result == STILB_OK)
-		result = stilb_render_set_scene(engine->render, scene);
+	stilb_render_prepared *made = NULL;
+	stilb_result result = STILB_OK;
+	if (engine_prepare_is_of(engine->prepare, scene)) {
+		result = engine_prepare_take(&engine->prepare, &cull, &made);
+	} else {
+		if (scene)
+			stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
+		result = scene ? stilb_cull_create(scene, &cull) : STILB_OK;
+		if (result == STILB_OK)
+			result = stilb_render_set_scene(engine->render, scene);
+	}
+	if (result == STILB_OK && made)
+		stilb_render_show_scene(engine->render, made);
 	if (result != STILB_OK) {
 		stilb_cull_destroy(cull);
 		return result;
@@ -212,6 +222,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		engine_picture_finish(engine);
 	engine_picture_forget_scene(engine);
 	engine->culled_size[0] = 0;
+	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
 }

@@ -220,6 +220,17 @@ void stilb_engine_destroy(stilb_engine *engine);
  * STILB_ERROR_DEVICE: a texture is too large for this GPU. STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene);
 
+/* Makes a scene ready for stilb_engine_set_scene beside the frames, which go on with the scene that is shown: a thread
+ * of the engine's makes what is needed, pipelines included, and each frame copies some 16 MiB of it to the device. The
+ * scene may not change until it is set, another one is given, or this returns from NULL, which gives it up. May be set
+ * at any time: set_scene then makes haste with what is left. An error of the scene's is set_scene's to return.
+ * STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
+stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene);
+
+/* The share of the prepared scene that is on the device, below 1 until it is ready; 1: set_scene does not wait, for it
+ * is ready, has an error, or there is none. Frames must be drawn meanwhile. */
+float stilb_engine_prepared(const stilb_engine *engine);
+
 /* The scene that was set, or NULL. */
 stilb_scene *stilb_engine_scene(const stilb_engine *engine);
 
@@ -382,7 +393,9 @@ typedef struct stilb_engine_library {
 #define STILB_ENGINE_LIBRARIES 2
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES]);
 
-/* How the next frame is shaded. The user changes it in the materials' window, the program by the second function. */
+/* How the next frame is shaded. The user changes it in the materials' window, the program by the second function. In a
+ * window, formulas that this device has not used yet are compiled beside the frames, which show those before until
+ * then. */
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
 

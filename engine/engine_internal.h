@@ -12,6 +12,8 @@
 #include "ui/ui_profiler.h"
 #include "window/window.h"
 
+#include <pthread.h>
+
 #define ENGINE_MAX_VIEWS 4u
 
 /* The materials' window, in which shading models are chosen; {0} at first. */
@@ -112,6 +114,9 @@ typedef struct engine_input {
 typedef struct engine_pictures engine_pictures;
 #define ENGINE_PICTURES 4u /* that wait or are being written, at most */
 
+/* What a thread makes ready beside the frames. */
+typedef struct engine_prepare engine_prepare;
+
 /* A press of the left button that may become a click; {0}: there is none. */
 typedef struct engine_press {
 	bool still; /* the pointer is where it was pressed */
@@ -148,7 +153,11 @@ struct stilb_engine {
 	engine_pictures *pictures; /* NULL: none has been taken yet */
 	engine_shown picture;
 	char caption[128];
-	stilb_render_shading shading; /* of the next frame */
+	stilb_render_shading shading;  /* of the next frame */
+	engine_prepare *prepare;       /* the scene that stilb_engine_prepare was given; NULL: none */
+	engine_prepare *compiling;     /* pipelines for other formulas; NULL: none */
+	const void *panorama;          /* the pixels of the last frame's */
+	stilb_render_shading compiled; /* the formulas whose pipelines were made last; {0}: none */
 
 	bool profiled, captures;            /* it has started the profiler; its captures */
 	stilb_scene_pick_index *pick_index; /* of the scene's meshes; NULL: nothing has been picked */
@@ -166,6 +175,23 @@ struct stilb_engine {
 
 /* Forgets what the index of stilb_engine_pick knows of meshes that have changed. */
 void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes);
+
+/* engine_prepare.c */
+
+/* The view of a scene, but for what depends on the picture's size. */
+stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene);
+
+/* Ends it without its outcome being used, and sets it to NULL, which is accepted. */
+void engine_prepare_drop(engine_prepare **prepare);
+
+bool engine_prepare_is_of(const engine_prepare *prepare, const stilb_scene *scene);
+
+/* Waits for a scene, which then makes haste, and frees it. */
+stilb_result engine_prepare_take(engine_prepare **prepare, stilb_cull **cull, stilb_render_prepared **made);
+
+/* The shading of this frame: that of engine->shading, but in a window with the formulas of the frame before while
+ * pipelines for others are being made. */
+stilb_render_shading engine_prepare_shading(stilb_engine *engine);
 
 /* engine_profile.c */
 
@@ -327,6 +353,10 @@ void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms);
 void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect *places, uint32_t count);
 
 /* engine_pictures.c */
+
+/* Starts a thread of the engine's. Signals are the program's threads' to handle, but for those of the thread's own
+ * faults. Returns 0 or an errno. */
+int engine_thread_start(pthread_t *thread, void *(*run)(void *user), void *user);
 
 /* `save` writes a picture, as stilb_image_save does, on the thread of pictures. NULL: no memory. */
 engine_pictures *engine_pictures_create(stilb_result (*save)(const stilb_image *image, const char *path));

@@ -96,8 +96,7 @@ static void *pictures_run(void *user)
 	return NULL;
 }
 
-/* Starts the thread. Signals are the program's threads' to handle, but for those of the thread's own faults. */
-static void pictures_start(engine_pictures *pictures)
+int engine_thread_start(pthread_t *thread, void *(*run)(void *user), void *user)
 {
 	static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
 	sigset_t others, before;
@@ -105,8 +104,14 @@ static void pictures_start(engine_pictures *pictures)
 	for (size_t i = 0; i < sizeof faults / sizeof *faults; i++)
 		sigdelset(&others, faults[i]);
 	pthread_sigmask(SIG_BLOCK, &others, &before);
-	pictures->running = pthread_create(&pictures->thread, NULL, pictures_run, pictures) == 0;
+	int error = pthread_create(thread, NULL, run, user);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return error;
+}
+
+static void pictures_start(engine_pictures *pictures)
+{
+	pictures->running = engine_thread_start(&pictures->thread, pictures_run, pictures) == 0;
 }
 
 engine_pictures *engine_pictures_create(stilb_result (*save)(const stilb_image *image, const char *path))

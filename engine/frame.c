@@ -144,16 +144,10 @@ static stilb_result update_scene(stilb_engine *engine)
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
 	uint32_t width, height;
 	stilb_render_size(engine->render, &width, &height);
+	stilb_render_shading shading = engine_prepare_shading(engine);
+	*view = engine_view_of(engine, scene);
 	view->view_projection = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
-	for (int i = 0; i < 3; i++)
-		view->camera_position[i] = scene->camera.position[i];
-	view->surroundings = scene->surroundings;
-	view->backdrop = scene->backdrop;
-	view->lights = scene->lights;
-	view->light_count = scene->light_count;
-	view->shading = engine->shading;
-	view->both_sides = scene->both_sides;
-	view->exposure = scene->camera.exposure;
+	view->shading = shading;
 	return update_render(engine);
 }
 

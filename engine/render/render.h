@@ -223,6 +223,27 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
+/* Makes a scene ready beside the frames, for stilb_render_show_scene: creates what it needs, while each frame copies
+ * some 16 MiB of it to the device, until all is there. Meanwhile frames go on, and the scene must not change. `pace` is
+ * called every millisecond or so with the share that is on the device, 0..1, and says how fast to go; who is in a hurry
+ * gets all that is left with the next frame, and this then needs no frames. On failure *prepared is NULL. Errors as
+ * stilb_render_set_scene; STILB_ERROR_GIVEN_UP. [any-thread], one call at a time */
+typedef struct stilb_render_prepared stilb_render_prepared;
+typedef enum stilb_render_speed {
+	STILB_RENDER_PACED,
+	STILB_RENDER_HURRY,
+	STILB_RENDER_GIVE_UP,
+} stilb_render_speed;
+typedef stilb_render_speed stilb_render_pace(void *user, float done);
+stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene *scene, stilb_render_pace *pace,
+                                        void *user, stilb_render_prepared **prepared);
+
+/* As stilb_render_set_scene of the scene that was made ready, and frees `prepared`; takes no time. [main-thread] */
+void stilb_render_show_scene(stilb_render *render, stilb_render_prepared *prepared);
+
+/* Destroys what was made ready, if it is not shown after all. Accepts NULL. [any-thread] */
+void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepared);
+
 /* Brings these up to date with what has changed in the scene that was set (stilb_scene_changes_read): copies what is
  * new, changed vertices as ranges, and destroys what was removed; in a frame before stilb_render_record, or between
  * frames. The device does not wait: frames that it still draws show what they were recorded with. Errors as
@@ -271,6 +292,11 @@ typedef struct stilb_render_view {
 	bool both_sides; /* triangles are seen from behind, too: see stilb_scene.both_sides */
 	float exposure;  /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;
+
+/* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
+ * and one that needs what is being compiled waits for it. Read are the lights' kinds, surroundings, backdrop's kind,
+ * sides and shading. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
+stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 /* The image that a pass draws into. */
 typedef enum stilb_render_target {

@@ -273,6 +273,8 @@ typedef struct render_device_functions {
 	/* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device. The caller holds the
 	 * lock of resources. */
 	stilb_result (*update)(render_device *device, const render_resources *resources);
+	/* Makes the pipelines that draws of a scene pass with this view and light_bits need. [any-thread] */
+	stilb_result (*prepare)(render_device *device, const stilb_render_view *view, uint32_t light_bits);
 	/* Adds the commands of a pass to the frame. */
 	stilb_result (*pass)(render_device *device, const render_stream *stream);
 	/* Memory for a panorama that frames will show, RENDER_PANORAMA_BYTES. The one that is shown stays in place. NULL:
@@ -358,6 +360,27 @@ typedef struct render_scene {
 
 /* Frees the arrays and destroys nothing, since that needs the device; leaves {0}. */
 void render_scene_finish(render_scene *scene);
+
+/* The parts of which a scene is made on the device; [any-thread], one at a time for each tables. */
+
+/* Destroys what the scene holds. */
+void render_scene_destroy(stilb_render *render, render_scene *tables);
+/* Makes the tables as long as the scene's. */
+stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene);
+/* Replaces a mesh; one without vertices is no mesh. On failure the one before stays. */
+stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
+/* A part may not name a mesh that was removed. */
+stilb_result render_scene_check_parts(const stilb_scene *scene, const render_scene *tables);
+/* Makes a texture that is not drawn before render_resources_hurry. */
+stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
+                                          uint32_t id);
+stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
+/* Shows this scene in place of the one before, which is destroyed. [main-thread] */
+void render_scene_replace(stilb_render *render, render_scene *next);
+
+/* render_stream.light_bits of a view but for RENDER_LIGHTS_GLOSS is what replay finds; here with it. *count: the lights
+ * that frames show, the panorama's lamps included. */
+uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count);
 
 struct stilb_render {
 	stilb_owner owner; /* the main thread */

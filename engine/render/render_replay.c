@@ -171,26 +171,21 @@ typedef struct replay_lights {
 	uint32_t first, count, bits;
 } replay_lights;
 
-/* Number and bits of the lights that frames show. */
-static replay_lights replay_count_lights(const stilb_render_view *view, const render_panorama *panorama)
+uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
 {
-	replay_lights found = {0};
+	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
+	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |
+	                (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
+	*count = lamps;
 	for (uint32_t i = 0; i < view->light_count; i++) {
 		const stilb_scene_light *light = &view->lights[i];
 		if (light->use == STILB_SCENE_LIGHT_BAKED)
 			continue;
-		found.count++;
-		found.bits |= 1u << light->kind;
-		found.bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
+		(*count)++;
+		bits |= 1u << light->kind;
+		bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
 	}
-	found.bits |= view->both_sides ? RENDER_LIGHTS_SIDES : 0;
-	if (panorama) {
-		found.count += panorama->lamp_count;
-		found.bits |= panorama->lamp_count > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0;
-		found.bits |= RENDER_LIGHTS_PANORAMA;
-	}
-	found.bits |= found.count == 1 ? RENDER_LIGHTS_ONE : 0;
-	return found;
+	return bits | (*count == 1 ? RENDER_LIGHTS_ONE : 0);
 }
 
 /* Writes the lights, then the panorama's lamps. */
@@ -239,7 +234,9 @@ static stilb_result replay_place_lights(stilb_render *render, const stilb_render
 			continue;
 		if (!last || !replay_lights_are_same(view, last)) {
 			const render_panorama *panorama = replay_panorama(render, view);
-			now = replay_count_lights(view, panorama);
+			now = (replay_lights){0};
+			now.bits = render_light_bits(view, panorama, panorama ? panorama->lamp_count : 0, &now.count);
+			now.bits &= ~RENDER_LIGHTS_GLOSS; /* views with the same lights may differ in it */
 			render_light *out =
 				now.count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, now.count, &now.first) : NULL;
 			if (now.count > 0 && !out)

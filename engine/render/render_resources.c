@@ -368,7 +368,7 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 }
 
 /* Takes an index and queues the pixels. False: no memory or no id; then nothing has changed. */
-static bool texture_add(render_resources *resources, stilb_image image, uint32_t *index)
+static bool texture_add(render_resources *resources, stilb_image image, bool patient, uint32_t *index)
 {
 	if (!resource_reserve(resources) ||
 	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
@@ -378,7 +378,8 @@ static bool texture_add(render_resources *resources, stilb_image image, uint32_t
 	resources->live++;
 	uint32_t *generation = &resources->textures[*index];
 	*generation = *generation ? *generation : 1;
-	resources->uploads[resources->upload_count++] = (render_texture_upload){*index, image};
+	resources->uploads[resources->upload_count++] =
+		(render_texture_upload){.texture = *index, .image = image, .patient = patient};
 	return true;
 }
 
@@ -415,9 +416,10 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	if (queued) {
 		stilb_image_finish(&queued->image);
 		queued->image = converted;
+		queued->rows = 0;
 	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                          sizeof *resources->uploads)) {
-		resources->uploads[resources->upload_count++] = (render_texture_upload){index, converted};
+		resources->uploads[resources->upload_count++] = (render_texture_upload){.texture = index, .image = converted};
 	} else {
 		stilb_image_finish(&converted);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
@@ -434,7 +436,8 @@ stilb_result render_texture_too_large(const render_device *device, uint32_t widt
 	                  width, height, image->width, image->height);
 }
 
-stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
+static stilb_result texture_create(stilb_render *render, const stilb_image *image, bool patient,
+                                   stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
 	render_resources *resources = &render->resources;
@@ -455,7 +458,7 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, converted, &index))
+	if (!texture_add(resources, converted, patient, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
 		result = render->device->functions->texture_create(render->device, index, &converted);
@@ -468,6 +471,16 @@ stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image
 	if (result != STILB_OK)
 		stilb_image_finish(&converted);
 	return result;
+}
+
+stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
+{
+	return texture_create(render, image, false, out);
+}
+
+stilb_result render_texture_create_patient(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
+{
+	return texture_create(render, image, true, out);
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
@@ -591,6 +604,9 @@ void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture tex
 		return;
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture_is_valid(resources, texture.id));
+	render_texture_upload *queued = texture_queued(resources, index);
+	if (queued)
+		queued->end_frame = resources->frame + 1; /* the release waits for this one, in which it may be drawn */
 	resources->textures[index] = generation_after(resources->textures[index]);
 	resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
 	stilb_lock_give(&resources->lock);
@@ -610,7 +626,7 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 /* Drops the texture's queued pixels: it may be released before a frame has copied them. */
 static void upload_forget(render_resources *resources, uint32_t texture)
 {
-	STILB_ASSERT(resources->uploads_sent == 0 && "no frame is between update and sent");
+	STILB_ASSERT(!resources->sending && "no frame is between update and sent");
 	uint32_t kept = 0;
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		if (resources->uploads[u].texture == texture)
@@ -665,35 +681,57 @@ void render_resources_frame(stilb_render *render)
 	stilb_lock_give(&resources->lock);
 }
 
+/* Chooses the rows that the frame copies: all, but of patient uploads as many as it has room for, in their order. */
+static void uploads_choose(render_resources *resources)
+{
+	uint64_t room = RENDER_UPLOAD_A_FRAME;
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		render_texture_upload *upload = &resources->uploads[u];
+		uint64_t row = stilb_image_size(&upload->image) / upload->image.height;
+		uint64_t rows = upload->image.height - upload->rows;
+		STILB_ASSERT(upload->rows < upload->image.height && row <= RENDER_UPLOAD_A_FRAME);
+		if (upload->end_frame > 0 && resources->frame >= upload->end_frame) {
+			rows = 0;
+		} else if (upload->patient) {
+			rows = rows < room / row ? rows : room / row;
+			room -= rows * row;
+		}
+		upload->sent = upload->rows + (uint32_t)rows;
+	}
+}
+
 stilb_result render_resources_update(stilb_render *render)
 {
 	PROFILE("upload");
 	STILB_ASSERT_OWNER(render->owner);
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
+	uploads_choose(resources);
 	stilb_result result = render->device->functions->update(render->device, resources);
-	resources->uploads_sent = resources->upload_count;
+	resources->sending = true;
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		resources->heaps[h].dirty.count = 0;
 	stilb_lock_give(&resources->lock);
 	return result;
 }
 
-/* Removes the first count uploads, whose pixels the device has copied. */
-static void uploads_drop(render_resources *resources, uint32_t count)
+/* Removes the uploads that the device has copied whole. One that came since the update has sent 0. */
+static void uploads_sent(render_resources *resources)
 {
-	STILB_ASSERT(count <= resources->upload_count);
-	for (uint32_t u = 0; u < count; u++) {
-		const render_texture_upload *upload = &resources->uploads[u];
-		if (resources->pictures) {
+	uint32_t kept = 0;
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		render_texture_upload *upload = &resources->uploads[u];
+		upload->rows = upload->sent > upload->rows ? upload->sent : upload->rows;
+		if (upload->rows < upload->image.height) {
+			resources->uploads[kept++] = *upload;
+		} else if (resources->pictures) {
 			stilb_image_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
 			resources->pictures[upload->texture] = upload->image;
-		} else
-			stilb_image_finish(&resources->uploads[u].image);
+		} else {
+			stilb_image_finish(&upload->image);
+		}
 	}
-	resources->upload_count -= count;
-	if (resources->upload_count > 0)
-		memmove(resources->uploads, resources->uploads + count, resources->upload_count * sizeof *resources->uploads);
+	resources->upload_count = kept;
 }
 
 void render_resources_sent(stilb_render *render, bool submitted)
@@ -702,7 +740,9 @@ void render_resources_sent(stilb_render *render, bool submitted)
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
 	if (submitted)
-		uploads_drop(resources, resources->uploads_sent);
+		uploads_sent(resources);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		resources->uploads[u].sent = 0;
 	for (int h = 0; h < RENDER_HEAPS && !submitted; h++) {
 		render_heap *heap = &resources->heaps[h];
 		if (heap->dirty.capacity == 0)
@@ -710,6 +750,40 @@ void render_resources_sent(stilb_render *render, bool submitted)
 		heap->dirty.items[0] = (render_range){0, heap->size};
 		heap->dirty.count = 1;
 	}
-	resources->uploads_sent = 0;
+	resources->sending = false;
+	stilb_lock_give(&resources->lock);
+}
+
+uint64_t render_resources_pending(render_resources *resources)
+{
+	uint64_t bytes = 0;
+	stilb_lock_take(&resources->lock);
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		const render_texture_upload *upload = &resources->uploads[u];
+		if (upload->end_frame == 0)
+			bytes += stilb_image_size(&upload->image) / upload->image.height * (upload->image.height - upload->rows);
+	}
+	for (int h = 0; h < RENDER_HEAPS; h++)
+		for (uint32_t r = 0; r < resources->heaps[h].dirty.count; r++)
+			bytes += (uint64_t)resources->heaps[h].dirty.items[r].count * resources->heaps[h].element;
+	stilb_lock_give(&resources->lock);
+	return bytes;
+}
+
+void render_resources_hurry(render_resources *resources)
+{
+	stilb_lock_take(&resources->lock);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		resources->uploads[u].patient = false;
+	stilb_lock_give(&resources->lock);
+}
+
+void render_resources_expect(render_resources *resources, const uint32_t more[RENDER_HEAPS])
+{
+	stilb_lock_take(&resources->lock);
+	for (int h = 0; h < RENDER_HEAPS; h++) {
+		uint64_t size = more ? (uint64_t)resources->heaps[h].size + more[h] : 0;
+		resources->expected[h] = size < UINT32_MAX ? (uint32_t)size : UINT32_MAX;
+	}
 	stilb_lock_give(&resources->lock);
 }

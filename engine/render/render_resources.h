@@ -81,11 +81,18 @@ typedef struct render_indices {
 	uint32_t free_count, free_capacity;
 } render_indices;
 
-/* Pixels that the next frame copies to a texture: four channels. */
+/* Pixels that the next frame copies to a texture: four channels. Of a patient one, which nothing draws yet, as many
+ * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. */
 typedef struct render_texture_upload {
 	uint32_t texture;
 	stilb_image image;
+	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
+	bool patient;
+	uint64_t end_frame; /* the texture was destroyed: this frame and later ones copy no more of it; 0: it was not */
 } render_texture_upload;
+
+/* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */
+#define RENDER_UPLOAD_A_FRAME ((uint64_t)16 << 20)
 
 typedef struct render_retired {
 	uint64_t frame; /* number of the last frame that may use it, as render_resources.frame counts */
@@ -105,7 +112,9 @@ typedef struct render_resources {
 	render_heap heaps[RENDER_HEAPS];
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
-	uint32_t uploads_sent;   /* the first so many are part of the frame that is being replayed */
+	bool sending; /* a frame is between update and sent */
+	/* Elements that the heaps will have soon, 0: unknown: the device's arrays then grow once. */
+	uint32_t expected[RENDER_HEAPS];
 	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
@@ -128,6 +137,18 @@ stilb_result render_resources_update(stilb_render *render);
 
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
+
+/* stilb_render_texture_create with a patient upload. */
+stilb_result render_texture_create_patient(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
+
+/* Bytes that frames have yet to copy. [any-thread] */
+uint64_t render_resources_pending(render_resources *resources);
+
+/* Makes all uploads impatient: their textures may be drawn from now on. [any-thread] */
+void render_resources_hurry(render_resources *resources);
+
+/* Announces that the heaps will grow by so many elements; NULL: by no more. [any-thread] */
+void render_resources_expect(render_resources *resources, const uint32_t more[RENDER_HEAPS]);
 
 /* Sets what the stream hash and dumps call a mesh and a material, instead of their index. [main-thread], before a draw
  * uses them */

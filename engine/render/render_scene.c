@@ -14,8 +14,8 @@ void render_scene_finish(render_scene *scene)
 	*scene = (render_scene){0};
 }
 
-/* Destroys what the scene holds, materials before their textures. */
-static void shown_destroy(stilb_render *render, render_scene *scene)
+/* Materials before their textures. */
+void render_scene_destroy(stilb_render *render, render_scene *scene)
 {
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
 		stilb_render_mesh_destroy(render, scene->meshes[i]);
@@ -37,8 +37,7 @@ static bool shown_table_fit(void **table, uint32_t *capacity, uint32_t count, si
 	return true;
 }
 
-/* Makes the tables as long as the scene's. */
-static stilb_result shown_fit(render_scene *tables, const stilb_scene *scene)
+stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene)
 {
 	if (!shown_table_fit((void **)&tables->meshes, &tables->mesh_capacity, scene->mesh_count, sizeof *tables->meshes) ||
 	    !shown_table_fit((void **)&tables->materials, &tables->material_capacity, scene->material_count,
@@ -54,8 +53,7 @@ static stilb_result shown_fit(render_scene *tables, const stilb_scene *scene)
 
 /* ---- one thing --------------------------------------------------------------------------------------------------- */
 
-/* Replaces the mesh; one without vertices is no mesh. On failure the one before stays. */
-static stilb_result shown_mesh_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
+stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
 {
 	stilb_render_mesh mesh = {0};
 	stilb_result result = STILB_OK;
@@ -77,8 +75,7 @@ static stilb_render_texture shown_material_texture(const render_scene *tables, c
 	return texture ? tables->textures[texture - 1].texture : (stilb_render_texture){0};
 }
 
-static stilb_result shown_material_set(stilb_render *render, render_scene *tables, const stilb_scene *scene,
-                                       uint32_t id)
+stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
 {
 	stilb_render_material *material = &tables->materials[id];
 	stilb_render_texture texture = shown_material_texture(tables, scene, id);
@@ -104,7 +101,7 @@ static stilb_result shown_texture_refuse(render_scene *tables, const stilb_image
  * texture. *replaced: the materials that name it must be written again. On failure the one before stays; an image that
  * the device does not take fails once. */
 static stilb_result shown_texture_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id,
-                                      bool *replaced)
+                                      bool patient, bool *replaced)
 {
 	const stilb_image *image = &scene->textures[id];
 	render_scene_texture *now = &tables->textures[id], next = {.width = image->width, .height = image->height};
@@ -118,7 +115,8 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	    now->format == next.format)
 		return render_texture_write(render, now->texture, image);
 	if (image->pixels)
-		result = stilb_render_texture_create(render, image, &next.texture);
+		result = patient ? render_texture_create_patient(render, image, &next.texture)
+		                 : stilb_render_texture_create(render, image, &next.texture);
 	if (result == STILB_ERROR_ARGUMENT)
 		return shown_texture_refuse(tables, image, id);
 	if (result != STILB_OK)
@@ -129,10 +127,16 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	return STILB_OK;
 }
 
+stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
+                                          uint32_t id)
+{
+	bool replaced;
+	return shown_texture_set(render, tables, scene, id, true, &replaced);
+}
+
 /* ---- the whole scene --------------------------------------------------------------------------------------------- */
 
-/* A part may not name a mesh that was removed. */
-static stilb_result shown_check_parts(const stilb_scene *scene, const render_scene *tables)
+stilb_result render_scene_check_parts(const stilb_scene *scene, const render_scene *tables)
 {
 	for (uint32_t p = 0; p < scene->part_count; p++)
 		if (scene->part_mesh[p] != STILB_SCENE_NONE && !tables->meshes[scene->part_mesh[p]].id)
@@ -144,15 +148,15 @@ static stilb_result shown_check_parts(const stilb_scene *scene, const render_sce
 static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, render_scene *tables)
 {
 	bool replaced;
-	stilb_result result = shown_fit(tables, scene);
+	stilb_result result = render_scene_fit(tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
-		result = shown_mesh_set(render, tables, scene, i);
+		result = render_scene_mesh(render, tables, scene, i);
 	if (result == STILB_OK)
-		result = shown_check_parts(scene, tables);
+		result = render_scene_check_parts(scene, tables);
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++)
-		result = shown_texture_set(render, tables, scene, i, &replaced);
+		result = shown_texture_set(render, tables, scene, i, false, &replaced);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
-		result = shown_material_set(render, tables, scene, i);
+		result = render_scene_material(render, tables, scene, i);
 	return result;
 }
 
@@ -162,13 +166,18 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 	render_scene next = {0};
 	stilb_result result = scene ? shown_fill(render, scene, &next) : STILB_OK;
 	if (result != STILB_OK) {
-		shown_destroy(render, &next);
+		render_scene_destroy(render, &next);
 		return result;
 	}
-	shown_destroy(render, &render->scene);
-	render_panorama_renew(&render->panorama);
-	render->scene = next;
+	render_scene_replace(render, &next);
 	return STILB_OK;
+}
+
+void render_scene_replace(stilb_render *render, render_scene *next)
+{
+	render_scene_destroy(render, &render->scene);
+	render_panorama_renew(&render->panorama);
+	render->scene = *next;
 }
 
 /* ---- what has changed in it -------------------------------------------------------------------------------------- */
@@ -183,14 +192,14 @@ static stilb_result shown_update_textures(stilb_render *render, const stilb_scen
 	for (uint32_t i = 0; i < changes->texture_count && result == STILB_OK; i++) {
 		uint32_t texture = changes->textures[i];
 		bool replaced;
-		result = shown_texture_set(render, tables, scene, texture, &replaced);
+		result = shown_texture_set(render, tables, scene, texture, false, &replaced);
 		if (result == STILB_ERROR_ARGUMENT) {
 			refused = result;
 			result = STILB_OK;
 		}
 		for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
 			if (scene->materials[m].diffuse_texture == texture + 1)
-				result = shown_material_set(render, tables, scene, m);
+				result = render_scene_material(render, tables, scene, m);
 	}
 	return result == STILB_OK ? refused : result;
 }
@@ -200,7 +209,7 @@ static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene 
 {
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; i < changes->mesh_count && result == STILB_OK; i++)
-		result = shown_mesh_set(render, &render->scene, scene, changes->meshes[i]);
+		result = render_scene_mesh(render, &render->scene, scene, changes->meshes[i]);
 	for (uint32_t i = 0; i < changes->vertices_count && result == STILB_OK; i++) {
 		stilb_scene_vertices range = changes->vertices[i];
 		result = render_mesh_write(render, render->scene.meshes[range.mesh], range.first, range.count,
@@ -222,13 +231,13 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(scene && changes);
-	stilb_result result = shown_fit(&render->scene, scene);
+	stilb_result result = render_scene_fit(&render->scene, scene);
 	if (result == STILB_OK)
 		result = shown_update_meshes(render, scene, changes);
 	stilb_result textures = result == STILB_OK ? shown_update_textures(render, scene, changes) : result;
 	result = textures == STILB_ERROR_ARGUMENT ? STILB_OK : textures;
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
-		result = shown_material_set(render, &render->scene, scene, changes->materials[i]);
+		result = render_scene_material(render, &render->scene, scene, changes->materials[i]);
 	result = result == STILB_OK ? textures : result;
 	if (result == STILB_OK && render->scene.refused)
 		shown_forget_refused(&render->scene);

@@ -72,10 +72,23 @@ static const stilb_input_action view_actions[VIEW_ACTIONS - STILB_ENGINE_ACTIONS
 };
 static const live_keys view_keys = {view_actions, sizeof view_actions / sizeof *view_actions};
 
+/* Gives up what has been opened and is not yet shown. */
+static void view_end_coming(view *v)
+{
+	if (!v->coming.scene)
+		return;
+	stilb_engine_prepare(v->run->engine, NULL);
+	stilb_scene_destroy(v->coming.scene);
+	view_watch_finish(&v->coming.watch);
+	free(v->coming.name);
+	v->coming = (view_coming){.watch = VIEW_WATCH_NONE};
+}
+
 /* Gives up what is being opened, and waits for that. */
 static void view_end_load(view *v)
 {
 	stilb_scene *scene;
+	view_end_coming(v);
 	if (!v->load)
 		return;
 	view_load_give_up(v->load);
@@ -140,45 +153,86 @@ static void view_settle_environment(view *v, bool good)
 	v->options.picture.environment = v->dropped ? v->dropped : v->environment;
 }
 
-/* Shows what has been opened. The first scene must open; later, a line says why the one before stays. */
-static stilb_result view_opened(view *v)
+/* The scene that has been opened cannot be shown. The first one must be; later, a line says why the one before
+ * stays. */
+static stilb_result view_fails(view *v, stilb_result result)
 {
-	stilb_scene *scene;
-	bool again = view_load_again(v->load);
-	char *name = strdup(view_load_name(v->load));
-	view_load_cost cost;
-	view_watch watch = VIEW_WATCH_NONE;
-	if (!again)
-		view_watch_set(&watch, view_load_name(v->load));
-	stilb_result result = view_load_taken(v, &scene, again ? &v->watch : &watch, &cost);
-	if (result == STILB_OK && !name) {
-		stilb_scene_destroy(scene);
-		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
-	}
-	if (result == STILB_OK)
-		result = view_show(v, scene, again);
-	view_settle_environment(v, result == STILB_OK);
+	view_settle_environment(v, false);
+	if (!v->scene)
+		return result;
+	view_warn(v, "%s; '%s' stays as it was", stilb_error_message(), v->name);
+	return STILB_OK;
+}
+
+/* Shows what has been opened and is ready. */
+static stilb_result view_arrived(view *v)
+{
+	view_coming come = v->coming;
+	v->coming = (view_coming){.watch = VIEW_WATCH_NONE};
+	stilb_result result = view_show(v, come.scene, come.again, come.metered);
 	if (result != STILB_OK) {
-		free(name);
-		view_watch_finish(&watch);
-		if (!v->scene)
-			return result;
-		view_warn(v, "%s; '%s' stays as it was", stilb_error_message(), v->name);
-		return STILB_OK;
+		free(come.name);
+		view_watch_finish(&come.watch);
+		return view_fails(v, result);
 	}
+	view_settle_environment(v, true);
 	v->run->starting = false;
 	free(v->name);
-	v->name = name;
-	if (cost.import_bytes > 0 && !v->options.picture.quiet)
+	v->name = come.name;
+	if (come.cost.import_bytes > 0 && !v->options.picture.quiet)
 		fprintf(live_message_stream(&v->options), "%s: opened in %.2f s; the import process had %.1f MiB at most\n",
-		        name, cost.seconds, (double)cost.import_bytes / 1048576.0);
-	if (!again) {
+		        come.name, come.cost.seconds, (double)come.cost.import_bytes / 1048576.0);
+	if (!come.again) {
 		view_watch_finish(&v->watch);
-		v->watch = watch;
-		if (scene->surroundings.panorama.pixels && !v->options.picture.quiet)
-			view_say_panorama(v, v->options.picture.environment ? v->options.picture.environment : name);
+		v->watch = come.watch;
+		if (come.scene->surroundings.panorama.pixels && !v->options.picture.quiet)
+			view_say_panorama(v, v->options.picture.environment ? v->options.picture.environment : come.name);
 	}
 	return STILB_OK;
+}
+
+/* Makes what has been opened ready to be shown: in a window beside the frames. */
+static stilb_result view_opened(view *v)
+{
+	view_coming come = {.again = view_load_again(v->load), .watch = VIEW_WATCH_NONE};
+	come.name = strdup(view_load_name(v->load));
+	if (!come.again)
+		view_watch_set(&come.watch, view_load_name(v->load));
+	stilb_result result = view_load_taken(v, &come.scene, come.again ? &v->watch : &come.watch, &come.cost);
+	if (result == STILB_OK && !come.name)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+	if (result == STILB_OK)
+		result = view_ready(v, come.scene, come.again, &come.metered);
+	if (result == STILB_OK && v->run->window)
+		result = stilb_engine_prepare(v->run->engine, come.scene);
+	if (result != STILB_OK) {
+		stilb_scene_destroy(come.scene);
+		free(come.name);
+		view_watch_finish(&come.watch);
+		return view_fails(v, result);
+	}
+	v->coming = come;
+	return v->run->window ? STILB_OK : view_arrived(v);
+}
+
+/* Goes on with what is being opened: read, then ready, then shown. */
+static stilb_result view_go_on(view *v)
+{
+	if (v->coming.scene)
+		return stilb_engine_prepared(v->run->engine) >= 1.0f ? view_arrived(v) : STILB_OK;
+	return v->load && view_load_ended(v->load) ? view_opened(v) : STILB_OK;
+}
+
+/* The user gives up what is being opened. */
+static stilb_result view_give_up(view *v)
+{
+	if (v->load)
+		view_load_give_up(v->load); /* its end says so */
+	if (!v->coming.scene)
+		return STILB_OK;
+	stilb_result result = stilb_fail(STILB_ERROR_GIVEN_UP, "'%s' was given up", v->coming.name);
+	view_end_coming(v);
+	return view_fails(v, result);
 }
 
 static stilb_result view_start(void *user, live_run *run)
@@ -242,7 +296,8 @@ static stilb_result view_look(view *v)
 /* Begins to open the next or the previous file of the folder. */
 static stilb_result view_step(view *v, int step)
 {
-	char *name = step != 0 ? view_watch_neighbour(v->load ? view_load_name(v->load) : v->name, step) : NULL;
+	const char *from = v->load ? view_load_name(v->load) : v->coming.scene ? v->coming.name : v->name;
+	char *name = step != 0 ? view_watch_neighbour(from, step) : NULL;
 	stilb_result result = name ? view_open(v, name, false) : STILB_OK;
 	free(name);
 	return result;
@@ -253,24 +308,27 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 	view *v = user;
 	stilb_result result = STILB_OK;
 	view_rays_wait(v);
-	if (!run->window && !v->load)
+	bool opens = v->load || v->coming.scene;
+	if (!run->window && !opens)
 		return STILB_OK;
-	if (v->load && report->input.actions[VIEW_GIVE_UP] > 0)
-		view_load_give_up(v->load);
+	if (opens && report->input.actions[VIEW_GIVE_UP] > 0)
+		result = view_give_up(v);
+	if (result != STILB_OK)
+		return result;
 	if (v->scene && report->clicked)
 		view_choose_part(v, report->click_x, report->click_y);
 	if (v->scene) {
 		result = view_step(v, report->input.actions[VIEW_NEXT] - report->input.actions[VIEW_PREVIOUS]);
 		if (result == STILB_OK && report->dropped_count > 0)
 			result = view_drop(v, report->dropped[report->dropped_count - 1]);
-		if (result == STILB_OK && !v->load)
+		if (result == STILB_OK && !v->load && !v->coming.scene)
 			result = view_look(v);
 		if (result != STILB_OK) { /* no thread, or no memory for it: the scene stays */
 			live_run_warn(v->run, stilb_error_message());
 			result = STILB_OK;
 		}
 	}
-	return v->load && view_load_ended(v->load) ? view_opened(v) : result;
+	return view_go_on(v);
 }
 
 static void view_finish(void *user)
@@ -284,11 +342,15 @@ static void view_finish(void *user)
 static void view_title(void *user, const live_run *run, char title[static 256])
 {
 	const view *v = user;
-	const char *name = v->load ? view_load_name(v->load) : v->name, *slash = strrchr(name, '/');
+	const char *name = v->load ? view_load_name(v->load) : v->coming.scene ? v->coming.name : v->name;
+	const char *slash = strrchr(name, '/');
 	name = slash ? slash + 1 : name;
 	if (v->load)
 		snprintf(title, 256, "Stilb: opening %.120s, %.0f %%, %.0f s; Esc gives it up", name,
 		         100.0 * (double)view_load_done(v->load), view_load_seconds(v->load));
+	else if (v->coming.scene)
+		snprintf(title, 256, "Stilb: copying %.120s to the device, %.0f %%; Esc gives it up", name,
+		         100.0 * (double)stilb_engine_prepared(v->run->engine));
 	else if (v->rays.shown)
 		snprintf(title, 256, "Stilb: %.120s, path traced", name);
 	else
@@ -341,7 +403,10 @@ int view_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 1; in a window endless)",
 		&view_keys,
 	};
-	view v = {.options = live_options_default(), .watch = VIEW_WATCH_NONE, .rays = view_rays_default()};
+	view v = {.options = live_options_default(),
+	          .coming = {.watch = VIEW_WATCH_NONE},
+	          .watch = VIEW_WATCH_NONE,
+	          .rays = view_rays_default()};
 	const char *name = NULL;
 	v.options.brdf = SHADE_BRDF_MICROFACET;
 	flag_rows own = {0};

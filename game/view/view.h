@@ -25,10 +25,20 @@ enum {
 	VIEW_ACTIONS
 };
 
+/* A scene that has been opened and is on its way to the device. {0}: there is none. */
+typedef struct view_coming {
+	stilb_scene *scene; /* NULL: none */
+	char *name;
+	view_load_cost cost;
+	view_watch watch;    /* of its file, unless `again` */
+	bool again, metered; /* a new state of the file that is shown; its exposure was metered */
+} view_coming;
+
 struct view {
 	live_options options;
 	char *name;              /* of the scene that is shown; before that, of the first that is wanted */
 	view_load *load;         /* what is being opened; NULL: nothing */
+	view_coming coming;      /* what has been opened and is not yet shown */
 	view_watch watch;        /* of the scene's file */
 	const char *environment; /* of --environment; NULL: none */
 	char *dropped;           /* the panorama that takes its place since it was dropped; NULL: none was */
@@ -45,9 +55,13 @@ struct view {
 	view_rays rays;
 };
 
-/* Shows the scene, which is the view's from then on, in place of the one before, which is freed. again: it is a new
- * state of the same file, so the camera stays. On failure the old one stays, and the new one is freed. */
-stilb_result view_show(view *v, stilb_scene *scene, bool again);
+/* Sets variant, camera, studio and exposure of a scene that will be shown. again: it is a new state of the same file.
+ * *metered: its exposure was metered. */
+stilb_result view_ready(view *v, stilb_scene *scene, bool again, bool *metered);
+
+/* Shows a scene that was made ready, which is the view's from then on, in place of the one before, which is freed.
+ * again: the camera stays. On failure the old one stays, and the new one is freed. */
+stilb_result view_show(view *v, stilb_scene *scene, bool again, bool metered);
 
 /* view_variant.c: shows the variant of --variant in a new scene; in a new state of the same file the one that was shown
  * before. Only of the first scene STILB_ERROR_ARGUMENT: it has none of that name. */

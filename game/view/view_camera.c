@@ -83,17 +83,19 @@ static void view_tell_exposure(const view *v)
 	live_run_tell(v->run, text);
 }
 
-stilb_result view_show(view *v, stilb_scene *scene, bool again)
+stilb_result view_ready(view *v, stilb_scene *scene, bool again, bool *metered)
 {
-	bool metered = false;
+	*metered = false;
+	v->aspect = view_aspect(v);
+	stilb_result result = view_variant_begin(v, scene, again && v->scene);
+	return result == STILB_OK ? view_place(v, scene, metered) : result;
+}
+
+stilb_result view_show(view *v, stilb_scene *scene, bool again, bool metered)
+{
 	again = again && v->scene;
 	stilb_scene_camera kept = again ? v->scene->camera : (stilb_scene_camera){0};
-	v->aspect = view_aspect(v);
-	stilb_result result = view_variant_begin(v, scene, again);
-	if (result == STILB_OK)
-		result = view_place(v, scene, &metered);
-	if (result == STILB_OK)
-		result = stilb_engine_set_scene(v->run->engine, scene);
+	stilb_result result = stilb_engine_set_scene(v->run->engine, scene);
 	if (result != STILB_OK) {
 		stilb_scene_destroy(scene);
 		return result;

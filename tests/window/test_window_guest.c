@@ -2,12 +2,15 @@
 #include "engine.h"
 #include "engine_faults.h"
 #include "image/image.h"
+#include "shading/shade_brdf.h"
 #include "support/test.h"
 #include "support/x11_server.h"
 #include "support/x11_window.h"
 #include "tests/engine/stress_engine.h"
 
 #define VK_USE_PLATFORM_XLIB_KHR
+#include "tests/engine/pipeline_count.h"
+
 #include <locale.h>
 #include <vulkan/vulkan.h>
 
@@ -113,6 +116,29 @@ static void test_engines_with_windows(void **state)
 			run_frames(engines[other], 2);
 	}
 	stilb_log_set(NULL, NULL);
+}
+
+/* In a window, formulas that are new are compiled beside the frames, which show those before. */
+static void test_other_formulas_stop_no_frame(void **state)
+{
+	(void)state;
+	stilb_engine_desc desc = window_desc();
+	desc.window = true;
+	stilb_engine *engine = make_engine(&desc);
+	run_frames(engine, 3);
+	stilb_render_shading shading = stilb_engine_shading(engine);
+	int before = pipeline_count;
+	for (uint32_t step = 0; step < 2; step++) {
+		uint64_t hash = stilb_engine_stream_hash(engine);
+		shading.brdf = (shading.brdf + 1) % SHADE_BRDF_COUNT;
+		stilb_engine_set_shading(engine, &shading);
+		assert_int_equal(stilb_engine_shading(engine).brdf, shading.brdf);
+		for (int i = 0; i < 10000 && stilb_engine_stream_hash(engine) == hash; i++)
+			run_frames(engine, 1);
+		assert_true(stilb_engine_stream_hash(engine) != hash);
+	}
+	assert_int_equal(pipeline_count, before);
+	stress_engine_destroy(engine);
 }
 
 /* A presentation that the window does not offer is replaced, and that is said once, however often the size changes. */
@@ -348,9 +374,13 @@ static void test_a_window_of_the_programs_own(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_engines_with_windows),         cmocka_unit_test(test_a_presentation_is_replaced),
-		cmocka_unit_test(test_a_window_of_the_programs_own), cmocka_unit_test(test_another_window_for_the_same_engine),
-		cmocka_unit_test(test_a_window_that_cannot_be_had),  cmocka_unit_test(test_the_engines_window_goes_on),
+		cmocka_unit_test(test_engines_with_windows),
+		cmocka_unit_test(test_other_formulas_stop_no_frame),
+		cmocka_unit_test(test_a_presentation_is_replaced),
+		cmocka_unit_test(test_a_window_of_the_programs_own),
+		cmocka_unit_test(test_another_window_for_the_same_engine),
+		cmocka_unit_test(test_a_window_that_cannot_be_had),
+		cmocka_unit_test(test_the_engines_window_goes_on),
 	};
 	Display *held = XOpenDisplay(NULL); /* a display server without clients may start anew and refuse for a moment */
 	if (!held) {

@@ -299,6 +299,12 @@ static stilb_result null_set_surface(render_device *base, const stilb_render_sur
 	return STILB_OK;
 }
 
+static stilb_result null_prepare(render_device *base, const stilb_render_view *view, uint32_t light_bits)
+{
+	(void)base, (void)view, (void)light_bits;
+	return STILB_OK;
+}
+
 static stilb_result null_read_image(render_device *base, stilb_image *image)
 {
 	(void)base, (void)image;
@@ -317,6 +323,7 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.update = null_update,
 		.panorama_make = null_panorama_make,
 		.panorama_show = null_panorama_show,
+		.prepare = null_prepare,
 		.pass = null_pass,
 		.submit = null_submit,
 		.present = null_nothing,

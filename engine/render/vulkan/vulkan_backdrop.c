@@ -154,7 +154,7 @@ static const VkPipelineDynamicStateCreateInfo backdrop_dynamic = {
 	.pDynamicStates = backdrop_states,
 };
 
-static VkResult backdrop_pipeline(vulkan_device *device, const VkShaderModule modules[2])
+static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderModule modules[2], VkPipeline *pipeline)
 {
 	VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
 	VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof tone_map};
@@ -193,24 +193,30 @@ static VkResult backdrop_pipeline(vulkan_device *device, const VkShaderModule mo
 		.pDynamicState = &backdrop_dynamic,
 		.layout = device->pipeline_layout,
 	};
-	PROFILE("make a pipeline");
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, &device->backdrop);
+	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, pipeline);
 }
 
-static stilb_result backdrop_make(vulkan_device *device)
+static VkResult backdrop_make(vulkan_device *device, const void *nothing, VkPipeline *pipeline)
 {
+	(void)nothing;
 	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
 	VkResult result = backdrop_modules(device, modules);
 	if (result == VK_SUCCESS)
-		result = backdrop_pipeline(device, modules);
+		result = backdrop_pipeline(device, modules, pipeline);
 	for (int stage = 0; stage < 2; stage++)
 		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+	return result;
+}
+
+stilb_result vulkan_backdrop_make(vulkan_device *device)
+{
+	VkResult result = vulkan_pipeline_once(device, &device->backdrop, backdrop_make, NULL);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the pipeline of the background");
 }
 
 void vulkan_backdrop_destroy(vulkan_device *device)
 {
-	vkDestroyPipeline(device->device, device->backdrop, device->allocator);
+	vkDestroyPipeline(device->device, device->backdrop.handle, device->allocator);
 }
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
@@ -254,7 +260,7 @@ static void backdrop_write(const vulkan_device *device, const render_stream *str
 stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream)
 {
 	STILB_ASSERT(vulkan_backdrop_is_drawn(stream));
-	stilb_result result = device->backdrop ? STILB_OK : backdrop_make(device);
+	stilb_result result = vulkan_backdrop_make(device);
 	if (result == STILB_OK && !slot->backdrop.buffer)
 		result = vulkan_buffer_create(device, sizeof(vulkan_backdrop),
 		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
@@ -266,8 +272,8 @@ stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, c
 
 void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot)
 {
-	STILB_ASSERT(device->backdrop && slot->backdrop.address);
-	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop);
+	STILB_ASSERT(device->backdrop.handle && slot->backdrop.address);
+	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop.handle);
 	vkCmdPushConstants(slot->draw, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
 	                   0, sizeof slot->backdrop.address, &slot->backdrop.address);
 	vkCmdDraw(slot->draw, 3, 1, 0, 0);

@@ -183,6 +183,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.update = vulkan_update,
 		.panorama_make = vulkan_panorama_make,
 		.panorama_show = vulkan_panorama_show,
+		.prepare = vulkan_prepare,
 		.pass = vulkan_pass,
 		.submit = vulkan_submit,
 		.present = vulkan_present,

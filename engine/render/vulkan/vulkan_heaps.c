@@ -119,16 +119,18 @@ static VkDeviceSize heap_stride(const vulkan_device *device, const render_heap *
 	return kind == RENDER_HEAP_MATERIALS ? vulkan_material_stride(device) : heap->element;
 }
 
-/* Replaces the buffer of a heap that has outgrown it; then *all is true: the whole heap must be copied. */
-static stilb_result heap_fit(vulkan_device *device, const render_heap *heap, int kind, bool *all)
+/* Replaces the buffer of a heap that has outgrown it, or will; then *all is true: the whole heap must be copied. */
+static stilb_result heap_fit(vulkan_device *device, const render_resources *resources, int kind, bool *all)
 {
-	VkDeviceSize size = heap->size * heap_stride(device, heap, kind);
+	const render_heap *heap = &resources->heaps[kind];
+	VkDeviceSize stride = heap_stride(device, heap, kind), size = heap->size * stride;
+	VkDeviceSize expected = resources->expected[kind] * stride, wanted = size > expected ? size + size / 2 : expected;
 	vulkan_buffer larger;
-	*all = size > device->heaps[kind].size;
+	*all = size > device->heaps[kind].size || (heap->size > 0 && expected > device->heaps[kind].size);
 	if (!*all)
 		return STILB_OK;
-	stilb_result result = vulkan_buffer_create(
-		device, size + size / 2, heap_usage[kind] | VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, &larger);
+	stilb_result result = vulkan_buffer_create(device, wanted, heap_usage[kind] | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+	                                           VULKAN_MEMORY_DEVICE, &larger);
 	return result == STILB_OK ? vulkan_buffer_replace(device, &device->heaps[kind], larger) : result;
 }
 
@@ -200,10 +202,16 @@ static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDevi
 	                            &slot->staging);
 }
 
-/* Bytes of a texture's pixels in the staging buffer, with padding. */
+static VkDeviceSize texture_row(const render_texture_upload *upload)
+{
+	return stilb_image_size(&upload->image) / upload->image.height;
+}
+
+/* Bytes of the frame's rows of a texture in the staging buffer, with padding. */
 static VkDeviceSize texture_bytes(const render_texture_upload *upload)
 {
-	VkDeviceSize size = stilb_image_size(&upload->image);
+	STILB_ASSERT(upload->sent >= upload->rows && upload->sent <= upload->image.height);
+	VkDeviceSize size = texture_row(upload) * (upload->sent - upload->rows);
 	return (size + HEAPS_TEXTURE_ALIGN - 1) / HEAPS_TEXTURE_ALIGN * HEAPS_TEXTURE_ALIGN;
 }
 
@@ -216,7 +224,11 @@ static void update_copy(vulkan_device *device, const render_resources *resources
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
 		STILB_ASSERT(at + texture_bytes(upload) <= slot->staging.size);
-		memcpy((uint8_t *)slot->staging.mapped + at, upload->image.pixels, stilb_image_size(&upload->image));
+		if (upload->sent == upload->rows)
+			continue;
+		memcpy((uint8_t *)slot->staging.mapped + at,
+		       (const uint8_t *)upload->image.pixels + upload->rows * texture_row(upload),
+		       (upload->sent - upload->rows) * texture_row(upload));
 		vulkan_texture_copy(device, upload, at);
 		at += texture_bytes(upload);
 	}
@@ -237,7 +249,7 @@ stilb_result vulkan_update(render_device *base, const render_resources *resource
 	for (int kind = 0; kind < RENDER_HEAPS && result == STILB_OK; kind++) {
 		const render_heap *heap = &resources->heaps[kind];
 		bool all;
-		result = heap_fit(device, heap, kind, &all);
+		result = heap_fit(device, resources, kind, &all);
 		whole[kind] = (render_range){0, heap->size};
 		dirty[kind] = all ? (render_ranges){&whole[kind], 1, 1} : heap->dirty;
 		bytes += ranges_bytes(&dirty[kind], heap_stride(device, heap, kind));

@@ -13,6 +13,7 @@
 
 #include "render/render_internal.h"
 
+#include <pthread.h>
 #include <vulkan/vulkan.h>
 
 #define VULKAN_SLOTS RENDER_FRAMES_IN_FLIGHT
@@ -156,11 +157,17 @@ typedef enum vulkan_formula {
 	VULKAN_FORMULAS,
 } vulkan_formula;
 
-/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. VK_NULL_HANDLE:
- * not needed so far. */
+/* A pipeline that is made when it is first needed, or before. Both members are guarded by vulkan_device.pipelines_lock
+ * until vulkan_pipeline_once has returned. */
+typedef struct vulkan_pipeline {
+	VkPipeline handle; /* null: not needed so far */
+	bool making;       /* a thread compiles it */
+} vulkan_pipeline;
+
+/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. */
 typedef struct vulkan_shading {
 	uint32_t formulas[VULKAN_FORMULAS];
-	VkPipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
+	vulkan_pipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
 } vulkan_shading;
 
 typedef struct vulkan_swapchain {
@@ -205,11 +212,15 @@ typedef struct vulkan_device {
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
 	VkShaderModule mesh_modules[2][2]; /* [texture][stage], kept for pipelines that later frames need */
-	vulkan_shading *shadings;          /* [shading_count] every choice of formulas that a pass has used */
+	/* Several threads may need pipelines: this guards which there are and which a thread is making, not their use. */
+	pthread_mutex_t pipelines_lock;
+	pthread_cond_t pipelines_made;
+	bool pipelines_lock_made;
+	vulkan_shading **shadings; /* [shading_count] every choice of formulas that a pass has used or will */
 	uint32_t shading_count, shading_capacity;
 	const vulkan_shading *shading; /* of the pass that is being replayed; secondary lists read it on other threads */
 	VkPipeline pipelines_2d[VULKAN_PIPELINES_2D];
-	VkPipeline backdrop;                   /* null: not needed so far */
+	vulkan_pipeline backdrop;
 	vulkan_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
 	bool transparent;                      /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;
@@ -312,7 +323,8 @@ stilb_result vulkan_textures_create(vulkan_device *device);
 void vulkan_textures_destroy(vulkan_device *device);
 stilb_result vulkan_texture_create(render_device *base, uint32_t texture, const stilb_image *image);
 void vulkan_texture_destroy(render_device *base, uint32_t texture);
-/* Records the copy of a texture's pixels, which lie in the slot's staging buffer at byte `at`, a multiple of 16. */
+/* Records the copy of the frame's rows of a texture, which lie in the slot's staging buffer at byte `at`, a multiple of
+ * 16. The texture can be drawn once it has all. */
 void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upload, VkDeviceSize at);
 
 /* vulkan_pipeline.c: shaders, layouts, pipelines. */
@@ -320,6 +332,11 @@ stilb_result vulkan_pipeline_create(vulkan_device *device);
 void vulkan_pipeline_destroy(vulkan_device *device);
 /* Makes the pipelines that a scene pass needs, unless an earlier pass has, and stores them as device->shading. */
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream);
+/* Makes a pipeline unless it is there; if another thread makes it, waits for that. `make` stores it. [any-thread] */
+typedef VkResult vulkan_make_fn(vulkan_device *device, const void *what, VkPipeline *pipeline);
+VkResult vulkan_pipeline_once(vulkan_device *device, vulkan_pipeline *pipeline, vulkan_make_fn *make, const void *what);
+/* See render_device_functions.prepare. */
+stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, uint32_t light_bits);
 /* The pipeline for a draw's state. [any-thread] while a pass is replayed. */
 VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state);
 
@@ -364,6 +381,8 @@ bool vulkan_backdrop_is_drawn(const render_stream *stream);
 /* The colour that the picture is cleared to: of the backdrop, or of the sky or the ground, tone mapped as the fragment
  * shader does it; black without a view. */
 VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view);
+/* Makes the pipeline that draws backdrops. [any-thread] */
+stilb_result vulkan_backdrop_make(vulkan_device *device);
 /* Makes what is missing to draw the backdrop of the stream's view and writes it to the slot's memory. */
 stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream);
 /* Draws it, after vulkan_draws_area. */

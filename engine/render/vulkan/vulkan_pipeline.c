@@ -290,12 +290,22 @@ static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS]
 	PIPELINE_FORMULA(VULKAN_FORMULA_LIGHTS),
 };
 
-static VkResult pipeline_make(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS], bool texture,
-                              vulkan_pipeline_materials materials, VkPipeline *pipeline)
+/* A mesh pipeline. */
+typedef struct pipeline_wanted {
+	const uint32_t *formulas; /* [VULKAN_FORMULAS] */
+	bool texture;
+	vulkan_pipeline_materials materials;
+} pipeline_wanted;
+
+static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipeline *pipeline)
 {
-	STILB_ASSERT(!*pipeline && device->mesh_modules[texture][0] && device->mesh_modules[texture][1]);
+	const pipeline_wanted *wanted = what;
+	const uint32_t *formulas = wanted->formulas;
+	bool texture = wanted->texture;
+	vulkan_pipeline_materials materials = wanted->materials;
+	STILB_ASSERT(device->mesh_modules[texture][0] && device->mesh_modules[texture][1]);
 	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY, .materials = materials};
-	memcpy(constants.formulas, formulas, sizeof constants.formulas);
+	memcpy(constants.formulas, formulas, VULKAN_FORMULAS * sizeof *formulas);
 	VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
 	VkPipelineShaderStageCreateInfo stages[2] = {
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], NULL),
@@ -345,11 +355,8 @@ static VkResult mesh_modules_make(vulkan_device *device, bool texture)
 static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, bool texture,
                                  vulkan_pipeline_materials materials)
 {
-	VkPipeline *pipeline = &shading->pipelines[texture][materials];
-	if (*pipeline != VK_NULL_HANDLE)
-		return VK_SUCCESS;
-	PROFILE("make a pipeline");
-	return pipeline_make(device, shading->formulas, texture, materials, pipeline);
+	pipeline_wanted wanted = {shading->formulas, texture, materials};
+	return vulkan_pipeline_once(device, &shading->pipelines[texture][materials], pipeline_make, &wanted);
 }
 
 /* Makes the pipelines that device->base.materials needs and that do not exist yet. */
@@ -361,31 +368,46 @@ static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, boo
 	return result == VK_SUCCESS ? shading_make_one(device, shading, texture, VULKAN_PIPELINE_ODD) : result;
 }
 
-/* The entry for these formulas, which may be a new one without pipelines; NULL: no memory. */
-static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
+/* A new entry for these formulas, without pipelines; NULL: no memory. */
+static vulkan_shading *shading_add(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
 {
-	for (uint32_t s = 0; s < device->shading_count; s++)
-		if (memcmp(device->shadings[s].formulas, formulas, sizeof device->shadings[s].formulas) == 0)
-			return &device->shadings[s];
 	if (!render_reserve((void **)&device->shadings, &device->shading_capacity, device->shading_count + 1,
 	                    sizeof *device->shadings))
 		return NULL;
-	vulkan_shading *shading = &device->shadings[device->shading_count++];
-	*shading = (vulkan_shading){0};
+	vulkan_shading *shading = calloc(1, sizeof *shading);
+	if (!shading)
+		return NULL;
 	memcpy(shading->formulas, formulas, sizeof shading->formulas);
+	device->shadings[device->shading_count++] = shading;
 	return shading;
 }
 
-static void shading_destroy(const vulkan_device *device, const vulkan_shading *shading)
+/* The entry for these formulas, which may be a new one; it never moves. NULL: no memory. [any-thread] */
+static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
+{
+	vulkan_shading *found = NULL;
+	pthread_mutex_lock(&device->pipelines_lock);
+	for (uint32_t s = 0; s < device->shading_count && !found; s++)
+		if (memcmp(device->shadings[s]->formulas, formulas, sizeof device->shadings[s]->formulas) == 0)
+			found = device->shadings[s];
+	if (!found)
+		found = shading_add(device, formulas);
+	pthread_mutex_unlock(&device->pipelines_lock);
+	return found;
+}
+
+static void shading_destroy(const vulkan_device *device, vulkan_shading *shading)
 {
 	for (int texture = 0; texture < 2; texture++)
 		for (int m = 0; m < VULKAN_PIPELINE_MATERIALS; m++)
-			vkDestroyPipeline(device->device, shading->pipelines[texture][m], device->allocator);
+			vkDestroyPipeline(device->device, shading->pipelines[texture][m].handle, device->allocator);
+	free(shading);
 }
 
-stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
+/* The entry for what a view needs, with its pipelines without a texture, and with one if `textured`. [any-thread] */
+static stilb_result shading_ready(vulkan_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
+                                  bool textured, vulkan_shading **ready)
 {
-	const stilb_render_shading *wanted = &stream->view->shading;
 	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
 	STILB_ASSERT(!microfacet ||
@@ -395,16 +417,34 @@ stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *
 		[VULKAN_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
 		[VULKAN_FORMULA_G] = microfacet ? wanted->g : 0,
 		[VULKAN_FORMULA_F] = microfacet ? wanted->f : 0,
-		[VULKAN_FORMULA_LIGHTS] = stream->light_bits,
+		[VULKAN_FORMULA_LIGHTS] = light_bits,
 	};
-	vulkan_shading *shading = shading_find(device, formulas);
-	if (!shading)
+	*ready = shading_find(device, formulas);
+	if (!*ready)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
 	VkResult result = VK_SUCCESS;
-	for (int texture = 0; texture <= (render_state_texture(stream->states) != 0) && result == VK_SUCCESS; texture++)
-		result = shading_make(device, shading, texture);
-	device->shading = shading;
+	for (int texture = 0; texture <= textured && result == VK_SUCCESS; texture++)
+		result = shading_make(device, *ready, texture);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
+}
+
+stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
+{
+	vulkan_shading *shading = NULL;
+	stilb_result result = shading_ready(device, &stream->view->shading, stream->light_bits,
+	                                    render_state_texture(stream->states) != 0, &shading);
+	if (shading)
+		device->shading = shading;
+	return result;
+}
+
+stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, uint32_t light_bits)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_shading *shading;
+	stilb_result result = shading_ready(device, &view->shading, light_bits, true, &shading);
+	bool nothing = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
+	return result == STILB_OK && !nothing ? vulkan_backdrop_make(device) : result;
 }
 
 static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], vulkan_pipeline_2d kind)
@@ -455,6 +495,13 @@ static VkResult pipelines_make_2d(vulkan_device *device, vulkan_pipeline_2d kind
 
 stilb_result vulkan_pipeline_create(vulkan_device *device)
 {
+	device->pipelines_lock_made = pthread_mutex_init(&device->pipelines_lock, NULL) == 0;
+	if (device->pipelines_lock_made && pthread_cond_init(&device->pipelines_made, NULL) != 0) {
+		pthread_mutex_destroy(&device->pipelines_lock);
+		device->pipelines_lock_made = false;
+	}
+	if (!device->pipelines_lock_made)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the lock of pipelines");
 	VkResult result = layout_create(device);
 	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
 		result = mesh_modules_make(device, texture);
@@ -468,8 +515,12 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 void vulkan_pipeline_destroy(vulkan_device *device)
 {
 	for (uint32_t s = 0; s < device->shading_count; s++)
-		shading_destroy(device, &device->shadings[s]);
+		shading_destroy(device, device->shadings[s]);
 	free(device->shadings);
+	if (device->pipelines_lock_made) {
+		pthread_cond_destroy(&device->pipelines_made);
+		pthread_mutex_destroy(&device->pipelines_lock);
+	}
 	for (int texture = 0; texture < 2; texture++) {
 		for (int stage = 0; stage < 2; stage++)
 			vkDestroyShaderModule(device->device, device->mesh_modules[texture][stage], device->allocator);
@@ -491,7 +542,7 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 		                                                               : VULKAN_PIPELINE_2D_FLAT];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
-	VkPipeline pipeline = device->shading->pipelines[render_state_texture(state) != 0][materials];
+	VkPipeline pipeline = device->shading->pipelines[render_state_texture(state) != 0][materials].handle;
 	STILB_ASSERT(pipeline && "vulkan_pipeline_choose has made it");
 	return pipeline;
 }

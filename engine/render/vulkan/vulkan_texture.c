@@ -150,18 +150,22 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkImage image = device->textures[upload->texture].image.image;
-	STILB_ASSERT(image && at % 16 == 0 && at + stilb_image_size(&upload->image) <= slot->staging.size);
+	STILB_ASSERT(image && at % 16 == 0 && upload->sent > upload->rows);
 	VkBufferImageCopy region = {
 		.bufferOffset = at,
 		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-		.imageExtent = {upload->image.width, upload->image.height, 1},
+		.imageOffset = {0, (int32_t)upload->rows, 0},
+		.imageExtent = {upload->image.width, upload->sent - upload->rows, 1},
 	};
 	/* Draws of the frames before may still sample a texture that is written again. */
-	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-	                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-	                     VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_NONE,
-	                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+	if (upload->rows == 0)
+		vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+		                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+		                     VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_NONE,
+		                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
 	vkCmdCopyBufferToImage(slot->draw, slot->staging.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+	if (upload->sent < upload->image.height)
+		return; /* heaps_barrier orders the next rows after these */
 	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
 	                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
 	                     VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,

@@ -1,0 +1,221 @@
+/*
+ * What a thread makes ready beside the frames: a scene that will be shown, or pipelines for other formulas. There is
+ * one thread for each, started when it is needed, which ends when it is done.
+ */
+#include "engine_internal.h"
+
+#include "profiler/prof.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct engine_prepare {
+	stilb_render *render;
+	const stilb_scene *scene; /* NULL: only pipelines */
+	stilb_render_view view;   /* whose pipelines are made; its lights are the scene's, or the copy */
+	stilb_scene_light *lights;
+	pthread_t thread;
+	_Atomic int speed;  /* stilb_render_speed, set by the main thread; relaxed: nothing else depends on it */
+	_Atomic float done; /* set by the thread, read by the main thread; relaxed: it is only told */
+	/* Set by the thread: release, and acquire where it is read, so that the outcome is seen, too. */
+	atomic_bool ended;
+	/* The outcome, written by the thread and read after `ended` or joining it. */
+	stilb_result result;
+	char message[1024];
+	stilb_cull *cull;
+	stilb_render_prepared *made;
+};
+
+/* ---- the thread -------------------------------------------------------------------------------------------------- */
+
+static stilb_render_speed prepare_pace(void *user, float done)
+{
+	engine_prepare *prepare = user;
+	atomic_store_explicit(&prepare->done, done, memory_order_relaxed); /* partner: stilb_engine_prepared */
+	return (stilb_render_speed)atomic_load_explicit(&prepare->speed, memory_order_relaxed); /* partner: prepare_end */
+}
+
+static void *prepare_run(void *user)
+{
+	engine_prepare *prepare = user;
+	stilb_prof_thread_begin("prepare");
+	pthread_setname_np(pthread_self(), "prepare");
+	stilb_result result = stilb_render_prepare_view(prepare->render, &prepare->view);
+	if (result == STILB_OK && prepare->scene)
+		result = stilb_cull_create(prepare->scene, &prepare->cull);
+	if (result == STILB_OK && prepare->scene)
+		result = stilb_render_prepare_scene(prepare->render, prepare->scene, prepare_pace, prepare, &prepare->made);
+	prepare->result = result;
+	if (result != STILB_OK)
+		snprintf(prepare->message, sizeof prepare->message, "%s", stilb_error_message());
+	stilb_prof_thread_end();
+	atomic_store_explicit(&prepare->ended, true, memory_order_release); /* partner: prepare_has_ended */
+	return NULL;
+}
+
+static bool prepare_has_ended(const engine_prepare *prepare)
+{
+	return atomic_load_explicit(&prepare->ended, memory_order_acquire); /* partner: prepare_run */
+}
+
+/* ---- life -------------------------------------------------------------------------------------------------------- */
+
+/* Starts a thread. *out is NULL on failure. */
+static stilb_result prepare_start(stilb_engine *engine, const stilb_scene *scene, const stilb_render_view *view,
+                                  engine_prepare **out)
+{
+	*out = NULL;
+	engine_prepare *prepare = calloc(1, sizeof *prepare);
+	stilb_scene_light *lights = calloc(view->light_count + 1u, sizeof *lights);
+	if (!prepare || !lights) {
+		free(prepare);
+		free(lights);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory to prepare a scene");
+	}
+	prepare->render = engine->render;
+	prepare->scene = scene;
+	prepare->view = *view;
+	for (uint32_t i = 0; i < view->light_count; i++)
+		lights[i] = view->lights[i]; /* the program may change its own meanwhile */
+	prepare->view.lights = prepare->lights = lights;
+	int error = engine_thread_start(&prepare->thread, prepare_run, prepare);
+	if (error != 0) {
+		free(lights);
+		free(prepare);
+		return stilb_fail_threads(1, error);
+	}
+	*out = prepare;
+	return STILB_OK;
+}
+
+/* Waits for the thread, and frees all but its outcome. */
+static void prepare_end(engine_prepare *prepare, stilb_render_speed speed)
+{
+	atomic_store_explicit(&prepare->speed, speed, memory_order_relaxed); /* partner: prepare_pace */
+	pthread_join(prepare->thread, NULL);
+	free(prepare->lights);
+}
+
+void engine_prepare_drop(engine_prepare **prepare)
+{
+	if (!*prepare)
+		return;
+	prepare_end(*prepare, STILB_RENDER_GIVE_UP);
+	stilb_cull_destroy((*prepare)->cull);
+	stilb_render_drop_scene((*prepare)->render, (*prepare)->made);
+	free(*prepare);
+	*prepare = NULL;
+}
+
+/* ---- views ------------------------------------------------------------------------------------------------------- */
+
+stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene)
+{
+	stilb_render_view view = {
+		.surroundings = scene->surroundings,
+		.backdrop = scene->backdrop,
+		.lights = scene->lights,
+		.light_count = scene->light_count,
+		.shading = engine->shading,
+		.both_sides = scene->both_sides,
+		.exposure = scene->camera.exposure,
+	};
+	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
+	return view;
+}
+
+/* ---- a scene ----------------------------------------------------------------------------------------------------- */
+
+stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(!scene || scene != engine->scene);
+	engine_prepare_drop(&engine->prepare);
+	if (!scene)
+		return STILB_OK;
+	stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
+	stilb_render_view view = engine_view_of(engine, scene);
+	return prepare_start(engine, scene, &view, &engine->prepare);
+}
+
+float stilb_engine_prepared(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	const engine_prepare *prepare = engine->prepare;
+	if (!prepare || prepare_has_ended(prepare))
+		return 1.0f;
+	float done = atomic_load_explicit(&prepare->done, memory_order_relaxed); /* partner: prepare_pace */
+	return done < 0.999f ? done : 0.999f;
+}
+
+bool engine_prepare_is_of(const engine_prepare *prepare, const stilb_scene *scene)
+{
+	return prepare && scene && prepare->scene == scene;
+}
+
+stilb_result engine_prepare_take(engine_prepare **prepare, stilb_cull **cull, stilb_render_prepared **made)
+{
+	engine_prepare *taken = *prepare;
+	*prepare = NULL;
+	prepare_end(taken, STILB_RENDER_HURRY);
+	stilb_result result = taken->result;
+	*cull = taken->cull;
+	*made = taken->made;
+	if (result != STILB_OK) {
+		stilb_cull_destroy(taken->cull);
+		*cull = NULL;
+		stilb_fail(result, "%s", taken->message);
+	}
+	free(taken);
+	return result;
+}
+
+/* ---- formulas ---------------------------------------------------------------------------------------------------- */
+
+static bool formulas_are_same(const stilb_render_shading *a, const stilb_render_shading *b)
+{
+	return a->brdf == b->brdf && a->ndf == b->ndf && a->g == b->g && a->f == b->f;
+}
+
+/* The renderer makes a new panorama ready over several frames in a window; meanwhile its pipelines are compiled. */
+static void prepare_panorama(stilb_engine *engine)
+{
+	const void *pixels = engine->scene->surroundings.panorama.pixels;
+	if (pixels && pixels != engine->panorama && !engine->compiling) {
+		stilb_render_view view = engine_view_of(engine, engine->scene);
+		prepare_start(engine, NULL, &view, &engine->compiling); /* on failure the frame makes them, and waits */
+	}
+	engine->panorama = pixels;
+}
+
+stilb_render_shading engine_prepare_shading(stilb_engine *engine)
+{
+	stilb_render_shading wanted = engine->shading, *shown = &engine->views[0].shading;
+	engine_prepare *compiling = engine->compiling;
+	bool watched = engine->window || engine->desc.surface;
+	if (compiling && prepare_has_ended(compiling)) { /* what failed fails again in the frame, with its message */
+		engine->compiled = compiling->view.shading;
+		engine_prepare_drop(&engine->compiling);
+	}
+	if (watched && engine->culled_size[0] > 0)
+		prepare_panorama(engine);
+	bool waits = watched && engine->culled_size[0] > 0 && !formulas_are_same(&wanted, shown) &&
+	             !formulas_are_same(&wanted, &engine->compiled);
+	if (!waits)
+		return wanted;
+	if (!engine->compiling) {
+		stilb_render_view view = engine_view_of(engine, engine->scene);
+		view.shading = wanted;
+		if (prepare_start(engine, NULL, &view, &engine->compiling) != STILB_OK)
+			return wanted; /* the frame makes it, and waits */
+	}
+	stilb_render_shading before = wanted; /* its numbers count at once */
+	before.brdf = shown->brdf;
+	before.ndf = shown->ndf;
+	before.g = shown->g;
+	before.f = shown->f;
+	return before;
+}

@@ -1,0 +1,157 @@
+/* Scenes and pipelines that a thread makes ready beside the frames. */
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+#define PREPARE_PENDING (4 * RENDER_UPLOAD_A_FRAME) /* bytes that wait for frames; beyond that the thread waits, too */
+#define PREPARE_LOOK_NS 1000000                     /* between two looks at whether frames have taken some */
+
+struct stilb_render_prepared {
+	render_scene tables;
+};
+
+/* ---- a scene ----------------------------------------------------------------------------------------------------- */
+
+/* A scene that is on its way. */
+typedef struct prepare {
+	stilb_render *render;
+	const stilb_scene *scene;
+	render_scene *tables;
+	stilb_render_pace *pace;
+	void *user;
+	uint64_t total, made; /* bytes of the scene on the device; of what has been created */
+	bool hurry;
+} prepare;
+
+static uint64_t prepare_mesh_bytes(const stilb_scene_mesh *mesh)
+{
+	return (uint64_t)mesh->vertex_count * sizeof(stilb_scene_vertex) + (uint64_t)mesh->index_count * sizeof(uint32_t);
+}
+
+/* With four channels. */
+static uint64_t prepare_texture_bytes(const stilb_image *image)
+{
+	return image->pixels ? stilb_image_size(image) / image->channels * 4 : 0;
+}
+
+/* Bytes of the whole scene, and what it adds to the heaps. */
+static uint64_t prepare_count(const stilb_scene *scene, uint32_t more[RENDER_HEAPS])
+{
+	uint64_t bytes = scene->material_count * sizeof(render_material), vertices = 0, indices = 0;
+	for (uint32_t i = 0; i < scene->mesh_count; i++) {
+		bytes += prepare_mesh_bytes(&scene->meshes[i]);
+		vertices += scene->meshes[i].vertex_count;
+		indices += scene->meshes[i].index_count;
+	}
+	for (uint32_t i = 0; i < scene->texture_count; i++)
+		bytes += prepare_texture_bytes(&scene->textures[i]);
+	more[RENDER_HEAP_VERTICES] = vertices < UINT32_MAX ? (uint32_t)vertices : UINT32_MAX;
+	more[RENDER_HEAP_INDICES] = indices < UINT32_MAX ? (uint32_t)indices : UINT32_MAX;
+	more[RENDER_HEAP_MATERIALS] = scene->material_count;
+	return bytes;
+}
+
+/* Waits until frames have taken so much that at most `most` bytes are pending, or somebody is in a hurry. The pending
+ * bytes of others count, too: frames have to copy them first. */
+static stilb_result prepare_wait(prepare *p, uint64_t most)
+{
+	for (;;) {
+		uint64_t pending = render_resources_pending(&p->render->resources);
+		uint64_t done = p->made > pending ? p->made - pending : 0;
+		stilb_render_speed speed = p->pace(p->user, p->total > 0 ? (float)((double)done / (double)p->total) : 1.0f);
+		if (speed == STILB_RENDER_GIVE_UP)
+			return stilb_fail(STILB_ERROR_GIVEN_UP, "the scene was given up before it was on the device");
+		p->hurry = speed == STILB_RENDER_HURRY;
+		if (p->hurry || pending <= most)
+			return STILB_OK;
+		nanosleep(&(struct timespec){.tv_nsec = PREPARE_LOOK_NS}, NULL);
+	}
+}
+
+static stilb_result prepare_fill(prepare *p)
+{
+	const stilb_scene *scene = p->scene;
+	stilb_result result = render_scene_fit(p->tables, scene);
+	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
+		result = render_scene_mesh(p->render, p->tables, scene, i);
+		p->made += prepare_mesh_bytes(&scene->meshes[i]);
+		if (result == STILB_OK)
+			result = prepare_wait(p, PREPARE_PENDING);
+	}
+	if (result == STILB_OK)
+		result = render_scene_check_parts(scene, p->tables);
+	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
+		result = render_scene_texture_patient(p->render, p->tables, scene, i);
+		p->made += prepare_texture_bytes(&scene->textures[i]);
+		if (result == STILB_OK)
+			result = prepare_wait(p, PREPARE_PENDING);
+	}
+	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
+		result = render_scene_material(p->render, p->tables, scene, i);
+	p->made += scene->material_count * sizeof(render_material);
+	return result == STILB_OK ? prepare_wait(p, 0) : result;
+}
+
+stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene *scene, stilb_render_pace *pace,
+                                        void *user, stilb_render_prepared **out)
+{
+	STILB_ASSERT(render && scene && pace && out);
+	PROFILE("prepare a scene");
+	*out = NULL;
+	stilb_render_prepared *prepared = calloc(1, sizeof *prepared);
+	if (!prepared)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
+	prepare p = {.render = render, .scene = scene, .tables = &prepared->tables, .pace = pace, .user = user};
+	uint32_t more[RENDER_HEAPS];
+	p.total = prepare_count(scene, more);
+	render_resources_expect(&render->resources, more);
+	stilb_result result = prepare_fill(&p);
+	render_resources_expect(&render->resources, NULL);
+	if (result == STILB_OK)
+		*out = prepared;
+	else
+		stilb_render_drop_scene(render, prepared);
+	return result;
+}
+
+void stilb_render_show_scene(stilb_render *render, stilb_render_prepared *prepared)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(prepared);
+	render_resources_hurry(&render->resources);
+	render_scene_replace(render, &prepared->tables);
+	free(prepared);
+}
+
+void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepared)
+{
+	if (!prepared)
+		return;
+	render_scene_destroy(render, &prepared->tables);
+	free(prepared);
+}
+
+/* ---- pipelines --------------------------------------------------------------------------------------------------- */
+
+/* How many lamps a panorama has is known only once it has been made ready: 0, 1 and more may need three pipelines. */
+#define PREPARE_LAMPS 3u
+
+stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view)
+{
+	STILB_ASSERT(render && view);
+	PROFILE("prepare a view");
+	bool panorama = view->surroundings.panorama.pixels;
+	uint32_t made[PREPARE_LAMPS];
+	stilb_result result = STILB_OK;
+	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
+		uint32_t count;
+		made[lamps] = render_light_bits(view, panorama, lamps, &count);
+		bool known = false;
+		for (uint32_t i = 0; i < lamps; i++)
+			known |= made[i] == made[lamps];
+		if (!known)
+			result = render->device->functions->prepare(render->device, view, made[lamps]);
+	}
+	return result;
+}
