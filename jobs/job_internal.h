@@ -74,9 +74,12 @@
 #endif
 
 /* The cost of a steal to its victim, one more cache line to fetch; and the time for which a thief stays away after a
- * steal that was not worth that: so long for each team of the pool, so that many thieves cost no more than few. */
+ * steal of a job that was shorter than that. It doubles with each such steal, JOB_STEAL_DOUBLINGS times at most, if the
+ * victim has worked at its deque meanwhile, so that many thieves of tiny jobs cost their owner little; more for each
+ * eight teams of the pool. A victim that has not worked loses nothing by a steal. */
 #define JOB_STEAL_NS 100u
 #define JOB_STEAL_PAUSE_NS 2000u
+#define JOB_STEAL_DOUBLINGS 4
 
 /* In a pool of several teams, a thread that has stolen a job wakes up to JOB_WAKE_FAN others for the jobs left in that
  * deque, but only while there are at most JOB_THIEVES spinners, and two jobs for each spinner and for the thread to be
@@ -186,8 +189,10 @@ typedef struct job_slot {
 	bool in_high;                  /* inside a job of high priority: waits run no others */
 	bool spinning;                 /* counted as a spinner (job_park.h) */
 	bool steal_unprofitable;       /* the last stolen job took less time than its steal cost the victim */
+	uint8_t steal_doublings;       /* of the pause after such a steal */
 	job_rate rate[JOB_RATES];
-	job_record *pinned; /* taken from the inbox, oldest first */
+	int64_t victim_bottom; /* the end of the victim's deque at the last such pause */
+	job_record *pinned;    /* taken from the inbox, oldest first */
 	job_record_cache records;
 	_Atomic uint64_t submitted, finished; /* counts of jobs, by this thread; see pool_is_quiet */
 	job_tallies tally;
@@ -411,6 +416,14 @@ static inline void job_hook_wait_end(const stilb_job_pool *pool, uint32_t worker
 /* job_pool.c: stilb_job_pool_create with shared queues that `make` creates, for tests and benchmarks. */
 typedef stilb_job_queue *job_queue_maker(void);
 int job_pool_create_over(const stilb_job_pool_desc *desc, job_queue_maker *make, stilb_job_pool **pool);
+
+/* For a worker that has been woken for a phase: wakes others, as many as may spin, until none sleeps or there is a loop
+ * to help with. */
+void job_pool_wake_for_phase(job_slot *slot);
+
+/* Waits after a steal that was not worth its cost, see JOB_STEAL_PAUSE_NS. Meanwhile the worker counts as a spinner
+ * (job_park.h), since it will look for work soon. */
+void job_pool_pause_stealing(job_slot *slot);
 
 /* job_worker.c */
 

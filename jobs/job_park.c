@@ -338,15 +338,15 @@ void job_idle_wake_thread(job_idle_list *list, job_parker *parker)
 		wake_idler(list, place, false);
 }
 
-void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count)
+uint32_t job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count)
 {
 	job_parker *parkers[JOB_WAKE_FAN];
-	uint32_t asleep = 0;
+	uint32_t chosen = 0, asleep = 0;
 	assert(count <= JOB_WAKE_FAN);
 	if (IDLERS(atomic_load_explicit(&list->state, memory_order_relaxed)) == 0) /* may miss one: see the declaration */
-		return;
+		return 0;
 	job_lock_take(&list->lock);
-	for (uint32_t i = 0; i < count; i++) {
+	for (; chosen < count; chosen++) {
 		/* Only idlers that may do any work may do a job from a shared queue. Relaxed: ordered by the lock. */
 		uint32_t state = atomic_load_explicit(&list->state, memory_order_relaxed);
 		uint32_t place = SPINNERS(state) < limit ? list_choose(list, &(job_work){.kind = JOB_WORK_SHARED}, true) : 0;
@@ -359,4 +359,5 @@ void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count)
 	job_lock_give(&list->lock);
 	for (uint32_t i = 0; i < asleep; i++)
 		job_sys_futex_wake_one(&parkers[i]->state);
+	return chosen;
 }

@@ -14,10 +14,11 @@
  * costs one system call, and the workers wake one another for as long as there is more to do. Outside a phase at most
  * one worker looks for work by itself; other spinners are on their way to a loop.
  *
- * Where many are needed, waking is a tree: a thread that has been woken for a phase or a long loop wakes JOB_WAKE_FAN
- * others. So 63 workers are awake after six wake-ups one after the other, and not after 63. The spinners bound it: a
- * phase has room for so many, and a loop wakes one more thread only if that leaves enough slices for each of the
- * spinners, who may all be on their way to it.
+ * Where many are needed, waking is a tree: a thread that has been woken for a long loop wakes JOB_WAKE_FAN others, and
+ * one that has been woken for a phase goes on until nobody sleeps or there is a loop to help with, since it has nothing
+ * else to do. So 63 workers are awake after six wake-ups one after the other at most, and not after 63. The spinners
+ * bound it: a phase has room for so many, and a loop wakes one more thread only if that leaves enough slices for each
+ * of the spinners, who may all be on their way to it.
  *
  * `state` counts idlers and spinners in one word. No wake-up is lost: A thread that goes to sleep: (1) counts itself in
  * as an idler, and out as a spinner, (2) looks for work again, (3) sleeps. A thread that has work: (a) publishes the
@@ -94,8 +95,9 @@ typedef struct job_idler {
 	bool worker; /* false for the owner */
 } job_idler;
 
-/* The most threads that one woken for a phase or a loop wakes. A wake-up reaches its thread after some 24 us, of which
- * the waker is busy for 7: with more than two, the last would start hardly earlier, and the waker itself later. */
+/* The most threads that one woken for a loop wakes, and that are woken at a time. A wake-up reaches its thread after
+ * some 24 us, of which the waker is busy for 7: with more than two, the last would start hardly earlier, and the waker
+ * itself later. */
 #define JOB_WAKE_FAN 2
 
 #define JOB_IDLE_SPINNER (1u << 16) /* one spinner in the state word; the bits below count idlers */
@@ -138,9 +140,9 @@ typedef enum job_idle_outcome {
 	JOB_IDLE_RESCUE      /* chosen to do any work there is, because every worker waits */
 } job_idle_outcome;
 
-/* Wakes up to `count` workers whose scope is all, as spinners, while there are fewer than `limit` spinners.
- * May miss a thread that has just entered the list. count: JOB_WAKE_FAN at most. [any-thread] */
-void job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count);
+/* Wakes up to `count` workers whose scope is all, as spinners, while there are fewer than `limit` spinners; returns how
+ * many. May miss a thread that has just entered the list. count: JOB_WAKE_FAN at most. [any-thread] */
+uint32_t job_idle_wake_spinners(job_idle_list *list, uint32_t limit, uint32_t count);
 
 /* After the sleep, or instead of it: removes the calling thread from the list if it is still there, and takes its
  * token. */

@@ -21,6 +21,14 @@ static bool stopping(job_slot *slot, void *context)
 	return atomic_load_explicit(&slot->pool->stop, memory_order_acquire); /* pairs with stop_workers */
 }
 
+void job_pool_wake_for_phase(job_slot *slot)
+{
+	stilb_job_pool *pool = slot->pool;
+	while (spin_limit(pool) > 1 && job_idle_wake_spinners(&pool->idle, spin_limit(pool), JOB_WAKE_FAN) > 0 &&
+	       !job_loop_seems_to_exist(slot, &job_scope_all))
+		;
+}
+
 /* Called when the worker has found nothing to do: looks for work for a while, then sleeps. */
 static void worker_idle(job_slot *slot)
 {
@@ -32,20 +40,26 @@ static void worker_idle(job_slot *slot)
 	if (job_loop_exists_far(slot, &job_scope_all))
 		return; /* spares it the way onto the idle list and back */
 	job_work_park(slot, &job_scope_all, stopping, NULL);
-	if (slot->spinning && spin_limit(pool) > 1)
-		job_idle_wake_spinners(&pool->idle, spin_limit(pool), JOB_WAKE_FAN); /* for the phase, see job_park.h */
+	if (slot->spinning)
+		job_pool_wake_for_phase(slot);
 }
 
-/* Waits JOB_STEAL_PAUSE_NS, or so long for each team, after a steal from a thread whose jobs are too small to be worth
- * it. Meanwhile the worker counts as a spinner (job_park.h), since it will look for work soon. */
-static void pause_stealing(job_slot *slot)
+void job_pool_pause_stealing(job_slot *slot)
 {
+	job_deque *deque = &slot->pool->slot[slot->victim].deque;
 	uint64_t start = job_sys_ticks(), pause = job_sys_ticks_in(JOB_STEAL_PAUSE_NS);
-	if (!slot->pool->one_team)
-		pause *= slot->pool->team_count;
 	slot->steal_unprofitable = false;
-	if (job_deque_empty(&slot->pool->slot[slot->victim].deque))
+	if (job_deque_empty(deque))
 		return; /* nothing is left to steal there, so the worker may look elsewhere at once */
+	/* Relaxed: an old value makes a pause too short. */
+	int64_t bottom = atomic_load_explicit(&deque->bottom, memory_order_relaxed);
+	if (bottom != slot->victim_bottom) {
+		pause = (pause << slot->steal_doublings) * (1 + slot->pool->team_count / 8);
+		slot->steal_doublings += slot->steal_doublings < JOB_STEAL_DOUBLINGS;
+	} else {
+		slot->steal_doublings = 0;
+	}
+	slot->victim_bottom = bottom;
 	if (!slot->spinning)
 		slot->spinning = job_idle_spin_start(&slot->pool->idle, spin_limit(slot->pool));
 	while (job_sys_ticks() - start < pause)
@@ -64,7 +78,7 @@ static void *worker_main(void *data)
 		if (!job_work_help(slot, &job_scope_all, NULL))
 			worker_idle(slot);
 		else if (slot->steal_unprofitable)
-			pause_stealing(slot);
+			job_pool_pause_stealing(slot);
 	if (slot->spinning)
 		job_idle_spin_stop(&pool->idle);
 	if (pool->hooks.thread_stop)

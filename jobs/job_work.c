@@ -213,6 +213,8 @@ static job_record *steal(job_slot *slot, const job_scope *scope)
 static void note_steal_cost(job_slot *slot, uint64_t ticks)
 {
 	slot->steal_unprofitable = ticks < slot->pool->steal_ticks;
+	if (!slot->steal_unprofitable)
+		slot->steal_doublings = 0;
 }
 
 /* Quickly, true if there may be work that the scope allows in other places than deques. Relaxed: may miss new work. */
