@@ -270,10 +270,10 @@ void engine_picture_decide(stilb_engine *engine);
 /* Records the picture, which is shown, as pass number `pass`, of kind 2D. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. */
 stilb_result engine_picture_record(stilb_engine *engine, uint32_t pass, uint32_t worker);
 
-/* Draw the divider, if there is one, which the user can drag, and the caption, between stilb_ui_begin and
- * stilb_ui_end. */
+/* Draw the divider, if there is one, which the user can drag, and the caption, whose place is returned, between
+ * stilb_ui_begin and stilb_ui_end. */
 void engine_picture_divider(stilb_engine *engine, stilb_ui *ui);
-void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui);
+stilb_ui_rect engine_picture_caption(const stilb_engine *engine, stilb_ui *ui);
 
 /* engine_input.c */
 
@@ -349,8 +349,10 @@ float engine_keys_hint(engine_keys *keys, const stilb_input_table *table, stilb_
 void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms);
 
 /* Draws rate and time in the upper left corner, between stilb_ui_begin and stilb_ui_end, once they are known, unless a
- * panel of places[0 .. count - 1] covers a part of them. */
-void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect *places, uint32_t count);
+ * panel of places[0 .. count - 1] covers a part of them. Where they would reach the caption, {0}: there is none, they
+ * stand below it. */
+void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, stilb_ui_rect caption, const stilb_ui_rect *places,
+                      uint32_t count);
 
 /* engine_pictures.c */
 

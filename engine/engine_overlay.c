@@ -160,15 +160,16 @@ static void engine_overlay_build(stilb_engine *engine)
 	engine_overlay *overlay = &engine->overlay;
 	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->keys.open;
 	float below = OVERLAY_BELOW;
+	stilb_ui_rect caption = {0};
 	stilb_ui_begin(overlay->ui, &overlay->input);
 	if (overlay->divider_open && !overlay->toasts.hidden)
 		engine_picture_divider(engine, overlay->ui);
 	if (overlay->caption_open && !overlay->toasts.hidden)
-		engine_picture_caption(engine, overlay->ui);
+		caption = engine_picture_caption(engine, overlay->ui);
 	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
 	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
-		engine_rate_draw(&overlay->rate, overlay->ui, places, sizeof places / sizeof *places);
+		engine_rate_draw(&overlay->rate, overlay->ui, caption, places, sizeof places / sizeof *places);
 	if (overlay->keys.hint_seconds > 0.0f && !overlay->toasts.hidden)
 		below += engine_keys_hint(&overlay->keys, &engine->actions, overlay->ui, below, covered);
 	if (overlay->profiler_open)

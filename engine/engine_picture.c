@@ -142,7 +142,7 @@ void engine_picture_divider(stilb_engine *engine, stilb_ui *ui)
 	stilb_ui_draw_rounded_outline(list, grip, 5.0f, 1.0f, style->text_strong);
 }
 
-void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui)
+stilb_ui_rect engine_picture_caption(const stilb_engine *engine, stilb_ui *ui)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
@@ -150,9 +150,10 @@ void engine_picture_caption(const stilb_engine *engine, stilb_ui *ui)
 	float room = stilb_ui_input_get(ui)->width;
 	float width = fminf(ceilf(stilb_ui_text_width(font, engine->caption)) + 2.0f * style->margin, room);
 	float right = fmaxf(room - CAPTION_BESIDE, width);
-	stilb_ui_rect place = {right - width, CAPTION_BESIDE, right, CAPTION_BESIDE + style->control_height};
+	stilb_ui_rect place = {right - width, CAPTION_BESIDE, right, CAPTION_BESIDE + style->control_height}, all = place;
 	stilb_ui_draw_rounded(list, place, style->radius, style->panel);
 	stilb_ui_draw_rounded_outline(list, place, style->radius, 1.0f, style->panel_border);
 	stilb_ui_cut_left(&place, style->margin);
 	stilb_ui_draw_text(list, font, place, STILB_UI_ALIGN_LEFT, style->text_strong, engine->caption);
+	return all;
 }

@@ -6,6 +6,8 @@
 
 #define RATE_NS 500000000u /* the time that is measured; a shorter one could not be read */
 #define RATE_EDGE 8.0f     /* pixels from the picture's edges */
+#define RATE_LONG                                                                                                      \
+	"100.0 frames/s   100.0 ms   longest 100.0 ms" /* so that its place does not change with the numbers */
 
 void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms)
 {
@@ -29,7 +31,8 @@ void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms)
 	rate->sum_ms = rate->longest_ms = 0.0;
 }
 
-void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect *places, uint32_t count)
+void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, stilb_ui_rect caption, const stilb_ui_rect *places,
+                      uint32_t count)
 {
 	const stilb_ui_style *style = stilb_ui_style_get(ui);
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
@@ -40,7 +43,10 @@ void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, const stilb_ui_rect
 	snprintf(text, sizeof text, "%.1f frames/s   %.1f ms   longest %.1f ms", (double)rate->rate, (double)rate->ms,
 	         (double)rate->longest);
 	float width = ceilf(stilb_ui_text_width(font, text)) + 2.0f * style->margin;
-	stilb_ui_rect place = {RATE_EDGE, RATE_EDGE, RATE_EDGE + width, RATE_EDGE + style->control_height};
+	float most = fmaxf(width, stilb_ui_text_width(font, RATE_LONG) + 2.0f * style->margin);
+	bool lower = !stilb_ui_is_empty(caption) && caption.x0 < 2.0f * RATE_EDGE + most;
+	float top = lower ? caption.y1 + RATE_EDGE : RATE_EDGE;
+	stilb_ui_rect place = {RATE_EDGE, top, RATE_EDGE + width, top + style->control_height};
 	for (uint32_t i = 0; i < count; i++)
 		if (places[i].x0 < place.x1 && places[i].y0 < place.y1 && !stilb_ui_is_empty(places[i]))
 			return;

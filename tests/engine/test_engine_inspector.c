@@ -321,7 +321,7 @@ static void scroll_down(float x, float y, float notches)
 
 static void each_word_of_column(float share)
 {
-	for (float notches = 0.0f; notches < 3.0f; notches += 1.0f)
+	for (float notches = 0.0f; notches < (input.height < 250.0f ? 6.0f : 3.0f); notches += 0.5f)
 		for (float y = inspector.place.y0 + 30.0f; y < inspector.place.y1; y += 6.0f) {
 			shading = stilb_render_shading_default();
 			choice.chosen = 0;
@@ -335,7 +335,7 @@ static void each_word_of_column(float share)
 static void test_small_picture(void **state)
 {
 	(void)state;
-	static const float sizes[][2] = {{640.0f, 360.0f}, {400.0f, 300.0f}};
+	static const float sizes[][2] = {{640.0f, 360.0f}, {400.0f, 300.0f}, {320.0f, 200.0f}};
 	for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
 		input.width = sizes[s][0];
 		input.height = sizes[s][1];
@@ -414,6 +414,34 @@ static void test_small_and_odd(void **state)
 	}
 }
 
+/* Frame rate and caption never lie on one another: in a narrow picture the rate stands below. */
+static void test_rate_beside_a_caption(void **state)
+{
+	(void)state;
+	engine_rate rate = {.open = true, .rate = 59.9f, .ms = 16.7f, .longest = 18.2f};
+	const struct {
+		stilb_ui_rect caption;
+		float top; /* of the rate's box */
+	} rows[] = {
+		{{0}, 8.0f},
+		{{1000.0f, 8.0f, 1272.0f, 32.0f}, 8.0f},
+		{{60.0f, 8.0f, 312.0f, 32.0f}, 40.0f},
+		{{310.0f, 8.0f, 560.0f, 32.0f}, 40.0f}, /* it would touch if the numbers were longer */
+	};
+	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		stilb_ui_begin(ui, &input);
+		stilb_ui_draw_list *list = stilb_ui_list(ui);
+		float low = 1e9f;
+		uint32_t first = list->vertex_count;
+		engine_rate_draw(&rate, ui, rows[r].caption, NULL, 0);
+		assert_true(list->vertex_count > first);
+		for (uint32_t v = first; v < list->vertex_count; v++)
+			low = fminf(low, list->vertices[v].position[1]);
+		assert_true(fabsf(low - rows[r].top) < 1.5f); /* edges are feathered */
+		stilb_ui_end(ui);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -429,6 +457,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_small_picture, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_chosen_is_in_view, set_up, tear_down),
 		cmocka_unit_test_setup_teardown(test_small_and_odd, set_up, tear_down),
+		cmocka_unit_test_setup_teardown(test_rate_beside_a_caption, set_up, tear_down),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
