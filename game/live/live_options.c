@@ -100,10 +100,7 @@ static void live_add_output(live_options *o, flag_rows *table)
 	     "size of each thread's profile, 1, 2, 4, ... 1024 (64)", 1, STILB_ENGINE_PROFILE_RING_MAX, NULL},
 		{"--no-profile", FLAG_SWITCH, &o->no_profile, NULL, "record no profile", 0, 0, NULL},
 		{"--fault", FLAG_TEXT, &o->fault, "KIND:N",
-	     "for tests: allocation memory:N or frame lost:N fails, frame surface:N loses the window's surface, frame "
-	     "slow:N "
-	     "is slow",
-	     0, 0, NULL},
+	     "for tests: memory:N or frame lost:N fails, surface:N is lost, slow:N is slow", 0, 0, NULL},
 	};
 	flag_rows_add(table, output, sizeof output / sizeof *output);
 }

@@ -181,6 +181,10 @@ static void cameras_and_lights_stand_where_they_should(void **state)
 	}
 	assert_true(areas == 2 && found);
 	stilb_scene_destroy(scene);
+	/* A file that names no texture has none: the name that Assimp gives is not the file's. */
+	assert_int_equal(stilb_scene_open(MODELS "/MD2/faerie.md2", &scene), STILB_OK);
+	assert_true(scene->texture_count == 0 && scene->materials[0].diffuse[1] == scene->materials[0].diffuse[0]);
+	stilb_scene_destroy(scene);
 	/* A grail stands on its foot: it is as wide as deep. */
 	assert_int_equal(stilb_scene_open(MODELS "/SMD/holy_grailref.smd", &scene), STILB_OK);
 	float low[3] = {1e9f, 1e9f, 1e9f}, high[3] = {-1e9f, -1e9f, -1e9f};

@@ -149,11 +149,28 @@ static stilb_result vulkan_resize(render_device *base, uint32_t width, uint32_t 
 	return created;
 }
 
+/* A driver that draws on the CPU starts threads and compiles shaders with LLVM, which do not survive a lack of memory
+ * (Mesa 22.3: a segmentation fault). Address space that starting the device, and making its pipelines, may need. */
+#define DEVICE_START_BYTES ((size_t)1 << 26)
+#define DEVICE_SHADER_BYTES ((size_t)1 << 24)
+
+static stilb_result device_check_memory(const vulkan_device *device, size_t bytes)
+{
+	if (!device->base.software || !stilb_memory_is_scarce(bytes))
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_MEMORY,
+	                  "no memory for the software driver: less than %zu MiB of address space are left; raise the limit "
+	                  "that 'ulimit -v' shows",
+	                  bytes >> 20);
+}
+
 static stilb_result device_start(vulkan_device *device, const stilb_render_desc *desc)
 {
 	stilb_result result = vulkan_instance_create(device, desc);
 	if (result == STILB_OK)
 		result = vulkan_gpu_select(device, desc->gpu);
+	if (result == STILB_OK)
+		result = device_check_memory(device, DEVICE_START_BYTES);
 	if (result == STILB_OK)
 		result = device_create(device);
 	if (result == STILB_OK)
@@ -162,6 +179,8 @@ static stilb_result device_start(vulkan_device *device, const stilb_render_desc 
 		result = vulkan_targets_create(device);
 	if (result == STILB_OK)
 		result = vulkan_textures_create(device);
+	if (result == STILB_OK)
+		result = device_check_memory(device, DEVICE_SHADER_BYTES);
 	if (result == STILB_OK)
 		result = vulkan_pipeline_create(device);
 	if (result == STILB_OK)

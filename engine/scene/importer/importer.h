@@ -162,6 +162,10 @@ stilb_result importer_add_meshes(importer *import);
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
 
+/* False for no name, and for the one that Assimp gives where a format has textures and the file names none (MD2, MDL):
+ * such a material has the colour that Assimp gives it. */
+bool importer_texture_is_named(const struct aiString *path);
+
 /* Decodes all listed textures and takes their means, in several threads. One that cannot be loaded has no pixels. */
 void importer_decode_textures(importer *import);
 

@@ -47,7 +47,7 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 	for (int i = 0; i < 2; i++) {
 		if (aiGetMaterialTexture(reader->from, kinds[i], 0, &path, NULL, NULL, NULL, NULL, NULL, NULL) !=
 		        aiReturn_SUCCESS ||
-		    path.data[0] == '\0')
+		    !importer_texture_is_named(&path))
 			continue;
 		uint32_t texture = importer_texture_of(reader->import, path.data, reader->name.data);
 		reader->missing_texture |= texture == UINT32_MAX;

@@ -174,12 +174,17 @@ static void *texture_work(void *context)
 	}
 }
 
+bool importer_texture_is_named(const struct aiString *path)
+{
+	return path->data[0] != '\0' && strcmp(path->data, "$texture_dummy.bmp") != 0;
+}
+
 /* Lists the material's texture of this kind, if there is one and it is not in the list yet. */
 static void texture_list(importer *import, const struct aiMaterial *material, enum aiTextureType kind)
 {
 	struct aiString path;
 	if (aiGetMaterialTexture(material, kind, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL) != aiReturn_SUCCESS ||
-	    path.data[0] == '\0')
+	    !importer_texture_is_named(&path))
 		return;
 	for (uint32_t i = 0; i < import->texture_count; i++)
 		if (strcmp(import->textures[i].name, path.data) == 0)
