@@ -567,6 +567,7 @@ static void resource_retire(render_resources *resources, render_resource_kind ki
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
 	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
+	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
 }
 
 static void mesh_retire(render_resources *resources, uint32_t handle)
@@ -656,9 +657,18 @@ static void resource_release(stilb_render *render, render_retired retired)
 	resources->live--;
 }
 
-/* At most so many meshes and textures are released in one frame, which bounds its time: heap_give_back costs 60 ns in a
- * heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. */
+/* At most so many meshes and textures are released in one frame, which bounds its time when a large scene goes:
+ * heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. A program
+ * that destroys more in each frame pays for that many: else what waits would grow without end. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
+
+/* How many this frame may release: at least a quarter more than were destroyed since the last. */
+static uint32_t resources_release_limit(render_resources *resources)
+{
+	uint32_t steady = resources->retired_now + resources->retired_now / 4;
+	resources->retired_now = 0;
+	return steady > RESOURCES_RELEASED_A_FRAME ? steady : RESOURCES_RELEASED_A_FRAME;
+}
 
 void render_resources_frame(stilb_render *render)
 {
@@ -666,10 +676,10 @@ void render_resources_frame(stilb_render *render)
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
 	uint64_t frame = ++resources->frame;
-	uint32_t kept = 0, released = 0;
+	uint32_t kept = 0, released = 0, limit = resources_release_limit(resources);
 	for (uint32_t i = 0; i < resources->retired_count; i++) {
 		render_retired retired = resources->retired[i];
-		bool due = retired.frame + RENDER_FRAMES_IN_FLIGHT <= frame && released < RESOURCES_RELEASED_A_FRAME;
+		bool due = retired.frame + RENDER_FRAMES_IN_FLIGHT <= frame && released < limit;
 		if (due) {
 			released += retired.kind != RENDER_RESOURCE_MATERIAL;
 			resource_release(render, retired);

@@ -118,8 +118,9 @@ typedef struct render_resources {
 	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
-	uint32_t live;  /* resources not yet released */
-	uint64_t frame; /* frames begun so far */
+	uint32_t retired_now; /* meshes and textures that were destroyed since the last frame began */
+	uint32_t live;        /* resources not yet released */
+	uint64_t frame;       /* frames begun so far */
 } render_resources;
 
 /* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). After

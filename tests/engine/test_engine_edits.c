@@ -273,6 +273,102 @@ static void swaps_leave_nothing_behind(void **state)
 	stilb_scene_destroy(scenes[1]);
 }
 
+/* ---- things that come and go ------------------------------------------------------------------------------------- */
+
+#define TURNOVER (TEST_TSAN ? 1500u : 10000u)
+#define TURNS 12
+
+static void turn_in(stilb_scene *scene, uint32_t *mesh, uint32_t *model, uint32_t i, float height)
+{
+	stilb_scene_vertex corners[3] = {{.position = {0, 0, 0}, .normal = {0, 1, 0}},
+	                                 {.position = {0, 0, 1}, .normal = {0, 1, 0}},
+	                                 {.position = {1, 0, 0}, .normal = {0, 1, 0}}};
+	static uint32_t indices[3] = {0, 1, 2};
+	stilb_scene_mesh triangle = {.vertices = corners, .indices = indices, .vertex_count = 3, .index_count = 3};
+	stilb_mat4 place = stilb_mat4_scale_translate(0.1f, (float)(i % 100) * 0.1f, height, (float)i * -0.001f);
+	corners[2].position[0] = 1.0f + height;
+	assert_int_equal(stilb_scene_add_mesh(scene, &triangle, mesh), STILB_OK);
+	assert_int_equal(stilb_scene_add_model(scene, &place, &(stilb_scene_build_part){*mesh, 0}, 1, model), STILB_OK);
+}
+
+/* Before each frame 10,000 models and their meshes go, and as many others come: neither handles nor memory grow. */
+static void turnover_does_not_grow(void **state)
+{
+	(void)state;
+	static uint32_t meshes[10000], models[10000];
+	edit_script script;
+	stilb_scene *scene = script_begin(&script, 4);
+	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_AUTO);
+	const render_resources *resources = &engine->render->resources;
+	const render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
+	stilb_engine_report report;
+	size_t bytes = 0;
+	uint32_t live = 0, vertices = 0, handles = 0;
+	for (uint32_t i = 0; i < TURNOVER; i++)
+		turn_in(scene, &meshes[i], &models[i], i, 0.0f);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	uint32_t mesh_count = scene->mesh_count, model_count = scene->model_count;
+	for (int turn = 0; turn < TURNS; turn++) {
+		for (uint32_t i = 0; turn > 0 && i < TURNOVER; i++) {
+			assert_int_equal(stilb_scene_remove_model(scene, models[i]), STILB_OK);
+			assert_int_equal(stilb_scene_remove_mesh(scene, meshes[i]), STILB_OK);
+		}
+		for (uint32_t i = 0; turn > 0 && i < TURNOVER; i++)
+			turn_in(scene, &meshes[i], &models[i], i, 0.01f * (float)turn);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		uint32_t parts;
+		uint64_t hash = reference_hash_pass(REFERENCE_HASH_START, &engine->views[0]);
+		assert_int_equal(report.visible, find_visible(scene, &parts, &hash));
+		assert_true(stilb_engine_stream_hash(engine) == hash);
+		if (turn == TURNS / 2) {
+			bytes = mallinfo2().uordblks;
+			live = resources->live;
+			vertices = resources->heaps[RENDER_HEAP_VERTICES].size;
+			handles = ids->next_unused;
+		}
+	}
+	assert_true(scene->mesh_count == mesh_count && scene->model_count == model_count); /* ids are taken again */
+	assert_int_equal(resources->live, live);
+	assert_int_equal(resources->heaps[RENDER_HEAP_VERTICES].size, vertices);
+	assert_int_equal(ids->next_unused, handles);
+	assert_true(handles <= 5 * TURNOVER); /* those of two frames in flight wait, and not many more */
+	assert_true(TEST_ASAN || TEST_TSAN || mallinfo2().uordblks <= bytes + 4096);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
+/* After 10^4 random edits, many of which add and remove, what is drawn is what another engine draws that is given the
+ * scene as it is now. */
+static void many_edits_leave_a_whole_scene(void **state)
+{
+	(void)state;
+	edit_script script;
+	stilb_scene *scene = script_begin(&script, 17);
+	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_OCTREE);
+	stilb_engine_report report;
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	uint32_t steps = TEST_TSAN ? 60 : 400; /* of 27 edits and more */
+	for (uint32_t step = 0; step < steps; step++) {
+		script_step(&script, scene, step);
+		if (step % 4 == 3)
+			assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	}
+	uint64_t hash = stilb_engine_stream_hash(engine);
+	uint32_t live = engine->render->resources.live;
+	for (int i = 0; i < 4; i++) /* until what was removed is freed */
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_true(engine->render->resources.live <= live);
+	live = engine->render->resources.live;
+	stilb_engine_destroy(engine);
+	engine = make_engine(0, STILB_RENDER_REPLAY_DIRECT, STILB_CULL_FLAT);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_true(stilb_engine_stream_hash(engine) == hash);
+	assert_int_equal(engine->render->resources.live, live);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
 /* Edits made while another scene is shown are there when the scene is shown again. */
 static void edits_of_a_scene_not_shown(void **state)
 {
@@ -300,7 +396,8 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(edits_do_not_depend_on_workers), cmocka_unit_test(only_changes_are_uploaded),
 		cmocka_unit_test(textures_beyond_the_device),     cmocka_unit_test(swaps_leave_nothing_behind),
-		cmocka_unit_test(edits_of_a_scene_not_shown),
+		cmocka_unit_test(edits_of_a_scene_not_shown),     cmocka_unit_test(turnover_does_not_grow),
+		cmocka_unit_test(many_edits_leave_a_whole_scene),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -87,10 +87,35 @@ static void pictures_are_the_same(void **state)
 		assert_true(pictures[f] != pictures[f - 1]);
 }
 
+/* After 10^4 random edits the device shows what another one shows that is given the scene as it is now. */
+static void many_edits_look_like_a_new_scene(void **state)
+{
+	(void)state;
+	edit_script script;
+	stilb_scene *scene = script_begin(&script, 33);
+	stilb_engine *engine = make_engine(0, 1);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	uint64_t seen = 0, stream;
+	for (uint32_t step = 0; step < 400; step++) { /* of 27 edits and more */
+		script_step(&script, scene, step);
+		if (step % 100 == 99)
+			seen = draw(engine);
+	}
+	stream = stilb_engine_stream_hash(engine);
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stilb_engine_destroy(engine);
+	engine = make_engine(0, 1);
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	assert_true(draw(engine) == seen && stilb_engine_stream_hash(engine) == stream);
+	stilb_engine_destroy(engine);
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(pictures_are_the_same),
+		cmocka_unit_test(many_edits_look_like_a_new_scene),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
