@@ -69,24 +69,41 @@ static inline void geometry_plane_move(geometry_plane_quadric *to, const geometr
 	to->area += q->area;
 }
 
-/* The values' change per metre along x, y and z in a triangle of this area, at one of its corners. */
-static inline void geometry_value_add(geometry_value_quadric *q, uint32_t groups, const stilb_vec4 *gradient,
-                                      float area)
+/* The quadric of a triangle of this area at one of its corners. gradient: the values' change per metre along x, y and
+ * z, for each group. */
+static inline void geometry_value_make(geometry_value_quadric *q, uint32_t groups, const stilb_vec4 *gradient,
+                                       float area)
 {
-	stilb_vec4 *rows = geometry_value_rows(q);
+	stilb_vec4 *rows = geometry_value_rows(q), xx = {0}, yy = {0}, zz = {0}, xy = {0}, xz = {0}, yz = {0};
 	for (uint32_t g = 0; g < groups; g++) {
 		stilb_vec4 x = gradient[3 * g], y = gradient[3 * g + 1], z = gradient[3 * g + 2];
-		q->a00 += area * geometry_sum(x * x);
-		q->a11 += area * geometry_sum(y * y);
-		q->a22 += area * geometry_sum(z * z);
-		q->a01 += area * geometry_sum(x * y);
-		q->a02 += area * geometry_sum(x * z);
-		q->a12 += area * geometry_sum(y * z);
-		rows[4 * g] += area * x;
-		rows[4 * g + 1] += area * y;
-		rows[4 * g + 2] += area * z;
+		xx += x * x;
+		yy += y * y;
+		zz += z * z;
+		xy += x * y;
+		xz += x * z;
+		yz += y * z;
+		rows[4 * g] = area * x;
+		rows[4 * g + 1] = area * y;
+		rows[4 * g + 2] = area * z;
+		rows[4 * g + 3] = (stilb_vec4){0};
 	}
-	q->area += area;
+	*q = (geometry_value_quadric){.a00 = area * geometry_sum(xx),
+	                              .a11 = area * geometry_sum(yy),
+	                              .a22 = area * geometry_sum(zz),
+	                              .a01 = area * geometry_sum(xy),
+	                              .a02 = area * geometry_sum(xz),
+	                              .a12 = area * geometry_sum(yz),
+	                              .area = area};
+}
+
+/* Adds a quadric of the same vertex. */
+static inline void geometry_value_add(geometry_value_quadric *to, const geometry_value_quadric *q, uint32_t groups)
+{
+	stilb_vec4 *sum = (stilb_vec4 *)to;
+	const stilb_vec4 *other = (const stilb_vec4 *)q;
+	for (uint32_t i = 0; i < sizeof *q / sizeof *sum + 4 * groups; i++)
+		sum[i] += other[i];
 }
 
 /* Moves by d to a vertex with values `there`; `here` are the vertex's own. */

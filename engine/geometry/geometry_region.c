@@ -257,6 +257,10 @@ static void value_gradients(const region *r, const uint32_t *vertex, const stilb
 static void region_build_quadrics(region *r)
 {
 	stilb_vec4 gradient[3 * STILB_GEOMETRY_STREAMS];
+	struct {
+		geometry_value_quadric quadric;
+		stilb_vec4 rows[4 * STILB_GEOMETRY_STREAMS];
+	} own;
 	for (uint32_t t = 0; t < r->triangle_count; t++) {
 		const uint32_t *vertex = r->triangles[t].vertex, *p = r->triangles[t].position;
 		stilb_vec3 e1 = r->point[p[1]] - r->point[p[0]], e2 = r->point[p[2]] - r->point[p[0]];
@@ -276,8 +280,9 @@ static void region_build_quadrics(region *r)
 		float inverse = 1.0f / (square + 1e-4f * l1 * l2);
 		stilb_vec3 across[3] = {{0}, stilb_vec3_cross(e2, normal) * inverse, stilb_vec3_cross(normal, e1) * inverse};
 		value_gradients(r, vertex, across, gradient);
+		geometry_value_make(&own.quadric, r->groups, gradient, area);
 		for (uint32_t k = 0; k < 3; k++)
-			geometry_value_add(value_quadric(r, vertex[k]), r->groups, gradient, area);
+			geometry_value_add(value_quadric(r, vertex[k]), &own.quadric, r->groups);
 	}
 }
 

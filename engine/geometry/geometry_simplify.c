@@ -79,8 +79,8 @@ static void sum_triangle(const geometry_work *work, const uint32_t vertex[3], wo
 	for (int k = 0; k < 3; k++) {
 		const float *p = geometry_position(work->mesh, vertex[k]);
 		for (int axis = 0; axis < 3; axis++) {
-			sums->lower[axis] = fminf(sums->lower[axis], p[axis]);
-			sums->upper[axis] = fmaxf(sums->upper[axis], p[axis]);
+			sums->lower[axis] = p[axis] < sums->lower[axis] ? p[axis] : sums->lower[axis];
+			sums->upper[axis] = p[axis] > sums->upper[axis] ? p[axis] : sums->upper[axis];
 			if (k > 0)
 				e[k - 1][axis] = (double)p[axis] - (double)geometry_position(work->mesh, vertex[0])[axis];
 		}
@@ -489,8 +489,8 @@ stilb_result geometry_work_reduce(geometry_work *work, uint32_t target, float ma
 	uint32_t stalled = 0;
 	while (work->count > target && stalled < 2) {
 		uint32_t before = work->count, next = target;
-		if (next < before / 2)
-			next = before / 2;
+		if (next < before / 3)
+			next = before / 3;
 		stilb_result result = reduce_round(work, next, max_cost);
 		if (result != STILB_OK)
 			return result;
