@@ -1,5 +1,5 @@
-/* The program of the suite `simplify`: makes a mesh, simplifies it by libmeshoptimizer and by engine/geometry in turn to
- * the same number of triangles, and compares both with what it was. */
+/* The program of the suite `simplify`: makes a mesh, simplifies it by libmeshoptimizer and by engine/geometry in turn
+ * to the same number of triangles, and compares both with what it was. */
 #include "bench/harness/bench_child.h"
 #include "bench/simplify/simplify_cases.h"
 #include "geometry/geometry.h"

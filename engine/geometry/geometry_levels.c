@@ -116,6 +116,9 @@ static stilb_result chain_make(chain *c, const stilb_geometry_levels_desc *desc)
 	while (made && result == STILB_OK && c->count < STILB_SCENE_MAX_LEVELS && work.count > desc->least) {
 		uint32_t before = work.count, target = (uint32_t)((float)before * desc->ratio);
 		result = geometry_work_reduce(&work, target > 0 ? target : 1, FLT_MAX);
+		if (result == STILB_OK && desc->give_up && desc->give_up(desc->user))
+			result = stilb_fail(STILB_ERROR_GIVEN_UP, "the levels of a mesh of %u triangles were given up",
+			                    c->view->index_count / 3);
 		if (result != STILB_OK || work.count == 0 || (float)work.count > PROGRESS * (float)before)
 			break;
 		made = chain_keep(c, c->count + 1, &work) && chain_measure(c, c->count + 1);

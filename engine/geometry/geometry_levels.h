@@ -24,6 +24,10 @@ typedef struct stilb_geometry_levels_desc {
 	float normal_weight; /* of the streams (stilb_geometry_stream.weight) */
 	float uv_weight;
 	const uint8_t *locked; /* [vertex_count] as stilb_geometry_mesh.locked; NULL: none */
+	/* Asked between levels and before each is compared, on the calling thread; true: the caller gives it up, which is
+	 * STILB_ERROR_GIVEN_UP. NULL: never. */
+	bool (*give_up)(void *user);
+	void *user;
 } stilb_geometry_levels_desc;
 
 /* Halves down to 20 triangles. [any-thread] */

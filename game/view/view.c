@@ -84,6 +84,13 @@ static void view_end_coming(view *v)
 	v->coming = (view_coming){.watch = VIEW_WATCH_NONE};
 }
 
+/* Gives up levels that are not made yet. */
+static void view_end_detail(view *v)
+{
+	stilb_geometry_detail_end(v->detail);
+	v->detail = NULL;
+}
+
 /* Gives up what is being opened, and waits for that. */
 static void view_end_load(view *v)
 {
@@ -101,7 +108,7 @@ static void view_end_load(view *v)
 static stilb_result view_open(view *v, const char *name, bool again)
 {
 	view_end_load(v);
-	return view_load_start(name, &v->options.picture, again, &v->load);
+	return view_load_start(name, &v->options.picture, again, !v->run->window, &v->load);
 }
 
 /* Says a line on the terminal and in the window. */
@@ -113,6 +120,14 @@ __attribute__((format(printf, 2, 3))) static void view_warn(const view *v, const
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
 	live_run_warn(v->run, text);
+}
+
+/* Begins to make what the scene's meshes lack; in a window alone, since without one nothing is shown before they are
+ * there. */
+static void view_start_detail(view *v)
+{
+	if (v->run->window && stilb_geometry_detail_start(v->scene, &v->detail) != STILB_OK)
+		view_warn(v, "%s; they are drawn as they are", stilb_error_message());
 }
 
 static void view_say_panorama(const view *v, const char *path)
@@ -169,12 +184,14 @@ static stilb_result view_arrived(view *v)
 {
 	view_coming come = v->coming;
 	v->coming = (view_coming){.watch = VIEW_WATCH_NONE};
+	view_end_detail(v);
 	stilb_result result = view_show(v, come.scene, come.again, come.metered);
 	if (result != STILB_OK) {
 		free(come.name);
 		view_watch_finish(&come.watch);
 		return view_fails(v, result);
 	}
+	view_start_detail(v);
 	view_settle_environment(v, true);
 	v->run->starting = false;
 	free(v->name);
@@ -250,6 +267,8 @@ static void view_update(void *user, const stilb_engine_update *update)
 {
 	view *v = user;
 	view_move(v, update);
+	if (v->detail && stilb_geometry_detail_give(v->detail, v->scene))
+		view_end_detail(v);
 	for (uint8_t i = 0; v->scene && i < update->input->actions[VIEW_VARIANT]; i++)
 		view_variant_next(v);
 	if (update->input->actions[VIEW_RAYS] % 2 > 0)
@@ -335,6 +354,7 @@ static void view_finish(void *user)
 {
 	view *v = user;
 	view_end_load(v);
+	view_end_detail(v);
 	view_rays_finish(v);
 	view_watch_finish(&v->watch);
 }

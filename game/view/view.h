@@ -3,6 +3,7 @@
 #define STILB_VIEW_H
 
 #include "game/live/live_run.h"
+#include "geometry/geometry_detail.h"
 #include "view_load.h"
 #include "view_rays.h"
 #include "view_watch.h"
@@ -36,14 +37,15 @@ typedef struct view_coming {
 
 struct view {
 	live_options options;
-	char *name;              /* of the scene that is shown; before that, of the first that is wanted */
-	view_load *load;         /* what is being opened; NULL: nothing */
-	view_coming coming;      /* what has been opened and is not yet shown */
-	view_watch watch;        /* of the scene's file */
-	const char *environment; /* of --environment; NULL: none */
-	char *dropped;           /* the panorama that takes its place since it was dropped; NULL: none was */
-	char *dropping;          /* the one that is being read; NULL: none is */
-	uint64_t turntable;      /* pictures of a whole turn; 0: none */
+	char *name;                    /* of the scene that is shown; before that, of the first that is wanted */
+	view_load *load;               /* what is being opened; NULL: nothing */
+	view_coming coming;            /* what has been opened and is not yet shown */
+	stilb_geometry_detail *detail; /* levels of the scene's meshes that are being made; NULL: all are there */
+	view_watch watch;              /* of the scene's file */
+	const char *environment;       /* of --environment; NULL: none */
+	char *dropped;                 /* the panorama that takes its place since it was dropped; NULL: none was */
+	char *dropping;                /* the one that is being read; NULL: none is */
+	uint64_t turntable;            /* pictures of a whole turn; 0: none */
 	live_run *run;
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */

@@ -1,5 +1,7 @@
 #include "view_load.h"
 
+#include "geometry/geometry_detail.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -9,7 +11,7 @@
 struct view_load {
 	char *name;
 	const picture_flags *picture;
-	bool again;
+	bool again, wait;
 	uint64_t start_ns;
 	pthread_t thread;
 	atomic_bool given_up; /* set by the main thread, read by the other; relaxed: nothing else depends on it */
@@ -68,6 +70,8 @@ static void *load_run(void *data)
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
+	if (load->result == STILB_OK)
+		(load->wait ? stilb_geometry_detail_make : stilb_geometry_detail_find)(load->scene);
 	if (load->result == STILB_OK && load_is_given_up(load))
 		load->result = stilb_fail(STILB_ERROR_FILE, "'%s' was given up", load->name);
 	if (load->result != STILB_OK) {
@@ -80,7 +84,7 @@ static void *load_run(void *data)
 	return NULL;
 }
 
-stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, view_load **out)
+stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, bool wait, view_load **out)
 {
 	STILB_ASSERT(name && picture && out);
 	*out = NULL;
@@ -93,6 +97,7 @@ stilb_result view_load_start(const char *name, const picture_flags *picture, boo
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to open '%s'", name);
 	load->picture = picture;
 	load->again = again;
+	load->wait = wait;
 	load->start_ns = stilb_time_ns();
 	int error = pthread_create(&load->thread, NULL, load_run, load);
 	if (error != 0) {

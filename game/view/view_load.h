@@ -18,8 +18,9 @@
 typedef struct view_load view_load;
 
 /* Opens the scene and sets the surroundings that the flags name; they must stay unchanged until the end. again is kept
- * for the caller. STILB_ERROR_MEMORY, STILB_ERROR_THREAD; *load is NULL then. */
-stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, view_load **load);
+ * for the caller. wait: the meshes' coarser levels are made, too; otherwise those that are on disk are read.
+ * STILB_ERROR_MEMORY, STILB_ERROR_THREAD; *load is NULL then. */
+stilb_result view_load_start(const char *name, const picture_flags *picture, bool again, bool wait, view_load **load);
 
 const char *view_load_name(const view_load *load);
 bool view_load_again(const view_load *load);
