@@ -169,7 +169,7 @@ static void check_errors(const stilb_scene_mesh *mesh, uint32_t samples)
 			print_message("level %u of %u triangles: %g + %g > %g\n", l, count / 3, (double)there, (double)back,
 			              (double)error);
 		assert_true(farthest <= error);
-		assert_true(error <= 1.3f * farthest + 1e-4f);
+		assert_true(samples < 10000 || error <= 1.3f * farthest + 1e-4f); /* of few samples, none may be that far */
 	}
 }
 
