@@ -181,8 +181,8 @@ static stilb_result record(stilb_engine *engine)
 	for (uint32_t p = 0; p < engine->pass_count && result == STILB_OK; p++) {
 		STILB_ASSERT(engine->passes[p].view < engine->view_count);
 		const stilb_cull_visible *visible = &engine->visible[engine->passes[p].view];
-		result = stilb_render_record(engine->render, p, engine->scene, visible->ids, hidden ? 0 : visible->count,
-		                             engine->pool, FRAME_OWNER);
+		result = stilb_render_record_view(engine->render, p, engine->scene, visible->ids, hidden ? 0 : visible->count,
+		                                  &engine->views[engine->passes[p].view], engine->pool, FRAME_OWNER);
 	}
 	engine->frame_passes = engine->pass_count;
 	return result;

@@ -36,6 +36,7 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 		.samples = info.samples,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
+		.morph = info.morph,
 	};
 	result = stilb_render_create(&render, &replay->render);
 	if (result != STILB_OK)

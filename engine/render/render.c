@@ -15,6 +15,18 @@ stilb_render_shading stilb_render_shading_default(void)
 	};
 }
 
+const char *const stilb_render_show_names[] = {
+#define RENDER_SHOW_NAME(id, name, words) #name,
+	STILB_RENDER_SHOWN(RENDER_SHOW_NAME)
+#undef RENDER_SHOW_NAME
+		NULL};
+
+const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",
+                                                 [STILB_RENDER_DETAIL_POP] = "pop",
+                                                 [STILB_RENDER_DETAIL_FADE] = "fade",
+                                                 [STILB_RENDER_DETAIL_MORPH] = "morph",
+                                                 NULL};
+
 static bool render_size_is_valid(uint32_t width, uint32_t height)
 {
 	return width >= 1 && width <= 16384 && height >= 1 && height <= 16384;
@@ -56,6 +68,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = render_resources_create(&render->resources, desc->keep_textures);
+	render->resources.morph = desc->morph;
 	if (result == STILB_OK && desc->faults.textures > 0) /* and one more, which stands for no texture */
 		render->resources.indices[RENDER_RESOURCE_TEXTURE].capacity = desc->faults.textures + 1;
 	if (result == STILB_OK)
@@ -85,6 +98,7 @@ void stilb_render_destroy(stilb_render *render)
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++) {
 		free(render->passes[p].segments);
 		free(render->passes[p].runs);
+		free(render->passes[p].history);
 	}
 	render_scene_finish(&render->scene);
 	render_panorama_finish(&render->panorama);

@@ -19,8 +19,8 @@
  * Devices.       `null` counts and writes what a GPU would be given, and draws nothing: it needs no driver. `vulkan`
  *                draws, and shows GPU times in the profiler's lane "GPU": a zone for each frame, in it one for each
  *                pass.
- * Limits.        None on draws: lists and buffers grow, and running out of memory is an error of the frame. Nothing is
- *                ever dropped.
+ * Limits.        67,108,864 draws a frame, more than fit into memory; lists and buffers grow, and running out of either
+ *                is an error of the frame. Nothing is ever dropped.
  * Example.       A scene in a picture of 1280 x 720; `visible` comes from stilb_cull_run:
  *
  *   stilb_render_desc desc = {.width = 1280, .height = 720, .context_count = stilb_job_pool_worker_count(pool) + 1};
@@ -127,6 +127,8 @@ typedef struct stilb_render_desc {
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */
+	bool morph;             /* keep where vertices morph to, for STILB_RENDER_DETAIL_MORPH: twice the memory of meshes
+	                           that say it */
 	stilb_render_faults faults;
 } stilb_render_desc;
 
@@ -195,8 +197,8 @@ typedef struct stilb_render_material {
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
 #define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
 
-/* Copies vertices (metres, unit normals) and indices (three a triangle). STILB_ERROR_ARGUMENT: no vertex, no index, or
- * an index that is not below vertex_count. [any-thread] */
+/* Copies vertices (metres, unit normals), indices (three a triangle) and levels. STILB_ERROR_ARGUMENT: no vertex, no
+ * index, an index that is not below vertex_count, or levels that are not as stilb_scene_level says. [any-thread] */
 stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_mesh *mesh, stilb_render_mesh *out);
 
 /* [any-thread] */
@@ -274,6 +276,44 @@ typedef struct stilb_render_shading {
  * is set too, GGX's distribution of facets, Smith's shadowing term for it and Schlick's Fresnel term. [any-thread] */
 stilb_render_shading stilb_render_shading_default(void);
 
+/* How levels of meshes (stilb_scene_level) give way to one another. */
+typedef enum stilb_render_detail_mode {
+	STILB_RENDER_DETAIL_OFF,  /* there are none: every mesh is drawn in full */
+	STILB_RENDER_DETAIL_POP,  /* from one frame to the next */
+	STILB_RENDER_DETAIL_FADE, /* over 16 frames, in which both are drawn, the new one in ever more of the pixels */
+	/* Vertices move to their places in the coarser level while the distance grows by half; the frame in which it takes
+	 * over shows no difference. Meshes that do not say where their vertices go fade. Needs stilb_render_desc.morph. */
+	STILB_RENDER_DETAIL_MORPH,
+} stilb_render_detail_mode;
+
+#define STILB_RENDER_FADE_FRAMES 16u
+
+/* Which level is drawn: the coarsest one whose error is at most `error` pixels as seen from the nearest point of the
+ * model's bounding sphere, straight ahead; towards the picture's corners perspective makes things larger. POP and FADE
+ * go back to a coarser level only at nine tenths of it, so that a camera that trembles does not switch back and
+ * forth. */
+typedef struct stilb_render_detail {
+	stilb_render_detail_mode mode;
+	float error; /* pixels, > 0; not read if mode is OFF */
+} stilb_render_detail;
+
+/* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users).
+ *   LEVELS  each level of detail in a colour of its own, lit from the viewer: white the mesh in full, then red, orange,
+ *           yellow, green, blue, violet and red again; grey what has no levels. There are no transitions. */
+#define STILB_RENDER_SHOWN(X)                                                                                          \
+	X(SHADED, shaded, "surfaces in their light")                                                                       \
+	X(LEVELS, lod, "levels of detail, each in a colour")
+
+#define STILB_RENDER_SHOW_ENUM(id, ...) STILB_RENDER_SHOW_##id,
+typedef enum stilb_render_show { STILB_RENDER_SHOWN(STILB_RENDER_SHOW_ENUM) STILB_RENDER_SHOWS } stilb_render_show;
+#undef STILB_RENDER_SHOW_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_render_show. */
+extern const char *const stilb_render_show_names[];
+
+/* The identifiers of stilb_render_detail_mode, NULL-terminated. */
+extern const char *const stilb_render_detail_names[];
+
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
@@ -289,8 +329,10 @@ typedef struct stilb_render_view {
 	stilb_scene_surroundings surroundings;
 	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance */
 	stilb_render_shading shading;
-	bool both_sides; /* triangles are seen from behind, too: see stilb_scene.both_sides */
-	float exposure;  /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
+	bool both_sides;            /* triangles are seen from behind, too: see stilb_scene.both_sides */
+	stilb_render_detail detail; /* of stilb_render_record_view; {0}: everything is drawn in full */
+	stilb_render_show show;
+	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
 } stilb_render_view;
 
 /* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
@@ -342,6 +384,12 @@ stilb_result stilb_render_frame_begin(stilb_render *render);
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 
+/* stilb_render_record with the levels of meshes that view->detail asks for, as seen from the view, by which the pass is
+ * then replayed. Which levels were drawn last is remembered for each pass number. [main-thread] */
+stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
+                                      const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
+                                      stilb_job_pool *pool, uint32_t worker);
+
 /* Turns the lists of passes 0 .. pass_count - 1 (1..16, each recorded) into device commands and submits them; once a
  * frame. Passes and views are read during the call only. The pool records secondary command buffers.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
@@ -388,12 +436,16 @@ typedef struct stilb_render_stats {
 /* [main-thread] */
 stilb_render_stats stilb_render_stats_get(const stilb_render *render);
 
+/* Triangles of the last replayed frame's scene passes; reads all of its commands. Valid as stilb_render_stream_hash.
+ * [main-thread] */
+uint64_t stilb_render_triangles(const stilb_render *render);
+
 /* FNV-1a 64 over the last frame's scene passes in replay order, little endian: the members of the view's
  * stilb_render_shading (32 bits each), sky and ground (3 floats each), glossy, both_sides and the number of lights (32
  * bits each), and the lights that frames show (20 floats each, render_light); then for each draw mesh id, material id
  * (32 bits each: those of the scene that was set, or of other handles their indices, counted from 0), the 16 floats of
- * the transform (column-major) and the index count (32 bits). The same for every device, replay mode and number of
- * workers.
+ * the transform (column-major) and the index count (32 bits), which tells the level; of a draw that fades or morphs
+ * also how far it has come (32 bits). The same for every device, replay mode and number of workers.
  * Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of nothing.
  * [main-thread] */
 uint64_t stilb_render_stream_hash(const stilb_render *render);

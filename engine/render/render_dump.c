@@ -11,7 +11,11 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 {
 	STILB_ASSERT(dump);
 	const render_dump_header *header = dump->header;
+	bool morph = false;
+	for (uint32_t m = 0; m < header->meshes; m++)
+		morph |= (dump->meshes[m].levels & RENDER_DUMP_MORPHS) != 0;
 	return (stilb_render_dump_info){
+		.morph = morph,
 		.stream_hash = header->stream_hash,
 		.draws = header->draws,
 		.passes = header->passes,
@@ -82,34 +86,48 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 }
 
 /* The casts drop const only because the scene's struct has no const pointers: the mesh is read, not written. */
-static stilb_result upload_mesh(stilb_render *render, const stilb_scene_vertex *vertices, uint32_t vertex_count,
-                                const uint32_t *indices, uint32_t index_count, stilb_render_mesh *out)
+static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *from, const render_dump_level *levels,
+                                const stilb_scene_vertex *vertices, const uint32_t *indices, stilb_render_mesh *out)
 {
+	stilb_scene_level level[STILB_SCENE_MAX_LEVELS];
 	stilb_scene_mesh mesh = {.vertices = (stilb_scene_vertex *)vertices,
 	                         .indices = (uint32_t *)indices,
-	                         .vertex_count = vertex_count,
-	                         .index_count = index_count};
+	                         .vertex_count = from->vertices,
+	                         .index_count = from->indices,
+	                         .level_count = from->levels & ~RENDER_DUMP_MORPHS,
+	                         .levels = level,
+	                         .level_indices = (uint32_t *)indices + from->indices};
+	if (from->levels & RENDER_DUMP_MORPHS)
+		mesh.morph = mesh.vertices + from->vertices;
+	for (uint32_t l = 0; l < mesh.level_count; l++) {
+		level[l] = (stilb_scene_level){mesh.level_index_count, levels[l].indices, levels[l].vertices, levels[l].error};
+		mesh.level_index_count += levels[l].indices;
+	}
 	return stilb_render_mesh_create(render, &mesh, out);
 }
 
 static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *render, stilb_render_mesh *meshes)
 {
-	static const stilb_scene_vertex none[1];
+	static const stilb_scene_vertex no_vertex[1];
 	static const uint32_t zero[1];
+	static const render_dump_mesh none = {.vertices = 1, .indices = 1};
 	const stilb_scene_vertex *vertices = dump->vertices;
+	const render_dump_level *levels = dump->levels;
 	const uint32_t *indices = dump->indices;
 	uint32_t next = 0;
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < dump->header->meshes && result == STILB_OK; m++) {
 		const render_dump_mesh *mesh = &dump->meshes[m];
 		for (; next < mesh->id && result == STILB_OK; next++)
-			result = upload_mesh(render, none, 1, zero, 1, &meshes[m]);
+			result = upload_mesh(render, &none, NULL, no_vertex, zero, &meshes[m]);
 		if (result == STILB_OK)
-			result = upload_mesh(render, vertices, mesh->vertices, indices, mesh->indices, &meshes[m]);
+			result = upload_mesh(render, mesh, levels, vertices, indices, &meshes[m]);
 		STILB_ASSERT(result != STILB_OK || ((meshes[m].id & RENDER_INDEX_MASK) == mesh->id && "a new renderer"));
 		next++;
-		vertices += mesh->vertices;
+		vertices += mesh->vertices * (mesh->levels & RENDER_DUMP_MORPHS ? (size_t)2 : 1);
 		indices += mesh->indices;
+		for (uint32_t l = 0; l < (mesh->levels & ~RENDER_DUMP_MORPHS); l++)
+			indices += levels++->indices;
 	}
 	return result;
 }
@@ -175,8 +193,11 @@ static void upload_draws(stilb_render_dump *dump, const stilb_render_mesh *meshe
 		render_dump_ready *draw = &dump->ready[d];
 		*draw = (render_dump_ready){.transform.m[15] = 1.0f,
 		                            .key = from->key,
-		                            .mesh = meshes[from->mesh],
-		                            .material = materials[from->material]};
+		                            .mesh = meshes[render_dump_draw_mesh(from)],
+		                            .material = materials[render_dump_draw_material(from)],
+		                            .level = render_dump_draw_level(from),
+		                            .detail = from->mesh >> 26,
+		                            .kind = from->material >> 24};
 		for (int row = 0; row < 3; row++)
 			for (int column = 0; column < 4; column++)
 				draw->transform.m[4 * column + row] = from->transform[4 * row + column];
@@ -187,6 +208,7 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 {
 	STILB_ASSERT_OWNER(render->owner);
 	const render_dump_header *header = dump->header;
+	STILB_ASSERT(!stilb_render_dump_info_get(dump).morph || render->resources.morph);
 	stilb_render_texture *textures = stilb_memory_alloc(header->textures, sizeof *textures);
 	stilb_render_material *materials = stilb_memory_alloc(header->materials, sizeof *materials);
 	stilb_render_mesh *meshes = stilb_memory_alloc(header->meshes, sizeof *meshes);
@@ -236,7 +258,8 @@ static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user
 		const uint32_t *first = &dump->first_draw[play->first_segment + segment];
 		stilb_render_segment_begin(context, play->pass, segment);
 		for (const render_dump_ready *draw = dump->ready + first[0]; draw < dump->ready + first[1]; draw++)
-			stilb_render_draw_with_key(context, draw->key, draw->mesh, draw->material, &draw->transform);
+			render_draw_level(context, draw->key, draw->mesh, draw->material, &draw->transform, draw->level,
+			                  draw->detail, draw->kind);
 		stilb_render_segment_end(context);
 	}
 }

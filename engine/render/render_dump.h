@@ -2,7 +2,7 @@
  * render_dump: a frame's command stream as a file, and playing such a file without the scene that it came from.
  *
  * Contents.    The views with their backdrops and panorama, the scene passes (2D passes are left out), every draw
- *              (mesh, material, key, transform) in the order and the segments of its recording, and the meshes,
+ *              (mesh, level, material, key, transform) in the order and the segments of its recording, and the meshes,
  *              materials and textures that the draws use, with their ids. So the file needs nothing else, and playing
  *              it gives the frame's stilb_render_stream_hash, which the file also holds. render_dump_format.h describes
  *              the bytes. A panorama that was still being made, or was not the frame's first, is left out with a line.
@@ -56,6 +56,7 @@ typedef struct stilb_render_dump_info {
 	uint32_t passes, meshes, materials, textures;
 	uint32_t width, height, samples; /* pixels; samples per pixel */
 	stilb_render_output output;
+	bool morph; /* it needs a renderer with stilb_render_desc.morph */
 } stilb_render_dump_info;
 
 /* [any-thread] */

@@ -1,22 +1,25 @@
 /*
- * The bytes of a frame dump, version 3. Inside render/.
+ * The bytes of a frame dump, version 4. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
  * Each part is padded with zeros to a multiple of 8 bytes.
  *
  *   part       bytes each  how many              contents
- *   header            112  1                     render_dump_header
+ *   header            120  1                     render_dump_header
  *   views             144  header.views, 1..16   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
+ *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
  *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
- *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...
- *   indices             4  header.indices        of mesh 0, then of mesh 1, ...; below its vertex count
+ *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...; of
+ *                                                a mesh that morphs as many again: where they morph to
+ *   indices             4  header.indices        of mesh 0, then of its levels, then of mesh 1, ...; below the number
+ *                                                of vertices of the mesh or level
  *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
  *   backdrops           1  header.backdrop_bytes render_dump_backdrop of view 0, then of view 1, ...; then floats: the
  *                                                panorama, which all views with one share, top row first; of view 0 the
@@ -33,7 +36,7 @@
 #include "render/render_dump.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 3u
+#define RENDER_DUMP_VERSION 4u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -46,8 +49,7 @@ typedef struct render_dump_header {
 	uint32_t output; /* stilb_render_output */
 	uint32_t views, passes, segments, textures, materials, meshes;
 	uint64_t draws, vertices, indices, pixel_bytes;
-	uint32_t lights;
-	uint32_t backdrop_bytes; /* 0 in files that were written before there was this part */
+	uint32_t lights, backdrop_bytes, levels, unused;
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -98,20 +100,46 @@ typedef struct render_dump_material {
 } render_dump_material;
 
 typedef struct render_dump_mesh {
-	uint32_t id, vertices, indices, unused;
+	uint32_t id, vertices, indices; /* of the mesh itself */
+	uint32_t levels;                /* so many of the file's levels are this mesh's; bit 31: it morphs */
 } render_dump_mesh;
+
+#define RENDER_DUMP_MORPHS (1u << 31)
+
+typedef struct render_dump_level {
+	uint32_t indices, vertices; /* it uses the mesh's first ones */
+	float error;                /* metres, >= 0, ascending */
+	uint32_t unused;
+} render_dump_level;
 
 typedef struct render_dump_draw {
 	uint64_t key;
-	uint32_t mesh, material; /* positions in their tables */
-	float transform[12];     /* the three rows of the affine transform */
+	/* Positions in their tables, of meshes in bits 0..19, of materials in bits 0..23. Bits 20..25 of mesh: the level,
+	 * 0: the mesh itself. Bits 26..31 of mesh: render_command_detail; 24..31 of material: render_state_detail. */
+	uint32_t mesh, material;
+	float transform[12]; /* the three rows of the affine transform */
 } render_dump_draw;
 
-static_assert(sizeof(render_dump_header) == 112 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
+static inline uint32_t render_dump_draw_mesh(const render_dump_draw *draw)
+{
+	return draw->mesh & (STILB_RENDER_MAX_MESHES - 1);
+}
+
+static inline uint32_t render_dump_draw_material(const render_dump_draw *draw)
+{
+	return draw->material & (STILB_RENDER_MAX_MATERIALS - 1);
+}
+
+static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
+{
+	return draw->mesh >> 20 & 63u;
+}
+
+static_assert(sizeof(render_dump_header) == 120 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
                   sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 16 &&
-                  sizeof(render_dump_draw) == 64 && sizeof(render_dump_backdrop) == 40 &&
-                  sizeof(stilb_scene_vertex) == 32,
+                  sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 64 &&
+                  sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
 typedef enum render_dump_part {
@@ -122,6 +150,7 @@ typedef enum render_dump_part {
 	RENDER_DUMP_TEXTURES,
 	RENDER_DUMP_MATERIALS,
 	RENDER_DUMP_MESHES,
+	RENDER_DUMP_LEVELS,
 	RENDER_DUMP_SEGMENTS,
 	RENDER_DUMP_DRAWS,
 	RENDER_DUMP_VERTICES,
@@ -152,6 +181,7 @@ typedef struct render_dump_ready {
 	uint64_t key;
 	stilb_render_mesh mesh;
 	stilb_render_material material;
+	uint32_t level, detail, kind; /* see render_draw_level */
 } render_dump_ready;
 
 /* A checked file in memory. */
@@ -164,6 +194,7 @@ struct stilb_render_dump {
 	const render_dump_texture *textures;
 	const render_dump_material *materials;
 	const render_dump_mesh *meshes;
+	const render_dump_level *levels;
 	const uint32_t *segments;
 	const render_dump_draw *draws;
 	const stilb_scene_vertex *vertices;

@@ -25,6 +25,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
 		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
 		[RENDER_DUMP_MESHES] = {header->meshes, sizeof(render_dump_mesh)},
+		[RENDER_DUMP_LEVELS] = {header->levels, sizeof(render_dump_level)},
 		[RENDER_DUMP_SEGMENTS] = {header->segments, sizeof(uint32_t)},
 		[RENDER_DUMP_DRAWS] = {header->draws, sizeof(render_dump_draw)},
 		[RENDER_DUMP_VERTICES] = {header->vertices, sizeof(stilb_scene_vertex)},
@@ -148,6 +149,8 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
 	if (h->backdrop_bytes % 8 != 0)
 		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
+	if (h->unused != 0)
+		return load_refuse(name, "header: its unused bytes are not zero");
 	if (h->draws > UINT32_MAX)
 		return load_refuse(name, "header: %" PRIu64 " draws; at most %u can be recorded", h->draws, UINT32_MAX);
 	return STILB_OK;
@@ -308,37 +311,98 @@ static stilb_result load_check_materials(const stilb_render_dump *dump, const ch
 	return STILB_OK;
 }
 
+/* Where the next mesh's data begin, and how much of it the file has. */
+typedef struct load_data {
+	uint64_t vertices, indices;
+	uint32_t levels;
+} load_data;
+
+/* Checks indices of mesh m or of its level l, 0: the mesh itself, and moves behind them. */
+static stilb_result load_check_indices(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m,
+                                       uint32_t l, uint32_t count, uint32_t vertices)
+{
+	if (count > dump->header->indices - at->indices)
+		return load_refuse(name, "mesh %u: its %u indices of level %u go beyond all %" PRIu64, m, count, l,
+		                   dump->header->indices);
+	for (uint32_t i = 0; i < count; i++)
+		if (dump->indices[at->indices + i] >= vertices)
+			return load_refuse(name, "mesh %u: index %u of level %u is vertex %u, but it has %u", m, i, l,
+			                   dump->indices[at->indices + i], vertices);
+	at->indices += count;
+	return STILB_OK;
+}
+
+static stilb_result load_check_levels(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m)
+{
+	const render_dump_mesh *mesh = &dump->meshes[m];
+	uint32_t count = mesh->levels & ~RENDER_DUMP_MORPHS;
+	float error = 0.0f;
+	if (count > STILB_SCENE_MAX_LEVELS || count > dump->header->levels - at->levels || (mesh->levels && count == 0))
+		return load_refuse(name, "mesh %u: %u levels; there are 0..%u, and %u in the file", m, mesh->levels,
+		                   STILB_SCENE_MAX_LEVELS, dump->header->levels);
+	for (uint32_t l = 0; l < count; l++) {
+		const render_dump_level *level = &dump->levels[at->levels++];
+		if (level->indices == 0 || level->vertices > mesh->vertices || level->unused != 0 || !(level->error >= error) ||
+		    !load_finite(&level->error, 1))
+			return load_refuse(name, "mesh %u: level %u has %u indices, %u vertices, an error of %g, unused bytes %u",
+			                   m, l + 1, level->indices, level->vertices, (double)level->error, level->unused);
+		error = level->error;
+		stilb_result result = load_check_indices(dump, name, at, m, l + 1, level->indices, level->vertices);
+		if (result != STILB_OK)
+			return result;
+	}
+	return STILB_OK;
+}
+
+static stilb_result load_check_mesh(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m)
+{
+	const render_dump_mesh *mesh = &dump->meshes[m];
+	uint64_t vertices = mesh->levels & RENDER_DUMP_MORPHS ? 2 * (uint64_t)mesh->vertices : mesh->vertices;
+	if (mesh->vertices == 0 || mesh->indices == 0)
+		return load_refuse(name, "mesh %u: %u vertices, %u indices", m, mesh->vertices, mesh->indices);
+	if (vertices > dump->header->vertices - at->vertices)
+		return load_refuse(name, "mesh %u: its %u vertices go beyond all %" PRIu64, m, mesh->vertices,
+		                   dump->header->vertices);
+	if (!load_finite(dump->vertices[at->vertices].position, vertices * sizeof(stilb_scene_vertex) / sizeof(float)))
+		return load_refuse(name, "mesh %u: a vertex is not finite", m);
+	at->vertices += vertices;
+	stilb_result result = load_check_indices(dump, name, at, m, 0, mesh->indices, mesh->vertices);
+	return result == STILB_OK ? load_check_levels(dump, name, at, m) : result;
+}
+
 static stilb_result load_check_meshes(const stilb_render_dump *dump, const char *name)
 {
 	const render_dump_header *h = dump->header;
+	load_data at = {0};
 	uint32_t next = 0;
-	uint64_t vertices = 0, indices = 0;
 	for (uint32_t m = 0; m < h->meshes; m++) {
-		const render_dump_mesh *mesh = &dump->meshes[m];
-		stilb_result result = load_check_id(name, "mesh", m, mesh->id, &next, STILB_RENDER_MAX_MESHES);
+		stilb_result result = load_check_id(name, "mesh", m, dump->meshes[m].id, &next, STILB_RENDER_MAX_MESHES);
+		if (result == STILB_OK)
+			result = load_check_mesh(dump, name, &at, m);
 		if (result != STILB_OK)
 			return result;
-		if (mesh->vertices == 0 || mesh->indices == 0 || mesh->unused != 0)
-			return load_refuse(name, "mesh %u: %u vertices, %u indices, unused bytes %u", m, mesh->vertices,
-			                   mesh->indices, mesh->unused);
-		if (mesh->vertices > h->vertices - vertices || mesh->indices > h->indices - indices)
-			return load_refuse(name, "mesh %u: its %u vertices or %u indices go beyond all %" PRIu64 " or %" PRIu64, m,
-			                   mesh->vertices, mesh->indices, h->vertices, h->indices);
-		for (uint32_t i = 0; i < mesh->indices; i++)
-			if (dump->indices[indices + i] >= mesh->vertices)
-				return load_refuse(name, "mesh %u: index %u is vertex %u, but it has %u", m, i,
-				                   dump->indices[indices + i], mesh->vertices);
-		if (!load_finite(dump->vertices[vertices].position,
-		                 (size_t)mesh->vertices * sizeof(stilb_scene_vertex) / sizeof(float)))
-			return load_refuse(name, "mesh %u: a vertex is not finite", m);
-		vertices += mesh->vertices;
-		indices += mesh->indices;
 	}
-	if (vertices != h->vertices || indices != h->indices)
-		return load_refuse(
-			name, "header: %" PRIu64 " vertices and %" PRIu64 " indices, but meshes have %" PRIu64 " and %" PRIu64,
-			h->vertices, h->indices, vertices, indices);
+	if (at.vertices != h->vertices || at.indices != h->indices || at.levels != h->levels)
+		return load_refuse(name,
+		                   "header: %" PRIu64 " vertices, %" PRIu64 " indices and %u levels, but meshes have %" PRIu64
+		                   ", %" PRIu64 " and %u",
+		                   h->vertices, h->indices, h->levels, at.vertices, at.indices, at.levels);
 	return STILB_OK;
+}
+
+/* True if the draw's mesh has its level, and the level what its detail needs. */
+static bool load_draw_is_possible(const render_dump_draw *draw, const render_dump_mesh *mesh)
+{
+	uint32_t levels = mesh->levels & ~RENDER_DUMP_MORPHS, level = render_dump_draw_level(draw);
+	uint32_t detail = draw->mesh >> 26, kind = draw->material >> 24;
+	switch (kind) {
+	case 1: /* RENDER_STATE_FADE */
+		return level <= levels && (detail & (RENDER_DETAIL_OUT - 1)) > 0;
+	case 2: /* RENDER_STATE_MORPH */
+		return level <= levels && (detail == 0 || (level < levels && mesh->levels & RENDER_DUMP_MORPHS));
+	default:
+		return level <= levels && (kind == 0 ? detail == 0 : kind < RENDER_DETAIL_KINDS);
+	}
 }
 
 static stilb_result load_check_draws(const stilb_render_dump *dump, const char *name)
@@ -346,9 +410,13 @@ static stilb_result load_check_draws(const stilb_render_dump *dump, const char *
 	const render_dump_header *h = dump->header;
 	for (uint64_t d = 0; d < h->draws; d++) {
 		const render_dump_draw *draw = &dump->draws[d];
-		if (draw->mesh >= h->meshes || draw->material >= h->materials)
-			return load_refuse(name, "draw %" PRIu64 ": mesh %u and material %u, but there are %u and %u", d,
-			                   draw->mesh, draw->material, h->meshes, h->materials);
+		uint32_t mesh = render_dump_draw_mesh(draw), material = render_dump_draw_material(draw);
+		if (mesh >= h->meshes || material >= h->materials)
+			return load_refuse(name, "draw %" PRIu64 ": mesh %u and material %u, but there are %u and %u", d, mesh,
+			                   material, h->meshes, h->materials);
+		if (!load_draw_is_possible(draw, &dump->meshes[mesh]))
+			return load_refuse(name, "draw %" PRIu64 ": mesh %u cannot be drawn in level %u with detail %u of kind %u",
+			                   d, mesh, render_dump_draw_level(draw), draw->mesh >> 26, draw->material >> 24);
 		if (!load_finite(draw->transform, 12))
 			return load_refuse(name, "draw %" PRIu64 ": its transform is not finite", d);
 	}
@@ -375,6 +443,7 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
 	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
 	dump->meshes = (const render_dump_mesh *)(dump->bytes + begin[RENDER_DUMP_MESHES]);
+	dump->levels = (const render_dump_level *)(dump->bytes + begin[RENDER_DUMP_LEVELS]);
 	dump->segments = (const uint32_t *)(dump->bytes + begin[RENDER_DUMP_SEGMENTS]);
 	dump->draws = (const render_dump_draw *)(dump->bytes + begin[RENDER_DUMP_DRAWS]);
 	dump->vertices = (const stilb_scene_vertex *)(dump->bytes + begin[RENDER_DUMP_VERTICES]);

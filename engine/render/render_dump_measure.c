@@ -115,6 +115,7 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 		                          .runs = runs,
 		                          .run_count = count,
 		                          .states = render->passes[job->order[p]].states,
+		                          .kinds = render->passes[job->order[p]].kinds,
 		                          .pool = job->pool,
 		                          .worker = job->worker};
 		for (uint32_t r = 0; r < count; r++)

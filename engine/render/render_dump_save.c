@@ -5,6 +5,7 @@
 #include "render/render_internal.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +35,7 @@ typedef struct save_job {
 
 /* ---- draws in recorded order ------------------------------------------------------------------------------------- */
 
-typedef void save_draw_fn(void *user, const render_command *command, const render_row *row);
+typedef void save_draw_fn(void *user, const render_command *command, const render_row *row, uint64_t state);
 
 static void save_each_draw_of_segment(const stilb_render *render, const render_segment *segment, save_draw_fn *fn,
                                       void *user)
@@ -43,7 +44,7 @@ static void save_each_draw_of_segment(const stilb_render *render, const render_s
 		const render_run *run = &segment->context->runs[segment->first_run + r];
 		for (uint32_t c = run->first; c < run->first + run->count; c++) {
 			const render_command *command = &render_commands(render)[c];
-			fn(user, command, &render_rows(render)[command->row]);
+			fn(user, command, &render_rows(render)[render_command_row(command)], run->state);
 		}
 	}
 }
@@ -73,16 +74,18 @@ typedef struct save_most {
 	uint64_t draws;
 } save_most;
 
-static void save_find_most(void *user, const render_command *command, const render_row *row)
+static void save_find_most(void *user, const render_command *command, const render_row *row, uint64_t state)
 {
+	(void)state;
 	save_most *most = user;
 	most->mesh = row->mesh >= most->mesh ? row->mesh + 1 : most->mesh;
 	most->material = command->material >= most->material ? command->material + 1 : most->material;
 	most->draws++;
 }
 
-static void save_mark(void *user, const render_command *command, const render_row *row)
+static void save_mark(void *user, const render_command *command, const render_row *row, uint64_t state)
 {
+	(void)state;
 	save_job *job = user;
 	STILB_ASSERT(row->mesh < job->meshes.end && command->material < job->materials.end);
 	job->meshes.place[row->mesh] = 0;
@@ -212,8 +215,12 @@ static stilb_result save_size(save_job *job)
 		header->segments += job->render->passes[job->pass[p]].segment_count;
 	for (uint32_t m = 0; m < header->meshes; m++) {
 		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.indices[m]];
-		header->vertices += slot->vertex_count;
+		const render_levels *levels = job->render->resources.levels[job->meshes.indices[m]];
+		header->vertices += levels && levels->morphs ? 2 * (uint64_t)slot->vertex_count : slot->vertex_count;
 		header->indices += slot->index_count;
+		header->levels += levels ? levels->count : 0;
+		for (uint32_t l = 1; levels && l <= levels->count; l++)
+			header->indices += render_levels_level(levels)[l].index_count;
 	}
 	for (uint32_t t = 0; t < header->textures; t++) {
 		render_dump_texture texture = save_texture(job, t);
@@ -341,6 +348,27 @@ static void save_put_materials(const save_job *job)
 	}
 }
 
+/* Copies a mesh's vertices; of pairs first all first ones, then all second ones. Returns the end. */
+static stilb_scene_vertex *save_put_vertices(stilb_scene_vertex *out, const stilb_scene_vertex *from, uint32_t count,
+                                             bool pairs)
+{
+	for (uint32_t v = 0; v < count && pairs; v++) {
+		out[v] = from[2 * (size_t)v];
+		out[count + (size_t)v] = from[2 * (size_t)v + 1];
+	}
+	if (!pairs)
+		memcpy(out, from, count * sizeof *out);
+	return out + (pairs ? 2 * (size_t)count : count);
+}
+
+/* Copies indices; those of pairs count vertices in the heap. Returns the end. */
+static uint32_t *save_put_indices(uint32_t *out, const uint32_t *from, uint32_t count, bool pairs)
+{
+	for (uint32_t i = 0; i < count; i++)
+		out[i] = from[i] >> pairs;
+	return out + count;
+}
+
 static void save_put_meshes(const save_job *job)
 {
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
@@ -348,17 +376,26 @@ static void save_put_meshes(const save_job *job)
 	const stilb_scene_vertex *vertex_heap = (const stilb_scene_vertex *)resources->heaps[RENDER_HEAP_VERTICES].data;
 	const uint32_t *index_heap = (const uint32_t *)resources->heaps[RENDER_HEAP_INDICES].data;
 	render_dump_mesh *out = save_part(job, RENDER_DUMP_MESHES);
+	render_dump_level *level = save_part(job, RENDER_DUMP_LEVELS);
 	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
 	uint32_t *indices = save_part(job, RENDER_DUMP_INDICES);
 	for (uint32_t m = 0; m < job->header.meshes; m++, out++) {
 		const render_mesh_slot *slot = &resources->meshes[job->meshes.indices[m]];
+		const render_levels *levels = resources->levels[job->meshes.indices[m]];
+		bool pairs = levels && levels->morphs;
 		out->id = slot->name;
 		out->vertices = slot->vertex_count;
 		out->indices = slot->index_count;
-		memcpy(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count * sizeof *vertices);
-		memcpy(indices, index_heap + slot->first_index, slot->index_count * sizeof *indices);
-		vertices += slot->vertex_count;
-		indices += slot->index_count;
+		out->levels = levels ? levels->count | (pairs ? RENDER_DUMP_MORPHS : 0) : 0;
+		vertices = save_put_vertices(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count, pairs);
+		indices = save_put_indices(indices, index_heap + slot->first_index, slot->index_count, pairs);
+		for (uint32_t l = 1; levels && l <= levels->count; l++, level++) {
+			const render_level *from = &render_levels_level(levels)[l];
+			*level = (render_dump_level){.indices = from->index_count,
+			                             .vertices = render_levels_vertices(levels)[l - 1],
+			                             .error = sqrtf(render_levels_squared(levels)[l - 1])};
+			indices = save_put_indices(indices, index_heap + from->first_index, from->index_count, pairs);
+		}
 	}
 }
 
@@ -367,14 +404,28 @@ typedef struct save_draws {
 	render_dump_draw *out;
 } save_draws;
 
-static void save_put_draw(void *user, const render_command *command, const render_row *row)
+/* The level that a command draws: the one whose indices it names. */
+static uint32_t save_level(const render_resources *resources, const render_command *command, uint32_t mesh)
+{
+	const render_levels *levels = resources->levels[mesh];
+	for (uint32_t l = 0; levels && l <= levels->count; l++) {
+		const render_level *level = render_levels_level(levels) + l;
+		if (command->first_index == level->first_index ||
+		    (levels->morphs && l < levels->count && command->first_index == level[levels->count + 1].first_index))
+			return l;
+	}
+	return 0;
+}
+
+static void save_put_draw(void *user, const render_command *command, const render_row *row, uint64_t state)
 {
 	save_draws *draws = user;
 	render_dump_draw *out = draws->out++;
 	STILB_ASSERT((uint8_t *)(out + 1) <= draws->job->bytes + draws->job->begin[RENDER_DUMP_VERTICES]);
 	out->key = command->key;
-	out->mesh = draws->job->meshes.place[row->mesh];
-	out->material = draws->job->materials.place[command->material];
+	uint32_t level = save_level(&draws->job->render->resources, command, row->mesh);
+	out->mesh = draws->job->meshes.place[row->mesh] | level << 20 | render_command_detail(command) << 26;
+	out->material = draws->job->materials.place[command->material] | render_state_detail(state) << 24;
 	memcpy(out->transform, row->transform, sizeof out->transform);
 }
 

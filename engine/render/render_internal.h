@@ -22,13 +22,30 @@ typedef struct render_command {
 	uint32_t instance_count; /* 1 */
 	uint32_t first_index;
 	int32_t vertex_offset;
-	uint32_t row;      /* index into the frame's rows; the GPU reads it as firstInstance */
+	uint32_t row; /* index into the frame's rows, and above it RENDER_DETAIL_...; the GPU reads it as firstInstance */
 	uint32_t material; /* index into the table of materials */
 	uint64_t key;      /* of stilb_render_draw_with_key */
 } render_command;
 
 static_assert(sizeof(render_command) == 32, "a command is half a cache line");
 static_assert(offsetof(render_command, row) == 16, "laid out as VkDrawIndexedIndirectCommand");
+
+/* The high bits of render_command.row. 0: none. With RENDER_STATE_FADE 1..31: the draw is in so many 32ths of the
+ * pixels, 32 + 1..31: it is in the others. With RENDER_STATE_MORPH: how far it has morphed, in 64ths. With
+ * RENDER_STATE_SHOW: 1 + its level, at most 63. */
+#define RENDER_DETAIL_SHIFT 26u
+#define RENDER_DETAIL_OUT 32u
+#define RENDER_MAX_ROWS (1u << RENDER_DETAIL_SHIFT)
+
+static inline uint32_t render_command_row(const render_command *command)
+{
+	return command->row & (RENDER_MAX_ROWS - 1);
+}
+
+static inline uint32_t render_command_detail(const render_command *command)
+{
+	return command->row >> RENDER_DETAIL_SHIFT;
+}
 
 /* One draw as the vertex shader reads it (shaders/row.glsl): the upper three rows of the affine transform, then the
  * material's index. A 2D draw has only its clip rectangle, in the first row. */
@@ -127,6 +144,10 @@ typedef struct render_pass_lists {
 	uint32_t run_count, run_capacity;
 	uint64_t draws;
 	uint64_t states; /* bitwise or of all runs' states: no texture bit set means no draw has a texture */
+	uint32_t kinds;  /* 1 << render_state_detail of each run */
+	stilb_render_detail_mode detail; /* that it was recorded with */
+	uint16_t *history; /* [history_capacity] by part: its levels in the frames before, see render_detail.h */
+	uint32_t history_capacity;
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
@@ -150,6 +171,7 @@ struct stilb_render_context {
 	bool stream_rows;       /* write rows with non-temporal stores */
 	const render_mesh_slot *meshes;
 	const uint32_t *materials;
+	render_levels *const *levels;
 
 	uint32_t command_chunk;  /* index of the first command of the chunk */
 	uint32_t run_count;      /* in this frame */
@@ -170,10 +192,15 @@ struct stilb_render_context {
 /* ---- the state of a draw --------------------------------------------------------------------------------------------
  * One number that tells which bindings a draw needs. Bits 0..23: index of its texture, 0 for none. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
- * has no material. Bit 57: one of these that shows a picture pixel by pixel. */
+ * has no material. Bit 57: one of these that shows a picture pixel by pixel. Bits 58..60, of a scene pass: what the
+ * shaders do with RENDER_DETAIL_SHIFT; at most one of them, none: nothing, and it is 0. */
 
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
 #define RENDER_STATE_PICTURE (UINT64_C(1) << 57)
+#define RENDER_STATE_FADE (UINT64_C(1) << 58)
+#define RENDER_STATE_MORPH (UINT64_C(1) << 59)
+#define RENDER_STATE_SHOW (UINT64_C(1) << 60)
+#define RENDER_STATE_DETAIL (RENDER_STATE_FADE | RENDER_STATE_MORPH | RENDER_STATE_SHOW)
 
 /* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24
  * bits are the index of its texture; or that index alone. */
@@ -203,6 +230,30 @@ static inline uint32_t render_state_material(uint64_t state)
 	return (uint32_t)(state >> 24);
 }
 
+/* Which of the mesh shaders' kinds a state needs: 0 none of the three below, 1 _FADE, 2 _MORPH, 3 _SHOW. */
+#define RENDER_DETAIL_KINDS 4u
+static inline uint32_t render_state_detail(uint64_t state)
+{
+	uint32_t bits = (uint32_t)(state >> 58 & 7u);
+	return bits == 4 ? 3 : bits;
+}
+
+/* 1 << render_state_detail of what passes with this view draw, but for meshes that fade because they cannot morph. */
+static inline uint32_t render_view_kinds(const stilb_render_view *view)
+{
+	if (view->show == STILB_RENDER_SHOW_LEVELS)
+		return 1u << render_state_detail(RENDER_STATE_SHOW);
+	if (view->detail.mode == STILB_RENDER_DETAIL_MORPH)
+		return 1u << render_state_detail(RENDER_STATE_MORPH);
+	return view->detail.mode == STILB_RENDER_DETAIL_FADE ? 1u | 1u << render_state_detail(RENDER_STATE_FADE) : 1u;
+}
+
+/* The RENDER_STATE_... of such a kind. */
+static inline uint64_t render_state_of_detail(uint32_t kind)
+{
+	return kind == 0 ? 0 : RENDER_STATE_FADE << (kind - 1);
+}
+
 typedef enum render_bind {
 	RENDER_BIND_PIPELINE = 1,
 	RENDER_BIND_BUFFERS = 2,
@@ -219,8 +270,8 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
 	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
 	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
-	if (!from_texture != !to_texture || ((from ^ to) & RENDER_STATE_PICTURE))
-		binds |= RENDER_BIND_PIPELINE; /* pipelines with and without a texture, and with a picture, differ */
+	if (!from_texture != !to_texture || ((from ^ to) & (RENDER_STATE_PICTURE | RENDER_STATE_DETAIL)))
+		binds |= RENDER_BIND_PIPELINE; /* pipelines with and without a texture, with a picture, and of a fade differ */
 	if (render_state_material(from) != render_state_material(to))
 		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
 	return binds;
@@ -240,6 +291,7 @@ typedef struct render_stream {
 	uint32_t run_count;
 	uint64_t draws;       /* of all runs together */
 	uint64_t states;      /* bitwise or of all runs' states */
+	uint32_t kinds;       /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
 	uint32_t first_light; /* the view's lights: elements first_light .. first_light + light_count - 1 of the memory */
 	uint32_t light_count;
 	uint32_t light_bits;             /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
@@ -420,6 +472,12 @@ stilb_result render_memory_place(stilb_render *render);
 /* Claims count > 0 elements of the frame's memory for the main thread, before render_memory_place; *first is their
  * position in it. Returns where to write them; NULL: no memory. */
 void *render_claim(stilb_render *render, render_memory_kind kind, uint32_t count, uint32_t *first);
+
+/* As stilb_render_draw_with_key, of a level of the mesh (0: the mesh in full; at most as many as it has), with the high
+ * bits of its command's row word, and what they mean: render_state_detail. [one-writer] */
+void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                       stilb_render_material material, const stilb_mat4 *transform, uint32_t level, uint32_t detail,
+                       uint32_t kind);
 
 /* Joins the runs of a recorded pass in replay order, and sorts them if the pass asks for it. */
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);

@@ -1,5 +1,6 @@
 /* Contexts: how the draws that a worker records become commands and rows (its transform, its material) in the frame's
  * memory. On any thread. */
+#include "render/render_detail.h"
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -64,6 +65,7 @@ void render_contexts_rewind(stilb_render *render)
 		context->stream_rows = rows > RECORD_CACHED_ROWS;
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
+		context->levels = render->resources.levels;
 	}
 	/* Relaxed: workers see it, because jobs are submitted after it and that orders it. */
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
@@ -147,7 +149,7 @@ static bool record_next_commands(stilb_render_context *context)
 static bool record_next_rows(stilb_render_context *context)
 {
 	render_row *chunk = record_claim(context, RENDER_MEMORY_ROWS, RENDER_ROW_CHUNK, &context->row_index);
-	if (!chunk)
+	if (!chunk || context->row_index > RENDER_MAX_ROWS - RENDER_ROW_CHUNK)
 		return false;
 	context->row = chunk;
 	context->row_end = chunk + RENDER_ROW_CHUNK;
@@ -252,10 +254,10 @@ static bool record_make_room(stilb_render_context *context, uint64_t state)
 
 /* The command is built in vector registers: a wide load of a struct that was just stored member by member cannot be
  * forwarded from the store buffer and stalls. */
-static inline void record_write_command(render_command *out, const render_mesh_slot *mesh, uint32_t row,
-                                        uint32_t material, uint64_t key)
+static inline void record_write_command(render_command *out, const render_level *level, uint32_t row, uint32_t material,
+                                        uint64_t key)
 {
-	__m128i draw = _mm_load_si128((const __m128i *)mesh);
+	__m128i draw = _mm_load_si128((const __m128i *)level);
 	__m128i rest = _mm_set_epi32((int32_t)(key >> 32), (int32_t)key, (int32_t)material, (int32_t)row);
 	_mm_store_si128((__m128i *)out, draw);
 	_mm_store_si128((__m128i *)out + 1, rest);
@@ -289,14 +291,14 @@ static inline void record_drain(void)
 	_mm_sfence();
 }
 #else
-static inline void record_write_command(render_command *out, const render_mesh_slot *mesh, uint32_t row,
-                                        uint32_t material, uint64_t key)
+static inline void record_write_command(render_command *out, const render_level *level, uint32_t row, uint32_t material,
+                                        uint64_t key)
 {
 	*out = (render_command){
-		.index_count = mesh->index_count,
+		.index_count = level->index_count,
 		.instance_count = 1,
-		.first_index = mesh->first_index,
-		.vertex_offset = mesh->vertex_offset,
+		.first_index = level->first_index,
+		.vertex_offset = level->vertex_offset,
 		.row = row,
 		.material = material,
 		.key = key,
@@ -337,6 +339,7 @@ stilb_result stilb_render_pass_begin(stilb_render *render, uint32_t pass, uint32
 	if (!render_reserve((void **)&lists->segments, &lists->segment_capacity, segment_count, sizeof *lists->segments))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u segments", segment_count);
 	lists->segment_count = segment_count;
+	lists->detail = STILB_RENDER_DETAIL_OFF;
 	for (uint32_t s = 0; s < segment_count; s++)
 		lists->segments[s] = (render_segment){0};
 	lists->state = RENDER_LIST_RECORDING;
@@ -366,29 +369,44 @@ void stilb_render_segment_end(stilb_render_context *context)
 	context->segment = NULL;
 }
 
-static inline void record_write(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
-                                stilb_render_material material, const stilb_mat4 *transform)
+/* What a draw is made of. */
+typedef struct record_what {
+	const render_level *level;
+	uint32_t mesh, material; /* indices */
+	uint32_t detail;         /* the high bits of the command's row word, in place */
+	uint64_t key;
+} record_what;
+
+static inline void record_write(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
 {
-	uint32_t mesh_index = mesh.id & RENDER_INDEX_MASK, material_index = material.id & RENDER_INDEX_MASK;
-	record_write_row(context->row++, transform, material_index, mesh_index, context->stream_rows);
-	record_write_command(context->command++, &context->meshes[mesh_index], context->row_index++, material_index, key);
+	record_write_row(context->row++, transform, what.material, what.mesh, context->stream_rows);
+	record_write_command(context->command++, what.level, context->row_index++ | what.detail, what.material, what.key);
 }
 
-/* Records a draw that needs a new chunk or a new run. Not inlined, and called as a tail call: stilb_render_draw then
- * saves no registers in the common case, a draw that needs neither. */
+static_assert(STILB_RENDER_MAX_MESHES <= RENDER_MAX_ROWS, "a mesh's index and the detail share a word");
+
+/* Records a draw that needs a new chunk or a new run. Not inlined, and called as a tail call with all of its arguments
+ * in registers: stilb_render_draw then saves none in the common case, a draw that needs neither. mesh_material: the
+ * mesh's index with the detail above it, and in the high half the material's. */
 __attribute__((noinline)) static void record_draw_making_room(stilb_render_context *context, uint64_t key,
-                                                              stilb_render_mesh mesh, stilb_render_material material,
+                                                              const render_level *level, uint64_t mesh_material,
                                                               const stilb_mat4 *transform, uint64_t state)
 {
+	record_what what = {.level = level,
+	                    .mesh = (uint32_t)mesh_material & (RENDER_MAX_ROWS - 1),
+	                    .material = (uint32_t)(mesh_material >> 32),
+	                    .detail = (uint32_t)mesh_material & ~(RENDER_MAX_ROWS - 1),
+	                    .key = key};
 	if (record_make_room(context, state))
-		record_write(context, key, mesh, material, transform);
+		record_write(context, what, transform);
 }
 
-static inline void record_draw(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
-                               stilb_render_material material, const stilb_mat4 *transform)
+/* The mesh's level in full; asserts that mesh, material and transform may be drawn. */
+static inline const render_level *record_check(const stilb_render_context *context, stilb_render_mesh mesh,
+                                               stilb_render_material material, const stilb_mat4 *transform)
 {
 	const render_mesh_slot *slot = &context->meshes[mesh.id & RENDER_INDEX_MASK];
-	uint32_t material_index = material.id & RENDER_INDEX_MASK, entry = context->materials[material_index];
+	uint32_t entry = context->materials[material.id & RENDER_INDEX_MASK];
 	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment && (mesh.id & RENDER_INDEX_MASK) < STILB_RENDER_MAX_MESHES);
 	STILB_ASSERT(slot->generation && slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
@@ -397,11 +415,30 @@ static inline void record_draw(stilb_render_context *context, uint64_t key, stil
 	             "a material that exists");
 	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
 	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
-	uint64_t state = render_state(entry, material_index, context->material_mask);
+	(void)entry, (void)material, (void)transform;
+	return (const render_level *)slot;
+}
+
+/* kind: the RENDER_STATE_... of its detail. */
+static inline void record_put(stilb_render_context *context, record_what what, const stilb_mat4 *transform,
+                              uint64_t kind)
+{
+	uint64_t state = render_state(context->materials[what.material], what.material, context->material_mask) | kind;
 	if (context->command == context->command_end || context->row == context->row_end || state != context->state)
-		record_draw_making_room(context, key, mesh, material, transform, state);
+		record_draw_making_room(context, what.key, what.level, what.mesh | what.detail | (uint64_t)what.material << 32,
+		                        transform, state);
 	else
-		record_write(context, key, mesh, material, transform);
+		record_write(context, what, transform);
+}
+
+static inline void record_draw(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                               stilb_render_material material, const stilb_mat4 *transform)
+{
+	record_what what = {.level = record_check(context, mesh, material, transform),
+	                    .mesh = mesh.id & RENDER_INDEX_MASK,
+	                    .material = material.id & RENDER_INDEX_MASK,
+	                    .key = key};
+	record_put(context, what, transform, 0);
 }
 
 void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
@@ -414,6 +451,24 @@ void stilb_render_draw_with_key(stilb_render_context *context, uint64_t key, sti
                                 stilb_render_material material, const stilb_mat4 *transform)
 {
 	record_draw(context, key, mesh, material, transform);
+}
+
+void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                       stilb_render_material material, const stilb_mat4 *transform, uint32_t level, uint32_t detail,
+                       uint32_t kind)
+{
+	record_what what = {.level = record_check(context, mesh, material, transform),
+	                    .mesh = mesh.id & RENDER_INDEX_MASK,
+	                    .material = material.id & RENDER_INDEX_MASK,
+	                    .detail = detail << RENDER_DETAIL_SHIFT,
+	                    .key = key};
+	const render_levels *levels = context->levels[what.mesh];
+	STILB_ASSERT(level == 0 || (levels && level <= levels->count));
+	bool moves = kind == render_state_detail(RENDER_STATE_MORPH) && detail > 0;
+	STILB_ASSERT(!moves || (levels && levels->morphs && level < levels->count));
+	if (levels)
+		what.level = &render_levels_level(levels)[moves ? levels->count + 1 + level : level];
+	record_put(context, what, transform, render_state_of_detail(kind));
 }
 
 uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
@@ -530,17 +585,233 @@ static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *co
 		record_segment(recorded, &recorded->render->contexts[worker], segment);
 }
 
+/* ---- recording a scene as a view sees it ------------------------------------------------------------------------- */
+
+/* A pass with the levels that its view asks for. */
+typedef struct record_pass_view {
+	record_pass pass;
+	render_detail_view view;
+	uint16_t *history; /* [part_count] */
+} record_pass_view;
+
+/* The square of the largest length of a column: how much a transform stretches, for a similarity exactly. Others may
+ * stretch by up to sqrt(3) times that, where columns are no longer perpendicular. */
+#if defined(__SSE2__)
+static inline float record_stretch(const stilb_mat4 *transform)
+{
+	__m128 x = _mm_loadu_ps(transform->m), y = _mm_loadu_ps(transform->m + 4);
+	__m128 z = _mm_loadu_ps(transform->m + 8), w = _mm_loadu_ps(transform->m + 12);
+	_MM_TRANSPOSE4_PS(x, y, z, w); /* as in record_write_row, so that compilers do it once */
+	__m128 squares = _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, x), _mm_mul_ps(y, y)), _mm_mul_ps(z, z));
+	__m128 most = _mm_max_ss(squares, _mm_shuffle_ps(squares, squares, _MM_SHUFFLE(1, 1, 1, 1)));
+	return _mm_cvtss_f32(_mm_max_ss(most, _mm_movehl_ps(squares, squares)));
+}
+#else
+static inline float record_stretch(const stilb_mat4 *transform)
+{
+	float most = 0.0f;
+	for (int c = 0; c < 3; c++) {
+		const float *v = transform->m + 4 * c;
+		most = fmaxf(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+	}
+	return most;
+}
+#endif
+
+/* What a segment's loop reads, in locals, because the compiler must assume that a draw's stores change the members of
+ * scene and renderer. */
+typedef struct record_parts {
+	const uint32_t *visible, *first_part, *meshes, *materials;
+	const stilb_mat4 *transforms;
+	const stilb_render_mesh *mesh_handles;
+	const stilb_render_material *material_handles;
+	uint16_t *history;
+} record_parts;
+
+static record_parts record_parts_of(const record_pass_view *recorded)
+{
+	const stilb_scene *scene = recorded->pass.scene;
+	return (record_parts){recorded->pass.visible,
+	                      scene->first_part,
+	                      scene->part_mesh,
+	                      scene->part_material,
+	                      scene->part_transform,
+	                      recorded->pass.render->scene.meshes,
+	                      recorded->pass.render->scene.materials,
+	                      recorded->history};
+}
+
+static inline record_what record_what_of(const stilb_render_context *context, const record_parts *parts, uint32_t p)
+{
+	stilb_render_mesh mesh = parts->mesh_handles[parts->meshes[p]];
+	stilb_render_material material = parts->material_handles[parts->materials[p]];
+	return (record_what){.level = record_check(context, mesh, material, &parts->transforms[p]),
+	                     .mesh = mesh.id & RENDER_INDEX_MASK,
+	                     .material = material.id & RENDER_INDEX_MASK};
+}
+
+/* Chooses the level in which a part is drawn, and brings its history up to date. False: the part fades. */
+static inline bool record_choose(const render_detail_view *view, const render_levels *levels, float stretch, float room,
+                                 uint16_t *history, record_what *what)
+{
+	uint32_t level = render_detail_allowed(levels, stretch, room);
+	if (__builtin_expect(*history != render_detail_rest(level), 0)) {
+		*history = render_detail_step(*history, view->mode, levels, level, stretch, room);
+		if (render_detail_fades(*history))
+			return false;
+		level = (*history & 63u) - 1;
+	}
+	what->level = &render_levels_level(levels)[level];
+	if (view->shows)
+		what->detail = (level < 62 ? level + 1 : 63) << RENDER_DETAIL_SHIFT;
+	return true;
+}
+
+/* The same for a mesh that morphs. */
+static inline void record_choose_morph(const render_levels *levels, float stretch, float room, record_what *what)
+{
+	uint32_t level = render_detail_allowed(levels, stretch, room);
+	uint32_t gone = render_detail_morph(levels, level, stretch, room);
+	what->level = &render_levels_level(levels)[level + ((levels->count + 1) & -(uint32_t)(gone > 0))];
+	what->detail = gone << RENDER_DETAIL_SHIFT;
+}
+
+/* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs:
+ * a constant, so that each mode has a loop of its own. */
+__attribute__((always_inline)) static inline bool record_models_seen(const record_pass_view *recorded,
+                                                                     stilb_render_context *context, uint32_t first,
+                                                                     uint32_t end, const float *rooms, bool morphs)
+{
+	record_parts parts = record_parts_of(recorded);
+	render_detail_view view = recorded->view;
+	uint64_t plain = morphs ? RENDER_STATE_MORPH : view.shows ? RENDER_STATE_SHOW : 0;
+	bool fades = false;
+	for (uint32_t i = first; i < end; i++) {
+		uint32_t model = parts.visible[i];
+		STILB_ASSERT(model < recorded->pass.scene->model_count);
+		for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
+			record_what what = record_what_of(context, &parts, p);
+			if (context->meshes[what.mesh].has_levels) {
+				const render_levels *levels = context->levels[what.mesh];
+				float stretch = record_stretch(&parts.transforms[p]), room = rooms[i - first];
+				if (morphs && levels->morphs > 0) {
+					record_choose_morph(levels, stretch, room, &what);
+				} else if (!record_choose(&view, levels, stretch, room, &parts.history[p], &what)) {
+					fades = true;
+					continue;
+				}
+			}
+			record_put(context, what, &parts.transforms[p], plain);
+		}
+	}
+	return fades;
+}
+
+/* Records the parts of models first .. end - 1 that fade, both levels of each: either in the pixels that the other one
+ * leaves. */
+static void record_models_fading(const record_pass_view *recorded, stilb_render_context *context, uint32_t first,
+                                 uint32_t end)
+{
+	record_parts parts = record_parts_of(recorded);
+	bool morphs = recorded->view.mode == STILB_RENDER_DETAIL_MORPH;
+	for (uint32_t i = first; i < end; i++)
+		for (uint32_t p = parts.first_part[parts.visible[i]]; p < parts.first_part[parts.visible[i] + 1]; p++) {
+			record_what what = record_what_of(context, &parts, p);
+			uint16_t history = parts.history[p];
+			if (!context->meshes[what.mesh].has_levels || !render_detail_fades(history))
+				continue;
+			const render_levels *levels = context->levels[what.mesh];
+			if (morphs && levels->morphs > 0) /* what is left of another mode */
+				continue;
+			uint32_t share = history >> 12 << 1;
+			what.level = &render_levels_level(levels)[(history & 63u) - 1];
+			what.detail = share << RENDER_DETAIL_SHIFT;
+			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+			what.level = &render_levels_level(levels)[(history >> 6 & 63u) - 1];
+			what.detail = (share | RENDER_DETAIL_OUT) << RENDER_DETAIL_SHIFT;
+			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+		}
+}
+
+static void record_segment_seen(const record_pass_view *recorded, stilb_render_context *context, uint32_t segment)
+{
+	PROFILE("record segment");
+	float rooms[RECORD_SEGMENT_MODELS];
+	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
+	end = end < recorded->pass.visible_count ? end : recorded->pass.visible_count;
+	stilb_render_segment_begin(context, recorded->pass.pass, segment);
+	render_detail_rooms(&recorded->view, &recorded->pass.scene->bounds, recorded->pass.visible + first, end - first,
+	                    rooms);
+	bool fades = recorded->view.mode == STILB_RENDER_DETAIL_MORPH
+	                 ? record_models_seen(recorded, context, first, end, rooms, true)
+	                 : record_models_seen(recorded, context, first, end, rooms, false);
+	/* Parts that fade come last: they have pipelines of their own, and among the others each would end a run. */
+	if (fades)
+		record_models_fading(recorded, context, first, end);
+	stilb_render_segment_end(context);
+}
+
+static void record_slice_seen(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const record_pass_view *recorded = context;
+	for (uint32_t segment = begin; segment < end; segment++)
+		record_segment_seen(recorded, &recorded->pass.render->contexts[worker], segment);
+}
+
+/* ---- passes ------------------------------------------------------------------------------------------------------ */
+
+/* Makes the pass's history as long as the scene's list of parts; new parts were never drawn. */
+static bool record_history_fit(render_pass_lists *lists, uint32_t part_count)
+{
+	uint32_t before = lists->history_capacity;
+	if (!render_reserve((void **)&lists->history, &lists->history_capacity, part_count, sizeof *lists->history))
+		return false;
+	if (lists->history_capacity > before)
+		memset(lists->history + before, 0, (lists->history_capacity - before) * sizeof *lists->history);
+	return true;
+}
+
+static stilb_result record_begin(const record_pass *recorded, const stilb_job_pool *pool)
+{
+	stilb_render *render = recorded->render;
+	const stilb_scene *scene = recorded->scene;
+	uint32_t segments = (recorded->visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
+	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
+	STILB_ASSERT(recorded->visible_count == 0 || (scene && render->scene.mesh_count == scene->mesh_count &&
+	                                              render->scene.material_count == scene->material_count));
+	(void)pool, (void)scene;
+	return stilb_render_pass_begin(render, recorded->pass, segments);
+}
+
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
 {
-	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
-	STILB_ASSERT(visible_count == 0 || (scene && render->scene.mesh_count == scene->mesh_count &&
-	                                    render->scene.material_count == scene->material_count));
-	uint32_t segments = (visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
-	stilb_result result = stilb_render_pass_begin(render, pass, segments);
+	record_pass recorded = {render, scene, visible, visible_count, pass};
+	stilb_result result = record_begin(&recorded, pool);
 	if (result != STILB_OK)
 		return result;
-	record_pass recorded = {render, scene, visible, visible_count, pass};
-	stilb_job_parallel_for(pool, segments, 1, record_slice, &recorded, worker);
+	stilb_job_parallel_for(pool, render->passes[pass].segment_count, 1, record_slice, &recorded, worker);
+	return stilb_render_pass_end(render, pass);
+}
+
+stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
+                                      const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
+                                      stilb_job_pool *pool, uint32_t worker)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(view && (uint32_t)view->detail.mode <= STILB_RENDER_DETAIL_MORPH && view->show < STILB_RENDER_SHOWS);
+	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES);
+	render_detail_view detail = render_detail_view_make(view, render->device->width, render->device->height);
+	render_pass_lists *lists = &render->passes[pass];
+	if (detail.mode == STILB_RENDER_DETAIL_OFF || visible_count == 0)
+		return stilb_render_record(render, pass, scene, visible, visible_count, pool, worker);
+	if (!record_history_fit(lists, scene->part_count))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u parts", scene->part_count);
+	record_pass_view recorded = {{render, scene, visible, visible_count, pass}, detail, lists->history};
+	stilb_result result = record_begin(&recorded.pass, pool);
+	if (result != STILB_OK)
+		return result;
+	lists->detail = detail.mode;
+	stilb_job_parallel_for(pool, lists->segment_count, 1, record_slice_seen, &recorded, worker);
 	return stilb_render_pass_end(render, pass);
 }

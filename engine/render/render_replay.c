@@ -11,6 +11,7 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 	uint64_t kind = pass->kind == STILB_RENDER_PASS_2D ? RENDER_STATE_2D : 0;
 	lists->run_count = 0;
 	lists->draws = lists->states = 0;
+	lists->kinds = lists->detail == STILB_RENDER_DETAIL_FADE ? 1u << render_state_detail(RENDER_STATE_FADE) : 0;
 	uint32_t most = 0;
 	for (uint32_t s = 0; s < lists->segment_count; s++) {
 		STILB_ASSERT(lists->segments[s].context && "every segment is recorded, an empty one too");
@@ -27,6 +28,7 @@ static stilb_result replay_order(const stilb_render_pass *pass, render_pass_list
 			STILB_ASSERT(run->count > 0 && segment->first_run + r < segment->context->run_count);
 			lists->draws += run->count;
 			lists->states |= run->state;
+			lists->kinds |= 1u << render_state_detail(run->state);
 			if (last && last->first + last->count == run->first && last->state == run->state) {
 				last->count += run->count;
 				continue;
@@ -72,7 +74,7 @@ static bool replay_lists_is_sound(const stilb_render *render, const render_pass_
 			return false;
 		const render_command *command = render_commands(render) + run->first;
 		for (uint32_t c = 0; c < run->count; c++)
-			if (command[c].row >= rows || command[c].instance_count != 1)
+			if (render_command_row(&command[c]) >= rows || command[c].instance_count != 1)
 				return false;
 		draws += run->count;
 		states |= run->state;
@@ -126,6 +128,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stream->run_count = lists->run_count;
 	stream->draws = lists->draws;
 	stream->states = lists->states;
+	stream->kinds = lists->kinds;
 	lists->state = RENDER_LIST_REPLAYED;
 	if (stream->view)
 		replay_keep_view(lists, stream);
@@ -386,8 +389,9 @@ bool render_fault_surface(render_device *device)
 
 /* ---- the hash of the stream -------------------------------------------------------------------------------------- */
 
+/* state: of the draw's run. */
 static uint64_t hash_draw(uint64_t hash, const render_resources *resources, const render_command *command,
-                          const render_row *row)
+                          const render_row *row, uint64_t state)
 {
 	const render_material *materials = (const render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data;
 	float transform[16] = {[15] = 1.0f};
@@ -397,7 +401,9 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 	uint32_t ids[2] = {resources->meshes[row->mesh].name, materials[row->material].name};
 	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
-	return stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
+	hash = stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
+	uint32_t detail = render_command_detail(command) | render_state_detail(state) << 8;
+	return (detail & 0xff) > 0 ? stilb_hash_fnv1a64(hash, &detail, sizeof detail) : hash;
 }
 
 static_assert(sizeof(stilb_render_shading) == 8 * sizeof(uint32_t), "hashed as it is: no padding");
@@ -436,8 +442,9 @@ static uint64_t hash_passes(const stilb_render *render, bool panorama)
 			STILB_ASSERT(run->first + run->count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {
 				const render_command *command = &render_commands(render)[c];
-				STILB_ASSERT(command->row < render->memory[RENDER_MEMORY_ROWS].capacity);
-				hash = hash_draw(hash, &render->resources, command, &render_rows(render)[command->row]);
+				uint32_t row = render_command_row(command);
+				STILB_ASSERT(row < render->memory[RENDER_MEMORY_ROWS].capacity);
+				hash = hash_draw(hash, &render->resources, command, &render_rows(render)[row], run->state);
 			}
 		}
 	}
@@ -457,6 +464,19 @@ uint64_t stilb_render_stream_hash(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	return hash_locked(render, true);
+}
+
+uint64_t stilb_render_triangles(const stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	uint64_t indices = 0;
+	for (uint32_t i = 0; i < render->replayed_count; i++) {
+		const render_pass_lists *lists = &render->passes[render->replayed[i]];
+		for (uint32_t r = 0; lists->kind == STILB_RENDER_PASS_SCENE && r < lists->run_count; r++)
+			for (uint32_t c = lists->runs[r].first; c < lists->runs[r].first + lists->runs[r].count; c++)
+				indices += render_commands(render)[c].index_count;
+	}
+	return indices / 3;
 }
 
 uint64_t render_hash_plain(const stilb_render *render)

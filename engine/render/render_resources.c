@@ -90,9 +90,9 @@ static bool heap_extend(render_heap *heap, uint64_t size)
 	return true;
 }
 
-/* Copies count elements into the first free range that is large enough, else to the end, and marks them dirty. live:
- * the number of resources so far, render_resources.live. */
-static bool heap_add(render_heap *heap, const void *data, uint32_t count, uint32_t live, uint32_t *first)
+/* Takes the first free range of count elements, else extends the heap, and marks it dirty. live: the number of
+ * resources so far, render_resources.live. */
+static bool heap_take(render_heap *heap, uint32_t count, uint32_t live, uint32_t *first)
 {
 	/* Reserved now so that heap_give_back cannot fail: between and around the ranges of `live` resources there are at
 	 * most live + 1 free ones, and the new resource may add one. */
@@ -109,8 +109,13 @@ static bool heap_add(render_heap *heap, const void *data, uint32_t count, uint32
 		return false;
 	}
 	STILB_ASSERT((uint64_t)*first + count <= heap->size && "the range lies in the heap");
-	memcpy(heap->data + (size_t)*first * heap->element, data, (size_t)count * heap->element);
 	return true;
+}
+
+static void heap_copy(render_heap *heap, uint32_t first, const void *data, uint32_t count)
+{
+	STILB_ASSERT((uint64_t)first + count <= heap->size);
+	memcpy(heap->data + (size_t)first * heap->element, data, (size_t)count * heap->element);
 }
 
 static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
@@ -187,6 +192,7 @@ static void *table_reserve(size_t size)
 }
 
 #define TABLE_MESHES (STILB_RENDER_MAX_MESHES * sizeof(render_mesh_slot))
+#define TABLE_LEVELS (STILB_RENDER_MAX_MESHES * sizeof(render_levels *))
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 
@@ -194,6 +200,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 {
 	*resources = (render_resources){
 		.meshes = table_reserve(TABLE_MESHES),
+		.levels = table_reserve(TABLE_LEVELS),
 		.materials = table_reserve(TABLE_MATERIALS),
 		.textures = table_reserve(TABLE_TEXTURES),
 		.indices = {[RENDER_RESOURCE_MESH] = {.capacity = STILB_RENDER_MAX_MESHES},
@@ -206,8 +213,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	resources->lock_made = stilb_lock_init(&resources->lock);
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
-	if (!resources->meshes || !resources->materials || !resources->textures || !resources->lock_made ||
-	    (keep_pictures && !resources->pictures))
+	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures ||
+	    !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -220,7 +227,10 @@ static void table_free(void *table, size_t size)
 
 void render_resources_destroy(render_resources *resources)
 {
+	for (uint32_t m = 0; resources->levels && m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++)
+		free(resources->levels[m]);
 	table_free(resources->meshes, TABLE_MESHES);
+	table_free(resources->levels, TABLE_LEVELS);
 	table_free(resources->materials, TABLE_MATERIALS);
 	table_free(resources->textures, TABLE_TEXTURES);
 	for (int h = 0; h < RENDER_HEAPS; h++) {
@@ -263,35 +273,80 @@ static stilb_result mesh_check(const stilb_scene_mesh *mesh)
 		if (mesh->indices[i] >= mesh->vertex_count)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "index %u of a mesh is vertex %u, but it has %u vertices", i,
 			                  mesh->indices[i], mesh->vertex_count);
-	return STILB_OK;
+	return render_levels_check(mesh);
 }
 
-/* False: no memory or no id; then nothing has changed. */
-static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t *handle)
+/* Takes ranges in the heaps for so many vertices and indices. False: no memory, nothing has changed. */
+static bool mesh_take(render_resources *resources, uint32_t vertices, uint32_t indices, render_range out[2])
 {
-	render_heap *vertices = &resources->heaps[RENDER_HEAP_VERTICES], *indices = &resources->heaps[RENDER_HEAP_INDICES];
+	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
+	out[0].count = vertices;
+	out[1].count = indices;
+	if (!heap_take(heap, vertices, resources->live, &out[0].first))
+		return false;
+	if (heap_take(&resources->heaps[RENDER_HEAP_INDICES], indices, resources->live, &out[1].first))
+		return true;
+	heap_give_back(heap, out[0].first, vertices);
+	return false;
+}
+
+/* Takes ranges for a mesh with levels, copies it there, and moves its levels' places there. */
+static bool mesh_place_levels(render_resources *resources, const render_levels_data *data, bool pairs,
+                              render_range ranges[2])
+{
+	render_levels *levels = data->levels;
+	/* One more vertex, so that the pairs can begin at an even place. */
+	if (!mesh_take(resources, data->vertex_count + pairs, data->index_count, ranges))
+		return false;
+	uint32_t first_vertex = ranges[0].first + (pairs & ranges[0].first & 1);
+	heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], first_vertex, data->vertices, data->vertex_count);
+	heap_copy(&resources->heaps[RENDER_HEAP_INDICES], ranges[1].first, data->indices, data->index_count);
+	render_level *level = (render_level *)render_levels_level(levels);
+	for (uint32_t l = 0; l <= levels->count + levels->morphs * levels->count; l++) {
+		level[l].first_index += ranges[1].first;
+		level[l].vertex_offset = (int32_t)first_vertex;
+	}
+	levels->first_vertex = ranges[0].first;
+	levels->heap_vertices = ranges[0].count;
+	levels->first_index = ranges[1].first;
+	levels->heap_indices = ranges[1].count;
+	return true;
+}
+
+/* data: of a mesh with levels, which it takes over, else NULL. False: no memory or no id; then nothing has changed. */
+static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, const render_levels_data *data,
+                     uint32_t *handle)
+{
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
-	uint32_t live = resources->live, index, first_vertex, first_index;
+	uint32_t index;
+	render_range ranges[2];
+	render_level full;
 	if (!resource_reserve(resources) || !index_take(ids, &index))
 		return false;
-	if (!heap_add(vertices, mesh->vertices, mesh->vertex_count, live, &first_vertex)) {
+	bool placed = data ? mesh_place_levels(resources, data, data->levels->morphs > 0, ranges)
+	                   : mesh_take(resources, mesh->vertex_count, mesh->index_count, ranges);
+	if (!placed) {
 		index_give_back(ids, index);
 		return false;
 	}
-	if (!heap_add(indices, mesh->indices, mesh->index_count, live, &first_index)) {
-		heap_give_back(vertices, first_vertex, mesh->vertex_count);
-		index_give_back(ids, index);
-		return false;
+	if (data) {
+		full = *render_levels_level(data->levels);
+	} else {
+		heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], ranges[0].first, mesh->vertices, mesh->vertex_count);
+		heap_copy(&resources->heaps[RENDER_HEAP_INDICES], ranges[1].first, mesh->indices, mesh->index_count);
+		full = (render_level){mesh->index_count, 1, ranges[1].first, (int32_t)ranges[0].first};
 	}
+	resources->levels[index] = data ? data->levels : NULL;
 	render_mesh_slot *slot = &resources->meshes[index];
 	*slot = (render_mesh_slot){
-		.first_index = first_index,
-		.index_count = mesh->index_count,
+		.first_index = full.first_index,
+		.index_count = full.index_count,
 		.instance_count = 1,
-		.vertex_offset = (int32_t)first_vertex,
+		.vertex_offset = full.vertex_offset,
 		.vertex_count = mesh->vertex_count,
 		.generation = slot->generation ? slot->generation : 1,
 		.name = index,
+		.has_levels = data ? 1 : 0,
 	};
 	resources->live++;
 	*handle = handle_make(slot->generation, index);
@@ -302,14 +357,20 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 {
 	STILB_ASSERT(mesh && out);
 	render_resources *resources = &render->resources;
+	render_levels_data data = {.vertices = mesh->vertices};
 	*out = (stilb_render_mesh){0};
 	stilb_result result = mesh_check(mesh);
 	if (result != STILB_OK)
 		return result;
+	if (mesh->level_count > 0 && !render_levels_make(mesh, resources->morph, &data))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u vertices", mesh->vertex_count);
 	stilb_lock_take(&resources->lock);
-	if (!mesh_add(resources, mesh, &out->id))
+	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, &out->id)) {
+		free(data.levels);
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
+	}
 	stilb_lock_give(&resources->lock);
+	render_levels_finish(&data, mesh);
 	return result;
 }
 
@@ -327,6 +388,7 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	const render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
 	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
 	STILB_ASSERT(count > 0 && first <= slot->vertex_count && count <= slot->vertex_count - first);
+	STILB_ASSERT(!slot->has_levels && "whose errors would hold no longer");
 	stilb_lock_take(&resources->lock);
 	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
@@ -644,7 +706,13 @@ static void resource_release(stilb_render *render, render_retired retired)
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->live > 0);
 	const render_mesh_slot *mesh = &resources->meshes[retired.index];
-	if (retired.kind == RENDER_RESOURCE_MESH) {
+	if (retired.kind == RENDER_RESOURCE_MESH && mesh->has_levels) {
+		const render_levels *levels = resources->levels[retired.index];
+		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], levels->first_vertex, levels->heap_vertices);
+		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], levels->first_index, levels->heap_indices);
+		free(resources->levels[retired.index]);
+		resources->levels[retired.index] = NULL;
+	} else if (retired.kind == RENDER_RESOURCE_MESH) {
 		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], (uint32_t)mesh->vertex_offset, mesh->vertex_count);
 		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], mesh->first_index, mesh->index_count);
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {

@@ -19,7 +19,15 @@
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
 
-/* A mesh's ranges in the vertex and index heaps. Its draws copy the first 16 bytes into their render_command. */
+/* A level of a mesh: what its draws copy into the first 16 bytes of their render_command. */
+typedef struct render_level {
+	_Alignas(16) uint32_t index_count;
+	uint32_t instance_count; /* 1 */
+	uint32_t first_index;
+	int32_t vertex_offset;
+} render_level;
+
+/* A mesh's ranges in the vertex and index heaps. It begins with the render_level of the mesh in full. */
 typedef struct render_mesh_slot {
 	_Alignas(32) uint32_t index_count;
 	uint32_t instance_count; /* 1 */
@@ -28,7 +36,42 @@ typedef struct render_mesh_slot {
 	uint32_t vertex_count;
 	uint32_t generation; /* equals the high 8 bits of a valid handle; 0: the slot was never used */
 	uint32_t name;       /* what the stream hash and dumps call it: its id in the scene, else its index here */
+	uint32_t has_levels; /* 1: render_resources.levels has an entry for it */
 } render_mesh_slot;
+
+static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
+
+/* The levels of a mesh; constant from its creation to its release. Behind it lie float squared[4 * groups], the squares
+ * of the levels' errors, ascending, and infinite beyond them; then render_level level[count + 1], of which the first is
+ * the mesh in full; then with morphs render_level morph[count]; then uint32_t vertices[count], how many of the mesh's
+ * first vertices each level uses. Indices lie in the heap in the order of the levels.
+ *
+ * With morphs, the mesh's vertices lie in the heap in pairs, from an even place on: the vertex, and where it morphs to.
+ * Indices of a level name the first of a pair. morph[l] has the triangles of level[l], but names the second one for
+ * vertices that level[l + 1] does not use. */
+typedef struct render_levels {
+	_Alignas(16) uint32_t count;                                     /* without the mesh in full */
+	uint32_t groups, morphs;                                         /* 0: without morph, else 1 */
+	uint32_t first_vertex, heap_vertices, first_index, heap_indices; /* its ranges in the heaps */
+	uint32_t unused;
+} render_levels;
+
+static_assert(sizeof(render_levels) == 32, "what lies behind it is aligned");
+
+static inline const float *render_levels_squared(const render_levels *levels)
+{
+	return (const float *)(levels + 1);
+}
+
+static inline const render_level *render_levels_level(const render_levels *levels)
+{
+	return (const render_level *)(render_levels_squared(levels) + (size_t)4 * levels->groups);
+}
+
+static inline const uint32_t *render_levels_vertices(const render_levels *levels)
+{
+	return (const uint32_t *)(render_levels_level(levels) + 1 + levels->count + levels->morphs * (size_t)levels->count);
+}
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */
 typedef struct render_material {
@@ -103,6 +146,8 @@ typedef struct render_retired {
 typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
+	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
+	bool morph;               /* stilb_render_desc.morph */
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 24 texture, 0: none */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
@@ -126,6 +171,21 @@ typedef struct render_resources {
 /* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). After
  * STILB_ERROR_MEMORY render_resources_destroy must still be called. */
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
+
+/* render_levels.c: what a mesh with levels puts into the heaps. */
+typedef struct render_levels_data {
+	stilb_scene_vertex *vertices; /* [vertex_count] in pairs with morph; else the mesh's own */
+	uint32_t *indices;            /* [index_count] */
+	uint32_t vertex_count, index_count;
+	render_levels *levels; /* whose places count from the beginning of the mesh's ranges */
+} render_levels_data;
+
+/* Makes it of a checked mesh that has levels. False: no memory. */
+bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data);
+/* Frees it without the levels. Accepts {0}. */
+void render_levels_finish(render_levels_data *data, const stilb_scene_mesh *mesh);
+/* STILB_ERROR_ARGUMENT: the mesh's levels do not name vertices and indices that there are. */
+stilb_result render_levels_check(const stilb_scene_mesh *mesh);
 /* Accepts a zeroed struct too. */
 void render_resources_destroy(render_resources *resources);
 

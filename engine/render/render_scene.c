@@ -176,6 +176,9 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 void render_scene_replace(stilb_render *render, render_scene *next)
 {
 	render_scene_destroy(render, &render->scene);
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		if (render->passes[p].history_capacity > 0)
+			memset(render->passes[p].history, 0, render->passes[p].history_capacity * sizeof(uint16_t));
 	render_panorama_renew(&render->panorama);
 	render->scene = *next;
 }

@@ -8,7 +8,8 @@
 typedef struct sort_item {
 	uint64_t key;
 	uint32_t command; /* index among the frame's commands */
-	uint32_t texture; /* index of the material's texture when the draw was recorded; it may be destroyed by now */
+	uint32_t texture; /* index of the material's texture when the draw was recorded; it may be destroyed by now; and
+	                     above it the state's RENDER_STATE_DETAIL bits */
 } sort_item;
 
 /* Digits have at most 8 bits, and at most 12 when there are so many items that fewer passes are worth a larger table,
@@ -59,12 +60,21 @@ static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t coun
 	return items;
 }
 
+#define SORT_DETAIL_SHIFT 24u /* in sort_item.texture */
+
+/* The state's bits RENDER_STATE_DETAIL, moved to the lowest places. */
+static uint32_t sort_detail(uint64_t state)
+{
+	return (uint32_t)((state & RENDER_STATE_DETAIL) / RENDER_STATE_FADE);
+}
+
 /* Lists the pass's draws in recorded order. */
 static void sort_gather(const render_command *commands, const render_pass_lists *lists, sort_item *items)
 {
 	for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
 		for (uint32_t c = run->first; c < run->first + run->count; c++)
-			*items++ = (sort_item){commands[c].key, c, render_state_texture(run->state)};
+			*items++ = (sort_item){commands[c].key, c,
+			                       render_state_texture(run->state) | sort_detail(run->state) << SORT_DETAIL_SHIFT};
 }
 
 /* Claims count commands behind the frame's commands; *first is the index of the first. */
@@ -94,7 +104,8 @@ static bool sort_place(stilb_render *render, render_pass_lists *lists, const sor
 	for (uint32_t i = 0; i < count; i++) {
 		STILB_ASSERT(items[i].command < first && (i == 0 || items[i - 1].key <= items[i].key));
 		const render_command *command = &commands[items[i].command];
-		uint64_t state = render_state(items[i].texture, command->material, mask);
+		uint64_t detail = (items[i].texture >> SORT_DETAIL_SHIFT) * RENDER_STATE_FADE;
+		uint64_t state = render_state(items[i].texture, command->material, mask) | detail;
 		commands[first + i] = *command;
 		if (!run || run->state != state) {
 			if (!render_reserve((void **)&lists->runs, &lists->run_capacity, lists->run_count + 1, sizeof *run))

@@ -131,7 +131,9 @@ static void only_changes_are_uploaded(void **state)
 	stilb_mat4 place = script_place(&script);
 	stilb_image same = script_image(&script, 8);
 	uint32_t vertices = scene->meshes[0].vertex_count + scene->meshes[1].vertex_count;
-	uint32_t indices = scene->meshes[0].index_count + scene->meshes[1].index_count;
+	uint32_t indices = 0;
+	for (uint32_t m = 0; m < 2; m++)
+		indices += scene->meshes[m].index_count + scene->meshes[m].level_index_count;
 	real = device->functions;
 	counting.update = count_update;
 	device->functions = &counting;

@@ -191,12 +191,12 @@ static void test_bad_files(void **state)
 	(void)state;
 	stilb_good(NULL_DEMO "--models 3 --dump good.dump");
 	long size = file_bytes("good.dump");
-	const long sizes[] = {1, 8, 50, 112, 1000, size / 2, size - 8, size - 1};
+	const long sizes[] = {1, 8, 50, 120, 1000, size / 2, size - 8, size - 1};
 	copy_file("good.dump", "bad.dump", 0);
 	assert_bad("bad.dump", "empty");
 	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 		copy_file("good.dump", "bad.dump", sizes[i]);
-		assert_bad("bad.dump", sizes[i] < 112 ? "header" : "truncated");
+		assert_bad("bad.dump", sizes[i] < 120 ? "header" : "truncated");
 	}
 	assert_int_equal(system("cat good.dump good.dump > bad.dump"), 0);
 	assert_bad("bad.dump", "continues after its last byte");

@@ -481,7 +481,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 3"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 4"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -507,6 +507,8 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(lights), 4, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(backdrop_bytes), 8, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(backdrop_bytes), UINT32_MAX, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(levels), 2, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(unused), 1, "header: its unused"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x43000000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
@@ -540,13 +542,20 @@ static const struct damage {
 	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},
 	{RENDER_DUMP_MESHES, 4, UINT32_MAX, "mesh 0: its 4294967295 vertices"},
+	{RENDER_DUMP_MESHES, 8, 0x7fffffff, "mesh 0: its 2147483647 indices of level 0 go beyond"},
+	{RENDER_DUMP_MESHES, 12, 1, "mesh 0: level 1 has "},
+	{RENDER_DUMP_MESHES, 12, 0x80000000, "mesh 0: "},
 	{RENDER_DUMP_MESHES, 20, 43, "mesh 1: its 43 vertices"},
-	{RENDER_DUMP_MESHES, 24, 3, "indices, but meshes have"},
+	{RENDER_DUMP_MESHES, 24, 3, "mesh 1: index 0 of level 1 is vertex"},
 	{RENDER_DUMP_DRAWS, 64 + 8, 2, "draw 1: mesh 2 and material"},
-	{RENDER_DUMP_DRAWS, 12, UINT32_MAX, "draw 0: mesh 0 and material 4294967295"},
+	{RENDER_DUMP_DRAWS, 12, UINT32_MAX, "draw 0: mesh 0 and material 16777215"},
+	{RENDER_DUMP_DRAWS, 8, 1 << 20, "draw 0: mesh 0 cannot be drawn in level 1"},
+	{RENDER_DUMP_DRAWS, 8, 1 << 26, "cannot be drawn in level 0 with detail 1 of kind 0"},
+	{RENDER_DUMP_DRAWS, 12, 4 << 24, "with detail 0 of kind 4"},
+	{RENDER_DUMP_DRAWS, 12, 1 << 24, "with detail 0 of kind 1"},
 	{RENDER_DUMP_DRAWS, 2 * 64 + 60, 0x7f800001, "draw 2: its transform"},
 	{RENDER_DUMP_VERTICES, 4, 0x7f800000, "mesh 0: a vertex is not finite"},
-	{RENDER_DUMP_INDICES, 8, 4, "mesh 0: index 2 is vertex 4, but it has 4"},
+	{RENDER_DUMP_INDICES, 8, 4, "mesh 0: index 2 of level 0 is vertex 4, but it has 4"},
 };
 
 static void the_message_names_the_place(void **state)

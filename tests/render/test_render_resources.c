@@ -210,7 +210,13 @@ static void assert_heap(const render_resources *resources, render_heap_kind kind
 		mark(marks, heap->size, heap->free.items[r].first, heap->free.items[r].count);
 	for (uint32_t m = 0; m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++) {
 		const render_mesh_slot *slot = &resources->meshes[m];
-		if (used[m] && kind == RENDER_HEAP_VERTICES)
+		const render_levels *levels = resources->levels[m];
+		assert_true(!used[m] || !levels == !slot->has_levels);
+		if (used[m] && levels && kind == RENDER_HEAP_VERTICES)
+			mark(marks, heap->size, levels->first_vertex, levels->heap_vertices);
+		else if (used[m] && levels)
+			mark(marks, heap->size, levels->first_index, levels->heap_indices);
+		else if (used[m] && kind == RENDER_HEAP_VERTICES)
 			mark(marks, heap->size, (uint32_t)slot->vertex_offset, slot->vertex_count);
 		else if (used[m])
 			mark(marks, heap->size, slot->first_index, slot->index_count);

@@ -409,9 +409,10 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 	assert_int_equal(device_of(&s)->shading_count, 0);
 	draw_and_drop(&s, &shading);
 	assert_int_equal(device_of(&s)->shading_count, 1);
-	VkPipeline made = device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY];
+	VkPipeline made = device_of(&s)->shadings[0]->pipelines[0][0][VULKAN_PIPELINE_ANY].handle;
 	assert_true(made != VK_NULL_HANDLE);
-	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] == VK_NULL_HANDLE); /* no textures */
+	/* There are no textures. */
+	assert_true(device_of(&s)->shadings[0]->pipelines[0][1][VULKAN_PIPELINE_ANY].handle == VK_NULL_HANDLE);
 	shading.ndf = shading.g = shading.f = 1; /* not read: the model is no microfacet one */
 	shading.roughness = 0.5f;                /* not part of the pipeline */
 	draw_and_drop(&s, &shading);
@@ -422,7 +423,7 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 			draw_and_drop(&s, &shading);
 		}
 	assert_int_equal(device_of(&s)->shading_count, 1 + SHADE_G_COUNT);
-	assert_true(device_of(&s)->shadings[0].pipelines[0][VULKAN_PIPELINE_ANY] == made);
+	assert_true(device_of(&s)->shadings[0]->pipelines[0][0][VULKAN_PIPELINE_ANY].handle == made);
 	stage_finish(&s);
 }
 
@@ -454,7 +455,7 @@ static void textures_have_pipelines_of_their_own(void **state)
 	assert_int_equal(stilb_render_read_image(s.render, &image), STILB_OK);
 	assert_as_in_c(&image, &shading); /* white changes nothing */
 	assert_int_equal(device_of(&s)->shading_count, 1);
-	assert_true(device_of(&s)->shadings[0].pipelines[1][VULKAN_PIPELINE_ANY] != VK_NULL_HANDLE);
+	assert_true(device_of(&s)->shadings[0]->pipelines[0][1][VULKAN_PIPELINE_ANY].handle != VK_NULL_HANDLE);
 	stilb_image_finish(&image);
 	stage_finish(&s);
 }

@@ -75,6 +75,13 @@ static inline stilb_result gpu_mesh_create(stilb_render *render, uint32_t number
 	                           .indices = indices,
 	                           .vertex_count = gpu_thing_vertices(number),
 	                           .index_count = gpu_thing_indices(number)};
+	stilb_scene_level level = {0, 3, source.vertex_count, 1.0f};
+	if (number % 3 == 0) { /* some have a level, of their first triangle */
+		source.level_count = 1;
+		source.level_index_count = 3;
+		source.levels = &level;
+		source.level_indices = indices;
+	}
 	return stilb_render_mesh_create(render, &source, mesh);
 }
 

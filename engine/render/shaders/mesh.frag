@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "mesh.glsl"
+#include "fade.glsl"
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_surface.h"
 #include "../../shading/shade_tonemap.h"
@@ -25,7 +26,7 @@ const bool lights_one = (lights & 1024u) != 0;  // the list has one light
 
 layout(location = 0) in vec3 world_position;
 layout(location = 1) in vec3 world_normal;
-layout(location = 2) flat in uint material_index;
+layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
 
 #ifdef MESH_TEXTURE
 layout(location = 3) in vec2 surface_uv;
@@ -38,12 +39,18 @@ layout(set = 1, binding = 0, std430) readonly buffer Bound { Material material; 
 
 layout(location = 0) out vec4 color;
 
+uint material_index()
+{
+	bool both = detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW;
+	return both ? material_word & ((1u << DETAIL_MATERIAL_SHIFT) - 1u) : material_word;
+}
+
 Material stored_material()
 {
 #ifdef MESH_BIND
 	return bound.material;
 #else
-	return push.materials.materials[material_index];
+	return push.materials.materials[material_index()];
 #endif
 }
 
@@ -171,8 +178,29 @@ vec3 seen_normal(vec3 n, vec3 to_camera)
 	return lacking > 0.0 ? normalize(n + to_camera * lacking) : n;
 }
 
+// Of 32 draws' fades the pixel shows those from a threshold on, and else what gives way to them.
+bool is_faded_out()
+{
+	uint detail = material_word >> DETAIL_MATERIAL_SHIFT;
+	uint shown = detail & 31u;
+	bool there = fade_threshold(uvec2(gl_FragCoord.xy)) < 2u * shown;
+	return there == (detail >= 32u);
+}
+
+// A colour for each level of detail, lit from the viewer.
+vec3 level_color(vec3 n, vec3 to_camera)
+{
+	const vec3 colors[7] = vec3[7](vec3(0.9), vec3(0.8, 0.08, 0.05), vec3(0.9, 0.35, 0.03), vec3(0.8, 0.7, 0.05),
+		vec3(0.1, 0.6, 0.1), vec3(0.05, 0.25, 0.85), vec3(0.45, 0.1, 0.75));
+	uint level = material_word >> DETAIL_MATERIAL_SHIFT;
+	vec3 color = level == 0u ? vec3(0.25) : level == 1u ? colors[0] : colors[1u + (level - 2u) % 6u];
+	return color * (0.35 + 0.65 * abs(dot(n, to_camera)));
+}
+
 void main()
 {
+	if (detail_kind == DETAIL_FADE && is_faded_out())
+		discard;
 	shade_brdf_model model = {brdf, ndf, g, f};
 	Material stored = stored_material();
 	shade_material material = material_here(stored);
@@ -190,7 +218,9 @@ void main()
 		radiance += stored.emission_wrap.xyz;
 	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
-	if (drawn != 0 && (material_index & 1) != drawn - 1)
+	if (detail_kind == DETAIL_SHOW)
+		radiance = level_color(n, to_camera);
+	if (drawn != 0 && (material_index() & 1) != drawn - 1)
 		radiance = vec3(0.0);
 	if (tone_map)
 		radiance = shade_tonemap(radiance * push.view.exposure, SHADE_TONEMAP_A, SHADE_TONEMAP_B);

@@ -40,8 +40,21 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec2 turn; // sine and cosine of its rotation
 };
 
+// The heap of vertices, two of these for each: position and normal's x; normal's y and z, uv.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vertices { vec4 halves[]; };
+
 layout(push_constant, std430) uniform Push {
 	View view;
 	Rows rows;
 	Materials materials;
+	Vertices vertices;
 } push;
+
+// What the high bits of a draw's row word mean (render_internal.h, RENDER_DETAIL_SHIFT).
+#define DETAIL_NONE 0u
+#define DETAIL_FADE 1u
+#define DETAIL_MORPH 2u
+#define DETAIL_SHOW 3u
+layout(constant_id = 7) const uint detail_kind = DETAIL_NONE;
+#define DETAIL_SHIFT 26
+#define DETAIL_MATERIAL_SHIFT 24 // where they are in the material's index that the fragment shader gets

@@ -16,18 +16,40 @@ layout(location = 3) out vec2 surface_uv;
 
 void main()
 {
-	// gl_InstanceIndex is the draw's firstInstance, the index of its row.
-	Row row = push.rows.rows[gl_InstanceIndex];
-	vec4 p = vec4(position, 1.0);
+	// gl_InstanceIndex is the draw's firstInstance: the index of its row, and above it how it fades or morphs.
+	uint word = uint(gl_InstanceIndex);
+	uint detail = detail_kind == DETAIL_NONE ? 0u : word >> DETAIL_SHIFT;
+	Row row = push.rows.rows[detail_kind == DETAIL_NONE ? word : word & ((1u << DETAIL_SHIFT) - 1u)];
+	vec3 place = position;
+	vec3 n = normal;
+#ifdef MESH_TEXTURE
+	vec2 t = uv;
+#endif
+	if (detail_kind == DETAIL_MORPH && detail > 0u) {
+		// The attributes are those of a pair that the index names (render_levels): of its second one if the vertex
+		// moves. Its first one is where it comes from.
+		uint first = 2u * (uint(gl_VertexIndex) & ~1u);
+		vec4 low = push.vertices.halves[first];
+		vec4 high = push.vertices.halves[first + 1u];
+		float gone = float(detail) / 64.0;
+		place = mix(low.xyz, place, gone);
+		n = mix(vec3(low.w, high.xy), n, gone);
+#ifdef MESH_TEXTURE
+		t = mix(high.zw, t, gone);
+#endif
+	}
+	vec4 p = vec4(place, 1.0);
 	world_position = vec3(dot(row.transform[0], p), dot(row.transform[1], p), dot(row.transform[2], p));
 
 	// Normals are transformed by the cofactor matrix, which is right also for nonuniform scale.
 	vec3 x = row.transform[0].xyz, y = row.transform[1].xyz, z = row.transform[2].xyz;
-	world_normal = vec3(dot(cross(y, z), normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
+	world_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
 
 	material = row.material;
+	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
+		material |= detail << DETAIL_MATERIAL_SHIFT;
 #ifdef MESH_TEXTURE
-	surface_uv = uv;
+	surface_uv = t;
 #endif
 	gl_Position = push.view.view_projection * vec4(world_position, 1.0);
 }

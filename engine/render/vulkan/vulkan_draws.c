@@ -33,6 +33,7 @@ static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 		.view = slot->views.address + device->pass * sizeof(vulkan_view),
 		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
+		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
 	};
 	vkCmdPushConstants(commands, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);

@@ -52,7 +52,7 @@ static_assert(sizeof(vulkan_view) == 160, "std430");
 
 /* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {
-	VkDeviceAddress view, rows, materials;
+	VkDeviceAddress view, rows, materials, vertices;
 } vulkan_push;
 
 /* Push constants of 2D passes (shaders/flat.vert). */
@@ -164,10 +164,10 @@ typedef struct vulkan_pipeline {
 	bool making;       /* a thread compiles it */
 } vulkan_pipeline;
 
-/* The mesh pipelines of one choice of formulas, [0] without and [1] with a texture. */
+/* The mesh pipelines of one choice of formulas, by render_state_detail, and [0] without and [1] with a texture. */
 typedef struct vulkan_shading {
 	uint32_t formulas[VULKAN_FORMULAS];
-	vulkan_pipeline pipelines[2][VULKAN_PIPELINE_MATERIALS];
+	vulkan_pipeline pipelines[RENDER_DETAIL_KINDS][2][VULKAN_PIPELINE_MATERIALS];
 } vulkan_shading;
 
 typedef struct vulkan_swapchain {

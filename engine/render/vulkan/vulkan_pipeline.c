@@ -267,10 +267,18 @@ static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stag
 	};
 }
 
-/* Values of the fragment shader's specialization constants. */
+/* Which of a choice's pipelines. */
+typedef struct pipeline_variant {
+	uint32_t detail; /* render_state_detail */
+	bool texture;
+	vulkan_pipeline_materials materials;
+} pipeline_variant;
+
+/* Values of the mesh shaders' specialization constants; the vertex shader has `detail` alone. */
 typedef struct pipeline_constants {
 	VkBool32 tone_map;
 	uint32_t materials; /* a vulkan_pipeline_materials */
+	uint32_t detail;    /* a pipeline_variant's */
 	uint32_t formulas[VULKAN_FORMULAS];
 } pipeline_constants;
 
@@ -280,7 +288,8 @@ typedef struct pipeline_constants {
 		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
 	}
 
-static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS] = {
+static const VkSpecializationMapEntry pipeline_constant_map[3 + VULKAN_FORMULAS] = {
+	{.constantID = 7, .offset = offsetof(pipeline_constants, detail), .size = sizeof(uint32_t)},
 	{.constantID = 0, .offset = offsetof(pipeline_constants, tone_map), .size = sizeof(VkBool32)},
 	{.constantID = 1, .offset = offsetof(pipeline_constants, materials), .size = sizeof(uint32_t)},
 	PIPELINE_FORMULA(VULKAN_FORMULA_BRDF),
@@ -293,22 +302,22 @@ static const VkSpecializationMapEntry pipeline_constant_map[2 + VULKAN_FORMULAS]
 /* A mesh pipeline. */
 typedef struct pipeline_wanted {
 	const uint32_t *formulas; /* [VULKAN_FORMULAS] */
-	bool texture;
-	vulkan_pipeline_materials materials;
+	pipeline_variant variant;
 } pipeline_wanted;
 
 static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipeline *pipeline)
 {
 	const pipeline_wanted *wanted = what;
 	const uint32_t *formulas = wanted->formulas;
-	bool texture = wanted->texture;
-	vulkan_pipeline_materials materials = wanted->materials;
+	bool texture = wanted->variant.texture;
 	STILB_ASSERT(device->mesh_modules[texture][0] && device->mesh_modules[texture][1]);
-	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY, .materials = materials};
+	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY,
+	                                .materials = wanted->variant.materials,
+	                                .detail = wanted->variant.detail};
 	memcpy(constants.formulas, formulas, VULKAN_FORMULAS * sizeof *formulas);
-	VkSpecializationInfo specialization = {2 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
+	VkSpecializationInfo specialization = {3 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
 	VkPipelineShaderStageCreateInfo stages[2] = {
-		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], NULL),
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], &specialization),
 		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, device->mesh_modules[texture][1], &specialization),
 	};
 	VkPipelineRasterizationStateCreateInfo sides = rasterization;
@@ -352,20 +361,22 @@ static VkResult mesh_modules_make(vulkan_device *device, bool texture)
 
 /* ---- one set of mesh pipelines for each choice of formulas ------------------------------------------------------- */
 
-static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, bool texture,
-                                 vulkan_pipeline_materials materials)
+static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, pipeline_variant variant)
 {
-	pipeline_wanted wanted = {shading->formulas, texture, materials};
-	return vulkan_pipeline_once(device, &shading->pipelines[texture][materials], pipeline_make, &wanted);
+	pipeline_wanted wanted = {shading->formulas, variant};
+	return vulkan_pipeline_once(device, &shading->pipelines[variant.detail][variant.texture][variant.materials],
+	                            pipeline_make, &wanted);
 }
 
 /* Makes the pipelines that device->base.materials needs and that do not exist yet. */
-static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, bool texture)
+static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, uint32_t detail, bool texture)
 {
 	if (device->base.materials != STILB_RENDER_MATERIALS_PIPELINE)
-		return shading_make_one(device, shading, texture, VULKAN_PIPELINE_ANY);
-	VkResult result = shading_make_one(device, shading, texture, VULKAN_PIPELINE_EVEN);
-	return result == VK_SUCCESS ? shading_make_one(device, shading, texture, VULKAN_PIPELINE_ODD) : result;
+		return shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_ANY});
+	VkResult result = shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_EVEN});
+	return result == VK_SUCCESS
+	           ? shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_ODD})
+	           : result;
 }
 
 /* A new entry for these formulas, without pipelines; NULL: no memory. */
@@ -398,15 +409,16 @@ static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formul
 
 static void shading_destroy(const vulkan_device *device, vulkan_shading *shading)
 {
-	for (int texture = 0; texture < 2; texture++)
-		for (int m = 0; m < VULKAN_PIPELINE_MATERIALS; m++)
-			vkDestroyPipeline(device->device, shading->pipelines[texture][m].handle, device->allocator);
+	const vulkan_pipeline *pipelines = &shading->pipelines[0][0][0];
+	for (size_t p = 0; p < sizeof shading->pipelines / sizeof *pipelines; p++)
+		vkDestroyPipeline(device->device, pipelines[p].handle, device->allocator);
 	free(shading);
 }
 
-/* The entry for what a view needs, with its pipelines without a texture, and with one if `textured`. [any-thread] */
+/* The entry for what a view needs, with its pipelines of these kinds (render_stream.kinds), without a texture, and with
+ * one if `textured`. [any-thread] */
 static stilb_result shading_ready(vulkan_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                  bool textured, vulkan_shading **ready)
+                                  uint32_t kinds, bool textured, vulkan_shading **ready)
 {
 	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
@@ -423,15 +435,16 @@ static stilb_result shading_ready(vulkan_device *device, const stilb_render_shad
 	if (!*ready)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
 	VkResult result = VK_SUCCESS;
-	for (int texture = 0; texture <= textured && result == VK_SUCCESS; texture++)
-		result = shading_make(device, *ready, texture);
+	for (uint32_t variant = 0; variant < 2 * RENDER_DETAIL_KINDS && result == VK_SUCCESS; variant++)
+		if ((kinds >> variant / 2 & 1u) != 0 && (textured || (variant & 1u) == 0))
+			result = shading_make(device, *ready, variant / 2, variant & 1u);
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
 }
 
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
 {
 	vulkan_shading *shading = NULL;
-	stilb_result result = shading_ready(device, &stream->view->shading, stream->light_bits,
+	stilb_result result = shading_ready(device, &stream->view->shading, stream->light_bits, stream->kinds,
 	                                    render_state_texture(stream->states) != 0, &shading);
 	if (shading)
 		device->shading = shading;
@@ -442,7 +455,7 @@ stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, 
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_shading *shading;
-	stilb_result result = shading_ready(device, &view->shading, light_bits, true, &shading);
+	stilb_result result = shading_ready(device, &view->shading, light_bits, render_view_kinds(view), true, &shading);
 	bool nothing = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
 	return result == STILB_OK && !nothing ? vulkan_backdrop_make(device) : result;
 }
@@ -542,7 +555,8 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 		                                                               : VULKAN_PIPELINE_2D_FLAT];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
-	VkPipeline pipeline = device->shading->pipelines[render_state_texture(state) != 0][materials].handle;
+	bool texture = render_state_texture(state) != 0;
+	VkPipeline pipeline = device->shading->pipelines[render_state_detail(state)][texture][materials].handle;
 	STILB_ASSERT(pipeline && "vulkan_pipeline_choose has made it");
 	return pipeline;
 }

@@ -1,0 +1,97 @@
+/*
+ * Which level of a mesh is drawn, and how far a transition has come. Inside render/.
+ *
+ * Sizes.    The nearest point of a model's sphere is `near` metres from the camera, where a metre takes pixels / near
+ *           pixels. A level whose error is e metres in its mesh's space, in a part whose transform stretches by at most
+ *           s, may be drawn if e s pixels / near <= error. Both sides are squared: e^2 s^2 <= room, with
+ *           room = (near error / pixels)^2, which is computed once a model, four models at a time.
+ * History.  16 bits a part: bits 0..5 1 + the level that is drawn, bits 6..11 1 + the level that gives way to it, bits
+ *           12..15 in how many sixteenths of the pixels it is drawn already; 0 in both if nothing fades, and 0 in all
+ *           if the part was never drawn. Each is written by the worker that records the part.
+ * Row word. What the shaders get to know of it rides above the row's number in the word that the GPU reads as
+ *           firstInstance: see RENDER_DETAIL_SHIFT.
+ */
+#ifndef STILB_RENDER_DETAIL_H
+#define STILB_RENDER_DETAIL_H
+
+#include "render/render_internal.h"
+
+#include <math.h>
+
+/* What is the same for all models of a pass. */
+typedef struct render_detail_view {
+	stilb_render_detail_mode mode;
+	bool shows;        /* levels, in colours */
+	float position[3]; /* of the camera */
+	float near;        /* metres, of the near plane, > 0 */
+	float scale;       /* (error / pixels)^2 */
+	float constant;    /* > 0: the room of all models, of a view without perspective */
+} render_detail_view;
+
+/* The view's camera and bound for a picture of this size. */
+render_detail_view render_detail_view_make(const stilb_render_view *view, uint32_t width, uint32_t height);
+
+/* Room of models ids[0 .. count - 1]. [any-thread] */
+void render_detail_rooms(const render_detail_view *view, const stilb_scene_bounds *bounds, const uint32_t *ids,
+                         uint32_t count, float *rooms);
+/* The same, one by one, for tests. */
+void render_detail_rooms_scalar(const render_detail_view *view, const stilb_scene_bounds *bounds, const uint32_t *ids,
+                                uint32_t count, float *rooms);
+
+/* The next history of a part that is not at rest in level `allowed`, the coarsest one that may be drawn. stretch: s^2.
+ * [any-thread] */
+uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, const render_levels *levels,
+                            uint32_t allowed, float stretch, float room);
+
+/* The history of a part at rest in a level. */
+static inline uint16_t render_detail_rest(uint32_t level)
+{
+	return (uint16_t)(level + 1);
+}
+
+static inline bool render_detail_fades(uint16_t history)
+{
+	return history >> 6;
+}
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+/* Number of the levels' errors that are at most sqrt(room / stretch): the coarsest level that may be drawn. */
+static inline uint32_t render_detail_allowed(const render_levels *levels, float stretch, float room)
+{
+	const float *squared = render_levels_squared(levels);
+	uint32_t allowed = 0;
+#if defined(__SSE2__)
+	__m128 s = _mm_set1_ps(stretch), most = _mm_set1_ps(room);
+	for (; allowed < 4 * levels->groups; allowed += 4) {
+		uint32_t fit = (uint32_t)_mm_movemask_ps(_mm_cmple_ps(_mm_mul_ps(_mm_load_ps(squared + allowed), s), most));
+		if (fit != 15)
+			return allowed + (uint32_t)__builtin_ctz(~fit); /* errors ascend, so the set bits are the lowest */
+	}
+#else
+	while (allowed < levels->count && squared[allowed] * stretch <= room)
+		allowed++;
+#endif
+	return allowed;
+}
+
+/* How far a part that is drawn in level `allowed` has morphed to the next one, in 64ths; 0: not at all. It begins where
+ * the next one's error is 1.5 times what is allowed, and ends where it is allowed. Where the next one's is x times what
+ * is allowed, what is drawn is off by x (3 - 2 x) times that, at most once. Compilers make branches of plain C, which
+ * nobody could predict (measured: 8 ns a part). */
+static inline uint32_t render_detail_morph(const render_levels *levels, uint32_t allowed, float stretch, float room)
+{
+	/* > room, or the level would be allowed; infinite if there is no next one. */
+	float square = render_levels_squared(levels)[allowed] * stretch;
+	float gone = 64.0f * (3.0f - 2.0f * sqrtf(square / room));
+#if defined(__SSE2__)
+	return (uint32_t)_mm_cvttss_si32(_mm_min_ss(_mm_max_ss(_mm_set_ss(gone), _mm_setzero_ps()), _mm_set_ss(63.0f)));
+#else
+	gone = gone > 0.0f ? gone : 0.0f;
+	return (uint32_t)(gone < 63.0f ? gone : 63.0f);
+#endif
+}
+
+#endif

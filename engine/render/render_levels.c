@@ -1,0 +1,124 @@
+/* Levels of meshes as the heaps hold them. */
+#include "render/render_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+stilb_result render_levels_check(const stilb_scene_mesh *mesh)
+{
+	if (mesh->level_count > STILB_SCENE_MAX_LEVELS)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a mesh with %u levels; at most %u are possible", mesh->level_count,
+		                  STILB_SCENE_MAX_LEVELS);
+	float error = 0.0f;
+	for (uint32_t l = 0; l < mesh->level_count; l++) {
+		const stilb_scene_level *level = &mesh->levels[l];
+		if (level->index_count == 0 || level->first_index > mesh->level_index_count ||
+		    level->index_count > mesh->level_index_count - level->first_index ||
+		    level->vertex_count > mesh->vertex_count || !(level->error >= error) || !isfinite(level->error))
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "level %u of a mesh has %u indices from %u of %u, %u of its %u vertices, and an error of "
+			                  "%g m after %g",
+			                  l, level->index_count, level->first_index, mesh->level_index_count, level->vertex_count,
+			                  mesh->vertex_count, (double)level->error, (double)error);
+		error = level->error;
+		for (uint32_t i = 0; i < level->index_count; i++)
+			if (mesh->level_indices[level->first_index + i] >= level->vertex_count)
+				return stilb_fail(STILB_ERROR_ARGUMENT, "index %u of level %u of a mesh is vertex %u, but it has %u", i,
+				                  l, mesh->level_indices[level->first_index + i], level->vertex_count);
+	}
+	return STILB_OK;
+}
+
+/* The indices of a level, 0: of the mesh in full. */
+static const uint32_t *levels_source(const stilb_scene_mesh *mesh, uint32_t level, uint32_t *count)
+{
+	*count = level == 0 ? mesh->index_count : mesh->levels[level - 1].index_count;
+	return level == 0 ? mesh->indices : mesh->level_indices + mesh->levels[level - 1].first_index;
+}
+
+/* Copies a level's indices; with pairs they count pairs, and those of vertices from `moving` on name the second of a
+ * pair. */
+static void levels_copy(uint32_t *out, const uint32_t *from, uint32_t count, bool pairs, uint32_t moving)
+{
+	for (uint32_t i = 0; i < count; i++)
+		out[i] = pairs ? 2 * from[i] + (from[i] >= moving) : from[i];
+}
+
+static void levels_put_vertices(const stilb_scene_mesh *mesh, stilb_scene_vertex *out)
+{
+	uint32_t kept = mesh->levels[mesh->level_count - 1].vertex_count;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		out[2 * (size_t)v] = mesh->vertices[v];
+		out[2 * (size_t)v + 1] = v < kept ? mesh->vertices[v] : mesh->morph[v];
+	}
+}
+
+/* Fills in levels and indices. */
+static void levels_put(const stilb_scene_mesh *mesh, bool pairs, render_levels_data *data)
+{
+	render_levels *levels = data->levels;
+	float *squared = (float *)(levels + 1);
+	render_level *level = (render_level *)(squared + (size_t)4 * levels->groups);
+	uint32_t *vertices = (uint32_t *)render_levels_vertices(levels);
+	uint32_t at = 0;
+	for (uint32_t l = 0; l < levels->count; l++)
+		vertices[l] = mesh->levels[l].vertex_count;
+	for (uint32_t l = 0; l < 4 * levels->groups; l++)
+		squared[l] = l < levels->count ? mesh->levels[l].error * mesh->levels[l].error : INFINITY;
+	for (uint32_t l = 0; l <= levels->count; l++) {
+		uint32_t count;
+		const uint32_t *from = levels_source(mesh, l, &count);
+		level[l] = (render_level){.index_count = count, .instance_count = 1, .first_index = at};
+		levels_copy(data->indices + at, from, count, pairs, UINT32_MAX);
+		at += count;
+	}
+	for (uint32_t l = 0; l < levels->count && pairs; l++) {
+		uint32_t count;
+		const uint32_t *from = levels_source(mesh, l, &count);
+		level[levels->count + 1 + l] = level[l];
+		level[levels->count + 1 + l].first_index = at;
+		levels_copy(data->indices + at, from, count, true, mesh->levels[l].vertex_count);
+		at += count;
+	}
+	STILB_ASSERT(at == data->index_count);
+}
+
+bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data)
+{
+	bool pairs = morph && mesh->morph;
+	uint32_t count = mesh->level_count, groups = count / 4 + 1; /* one infinite error at least */
+	uint32_t all = pairs ? 2 * count + 1 : count + 1;
+	uint64_t indices = 0, last = mesh->levels[count - 1].index_count;
+	for (uint32_t l = 0; l <= count; l++)
+		indices += l == 0 ? mesh->index_count : mesh->levels[l - 1].index_count;
+	indices = pairs ? 2 * indices - last : indices;
+	uint64_t vertices = pairs ? 2 * (uint64_t)mesh->vertex_count : mesh->vertex_count;
+	*data = (render_levels_data){.vertices = mesh->vertices};
+	if (indices > INT32_MAX || vertices > INT32_MAX)
+		return false;
+	data->vertex_count = (uint32_t)vertices;
+	data->index_count = (uint32_t)indices;
+	data->vertices = pairs ? stilb_memory_alloc(vertices, sizeof *data->vertices) : mesh->vertices;
+	data->indices = stilb_memory_alloc(indices, sizeof *data->indices);
+	data->levels = stilb_memory_alloc(1, sizeof *data->levels + (size_t)4 * groups * sizeof(float) +
+	                                         all * sizeof(render_level) + count * sizeof(uint32_t));
+	if (!data->vertices || !data->indices || !data->levels) {
+		free(data->levels);
+		render_levels_finish(data, mesh);
+		return false;
+	}
+	*data->levels = (render_levels){.count = count, .groups = groups, .morphs = pairs};
+	levels_put(mesh, pairs, data);
+	if (pairs)
+		levels_put_vertices(mesh, data->vertices);
+	return true;
+}
+
+void render_levels_finish(render_levels_data *data, const stilb_scene_mesh *mesh)
+{
+	if (data->vertices != mesh->vertices)
+		free(data->vertices);
+	free(data->indices);
+	*data = (render_levels_data){0};
+}
