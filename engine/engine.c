@@ -98,6 +98,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
 		.keep_textures = desc->keep_textures,
+		.morph = desc->detail.mode == STILB_RENDER_DETAIL_MORPH,
 		.faults = engine_faults,
 	};
 	return stilb_render_create(&render, &engine->render);

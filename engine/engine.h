@@ -148,6 +148,8 @@ typedef struct stilb_engine_desc {
 	stilb_render_materials materials;
 	stilb_render_output output;
 	stilb_render_shading shading;
+	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
+	stilb_render_show show;     /* what pictures show */
 
 	/* All strings are the caller's and live until the engine is destroyed. */
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */

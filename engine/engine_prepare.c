@@ -122,6 +122,8 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.exposure = scene->camera.exposure,
+		.detail = engine->desc.detail,
+		.show = engine->desc.show,
 	};
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
 	return view;

@@ -16,6 +16,10 @@ const char *const picture_materials_choices[] = {"index", "bind", "pipeline", NU
 const char *const picture_device_choices[] = {"vulkan", "null", NULL};
 static const char *const picture_studio_choices[] = {"auto", "on", "off", NULL};
 
+#define PICTURE_DETAIL_DEFAULT STILB_RENDER_DETAIL_MORPH
+#define PICTURE_ERROR_LEAST 0.01f /* pixels, of --lod-error */
+#define PICTURE_ERROR_MOST 1000
+
 picture_flags picture_flags_default(void)
 {
 	return (picture_flags){
@@ -27,6 +31,8 @@ picture_flags picture_flags_default(void)
 		.anisotropy = NAN,
 		.wrap = NAN,
 		.specular = NAN,
+		.detail = PICTURE_DETAIL_DEFAULT,
+		.detail_error = 0.5f,
 	};
 }
 
@@ -50,6 +56,16 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	const flag samples[] = {
 		{"--msaa", FLAG_NUMBER, &p->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
 	};
+	const flag detail[] = {
+		{"--lod", FLAG_CHOICE, &p->detail, "MODE",
+	     "coarser meshes far away: off, pop, fade (for 16 frames) or morph (morph)", 0, 0, stilb_render_detail_names},
+		{"--lod-error", FLAG_AMOUNT, &p->detail_error, "PIXELS", "by which they may differ at most, 0.01..1000 (0.5)",
+	     0, PICTURE_ERROR_MOST, NULL},
+		{"--show", FLAG_CHOICE, &p->show, "NAME", "shaded, or lod: a colour for each level of detail (shaded)", 0, 0,
+	     stilb_render_show_names},
+	};
+	if (group == PICTURE_DETAIL)
+		flag_rows_add(table, detail, sizeof detail / sizeof *detail);
 	if (group == PICTURE_COMMANDS)
 		flag_rows_add(table, commands, sizeof commands / sizeof *commands);
 	if (group == PICTURE_DEVICE)
@@ -129,6 +145,11 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 }
 
 /* ---- what the flags mean ----------------------------------------------------------------------------------------- */
+
+stilb_render_detail picture_flags_detail(const picture_flags *p)
+{
+	return (stilb_render_detail){(stilb_render_detail_mode)p->detail, p->detail_error};
+}
 
 bool picture_flags_parts(const picture_flags *p)
 {
@@ -219,6 +240,11 @@ bool picture_flags_check(const picture_flags *p)
 	float stops;
 	if (p->samples != 0 && p->samples != 1 && p->samples != 4) {
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
+		return false;
+	}
+	if (!(p->detail_error >= PICTURE_ERROR_LEAST)) {
+		stilb_log("--lod-error: %g pixels are not possible; give 0.01..%d, or --lod off", (double)p->detail_error,
+		          PICTURE_ERROR_MOST);
 		return false;
 	}
 	if (p->exposure && !picture_parse_exposure(p->exposure, &stops)) {

@@ -33,12 +33,15 @@ typedef struct picture_flags {
 	bool validate, allow_outside, quiet;
 	const char *gpu, *environment, *camera, *exposure, *variant, *background; /* NULL if not given */
 	int studio;                                                               /* a picture_studio */
+	int detail, show;                                                         /* stilb_render_detail_mode, _show */
+	float detail_error;                                                       /* pixels */
 } picture_flags;
 
 typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
+	PICTURE_DETAIL,   /* --lod, --lod-error, --show: what frames show, and how finely */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
@@ -61,6 +64,9 @@ bool picture_flags_check(const picture_flags *picture);
 
 /* Prints the error of a run that did not start; if that is the device's, with the flag that does without it. */
 void picture_flags_log_start(const picture_flags *picture, stilb_result result);
+
+/* The levels of detail of frames. */
+stilb_render_detail picture_flags_detail(const picture_flags *picture);
 
 /* True if a part of the microfacet model is chosen, which implies it: its D, G or F. */
 bool picture_flags_parts(const picture_flags *picture);

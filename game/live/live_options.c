@@ -52,6 +52,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	picture_flags_add(&o->picture, PICTURE_DEVICE, table);
 	flag_rows_add(table, size, 1);
 	picture_flags_add(&o->picture, PICTURE_SAMPLES, table);
+	picture_flags_add(&o->picture, PICTURE_DETAIL, table);
 	flag_rows_add(table, materials, 1);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	picture_flags_add(&o->picture, PICTURE_ADDED, table);
@@ -360,6 +361,8 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.validate = o->picture.validate;
 	desc.keep_textures = o->dump;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
+	desc.detail = picture_flags_detail(&o->picture);
+	desc.show = (stilb_render_show)o->picture.show;
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
