@@ -1,0 +1,416 @@
+/* The program of the suites `lod` and `pop`: frames of the stress test in each mode of --lod, by turns. */
+#include "bench/detail/detail_cases.h"
+#include "bench/harness/bench_child.h"
+
+#include "render/render.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+#define MODES (STILB_RENDER_DETAIL_MORPH + 1)
+#define MOST_ROUNDS 64u
+
+static void check(stilb_result result)
+{
+	if (result != STILB_OK)
+		bench_child_fail("%s", stilb_error_message());
+}
+
+/* ---- what is drawn ----------------------------------------------------------------------------------------------- */
+
+typedef struct world {
+	stilb_scene *scene;
+	uint32_t *ids; /* [scene->model_count] all */
+	stilb_job_pool *pool;
+	stilb_render *render;
+	stilb_render_view view;
+} world;
+
+static void world_look(world *w, const stilb_scene_camera *camera)
+{
+	uint32_t width, height;
+	stilb_render_size(w->render, &width, &height);
+	w->view.view_projection = stilb_scene_camera_matrix(camera, (float)width / (float)height);
+	memcpy(w->view.camera_position, camera->position, sizeof camera->position);
+}
+
+/* workers: threads besides this one. */
+static world world_open(uint32_t models, stilb_render_desc desc, uint32_t workers)
+{
+	world w = {0};
+	check(stilb_scene_create_stress(models, 1, &w.scene));
+	w.ids = stilb_memory_alloc(models, sizeof *w.ids);
+	stilb_job_pool_desc pool = {.worker_count = workers};
+	if (!w.ids || stilb_job_pool_create(&pool, &w.pool) != 0)
+		bench_child_fail("no memory or threads");
+	for (uint32_t m = 0; m < models; m++)
+		w.ids[m] = m;
+	desc.context_count = pool.worker_count + 1;
+	desc.morph = true;
+	check(stilb_render_create(&desc, &w.render));
+	check(stilb_render_set_scene(w.render, w.scene));
+	w.view = (stilb_render_view){.lights = w.scene->lights,
+	                             .light_count = w.scene->light_count,
+	                             .surroundings = w.scene->surroundings,
+	                             .shading = stilb_render_shading_default()};
+	stilb_scene_camera camera =
+		stilb_scene_stress_camera(w.scene, STILB_SCENE_VIEW_ALL, (float)desc.width / (float)desc.height);
+	world_look(&w, &camera);
+	return w;
+}
+
+static void world_close(world *w)
+{
+	stilb_render_destroy(w->render);
+	stilb_job_pool_destroy(w->pool);
+	stilb_scene_destroy(w->scene);
+	free(w->ids);
+}
+
+/* CPU time of all threads of this process, ms. */
+static double cpu_ms(void)
+{
+	struct rusage usage;
+	getrusage(RUSAGE_SELF, &usage);
+	return 1e3 * (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+	       1e-3 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+/* Draws a frame and waits for it. record_ms: this thread's time in recording; NULL: not asked for. Returns its CPU
+ * time. */
+static double draw(world *w, stilb_render_detail_mode mode, float error, double *record_ms)
+{
+	static const stilb_render_pass pass = {.name = "scene"};
+	double start = cpu_ms();
+	w->view.detail = (stilb_render_detail){mode, error};
+	check(stilb_render_frame_begin(w->render));
+	uint64_t from = bench_child_now_ns();
+	check(stilb_render_record_view(w->render, 0, w->scene, w->ids, w->scene->model_count, &w->view, w->pool, 0));
+	if (record_ms)
+		*record_ms = 1e-6 * (double)(bench_child_now_ns() - from);
+	check(stilb_render_replay(w->render, &pass, 1, &w->view, 1, w->pool, 0));
+	check(stilb_render_wait(w->render));
+	return cpu_ms() - start;
+}
+
+static int by_size(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+static double median(double *values, uint32_t count)
+{
+	qsort(values, count, sizeof *values, by_size);
+	return values[count / 2];
+}
+
+/* ---- the suite lod ----------------------------------------------------------------------------------------------- */
+
+static void put_times(double times[MODES][MOST_ROUNDS], uint32_t rounds)
+{
+	double off = median(times[0], rounds);
+	for (int mode = 0; mode < MODES; mode++) {
+		char ratio[32];
+		double ms = mode == 0 ? off : median(times[mode], rounds);
+		snprintf(ratio, sizeof ratio, "%s/off", stilb_render_detail_names[mode]);
+		bench_child_metric(stilb_render_detail_names[mode], ms);
+		if (mode > 0)
+			bench_child_metric(ratio, ms / off);
+	}
+}
+
+static void run_frame(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 1}, 1);
+	double times[MODES][MOST_ROUNDS], triangles[MODES];
+	for (int mode = 0; mode < MODES; mode++) { /* pipelines are made, memory grows */
+		draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
+		triangles[mode] = 1e-3 * (double)stilb_render_triangles(w.render);
+	}
+	uint32_t rounds = 0;
+	for (double spent = 0.0; rounds < 3 || (spent < 1e3 * child->seconds && rounds < MOST_ROUNDS); rounds++)
+		for (int mode = 0; mode < MODES; mode++)
+			spent += times[mode][rounds] = draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
+	put_times(times, rounds);
+	bench_child_metric("triangles-off", triangles[0]);
+	bench_child_metric("triangles-pop", triangles[STILB_RENDER_DETAIL_POP]);
+	bench_child_metric("triangles-morph", triangles[STILB_RENDER_DETAIL_MORPH]);
+	world_close(&w);
+}
+
+static void run_record(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	world w = world_open(
+		models, (stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL, .width = width, .height = height, .samples = 1},
+		0);
+	double times[MODES][MOST_ROUNDS];
+	uint64_t end = bench_child_now_ns() + (uint64_t)(1e9 * child->seconds);
+	for (int mode = 0; mode < MODES; mode++)
+		times[mode][0] = (double)INFINITY;
+	/* The least of all rounds: whoever else wants the CPU only makes a frame longer. */
+	for (uint32_t rounds = 0; rounds < 30 || bench_child_now_ns() < end; rounds++)
+		for (int mode = 0; mode < MODES; mode++) {
+			double ms;
+			draw(&w, (stilb_render_detail_mode)mode, 0.5f, &ms);
+			times[mode][0] = fmin(times[mode][0], ms);
+		}
+	put_times(times, 1);
+	world_close(&w);
+}
+
+/* The camera's place in frame f of a flight of `frames`, from near to where all models are in view: by 1 % a frame. */
+static stilb_scene_camera flight_camera(const world *w, uint32_t f, uint32_t frames)
+{
+	stilb_scene_camera camera = w->scene->camera;
+	float near = powf(1.01f, (float)f - (float)frames);
+	camera.position[1] = 2.0f + (camera.position[1] - 2.0f) * near;
+	camera.position[2] *= near;
+	return camera;
+}
+
+static void run_flight(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	enum { FRAMES = 24 };
+	(void)child;
+	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 1}, 1);
+	double times[MODES][MOST_ROUNDS];
+	for (int mode = 0; mode < MODES; mode++)
+		for (uint32_t f = 0; f <= FRAMES; f++) {
+			stilb_scene_camera camera = flight_camera(&w, f, FRAMES);
+			world_look(&w, &camera);
+			double ms = draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
+			if (f > 0) /* the first makes pipelines and ends what the mode before has left */
+				times[mode][f - 1] = ms;
+		}
+	put_times(times, FRAMES);
+	world_close(&w);
+}
+
+/* Memory in use, bytes. */
+static double memory_bytes(void)
+{
+	long pages = 0, resident = 0;
+	FILE *file = fopen("/proc/self/statm", "r");
+	if (!file || fscanf(file, "%ld %ld", &pages, &resident) != 2)
+		bench_child_fail("/proc/self/statm cannot be read");
+	fclose(file);
+	return (double)resident * (double)sysconf(_SC_PAGESIZE);
+}
+
+static void run_million(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	(void)child;
+	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 1}, 1);
+	double off = 0.0, pop = 0.0;
+	for (int frame = 0; frame < 2; frame++)
+		off = draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+	double before = memory_bytes();
+	for (int frame = 0; frame < 2; frame++)
+		pop = draw(&w, STILB_RENDER_DETAIL_POP, 0.5f, NULL);
+	bench_child_metric("off", off);
+	bench_child_metric("pop", pop);
+	bench_child_metric("pop/off", pop / off);
+	bench_child_metric("memory", 100.0 * (memory_bytes() - before) / before);
+	world_close(&w);
+}
+
+/* ---- the suite pop ----------------------------------------------------------------------------------------------- */
+
+#define SWEEP_FRAMES 64u
+#define SWEEP_FIRST 0.36 /* of the allowed error; the last is 0.68, the middle 0.5 */
+#define SWEEP_STEP 1.01
+
+/* The frames of a sweep in display codes. */
+typedef struct film {
+	uint8_t *codes; /* [SWEEP_FRAMES][height][width][3] */
+	uint32_t width, height;
+} film;
+
+static size_t film_size(const film *f)
+{
+	return (size_t)f->width * f->height * 3;
+}
+
+/* scale: of all allowed errors. */
+static film film_make(world *w, stilb_render_detail_mode mode, double scale)
+{
+	film f = {0};
+	stilb_render_size(w->render, &f.width, &f.height);
+	f.codes = stilb_memory_alloc(SWEEP_FRAMES, film_size(&f));
+	if (!f.codes)
+		bench_child_fail("no memory for a flight");
+	check(stilb_render_set_scene(w->render, w->scene)); /* without history */
+	for (uint32_t frame = 0; frame < SWEEP_FRAMES; frame++) {
+		stilb_image image;
+		draw(w, mode, (float)(scale * SWEEP_FIRST * pow(SWEEP_STEP, frame)), NULL);
+		check(stilb_render_read_image(w->render, &image));
+		memcpy(f.codes + frame * film_size(&f), image.pixels, film_size(&f));
+		stilb_image_finish(&image);
+	}
+	return f;
+}
+
+/* The largest change from one frame to the next, % of white. */
+typedef struct change {
+	double pixel, block; /* of a pixel's channel; of its mean over any 8 x 8 pixels */
+	double smooth;       /* of a pixel's channel inside of surfaces */
+} change;
+
+/* True for pixels inside of surfaces: in the picture in full detail none of the eight around them differs from them by
+ * more than 10 % of white. */
+static bool *smooth_pixels(const stilb_image *full)
+{
+	const uint8_t *codes = full->pixels;
+	uint32_t width = full->width, height = full->height;
+	bool *smooth = stilb_memory_alloc((size_t)width * height, 1);
+	if (!smooth)
+		bench_child_fail("no memory for a picture");
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++) {
+			size_t at = (size_t)y * width + x;
+			smooth[at] = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
+			for (int i = 0; i < 9 && smooth[at]; i++)
+				for (size_t c = 0; c < 3; c++) {
+					size_t beside = (y + (size_t)(i / 3) - 1) * width + x + (size_t)(i % 3) - 1;
+					smooth[at] &= abs(codes[3 * at + c] - codes[3 * beside + c]) <= 25;
+				}
+		}
+	return smooth;
+}
+
+/* The difference of two frames' means over the 8 x 8 pixels from x, y on, in channel c. */
+static double block_change(const film *f, const uint8_t *before, const uint8_t *now, uint32_t x, uint32_t y, uint32_t c)
+{
+	int sum = 0;
+	for (uint32_t i = 0; i < 64; i++) {
+		size_t at = ((size_t)(y + i / 8) * f->width + x + i % 8) * 3 + c;
+		sum += now[at] - before[at];
+	}
+	return fabs((double)sum) / 64.0;
+}
+
+static change film_change(const film *f, const bool *smooth)
+{
+	change worst = {0};
+	for (uint32_t frame = 1; frame < SWEEP_FRAMES; frame++) {
+		const uint8_t *now = f->codes + frame * film_size(f), *before = now - film_size(f);
+		for (size_t i = 0; i < film_size(f); i++) {
+			double here = fabs((double)now[i] - (double)before[i]) / 2.55;
+			worst.pixel = fmax(worst.pixel, here);
+			worst.smooth = smooth[i / 3] ? fmax(worst.smooth, here) : worst.smooth;
+		}
+		for (uint32_t y = 0; y + 8 <= f->height; y++)
+			for (uint32_t x = 0; x + 8 <= f->width; x++)
+				for (uint32_t c = 0; c < 3; c++)
+					worst.block = fmax(worst.block, block_change(f, before, now, x, y, c) / 2.55);
+	}
+	return worst;
+}
+
+static change sweep(world *w, const bool *smooth, stilb_render_detail_mode mode, double scale)
+{
+	film f = film_make(w, mode, scale);
+	change found = film_change(&f, smooth);
+	free(f.codes);
+	return found;
+}
+
+/* Difference of two pictures, root of the mean square over pixels that are not background, or over smooth ones of these
+ * if smooth is not NULL, % of white. */
+static double picture_rms(const stilb_image *a, const stilb_image *b, const bool *smooth)
+{
+	const uint8_t *p = a->pixels, *q = b->pixels, *background = p;
+	double square = 0.0;
+	size_t covered = 0;
+	for (size_t i = 0; i < (size_t)a->width * a->height; i++, p += 3, q += 3) {
+		if ((memcmp(p, background, 3) == 0 && memcmp(q, background, 3) == 0) || (smooth && !smooth[i]))
+			continue;
+		covered++;
+		for (int c = 0; c < 3; c++)
+			square += ((double)p[c] - q[c]) * ((double)p[c] - q[c]);
+	}
+	return sqrt(square / (3.0 * (double)covered)) / 2.55;
+}
+
+static void run_pop(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	(void)child;
+	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 4}, 1);
+	stilb_image full;
+	draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+	check(stilb_render_read_image(w.render, &full));
+	bool *smooth = smooth_pixels(&full);
+	for (int mode = STILB_RENDER_DETAIL_POP; mode <= STILB_RENDER_DETAIL_MORPH; mode++) {
+		char metric[32];
+		stilb_image image;
+		change found = sweep(&w, smooth, (stilb_render_detail_mode)mode, 1.0);
+		snprintf(metric, sizeof metric, "%s-pixel", stilb_render_detail_names[mode]);
+		bench_child_metric(metric, found.pixel);
+		snprintf(metric, sizeof metric, "%s-8x8", stilb_render_detail_names[mode]);
+		bench_child_metric(metric, found.block);
+		snprintf(metric, sizeof metric, "%s-smooth", stilb_render_detail_names[mode]);
+		bench_child_metric(metric, found.smooth);
+		check(stilb_render_set_scene(w.render, w.scene));
+		draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
+		check(stilb_render_read_image(w.render, &image));
+		snprintf(metric, sizeof metric, "%s-rms", stilb_render_detail_names[mode]);
+		bench_child_metric(metric, picture_rms(&full, &image, NULL));
+		snprintf(metric, sizeof metric, "%s-smooth-rms", stilb_render_detail_names[mode]);
+		bench_child_metric(metric, picture_rms(&full, &image, smooth));
+		stilb_image_finish(&image);
+	}
+	free(smooth);
+	stilb_image_finish(&full);
+	world_close(&w);
+}
+
+static void run_nearer(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	(void)child;
+	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 4}, 1);
+	stilb_image full;
+	draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+	check(stilb_render_read_image(w.render, &full));
+	bool *smooth = smooth_pixels(&full);
+	double bound = sweep(&w, smooth, STILB_RENDER_DETAIL_POP, 1.0).block;
+	for (int mode = STILB_RENDER_DETAIL_FADE; mode <= STILB_RENDER_DETAIL_MORPH; mode++) {
+		double factor = 0.0;
+		for (double next = 1.0; next <= 16.0 && sweep(&w, smooth, (stilb_render_detail_mode)mode, next).block <= bound;
+		     next *= M_SQRT2)
+			factor = next;
+		bench_child_metric(stilb_render_detail_names[mode], factor);
+	}
+	free(smooth);
+	stilb_image_finish(&full);
+	world_close(&w);
+}
+
+/* ---- cases ------------------------------------------------------------------------------------------------------- */
+
+typedef struct detail_case {
+	const char *name;
+	void (*run)(const bench_child *child, uint32_t models, uint32_t width, uint32_t height);
+	uint32_t models, width, height;
+} detail_case;
+
+int main(int argc, char **argv)
+{
+#define CASE(NAME, TITLE, RUN, MODELS, WIDTH, HEIGHT) {NAME, run_##RUN, MODELS, WIDTH, HEIGHT},
+	static const detail_case lod[] = {DETAIL_FRAMES(CASE) DETAIL_OTHERS(CASE)}, pop[] = {DETAIL_POPS(CASE)};
+#undef CASE
+	bench_child child = bench_child_args(argc, argv);
+	for (size_t i = 0; i < sizeof lod / sizeof *lod; i++)
+		if (strcmp(child.case_name, lod[i].name) == 0) {
+			lod[i].run(&child, lod[i].models, lod[i].width, lod[i].height);
+			return 0;
+		}
+	for (size_t i = 0; i < sizeof pop / sizeof *pop; i++)
+		if (strcmp(child.case_name, pop[i].name) == 0) {
+			pop[i].run(&child, pop[i].models, pop[i].width, pop[i].height);
+			return 0;
+		}
+	return BENCH_CHILD_SKIP;
+}
