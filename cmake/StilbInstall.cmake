@@ -30,7 +30,7 @@ endif()
 set(headers
 	base/base.h base/base_math.h
 	image/image.h
-	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_look.h scene/scene_pick.h
+	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h
 	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
 	shading/shade_model.h
 	window/window.h

@@ -11,7 +11,7 @@
 
 stilb_geometry_impostor_desc stilb_geometry_impostor_desc_default(void)
 {
-	return (stilb_geometry_impostor_desc){.grid = 13, .side = 32, .samples = 4};
+	return (stilb_geometry_impostor_desc){.grid = 13, .side = 64, .samples = 4};
 }
 
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
@@ -217,25 +217,23 @@ static stilb_result impostor_take_parts(impostor_work *work)
 
 /* ---- the sphere and the material --------------------------------------------------------------------------------- */
 
-/* Squared distance of the triangles' corner that is the farthest from a point, and its vertex. */
-static float impostor_farthest(const impostor_model *model, const float from[3], uint32_t *vertex)
+/* Squared distance of the triangles' corner that is the farthest from a point. */
+static float impostor_farthest(const impostor_model *model, const float from[3])
 {
-	float most = -1.0f;
+	float most = 0.0f;
 	for (uint32_t t = 0; t < model->triangle_count; t++)
 		for (int c = 0; c < 3; c++) {
 			const float *p = model->vertices[model->triangles[t].vertices[c]].position;
 			float x = p[0] - from[0], y = p[1] - from[1], z = p[2] - from[2], distance = x * x + y * y + z * z;
-			if (!(distance <= most)) {
-				most = distance;
-				*vertex = model->triangles[t].vertices[c];
-			}
+			most = distance <= most ? most : distance;
 		}
 	return most;
 }
 
-/* The middle of the box about all corners. */
-static void impostor_box_middle(const impostor_model *model, float middle[3])
+/* The box about all corners of triangles, and the sphere about its middle. */
+static stilb_result impostor_find_sphere(const impostor_model *model, stilb_scene_impostor *impostor)
 {
+	float *center = impostor->center;
 	for (int axis = 0; axis < 3; axis++) {
 		float low = INFINITY, high = -INFINITY;
 		for (uint32_t t = 0; t < model->triangle_count; t++)
@@ -244,30 +242,10 @@ static void impostor_box_middle(const impostor_model *model, float middle[3])
 				low = p < low ? p : low;
 				high = p > high ? p : high;
 			}
-		middle[axis] = 0.5f * low + 0.5f * high;
+		center[axis] = 0.5f * low + 0.5f * high;
+		impostor->half[axis] = fmaxf(high - center[axis], center[axis] - low);
 	}
-}
-
-/* The smaller of two spheres about all corners. The centre of one is the box's middle, which is best for symmetrical
- * models. That of the other starts there and moves towards the farthest corner by 1/2, 1/3, 1/4, ... of the way, which
- * comes to within 1 / steps of the smallest radius. Source: Badoiu and Clarkson, "Smaller core-sets for balls", SODA
- * 2003. */
-static stilb_result impostor_find_sphere(const impostor_model *model, stilb_scene_impostor *impostor)
-{
-	enum { STEPS = 64 };
-	uint32_t far = 0;
-	float *center = impostor->center, middle[3];
-	impostor_box_middle(model, middle);
-	memcpy(center, middle, sizeof middle);
-	for (int step = 1; step <= STEPS; step++) {
-		impostor_farthest(model, center, &far);
-		for (int axis = 0; axis < 3; axis++)
-			center[axis] += (model->vertices[far].position[axis] - center[axis]) / (float)(step + 1);
-	}
-	float boxed = impostor_farthest(model, middle, &far), moved = impostor_farthest(model, center, &far);
-	if (boxed <= moved)
-		memcpy(center, middle, sizeof middle);
-	impostor->radius = sqrtf(boxed <= moved ? boxed : moved) * 1.0001f; /* rounding */
+	impostor->radius = sqrtf(impostor_farthest(model, center)) * 1.0001f; /* rounding */
 	float size = fabsf(center[0]) + fabsf(center[1]) + fabsf(center[2]);
 	if (impostor->radius > size * 1e-6f && impostor->radius > 1e-18f && impostor->radius <= IMPOSTOR_FAR)
 		return STILB_OK;

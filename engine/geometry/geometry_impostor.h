@@ -45,7 +45,7 @@ typedef struct stilb_geometry_impostor_desc {
 	bool both_sides;  /* triangles are seen from behind, too, with the normal on the viewer's side: stilb_scene's */
 } stilb_geometry_impostor_desc;
 
-/* 13 x 13 pictures of 32 texels a side, 4 x 4 points a texel, front sides alone. [any-thread] */
+/* 13 x 13 pictures of 64 texels a side, 11 MiB of maps; 4 x 4 points a texel; front sides alone. [any-thread] */
 stilb_geometry_impostor_desc stilb_geometry_impostor_desc_default(void);
 
 /* A piece of what is baked. */

@@ -99,6 +99,7 @@ void stilb_render_destroy(stilb_render *render)
 		free(render->passes[p].segments);
 		free(render->passes[p].runs);
 		free(render->passes[p].history);
+		free(render->passes[p].impostors);
 	}
 	render_scene_finish(&render->scene);
 	render_panorama_finish(&render->panorama);

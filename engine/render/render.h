@@ -51,6 +51,7 @@
 #include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/scene.h"
+#include "scene/scene_impostor.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -219,6 +220,24 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 /* [any-thread] */
 void stilb_render_material_destroy(stilb_render *render, stilb_render_material material);
 
+/* What draws an impostor in place of a model: draws of this mesh with this material show the model that it was baked
+ * of, under the same transform. It faces the camera of the view by itself, is lit like meshes, and has their depth.
+ * Each counts as a mesh, a material and a texture. With one sample a pixel it covers the pixels that the model covers
+ * by at least half, with four as many samples as it covers. */
+typedef struct stilb_render_impostor {
+	stilb_render_mesh mesh;
+	stilb_render_material material;
+	stilb_render_texture texture;
+} stilb_render_impostor;
+
+/* Copies the impostor. STILB_ERROR_ARGUMENT: stilb_scene_impostor_mistake finds one; and as
+ * stilb_render_texture_create. [any-thread] */
+stilb_result stilb_render_impostor_create(stilb_render *render, const stilb_scene_impostor *impostor,
+                                          stilb_render_impostor *out);
+
+/* [any-thread] */
+void stilb_render_impostor_destroy(stilb_render *render, stilb_render_impostor impostor);
+
 /* Copies all meshes, materials and textures of a scene to the device, for stilb_render_record, and destroys those of
  * the scene that was set before; between frames. NULL: only destroys. On failure the scene before stays.
  * STILB_ERROR_ARGUMENT, STILB_ERROR_DEVICE: see stilb_render_mesh_create and stilb_render_texture_create.
@@ -291,7 +310,10 @@ typedef enum stilb_render_detail_mode {
 /* Which level is drawn: the coarsest one whose error is at most `error` pixels as seen from the nearest point of the
  * model's bounding sphere, straight ahead; towards the picture's corners perspective makes things larger. POP and FADE
  * go back to a coarser level only at nine tenths of it, so that a camera that trembles does not switch back and
- * forth. */
+ * forth.
+ *
+ * Unless mode is OFF, a model that has an impostor (stilb_scene_set_impostor) is drawn as that, from where four texels
+ * of the impostor's pictures are a pixel wide or less; in the modes FADE and MORPH it fades. */
 typedef struct stilb_render_detail {
 	stilb_render_detail_mode mode;
 	float error; /* pixels, > 0; not read if mode is OFF */

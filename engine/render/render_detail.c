@@ -41,6 +41,7 @@ render_detail_view render_detail_view_make(const stilb_render_view *view, uint32
 		out.mode = STILB_RENDER_DETAIL_POP;
 	float meters = view->detail.error / pixels; /* of a pixel row, with perspective at a distance of 1 m */
 	memcpy(out.position, view->camera_position, sizeof out.position);
+	out.error2 = view->detail.error * view->detail.error;
 	out.scale = meters * w * meters * w;
 	out.near = w > 0.0f ? detail_near(m, out.position, w) : 0.0f;
 	out.constant = w > 0.0f ? 0.0f : meters * meters;
@@ -141,4 +142,25 @@ uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, con
 	if (fades)
 		return detail_go_on(level, from, sixteenths, wanted);
 	return wanted == level ? history : detail_history(wanted, level, 1);
+}
+
+/* ---- impostors --------------------------------------------------------------------------------------------------- */
+
+uint8_t render_detail_impostor(uint8_t history, const render_detail_view *view, uint32_t side, float radius, float room)
+{
+	/* The square of the pixels that IMPOSTOR_TEXELS texels are wide, times the square of the allowed error: so far the
+	 * model is away where it is the room. */
+	float texels = 2.0f * radius * IMPOSTOR_TEXELS / (float)side, square = texels * texels * view->error2;
+	bool may = square <= room, must_not = !may, sure = square * DETAIL_BACK <= room;
+	bool was = history == IMPOSTOR_ALONE || (history > IMPOSTOR_COMING && history < IMPOSTOR_GOING);
+	bool wanted = history == 0 ? may : was ? !must_not : sure;
+	uint8_t rest = wanted ? IMPOSTOR_ALONE : IMPOSTOR_MESHES;
+	bool cut = square > room * DETAIL_CUT;
+	if (history == 0 || cut || view->mode == STILB_RENDER_DETAIL_POP || history == rest)
+		return rest;
+	/* Of one that fades and turns back, what comes is now in the rest of the pixels. */
+	uint32_t done = history < IMPOSTOR_COMING ? 0 : history % 16u;
+	done = done > 0 && was != wanted ? STILB_RENDER_FADE_FRAMES - done : done;
+	uint8_t direction = wanted ? IMPOSTOR_COMING : IMPOSTOR_GOING;
+	return done + 1 < STILB_RENDER_FADE_FRAMES ? (uint8_t)(direction + done + 1) : rest;
 }

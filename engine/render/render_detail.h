@@ -8,6 +8,9 @@
  * History.  16 bits a part: bits 0..5 1 + the level that is drawn, bits 6..11 1 + the level that gives way to it, bits
  *           12..15 in how many sixteenths of the pixels it is drawn already; 0 in both if nothing fades, and 0 in all
  *           if the part was never drawn. Each is written by the worker that records the part.
+ * Impostors. A model that has one is drawn as it, in place of its parts, from where IMPOSTOR_TEXELS texels of its
+ *           pictures are a pixel wide or less. 8 bits a model: IMPOSTOR_MESHES or IMPOSTOR_ALONE; or IMPOSTOR_COMING or
+ *           IMPOSTOR_GOING plus in how many sixteenths of the pixels what comes is drawn; 0: never drawn.
  * Row word. What the shaders get to know of it rides above the row's number in the word that the GPU reads as
  *           firstInstance: see RENDER_DETAIL_SHIFT.
  */
@@ -26,6 +29,7 @@ typedef struct render_detail_view {
 	float near;        /* metres, of the near plane, > 0 */
 	float scale;       /* (error / pixels)^2 */
 	float constant;    /* > 0: the room of all models, of a view without perspective */
+	float error2;      /* the square of the error, pixels */
 } render_detail_view;
 
 /* The view's camera and bound for a picture of this size. */
@@ -42,6 +46,15 @@ void render_detail_rooms_scalar(const render_detail_view *view, const stilb_scen
  * [any-thread] */
 uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, const render_levels *levels,
                             uint32_t allowed, float stretch, float room);
+
+enum { IMPOSTOR_MESHES = 1, IMPOSTOR_ALONE = 2, IMPOSTOR_COMING = 16, IMPOSTOR_GOING = 32 };
+
+#define IMPOSTOR_TEXELS 4.0f
+
+/* The next history of a model. side: of the impostor's pictures; radius: of the model's bounding sphere.
+ * [any-thread] */
+uint8_t render_detail_impostor(uint8_t history, const render_detail_view *view, uint32_t side, float radius,
+                               float room);
 
 /* The history of a part at rest in a level. */
 static inline uint16_t render_detail_rest(uint32_t level)

@@ -76,9 +76,11 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 		memcpy(material.diffuse, from->diffuse, sizeof material.diffuse);
 		memcpy(material.specular, from->specular, sizeof material.specular);
 		memcpy(material.emission, from->emission, sizeof material.emission);
-		if (result == STILB_OK)
-			result = stilb_render_material_create(
-				render, &material, from->texture ? textures[from->texture - 1] : no_texture, &materials[m]);
+		stilb_render_texture texture = from->texture ? textures[from->texture - 1] : no_texture;
+		if (result == STILB_OK && from->impostor)
+			result = render_material_create_impostor(render, &material, texture, &materials[m]);
+		else if (result == STILB_OK)
+			result = stilb_render_material_create(render, &material, texture, &materials[m]);
 		STILB_ASSERT(result != STILB_OK || ((materials[m].id & RENDER_INDEX_MASK) == from->id && "a new renderer"));
 		next++;
 	}

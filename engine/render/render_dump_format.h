@@ -96,7 +96,8 @@ typedef struct render_dump_material {
 	uint32_t texture; /* 0: none, else 1 + its position in the table of textures */
 	float diffuse[3], specular[3];
 	float roughness, anisotropy, wrap, emission[3];
-	uint32_t unused[2];
+	uint32_t impostor; /* 1: of an impostor, and the texture has its maps */
+	uint32_t unused;
 } render_dump_material;
 
 typedef struct render_dump_mesh {

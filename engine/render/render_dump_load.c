@@ -302,10 +302,13 @@ static stilb_result load_check_materials(const stilb_render_dump *dump, const ch
 			return load_refuse(name, "material %u: texture %u, but there are %u", m, material->texture,
 			                   dump->header->textures);
 		if (!load_finite(material->diffuse,
-		                 (offsetof(render_dump_material, unused) - offsetof(render_dump_material, diffuse)) /
+		                 (offsetof(render_dump_material, impostor) - offsetof(render_dump_material, diffuse)) /
 		                     sizeof(float)))
 			return load_refuse(name, "material %u: a number is not finite", m);
-		if (material->unused[0] != 0 || material->unused[1] != 0)
+		if (material->impostor > 1 || (material->impostor == 1 && material->texture == 0))
+			return load_refuse(name, "material %u: it is of an impostor (%u) and its texture is %u", m,
+			                   material->impostor, material->texture);
+		if (material->unused != 0)
 			return load_refuse(name, "material %u: its unused bytes are not zero", m);
 	}
 	return STILB_OK;

@@ -159,7 +159,7 @@ static void save_table_finish(save_table *table)
 /* Index of a material's texture; 0: none. */
 static uint32_t save_texture_of(const save_job *job, uint32_t material)
 {
-	return job->render->resources.materials[material] & RENDER_INDEX_MASK;
+	return render_state_texture(job->render->resources.materials[material] & RENDER_INDEX_MASK);
 }
 
 /* Puts what the draws use in order. Under the lock of resources. */
@@ -339,6 +339,7 @@ static void save_put_materials(const save_job *job)
 		uint32_t index = job->materials.indices[m], texture = save_texture_of(job, index);
 		out->id = heap[index].name;
 		out->texture = texture ? job->textures.place[texture] + 1 : 0;
+		out->impostor = (job->render->resources.materials[index] & RENDER_STATE_IMPOSTOR) != 0;
 		memcpy(out->diffuse, heap[index].diffuse, sizeof out->diffuse);
 		memcpy(out->specular, heap[index].specular, sizeof out->specular);
 		out->roughness = heap[index].roughness;

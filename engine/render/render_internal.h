@@ -148,6 +148,8 @@ typedef struct render_pass_lists {
 	stilb_render_detail_mode detail; /* that it was recorded with */
 	uint16_t *history; /* [history_capacity] by part: its levels in the frames before, see render_detail.h */
 	uint32_t history_capacity;
+	uint8_t *impostors; /* [impostor_capacity] by model: whether it was drawn as its impostor, see render_detail.h */
+	uint32_t impostor_capacity;
 	/* Of the pass's view, set at replay. Lights: elements first_light .. first_light + light_count - 1. */
 	stilb_render_shading shading;
 	float sky[3], ground[3];
@@ -190,11 +192,13 @@ struct stilb_render_context {
 #define RENDER_NO_STATE UINT64_MAX
 
 /* ---- the state of a draw --------------------------------------------------------------------------------------------
- * One number that tells which bindings a draw needs. Bits 0..23: index of its texture, 0 for none. Bits 24..55: by
+ * One number that tells which bindings a draw needs. Bits 0..22: index of its texture, 0 for none. Bit 23: it is an
+ * impostor, and the texture has its maps. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
  * has no material. Bit 57: one of these that shows a picture pixel by pixel. Bits 58..60, of a scene pass: what the
  * shaders do with RENDER_DETAIL_SHIFT; at most one of them, none: nothing, and it is 0. */
 
+#define RENDER_STATE_IMPOSTOR UINT64_C(0x800000)
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
 #define RENDER_STATE_PICTURE (UINT64_C(1) << 57)
 #define RENDER_STATE_FADE (UINT64_C(1) << 58)
@@ -203,7 +207,7 @@ struct stilb_render_context {
 #define RENDER_STATE_DETAIL (RENDER_STATE_FADE | RENDER_STATE_MORPH | RENDER_STATE_SHOW)
 
 /* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24
- * bits are the index of its texture; or that index alone. */
+ * bits are the lowest bits of the state; or these alone. */
 static inline uint64_t render_state(uint32_t material_entry, uint32_t material, uint32_t material_mask)
 {
 	return (material_entry & RENDER_INDEX_MASK) | (uint64_t)(material & material_mask) << 24;
@@ -219,6 +223,12 @@ static inline uint32_t render_material_mask(stilb_render_materials materials)
 
 /* Index of the texture that a draw with this state needs; 0: none. */
 static inline uint32_t render_state_texture(uint64_t state)
+{
+	return (uint32_t)(state & (RENDER_STATE_IMPOSTOR - 1));
+}
+
+/* The bits that the state has of its material's entry in render_resources.materials. */
+static inline uint32_t render_state_entry(uint64_t state)
 {
 	return (uint32_t)state & RENDER_INDEX_MASK;
 }
@@ -270,8 +280,10 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
 	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
 	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
-	if (!from_texture != !to_texture || ((from ^ to) & (RENDER_STATE_PICTURE | RENDER_STATE_DETAIL)))
-		binds |= RENDER_BIND_PIPELINE; /* pipelines with and without a texture, with a picture, and of a fade differ */
+	if (!from_texture != !to_texture ||
+	    ((from ^ to) & (RENDER_STATE_PICTURE | RENDER_STATE_DETAIL | RENDER_STATE_IMPOSTOR)))
+		binds |=
+			RENDER_BIND_PIPELINE; /* pipelines with and without a texture, of pictures, fades and impostors differ */
 	if (render_state_material(from) != render_state_material(to))
 		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
 	return binds;
@@ -408,6 +420,9 @@ typedef struct render_scene {
 	render_scene_texture *textures;   /* [texture_count] */
 	uint32_t mesh_count, material_count, texture_count;
 	uint32_t mesh_capacity, material_capacity, texture_capacity;
+	stilb_render_impostor *impostors; /* [impostor_count] */
+	uint32_t impostor_count, impostor_capacity;
+	uint64_t impostors_removed; /* stilb_scene.impostors_removed of these */
 } render_scene;
 
 /* Frees the arrays and destroys nothing, since that needs the device; leaves {0}. */
@@ -427,6 +442,9 @@ stilb_result render_scene_check_parts(const stilb_scene *scene, const render_sce
 stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
                                           uint32_t id);
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
+/* Creates the scene's impostors that are new, after destroying all if they were removed. Their names, which the stream
+ * hash and dumps have, come behind those of meshes and materials, whose number may have changed. */
+stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, const stilb_scene *scene);
 /* Shows this scene in place of the one before, which is destroyed. [main-thread] */
 void render_scene_replace(stilb_render *render, render_scene *next);
 

@@ -90,6 +90,8 @@ static stilb_result prepare_fill(prepare *p)
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(p->render, p->tables, scene, i);
 	p->made += scene->material_count * sizeof(render_material);
+	if (result == STILB_OK)
+		result = render_scene_impostors(p->render, p->tables, scene);
 	return result == STILB_OK ? prepare_wait(p, 0) : result;
 }
 

@@ -591,7 +591,8 @@ static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *co
 typedef struct record_pass_view {
 	record_pass pass;
 	render_detail_view view;
-	uint16_t *history; /* [part_count] */
+	uint16_t *history;  /* [part_count] */
+	uint8_t *impostors; /* [impostor_model_count] NULL: none are drawn */
 } record_pass_view;
 
 /* The square of the largest length of a column: how much a transform stretches, for a similarity exactly. Others may
@@ -733,6 +734,103 @@ static void record_models_fading(const record_pass_view *recorded, stilb_render_
 		}
 }
 
+/* Records the model's impostor. */
+static void record_impostor(const record_pass_view *recorded, stilb_render_context *context, uint32_t model,
+                            uint32_t detail, uint64_t kind)
+{
+	const stilb_scene *scene = recorded->pass.scene;
+	const stilb_render_impostor *impostor = &recorded->pass.render->scene.impostors[scene->model_impostor[model] - 1];
+	const stilb_mat4 *transform = &scene->part_transform[scene->first_part[model]];
+	record_what what = {.level = record_check(context, impostor->mesh, impostor->material, transform),
+	                    .mesh = impostor->mesh.id & RENDER_INDEX_MASK,
+	                    .material = impostor->material.id & RENDER_INDEX_MASK,
+	                    .detail = detail << RENDER_DETAIL_SHIFT};
+	record_put(context, what, transform, kind);
+}
+
+/* Records a model that fades between its impostor and its meshes, each in the coarsest level that it may have. */
+static void record_model_fading(const record_pass_view *recorded, stilb_render_context *context, uint32_t model,
+                                float room)
+{
+	record_parts parts = record_parts_of(recorded);
+	uint8_t history = recorded->impostors[model];
+	uint32_t share = history % 16u * 2, out = share | RENDER_DETAIL_OUT;
+	bool coming = history < IMPOSTOR_GOING;
+	for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
+		record_what what = record_what_of(context, &parts, p);
+		what.detail = (coming ? out : share) << RENDER_DETAIL_SHIFT;
+		if (context->meshes[what.mesh].has_levels) {
+			const render_levels *levels = context->levels[what.mesh];
+			uint32_t level = render_detail_allowed(levels, record_stretch(&parts.transforms[p]), room);
+			what.level = &render_levels_level(levels)[level];
+			parts.history[p] = render_detail_rest(level);
+		}
+		record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+	}
+	record_impostor(recorded, context, model, coming ? share : out, RENDER_STATE_FADE);
+}
+
+/* Models with their rooms. */
+typedef struct record_models {
+	uint32_t ids[RECORD_SEGMENT_MODELS];
+	float rooms[RECORD_SEGMENT_MODELS];
+	uint32_t count;
+} record_models;
+
+/* Takes the models out of `near` that are not drawn as meshes alone, and brings the histories of their impostors up to
+ * date. */
+static void record_take_far(const record_pass_view *recorded, record_models *near, record_models *far)
+{
+	const stilb_scene *scene = recorded->pass.scene;
+	uint32_t kept = 0;
+	far->count = 0;
+	for (uint32_t i = 0; i < near->count; i++) {
+		uint32_t model = near->ids[i];
+		float room = near->rooms[i];
+		uint32_t impostor = model < scene->impostor_model_count ? scene->model_impostor[model] : 0;
+		uint8_t *history = &recorded->impostors[impostor ? model : 0];
+		if (impostor)
+			*history = render_detail_impostor(*history, &recorded->view, scene->impostors[impostor - 1].side,
+			                                  scene->bounds.radius[model], room);
+		record_models *to = impostor && *history != IMPOSTOR_MESHES ? far : near;
+		uint32_t at = to == far ? far->count++ : kept++;
+		to->ids[at] = model;
+		to->rooms[at] = room;
+	}
+	near->count = kept;
+}
+
+static void record_models_far(const record_pass_view *recorded, stilb_render_context *context, const record_models *far)
+{
+	uint64_t plain = recorded->view.shows                               ? RENDER_STATE_SHOW
+	                 : recorded->view.mode == STILB_RENDER_DETAIL_MORPH ? RENDER_STATE_MORPH
+	                                                                    : 0;
+	for (uint32_t i = 0; i < far->count; i++) {
+		if (recorded->impostors[far->ids[i]] == IMPOSTOR_ALONE)
+			record_impostor(recorded, context, far->ids[i], recorded->view.shows ? 63u : 0u, plain);
+		else
+			record_model_fading(recorded, context, far->ids[i], far->rooms[i]);
+	}
+}
+
+/* A segment of a scene that has impostors: first the models that are drawn as meshes. */
+static void record_segment_far(const record_pass_view *recorded, stilb_render_context *context, const uint32_t *visible,
+                               const float *rooms, uint32_t count)
+{
+	record_models near = {.count = count}, far;
+	memcpy(near.ids, visible, count * sizeof *near.ids);
+	memcpy(near.rooms, rooms, count * sizeof *near.rooms);
+	record_take_far(recorded, &near, &far);
+	record_pass_view meshes = *recorded;
+	meshes.pass.visible = near.ids;
+	bool fades = recorded->view.mode == STILB_RENDER_DETAIL_MORPH
+	                 ? record_models_seen(&meshes, context, 0, near.count, near.rooms, true)
+	                 : record_models_seen(&meshes, context, 0, near.count, near.rooms, false);
+	if (fades)
+		record_models_fading(&meshes, context, 0, near.count);
+	record_models_far(recorded, context, &far);
+}
+
 static void record_segment_seen(const record_pass_view *recorded, stilb_render_context *context, uint32_t segment)
 {
 	PROFILE("record segment");
@@ -742,6 +840,11 @@ static void record_segment_seen(const record_pass_view *recorded, stilb_render_c
 	stilb_render_segment_begin(context, recorded->pass.pass, segment);
 	render_detail_rooms(&recorded->view, &recorded->pass.scene->bounds, recorded->pass.visible + first, end - first,
 	                    rooms);
+	if (recorded->impostors) {
+		record_segment_far(recorded, context, recorded->pass.visible + first, rooms, end - first);
+		stilb_render_segment_end(context);
+		return;
+	}
 	bool fades = recorded->view.mode == STILB_RENDER_DETAIL_MORPH
 	                 ? record_models_seen(recorded, context, first, end, rooms, true)
 	                 : record_models_seen(recorded, context, first, end, rooms, false);
@@ -768,6 +871,17 @@ static bool record_history_fit(render_pass_lists *lists, uint32_t part_count)
 		return false;
 	if (lists->history_capacity > before)
 		memset(lists->history + before, 0, (lists->history_capacity - before) * sizeof *lists->history);
+	return true;
+}
+
+/* The same for models that have impostors. */
+static bool record_impostors_fit(render_pass_lists *lists, uint32_t model_count)
+{
+	uint32_t before = lists->impostor_capacity;
+	if (!render_reserve((void **)&lists->impostors, &lists->impostor_capacity, model_count, 1))
+		return false;
+	if (lists->impostor_capacity > before)
+		memset(lists->impostors + before, 0, lists->impostor_capacity - before);
 	return true;
 }
 
@@ -805,9 +919,16 @@ stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const
 	render_pass_lists *lists = &render->passes[pass];
 	if (detail.mode == STILB_RENDER_DETAIL_OFF || visible_count == 0)
 		return stilb_render_record(render, pass, scene, visible, visible_count, pool, worker);
-	if (!record_history_fit(lists, scene->part_count))
+	bool impostors = scene->impostor_model_count > 0 && render->scene.impostor_count == scene->impostor_count &&
+	                 render->scene.impostors_removed == scene->impostors_removed &&
+	                 stilb_scene_impostors_are_current(scene);
+	if (!record_history_fit(lists, scene->part_count) ||
+	    (impostors && !record_impostors_fit(lists, scene->impostor_model_count)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u parts", scene->part_count);
-	record_pass_view recorded = {{render, scene, visible, visible_count, pass}, detail, lists->history};
+	record_pass_view recorded = {.pass = {render, scene, visible, visible_count, pass},
+	                             .view = detail,
+	                             .history = lists->history,
+	                             .impostors = impostors ? lists->impostors : NULL};
 	stilb_result result = record_begin(&recorded.pass, pool);
 	if (result != STILB_OK)
 		return result;

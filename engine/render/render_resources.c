@@ -557,7 +557,8 @@ static render_material material_make(const stilb_scene_material *material, uint3
 	return out;
 }
 
-/* texture: index, 0: none. False: no memory or no id; then nothing has changed. */
+/* texture: index, 0: none, and further bits of its draws' state. False: no memory or no id; then nothing has
+ * changed. */
 static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t texture,
                          uint32_t *handle)
 {
@@ -579,8 +580,9 @@ static bool material_add(render_resources *resources, const stilb_scene_material
 	return true;
 }
 
-stilb_result stilb_render_material_create(stilb_render *render, const stilb_scene_material *material,
-                                          stilb_render_texture texture, stilb_render_material *out)
+/* kind: further bits of its draws' state. */
+static stilb_result material_create(stilb_render *render, const stilb_scene_material *material,
+                                    stilb_render_texture texture, uint32_t kind, stilb_render_material *out)
 {
 	STILB_ASSERT(material && out);
 	render_resources *resources = &render->resources;
@@ -589,10 +591,23 @@ stilb_result stilb_render_material_create(stilb_render *render, const stilb_scen
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
 	stilb_result result = STILB_OK;
-	if (!material_add(resources, material, index, &out->id))
+	if (!material_add(resources, material, index | kind, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	stilb_lock_give(&resources->lock);
 	return result;
+}
+
+stilb_result stilb_render_material_create(stilb_render *render, const stilb_scene_material *material,
+                                          stilb_render_texture texture, stilb_render_material *out)
+{
+	return material_create(render, material, texture, 0, out);
+}
+
+stilb_result render_material_create_impostor(stilb_render *render, const stilb_scene_material *material,
+                                             stilb_render_texture texture, stilb_render_material *out)
+{
+	STILB_ASSERT(texture.id != 0);
+	return material_create(render, material, texture, RENDER_STATE_IMPOSTOR, out);
 }
 
 void render_material_name(stilb_render *render, stilb_render_material material, uint32_t name)

@@ -148,7 +148,8 @@ typedef struct render_resources {
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
 	bool morph;               /* stilb_render_desc.morph */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 24 texture, 0: none */
+	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 23 texture, 0: none; bit 23:
+	                             RENDER_STATE_IMPOSTOR */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	stilb_lock lock; /* guards everything below */
@@ -226,6 +227,10 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
+
+/* stilb_render_material_create for an impostor, whose maps are the texture. [any-thread] */
+stilb_result render_material_create_impostor(stilb_render *render, const stilb_scene_material *material,
+                                             stilb_render_texture texture, stilb_render_material *out);
 
 /* Adds a range to the set; it joins those that it touches or overlaps. range.count > 0. False: no memory. */
 bool render_ranges_add(render_ranges *ranges, render_range range);

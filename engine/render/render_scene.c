@@ -11,12 +11,15 @@ void render_scene_finish(render_scene *scene)
 	free(scene->meshes);
 	free(scene->materials);
 	free(scene->textures);
+	free(scene->impostors);
 	*scene = (render_scene){0};
 }
 
 /* Materials before their textures. */
 void render_scene_destroy(stilb_render *render, render_scene *scene)
 {
+	for (uint32_t i = 0; i < scene->impostor_count; i++)
+		stilb_render_impostor_destroy(render, scene->impostors[i]);
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
 		stilb_render_mesh_destroy(render, scene->meshes[i]);
 	for (uint32_t i = 0; i < scene->material_count; i++)
@@ -134,6 +137,30 @@ stilb_result render_scene_texture_patient(stilb_render *render, render_scene *ta
 	return shown_texture_set(render, tables, scene, id, true, &replaced);
 }
 
+stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, const stilb_scene *scene)
+{
+	if (tables->impostors_removed != scene->impostors_removed) {
+		for (uint32_t i = 0; i < tables->impostor_count; i++)
+			stilb_render_impostor_destroy(render, tables->impostors[i]);
+		tables->impostor_count = 0;
+		tables->impostors_removed = scene->impostors_removed;
+	}
+	if (!render_reserve((void **)&tables->impostors, &tables->impostor_capacity, scene->impostor_count,
+	                    sizeof *tables->impostors))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's impostors");
+	stilb_result result = STILB_OK;
+	while (tables->impostor_count < scene->impostor_count && result == STILB_OK) {
+		uint32_t i = tables->impostor_count;
+		result = stilb_render_impostor_create(render, &scene->impostors[i], &tables->impostors[i]);
+		tables->impostor_count += result == STILB_OK;
+	}
+	for (uint32_t i = 0; i < tables->impostor_count; i++) {
+		render_mesh_name(render, tables->impostors[i].mesh, scene->mesh_count + i);
+		render_material_name(render, tables->impostors[i].material, scene->material_count + i);
+	}
+	return result;
+}
+
 /* ---- the whole scene --------------------------------------------------------------------------------------------- */
 
 stilb_result render_scene_check_parts(const stilb_scene *scene, const render_scene *tables)
@@ -157,7 +184,7 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 		result = shown_texture_set(render, tables, scene, i, false, &replaced);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, tables, scene, i);
-	return result;
+	return result == STILB_OK ? render_scene_impostors(render, tables, scene) : result;
 }
 
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene)
@@ -176,6 +203,9 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 void render_scene_replace(stilb_render *render, render_scene *next)
 {
 	render_scene_destroy(render, &render->scene);
+	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
+		if (render->passes[p].impostor_capacity > 0)
+			memset(render->passes[p].impostors, 0, render->passes[p].impostor_capacity);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		if (render->passes[p].history_capacity > 0)
 			memset(render->passes[p].history, 0, render->passes[p].history_capacity * sizeof(uint16_t));
@@ -241,6 +271,8 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 	result = textures == STILB_ERROR_ARGUMENT ? STILB_OK : textures;
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, &render->scene, scene, changes->materials[i]);
+	if (result == STILB_OK)
+		result = render_scene_impostors(render, &render->scene, scene);
 	result = result == STILB_OK ? textures : result;
 	if (result == STILB_OK && render->scene.refused)
 		shown_forget_refused(&render->scene);

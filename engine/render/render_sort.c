@@ -74,7 +74,7 @@ static void sort_gather(const render_command *commands, const render_pass_lists 
 	for (const render_run *run = lists->runs; run < lists->runs + lists->run_count; run++)
 		for (uint32_t c = run->first; c < run->first + run->count; c++)
 			*items++ = (sort_item){commands[c].key, c,
-			                       render_state_texture(run->state) | sort_detail(run->state) << SORT_DETAIL_SHIFT};
+			                       render_state_entry(run->state) | sort_detail(run->state) << SORT_DETAIL_SHIFT};
 }
 
 /* Claims count commands behind the frame's commands; *first is the index of the first. */

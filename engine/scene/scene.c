@@ -3,6 +3,7 @@
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/scene_animation_internal.h"
+#include "scene/scene_impostor.h"
 #include "shading/shade_energy.h"
 
 #include <float.h>
@@ -147,6 +148,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 		stilb_scene_mesh_finish(&scene->meshes[i]);
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		stilb_image_finish(&scene->textures[i]);
+	stilb_scene_remove_impostors(scene);
 	stilb_image_finish(&scene->surroundings.panorama);
 	free(scene->backdrop.map);
 	free(scene->backdrop.floor);

@@ -287,6 +287,15 @@ typedef struct stilb_scene {
 
 	stilb_scene_nodes nodes;
 
+	/* What models look like from afar: see scene_impostor.h, whose functions write these members. */
+	uint32_t impostor_count, impostor_model_count;
+	struct stilb_scene_impostor *impostors; /* [impostor_count] */
+	uint32_t
+		*model_impostor; /* [impostor_model_count] of the first models: 1 + the one that shows the model in the space
+	                             of its first part, 0: none; models beyond have none */
+	uint64_t impostors_geometry, impostors_materials; /* the revisions that they show */
+	uint64_t impostors_removed;                       /* how often all of them were */
+
 	uint32_t moved_count; /* models whose bounds have changed since the last frame; the engine sets it back to 0 */
 	uint32_t *moved;      /* their ids, each once, in any order; room for model_count */
 

@@ -23,6 +23,9 @@ stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
 /* scene_variant.c: room for so many variants, all names "" and all materials 0. STILB_ERROR_MEMORY. */
 stilb_result scene_add_variants(stilb_scene *scene, uint32_t count);
 
+/* scene_impostor.c: the model has none any more, since its parts have changed. */
+void scene_impostor_forget(stilb_scene *scene, uint32_t model);
+
 /* Accepts NULL. */
 void scene_variants_finish(struct stilb_scene_variants *variants);
 

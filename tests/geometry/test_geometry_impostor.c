@@ -112,6 +112,8 @@ static void test_sphere(void **state)
 	assert_float_equal(impostor.center[0], 10.0f, 0.06f);
 	assert_float_equal(impostor.center[1], -20.0f, 0.06f);
 	assert_float_equal(impostor.center[2], 30.0f, 0.06f);
+	for (int axis = 0; axis < 3; axis++)
+		assert_float_equal(impostor.half[axis], 3.0f, 0.03f);
 	assert_float_equal(impostor.material.specular[1], 0.04f, 1e-6f);
 	for (uint32_t i = 0; i < desc.grid * desc.grid; i++)
 		check_sphere_picture(&impostor, maps, i % desc.grid, i / desc.grid);
@@ -522,6 +524,8 @@ static void test_mistakes(void **state)
 	assert_non_null(stilb_scene_impostor_mistake(&bad));                                                               \
 	assert_non_null(strstr(stilb_scene_impostor_mistake(&bad), words))
 	MISTAKE("centre", bad.center[2] = NAN);
+	MISTAKE("box", bad.half[1] = -1.0f);
+	MISTAKE("box", bad.half[0] = NAN);
 	MISTAKE("radius", bad.radius = 0.0f);
 	MISTAKE("radius", bad.radius = INFINITY);
 	MISTAKE("grid", bad.grid = 2);

@@ -147,6 +147,14 @@ typedef enum vulkan_pipeline_materials {
 	VULKAN_PIPELINE_MATERIALS,
 } vulkan_pipeline_materials;
 
+/* What the draws of a mesh pipeline show. */
+typedef enum vulkan_surface {
+	VULKAN_SURFACE_PLAIN,    /* meshes whose material has no texture */
+	VULKAN_SURFACE_TEXTURE,  /* meshes with one */
+	VULKAN_SURFACE_IMPOSTOR, /* impostors, which always have one */
+	VULKAN_SURFACES,
+} vulkan_surface;
+
 /* The formulas that a pipeline is compiled with, in the order of the shader's specialization constants. */
 typedef enum vulkan_formula {
 	VULKAN_FORMULA_BRDF,
@@ -164,10 +172,10 @@ typedef struct vulkan_pipeline {
 	bool making;       /* a thread compiles it */
 } vulkan_pipeline;
 
-/* The mesh pipelines of one choice of formulas, by render_state_detail, and [0] without and [1] with a texture. */
+/* The mesh pipelines of one choice of formulas, by render_state_detail. */
 typedef struct vulkan_shading {
 	uint32_t formulas[VULKAN_FORMULAS];
-	vulkan_pipeline pipelines[RENDER_DETAIL_KINDS][2][VULKAN_PIPELINE_MATERIALS];
+	vulkan_pipeline pipelines[RENDER_DETAIL_KINDS][VULKAN_SURFACES][VULKAN_PIPELINE_MATERIALS];
 } vulkan_shading;
 
 typedef struct vulkan_swapchain {
@@ -211,7 +219,7 @@ typedef struct vulkan_device {
 	VkDescriptorPool texture_pool, material_pool;
 	vulkan_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	VkPipelineLayout pipeline_layout;
-	VkShaderModule mesh_modules[2][2]; /* [texture][stage], kept for pipelines that later frames need */
+	VkShaderModule mesh_modules[VULKAN_SURFACES][2]; /* by stage, kept for pipelines that later frames need */
 	/* Several threads may need pipelines: this guards which there are and which a thread is making, not their use. */
 	pthread_mutex_t pipelines_lock;
 	pthread_cond_t pipelines_made;

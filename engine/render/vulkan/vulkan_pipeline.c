@@ -27,6 +27,16 @@ static const uint32_t mesh_bind_texture_frag[] =
 #include "mesh_bind_texture.frag.inc"
 	;
 
+static const uint32_t impostor_vert[] =
+#include "impostor.vert.inc"
+	;
+static const uint32_t impostor_frag[] =
+#include "impostor.frag.inc"
+	;
+static const uint32_t impostor_bind_frag[] =
+#include "impostor_bind.frag.inc"
+	;
+
 static const uint32_t flat_vert[] =
 #include "flat.vert.inc"
 	;
@@ -56,12 +66,24 @@ typedef struct pipeline_code {
 		words, sizeof words                                                                                            \
 	}
 
-static const pipeline_code vertex_code[2] = {PIPELINE_CODE(mesh_vert), PIPELINE_CODE(mesh_texture_vert)};
+static const pipeline_code vertex_code[VULKAN_SURFACES] = {
+	[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_vert),
+	[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_texture_vert),
+	[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_vert),
+};
 
-/* [1: the material is bound as a descriptor set][1: the pipeline reads a texture] */
-static const pipeline_code fragment_code[2][2] = {
-	{PIPELINE_CODE(mesh_frag), PIPELINE_CODE(mesh_texture_frag)},
-	{PIPELINE_CODE(mesh_bind_frag), PIPELINE_CODE(mesh_bind_texture_frag)},
+/* [1: the material is bound as a descriptor set] */
+static const pipeline_code fragment_code[2][VULKAN_SURFACES] = {
+	{
+		[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_frag),
+		[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_texture_frag),
+		[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_frag),
+	},
+	{
+		[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_bind_frag),
+		[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_bind_texture_frag),
+		[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_bind_frag),
+	},
 };
 
 /* [a vulkan_pipeline_2d][0: vertex shader, 1: fragment shader] */
@@ -134,22 +156,24 @@ static const VkVertexInputAttributeDescription vertex_attributes[3] = {
 	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_scene_vertex, uv)},
 };
 
-/* [0] without and [1] with a texture. */
+/* By whether uv is read. */
 static const VkPipelineVertexInputStateCreateInfo vertex_input[2] = {
-	{
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-		.vertexBindingDescriptionCount = 1,
-		.pVertexBindingDescriptions = &vertex_binding,
-		.vertexAttributeDescriptionCount = 2,
-		.pVertexAttributeDescriptions = vertex_attributes,
-	},
-	{
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-		.vertexBindingDescriptionCount = 1,
-		.pVertexBindingDescriptions = &vertex_binding,
-		.vertexAttributeDescriptionCount = 3,
-		.pVertexAttributeDescriptions = vertex_attributes,
-	},
+	[false] =
+		{
+			.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+			.vertexBindingDescriptionCount = 1,
+			.pVertexBindingDescriptions = &vertex_binding,
+			.vertexAttributeDescriptionCount = 2,
+			.pVertexAttributeDescriptions = vertex_attributes,
+		},
+	[true] =
+		{
+			.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+			.vertexBindingDescriptionCount = 1,
+			.pVertexBindingDescriptions = &vertex_binding,
+			.vertexAttributeDescriptionCount = 3,
+			.pVertexAttributeDescriptions = vertex_attributes,
+		},
 };
 
 static const VkPipelineInputAssemblyStateCreateInfo triangle_list = {
@@ -270,7 +294,7 @@ static VkPipelineShaderStageCreateInfo pipeline_stage(VkShaderStageFlagBits stag
 /* Which of a choice's pipelines. */
 typedef struct pipeline_variant {
 	uint32_t detail; /* render_state_detail */
-	bool texture;
+	vulkan_surface surface;
 	vulkan_pipeline_materials materials;
 } pipeline_variant;
 
@@ -279,6 +303,7 @@ typedef struct pipeline_constants {
 	VkBool32 tone_map;
 	uint32_t materials; /* a vulkan_pipeline_materials */
 	uint32_t detail;    /* a pipeline_variant's */
+	uint32_t samples;   /* of a pixel */
 	uint32_t formulas[VULKAN_FORMULAS];
 } pipeline_constants;
 
@@ -288,7 +313,8 @@ typedef struct pipeline_constants {
 		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
 	}
 
-static const VkSpecializationMapEntry pipeline_constant_map[3 + VULKAN_FORMULAS] = {
+static const VkSpecializationMapEntry pipeline_constant_map[4 + VULKAN_FORMULAS] = {
+	{.constantID = 8, .offset = offsetof(pipeline_constants, samples), .size = sizeof(uint32_t)},
 	{.constantID = 7, .offset = offsetof(pipeline_constants, detail), .size = sizeof(uint32_t)},
 	{.constantID = 0, .offset = offsetof(pipeline_constants, tone_map), .size = sizeof(VkBool32)},
 	{.constantID = 1, .offset = offsetof(pipeline_constants, materials), .size = sizeof(uint32_t)},
@@ -309,19 +335,21 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 {
 	const pipeline_wanted *wanted = what;
 	const uint32_t *formulas = wanted->formulas;
-	bool texture = wanted->variant.texture;
-	STILB_ASSERT(device->mesh_modules[texture][0] && device->mesh_modules[texture][1]);
+	pipeline_variant variant = wanted->variant;
+	const VkShaderModule *modules = device->mesh_modules[variant.surface];
+	STILB_ASSERT(modules[0] && modules[1]);
 	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY,
-	                                .materials = wanted->variant.materials,
-	                                .detail = wanted->variant.detail};
+	                                .materials = variant.materials,
+	                                .detail = variant.detail,
+	                                .samples = device->base.samples};
 	memcpy(constants.formulas, formulas, VULKAN_FORMULAS * sizeof *formulas);
-	VkSpecializationInfo specialization = {3 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
+	VkSpecializationInfo specialization = {4 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
 	VkPipelineShaderStageCreateInfo stages[2] = {
-		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, device->mesh_modules[texture][0], &specialization),
-		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, device->mesh_modules[texture][1], &specialization),
+		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], &specialization),
+		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &specialization),
 	};
 	VkPipelineRasterizationStateCreateInfo sides = rasterization;
-	if ((formulas[VULKAN_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0)
+	if ((formulas[VULKAN_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0 || variant.surface == VULKAN_SURFACE_IMPOSTOR)
 		sides.cullMode = VK_CULL_MODE_NONE;
 	VkPipelineMultisampleStateCreateInfo multisample = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
@@ -338,7 +366,7 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 		.pNext = &rendering,
 		.stageCount = 2,
 		.pStages = stages,
-		.pVertexInputState = &vertex_input[texture],
+		.pVertexInputState = &vertex_input[variant.surface != VULKAN_SURFACE_PLAIN],
 		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
 		.pRasterizationState = &sides,
@@ -351,11 +379,11 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, pipeline);
 }
 
-static VkResult mesh_modules_make(vulkan_device *device, bool texture)
+static VkResult mesh_modules_make(vulkan_device *device, vulkan_surface surface)
 {
 	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
-	VkResult result = shader_create(device, vertex_code[texture], &device->mesh_modules[texture][0]);
-	return result == VK_SUCCESS ? shader_create(device, fragment_code[bind][texture], &device->mesh_modules[texture][1])
+	VkResult result = shader_create(device, vertex_code[surface], &device->mesh_modules[surface][0]);
+	return result == VK_SUCCESS ? shader_create(device, fragment_code[bind][surface], &device->mesh_modules[surface][1])
 	                            : result;
 }
 
@@ -364,18 +392,18 @@ static VkResult mesh_modules_make(vulkan_device *device, bool texture)
 static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, pipeline_variant variant)
 {
 	pipeline_wanted wanted = {shading->formulas, variant};
-	return vulkan_pipeline_once(device, &shading->pipelines[variant.detail][variant.texture][variant.materials],
+	return vulkan_pipeline_once(device, &shading->pipelines[variant.detail][variant.surface][variant.materials],
 	                            pipeline_make, &wanted);
 }
 
 /* Makes the pipelines that device->base.materials needs and that do not exist yet. */
-static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, uint32_t detail, bool texture)
+static VkResult shading_make(vulkan_device *device, vulkan_shading *shading, uint32_t detail, vulkan_surface surface)
 {
 	if (device->base.materials != STILB_RENDER_MATERIALS_PIPELINE)
-		return shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_ANY});
-	VkResult result = shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_EVEN});
+		return shading_make_one(device, shading, (pipeline_variant){detail, surface, VULKAN_PIPELINE_ANY});
+	VkResult result = shading_make_one(device, shading, (pipeline_variant){detail, surface, VULKAN_PIPELINE_EVEN});
 	return result == VK_SUCCESS
-	           ? shading_make_one(device, shading, (pipeline_variant){detail, texture, VULKAN_PIPELINE_ODD})
+	           ? shading_make_one(device, shading, (pipeline_variant){detail, surface, VULKAN_PIPELINE_ODD})
 	           : result;
 }
 
@@ -415,10 +443,10 @@ static void shading_destroy(const vulkan_device *device, vulkan_shading *shading
 	free(shading);
 }
 
-/* The entry for what a view needs, with its pipelines of these kinds (render_stream.kinds), without a texture, and with
- * one if `textured`. [any-thread] */
+/* The entry for what a view needs, with its pipelines of these kinds (render_stream.kinds) and surfaces, 1 <<
+ * vulkan_surface each. [any-thread] */
 static stilb_result shading_ready(vulkan_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                  uint32_t kinds, bool textured, vulkan_shading **ready)
+                                  uint32_t kinds, uint32_t surfaces, vulkan_shading **ready)
 {
 	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
@@ -435,17 +463,22 @@ static stilb_result shading_ready(vulkan_device *device, const stilb_render_shad
 	if (!*ready)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
 	VkResult result = VK_SUCCESS;
-	for (uint32_t variant = 0; variant < 2 * RENDER_DETAIL_KINDS && result == VK_SUCCESS; variant++)
-		if ((kinds >> variant / 2 & 1u) != 0 && (textured || (variant & 1u) == 0))
-			result = shading_make(device, *ready, variant / 2, variant & 1u);
+	for (uint32_t v = 0; v < VULKAN_SURFACES * RENDER_DETAIL_KINDS && result == VK_SUCCESS; v++)
+		if ((kinds >> v / VULKAN_SURFACES & 1u) != 0 && (surfaces >> v % VULKAN_SURFACES & 1u) != 0)
+			result = shading_make(device, *ready, v / VULKAN_SURFACES, (vulkan_surface)(v % VULKAN_SURFACES));
 	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
 }
 
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
 {
 	vulkan_shading *shading = NULL;
-	stilb_result result = shading_ready(device, &stream->view->shading, stream->light_bits, stream->kinds,
-	                                    render_state_texture(stream->states) != 0, &shading);
+	uint32_t surfaces = 1u << VULKAN_SURFACE_PLAIN;
+	if (render_state_texture(stream->states) != 0)
+		surfaces |= 1u << VULKAN_SURFACE_TEXTURE;
+	if (stream->states & RENDER_STATE_IMPOSTOR)
+		surfaces |= 1u << VULKAN_SURFACE_IMPOSTOR;
+	stilb_result result =
+		shading_ready(device, &stream->view->shading, stream->light_bits, stream->kinds, surfaces, &shading);
 	if (shading)
 		device->shading = shading;
 	return result;
@@ -455,7 +488,8 @@ stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, 
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_shading *shading;
-	stilb_result result = shading_ready(device, &view->shading, light_bits, render_view_kinds(view), true, &shading);
+	stilb_result result = shading_ready(device, &view->shading, light_bits, render_view_kinds(view),
+	                                    1u << VULKAN_SURFACE_PLAIN | 1u << VULKAN_SURFACE_TEXTURE, &shading);
 	bool nothing = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
 	return result == STILB_OK && !nothing ? vulkan_backdrop_make(device) : result;
 }
@@ -516,8 +550,8 @@ stilb_result vulkan_pipeline_create(vulkan_device *device)
 	if (!device->pipelines_lock_made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the lock of pipelines");
 	VkResult result = layout_create(device);
-	for (int texture = 0; texture < 2 && result == VK_SUCCESS; texture++)
-		result = mesh_modules_make(device, texture);
+	for (int surface = 0; surface < VULKAN_SURFACES && result == VK_SUCCESS; surface++)
+		result = mesh_modules_make(device, (vulkan_surface)surface);
 	if (result != VK_SUCCESS)
 		return vulkan_fail(device, result, "make the mesh shaders");
 	for (int kind = 0; kind < VULKAN_PIPELINES_2D && result == VK_SUCCESS; kind++)
@@ -534,9 +568,9 @@ void vulkan_pipeline_destroy(vulkan_device *device)
 		pthread_cond_destroy(&device->pipelines_made);
 		pthread_mutex_destroy(&device->pipelines_lock);
 	}
-	for (int texture = 0; texture < 2; texture++) {
+	for (int surface = 0; surface < VULKAN_SURFACES; surface++) {
 		for (int stage = 0; stage < 2; stage++)
-			vkDestroyShaderModule(device->device, device->mesh_modules[texture][stage], device->allocator);
+			vkDestroyShaderModule(device->device, device->mesh_modules[surface][stage], device->allocator);
 	}
 	for (int kind = 0; kind < VULKAN_PIPELINES_2D; kind++)
 		vkDestroyPipeline(device->device, device->pipelines_2d[kind], device->allocator);
@@ -555,8 +589,10 @@ VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)
 		                                                               : VULKAN_PIPELINE_2D_FLAT];
 	if (device->base.materials == STILB_RENDER_MATERIALS_PIPELINE)
 		materials = render_state_material(state) ? VULKAN_PIPELINE_ODD : VULKAN_PIPELINE_EVEN;
-	bool texture = render_state_texture(state) != 0;
-	VkPipeline pipeline = device->shading->pipelines[render_state_detail(state)][texture][materials].handle;
+	vulkan_surface surface = state & RENDER_STATE_IMPOSTOR      ? VULKAN_SURFACE_IMPOSTOR
+	                         : render_state_texture(state) != 0 ? VULKAN_SURFACE_TEXTURE
+	                                                            : VULKAN_SURFACE_PLAIN;
+	VkPipeline pipeline = device->shading->pipelines[render_state_detail(state)][surface][materials].handle;
 	STILB_ASSERT(pipeline && "vulkan_pipeline_choose has made it");
 	return pipeline;
 }

@@ -2,6 +2,7 @@
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/edit/scene_node.h"
+#include "scene/scene_internal.h"
 
 #include <math.h>
 
@@ -299,6 +300,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 		edits->meshes.users[parts[i].mesh]++;
 		edits->materials.users[parts[i].material]++;
 	}
+	scene_impostor_forget(scene, model);
 	edits->models[model].next = EDIT_IN_USE;
 	edits->models[model].hidden = false;
 	edits->models[model].measured = 0;
@@ -376,7 +378,10 @@ stilb_result stilb_scene_set_transform(stilb_scene *scene, uint32_t id, const st
 
 stilb_result stilb_scene_set_part_transforms(stilb_scene *scene, uint32_t id, const stilb_mat4 *transforms)
 {
-	return edit_move(scene, id, transforms, 1);
+	stilb_result result = edit_move(scene, id, transforms, 1);
+	if (result == STILB_OK)
+		scene_impostor_forget(scene, id);
+	return result;
 }
 
 stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part, stilb_scene_build_part with)
@@ -397,6 +402,7 @@ stilb_result stilb_scene_set_part(stilb_scene *scene, uint32_t id, uint32_t part
 		return stilb_fail(STILB_ERROR_ARGUMENT, "model %u: mesh %u reaches farther than 1e18 m there", id, with.mesh);
 	}
 	scene->part_material[p] = with.material;
+	scene_impostor_forget(scene, id);
 	scene->edits->models[id].measured = 0;
 	scene->edits->meshes.users[was.mesh]--;
 	scene->edits->meshes.users[with.mesh]++;
