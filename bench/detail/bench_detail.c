@@ -20,6 +20,10 @@ static const bench_metric flight_metrics[] = {{"off", "ms", true, NULL},     {"p
                                               {"morph/off", "x", true, NULL}};
 static const bench_metric million_metrics[] = {
 	{"off", "ms", true, NULL}, {"pop", "ms", true, NULL}, {"pop/off", "x", true, NULL}, {"memory", "%", true, NULL}};
+static const bench_metric horde_metrics[] = {
+	{"impostors", "ms", true, NULL}, {"meshes", "ms", true, NULL}, {"impostors/meshes", "x", true, NULL},
+	{"bake", "ms", true, NULL},      {"maps", "MiB", true, NULL},  {"pixels", "px", false, NULL},
+	{"rms-8", "%", true, NULL},      {"rms-16", "%", true, NULL}};
 #define POP_METRICS(MODE)                                                                                              \
 	{MODE "-pixel", "%", true, NULL}, {MODE "-8x8", "%", true, NULL}, {MODE "-smooth", "%", true, NULL},               \
 		{MODE "-rms", "%", true, NULL},                                                                                \
@@ -75,6 +79,9 @@ static const goal goals[] = {
 	{"record", "pop/off", "recording with the choice of levels / without", 1.15},
 	{"million", "pop/off", "CPU time of a frame / in full detail", 0.1},
 	{"million", "memory", "additional memory, %", 2.0},
+	{"horde", "impostors/meshes", "CPU time of a frame as impostors / as meshes in full detail", 0.05},
+	{"horde", "rms-8", "difference from meshes, 8 pixels high, % of white", 2.0},
+	{"horde", "rms-16", "difference from meshes, 16 pixels high, % of white", 2.0},
 };
 
 static void print_goals(FILE *out, const bench_results *results)

@@ -18,7 +18,9 @@
 	X("record", "10,000 models: CPU time of recording a frame", record, 10000, 1280, 720)                              \
 	X("flight", "10,000 models in 1280x720: CPU time of a frame while the camera moves by 1 % a frame", flight, 10000, \
 	  1280, 720)                                                                                                       \
-	X("million", "1,000,000 models in 1280x720: CPU time of a frame, and memory", million, 1000000, 1280, 720)
+	X("million", "1,000,000 models in 1280x720: CPU time of a frame, and memory", million, 1000000, 1280, 720)         \
+	X("horde", "100,000 people in 1280x720: CPU time of a frame as impostors and as meshes, and their difference",     \
+	  horde, 100000, 1280, 720)
 
 /* A still camera, and an allowed error that grows from 0.36 to 0.68 pixels by 1 % a frame, as if the camera went away
  * by 1 % a frame but the picture stayed: all that changes is what levels of detail change. Pictures have four samples a

@@ -2,8 +2,10 @@
 #include "bench/detail/detail_cases.h"
 #include "bench/harness/bench_child.h"
 
+#include "geometry/geometry_impostor.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "scene/scene_build.h"
 
 #include <math.h>
 #include <string.h>
@@ -386,6 +388,195 @@ static void run_nearer(const bench_child *child, uint32_t models, uint32_t width
 	free(smooth);
 	stilb_image_finish(&full);
 	world_close(&w);
+}
+
+/* ---- the horde --------------------------------------------------------------------------------------------------- */
+
+#define HORDE_MODEL "/usr/share/assimp/models/BLEND/HUMAN.blend" /* 8,560 triangles; Debian's assimp-testmodels */
+#define HORDE_SHARE 100u                                         /* every so many-th model is drawn as meshes */
+
+/* Models on a square grid in the plane y = 0, each turned by a random angle. */
+static stilb_scene *horde_scene(const stilb_scene *person, uint32_t models)
+{
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_build_part parts[8];
+	uint32_t count = person->first_part[1], side = (uint32_t)ceil(sqrt(models));
+	float space = 1.2f * person->bounds.radius[0];
+	for (uint32_t p = 0; p < count && p < 8; p++) {
+		stilb_scene_material material = person->materials[person->part_material[p]];
+		material.diffuse_texture = 0;
+		parts[p] = (stilb_scene_build_part){stilb_scene_build_mesh(build, &person->meshes[person->part_mesh[p]]),
+		                                    stilb_scene_build_material(build, &material)};
+	}
+	for (uint32_t m = 0; m < models; m++) {
+		float angle = 6.2831853f * stilb_random_float(1, m), c = cosf(angle), s = sinf(angle);
+		stilb_mat4 place = {{c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, 0, 0, 0, 1}};
+		place.m[12] = ((float)(m % side) - 0.5f * (float)side) * space;
+		place.m[14] = ((float)(m / side) - 0.5f * (float)side) * space;
+		place = stilb_mat4_multiply(place, person->part_transform[0]);
+		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &place), parts, count);
+	}
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.6f, -0.64f, -0.48f}, .intensity = {2.5f, 2.4f, 2.2f}};
+	stilb_scene_surroundings around = {.sky = {0.35f, 0.4f, 0.5f}, .ground = {0.15f, 0.13f, 0.1f}};
+	stilb_scene_build_light(build, &sun);
+	stilb_scene_build_surroundings(build, &around);
+	stilb_scene *scene;
+	check(stilb_scene_build_end(build, &scene));
+	return scene;
+}
+
+/* A world of the horde with a camera above its front edge. */
+static world horde_open(const stilb_scene *person, uint32_t models, stilb_render_desc desc, stilb_job_pool *pool,
+                        stilb_scene_impostor *impostor)
+{
+	world w = {.scene = horde_scene(person, models), .pool = pool};
+	uint32_t id;
+	check(stilb_scene_add_impostor(w.scene, impostor, &id));
+	for (uint32_t m = 0; m < models; m++)
+		check(stilb_scene_set_impostor(w.scene, m, id + 1));
+	w.ids = stilb_memory_alloc(models, sizeof *w.ids);
+	for (uint32_t m = 0; m < models; m++)
+		w.ids[m] = m;
+	desc.context_count = 2;
+	check(stilb_render_create(&desc, &w.render));
+	check(stilb_render_set_scene(w.render, w.scene));
+	w.view = (stilb_render_view){.lights = w.scene->lights,
+	                             .light_count = w.scene->light_count,
+	                             .surroundings = w.scene->surroundings,
+	                             .both_sides = person->both_sides,
+	                             .backdrop = {.kind = STILB_SCENE_BACKDROP_NOTHING},
+	                             .shading = stilb_render_shading_default()};
+	return w;
+}
+
+/* RMS between the mean pixels of two pictures, which have 8 x 8 points a pixel, over those that one of them covers, %
+ * of white. */
+static void horde_compare(const stilb_image *a, const stilb_image *b, double *square, uint32_t *covered)
+{
+	uint32_t side = a->width / 8;
+	for (uint32_t i = 0; i < side * side; i++) {
+		double sum[2][4] = {{0.0}};
+		for (uint32_t p = 0; p < 64; p++) {
+			size_t at = 4 * ((size_t)(i / side * 8 + p / 8) * a->width + i % side * 8 + p % 8);
+			for (int k = 0; k < 2; k++) {
+				const uint8_t *q = (const uint8_t *)(k ? b : a)->pixels + at;
+				for (int c = 0; c < 4; c++)
+					sum[k][c] += (c < 3 ? q[c] * q[3] / 255.0 : q[3]) / 64.0 / 2.55;
+			}
+		}
+		if (sum[0][3] == 0.0 && sum[1][3] == 0.0)
+			continue;
+		*covered += 1;
+		for (int c = 0; c < 3; c++)
+			*square += (sum[0][c] - sum[1][c]) * (sum[0][c] - sum[1][c]) / 3.0;
+	}
+}
+
+/* The difference of a person from 26 directions whose sphere is so many pixels high. */
+static double horde_rms(const stilb_scene *person, stilb_job_pool *pool, stilb_scene_impostor *impostor, float pixels)
+{
+	uint32_t side = 8 * ((uint32_t)pixels + 4), covered = 0;
+	double square = 0.0;
+	world w = horde_open(person, 1, (stilb_render_desc){.width = side, .height = side, .samples = 1}, pool, impostor);
+	float radius = w.scene->bounds.radius[0], far = radius * (float)side / 8.0f / (pixels * tanf(0.15f));
+	for (int i = 0; i < 27; i++) {
+		if (i == 13)
+			continue;
+		stilb_vec3 d = stilb_vec3_normalize(
+			stilb_vec3_make((float)(i % 3) - 0.87f, (float)(i / 3 % 3) - 0.93f, (float)(i / 9) - 1.05f));
+		stilb_scene_camera camera = {.position = {w.scene->bounds.x[0] + far * d[0], w.scene->bounds.y[0] + far * d[1],
+		                                          w.scene->bounds.z[0] + far * d[2]},
+		                             .yaw = atan2f(d[0], d[2]),
+		                             .pitch = -asinf(d[1]),
+		                             .fov_y = 0.3f,
+		                             .near_z = 0.1f * far,
+		                             .far_z = 10.0f * far};
+		stilb_image meshes, one;
+		world_look(&w, &camera);
+		draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+		check(stilb_render_read_image(w.render, &meshes));
+		/* The picture has 8 x 8 points a pixel: the impostor is recorded by hand, though it is that much too near. */
+		static const stilb_render_pass pass = {.name = "scene"};
+		stilb_render_impostor handle;
+		check(stilb_render_impostor_create(w.render, &w.scene->impostors[0], &handle));
+		check(stilb_render_frame_begin(w.render));
+		check(stilb_render_pass_begin(w.render, 0, 1));
+		stilb_render_context *context = stilb_render_context_get(w.render, 0);
+		stilb_render_segment_begin(context, 0, 0);
+		stilb_render_draw(context, handle.mesh, handle.material, &w.scene->part_transform[0]);
+		stilb_render_segment_end(context);
+		check(stilb_render_pass_end(w.render, 0));
+		check(stilb_render_replay(w.render, &pass, 1, &w.view, 1, w.pool, 0));
+		check(stilb_render_read_image(w.render, &one));
+		stilb_render_impostor_destroy(w.render, handle);
+		horde_compare(&meshes, &one, &square, &covered);
+		stilb_image_finish(&meshes);
+		stilb_image_finish(&one);
+	}
+	*impostor = w.scene->impostors[0]; /* back */
+	w.scene->impostors[0] = (stilb_scene_impostor){0};
+	stilb_render_destroy(w.render);
+	stilb_scene_destroy(w.scene);
+	free(w.ids);
+	return sqrt(square / covered);
+}
+
+static void run_horde(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
+{
+	stilb_scene_open_options quiet = {.quiet = true};
+	stilb_scene *person;
+	if (stilb_scene_open_with(HORDE_MODEL, &quiet, &person) != STILB_OK)
+		bench_child_fail("%s; install assimp-testmodels", stilb_error_message());
+	stilb_job_pool_desc workers = {.worker_count = 1};
+	stilb_job_pool *pool;
+	if (stilb_job_pool_create(&workers, &pool) != 0)
+		bench_child_fail("no threads");
+	stilb_geometry_impostor_desc desc = stilb_geometry_impostor_desc_default();
+	stilb_scene_impostor impostor;
+	double start = cpu_ms(), times[2][MOST_ROUNDS];
+	check(stilb_geometry_impostor_of_model(person, 0, &desc, pool, 0, &impostor));
+	bench_child_metric("bake", cpu_ms() - start);
+	bench_child_metric("maps", (double)stilb_image_size(&impostor.maps) / 1048576.0);
+	bench_child_metric("rms-8", horde_rms(person, pool, &impostor, 8.0f));
+	bench_child_metric("rms-16", horde_rms(person, pool, &impostor, 16.0f));
+	world w = horde_open(person, models, (stilb_render_desc){.width = width, .height = height, .samples = 1}, pool,
+	                     &impostor);
+	float half = 0.6f * person->bounds.radius[0] * sqrtf((float)models);
+	stilb_scene_camera camera = {.position = {0.0f, 0.9f * half, 2.2f * half},
+	                             .pitch = -0.36f,
+	                             .fov_y = 0.75f,
+	                             .near_z = 1.0f,
+	                             .far_z = 8.0f * half};
+	world_look(&w, &camera);
+	bench_child_metric("pixels", (double)(person->bounds.radius[0] * (float)height /
+	                                      (hypotf(camera.position[1], camera.position[2]) * tanf(0.375f))));
+	uint32_t *few = stilb_memory_alloc(models / HORDE_SHARE, sizeof *few), *all = w.ids, rounds = 0;
+	for (uint32_t m = 0; m < models / HORDE_SHARE; m++)
+		few[m] = m * HORDE_SHARE;
+	for (double spent = 0.0; rounds < 4 || (spent < 1e3 * child->seconds && rounds < MOST_ROUNDS); rounds++)
+		for (int meshes = 0; meshes < 2; meshes++) {
+			static const stilb_render_pass pass = {.name = "scene"};
+			w.ids = meshes ? few : all;
+			double from = cpu_ms();
+			w.view.detail = (stilb_render_detail){meshes ? STILB_RENDER_DETAIL_OFF : STILB_RENDER_DETAIL_POP, 0.5f};
+			check(stilb_render_frame_begin(w.render));
+			check(stilb_render_record_view(w.render, 0, w.scene, w.ids, meshes ? models / HORDE_SHARE : models, &w.view,
+			                               w.pool, 0));
+			check(stilb_render_replay(w.render, &pass, 1, &w.view, 1, w.pool, 0));
+			check(stilb_render_wait(w.render));
+			times[meshes][rounds] = (cpu_ms() - from) * (meshes ? HORDE_SHARE : 1);
+			spent += cpu_ms() - from;
+		}
+	/* The first round makes pipelines. */
+	double impostors = median(times[0] + 1, rounds - 1), meshes = median(times[1] + 1, rounds - 1);
+	bench_child_metric("impostors", impostors);
+	bench_child_metric("meshes", meshes);
+	bench_child_metric("impostors/meshes", impostors / meshes);
+	free(few);
+	w.ids = all;
+	world_close(&w);
+	stilb_scene_destroy(person);
 }
 
 /* ---- cases ------------------------------------------------------------------------------------------------------- */
