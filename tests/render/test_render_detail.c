@@ -407,6 +407,10 @@ static void morphs_end_where_the_next_level_begins(void **state)
 		last = now;
 	}
 	assert_int_equal(last, 64 * 5);
+	/* It begins where the next level's error, 2 m here, is 1.5 times what is allowed. */
+	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.51f) * (2.0f / 1.51f)), 0);
+	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.48f) * (2.0f / 1.48f)), 2);
+	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.25f) * (2.0f / 1.25f)), 32);
 	free(levels);
 }
 
@@ -546,6 +550,37 @@ static void colours_tell_levels(void **state)
 
 /* ---- resources --------------------------------------------------------------------------------------------------- */
 
+/* The sphere's vertices lie in pairs with where they morph to, and of each level's two lists of indices the second names
+ * the second of a pair for the vertices that the next level does not use. */
+static void morphs_name_the_second_of_pairs(void **state)
+{
+	(void)state;
+	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
+	uint32_t mesh = stilb_render_scene_mesh(render, 0).id & RENDER_INDEX_MASK;
+	const stilb_scene_mesh *source = &scene->meshes[0];
+	const render_levels *levels = render->resources.levels[mesh];
+	const render_level *level = render_levels_level(levels);
+	const uint32_t *heap = (const uint32_t *)render->resources.heaps[RENDER_HEAP_INDICES].data;
+	const stilb_scene_vertex *vertices = (stilb_scene_vertex *)render->resources.heaps[RENDER_HEAP_VERTICES].data;
+	assert_true(levels->morphs == 1 && levels->count == 2);
+	for (uint32_t l = 0; l <= 2; l++) {
+		const uint32_t *from = l == 0 ? source->indices : source->level_indices + source->levels[l - 1].first_index;
+		assert_int_equal(level[l].index_count, 3 * triangles_of(l));
+		for (uint32_t i = 0; i < level[l].index_count; i++) {
+			assert_int_equal(heap[level[l].first_index + i], 2 * from[i]);
+			if (l == 2)
+				continue;
+			uint32_t moves = from[i] >= source->levels[l].vertex_count;
+			assert_int_equal(heap[level[3 + l].first_index + i], 2 * from[i] + moves);
+			const stilb_scene_vertex *pair = vertices + level[l].vertex_offset + 2 * (size_t)from[i];
+			assert_memory_equal(&pair[0], &source->vertices[from[i]], sizeof *pair);
+			if (moves)
+				assert_memory_equal(&pair[1], &source->morph[from[i]], sizeof *pair);
+		}
+	}
+	stilb_render_destroy(render);
+}
+
 static void wrong_levels_are_refused(void **state)
 {
 	(void)state;
@@ -613,6 +648,7 @@ int main(void)
 		cmocka_unit_test(histories_are_of_the_pass_and_the_scene),
 		cmocka_unit_test(dumps_hold_levels_and_transitions),
 		cmocka_unit_test(colours_tell_levels),
+		cmocka_unit_test(morphs_name_the_second_of_pairs),
 		cmocka_unit_test(wrong_levels_are_refused),
 	};
 	return cmocka_run_group_tests(tests, scene_make, scene_free);
