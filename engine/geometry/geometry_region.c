@@ -617,7 +617,7 @@ static void neighbour_changed(region *r, uint32_t p, uint32_t to, uint32_t q, fl
 {
 	if (r->fixed[q])
 		return;
-	r->dirty[q] |= q == to || r->best[q] == p || !r->queued[q];
+	r->dirty[q] |= q == to || r->best[q] == p || r->best[q] == to || !r->queued[q];
 	if (!r->queued[q]) {
 		r->cost[q] = cost;
 		queue_push(r, q);

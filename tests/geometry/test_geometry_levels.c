@@ -276,6 +276,35 @@ static bool is_edge_of_square(const stilb_scene_vertex *vertex)
 	return vertex->uv[0] == 0.0f || vertex->uv[0] == 1.0f || vertex->uv[1] == 0.0f || vertex->uv[1] == 1.0f;
 }
 
+/* A torus whose texture is in pieces: each triangle belongs to one of three, drawn by lot for patches of the surface, so
+ * that seams branch, end at each other and enclose single triangles. */
+static stilb_scene_mesh torus_in_pieces(uint32_t seed, float patches)
+{
+	stilb_scene_mesh whole = bumpy_torus(24, 16), mesh = mesh_facets(&whole);
+	for (uint32_t i = 0; i < mesh.index_count; i++) {
+		const stilb_scene_vertex *first = &whole.vertices[whole.indices[i - i % 3]];
+		uint32_t patch = (uint32_t)(first->uv[0] * patches) * 31u + (uint32_t)(first->uv[1] * patches);
+		uint32_t piece = ((patch + seed * 977u) * 2654435769u >> 16) % 3;
+		mesh.vertices[i] = whole.vertices[whole.indices[i]];
+		mesh.vertices[i].uv[0] += 2.0f * (float)piece;
+	}
+	stilb_scene_mesh_finish(&whole);
+	return mesh;
+}
+
+/* A collapse onto the end of a seam is looked at again when other collapses have brought more of the seam there. */
+static void test_pieces(void **state)
+{
+	(void)state;
+	static const float patches[] = {5.0f, 9.0f, 24.0f};
+	for (uint32_t seed = 0; seed < 24; seed++) {
+		stilb_scene_mesh mesh = torus_in_pieces(seed, patches[seed % 3]);
+		make_levels(&mesh);
+		check_ranges(&mesh);
+		stilb_scene_mesh_finish(&mesh);
+	}
+}
+
 /* Positions that are locked stay in all levels. */
 static void test_locks(void **state)
 {
@@ -531,10 +560,10 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		test_one_thread(test_sphere),   test_one_thread(test_torus),     test_one_thread(test_hills),
-		test_one_thread(test_facets),   test_one_thread(test_locks),     cmocka_unit_test(test_same_bits),
-		test_one_thread(test_empty),    test_one_thread(test_damaged),   test_one_thread(test_touching),
-		test_one_thread(test_refusals), test_one_thread(test_no_memory),
+		test_one_thread(test_sphere),     test_one_thread(test_torus),    test_one_thread(test_hills),
+		test_one_thread(test_facets),     test_one_thread(test_pieces),   test_one_thread(test_locks),
+		cmocka_unit_test(test_same_bits), test_one_thread(test_empty),    test_one_thread(test_damaged),
+		test_one_thread(test_touching),   test_one_thread(test_refusals), test_one_thread(test_no_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
