@@ -1,6 +1,7 @@
-/* How far two surfaces are from each other. Where the distance of two surfaces of triangles is largest, there is a
- * vertex of one of them or two edges cross; vertices are all looked at, and edges of the coarser one at points as close
- * as the finer one's vertices, closer where the distance is large. */
+/* How far two surfaces are from each other. Where the distance of two surfaces of triangles that lie along one another
+ * is largest, there is a vertex of one of them or two edges cross; where one spans a hollow of the other, it may be
+ * anywhere. All vertices are looked at, and points on the edges and inside of triangles that are as close as the finer
+ * one's vertices, closer where the distance is large. */
 #include "geometry/geometry_internal.h"
 #include "geometry/geometry_tree.h"
 
@@ -13,6 +14,8 @@
 #define CHUNK 512u   /* points or triangles of a job */
 #define FIRST 32u    /* one point of this many tells how far the others need to be looked at */
 #define DENSEST 64u  /* parts of an edge, at most, at first */
+#define INSIDE 8u    /* the same of the grid inside of a triangle */
+#define MANY 16384u  /* triangles of a surface whose vertices tell where it is, but for its large triangles */
 #define CLOSER 6u    /* times as many where a point is nearly as far as the farthest */
 #define NEARLY 0.75f /* of the farthest distance: what is looked at closer */
 
@@ -20,11 +23,11 @@ typedef struct distance {
 	const geometry_side *from, *to;
 	const uint32_t *points; /* [count] vertices; NULL: the edges of `from` */
 	uint32_t count;
-	float spacing; /* metres between points of edges */
-	uint32_t step; /* every `step`-th point or triangle is looked at */
-	float enough;  /* m^2: nobody asks whether a point is still nearer than this */
-	float
-		closer; /* metres: triangles with points as far as this are looked at closer; 0: all are, for the first time */
+	float spacing;      /* metres between points of edges */
+	bool large_alone;   /* triangles whose sides are no longer than that are left to their vertices */
+	uint32_t step;      /* every `step`-th point or triangle is looked at */
+	float enough;       /* m^2: nobody asks whether a point is still nearer than this */
+	float closer;       /* metres: triangles with points as far as this are looked at closer; 0: the first look */
 	float *of_triangle; /* [count] metres, of edges */
 	float *farthest;    /* [chunk] m^2 */
 } distance;
@@ -41,10 +44,22 @@ static float look(const distance *d, stilb_vec3 point, uint32_t *hint)
 	return nearest.square;
 }
 
-/* Points on the sides of a triangle, and its middle; with `densely` points all over it. m^2. */
+static float longest_side(const stilb_vec3 corners[3])
+{
+	float longest = 0.0f;
+	for (int k = 0; k < 3; k++) {
+		stilb_vec3 side = corners[(k + 1) % 3] - corners[k];
+		longest = fmaxf(longest, stilb_vec3_dot(side, side));
+	}
+	return sqrtf(longest);
+}
+
+/* Points on the sides of a triangle and inside, where it may span a hollow; with `densely` more of them. m^2. */
 static float look_at_triangle(const distance *d, const geometry_tree_triangle *triangle, bool densely, uint32_t *hint)
 {
 	stilb_vec3 corners[3] = {corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)};
+	if (d->large_alone && longest_side(corners) <= d->spacing)
+		return 0.0f;
 	float farthest = look(d, (corners[0] + corners[1] + corners[2]) * (1.0f / 3.0f), hint), longest = 1.0f;
 	for (int k = 0; k < 3; k++) {
 		stilb_vec3 from = corners[k], side = corners[(k + 1) % 3] - from;
@@ -54,8 +69,8 @@ static float look_at_triangle(const distance *d, const geometry_tree_triangle *t
 		for (float i = 1.0f; i < parts; i += 1.0f)
 			farthest = fmaxf(farthest, look(d, from + side * (i / parts), hint));
 	}
-	float n = fminf(longest, (float)DENSEST);
-	for (float i = 1.0f; densely && i < n; i += 1.0f)
+	float n = fminf(longest, densely ? (float)DENSEST : (float)INSIDE);
+	for (float i = 1.0f; i < n; i += 1.0f)
 		for (float j = 1.0f; i + j < n; j += 1.0f)
 			farthest = fmaxf(
 				farthest,
@@ -172,9 +187,14 @@ bool geometry_distance(const geometry_side *a, const geometry_side *b, stilb_job
 	float farthest = 0.0f, spacing = (float)sqrt(2.0 * tree_area(finer->tree) / finer->tree->count);
 	distance edges = {
 		.from = coarser, .to = finer, .count = coarser->tree->count, .spacing = spacing > FLT_MIN ? spacing : 1.0f};
+	distance back = {.from = finer,
+	                 .to = coarser,
+	                 .count = finer->tree->count,
+	                 .spacing = finer->tree->count > MANY ? 2.0f * edges.spacing : edges.spacing,
+	                 .large_alone = true};
 	if (!distance_of_points(finer, coarser, pool, worker, &farthest) ||
 	    !distance_of_points(coarser, finer, pool, worker, &farthest) ||
-	    !distance_one_way(edges, pool, worker, &farthest))
+	    !distance_one_way(edges, pool, worker, &farthest) || !distance_one_way(back, pool, worker, &farthest))
 		return false;
 	*bound = 1.06f * farthest + 1e-6f * tree_reach(finer->tree);
 	return true;

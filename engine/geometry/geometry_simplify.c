@@ -213,7 +213,8 @@ typedef struct reduce {
 	float cost;               /* what is applied */
 	geometry_record *records; /* [regions] */
 	uint32_t *left;           /* [regions] triangles after it; then where they go */
-	uint32_t first, step;     /* the regions of this loop: first, first + step, ... */
+	uint32_t step;            /* every `step`-th region is a pilot */
+	bool pilots;              /* this loop is over the pilots, else over the others */
 	atomic_bool failed;
 	geometry_keyed *keyed;
 } reduce;
@@ -285,22 +286,22 @@ static void collapse_regions(uint32_t begin, uint32_t end, uint32_t worker, void
 	(void)worker;
 	reduce *r = context;
 	for (uint32_t i = begin; i < end; i++) {
-		uint32_t region = r->first + i * r->step, from = region_begin(r, region);
+		uint32_t region = r->pilots ? i * r->step : i + i / (r->step - 1) + 1;
+		uint32_t from = region_begin(r, region);
 		uint32_t count = region_begin(r, region + 1) - from;
 		geometry_stop stop = r->stop;
-		if (r->step != 1 || r->regions > 1)
-			stop.triangles = (uint32_t)((uint64_t)stop.triangles * count / r->count);
+		stop.triangles = (uint32_t)((uint64_t)stop.triangles * count / r->count);
 		if (!geometry_region_collapse(&r->round, region, (const uint32_t(*)[3])(r->triangles + from), count, stop,
 		                              &r->records[region]))
 			atomic_store_explicit(&r->failed, true, memory_order_relaxed); /* relaxed: the loop's end publishes it */
 	}
 }
 
-/* Triangles that regions first, first + step, ... lose if collapses of this cost at most are made. */
+/* Triangles that pilots lose if collapses of this cost at most are made. */
 static uint64_t removed_at(const reduce *r, float cost)
 {
 	uint64_t removed = 0;
-	for (uint32_t region = r->first; region < r->regions; region += r->step) {
+	for (uint32_t region = 0; region < r->regions; region += r->step) {
 		uint32_t prefix = geometry_record_prefix(&r->records[region], cost);
 		removed += prefix > 0 ? r->records[region].triangles[prefix - 1] : 0;
 	}
@@ -424,32 +425,28 @@ static void set_scales(geometry_round *round, const geometry_work *work, uint32_
 	round->value_limit = limit < 1e30 ? (float)limit : 1e30f;
 }
 
-/* Simplifies all regions: first some of them, which tell what triangles cost, then the others up to that. */
+/* Simplifies all regions: first the pilots, which tell what triangles cost, then the others up to that. Afterwards all
+ * count as pilots. */
 static void collapse_all(reduce *r, uint32_t target, float max_cost)
 {
 	geometry_work *work = r->work;
 	r->stop = (geometry_stop){.triangles = target, .cost = max_cost};
-	r->first = 0;
-	r->step = 1;
-	if (r->regions > 1) {
-		r->step = r->regions >= 2 * PILOTS ? PILOTS : 1;
-		r->stop.triangles = r->step > 1 ? target / 2 : target - target / 8; /* costs differ from region to region */
-		geometry_for(work->pool, work->worker, (r->regions + r->step - 1) / r->step, 1, collapse_regions, r);
-		if (r->step > 1) {
-			uint64_t all = 0;
-			for (uint32_t region = 0; region < r->regions; region += r->step)
-				all += region_begin(r, region + 1) - region_begin(r, region);
-			float cost = cost_of(r, (uint64_t)((double)(r->count - target) / r->count * (double)all * 1.03));
-			r->stop.cost = cost < max_cost ? cost : max_cost;
-			for (r->first = 1; r->first < r->step; r->first++)
-				geometry_for(work->pool, work->worker, (r->regions - r->first + r->step - 1) / r->step, 1,
-				             collapse_regions, r);
-		}
-		r->first = 0;
-		r->step = 1;
-		return;
+	r->step = r->regions >= 2 * PILOTS ? PILOTS : 1;
+	if (r->regions > 1) /* costs differ from region to region: some go farther than to their share */
+		r->stop.triangles = r->step > 1 ? target / 2 : target - target / 8;
+	uint32_t pilots = (r->regions + r->step - 1) / r->step;
+	r->pilots = true;
+	geometry_for(work->pool, work->worker, pilots, 1, collapse_regions, r);
+	if (r->step > 1) {
+		uint64_t all = 0;
+		for (uint32_t region = 0; region < r->regions; region += r->step)
+			all += region_begin(r, region + 1) - region_begin(r, region);
+		float cost = cost_of(r, (uint64_t)((double)(r->count - target) / r->count * (double)all * 1.03));
+		r->stop.cost = cost < max_cost ? cost : max_cost;
+		r->pilots = false;
+		geometry_for(work->pool, work->worker, r->regions - pilots, 1, collapse_regions, r);
 	}
-	collapse_regions(0, 1, work->worker, r);
+	r->step = 1;
 }
 
 static stilb_result reduce_round(geometry_work *work, uint32_t target, float max_cost)

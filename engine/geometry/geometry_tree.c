@@ -153,46 +153,67 @@ void geometry_tree_finish(geometry_tree *tree)
 
 /* ---- distances --------------------------------------------------------------------------------------------------- */
 
-static geometry_nearest at_corner(stilb_vec3 d, float u, float v)
+typedef struct tree_vector {
+	double x, y, z;
+} tree_vector;
+
+static inline tree_vector vector_of(const float p[3])
 {
-	return (geometry_nearest){.square = stilb_vec3_dot(d, d), .at = {u, v}};
+	return (tree_vector){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* The nearest point of a triangle. Source: Ericson, "Real-Time Collision Detection", 2005, 5.1.5. */
-static geometry_nearest triangle_nearest(const geometry_tree_triangle *triangle, stilb_vec3 p)
+static inline double dot_of(tree_vector a, tree_vector b)
 {
-	const float(*c)[3] = triangle->corner;
-	stilb_vec3 a = {c[0][0], c[0][1], c[0][2]};
-	stilb_vec3 ab = stilb_vec3_make(c[1][0], c[1][1], c[1][2]) - a, ac = stilb_vec3_make(c[2][0], c[2][1], c[2][2]) - a;
-	stilb_vec3 ap = p - a;
-	float d1 = stilb_vec3_dot(ab, ap), d2 = stilb_vec3_dot(ac, ap);
-	if (d1 <= 0.0f && d2 <= 0.0f)
-		return at_corner(ap, 0.0f, 0.0f);
-	stilb_vec3 bp = ap - ab;
-	float d3 = stilb_vec3_dot(ab, bp), d4 = stilb_vec3_dot(ac, bp);
-	if (d3 >= 0.0f && d4 <= d3)
-		return at_corner(bp, 1.0f, 0.0f);
-	float vc = d1 * d4 - d3 * d2;
-	if (vc <= 0.0f && d1 >= 0.0f && d3 <= 0.0f) {
-		float v = d1 - d3 > 0.0f ? d1 / (d1 - d3) : 0.0f;
-		return at_corner(ap - v * ab, v, 0.0f);
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* a - t b */
+static inline tree_vector without(tree_vector a, double t, tree_vector b)
+{
+	return (tree_vector){a.x - t * b.x, a.y - t * b.y, a.z - t * b.z};
+}
+
+static inline geometry_nearest nearest_at(tree_vector d, double u, double v)
+{
+	return (geometry_nearest){.square = (float)dot_of(d, d), .at = {(float)u, (float)v}};
+}
+
+/* The nearest point of a triangle. Source: Ericson, "Real-Time Collision Detection", 2005, 5.1.5. In double: of a
+ * needle that is a hundred times as long as wide, products of floats leave no digits. */
+static geometry_nearest triangle_nearest(const geometry_tree_triangle *triangle, stilb_vec3 point)
+{
+	const float at[3] = {point[0], point[1], point[2]};
+	tree_vector a = vector_of(triangle->corner[0]), ap = without(vector_of(at), 1.0, a);
+	tree_vector ab = without(vector_of(triangle->corner[1]), 1.0, a);
+	tree_vector ac = without(vector_of(triangle->corner[2]), 1.0, a);
+	double d1 = dot_of(ab, ap), d2 = dot_of(ac, ap);
+	if (d1 <= 0.0 && d2 <= 0.0)
+		return nearest_at(ap, 0.0, 0.0);
+	tree_vector bp = without(ap, 1.0, ab);
+	double d3 = dot_of(ab, bp), d4 = dot_of(ac, bp);
+	if (d3 >= 0.0 && d4 <= d3)
+		return nearest_at(bp, 1.0, 0.0);
+	double vc = d1 * d4 - d3 * d2;
+	if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
+		double v = d1 - d3 > 0.0 ? d1 / (d1 - d3) : 0.0;
+		return nearest_at(without(ap, v, ab), v, 0.0);
 	}
-	stilb_vec3 cp = ap - ac;
-	float d5 = stilb_vec3_dot(ab, cp), d6 = stilb_vec3_dot(ac, cp);
-	if (d6 >= 0.0f && d5 <= d6)
-		return at_corner(cp, 0.0f, 1.0f);
-	float vb = d5 * d2 - d1 * d6;
-	if (vb <= 0.0f && d2 >= 0.0f && d6 <= 0.0f) {
-		float w = d2 - d6 > 0.0f ? d2 / (d2 - d6) : 0.0f;
-		return at_corner(ap - w * ac, 0.0f, w);
+	tree_vector cp = without(ap, 1.0, ac);
+	double d5 = dot_of(ab, cp), d6 = dot_of(ac, cp);
+	if (d6 >= 0.0 && d5 <= d6)
+		return nearest_at(cp, 0.0, 1.0);
+	double vb = d5 * d2 - d1 * d6;
+	if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
+		double w = d2 - d6 > 0.0 ? d2 / (d2 - d6) : 0.0;
+		return nearest_at(without(ap, w, ac), 0.0, w);
 	}
-	float va = d3 * d6 - d5 * d4;
-	if (va <= 0.0f && d4 - d3 >= 0.0f && d5 - d6 >= 0.0f) {
-		float sum = (d4 - d3) + (d5 - d6), w = sum > 0.0f ? (d4 - d3) / sum : 0.0f;
-		return at_corner(bp - w * (ac - ab), 1.0f - w, w);
+	double va = d3 * d6 - d5 * d4;
+	if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
+		double sum = (d4 - d3) + (d5 - d6), w = sum > 0.0 ? (d4 - d3) / sum : 0.0;
+		return nearest_at(without(bp, w, without(ac, 1.0, ab)), 1.0 - w, w);
 	}
-	float inverse = 1.0f / (va + vb + vc), v = vb * inverse, w = vc * inverse;
-	return at_corner(ap - v * ab - w * ac, v, w);
+	double inverse = 1.0 / (va + vb + vc), v = vb * inverse, w = vc * inverse;
+	return nearest_at(without(without(ap, v, ab), w, ac), v, w);
 }
 
 typedef int32_t tree_mask __attribute__((vector_size(16)));

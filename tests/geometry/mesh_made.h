@@ -202,7 +202,7 @@ static inline float mesh_farthest(const stilb_scene_mesh *mesh, const uint32_t *
 		for (int axis = 0; axis < 3; axis++)
 			p[axis] = mesh->vertices[corner[0]].position[axis] * (1.0f - u - v) +
 			          mesh->vertices[corner[1]].position[axis] * u + mesh->vertices[corner[2]].position[axis] * v;
-		geometry_nearest nearest = geometry_tree_nearest(&tree, p, FLT_MAX, -1.0f, hint);
+		geometry_nearest nearest = geometry_tree_nearest(&tree, p, FLT_MAX, farthest, hint); /* or any that is nearer */
 		hint = nearest.triangle;
 		farthest = fmaxf(farthest, nearest.square);
 	}

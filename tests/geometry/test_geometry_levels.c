@@ -16,7 +16,8 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 {
 	if (allocations_left == 0)
 		return NULL;
-	allocations_left -= allocations_left != UINT32_MAX;
+	if (allocations_left != UINT32_MAX) /* jobs only read it, as long as nothing is to fail */
+		allocations_left--;
 	return __real_stilb_memory_alloc(count, size);
 }
 
