@@ -126,7 +126,8 @@ __attribute__((format(printf, 2, 3))) static void view_warn(const view *v, const
  * there. */
 static void view_start_detail(view *v)
 {
-	if (v->run->window && stilb_geometry_detail_start(v->scene, &v->detail) != STILB_OK)
+	bool drawn = v->options.picture.detail != STILB_RENDER_DETAIL_OFF;
+	if (drawn && v->run->window && stilb_geometry_detail_start(v->scene, &v->detail) != STILB_OK)
 		view_warn(v, "%s; they are drawn as they are", stilb_error_message());
 }
 

@@ -70,7 +70,7 @@ static void *load_run(void *data)
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
-	if (load->result == STILB_OK)
+	if (load->result == STILB_OK && load->picture->detail != STILB_RENDER_DETAIL_OFF)
 		(load->wait ? stilb_geometry_detail_make : stilb_geometry_detail_find)(load->scene);
 	if (load->result == STILB_OK && load_is_given_up(load))
 		load->result = stilb_fail(STILB_ERROR_FILE, "'%s' was given up", load->name);
