@@ -550,8 +550,8 @@ static void colours_tell_levels(void **state)
 
 /* ---- resources --------------------------------------------------------------------------------------------------- */
 
-/* The sphere's vertices lie in pairs with where they morph to. Of each level's two lists of indices the second names the
- * second of a pair for the vertices that the next level does not use. */
+/* The sphere's vertices lie in pairs with where they morph to. Of each level's two lists of indices the second names
+ * the second of a pair for the vertices that the next level does not use. */
 static void morphs_name_the_second_of_pairs(void **state)
 {
 	(void)state;
