@@ -277,8 +277,8 @@ static bool is_edge_of_square(const stilb_scene_vertex *vertex)
 	return vertex->uv[0] == 0.0f || vertex->uv[0] == 1.0f || vertex->uv[1] == 0.0f || vertex->uv[1] == 1.0f;
 }
 
-/* A torus whose texture is in pieces: each triangle belongs to one of three, drawn by lot for patches of the surface, so
- * that seams branch, end at each other and enclose single triangles. */
+/* A torus whose texture is in pieces: each triangle belongs to one of three, drawn by lot for patches of the surface,
+ * so that seams branch, end at each other and enclose single triangles. */
 static stilb_scene_mesh torus_in_pieces(uint32_t seed, float patches)
 {
 	stilb_scene_mesh whole = bumpy_torus(24, 16), mesh = mesh_facets(&whole);
