@@ -519,6 +519,9 @@ static bool turns_over(const region *r, uint32_t p, uint32_t to)
 
 static bool edge_is_allowed(region *r, uint32_t p, const ring_edge *edge)
 {
+	bool one_vertex = r->wedge_count == 1 && r->vertex_next[r->first[edge->position]] == NONE;
+	if (!one_vertex && edge_value_cost(r, edge, r->point[edge->position] - r->point[p]) == FLT_MAX)
+		return false; /* seams have come here since it was looked at */
 	return link_is_sound(r, edge) && !turns_over(r, p, edge->position);
 }
 
