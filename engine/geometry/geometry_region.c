@@ -601,7 +601,17 @@ static uint32_t queue_pop(region *r)
 
 /* ---- collapsing -------------------------------------------------------------------------------------------------- */
 
-static void record_collapse(region *r, const wedge_map *map, uint32_t removed, float cost)
+static bool is_wedge(const region *r, uint32_t vertex)
+{
+	for (uint32_t k = 0; k < r->wedge_count; k++)
+		if (r->wedges[k] == vertex)
+			return true;
+	return false;
+}
+
+/* Notes where the vertices of position p go. Those that only triangles have that are gone go along: such a triangle is
+ * known later by two corners at one position. */
+static void record_collapse(region *r, uint32_t p, const wedge_map *map, uint32_t removed, float cost)
 {
 	geometry_record *record = r->record;
 	uint32_t i = record->count++, end = i > 0 ? record->maps_end[i - 1] : 0;
@@ -609,6 +619,11 @@ static void record_collapse(region *r, const wedge_map *map, uint32_t removed, f
 		record->from[end] = r->vertex_global[r->wedges[k]];
 		record->to[end++] = r->vertex_global[map->to[k]];
 	}
+	for (uint32_t v = r->first[p]; v != NONE; v = r->vertex_next[v])
+		if (!is_wedge(r, v)) {
+			record->from[end] = r->vertex_global[v];
+			record->to[end++] = r->vertex_global[map->to[0]];
+		}
 	record->maps_end[i] = end;
 	record->triangles[i] = removed + (i > 0 ? record->triangles[i - 1] : 0);
 	record->cost[i] = i > 0 && record->cost[i - 1] > cost ? record->cost[i - 1] : cost;
@@ -662,7 +677,7 @@ static void region_collapse(region *r, uint32_t p)
 	}
 	r->live -= removed;
 	r->head[p] = NONE;
-	record_collapse(r, &map, removed, r->cost[p]);
+	record_collapse(r, p, &map, removed, r->cost[p]);
 	for (uint32_t i = 0; i < r->ring_count; i++)
 		neighbour_changed(r, p, to, r->ring[i].position, r->cost[p]);
 }
