@@ -69,7 +69,7 @@ static double squared_to_triangle(const double p[3], double c[3][3])
 
 static double distance_to(const surface *s, const double p[3])
 {
-	double least = INFINITY;
+	double least = (double)INFINITY;
 	for (uint32_t i = 0; i < s->index_count; i += 3) {
 		double c[3][3];
 		for (uint32_t k = 0; k < 3; k++)
