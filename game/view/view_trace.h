@@ -8,6 +8,7 @@
  *           ...                                     draw frames; view_trace_preview(trace, rgb); view_trace_look again
  *       view_trace_hold(trace);
  *       result = stilb_scene_set_transform(...);      any edits
+ *       stilb_scene_revisions_read(scene);
  *       view_trace_follow(trace);
  *       view_trace_look(trace, &settings);
  *       view_trace_end(trace);
@@ -55,7 +56,8 @@ bool view_trace_go_on(view_trace *trace);
  * nothing reads the scene, milliseconds. */
 void view_trace_hold(view_trace *trace);
 
-/* After the edits: brings the tree up to date. There is no picture until view_trace_look asks for one. */
+/* After the edits, and after stilb_scene_revisions_read, which gives moved nodes their places: brings the tree up to date.
+ * There is no picture until view_trace_look asks for one. */
 void view_trace_follow(view_trace *trace);
 
 /* Where it stands. *progress is {0} without a picture. */

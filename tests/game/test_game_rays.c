@@ -241,6 +241,7 @@ static void edits_are_followed(void **state)
 		view_trace_hold(trace);
 		view_trace_hold(trace); /* twice is once */
 		edit(step);
+		stilb_scene_revisions_read(scene); /* nodes take their places, as a frame sees to before it lets rays follow */
 		view_trace_follow(trace);
 		assert_in_range(view_trace_state(trace, &progress), VIEW_TRACE_BUILDING, VIEW_TRACE_WAITING);
 		if (step == 3) {
