@@ -56,8 +56,8 @@ bool view_trace_go_on(view_trace *trace);
  * nothing reads the scene, milliseconds. */
 void view_trace_hold(view_trace *trace);
 
-/* After the edits, and after stilb_scene_revisions_read, which gives moved nodes their places: brings the tree up to date.
- * There is no picture until view_trace_look asks for one. */
+/* After the edits, and after stilb_scene_revisions_read, which gives moved nodes their places: brings the tree up to
+ * date. There is no picture until view_trace_look asks for one. */
 void view_trace_follow(view_trace *trace);
 
 /* Where it stands. *progress is {0} without a picture. */
