@@ -101,6 +101,7 @@ static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *fr
 	                         .level_indices = (uint32_t *)indices + from->indices};
 	if (from->levels & RENDER_DUMP_MORPHS)
 		mesh.morph = mesh.vertices + from->vertices;
+	STILB_ASSERT(mesh.level_count == 0 || levels);
 	for (uint32_t l = 0; l < mesh.level_count; l++) {
 		level[l] = (stilb_scene_level){mesh.level_index_count, levels[l].indices, levels[l].vertices, levels[l].error};
 		mesh.level_index_count += levels[l].indices;

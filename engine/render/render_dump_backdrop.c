@@ -5,7 +5,7 @@
 #include <float.h>
 #include <string.h>
 
-#define BACKDROP_MAP_FLOATS (3u * STILB_SCENE_BACKDROP_WIDTH * STILB_SCENE_BACKDROP_HEIGHT)
+#define BACKDROP_MAP_FLOATS ((size_t)3 * STILB_SCENE_BACKDROP_WIDTH * STILB_SCENE_BACKDROP_HEIGHT)
 #define BACKDROP_FLOOR_FLOATS (sizeof(stilb_scene_floor) / sizeof(float))
 
 static_assert(sizeof(stilb_scene_floor) == (4 + STILB_SCENE_FLOOR_SIDE * STILB_SCENE_FLOOR_SIDE) * sizeof(float),

@@ -96,7 +96,7 @@ static bool save_table_create(save_table *table, uint32_t end)
 {
 	table->end = end;
 	table->place = malloc((end ? end : 1) * sizeof *table->place);
-	table->indices = malloc((end ? end : 1) * sizeof *table->indices);
+	table->indices = calloc(end ? end : 1, sizeof *table->indices);
 	if (table->place)
 		memset(table->place, 0xff, end * sizeof *table->place);
 	return table->place && table->indices;

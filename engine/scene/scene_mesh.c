@@ -216,8 +216,9 @@ static stilb_result mesh_sphere_create(uint32_t splits, stilb_scene_mesh *mesh)
 {
 	uint32_t triangles = 20u << (2 * splits), vertices = triangles / 2 + 2; /* Euler's formula for triangles */
 	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
-	if (result == STILB_OK && splits > 0)
-		result = scene_mesh_add_levels(mesh, splits, triangles - 20, true); /* 3 * 20 (1 + 4 + 16 + ...) */
+	if (result != STILB_OK || splits == 0)
+		return result;
+	result = scene_mesh_add_levels(mesh, splits, triangles - 20, true); /* 3 * 20 (1 + 4 + 16 + ...) */
 	if (result != STILB_OK)
 		stilb_scene_mesh_finish(mesh);
 	return result;

@@ -343,10 +343,8 @@ static stilb_result view_act(void *user, live_run *run, const stilb_engine_repor
 			result = view_drop(v, report->dropped[report->dropped_count - 1]);
 		if (result == STILB_OK && !v->load && !v->coming.scene)
 			result = view_look(v);
-		if (result != STILB_OK) { /* no thread, or no memory for it: the scene stays */
+		if (result != STILB_OK) /* no thread, or no memory for it: the scene stays */
 			live_run_warn(v->run, stilb_error_message());
-			result = STILB_OK;
-		}
 	}
 	return view_go_on(v);
 }
