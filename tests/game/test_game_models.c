@@ -172,8 +172,9 @@ static bool has_textures(const char *path)
 	return json_flat_find(&stats, "textures[0].width");
 }
 
-static const char *const view_flags[] = {"--headless",   "--validate", "--size",  "384x288", "--brdf", "lambert",
-                                         "--screenshot", "v.exr",      "--quiet", "--msaa",  "1",      NULL};
+static const char *const view_flags[] = {"--headless", "--validate",   "--size", "384x288", "--brdf",
+                                         "lambert",    "--screenshot", "v.exr",  "--quiet", "--msaa",
+                                         "1",          "--lod",        "off",    NULL};
 
 /* Renders the file; the program's exit code. */
 static int render_file(const char *path, const char *samples)
