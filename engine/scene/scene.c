@@ -200,7 +200,13 @@ bool scene_mesh_is_sound(const stilb_scene_mesh *mesh)
 		        level->vertex_count <= mesh->vertex_count &&
 		        scene_all_below(mesh->level_indices + level->first_index, level->index_count, level->vertex_count);
 	}
-	return sound;
+	uint32_t clusters = 0;
+	for (uint32_t g = 0; g < mesh->group_count; g++) {
+		sound = sound && mesh->groups[g].first_cluster == clusters;
+		clusters += mesh->groups[g].cluster_count;
+	}
+	return sound && clusters == mesh->cluster_count &&
+	       scene_all_below(mesh->cluster_indices, mesh->cluster_index_count, mesh->vertex_count);
 }
 
 /* True if all numbers are within 1e18. */

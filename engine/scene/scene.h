@@ -55,6 +55,28 @@ typedef struct stilb_scene_level {
 	                from the mesh's own, and none of that one is farther from this */
 } stilb_scene_level;
 
+/* A piece of a large mesh, of about a hundred triangles: of the mesh itself, or of a coarser version of some place. */
+typedef struct stilb_scene_cluster {
+	float center[3], radius; /* a sphere around its triangles, metres in the mesh's space */
+	/* Of the mesh itself: in stilb_scene_mesh.indices, all of which are in such clusters, one after the other; else in
+	 * cluster_indices, in the same way. */
+	uint32_t first_index, index_count;
+	/* The group that it is, with others, the coarser version of; STILB_SCENE_NONE: it is of the mesh itself. */
+	uint32_t from;
+} stilb_scene_cluster;
+
+/* Clusters that are replaced together, by the clusters that are `from` this group, with which they share their outline
+ * edge by edge. Groups that are drawn and the coarser versions of others then meet without cracks. */
+typedef struct stilb_scene_cluster_group {
+	float center[3], radius; /* a sphere around the triangles of its clusters, and around the spheres of all groups that
+	                            these are from */
+	/* Metres in the mesh's space, >= 0, at least those of all groups that its clusters are from: no point of its
+	 * coarser version is farther from the mesh's own surface, and no point of the piece of that surface which it stands
+	 * for is farther from it. INFINITY: nothing replaces it. */
+	float error;
+	uint32_t first_cluster, cluster_count; /* first_cluster: where those of the group before end */
+} stilb_scene_cluster_group;
+
 /* Triangles, counter-clockwise seen from the front, and coarser versions of them to draw where the difference is not
  * seen. Rays, bounds and all else that does not say so go by the mesh itself. */
 typedef struct stilb_scene_mesh {
@@ -68,6 +90,14 @@ typedef struct stilb_scene_mesh {
 	 * there, the finer triangles lie on the coarser ones and have their normals and uv. Normals are at most unit: the
 	 * mean of two is shorter. Vertices that every level uses have entries that nobody reads. NULL: unknown. */
 	stilb_scene_vertex *morph;
+	/* Coarser versions of places of a mesh that is much larger than what is seen of it: some groups of clusters are
+	 * drawn in place of others. Each cluster is in one group, and is from none or from one before that. 0: there are
+	 * none. */
+	uint32_t cluster_count, group_count, cluster_index_count;
+	stilb_scene_cluster *clusters;     /* [cluster_count] in the order of the groups */
+	stilb_scene_cluster_group *groups; /* [group_count] */
+	uint32_t *cluster_indices; /* [cluster_index_count] of the clusters that are from groups; all vertices may be
+	                                      used */
 } stilb_scene_mesh;
 
 /* The view selects the reflection model (stilb_render_shading); a model ignores the parameters that it does not use.

@@ -106,7 +106,12 @@ stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, ui
 stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count, uint32_t level_index_count,
                                    bool morph);
 
-/* Frees the levels, if there are any: the mesh itself is left. */
+/* Arrays for clusters in a mesh that has none yet, not initialised; cluster_count and group_count > 0. After
+ * STILB_ERROR_MEMORY stilb_scene_mesh_finish frees what was made. */
+stilb_result scene_mesh_add_clusters(stilb_scene_mesh *mesh, uint32_t cluster_count, uint32_t group_count,
+                                     uint32_t cluster_index_count);
+
+/* Frees the levels and clusters, if there are any: the mesh itself is left. */
 void scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
 #endif

@@ -34,6 +34,21 @@ stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count,
 	return STILB_OK;
 }
 
+stilb_result scene_mesh_add_clusters(stilb_scene_mesh *mesh, uint32_t cluster_count, uint32_t group_count,
+                                     uint32_t cluster_index_count)
+{
+	STILB_ASSERT(mesh && mesh->cluster_count == 0 && cluster_count > 0 && group_count > 0);
+	mesh->clusters = stilb_memory_alloc(cluster_count, sizeof *mesh->clusters);
+	mesh->groups = stilb_memory_alloc(group_count, sizeof *mesh->groups);
+	mesh->cluster_indices = stilb_memory_alloc(cluster_index_count, sizeof *mesh->cluster_indices);
+	if (!mesh->clusters || !mesh->groups || !mesh->cluster_indices)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the %u clusters of a mesh", cluster_count);
+	mesh->cluster_count = cluster_count;
+	mesh->group_count = group_count;
+	mesh->cluster_index_count = cluster_index_count;
+	return STILB_OK;
+}
+
 void scene_mesh_drop_levels(stilb_scene_mesh *mesh)
 {
 	free(mesh->levels);
@@ -43,6 +58,13 @@ void scene_mesh_drop_levels(stilb_scene_mesh *mesh)
 	mesh->level_indices = NULL;
 	mesh->morph = NULL;
 	mesh->level_count = mesh->level_index_count = 0;
+	free(mesh->clusters);
+	free(mesh->groups);
+	free(mesh->cluster_indices);
+	mesh->clusters = NULL;
+	mesh->groups = NULL;
+	mesh->cluster_indices = NULL;
+	mesh->cluster_count = mesh->group_count = mesh->cluster_index_count = 0;
 }
 
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh)

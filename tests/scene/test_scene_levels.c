@@ -1,4 +1,5 @@
-/* Levels of meshes: the spheres' own, their errors against sampled distances, copies, and what is refused. */
+/* Levels and clusters of meshes: the spheres' own levels, their errors against sampled distances, copies, and what is
+ * refused. */
 #include "scene/edit/scene_edit.h"
 #include "scene/scene_internal.h"
 #include "support/test.h"
@@ -321,6 +322,105 @@ static void mistakes_are_named(void **state)
 	stilb_scene_mesh_finish(&wrong);
 }
 
+/* ---- clusters ---------------------------------------------------------------------------------------------------- */
+
+/* A square of 2 x 2 m and 8 triangles: two clusters in a group, and what replaces them: a fan of 6, which leaves the
+ * vertex in the middle out. */
+static void clusters_make(stilb_scene_mesh *mesh)
+{
+	static const uint32_t own[24] = {0, 3, 1, 1, 3, 4, 3, 6, 4, 4, 6, 7, 1, 4, 2, 2, 4, 5, 4, 7, 5, 5, 7, 8};
+	static const uint32_t coarser[18] = {0, 3, 6, 0, 6, 7, 0, 7, 8, 0, 8, 5, 0, 5, 2, 0, 2, 1};
+	assert_int_equal(scene_mesh_create(mesh, 9, 24), STILB_OK);
+	assert_int_equal(scene_mesh_add_clusters(mesh, 3, 2, 18), STILB_OK);
+	for (uint32_t v = 0; v < 9; v++)
+		mesh->vertices[v] = (stilb_scene_vertex){{(float)(v % 3) - 1, 0, (float)(v / 3) - 1}, {0, 1, 0}, {0, 0}};
+	memcpy(mesh->indices, own, sizeof own);
+	memcpy(mesh->cluster_indices, coarser, sizeof coarser);
+	for (uint32_t c = 0; c < 2; c++)
+		mesh->clusters[c] = (stilb_scene_cluster){.center = {(float)c - 0.5f, 0, 0},
+		                                          .radius = 1.2f,
+		                                          .first_index = 12 * c,
+		                                          .index_count = 12,
+		                                          .from = STILB_SCENE_NONE};
+	mesh->clusters[2] = (stilb_scene_cluster){.radius = 1.42f, .index_count = 18, .from = 0};
+	mesh->groups[0] = (stilb_scene_cluster_group){.radius = 1.42f, .error = 0.1f, .cluster_count = 2};
+	mesh->groups[1] =
+		(stilb_scene_cluster_group){.radius = 1.42f, .error = INFINITY, .first_cluster = 2, .cluster_count = 1};
+}
+
+static void assert_clusters_equal(const stilb_scene_mesh *a, const stilb_scene_mesh *b)
+{
+	assert_true(a->clusters != b->clusters && a->groups != b->groups && a->cluster_indices != b->cluster_indices);
+	assert_int_equal(a->cluster_count, b->cluster_count);
+	assert_int_equal(a->group_count, b->group_count);
+	assert_int_equal(a->cluster_index_count, b->cluster_index_count);
+	assert_memory_equal(a->clusters, b->clusters, a->cluster_count * sizeof *a->clusters);
+	assert_memory_equal(a->groups, b->groups, a->group_count * sizeof *a->groups);
+	assert_memory_equal(a->cluster_indices, b->cluster_indices, a->cluster_index_count * sizeof *a->cluster_indices);
+}
+
+/* Scenes copy clusters, and lose them with the first vertex that moves. */
+static void scenes_copy_clusters(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh;
+	stilb_scene *scene;
+	uint32_t added;
+	clusters_make(&mesh);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	assert_int_equal(stilb_scene_build_mesh(build, &mesh), 0);
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	assert_clusters_equal(&scene->meshes[0], &mesh);
+	assert_int_equal(stilb_scene_add_mesh(scene, &mesh, &added), STILB_OK);
+	assert_clusters_equal(&scene->meshes[added], &mesh);
+	stilb_scene_changes_clear(scene);
+	assert_int_equal(stilb_scene_set_vertices(scene, 0, 4, 1, &mesh.vertices[4]), STILB_OK);
+	assert_int_equal(stilb_scene_changes_read(scene).mesh_count, 1);
+	const stilb_scene_mesh *left = &scene->meshes[0];
+	assert_int_equal(left->cluster_count + left->group_count + left->cluster_index_count, 0);
+	assert_true(!left->clusters && !left->groups && !left->cluster_indices);
+	stilb_scene_destroy(scene);
+	stilb_scene_mesh_finish(&mesh);
+}
+
+static void mistakes_of_clusters_are_named(void **state)
+{
+	(void)state;
+	clusters_make(&wrong);
+	stilb_scene_cluster *clusters = wrong.clusters, *top = &clusters[2];
+	stilb_scene_cluster_group *groups = wrong.groups;
+	refuses_with(wrong.group_count, 0, "mesh 0: 3 clusters of 18 indices in 0 groups; some of these are missing");
+	refuses_with(wrong.clusters, NULL, "3 clusters of 18 indices in 2 groups");
+	refuses_with(wrong.groups, NULL, "some of these are missing");
+	refuses_with(wrong.cluster_indices, NULL, "some of these are missing");
+	refuses_with(wrong.group_count, 1, "its groups have 2 of 3 clusters, and these 24 of its 24 indices and 0 of 18");
+	refuses_with(wrong.cluster_index_count, 21, "these 24 of its 24 indices and 18 of 21");
+	refuses_with(wrong.cluster_count, 2, "group 1 has 1 clusters from 2 on; it takes some, from 2 on, of 2");
+	refuses_with(groups[1].first_cluster, 1, "group 1 has 1 clusters from 1 on; it takes some, from 2 on, of 3");
+	refuses_with(groups[0].cluster_count, 0, "group 0 has 0 clusters");
+	refuses_with(groups[0].cluster_count, UINT32_MAX, "group 0 has 4294967295 clusters");
+	refuses_with(groups[0].radius, -1.0f, "group 0 has a radius of -1 m");
+	refuses_with(groups[0].error, NAN, "group 0 has a radius of 1.42 m and an error of nan m");
+	refuses_with(groups[0].error, INFINITY, "cluster 2 of it is from group 0 with inf");
+	refuses_with(groups[1].error, 0.05f,
+	             "group 1 has an error of 0.05 m, and cluster 2 of it is from group 0 with 0.1");
+	refuses_with(groups[0].radius, 1.6f, "the sphere of group 1 is not around that of group 0");
+	refuses_with(groups[0].center[1], 2.0f, "of cluster 0 is outside of its sphere or of that of its group 0");
+	refuses_with(top->from, 1, "cluster 2 of group 1 is from group 1, not one before");
+	refuses_with(top->from, STILB_SCENE_NONE, "cluster 2 has 18 indices from 0 on");
+	refuses_with(top->index_count, 0, "cluster 2 has 0 indices");
+	refuses_with(top->index_count, 17, "cluster 2 has 17 indices");
+	refuses_with(top->index_count, 21, "cluster 2 has 21 indices from 0 on; that takes a multiple of 3, and from 0,");
+	refuses_with(top->index_count, 15, "these 24 of its 24 indices and 15 of 18");
+	refuses_with(clusters[1].first_index, 9,
+	             "cluster 1 has 12 indices from 9 on; that takes a multiple of 3, and from 12");
+	refuses_with(clusters[0].radius, 1.1f, "of cluster 0 is outside of its sphere");
+	refuses_with(clusters[0].center[0], NAN, "cluster 0 has a sphere of radius 1.2 about nan");
+	refuses_with(wrong.cluster_indices[5], 9, "index 5 of cluster 2 is vertex 9, but it has 9");
+	refuses_with(wrong.vertices[8].position[0], 1.5f, "vertex 8 of cluster 1 is outside of its sphere");
+	stilb_scene_mesh_finish(&wrong);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -330,6 +430,8 @@ int main(void)
 		cmocka_unit_test(scenes_copy_levels),
 		cmocka_unit_test(moved_vertices_drop_levels),
 		cmocka_unit_test(mistakes_are_named),
+		cmocka_unit_test(scenes_copy_clusters),
+		cmocka_unit_test(mistakes_of_clusters_are_named),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

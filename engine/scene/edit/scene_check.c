@@ -130,7 +130,9 @@ stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: index %u is vertex %u, but it has %u vertices", id, i,
 			                  mesh->indices[i], mesh->vertex_count);
 	stilb_result result = scene_check_vertices(mesh->vertices, 0, mesh->vertex_count, id);
-	return result == STILB_OK ? check_levels(mesh, id) : result;
+	if (result == STILB_OK)
+		result = check_levels(mesh, id);
+	return result == STILB_OK ? scene_check_clusters(mesh, id) : result;
 }
 
 stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
@@ -164,23 +166,32 @@ stilb_result scene_check_material(const stilb_scene_material *m, uint32_t id)
 	return STILB_OK;
 }
 
+/* memcpy, which takes no NULL. */
+static void copy_values(void *to, const void *from, size_t bytes)
+{
+	if (bytes > 0)
+		memcpy(to, from, bytes);
+}
+
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to)
 {
 	stilb_result result = scene_mesh_create(to, from->vertex_count, from->index_count);
 	if (result == STILB_OK && from->level_count > 0)
 		result = scene_mesh_add_levels(to, from->level_count, from->level_index_count, from->morph);
+	if (result == STILB_OK && from->cluster_count > 0)
+		result = scene_mesh_add_clusters(to, from->cluster_count, from->group_count, from->cluster_index_count);
 	if (result != STILB_OK) {
 		stilb_scene_mesh_finish(to);
 		return result;
 	}
 	memcpy(to->vertices, from->vertices, from->vertex_count * sizeof *to->vertices);
 	memcpy(to->indices, from->indices, from->index_count * sizeof *to->indices);
-	if (from->level_count == 0)
-		return STILB_OK;
-	memcpy(to->levels, from->levels, from->level_count * sizeof *to->levels);
-	memcpy(to->level_indices, from->level_indices, from->level_index_count * sizeof *to->level_indices);
-	if (from->morph)
-		memcpy(to->morph, from->morph, from->vertex_count * sizeof *to->morph);
+	copy_values(to->levels, from->levels, from->level_count * sizeof *to->levels);
+	copy_values(to->level_indices, from->level_indices, from->level_index_count * sizeof *to->level_indices);
+	copy_values(to->morph, from->morph, to->morph ? from->vertex_count * sizeof *to->morph : 0);
+	copy_values(to->clusters, from->clusters, from->cluster_count * sizeof *to->clusters);
+	copy_values(to->groups, from->groups, from->group_count * sizeof *to->groups);
+	copy_values(to->cluster_indices, from->cluster_indices, from->cluster_index_count * sizeof *to->cluster_indices);
 	return STILB_OK;
 }
 

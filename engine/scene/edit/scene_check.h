@@ -22,6 +22,8 @@ stilb_result scene_check_pose(const stilb_scene_pose *pose, uint32_t id);
 /* Vertices `first` .. first + count - 1 of mesh `id`. */
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);
+/* Its clusters, if it has some. */
+stilb_result scene_check_clusters(const stilb_scene_mesh *mesh, uint32_t id);
 stilb_result scene_check_texture(const stilb_image *image, uint32_t id);
 /* Does not look at diffuse_texture. */
 stilb_result scene_check_material(const stilb_scene_material *material, uint32_t id);

@@ -196,7 +196,7 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 	if (result != STILB_OK || count == 0)
 		return result;
 	memcpy(mesh->vertices + first, vertices, count * sizeof *vertices);
-	if (mesh->level_count > 0) {
+	if (mesh->level_count > 0 || mesh->cluster_count > 0) {
 		scene_mesh_drop_levels(mesh);
 		edit_mesh_changed(scene->edits, id);
 	} else {
