@@ -269,10 +269,11 @@ static double median(double *values, uint32_t count)
 static stilb_geometry_simplified simplify(const stilb_scene_mesh *mesh, uint32_t triangles, stilb_job_pool *pool)
 {
 	stilb_geometry_levels_desc levels = stilb_geometry_levels_desc_default();
-	const stilb_geometry_stream streams[2] = {
-		{"normal", STILB_GEOMETRY_DIRECTION, 3, levels.normal_weight, false, mesh->vertices->normal,
-	     sizeof *mesh->vertices},
-		{"uv", STILB_GEOMETRY_TEXTURE, 2, levels.uv_weight, true, mesh->vertices->uv, sizeof *mesh->vertices}};
+	const stilb_geometry_stream streams[2] = {{"normal", STILB_GEOMETRY_DIRECTION, 3,
+	                                           levels.weights[STILB_SCENE_VERTEX_NORMAL], false, mesh->vertices->normal,
+	                                           sizeof *mesh->vertices},
+	                                          {"uv", STILB_GEOMETRY_TEXTURE, 2, levels.weights[STILB_SCENE_VERTEX_UV],
+	                                           true, mesh->vertices->uv, sizeof *mesh->vertices}};
 	stilb_geometry_mesh view = {.vertex_count = mesh->vertex_count,
 	                            .index_count = mesh->index_count,
 	                            .indices = mesh->indices,

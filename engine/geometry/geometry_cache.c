@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
-#define CACHE_VERSION 4u
+#define CACHE_VERSION 5u
 #define CACHE_ENDING ".levels"
 #define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
 
@@ -36,20 +36,38 @@ static void cache_add(uint64_t key[2], const void *data, size_t size)
 	key[1] = stilb_hash_fnv1a64(key[1], data, size);
 }
 
-/* Two hashes that begin differently. */
-static void cache_key(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
+/* What levels depend on of the streams, but for values. */
+static void cache_add_streams(uint64_t key[2], const stilb_scene_streams *table, const float *weights)
+{
+	for (uint32_t s = 0; s < table->count; s++) {
+		const stilb_scene_stream *stream = &table->streams[s];
+		const uint32_t numbers[4] = {stream->kind, stream->components, stream->offset, stream->seam};
+		cache_add(key, stream->name, strlen(stream->name) + 1);
+		cache_add(key, numbers, sizeof numbers);
+		cache_add(key, &weights[s], sizeof weights[s]);
+	}
+}
+
+/* The two begin differently. */
+void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, const float *weights,
+                        const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
 {
 	key[0] = STILB_FNV1A64_START;
 	key[1] = ~STILB_FNV1A64_START;
-	const uint32_t numbers[5] = {CACHE_VERSION, mesh->vertex_count, mesh->index_count, desc->least,
-	                             desc->locked ? 1 : 0};
-	const float floats[3] = {desc->ratio, desc->normal_weight, desc->uv_weight};
+	const uint32_t numbers[6] = {CACHE_VERSION, mesh->vertex_count,   mesh->index_count,
+	                             desc->least,   desc->locked ? 1 : 0, table->count};
 	cache_add(key, numbers, sizeof numbers);
-	cache_add(key, floats, sizeof floats);
-	cache_add(key, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices);
+	cache_add(key, &desc->ratio, sizeof desc->ratio);
+	cache_add_streams(key, table, weights);
+	cache_add(key, vertices, (size_t)mesh->vertex_count * table->size);
 	cache_add(key, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	if (desc->locked)
 		cache_add(key, desc->locked, mesh->vertex_count);
+}
+
+static void cache_key(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
+{
+	geometry_cache_key(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, mesh, desc, key);
 }
 
 /* Makes a folder, unless it is there. */

@@ -16,7 +16,10 @@
 
 stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void)
 {
-	return (stilb_geometry_levels_desc){.ratio = 0.5f, .least = 20, .normal_weight = 0.15f, .uv_weight = 0.1f};
+	stilb_geometry_levels_desc desc = {.ratio = 0.5f, .least = 20};
+	for (uint32_t s = 0; s < STILB_SCENE_VERTEX_STREAMS; s++)
+		desc.weights[s] = stilb_scene_vertex_streams.streams[s].weight;
+	return desc;
 }
 
 /* The levels on their way. Level 0 is the mesh itself, without triangles that cannot be seen. */
@@ -225,37 +228,51 @@ static void drop_levels(stilb_scene_mesh *mesh)
 	mesh->level_count = mesh->level_index_count = 0;
 }
 
-static stilb_geometry_mesh view_of(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
-                                   stilb_geometry_stream streams[2])
+uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
+                             stilb_geometry_stream out[STILB_GEOMETRY_STREAMS])
 {
-	streams[0] = (stilb_geometry_stream){.name = "normal",
-	                                     .kind = STILB_GEOMETRY_DIRECTION,
-	                                     .components = 3,
-	                                     .weight = desc->normal_weight,
-	                                     .values = mesh->vertices ? mesh->vertices->normal : NULL,
-	                                     .stride = sizeof *mesh->vertices};
-	streams[1] = (stilb_geometry_stream){.name = "uv",
-	                                     .kind = STILB_GEOMETRY_TEXTURE,
-	                                     .components = 2,
-	                                     .weight = desc->uv_weight,
-	                                     .seam = true,
-	                                     .values = mesh->vertices ? mesh->vertices->uv : NULL,
-	                                     .stride = sizeof *mesh->vertices};
-	return (stilb_geometry_mesh){.vertex_count = mesh->vertex_count,
-	                             .index_count = mesh->index_count,
-	                             .indices = mesh->indices,
-	                             .positions = mesh->vertices ? mesh->vertices->position : NULL,
-	                             .position_stride = sizeof *mesh->vertices,
-	                             .stream_count = 2,
-	                             .streams = streams,
-	                             .locked = desc->locked};
+	static const stilb_geometry_kind kinds[] = {
+		[STILB_SCENE_STREAM_DIRECTION] = STILB_GEOMETRY_DIRECTION,
+		[STILB_SCENE_STREAM_TEXTURE] = STILB_GEOMETRY_TEXTURE,
+		[STILB_SCENE_STREAM_VALUE] = STILB_GEOMETRY_VALUE,
+	};
+	STILB_ASSERT(table->count >= 1 && table->count <= STILB_GEOMETRY_STREAMS + 1);
+	for (uint32_t s = 1; s < table->count; s++) {
+		const stilb_scene_stream *stream = &table->streams[s];
+		STILB_ASSERT(stream->kind != STILB_SCENE_STREAM_POSITION);
+		out[s - 1] = (stilb_geometry_stream){
+			.name = stream->name,
+			.kind = kinds[stream->kind],
+			.components = stream->components,
+			.weight = weights[s],
+			.seam = stream->seam,
+			.values = vertices ? (const float *)((const char *)vertices + stream->offset) : NULL,
+			.stride = table->size,
+		};
+	}
+	return table->count - 1;
+}
+
+static stilb_geometry_mesh view_of(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                   stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS])
+{
+	return (stilb_geometry_mesh){
+		.vertex_count = mesh->vertex_count,
+		.index_count = mesh->index_count,
+		.indices = mesh->indices,
+		.positions = mesh->vertices ? mesh->vertices->position : NULL,
+		.position_stride = sizeof *mesh->vertices,
+		.stream_count = geometry_streams_of(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, streams),
+		.streams = streams,
+		.locked = desc->locked,
+	};
 }
 
 stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
                                 stilb_job_pool *pool, uint32_t worker, geometry_plan *plan)
 {
 	*plan = (geometry_plan){0};
-	stilb_geometry_stream streams[2];
+	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
 	stilb_geometry_mesh view = view_of(mesh, desc, streams);
 	chain c = {.view = &view, .pool = pool, .worker = worker};
 	stilb_result result = STILB_OK;
@@ -306,7 +323,7 @@ stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geo
 	if (!(desc->ratio >= 0.1f && desc->ratio <= 0.9f))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "levels of %g times the triangles: it takes 0.1 to 0.9",
 		                  (double)desc->ratio);
-	stilb_geometry_stream streams[2];
+	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
 	stilb_geometry_mesh view = view_of(mesh, desc, streams);
 	return geometry_mesh_check(&view);
 }

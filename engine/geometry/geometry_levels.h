@@ -17,12 +17,13 @@
 
 #include "geometry/geometry.h"
 #include "scene/scene.h"
+#include "scene/scene_streams.h"
 
 typedef struct stilb_geometry_levels_desc {
-	float ratio;         /* triangles of a level in terms of the finer one, [0.1, 0.9] */
-	uint32_t least;      /* no level is made of one that has this many triangles or fewer */
-	float normal_weight; /* of the streams (stilb_geometry_stream.weight) */
-	float uv_weight;
+	float ratio;    /* triangles of a level in terms of the finer one, [0.1, 0.9] */
+	uint32_t least; /* no level is made of one that has this many triangles or fewer */
+	/* Of each row of stilb_scene_vertex_streams (stilb_geometry_stream.weight); that of positions is not used. */
+	float weights[STILB_SCENE_VERTEX_STREAMS];
 	const uint8_t *locked; /* [vertex_count] as stilb_geometry_mesh.locked; NULL: none */
 	/* Asked between levels and before each is compared, on the calling thread; true: the caller gives it up, which is
 	 * STILB_ERROR_GIVEN_UP. NULL: never. */
@@ -30,7 +31,7 @@ typedef struct stilb_geometry_levels_desc {
 	void *user;
 } stilb_geometry_levels_desc;
 
-/* Halves down to 20 triangles. [any-thread] */
+/* Halves down to 20 triangles, with the weights of stilb_scene_vertex_streams. [any-thread] */
 stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void);
 
 /* Replaces the mesh's levels by new ones, as many as can be made: none of a mesh of few triangles or one that cannot

@@ -20,6 +20,18 @@ typedef struct geometry_plan {
 bool geometry_plan_allocate(geometry_plan *plan);
 void geometry_plan_finish(geometry_plan *plan);
 
+static_assert(STILB_SCENE_MOST_STREAMS == STILB_GEOMETRY_STREAMS + 1, "positions stand alone");
+
+/* Fills in what the simplifier knows of vertices that consist of a table's streams, but for positions, and returns how
+ * many these are. weights: [table->count]. */
+uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
+                             stilb_geometry_stream out[STILB_GEOMETRY_STREAMS]);
+
+/* The two hashes by which the cache finds levels of a mesh whose vertices consist of a table's streams; weights:
+ * [table->count], in place of desc->weights. */
+void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, const float *weights,
+                        const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2]);
+
 /* What is wrong with a mesh or the settings, as stilb_fail; STILB_OK: nothing. */
 stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc);
 

@@ -523,7 +523,7 @@ static void test_refusals(void **state)
 	desc.ratio = 0.95f;
 	assert_int_equal(stilb_geometry_levels(&mesh, &desc, NULL, 0), STILB_ERROR_ARGUMENT);
 	desc = stilb_geometry_levels_desc_default();
-	desc.uv_weight = -1.0f;
+	desc.weights[STILB_SCENE_VERTEX_UV] = -1.0f;
 	assert_int_equal(stilb_geometry_levels(&mesh, &desc, NULL, 0), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "'uv'"));
 	desc = stilb_geometry_levels_desc_default();
