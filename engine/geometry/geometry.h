@@ -3,12 +3,12 @@
  *
  * The simplifier removes vertices one by one: a vertex is moved onto a neighbour, and the triangles between the two
  * vanish. So a coarser mesh is other triangles over the same vertices, and no vertex ever changes. Which vertex goes
- * next is decided by quadrics: how far it moves away from the planes of its triangles, and how far normals, texture
- * coordinates and whatever else the table of streams names then are from what the triangles had there.
+ * next is decided by what changes: how far the surface moves from the planes of the triangles around the vertex, and
+ * how far normals, texture coordinates and whatever else the table of streams names then are from what those triangles
+ * have.
  * Sources: Garland and Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997; Hoppe, "New
- * quadric metric for simplifying meshes with appearance attributes", IEEE Visualization 1999; memory of quadrics ends
- * with a round, as in Lindstrom and Turk, "Fast and memory efficient polygonal simplification", IEEE Visualization
- * 1998.
+ * quadric metric for simplifying meshes with appearance attributes", IEEE Visualization 1999; errors of the surface as
+ * it is, as in Lindstrom and Turk, "Fast and memory efficient polygonal simplification", IEEE Visualization 1998.
  *
  * What it keeps.  A surface that is a manifold stays one (link condition of Dey, Edelsbrunner, Guha and Nekhayev,
  *              "Topology preserving edge contraction", 1999); borders stay borders; what is not a manifold stays as it

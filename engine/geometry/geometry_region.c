@@ -1,7 +1,8 @@
-/* Simplifies a piece of a mesh: a queue of vertices by the cost of their cheapest collapse. */
+/* Simplifies a piece of a mesh: a queue of vertices by the cost of their cheapest collapse. A collapse costs what it
+ * changes of the surface as it is then. */
 #include "geometry/geometry_region.h"
 
-#include "geometry/geometry_quadric.h"
+#include "geometry/geometry_fan.h"
 
 #include <float.h>
 #include <math.h>
@@ -9,20 +10,18 @@
 #include <string.h>
 
 #define NONE UINT32_MAX
-#define RING 96            /* neighbours of a position that may be removed, at most */
+#define RING GEOMETRY_FAN  /* neighbours of a position that may be removed, at most */
 #define WEDGES 96          /* vertices at such a position, at most */
 #define BUCKETS 4096       /* costs of one bucket differ by a sixteenth at most */
 #define BORDER_WEIGHT 4.0f /* what leaving a border counts against leaving the surface */
 #define SEAM_WEIGHT 1.0f
-#define TURN_COSINE_2 0.0625f /* the squared cosine of the angle by which a triangle may turn */
+#define NEARLY 1.25f /* a collapse that has become dearer by less than this is made at once */
 
 /* An edge from the position that is looked at. */
 typedef struct ring_edge {
 	uint32_t position;       /* the other end */
 	uint32_t uses;           /* triangles at this edge */
 	uint32_t from[2], to[2]; /* vertices at both ends in the first two of these */
-	float cost;              /* of the collapse along it, m^2, or less while it is not `exact`; FLT_MAX: refused */
-	bool exact;
 } ring_edge;
 
 /* A triangle and, of each corner, the next corner at its position: 3 t + k is corner k of triangle t. */
@@ -36,19 +35,17 @@ typedef struct region {
 	const geometry_round *round;
 	uint32_t triangle_count, vertex_count, position_count, live;
 	uint32_t groups;
-	size_t value_size; /* bytes of a value quadric */
+	float root_area; /* metres: the square root of round->area */
 	region_triangle *triangles;
 	/* of vertices */
 	uint32_t *vertex_global, *vertex_position;
 	uint32_t *vertex_next; /* the next vertex at the same position */
 	uint32_t *vertex_seam; /* the first vertex at this position with the same values in all streams with seams */
 	stilb_vec4 *values;    /* [vertex][groups] times their scales */
-	unsigned char *value_quadrics;
 	/* of positions */
 	stilb_vec3 *point; /* from the middle of the region */
 	uint32_t *head;    /* the first corner */
 	uint32_t *first;   /* the first vertex */
-	geometry_plane_quadric *planes;
 	float *cost;
 	uint32_t *best; /* the neighbour onto which it goes at this cost */
 	uint32_t *queue_next;
@@ -63,17 +60,14 @@ typedef struct region {
 	uint32_t corners[RING];
 	uint8_t sides[RING][2]; /* of each corner's triangle: the edges in ring along its other two corners */
 	uint32_t wedges[WEDGES], wedge_count;
+	geometry_fan fan;
+	bool exact[RING]; /* the cost of an edge has that of values; else it is less than the cost */
 	/* the queue */
 	uint32_t bucket_head[BUCKETS], bucket_tail[BUCKETS];
 	uint64_t bucket_used[BUCKETS / 64];
 	void *build_memory, *memory;
 	geometry_record *record;
 } region;
-
-static geometry_value_quadric *value_quadric(const region *r, uint32_t vertex)
-{
-	return (geometry_value_quadric *)(r->value_quadrics + vertex * r->value_size);
-}
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
@@ -147,15 +141,10 @@ static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint
 static bool region_allocate(region *r)
 {
 	size_t v = r->vertex_count, p = r->position_count;
-	r->value_size = sizeof(geometry_value_quadric) + r->groups * 4 * sizeof(stilb_vec4);
-	size_t size = v * (8 + r->groups * sizeof(stilb_vec4) + r->value_size) +
-	              p * (sizeof(stilb_vec3) + sizeof(geometry_plane_quadric) + 4 * 7 + 4) + 24 * 64;
+	size_t size = v * (8 + r->groups * sizeof *r->values) + p * (sizeof *r->point + 4 * 7 + 4) + 24 * 64;
 	unsigned char *at = r->memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;
-	r->value_quadrics = take(&at, v, r->value_size);
-	r->planes = take(&at, p, sizeof *r->planes);
-	memset(r->memory, 0, (size_t)(at - (unsigned char *)r->memory));
 	r->values = take(&at, v * r->groups, sizeof *r->values);
 	r->point = take(&at, p, sizeof *r->point);
 	r->vertex_next = take(&at, v, 4);
@@ -239,51 +228,6 @@ static void region_build_vertices(region *r, uint32_t id)
 			r->triangles[t].next[k] = r->head[p];
 			r->head[p] = 3 * t + k;
 		}
-}
-
-/* How the values change over a triangle per metre along x, y and z. across[k]: the gradient of the barycentric
- * coordinate of corner k. */
-static void value_gradients(const region *r, const uint32_t *vertex, const stilb_vec3 across[3], stilb_vec4 *gradient)
-{
-	for (uint32_t g = 0; g < r->groups; g++) {
-		stilb_vec4 base = r->values[(size_t)vertex[0] * r->groups + g];
-		stilb_vec4 d1 = r->values[(size_t)vertex[1] * r->groups + g] - base;
-		stilb_vec4 d2 = r->values[(size_t)vertex[2] * r->groups + g] - base;
-		for (uint32_t axis = 0; axis < 3; axis++)
-			gradient[3 * g + axis] = d1 * across[1][axis] + d2 * across[2][axis];
-	}
-}
-
-static void region_build_quadrics(region *r)
-{
-	stilb_vec4 gradient[3 * STILB_GEOMETRY_STREAMS];
-	struct {
-		geometry_value_quadric quadric;
-		stilb_vec4 rows[4 * STILB_GEOMETRY_STREAMS];
-	} own;
-	for (uint32_t t = 0; t < r->triangle_count; t++) {
-		const uint32_t *vertex = r->triangles[t].vertex, *p = r->triangles[t].position;
-		stilb_vec3 e1 = r->point[p[1]] - r->point[p[0]], e2 = r->point[p[2]] - r->point[p[0]];
-		stilb_vec3 normal = stilb_vec3_cross(e1, e2);
-		float square = stilb_vec3_dot(normal, normal), l1 = stilb_vec3_dot(e1, e1), l2 = stilb_vec3_dot(e2, e2);
-		if (!(square > FLT_MIN))
-			continue;
-		float area = 0.5f * sqrtf(square);
-		stilb_vec3 unit = normal * (0.5f / area);
-		for (uint32_t k = 0; k < 3; k++) {
-			geometry_plane_add(&r->planes[p[k]], unit, area);
-			r->planes[p[k]].area += area;
-		}
-		if (r->groups == 0)
-			continue;
-		/* Of needles, whose gradients are large and mean nothing, they are smaller. */
-		float inverse = 1.0f / (square + 1e-4f * l1 * l2);
-		stilb_vec3 across[3] = {{0}, stilb_vec3_cross(e2, normal) * inverse, stilb_vec3_cross(normal, e1) * inverse};
-		value_gradients(r, vertex, across, gradient);
-		geometry_value_make(&own.quadric, r->groups, gradient, area);
-		for (uint32_t k = 0; k < 3; k++)
-			geometry_value_add(value_quadric(r, vertex[k]), &own.quadric, r->groups);
-	}
 }
 
 /* ---- the ring of a position -------------------------------------------------------------------------------------- */
@@ -396,20 +340,74 @@ typedef struct wedge_map {
 	float cost;
 } wedge_map;
 
-/* What the values of a vertex cost, m^4. A texture that lies wrong by some triangles is wrong, and not more wrong with
- * each triangle: without a limit a strip into which a whole texture is squeezed would be kept at any price. */
-static float wedge_cost(const region *r, uint32_t from, uint32_t to, stilb_vec3 d)
+/* Borders and seams hold the gathered position: planes through them, perpendicular to the surface. */
+static void fan_add_edges(region *r)
 {
-	const geometry_value_quadric *q = value_quadric(r, from);
-	float cost =
-		geometry_value_cost(q, r->groups, d, &r->values[(size_t)from * r->groups], &r->values[(size_t)to * r->groups]);
-	float most = r->round->value_limit * q->area;
+	for (uint32_t c = 0; c < r->corner_count; c++)
+		for (uint32_t side = 0; side < 2; side++) {
+			uint32_t slot = r->sides[c][side];
+			const ring_edge *edge = &r->ring[slot];
+			bool seam = edge->uses == 2 && (r->vertex_seam[edge->from[0]] != r->vertex_seam[edge->from[1]] ||
+			                                r->vertex_seam[edge->to[0]] != r->vertex_seam[edge->to[1]]);
+			if (edge->uses != 1 && !seam)
+				continue;
+			stilb_vec3 along = geometry_get4(r->fan.edge, slot);
+			stilb_vec3 out = stilb_vec3_cross(along, geometry_get4(r->fan.normal, c));
+			float square = stilb_vec3_dot(out, out);
+			float weight = stilb_vec3_dot(along, along) * (seam ? SEAM_WEIGHT : BORDER_WEIGHT);
+			if (square > FLT_MIN)
+				geometry_fan_add_plane(&r->fan, out, weight / square);
+		}
+}
+
+/* Measures the triangles at the gathered position. */
+static void region_measure(region *r, uint32_t p)
+{
+	geometry_fan *fan = &r->fan;
+	geometry_fan_begin(fan, r->ring_count, r->corner_count);
+	for (uint32_t i = 0; i < r->ring_count; i++)
+		geometry_set4(fan->edge, i, r->point[r->ring[i].position] - r->point[p]);
+	for (uint32_t i = 0; i < r->corner_count; i++) {
+		geometry_set4(fan->a, i, geometry_get4(fan->edge, r->sides[i][0]));
+		geometry_set4(fan->b, i, geometry_get4(fan->edge, r->sides[i][1]));
+	}
+	geometry_fan_measure(fan);
+	if (r->border_count > 0 || r->wedge_count > 1)
+		fan_add_edges(r);
+}
+
+/* What the values of a vertex cost when it goes to `to`, at the place that the fan was asked for last, m^4: each of its
+ * triangles predicts the values there. A texture that lies wrong by some triangles is wrong, and not more wrong with
+ * each triangle: without a limit a strip into which a whole texture is squeezed would be kept at any price. */
+static float wedge_cost(const region *r, uint32_t wedge, uint32_t to)
+{
+	const stilb_vec4 *here = &r->values[(size_t)wedge * r->groups], *there = &r->values[(size_t)to * r->groups];
+	stilb_vec4 sum = {0};
+	float areas = 0.0f;
+	for (uint32_t i = 0; i < r->corner_count; i++) {
+		uint32_t corner = r->corners[i], k = corner % 3;
+		const uint32_t *vertex = r->triangles[corner / 3].vertex;
+		float area = r->fan.area[i / 4][i % 4];
+		uint32_t v = vertex[k == 2 ? 0 : k + 1], w = vertex[k == 0 ? 2 : k - 1];
+		if (vertex[k] != wedge)
+			continue;
+		areas += area;
+		if (v == to || w == to)
+			continue;
+		const stilb_vec4 *at_a = &r->values[(size_t)v * r->groups], *at_b = &r->values[(size_t)w * r->groups];
+		float along_a = r->fan.along_a[i / 4][i % 4], along_b = r->fan.along_b[i / 4][i % 4];
+		for (uint32_t g = 0; g < r->groups; g++) {
+			stilb_vec4 off = here[g] + (at_a[g] - here[g]) * along_a + (at_b[g] - here[g]) * along_b - there[g];
+			sum += area * off * off;
+		}
+	}
+	float cost = geometry_sum4(sum), most = r->round->value_limit * areas;
 	return cost < most ? cost : most;
 }
 
 /* The vertex at the other end of an edge where `wedge` belongs: on its side of all seams, and the cheapest of these.
  * NONE: there is none, or the seam begins at the other end, and the wedge would belong to both sides of it. */
-static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t wedge, stilb_vec3 d, float *cost)
+static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t wedge, float *cost)
 {
 	uint32_t side = NONE, uses = edge->uses < 2 ? edge->uses : 2;
 	for (uint32_t i = 0; i < uses; i++) {
@@ -426,7 +424,7 @@ static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t we
 	for (uint32_t v = r->first[edge->position]; v != NONE; v = r->vertex_next[v]) {
 		if (r->vertex_seam[v] != side)
 			continue;
-		float c = r->groups > 0 ? wedge_cost(r, wedge, v, d) : 0.0f;
+		float c = r->groups > 0 ? wedge_cost(r, wedge, v) : 0.0f;
 		if (best == NONE || c < *cost) {
 			best = v;
 			*cost = c;
@@ -435,13 +433,21 @@ static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t we
 	return best;
 }
 
-/* Finds where all vertices of the gathered position go along an edge. False: one has no place there. */
-static bool map_wedges(const region *r, const ring_edge *edge, stilb_vec3 d, wedge_map *map)
+/* The only vertex at both ends of an edge, its own; NONE: one of them has several. */
+static uint32_t only_target(const region *r, const ring_edge *edge)
 {
+	uint32_t only = r->first[edge->position];
+	return r->wedge_count == 1 && r->vertex_next[only] == NONE ? only : NONE;
+}
+
+/* Finds where all vertices of the gathered position go along an edge. False: one has no place there. */
+static bool map_wedges(region *r, uint32_t slot, wedge_map *map)
+{
+	geometry_fan_place(&r->fan, geometry_get4(r->fan.edge, slot));
 	map->cost = 0.0f;
 	for (uint32_t i = 0; i < r->wedge_count; i++) {
 		float cost = 0.0f;
-		map->to[i] = wedge_target(r, edge, r->wedges[i], d, &cost);
+		map->to[i] = wedge_target(r, &r->ring[slot], r->wedges[i], &cost);
 		if (map->to[i] == NONE)
 			return false;
 		map->cost += cost;
@@ -450,13 +456,17 @@ static bool map_wedges(const region *r, const ring_edge *edge, stilb_vec3 d, wed
 }
 
 /* The part of an edge's cost that values have, m^4; FLT_MAX: a vertex has no place at the other end. */
-static float edge_value_cost(const region *r, const ring_edge *edge, stilb_vec3 d)
+static float edge_value_cost(region *r, uint32_t slot)
 {
-	uint32_t only = r->first[edge->position];
-	if (r->wedge_count == 1 && r->vertex_next[only] == NONE)
-		return r->groups > 0 ? wedge_cost(r, r->wedges[0], only, d) : 0.0f;
+	uint32_t only = only_target(r, &r->ring[slot]);
+	if (only != NONE) {
+		if (r->groups == 0)
+			return 0.0f;
+		geometry_fan_place(&r->fan, geometry_get4(r->fan.edge, slot));
+		return wedge_cost(r, r->wedges[0], only);
+	}
 	wedge_map map;
-	return map_wedges(r, edge, d, &map) ? map.cost : FLT_MAX;
+	return map_wedges(r, slot, &map) ? map.cost : FLT_MAX;
 }
 
 /* ---- what may be collapsed --------------------------------------------------------------------------------------- */
@@ -499,65 +509,55 @@ static bool link_is_sound(region *r, const ring_edge *edge)
 	return !(r->corner_count == 3 && r->border_count == 0 && opposite > 0);
 }
 
-/* True if a triangle at the gathered position turns over, or nearly so, when the position moves to that of `to`. */
-static bool turns_over(const region *r, uint32_t p, uint32_t to)
+/* True if a triangle at the gathered position turns over, or nearly so, when the position moves along an edge. */
+static bool turns_over(const region *r, uint32_t slot)
 {
-	stilb_vec3 before = r->point[p], after = r->point[to];
-	uint32_t slot = slot_of(r, to);
-	for (uint32_t i = 0; i < r->corner_count; i++) {
-		if (r->sides[i][0] == slot || r->sides[i][1] == slot)
-			continue;
-		stilb_vec3 a = r->point[r->ring[r->sides[i][0]].position],
-				   edge = r->point[r->ring[r->sides[i][1]].position] - a;
-		stilb_vec3 n = stilb_vec3_cross(edge, before - a), m = stilb_vec3_cross(edge, after - a);
-		float nn = stilb_vec3_dot(n, n), mm = stilb_vec3_dot(m, m), nm = stilb_vec3_dot(n, m);
-		if (nn > 0.0f && !(nm > 0.0f && nm * nm > TURN_COSINE_2 * nn * mm))
-			return true;
+	stilb_vec3 d = geometry_get4(r->fan.edge, slot);
+	for (uint32_t block = 0; block < r->fan.triangle_blocks; block++) {
+		geometry_mask turns = geometry_fan_turns(&r->fan, block, d);
+		for (uint32_t k = 0; k < 4; k++) /* those at the edge vanish */
+			if (turns[k] != 0 && r->sides[4 * block + k][0] != slot && r->sides[4 * block + k][1] != slot)
+				return true;
 	}
 	return false;
 }
 
-static bool edge_is_allowed(region *r, uint32_t p, const ring_edge *edge)
+static bool edge_is_allowed(region *r, uint32_t slot)
 {
-	bool one_vertex = r->wedge_count == 1 && r->vertex_next[r->first[edge->position]] == NONE;
-	if (!one_vertex && edge_value_cost(r, edge, r->point[edge->position] - r->point[p]) == FLT_MAX)
-		return false; /* seams have come here since it was looked at */
-	return link_is_sound(r, edge) && !turns_over(r, p, edge->position);
+	return !turns_over(r, slot) && link_is_sound(r, &r->ring[slot]);
 }
 
-/* Finds the cheapest collapse of the gathered position; with `checked` the cheapest that is allowed. Values are looked
- * at only where the planes alone do not make an edge dearer. */
-static bool region_evaluate(region *r, uint32_t p, bool checked)
+/* Finds the cheapest collapse of the gathered position; if that would cost no more than `checked_to`, the cheapest that
+ * is allowed. Values are looked at only where the planes alone do not make an edge dearer. */
+static bool region_evaluate(region *r, uint32_t p, float checked_to)
 {
-	r->best[p] = NONE;
-	const geometry_plane_quadric *planes = &r->planes[p];
-	float inverse = planes->area > 0.0f ? 1.0f / planes->area : 1.0f;
+	float inverse = r->fan.whole > 0.0f ? 1.0f / (sqrtf(r->fan.whole) * r->root_area) : 1.0f;
+	float *cost = (float *)r->fan.cost;
+	geometry_fan_costs(&r->fan, inverse);
 	for (uint32_t i = 0; i < r->ring_count; i++) {
-		ring_edge *edge = &r->ring[i];
-		edge->exact = false;
-		edge->cost = r->border_count > 0 && edge->uses != 1
-		                 ? FLT_MAX
-		                 : geometry_plane_cost(planes, r->point[edge->position] - r->point[p]) * inverse;
+		r->exact[i] = false;
+		if (r->border_count > 0 && r->ring[i].uses != 1)
+			cost[i] = FLT_MAX;
 	}
 	for (;;) {
-		ring_edge *best = &r->ring[0];
+		uint32_t best = 0;
 		for (uint32_t i = 1; i < r->ring_count; i++)
-			if (r->ring[i].cost < best->cost)
-				best = &r->ring[i];
-		if (!(best->cost < FLT_MAX))
+			if (cost[i] < cost[best])
+				best = i;
+		if (!(cost[best] < FLT_MAX))
 			return false;
-		if (!best->exact) {
-			best->exact = true;
-			float values = edge_value_cost(r, best, r->point[best->position] - r->point[p]);
-			best->cost = values < FLT_MAX ? best->cost + values * inverse : FLT_MAX;
+		if (!r->exact[best]) {
+			r->exact[best] = true;
+			float values = edge_value_cost(r, best);
+			cost[best] = values < FLT_MAX ? cost[best] + values * inverse : FLT_MAX;
 			continue;
 		}
-		if (!checked || edge_is_allowed(r, p, best)) {
-			r->best[p] = best->position;
-			r->cost[p] = best->cost;
+		if (cost[best] > checked_to || edge_is_allowed(r, best)) {
+			r->best[p] = r->ring[best].position;
+			r->cost[p] = cost[best];
 			return true;
 		}
-		best->cost = FLT_MAX;
+		cost[best] = FLT_MAX;
 	}
 }
 
@@ -568,6 +568,16 @@ static uint32_t bucket_of(float cost)
 	uint32_t bits;
 	memcpy(&bits, &cost, sizeof bits);
 	return bits >> 19;
+}
+
+/* The largest cost in the bucket of a cost. */
+static float bucket_end(float cost)
+{
+	uint32_t bits;
+	memcpy(&bits, &cost, sizeof bits);
+	bits |= (1u << 19) - 1;
+	memcpy(&cost, &bits, sizeof cost);
+	return cost;
 }
 
 static void queue_push(region *r, uint32_t p)
@@ -629,13 +639,12 @@ static void record_collapse(region *r, uint32_t p, const wedge_map *map, uint32_
 	record->cost[i] = i > 0 && record->cost[i - 1] > cost ? record->cost[i - 1] : cost;
 }
 
-/* After p has gone to `to`: marks what a neighbour has computed as old; what could not go may go now. A neighbour's
- * cost is that of its own quadrics, and so it is still right if its way did not lead to p. */
-static void neighbour_changed(region *r, uint32_t p, uint32_t to, uint32_t q, float cost)
+/* After a collapse at this cost: what a neighbour has computed is old, and what could not go may go now. */
+static void neighbour_changed(region *r, uint32_t q, float cost)
 {
 	if (r->fixed[q])
 		return;
-	r->dirty[q] |= q == to || r->best[q] == p || r->best[q] == to || !r->queued[q];
+	r->dirty[q] = 1;
 	if (!r->queued[q]) {
 		r->cost[q] = cost;
 		queue_push(r, q);
@@ -646,20 +655,13 @@ static void neighbour_changed(region *r, uint32_t p, uint32_t to, uint32_t q, fl
 static void region_collapse(region *r, uint32_t p)
 {
 	uint32_t to = r->best[p];
-	const ring_edge *edge = &r->ring[slot_of(r, to)];
-	stilb_vec3 d = r->point[to] - r->point[p];
+	uint32_t gone = slot_of(r, to);
 	wedge_map map;
-	bool mapped = map_wedges(r, edge, d, &map);
+	map.to[0] = only_target(r, &r->ring[gone]);
+	bool mapped = map.to[0] != NONE || map_wedges(r, gone, &map);
 	STILB_ASSERT(mapped && "a collapse that was allowed maps all vertices");
 	(void)mapped;
-	geometry_plane_move(&r->planes[to], &r->planes[p], d);
-	for (uint32_t i = 0; i < r->wedge_count && r->groups > 0; i++) {
-		uint32_t from = r->wedges[i], wedge = map.to[i];
-		geometry_value_move(value_quadric(r, wedge), value_quadric(r, from), r->groups, d,
-		                    &r->values[(size_t)from * r->groups], &r->values[(size_t)wedge * r->groups]);
-	}
 	uint32_t removed = 0;
-	uint32_t gone = slot_of(r, to);
 	for (uint32_t i = 0; i < r->corner_count; i++) {
 		uint32_t corner = r->corners[i], k = corner % 3, wedge = 0;
 		region_triangle *triangle = &r->triangles[corner / 3];
@@ -679,31 +681,7 @@ static void region_collapse(region *r, uint32_t p)
 	r->head[p] = NONE;
 	record_collapse(r, p, &map, removed, r->cost[p]);
 	for (uint32_t i = 0; i < r->ring_count; i++)
-		neighbour_changed(r, p, to, r->ring[i].position, r->cost[p]);
-}
-
-/* Borders and seams hold the gathered position: planes through them, perpendicular to the surface. */
-static void add_edges(region *r, uint32_t p)
-{
-	for (uint32_t i = 0; i < r->ring_count; i++) {
-		const ring_edge *edge = &r->ring[i];
-		bool seam = edge->uses == 2 && (r->vertex_seam[edge->from[0]] != r->vertex_seam[edge->from[1]] ||
-		                                r->vertex_seam[edge->to[0]] != r->vertex_seam[edge->to[1]]);
-		if (edge->uses != 1 && !seam)
-			continue;
-		stilb_vec3 along = r->point[edge->position] - r->point[p];
-		float weight = stilb_vec3_dot(along, along) * (seam ? SEAM_WEIGHT : BORDER_WEIGHT);
-		for (uint32_t c = 0; c < r->corner_count; c++) {
-			if (r->sides[c][0] != i && r->sides[c][1] != i)
-				continue;
-			stilb_vec3 a = r->point[r->ring[r->sides[c][0]].position] - r->point[p];
-			stilb_vec3 b = r->point[r->ring[r->sides[c][1]].position] - r->point[p];
-			stilb_vec3 out = stilb_vec3_cross(along, stilb_vec3_cross(a, b));
-			float square = stilb_vec3_dot(out, out);
-			if (square > FLT_MIN)
-				geometry_plane_add(&r->planes[p], out * (1.0f / sqrtf(square)), weight);
-		}
-	}
+		neighbour_changed(r, r->ring[i].position, r->cost[p]);
 }
 
 /* Gathers each position for the first time: what cannot go ever is fixed. */
@@ -716,9 +694,8 @@ static void region_start(region *r)
 			r->fixed[p] = 1;
 			continue;
 		}
-		if (r->border_count > 0 || r->wedge_count > 1)
-			add_edges(r, p);
-		if (region_evaluate(r, p, false))
+		region_measure(r, p);
+		if (region_evaluate(r, p, -1.0f))
 			queue_push(r, p);
 	}
 }
@@ -732,12 +709,13 @@ static void region_run(region *r, geometry_stop stop)
 			return;
 		if (!region_gather(r, p))
 			continue; /* it has too many neighbours now */
-		if (r->dirty[p] || !edge_is_allowed(r, p, &r->ring[slot_of(r, r->best[p])])) {
-			float cost = r->cost[p];
+		region_measure(r, p);
+		if (r->dirty[p] || !edge_is_allowed(r, slot_of(r, r->best[p]))) {
+			float cost = bucket_end(NEARLY * r->cost[p]);
 			r->dirty[p] = 0;
-			if (!region_evaluate(r, p, true))
+			if (!region_evaluate(r, p, cost))
 				continue;
-			if (bucket_of(r->cost[p]) > bucket_of(cost)) {
+			if (r->cost[p] > cost) {
 				queue_push(r, p);
 				continue;
 			}
@@ -771,11 +749,11 @@ bool geometry_region_collapse(const geometry_round *round, uint32_t id, const ui
 	if (!r)
 		return false;
 	*r = (region){.round = round, .triangle_count = count, .live = count, .groups = round->groups, .record = record};
+	r->root_area = round->area > 0.0f ? sqrtf(round->area) : 1.0f;
 	bool made = region_build_corners(r, triangles, count) && region_allocate(r) &&
 	            record_allocate(record, r->position_count, r->vertex_count);
 	if (made) {
 		region_build_vertices(r, id);
-		region_build_quadrics(r);
 		region_run(r, stop);
 	}
 	free(r->build_memory);

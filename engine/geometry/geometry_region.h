@@ -15,6 +15,9 @@ typedef struct geometry_round {
 	float scale[STILB_GEOMETRY_STREAMS]; /* metres for a difference of 1 of a stream's value */
 	float value_limit;                   /* m^2, the most that values cost */
 	uint32_t groups;                     /* vectors of four numbers for all streams of a vertex */
+	/* m^2: triangles at a position whose areas add up to this cost what they move, squared; larger ones more, since
+	 * more of the surface moves, and smaller ones less. 0: 1. */
+	float area;
 } geometry_round;
 
 #define GEOMETRY_SHARED UINT32_MAX

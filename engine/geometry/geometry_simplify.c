@@ -421,6 +421,8 @@ static void set_scales(geometry_round *round, const geometry_work *work, uint32_
 		numbers += stream->components;
 	}
 	round->groups = (numbers + 3) / 4;
+	double area = 6.0 * work->area / (work->count > 0 ? work->count : 1); /* six triangles at a position */
+	round->area = area < 1e30 ? (float)area : 1e30f;
 	double limit = VALUE_LIMIT * edge * edge;
 	round->value_limit = limit < 1e30 ? (float)limit : 1e30f;
 }
