@@ -2,12 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #include "mesh.glsl"
 
-layout(location = 0) in vec3 world_position;
-layout(location = 1) in vec3 world_normal;
+layout(location = 0) centroid in vec3 world_position;
+layout(location = 1) centroid in vec3 world_normal;
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
 
 #ifdef MESH_TEXTURE
-layout(location = 3) in vec2 surface_uv;
+layout(location = 3) centroid in vec2 surface_uv;
 layout(set = 0, binding = 0) uniform sampler2D diffuse_texture;
 #endif
 
@@ -16,9 +16,8 @@ layout(location = 0) out vec4 color;
 #include "lit.glsl"
 
 // The interpolated normal on the side of the triangle that is seen, and bent towards the viewer.
-vec3 seen_normal(vec3 n, vec3 to_camera)
+vec3 seen_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
 {
-	vec3 flat_normal = cross(dFdx(world_position), dFdy(world_position));
 	if (dot(flat_normal, to_camera) < 0.0)
 		flat_normal = -flat_normal;
 	float along = dot(n, flat_normal);
@@ -30,19 +29,25 @@ vec3 seen_normal(vec3 n, vec3 to_camera)
 
 void main()
 {
+	// Derivatives, also those by which the texture is filtered, come before pixels are dropped: on GPUs the pixels
+	// beside one that was dropped have none.
+	vec3 flat_normal = both_sides ? cross(dFdx(world_position), dFdy(world_position)) : vec3(0.0);
+#ifdef MESH_TEXTURE
+	vec3 texel = texture(diffuse_texture, surface_uv).rgb;
+#endif
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
 		discard;
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	vec3 diffuse = stored.diffuse_roughness.xyz;
 #ifdef MESH_TEXTURE
-	diffuse *= texture(diffuse_texture, surface_uv).rgb;
+	diffuse *= texel;
 #endif
 	shade_material material = material_here(stored, diffuse, stored.diffuse_roughness.w);
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normalize(world_normal);
 	if (both_sides)
-		n = seen_normal(n, to_camera);
+		n = seen_normal(n, flat_normal, to_camera);
 	vec3 emission = !both_sides || gl_FrontFacing ? stored.emission_wrap.xyz : vec3(0.0);
 	vec3 radiance = lit_radiance(material, emission, n, to_camera);
 	if (detail_kind == DETAIL_SHOW)

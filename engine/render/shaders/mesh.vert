@@ -5,13 +5,14 @@
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 
-layout(location = 0) out vec3 world_position;
-layout(location = 1) out vec3 world_normal;
+// centroid: where a triangle covers some of a pixel's samples alone, values are of a point inside of it.
+layout(location = 0) centroid out vec3 world_position;
+layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
 
 #ifdef MESH_TEXTURE
 layout(location = 2) in vec2 uv;
-layout(location = 3) out vec2 surface_uv;
+layout(location = 3) centroid out vec2 surface_uv;
 #endif
 
 void main()
