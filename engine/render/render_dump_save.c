@@ -362,12 +362,14 @@ static stilb_scene_vertex *save_put_vertices(stilb_scene_vertex *out, const stil
 	return out + (pairs ? 2 * (size_t)count : count);
 }
 
-/* Copies indices; those of pairs count vertices in the heap. Returns the end. */
-static uint32_t *save_put_indices(uint32_t *out, const uint32_t *from, uint32_t count, bool pairs)
+/* Copies a level's indices from their heap; those of pairs count vertices. Returns the end. */
+static uint32_t *save_put_indices(const render_resources *resources, uint32_t *out, const render_level *from, bool wide,
+                                  bool pairs)
 {
-	for (uint32_t i = 0; i < count; i++)
-		out[i] = from[i] >> pairs;
-	return out + count;
+	const uint8_t *heap = resources->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16].data;
+	for (uint32_t i = from->first_index; i < from->first_index + from->index_count; i++)
+		*out++ = (wide ? ((const uint32_t *)heap)[i] : ((const uint16_t *)heap)[i]) >> pairs;
+	return out;
 }
 
 static void save_put_meshes(const save_job *job)
@@ -375,7 +377,6 @@ static void save_put_meshes(const save_job *job)
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	const render_resources *resources = &job->render->resources;
 	const stilb_scene_vertex *vertex_heap = (const stilb_scene_vertex *)resources->heaps[RENDER_HEAP_VERTICES].data;
-	const uint32_t *index_heap = (const uint32_t *)resources->heaps[RENDER_HEAP_INDICES].data;
 	render_dump_mesh *out = save_part(job, RENDER_DUMP_MESHES);
 	render_dump_level *level = save_part(job, RENDER_DUMP_LEVELS);
 	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
@@ -389,13 +390,14 @@ static void save_put_meshes(const save_job *job)
 		out->indices = slot->index_count;
 		out->levels = levels ? levels->count | (pairs ? RENDER_DUMP_MORPHS : 0) : 0;
 		vertices = save_put_vertices(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count, pairs);
-		indices = save_put_indices(indices, index_heap + slot->first_index, slot->index_count, pairs);
+		indices =
+			save_put_indices(resources, indices, (const render_level *)slot, slot->flags & RENDER_MESH_WIDE, pairs);
 		for (uint32_t l = 1; levels && l <= levels->count; l++, level++) {
 			const render_level *from = &render_levels_level(levels)[l];
 			*level = (render_dump_level){.indices = from->index_count,
 			                             .vertices = render_levels_vertices(levels)[l - 1],
 			                             .error = sqrtf(render_levels_squared(levels)[l - 1])};
-			indices = save_put_indices(indices, index_heap + from->first_index, from->index_count, pairs);
+			indices = save_put_indices(resources, indices, from, l < levels->wide, pairs);
 		}
 	}
 }
@@ -405,12 +407,15 @@ typedef struct save_draws {
 	render_dump_draw *out;
 } save_draws;
 
-/* The level that a command draws: the one whose indices it names. */
-static uint32_t save_level(const render_resources *resources, const render_command *command, uint32_t mesh)
+/* The level that a command draws: the one whose indices it names, in the heap that the state tells. */
+static uint32_t save_level(const render_resources *resources, const render_command *command, uint32_t mesh,
+                           uint64_t state)
 {
 	const render_levels *levels = resources->levels[mesh];
 	for (uint32_t l = 0; levels && l <= levels->count; l++) {
 		const render_level *level = render_levels_level(levels) + l;
+		if ((state & RENDER_STATE_WIDE) != render_state_of_level(levels, l))
+			continue;
 		if (command->first_index == level->first_index ||
 		    (levels->morphs && l < levels->count && command->first_index == level[levels->count + 1].first_index))
 			return l;
@@ -424,7 +429,7 @@ static void save_put_draw(void *user, const render_command *command, const rende
 	render_dump_draw *out = draws->out++;
 	STILB_ASSERT((uint8_t *)(out + 1) <= draws->job->bytes + draws->job->begin[RENDER_DUMP_VERTICES]);
 	out->key = command->key;
-	uint32_t level = save_level(&draws->job->render->resources, command, row->mesh);
+	uint32_t level = save_level(&draws->job->render->resources, command, row->mesh, state);
 	out->mesh = draws->job->meshes.place[row->mesh] | level << 20 | render_command_detail(command) << 26;
 	out->material = draws->job->materials.place[command->material] | render_state_detail(state) << 24;
 	memcpy(out->transform, row->transform, sizeof out->transform);

@@ -196,7 +196,8 @@ struct stilb_render_context {
  * impostor, and the texture has its maps. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
  * has no material. Bit 57: one of these that shows a picture pixel by pixel. Bits 58..60, of a scene pass: what the
- * shaders do with RENDER_DETAIL_SHIFT; at most one of them, none: nothing, and it is 0. */
+ * shaders do with RENDER_DETAIL_SHIFT; at most one of them, none: nothing, and it is 0. Bit 61, of a scene pass: its
+ * indices have 32 bits. */
 
 #define RENDER_STATE_IMPOSTOR UINT64_C(0x800000)
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
@@ -204,7 +205,22 @@ struct stilb_render_context {
 #define RENDER_STATE_FADE (UINT64_C(1) << 58)
 #define RENDER_STATE_MORPH (UINT64_C(1) << 59)
 #define RENDER_STATE_SHOW (UINT64_C(1) << 60)
+#define RENDER_STATE_WIDE (UINT64_C(1) << 61)
 #define RENDER_STATE_DETAIL (RENDER_STATE_FADE | RENDER_STATE_MORPH | RENDER_STATE_SHOW)
+#define RENDER_STATE_MESH RENDER_STATE_WIDE /* what depends on the mesh and its level */
+
+/* The bits RENDER_STATE_MESH of a mesh in full. */
+static inline uint64_t render_state_of_mesh(const render_mesh_slot *slot)
+{
+	static_assert((RENDER_STATE_MESH >> 60) == RENDER_MESH_WIDE, "a shift makes bits of the state of flags");
+	return (uint64_t)(slot->flags & RENDER_MESH_WIDE) << 60;
+}
+
+/* The same of a level, 0: the mesh in full. */
+static inline uint64_t render_state_of_level(const render_levels *levels, uint32_t level)
+{
+	return (uint64_t)(level < levels->wide) << 61;
+}
 
 /* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24
  * bits are the lowest bits of the state; or these alone. */
@@ -268,6 +284,7 @@ typedef enum render_bind {
 	RENDER_BIND_PIPELINE = 1,
 	RENDER_BIND_BUFFERS = 2,
 	RENDER_BIND_MATERIAL = 4, /* the descriptor sets of the material and of its texture */
+	RENDER_BIND_INDICES = 8,  /* of a scene pass: the other heap of indices */
 } render_bind;
 
 /* The render_bind bits of everything to bind for a draw with state `to` after one with state `from`; RENDER_NO_STATE:
@@ -276,7 +293,7 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 {
 	if (from == to)
 		return 0;
-	if (from == RENDER_NO_STATE)
+	if (from == RENDER_NO_STATE) /* which binds indices, too */
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
 	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
 	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
@@ -284,6 +301,8 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 	    ((from ^ to) & (RENDER_STATE_PICTURE | RENDER_STATE_DETAIL | RENDER_STATE_IMPOSTOR)))
 		binds |=
 			RENDER_BIND_PIPELINE; /* pipelines with and without a texture, of pictures, fades and impostors differ */
+	if ((from ^ to) & RENDER_STATE_WIDE)
+		binds |= RENDER_BIND_INDICES;
 	if (render_state_material(from) != render_state_material(to))
 		binds |= materials == STILB_RENDER_MATERIALS_PIPELINE ? RENDER_BIND_PIPELINE : RENDER_BIND_MATERIAL;
 	return binds;

@@ -37,12 +37,40 @@ static const uint32_t *levels_source(const stilb_scene_mesh *mesh, uint32_t leve
 	return level == 0 ? mesh->indices : mesh->level_indices + mesh->levels[level - 1].first_index;
 }
 
-/* Copies a level's indices; with pairs they count pairs, and those of vertices from `moving` on name the second of a
- * pair. */
-static void levels_copy(uint32_t *out, const uint32_t *from, uint32_t count, bool pairs, uint32_t moving)
+/* How many of the mesh's vertices a level uses, 0: the mesh in full. */
+static uint32_t levels_vertices(const stilb_scene_mesh *mesh, uint32_t level)
 {
-	for (uint32_t i = 0; i < count; i++)
-		out[i] = pairs ? 2 * from[i] + (from[i] >= moving) : from[i];
+	return level == 0 ? mesh->vertex_count : mesh->levels[level - 1].vertex_count;
+}
+
+/* How many levels have 32 bit indices, the mesh in full counted: the first, since no level uses more vertices than the
+ * one before it. */
+static uint32_t levels_wide(const stilb_scene_mesh *mesh, bool pairs)
+{
+	uint32_t wide = 0;
+	while (wide <= mesh->level_count && levels_vertices(mesh, wide) > RENDER_NARROW_VERTICES >> pairs)
+		wide++;
+	return wide;
+}
+
+/* Adds a level's indices to those so far; with pairs they count pairs, and those of vertices from `moving` on name the
+ * second of a pair. at: the next place for indices of 32 and of 16 bits. */
+static render_level levels_copy(const stilb_scene_mesh *mesh, uint32_t level, uint32_t moving, bool pairs,
+                                render_levels_data *data, uint32_t at[2])
+{
+	uint32_t count;
+	const uint32_t *from = levels_source(mesh, level, &count);
+	bool narrow = level >= data->levels->wide;
+	uint32_t first = at[narrow];
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t index = pairs ? 2 * from[i] + (from[i] >= moving) : from[i];
+		if (narrow)
+			data->narrow[first + i] = (uint16_t)index;
+		else
+			data->indices[first + i] = index;
+	}
+	at[narrow] += count;
+	return (render_level){.index_count = count, .instance_count = 1, .first_index = first};
 }
 
 static void levels_put_vertices(const stilb_scene_mesh *mesh, stilb_scene_vertex *out)
@@ -61,27 +89,16 @@ static void levels_put(const stilb_scene_mesh *mesh, bool pairs, render_levels_d
 	float *squared = (float *)(levels + 1);
 	render_level *level = (render_level *)(squared + (size_t)4 * levels->groups);
 	uint32_t *vertices = (uint32_t *)render_levels_vertices(levels);
-	uint32_t at = 0;
+	uint32_t at[2] = {0, 0};
 	for (uint32_t l = 0; l < levels->count; l++)
 		vertices[l] = mesh->levels[l].vertex_count;
 	for (uint32_t l = 0; l < 4 * levels->groups; l++)
 		squared[l] = l < levels->count ? mesh->levels[l].error * mesh->levels[l].error : INFINITY;
-	for (uint32_t l = 0; l <= levels->count; l++) {
-		uint32_t count;
-		const uint32_t *from = levels_source(mesh, l, &count);
-		level[l] = (render_level){.index_count = count, .instance_count = 1, .first_index = at};
-		levels_copy(data->indices + at, from, count, pairs, UINT32_MAX);
-		at += count;
-	}
-	for (uint32_t l = 0; l < levels->count && pairs; l++) {
-		uint32_t count;
-		const uint32_t *from = levels_source(mesh, l, &count);
-		level[levels->count + 1 + l] = level[l];
-		level[levels->count + 1 + l].first_index = at;
-		levels_copy(data->indices + at, from, count, true, mesh->levels[l].vertex_count);
-		at += count;
-	}
-	STILB_ASSERT(at == data->index_count);
+	for (uint32_t l = 0; l <= levels->count; l++)
+		level[l] = levels_copy(mesh, l, UINT32_MAX, pairs, data, at);
+	for (uint32_t l = 0; l < levels->count && pairs; l++)
+		level[levels->count + 1 + l] = levels_copy(mesh, l, mesh->levels[l].vertex_count, true, data, at);
+	STILB_ASSERT(at[0] == data->index_count && at[1] == data->narrow_count);
 }
 
 bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data)
@@ -89,26 +106,30 @@ bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_
 	bool pairs = morph && mesh->morph;
 	uint32_t count = mesh->level_count, groups = count / 4 + 1; /* one infinite error at least */
 	uint32_t all = pairs ? 2 * count + 1 : count + 1;
-	uint64_t indices = 0, last = mesh->levels[count - 1].index_count;
-	for (uint32_t l = 0; l <= count; l++)
-		indices += l == 0 ? mesh->index_count : mesh->levels[l - 1].index_count;
-	indices = pairs ? 2 * indices - last : indices;
+	uint32_t wide = levels_wide(mesh, pairs);
+	uint64_t indices[2] = {0, 0}; /* of 32 bits, of 16 bits */
+	for (uint32_t l = 0; l <= count; l++) {
+		uint64_t own = l == 0 ? mesh->index_count : mesh->levels[l - 1].index_count;
+		indices[l >= wide] += pairs && l < count ? 2 * own : own;
+	}
 	uint64_t vertices = pairs ? 2 * (uint64_t)mesh->vertex_count : mesh->vertex_count;
 	*data = (render_levels_data){.vertices = mesh->vertices};
-	if (indices > INT32_MAX || vertices > INT32_MAX)
+	if (indices[0] > INT32_MAX || indices[1] > INT32_MAX || vertices > INT32_MAX)
 		return false;
 	data->vertex_count = (uint32_t)vertices;
-	data->index_count = (uint32_t)indices;
+	data->index_count = (uint32_t)indices[0];
+	data->narrow_count = (uint32_t)indices[1];
 	data->vertices = pairs ? stilb_memory_alloc(vertices, sizeof *data->vertices) : mesh->vertices;
-	data->indices = stilb_memory_alloc(indices, sizeof *data->indices);
+	data->indices = stilb_memory_alloc(indices[0], sizeof *data->indices);
+	data->narrow = stilb_memory_alloc(indices[1], sizeof *data->narrow);
 	data->levels = stilb_memory_alloc(1, sizeof *data->levels + (size_t)4 * groups * sizeof(float) +
 	                                         all * sizeof(render_level) + count * sizeof(uint32_t));
-	if (!data->vertices || !data->indices || !data->levels) {
+	if (!data->vertices || !data->indices || !data->narrow || !data->levels) {
 		free(data->levels);
 		render_levels_finish(data, mesh);
 		return false;
 	}
-	*data->levels = (render_levels){.count = count, .groups = groups, .morphs = pairs};
+	*data->levels = (render_levels){.count = count, .groups = groups, .morphs = pairs, .wide = wide};
 	levels_put(mesh, pairs, data);
 	if (pairs)
 		levels_put_vertices(mesh, data->vertices);
@@ -120,5 +141,6 @@ void render_levels_finish(render_levels_data *data, const stilb_scene_mesh *mesh
 	if (data->vertices != mesh->vertices)
 		free(data->vertices);
 	free(data->indices);
+	free(data->narrow);
 	*data = (render_levels_data){0};
 }

@@ -26,7 +26,8 @@ typedef struct prepare {
 
 static uint64_t prepare_mesh_bytes(const stilb_scene_mesh *mesh)
 {
-	return (uint64_t)mesh->vertex_count * sizeof(stilb_scene_vertex) + (uint64_t)mesh->index_count * sizeof(uint32_t);
+	size_t index = mesh->vertex_count > RENDER_NARROW_VERTICES ? sizeof(uint32_t) : sizeof(uint16_t);
+	return (uint64_t)mesh->vertex_count * sizeof(stilb_scene_vertex) + mesh->index_count * index;
 }
 
 /* With four channels. */
@@ -38,16 +39,17 @@ static uint64_t prepare_texture_bytes(const stilb_image *image)
 /* Bytes of the whole scene, and what it adds to the heaps. */
 static uint64_t prepare_count(const stilb_scene *scene, uint32_t more[RENDER_HEAPS])
 {
-	uint64_t bytes = scene->material_count * sizeof(render_material), vertices = 0, indices = 0;
+	uint64_t bytes = scene->material_count * sizeof(render_material), vertices = 0, indices[2] = {0};
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
 		bytes += prepare_mesh_bytes(&scene->meshes[i]);
 		vertices += scene->meshes[i].vertex_count;
-		indices += scene->meshes[i].index_count;
+		indices[scene->meshes[i].vertex_count <= RENDER_NARROW_VERTICES] += scene->meshes[i].index_count;
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		bytes += prepare_texture_bytes(&scene->textures[i]);
 	more[RENDER_HEAP_VERTICES] = vertices < UINT32_MAX ? (uint32_t)vertices : UINT32_MAX;
-	more[RENDER_HEAP_INDICES] = indices < UINT32_MAX ? (uint32_t)indices : UINT32_MAX;
+	for (int narrow = 0; narrow < 2; narrow++)
+		more[RENDER_HEAP_INDICES + narrow] = indices[narrow] < UINT32_MAX ? (uint32_t)indices[narrow] : UINT32_MAX;
 	more[RENDER_HEAP_MATERIALS] = scene->material_count;
 	return bytes;
 }

@@ -375,6 +375,7 @@ typedef struct record_what {
 	uint32_t mesh, material; /* indices */
 	uint32_t detail;         /* the high bits of the command's row word, in place */
 	uint64_t key;
+	uint64_t state; /* the bits RENDER_STATE_MESH of its level */
 } record_what;
 
 static inline void record_write(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
@@ -401,9 +402,9 @@ __attribute__((noinline)) static void record_draw_making_room(stilb_render_conte
 		record_write(context, what, transform);
 }
 
-/* The mesh's level in full; asserts that mesh, material and transform may be drawn. */
-static inline const render_level *record_check(const stilb_render_context *context, stilb_render_mesh mesh,
-                                               stilb_render_material material, const stilb_mat4 *transform)
+/* A draw of the mesh in full; asserts that mesh, material and transform may be drawn. */
+static inline record_what record_full(const stilb_render_context *context, stilb_render_mesh mesh,
+                                      stilb_render_material material, const stilb_mat4 *transform)
 {
 	const render_mesh_slot *slot = &context->meshes[mesh.id & RENDER_INDEX_MASK];
 	uint32_t entry = context->materials[material.id & RENDER_INDEX_MASK];
@@ -415,15 +416,19 @@ static inline const render_level *record_check(const stilb_render_context *conte
 	             "a material that exists");
 	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
 	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
-	(void)entry, (void)material, (void)transform;
-	return (const render_level *)slot;
+	(void)entry, (void)transform;
+	return (record_what){.level = (const render_level *)slot,
+	                     .mesh = mesh.id & RENDER_INDEX_MASK,
+	                     .material = material.id & RENDER_INDEX_MASK,
+	                     .state = render_state_of_mesh(slot)};
 }
 
 /* kind: the RENDER_STATE_... of its detail. */
 static inline void record_put(stilb_render_context *context, record_what what, const stilb_mat4 *transform,
                               uint64_t kind)
 {
-	uint64_t state = render_state(context->materials[what.material], what.material, context->material_mask) | kind;
+	uint64_t state =
+		render_state(context->materials[what.material], what.material, context->material_mask) | kind | what.state;
 	if (context->command == context->command_end || context->row == context->row_end || state != context->state)
 		record_draw_making_room(context, what.key, what.level, what.mesh | what.detail | (uint64_t)what.material << 32,
 		                        transform, state);
@@ -434,10 +439,8 @@ static inline void record_put(stilb_render_context *context, record_what what, c
 static inline void record_draw(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                stilb_render_material material, const stilb_mat4 *transform)
 {
-	record_what what = {.level = record_check(context, mesh, material, transform),
-	                    .mesh = mesh.id & RENDER_INDEX_MASK,
-	                    .material = material.id & RENDER_INDEX_MASK,
-	                    .key = key};
+	record_what what = record_full(context, mesh, material, transform);
+	what.key = key;
 	record_put(context, what, transform, 0);
 }
 
@@ -457,17 +460,17 @@ void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render
                        stilb_render_material material, const stilb_mat4 *transform, uint32_t level, uint32_t detail,
                        uint32_t kind)
 {
-	record_what what = {.level = record_check(context, mesh, material, transform),
-	                    .mesh = mesh.id & RENDER_INDEX_MASK,
-	                    .material = material.id & RENDER_INDEX_MASK,
-	                    .detail = detail << RENDER_DETAIL_SHIFT,
-	                    .key = key};
+	record_what what = record_full(context, mesh, material, transform);
+	what.detail = detail << RENDER_DETAIL_SHIFT;
+	what.key = key;
 	const render_levels *levels = context->levels[what.mesh];
 	STILB_ASSERT(level == 0 || (levels && level <= levels->count));
 	bool moves = kind == render_state_detail(RENDER_STATE_MORPH) && detail > 0;
 	STILB_ASSERT(!moves || (levels && levels->morphs && level < levels->count));
-	if (levels)
+	if (levels) {
 		what.level = &render_levels_level(levels)[moves ? levels->count + 1 + level : level];
+		what.state = render_state_of_level(levels, level);
+	}
 	record_put(context, what, transform, render_state_of_detail(kind));
 }
 
@@ -646,9 +649,20 @@ static inline record_what record_what_of(const stilb_render_context *context, co
 {
 	stilb_render_mesh mesh = parts->mesh_handles[parts->meshes[p]];
 	stilb_render_material material = parts->material_handles[parts->materials[p]];
-	return (record_what){.level = record_check(context, mesh, material, &parts->transforms[p]),
-	                     .mesh = mesh.id & RENDER_INDEX_MASK,
-	                     .material = material.id & RENDER_INDEX_MASK};
+	return record_full(context, mesh, material, &parts->transforms[p]);
+}
+
+/* The state of a mesh in full becomes that of its level. If that has 16 bit indices, each level has. */
+static inline void record_set_state(const render_levels *levels, uint32_t level, record_what *what)
+{
+	if (__builtin_expect((what->state & RENDER_STATE_WIDE) != 0, 0))
+		what->state = render_state_of_level(levels, level);
+}
+
+static inline void record_set_level(const render_levels *levels, uint32_t level, record_what *what)
+{
+	what->level = &render_levels_level(levels)[level];
+	record_set_state(levels, level, what);
 }
 
 /* Chooses the level in which a part is drawn, and brings its history up to date. False: the part fades. */
@@ -662,7 +676,7 @@ static inline bool record_choose(const render_detail_view *view, const render_le
 			return false;
 		level = (*history & 63u) - 1;
 	}
-	what->level = &render_levels_level(levels)[level];
+	record_set_level(levels, level, what);
 	if (view->shows)
 		what->detail = (level < 62 ? level + 1 : 63) << RENDER_DETAIL_SHIFT;
 	return true;
@@ -675,34 +689,65 @@ static inline void record_choose_morph(const render_levels *levels, float stretc
 	uint32_t gone = render_detail_morph(levels, level, stretch, room);
 	what->level = &render_levels_level(levels)[level + ((levels->count + 1) & -(uint32_t)(gone > 0))];
 	what->detail = gone << RENDER_DETAIL_SHIFT;
+	record_set_state(levels, level, what);
+}
+
+/* Records a part in the level that its room allows. False: it fades, and is not recorded. morphs: a constant, so that
+ * each mode has code of its own. */
+__attribute__((always_inline)) static inline bool record_part_seen(const render_detail_view *view,
+                                                                   stilb_render_context *context,
+                                                                   const record_parts *parts, uint32_t p, float room,
+                                                                   bool morphs, bool has_levels, record_what what)
+{
+	uint64_t plain = morphs ? RENDER_STATE_MORPH : view->shows ? RENDER_STATE_SHOW : 0;
+	if (has_levels) {
+		const render_levels *levels = context->levels[what.mesh];
+		float stretch = record_stretch(&parts->transforms[p]);
+		if (morphs && levels->morphs > 0)
+			record_choose_morph(levels, stretch, room, &what);
+		else if (!record_choose(view, levels, stretch, room, &parts->history[p], &what))
+			return false;
+	}
+	record_put(context, what, &parts->transforms[p], plain);
+	return true;
+}
+
+/* The same for a part of a mesh whose state has bits of its own. A function of its own, so that the loop below, which
+ * has no register left for them, is as fast as if there were none (measured: 4 %). */
+__attribute__((noinline)) static bool record_part_odd(const record_pass_view *recorded, stilb_render_context *context,
+                                                      uint32_t p, float room)
+{
+	record_parts parts = record_parts_of(recorded);
+	record_what what = record_what_of(context, &parts, p);
+	bool levels = context->meshes[what.mesh].flags & RENDER_MESH_LEVELS;
+	return recorded->view.mode == STILB_RENDER_DETAIL_MORPH
+	           ? record_part_seen(&recorded->view, context, &parts, p, room, true, levels, what)
+	           : record_part_seen(&recorded->view, context, &parts, p, room, false, levels, what);
 }
 
 /* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs:
- * a constant, so that each mode has a loop of its own. */
+ * a constant, as above. */
 __attribute__((always_inline)) static inline bool record_models_seen(const record_pass_view *recorded,
                                                                      stilb_render_context *context, uint32_t first,
                                                                      uint32_t end, const float *rooms, bool morphs)
 {
 	record_parts parts = record_parts_of(recorded);
 	render_detail_view view = recorded->view;
-	uint64_t plain = morphs ? RENDER_STATE_MORPH : view.shows ? RENDER_STATE_SHOW : 0;
 	bool fades = false;
 	for (uint32_t i = first; i < end; i++) {
 		uint32_t model = parts.visible[i];
 		STILB_ASSERT(model < recorded->pass.scene->model_count);
 		for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
 			record_what what = record_what_of(context, &parts, p);
-			if (context->meshes[what.mesh].has_levels) {
-				const render_levels *levels = context->levels[what.mesh];
-				float stretch = record_stretch(&parts.transforms[p]), room = rooms[i - first];
-				if (morphs && levels->morphs > 0) {
-					record_choose_morph(levels, stretch, room, &what);
-				} else if (!record_choose(&view, levels, stretch, room, &parts.history[p], &what)) {
-					fades = true;
-					continue;
-				}
-			}
-			record_put(context, what, &parts.transforms[p], plain);
+			uint32_t flags = context->meshes[what.mesh].flags;
+			float room = rooms[i - first];
+			what.state = 0;
+			if (flags == RENDER_MESH_LEVELS)
+				fades |= !record_part_seen(&view, context, &parts, p, room, morphs, true, what);
+			else if (__builtin_expect(flags == 0, 1))
+				record_part_seen(&view, context, &parts, p, room, morphs, false, what);
+			else
+				fades |= !record_part_odd(recorded, context, p, room);
 		}
 	}
 	return fades;
@@ -719,16 +764,18 @@ static void record_models_fading(const record_pass_view *recorded, stilb_render_
 		for (uint32_t p = parts.first_part[parts.visible[i]]; p < parts.first_part[parts.visible[i] + 1]; p++) {
 			record_what what = record_what_of(context, &parts, p);
 			uint16_t history = parts.history[p];
-			if (!context->meshes[what.mesh].has_levels || !render_detail_fades(history))
+			if (!(context->meshes[what.mesh].flags & RENDER_MESH_LEVELS) || !render_detail_fades(history))
 				continue;
 			const render_levels *levels = context->levels[what.mesh];
 			if (morphs && levels->morphs > 0) /* what is left of another mode */
 				continue;
 			uint32_t share = history >> 12 << 1;
-			what.level = &render_levels_level(levels)[(history & 63u) - 1];
+			record_what before = what;
+			record_set_level(levels, (history & 63u) - 1, &what);
 			what.detail = share << RENDER_DETAIL_SHIFT;
 			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
-			what.level = &render_levels_level(levels)[(history >> 6 & 63u) - 1];
+			what = before;
+			record_set_level(levels, (history >> 6 & 63u) - 1, &what);
 			what.detail = (share | RENDER_DETAIL_OUT) << RENDER_DETAIL_SHIFT;
 			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
 		}
@@ -741,10 +788,8 @@ static void record_impostor(const record_pass_view *recorded, stilb_render_conte
 	const stilb_scene *scene = recorded->pass.scene;
 	const stilb_render_impostor *impostor = &recorded->pass.render->scene.impostors[scene->model_impostor[model] - 1];
 	const stilb_mat4 *transform = &scene->part_transform[scene->first_part[model]];
-	record_what what = {.level = record_check(context, impostor->mesh, impostor->material, transform),
-	                    .mesh = impostor->mesh.id & RENDER_INDEX_MASK,
-	                    .material = impostor->material.id & RENDER_INDEX_MASK,
-	                    .detail = detail << RENDER_DETAIL_SHIFT};
+	record_what what = record_full(context, impostor->mesh, impostor->material, transform);
+	what.detail = detail << RENDER_DETAIL_SHIFT;
 	record_put(context, what, transform, kind);
 }
 
@@ -759,10 +804,10 @@ static void record_model_fading(const record_pass_view *recorded, stilb_render_c
 	for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
 		record_what what = record_what_of(context, &parts, p);
 		what.detail = (coming ? out : share) << RENDER_DETAIL_SHIFT;
-		if (context->meshes[what.mesh].has_levels) {
+		if (context->meshes[what.mesh].flags & RENDER_MESH_LEVELS) {
 			const render_levels *levels = context->levels[what.mesh];
 			uint32_t level = render_detail_allowed(levels, record_stretch(&parts.transforms[p]), room);
-			what.level = &render_levels_level(levels)[level];
+			record_set_level(levels, level, &what);
 			parts.history[p] = render_detail_rest(level);
 		}
 		record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);

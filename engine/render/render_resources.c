@@ -208,6 +208,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS}},
 		.heaps = {[RENDER_HEAP_VERTICES] = {.element = sizeof(stilb_scene_vertex)},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
+	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
 	};
 	resources->lock_made = stilb_lock_init(&resources->lock);
@@ -276,40 +277,107 @@ static stilb_result mesh_check(const stilb_scene_mesh *mesh)
 	return render_levels_check(mesh);
 }
 
-/* Takes ranges in the heaps for so many vertices and indices. False: no memory, nothing has changed. */
-static bool mesh_take(render_resources *resources, uint32_t vertices, uint32_t indices, render_range out[2])
+/* A mesh's ranges in heaps; those of none have the count 0. */
+typedef struct mesh_ranges {
+	render_range heap[RENDER_HEAPS];
+} mesh_ranges;
+
+static void mesh_give_back(render_resources *resources, const mesh_ranges *ranges)
 {
-	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
-	out[0].count = vertices;
-	out[1].count = indices;
-	if (!heap_take(heap, vertices, resources->live, &out[0].first))
-		return false;
-	if (heap_take(&resources->heaps[RENDER_HEAP_INDICES], indices, resources->live, &out[1].first))
-		return true;
-	heap_give_back(heap, out[0].first, vertices);
-	return false;
+	for (int h = 0; h < RENDER_HEAPS; h++)
+		if (ranges->heap[h].count > 0)
+			heap_give_back(&resources->heaps[h], ranges->heap[h].first, ranges->heap[h].count);
 }
 
+/* Takes ranges in the heaps of so many elements as they count. False: no memory, nothing has changed. */
+static bool mesh_take(render_resources *resources, mesh_ranges *ranges)
+{
+	mesh_ranges taken = {0};
+	for (int h = 0; h < RENDER_HEAPS; h++) {
+		uint32_t count = ranges->heap[h].count;
+		if (count == 0)
+			continue;
+		if (!heap_take(&resources->heaps[h], count, resources->live, &taken.heap[h].first)) {
+			mesh_give_back(resources, &taken);
+			return false;
+		}
+		taken.heap[h].count = count;
+	}
+	*ranges = taken;
+	return true;
+}
+
+/* The ranges of a mesh that exists. */
+static mesh_ranges mesh_ranges_of(const render_resources *resources, uint32_t index)
+{
+	const render_mesh_slot *mesh = &resources->meshes[index];
+	const render_levels *levels = resources->levels[index];
+	mesh_ranges ranges = {0};
+	if (levels) {
+		ranges.heap[RENDER_HEAP_VERTICES] = (render_range){levels->first_vertex, levels->heap_vertices};
+		for (int narrow = 0; narrow < 2; narrow++)
+			ranges.heap[RENDER_HEAP_INDICES + narrow] =
+				(render_range){levels->indices[narrow].first, levels->indices[narrow].count};
+		return ranges;
+	}
+	bool narrow = !(mesh->flags & RENDER_MESH_WIDE);
+	ranges.heap[RENDER_HEAP_VERTICES] = (render_range){(uint32_t)mesh->vertex_offset, mesh->vertex_count};
+	ranges.heap[RENDER_HEAP_INDICES + narrow] = (render_range){mesh->first_index, mesh->index_count};
+	return ranges;
+}
+
+static_assert(RENDER_HEAP_INDICES_16 == RENDER_HEAP_INDICES + 1, "the heap of narrow indices comes behind");
+
 /* Takes ranges for a mesh with levels, copies it there, and moves its levels' places there. */
-static bool mesh_place_levels(render_resources *resources, const render_levels_data *data, bool pairs,
-                              render_range ranges[2])
+static bool mesh_place_levels(render_resources *resources, const render_levels_data *data)
 {
 	render_levels *levels = data->levels;
+	uint32_t pairs = levels->morphs;
 	/* One more vertex, so that the pairs can begin at an even place. */
-	if (!mesh_take(resources, data->vertex_count + pairs, data->index_count, ranges))
+	mesh_ranges ranges = {.heap = {[RENDER_HEAP_VERTICES] = {0, data->vertex_count + pairs},
+	                               [RENDER_HEAP_INDICES] = {0, data->index_count},
+	                               [RENDER_HEAP_INDICES_16] = {0, data->narrow_count}}};
+	if (!mesh_take(resources, &ranges))
 		return false;
-	uint32_t first_vertex = ranges[0].first + (pairs & ranges[0].first & 1);
+	render_range vertices = ranges.heap[RENDER_HEAP_VERTICES];
+	uint32_t first_vertex = vertices.first + (pairs & vertices.first & 1);
 	heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], first_vertex, data->vertices, data->vertex_count);
-	heap_copy(&resources->heaps[RENDER_HEAP_INDICES], ranges[1].first, data->indices, data->index_count);
+	const void *const indices[2] = {data->indices, data->narrow};
+	for (int narrow = 0; narrow < 2; narrow++) {
+		render_range range = ranges.heap[RENDER_HEAP_INDICES + narrow];
+		if (range.count > 0)
+			heap_copy(&resources->heaps[RENDER_HEAP_INDICES + narrow], range.first, indices[narrow], range.count);
+		levels->indices[narrow].first = range.first;
+		levels->indices[narrow].count = range.count;
+	}
 	render_level *level = (render_level *)render_levels_level(levels);
 	for (uint32_t l = 0; l <= levels->count + levels->morphs * levels->count; l++) {
-		level[l].first_index += ranges[1].first;
+		uint32_t own = l <= levels->count ? l : l - levels->count - 1;
+		level[l].first_index += levels->indices[own >= levels->wide].first;
 		level[l].vertex_offset = (int32_t)first_vertex;
 	}
-	levels->first_vertex = ranges[0].first;
-	levels->heap_vertices = ranges[0].count;
-	levels->first_index = ranges[1].first;
-	levels->heap_indices = ranges[1].count;
+	levels->first_vertex = vertices.first;
+	levels->heap_vertices = vertices.count;
+	return true;
+}
+
+/* The same for a mesh without levels. *full: what its draws copy. */
+static bool mesh_place(render_resources *resources, const stilb_scene_mesh *mesh, render_level *full)
+{
+	bool narrow = mesh->vertex_count <= RENDER_NARROW_VERTICES;
+	mesh_ranges ranges = {.heap = {[RENDER_HEAP_VERTICES] = {0, mesh->vertex_count}}};
+	ranges.heap[RENDER_HEAP_INDICES + narrow].count = mesh->index_count;
+	if (!mesh_take(resources, &ranges))
+		return false;
+	uint32_t first_vertex = ranges.heap[RENDER_HEAP_VERTICES].first;
+	uint32_t first_index = ranges.heap[RENDER_HEAP_INDICES + narrow].first;
+	heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], first_vertex, mesh->vertices, mesh->vertex_count);
+	uint16_t *out = (uint16_t *)resources->heaps[RENDER_HEAP_INDICES_16].data + (narrow ? first_index : 0);
+	for (uint32_t i = 0; narrow && i < mesh->index_count; i++)
+		out[i] = (uint16_t)mesh->indices[i];
+	if (!narrow)
+		heap_copy(&resources->heaps[RENDER_HEAP_INDICES], first_index, mesh->indices, mesh->index_count);
+	*full = (render_level){mesh->index_count, 1, first_index, (int32_t)first_vertex};
 	return true;
 }
 
@@ -319,23 +387,16 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 {
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t index;
-	render_range ranges[2];
 	render_level full;
 	if (!resource_reserve(resources) || !index_take(ids, &index))
 		return false;
-	bool placed = data ? mesh_place_levels(resources, data, data->levels->morphs > 0, ranges)
-	                   : mesh_take(resources, mesh->vertex_count, mesh->index_count, ranges);
-	if (!placed) {
+	if (data ? !mesh_place_levels(resources, data) : !mesh_place(resources, mesh, &full)) {
 		index_give_back(ids, index);
 		return false;
 	}
-	if (data) {
+	if (data)
 		full = *render_levels_level(data->levels);
-	} else {
-		heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], ranges[0].first, mesh->vertices, mesh->vertex_count);
-		heap_copy(&resources->heaps[RENDER_HEAP_INDICES], ranges[1].first, mesh->indices, mesh->index_count);
-		full = (render_level){mesh->index_count, 1, ranges[1].first, (int32_t)ranges[0].first};
-	}
+	bool wide = data ? data->levels->wide > 0 : mesh->vertex_count > RENDER_NARROW_VERTICES;
 	resources->levels[index] = data ? data->levels : NULL;
 	render_mesh_slot *slot = &resources->meshes[index];
 	*slot = (render_mesh_slot){
@@ -346,7 +407,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 		.vertex_count = mesh->vertex_count,
 		.generation = slot->generation ? slot->generation : 1,
 		.name = index,
-		.has_levels = data ? 1 : 0,
+		.flags = (data ? RENDER_MESH_LEVELS : 0) | (wide ? RENDER_MESH_WIDE : 0),
 	};
 	resources->live++;
 	*handle = handle_make(slot->generation, index);
@@ -388,7 +449,7 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	const render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
 	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
 	STILB_ASSERT(count > 0 && first <= slot->vertex_count && count <= slot->vertex_count - first);
-	STILB_ASSERT(!slot->has_levels && "whose errors would hold no longer");
+	STILB_ASSERT(!(slot->flags & RENDER_MESH_LEVELS) && "whose errors would hold no longer");
 	stilb_lock_take(&resources->lock);
 	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
@@ -720,16 +781,11 @@ static void resource_release(stilb_render *render, render_retired retired)
 	render_resources *resources = &render->resources;
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->live > 0);
-	const render_mesh_slot *mesh = &resources->meshes[retired.index];
-	if (retired.kind == RENDER_RESOURCE_MESH && mesh->has_levels) {
-		const render_levels *levels = resources->levels[retired.index];
-		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], levels->first_vertex, levels->heap_vertices);
-		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], levels->first_index, levels->heap_indices);
+	if (retired.kind == RENDER_RESOURCE_MESH) {
+		mesh_ranges ranges = mesh_ranges_of(resources, retired.index);
+		mesh_give_back(resources, &ranges);
 		free(resources->levels[retired.index]);
 		resources->levels[retired.index] = NULL;
-	} else if (retired.kind == RENDER_RESOURCE_MESH) {
-		heap_give_back(&resources->heaps[RENDER_HEAP_VERTICES], (uint32_t)mesh->vertex_offset, mesh->vertex_count);
-		heap_give_back(&resources->heaps[RENDER_HEAP_INDICES], mesh->first_index, mesh->index_count);
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
 		upload_forget(resources, retired.index);
 		render->device->functions->texture_destroy(render->device, retired.index);

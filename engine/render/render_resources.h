@@ -3,9 +3,10 @@
  *
  * Handles.  The low 24 bits index a table, the high 8 are the entry's generation, so that a stale handle is noticed.
  *           Tables are reserved at their full size and never move: recording reads an entry without a lock.
- * Heaps.    Vertices, indices and materials lie in three arrays that the device mirrors at the same offsets. Creating a
+ * Heaps.    Vertices, indices and materials lie in arrays that the device mirrors at the same offsets. Creating a
  *           resource writes into them under the lock and marks the range dirty; replay copies dirty ranges to the
- *           device.
+ *           device. Indices of a mesh or level that uses at most 65,536 vertices have 16 bits, and an array of their
+ *           own.
  * Retiring. A destroyed resource may belong to a frame that the device still draws, so its index and its ranges are
  *           reused only after that frame is done.
  * Threads.  Creation and destruction are [any-thread] and take the lock; the functions below are [main-thread].
@@ -36,27 +37,38 @@ typedef struct render_mesh_slot {
 	uint32_t vertex_count;
 	uint32_t generation; /* equals the high 8 bits of a valid handle; 0: the slot was never used */
 	uint32_t name;       /* what the stream hash and dumps call it: its id in the scene, else its index here */
-	uint32_t has_levels; /* 1: render_resources.levels has an entry for it */
+	uint32_t flags;      /* RENDER_MESH_... */
 } render_mesh_slot;
+
+#define RENDER_MESH_LEVELS 1u /* render_resources.levels has an entry for it */
+#define RENDER_MESH_WIDE 2u   /* its indices have 32 bits; of one with levels: those of the mesh in full */
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
 /* The levels of a mesh; constant from its creation to its release. Behind it lie float squared[4 * groups], the squares
  * of the levels' errors, ascending, and infinite beyond them; then render_level level[count + 1], of which the first is
  * the mesh in full; then with morphs render_level morph[count]; then uint32_t vertices[count], how many of the mesh's
- * first vertices each level uses. Indices lie in the heap in the order of the levels.
+ * first vertices each level uses. Indices lie in their heaps in the order of the levels: those of the first levels,
+ * which may have too many vertices for 16 bits, in that of 32 bits, and those of the others in the other one.
  *
  * With morphs, the mesh's vertices lie in the heap in pairs, from an even place on: the vertex, and where it morphs to.
  * Indices of a level name the first of a pair. morph[l] has the triangles of level[l], but names the second one for
  * vertices that level[l + 1] does not use. */
 typedef struct render_levels {
-	_Alignas(16) uint32_t count;                                     /* without the mesh in full */
-	uint32_t groups, morphs;                                         /* 0: without morph, else 1 */
-	uint32_t first_vertex, heap_vertices, first_index, heap_indices; /* its ranges in the heaps */
-	uint32_t unused;
+	_Alignas(16) uint32_t count;          /* without the mesh in full */
+	uint32_t groups, morphs;              /* 0: without morph, else 1 */
+	uint32_t wide;                        /* the first so many levels have 32 bit indices; the mesh in full is one */
+	uint32_t first_vertex, heap_vertices; /* its ranges in the heaps */
+	struct {
+		uint32_t first, count; /* 0: none */
+	} indices[2];              /* of 32 bits; of 16 bits */
+	uint32_t unused[2];
 } render_levels;
 
-static_assert(sizeof(render_levels) == 32, "what lies behind it is aligned");
+static_assert(sizeof(render_levels) == 48, "what lies behind it is aligned");
+
+/* The largest number of vertices whose indices have 16 bits. */
+#define RENDER_NARROW_VERTICES 65536u
 
 static inline const float *render_levels_squared(const render_levels *levels)
 {
@@ -97,7 +109,8 @@ typedef struct render_ranges {
 
 typedef enum render_heap_kind {
 	RENDER_HEAP_VERTICES,
-	RENDER_HEAP_INDICES,
+	RENDER_HEAP_INDICES,    /* of 32 bits */
+	RENDER_HEAP_INDICES_16, /* of 16 bits */
 	RENDER_HEAP_MATERIALS,
 	RENDER_HEAPS,
 } render_heap_kind;
@@ -177,7 +190,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 typedef struct render_levels_data {
 	stilb_scene_vertex *vertices; /* [vertex_count] in pairs with morph; else the mesh's own */
 	uint32_t *indices;            /* [index_count] */
-	uint32_t vertex_count, index_count;
+	uint16_t *narrow;             /* [narrow_count] */
+	uint32_t vertex_count, index_count, narrow_count;
 	render_levels *levels; /* whose places count from the beginning of the mesh's ranges */
 } render_levels_data;
 

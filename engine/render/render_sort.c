@@ -9,7 +9,7 @@ typedef struct sort_item {
 	uint64_t key;
 	uint32_t command; /* index among the frame's commands */
 	uint32_t texture; /* index of the material's texture when the draw was recorded; it may be destroyed by now; and
-	                     above it the state's RENDER_STATE_DETAIL bits */
+	                     above it the state's bits of detail and mesh */
 } sort_item;
 
 /* Digits have at most 8 bits, and at most 12 when there are so many items that fewer passes are worth a larger table,
@@ -62,10 +62,10 @@ static sort_item *sort_items(sort_item *items, sort_item *scratch, uint32_t coun
 
 #define SORT_DETAIL_SHIFT 24u /* in sort_item.texture */
 
-/* The state's bits RENDER_STATE_DETAIL, moved to the lowest places. */
+/* The state's bits RENDER_STATE_DETAIL and _MESH, moved to the lowest places. */
 static uint32_t sort_detail(uint64_t state)
 {
-	return (uint32_t)((state & RENDER_STATE_DETAIL) / RENDER_STATE_FADE);
+	return (uint32_t)((state & (RENDER_STATE_DETAIL | RENDER_STATE_MESH)) / RENDER_STATE_FADE);
 }
 
 /* Lists the pass's draws in recorded order. */

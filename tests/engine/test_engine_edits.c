@@ -113,7 +113,7 @@ static void assert_uploads(stilb_engine *engine, uint64_t vertices, uint64_t ind
 	stilb_engine_report report;
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(uploaded[RENDER_HEAP_VERTICES], vertices);
-	assert_int_equal(uploaded[RENDER_HEAP_INDICES], indices);
+	assert_int_equal(uploaded[RENDER_HEAP_INDICES] + uploaded[RENDER_HEAP_INDICES_16], indices);
 	assert_int_equal(uploaded[RENDER_HEAP_MATERIALS], materials);
 	assert_int_equal(uploaded_textures, textures);
 }

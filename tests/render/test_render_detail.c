@@ -560,7 +560,7 @@ static void morphs_name_the_second_of_pairs(void **state)
 	const stilb_scene_mesh *source = &scene->meshes[0];
 	const render_levels *levels = render->resources.levels[mesh];
 	const render_level *level = render_levels_level(levels);
-	const uint32_t *heap = (const uint32_t *)render->resources.heaps[RENDER_HEAP_INDICES].data;
+	const uint16_t *heap = (const uint16_t *)render->resources.heaps[RENDER_HEAP_INDICES_16].data;
 	const stilb_scene_vertex *vertices = (stilb_scene_vertex *)render->resources.heaps[RENDER_HEAP_VERTICES].data;
 	assert_true(levels->morphs == 1 && levels->count == 2);
 	for (uint32_t l = 0; l <= 2; l++) {

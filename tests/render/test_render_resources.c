@@ -211,14 +211,16 @@ static void assert_heap(const render_resources *resources, render_heap_kind kind
 	for (uint32_t m = 0; m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++) {
 		const render_mesh_slot *slot = &resources->meshes[m];
 		const render_levels *levels = resources->levels[m];
-		assert_true(!used[m] || !levels == !slot->has_levels);
+		bool own = kind == (slot->flags & RENDER_MESH_WIDE ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16);
+		assert_true(!used[m] || !levels == !(slot->flags & RENDER_MESH_LEVELS));
 		if (used[m] && levels && kind == RENDER_HEAP_VERTICES)
 			mark(marks, heap->size, levels->first_vertex, levels->heap_vertices);
 		else if (used[m] && levels)
-			mark(marks, heap->size, levels->first_index, levels->heap_indices);
+			mark(marks, heap->size, levels->indices[kind == RENDER_HEAP_INDICES_16].first,
+			     levels->indices[kind == RENDER_HEAP_INDICES_16].count);
 		else if (used[m] && kind == RENDER_HEAP_VERTICES)
 			mark(marks, heap->size, (uint32_t)slot->vertex_offset, slot->vertex_count);
-		else if (used[m])
+		else if (used[m] && own)
 			mark(marks, heap->size, slot->first_index, slot->index_count);
 	}
 	for (uint32_t i = 0; i < heap->size; i++)
@@ -260,6 +262,7 @@ static void assert_books(const stilb_render *render)
 	assert_true(resources->retired_count <= resources->live);
 	assert_heap(resources, RENDER_HEAP_VERTICES, used);
 	assert_heap(resources, RENDER_HEAP_INDICES, used);
+	assert_heap(resources, RENDER_HEAP_INDICES_16, used);
 	free(used);
 }
 
@@ -401,7 +404,7 @@ static void assert_no_growth(const stilb_render *render)
 	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
 		assert_in_range(resources->indices[kind].next_unused, things / 2, 2 * things);
 	assert_in_range(resources->heaps[RENDER_HEAP_VERTICES].size, 1, 2 * things * GPU_THING_MOST_VERTICES / 2);
-	assert_in_range(resources->heaps[RENDER_HEAP_INDICES].size, 1, 2 * things * 30);
+	assert_in_range(resources->heaps[RENDER_HEAP_INDICES_16].size, 1, 2 * things * 30);
 	assert_in_range(resources->retired_capacity, 1, 16 * things);
 }
 

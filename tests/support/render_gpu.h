@@ -132,11 +132,11 @@ static inline bool gpu_draw_is_good(const gpu_draw *draw)
 	const render_command *c = &draw->command;
 	uint32_t vertices = gpu_thing_vertices(draw->number), indices = gpu_thing_indices(draw->number);
 	const stilb_scene_vertex *vertex = (const stilb_scene_vertex *)gpu.heaps[RENDER_HEAP_VERTICES] + c->vertex_offset;
-	const uint32_t *index = (const uint32_t *)gpu.heaps[RENDER_HEAP_INDICES] + c->first_index;
+	const uint16_t *index = (const uint16_t *)gpu.heaps[RENDER_HEAP_INDICES_16] + c->first_index;
 	const render_material *material = (const render_material *)gpu.heaps[RENDER_HEAP_MATERIALS] + c->material;
 	if (c->index_count != indices || c->instance_count != 1 ||
 	    (uint32_t)c->vertex_offset + vertices > gpu.heap_sizes[RENDER_HEAP_VERTICES] ||
-	    c->first_index + indices > gpu.heap_sizes[RENDER_HEAP_INDICES] ||
+	    c->first_index + indices > gpu.heap_sizes[RENDER_HEAP_INDICES_16] ||
 	    c->material >= gpu.heap_sizes[RENDER_HEAP_MATERIALS])
 		return false;
 	bool good = material->diffuse[0] == (float)draw->number && gpu.made[draw->texture] &&

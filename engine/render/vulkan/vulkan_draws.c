@@ -26,7 +26,14 @@ static void draws_bind_buffers_2d(vulkan_device *device, VkCommandBuffer command
 	vkCmdBindIndexBuffer(commands, slot->memory[RENDER_MEMORY_INDICES_2D].buffer, 0, VK_INDEX_TYPE_UINT32);
 }
 
-static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
+static void draws_bind_indices(const vulkan_device *device, VkCommandBuffer commands, uint64_t state)
+{
+	bool wide = state & RENDER_STATE_WIDE;
+	vkCmdBindIndexBuffer(commands, device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16].buffer, 0,
+	                     wide ? VK_INDEX_TYPE_UINT32 : VK_INDEX_TYPE_UINT16);
+}
+
+static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands, uint64_t state)
 {
 	const vulkan_slot *slot = vulkan_slot_now(device);
 	vulkan_push push = {
@@ -38,7 +45,7 @@ static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands)
 	vkCmdPushConstants(commands, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);
 	vkCmdBindVertexBuffers(commands, 0, 1, &device->heaps[RENDER_HEAP_VERTICES].buffer, &(VkDeviceSize){0});
-	vkCmdBindIndexBuffer(commands, device->heaps[RENDER_HEAP_INDICES].buffer, 0, VK_INDEX_TYPE_UINT32);
+	draws_bind_indices(device, commands, state);
 }
 
 /* Binds the descriptor sets of the state's texture and material, if it has any. */
@@ -70,7 +77,9 @@ static uint32_t draws_bind(vulkan_device *device, VkCommandBuffer commands, uint
 	if (binds & RENDER_BIND_BUFFERS && to & RENDER_STATE_2D)
 		draws_bind_buffers_2d(device, commands);
 	else if (binds & RENDER_BIND_BUFFERS)
-		draws_bind_buffers(device, commands);
+		draws_bind_buffers(device, commands, to);
+	if (binds & RENDER_BIND_INDICES)
+		draws_bind_indices(device, commands, to);
 	if (binds & RENDER_BIND_MATERIAL)
 		draws_bind_sets(device, commands, to);
 	return (uint32_t)__builtin_popcount(binds);
