@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
-#define CACHE_VERSION 6u
+#define CACHE_VERSION 7u
 #define CACHE_ENDING ".levels"
 #define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
 
@@ -22,7 +22,8 @@ typedef struct cache_header {
 	char magic[8];
 	uint32_t version, endian;
 	uint64_t key[2];
-	uint32_t vertex_count, index_count, level_count, level_index_count;
+	uint32_t vertex_count, index_count, level_count, level_index_count, cluster_count, group_count, cluster_index_count;
+	uint32_t zero;
 	uint64_t checksum; /* of the rest of the file */
 } cache_header;
 
@@ -54,8 +55,8 @@ void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, 
 {
 	key[0] = STILB_FNV1A64_START;
 	key[1] = ~STILB_FNV1A64_START;
-	const uint32_t numbers[6] = {CACHE_VERSION, mesh->vertex_count,   mesh->index_count,
-	                             desc->least,   desc->locked ? 1 : 0, table->count};
+	const uint32_t numbers[7] = {CACHE_VERSION,       mesh->vertex_count,   mesh->index_count, desc->least,
+	                             desc->cluster_least, desc->locked ? 1 : 0, table->count};
 	cache_add(key, numbers, sizeof numbers);
 	cache_add(key, &desc->ratio, sizeof desc->ratio);
 	cache_add_streams(key, table, weights);
@@ -147,23 +148,60 @@ static bool levels_are_sound(const geometry_plan *plan)
 	return first == plan->level_index_count;
 }
 
+static bool is_sphere(const float center[3], float radius)
+{
+	return fabsf(center[0]) <= 1e18f && fabsf(center[1]) <= 1e18f && fabsf(center[2]) <= 1e18f && radius >= 0.0f &&
+	       radius <= 1e19f;
+}
+
+/* True if clusters lie one after the other, of their groups and of their indices, and groups are from finer ones. */
+static bool clusters_are_sound(const geometry_plan *plan)
+{
+	uint32_t next = 0, own = 0, coarser = 0;
+	for (uint32_t g = 0; g < plan->group_count; g++) {
+		const stilb_scene_cluster_group *group = &plan->groups[g];
+		if (group->first_cluster != next || group->cluster_count == 0 ||
+		    group->cluster_count > plan->cluster_count - next ||
+		    !(group->error >= 0.0f && is_sphere(group->center, group->radius)))
+			return false;
+		for (uint32_t end = next + group->cluster_count; next < end; next++) {
+			const stilb_scene_cluster *cluster = &plan->clusters[next];
+			bool leaf = cluster->from == STILB_SCENE_NONE;
+			uint32_t *first = leaf ? &own : &coarser, most = leaf ? plan->index_count : plan->cluster_index_count;
+			if (cluster->first_index != *first || cluster->index_count == 0 || cluster->index_count % 3 != 0 ||
+			    cluster->index_count > most - *first || !is_sphere(cluster->center, cluster->radius) ||
+			    (!leaf && (cluster->from >= g || !(plan->groups[cluster->from].error <= group->error))))
+				return false;
+			*first += cluster->index_count;
+		}
+	}
+	return next == plan->cluster_count && own == (plan->cluster_count > 0 ? plan->index_count : 0) &&
+	       coarser == plan->cluster_index_count;
+}
+
 /* True if a plan that was read fits to a mesh of these counts, and nothing in it leads out of them. */
 static bool plan_is_sound(const geometry_plan *plan)
 {
-	return are_below(plan->to, plan->vertex_count, plan->vertex_count) &&
-	       are_below(plan->indices, plan->index_count, plan->vertex_count) && is_order(plan) && levels_are_sound(plan);
+	return (!plan->to || are_below(plan->to, plan->vertex_count, plan->vertex_count)) &&
+	       are_below(plan->indices, plan->index_count, plan->vertex_count) &&
+	       are_below(plan->cluster_indices, plan->cluster_index_count, plan->vertex_count) && is_order(plan) &&
+	       levels_are_sound(plan) && clusters_are_sound(plan);
 }
 
 static bool cache_read_header(FILE *stream, const stilb_scene_mesh *mesh, const uint64_t key[2], cache_header *header)
 {
 	if (fread(header, sizeof *header, 1, stream) != 1 || memcmp(header->magic, cache_magic, sizeof cache_magic) != 0 ||
-	    header->version != CACHE_VERSION || header->endian != 1 || memcmp(header->key, key, sizeof header->key) != 0)
+	    header->version != CACHE_VERSION || header->endian != 1 || header->zero != 0 ||
+	    memcmp(header->key, key, sizeof header->key) != 0)
 		return false;
-	if (header->level_count == 0)
-		return header->vertex_count == 0 && header->index_count == 0 && header->level_index_count == 0;
+	if (header->level_count == 0 && header->cluster_count == 0)
+		return header->vertex_count == 0 && header->index_count == 0 && header->level_index_count == 0 &&
+		       header->group_count == 0 && header->cluster_index_count == 0;
+	uint64_t most = (uint64_t)mesh->index_count * STILB_SCENE_MAX_LEVELS;
 	return header->vertex_count == mesh->vertex_count && header->index_count == mesh->index_count &&
-	       header->level_count <= STILB_SCENE_MAX_LEVELS &&
-	       header->level_index_count <= (uint64_t)mesh->index_count * STILB_SCENE_MAX_LEVELS;
+	       header->level_count <= STILB_SCENE_MAX_LEVELS && header->level_index_count <= most &&
+	       header->cluster_index_count <= most && header->cluster_count <= most &&
+	       header->group_count <= header->cluster_count;
 }
 
 static bool cache_read_plan(FILE *stream, const cache_header *header, geometry_plan *plan)
@@ -171,14 +209,25 @@ static bool cache_read_plan(FILE *stream, const cache_header *header, geometry_p
 	*plan = (geometry_plan){.vertex_count = header->vertex_count,
 	                        .index_count = header->index_count,
 	                        .level_count = header->level_count,
-	                        .level_index_count = header->level_index_count};
+	                        .level_index_count = header->level_index_count,
+	                        .cluster_count = header->cluster_count,
+	                        .group_count = header->group_count,
+	                        .cluster_index_count = header->cluster_index_count};
 	struct stat status;
-	uint64_t size = sizeof *header + (uint64_t)header->level_count * sizeof *plan->levels +
-	                (2 * (uint64_t)header->vertex_count + header->index_count + header->level_index_count) * 4;
+	geometry_plan_part parts[GEOMETRY_PLAN_PARTS];
+	geometry_plan_parts(plan, parts);
+	uint64_t size = sizeof *header, checksum = STILB_FNV1A64_START;
+	for (size_t i = 0; i < GEOMETRY_PLAN_PARTS; i++)
+		size += parts[i].size;
 	if (fstat(fileno(stream), &status) != 0 || (uint64_t)status.st_size != size || !geometry_plan_allocate(plan))
 		return false;
-	return (plan->size == 0 || fread(plan->memory, plan->size, 1, stream) == 1) &&
-	       stilb_hash_fnv1a64(STILB_FNV1A64_START, plan->memory, plan->size) == header->checksum && plan_is_sound(plan);
+	geometry_plan_parts(plan, parts);
+	for (size_t i = 0; i < GEOMETRY_PLAN_PARTS; i++) {
+		if (parts[i].size > 0 && fread(parts[i].data, parts[i].size, 1, stream) != 1)
+			return false;
+		checksum = stilb_hash_fnv1a64(checksum, parts[i].data, parts[i].size);
+	}
+	return checksum == header->checksum && plan_is_sound(plan);
 }
 
 /* Reads the plan of a mesh. False: there is none that is sound. */
@@ -277,9 +326,19 @@ static void cache_write(const uint64_t key[2], const geometry_plan *plan)
 	                       .index_count = plan->index_count,
 	                       .level_count = plan->level_count,
 	                       .level_index_count = plan->level_index_count,
-	                       .checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, plan->memory, plan->size)};
+	                       .cluster_count = plan->cluster_count,
+	                       .group_count = plan->group_count,
+	                       .cluster_index_count = plan->cluster_index_count,
+	                       .checksum = STILB_FNV1A64_START};
 	memcpy(header.magic, cache_magic, sizeof header.magic);
-	if (stilb_file_write(&file, &header, sizeof header) == 0 && stilb_file_write(&file, plan->memory, plan->size) == 0)
+	geometry_plan_part parts[GEOMETRY_PLAN_PARTS];
+	geometry_plan_parts(plan, parts);
+	for (size_t i = 0; i < GEOMETRY_PLAN_PARTS; i++)
+		header.checksum = stilb_hash_fnv1a64(header.checksum, parts[i].data, parts[i].size);
+	bool written = stilb_file_write(&file, &header, sizeof header) == 0;
+	for (size_t i = 0; i < GEOMETRY_PLAN_PARTS && written; i++)
+		written = parts[i].size == 0 || stilb_file_write(&file, parts[i].data, parts[i].size) == 0;
+	if (written)
 		stilb_file_commit(&file); /* a full disk costs the next run its time, and nothing else */
 	stilb_file_finish(&file);
 	cache_trim(STILB_GEOMETRY_CACHE_BYTES);

@@ -63,6 +63,12 @@ void geometry_work_finish(geometry_work *work);
  * m^2. STILB_ERROR_MEMORY. */
 stilb_result geometry_work_reduce(geometry_work *work, uint32_t target, float max_cost);
 
+/* Sets what values count in a round that leaves `target` triangles. */
+void geometry_round_scale(geometry_round *round, const geometry_work *work, uint32_t target);
+
+/* True if a triangle has three finite and different positions. */
+bool geometry_work_is_sound(const geometry_work *work, const uint32_t vertex[3]);
+
 /* What is wrong with a mesh, as stilb_fail of STILB_ERROR_ARGUMENT; STILB_OK: nothing. */
 stilb_result geometry_mesh_check(const stilb_geometry_mesh *mesh);
 

@@ -16,7 +16,7 @@
 
 stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void)
 {
-	stilb_geometry_levels_desc desc = {.ratio = 0.5f, .least = 20};
+	stilb_geometry_levels_desc desc = {.ratio = 0.5f, .least = 20, .cluster_least = 100000};
 	for (uint32_t s = 0; s < STILB_SCENE_VERTEX_STREAMS; s++)
 		desc.weights[s] = stilb_scene_vertex_streams.streams[s].weight;
 	return desc;
@@ -174,27 +174,6 @@ static void write_plan(const chain *c, const uint32_t *number, const uint32_t *c
 	}
 }
 
-bool geometry_plan_allocate(geometry_plan *plan)
-{
-	size_t v = plan->vertex_count, i = plan->index_count, l = plan->level_count, n = plan->level_index_count;
-	plan->size = l * sizeof *plan->levels + (2 * v + i + n) * sizeof(uint32_t);
-	plan->memory = stilb_memory_alloc(plan->size, 1);
-	if (!plan->memory)
-		return false;
-	plan->levels = plan->memory;
-	plan->order = (uint32_t *)(plan->levels + l);
-	plan->to = plan->order + v;
-	plan->indices = plan->to + v;
-	plan->level_indices = plan->indices + i;
-	return true;
-}
-
-void geometry_plan_finish(geometry_plan *plan)
-{
-	free(plan->memory);
-	*plan = (geometry_plan){0};
-}
-
 /* What the chain has found, as a plan. False: no memory. */
 static bool chain_plan(const chain *c, geometry_plan *plan)
 {
@@ -214,18 +193,6 @@ static bool chain_plan(const chain *c, geometry_plan *plan)
 	}
 	free(number);
 	return made;
-}
-
-/* Frees levels that the mesh had. */
-static void drop_levels(stilb_scene_mesh *mesh)
-{
-	free(mesh->levels);
-	free(mesh->level_indices);
-	free(mesh->morph);
-	mesh->levels = NULL;
-	mesh->level_indices = NULL;
-	mesh->morph = NULL;
-	mesh->level_count = mesh->level_index_count = 0;
 }
 
 uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
@@ -276,6 +243,10 @@ stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geomet
 	stilb_geometry_mesh view = view_of(mesh, desc, streams);
 	chain c = {.view = &view, .pool = pool, .worker = worker};
 	stilb_result result = STILB_OK;
+	if (mesh->index_count / 3 > desc->cluster_least)
+		result = geometry_plan_make_clusters(mesh, &view, desc, pool, worker, plan);
+	if (result != STILB_OK || plan->cluster_count > 0)
+		return result;
 	if (mesh->index_count / 3 > desc->least)
 		result = chain_make(&c, desc);
 	if (result == STILB_OK && !chain_plan(&c, plan))
@@ -283,39 +254,6 @@ stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geomet
 			stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles", mesh->index_count / 3);
 	chain_finish(&c);
 	return result;
-}
-
-stilb_result geometry_plan_apply(const geometry_plan *plan, stilb_scene_mesh *mesh)
-{
-	if (plan->level_count == 0) {
-		drop_levels(mesh);
-		return STILB_OK;
-	}
-	STILB_ASSERT(plan->vertex_count == mesh->vertex_count && plan->index_count == mesh->index_count);
-	stilb_scene_mesh out = {.vertex_count = mesh->vertex_count,
-	                        .index_count = mesh->index_count,
-	                        .level_count = plan->level_count,
-	                        .level_index_count = plan->level_index_count};
-	out.vertices = stilb_memory_alloc(out.vertex_count, sizeof *out.vertices);
-	out.indices = stilb_memory_alloc(out.index_count, sizeof *out.indices);
-	out.levels = stilb_memory_alloc(out.level_count, sizeof *out.levels);
-	out.level_indices = stilb_memory_alloc(out.level_index_count, sizeof *out.level_indices);
-	out.morph = stilb_memory_alloc(out.vertex_count, sizeof *out.morph);
-	if (!out.vertices || !out.indices || !out.levels || !out.level_indices || !out.morph) {
-		stilb_scene_mesh_finish(&out);
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
-		                  mesh->index_count / 3);
-	}
-	memcpy(out.indices, plan->indices, out.index_count * sizeof *out.indices);
-	memcpy(out.levels, plan->levels, out.level_count * sizeof *out.levels);
-	memcpy(out.level_indices, plan->level_indices, out.level_index_count * sizeof *out.level_indices);
-	for (uint32_t v = 0; v < out.vertex_count; v++) {
-		out.vertices[v] = mesh->vertices[plan->order[v]];
-		out.morph[v] = mesh->vertices[plan->to[v]];
-	}
-	stilb_scene_mesh_finish(mesh);
-	*mesh = out;
-	return STILB_OK;
 }
 
 stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc)

@@ -1,7 +1,7 @@
 /*
  * geometry_levels: makes the levels of a scene's mesh (stilb_scene_level): each has about half of the triangles of the
  * one before it and uses a prefix of the same vertices, so that all of them share one upload and a vertex moves on its
- * own way to where the next level has it.
+ * own way to where the next level has it. A large mesh has clusters, too (stilb_scene_cluster): the same for places.
  *
  * Example.  A mesh of a scene that is about to be built:
  *
@@ -24,19 +24,22 @@ typedef struct stilb_geometry_levels_desc {
 	uint32_t least; /* no level is made of one that has this many triangles or fewer */
 	/* Of each row of stilb_scene_vertex_streams (stilb_geometry_stream.weight); that of positions is not used. */
 	float weights[STILB_SCENE_VERTEX_STREAMS];
-	const uint8_t *locked; /* [vertex_count] as stilb_geometry_mesh.locked; NULL: none */
-	/* Asked between levels and before each is compared, on the calling thread; true: the caller gives it up, which is
-	 * STILB_ERROR_GIVEN_UP. NULL: never. */
+	uint32_t cluster_least; /* a mesh of more triangles has clusters, and levels from this many triangles downwards */
+	const uint8_t *locked;  /* [vertex_count] as stilb_geometry_mesh.locked; NULL: none */
+	/* Asked between levels and before each is compared, and with every million triangles of clusters, on the calling
+	 * thread; true: the caller gives it up, which is STILB_ERROR_GIVEN_UP. NULL: never. */
 	bool (*give_up)(void *user);
 	void *user;
 } stilb_geometry_levels_desc;
 
-/* Halves down to 20 triangles, with the weights of stilb_scene_vertex_streams. [any-thread] */
+/* Halves down to 20 triangles, with the weights of stilb_scene_vertex_streams; clusters beyond 100,000 triangles.
+ * [any-thread] */
 stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void);
 
 /* Replaces the mesh's levels by new ones, as many as can be made: none of a mesh of few triangles or one that cannot
- * be simplified. The errors of levels hold for the surfaces; they are measured at many points of both, more of them
- * where the distance is large, and enlarged by 6 % for what lies between. */
+ * be simplified; and its clusters, if it has many triangles. With clusters there is no morph. Errors hold for the
+ * surfaces; they are measured at many points of both, more of them where the distance is large, and enlarged by 6 % for
+ * what lies between. */
 stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, stilb_job_pool *pool,
                                    uint32_t worker);
 

@@ -505,6 +505,12 @@ static bool link_is_sound(region *r, const ring_edge *edge)
 			if (q != edge->position && r->shared[q] && r->seen[q] != r->seen_serial)
 				return false;
 		}
+	/* One triangle alone between two edges of the border: if the third corner is shared, it would not be in this region
+	 * any more, and could go in another one while this one is still what it was (clusters). */
+	if (r->corner_count == 1)
+		for (uint32_t i = 0; i < r->ring_count; i++)
+			if (r->ring[i].position != edge->position && r->shared[r->ring[i].position])
+				return false;
 	/* A closed fan of three triangles is a corner of a tetrahedron if its ring is a triangle, too. */
 	return !(r->corner_count == 3 && r->border_count == 0 && opposite > 0);
 }

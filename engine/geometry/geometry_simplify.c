@@ -49,8 +49,7 @@ typedef struct work_sum_context {
 	work_sums *sums; /* one for each SUM_GRAIN triangles */
 } work_sum_context;
 
-/* True if a triangle has three finite and different positions. */
-static bool is_sound(const geometry_work *work, const uint32_t vertex[3])
+bool geometry_work_is_sound(const geometry_work *work, const uint32_t vertex[3])
 {
 	uint32_t a = work->canonical[vertex[0]], b = work->canonical[vertex[1]], c = work->canonical[vertex[2]];
 	if (a == b || b == c || a == c)
@@ -103,7 +102,7 @@ static void sum_chunks(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 		uint32_t last = total - chunk * SUM_GRAIN < SUM_GRAIN ? total : (chunk + 1) * SUM_GRAIN;
 		for (uint32_t t = chunk * SUM_GRAIN; t < last; t++) {
 			const uint32_t *vertex = &c->work->mesh->indices[3 * (size_t)t];
-			if (!is_sound(c->work, vertex))
+			if (!geometry_work_is_sound(c->work, vertex))
 				continue;
 			sums.count++;
 			sum_triangle(c->work, vertex, &sums);
@@ -123,7 +122,7 @@ static void copy_chunks(uint32_t begin, uint32_t end, uint32_t worker, void *con
 				 to = c->sums[chunk].count;
 		for (uint32_t t = chunk * SUM_GRAIN; t < last; t++) {
 			const uint32_t *vertex = &c->work->mesh->indices[3 * (size_t)t];
-			if (is_sound(c->work, vertex))
+			if (geometry_work_is_sound(c->work, vertex))
 				memcpy(c->work->triangles[to++], vertex, sizeof *c->work->triangles);
 		}
 	}
@@ -407,8 +406,7 @@ static bool reduce_cut(reduce *r)
 	return true;
 }
 
-/* What a difference of 1 of each stream counts, metres, when `target` triangles are to remain. */
-static void set_scales(geometry_round *round, const geometry_work *work, uint32_t target)
+void geometry_round_scale(geometry_round *round, const geometry_work *work, uint32_t target)
 {
 	double edge = sqrt(work->area / (target > 0 ? target : 1));
 	uint32_t numbers = 0;
@@ -455,7 +453,7 @@ static stilb_result reduce_round(geometry_work *work, uint32_t target, float max
 {
 	reduce r = {.work = work, .count = work->count, .regions = (work->count + REGION - 1) / REGION};
 	r.round = (geometry_round){.mesh = work->mesh, .canonical = work->canonical, .locked = work->locked};
-	set_scales(&r.round, work, target);
+	geometry_round_scale(&r.round, work, target);
 	bool made = reduce_allocate(&r) && reduce_cut(&r);
 	if (made)
 		collapse_all(&r, target, max_cost);

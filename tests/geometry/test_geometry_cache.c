@@ -51,14 +51,24 @@ static void assert_same(const stilb_scene_mesh *a, const stilb_scene_mesh *b)
 	assert_memory_equal(a->indices, b->indices, a->index_count * sizeof *a->indices);
 	assert_memory_equal(a->levels, b->levels, a->level_count * sizeof *a->levels);
 	assert_memory_equal(a->level_indices, b->level_indices, a->level_index_count * sizeof *a->level_indices);
-	assert_memory_equal(a->morph, b->morph, a->vertex_count * sizeof *a->morph);
+	assert_int_equal(!a->morph, !b->morph);
+	if (a->morph)
+		assert_memory_equal(a->morph, b->morph, a->vertex_count * sizeof *a->morph);
+	assert_int_equal(a->cluster_count, b->cluster_count);
+	assert_int_equal(a->group_count, b->group_count);
+	assert_int_equal(a->cluster_index_count, b->cluster_index_count);
+	if (a->cluster_count == 0)
+		return;
+	assert_memory_equal(a->clusters, b->clusters, a->cluster_count * sizeof *a->clusters);
+	assert_memory_equal(a->groups, b->groups, a->group_count * sizeof *a->groups);
+	assert_memory_equal(a->cluster_indices, b->cluster_indices, a->cluster_index_count * sizeof *a->cluster_indices);
 }
 
-static void test_same(void **state)
+static void check_same(uint32_t cluster_least)
 {
-	(void)state;
 	clear();
 	stilb_geometry_levels_desc desc = stilb_geometry_levels_desc_default();
+	desc.cluster_least = cluster_least;
 	stilb_scene_mesh made = torus(), first = torus(), second = torus(), found = torus(), other = torus();
 	char path[512];
 	assert_int_equal(stilb_geometry_levels(&made, &desc, NULL, 0), STILB_OK);
@@ -72,11 +82,15 @@ static void test_same(void **state)
 	assert_same(&made, &first);
 	assert_same(&made, &second);
 	assert_same(&made, &found);
+	assert_true((made.cluster_count > 0) == (made.index_count / 3 > cluster_least));
 	/* Another value, another setting: another file. */
 	other.vertices[7].uv[1] += 1e-3f;
 	assert_false(stilb_geometry_levels_find(&other, &desc));
 	other.vertices[7].uv[1] -= 1e-3f;
 	desc.least = 21;
+	assert_false(stilb_geometry_levels_find(&other, &desc));
+	desc.least = 20;
+	desc.cluster_least++;
 	assert_false(stilb_geometry_levels_find(&other, &desc));
 	stilb_scene_mesh_finish(&made);
 	stilb_scene_mesh_finish(&first);
@@ -85,11 +99,20 @@ static void test_same(void **state)
 	stilb_scene_mesh_finish(&other);
 }
 
+static void test_same(void **state)
+{
+	(void)state;
+	check_same(100000);
+	check_same(1000);
+}
+
+#define HEADER 72u /* bytes; the last eight of them are the checksum of the rest */
+
 /* FNV-1a, to give a changed file the checksum that it should have. */
 static void set_checksum(unsigned char *bytes, size_t size)
 {
-	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes + 56, size - 56);
-	memcpy(bytes + 48, &hash, sizeof hash);
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes + HEADER, size - HEADER);
+	memcpy(bytes + HEADER - 8, &hash, sizeof hash);
 }
 
 static void write_file(const char *path, const unsigned char *bytes, size_t size)
@@ -102,11 +125,11 @@ static void write_file(const char *path, const unsigned char *bytes, size_t size
 
 /* Every byte of the header and many of the rest, changed with the right checksum and without; shorter and longer
  * files. Nothing crashes, and what is taken keeps within the mesh. */
-static void test_damaged(void **state)
+static void check_damaged(uint32_t cluster_least)
 {
-	(void)state;
 	clear();
 	stilb_geometry_levels_desc desc = stilb_geometry_levels_desc_default();
+	desc.cluster_least = cluster_least;
 	stilb_scene_mesh mesh = torus();
 	assert_int_equal(stilb_geometry_levels_cached(&mesh, &desc, NULL, 0), STILB_OK);
 	stilb_scene_mesh_finish(&mesh);
@@ -119,11 +142,11 @@ static void test_damaged(void **state)
 	fclose(file);
 	assert_in_range(size, 1000, sizeof good - 100);
 	uint32_t refused = 0, taken = 0;
-	for (uint32_t i = 0; i < (TEST_ASAN ? 200u : 1000u); i++) {
+	for (uint32_t i = 0; i < (TEST_ASAN ? 200u : 700u); i++) {
 		memcpy(bad, good, size);
-		size_t at = i < 56 ? i : 56 + stilb_random_u64(1, i) % (i % 3 ? 400 : size - 56), length = size;
+		size_t at = i < HEADER ? i : HEADER + stilb_random_u64(1, i) % (i % 3 ? 400 : size - HEADER), length = size;
 		bad[at] ^= (unsigned char)(1u << stilb_random_u64(2, i) % 8);
-		if (i % 2 && i >= 56)
+		if (i % 2 && i >= HEADER)
 			set_checksum(bad, size);
 		if (i % 17 == 5)
 			length = at;
@@ -136,12 +159,16 @@ static void test_damaged(void **state)
 			assert_int_equal(mesh.level_count, 0);
 		} else {
 			taken++;
-			assert_true(i % 2 == 1 && i >= 56); /* with a right checksum alone */
+			assert_true(i % 2 == 1 && i >= HEADER); /* with a right checksum alone */
 			for (uint32_t k = 0; k < mesh.index_count; k++)
 				assert_true(mesh.indices[k] < mesh.vertex_count);
 			for (uint32_t l = 0; l < mesh.level_count; l++)
 				for (uint32_t k = 0; k < mesh.levels[l].index_count; k++)
 					assert_true(mesh.level_indices[mesh.levels[l].first_index + k] < mesh.levels[l].vertex_count);
+			for (uint32_t k = 0; k < mesh.cluster_index_count; k++)
+				assert_true(mesh.cluster_indices[k] < mesh.vertex_count);
+			for (uint32_t c = 0; c < mesh.cluster_count; c++)
+				assert_true(mesh.clusters[c].from == STILB_SCENE_NONE || mesh.clusters[c].from < mesh.group_count);
 		}
 		stilb_scene_mesh_finish(&mesh);
 	}
@@ -156,7 +183,7 @@ static void test_damaged(void **state)
 			counts[1] += 2;
 			memcpy(bad + 32, counts, sizeof counts);
 		} else {
-			unsigned char *order = bad + 56 + counts[2] * sizeof(stilb_scene_level);
+			unsigned char *order = bad + HEADER + counts[2] * sizeof(stilb_scene_level);
 			memcpy(order, order + 4, 4);
 		}
 		set_checksum(bad, size);
@@ -174,6 +201,13 @@ static void test_damaged(void **state)
 	assert_same(&mesh, &again);
 	stilb_scene_mesh_finish(&mesh);
 	stilb_scene_mesh_finish(&again);
+}
+
+static void test_damaged(void **state)
+{
+	(void)state;
+	check_damaged(100000);
+	check_damaged(1000);
 }
 
 /* A place that cannot be written, that is no folder, that is not told; a full disk. */

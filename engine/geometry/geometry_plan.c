@@ -1,0 +1,295 @@
+/* Plans: what they are made of, how a mesh gets one, and those with clusters. */
+#include "geometry/geometry_plan.h"
+
+#include "geometry/geometry_clusters.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define NONE UINT32_MAX
+
+bool geometry_plan_allocate(geometry_plan *plan)
+{
+	plan->levels = stilb_memory_alloc(plan->level_count, sizeof *plan->levels);
+	plan->order = stilb_memory_alloc(plan->vertex_count, sizeof *plan->order);
+	plan->to = plan->cluster_count == 0 ? stilb_memory_alloc(plan->vertex_count, sizeof *plan->to) : NULL;
+	plan->indices = stilb_memory_alloc(plan->index_count, sizeof *plan->indices);
+	plan->level_indices = stilb_memory_alloc(plan->level_index_count, sizeof *plan->level_indices);
+	plan->clusters = stilb_memory_alloc(plan->cluster_count, sizeof *plan->clusters);
+	plan->groups = stilb_memory_alloc(plan->group_count, sizeof *plan->groups);
+	plan->cluster_indices = stilb_memory_alloc(plan->cluster_index_count, sizeof *plan->cluster_indices);
+	return plan->levels && plan->order && (plan->to || plan->cluster_count > 0) && plan->indices &&
+	       plan->level_indices && plan->clusters && plan->groups && plan->cluster_indices;
+}
+
+void geometry_plan_finish(geometry_plan *plan)
+{
+	free(plan->levels);
+	free(plan->order);
+	free(plan->to);
+	free(plan->indices);
+	free(plan->level_indices);
+	free(plan->clusters);
+	free(plan->groups);
+	free(plan->cluster_indices);
+	*plan = (geometry_plan){0};
+}
+
+void geometry_plan_parts(const geometry_plan *plan, geometry_plan_part parts[GEOMETRY_PLAN_PARTS])
+{
+	size_t v = plan->vertex_count, morphs = plan->cluster_count == 0 ? v : 0;
+	const geometry_plan_part all[GEOMETRY_PLAN_PARTS] = {
+		{plan->levels, plan->level_count * sizeof *plan->levels},
+		{plan->order, v * sizeof *plan->order},
+		{plan->to, morphs * sizeof *plan->to},
+		{plan->indices, plan->index_count * sizeof *plan->indices},
+		{plan->level_indices, plan->level_index_count * sizeof *plan->level_indices},
+		{plan->clusters, plan->cluster_count * sizeof *plan->clusters},
+		{plan->groups, plan->group_count * sizeof *plan->groups},
+		{plan->cluster_indices, plan->cluster_index_count * sizeof *plan->cluster_indices}};
+	memcpy(parts, all, sizeof all);
+}
+
+/* ---- giving it to a mesh ----------------------------------------------------------------------------------------- */
+
+/* Frees levels and clusters that the mesh had. */
+static void drop_levels(stilb_scene_mesh *mesh)
+{
+	stilb_scene_mesh rest = *mesh;
+	rest.vertices = NULL;
+	rest.indices = NULL;
+	*mesh = (stilb_scene_mesh){.vertices = mesh->vertices,
+	                           .indices = mesh->indices,
+	                           .vertex_count = mesh->vertex_count,
+	                           .index_count = mesh->index_count};
+	stilb_scene_mesh_finish(&rest);
+}
+
+stilb_result geometry_plan_apply(geometry_plan *plan, stilb_scene_mesh *mesh)
+{
+	if (plan->level_count == 0 && plan->cluster_count == 0) {
+		drop_levels(mesh);
+		return STILB_OK;
+	}
+	STILB_ASSERT(plan->vertex_count == mesh->vertex_count && plan->index_count == mesh->index_count);
+	stilb_scene_vertex *vertices = stilb_memory_alloc(mesh->vertex_count, sizeof *vertices);
+	stilb_scene_vertex *morph = plan->to ? stilb_memory_alloc(mesh->vertex_count, sizeof *morph) : NULL;
+	if (!vertices || (plan->to && !morph)) {
+		free(vertices);
+		free(morph);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
+		                  mesh->index_count / 3);
+	}
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		vertices[v] = mesh->vertices[plan->order[v]];
+		if (morph)
+			morph[v] = mesh->vertices[plan->to[v]];
+	}
+	stilb_scene_mesh out = {.vertices = vertices,
+	                        .indices = plan->indices,
+	                        .vertex_count = plan->vertex_count,
+	                        .index_count = plan->index_count,
+	                        .level_count = plan->level_count,
+	                        .level_index_count = plan->level_index_count,
+	                        .levels = plan->levels,
+	                        .level_indices = plan->level_indices,
+	                        .morph = morph,
+	                        .cluster_count = plan->cluster_count,
+	                        .group_count = plan->group_count,
+	                        .cluster_index_count = plan->cluster_index_count,
+	                        .clusters = plan->clusters,
+	                        .groups = plan->groups,
+	                        .cluster_indices = plan->cluster_indices};
+	if (out.cluster_count == 0) { /* members that count nothing point nowhere */
+		free(out.clusters);
+		free(out.groups);
+		free(out.cluster_indices);
+		out.clusters = NULL;
+		out.groups = NULL;
+		out.cluster_indices = NULL;
+	}
+	free(plan->order);
+	free(plan->to);
+	*plan = (geometry_plan){0};
+	stilb_scene_mesh_finish(mesh);
+	*mesh = out;
+	return STILB_OK;
+}
+
+/* ---- with clusters ----------------------------------------------------------------------------------------------- */
+
+/* A mesh of the cut alone, of which levels are made as of any other. */
+typedef struct cut_mesh {
+	stilb_scene_mesh mesh;
+	uint8_t *locked;
+	uint32_t *vertex; /* [mesh.vertex_count] its vertices in the whole mesh */
+	uint32_t *number; /* [vertex_count of the whole mesh] the number there in the end; NONE: not known yet */
+	geometry_plan plan;
+} cut_mesh;
+
+static void cut_finish(cut_mesh *cut)
+{
+	stilb_scene_mesh_finish(&cut->mesh);
+	free(cut->locked);
+	free(cut->vertex);
+	free(cut->number);
+	geometry_plan_finish(&cut->plan);
+}
+
+/* Copies the cut. False: no memory. */
+static bool cut_copy(const stilb_scene_mesh *mesh, const geometry_clusters *clusters, const uint8_t *locked,
+                     cut_mesh *cut)
+{
+	uint32_t count = clusters->cut_index_count, used = 0;
+	cut->number = stilb_memory_alloc(mesh->vertex_count, sizeof *cut->number);
+	cut->mesh.indices = stilb_memory_alloc(count, sizeof *cut->mesh.indices);
+	if (!cut->number || !cut->mesh.indices)
+		return false;
+	cut->mesh.index_count = count;
+	memset(cut->number, 0xff, mesh->vertex_count * sizeof *cut->number);
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t *number = &cut->number[clusters->cut[i]];
+		if (*number == NONE)
+			*number = used++;
+		cut->mesh.indices[i] = *number;
+	}
+	cut->mesh.vertices = stilb_memory_alloc(used, sizeof *cut->mesh.vertices);
+	cut->vertex = stilb_memory_alloc(used, sizeof *cut->vertex);
+	cut->locked = locked ? stilb_memory_alloc(used, sizeof *cut->locked) : NULL;
+	if (!cut->mesh.vertices || !cut->vertex || (locked && !cut->locked))
+		return false;
+	cut->mesh.vertex_count = used;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t v = clusters->cut[i], own = cut->mesh.indices[i];
+		cut->vertex[own] = v;
+		cut->mesh.vertices[own] = mesh->vertices[v];
+		if (locked)
+			cut->locked[own] = locked[v];
+	}
+	return true;
+}
+
+/* Numbers the vertices: those of levels first, in their order, then what clusters add, the coarsest first. */
+static void number_vertices(const geometry_clusters *clusters, cut_mesh *cut, geometry_plan *plan)
+{
+	uint32_t next = 0, vertex_count = plan->vertex_count, *number = cut->number;
+	for (; next < cut->mesh.vertex_count; next++) {
+		uint32_t v = cut->vertex[cut->plan.level_count > 0 ? cut->plan.order[next] : next];
+		number[v] = next;
+		plan->order[next] = v;
+	}
+	for (uint32_t c = clusters->cluster_count; c-- > 0;) {
+		const stilb_scene_cluster *cluster = &clusters->clusters[c];
+		const uint32_t *indices =
+			(cluster->from == STILB_SCENE_NONE ? clusters->indices : clusters->cluster_indices) + cluster->first_index;
+		for (uint32_t i = 0; i < cluster->index_count; i++)
+			if (number[indices[i]] == NONE) {
+				number[indices[i]] = next;
+				plan->order[next++] = indices[i];
+			}
+	}
+	for (uint32_t v = 0; v < vertex_count; v++)
+		if (number[v] == NONE) {
+			number[v] = next;
+			plan->order[next++] = v;
+		}
+}
+
+typedef struct renumber {
+	const uint32_t *number;
+	uint32_t *indices;
+} renumber;
+
+static void renumber_indices(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)worker;
+	const renumber *r = context;
+	for (uint32_t i = begin; i < end; i++)
+		r->indices[i] = r->number[r->indices[i]];
+}
+
+/* The cut as the first level, and its own levels after that. */
+static void write_levels(const cut_mesh *cut, float error, geometry_plan *plan)
+{
+	const uint32_t *first = cut->plan.level_count > 0 ? cut->plan.indices : cut->mesh.indices;
+	uint32_t count = cut->mesh.index_count;
+	plan->levels[0] = (stilb_scene_level){
+		.first_index = 0, .index_count = count, .vertex_count = cut->mesh.vertex_count, .error = error};
+	memcpy(plan->level_indices, first, count * sizeof *first);
+	for (uint32_t l = 1; l < plan->level_count; l++) {
+		plan->levels[l] = cut->plan.levels[l - 1];
+		plan->levels[l].first_index += count;
+		plan->levels[l].error += error;
+	}
+	memcpy(plan->level_indices + count, cut->plan.level_indices,
+	       (plan->level_index_count - count) * sizeof *plan->level_indices);
+}
+
+/* Makes the plan of clusters and of the levels of the cut; the clusters' arrays go to the plan. False: no memory. */
+static bool write_clusters(const stilb_scene_mesh *mesh, stilb_job_pool *pool, uint32_t worker,
+                           geometry_clusters *clusters, cut_mesh *cut, geometry_plan *plan)
+{
+	uint32_t levels = cut->plan.level_count;
+	levels = levels < STILB_SCENE_MAX_LEVELS ? levels : STILB_SCENE_MAX_LEVELS - 1;
+	*plan = (geometry_plan){.vertex_count = mesh->vertex_count,
+	                        .index_count = mesh->index_count,
+	                        .level_count = levels + 1,
+	                        .level_index_count = cut->mesh.index_count,
+	                        .cluster_count = clusters->cluster_count,
+	                        .group_count = clusters->group_count,
+	                        .cluster_index_count = clusters->cluster_index_count};
+	for (uint32_t l = 0; l < levels; l++)
+		plan->level_index_count += cut->plan.levels[l].index_count;
+	plan->order = stilb_memory_alloc(plan->vertex_count, sizeof *plan->order);
+	plan->levels = stilb_memory_alloc(plan->level_count, sizeof *plan->levels);
+	plan->level_indices = stilb_memory_alloc(plan->level_index_count, sizeof *plan->level_indices);
+	if (!plan->order || !plan->levels || !plan->level_indices)
+		return false;
+	number_vertices(clusters, cut, plan);
+	renumber own = {cut->number, clusters->indices}, coarser = {cut->number, clusters->cluster_indices};
+	geometry_for(pool, worker, plan->index_count, 65536, renumber_indices, &own);
+	geometry_for(pool, worker, plan->cluster_index_count, 65536, renumber_indices, &coarser);
+	write_levels(cut, clusters->cut_error, plan);
+	plan->clusters = clusters->clusters;
+	plan->groups = clusters->groups;
+	plan->indices = clusters->indices;
+	plan->cluster_indices = clusters->cluster_indices;
+	clusters->clusters = NULL;
+	clusters->groups = NULL;
+	clusters->indices = clusters->cluster_indices = NULL;
+	return true;
+}
+
+stilb_result geometry_plan_make_clusters(const stilb_scene_mesh *mesh, const stilb_geometry_mesh *view,
+                                         const stilb_geometry_levels_desc *desc, stilb_job_pool *pool, uint32_t worker,
+                                         geometry_plan *plan)
+{
+	*plan = (geometry_plan){0};
+	geometry_clusters_desc own = {.cut_most = desc->cluster_least,
+	                              .triangles = GEOMETRY_CLUSTER_MOST,
+	                              .clusters = GEOMETRY_GROUP_MOST,
+	                              .give_up = desc->give_up,
+	                              .user = desc->user};
+	geometry_clusters clusters;
+	stilb_result result = geometry_clusters_make(view, &own, pool, worker, &clusters);
+	if (result != STILB_OK || clusters.cluster_count == 0)
+		return result;
+	cut_mesh cut = {0};
+	bool made = cut_copy(mesh, &clusters, desc->locked, &cut);
+	if (made) {
+		stilb_geometry_levels_desc levels = *desc;
+		levels.cluster_least = NONE;
+		levels.locked = cut.locked;
+		result = geometry_plan_make(&cut.mesh, &levels, pool, worker, &cut.plan);
+	}
+	if (made && result == STILB_OK)
+		made = write_clusters(mesh, pool, worker, &clusters, &cut, plan);
+	if (!made)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the clusters of a mesh of %u triangles",
+		                    mesh->index_count / 3);
+	cut_finish(&cut);
+	geometry_clusters_finish(&clusters);
+	if (result != STILB_OK)
+		geometry_plan_finish(plan);
+	return result;
+}
