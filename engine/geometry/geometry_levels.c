@@ -1,18 +1,12 @@
 #include "geometry/geometry_levels.h"
 
-#include "geometry/geometry_internal.h"
+#include "geometry/geometry_clusters.h"
 #include "geometry/geometry_plan.h"
-#include "geometry/geometry_tree.h"
 
-#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define NONE UINT32_MAX
-#define PROGRESS 0.85f /* a level with more of the finer one's triangles is not worth its memory */
-#define COMPARED_MOST                                                                                                  \
-	262144u /* triangles of a mesh with which all of its levels are compared; finer ones are compared
-                               * with the next one each, and their errors add up */
 
 stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void)
 {
@@ -22,238 +16,196 @@ stilb_geometry_levels_desc stilb_geometry_levels_desc_default(void)
 	return desc;
 }
 
-/* The levels on their way. Level 0 is the mesh itself, without triangles that cannot be seen. */
-typedef struct chain {
-	const stilb_geometry_mesh *view;
-	stilb_job_pool *pool;
-	uint32_t worker;
-	uint32_t count;                                /* levels beside 0 */
-	uint32_t *indices[STILB_SCENE_MAX_LEVELS + 1]; /* of level l, vertices of the mesh as it was */
-	uint32_t *all;                                 /* [view->index_count] of the mesh, ordered */
-	uint32_t index_count[STILB_SCENE_MAX_LEVELS + 1];
-	float error[STILB_SCENE_MAX_LEVELS + 1];
-	uint8_t *last;      /* [vertex_count] 1 + the last level that uses a vertex; 0: none does */
-	uint32_t *to;       /* [vertex_count] the vertex where it goes then */
-	geometry_tree tree; /* of the level that others are compared with */
-	uint32_t compared;  /* which that is */
-} chain;
+/* ---- with clusters ----------------------------------------------------------------------------------------------- */
 
-static void chain_finish(chain *c)
+/* A mesh of the cut alone, of which levels are made as of any other. */
+typedef struct cut_mesh {
+	stilb_scene_mesh mesh;
+	uint8_t *locked;
+	uint32_t *vertex; /* [mesh.vertex_count] its vertices in the whole mesh */
+	uint32_t *number; /* [vertex_count of the whole mesh] the number there in the end; NONE: not known yet */
+	geometry_plan plan;
+} cut_mesh;
+
+static void cut_finish(cut_mesh *cut)
 {
-	for (uint32_t l = 0; l <= STILB_SCENE_MAX_LEVELS; l++)
-		free(c->indices[l]);
-	free(c->all);
-	free(c->last);
-	free(c->to);
-	geometry_tree_finish(&c->tree);
+	stilb_scene_mesh_finish(&cut->mesh);
+	free(cut->locked);
+	free(cut->vertex);
+	free(cut->number);
+	geometry_plan_finish(&cut->plan);
 }
 
-/* The vertex onto which v was moved so far; shortens the way for the next one who asks. */
-static uint32_t root_of(uint32_t *target, uint32_t v)
+/* Copies the cut. False: no memory. */
+static bool cut_copy(const stilb_scene_mesh *mesh, const geometry_clusters *clusters, const uint8_t *locked,
+                     cut_mesh *cut)
 {
-	uint32_t root = v;
-	while (target[root] != root)
-		root = target[root];
-	while (target[v] != root) {
-		uint32_t next = target[v];
-		target[v] = root;
-		v = next;
-	}
-	return root;
-}
-
-/* Keeps the triangles of `work` as the next level. False: no memory. */
-static bool chain_keep(chain *c, uint32_t level, geometry_work *work)
-{
-	c->indices[level] = stilb_memory_alloc(work->count, sizeof *work->triangles);
-	if (!c->indices[level])
+	uint32_t count = clusters->cut_index_count, used = 0;
+	cut->number = stilb_memory_alloc(mesh->vertex_count, sizeof *cut->number);
+	cut->mesh.indices = stilb_memory_alloc(count, sizeof *cut->mesh.indices);
+	if (!cut->number || !cut->mesh.indices)
 		return false;
-	c->index_count[level] = 3 * work->count;
-	memcpy(c->indices[level], work->triangles, work->count * sizeof *work->triangles);
-	for (uint32_t i = 0; i < c->index_count[level]; i++)
-		c->last[c->indices[level][i]] = (uint8_t)(level + 1);
-	for (uint32_t v = 0; level > 0 && v < c->view->vertex_count; v++)
-		if (c->last[v] == level)
-			c->to[v] = root_of(work->target, v);
-	return level == 0 || geometry_order(c->view, c->indices[level], c->index_count[level]);
-}
-
-/* Measures the error of a level. False: no memory. */
-static bool chain_measure(chain *c, uint32_t level)
-{
-	geometry_tree tree;
-	if (!geometry_tree_create(c->view->positions, c->view->position_stride, c->indices[level],
-	                          c->index_count[level] / 3, c->pool, c->worker, &tree))
+	cut->mesh.index_count = count;
+	memset(cut->number, 0xff, mesh->vertex_count * sizeof *cut->number);
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t *number = &cut->number[clusters->cut[i]];
+		if (*number == NONE)
+			*number = used++;
+		cut->mesh.indices[i] = *number;
+	}
+	cut->mesh.vertices = stilb_memory_alloc(used, sizeof *cut->mesh.vertices);
+	cut->vertex = stilb_memory_alloc(used, sizeof *cut->vertex);
+	cut->locked = locked ? stilb_memory_alloc(used, sizeof *cut->locked) : NULL;
+	if (!cut->mesh.vertices || !cut->vertex || (locked && !cut->locked))
 		return false;
-	float distance = 0.0f;
-	geometry_side finer = {c->view, c->indices[c->compared], &c->tree}, own = {c->view, c->indices[level], &tree};
-	bool made = level == 0 || geometry_distance(&finer, &own, c->pool, c->worker, &distance);
-	if (level > 0) {
-		float sum = c->error[c->compared] + distance;
-		c->error[level] = sum > c->error[level - 1] ? sum : c->error[level - 1];
+	cut->mesh.vertex_count = used;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t v = clusters->cut[i], own = cut->mesh.indices[i];
+		cut->vertex[own] = v;
+		cut->mesh.vertices[own] = mesh->vertices[v];
+		if (locked)
+			cut->locked[own] = locked[v];
 	}
-	if (level == 0 || c->tree.count > COMPARED_MOST) {
-		geometry_tree_finish(&c->tree);
-		c->tree = tree;
-		c->compared = level;
-	} else
-		geometry_tree_finish(&tree);
-	return made;
+	return true;
 }
 
-static stilb_result chain_make(chain *c, const stilb_geometry_levels_desc *desc)
+/* Numbers the vertices: those of levels first, in their order, then what clusters add, the coarsest first. */
+static void number_vertices(const geometry_clusters *clusters, cut_mesh *cut, geometry_plan *plan)
 {
-	geometry_work work;
-	stilb_result result = geometry_work_create(c->view, c->pool, c->worker, &work);
-	if (result != STILB_OK)
-		return result;
-	c->last = calloc(c->view->vertex_count + 1u, sizeof *c->last);
-	c->to = stilb_memory_alloc(c->view->vertex_count, sizeof *c->to);
-	c->all = stilb_memory_alloc(c->view->index_count, sizeof *c->all);
-	bool made = c->last && c->to && c->all;
-	if (made) {
-		memcpy(c->all, c->view->indices, c->view->index_count * sizeof *c->all);
-		made = geometry_order(c->view, c->all, c->view->index_count);
+	uint32_t next = 0, vertex_count = plan->vertex_count, *number = cut->number;
+	for (; next < cut->mesh.vertex_count; next++) {
+		uint32_t v = cut->vertex[cut->plan.level_count > 0 ? cut->plan.order[next] : next];
+		number[v] = next;
+		plan->order[next] = v;
 	}
-	made = made && chain_keep(c, 0, &work) && chain_measure(c, 0);
-	while (made && result == STILB_OK && c->count < STILB_SCENE_MAX_LEVELS && work.count > desc->least) {
-		uint32_t before = work.count, target = (uint32_t)((float)before * desc->ratio);
-		result = geometry_work_reduce(&work, target > 0 ? target : 1, FLT_MAX);
-		if (result == STILB_OK && desc->give_up && desc->give_up(desc->user))
-			result = stilb_fail(STILB_ERROR_GIVEN_UP, "the levels of a mesh of %u triangles were given up",
-			                    c->view->index_count / 3);
-		if (result != STILB_OK || work.count == 0 || (float)work.count > PROGRESS * (float)before)
-			break;
-		made = chain_keep(c, c->count + 1, &work) && chain_measure(c, c->count + 1);
-		c->count++;
-	}
-	geometry_work_finish(&work);
-	if (result != STILB_OK)
-		return result;
-	return made ? STILB_OK
-	            : stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
-	                         c->view->index_count / 3);
-}
-
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
-
-/* Numbers vertices: those of the coarsest level first, in the order of their use, then what the next one adds.
- * counts[l] becomes the vertices up to level l. */
-static void chain_number(const chain *c, uint32_t *number, uint32_t counts[STILB_SCENE_MAX_LEVELS + 1])
-{
-	uint32_t next = 0, vertex_count = c->view->vertex_count;
-	memset(number, 0xff, vertex_count * sizeof *number);
-	for (uint32_t l = c->count + 1; l-- > 0;) {
-		const uint32_t *indices = l > 0 ? c->indices[l] : c->all;
-		uint32_t count = l > 0 ? c->index_count[l] : c->view->index_count;
-		for (uint32_t i = 0; i < count; i++)
-			if (number[indices[i]] == NONE)
-				number[indices[i]] = next++;
-		counts[l] = next;
+	for (uint32_t c = clusters->cluster_count; c-- > 0;) {
+		const stilb_scene_cluster *cluster = &clusters->clusters[c];
+		const uint32_t *indices =
+			(cluster->from == STILB_SCENE_NONE ? clusters->indices : clusters->cluster_indices) + cluster->first_index;
+		for (uint32_t i = 0; i < cluster->index_count; i++)
+			if (number[indices[i]] == NONE) {
+				number[indices[i]] = next;
+				plan->order[next++] = indices[i];
+			}
 	}
 	for (uint32_t v = 0; v < vertex_count; v++)
-		if (number[v] == NONE)
-			number[v] = next++;
+		if (number[v] == NONE) {
+			number[v] = next;
+			plan->order[next++] = v;
+		}
 }
 
-static void write_plan(const chain *c, const uint32_t *number, const uint32_t *counts, geometry_plan *plan)
+typedef struct renumber {
+	const uint32_t *number;
+	uint32_t *indices;
+} renumber;
+
+static void renumber_indices(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	uint32_t first = 0;
-	for (uint32_t l = 1; l <= c->count; l++) {
-		plan->levels[l - 1] = (stilb_scene_level){
-			.first_index = first, .index_count = c->index_count[l], .vertex_count = counts[l], .error = c->error[l]};
-		for (uint32_t i = 0; i < c->index_count[l]; i++)
-			plan->level_indices[first++] = number[c->indices[l][i]];
-	}
-	for (uint32_t i = 0; i < plan->index_count; i++)
-		plan->indices[i] = number[c->all[i]];
-	for (uint32_t v = 0; v < plan->vertex_count; v++) {
-		bool moves = c->last[v] > 0 && c->last[v] <= c->count; /* not what all levels use, nor what no triangle uses */
-		plan->order[number[v]] = v;
-		plan->to[number[v]] = moves ? c->to[v] : v;
-	}
+	(void)worker;
+	const renumber *r = context;
+	for (uint32_t i = begin; i < end; i++)
+		r->indices[i] = r->number[r->indices[i]];
 }
 
-/* What the chain has found, as a plan. False: no memory. */
-static bool chain_plan(const chain *c, geometry_plan *plan)
+/* The cut as the first level, and its own levels after that. */
+static void write_levels(const cut_mesh *cut, float error, geometry_plan *plan)
 {
-	uint32_t counts[STILB_SCENE_MAX_LEVELS + 1];
-	*plan = (geometry_plan){.level_count = c->count};
-	if (c->count == 0)
-		return true;
-	plan->vertex_count = c->view->vertex_count;
-	plan->index_count = c->view->index_count;
-	for (uint32_t l = 1; l <= c->count; l++)
-		plan->level_index_count += c->index_count[l];
-	uint32_t *number = stilb_memory_alloc(plan->vertex_count, sizeof *number);
-	bool made = number && geometry_plan_allocate(plan);
+	const uint32_t *first = cut->plan.level_count > 0 ? cut->plan.indices : cut->mesh.indices;
+	uint32_t count = cut->mesh.index_count;
+	plan->levels[0] = (stilb_scene_level){
+		.first_index = 0, .index_count = count, .vertex_count = cut->mesh.vertex_count, .error = error};
+	memcpy(plan->level_indices, first, count * sizeof *first);
+	for (uint32_t l = 1; l < plan->level_count; l++) {
+		plan->levels[l] = cut->plan.levels[l - 1];
+		plan->levels[l].first_index += count;
+		plan->levels[l].error += error;
+	}
+	memcpy(plan->level_indices + count, cut->plan.level_indices,
+	       (plan->level_index_count - count) * sizeof *plan->level_indices);
+}
+
+/* Makes the plan of clusters and of the levels of the cut; the clusters' arrays go to the plan. False: no memory. */
+static bool write_clusters(const stilb_scene_mesh *mesh, stilb_job_pool *pool, uint32_t worker,
+                           geometry_clusters *clusters, cut_mesh *cut, geometry_plan *plan)
+{
+	uint32_t levels = cut->plan.level_count;
+	levels = levels < STILB_SCENE_MAX_LEVELS ? levels : STILB_SCENE_MAX_LEVELS - 1;
+	*plan = (geometry_plan){.vertex_count = mesh->vertex_count,
+	                        .index_count = mesh->index_count,
+	                        .level_count = levels + 1,
+	                        .level_index_count = cut->mesh.index_count,
+	                        .cluster_count = clusters->cluster_count,
+	                        .group_count = clusters->group_count,
+	                        .cluster_index_count = clusters->cluster_index_count};
+	for (uint32_t l = 0; l < levels; l++)
+		plan->level_index_count += cut->plan.levels[l].index_count;
+	plan->order = stilb_memory_alloc(plan->vertex_count, sizeof *plan->order);
+	plan->levels = stilb_memory_alloc(plan->level_count, sizeof *plan->levels);
+	plan->level_indices = stilb_memory_alloc(plan->level_index_count, sizeof *plan->level_indices);
+	if (!plan->order || !plan->levels || !plan->level_indices)
+		return false;
+	number_vertices(clusters, cut, plan);
+	renumber own = {cut->number, clusters->indices}, coarser = {cut->number, clusters->cluster_indices};
+	geometry_for(pool, worker, plan->index_count, 65536, renumber_indices, &own);
+	geometry_for(pool, worker, plan->cluster_index_count, 65536, renumber_indices, &coarser);
+	write_levels(cut, clusters->cut_error, plan);
+	plan->clusters = clusters->clusters;
+	plan->groups = clusters->groups;
+	plan->indices = clusters->indices;
+	plan->cluster_indices = clusters->cluster_indices;
+	clusters->clusters = NULL;
+	clusters->groups = NULL;
+	clusters->indices = clusters->cluster_indices = NULL;
+	return true;
+}
+
+/* Makes the plan of a mesh with clusters; {0} if none can be made. */
+static stilb_result make_clusters(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                  stilb_job_pool *pool, uint32_t worker, geometry_plan *plan)
+{
+	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
+	stilb_geometry_mesh view = geometry_view_of(mesh, desc, streams);
+	geometry_clusters_desc own = {.cut_most = desc->cluster_least,
+	                              .triangles = GEOMETRY_CLUSTER_MOST,
+	                              .clusters = GEOMETRY_GROUP_MOST,
+	                              .give_up = desc->give_up,
+	                              .user = desc->user};
+	geometry_clusters clusters;
+	stilb_result result = geometry_clusters_make(&view, &own, pool, worker, &clusters);
+	if (result != STILB_OK || clusters.cluster_count == 0)
+		return result;
+	cut_mesh cut = {0};
+	bool made = cut_copy(mesh, &clusters, desc->locked, &cut);
 	if (made) {
-		chain_number(c, number, counts);
-		write_plan(c, number, counts, plan);
+		stilb_geometry_levels_desc levels = *desc;
+		levels.locked = cut.locked;
+		result = geometry_chain_make(&cut.mesh, &levels, pool, worker, &cut.plan);
 	}
-	free(number);
-	return made;
+	if (made && result == STILB_OK)
+		made = write_clusters(mesh, pool, worker, &clusters, &cut, plan);
+	if (!made)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the clusters of a mesh of %u triangles",
+		                    mesh->index_count / 3);
+	cut_finish(&cut);
+	geometry_clusters_finish(&clusters);
+	if (result != STILB_OK)
+		geometry_plan_finish(plan);
+	return result;
 }
 
-uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
-                             stilb_geometry_stream out[STILB_GEOMETRY_STREAMS])
-{
-	static const stilb_geometry_kind kinds[] = {
-		[STILB_SCENE_STREAM_DIRECTION] = STILB_GEOMETRY_DIRECTION,
-		[STILB_SCENE_STREAM_TEXTURE] = STILB_GEOMETRY_TEXTURE,
-		[STILB_SCENE_STREAM_VALUE] = STILB_GEOMETRY_VALUE,
-	};
-	STILB_ASSERT(table->count >= 1 && table->count <= STILB_GEOMETRY_STREAMS + 1);
-	for (uint32_t s = 1; s < table->count; s++) {
-		const stilb_scene_stream *stream = &table->streams[s];
-		STILB_ASSERT(stream->kind != STILB_SCENE_STREAM_POSITION);
-		out[s - 1] = (stilb_geometry_stream){
-			.name = stream->name,
-			.kind = kinds[stream->kind],
-			.components = stream->components,
-			.weight = weights[s],
-			.seam = stream->seam,
-			.values = vertices ? (const float *)((const char *)vertices + stream->offset) : NULL,
-			.stride = table->size,
-		};
-	}
-	return table->count - 1;
-}
-
-static stilb_geometry_mesh view_of(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
-                                   stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS])
-{
-	return (stilb_geometry_mesh){
-		.vertex_count = mesh->vertex_count,
-		.index_count = mesh->index_count,
-		.indices = mesh->indices,
-		.positions = mesh->vertices ? mesh->vertices->position : NULL,
-		.position_stride = sizeof *mesh->vertices,
-		.stream_count = geometry_streams_of(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, streams),
-		.streams = streams,
-		.locked = desc->locked,
-	};
-}
+/* ---- the whole --------------------------------------------------------------------------------------------------- */
 
 stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
                                 stilb_job_pool *pool, uint32_t worker, geometry_plan *plan)
 {
 	*plan = (geometry_plan){0};
-	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
-	stilb_geometry_mesh view = view_of(mesh, desc, streams);
-	chain c = {.view = &view, .pool = pool, .worker = worker};
 	stilb_result result = STILB_OK;
 	if (mesh->index_count / 3 > desc->cluster_least)
-		result = geometry_plan_make_clusters(mesh, &view, desc, pool, worker, plan);
+		result = make_clusters(mesh, desc, pool, worker, plan);
 	if (result != STILB_OK || plan->cluster_count > 0)
 		return result;
-	if (mesh->index_count / 3 > desc->least)
-		result = chain_make(&c, desc);
-	if (result == STILB_OK && !chain_plan(&c, plan))
-		result =
-			stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles", mesh->index_count / 3);
-	chain_finish(&c);
-	return result;
+	return geometry_chain_make(mesh, desc, pool, worker, plan);
 }
 
 stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc)
@@ -262,7 +214,7 @@ stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geo
 		return stilb_fail(STILB_ERROR_ARGUMENT, "levels of %g times the triangles: it takes 0.1 to 0.9",
 		                  (double)desc->ratio);
 	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
-	stilb_geometry_mesh view = view_of(mesh, desc, streams);
+	stilb_geometry_mesh view = geometry_view_of(mesh, desc, streams);
 	return geometry_mesh_check(&view);
 }
 

@@ -41,6 +41,10 @@ static_assert(STILB_SCENE_MOST_STREAMS == STILB_GEOMETRY_STREAMS + 1, "positions
 uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
                              stilb_geometry_stream out[STILB_GEOMETRY_STREAMS]);
 
+/* A scene's mesh as the simplifier sees it. */
+stilb_geometry_mesh geometry_view_of(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                     stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS]);
+
 /* The two hashes by which the cache finds levels of a mesh whose vertices consist of a table's streams; weights:
  * [table->count], in place of desc->weights. */
 void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, const float *weights,
@@ -53,10 +57,9 @@ stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geo
 stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
                                 stilb_job_pool *pool, uint32_t worker, geometry_plan *plan);
 
-/* The same with clusters; view: of the mesh. The plan is {0} if no clusters can be made. */
-stilb_result geometry_plan_make_clusters(const stilb_scene_mesh *mesh, const stilb_geometry_mesh *view,
-                                         const stilb_geometry_levels_desc *desc, stilb_job_pool *pool, uint32_t worker,
-                                         geometry_plan *plan);
+/* The same without clusters. */
+stilb_result geometry_chain_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
+                                 stilb_job_pool *pool, uint32_t worker, geometry_plan *plan);
 
 /* Gives the mesh the order, levels and clusters of a plan that was made for it, which is {0} then. STILB_ERROR_MEMORY,
  * and the mesh and the plan are as they were. */
