@@ -198,8 +198,9 @@ typedef struct stilb_render_material {
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
 #define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
 
-/* Copies vertices (metres, unit normals), indices (three a triangle) and levels. STILB_ERROR_ARGUMENT: no vertex, no
- * index, an index that is not below vertex_count, or levels that are not as stilb_scene_level says. [any-thread] */
+/* Copies vertices (metres, unit normals), indices (three a triangle), levels and clusters; a mesh with clusters does
+ * not morph. STILB_ERROR_ARGUMENT: no vertex, no index, an index that is not below vertex_count, or levels or clusters
+ * that are not as stilb_scene_level and stilb_scene_cluster say. [any-thread] */
 stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_mesh *mesh, stilb_render_mesh *out);
 
 /* [any-thread] */
@@ -321,7 +322,8 @@ typedef struct stilb_render_detail {
 
 /* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users).
  *   LEVELS  each level of detail in a colour of its own, lit from the viewer: white the mesh in full, then red, orange,
- *           yellow, green, blue, violet and red again; grey what has no levels. There are no transitions. */
+ *           yellow, green, blue, violet and red again; grey what has no levels. Clusters have the colour of how often
+ *           their place has been made coarser. There are no transitions. */
 #define STILB_RENDER_SHOWN(X)                                                                                          \
 	X(SHADED, shaded, "surfaces in their light")                                                                       \
 	X(LEVELS, lod, "levels of detail, each in a colour")
@@ -406,8 +408,9 @@ stilb_result stilb_render_frame_begin(stilb_render *render);
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 
-/* stilb_render_record with the levels of meshes that view->detail asks for, as seen from the view, by which the pass is
- * then replayed. Which levels were drawn last is remembered for each pass number. [main-thread] */
+/* stilb_render_record with the levels and clusters of meshes that view->detail asks for, as seen from the view, by
+ * which the pass is then replayed. Clusters out of its sight are left out. Which levels were drawn last is remembered
+ * for each pass number. [main-thread] */
 stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
                                       const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
                                       stilb_job_pool *pool, uint32_t worker);

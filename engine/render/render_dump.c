@@ -92,11 +92,17 @@ static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *fr
                                 const stilb_scene_vertex *vertices, const uint32_t *indices, stilb_render_mesh *out)
 {
 	stilb_scene_level level[STILB_SCENE_MAX_LEVELS];
+	/* The file does not say which clusters there are: one of the mesh itself, and one of all their coarser versions. */
+	bool coarser = from->clusters > 0;
+	stilb_scene_cluster clusters[2] = {{.index_count = from->indices, .from = STILB_SCENE_NONE},
+	                                   {.index_count = from->clusters, .from = 0}};
+	stilb_scene_cluster_group groups[2] = {{.error = coarser ? 0.0f : INFINITY, .cluster_count = 1},
+	                                       {.error = INFINITY, .first_cluster = 1, .cluster_count = 1}};
 	stilb_scene_mesh mesh = {.vertices = (stilb_scene_vertex *)vertices,
 	                         .indices = (uint32_t *)indices,
 	                         .vertex_count = from->vertices,
 	                         .index_count = from->indices,
-	                         .level_count = from->levels & ~RENDER_DUMP_MORPHS,
+	                         .level_count = render_dump_mesh_levels(from),
 	                         .levels = level,
 	                         .level_indices = (uint32_t *)indices + from->indices};
 	if (from->levels & RENDER_DUMP_MORPHS)
@@ -105,6 +111,13 @@ static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *fr
 	for (uint32_t l = 0; l < mesh.level_count; l++) {
 		level[l] = (stilb_scene_level){mesh.level_index_count, levels[l].indices, levels[l].vertices, levels[l].error};
 		mesh.level_index_count += levels[l].indices;
+	}
+	if (from->levels & RENDER_DUMP_CLUSTERS) {
+		mesh.cluster_count = mesh.group_count = coarser ? 2 : 1;
+		mesh.clusters = clusters;
+		mesh.groups = groups;
+		mesh.cluster_indices = mesh.level_indices + mesh.level_index_count;
+		mesh.cluster_index_count = from->clusters;
 	}
 	return stilb_render_mesh_create(render, &mesh, out);
 }
@@ -129,8 +142,9 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 		next++;
 		vertices += mesh->vertices * (mesh->levels & RENDER_DUMP_MORPHS ? (size_t)2 : 1);
 		indices += mesh->indices;
-		for (uint32_t l = 0; l < (mesh->levels & ~RENDER_DUMP_MORPHS); l++)
+		for (uint32_t l = 0; l < render_dump_mesh_levels(mesh); l++)
 			indices += levels++->indices;
+		indices += mesh->clusters;
 	}
 	return result;
 }
@@ -200,7 +214,9 @@ static void upload_draws(stilb_render_dump *dump, const stilb_render_mesh *meshe
 		                            .material = materials[render_dump_draw_material(from)],
 		                            .level = render_dump_draw_level(from),
 		                            .detail = from->mesh >> 26,
-		                            .kind = from->material >> 24};
+		                            .kind = from->material >> 24,
+		                            .first_index = from->first_index,
+		                            .index_count = from->index_count};
 		for (int row = 0; row < 3; row++)
 			for (int column = 0; column < 4; column++)
 				draw->transform.m[4 * column + row] = from->transform[4 * row + column];
@@ -260,9 +276,15 @@ static void play_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user
 		STILB_ASSERT(play->first_segment + segment < dump->header->segments);
 		const uint32_t *first = &dump->first_draw[play->first_segment + segment];
 		stilb_render_segment_begin(context, play->pass, segment);
-		for (const render_dump_ready *draw = dump->ready + first[0]; draw < dump->ready + first[1]; draw++)
-			render_draw_level(context, draw->key, draw->mesh, draw->material, &draw->transform, draw->level,
-			                  draw->detail, draw->kind);
+		for (const render_dump_ready *draw = dump->ready + first[0]; draw < dump->ready + first[1]; draw++) {
+			if (draw->level == RENDER_DUMP_SOME)
+				render_draw_clusters(context, draw->key, draw->mesh, draw->material, &draw->transform,
+				                     (render_cluster_range){draw->first_index, draw->index_count, 0}, draw->detail,
+				                     draw->kind);
+			else
+				render_draw_level(context, draw->key, draw->mesh, draw->material, &draw->transform, draw->level,
+				                  draw->detail, draw->kind);
+		}
 		stilb_render_segment_end(context);
 	}
 }

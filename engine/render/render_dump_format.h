@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 4. Inside render/.
+ * The bytes of a frame dump, version 5. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
@@ -12,14 +12,14 @@
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
- *   meshes             16  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
+ *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
- *   draws              64  header.draws          render_dump_draw, as recorded: segment after segment
+ *   draws              72  header.draws          render_dump_draw, as recorded: segment after segment
  *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...; of
  *                                                a mesh that morphs as many again: where they morph to
- *   indices             4  header.indices        of mesh 0, then of its levels, then of mesh 1, ...; below the number
- *                                                of vertices of the mesh or level
+ *   indices             4  header.indices        of mesh 0, of its levels, of its clusters' coarser versions, then of
+ *                                                mesh 1, ...; below the number of vertices of the mesh or level
  *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
  *   backdrops           1  header.backdrop_bytes render_dump_backdrop of view 0, then of view 1, ...; then floats: the
  *                                                panorama, which all views with one share, top row first; of view 0 the
@@ -36,7 +36,7 @@
 #include "render/render_dump.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 4u
+#define RENDER_DUMP_VERSION 5u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -102,10 +102,18 @@ typedef struct render_dump_material {
 
 typedef struct render_dump_mesh {
 	uint32_t id, vertices, indices; /* of the mesh itself */
-	uint32_t levels;                /* so many of the file's levels are this mesh's; bit 31: it morphs */
+	uint32_t levels;   /* so many of the file's levels are this mesh's; bit 31: it morphs; bit 30: it has clusters */
+	uint32_t clusters; /* indices of their coarser versions */
+	uint32_t unused;
 } render_dump_mesh;
 
 #define RENDER_DUMP_MORPHS (1u << 31)
+#define RENDER_DUMP_CLUSTERS (1u << 30)
+
+static inline uint32_t render_dump_mesh_levels(const render_dump_mesh *mesh)
+{
+	return mesh->levels & ~(RENDER_DUMP_MORPHS | RENDER_DUMP_CLUSTERS);
+}
 
 typedef struct render_dump_level {
 	uint32_t indices, vertices; /* it uses the mesh's first ones */
@@ -116,10 +124,16 @@ typedef struct render_dump_level {
 typedef struct render_dump_draw {
 	uint64_t key;
 	/* Positions in their tables, of meshes in bits 0..19, of materials in bits 0..23. Bits 20..25 of mesh: the level,
-	 * 0: the mesh itself. Bits 26..31 of mesh: render_command_detail; 24..31 of material: render_state_detail. */
+	 * 0: the mesh itself, RENDER_DUMP_SOME: some of its clusters. Bits 26..31 of mesh: render_command_detail; 24..31 of
+	 * material: render_state_detail. */
 	uint32_t mesh, material;
 	float transform[12]; /* the three rows of the affine transform */
+	/* RENDER_DUMP_SOME: where they are among the indices of the mesh itself and, behind these, those of its clusters'
+	 * coarser versions; else 0. */
+	uint32_t first_index, index_count;
 } render_dump_draw;
+
+#define RENDER_DUMP_SOME 63u
 
 static inline uint32_t render_dump_draw_mesh(const render_dump_draw *draw)
 {
@@ -138,8 +152,8 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 
 static_assert(sizeof(render_dump_header) == 120 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
-                  sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 16 &&
-                  sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 64 &&
+                  sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 24 &&
+                  sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
@@ -182,7 +196,8 @@ typedef struct render_dump_ready {
 	uint64_t key;
 	stilb_render_mesh mesh;
 	stilb_render_material material;
-	uint32_t level, detail, kind; /* see render_draw_level */
+	uint32_t level, detail, kind;      /* see render_draw_level */
+	uint32_t first_index, index_count; /* RENDER_DUMP_SOME: see render_draw_clusters */
 } render_dump_ready;
 
 /* A checked file in memory. */

@@ -320,7 +320,8 @@ typedef struct load_data {
 	uint32_t levels;
 } load_data;
 
-/* Checks indices of mesh m or of its level l, 0: the mesh itself, and moves behind them. */
+/* Checks indices of mesh m or of its level l, 0: the mesh itself, behind the last: its clusters; and moves behind
+ * them. */
 static stilb_result load_check_indices(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m,
                                        uint32_t l, uint32_t count, uint32_t vertices)
 {
@@ -338,11 +339,17 @@ static stilb_result load_check_indices(const stilb_render_dump *dump, const char
 static stilb_result load_check_levels(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m)
 {
 	const render_dump_mesh *mesh = &dump->meshes[m];
-	uint32_t count = mesh->levels & ~RENDER_DUMP_MORPHS;
+	uint32_t count = render_dump_mesh_levels(mesh);
+	bool morphs = mesh->levels & RENDER_DUMP_MORPHS, clusters = mesh->levels & RENDER_DUMP_CLUSTERS;
 	float error = 0.0f;
-	if (count > STILB_SCENE_MAX_LEVELS || count > dump->header->levels - at->levels || (mesh->levels && count == 0))
-		return load_refuse(name, "mesh %u: %u levels; there are 0..%u, and %u in the file", m, mesh->levels,
-		                   STILB_SCENE_MAX_LEVELS, dump->header->levels);
+	if (count > STILB_SCENE_MAX_LEVELS || count > dump->header->levels - at->levels ||
+	    (morphs && (count == 0 || clusters)))
+		return load_refuse(name, "mesh %u: %u levels%s%s; there are 0..%u, and %u in the file", m, count,
+		                   morphs ? " that morph" : "", clusters ? " and clusters" : "", STILB_SCENE_MAX_LEVELS,
+		                   dump->header->levels);
+	if (mesh->unused != 0 || (mesh->clusters > 0 && !clusters))
+		return load_refuse(name, "mesh %u: %u indices of clusters that it does not have, or unused bytes %u", m,
+		                   mesh->clusters, mesh->unused);
 	for (uint32_t l = 0; l < count; l++) {
 		const render_dump_level *level = &dump->levels[at->levels++];
 		if (level->indices == 0 || level->vertices > mesh->vertices || level->unused != 0 || !(level->error >= error) ||
@@ -354,7 +361,7 @@ static stilb_result load_check_levels(const stilb_render_dump *dump, const char 
 		if (result != STILB_OK)
 			return result;
 	}
-	return STILB_OK;
+	return load_check_indices(dump, name, at, m, count + 1, mesh->clusters, mesh->vertices);
 }
 
 static stilb_result load_check_mesh(const stilb_render_dump *dump, const char *name, load_data *at, uint32_t m)
@@ -393,11 +400,21 @@ static stilb_result load_check_meshes(const stilb_render_dump *dump, const char 
 	return STILB_OK;
 }
 
+/* True if the draw names pieces of a mesh that has clusters, or a level and no pieces. */
+static bool load_draw_has_indices(const render_dump_draw *draw, const render_dump_mesh *mesh)
+{
+	if (render_dump_draw_level(draw) != RENDER_DUMP_SOME)
+		return draw->first_index == 0 && draw->index_count == 0;
+	return mesh->levels & RENDER_DUMP_CLUSTERS && draw->index_count > 0 &&
+	       (uint64_t)draw->first_index + draw->index_count <= (uint64_t)mesh->indices + mesh->clusters;
+}
+
 /* True if the draw's mesh has its level, and the level what its detail needs. */
 static bool load_draw_is_possible(const render_dump_draw *draw, const render_dump_mesh *mesh)
 {
-	uint32_t levels = mesh->levels & ~RENDER_DUMP_MORPHS, level = render_dump_draw_level(draw);
+	uint32_t levels = render_dump_mesh_levels(mesh), level = render_dump_draw_level(draw);
 	uint32_t detail = draw->mesh >> 26, kind = draw->material >> 24;
+	level = level == RENDER_DUMP_SOME ? levels : level;
 	switch (kind) {
 	case 1: /* RENDER_STATE_FADE */
 		return level <= levels && (detail & (RENDER_DETAIL_OUT - 1)) > 0;
@@ -417,6 +434,9 @@ static stilb_result load_check_draws(const stilb_render_dump *dump, const char *
 		if (mesh >= h->meshes || material >= h->materials)
 			return load_refuse(name, "draw %" PRIu64 ": mesh %u and material %u, but there are %u and %u", d, mesh,
 			                   material, h->meshes, h->materials);
+		if (!load_draw_has_indices(draw, &dump->meshes[mesh]))
+			return load_refuse(name, "draw %" PRIu64 ": %u indices from %u on of the clusters of mesh %u", d,
+			                   draw->index_count, draw->first_index, mesh);
 		if (!load_draw_is_possible(draw, &dump->meshes[mesh]))
 			return load_refuse(name, "draw %" PRIu64 ": mesh %u cannot be drawn in level %u with detail %u of kind %u",
 			                   d, mesh, render_dump_draw_level(draw), draw->mesh >> 26, draw->material >> 24);

@@ -1,6 +1,7 @@
 /* Writing a dump: first the resources that the draws use are collected, which gives the size; then the bytes are
  * written to memory, and the file from there. */
 #include "base/base_file.h"
+#include "render/render_clusters.h"
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 
@@ -201,6 +202,12 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
 }
 
+/* How many indices the coarser versions of a mesh's clusters have. */
+static uint32_t save_cluster_indices(const render_levels *levels)
+{
+	return render_levels_have_clusters(levels) ? levels->indices[0].count - levels->clusters->coarser : 0;
+}
+
 /* Fills in the counts in the header, and job->begin: the parts' offsets from the beginning of the file. */
 static stilb_result save_size(save_job *job)
 {
@@ -219,6 +226,7 @@ static stilb_result save_size(save_job *job)
 		header->vertices += levels && levels->morphs ? 2 * (uint64_t)slot->vertex_count : slot->vertex_count;
 		header->indices += slot->index_count;
 		header->levels += levels ? levels->count : 0;
+		header->indices += save_cluster_indices(levels);
 		for (uint32_t l = 1; levels && l <= levels->count; l++)
 			header->indices += render_levels_level(levels)[l].index_count;
 	}
@@ -388,7 +396,10 @@ static void save_put_meshes(const save_job *job)
 		out->id = slot->name;
 		out->vertices = slot->vertex_count;
 		out->indices = slot->index_count;
-		out->levels = levels ? levels->count | (pairs ? RENDER_DUMP_MORPHS : 0) : 0;
+		bool clusters = render_levels_have_clusters(levels);
+		out->levels =
+			(levels ? levels->count : 0) | (pairs ? RENDER_DUMP_MORPHS : 0) | (clusters ? RENDER_DUMP_CLUSTERS : 0);
+		out->clusters = save_cluster_indices(levels);
 		vertices = save_put_vertices(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count, pairs);
 		indices =
 			save_put_indices(resources, indices, (const render_level *)slot, slot->flags & RENDER_MESH_WIDE, pairs);
@@ -399,6 +410,11 @@ static void save_put_meshes(const save_job *job)
 			                             .error = sqrtf(render_levels_squared(levels)[l - 1])};
 			indices = save_put_indices(resources, indices, from, l < levels->wide, pairs);
 		}
+		if (clusters) {
+			render_level coarser = {.index_count = out->clusters,
+			                        .first_index = slot->first_index + levels->clusters->coarser};
+			indices = save_put_indices(resources, indices, &coarser, true, false);
+		}
 	}
 }
 
@@ -407,20 +423,22 @@ typedef struct save_draws {
 	render_dump_draw *out;
 } save_draws;
 
-/* The level that a command draws: the one whose indices it names, in the heap that the state tells. */
+/* The level that a command draws: the one whose indices it names, in the heap that the state tells; or
+ * RENDER_DUMP_SOME. */
 static uint32_t save_level(const render_resources *resources, const render_command *command, uint32_t mesh,
                            uint64_t state)
 {
 	const render_levels *levels = resources->levels[mesh];
 	for (uint32_t l = 0; levels && l <= levels->count; l++) {
 		const render_level *level = render_levels_level(levels) + l;
-		if ((state & RENDER_STATE_WIDE) != render_state_of_level(levels, l))
+		if ((state & RENDER_STATE_WIDE) != render_state_of_level(levels, l) ||
+		    (levels->clusters && command->index_count != level->index_count))
 			continue;
 		if (command->first_index == level->first_index ||
 		    (levels->morphs && l < levels->count && command->first_index == level[levels->count + 1].first_index))
 			return l;
 	}
-	return 0;
+	return render_levels_have_clusters(levels) ? RENDER_DUMP_SOME : 0;
 }
 
 static void save_put_draw(void *user, const render_command *command, const render_row *row, uint64_t state)
@@ -429,7 +447,15 @@ static void save_put_draw(void *user, const render_command *command, const rende
 	render_dump_draw *out = draws->out++;
 	STILB_ASSERT((uint8_t *)(out + 1) <= draws->job->bytes + draws->job->begin[RENDER_DUMP_VERTICES]);
 	out->key = command->key;
-	uint32_t level = save_level(&draws->job->render->resources, command, row->mesh, state);
+	const render_resources *resources = &draws->job->render->resources;
+	uint32_t level = save_level(resources, command, row->mesh, state);
+	if (level == RENDER_DUMP_SOME) {
+		const render_mesh_slot *slot = &resources->meshes[row->mesh];
+		out->first_index = command->first_index - slot->first_index;
+		if (out->first_index >= slot->index_count)
+			out->first_index -= resources->levels[row->mesh]->clusters->coarser - slot->index_count;
+		out->index_count = command->index_count;
+	}
 	out->mesh = draws->job->meshes.place[row->mesh] | level << 20 | render_command_detail(command) << 26;
 	out->material = draws->job->materials.place[command->material] | render_state_detail(state) << 24;
 	memcpy(out->transform, row->transform, sizeof out->transform);

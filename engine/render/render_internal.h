@@ -159,6 +159,19 @@ typedef struct render_pass_lists {
 	float rotation;                    /* of the panorama */
 } render_pass_lists;
 
+/* Indices of clusters to draw, from the mesh's first one in the heap on. */
+typedef struct render_cluster_range {
+	uint32_t first_index, index_count;
+	uint32_t depth; /* of its clusters, if asked for, else 0 */
+} render_cluster_range;
+
+/* What a worker needs to choose clusters (render_clusters.h). {0} is empty. */
+typedef struct render_cluster_cut {
+	uint32_t *suffices;           /* [word_capacity] a bit for each group */
+	render_cluster_range *ranges; /* [range_count] what is drawn */
+	uint32_t word_capacity, range_capacity, range_count;
+} render_cluster_cut;
+
 /* What one worker needs to record draws; written by one worker at a time. Aligned so that two workers never write the
  * same cache line (measured: such false sharing cost all that a second worker gains). */
 struct stilb_render_context {
@@ -185,6 +198,7 @@ struct stilb_render_context {
 	render_segment *segment;    /* being recorded, or NULL */
 	uint32_t first_run;         /* index in `runs` of that segment's first */
 	render_overflow *overflows; /* [overflow_count] */
+	render_cluster_cut cut;     /* of the part that was recorded last */
 	stilb_render *render;
 	stilb_owner writer; /* the thread that began the segment */
 };
@@ -515,6 +529,12 @@ void *render_claim(stilb_render *render, render_memory_kind kind, uint32_t count
 void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                        stilb_render_material material, const stilb_mat4 *transform, uint32_t level, uint32_t detail,
                        uint32_t kind);
+
+/* The same for a piece of a mesh with clusters: indices of the mesh itself, or, counted from behind its last one, of
+ * its clusters' coarser versions. index_count > 0. [one-writer] */
+void render_draw_clusters(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                          stilb_render_material material, const stilb_mat4 *transform, render_cluster_range range,
+                          uint32_t detail, uint32_t kind);
 
 /* Joins the runs of a recorded pass in replay order, and sorts them if the pass asks for it. */
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);

@@ -1,5 +1,5 @@
 /* Levels of meshes as the heaps hold them. */
-#include "render/render_internal.h"
+#include "render/render_clusters.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,7 +27,7 @@ stilb_result render_levels_check(const stilb_scene_mesh *mesh)
 				return stilb_fail(STILB_ERROR_ARGUMENT, "index %u of level %u of a mesh is vertex %u, but it has %u", i,
 				                  l, mesh->level_indices[level->first_index + i], level->vertex_count);
 	}
-	return STILB_OK;
+	return render_clusters_check(mesh);
 }
 
 /* The indices of a level, 0: of the mesh in full. */
@@ -44,10 +44,10 @@ static uint32_t levels_vertices(const stilb_scene_mesh *mesh, uint32_t level)
 }
 
 /* How many levels have 32 bit indices, the mesh in full counted: the first, since no level uses more vertices than the
- * one before it. */
+ * one before it. With clusters the mesh in full is one of them. */
 static uint32_t levels_wide(const stilb_scene_mesh *mesh, bool pairs)
 {
-	uint32_t wide = 0;
+	uint32_t wide = mesh->cluster_count > 0 ? 1 : 0;
 	while (wide <= mesh->level_count && levels_vertices(mesh, wide) > RENDER_NARROW_VERTICES >> pairs)
 		wide++;
 	return wide;
@@ -98,13 +98,15 @@ static void levels_put(const stilb_scene_mesh *mesh, bool pairs, render_levels_d
 		level[l] = levels_copy(mesh, l, UINT32_MAX, pairs, data, at);
 	for (uint32_t l = 0; l < levels->count && pairs; l++)
 		level[levels->count + 1 + l] = levels_copy(mesh, l, mesh->levels[l].vertex_count, true, data, at);
-	STILB_ASSERT(at[0] == data->index_count && at[1] == data->narrow_count);
+	if (mesh->cluster_index_count > 0)
+		memcpy(data->indices + at[0], mesh->cluster_indices, mesh->cluster_index_count * sizeof *data->indices);
+	STILB_ASSERT(at[0] + mesh->cluster_index_count == data->index_count && at[1] == data->narrow_count);
 }
 
 bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data)
 {
-	bool pairs = morph && mesh->morph;
-	uint32_t count = mesh->level_count, groups = count / 4 + 1; /* one infinite error at least */
+	bool pairs = morph && mesh->morph && mesh->cluster_count == 0; /* from clusters there is nothing to morph to */
+	uint32_t count = mesh->level_count, groups = count / 4 + 1;    /* one infinite error at least */
 	uint32_t all = pairs ? 2 * count + 1 : count + 1;
 	uint32_t wide = levels_wide(mesh, pairs);
 	uint64_t indices[2] = {0, 0}; /* of 32 bits, of 16 bits */
@@ -112,6 +114,8 @@ bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_
 		uint64_t own = l == 0 ? mesh->index_count : mesh->levels[l - 1].index_count;
 		indices[l >= wide] += pairs && l < count ? 2 * own : own;
 	}
+	uint32_t coarser = indices[0] < INT32_MAX ? (uint32_t)indices[0] : 0;
+	indices[0] += mesh->cluster_index_count;
 	uint64_t vertices = pairs ? 2 * (uint64_t)mesh->vertex_count : mesh->vertex_count;
 	*data = (render_levels_data){.vertices = mesh->vertices};
 	if (indices[0] > INT32_MAX || indices[1] > INT32_MAX || vertices > INT32_MAX)
@@ -124,16 +128,27 @@ bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_
 	data->narrow = stilb_memory_alloc(indices[1], sizeof *data->narrow);
 	data->levels = stilb_memory_alloc(1, sizeof *data->levels + (size_t)4 * groups * sizeof(float) +
 	                                         all * sizeof(render_level) + count * sizeof(uint32_t));
-	if (!data->vertices || !data->indices || !data->narrow || !data->levels) {
+	render_clusters *clusters = mesh->cluster_count > 0 ? render_clusters_make(mesh, coarser) : NULL;
+	if (!data->vertices || !data->indices || !data->narrow || !data->levels ||
+	    !clusters != (mesh->cluster_count == 0)) {
 		free(data->levels);
+		render_clusters_free(clusters);
 		render_levels_finish(data, mesh);
 		return false;
 	}
-	*data->levels = (render_levels){.count = count, .groups = groups, .morphs = pairs, .wide = wide};
+	*data->levels =
+		(render_levels){.count = count, .groups = groups, .morphs = pairs, .wide = wide, .clusters = clusters};
 	levels_put(mesh, pairs, data);
 	if (pairs)
 		levels_put_vertices(mesh, data->vertices);
 	return true;
+}
+
+void render_levels_free(render_levels *levels)
+{
+	if (levels)
+		render_clusters_free(levels->clusters);
+	free(levels);
 }
 
 void render_levels_finish(render_levels_data *data, const stilb_scene_mesh *mesh)

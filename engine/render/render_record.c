@@ -1,5 +1,6 @@
 /* Contexts: how the draws that a worker records become commands and rows (its transform, its material) in the frame's
  * memory. On any thread. */
+#include "render/render_clusters.h"
 #include "render/render_detail.h"
 #include "render/render_internal.h"
 
@@ -42,6 +43,7 @@ void render_contexts_destroy(stilb_render *render)
 		context_drop_overflows(&render->contexts[i]);
 		free(render->contexts[i].runs);
 		free(render->contexts[i].overflows);
+		render_cluster_cut_finish(&render->contexts[i].cut);
 	}
 	free(render->contexts);
 	render->contexts = NULL;
@@ -474,6 +476,24 @@ void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render
 	record_put(context, what, transform, render_state_of_detail(kind));
 }
 
+void render_draw_clusters(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
+                          stilb_render_material material, const stilb_mat4 *transform, render_cluster_range range,
+                          uint32_t detail, uint32_t kind)
+{
+	record_what what = record_full(context, mesh, material, transform);
+	const render_levels *levels = context->levels[what.mesh];
+	STILB_ASSERT(render_levels_have_clusters(levels) && range.index_count > 0);
+	render_level level = *what.level;
+	uint32_t skipped = range.first_index < level.index_count ? 0 : levels->clusters->coarser - level.index_count;
+	STILB_ASSERT((uint64_t)range.first_index + skipped + range.index_count <= levels->indices[0].count);
+	level.first_index += range.first_index + skipped;
+	level.index_count = range.index_count;
+	what.level = &level;
+	what.detail = detail << RENDER_DETAIL_SHIFT;
+	what.key = key;
+	record_put(context, what, transform, render_state_of_detail(kind));
+}
+
 uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
                                   uint32_t vertex_count, const uint32_t *indices, uint32_t index_count)
 {
@@ -594,6 +614,7 @@ static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *co
 typedef struct record_pass_view {
 	record_pass pass;
 	render_detail_view view;
+	const stilb_render_view *seen;
 	uint16_t *history;  /* [part_count] */
 	uint8_t *impostors; /* [impostor_model_count] NULL: none are drawn */
 } record_pass_view;
@@ -712,6 +733,77 @@ __attribute__((always_inline)) static inline bool record_part_seen(const render_
 	return true;
 }
 
+/* True if clusters are drawn in place of the mesh in full. */
+static inline bool record_is_cut(const render_detail_view *view, const render_levels *levels, const record_what *what)
+{
+	return levels->clusters && what->level == render_levels_level(levels) && view->scale >= 0.0f;
+}
+
+/* Records the clusters of a part that its view needs: draws with one row for all. kind: as of record_put. */
+__attribute__((noinline)) static void record_clusters(const record_pass_view *recorded, stilb_render_context *context,
+                                                      record_what what, const stilb_mat4 *transform, uint64_t kind)
+{
+	const render_clusters *clusters = context->levels[what.mesh]->clusters;
+	render_cluster_view view = render_cluster_view_make(&recorded->view, &recorded->seen->view_projection, transform);
+	bool shows = recorded->view.shows;
+	if (context->failed || !render_clusters_choose(clusters, &view, shows, &context->cut)) {
+		context->failed = true;
+		return;
+	}
+	uint64_t state =
+		render_state(context->materials[what.material], what.material, context->material_mask) | kind | what.state;
+	uint32_t row = 0;
+	for (uint32_t r = 0; r < context->cut.range_count; r++) {
+		const render_cluster_range *range = &context->cut.ranges[r];
+		bool room = context->command != context->command_end && (r > 0 || context->row != context->row_end);
+		if ((!room || state != context->state) && !record_make_room(context, state))
+			return;
+		if (r == 0) {
+			row = context->row_index++;
+			record_write_row(context->row++, transform, what.material, what.mesh, context->stream_rows);
+		}
+		render_level level = {.index_count = range->index_count,
+		                      .instance_count = 1,
+		                      .first_index = what.level->first_index + range->first_index,
+		                      .vertex_offset = what.level->vertex_offset};
+		uint32_t detail = shows ? (range->depth < 62 ? range->depth + 1 : 63) << RENDER_DETAIL_SHIFT : what.detail;
+		record_write_command(context->command++, &level, row | detail, what.material, what.key);
+	}
+}
+
+/* Records a level that a part fades from or to. */
+static void record_fading(const record_pass_view *recorded, stilb_render_context *context, record_what what,
+                          const stilb_mat4 *transform)
+{
+	const render_levels *levels = context->levels[what.mesh];
+	if (levels && record_is_cut(&recorded->view, levels, &what))
+		record_clusters(recorded, context, what, transform, RENDER_STATE_FADE);
+	else
+		record_put(context, what, transform, RENDER_STATE_FADE);
+}
+
+/* Records a part of a mesh that has clusters, as record_part_seen does: it never morphs. */
+static bool record_part_cut(const record_pass_view *recorded, stilb_render_context *context, const record_parts *parts,
+                            uint32_t p, float room, record_what what)
+{
+	const render_detail_view *view = &recorded->view;
+	const render_levels *levels = context->levels[what.mesh];
+	uint64_t plain = view->shows ? RENDER_STATE_SHOW : view->mode == STILB_RENDER_DETAIL_MORPH ? RENDER_STATE_MORPH : 0;
+	if (!record_choose(view, levels, record_stretch(&parts->transforms[p]), room, &parts->history[p], &what))
+		return false;
+	if (record_is_cut(view, levels, &what)) {
+		record_clusters(recorded, context, what, &parts->transforms[p], plain);
+		return true;
+	}
+	bool level = view->shows && what.level != render_levels_level(levels);
+	/* The clusters' colours come before those of levels. */
+	uint32_t deeper = level ? (what.detail >> RENDER_DETAIL_SHIFT) + levels->clusters->depth : 0;
+	if (level)
+		what.detail = (deeper < 63 ? deeper : 63) << RENDER_DETAIL_SHIFT;
+	record_put(context, what, &parts->transforms[p], plain);
+	return true;
+}
+
 /* The same for a part of a mesh whose state has bits of its own. A function of its own, so that the loop below, which
  * has no register left for them, is as fast as if there were none (measured: 4 %). */
 __attribute__((noinline)) static bool record_part_odd(const record_pass_view *recorded, stilb_render_context *context,
@@ -720,6 +812,8 @@ __attribute__((noinline)) static bool record_part_odd(const record_pass_view *re
 	record_parts parts = record_parts_of(recorded);
 	record_what what = record_what_of(context, &parts, p);
 	bool levels = context->meshes[what.mesh].flags & RENDER_MESH_LEVELS;
+	if (levels && context->levels[what.mesh]->clusters)
+		return record_part_cut(recorded, context, &parts, p, room, what);
 	return recorded->view.mode == STILB_RENDER_DETAIL_MORPH
 	           ? record_part_seen(&recorded->view, context, &parts, p, room, true, levels, what)
 	           : record_part_seen(&recorded->view, context, &parts, p, room, false, levels, what);
@@ -773,11 +867,11 @@ static void record_models_fading(const record_pass_view *recorded, stilb_render_
 			record_what before = what;
 			record_set_level(levels, (history & 63u) - 1, &what);
 			what.detail = share << RENDER_DETAIL_SHIFT;
-			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+			record_fading(recorded, context, what, &parts.transforms[p]);
 			what = before;
 			record_set_level(levels, (history >> 6 & 63u) - 1, &what);
 			what.detail = (share | RENDER_DETAIL_OUT) << RENDER_DETAIL_SHIFT;
-			record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+			record_fading(recorded, context, what, &parts.transforms[p]);
 		}
 }
 
@@ -810,7 +904,7 @@ static void record_model_fading(const record_pass_view *recorded, stilb_render_c
 			record_set_level(levels, level, &what);
 			parts.history[p] = render_detail_rest(level);
 		}
-		record_put(context, what, &parts.transforms[p], RENDER_STATE_FADE);
+		record_fading(recorded, context, what, &parts.transforms[p]);
 	}
 	record_impostor(recorded, context, model, coming ? share : out, RENDER_STATE_FADE);
 }
@@ -972,6 +1066,7 @@ stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u parts", scene->part_count);
 	record_pass_view recorded = {.pass = {render, scene, visible, visible_count, pass},
 	                             .view = detail,
+	                             .seen = view,
 	                             .history = lists->history,
 	                             .impostors = impostors ? lists->impostors : NULL};
 	stilb_result result = record_begin(&recorded.pass, pool);

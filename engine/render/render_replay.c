@@ -402,6 +402,10 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	hash = stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
+	if (state & RENDER_STATE_WIDE && render_levels_have_clusters(resources->levels[row->mesh])) {
+		uint32_t from = command->first_index - resources->meshes[row->mesh].first_index;
+		hash = stilb_hash_fnv1a64(hash, &from, sizeof from);
+	}
 	uint32_t detail = render_command_detail(command) | render_state_detail(state) << 8;
 	return (detail & 0xff) > 0 ? stilb_hash_fnv1a64(hash, &detail, sizeof detail) : hash;
 }

@@ -229,7 +229,7 @@ static void table_free(void *table, size_t size)
 void render_resources_destroy(render_resources *resources)
 {
 	for (uint32_t m = 0; resources->levels && m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++)
-		free(resources->levels[m]);
+		render_levels_free(resources->levels[m]);
 	table_free(resources->meshes, TABLE_MESHES);
 	table_free(resources->levels, TABLE_LEVELS);
 	table_free(resources->materials, TABLE_MATERIALS);
@@ -423,11 +423,11 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	stilb_result result = mesh_check(mesh);
 	if (result != STILB_OK)
 		return result;
-	if (mesh->level_count > 0 && !render_levels_make(mesh, resources->morph, &data))
+	if ((mesh->level_count > 0 || mesh->cluster_count > 0) && !render_levels_make(mesh, resources->morph, &data))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u vertices", mesh->vertex_count);
 	stilb_lock_take(&resources->lock);
 	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, &out->id)) {
-		free(data.levels);
+		render_levels_free(data.levels);
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	}
 	stilb_lock_give(&resources->lock);
@@ -784,7 +784,7 @@ static void resource_release(stilb_render *render, render_retired retired)
 	if (retired.kind == RENDER_RESOURCE_MESH) {
 		mesh_ranges ranges = mesh_ranges_of(resources, retired.index);
 		mesh_give_back(resources, &ranges);
-		free(resources->levels[retired.index]);
+		render_levels_free(resources->levels[retired.index]);
 		resources->levels[retired.index] = NULL;
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
 		upload_forget(resources, retired.index);

@@ -45,11 +45,15 @@ typedef struct render_mesh_slot {
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
-/* The levels of a mesh; constant from its creation to its release. Behind it lie float squared[4 * groups], the squares
- * of the levels' errors, ascending, and infinite beyond them; then render_level level[count + 1], of which the first is
- * the mesh in full; then with morphs render_level morph[count]; then uint32_t vertices[count], how many of the mesh's
- * first vertices each level uses. Indices lie in their heaps in the order of the levels: those of the first levels,
- * which may have too many vertices for 16 bits, in that of 32 bits, and those of the others in the other one.
+typedef struct render_clusters render_clusters; /* render_clusters.h */
+
+/* The levels of a mesh, and its clusters; constant from its creation to its release. Behind it lie float
+ * squared[4 * groups], the squares of the levels' errors, ascending, and infinite beyond them; then render_level
+ * level[count + 1], of which the first is the mesh in full; then with morphs render_level morph[count]; then uint32_t
+ * vertices[count], how many of the mesh's first vertices each level uses. Indices lie in their heaps in the order of
+ * the levels: those of the first levels, which may have too many vertices for 16 bits, in that of 32 bits, and those of
+ * the others in the other one. Those of clusters that are from groups lie in that of 32 bits behind the last level. A
+ * mesh with clusters alone has no levels, count 0.
  *
  * With morphs, the mesh's vertices lie in the heap in pairs, from an even place on: the vertex, and where it morphs to.
  * Indices of a level name the first of a pair. morph[l] has the triangles of level[l], but names the second one for
@@ -62,13 +66,18 @@ typedef struct render_levels {
 	struct {
 		uint32_t first, count; /* 0: none */
 	} indices[2];              /* of 32 bits; of 16 bits */
-	uint32_t unused[2];
+	render_clusters *clusters; /* NULL: none; else the mesh in full has 32 bit indices, and morphs is 0 */
 } render_levels;
 
 static_assert(sizeof(render_levels) == 48, "what lies behind it is aligned");
 
 /* The largest number of vertices whose indices have 16 bits. */
 #define RENDER_NARROW_VERTICES 65536u
+
+static inline bool render_levels_have_clusters(const render_levels *levels)
+{
+	return levels && levels->clusters;
+}
 
 static inline const float *render_levels_squared(const render_levels *levels)
 {
@@ -195,11 +204,13 @@ typedef struct render_levels_data {
 	render_levels *levels; /* whose places count from the beginning of the mesh's ranges */
 } render_levels_data;
 
-/* Makes it of a checked mesh that has levels. False: no memory. */
+/* Makes it of a checked mesh that has levels or clusters. False: no memory. */
 bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data);
+/* Accepts NULL. */
+void render_levels_free(render_levels *levels);
 /* Frees it without the levels. Accepts {0}. */
 void render_levels_finish(render_levels_data *data, const stilb_scene_mesh *mesh);
-/* STILB_ERROR_ARGUMENT: the mesh's levels do not name vertices and indices that there are. */
+/* STILB_ERROR_ARGUMENT: the mesh's levels or clusters do not name vertices and indices that there are. */
 stilb_result render_levels_check(const stilb_scene_mesh *mesh);
 /* Accepts a zeroed struct too. */
 void render_resources_destroy(render_resources *resources);

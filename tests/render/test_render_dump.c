@@ -2,6 +2,7 @@
  * or plays. The linker sends allocations here (--wrap), to let them fail. */
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
+#include "scene/scene_internal.h"
 #include "support/test.h"
 
 #include <stddef.h>
@@ -106,12 +107,27 @@ static void make_texture(frame *f, uint32_t t, uint32_t channels, stilb_image_fo
 	stilb_image_finish(&image);
 }
 
+/* All of a sphere is one cluster, and its level another that can replace it. */
+static void make_clusters(stilb_scene_mesh *mesh)
+{
+	assert_int_equal(scene_mesh_add_clusters(mesh, 2, 2, mesh->level_index_count), STILB_OK);
+	memcpy(mesh->cluster_indices, mesh->level_indices, mesh->level_index_count * sizeof *mesh->level_indices);
+	mesh->clusters[0] =
+		(stilb_scene_cluster){.radius = 1.0f, .index_count = mesh->index_count, .from = STILB_SCENE_NONE};
+	mesh->clusters[1] = (stilb_scene_cluster){.radius = 1.0f, .index_count = mesh->cluster_index_count, .from = 0};
+	mesh->groups[0] = (stilb_scene_cluster_group){.radius = 1.0f, .error = 0.5f, .cluster_count = 1};
+	mesh->groups[1] =
+		(stilb_scene_cluster_group){.radius = 1.0f, .error = INFINITY, .first_cluster = 1, .cluster_count = 1};
+}
+
 /* Ids of resources that no draw uses lie before and between those of resources that draws use. */
 static void make_resources(frame *f)
 {
 	for (uint32_t m = 0; m < 4; m++) {
 		stilb_scene_mesh mesh;
 		assert_int_equal(m == 2 ? stilb_scene_mesh_sphere(1, &mesh) : stilb_scene_mesh_plane(&mesh), STILB_OK);
+		if (m == 2)
+			make_clusters(&mesh);
 		assert_int_equal(stilb_render_mesh_create(f->render, &mesh, &f->meshes[m]), STILB_OK);
 		stilb_scene_mesh_finish(&mesh);
 	}
@@ -137,8 +153,13 @@ static void record_segment(frame *f, uint32_t pass, uint32_t segment)
 	stilb_render_segment_begin(context, pass, segment);
 	for (uint32_t d = 0; d < (segment == 1 ? 0 : 7 + segment); d++) {
 		stilb_mat4 transform = stilb_mat4_scale_translate(1.0f + (float)d, (float)segment, -2.0f, (float)pass);
-		stilb_render_draw_with_key(context, (uint64_t)(d * 7 % 5) << 40, f->meshes[1 + (d & 1)],
-		                           f->materials[10 + (d * 11 + segment * 3 + pass) % 30], &transform);
+		stilb_render_material material = f->materials[10 + (d * 11 + segment * 3 + pass) % 30];
+		uint64_t key = (uint64_t)(d * 7 % 5) << 40;
+		if (d % 4 == 3) /* some triangles of the sphere's own 80, then of the 20 behind them */
+			render_draw_clusters(context, key, f->meshes[2], material, &transform,
+			                     (render_cluster_range){d == 3 ? 30 : 240, d == 3 ? 60 : 54, 0}, 0, 0);
+		else
+			stilb_render_draw_with_key(context, key, f->meshes[1 + (d & 1)], material, &transform);
 	}
 	stilb_render_segment_end(context);
 }
@@ -481,7 +502,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 4"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 5"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -539,22 +560,28 @@ static const struct damage {
 	{RENDER_DUMP_MATERIALS, 52, 0x7fc00000, "material 0: a number is not finite"},
 	{RENDER_DUMP_MATERIALS, 56, 5, "material 0: it is of an impostor (5)"},
 	{RENDER_DUMP_MATERIALS, 60, 5, "material 0: its unused"},
-	{RENDER_DUMP_MESHES, 16, 1, "mesh 1: id 1, not in 2.."},
+	{RENDER_DUMP_MESHES, 24, 1, "mesh 1: id 1, not in 2.."},
 	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},
 	{RENDER_DUMP_MESHES, 4, UINT32_MAX, "mesh 0: its 4294967295 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0x7fffffff, "mesh 0: its 2147483647 indices of level 0 go beyond"},
 	{RENDER_DUMP_MESHES, 12, 1, "mesh 0: level 1 has "},
 	{RENDER_DUMP_MESHES, 12, 0x80000000, "mesh 0: "},
-	{RENDER_DUMP_MESHES, 20, 43, "mesh 1: its 43 vertices"},
-	{RENDER_DUMP_MESHES, 24, 3, "mesh 1: index 0 of level 1 is vertex"},
-	{RENDER_DUMP_DRAWS, 64 + 8, 2, "draw 1: mesh 2 and material"},
+	{RENDER_DUMP_MESHES, 28, 43, "mesh 1: its 43 vertices"},
+	{RENDER_DUMP_MESHES, 32, 3, "mesh 1: index 0 of level 1 is vertex"},
+	{RENDER_DUMP_MESHES, 12, 0xc0000001, "mesh 0: 1 levels that morph and clusters"}, /* no mesh morphs from clusters */
+	{RENDER_DUMP_MESHES, 16, 3, "mesh 0: 3 indices of clusters that it does not have"},
+	{RENDER_DUMP_MESHES, 20, 7, "unused bytes 7"},
+	{RENDER_DUMP_DRAWS, 8, 63 << 20, "draw 0: 0 indices from 0 on of the clusters of mesh 0"},
+	{RENDER_DUMP_DRAWS, 64, 3, "draw 0: 0 indices from 3 on of the clusters of mesh 0"},
+	{RENDER_DUMP_DRAWS, 72 + 68, 3, "draw 1: 3 indices from 0 on of the clusters of mesh 1"},
+	{RENDER_DUMP_DRAWS, 72 + 8, 2, "draw 1: mesh 2 and material"},
 	{RENDER_DUMP_DRAWS, 12, UINT32_MAX, "draw 0: mesh 0 and material 16777215"},
 	{RENDER_DUMP_DRAWS, 8, 1 << 20, "draw 0: mesh 0 cannot be drawn in level 1"},
 	{RENDER_DUMP_DRAWS, 8, 1 << 26, "cannot be drawn in level 0 with detail 1 of kind 0"},
 	{RENDER_DUMP_DRAWS, 12, 4 << 24, "with detail 0 of kind 4"},
 	{RENDER_DUMP_DRAWS, 12, 1 << 24, "with detail 0 of kind 1"},
-	{RENDER_DUMP_DRAWS, 2 * 64 + 60, 0x7f800001, "draw 2: its transform"},
+	{RENDER_DUMP_DRAWS, 2 * 72 + 60, 0x7f800001, "draw 2: its transform"},
 	{RENDER_DUMP_VERTICES, 4, 0x7f800000, "mesh 0: a vertex is not finite"},
 	{RENDER_DUMP_INDICES, 8, 4, "mesh 0: index 2 of level 0 is vertex 4, but it has 4"},
 };
