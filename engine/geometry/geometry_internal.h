@@ -22,7 +22,20 @@ bool geometry_sort(stilb_job_pool *pool, uint32_t worker, geometry_keyed *items,
                    uint32_t bits, geometry_keyed **sorted);
 
 /* Interleaves the lower ten bits of three numbers. */
-uint32_t geometry_morton(uint32_t x, uint32_t y, uint32_t z);
+static inline uint32_t geometry_morton(uint32_t x, uint32_t y, uint32_t z)
+{
+	uint32_t code = 0;
+	const uint32_t parts[3] = {x, y, z};
+	for (uint32_t i = 0; i < 3; i++) {
+		uint32_t v = parts[i] & 0x3ff;
+		v = (v | v << 16) & 0x030000ff;
+		v = (v | v << 8) & 0x0300f00f;
+		v = (v | v << 4) & 0x030c30c3;
+		v = (v | v << 2) & 0x09249249;
+		code |= v << i;
+	}
+	return code;
+}
 
 static inline const float *geometry_position(const stilb_geometry_mesh *mesh, uint32_t vertex)
 {

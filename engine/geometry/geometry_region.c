@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NONE UINT32_MAX
+#define NONE UINT16_MAX
 #define RING GEOMETRY_FAN  /* neighbours of a position that may be removed, at most */
 #define WEDGES 96          /* vertices at such a position, at most */
 #define BUCKETS 4096       /* costs of one bucket differ by a sixteenth at most */
@@ -17,57 +17,61 @@
 #define SEAM_WEIGHT 1.0f
 #define NEARLY 1.25f /* a collapse that has become dearer by less than this is made at once */
 
-/* An edge from the position that is looked at. */
-typedef struct ring_edge {
-	uint32_t position;       /* the other end */
-	uint32_t uses;           /* triangles at this edge */
-	uint32_t from[2], to[2]; /* vertices at both ends in the first two of these */
-} ring_edge;
-
-/* A triangle and, of each corner, the next corner at its position: 3 t + k is corner k of triangle t. */
-typedef struct region_triangle {
-	uint32_t vertex[3]; /* NONE: the triangle is gone */
-	uint32_t position[3];
-	uint32_t next[3];
-} region_triangle;
-
 typedef struct region {
 	const geometry_round *round;
 	uint32_t triangle_count, vertex_count, position_count, live;
 	uint32_t groups;
-	float root_area; /* metres: the square root of round->area */
-	region_triangle *triangles;
+	float root_area;                            /* metres: the square root of round->area */
+	stilb_vec4 limited[STILB_GEOMETRY_STREAMS]; /* [groups] 1 for each number whose cost has a limit, else 0 */
+	/* Of corners: corner k of triangle t is 4 t + k. Numbers of two bytes keep a region in the cache. */
+	uint16_t *vertex; /* NONE: the triangle is gone */
+	uint16_t *position;
+	uint16_t *next; /* the next corner at its position */
 	/* of vertices */
-	uint32_t *vertex_global, *vertex_position;
-	uint32_t *vertex_next; /* the next vertex at the same position */
-	uint32_t *vertex_seam; /* the first vertex at this position with the same values in all streams with seams */
+	uint32_t *vertex_global;
+	uint16_t *vertex_position;
+	uint16_t *vertex_next; /* the next vertex at the same position */
+	uint16_t *vertex_seam; /* the first vertex at this position with the same values in all streams with seams */
 	stilb_vec4 *values;    /* [vertex][groups] times their scales */
 	/* of positions */
 	stilb_vec3 *point; /* from the middle of the region */
-	uint32_t *head;    /* the first corner */
-	uint32_t *first;   /* the first vertex */
+	uint16_t *head;    /* the first corner */
+	uint16_t *first;   /* the first vertex */
 	float *cost;
-	uint32_t *best; /* the neighbour onto which it goes at this cost */
-	uint32_t *queue_next;
+	uint16_t *best; /* the neighbour onto which it goes at this cost */
+	uint16_t *queue_next;
 	uint32_t *mark; /* serial << 8 | place in the ring, if it is in the ring gathered last */
 	uint32_t *seen; /* seen_serial, if it is a neighbour of the other end, too */
 	uint8_t *fixed, *dirty, *queued;
 	uint8_t *shared;              /* it has triangles in other regions */
 	uint32_t serial, seen_serial; /* of gather's and link_is_sound's last call */
 	/* what gather has found at one position */
-	ring_edge ring[RING];
-	uint32_t ring_count, corner_count, border_count;
-	uint32_t corners[RING];
-	uint8_t sides[RING][2]; /* of each corner's triangle: the edges in ring along its other two corners */
-	uint32_t wedges[WEDGES], wedge_count;
+	uint32_t ring_count, corner_count, wedge_count, border_count;
+	uint16_t ring[RING + 2]; /* the neighbours: the other ends of edges */
+	uint16_t uses[RING + 2]; /* triangles at each edge */
+	uint16_t corners[RING];
+	uint16_t sides[RING][2]; /* of each corner's triangle: the edges in ring to its next and its previous corner */
+	uint16_t wedges[WEDGES];
 	geometry_fan fan;
-	bool exact[RING]; /* the cost of an edge has that of values; else it is less than the cost */
+	uint64_t exact[RING / 64 + 1]; /* bits of edges: the cost has that of values; else it is less than the cost */
 	/* the queue */
-	uint32_t bucket_head[BUCKETS], bucket_tail[BUCKETS];
+	uint16_t bucket_head[BUCKETS], bucket_tail[BUCKETS];
 	uint64_t bucket_used[BUCKETS / 64];
+	uint32_t bucket_least; /* none before this word of bucket_used has a bit */
 	void *build_memory, *memory;
 	geometry_record *record;
 } region;
+
+/* The other two corners of a corner's triangle, in their order: without branches, which could not be predicted. */
+static inline uint32_t corner_after(uint32_t corner)
+{
+	return (corner & ~3u) | (0x09u >> 2 * (corner & 3) & 3); /* 0, 1, 2: 1, 2, 0 */
+}
+
+static inline uint32_t corner_before(uint32_t corner)
+{
+	return (corner & ~3u) | (0x12u >> 2 * (corner & 3) & 3); /* 0, 1, 2: 2, 0, 1 */
+}
 
 /* ---- building ---------------------------------------------------------------------------------------------------- */
 
@@ -82,7 +86,7 @@ static uint32_t number_of(number_table *table, uint32_t key)
 	for (uint32_t i = key * 2654435769u >> 7 & table->mask;; i = (i + 1) & table->mask) {
 		if (table->keys[i] == key)
 			return table->numbers[i];
-		if (table->keys[i] == NONE) {
+		if (table->keys[i] == UINT32_MAX) {
 			table->keys[i] = key;
 			table->numbers[i] = table->count;
 			return table->count++;
@@ -109,7 +113,7 @@ static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint
 	uint32_t corners = 3 * count, capacity = 64;
 	while (capacity < 4 * count)
 		capacity *= 2;
-	size_t size = (size_t)capacity * 8 + (size_t)corners * 8 + (size_t)count * sizeof *r->triangles + 8 * 64;
+	size_t size = (size_t)capacity * 8 + (size_t)corners * 6 + (size_t)count * 3 * 8 + 8 * 64;
 	unsigned char *at = r->build_memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;
@@ -117,43 +121,45 @@ static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint
 	table.keys = take(&at, capacity, 4);
 	table.numbers = take(&at, capacity, 4);
 	memset(table.keys, 0xff, (size_t)capacity * 4);
-	r->triangles = take(&at, count, sizeof *r->triangles);
+	r->vertex = take(&at, count, 8);
+	r->position = take(&at, count, 8);
+	r->next = take(&at, count, 8);
 	r->vertex_global = take(&at, corners, 4);
-	r->vertex_position = take(&at, corners, 4);
+	r->vertex_position = take(&at, corners, 2);
 	for (uint32_t t = 0; t < count; t++)
 		for (uint32_t k = 0; k < 3; k++) {
 			uint32_t vertex = number_of(&table, triangles[t][k]);
-			r->triangles[t].vertex[k] = vertex;
+			r->vertex[4 * t + k] = (uint16_t)vertex;
 			r->vertex_global[vertex] = triangles[t][k];
 		}
 	r->vertex_count = table.count;
 	memset(table.keys, 0xff, (size_t)capacity * 4);
 	table.count = 0;
 	for (uint32_t v = 0; v < r->vertex_count; v++)
-		r->vertex_position[v] = number_of(&table, r->round->canonical[r->vertex_global[v]]);
+		r->vertex_position[v] = (uint16_t)number_of(&table, r->round->canonical[r->vertex_global[v]]);
 	r->position_count = table.count;
 	for (uint32_t t = 0; t < count; t++)
 		for (uint32_t k = 0; k < 3; k++)
-			r->triangles[t].position[k] = r->vertex_position[r->triangles[t].vertex[k]];
+			r->position[4 * t + k] = r->vertex_position[r->vertex[4 * t + k]];
 	return true;
 }
 
 static bool region_allocate(region *r)
 {
 	size_t v = r->vertex_count, p = r->position_count;
-	size_t size = v * (8 + r->groups * sizeof *r->values) + p * (sizeof *r->point + 4 * 7 + 4) + 24 * 64;
+	size_t size = v * (4 + r->groups * sizeof *r->values) + p * (sizeof *r->point + 2 * 4 + 4 * 3 + 4) + 24 * 64;
 	unsigned char *at = r->memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;
 	r->values = take(&at, v * r->groups, sizeof *r->values);
 	r->point = take(&at, p, sizeof *r->point);
-	r->vertex_next = take(&at, v, 4);
-	r->vertex_seam = take(&at, v, 4);
-	r->head = take(&at, p, 4);
-	r->first = take(&at, p, 4);
+	r->vertex_next = take(&at, v, 2);
+	r->vertex_seam = take(&at, v, 2);
+	r->head = take(&at, p, 2);
+	r->first = take(&at, p, 2);
 	r->cost = take(&at, p, 4);
-	r->best = take(&at, p, 4);
-	r->queue_next = take(&at, p, 4);
+	r->best = take(&at, p, 2);
+	r->queue_next = take(&at, p, 2);
 	unsigned char *zeroed = at;
 	r->mark = take(&at, p, 4);
 	r->seen = take(&at, p, 4);
@@ -162,8 +168,8 @@ static bool region_allocate(region *r)
 	r->queued = take(&at, p, 1);
 	r->shared = take(&at, p, 1);
 	memset(zeroed, 0, (size_t)(at - zeroed));
-	memset(r->head, 0xff, p * 4);
-	memset(r->first, 0xff, p * 4);
+	memset(r->head, 0xff, p * sizeof *r->head);
+	memset(r->first, 0xff, p * sizeof *r->first);
 	return true;
 }
 
@@ -183,6 +189,16 @@ static void read_values(const region *r, uint32_t vertex)
 	}
 	for (; n < 4 * r->groups; n++)
 		out[n] = 0.0f;
+}
+
+/* Differences of directions are bounded by themselves. */
+static void find_limited(region *r)
+{
+	const stilb_geometry_mesh *mesh = r->round->mesh;
+	float *limited = (float *)r->limited;
+	for (uint32_t s = 0, n = 0; s < mesh->stream_count; s++)
+		for (uint32_t k = 0; k < mesh->streams[s].components; k++)
+			limited[n++] = mesh->streams[s].kind == STILB_GEOMETRY_DIRECTION ? 0.0f : 1.0f;
 }
 
 /* True if two vertices have the same values in all streams that have seams. */
@@ -211,49 +227,38 @@ static void region_build_vertices(region *r, uint32_t id)
 			r->shared[p] = round->owner && round->owner[canonical] != id;
 			r->fixed[p] = r->shared[p] || (round->locked && round->locked[canonical]);
 		}
-		r->vertex_seam[v] = v;
+		r->vertex_seam[v] = (uint16_t)v;
 		for (uint32_t w = r->first[p]; w != NONE; w = r->vertex_next[w])
 			if (r->vertex_seam[w] == w && same_seam(r, v, w)) {
-				r->vertex_seam[v] = w;
+				r->vertex_seam[v] = (uint16_t)w;
 				break;
 			}
 		r->vertex_next[v] = r->first[p];
-		r->first[p] = v;
+		r->first[p] = (uint16_t)v;
 		if (r->groups > 0)
 			read_values(r, v);
 	}
 	for (uint32_t t = r->triangle_count; t-- > 0;)
 		for (uint32_t k = 0; k < 3; k++) {
-			uint32_t p = r->triangles[t].position[k];
-			r->triangles[t].next[k] = r->head[p];
-			r->head[p] = 3 * t + k;
+			uint32_t corner = 4 * t + k, p = r->position[corner];
+			r->next[corner] = r->head[p];
+			r->head[p] = (uint16_t)corner;
 		}
 }
 
 /* ---- the ring of a position -------------------------------------------------------------------------------------- */
 
-/* Notes the edge from vertex `from` to vertex `to`, at position q, of a triangle; returns its place in the ring, RING:
- * there are too many neighbours. */
-static inline uint32_t ring_note(region *r, uint32_t from, uint32_t to, uint32_t q)
+/* Notes that a triangle has an edge to position q; returns its place in the ring. Without branches, since whether q was
+ * there already could not be predicted. */
+static inline uint32_t ring_note(region *r, uint32_t serial, uint32_t *ring_count, uint32_t q)
 {
-	uint32_t mark = r->mark[q], slot = mark & 0xff;
-	if (mark >> 8 == r->serial) {
-		ring_edge *edge = &r->ring[slot];
-		if (edge->uses++ == 1) {
-			edge->from[1] = from;
-			edge->to[1] = to;
-		}
-		return slot;
-	}
-	if (r->ring_count == RING)
-		return RING;
-	slot = r->ring_count++;
-	r->mark[q] = r->serial << 8 | slot;
-	ring_edge *edge = &r->ring[slot];
-	edge->position = q;
-	edge->uses = 1;
-	edge->from[0] = from;
-	edge->to[0] = to;
+	uint32_t mark = r->mark[q];
+	bool known = mark >> 8 == serial;
+	uint32_t slot = known ? mark & 0xff : *ring_count, uses = r->uses[slot];
+	r->mark[q] = serial << 8 | slot;
+	r->ring[slot] = (uint16_t)q;
+	r->uses[slot] = (uint16_t)(known ? uses + 1 : 1);
+	*ring_count += !known;
 	return slot;
 }
 
@@ -270,7 +275,7 @@ static bool ring_note_wedge(region *r, uint32_t vertex)
 			return true;
 	if (r->wedge_count == WEDGES)
 		return false;
-	r->wedges[r->wedge_count++] = vertex;
+	r->wedges[r->wedge_count++] = (uint16_t)vertex;
 	return true;
 }
 
@@ -282,36 +287,31 @@ static bool region_gather(region *r, uint32_t p)
 		memset(r->mark, 0, r->position_count * sizeof *r->mark);
 		r->serial = 1;
 	}
-	r->ring_count = r->corner_count = r->wedge_count = r->border_count = 0;
-	for (uint32_t *link = &r->head[p]; *link != NONE;) {
-		uint32_t corner = *link, k = corner % 3;
-		region_triangle *triangle = &r->triangles[corner / 3];
-		uint32_t vertex = triangle->vertex[k];
+	uint32_t serial = r->serial, ring_count = 0, corner_count = 0;
+	bool is_sheet = true; /* at each edge are one or two triangles */
+	r->wedge_count = 0;
+	for (uint16_t *link = &r->head[p]; *link != NONE;) {
+		uint32_t corner = *link, vertex = r->vertex[corner];
 		if (vertex == NONE) {
-			*link = triangle->next[k];
+			*link = r->next[corner];
 			continue;
 		}
-		if (r->corner_count == RING)
+		uint32_t a = ring_note(r, serial, &ring_count, r->position[corner_after(corner)]);
+		uint32_t b = ring_note(r, serial, &ring_count, r->position[corner_before(corner)]);
+		if (ring_count > RING || corner_count == RING || !ring_note_wedge(r, vertex))
 			return false;
-		uint32_t k1 = k == 2 ? 0 : k + 1, k2 = k == 0 ? 2 : k - 1;
-		uint32_t a = ring_note(r, vertex, triangle->vertex[k1], triangle->position[k1]);
-		uint32_t b = ring_note(r, vertex, triangle->vertex[k2], triangle->position[k2]);
-		if (!ring_note_wedge(r, vertex) || a == RING || b == RING)
-			return false;
-		r->sides[r->corner_count][0] = (uint8_t)a;
-		r->sides[r->corner_count][1] = (uint8_t)b;
-		r->corners[r->corner_count++] = corner;
-		link = &triangle->next[k];
+		is_sheet &= r->uses[a] <= 2 && r->uses[b] <= 2;
+		r->sides[corner_count][0] = (uint16_t)a;
+		r->sides[corner_count][1] = (uint16_t)b;
+		r->corners[corner_count++] = (uint16_t)corner;
+		link = &r->next[corner];
 	}
-	for (uint32_t i = 0; i < r->ring_count; i++) {
-		if (r->ring[i].uses > 2)
-			return false;
-		r->border_count += r->ring[i].uses == 1;
-	}
+	r->ring_count = ring_count;
+	r->corner_count = corner_count;
+	r->border_count = 2 * (ring_count - corner_count); /* if it is a sheet: each triangle has two edges */
 	/* One fan of triangles has as many neighbours as triangles, or one more with two edges at the border. Two closed
 	 * fans have as many, too: ring_is_one finds them. */
-	return r->ring_count > 0 && ((r->border_count == 0 && r->ring_count == r->corner_count) ||
-	                             (r->border_count == 2 && r->ring_count == r->corner_count + 1));
+	return is_sheet && ring_count > 0 && (ring_count == corner_count || ring_count == corner_count + 1);
 }
 
 /* True if the neighbours hang together: walks from triangle to triangle. */
@@ -340,38 +340,58 @@ typedef struct wedge_map {
 	float cost;
 } wedge_map;
 
+/* The vertices at both ends of an edge, in each of its triangles; their count. */
+static uint32_t edge_vertices(const region *r, uint32_t slot, uint32_t from[2], uint32_t to[2])
+{
+	uint32_t count = 0;
+	for (uint32_t i = 0; i < r->corner_count && count < 2; i++) {
+		if (r->sides[i][0] != slot && r->sides[i][1] != slot)
+			continue;
+		uint32_t corner = r->corners[i];
+		from[count] = r->vertex[corner];
+		to[count++] = r->vertex[r->sides[i][0] == slot ? corner_after(corner) : corner_before(corner)];
+	}
+	return count;
+}
+
+/* True if the values with seams differ between the two sides of an edge. */
+static bool edge_is_seam(const region *r, uint32_t slot)
+{
+	uint32_t from[2], to[2];
+	return edge_vertices(r, slot, from, to) == 2 &&
+	       (r->vertex_seam[from[0]] != r->vertex_seam[from[1]] || r->vertex_seam[to[0]] != r->vertex_seam[to[1]]);
+}
+
 /* Borders and seams hold the gathered position: planes through them, perpendicular to the surface. */
 static void fan_add_edges(region *r)
 {
-	for (uint32_t c = 0; c < r->corner_count; c++)
-		for (uint32_t side = 0; side < 2; side++) {
-			uint32_t slot = r->sides[c][side];
-			const ring_edge *edge = &r->ring[slot];
-			bool seam = edge->uses == 2 && (r->vertex_seam[edge->from[0]] != r->vertex_seam[edge->from[1]] ||
-			                                r->vertex_seam[edge->to[0]] != r->vertex_seam[edge->to[1]]);
-			if (edge->uses != 1 && !seam)
+	for (uint32_t slot = 0; slot < r->ring_count; slot++) {
+		bool seam = r->uses[slot] != 1;
+		if (seam && !edge_is_seam(r, slot))
+			continue;
+		stilb_vec3 along = r->fan.edge[slot];
+		float weight = stilb_vec3_dot(along, along) * (seam ? SEAM_WEIGHT : BORDER_WEIGHT);
+		for (uint32_t i = 0; i < r->corner_count; i++) {
+			if (r->sides[i][0] != slot && r->sides[i][1] != slot)
 				continue;
-			stilb_vec3 along = geometry_get4(r->fan.edge, slot);
-			stilb_vec3 out = stilb_vec3_cross(along, geometry_get4(r->fan.normal, c));
+			stilb_vec3 out = stilb_vec3_cross(along, geometry_fan_normal(&r->fan, i));
 			float square = stilb_vec3_dot(out, out);
-			float weight = stilb_vec3_dot(along, along) * (seam ? SEAM_WEIGHT : BORDER_WEIGHT);
 			if (square > FLT_MIN)
 				geometry_fan_add_plane(&r->fan, out, weight / square);
 		}
+	}
 }
 
 /* Measures the triangles at the gathered position. */
 static void region_measure(region *r, uint32_t p)
 {
 	geometry_fan *fan = &r->fan;
-	geometry_fan_begin(fan, r->ring_count, r->corner_count);
+	stilb_vec3 here = r->point[p];
 	for (uint32_t i = 0; i < r->ring_count; i++)
-		geometry_set4(fan->edge, i, r->point[r->ring[i].position] - r->point[p]);
-	for (uint32_t i = 0; i < r->corner_count; i++) {
-		geometry_set4(fan->a, i, geometry_get4(fan->edge, r->sides[i][0]));
-		geometry_set4(fan->b, i, geometry_get4(fan->edge, r->sides[i][1]));
-	}
-	geometry_fan_measure(fan);
+		fan->edge[i] = r->point[r->ring[i]] - here;
+	for (uint32_t i = r->corner_count; i % 4 != 0; i++)
+		r->sides[i][0] = r->sides[i][1] = 0;
+	geometry_fan_measure(fan, r->corner_count, (const uint16_t(*)[2])r->sides);
 	if (r->border_count > 0 || r->wedge_count > 1)
 		fan_add_edges(r);
 }
@@ -381,39 +401,40 @@ static void region_measure(region *r, uint32_t p)
  * each triangle: without a limit a strip into which a whole texture is squeezed would be kept at any price. */
 static float wedge_cost(const region *r, uint32_t wedge, uint32_t to)
 {
-	const stilb_vec4 *here = &r->values[(size_t)wedge * r->groups], *there = &r->values[(size_t)to * r->groups];
-	stilb_vec4 sum = {0};
+	uint32_t groups = r->groups;
+	const stilb_vec4 *values = r->values, *here = &values[wedge * groups], *there = &values[to * groups];
+	stilb_vec4 sum = {0}, limited = {0};
 	float areas = 0.0f;
 	for (uint32_t i = 0; i < r->corner_count; i++) {
-		uint32_t corner = r->corners[i], k = corner % 3;
-		const uint32_t *vertex = r->triangles[corner / 3].vertex;
-		float area = r->fan.area[i / 4][i % 4];
-		uint32_t v = vertex[k == 2 ? 0 : k + 1], w = vertex[k == 0 ? 2 : k - 1];
-		if (vertex[k] != wedge)
+		uint32_t corner = r->corners[i], a = r->vertex[corner_after(corner)], b = r->vertex[corner_before(corner)];
+		if (r->vertex[corner] != wedge)
 			continue;
+		float area = r->fan.area[i], along_a = r->fan.along_a[i], along_b = r->fan.along_b[i];
 		areas += area;
-		if (v == to || w == to)
+		if (a == to || b == to)
 			continue;
-		const stilb_vec4 *at_a = &r->values[(size_t)v * r->groups], *at_b = &r->values[(size_t)w * r->groups];
-		float along_a = r->fan.along_a[i / 4][i % 4], along_b = r->fan.along_b[i / 4][i % 4];
-		for (uint32_t g = 0; g < r->groups; g++) {
-			stilb_vec4 off = here[g] + (at_a[g] - here[g]) * along_a + (at_b[g] - here[g]) * along_b - there[g];
-			sum += area * off * off;
+		for (uint32_t g = 0; g < groups; g++) {
+			stilb_vec4 off =
+				(values[a * groups + g] - here[g]) * along_a + (values[b * groups + g] - here[g]) * along_b;
+			off += here[g] - there[g];
+			stilb_vec4 square = area * off * off;
+			sum += square;
+			limited += square * r->limited[g];
 		}
 	}
-	float cost = geometry_sum4(sum), most = r->round->value_limit * areas;
-	return cost < most ? cost : most;
+	float all = geometry_sum4(sum), part = geometry_sum4(limited), most = r->round->value_limit * areas;
+	return part < most ? all : all - part + most;
 }
 
 /* The vertex at the other end of an edge where `wedge` belongs: on its side of all seams, and the cheapest of these.
  * NONE: there is none, or the seam begins at the other end, and the wedge would belong to both sides of it. */
-static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t wedge, float *cost)
+static uint32_t wedge_target(const region *r, uint32_t slot, uint32_t wedge, float *cost)
 {
-	uint32_t side = NONE, uses = edge->uses < 2 ? edge->uses : 2;
+	uint32_t from[2], to[2], side = NONE, uses = edge_vertices(r, slot, from, to);
 	for (uint32_t i = 0; i < uses; i++) {
-		if (r->vertex_seam[edge->from[i]] != r->vertex_seam[wedge])
+		if (r->vertex_seam[from[i]] != r->vertex_seam[wedge])
 			continue;
-		uint32_t seam = r->vertex_seam[edge->to[i]];
+		uint32_t seam = r->vertex_seam[to[i]];
 		if (side != NONE && side != seam)
 			return NONE;
 		side = seam;
@@ -421,7 +442,7 @@ static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t we
 	if (side == NONE)
 		return NONE;
 	uint32_t best = NONE;
-	for (uint32_t v = r->first[edge->position]; v != NONE; v = r->vertex_next[v]) {
+	for (uint32_t v = r->first[r->ring[slot]]; v != NONE; v = r->vertex_next[v]) {
 		if (r->vertex_seam[v] != side)
 			continue;
 		float c = r->groups > 0 ? wedge_cost(r, wedge, v) : 0.0f;
@@ -434,20 +455,20 @@ static uint32_t wedge_target(const region *r, const ring_edge *edge, uint32_t we
 }
 
 /* The only vertex at both ends of an edge, its own; NONE: one of them has several. */
-static uint32_t only_target(const region *r, const ring_edge *edge)
+static uint32_t only_target(const region *r, uint32_t slot)
 {
-	uint32_t only = r->first[edge->position];
+	uint32_t only = r->first[r->ring[slot]];
 	return r->wedge_count == 1 && r->vertex_next[only] == NONE ? only : NONE;
 }
 
 /* Finds where all vertices of the gathered position go along an edge. False: one has no place there. */
 static bool map_wedges(region *r, uint32_t slot, wedge_map *map)
 {
-	geometry_fan_place(&r->fan, geometry_get4(r->fan.edge, slot));
+	geometry_fan_place(&r->fan, r->fan.edge[slot]);
 	map->cost = 0.0f;
 	for (uint32_t i = 0; i < r->wedge_count; i++) {
 		float cost = 0.0f;
-		map->to[i] = wedge_target(r, &r->ring[slot], r->wedges[i], &cost);
+		map->to[i] = wedge_target(r, slot, r->wedges[i], &cost);
 		if (map->to[i] == NONE)
 			return false;
 		map->cost += cost;
@@ -458,11 +479,11 @@ static bool map_wedges(region *r, uint32_t slot, wedge_map *map)
 /* The part of an edge's cost that values have, m^4; FLT_MAX: a vertex has no place at the other end. */
 static float edge_value_cost(region *r, uint32_t slot)
 {
-	uint32_t only = only_target(r, &r->ring[slot]);
+	uint32_t only = only_target(r, slot);
 	if (only != NONE) {
 		if (r->groups == 0)
 			return 0.0f;
-		geometry_fan_place(&r->fan, geometry_get4(r->fan.edge, slot));
+		geometry_fan_place(&r->fan, r->fan.edge[slot]);
 		return wedge_cost(r, r->wedges[0], only);
 	}
 	wedge_map map;
@@ -473,43 +494,42 @@ static float edge_value_cost(region *r, uint32_t slot)
 
 /* True if both ends have no common neighbours but those that the edge's triangles have, so that a manifold remains one.
  * The ring of one end is gathered. */
-static bool link_is_sound(region *r, const ring_edge *edge)
+static bool link_is_sound(region *r, uint32_t slot)
 {
+	uint32_t end = r->ring[slot], serial = r->serial, seen_serial = ++r->seen_serial, *seen = r->seen;
 	uint32_t common = 0, corners = 0, opposite = 0;
-	r->seen_serial++;
-	for (uint32_t *link = &r->head[edge->position]; *link != NONE;) {
-		uint32_t corner = *link, k = corner % 3;
-		region_triangle *triangle = &r->triangles[corner / 3];
-		if (triangle->vertex[k] == NONE) {
-			*link = triangle->next[k];
+	const uint32_t *mark = r->mark;
+	for (uint16_t *link = &r->head[end]; *link != NONE;) {
+		uint32_t corner = *link, on_ring = 0;
+		if (r->vertex[corner] == NONE) {
+			*link = r->next[corner];
 			continue;
 		}
-		uint32_t on_ring = 0;
-		for (uint32_t i = 0; i < 3; i++) {
-			uint32_t q = triangle->position[i];
-			if (i == k || r->mark[q] >> 8 != r->serial)
+		for (uint32_t i = 0; i < 2; i++) {
+			uint32_t q = r->position[i == 0 ? corner_after(corner) : corner_before(corner)];
+			if (mark[q] >> 8 != serial)
 				continue;
 			on_ring++;
-			common += r->seen[q] != r->seen_serial;
-			r->seen[q] = r->seen_serial;
+			common += seen[q] != seen_serial;
+			seen[q] = seen_serial;
 		}
 		corners++;
 		opposite += on_ring == 2;
-		link = &triangle->next[k];
+		link = &r->next[corner];
 	}
-	if (common != edge->uses || corners + r->corner_count == 2 * edge->uses)
-		return false;              /* the last: nothing would be left */
-	if (r->shared[edge->position]) /* two that are shared may be neighbours in another region */
+	if (common != r->uses[slot] || corners + r->corner_count == 2 * common)
+		return false;   /* the last: nothing would be left */
+	if (r->shared[end]) /* two that are shared may be neighbours in another region */
 		for (uint32_t i = 0; i < r->ring_count; i++) {
-			uint32_t q = r->ring[i].position;
-			if (q != edge->position && r->shared[q] && r->seen[q] != r->seen_serial)
+			uint32_t q = r->ring[i];
+			if (q != end && r->shared[q] && seen[q] != seen_serial)
 				return false;
 		}
 	/* One triangle alone between two edges of the border: if the third corner is shared, it would not be in this region
 	 * any more, and could go in another one while this one is still what it was (clusters). */
 	if (r->corner_count == 1)
 		for (uint32_t i = 0; i < r->ring_count; i++)
-			if (r->ring[i].position != edge->position && r->shared[r->ring[i].position])
+			if (r->ring[i] != end && r->shared[r->ring[i]])
 				return false;
 	/* A closed fan of three triangles is a corner of a tetrahedron if its ring is a triangle, too. */
 	return !(r->corner_count == 3 && r->border_count == 0 && opposite > 0);
@@ -518,11 +538,11 @@ static bool link_is_sound(region *r, const ring_edge *edge)
 /* True if a triangle at the gathered position turns over, or nearly so, when the position moves along an edge. */
 static bool turns_over(const region *r, uint32_t slot)
 {
-	stilb_vec3 d = geometry_get4(r->fan.edge, slot);
-	for (uint32_t block = 0; block < r->fan.triangle_blocks; block++) {
-		geometry_mask turns = geometry_fan_turns(&r->fan, block, d);
+	stilb_vec3 d = r->fan.edge[slot];
+	for (uint32_t i = 0; i < r->fan.triangles; i += 4) {
+		geometry_mask turns = geometry_fan_turns(&r->fan, i, d);
 		for (uint32_t k = 0; k < 4; k++) /* those at the edge vanish */
-			if (turns[k] != 0 && r->sides[4 * block + k][0] != slot && r->sides[4 * block + k][1] != slot)
+			if (turns[k] != 0 && r->sides[i + k][0] != slot && r->sides[i + k][1] != slot)
 				return true;
 	}
 	return false;
@@ -530,7 +550,20 @@ static bool turns_over(const region *r, uint32_t slot)
 
 static bool edge_is_allowed(region *r, uint32_t slot)
 {
-	return !turns_over(r, slot) && link_is_sound(r, &r->ring[slot]);
+	return !turns_over(r, slot) && link_is_sound(r, slot);
+}
+
+/* The place of the least of some numbers, which are not negative, or of one that is larger by less than 2^-16 of it. */
+static uint32_t cheapest(const float *cost, uint32_t count)
+{
+	uint32_t least = UINT32_MAX;
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t bits; /* of such numbers they ascend with the numbers */
+		memcpy(&bits, &cost[i], sizeof bits);
+		bits = (bits & ~0x7fu) | i;
+		least = bits < least ? bits : least;
+	}
+	return least & 0x7f;
 }
 
 /* Finds the cheapest collapse of the gathered position; if that would cost no more than `checked_to`, the cheapest that
@@ -538,28 +571,26 @@ static bool edge_is_allowed(region *r, uint32_t slot)
 static bool region_evaluate(region *r, uint32_t p, float checked_to)
 {
 	float inverse = r->fan.whole > 0.0f ? 1.0f / (sqrtf(r->fan.whole) * r->root_area) : 1.0f;
-	float *cost = (float *)r->fan.cost;
-	geometry_fan_costs(&r->fan, inverse);
-	for (uint32_t i = 0; i < r->ring_count; i++) {
-		r->exact[i] = false;
-		if (r->border_count > 0 && r->ring[i].uses != 1)
+	float *cost = r->fan.cost;
+	geometry_fan_costs(&r->fan, r->ring_count, inverse);
+	for (size_t i = 0; i < sizeof r->exact / sizeof *r->exact; i++)
+		r->exact[i] = 0;
+	for (uint32_t i = 0; i < r->ring_count && r->border_count > 0; i++)
+		if (r->uses[i] != 1)
 			cost[i] = FLT_MAX;
-	}
 	for (;;) {
-		uint32_t best = 0;
-		for (uint32_t i = 1; i < r->ring_count; i++)
-			if (cost[i] < cost[best])
-				best = i;
+		uint32_t best = cheapest(cost, r->ring_count);
+		uint64_t *exact = &r->exact[best / 64], bit = (uint64_t)1 << best % 64;
 		if (!(cost[best] < FLT_MAX))
 			return false;
-		if (!r->exact[best]) {
-			r->exact[best] = true;
+		if ((*exact & bit) == 0) {
+			*exact |= bit;
 			float values = edge_value_cost(r, best);
 			cost[best] = values < FLT_MAX ? cost[best] + values * inverse : FLT_MAX;
 			continue;
 		}
 		if (cost[best] > checked_to || edge_is_allowed(r, best)) {
-			r->best[p] = r->ring[best].position;
+			r->best[p] = r->ring[best];
 			r->cost[p] = cost[best];
 			return true;
 		}
@@ -588,27 +619,29 @@ static float bucket_end(float cost)
 
 static void queue_push(region *r, uint32_t p)
 {
-	uint32_t bucket = bucket_of(r->cost[p]);
+	uint32_t bucket = bucket_of(r->cost[p]), word = bucket / 64;
 	uint64_t bit = (uint64_t)1 << bucket % 64;
-	if (r->bucket_used[bucket / 64] & bit)
-		r->queue_next[r->bucket_tail[bucket]] = p;
+	if (r->bucket_used[word] & bit)
+		r->queue_next[r->bucket_tail[bucket]] = (uint16_t)p;
 	else
-		r->bucket_head[bucket] = p;
-	r->bucket_used[bucket / 64] |= bit;
-	r->bucket_tail[bucket] = p;
+		r->bucket_head[bucket] = (uint16_t)p;
+	r->bucket_used[word] |= bit;
+	r->bucket_tail[bucket] = (uint16_t)p;
 	r->queue_next[p] = NONE;
 	r->queued[p] = 1;
+	r->bucket_least = word < r->bucket_least ? word : r->bucket_least;
 }
 
 static uint32_t queue_pop(region *r)
 {
-	for (uint32_t word = 0; word < BUCKETS / 64; word++) {
-		if (r->bucket_used[word] == 0)
+	for (; r->bucket_least < BUCKETS / 64; r->bucket_least++) {
+		uint64_t *used = &r->bucket_used[r->bucket_least];
+		if (*used == 0)
 			continue;
-		uint32_t bucket = word * 64 + (uint32_t)__builtin_ctzll(r->bucket_used[word]), p = r->bucket_head[bucket];
+		uint32_t bucket = r->bucket_least * 64 + (uint32_t)__builtin_ctzll(*used), p = r->bucket_head[bucket];
 		r->bucket_head[bucket] = r->queue_next[p];
 		if (r->queue_next[p] == NONE)
-			r->bucket_used[word] &= r->bucket_used[word] - 1;
+			*used &= *used - 1;
 		r->queued[p] = 0;
 		return p;
 	}
@@ -663,31 +696,30 @@ static void region_collapse(region *r, uint32_t p)
 	uint32_t to = r->best[p];
 	uint32_t gone = slot_of(r, to);
 	wedge_map map;
-	map.to[0] = only_target(r, &r->ring[gone]);
+	map.to[0] = only_target(r, gone);
 	bool mapped = map.to[0] != NONE || map_wedges(r, gone, &map);
 	STILB_ASSERT(mapped && "a collapse that was allowed maps all vertices");
 	(void)mapped;
 	uint32_t removed = 0;
 	for (uint32_t i = 0; i < r->corner_count; i++) {
-		uint32_t corner = r->corners[i], k = corner % 3, wedge = 0;
-		region_triangle *triangle = &r->triangles[corner / 3];
+		uint32_t corner = r->corners[i], wedge = 0;
 		if (r->sides[i][0] == gone || r->sides[i][1] == gone) {
-			triangle->vertex[0] = triangle->vertex[1] = triangle->vertex[2] = NONE;
+			r->vertex[corner] = r->vertex[corner_after(corner)] = r->vertex[corner_before(corner)] = NONE;
 			removed++;
 			continue;
 		}
-		while (r->wedges[wedge] != triangle->vertex[k])
+		while (r->wedges[wedge] != r->vertex[corner])
 			wedge++;
-		triangle->vertex[k] = map.to[wedge];
-		triangle->position[k] = to;
-		triangle->next[k] = r->head[to];
-		r->head[to] = corner;
+		r->vertex[corner] = (uint16_t)map.to[wedge];
+		r->position[corner] = (uint16_t)to;
+		r->next[corner] = r->head[to];
+		r->head[to] = (uint16_t)corner;
 	}
 	r->live -= removed;
 	r->head[p] = NONE;
 	record_collapse(r, p, &map, removed, r->cost[p]);
 	for (uint32_t i = 0; i < r->ring_count; i++)
-		neighbour_changed(r, r->ring[i].position, r->cost[p]);
+		neighbour_changed(r, r->ring[i], r->cost[p]);
 }
 
 /* Gathers each position for the first time: what cannot go ever is fixed. */
@@ -747,7 +779,7 @@ static bool record_allocate(geometry_record *record, uint32_t positions, uint32_
 bool geometry_region_collapse(const geometry_round *round, uint32_t id, const uint32_t (*triangles)[3], uint32_t count,
                               geometry_stop stop, geometry_record *record)
 {
-	STILB_ASSERT(round && record);
+	STILB_ASSERT(round && record && count <= GEOMETRY_REGION_MOST);
 	*record = (geometry_record){0};
 	if (count == 0)
 		return true;
@@ -759,6 +791,7 @@ bool geometry_region_collapse(const geometry_round *round, uint32_t id, const ui
 	bool made = region_build_corners(r, triangles, count) && region_allocate(r) &&
 	            record_allocate(record, r->position_count, r->vertex_count);
 	if (made) {
+		find_limited(r);
 		region_build_vertices(r, id);
 		region_run(r, stop);
 	}

@@ -13,7 +13,7 @@ typedef struct geometry_round {
 	 * is one region. */
 	const uint32_t *owner;
 	float scale[STILB_GEOMETRY_STREAMS]; /* metres for a difference of 1 of a stream's value */
-	float value_limit;                   /* m^2, the most that values cost */
+	float value_limit;                   /* m^2, the most that values cost, but for directions */
 	uint32_t groups;                     /* vectors of four numbers for all streams of a vertex */
 	/* m^2: triangles at a position whose areas add up to this cost what they move, squared; larger ones more, since
 	 * more of the surface moves, and smaller ones less. 0: 1. */
@@ -21,6 +21,7 @@ typedef struct geometry_round {
 } geometry_round;
 
 #define GEOMETRY_SHARED UINT32_MAX
+#define GEOMETRY_REGION_MOST 16383u /* triangles of a region */
 
 /* When a region ends: as soon as one of these is reached. */
 typedef struct geometry_stop {

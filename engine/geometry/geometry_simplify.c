@@ -10,6 +10,7 @@
 
 #define REGION 8192u     /* triangles of a region */
 #define VALUE_LIMIT 0.01 /* edges^2: the most that a vertex's values may cost */
+#define KEY_SHIFT 8      /* bits of a Z-order key that are left out: two passes of sorting instead of three */
 #define PILOTS 8u        /* one region of this many tells what the others should pay at most */
 
 /* ---- checking and measuring -------------------------------------------------------------------------------------- */
@@ -231,14 +232,15 @@ static void key_triangles(uint32_t begin, uint32_t end, uint32_t worker, void *c
 	float scale = work->extent > 0.0f ? 1023.0f / (1.6f * work->extent) : 0.0f;
 	for (uint32_t t = begin; t < end; t++) {
 		uint32_t cell[3];
+		const float *p = geometry_position(work->mesh, r->unsorted[t][0]),
+					*q = geometry_position(work->mesh, r->unsorted[t][1]),
+					*s = geometry_position(work->mesh, r->unsorted[t][2]);
 		for (int axis = 0; axis < 3; axis++) {
-			float sum = 0.0f;
-			for (int k = 0; k < 3; k++)
-				sum += geometry_position(work->mesh, r->unsorted[t][k])[axis] - work->lower[axis];
-			float at = (sum * (1.0f / 3.0f) + r->shift[axis] * work->extent) * scale;
+			float middle = (p[axis] + q[axis] + s[axis]) * (1.0f / 3.0f);
+			float at = (middle - work->lower[axis] + r->shift[axis] * work->extent) * scale;
 			cell[axis] = at > 0.0f ? at < 1023.0f ? (uint32_t)at : 1023u : 0u;
 		}
-		r->keyed[t] = (geometry_keyed){geometry_morton(cell[0], cell[1], cell[2]), t};
+		r->keyed[t] = (geometry_keyed){geometry_morton(cell[0], cell[1], cell[2]) >> KEY_SHIFT, t};
 	}
 }
 
@@ -396,7 +398,7 @@ static bool reduce_cut(reduce *r)
 	r->unsorted = (const uint32_t(*)[3])work->triangles;
 	geometry_for(work->pool, work->worker, r->count, 8192, key_triangles, r);
 	geometry_keyed *sorted;
-	if (!geometry_sort(work->pool, work->worker, r->keyed, r->keyed + r->count, r->count, 30, &sorted))
+	if (!geometry_sort(work->pool, work->worker, r->keyed, r->keyed + r->count, r->count, 30 - KEY_SHIFT, &sorted))
 		return false;
 	r->order = sorted;
 	geometry_for(work->pool, work->worker, r->count, 8192, gather_triangles, r);

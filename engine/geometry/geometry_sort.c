@@ -18,21 +18,6 @@ void geometry_for(stilb_job_pool *pool, uint32_t worker, uint32_t count, uint32_
 		fn(0, count, worker, context);
 }
 
-uint32_t geometry_morton(uint32_t x, uint32_t y, uint32_t z)
-{
-	uint32_t code = 0;
-	const uint32_t parts[3] = {x, y, z};
-	for (uint32_t i = 0; i < 3; i++) {
-		uint32_t v = parts[i] & 0x3ff;
-		v = (v | v << 16) & 0x030000ff;
-		v = (v | v << 8) & 0x0300f00f;
-		v = (v | v << 4) & 0x030c30c3;
-		v = (v | v << 2) & 0x09249249;
-		code |= v << i;
-	}
-	return code;
-}
-
 typedef struct sort_pass {
 	const geometry_keyed *in;
 	geometry_keyed *out;
