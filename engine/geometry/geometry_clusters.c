@@ -77,15 +77,21 @@ static void sphere_of(const stilb_geometry_mesh *mesh, const uint32_t (*triangle
 	for (uint32_t i = 0; i < 3 * count; i++) {
 		const float *at = geometry_position(mesh, triangles[0][i]);
 		for (uint32_t axis = 0; axis < 3; axis++) {
-			lower[axis] = fminf(lower[axis], at[axis]);
-			upper[axis] = fmaxf(upper[axis], at[axis]);
+			lower[axis] = at[axis] < lower[axis] ? at[axis] : lower[axis];
+			upper[axis] = at[axis] > upper[axis] ? at[axis] : upper[axis];
 		}
 	}
 	for (uint32_t axis = 0; axis < 3; axis++)
 		center[axis] = 0.5f * lower[axis] + 0.5f * upper[axis];
-	*radius = 0.0f;
-	for (uint32_t i = 0; i < 3 * count; i++)
-		*radius = fmaxf(*radius, distance_of(geometry_position(mesh, triangles[0][i]), center));
+	float square = 0.0f;
+	for (uint32_t i = 0; i < 3 * count; i++) {
+		const float *at = geometry_position(mesh, triangles[0][i]);
+		float x = at[0] - center[0], y = at[1] - center[1], z = at[2] - center[2], own = x * x + y * y + z * z;
+		square = own > square ? own : square;
+	}
+	*radius = sqrtf(square) * LARGER;
+	if (!(square > 1e-30f)) /* too small for squares of floats */
+		*radius = 0.5f * (upper[0] - lower[0] + upper[1] - lower[1] + upper[2] - lower[2]) * LARGER;
 }
 
 static uint32_t clusters_for(const build *b, uint32_t triangles)
@@ -93,8 +99,8 @@ static uint32_t clusters_for(const build *b, uint32_t triangles)
 	return triangles / b->desc->triangles + (triangles % b->desc->triangles != 0);
 }
 
-/* Splits triangles into clusters: sorts them, and describes as many pieces as they take. */
-static void split_triangles(const build *b, uint32_t (*triangles)[3], uint32_t count, uint32_t (*sorted)[3],
+/* Splits triangles into clusters: sorts them, and describes as many pieces as they take. False: no memory. */
+static bool split_triangles(const build *b, uint32_t (*triangles)[3], uint32_t count, uint32_t (*sorted)[3],
                             geometry_spot *spots, piece *pieces, uint32_t from)
 {
 	uint32_t parts = clusters_for(b, count);
@@ -109,7 +115,10 @@ static void split_triangles(const build *b, uint32_t (*triangles)[3], uint32_t c
 		uint32_t begin = (uint32_t)((uint64_t)count * i / parts), end = (uint32_t)((uint64_t)count * (i + 1) / parts);
 		pieces[i] = (piece){.first = begin, .count = end - begin, .from = from};
 		sphere_of(b->work.mesh, (const uint32_t(*)[3])sorted + begin, end - begin, pieces[i].center, &pieces[i].radius);
+		if (!geometry_order_few(sorted + begin, end - begin))
+			return false;
 	}
+	return true;
 }
 
 /* ---- the mesh's own clusters ------------------------------------------------------------------------------------- */
@@ -137,16 +146,17 @@ static void split_runs(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	build *b = context;
 	geometry_spot *spots = stilb_memory_alloc(RUN, sizeof *spots);
 	uint32_t(*own)[3] = stilb_memory_alloc(RUN, sizeof *own);
-	for (uint32_t run = begin; spots && own && run < end; run++) {
+	bool made = spots && own;
+	for (uint32_t run = begin; made && run < end; run++) {
 		uint32_t first = run * RUN, count = b->triangle_count - first < RUN ? b->triangle_count - first : RUN;
 		for (uint32_t t = 0; t < count; t++)
 			memcpy(own[t], b->work.triangles[b->curve[first + t].value], sizeof *own);
 		piece *pieces = b->pieces + run * clusters_for(b, RUN);
-		split_triangles(b, own, count, b->triangles + first, spots, pieces, STILB_SCENE_NONE);
+		made = split_triangles(b, own, count, b->triangles + first, spots, pieces, STILB_SCENE_NONE);
 		for (uint32_t i = 0; i < clusters_for(b, count); i++)
 			pieces[i].first += first;
 	}
-	if (!spots || !own)
+	if (!made)
 		atomic_store_explicit(&b->failed, true, memory_order_relaxed);
 	free(spots);
 	free(own);
@@ -332,7 +342,7 @@ static bool replace_group(const build *b, uint32_t g)
 		       measure_group(b, group, &record, (const uint32_t(*)[3])coarse, count, &distance);
 		if (made) {
 			group->error = (group->error + distance) * LARGER;
-			split_triangles(b, coarse, count, group->coarse, spots, group->pieces, 0);
+			made = split_triangles(b, coarse, count, group->coarse, spots, group->pieces, 0);
 		}
 	}
 	geometry_record_finish(&record);

@@ -102,4 +102,7 @@ bool geometry_distance(const geometry_side *a, const geometry_side *b, stilb_job
  * are as they were. */
 bool geometry_order(const stilb_geometry_mesh *mesh, uint32_t *indices, uint32_t count);
 
+/* The same of 256 triangles at most, without regard to what is in front. */
+bool geometry_order_few(uint32_t (*triangles)[3], uint32_t count);
+
 #endif

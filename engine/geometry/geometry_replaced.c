@@ -30,7 +30,6 @@ typedef struct replaced_work {
 	uint64_t *keys; /* [mask + 1] edges as two positions; 0: free */
 	uint32_t mask;
 	replaced_edge *edges;
-	float *inside; /* [coarser_count] metres, of triangles */
 	uint32_t edge_count;
 	float spacing, farthest; /* metres */
 } replaced_work;
@@ -48,7 +47,7 @@ static float look_from(replaced_work *w, const geometry_tree *tree, stilb_vec3 p
 	geometry_nearest nearest = geometry_tree_nearest(tree, point, FLT_MAX, enough, *hint);
 	*hint = nearest.triangle;
 	float distance = sqrtf(nearest.square);
-	w->farthest = fmaxf(w->farthest, distance);
+	w->farthest = distance > w->farthest ? distance : w->farthest;
 	return distance;
 }
 
@@ -139,7 +138,8 @@ static float parts_of(const replaced_work *w, const stilb_vec3 corner[3], float 
 	float longest = 0.0f;
 	for (int k = 0; k < 3; k++) {
 		stilb_vec3 side = corner[(k + 1) % 3] - corner[k];
-		longest = fmaxf(longest, stilb_vec3_dot(side, side));
+		float square = stilb_vec3_dot(side, side);
+		longest = square > longest ? square : longest;
 	}
 	return fminf(ceilf(sqrtf(longest) / (times * w->spacing)), most);
 }
@@ -150,6 +150,7 @@ static void corners_of(const replaced_work *w, const uint32_t vertex[3], stilb_v
 		corner[k] = place_of(w, vertex[k]);
 }
 
+/* Large triangles of the coarser surface. What the others span are finer vertices, which have been looked at. */
 static void look_at_triangles(replaced_work *w)
 {
 	const geometry_replaced *in = w->in;
@@ -157,13 +158,13 @@ static void look_at_triangles(replaced_work *w)
 	uint32_t hint = NONE;
 	for (uint32_t t = 0; t < in->coarser_count; t++) {
 		corners_of(w, in->coarser[t], corner);
-		w->inside[t] = look_inside(w, &w->finer, corner, parts_of(w, corner, 2.0f, INSIDE), &hint);
-	}
-	for (uint32_t t = 0; t < in->coarser_count; t++)
-		if (w->inside[t] >= NEARLY * w->farthest) {
-			corners_of(w, in->coarser[t], corner);
+		float parts = parts_of(w, corner, 3.0f, INSIDE);
+		if (parts < 2.0f)
+			continue;
+		float farthest = look_inside(w, &w->finer, corner, parts, &hint);
+		if (farthest >= NEARLY * w->farthest)
 			look_inside(w, &w->finer, corner, CLOSER, &hint);
-		}
+	}
 }
 
 /* The finer triangles' vertices tell where they are, but for large ones. */
@@ -198,7 +199,7 @@ static void measure_space(replaced_work *w, float *reach)
 		stilb_vec3 n = stilb_vec3_cross(corner[1] - corner[0], corner[2] - corner[0]);
 		area += 0.5 * (double)sqrtf(stilb_vec3_dot(n, n));
 		for (int axis = 0; axis < 3; axis++)
-			*reach = fmaxf(*reach, fabsf(corner[0][axis]));
+			*reach = fabsf(corner[0][axis]) > *reach ? fabsf(corner[0][axis]) : *reach;
 	}
 	float spacing = (float)sqrt(2.0 * area / w->in->finer_count);
 	w->spacing = spacing > FLT_MIN ? spacing : 1.0f;
@@ -213,10 +214,9 @@ static bool replaced_allocate(replaced_work *w)
 	w->mask = capacity - 1;
 	w->keys = calloc(capacity, sizeof *w->keys);
 	w->edges = stilb_memory_alloc(3 * (size_t)in->coarser_count, sizeof *w->edges);
-	w->inside = stilb_memory_alloc(in->coarser_count, sizeof *w->inside);
 	const float *positions = in->mesh->positions;
 	size_t stride = in->mesh->position_stride;
-	return w->keys && w->edges && w->inside &&
+	return w->keys && w->edges &&
 	       geometry_tree_create(positions, stride, in->finer[0], in->finer_count, NULL, 0, &w->finer) &&
 	       geometry_tree_create(positions, stride, in->coarser[0], in->coarser_count, NULL, 0, &w->coarser);
 }
@@ -236,7 +236,6 @@ bool geometry_replaced_distance(const geometry_replaced *replaced, float *bound)
 	}
 	free(w.keys);
 	free(w.edges);
-	free(w.inside);
 	geometry_tree_finish(&w.finer);
 	geometry_tree_finish(&w.coarser);
 	return made;

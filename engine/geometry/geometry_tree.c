@@ -54,6 +54,17 @@ static void tree_gather(uint32_t begin, uint32_t end, uint32_t worker, void *con
 	}
 }
 
+/* Unlike fminf and fmaxf, which are calls since they look for NaN. */
+static inline float lesser(float a, float b)
+{
+	return a < b ? a : b;
+}
+
+static inline float larger(float a, float b)
+{
+	return a > b ? a : b;
+}
+
 /* The box of child c of a node of a level. False: there is no such child. */
 static bool child_box(const geometry_tree *tree, uint32_t level, uint32_t child, float lower[3], float upper[3])
 {
@@ -67,8 +78,8 @@ static bool child_box(const geometry_tree *tree, uint32_t level, uint32_t child,
 		const geometry_tree_node *node = &tree->levels[level - 1][child];
 		for (int axis = 0; axis < 3; axis++)
 			for (int k = 0; k < 4; k++) {
-				lower[axis] = fminf(lower[axis], node->lower[axis][k]);
-				upper[axis] = fmaxf(upper[axis], node->upper[axis][k]);
+				lower[axis] = lesser(lower[axis], node->lower[axis][k]);
+				upper[axis] = larger(upper[axis], node->upper[axis][k]);
 			}
 		return true;
 	}
@@ -76,8 +87,8 @@ static bool child_box(const geometry_tree *tree, uint32_t level, uint32_t child,
 		return false;
 	for (int k = 0; k < 3; k++)
 		for (int axis = 0; axis < 3; axis++) {
-			lower[axis] = fminf(lower[axis], tree->triangles[child].corner[k][axis]);
-			upper[axis] = fmaxf(upper[axis], tree->triangles[child].corner[k][axis]);
+			lower[axis] = lesser(lower[axis], tree->triangles[child].corner[k][axis]);
+			upper[axis] = larger(upper[axis], tree->triangles[child].corner[k][axis]);
 		}
 	return true;
 }
@@ -122,11 +133,11 @@ bool geometry_tree_create(const float *positions, size_t stride, const uint32_t 
 	b.lower[0] = b.lower[1] = b.lower[2] = FLT_MAX;
 	for (uint32_t i = 0; i < 3 * triangle_count; i++)
 		for (int axis = 0; axis < 3; axis++) {
-			b.lower[axis] = fminf(b.lower[axis], corner_of(&b, i)[axis]);
-			upper[axis] = fmaxf(upper[axis], corner_of(&b, i)[axis]);
+			b.lower[axis] = lesser(b.lower[axis], corner_of(&b, i)[axis]);
+			upper[axis] = larger(upper[axis], corner_of(&b, i)[axis]);
 		}
 	for (int axis = 0; axis < 3; axis++)
-		extent = fmaxf(extent, upper[axis] - b.lower[axis]);
+		extent = larger(extent, upper[axis] - b.lower[axis]);
 	b.scale = extent > 0.0f ? 1023.0f / extent : 0.0f;
 	if (made) {
 		geometry_for(pool, worker, triangle_count, 8192, tree_key, &b);
