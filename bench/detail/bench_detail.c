@@ -24,6 +24,14 @@ static const bench_metric horde_metrics[] = {
 	{"impostors", "ms", true, NULL}, {"meshes", "ms", true, NULL}, {"impostors/meshes", "x", true, NULL},
 	{"bake", "ms", true, NULL},      {"maps", "MiB", true, NULL},  {"pixels", "px", false, NULL},
 	{"rms-8", "%", true, NULL},      {"rms-16", "%", true, NULL}};
+#define VIEW_METRICS(VIEW)                                                                                             \
+	{VIEW "-off", "ms", true, NULL}, {VIEW "-pop", "ms", true, NULL}, {VIEW "-pop/off", "x", true, NULL},              \
+		{VIEW "-record", "ms", true, NULL}, {VIEW "-draws", "", true, NULL},                                           \
+	{                                                                                                                  \
+		VIEW "-triangles", "/px", true, NULL                                                                           \
+	}
+static const bench_metric clusters_metrics[] = {
+	VIEW_METRICS("near"), VIEW_METRICS("whole"), {"triangles", "k", false, NULL}, {"make", "s", true, NULL}};
 #define POP_METRICS(MODE)                                                                                              \
 	{MODE "-pixel", "%", true, NULL}, {MODE "-8x8", "%", true, NULL}, {MODE "-smooth", "%", true, NULL},               \
 		{MODE "-rms", "%", true, NULL},                                                                                \
@@ -82,6 +90,10 @@ static const goal goals[] = {
 	{"horde", "impostors/meshes", "CPU time of a frame as impostors / as meshes in full detail", 0.05},
 	{"horde", "rms-8", "difference from meshes, 8 pixels high, % of white", 2.0},
 	{"horde", "rms-16", "difference from meshes, 16 pixels high, % of white", 2.0},
+	{"clusters", "near-triangles", "triangles for each pixel of the mesh, from its surface", 2.0},
+	{"clusters", "whole-triangles", "triangles for each pixel of the mesh, seen as a whole", 2.0},
+	{"clusters", "near-pop/off", "CPU time of a frame / in full detail, from its surface", 0.1},
+	{"clusters", "whole-pop/off", "CPU time of a frame / in full detail, as a whole", 0.1},
 };
 
 static void print_goals(FILE *out, const bench_results *results)

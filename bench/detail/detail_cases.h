@@ -1,7 +1,7 @@
 /*
  * detail_cases: the cases of the suites `lod` and `pop`, levels of detail: X(NAME, TITLE, METRICS, MODELS, WIDTH,
- * HEIGHT) with METRICS a list of bench_metric in bench_detail.c. Both suites draw the stress test with the modes of
- * `--lod` in turn, in one process.
+ * HEIGHT) with METRICS a list of bench_metric in bench_detail.c; of clusters MODELS are triangles. But for `horde` and
+ * `clusters` they draw the stress test with the modes of `--lod` in turn, in one process.
  */
 #ifndef DETAIL_CASES_H
 #define DETAIL_CASES_H
@@ -20,7 +20,11 @@
 	  1280, 720)                                                                                                       \
 	X("million", "1,000,000 models in 1280x720: CPU time of a frame, and memory", million, 1000000, 1280, 720)         \
 	X("horde", "100,000 people in 1280x720: CPU time of a frame as impostors and as meshes, and their difference",     \
-	  horde, 100000, 1280, 720)
+	  horde, 100000, 1280, 720)                                                                                        \
+	X("clusters",                                                                                                      \
+	  "a mesh of 10,000,000 triangles in 1280x720, seen from its surface and as a whole: CPU time of a frame, "        \
+	  "triangles for each of its pixels",                                                                              \
+	  clusters, 10000000, 1280, 720)
 
 /* A still camera, and an allowed error that grows from 0.36 to 0.68 pixels by 1 % a frame, as if the camera went away
  * by 1 % a frame but the picture stayed: all that changes is what levels of detail change. Pictures have four samples a

@@ -3,6 +3,7 @@
 #include "bench/harness/bench_child.h"
 
 #include "geometry/geometry_impostor.h"
+#include "geometry/geometry_levels.h"
 #include "render/render.h"
 #include "scene/scene.h"
 #include "scene/scene_build.h"
@@ -577,6 +578,178 @@ static void run_horde(const bench_child *child, uint32_t models, uint32_t width,
 	w.ids = all;
 	world_close(&w);
 	stilb_scene_destroy(person);
+}
+
+/* ---- a mesh of millions of triangles ----------------------------------------------------------------------------- */
+
+/* Random numbers at the corners of a grid of 1 m, interpolated: [-1, 1]. */
+static float rock_noise(stilb_vec3 p, uint32_t seed)
+{
+	float low[3], share[3], sum = 0.0f;
+	for (int i = 0; i < 3; i++) {
+		low[i] = floorf(p[i]);
+		share[i] = p[i] - low[i];
+		share[i] *= share[i] * (3.0f - 2.0f * share[i]);
+	}
+	for (uint32_t c = 0; c < 8; c++) {
+		uint64_t place = 0;
+		float weight = 1.0f;
+		for (uint32_t i = 0; i < 3; i++) {
+			place = place << 20 | (uint64_t)((int64_t)low[i] + (c >> i & 1) + 400000);
+			weight *= c >> i & 1 ? share[i] : 1.0f - share[i];
+		}
+		sum += weight * (2.0f * stilb_random_float(seed, place) - 1.0f);
+	}
+	return sum;
+}
+
+/* A ring of rock, 3 m and 1 m in radius about the Y axis, with heights of 0.2 m down to 1 mm: u and v go around it. */
+static stilb_vec3 rock_place(uint32_t u, uint32_t v, uint32_t wide, uint32_t high)
+{
+	float a = 6.2831853f * (float)u / (float)wide, b = 6.2831853f * (float)v / (float)high;
+	stilb_vec3 n = stilb_vec3_make(cosf(b) * cosf(a), sinf(b), cosf(b) * sinf(a));
+	stilb_vec3 p = stilb_vec3_make(3.0f * cosf(a), 0.0f, 3.0f * sinf(a)) + n;
+	float height = 0.0f;
+	for (uint32_t octave = 0; octave < 8; octave++)
+		height += rock_noise(p * (float)(1u << octave), octave) / (float)(8u << octave);
+	return p + n * height;
+}
+
+static void rock_put_normals(stilb_scene_mesh *mesh)
+{
+	for (uint32_t t = 0; t < mesh->index_count; t += 3) {
+		stilb_vec3 p[3];
+		for (uint32_t k = 0; k < 3; k++) {
+			const float *at = mesh->vertices[mesh->indices[t + k]].position;
+			p[k] = stilb_vec3_make(at[0], at[1], at[2]);
+		}
+		stilb_vec3 n = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+		for (uint32_t k = 0; k < 3; k++)
+			for (int i = 0; i < 3; i++)
+				mesh->vertices[mesh->indices[t + k]].normal[i] += n[i];
+	}
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		float *normal = mesh->vertices[v].normal;
+		stilb_vec3 n = stilb_vec3_normalize(stilb_vec3_make(normal[0], normal[1], normal[2]));
+		for (int i = 0; i < 3; i++)
+			normal[i] = n[i];
+	}
+}
+
+/* The ring of about so many triangles, nearly squares. */
+static stilb_scene_mesh rock_make(uint32_t triangles)
+{
+	uint32_t high = (uint32_t)sqrt((double)triangles / 6.0), wide = triangles / 2 / high;
+	stilb_scene_mesh mesh = {.vertex_count = wide * high, .index_count = 6 * wide * high};
+	mesh.vertices = stilb_memory_alloc(mesh.vertex_count, sizeof *mesh.vertices);
+	mesh.indices = stilb_memory_alloc(mesh.index_count, sizeof *mesh.indices);
+	if (!mesh.vertices || !mesh.indices)
+		bench_child_fail("no memory for a mesh of %u triangles", triangles);
+	uint32_t *out = mesh.indices;
+	for (uint32_t v = 0; v < high; v++)
+		for (uint32_t u = 0; u < wide; u++) {
+			stilb_vec3 p = rock_place(u, v, wide, high);
+			uint32_t a = v * wide + u, b = v * wide + (u + 1) % wide, up = (v + 1) % high * wide;
+			const uint32_t square[6] = {a, up + u, b, b, up + u, up + (u + 1) % wide};
+			mesh.vertices[a] = (stilb_scene_vertex){.position = {p[0], p[1], p[2]},
+			                                        .uv = {(float)u / (float)wide, (float)v / (float)high}};
+			memcpy(out, square, sizeof square);
+			out += 6;
+		}
+	rock_put_normals(&mesh);
+	return mesh;
+}
+
+static world rock_open(uint32_t triangles, stilb_render_desc desc)
+{
+	world w = {0};
+	stilb_job_pool_desc workers = {.worker_count = 1};
+	if (stilb_job_pool_create(&workers, &w.pool) != 0)
+		bench_child_fail("no threads");
+	stilb_scene_mesh mesh = rock_make(triangles);
+	stilb_geometry_levels_desc levels = stilb_geometry_levels_desc_default();
+	uint64_t start = bench_child_now_ns();
+	check(stilb_geometry_levels(&mesh, &levels, w.pool, 0));
+	bench_child_metric("make", 1e-9 * (double)(bench_child_now_ns() - start));
+	bench_child_metric("triangles", 1e-3 * (double)(mesh.index_count / 3));
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_material grey = {.diffuse = {0.4f, 0.36f, 0.3f}, .roughness = 1.0f};
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.6f, -0.64f, -0.48f}, .intensity = {2.5f, 2.4f, 2.2f}};
+	stilb_scene_surroundings around = {.sky = {0.35f, 0.4f, 0.5f}, .ground = {0.15f, 0.13f, 0.1f}};
+	stilb_scene_build_part part = {stilb_scene_build_mesh(build, &mesh), stilb_scene_build_material(build, &grey)};
+	stilb_scene_mesh_finish(&mesh);
+	stilb_mat4 here = stilb_mat4_identity();
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &part, 1);
+	stilb_scene_build_light(build, &sun);
+	stilb_scene_build_surroundings(build, &around);
+	check(stilb_scene_build_end(build, &w.scene));
+	w.ids = stilb_memory_alloc(1, sizeof *w.ids);
+	if (!w.ids)
+		bench_child_fail("no memory");
+	w.ids[0] = 0;
+	desc.context_count = 2;
+	check(stilb_render_create(&desc, &w.render));
+	check(stilb_render_set_scene(w.render, w.scene));
+	w.view = (stilb_render_view){.lights = w.scene->lights,
+	                             .light_count = w.scene->light_count,
+	                             .surroundings = w.scene->surroundings,
+	                             .backdrop = {.kind = STILB_SCENE_BACKDROP_NOTHING},
+	                             .shading = stilb_render_shading_default()};
+	return w;
+}
+
+/* Pixels that the last frame's meshes cover. */
+static double covered_pixels(const world *w)
+{
+	stilb_image image;
+	uint32_t covered = 0;
+	check(stilb_render_read_image(w->render, &image));
+	for (size_t i = 0; i < (size_t)image.width * image.height; i++)
+		covered += ((const uint8_t *)image.pixels)[4 * i + 3] > 0;
+	stilb_image_finish(&image);
+	return (double)covered;
+}
+
+static void rock_view(const bench_child *child, world *w, const char *view, const stilb_scene_camera *camera)
+{
+	double times[2][MOST_ROUNDS], records[MOST_ROUNDS], spent = 0.0;
+	char metric[32];
+	uint32_t rounds = 0;
+	world_look(w, camera);
+	draw(w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL); /* pipelines are made, memory grows */
+	draw(w, STILB_RENDER_DETAIL_POP, 0.5f, NULL);
+	double pixels = covered_pixels(w), triangles = (double)stilb_render_triangles(w->render);
+	double draws = (double)stilb_render_stats_get(w->render).draws;
+	for (; rounds < 3 || (spent < 1e3 * child->seconds && rounds < MOST_ROUNDS); rounds++) {
+		times[0][rounds] = draw(w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+		times[1][rounds] = draw(w, STILB_RENDER_DETAIL_POP, 0.5f, &records[rounds]);
+		spent += times[0][rounds] + times[1][rounds];
+	}
+	double off = median(times[0], rounds), pop = median(times[1], rounds);
+	const struct {
+		const char *name;
+		double value;
+	} found[] = {{"off", off},           {"pop", pop},
+	             {"pop/off", pop / off}, {"record", median(records, rounds)},
+	             {"draws", draws},       {"triangles", triangles / pixels}};
+	for (size_t i = 0; i < sizeof found / sizeof *found; i++) {
+		snprintf(metric, sizeof metric, "%s-%s", view, found[i].name);
+		bench_child_metric(metric, found[i].value);
+	}
+}
+
+static void run_clusters(const bench_child *child, uint32_t triangles, uint32_t width, uint32_t height)
+{
+	world w = rock_open(triangles, (stilb_render_desc){.width = width, .height = height, .samples = 1});
+	/* A few centimetres above the top of the ring, along it and a little down; then from where all of it is seen. */
+	stilb_scene_camera near = {
+		.position = {0.5f, 1.25f, 3.1f}, .yaw = 1.7f, .pitch = -0.3f, .fov_y = 0.8f, .near_z = 0.02f, .far_z = 100.0f};
+	stilb_scene_camera whole = {
+		.position = {0.0f, 8.0f, 10.5f}, .pitch = -0.65f, .fov_y = 0.6f, .near_z = 0.02f, .far_z = 100.0f};
+	rock_view(child, &w, "near", &near);
+	rock_view(child, &w, "whole", &whole);
+	world_close(&w);
 }
 
 /* ---- cases ------------------------------------------------------------------------------------------------------- */
