@@ -28,11 +28,14 @@
 
 /* A still camera, and an allowed error that grows from 0.36 to 0.68 pixels by 1 % a frame, as if the camera went away
  * by 1 % a frame but the picture stayed: all that changes is what levels of detail change. Pictures have four samples a
- * pixel. nearer: the largest of the factors 1, 2^(1/2), 2, ... by which all errors may be larger until the worst change
- * of 8 x 8 pixels is more than popping's without a factor. */
+ * pixel. 0 models: six boulders with long chains of levels, 100 pixels wide. static: of pixels in which no frame shows
+ * more or less of any model than another. nearer: the largest of the factors 1, 2^(1/2), 2, ..., 16 by which all errors
+ * may be larger until the worst change is more than popping's without a factor: of 8 x 8 static pixels, of 8 x 8 pixels
+ * anywhere, of a static pixel. */
 #define DETAIL_POPS(X)                                                                                                 \
 	X("changes", "worst change between frames, and difference from full detail at 0.5 pixels, % of white", pop, 400,   \
 	  320, 180)                                                                                                        \
-	X("nearer", "how much larger errors may be at the worst change of popping", nearer, 400, 320, 180)
+	X("boulders", "the same of six large ones", pop, 0, 320, 180)                                                      \
+	X("nearer", "how much larger errors may be at the worst change of popping, of large ones", nearer, 0, 320, 180)
 
 #endif

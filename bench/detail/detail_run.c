@@ -39,16 +39,18 @@ static void world_look(world *w, const stilb_scene_camera *camera)
 	memcpy(w->view.camera_position, camera->position, sizeof camera->position);
 }
 
-/* workers: threads besides this one. */
-static world world_open(uint32_t models, stilb_render_desc desc, uint32_t workers)
+/* A world of the scene that `make` makes. workers: threads besides this one. */
+static world world_of(stilb_scene *make(stilb_job_pool *pool), stilb_render_desc desc, uint32_t workers)
 {
 	world w = {0};
-	check(stilb_scene_create_stress(models, 1, &w.scene));
-	w.ids = stilb_memory_alloc(models, sizeof *w.ids);
 	stilb_job_pool_desc pool = {.worker_count = workers};
-	if (!w.ids || stilb_job_pool_create(&pool, &w.pool) != 0)
-		bench_child_fail("no memory or threads");
-	for (uint32_t m = 0; m < models; m++)
+	if (stilb_job_pool_create(&pool, &w.pool) != 0)
+		bench_child_fail("no threads");
+	w.scene = make(w.pool);
+	w.ids = stilb_memory_alloc(w.scene->model_count, sizeof *w.ids);
+	if (!w.ids)
+		bench_child_fail("no memory for %u models", w.scene->model_count);
+	for (uint32_t m = 0; m < w.scene->model_count; m++)
 		w.ids[m] = m;
 	desc.context_count = pool.worker_count + 1;
 	desc.morph = true;
@@ -58,6 +60,25 @@ static world world_open(uint32_t models, stilb_render_desc desc, uint32_t worker
 	                             .light_count = w.scene->light_count,
 	                             .surroundings = w.scene->surroundings,
 	                             .shading = stilb_render_shading_default()};
+	world_look(&w, &w.scene->camera);
+	return w;
+}
+
+static uint32_t stress_models;
+
+static stilb_scene *stress_scene(stilb_job_pool *pool)
+{
+	(void)pool;
+	stilb_scene *scene;
+	check(stilb_scene_create_stress(stress_models, 1, &scene));
+	return scene;
+}
+
+/* The stress test with all models in view. */
+static world world_open(uint32_t models, stilb_render_desc desc, uint32_t workers)
+{
+	stress_models = models;
+	world w = world_of(stress_scene, desc, workers);
 	stilb_scene_camera camera =
 		stilb_scene_stress_camera(w.scene, STILB_SCENE_VIEW_ALL, (float)desc.width / (float)desc.height);
 	world_look(&w, &camera);
@@ -154,9 +175,11 @@ static void run_record(const bench_child *child, uint32_t models, uint32_t width
 	for (int mode = 0; mode < MODES; mode++)
 		times[mode][0] = (double)INFINITY;
 	/* The least of all rounds: whoever else wants the CPU only makes a frame longer. */
-	for (uint32_t rounds = 0; rounds < 30 || bench_child_now_ns() < end; rounds++)
+	for (uint32_t rounds = 0; rounds < 10 || bench_child_now_ns() < end; rounds++)
 		for (int mode = 0; mode < MODES; mode++) {
 			double ms;
+			for (int frame = 0; frame < 16; frame++) /* parts come to rest in this mode */
+				draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
 			draw(&w, (stilb_render_detail_mode)mode, 0.5f, &ms);
 			times[mode][0] = fmin(times[mode][0], ms);
 		}
@@ -256,80 +279,183 @@ static film film_make(world *w, stilb_render_detail_mode mode, double scale)
 	return f;
 }
 
+/* A scene twice: as it is lit, and each model in a colour of its own without light. */
+typedef struct stage {
+	world lit, named;
+} stage;
+
+/* Six bumpy balls, about a hundred pixels wide in the pictures of the suite, with all the levels that can be made of
+ * them. Beside smaller ones their insides are large. */
+static stilb_scene *boulders_scene(stilb_job_pool *pool)
+{
+	stilb_scene_build *build = stilb_scene_build_begin();
+	stilb_scene_mesh ball;
+	check(stilb_scene_mesh_sphere(5, &ball));
+	for (uint32_t v = 0; v < ball.vertex_count; v++) {
+		float *p = ball.vertices[v].position, *n = ball.vertices[v].normal, slope[3], along = 0.0f;
+		float bump = 0.05f * sinf(5.0f * p[0] + 1.0f) * sinf(6.0f * p[1]) * sinf(4.0f * p[2] + 2.0f);
+		slope[0] = 0.25f * cosf(5.0f * p[0] + 1.0f) * sinf(6.0f * p[1]) * sinf(4.0f * p[2] + 2.0f);
+		slope[1] = 0.3f * sinf(5.0f * p[0] + 1.0f) * cosf(6.0f * p[1]) * sinf(4.0f * p[2] + 2.0f);
+		slope[2] = 0.2f * sinf(5.0f * p[0] + 1.0f) * sinf(6.0f * p[1]) * cosf(4.0f * p[2] + 2.0f);
+		for (int i = 0; i < 3; i++)
+			along += slope[i] * p[i];
+		stilb_vec3 normal = {0};
+		for (int i = 0; i < 3; i++) /* of the surface |p| = 1 + bump, to first order */
+			normal[i] = p[i] * (1.0f + along) - slope[i];
+		normal = stilb_vec3_normalize(normal);
+		for (int i = 0; i < 3; i++) {
+			n[i] = normal[i];
+			p[i] *= 1.0f + bump;
+		}
+	}
+	stilb_geometry_levels_desc levels = stilb_geometry_levels_desc_default();
+	check(stilb_geometry_levels(&ball, &levels, pool, 0));
+	uint32_t mesh = stilb_scene_build_mesh(build, &ball);
+	stilb_scene_mesh_finish(&ball);
+	for (uint32_t m = 0; m < 6; m++) {
+		stilb_scene_material paint = {.diffuse = {0.5f, 0.45f, 0.3f}, .roughness = 0.6f};
+		stilb_scene_build_part part = {mesh, stilb_scene_build_material(build, &paint)};
+		float size = 1.0f - 0.04f * (float)m, angle = (float)m, c = size * cosf(angle), s = size * sinf(angle);
+		stilb_mat4 place = {{c, 0, -s, 0, 0, size, 0, 0, s, 0, c, 0, 0, 0, 0, 1}};
+		place.m[12] = 2.2f * ((float)(m % 3) - 1.0f);
+		place.m[13] = 2.2f * ((float)(m / 3) - 0.5f);
+		stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &place), &part, 1);
+	}
+	stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.48f, -0.6f, -0.64f}, .intensity = {2.5f, 2.4f, 2.2f}};
+	stilb_scene_surroundings around = {.sky = {0.35f, 0.4f, 0.5f}, .ground = {0.15f, 0.13f, 0.1f}};
+	stilb_scene_build_light(build, &sun);
+	stilb_scene_build_surroundings(build, &around);
+	stilb_scene *scene;
+	check(stilb_scene_build_end(build, &scene));
+	scene->camera = (stilb_scene_camera){.position = {0, 0, 12}, .fov_y = 0.37f, .near_z = 1.0f, .far_z = 30.0f};
+	return scene;
+}
+
+/* models: of the stress test; 0: the boulders. */
+static stage stage_open(uint32_t models, uint32_t width, uint32_t height)
+{
+	stage s;
+	stilb_render_desc desc = {.width = width, .height = height, .samples = 4};
+	for (int named = 0; named < 2; named++) {
+		world *w = named ? &s.named : &s.lit;
+		*w = models > 0 ? world_open(models, desc, 1) : world_of(boulders_scene, desc, 1);
+		if (!named)
+			continue;
+		for (uint32_t m = 0; m < w->scene->material_count; m++) {
+			stilb_scene_material *material = &w->scene->materials[m];
+			*material = (stilb_scene_material){.roughness = 1.0f};
+			for (uint32_t c = 0; c < 3; c++)
+				material->emission[c] = stilb_random_float(5, 3 * (uint64_t)m + c);
+		}
+		w->view.light_count = 0;
+		w->view.surroundings = (stilb_scene_surroundings){0};
+	}
+	return s;
+}
+
+static void stage_close(stage *s)
+{
+	world_close(&s->lit);
+	world_close(&s->named);
+}
+
+/* True for pixels in which no frame of the sweep shows more or less of any model than the others do. */
+static bool *static_pixels(stage *s, stilb_render_detail_mode mode, double scale)
+{
+	film f = film_make(&s->named, mode, scale);
+	bool *still = stilb_memory_alloc(film_size(&f) / 3, 1);
+	if (!still)
+		bench_child_fail("no memory for a picture");
+	for (size_t i = 0; i < film_size(&f) / 3; i++) {
+		still[i] = true;
+		for (uint32_t frame = 1; frame < SWEEP_FRAMES && still[i]; frame++)
+			still[i] = memcmp(f.codes + 3 * i, f.codes + frame * film_size(&f) + 3 * i, 3) == 0;
+	}
+	free(f.codes);
+	return still;
+}
+
 /* The largest change from one frame to the next, % of white. */
 typedef struct change {
-	double pixel, block; /* of a pixel's channel; of its mean over any 8 x 8 pixels */
-	double smooth;       /* of a pixel's channel inside of surfaces */
+	double pixel, block;             /* of a pixel's channel; of its mean over any 8 x 8 pixels */
+	double still_pixel, still_block; /* the same, of static pixels alone */
 } change;
 
-/* True for pixels inside of surfaces: in the picture in full detail none of the eight around them differs from them by
- * more than 10 % of white. */
-static bool *smooth_pixels(const stilb_image *full)
+/* Sums over rectangles: [(height + 1) * (width + 1)], of what lies above and left of a corner. */
+static void sum_up(int32_t *sums, uint32_t width, uint32_t y, uint32_t x, int32_t value)
 {
-	const uint8_t *codes = full->pixels;
-	uint32_t width = full->width, height = full->height;
-	bool *smooth = stilb_memory_alloc((size_t)width * height, 1);
-	if (!smooth)
-		bench_child_fail("no memory for a picture");
-	for (uint32_t y = 0; y < height; y++)
-		for (uint32_t x = 0; x < width; x++) {
-			size_t at = (size_t)y * width + x;
-			smooth[at] = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
-			for (int i = 0; i < 9 && smooth[at]; i++)
-				for (size_t c = 0; c < 3; c++) {
-					size_t beside = (y + (size_t)(i / 3) - 1) * width + x + (size_t)(i % 3) - 1;
-					smooth[at] &= abs(codes[3 * at + c] - codes[3 * beside + c]) <= 25;
-				}
-		}
-	return smooth;
+	size_t at = (size_t)(y + 1) * (width + 1) + x + 1;
+	sums[at] = value + sums[at - 1] + sums[at - width - 1] - sums[at - width - 2];
 }
 
-/* The difference of two frames' means over the 8 x 8 pixels from x, y on, in channel c. */
-static double block_change(const film *f, const uint8_t *before, const uint8_t *now, uint32_t x, uint32_t y, uint32_t c)
+static int32_t sum_of_block(const int32_t *sums, uint32_t width, uint32_t y, uint32_t x)
 {
-	int sum = 0;
-	for (uint32_t i = 0; i < 64; i++) {
-		size_t at = ((size_t)(y + i / 8) * f->width + x + i % 8) * 3 + c;
-		sum += now[at] - before[at];
+	const int32_t *first = sums + (size_t)y * (width + 1) + x, *last = first + (size_t)8 * (width + 1);
+	return last[8] - last[0] - first[8] + first[0];
+}
+
+/* Adds the change from one frame to the next. sums: two of f's size; the first has how many pixels are static. */
+static void frame_change(const film *f, uint32_t frame, const bool *is_still, int32_t *sums[2], change *worst)
+{
+	const uint8_t *now = f->codes + frame * film_size(f), *before = now - film_size(f);
+	if (memcmp(now, before, film_size(f)) == 0)
+		return;
+	for (size_t c = 0; c < 3; c++) {
+		for (uint32_t y = 0; y < f->height; y++)
+			for (uint32_t x = 0; x < f->width; x++) {
+				size_t at = (size_t)y * f->width + x;
+				int32_t step = now[3 * at + c] - before[3 * at + c];
+				double here = fabs((double)step) / 2.55;
+				sum_up(sums[1], f->width, y, x, step);
+				worst->pixel = fmax(worst->pixel, here);
+				worst->still_pixel = is_still[at] ? fmax(worst->still_pixel, here) : worst->still_pixel;
+			}
+		for (uint32_t y = 0; y + 8 <= f->height; y++)
+			for (uint32_t x = 0; x + 8 <= f->width; x++) {
+				double here = fabs((double)sum_of_block(sums[1], f->width, y, x)) / 64.0 / 2.55;
+				bool still = sum_of_block(sums[0], f->width, y, x) == 64;
+				worst->block = fmax(worst->block, here);
+				worst->still_block = still ? fmax(worst->still_block, here) : worst->still_block;
+			}
 	}
-	return fabs((double)sum) / 64.0;
 }
 
-static change film_change(const film *f, const bool *smooth)
+static change film_change(const film *f, const bool *is_still)
 {
 	change worst = {0};
-	for (uint32_t frame = 1; frame < SWEEP_FRAMES; frame++) {
-		const uint8_t *now = f->codes + frame * film_size(f), *before = now - film_size(f);
-		for (size_t i = 0; i < film_size(f); i++) {
-			double here = fabs((double)now[i] - (double)before[i]) / 2.55;
-			worst.pixel = fmax(worst.pixel, here);
-			worst.smooth = smooth[i / 3] ? fmax(worst.smooth, here) : worst.smooth;
-		}
-		for (uint32_t y = 0; y + 8 <= f->height; y++)
-			for (uint32_t x = 0; x + 8 <= f->width; x++)
-				for (uint32_t c = 0; c < 3; c++)
-					worst.block = fmax(worst.block, block_change(f, before, now, x, y, c) / 2.55);
-	}
+	size_t corners = (size_t)(f->width + 1) * (f->height + 1);
+	int32_t *sums[2] = {calloc(corners, sizeof *sums[0]), calloc(corners, sizeof *sums[1])};
+	if (!sums[0] || !sums[1])
+		bench_child_fail("no memory for a picture");
+	for (uint32_t y = 0; y < f->height; y++)
+		for (uint32_t x = 0; x < f->width; x++)
+			sum_up(sums[0], f->width, y, x, is_still[(size_t)y * f->width + x]);
+	for (uint32_t frame = 1; frame < SWEEP_FRAMES; frame++)
+		frame_change(f, frame, is_still, sums, &worst);
+	free(sums[0]);
+	free(sums[1]);
 	return worst;
 }
 
-static change sweep(world *w, const bool *smooth, stilb_render_detail_mode mode, double scale)
+static change sweep(stage *s, stilb_render_detail_mode mode, double scale)
 {
-	film f = film_make(w, mode, scale);
-	change found = film_change(&f, smooth);
+	film f = film_make(&s->lit, mode, scale);
+	bool *still = static_pixels(s, mode, scale);
+	change found = film_change(&f, still);
+	free(still);
 	free(f.codes);
 	return found;
 }
 
-/* Difference of two pictures, root of the mean square over pixels that are not background, or over smooth ones of these
- * if smooth is not NULL, % of white. */
-static double picture_rms(const stilb_image *a, const stilb_image *b, const bool *smooth)
+/* Difference of two pictures, root of the mean square over pixels that are not background, % of white. */
+static double picture_rms(const stilb_image *a, const stilb_image *b)
 {
 	const uint8_t *p = a->pixels, *q = b->pixels, *background = p;
 	double square = 0.0;
 	size_t covered = 0;
 	for (size_t i = 0; i < (size_t)a->width * a->height; i++, p += 3, q += 3) {
-		if ((memcmp(p, background, 3) == 0 && memcmp(q, background, 3) == 0) || (smooth && !smooth[i]))
+		if (memcmp(p, background, 3) == 0 && memcmp(q, background, 3) == 0)
 			continue;
 		covered++;
 		for (int c = 0; c < 3; c++)
@@ -338,57 +464,66 @@ static double picture_rms(const stilb_image *a, const stilb_image *b, const bool
 	return sqrt(square / (3.0 * (double)covered)) / 2.55;
 }
 
+static void pop_metric(stilb_render_detail_mode mode, const char *name, double value)
+{
+	char metric[32];
+	snprintf(metric, sizeof metric, "%s-%s", stilb_render_detail_names[mode], name);
+	bench_child_metric(metric, value);
+}
+
 static void run_pop(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
 {
 	(void)child;
-	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 4}, 1);
+	stage s = stage_open(models, width, height);
 	stilb_image full;
-	draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
-	check(stilb_render_read_image(w.render, &full));
-	bool *smooth = smooth_pixels(&full);
+	draw(&s.lit, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
+	check(stilb_render_read_image(s.lit.render, &full));
 	for (int mode = STILB_RENDER_DETAIL_POP; mode <= STILB_RENDER_DETAIL_MORPH; mode++) {
-		char metric[32];
 		stilb_image image;
-		change found = sweep(&w, smooth, (stilb_render_detail_mode)mode, 1.0);
-		snprintf(metric, sizeof metric, "%s-pixel", stilb_render_detail_names[mode]);
-		bench_child_metric(metric, found.pixel);
-		snprintf(metric, sizeof metric, "%s-8x8", stilb_render_detail_names[mode]);
-		bench_child_metric(metric, found.block);
-		snprintf(metric, sizeof metric, "%s-smooth", stilb_render_detail_names[mode]);
-		bench_child_metric(metric, found.smooth);
-		check(stilb_render_set_scene(w.render, w.scene));
-		draw(&w, (stilb_render_detail_mode)mode, 0.5f, NULL);
-		check(stilb_render_read_image(w.render, &image));
-		snprintf(metric, sizeof metric, "%s-rms", stilb_render_detail_names[mode]);
-		bench_child_metric(metric, picture_rms(&full, &image, NULL));
-		snprintf(metric, sizeof metric, "%s-smooth-rms", stilb_render_detail_names[mode]);
-		bench_child_metric(metric, picture_rms(&full, &image, smooth));
+		change found = sweep(&s, (stilb_render_detail_mode)mode, 1.0);
+		pop_metric((stilb_render_detail_mode)mode, "pixel", found.pixel);
+		pop_metric((stilb_render_detail_mode)mode, "8x8", found.block);
+		pop_metric((stilb_render_detail_mode)mode, "static", found.still_pixel);
+		pop_metric((stilb_render_detail_mode)mode, "static-8x8", found.still_block);
+		check(stilb_render_set_scene(s.lit.render, s.lit.scene));
+		draw(&s.lit, (stilb_render_detail_mode)mode, 0.5f, NULL);
+		check(stilb_render_read_image(s.lit.render, &image));
+		pop_metric((stilb_render_detail_mode)mode, "rms", picture_rms(&full, &image));
 		stilb_image_finish(&image);
 	}
-	free(smooth);
 	stilb_image_finish(&full);
-	world_close(&w);
+	stage_close(&s);
+}
+
+/* The three changes that are compared: of 8 x 8 static pixels, of 8 x 8 pixels anywhere, of a static pixel. */
+#define NEARER_KINDS 3
+static void nearer_changes(stage *s, stilb_render_detail_mode mode, double factor, double out[NEARER_KINDS])
+{
+	change found = sweep(s, mode, factor);
+	memcpy(out, (double[NEARER_KINDS]){found.still_block, found.block, found.still_pixel}, NEARER_KINDS * sizeof *out);
 }
 
 static void run_nearer(const bench_child *child, uint32_t models, uint32_t width, uint32_t height)
 {
+	static const char *const kinds[NEARER_KINDS] = {"static-8x8", "8x8", "static"};
 	(void)child;
-	world w = world_open(models, (stilb_render_desc){.width = width, .height = height, .samples = 4}, 1);
-	stilb_image full;
-	draw(&w, STILB_RENDER_DETAIL_OFF, 0.5f, NULL);
-	check(stilb_render_read_image(w.render, &full));
-	bool *smooth = smooth_pixels(&full);
-	double bound = sweep(&w, smooth, STILB_RENDER_DETAIL_POP, 1.0).block;
+	stage s = stage_open(models, width, height);
+	double bound[NEARER_KINDS], here[NEARER_KINDS];
+	nearer_changes(&s, STILB_RENDER_DETAIL_POP, 1.0, bound);
 	for (int mode = STILB_RENDER_DETAIL_FADE; mode <= STILB_RENDER_DETAIL_MORPH; mode++) {
-		double factor = 0.0;
-		for (double next = 1.0; next <= 16.0 && sweep(&w, smooth, (stilb_render_detail_mode)mode, next).block <= bound;
-		     next *= M_SQRT2)
-			factor = next;
-		bench_child_metric(stilb_render_detail_names[mode], factor);
+		double factor[NEARER_KINDS] = {0.0};
+		bool ended[NEARER_KINDS] = {false};
+		for (double next = 1.0; next <= 16.01 && !(ended[0] && ended[1] && ended[2]); next *= M_SQRT2) {
+			nearer_changes(&s, (stilb_render_detail_mode)mode, next, here);
+			for (int k = 0; k < NEARER_KINDS; k++) {
+				ended[k] |= here[k] > bound[k];
+				factor[k] = ended[k] ? factor[k] : next;
+			}
+		}
+		for (int k = 0; k < NEARER_KINDS; k++)
+			pop_metric((stilb_render_detail_mode)mode, kinds[k], factor[k]);
 	}
-	free(smooth);
-	stilb_image_finish(&full);
-	world_close(&w);
+	stage_close(&s);
 }
 
 /* ---- the horde --------------------------------------------------------------------------------------------------- */

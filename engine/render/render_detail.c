@@ -130,6 +130,8 @@ uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, con
 {
 	uint32_t level = (history & 63u) - 1, from = (history >> 6 & 63u) - 1, sixteenths = history >> 12;
 	bool fades = render_detail_fades(history);
+	if (!fades && history >= RENDER_DETAIL_PLACE) /* it has morphed until now */
+		level = (history - RENDER_DETAIL_PLACE) / 64u;
 	/* Never drawn before, or another mesh's. */
 	if (level > levels->count || (fades && from > levels->count))
 		return render_detail_rest(allowed);
@@ -141,7 +143,7 @@ uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, con
 		return render_detail_rest(wanted);
 	if (fades)
 		return detail_go_on(level, from, sixteenths, wanted);
-	return wanted == level ? history : detail_history(wanted, level, 1);
+	return wanted == level ? render_detail_rest(level) : detail_history(wanted, level, 1);
 }
 
 /* ---- impostors --------------------------------------------------------------------------------------------------- */

@@ -82,6 +82,29 @@ static void levels_put_vertices(const stilb_scene_mesh *mesh, stilb_scene_vertex
 	}
 }
 
+/* The bits of a float, which for positive ones grow with it: as its logarithm to the base 2 does at powers of 2, and in
+ * a straight line between them. */
+static int32_t levels_bits(float value)
+{
+	int32_t bits;
+	memcpy(&bits, &value, sizeof bits);
+	return bits;
+}
+
+/* Where each level begins to morph to the next: where the next one's error is twice what is allowed, or if that is
+ * before the level itself begins, there. */
+static void levels_put_begins(render_levels *levels)
+{
+	const float *squared = render_levels_squared(levels);
+	render_morph *begins = (render_morph *)render_levels_begins(levels);
+	for (uint32_t l = 0; l <= levels->count; l++) {
+		float most =
+			l > 0 && l < levels->count && squared[l] < 4.0f * squared[l - 1] ? squared[l] / squared[l - 1] : 4.0f;
+		int32_t begin = levels_bits(most), length = begin - levels_bits(1.0f);
+		begins[l] = (render_morph){begin, length > 0 ? 64.0f / (float)length : 0.0f};
+	}
+}
+
 /* Fills in levels and indices. */
 static void levels_put(const stilb_scene_mesh *mesh, bool pairs, render_levels_data *data)
 {
@@ -101,6 +124,7 @@ static void levels_put(const stilb_scene_mesh *mesh, bool pairs, render_levels_d
 	if (mesh->cluster_index_count > 0)
 		memcpy(data->indices + at[0], mesh->cluster_indices, mesh->cluster_index_count * sizeof *data->indices);
 	STILB_ASSERT(at[0] + mesh->cluster_index_count == data->index_count && at[1] == data->narrow_count);
+	levels_put_begins(levels);
 }
 
 bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_data *data)
@@ -126,8 +150,9 @@ bool render_levels_make(const stilb_scene_mesh *mesh, bool morph, render_levels_
 	data->vertices = pairs ? stilb_memory_alloc(vertices, sizeof *data->vertices) : mesh->vertices;
 	data->indices = stilb_memory_alloc(indices[0], sizeof *data->indices);
 	data->narrow = stilb_memory_alloc(indices[1], sizeof *data->narrow);
-	data->levels = stilb_memory_alloc(1, sizeof *data->levels + (size_t)4 * groups * sizeof(float) +
-	                                         all * sizeof(render_level) + count * sizeof(uint32_t));
+	data->levels =
+		stilb_memory_alloc(1, sizeof *data->levels + (size_t)4 * groups * sizeof(float) + all * sizeof(render_level) +
+	                              count * sizeof(uint32_t) + (count + 1) * sizeof(render_morph));
 	render_clusters *clusters = mesh->cluster_count > 0 ? render_clusters_make(mesh, coarser) : NULL;
 	if (!data->vertices || !data->indices || !data->narrow || !data->levels ||
 	    !clusters != (mesh->cluster_count == 0)) {

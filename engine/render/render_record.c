@@ -704,28 +704,30 @@ static inline bool record_choose(const render_detail_view *view, const render_le
 }
 
 /* The same for a mesh that morphs. */
-static inline void record_choose_morph(const render_levels *levels, float stretch, float room, record_what *what)
+static inline void record_choose_morph(const render_levels *levels, float stretch, float room, float inverse,
+                                       uint16_t *history, record_what *what)
 {
-	uint32_t level = render_detail_allowed(levels, stretch, room);
-	uint32_t gone = render_detail_morph(levels, level, stretch, room);
+	uint32_t allowed = render_detail_allowed(levels, stretch, room);
+	uint32_t target = 64 * allowed + render_detail_morph(levels, allowed, stretch, inverse);
+	uint32_t place = render_detail_follow(history, 64 * levels->count, target);
+	uint32_t level = place >> 6, gone = place & 63u;
 	what->level = &render_levels_level(levels)[level + ((levels->count + 1) & -(uint32_t)(gone > 0))];
 	what->detail = gone << RENDER_DETAIL_SHIFT;
 	record_set_state(levels, level, what);
 }
 
 /* Records a part in the level that its room allows. False: it fades, and is not recorded. morphs: a constant, so that
- * each mode has code of its own. */
-__attribute__((always_inline)) static inline bool record_part_seen(const render_detail_view *view,
-                                                                   stilb_render_context *context,
-                                                                   const record_parts *parts, uint32_t p, float room,
-                                                                   bool morphs, bool has_levels, record_what what)
+ * each mode has code of its own; only with it the inverse of the room counts. */
+__attribute__((always_inline)) static inline bool
+record_part_seen(const render_detail_view *view, stilb_render_context *context, const record_parts *parts, uint32_t p,
+                 float room, float inverse, bool morphs, bool has_levels, record_what what)
 {
 	uint64_t plain = morphs ? RENDER_STATE_MORPH : view->shows ? RENDER_STATE_SHOW : 0;
 	if (has_levels) {
 		const render_levels *levels = context->levels[what.mesh];
 		float stretch = record_stretch(&parts->transforms[p]);
 		if (morphs && levels->morphs > 0)
-			record_choose_morph(levels, stretch, room, &what);
+			record_choose_morph(levels, stretch, room, inverse, &parts->history[p], &what);
 		else if (!record_choose(view, levels, stretch, room, &parts->history[p], &what))
 			return false;
 	}
@@ -815,8 +817,8 @@ __attribute__((noinline)) static bool record_part_odd(const record_pass_view *re
 	if (levels && context->levels[what.mesh]->clusters)
 		return record_part_cut(recorded, context, &parts, p, room, what);
 	return recorded->view.mode == STILB_RENDER_DETAIL_MORPH
-	           ? record_part_seen(&recorded->view, context, &parts, p, room, true, levels, what)
-	           : record_part_seen(&recorded->view, context, &parts, p, room, false, levels, what);
+	           ? record_part_seen(&recorded->view, context, &parts, p, room, 1.0f / room, true, levels, what)
+	           : record_part_seen(&recorded->view, context, &parts, p, room, 0.0f, false, levels, what);
 }
 
 /* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs:
@@ -831,15 +833,15 @@ __attribute__((always_inline)) static inline bool record_models_seen(const recor
 	for (uint32_t i = first; i < end; i++) {
 		uint32_t model = parts.visible[i];
 		STILB_ASSERT(model < recorded->pass.scene->model_count);
+		float room = rooms[i - first], inverse = morphs ? 1.0f / room : 0.0f;
 		for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++) {
 			record_what what = record_what_of(context, &parts, p);
 			uint32_t flags = context->meshes[what.mesh].flags;
-			float room = rooms[i - first];
 			what.state = 0;
 			if (flags == RENDER_MESH_LEVELS)
-				fades |= !record_part_seen(&view, context, &parts, p, room, morphs, true, what);
+				fades |= !record_part_seen(&view, context, &parts, p, room, inverse, morphs, true, what);
 			else if (__builtin_expect(flags == 0, 1))
-				record_part_seen(&view, context, &parts, p, room, morphs, false, what);
+				record_part_seen(&view, context, &parts, p, room, inverse, morphs, false, what);
 			else
 				fades |= !record_part_odd(recorded, context, p, room);
 		}

@@ -47,13 +47,19 @@ static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two
 
 typedef struct render_clusters render_clusters; /* render_clusters.h */
 
+/* How the levels of a mesh morph to the next: see render_detail_morph. */
+typedef struct render_morph {
+	int32_t begin; /* bits of the float that is the square of the next one's error in terms of the allowed one */
+	float pace;    /* 64ths of the way for each bit less */
+} render_morph;
+
 /* The levels of a mesh, and its clusters; constant from its creation to its release. Behind it lie float
  * squared[4 * groups], the squares of the levels' errors, ascending, and infinite beyond them; then render_level
  * level[count + 1], of which the first is the mesh in full; then with morphs render_level morph[count]; then uint32_t
- * vertices[count], how many of the mesh's first vertices each level uses. Indices lie in their heaps in the order of
- * the levels: those of the first levels, which may have too many vertices for 16 bits, in that of 32 bits, and those of
- * the others in the other one. Those of clusters that are from groups lie in that of 32 bits behind the last level. A
- * mesh with clusters alone has no levels, count 0.
+ * vertices[count], how many of the mesh's first vertices each level uses; then render_morph begins[count + 1]. Indices
+ * lie in their heaps in the order of the levels: those of the first levels, which may have too many vertices for 16
+ * bits, in that of 32 bits, and those of the others in the other one. Those of clusters that are from groups lie in
+ * that of 32 bits behind the last level. A mesh with clusters alone has no levels, count 0.
  *
  * With morphs, the mesh's vertices lie in the heap in pairs, from an even place on: the vertex, and where it morphs to.
  * Indices of a level name the first of a pair. morph[l] has the triangles of level[l], but names the second one for
@@ -92,6 +98,11 @@ static inline const render_level *render_levels_level(const render_levels *level
 static inline const uint32_t *render_levels_vertices(const render_levels *levels)
 {
 	return (const uint32_t *)(render_levels_level(levels) + 1 + levels->count + levels->morphs * (size_t)levels->count);
+}
+
+static inline const render_morph *render_levels_begins(const render_levels *levels)
+{
+	return (const render_morph *)(render_levels_vertices(levels) + levels->count);
 }
 
 /* A material as the fragment shader reads it (shaders/mesh.glsl). */

@@ -307,14 +307,14 @@ static void fades_take_sixteen_frames(void **state)
 	stilb_job_pool_destroy(pool);
 }
 
-/* Levels of errors 1, 2, 4, 8, 16 m for calls of render_detail_step. */
-static render_levels *make_levels(uint32_t count)
+/* Levels of errors 1 m, growth, growth^2, ... for calls of render_detail_step. */
+static render_levels *make_levels_of(uint32_t count, float growth)
 {
 	stilb_scene_level levels[STILB_SCENE_MAX_LEVELS];
 	uint32_t indices[3 * (STILB_SCENE_MAX_LEVELS + 2)] = {0};
 	stilb_scene_vertex vertex = {{0}, {0, 0, 1}, {0}};
 	for (uint32_t l = 0; l < count; l++)
-		levels[l] = (stilb_scene_level){0, 3 * (count - l), 1, (float)(1u << l)};
+		levels[l] = (stilb_scene_level){0, 3 * (count - l), 1, powf(growth, (float)l)};
 	stilb_scene_mesh mesh = {.vertices = &vertex,
 	                         .indices = indices,
 	                         .vertex_count = 1,
@@ -328,6 +328,11 @@ static render_levels *make_levels(uint32_t count)
 	render_levels *made = data.levels;
 	render_levels_finish(&data, &mesh);
 	return made;
+}
+
+static render_levels *make_levels(uint32_t count)
+{
+	return make_levels_of(count, 2.0f);
 }
 
 static uint16_t step(uint16_t history, stilb_render_detail_mode mode, const render_levels *levels, float meters)
@@ -389,28 +394,76 @@ static void steps(void **state)
 	free(levels);
 }
 
-/* As the distance grows, what is drawn only goes one way, from level to level without a step back: a level begins where
- * the finer one has morphed to it. */
-static void morphs_end_where_the_next_level_begins(void **state)
+static uint32_t morph(const render_levels *levels, uint32_t level, float meters)
 {
-	(void)state;
-	render_levels *levels = make_levels(5);
+	return render_detail_morph(levels, level, 1.0f, 1.0f / (meters * meters));
+}
+
+/* As the distance grows, what is drawn only goes one way, from level to level without a step back: a level begins where
+ * the finer one has morphed to it. growth: of the error from level to level. */
+static void morphs_end_where_the_next_level_begins_of(float growth)
+{
+	render_levels *levels = make_levels_of(5, growth);
 	uint32_t last = 0;
-	for (float meters = 0.2f; meters < 40.0f; meters *= 1.001f) {
+	for (float meters = 0.2f; meters < 1.1f * powf(growth, 4.0f); meters *= 1.001f) {
 		uint32_t level = render_detail_allowed(levels, 1.0f, meters * meters);
-		uint32_t gone = render_detail_morph(levels, level, 1.0f, meters * meters), now = 64 * level + gone;
-		assert_true(now >= last && now - last <= 2);
+		uint32_t gone = morph(levels, level, meters), now = 64 * level + gone;
+		/* The step for a thousandth more of distance, in 64ths: a level has at most the way to the next one. */
+		float way = fminf(2.0f, 2.0f * log2f(growth));
+		assert_true(now >= last && now - last <= 1 + (uint32_t)(64.0f * 2.0f * 0.00289f / way));
 		assert_true(level < 5 || gone == 0);
 		/* The error of what is drawn: the finer level's, and the share of the next one's. */
-		float next = level < 5 ? (float)(1u << level) : 0.0f;
+		float next = level < 5 ? powf(growth, (float)level) : 0.0f;
 		assert_true(next * (float)gone / 64.0f <= meters * 1.0001f);
 		last = now;
 	}
 	assert_int_equal(last, 64 * 5);
-	/* It begins where the next level's error, 2 m here, is 1.5 times what is allowed. */
-	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.51f) * (2.0f / 1.51f)), 0);
-	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.48f) * (2.0f / 1.48f)), 2);
-	assert_int_equal(render_detail_morph(levels, 1, 1.0f, (2.0f / 1.25f) * (2.0f / 1.25f)), 32);
+	free(levels);
+}
+
+static void morphs_end_where_the_next_level_begins(void **state)
+{
+	(void)state;
+	morphs_end_where_the_next_level_begins_of(2.0f);
+	morphs_end_where_the_next_level_begins_of(1.3f); /* a level begins after the next one's error is less than twice */
+	morphs_end_where_the_next_level_begins_of(5.0f);
+	/* It begins where the next level's error, 5 m here, is twice what is allowed. */
+	render_levels *levels = make_levels_of(5, 5.0f);
+	assert_int_equal(morph(levels, 1, 5.0f / 2.01f), 0);
+	assert_int_equal(morph(levels, 1, 5.0f / 1.95f), 3);
+	assert_int_equal(morph(levels, 1, 5.0f / 1.5f), 28); /* the square of 1.5 is an eighth of the way from 2 to 4 */
+	assert_int_equal(morph(levels, 1, 5.0f / 1.02f), 62);
+	free(levels);
+}
+
+/* However fast the camera goes, a morph takes sixteen frames for a level at least; but a place that is a level away is
+ * another view's. */
+static void morphs_take_sixteen_frames(void **state)
+{
+	(void)state;
+	uint16_t history = 0;
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 70), 70); /* the first time at once */
+	assert_int_equal(history, RENDER_DETAIL_PLACE + 70);
+	assert_false(render_detail_fades(history));
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 71), 71);
+	for (uint32_t frame = 1; frame < 16; frame++)
+		assert_int_equal(render_detail_follow(&history, 5 * 64, 71 + 63), 71 + (frame < 16 ? 4 * frame : 63));
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 71 + 63), 71 + 63);
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 80), 130);
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 66), 66);
+	assert_int_equal(render_detail_follow(&history, 5 * 64, 130), 130);
+	/* Of another mesh, which has fewer levels; at rest or fading in another mode: at once. */
+	history = RENDER_DETAIL_PLACE + 100;
+	assert_int_equal(render_detail_follow(&history, 64, 64), 64);
+	for (uint32_t other = 0; other < 1u << 16; other++) {
+		history = (uint16_t)other;
+		bool morphs = other > RENDER_DETAIL_PLACE && other < RENDER_DETAIL_PLACE + 128;
+		uint32_t place = render_detail_follow(&history, 64, 64);
+		assert_true(morphs ? place <= 64 : place == 64);
+	}
+	/* What morphed and is now to pop or to fade rests in its level. */
+	render_levels *levels = make_levels(5);
+	assert_int_equal(step(RENDER_DETAIL_PLACE + 64 + 9, STILB_RENDER_DETAIL_FADE, levels, 1.5f), render_detail_rest(1));
 	free(levels);
 }
 
@@ -644,6 +697,7 @@ int main(void)
 		cmocka_unit_test(allowed_levels_of_long_chains),
 		cmocka_unit_test(steps),
 		cmocka_unit_test(morphs_end_where_the_next_level_begins),
+		cmocka_unit_test(morphs_take_sixteen_frames),
 		cmocka_unit_test(streams_do_not_depend_on_workers),
 		cmocka_unit_test(histories_are_of_the_pass_and_the_scene),
 		cmocka_unit_test(dumps_hold_levels_and_transitions),
