@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
-#define CACHE_VERSION 8u
+#define CACHE_VERSION 9u
 #define CACHE_ENDING ".levels"
 #define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
 
@@ -31,39 +31,80 @@ static const char cache_magic[8] = "STILBLV";
 
 /* ---- keys and names ---------------------------------------------------------------------------------------------- */
 
-static void cache_add(uint64_t key[2], const void *data, size_t size)
+/* Four sums over words in turn, so that the processor need not wait for one product before it begins the next. Each
+ * step can be undone, so that two contents which differ in one word have different sums. */
+typedef struct cache_hash {
+	uint64_t lanes[4];
+} cache_hash;
+
+#define CACHE_HASH_BLOCK 32u
+
+static uint64_t cache_mix(uint64_t sum, uint64_t word)
 {
-	key[0] = stilb_hash_fnv1a64(key[0], data, size);
-	key[1] = stilb_hash_fnv1a64(key[1], data, size);
+	sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
+	return sum ^ sum >> 32;
+}
+
+static cache_hash cache_hash_start(void)
+{
+	return (cache_hash){{1, 2, 3, 4}};
+}
+
+static void cache_add(cache_hash *hash, const void *data, size_t size)
+{
+	const unsigned char *from = data;
+	uint64_t words[4];
+	cache_hash sums = *hash;
+	sums.lanes[0] = cache_mix(sums.lanes[0], size);
+	for (size_t left = size; left > 0;) {
+		size_t part = left < CACHE_HASH_BLOCK ? left : CACHE_HASH_BLOCK;
+		if (part < CACHE_HASH_BLOCK)
+			memset(words, 0, sizeof words);
+		memcpy(words, from, part);
+		for (int k = 0; k < 4; k++)
+			sums.lanes[k] = cache_mix(sums.lanes[k], words[k]);
+		from += part;
+		left -= part;
+	}
+	*hash = sums;
+}
+
+/* Each bit of the sums has a part in both numbers. */
+static void cache_hash_end(const cache_hash *hash, uint64_t key[2])
+{
+	key[0] = key[1] = 0;
+	for (int k = 0; k < 4; k++) {
+		key[0] = cache_mix(key[0], hash->lanes[k]);
+		key[1] = cache_mix(key[1], hash->lanes[3 - k]);
+	}
 }
 
 /* What levels depend on of the streams, but for values. */
-static void cache_add_streams(uint64_t key[2], const stilb_scene_streams *table, const float *weights)
+static void cache_add_streams(cache_hash *hash, const stilb_scene_streams *table, const float *weights)
 {
 	for (uint32_t s = 0; s < table->count; s++) {
 		const stilb_scene_stream *stream = &table->streams[s];
 		const uint32_t numbers[4] = {stream->kind, stream->components, stream->offset, stream->seam};
-		cache_add(key, stream->name, strlen(stream->name) + 1);
-		cache_add(key, numbers, sizeof numbers);
-		cache_add(key, &weights[s], sizeof weights[s]);
+		cache_add(hash, stream->name, strlen(stream->name) + 1);
+		cache_add(hash, numbers, sizeof numbers);
+		cache_add(hash, &weights[s], sizeof weights[s]);
 	}
 }
 
-/* The two begin differently. */
 void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, const float *weights,
                         const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
 {
-	key[0] = STILB_FNV1A64_START;
-	key[1] = ~STILB_FNV1A64_START;
+	cache_hash hash = cache_hash_start();
 	const uint32_t numbers[7] = {CACHE_VERSION,       mesh->vertex_count,   mesh->index_count, desc->least,
 	                             desc->cluster_least, desc->locked ? 1 : 0, table->count};
-	cache_add(key, numbers, sizeof numbers);
-	cache_add(key, &desc->ratio, sizeof desc->ratio);
-	cache_add_streams(key, table, weights);
-	cache_add(key, vertices, (size_t)mesh->vertex_count * table->size);
-	cache_add(key, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+	cache_add(&hash, numbers, sizeof numbers);
+	cache_add(&hash, &desc->ratio, sizeof desc->ratio);
+	cache_add_streams(&hash, table, weights);
+	cache_add(&hash, vertices, (size_t)mesh->vertex_count * table->size);
+	cache_add(&hash, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	if (desc->locked)
-		cache_add(key, desc->locked, mesh->vertex_count);
+		cache_add(&hash, desc->locked, mesh->vertex_count);
+	cache_hash_end(&hash, key);
 }
 
 static void cache_key(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])

@@ -210,9 +210,8 @@ typedef struct reduce {
 	uint32_t count, regions;
 	float shift[3]; /* where the cuts lie */
 	geometry_stop stop;
-	float cost;               /* what is applied */
 	geometry_record *records; /* [regions] */
-	uint32_t *left;           /* [regions] triangles after it; then where they go */
+	uint32_t *left;           /* [regions] collapses to apply; triangles after them; then where these go */
 	uint32_t step;            /* every `step`-th region is a pilot */
 	bool pilots;              /* this loop is over the pilots, else over the others */
 	atomic_bool failed;
@@ -327,6 +326,46 @@ static float cost_of(const reduce *r, uint64_t wanted)
 	return cost;
 }
 
+/* Triangles that the first collapses of a record remove. */
+static uint32_t removed_by(const geometry_record *record, uint32_t collapses)
+{
+	return collapses > 0 ? record->triangles[collapses - 1] : 0;
+}
+
+/* How many collapses of each region are applied, r->left: those that cost less than the last one that is needed, and of
+ * those that cost as much, in every region the same part. Costs of a region ascend, so many may be the same. */
+static void choose_prefixes(reduce *r, uint64_t wanted)
+{
+	float cost = cost_of(r, wanted), less = nextafterf(cost, 0.0f);
+	uint64_t before = 0, equal = 0;
+	for (uint32_t region = 0; region < r->regions; region++) {
+		const geometry_record *record = &r->records[region];
+		uint32_t first = cost > 0.0f ? geometry_record_prefix(record, less) : 0;
+		uint32_t all = geometry_record_prefix(record, cost), removed = removed_by(record, first);
+		r->left[region] = first;
+		before += removed;
+		equal += removed_by(record, all) - removed;
+	}
+	uint64_t needed = wanted > before ? wanted - before : 0;
+	for (uint32_t region = 0; region < r->regions && equal > 0 && needed > 0; region++) {
+		const geometry_record *record = &r->records[region];
+		uint32_t all = geometry_record_prefix(record, cost), i = r->left[region], removed = removed_by(record, i);
+		uint64_t part = removed_by(record, all) - removed, take = needed * part / equal + (needed * part % equal != 0);
+		while (i < all && removed_by(record, i) - removed < take)
+			i++;
+		r->left[region] = i;
+		equal -= part; /* what is left of both is for the regions that follow */
+		uint64_t taken = removed_by(record, i) - removed;
+		needed = needed > taken ? needed - taken : 0;
+	}
+	for (uint32_t region = 0; region < r->regions; region++) {
+		const geometry_record *record = &r->records[region];
+		uint32_t last = r->left[region];
+		if (last > 0 && record->cost[last - 1] > r->work->cost)
+			r->work->cost = record->cost[last - 1];
+	}
+}
+
 /* Applies the collapses of regions to their triangles, in place. */
 static void apply_regions(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
@@ -335,7 +374,7 @@ static void apply_regions(uint32_t begin, uint32_t end, uint32_t worker, void *c
 	geometry_work *work = r->work;
 	for (uint32_t region = begin; region < end; region++) {
 		const geometry_record *record = &r->records[region];
-		uint32_t prefix = geometry_record_prefix(record, r->cost), maps = prefix > 0 ? record->maps_end[prefix - 1] : 0;
+		uint32_t prefix = r->left[region], maps = prefix > 0 ? record->maps_end[prefix - 1] : 0;
 		for (uint32_t i = maps; i-- > 0;) /* backwards: where a vertex goes to is known before it */
 			work->target[record->from[i]] = work->target[record->to[i]];
 		uint32_t from = region_begin(r, region), to = from;
@@ -463,7 +502,7 @@ static stilb_result reduce_round(geometry_work *work, uint32_t target, float max
 		reduce_finish(&r);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to simplify a mesh of %u triangles", work->count);
 	}
-	r.cost = cost_of(&r, r.count - target);
+	choose_prefixes(&r, r.count - target);
 	geometry_for(work->pool, work->worker, r.regions, 1, apply_regions, &r);
 	uint32_t sum = 0;
 	for (uint32_t region = 0; region <= r.regions; region++) {
@@ -472,11 +511,6 @@ static stilb_result reduce_round(geometry_work *work, uint32_t target, float max
 		sum += left;
 	}
 	geometry_for(work->pool, work->worker, r.regions, 1, compact_regions, &r);
-	for (uint32_t region = 0; region < r.regions; region++) {
-		uint32_t prefix = geometry_record_prefix(&r.records[region], r.cost);
-		if (prefix > 0 && r.records[region].cost[prefix - 1] > work->cost)
-			work->cost = r.records[region].cost[prefix - 1];
-	}
 	work->count = sum;
 	work->rounds++;
 	reduce_finish(&r);

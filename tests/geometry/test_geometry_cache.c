@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include "geometry/geometry_levels.h"
+#include "geometry/geometry_plan.h"
 #include "geometry/mesh_made.h"
 
 #include <dirent.h>
@@ -62,6 +63,47 @@ static void assert_same(const stilb_scene_mesh *a, const stilb_scene_mesh *b)
 	assert_memory_equal(a->clusters, b->clusters, a->cluster_count * sizeof *a->clusters);
 	assert_memory_equal(a->groups, b->groups, a->group_count * sizeof *a->groups);
 	assert_memory_equal(a->cluster_indices, b->cluster_indices, a->cluster_index_count * sizeof *a->cluster_indices);
+}
+
+static int by_number(const void *a, const void *b)
+{
+	uint64_t l = *(const uint64_t *)a, r = *(const uint64_t *)b;
+	return (l > r) - (l < r);
+}
+
+/* Each bit of a mesh changes both numbers of its key, and no two bits change one to the same. */
+static void test_key(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh = mesh_grid(5, 3, mesh_place_hills);
+	mesh.vertex_count -= 1; /* neither array is a multiple of the blocks that are read */
+	mesh.index_count = 81;
+	stilb_geometry_levels_desc desc = stilb_geometry_levels_desc_default();
+	size_t values = mesh.vertex_count * sizeof *mesh.vertices, size = values + mesh.index_count * sizeof *mesh.indices;
+	uint64_t *keys[2] = {malloc((8 * size + 1) * sizeof(uint64_t)), malloc((8 * size + 1) * sizeof(uint64_t))};
+	assert_non_null(keys[0]);
+	assert_non_null(keys[1]);
+	for (size_t bit = 0; bit <= 8 * size; bit++) {
+		size_t byte = bit / 8;
+		unsigned char *at = byte < values ? (unsigned char *)mesh.vertices + byte
+		                    : byte < size ? (unsigned char *)mesh.indices + byte - values
+		                                  : NULL; /* the last: as it is */
+		uint64_t key[2];
+		if (at)
+			*at ^= (unsigned char)(1u << bit % 8);
+		geometry_cache_key(&stilb_scene_vertex_streams, mesh.vertices, desc.weights, &mesh, &desc, key);
+		if (at)
+			*at ^= (unsigned char)(1u << bit % 8);
+		keys[0][bit] = key[0];
+		keys[1][bit] = key[1];
+	}
+	for (int k = 0; k < 2; k++) {
+		qsort(keys[k], 8 * size + 1, sizeof(uint64_t), by_number);
+		for (size_t i = 0; i < 8 * size; i++)
+			assert_true(keys[k][i] != keys[k][i + 1]);
+		free(keys[k]);
+	}
+	stilb_scene_mesh_finish(&mesh);
 }
 
 static void check_same(uint32_t cluster_least)
@@ -306,7 +348,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_same), cmocka_unit_test(test_damaged), cmocka_unit_test(test_no_place),
-		cmocka_unit_test(test_none), cmocka_unit_test(test_bounded),
+		cmocka_unit_test(test_none), cmocka_unit_test(test_bounded), cmocka_unit_test(test_key),
 	};
 	return cmocka_run_group_tests(tests, start, finish);
 }

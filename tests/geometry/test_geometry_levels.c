@@ -166,11 +166,12 @@ static void check_errors(const stilb_scene_mesh *mesh, uint32_t samples)
 		float there = mesh_farthest(mesh, mesh->indices, mesh->index_count, indices, count, samples, l);
 		float back = mesh_farthest(mesh, indices, count, mesh->indices, mesh->index_count, samples, 100 + l);
 		float farthest = fmaxf(there, back), error = mesh->levels[l - 1].error;
-		if (farthest > error)
+		if (farthest > error || (samples >= 10000 && error > 1.4f * farthest + 1e-4f))
 			print_message("level %u of %u triangles: %g + %g > %g\n", l, count / 3, (double)there, (double)back,
 			              (double)error);
 		assert_true(farthest <= error);
-		assert_true(samples < 10000 || error <= 1.3f * farthest + 1e-4f); /* of few samples, none may be that far */
+		/* Of few samples none may be that far: the farthest point is at a vertex. */
+		assert_true(samples < 10000 || error <= 1.4f * farthest + 1e-4f);
 	}
 }
 
