@@ -73,9 +73,10 @@ static float distance_of(const float a[3], const float b[3])
 static void sphere_of(const stilb_geometry_mesh *mesh, const uint32_t (*triangles)[3], uint32_t count, float center[3],
                       float *radius)
 {
+	const uint32_t *corners = (const uint32_t *)triangles;
 	float lower[3] = {FLT_MAX, FLT_MAX, FLT_MAX}, upper[3] = {-FLT_MAX, -FLT_MAX, -FLT_MAX};
 	for (uint32_t i = 0; i < 3 * count; i++) {
-		const float *at = geometry_position(mesh, triangles[0][i]);
+		const float *at = geometry_position(mesh, corners[i]);
 		for (uint32_t axis = 0; axis < 3; axis++) {
 			lower[axis] = at[axis] < lower[axis] ? at[axis] : lower[axis];
 			upper[axis] = at[axis] > upper[axis] ? at[axis] : upper[axis];
@@ -85,7 +86,7 @@ static void sphere_of(const stilb_geometry_mesh *mesh, const uint32_t (*triangle
 		center[axis] = 0.5f * lower[axis] + 0.5f * upper[axis];
 	float square = 0.0f;
 	for (uint32_t i = 0; i < 3 * count; i++) {
-		const float *at = geometry_position(mesh, triangles[0][i]);
+		const float *at = geometry_position(mesh, corners[i]);
 		float x = at[0] - center[0], y = at[1] - center[1], z = at[2] - center[2], own = x * x + y * y + z * z;
 		square = own > square ? own : square;
 	}
@@ -151,7 +152,7 @@ static void split_runs(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 		uint32_t first = run * RUN, count = b->triangle_count - first < RUN ? b->triangle_count - first : RUN;
 		for (uint32_t t = 0; t < count; t++)
 			memcpy(own[t], b->work.triangles[b->curve[first + t].value], sizeof *own);
-		piece *pieces = b->pieces + run * clusters_for(b, RUN);
+		piece *pieces = b->pieces + (size_t)run * clusters_for(b, RUN);
 		made = split_triangles(b, own, count, b->triangles + first, spots, pieces, STILB_SCENE_NONE);
 		for (uint32_t i = 0; i < clusters_for(b, count); i++)
 			pieces[i].first += first;
@@ -253,8 +254,9 @@ static void gather_groups(uint32_t begin, uint32_t end, uint32_t worker, void *c
 			own->first = at;
 			at += own->count;
 		}
+		const uint32_t *corners = (const uint32_t *)(b->gathered + group->first);
 		for (uint32_t i = 0; i < 3 * group->count; i++) {
-			_Atomic uint32_t *owner = &b->owner[b->work.canonical[b->gathered[group->first][i]]];
+			_Atomic uint32_t *owner = &b->owner[b->work.canonical[corners[i]]];
 			/* relaxed: only the value counts, which is the same in the end in whatever order groups come, and the
 			 * loop's end publishes it */
 			uint32_t now = atomic_load_explicit(owner, memory_order_relaxed);

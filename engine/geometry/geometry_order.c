@@ -221,11 +221,12 @@ bool geometry_order(const stilb_geometry_mesh *mesh, uint32_t *indices, uint32_t
 bool geometry_order_few(uint32_t (*triangles)[3], uint32_t count)
 {
 	STILB_ASSERT(count <= FEW);
-	uint32_t table[FEW_TABLE], vertices[3 * FEW], indices[3 * FEW], out[3 * FEW];
+	uint32_t table[FEW_TABLE], vertices[3 * FEW] = {0}, indices[3 * FEW] = {0}, out[3 * FEW] = {0};
+	uint32_t *corners = (uint32_t *)triangles;
 	order o = {.indices = indices, .out = out, .count = 3 * count};
 	memset(table, 0xff, sizeof table);
 	for (uint32_t i = 0; i < 3 * count; i++) {
-		uint32_t vertex = triangles[0][i], at = vertex * 2654435769u >> 21;
+		uint32_t vertex = corners[i], at = vertex * 2654435769u >> 21;
 		while (table[at] != NONE && vertices[table[at]] != vertex)
 			at = (at + 1) % FEW_TABLE;
 		if (table[at] == NONE) {
@@ -239,7 +240,7 @@ bool geometry_order_few(uint32_t (*triangles)[3], uint32_t count)
 		order_adjacency(&o);
 		order_fans(&o);
 		for (uint32_t i = 0; i < 3 * count; i++)
-			triangles[0][i] = vertices[out[i]];
+			corners[i] = vertices[out[i]];
 	}
 	order_finish(&o);
 	return made;

@@ -68,34 +68,31 @@ stilb_result geometry_plan_apply(geometry_plan *plan, stilb_scene_mesh *mesh)
 		return STILB_OK;
 	}
 	STILB_ASSERT(plan->vertex_count == mesh->vertex_count && plan->index_count == mesh->index_count);
-	stilb_scene_vertex *vertices = stilb_memory_alloc(mesh->vertex_count, sizeof *vertices);
-	stilb_scene_vertex *morph = plan->to ? stilb_memory_alloc(mesh->vertex_count, sizeof *morph) : NULL;
-	if (!vertices || (plan->to && !morph)) {
-		free(vertices);
-		free(morph);
+	stilb_scene_mesh out = {.vertex_count = plan->vertex_count, .index_count = plan->index_count};
+	out.vertices = stilb_memory_alloc(out.vertex_count, sizeof *out.vertices);
+	if (plan->to)
+		out.morph = stilb_memory_alloc(out.vertex_count, sizeof *out.morph);
+	if (!out.vertices || (plan->to && !out.morph)) {
+		stilb_scene_mesh_finish(&out);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
 		                  mesh->index_count / 3);
 	}
-	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
-		vertices[v] = mesh->vertices[plan->order[v]];
-		if (morph)
-			morph[v] = mesh->vertices[plan->to[v]];
+	for (uint32_t v = 0; v < out.vertex_count; v++) {
+		out.vertices[v] = mesh->vertices[plan->order[v]];
+		if (out.morph)
+			out.morph[v] = mesh->vertices[plan->to[v]];
 	}
-	stilb_scene_mesh out = {.vertices = vertices,
-	                        .indices = plan->indices,
-	                        .vertex_count = plan->vertex_count,
-	                        .index_count = plan->index_count,
-	                        .level_count = plan->level_count,
-	                        .level_index_count = plan->level_index_count,
-	                        .levels = plan->levels,
-	                        .level_indices = plan->level_indices,
-	                        .morph = morph,
-	                        .cluster_count = plan->cluster_count,
-	                        .group_count = plan->group_count,
-	                        .cluster_index_count = plan->cluster_index_count,
-	                        .clusters = plan->clusters,
-	                        .groups = plan->groups,
-	                        .cluster_indices = plan->cluster_indices};
+	out.indices = plan->indices;
+	out.level_count = plan->level_count;
+	out.level_index_count = plan->level_index_count;
+	out.levels = plan->levels;
+	out.level_indices = plan->level_indices;
+	out.cluster_count = plan->cluster_count;
+	out.group_count = plan->group_count;
+	out.cluster_index_count = plan->cluster_index_count;
+	out.clusters = plan->clusters;
+	out.groups = plan->groups;
+	out.cluster_indices = plan->cluster_indices;
 	if (out.cluster_count == 0) { /* members that count nothing point nowhere */
 		free(out.clusters);
 		free(out.groups);

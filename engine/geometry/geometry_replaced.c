@@ -12,16 +12,16 @@
 #include <string.h>
 
 #define NONE UINT32_MAX
-#define NEARLY 0.75f  /* of the farthest distance: what is looked at closer */
-#define DENSEST 64.0f /* parts of an edge, at most */
-#define INSIDE 8.0f   /* parts of the sides of the grid inside of a triangle, at most, at first */
-#define CLOSER 12.0f  /* the same at the second look */
-#define HALVINGS 3    /* of the distance between the points about the farthest one */
+#define NEARLY 0.75f /* of the farthest distance: what is looked at closer */
+#define DENSEST 64u  /* parts of an edge, at most */
+#define INSIDE 8u    /* parts of the sides of the grid inside of a triangle, at most, at first */
+#define CLOSER 12u   /* the same at the second look */
+#define HALVINGS 3   /* of the distance between the points about the farthest one */
 
 typedef struct replaced_edge {
 	stilb_vec3 from, along;
-	float parts, place, farthest; /* the farthest point: from + place along; metres */
-	uint32_t hint;
+	float place, farthest; /* the farthest point: from + place along; metres */
+	uint32_t parts, hint;
 } replaced_edge;
 
 typedef struct replaced_work {
@@ -49,6 +49,14 @@ static float look_from(replaced_work *w, const geometry_tree *tree, stilb_vec3 p
 	float distance = sqrtf(nearest.square);
 	w->farthest = distance > w->farthest ? distance : w->farthest;
 	return distance;
+}
+
+/* Into how many parts a side of this squared length is divided, at most `most`, by points that are so many times as far
+ * from each other as the finer vertices. */
+static uint32_t parts_of(const replaced_work *w, float square, float times, uint32_t most)
+{
+	float parts = ceilf(sqrtf(square) / (times * w->spacing));
+	return parts < (float)most ? (uint32_t)parts : most;
 }
 
 /* ---- edges ------------------------------------------------------------------------------------------------------- */
@@ -81,9 +89,9 @@ static void list_edges(replaced_work *w)
 			if (!note_edge(w, a, b))
 				continue;
 			stilb_vec3 from = place_of(w, a), along = place_of(w, b) - from;
-			float parts = ceilf(sqrtf(stilb_vec3_dot(along, along)) / w->spacing);
+			uint32_t parts = parts_of(w, stilb_vec3_dot(along, along), 1.0f, DENSEST);
 			w->edges[w->edge_count++] = (replaced_edge){
-				.from = from, .along = along, .parts = fminf(fmaxf(parts, 2.0f), DENSEST), .place = 0.5f, .hint = NONE};
+				.from = from, .along = along, .parts = parts > 2 ? parts : 2, .place = 0.5f, .hint = NONE};
 		}
 }
 
@@ -102,13 +110,13 @@ static void look_at_edges(replaced_work *w)
 	for (uint32_t i = 0; i < w->edge_count; i++) {
 		replaced_edge *edge = &w->edges[i];
 		edge->hint = hint;
-		for (float n = 1.0f; n < edge->parts; n += 1.0f)
-			look_at_place(w, edge, n / edge->parts);
+		for (uint32_t n = 1; n < edge->parts; n++)
+			look_at_place(w, edge, (float)n / (float)edge->parts);
 		hint = edge->hint;
 	}
 	for (uint32_t i = 0; i < w->edge_count; i++) {
 		replaced_edge *edge = &w->edges[i];
-		float step = 0.5f / edge->parts;
+		float step = 0.5f / (float)edge->parts;
 		for (int n = 0; n < HALVINGS && edge->farthest >= NEARLY * w->farthest; n++, step *= 0.5f) {
 			float middle = edge->place;
 			look_at_place(w, edge, middle - step);
@@ -120,20 +128,20 @@ static void look_at_edges(replaced_work *w)
 /* ---- triangles --------------------------------------------------------------------------------------------------- */
 
 /* Points of a grid inside of a triangle, without its sides. */
-static float look_inside(replaced_work *w, const geometry_tree *tree, const stilb_vec3 corner[3], float parts,
+static float look_inside(replaced_work *w, const geometry_tree *tree, const stilb_vec3 corner[3], uint32_t parts,
                          uint32_t *hint)
 {
 	float farthest = look_from(w, tree, (corner[0] + corner[1] + corner[2]) * (1.0f / 3.0f), hint);
-	stilb_vec3 side = (corner[1] - corner[0]) * (1.0f / parts), other = (corner[2] - corner[0]) * (1.0f / parts);
-	for (float i = 1.0f; i < parts && parts > 3.0f; i += 1.0f)
-		for (float j = 1.0f; i + j < parts; j += 1.0f)
-			farthest = fmaxf(farthest, look_from(w, tree, corner[0] + side * i + other * j, hint));
+	stilb_vec3 side = (corner[1] - corner[0]) * (1.0f / (float)parts),
+			   other = (corner[2] - corner[0]) * (1.0f / (float)parts);
+	for (uint32_t i = 1; i < parts && parts > 3; i++)
+		for (uint32_t j = 1; i + j < parts; j++)
+			farthest = fmaxf(farthest, look_from(w, tree, corner[0] + side * (float)i + other * (float)j, hint));
 	return farthest;
 }
 
-/* Into how many parts the longest side of a triangle is divided, at most `most`, by points that are so many times as
- * far from each other as the finer vertices. */
-static float parts_of(const replaced_work *w, const stilb_vec3 corner[3], float times, float most)
+/* Of the sides of a triangle the longest one, squared. */
+static float longest_square(const stilb_vec3 corner[3])
 {
 	float longest = 0.0f;
 	for (int k = 0; k < 3; k++) {
@@ -141,7 +149,7 @@ static float parts_of(const replaced_work *w, const stilb_vec3 corner[3], float 
 		float square = stilb_vec3_dot(side, side);
 		longest = square > longest ? square : longest;
 	}
-	return fminf(ceilf(sqrtf(longest) / (times * w->spacing)), most);
+	return longest;
 }
 
 static void corners_of(const replaced_work *w, const uint32_t vertex[3], stilb_vec3 corner[3])
@@ -158,8 +166,8 @@ static void look_at_triangles(replaced_work *w)
 	uint32_t hint = NONE;
 	for (uint32_t t = 0; t < in->coarser_count; t++) {
 		corners_of(w, in->coarser[t], corner);
-		float parts = parts_of(w, corner, 3.0f, INSIDE);
-		if (parts < 2.0f)
+		uint32_t parts = parts_of(w, longest_square(corner), 3.0f, INSIDE);
+		if (parts < 2)
 			continue;
 		float farthest = look_inside(w, &w->finer, corner, parts, &hint);
 		if (farthest >= NEARLY * w->farthest)
@@ -177,13 +185,14 @@ static void look_back(replaced_work *w)
 		look_from(w, &w->coarser, place_of(w, in->gone[i]), &hint);
 	for (uint32_t t = 0; t < in->finer_count; t++) {
 		corners_of(w, in->finer[t], corner);
-		float parts = parts_of(w, corner, 3.0f, DENSEST);
-		if (parts < 2.0f)
+		uint32_t parts = parts_of(w, longest_square(corner), 3.0f, DENSEST);
+		if (parts < 2)
 			continue;
-		look_inside(w, &w->coarser, corner, fminf(parts, INSIDE), &hint);
+		look_inside(w, &w->coarser, corner, parts < INSIDE ? parts : INSIDE, &hint);
 		for (uint32_t k = 0; k < 3; k++)
-			for (float n = 1.0f; n < parts; n += 1.0f)
-				look_from(w, &w->coarser, corner[k] + (corner[(k + 1) % 3] - corner[k]) * (n / parts), &hint);
+			for (uint32_t n = 1; n < parts; n++)
+				look_from(w, &w->coarser, corner[k] + (corner[(k + 1) % 3] - corner[k]) * ((float)n / (float)parts),
+				          &hint);
 	}
 }
 

@@ -3,12 +3,11 @@
  * here, so that small meshes have many groups. */
 #include "support/test.h"
 
-#include "geometry/geometry_clusters.h"
+#include "geometry/cuts_made.h"
 #include "geometry/geometry_levels.h"
-#include "geometry/mesh_made.h"
 #include "scene/edit/scene_check.h"
 
-#define CUTS (TEST_TSAN || TEST_ASAN ? 30u : 200u)
+#define CUTS (TEST_TSAN || TEST_ASAN ? 20u : 80u)
 
 static uint32_t allocations_left = UINT32_MAX;
 
@@ -22,121 +21,6 @@ void *__wrap_stilb_memory_alloc(size_t count, size_t size)
 	if (allocations_left != UINT32_MAX)
 		allocations_left--;
 	return __real_stilb_memory_alloc(count, size);
-}
-
-static stilb_geometry_mesh view_of(const stilb_scene_mesh *mesh, stilb_geometry_stream streams[2])
-{
-	streams[0] = (stilb_geometry_stream){
-		"normal", STILB_GEOMETRY_DIRECTION, 3, 0.15f, false, mesh->vertices->normal, sizeof *mesh->vertices};
-	streams[1] = (stilb_geometry_stream){
-		"uv", STILB_GEOMETRY_TEXTURE, 2, 0.1f, true, mesh->vertices->uv, sizeof *mesh->vertices};
-	return (stilb_geometry_mesh){.vertex_count = mesh->vertex_count,
-	                             .index_count = mesh->index_count,
-	                             .indices = mesh->indices,
-	                             .positions = mesh->vertices->position,
-	                             .position_stride = sizeof *mesh->vertices,
-	                             .stream_count = 2,
-	                             .streams = streams};
-}
-
-static const geometry_clusters_desc small_desc = {.cut_most = 300, .triangles = 16, .clusters = 8};
-
-/* Gives the mesh small clusters. False: it can have none. */
-static bool make_clusters(stilb_scene_mesh *mesh)
-{
-	stilb_geometry_stream streams[2];
-	stilb_geometry_mesh view = view_of(mesh, streams);
-	geometry_clusters clusters;
-	assert_int_equal(geometry_clusters_make(&view, &small_desc, NULL, 0, &clusters), STILB_OK);
-	if (clusters.cluster_count == 0)
-		return false;
-	assert_int_equal(clusters.cut_index_count % 3, 0);
-	assert_in_range(clusters.cut_index_count, 3, mesh->index_count);
-	memcpy(mesh->indices, clusters.indices, mesh->index_count * sizeof *mesh->indices);
-	mesh->cluster_count = clusters.cluster_count;
-	mesh->group_count = clusters.group_count;
-	mesh->cluster_index_count = clusters.cluster_index_count;
-	mesh->clusters = clusters.clusters;
-	mesh->groups = clusters.groups;
-	mesh->cluster_indices = clusters.cluster_indices;
-	free(clusters.cut);
-	free(clusters.indices);
-	return true;
-}
-
-/* ---- cuts -------------------------------------------------------------------------------------------------------- */
-
-typedef struct cut {
-	uint8_t *suffices;        /* [group_count] */
-	uint32_t *indices, *from; /* of each index the group that its cluster is from */
-	uint32_t count;
-	float error; /* the largest of groups that are replaced */
-} cut;
-
-static cut cut_create(const stilb_scene_mesh *mesh)
-{
-	cut c = {.suffices = calloc(mesh->group_count, 1)};
-	c.indices = calloc(mesh->index_count + mesh->cluster_index_count, sizeof *c.indices);
-	c.from = calloc(mesh->index_count + mesh->cluster_index_count, sizeof *c.from);
-	assert_non_null(c.suffices);
-	assert_non_null(c.indices);
-	assert_non_null(c.from);
-	return c;
-}
-
-static void cut_finish(cut *c)
-{
-	free(c->suffices);
-	free(c->indices);
-	free(c->from);
-}
-
-/* Chooses groups, by their errors as seen from a point, or by chance alone, and lists what is drawn. */
-static void cut_choose(const stilb_scene_mesh *mesh, uint32_t number, cut *c)
-{
-	const float *eye = mesh->vertices[stilb_random_u64(1, number) % mesh->vertex_count].position;
-	float limit = powf(10.0f, -5.0f + 5.0f * stilb_random_float(2, number)), chance = stilb_random_float(3, number);
-	c->count = 0;
-	c->error = 0.0f;
-	for (uint32_t g = 0; g < mesh->group_count; g++) {
-		const stilb_scene_cluster_group *group = &mesh->groups[g];
-		float square = 0.0f;
-		for (int axis = 0; axis < 3; axis++)
-			square += (group->center[axis] - eye[axis]) * (group->center[axis] - eye[axis]);
-		float near = fmaxf(sqrtf(square) - group->radius, 0.01f);
-		bool suffices = number % 2 == 0
-		                    ? group->error <= limit * near
-		                    : group->error < INFINITY && stilb_random_float(4 + number, g) < 1.0f - 0.3f * chance;
-		for (uint32_t i = group->first_cluster; i < group->first_cluster + group->cluster_count; i++) {
-			uint32_t from = mesh->clusters[i].from;
-			if (number % 2 == 0) /* errors and spheres ascend, so that no other rule is needed */
-				assert_true(!suffices || from == STILB_SCENE_NONE || c->suffices[from]);
-			suffices = suffices && (from == STILB_SCENE_NONE || c->suffices[from]);
-		}
-		c->suffices[g] = suffices;
-		if (suffices)
-			c->error = fmaxf(c->error, group->error);
-		for (uint32_t i = group->first_cluster; i < group->first_cluster + group->cluster_count && !suffices; i++) {
-			const stilb_scene_cluster *cluster = &mesh->clusters[i];
-			if (cluster->from != STILB_SCENE_NONE && !c->suffices[cluster->from])
-				continue;
-			const uint32_t *indices = cluster->from == STILB_SCENE_NONE ? mesh->indices : mesh->cluster_indices;
-			memcpy(c->indices + c->count, indices + cluster->first_index, cluster->index_count * sizeof *indices);
-			for (uint32_t k = 0; k < cluster->index_count; k++)
-				c->from[c->count++] = cluster->from;
-		}
-	}
-}
-
-static uint32_t *canonical_of(const stilb_scene_mesh *mesh)
-{
-	uint32_t *canonical = malloc(sizeof *canonical * (mesh->vertex_count + 1));
-	assert_non_null(canonical);
-	stilb_geometry_mesh view = {.vertex_count = mesh->vertex_count,
-	                            .positions = mesh->vertices->position,
-	                            .position_stride = sizeof *mesh->vertices};
-	assert_true(geometry_weld(&view, NULL, 0, canonical));
-	return canonical;
 }
 
 static void assert_sound(const stilb_scene_mesh *mesh)
@@ -172,15 +56,6 @@ static void check_cuts(const stilb_scene_mesh *mesh, double border_slack)
 	assert_in_range(groups, 10 * CUTS, UINT32_MAX); /* cuts are not uniform */
 	cut_finish(&c);
 	free(canonical);
-}
-
-static stilb_scene_mesh torus_of(uint32_t w, uint32_t h)
-{
-	stilb_scene_mesh mesh = mesh_grid(w, h, mesh_place_torus);
-	uint32_t *canonical = canonical_of(&mesh);
-	mesh_smooth(&mesh, canonical);
-	free(canonical);
-	return mesh;
 }
 
 static void test_closed(void **state)
@@ -299,43 +174,16 @@ static void test_pieces(void **state)
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
-/* Each cluster's triangles are within the error of the group that they are from; no point of the mesh is farther from
- * the cut than the largest error in it. */
-static void check_errors(const stilb_scene_mesh *mesh, uint32_t cuts, uint32_t points)
-{
-	cut c = cut_create(mesh);
-	for (uint32_t i = 0; i < cuts; i++) {
-		cut_choose(mesh, 2 * i, &c);
-		float back = mesh_farthest(mesh, mesh->indices, mesh->index_count, c.indices, c.count, points, i);
-		if (!(back <= c.error + 1e-6f)) /* of a whole mesh: rounding */
-			print_message("cut %u: %g > %g\n", i, (double)back, (double)c.error);
-		assert_true(back <= c.error + 1e-6f);
-		for (uint32_t first = 0, end; first < c.count; first = end) {
-			for (end = first; end < c.count && c.from[end] == c.from[first];)
-				end++;
-			if (c.from[first] == STILB_SCENE_NONE)
-				continue;
-			float error = mesh->groups[c.from[first]].error;
-			float there = mesh_farthest(mesh, c.indices + first, end - first, mesh->indices, mesh->index_count,
-			                            (uint32_t)((uint64_t)points * (end - first) / c.count), i);
-			if (!(there <= error))
-				print_message("cut %u, from group %u: %g > %g\n", i, c.from[first], (double)there, (double)error);
-			assert_true(there <= error);
-		}
-	}
-	cut_finish(&c);
-}
-
 static void test_errors(void **state)
 {
 	(void)state;
 	stilb_scene_mesh mesh = torus_of(64, 32);
 	assert_true(make_clusters(&mesh));
-	check_errors(&mesh, 4, 20000);
+	check_errors(&mesh, 2, 10000);
 	stilb_scene_mesh_finish(&mesh);
 	mesh = mesh_grid(40, 40, mesh_place_hills);
 	assert_true(make_clusters(&mesh));
-	check_errors(&mesh, 4, 20000);
+	check_errors(&mesh, 2, 10000);
 	stilb_scene_mesh_finish(&mesh);
 }
 
