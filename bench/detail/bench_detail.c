@@ -32,6 +32,14 @@ static const bench_metric horde_metrics[] = {
 	}
 static const bench_metric clusters_metrics[] = {
 	VIEW_METRICS("near"), VIEW_METRICS("whole"), {"triangles", "k", false, NULL}, {"make", "s", true, NULL}};
+static const bench_metric vertices_metrics[] = {{"floats", "ms", true, NULL},       {"packed", "ms", true, NULL},
+                                                {"packed/floats", "x", true, NULL}, {"away-floats", "ns", true, NULL},
+                                                {"away-packed", "ns", true, NULL},  {"upload-floats", "ms", true, NULL},
+                                                {"upload-packed", "ms", true, NULL}};
+static const bench_metric memory_metrics[] = {{"scene-off", "MiB", true, NULL},   {"scene-pop", "MiB", true, NULL},
+                                              {"scene-morph", "MiB", true, NULL}, {"off", "MiB", true, NULL},
+                                              {"pop", "MiB", true, NULL},         {"morph", "MiB", true, NULL},
+                                              {"more-pop", "%", true, NULL},      {"more-morph", "%", true, NULL}};
 #define POP_METRICS(MODE)                                                                                              \
 	{MODE "-pixel", "%", true, NULL}, {MODE "-8x8", "%", true, NULL}, {MODE "-static", "%", true, NULL},               \
 		{MODE "-static-8x8", "%", true, NULL},                                                                         \
@@ -88,7 +96,8 @@ static const goal goals[] = {
 	{"many-720", "morph/off", "CPU time of a frame / in full detail", 0.2},
 	{"record", "pop/off", "recording with the choice of levels / without", 1.15},
 	{"million", "pop/off", "CPU time of a frame / in full detail", 0.1},
-	{"million", "memory", "additional memory, %", 2.0},
+	{"million", "memory", "additional memory of the process, %", 2.0},
+	{"memory-million", "more-pop", "additional memory of scene and renderer, %", 2.0},
 	{"horde", "impostors/meshes", "CPU time of a frame as impostors / as meshes in full detail", 0.05},
 	{"horde", "rms-8", "difference from meshes, 8 pixels high, % of white", 2.0},
 	{"horde", "rms-16", "difference from meshes, 16 pixels high, % of white", 2.0},

@@ -24,7 +24,13 @@
 	X("clusters",                                                                                                      \
 	  "a mesh of 10,000,000 triangles in 1280x720, seen from its surface and as a whole: CPU time of a frame, "        \
 	  "triangles for each of its pixels",                                                                              \
-	  clusters, 10000000, 1280, 720)
+	  clusters, 10000000, 1280, 720)                                                                                   \
+	X("vertices", "a mesh of 1,000,000 triangles in 640x360: CPU time with packed vertices and with floats", vertices, \
+	  1000, 640, 360)                                                                                                  \
+	X("vertices-small", "the same with 100,000 triangles", vertices, 100, 640, 360)                                    \
+	X("memory-10000", "10,000 models: MiB of scene and renderer", memory, 10000, 640, 360)                             \
+	X("memory-million", "1,000,000 models: MiB of scene and renderer", memory, 1000000, 640, 360)                      \
+	X("memory-mesh", "a mesh of 1,000,000 triangles: MiB of scene and renderer", memory, 0, 640, 360)
 
 /* A still camera, and an allowed error that grows from 0.36 to 0.68 pixels by 1 % a frame, as if the camera went away
  * by 1 % a frame but the picture stayed: all that changes is what levels of detail change. Pictures have four samples a

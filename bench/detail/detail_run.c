@@ -1,4 +1,5 @@
 /* The program of the suites `lod` and `pop`: frames of the stress test in each mode of --lod, by turns. */
+#include "bench/detail/detail_run.h"
 #include "bench/detail/detail_cases.h"
 #include "bench/harness/bench_child.h"
 
@@ -93,8 +94,7 @@ static void world_close(world *w)
 	free(w->ids);
 }
 
-/* CPU time of all threads of this process, ms. */
-static double cpu_ms(void)
+double detail_cpu_ms(void)
 {
 	struct rusage usage;
 	getrusage(RUSAGE_SELF, &usage);
@@ -107,7 +107,7 @@ static double cpu_ms(void)
 static double draw(world *w, stilb_render_detail_mode mode, float error, double *record_ms)
 {
 	static const stilb_render_pass pass = {.name = "scene"};
-	double start = cpu_ms();
+	double start = detail_cpu_ms();
 	w->view.detail = (stilb_render_detail){mode, error};
 	check(stilb_render_frame_begin(w->render));
 	uint64_t from = bench_child_now_ns();
@@ -116,7 +116,7 @@ static double draw(world *w, stilb_render_detail_mode mode, float error, double 
 		*record_ms = 1e-6 * (double)(bench_child_now_ns() - from);
 	check(stilb_render_replay(w->render, &pass, 1, &w->view, 1, w->pool, 0));
 	check(stilb_render_wait(w->render));
-	return cpu_ms() - start;
+	return detail_cpu_ms() - start;
 }
 
 static int by_size(const void *a, const void *b)
@@ -125,7 +125,7 @@ static int by_size(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-static double median(double *values, uint32_t count)
+double detail_median(double *values, uint32_t count)
 {
 	qsort(values, count, sizeof *values, by_size);
 	return values[count / 2];
@@ -135,10 +135,10 @@ static double median(double *values, uint32_t count)
 
 static void put_times(double times[MODES][MOST_ROUNDS], uint32_t rounds)
 {
-	double off = median(times[0], rounds);
+	double off = detail_median(times[0], rounds);
 	for (int mode = 0; mode < MODES; mode++) {
 		char ratio[32];
-		double ms = mode == 0 ? off : median(times[mode], rounds);
+		double ms = mode == 0 ? off : detail_median(times[mode], rounds);
 		snprintf(ratio, sizeof ratio, "%s/off", stilb_render_detail_names[mode]);
 		bench_child_metric(stilb_render_detail_names[mode], ms);
 		if (mode > 0)
@@ -670,9 +670,9 @@ static void run_horde(const bench_child *child, uint32_t models, uint32_t width,
 		bench_child_fail("no threads");
 	stilb_geometry_impostor_desc desc = stilb_geometry_impostor_desc_default();
 	stilb_scene_impostor impostor;
-	double start = cpu_ms(), times[2][MOST_ROUNDS];
+	double start = detail_cpu_ms(), times[2][MOST_ROUNDS];
 	check(stilb_geometry_impostor_of_model(person, 0, &desc, pool, 0, &impostor));
-	bench_child_metric("bake", cpu_ms() - start);
+	bench_child_metric("bake", detail_cpu_ms() - start);
 	bench_child_metric("maps", (double)stilb_image_size(&impostor.maps) / 1048576.0);
 	bench_child_metric("rms-8", horde_rms(person, pool, &impostor, 8.0f));
 	bench_child_metric("rms-16", horde_rms(person, pool, &impostor, 16.0f));
@@ -694,18 +694,18 @@ static void run_horde(const bench_child *child, uint32_t models, uint32_t width,
 		for (int meshes = 0; meshes < 2; meshes++) {
 			static const stilb_render_pass pass = {.name = "scene"};
 			w.ids = meshes ? few : all;
-			double from = cpu_ms();
+			double from = detail_cpu_ms();
 			w.view.detail = (stilb_render_detail){meshes ? STILB_RENDER_DETAIL_OFF : STILB_RENDER_DETAIL_POP, 0.5f};
 			check(stilb_render_frame_begin(w.render));
 			check(stilb_render_record_view(w.render, 0, w.scene, w.ids, meshes ? models / HORDE_SHARE : models, &w.view,
 			                               w.pool, 0));
 			check(stilb_render_replay(w.render, &pass, 1, &w.view, 1, w.pool, 0));
 			check(stilb_render_wait(w.render));
-			times[meshes][rounds] = (cpu_ms() - from) * (meshes ? HORDE_SHARE : 1);
-			spent += cpu_ms() - from;
+			times[meshes][rounds] = (detail_cpu_ms() - from) * (meshes ? HORDE_SHARE : 1);
+			spent += detail_cpu_ms() - from;
 		}
 	/* The first round makes pipelines. */
-	double impostors = median(times[0] + 1, rounds - 1), meshes = median(times[1] + 1, rounds - 1);
+	double impostors = detail_median(times[0] + 1, rounds - 1), meshes = detail_median(times[1] + 1, rounds - 1);
 	bench_child_metric("impostors", impostors);
 	bench_child_metric("meshes", meshes);
 	bench_child_metric("impostors/meshes", impostors / meshes);
@@ -861,12 +861,12 @@ static void rock_view(const bench_child *child, world *w, const char *view, cons
 		times[1][rounds] = draw(w, STILB_RENDER_DETAIL_POP, 0.5f, &records[rounds]);
 		spent += times[0][rounds] + times[1][rounds];
 	}
-	double off = median(times[0], rounds), pop = median(times[1], rounds);
+	double off = detail_median(times[0], rounds), pop = detail_median(times[1], rounds);
 	const struct {
 		const char *name;
 		double value;
 	} found[] = {{"off", off},           {"pop", pop},
-	             {"pop/off", pop / off}, {"record", median(records, rounds)},
+	             {"pop/off", pop / off}, {"record", detail_median(records, rounds)},
 	             {"draws", draws},       {"triangles", triangles / pixels}};
 	for (size_t i = 0; i < sizeof found / sizeof *found; i++) {
 		snprintf(metric, sizeof metric, "%s-%s", view, found[i].name);
@@ -898,8 +898,12 @@ typedef struct detail_case {
 int main(int argc, char **argv)
 {
 #define CASE(NAME, TITLE, RUN, MODELS, WIDTH, HEIGHT) {NAME, run_##RUN, MODELS, WIDTH, HEIGHT},
+#define run_vertices detail_run_vertices
+#define run_memory detail_run_memory
 	static const detail_case lod[] = {DETAIL_FRAMES(CASE) DETAIL_OTHERS(CASE)}, pop[] = {DETAIL_POPS(CASE)};
 #undef CASE
+#undef run_vertices
+#undef run_memory
 	bench_child child = bench_child_args(argc, argv);
 	for (size_t i = 0; i < sizeof lod / sizeof *lod; i++)
 		if (strcmp(child.case_name, lod[i].name) == 0) {

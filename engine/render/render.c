@@ -67,7 +67,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	render->memory[RENDER_MEMORY_LIGHTS].element = sizeof(render_light);
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
-		result = render_resources_create(&render->resources, desc->keep_textures);
+		result = render_resources_create(&render->resources, desc->keep_textures, !desc->float_vertices);
 	render->resources.morph = desc->morph;
 	if (result == STILB_OK && desc->faults.textures > 0) /* and one more, which stands for no texture */
 		render->resources.indices[RENDER_RESOURCE_TEXTURE].capacity = desc->faults.textures + 1;

@@ -128,6 +128,8 @@ typedef struct stilb_render_desc {
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */
+	bool float_vertices;    /* the device has vertices as scenes have them, 32 bytes each; else packed ones of 24 bytes,
+	                           whose normals are off by up to 6.6e-5 */
 	bool morph;             /* keep where vertices morph to, for STILB_RENDER_DETAIL_MORPH: twice the memory of meshes
 	                           that say it */
 	stilb_render_faults faults;

@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 5. Inside render/.
+ * The bytes of a frame dump, version 6. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
@@ -16,8 +16,9 @@
  *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
  *   draws              72  header.draws          render_dump_draw, as recorded: segment after segment
- *   vertices           32  header.vertices       position (3 floats), normal (3), uv (2) of mesh 0, then of 1, ...; of
- *                                                a mesh that morphs as many again: where they morph to
+ *   vertices           32  header.vertices       the floats of stilb_scene_vertex_streams of mesh 0, then of 1, ...;
+ *                                                of a mesh that morphs as many again: where they morph to. Normals as
+ *                                                the device has them
  *   indices             4  header.indices        of mesh 0, of its levels, of its clusters' coarser versions, then of
  *                                                mesh 1, ...; below the number of vertices of the mesh or level
  *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
@@ -34,9 +35,10 @@
 #define STILB_RENDER_DUMP_FORMAT_H
 
 #include "render/render_dump.h"
+#include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 5u
+#define RENDER_DUMP_VERSION 6u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -49,7 +51,8 @@ typedef struct render_dump_header {
 	uint32_t output; /* stilb_render_output */
 	uint32_t views, passes, segments, textures, materials, meshes;
 	uint64_t draws, vertices, indices, pixel_bytes;
-	uint32_t lights, backdrop_bytes, levels, unused;
+	uint32_t lights, backdrop_bytes, levels;
+	uint32_t streams; /* render_dump_streams of the vertices' table */
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -175,6 +178,9 @@ typedef enum render_dump_part {
 	RENDER_DUMP_CHECKSUM,
 	RENDER_DUMP_PARTS,
 } render_dump_part;
+
+/* What tells vertices of these streams from others: a hash of names, meanings, components and places. [any-thread] */
+uint32_t render_dump_streams(const stilb_scene_streams *table);
 
 /* Fills in the offset of each part, bytes; begin[RENDER_DUMP_PARTS] is the end of the file. False: more than 2^64
  * bytes. */

@@ -13,6 +13,18 @@
 
 /* ---- layout ------------------------------------------------------------------------------------------------------ */
 
+uint32_t render_dump_streams(const stilb_scene_streams *table)
+{
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &table->size, sizeof table->size);
+	for (uint32_t s = 0; s < table->count; s++) {
+		const stilb_scene_stream *stream = &table->streams[s];
+		const uint32_t numbers[3] = {stream->kind, stream->components, stream->offset};
+		hash = stilb_hash_fnv1a64(hash, stream->name, strlen(stream->name) + 1);
+		hash = stilb_hash_fnv1a64(hash, numbers, sizeof numbers);
+	}
+	return (uint32_t)(hash ^ hash >> 32);
+}
+
 bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_DUMP_PARTS + 1])
 {
 	struct {
@@ -28,7 +40,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_LEVELS] = {header->levels, sizeof(render_dump_level)},
 		[RENDER_DUMP_SEGMENTS] = {header->segments, sizeof(uint32_t)},
 		[RENDER_DUMP_DRAWS] = {header->draws, sizeof(render_dump_draw)},
-		[RENDER_DUMP_VERTICES] = {header->vertices, sizeof(stilb_scene_vertex)},
+		[RENDER_DUMP_VERTICES] = {header->vertices, stilb_scene_vertex_streams.size},
 		[RENDER_DUMP_INDICES] = {header->indices, sizeof(uint32_t)},
 		[RENDER_DUMP_PIXELS] = {header->pixel_bytes, 1},
 		[RENDER_DUMP_BACKDROPS] = {header->backdrop_bytes, 1},
@@ -149,8 +161,11 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
 	if (h->backdrop_bytes % 8 != 0)
 		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
-	if (h->unused != 0)
-		return load_refuse(name, "header: its unused bytes are not zero");
+	if (h->streams != render_dump_streams(&stilb_scene_vertex_streams))
+		return load_refuse(name,
+		                   "header: its vertices have other streams than this program's (%08" PRIx32 "); 'stilb "
+		                   "demo --dump FILE' writes it anew",
+		                   h->streams);
 	if (h->draws > UINT32_MAX)
 		return load_refuse(name, "header: %" PRIu64 " draws; at most %u can be recorded", h->draws, UINT32_MAX);
 	return STILB_OK;

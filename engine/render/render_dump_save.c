@@ -357,17 +357,23 @@ static void save_put_materials(const save_job *job)
 	}
 }
 
-/* Copies a mesh's vertices; of pairs first all first ones, then all second ones. Returns the end. */
-static stilb_scene_vertex *save_put_vertices(stilb_scene_vertex *out, const stilb_scene_vertex *from, uint32_t count,
-                                             bool pairs)
+/* Copies a mesh's vertices from the heap; of pairs first all first ones, then all second ones. Returns the end. */
+static stilb_scene_vertex *save_put_vertices(const render_resources *resources, stilb_scene_vertex *out,
+                                             const render_mesh_slot *slot, bool pairs)
 {
-	for (uint32_t v = 0; v < count && pairs; v++) {
-		out[v] = from[2 * (size_t)v];
-		out[count + (size_t)v] = from[2 * (size_t)v + 1];
+	const render_layout *layout = &resources->layout;
+	const uint8_t *from =
+		resources->heaps[RENDER_HEAP_VERTICES].data + (size_t)(uint32_t)slot->vertex_offset * layout->size;
+	size_t count = slot->vertex_count;
+	for (size_t v = 0; v < count && pairs; v++, from += (size_t)2 * layout->size) {
+		stilb_scene_vertex pair[2];
+		render_vertices_unpack(layout, from, 2, true, pair);
+		out[v] = pair[0];
+		out[count + v] = pair[1];
 	}
 	if (!pairs)
-		memcpy(out, from, count * sizeof *out);
-	return out + (pairs ? 2 * (size_t)count : count);
+		render_vertices_unpack(layout, from, count, false, out);
+	return out + (pairs ? 2 * count : count);
 }
 
 /* Copies a level's indices from their heap; those of pairs count vertices. Returns the end. */
@@ -384,7 +390,6 @@ static void save_put_meshes(const save_job *job)
 {
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	const render_resources *resources = &job->render->resources;
-	const stilb_scene_vertex *vertex_heap = (const stilb_scene_vertex *)resources->heaps[RENDER_HEAP_VERTICES].data;
 	render_dump_mesh *out = save_part(job, RENDER_DUMP_MESHES);
 	render_dump_level *level = save_part(job, RENDER_DUMP_LEVELS);
 	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
@@ -400,7 +405,7 @@ static void save_put_meshes(const save_job *job)
 		out->levels =
 			(levels ? levels->count : 0) | (pairs ? RENDER_DUMP_MORPHS : 0) | (clusters ? RENDER_DUMP_CLUSTERS : 0);
 		out->clusters = save_cluster_indices(levels);
-		vertices = save_put_vertices(vertices, vertex_heap + slot->vertex_offset, slot->vertex_count, pairs);
+		vertices = save_put_vertices(resources, vertices, slot, pairs);
 		indices =
 			save_put_indices(resources, indices, (const render_level *)slot, slot->flags & RENDER_MESH_WIDE, pairs);
 		for (uint32_t l = 1; levels && l <= levels->count; l++, level++) {
@@ -530,6 +535,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		.header = {.magic = RENDER_DUMP_MAGIC,
 	               .version = RENDER_DUMP_VERSION,
 	               .byte_order = RENDER_DUMP_BYTE_ORDER,
+	               .streams = render_dump_streams(&stilb_scene_vertex_streams),
 	               .width = render->device->width,
 	               .height = render->device->height,
 	               .samples = render->device->samples,

@@ -9,17 +9,17 @@ static stilb_result impostor_mesh_create(stilb_render *render, const stilb_scene
                                          stilb_render_mesh *out)
 {
 	uint32_t indices[6] = {0, 1, 3, 0, 3, 2};
-	stilb_scene_vertex vertices[4];
+	stilb_scene_vertex vertices[5] = {[4] = {.normal = {0.0f, 1.0f, 0.0f}}};
+	memcpy(vertices[4].position, impostor->half, sizeof vertices[4].position);
 	static_assert(STILB_SCENE_IMPOSTOR_MAX_TEXELS == 4096, "a float holds all of these bits");
 	for (uint32_t corner = 0; corner < 4; corner++) {
 		stilb_scene_vertex *vertex = &vertices[corner];
 		uint32_t numbers = (impostor->grid * STILB_SCENE_IMPOSTOR_MAX_TEXELS + impostor->side) * 4 + corner;
 		STILB_ASSERT(numbers < 1u << 24);
-		*vertex = (stilb_scene_vertex){.uv = {impostor->radius, (float)numbers}};
+		*vertex = (stilb_scene_vertex){.normal = {0.0f, 1.0f, 0.0f}, .uv = {impostor->radius, (float)numbers}};
 		memcpy(vertex->position, impostor->center, sizeof vertex->position);
-		memcpy(vertex->normal, impostor->half, sizeof vertex->normal);
 	}
-	stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = 4, .index_count = 6};
+	stilb_scene_mesh mesh = {.vertices = vertices, .indices = indices, .vertex_count = 5, .index_count = 6};
 	return stilb_render_mesh_create(render, &mesh, out);
 }
 

@@ -24,10 +24,10 @@ typedef struct prepare {
 	bool hurry;
 } prepare;
 
-static uint64_t prepare_mesh_bytes(const stilb_scene_mesh *mesh)
+static uint64_t prepare_mesh_bytes(const stilb_render *render, const stilb_scene_mesh *mesh)
 {
 	size_t index = mesh->vertex_count > RENDER_NARROW_VERTICES ? sizeof(uint32_t) : sizeof(uint16_t);
-	return (uint64_t)mesh->vertex_count * sizeof(stilb_scene_vertex) + mesh->index_count * index;
+	return (uint64_t)mesh->vertex_count * render->resources.layout.size + mesh->index_count * index;
 }
 
 /* With four channels. */
@@ -37,11 +37,11 @@ static uint64_t prepare_texture_bytes(const stilb_image *image)
 }
 
 /* Bytes of the whole scene, and what it adds to the heaps. */
-static uint64_t prepare_count(const stilb_scene *scene, uint32_t more[RENDER_HEAPS])
+static uint64_t prepare_count(const stilb_render *render, const stilb_scene *scene, uint32_t more[RENDER_HEAPS])
 {
 	uint64_t bytes = scene->material_count * sizeof(render_material), vertices = 0, indices[2] = {0};
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
-		bytes += prepare_mesh_bytes(&scene->meshes[i]);
+		bytes += prepare_mesh_bytes(render, &scene->meshes[i]);
 		vertices += scene->meshes[i].vertex_count;
 		indices[scene->meshes[i].vertex_count <= RENDER_NARROW_VERTICES] += scene->meshes[i].index_count;
 	}
@@ -77,7 +77,7 @@ static stilb_result prepare_fill(prepare *p)
 	stilb_result result = render_scene_fit(p->tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
 		result = render_scene_mesh(p->render, p->tables, scene, i);
-		p->made += prepare_mesh_bytes(&scene->meshes[i]);
+		p->made += prepare_mesh_bytes(p->render, &scene->meshes[i]);
 		if (result == STILB_OK)
 			result = prepare_wait(p, PREPARE_PENDING);
 	}
@@ -108,7 +108,7 @@ stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene 
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
 	prepare p = {.render = render, .scene = scene, .tables = &prepared->tables, .pace = pace, .user = user};
 	uint32_t more[RENDER_HEAPS];
-	p.total = prepare_count(scene, more);
+	p.total = prepare_count(render, scene, more);
 	render_resources_expect(&render->resources, more);
 	stilb_result result = prepare_fill(&p);
 	render_resources_expect(&render->resources, NULL);

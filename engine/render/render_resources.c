@@ -118,6 +118,15 @@ static void heap_copy(render_heap *heap, uint32_t first, const void *data, uint3
 	memcpy(heap->data + (size_t)first * heap->element, data, (size_t)count * heap->element);
 }
 
+/* Copies vertices to where they belong in their heap. pairs: as render_vertices_pack. */
+static void heap_copy_vertices(render_resources *resources, uint32_t first, const stilb_scene_vertex *vertices,
+                               uint32_t count, bool pairs)
+{
+	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
+	STILB_ASSERT((uint64_t)first + count <= heap->size);
+	render_vertices_pack(&resources->layout, vertices, count, pairs, heap->data + (size_t)first * heap->element);
+}
+
 static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 {
 	STILB_ASSERT((uint64_t)first + count <= heap->size && heap->free.count < heap->free.capacity);
@@ -196,17 +205,19 @@ static void *table_reserve(size_t size)
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 
-stilb_result render_resources_create(render_resources *resources, bool keep_pictures)
+stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed)
 {
+	render_layout layout = render_layout_make(&stilb_scene_vertex_streams, packed);
 	*resources = (render_resources){
 		.meshes = table_reserve(TABLE_MESHES),
 		.levels = table_reserve(TABLE_LEVELS),
 		.materials = table_reserve(TABLE_MATERIALS),
 		.textures = table_reserve(TABLE_TEXTURES),
+		.layout = layout,
 		.indices = {[RENDER_RESOURCE_MESH] = {.capacity = STILB_RENDER_MAX_MESHES},
 	                [RENDER_RESOURCE_TEXTURE] = {.next_unused = 1, .capacity = STILB_RENDER_MAX_TEXTURES}, /* 0: none */
 	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS}},
-		.heaps = {[RENDER_HEAP_VERTICES] = {.element = sizeof(stilb_scene_vertex)},
+		.heaps = {[RENDER_HEAP_VERTICES] = {.element = layout.size},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
@@ -341,7 +352,7 @@ static bool mesh_place_levels(render_resources *resources, const render_levels_d
 		return false;
 	render_range vertices = ranges.heap[RENDER_HEAP_VERTICES];
 	uint32_t first_vertex = vertices.first + (pairs & vertices.first & 1);
-	heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], first_vertex, data->vertices, data->vertex_count);
+	heap_copy_vertices(resources, first_vertex, data->vertices, data->vertex_count, pairs);
 	const void *const indices[2] = {data->indices, data->narrow};
 	for (int narrow = 0; narrow < 2; narrow++) {
 		render_range range = ranges.heap[RENDER_HEAP_INDICES + narrow];
@@ -371,7 +382,7 @@ static bool mesh_place(render_resources *resources, const stilb_scene_mesh *mesh
 		return false;
 	uint32_t first_vertex = ranges.heap[RENDER_HEAP_VERTICES].first;
 	uint32_t first_index = ranges.heap[RENDER_HEAP_INDICES + narrow].first;
-	heap_copy(&resources->heaps[RENDER_HEAP_VERTICES], first_vertex, mesh->vertices, mesh->vertex_count);
+	heap_copy_vertices(resources, first_vertex, mesh->vertices, mesh->vertex_count, false);
 	uint16_t *out = (uint16_t *)resources->heaps[RENDER_HEAP_INDICES_16].data + (narrow ? first_index : 0);
 	for (uint32_t i = 0; narrow && i < mesh->index_count; i++)
 		out[i] = (uint16_t)mesh->indices[i];
@@ -455,7 +466,7 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
 	bool listed = render_ranges_add(&heap->dirty, range);
 	if (listed)
-		memcpy(heap->data + (size_t)range.first * heap->element, vertices, (size_t)count * heap->element);
+		heap_copy_vertices(resources, range.first, vertices, count, false);
 	stilb_lock_give(&resources->lock);
 	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");
 }

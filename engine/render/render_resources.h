@@ -16,6 +16,7 @@
 
 #include "base/base_contract.h"
 #include "render/render.h"
+#include "render/render_vertex.h"
 
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
@@ -181,6 +182,7 @@ typedef struct render_resources {
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
 	bool morph;               /* stilb_render_desc.morph */
+	render_layout layout;     /* of the heap of vertices */
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 23 texture, 0: none; bit 23:
 	                             RENDER_STATE_IMPOSTOR */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
@@ -202,9 +204,9 @@ typedef struct render_resources {
 	uint64_t frame;       /* frames begun so far */
 } render_resources;
 
-/* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). After
- * STILB_ERROR_MEMORY render_resources_destroy must still be called. */
-stilb_result render_resources_create(render_resources *resources, bool keep_pictures);
+/* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). packed:
+ * vertices are packed (render_vertex.h). After STILB_ERROR_MEMORY render_resources_destroy must still be called. */
+stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed);
 
 /* render_levels.c: what a mesh with levels puts into the heaps. */
 typedef struct render_levels_data {

@@ -614,7 +614,8 @@ static void morphs_name_the_second_of_pairs(void **state)
 	const render_levels *levels = render->resources.levels[mesh];
 	const render_level *level = render_levels_level(levels);
 	const uint16_t *heap = (const uint16_t *)render->resources.heaps[RENDER_HEAP_INDICES_16].data;
-	const stilb_scene_vertex *vertices = (stilb_scene_vertex *)render->resources.heaps[RENDER_HEAP_VERTICES].data;
+	const render_layout *layout = &render->resources.layout;
+	const uint8_t *vertices = render->resources.heaps[RENDER_HEAP_VERTICES].data;
 	assert_true(levels->morphs == 1 && levels->count == 2);
 	for (uint32_t l = 0; l <= 2; l++) {
 		const uint32_t *from = l == 0 ? source->indices : source->level_indices + source->levels[l - 1].first_index;
@@ -625,10 +626,11 @@ static void morphs_name_the_second_of_pairs(void **state)
 				continue;
 			uint32_t moves = from[i] >= source->levels[l].vertex_count;
 			assert_int_equal(heap[level[3 + l].first_index + i], 2 * from[i] + moves);
-			const stilb_scene_vertex *pair = vertices + level[l].vertex_offset + 2 * (size_t)from[i];
-			assert_memory_equal(&pair[0], &source->vertices[from[i]], sizeof *pair);
-			if (moves)
-				assert_memory_equal(&pair[1], &source->morph[from[i]], sizeof *pair);
+			const stilb_scene_vertex wanted[2] = {source->vertices[from[i]], source->morph[from[i]]};
+			size_t place = (size_t)(uint32_t)level[l].vertex_offset + 2 * (size_t)from[i];
+			uint8_t packed[2 * sizeof *wanted];
+			render_vertices_pack(layout, wanted, 2, true, packed);
+			assert_memory_equal(vertices + place * layout->size, packed, (moves ? 2 : 1) * (size_t)layout->size);
 		}
 	}
 	stilb_render_destroy(render);

@@ -502,7 +502,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 5"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 6"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -529,7 +529,7 @@ static const struct damage {
 	{RENDER_DUMP_HEADER, HEADER(backdrop_bytes), 8, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(backdrop_bytes), UINT32_MAX, "do not add up"},
 	{RENDER_DUMP_HEADER, HEADER(levels), 2, "do not add up"},
-	{RENDER_DUMP_HEADER, HEADER(unused), 1, "header: its unused"},
+	{RENDER_DUMP_HEADER, HEADER(streams), 1, "header: its vertices have other streams"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x43000000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},

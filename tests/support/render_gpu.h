@@ -127,11 +127,14 @@ static inline fixture_draw gpu_thing_draw(const gpu_thing *thing)
 
 /* ---- what the GPU has ------------------------------------------------------------------------------------------- */
 
+#define GPU_VERTEX 24u /* bytes */
+
 static inline bool gpu_draw_is_good(const gpu_draw *draw)
 {
 	const render_command *c = &draw->command;
 	uint32_t vertices = gpu_thing_vertices(draw->number), indices = gpu_thing_indices(draw->number);
-	const stilb_scene_vertex *vertex = (const stilb_scene_vertex *)gpu.heaps[RENDER_HEAP_VERTICES] + c->vertex_offset;
+	/* Of packed vertices, whose positions come first. */
+	const uint8_t *vertex = gpu.heaps[RENDER_HEAP_VERTICES] + (size_t)(uint32_t)c->vertex_offset * GPU_VERTEX;
 	const uint16_t *index = (const uint16_t *)gpu.heaps[RENDER_HEAP_INDICES_16] + c->first_index;
 	const render_material *material = (const render_material *)gpu.heaps[RENDER_HEAP_MATERIALS] + c->material;
 	if (c->index_count != indices || c->instance_count != 1 ||
@@ -141,8 +144,11 @@ static inline bool gpu_draw_is_good(const gpu_draw *draw)
 		return false;
 	bool good = material->diffuse[0] == (float)draw->number && gpu.made[draw->texture] &&
 	            gpu.pixels[draw->texture] == (draw->number | 0xff000000u);
-	for (uint32_t v = 0; v < vertices; v++)
-		good &= vertex[v].position[0] == (float)draw->number && vertex[v].position[1] == (float)v;
+	for (uint32_t v = 0; v < vertices; v++, vertex += GPU_VERTEX) {
+		float position[2];
+		memcpy(position, vertex, sizeof position);
+		good &= position[0] == (float)draw->number && position[1] == (float)v;
+	}
 	for (uint32_t i = 0; i < indices; i++)
 		good &= index[i] == gpu_thing_index(draw->number, i);
 	return good;

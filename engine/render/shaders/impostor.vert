@@ -4,10 +4,10 @@
 #include "impostor.glsl"
 #include "../../shading/shade_impostor.h"
 
-// As impostor_mesh_create of render_impostor.c writes them; the same for all four vertices but for the corner.
+// As impostor_mesh_create of render_impostor.c writes them; the same for all four vertices but for the corner. A fifth
+// one, which no triangle uses, has the half sides of the box about the model as its position.
 layout(location = 0) in vec3 center;
-layout(location = 1) in vec3 half_sides; // of the box about the model
-layout(location = 2) in vec2 numbers;    // the sphere's radius; (grid * 4096 + side) * 4 + corner
+layout(location = 2) in vec2 numbers; // the sphere's radius; (grid * 4096 + side) * 4 + corner
 
 IMPOSTOR_VARYINGS(out)
 
@@ -42,6 +42,12 @@ void main()
 	vec3 camera = (normal_x * away.x + normal_y * away.y + normal_z * away.z) / radius;
 	float far = length(camera);
 	vec3 direction = camera / far;
+	uint last = uint(gl_VertexIndex) - (packed & 3u) + 4u;
+#ifdef MESH_PACKED
+	vec3 half_sides = uintBitsToFloat(uvec3(push.vertices.thirds[3u * last], push.vertices.thirds[3u * last + 1u].x));
+#else
+	vec3 half_sides = push.vertices.halves[2u * last].xyz;
+#endif
 	vec3 box = half_sides / radius;
 	// Upright along the longest side of the box: most models are long, and the rectangle is narrow.
 	float longest = max(box.x, max(box.y, box.z));

@@ -40,8 +40,13 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec2 turn; // sine and cosine of its rotation
 };
 
-// The heap of vertices, two of these for each: position and normal's x; normal's y and z, uv.
+// The heap of vertices (render_vertex.h). Packed, three of these for each: position's x and y; its z, the normal; uv.
+// As floats two: position and normal's x; normal's y and z, uv.
+#ifdef MESH_PACKED
+layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Vertices { uvec2 thirds[]; };
+#else
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vertices { vec4 halves[]; };
+#endif
 
 layout(push_constant, std430) uniform Push {
 	View view;

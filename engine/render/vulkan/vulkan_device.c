@@ -222,6 +222,8 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	device->base.in_window = desc->surface;
 	device->allocator = vulkan_host_allocator;
 	device->output = desc->output;
+	device->packed = !desc->float_vertices;
+	device->layout = render_layout_make(&stilb_scene_vertex_streams, device->packed);
 	device->presentation = device->asked = desc->presentation;
 	device->presents = desc->surface;
 	device->color_format =

@@ -239,6 +239,8 @@ typedef struct vulkan_device {
 	bool drawn; /* color holds a submitted picture, in the layout TRANSFER_SRC_OPTIMAL */
 
 	vulkan_buffer heaps[RENDER_HEAPS];
+	bool packed;          /* vertices are: stilb_render_desc.float_vertices */
+	render_layout layout; /* of vertices */
 
 	vulkan_slot slots[VULKAN_SLOTS];
 	uint32_t slot; /* index of the current frame's slot */

@@ -14,6 +14,12 @@ static const uint32_t mesh_vert[] =
 static const uint32_t mesh_texture_vert[] =
 #include "mesh_texture.vert.inc"
 	;
+static const uint32_t mesh_packed_vert[] =
+#include "mesh_packed.vert.inc"
+	;
+static const uint32_t mesh_packed_texture_vert[] =
+#include "mesh_packed_texture.vert.inc"
+	;
 static const uint32_t mesh_frag[] =
 #include "mesh.frag.inc"
 	;
@@ -29,6 +35,9 @@ static const uint32_t mesh_bind_texture_frag[] =
 
 static const uint32_t impostor_vert[] =
 #include "impostor.vert.inc"
+	;
+static const uint32_t impostor_packed_vert[] =
+#include "impostor_packed.vert.inc"
 	;
 static const uint32_t impostor_frag[] =
 #include "impostor.frag.inc"
@@ -66,10 +75,18 @@ typedef struct pipeline_code {
 		words, sizeof words                                                                                            \
 	}
 
-static const pipeline_code vertex_code[VULKAN_SURFACES] = {
-	[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_vert),
-	[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_texture_vert),
-	[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_vert),
+/* [1: vertices are packed] */
+static const pipeline_code vertex_code[2][VULKAN_SURFACES] = {
+	{
+		[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_vert),
+		[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_texture_vert),
+		[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_vert),
+	},
+	{
+		[VULKAN_SURFACE_PLAIN] = PIPELINE_CODE(mesh_packed_vert),
+		[VULKAN_SURFACE_TEXTURE] = PIPELINE_CODE(mesh_packed_texture_vert),
+		[VULKAN_SURFACE_IMPOSTOR] = PIPELINE_CODE(impostor_packed_vert),
+	},
 };
 
 /* [1: the material is bound as a descriptor set] */
@@ -148,33 +165,39 @@ static VkResult layout_create(vulkan_device *device)
 
 /* ---- constant state of mesh pipelines --------------------------------------------------------------------------- */
 
-static const VkVertexInputBindingDescription vertex_binding = {.stride = sizeof(stilb_scene_vertex)};
+/* What a pipeline reads of vertices: attribute number s is stream number s of the table. */
+typedef struct vertex_input {
+	VkVertexInputBindingDescription binding;
+	VkVertexInputAttributeDescription attributes[STILB_SCENE_MOST_STREAMS];
+	VkPipelineVertexInputStateCreateInfo info;
+} vertex_input;
 
-static const VkVertexInputAttributeDescription vertex_attributes[3] = {
-	{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
-	{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
-	{.location = 2, .format = VK_FORMAT_R32G32_SFLOAT, .offset = offsetof(stilb_scene_vertex, uv)},
-};
-
-/* By whether uv is read. */
-static const VkPipelineVertexInputStateCreateInfo vertex_input[2] = {
-	[false] =
-		{
-			.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-			.vertexBindingDescriptionCount = 1,
-			.pVertexBindingDescriptions = &vertex_binding,
-			.vertexAttributeDescriptionCount = 2,
-			.pVertexAttributeDescriptions = vertex_attributes,
-		},
-	[true] =
-		{
-			.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-			.vertexBindingDescriptionCount = 1,
-			.pVertexBindingDescriptions = &vertex_binding,
-			.vertexAttributeDescriptionCount = 3,
-			.pVertexAttributeDescriptions = vertex_attributes,
-		},
-};
+static void vertex_input_make(const render_layout *layout, vulkan_surface surface, vertex_input *input)
+{
+	static const VkFormat floats[] = {0, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32B32_SFLOAT,
+	                                  VK_FORMAT_R32G32B32A32_SFLOAT};
+	/* Kinds of streams that no shader of a surface reads: fetching them costs a CPU time. */
+	static const uint32_t unread[VULKAN_SURFACES] = {
+		[VULKAN_SURFACE_PLAIN] = 1u << STILB_SCENE_STREAM_TEXTURE,
+		[VULKAN_SURFACE_IMPOSTOR] = 1u << STILB_SCENE_STREAM_DIRECTION,
+	};
+	uint32_t count = 0;
+	for (uint32_t s = 0; s < layout->count; s++) {
+		const render_attribute *a = &layout->attributes[s];
+		if (unread[surface] >> a->kind & 1u)
+			continue;
+		input->attributes[count++] = (VkVertexInputAttributeDescription){
+			.location = s, .format = a->octahedral ? VK_FORMAT_R32_UINT : floats[a->components], .offset = a->to};
+	}
+	input->binding = (VkVertexInputBindingDescription){.stride = layout->size};
+	input->info = (VkPipelineVertexInputStateCreateInfo){
+		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+		.vertexBindingDescriptionCount = 1,
+		.pVertexBindingDescriptions = &input->binding,
+		.vertexAttributeDescriptionCount = count,
+		.pVertexAttributeDescriptions = input->attributes,
+	};
+}
 
 static const VkPipelineInputAssemblyStateCreateInfo triangle_list = {
 	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
@@ -338,6 +361,8 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 	pipeline_variant variant = wanted->variant;
 	const VkShaderModule *modules = device->mesh_modules[variant.surface];
 	STILB_ASSERT(modules[0] && modules[1]);
+	vertex_input input;
+	vertex_input_make(&device->layout, variant.surface, &input);
 	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY,
 	                                .materials = variant.materials,
 	                                .detail = variant.detail,
@@ -366,7 +391,7 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 		.pNext = &rendering,
 		.stageCount = 2,
 		.pStages = stages,
-		.pVertexInputState = &vertex_input[variant.surface != VULKAN_SURFACE_PLAIN],
+		.pVertexInputState = &input.info,
 		.pInputAssemblyState = &triangle_list,
 		.pViewportState = &viewport,
 		.pRasterizationState = &sides,
@@ -382,7 +407,7 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 static VkResult mesh_modules_make(vulkan_device *device, vulkan_surface surface)
 {
 	bool bind = device->base.materials == STILB_RENDER_MATERIALS_BIND;
-	VkResult result = shader_create(device, vertex_code[surface], &device->mesh_modules[surface][0]);
+	VkResult result = shader_create(device, vertex_code[device->packed][surface], &device->mesh_modules[surface][0]);
 	return result == VK_SUCCESS ? shader_create(device, fragment_code[bind][surface], &device->mesh_modules[surface][1])
 	                            : result;
 }
