@@ -46,6 +46,39 @@ static float clusters_radius(const float center[3], float radius)
 	return radius * 1.0002f + (fabsf(center[0]) + fabsf(center[1]) + fabsf(center[2])) * 2e-6f;
 }
 
+#define CLUSTERS_CONE_MOST 256u /* triangles: larger clusters have no cone */
+
+/* Fills in axis and spread: the mean of the triangles' normals, by area, and the one farthest from it. */
+static void clusters_put_cone(const stilb_scene_mesh *mesh, const uint32_t *indices, render_cluster *out)
+{
+	stilb_vec3 normals[CLUSTERS_CONE_MOST], axis = {0};
+	uint32_t count = out->index_count / 3;
+	out->spread = 2.0f;
+	if (count > CLUSTERS_CONE_MOST || !(out->radius > 0.0f))
+		return;
+	float scale = 1.0f / out->radius; /* so that no square underflows */
+	for (uint32_t t = 0; t < count; t++) {
+		stilb_vec3 p[3];
+		for (uint32_t k = 0; k < 3; k++) {
+			const float *at = mesh->vertices[indices[3 * t + k]].position;
+			p[k] = stilb_vec3_make(at[0], at[1], at[2]) * scale;
+		}
+		normals[t] = stilb_vec3_cross(p[1] - p[0], p[2] - p[0]);
+		axis += normals[t];
+	}
+	float square = stilb_vec3_dot(axis, axis), least = 1.0f; /* of the squares of the cosines */
+	axis *= square > 0.0f ? 1.0f / sqrtf(square) : 0.0f;
+	for (uint32_t t = 0; t < count; t++) {
+		float along = stilb_vec3_dot(axis, normals[t]), length = stilb_vec3_dot(normals[t], normals[t]);
+		if (length > 0.0f) /* else it has no sides */
+			least = fminf(least, along * fabsf(along) / length);
+	}
+	for (int i = 0; i < 3; i++)
+		out->axis[i] = axis[i];
+	if (least > 1e-4f)
+		out->spread = sqrtf(1.0f - least) + 1e-3f;
+}
+
 /* deepest: scratch, [group_count] the depth of each group's deepest cluster. */
 static void clusters_fill(const stilb_scene_mesh *mesh, uint32_t coarser, uint32_t *deepest, render_clusters *out)
 {
@@ -71,6 +104,8 @@ static void clusters_fill(const stilb_scene_mesh *mesh, uint32_t coarser, uint32
 			                                    .from = own ? mesh->group_count : from->from,
 			                                    .depth = own ? 0 : deepest[from->from] + 1};
 			memcpy(out->clusters[c].center, from->center, sizeof from->center);
+			clusters_put_cone(mesh, (own ? mesh->indices : mesh->cluster_indices) + from->first_index,
+			                  &out->clusters[c]);
 			deepest[g] = out->clusters[c].depth > deepest[g] ? out->clusters[c].depth : deepest[g];
 		}
 		out->depth = deepest[g] > out->depth ? deepest[g] : out->depth;
@@ -148,9 +183,39 @@ static float clusters_stretch(const stilb_mat4 *transform)
 	return (float)(sqrt(most > 0.0 ? most : 0.0) * (1.0 + 1e-6));
 }
 
-render_cluster_view render_cluster_view_make(const render_detail_view *view, const stilb_mat4 *view_projection,
+/* Finds the camera in the mesh's space. False: the transform has no inverse, or mirrors, and the device takes the other
+ * side for the front. */
+static bool clusters_camera(const stilb_mat4 *transform, const float position[3], float camera[3])
+{
+	const float *m = transform->m;
+	double columns[3][3], rows[3][3], way[3];
+	for (int i = 0; i < 3; i++) {
+		way[i] = (double)position[i] - (double)m[12 + i];
+		for (int j = 0; j < 3; j++)
+			columns[i][j] = (double)m[4 * i + j];
+	}
+	for (int i = 0; i < 3; i++) { /* the adjugate: products of the other two columns */
+		const double *a = columns[(i + 1) % 3], *b = columns[(i + 2) % 3];
+		for (int j = 0; j < 3; j++)
+			rows[i][j] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
+	}
+	double determinant = 0.0;
+	for (int i = 0; i < 3; i++)
+		determinant += columns[0][i] * rows[0][i];
+	if (!(determinant > 0.0))
+		return false;
+	bool finite = true;
+	for (int i = 0; i < 3; i++) {
+		camera[i] = (float)((rows[i][0] * way[0] + rows[i][1] * way[1] + rows[i][2] * way[2]) / determinant);
+		finite &= (bool)isfinite(camera[i]);
+	}
+	return finite;
+}
+
+render_cluster_view render_cluster_view_make(const render_detail_view *view, const stilb_render_view *seen,
                                              const stilb_mat4 *transform)
 {
+	const stilb_mat4 *view_projection = &seen->view_projection;
 	render_cluster_view out = {.stretch = clusters_stretch(transform)};
 	stilb_mat4 product;
 	for (int column = 0; column < 4; column++)
@@ -170,6 +235,7 @@ render_cluster_view render_cluster_view_make(const render_detail_view *view, con
 		out.rows[row][3] -= view->position[row];
 	}
 	STILB_ASSERT(view->scale >= 0.0f && "nothing suffices for a view without levels");
+	out.backs = perspective && !seen->both_sides && clusters_camera(transform, view->position, out.camera);
 	out.perspective = perspective ? 1.0f : 0.0f;
 	out.reach = perspective ? out.stretch / sqrtf(view->scale) : out.stretch;
 	out.near = perspective ? view->near : sqrtf(view->constant);
@@ -277,6 +343,8 @@ static void clusters_add_group(const render_clusters *clusters, const render_clu
 			continue;
 		if (place == CLUSTERS_PARTLY &&
 		    clusters_seen(&view->frustum, at[0], at[1], at[2], cluster->radius) == CLUSTERS_OUTSIDE)
+			continue;
+		if (view->backs && render_cluster_is_back(view, cluster))
 			continue;
 		clusters_add(cut, cluster, depths);
 	}

@@ -8,7 +8,11 @@
  *           Errors and spheres grow from a group to those above it, so where one suffices, all below it do: along each
  *           way from the mesh itself to a root exactly one cluster is drawn. Rounding could at most draw two, never
  *           none: a way begins with what suffices and ends with what does not.
- * In view.  Groups whose sphere is outside of the view are left out, and clusters of groups that are partly outside.
+ * In view.  Groups whose sphere is outside of the view are left out, and so are clusters of groups that are partly
+ *           outside. Clusters that turn their back on the camera are left out unless both sides are drawn: all their
+ *           normals are within an angle a of an axis, and from the camera to the sphere's centre c, radius r, the way
+ *           is v; v axis - |v| sin a changes by at most the way that c moves, so if it is at least r, it is at least 0
+ *           for all points of the sphere, and no normal there points towards the camera.
  * Order.    Clusters are drawn in the order of their groups; those whose indices follow one another are one draw.
  */
 #ifndef STILB_RENDER_CLUSTERS_H
@@ -19,13 +23,14 @@
 
 /* A cluster. */
 typedef struct render_cluster {
-	float center[3], radius;           /* with what rounding may cost */
+	float center[3], radius; /* with what rounding may cost */
+	float axis[3], spread;   /* normals are so far from the axis: the sine of the angle; 2: beyond 90 degrees */
 	uint32_t first_index, index_count; /* from the mesh's first index in the heap on */
 	uint32_t from;                     /* group; render_clusters.group_count: none, which always suffices */
 	uint32_t depth; /* 0: of the mesh itself; else one more than the deepest of the group that it is from */
 } render_cluster;
 
-static_assert(sizeof(render_cluster) == 32, "two in a cache line");
+static_assert(sizeof(render_cluster) == 48, "without gaps");
 
 /* The clusters of a mesh, in one piece of memory; constant from its creation to its release. */
 typedef struct render_clusters {
@@ -55,12 +60,27 @@ typedef struct render_cluster_view {
 	float reach;           /* an error of 1 m is allowed from so many metres on */
 	float near;            /* what is nearer counts as this far */
 	float perspective;     /* 1, or 0: everything is as far as `near` */
+	bool backs;            /* clusters that turn their back are left out */
+	float camera[3];       /* backs: in the mesh's space */
 	stilb_frustum frustum; /* in the mesh's space */
 } render_cluster_view;
 
 /* transform: of the part. [any-thread] */
-render_cluster_view render_cluster_view_make(const render_detail_view *view, const stilb_mat4 *view_projection,
+render_cluster_view render_cluster_view_make(const render_detail_view *view, const stilb_render_view *seen,
                                              const stilb_mat4 *transform);
+
+/* True if the cluster turns its back on the camera: view->backs. */
+static inline bool render_cluster_is_back(const render_cluster_view *view, const render_cluster *cluster)
+{
+	float along = 0.0f, square = 0.0f;
+	for (int i = 0; i < 3; i++) {
+		float v = cluster->center[i] - view->camera[i];
+		along += v * cluster->axis[i];
+		square += v * v;
+	}
+	along -= cluster->radius;
+	return along > 0.0f && along * along >= cluster->spread * cluster->spread * square;
+}
 
 /* Fills in cut->ranges. depths: clusters of different depths are in ranges of their own, which tell it. False: no
  * memory. [any-thread] */

@@ -746,7 +746,7 @@ __attribute__((noinline)) static void record_clusters(const record_pass_view *re
                                                       record_what what, const stilb_mat4 *transform, uint64_t kind)
 {
 	const render_clusters *clusters = context->levels[what.mesh]->clusters;
-	render_cluster_view view = render_cluster_view_make(&recorded->view, &recorded->seen->view_projection, transform);
+	render_cluster_view view = render_cluster_view_make(&recorded->view, recorded->seen, transform);
 	bool shows = recorded->view.shows;
 	if (context->failed || !render_clusters_choose(clusters, &view, shows, &context->cut)) {
 		context->failed = true;
