@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
-#define CACHE_VERSION 9u
+#define CACHE_VERSION 10u
 #define CACHE_ENDING ".levels"
 #define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
 

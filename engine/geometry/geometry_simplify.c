@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define REGION 8192u     /* triangles of a region */
+#define REGION 8192u     /* triangles of a region, at most */
 #define VALUE_LIMIT 0.01 /* edges^2: the most that a vertex's values may cost */
 #define KEY_SHIFT 8      /* bits of a Z-order key that are left out: two passes of sorting instead of three */
 #define PILOTS 8u        /* one region of this many tells what the others should pay at most */
@@ -490,9 +490,18 @@ static void collapse_all(reduce *r, uint32_t target, float max_cost)
 	r->step = 1;
 }
 
+/* How many regions triangles are cut into: so many that two or four threads have as many each. */
+static uint32_t region_count(uint32_t triangles)
+{
+	uint32_t least = (triangles + REGION - 1) / REGION, alike = least > 16 ? 16 : least > 2 ? 4 : 1;
+	if (least == 1 && triangles > REGION / 2)
+		return 2;
+	return (least + alike - 1) / alike * alike;
+}
+
 static stilb_result reduce_round(geometry_work *work, uint32_t target, float max_cost)
 {
-	reduce r = {.work = work, .count = work->count, .regions = (work->count + REGION - 1) / REGION};
+	reduce r = {.work = work, .count = work->count, .regions = region_count(work->count)};
 	r.round = (geometry_round){.mesh = work->mesh, .canonical = work->canonical, .locked = work->locked};
 	geometry_round_scale(&r.round, work, target);
 	bool made = reduce_allocate(&r) && reduce_cut(&r);
@@ -522,8 +531,9 @@ stilb_result geometry_work_reduce(geometry_work *work, uint32_t target, float ma
 	uint32_t stalled = 0;
 	while (work->count > target && stalled < 2) {
 		uint32_t before = work->count, next = target;
-		if (next < before / 3)
-			next = before / 3;
+		/* Far rounds are few, and what their borders have cost the last one makes good. */
+		if (target < before / 3)
+			next = target + target / 2 > before / 5 ? target + target / 2 : before / 5;
 		stilb_result result = reduce_round(work, next, max_cost);
 		if (result != STILB_OK)
 			return result;
