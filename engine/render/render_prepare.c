@@ -24,10 +24,17 @@ typedef struct prepare {
 	bool hurry;
 } prepare;
 
+/* True if the mesh's indices have 16 bits. */
+static bool prepare_is_narrow(const stilb_scene_mesh *mesh)
+{
+	return mesh->vertex_count <= RENDER_NARROW_VERTICES && mesh->cluster_count == 0;
+}
+
 static uint64_t prepare_mesh_bytes(const stilb_render *render, const stilb_scene_mesh *mesh)
 {
-	size_t index = mesh->vertex_count > RENDER_NARROW_VERTICES ? sizeof(uint32_t) : sizeof(uint16_t);
-	return (uint64_t)mesh->vertex_count * render->resources.layout.size + mesh->index_count * index;
+	size_t index = prepare_is_narrow(mesh) ? sizeof(uint16_t) : sizeof(uint32_t);
+	uint64_t indices = (uint64_t)mesh->index_count + mesh->cluster_index_count;
+	return (uint64_t)mesh->vertex_count * render->resources.layout.size + indices * index;
 }
 
 /* With four channels. */
@@ -43,7 +50,8 @@ static uint64_t prepare_count(const stilb_render *render, const stilb_scene *sce
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
 		bytes += prepare_mesh_bytes(render, &scene->meshes[i]);
 		vertices += scene->meshes[i].vertex_count;
-		indices[scene->meshes[i].vertex_count <= RENDER_NARROW_VERTICES] += scene->meshes[i].index_count;
+		indices[prepare_is_narrow(&scene->meshes[i])] +=
+			(uint64_t)scene->meshes[i].index_count + scene->meshes[i].cluster_index_count;
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		bytes += prepare_texture_bytes(&scene->textures[i]);
