@@ -14,6 +14,12 @@
 	X("hills/64", "a sixty-fourth", hills, 64)                                                                         \
 	X("torus/2", "bumpy torus with seams of the texture, 160,000 triangles, half of them left", torus, 2)              \
 	X("torus/8", "an eighth", torus, 8)                                                                                \
-	X("torus/64", "a sixty-fourth", torus, 64)
+	X("torus/64", "a sixty-fourth", torus, 64)                                                                         \
+	X("knot/2", "ribbed knot with seams, 144,000 triangles, half of them left", knot, 2)                               \
+	X("knot/8", "an eighth", knot, 8)                                                                                  \
+	X("knot/64", "a sixty-fourth", knot, 64)                                                                           \
+	X("cliffs/2", "cliffs and plains with a border, 131,072 triangles, half of them left", cliffs, 2)                  \
+	X("cliffs/8", "an eighth", cliffs, 8)                                                                              \
+	X("cliffs/64", "a sixty-fourth", cliffs, 64)
 
 #endif

@@ -122,6 +122,50 @@ static stilb_scene_mesh make_bumpy(void)
 	return mesh;
 }
 
+/* A trefoil knot with a twisted, ribbed tube, whose texture has two seams. */
+static stilb_scene_mesh make_knot(void)
+{
+	stilb_scene_mesh mesh = grid(900, 80);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++) {
+		stilb_scene_vertex *vertex = &mesh.vertices[v];
+		float a = 6.2831853f * (vertex->uv[0] < 1.0f ? vertex->uv[0] : 0.0f);
+		float b = 6.2831853f * (vertex->uv[1] < 1.0f ? vertex->uv[1] : 0.0f);
+		stilb_vec3 center =
+			stilb_vec3_make(sinf(a) + 2.0f * sinf(2.0f * a), cosf(a) - 2.0f * cosf(2.0f * a), -sinf(3.0f * a));
+		stilb_vec3 along = stilb_vec3_normalize(
+			stilb_vec3_make(cosf(a) + 4.0f * cosf(2.0f * a), -sinf(a) + 4.0f * sinf(2.0f * a), -3.0f * cosf(3.0f * a)));
+		stilb_vec3 side = stilb_vec3_normalize(stilb_vec3_cross(along, stilb_vec3_make(0.0f, 0.0f, 1.0f)));
+		stilb_vec3 up = stilb_vec3_cross(side, along);
+		float r = 0.35f * (1.0f + 0.12f * sinf(5.0f * b + 9.0f * a) + 0.05f * sinf(60.0f * a));
+		stilb_vec3 at = center + side * (r * cosf(b)) + up * (r * sinf(b));
+		for (int axis = 0; axis < 3; axis++)
+			vertex->position[axis] = at[axis];
+	}
+	set_normals(&mesh);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++) {
+		uint32_t i = v % 901 == 900 ? 0 : v % 901, j = v / 901 == 80 ? 0 : v / 901;
+		memcpy(mesh.vertices[v].normal, mesh.vertices[j * 901 + i].normal, sizeof mesh.vertices[v].normal);
+	}
+	return mesh;
+}
+
+/* Plains with cliffs between them, and roughness of many sizes. */
+static stilb_scene_mesh make_cliffs(void)
+{
+	stilb_scene_mesh mesh = grid(256, 256);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++) {
+		float *p = mesh.vertices[v].position, x = 10.0f * mesh.vertices[v].uv[0], z = 10.0f * mesh.vertices[v].uv[1];
+		float height = tanhf(4.0f * (sinf(0.9f * x) + cosf(0.7f * z + 0.4f * x))), size = 0.1f;
+		for (float wave = 1.7f; wave < 30.0f; wave *= 1.9f, size *= 0.5f)
+			height += size * sinf(wave * x + 0.3f * wave * z) * cosf(wave * z - 0.6f * wave * x + wave);
+		p[0] = x;
+		p[1] = height;
+		p[2] = z;
+	}
+	set_normals(&mesh);
+	return mesh;
+}
+
 typedef struct simplify_case {
 	const char *name;
 	stilb_scene_mesh (*make)(void);
