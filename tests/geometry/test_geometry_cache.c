@@ -165,6 +165,32 @@ static void write_file(const char *path, const unsigned char *bytes, size_t size
 	fclose(file);
 }
 
+/* Clusters and groups that say what cannot be; the bytes of the file from the first cluster on. */
+static void damage_cluster(uint32_t kind, unsigned char *at, uint32_t cluster_count, uint32_t group_count)
+{
+	stilb_scene_cluster last;
+	stilb_scene_cluster_group group;
+	unsigned char *cluster = at + (cluster_count - 1) * sizeof last;
+	unsigned char *groups = at + cluster_count * sizeof last, *root = groups + (group_count - 1) * sizeof group;
+	memcpy(&last, cluster, sizeof last);
+	memcpy(&group, root, sizeof group);
+	assert_int_not_equal(last.from, STILB_SCENE_NONE);
+	if (kind == 0)
+		last.from = group_count;
+	if (kind == 1)
+		last.from = group_count - 1; /* its own group */
+	if (kind == 2)
+		last.first_index -= 3;
+	if (kind == 3)
+		last.center[1] = NAN;
+	if (kind == 4)
+		group.error = 0.0f;
+	if (kind == 5)
+		group.cluster_count++;
+	memcpy(cluster, &last, sizeof last);
+	memcpy(root, &group, sizeof group);
+}
+
 /* Every byte of the header and many of the rest, changed with the right checksum and without; shorter and longer
  * files. Nothing crashes, and what is taken keeps within the mesh. */
 static void check_damaged(uint32_t cluster_least)
@@ -228,6 +254,20 @@ static void check_damaged(uint32_t cluster_least)
 			unsigned char *order = bad + HEADER + counts[2] * sizeof(stilb_scene_level);
 			memcpy(order, order + 4, 4);
 		}
+		set_checksum(bad, size);
+		write_file(path, bad, size);
+		mesh = torus();
+		assert_false(stilb_geometry_levels_find(&mesh, &desc));
+		stilb_scene_mesh_finish(&mesh);
+	}
+	uint32_t counts[7];
+	memcpy(counts, good + 32, sizeof counts);
+	for (uint32_t kind = 0; kind < 6 && counts[4] > 0; kind++) {
+		memcpy(bad, good, size);
+		damage_cluster(kind,
+		               bad + HEADER + counts[2] * sizeof(stilb_scene_level) +
+		                   4 * ((size_t)counts[0] + counts[1] + counts[3]),
+		               counts[4], counts[5]);
 		set_checksum(bad, size);
 		write_file(path, bad, size);
 		mesh = torus();

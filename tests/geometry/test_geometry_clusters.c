@@ -187,6 +187,35 @@ static void test_errors(void **state)
 	stilb_scene_mesh_finish(&mesh);
 }
 
+/* A needle on a hexagon, replaced by the flat hexagon: only the vertex that is gone is far. */
+static void test_needle(void **state)
+{
+	(void)state;
+	float positions[7][3] = {{0.0f, 0.5f, 0.0f}};
+	uint32_t finer[6][3];
+	for (uint32_t i = 0; i < 6; i++) {
+		positions[i + 1][0] = cosf(1.0471976f * (float)i);
+		positions[i + 1][2] = -sinf(1.0471976f * (float)i);
+		finer[i][0] = 0;
+		finer[i][1] = i + 1;
+		finer[i][2] = (i + 1) % 6 + 1;
+	}
+	const uint32_t coarser[4][3] = {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 6}};
+	const uint32_t canonical[7] = {0, 1, 2, 3, 4, 5, 6}, gone = 0;
+	stilb_geometry_mesh mesh = {.vertex_count = 7, .positions = positions[0], .position_stride = sizeof *positions};
+	geometry_replaced replaced = {.mesh = &mesh,
+	                              .canonical = canonical,
+	                              .finer = (const uint32_t(*)[3])finer,
+	                              .finer_count = 6,
+	                              .coarser = coarser,
+	                              .coarser_count = 4,
+	                              .gone = &gone,
+	                              .gone_count = 1};
+	float bound;
+	assert_true(geometry_replaced_distance(&replaced, &bound));
+	assert_true(bound >= 0.5f && bound <= 0.54f);
+}
+
 /* ---- levels and clusters together -------------------------------------------------------------------------------- */
 
 static stilb_job_pool *pool_of(uint32_t workers)
@@ -425,10 +454,10 @@ static void test_split(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		test_one_thread(test_closed),  test_one_thread(test_border),  test_one_thread(test_teeth),
-		test_one_thread(test_facets),  test_one_thread(test_pieces),  test_one_thread(test_errors),
-		cmocka_unit_test(test_levels), test_one_thread(test_give_up), test_one_thread(test_no_memory),
-		test_one_thread(test_damaged), test_one_thread(test_split),
+		test_one_thread(test_closed),    test_one_thread(test_border),  test_one_thread(test_teeth),
+		test_one_thread(test_facets),    test_one_thread(test_pieces),  test_one_thread(test_errors),
+		test_one_thread(test_needle),    cmocka_unit_test(test_levels), test_one_thread(test_give_up),
+		test_one_thread(test_no_memory), test_one_thread(test_damaged), test_one_thread(test_split),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
