@@ -30,8 +30,9 @@ endif()
 set(headers
 	base/base.h base/base_math.h
 	image/image.h
-	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h
+	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h
 	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
+	geometry/geometry.h geometry/geometry_levels.h geometry/geometry_detail.h geometry/geometry_impostor.h
 	shading/shade_model.h
 	window/window.h
 	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
@@ -92,6 +93,9 @@ endfunction()
 stilb_component(scene "Scenes as plain data: files, a builder, pictures"
 	MODULES scene image base shading
 	REQUIRES stilb-jobs stilb-profiler libpng OpenEXR LIBS -lstdc++ -lm -ldl -pthread)
+stilb_component(geometry "Coarser levels and impostors of meshes"
+	MODULES geometry
+	REQUIRES stilb-scene stilb-jobs stilb-profiler)
 stilb_component(engine "${PROJECT_DESCRIPTION}"
 	MODULES engine ui render culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
@@ -116,10 +120,10 @@ set(shared_definitions STILB_PROF_SHARED)
 if(NOT STILB_PROFILE)
 	list(APPEND shared_definitions STILB_PROFILE_OFF)
 endif()
-set(modules engine ui render culling input window gi numeric scene image base jobs profiler-shared)
+set(modules engine ui render culling input window gi numeric geometry scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
-target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-flags # for the libraries of others that these need
+target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-geometry stilb-flags # for the libraries of others that these need
 	INTERFACE m) # functions in headers call it
 target_link_options(stilb-shared PRIVATE -Wl,-z,defs -Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/stilb-exports.map)
 set_target_properties(stilb-shared PROPERTIES OUTPUT_NAME stilb EXPORT_NAME shared LINKER_LANGUAGE CXX
@@ -139,7 +143,7 @@ install(TARGETS stilb-shared EXPORT stilb-shared-targets LIBRARY DESTINATION ${C
 install(EXPORT stilb-shared-targets NAMESPACE stilb:: DESTINATION ${package_dir} ${shared})
 list(TRANSFORM shared_definitions PREPEND -D OUTPUT_VARIABLE cflags)
 list(JOIN cflags " " cflags)
-foreach(name jobs profiler scene engine gi)
+foreach(name jobs profiler scene geometry engine gi)
 	set(description "Stilb's ${name}, in the shared library of all of Stilb")
 	set(requires)
 	set(libs -lstilb)

@@ -1,8 +1,10 @@
-/* file SCENE [PICTURE.png]: opens a scene file of any format that Stilb reads, says what is in it, and saves a picture.
- * What Stilb has to say about the file comes through a function of the program. */
+/* file SCENE [PICTURE.png]: opens a scene file of any format that Stilb reads, says what is in it, and saves a picture
+ * in which meshes far away have fewer triangles. What Stilb has to say about the file comes through a function of the
+ * program. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stilb/engine.h>
+#include <stilb/geometry_detail.h>
 
 static void on_line(void *user, const char *line)
 {
@@ -49,8 +51,10 @@ int main(int argc, char **argv)
 	stilb_result result = stilb_scene_open(argv[1], &scene);
 	if (result == STILB_OK) {
 		describe(scene);
-		if (argc > 2)
+		if (argc > 2) {
+			stilb_geometry_detail_make(scene); /* coarser levels of large meshes: made now, or read from the cache */
 			result = draw(scene, argv[2]);
+		}
 		stilb_scene_destroy(scene);
 	}
 	if (result != STILB_OK)

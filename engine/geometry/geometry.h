@@ -27,6 +27,11 @@
 #include "base/base.h"
 #include "jobs/job.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
 /* What a difference of a stream's values means. */
 typedef enum stilb_geometry_kind {
 	STILB_GEOMETRY_DIRECTION, /* unit vectors, such as normals; a difference of 1 is 60 degrees */
@@ -88,5 +93,10 @@ void stilb_geometry_simplified_finish(stilb_geometry_simplified *simplified);
 stilb_result stilb_geometry_distance(const stilb_geometry_mesh *mesh, const uint32_t *a, uint32_t a_count,
                                      const uint32_t *b, uint32_t b_count, stilb_job_pool *pool, uint32_t worker,
                                      float *bound);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -19,6 +19,11 @@
 
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
 /* Meshes of fewer triangles are drawn as they are. */
 #define STILB_GEOMETRY_DETAIL_LEAST 500u
 
@@ -40,5 +45,10 @@ bool stilb_geometry_detail_give(stilb_geometry_detail *detail, stilb_scene *scen
 
 /* Gives up what is not made yet, waits for the thread, and frees. Accepts NULL. */
 void stilb_geometry_detail_end(stilb_geometry_detail *detail);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
 
 #endif

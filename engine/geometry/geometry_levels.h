@@ -19,6 +19,11 @@
 #include "scene/scene.h"
 #include "scene/scene_streams.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
 typedef struct stilb_geometry_levels_desc {
 	float ratio;    /* triangles of a level in terms of the finer one, [0.1, 0.9] */
 	uint32_t least; /* no level is made of one that has this many triangles or fewer */
@@ -59,5 +64,10 @@ stilb_result stilb_geometry_levels_cached(stilb_scene_mesh *mesh, const stilb_ge
 /* Takes levels from the disk alone. False: they are not there, or there is no memory, and the mesh is as it was. True
  * also for a mesh that is known to have none. [any-thread] */
 bool stilb_geometry_levels_find(stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
 
 #endif

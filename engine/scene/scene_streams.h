@@ -10,6 +10,11 @@
 
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
 /* What the floats of a stream mean. */
 typedef enum stilb_scene_stream_kind {
 	STILB_SCENE_STREAM_POSITION,  /* metres; the first stream of a table, and no other */
@@ -52,5 +57,10 @@ enum {
 
 /* That of stilb_scene_vertex. */
 extern const stilb_scene_streams stilb_scene_vertex_streams;
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
 
 #endif
