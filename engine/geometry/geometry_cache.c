@@ -16,7 +16,7 @@
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
 #define CACHE_VERSION 10u
 #define CACHE_ENDING ".levels"
-#define CACHE_NAME (2 * 16 + sizeof CACHE_ENDING)
+#define CACHE_NAME ((size_t)2 * 16 + sizeof CACHE_ENDING)
 
 typedef struct cache_header {
 	char magic[8];

@@ -66,15 +66,14 @@ static float look_at_triangle(const distance *d, const geometry_tree_triangle *t
 		float parts = ceilf(sqrtf(stilb_vec3_dot(side, side)) / d->spacing);
 		parts = fminf(fmaxf(parts, 2.0f), (float)DENSEST) * (densely ? (float)CLOSER : 1.0f);
 		longest = fmaxf(longest, parts);
-		for (float i = 1.0f; i < parts; i += 1.0f)
-			farthest = fmaxf(farthest, look(d, from + side * (i / parts), hint));
+		for (int i = 1; i < (int)parts; i++)
+			farthest = fmaxf(farthest, look(d, from + side * ((float)i / parts), hint));
 	}
 	float n = fminf(longest, densely ? (float)DENSEST : (float)INSIDE);
-	for (float i = 1.0f; i < n; i += 1.0f)
-		for (float j = 1.0f; i + j < n; j += 1.0f)
-			farthest = fmaxf(
-				farthest,
-				look(d, corners[0] + (corners[1] - corners[0]) * (i / n) + (corners[2] - corners[0]) * (j / n), hint));
+	stilb_vec3 x = (corners[1] - corners[0]) * (1.0f / n), y = (corners[2] - corners[0]) * (1.0f / n);
+	for (int i = 1; i < (int)n; i++)
+		for (int j = 1; i + j < (int)n; j++)
+			farthest = fmaxf(farthest, look(d, corners[0] + x * (float)i + y * (float)j, hint));
 	return farthest;
 }
 
@@ -205,6 +204,10 @@ stilb_result stilb_geometry_distance(const stilb_geometry_mesh *mesh, const uint
                                      float *bound)
 {
 	STILB_ASSERT(mesh && bound && (a || a_count == 0) && (b || b_count == 0));
+	if (a_count < 3 || b_count < 3) {
+		*bound = 0.0f;
+		return STILB_OK;
+	}
 	geometry_tree first = {0}, second = {0};
 	geometry_side sides[2] = {{mesh, a, &first}, {mesh, b, &second}};
 	*bound = 0.0f;

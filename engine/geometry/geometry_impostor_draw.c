@@ -258,13 +258,13 @@ static void draw_texels(const draw_picture *picture)
 
 /* The mean of the known texels among the eight neighbours, as a known one without coverage; unknown if there are
  * none. */
-static impostor_texel draw_neighbours(const impostor_texel *texels, uint32_t side, uint32_t x, uint32_t y)
+static impostor_texel draw_neighbours(const impostor_texel *texels, size_t side, size_t x, size_t y)
 {
 	impostor_texel mean = {0};
 	float found = 0.0f;
-	for (uint32_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < side; v++)
-		for (uint32_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < side; u++) {
-			const impostor_texel *texel = &texels[(size_t)v * side + u];
+	for (size_t v = y > 0 ? y - 1 : 0; v <= y + 1 && v < side; v++)
+		for (size_t u = x > 0 ? x - 1 : 0; u <= x + 1 && u < side; u++) {
+			const impostor_texel *texel = &texels[v * side + u];
 			if (!texel->known)
 				continue;
 			found += 1.0f;
@@ -293,13 +293,14 @@ static impostor_texel draw_neighbours(const impostor_texel *texels, uint32_t sid
 static void draw_spread(const draw_picture *picture)
 {
 	impostor_texel *texels = picture->canvas->texels, *spread = picture->canvas->spread;
-	uint32_t side = picture->side, count = side * side, missing = count;
-	for (uint32_t pass = 0; pass < side && missing > 0; pass++) {
+	size_t side = picture->side, count = side * side, missing = count;
+	for (size_t pass = 0; pass < side && missing > 0; pass++) {
 		missing = 0;
-		for (uint32_t i = 0; i < count; i++) {
-			spread[i] = texels[i].known ? texels[i] : draw_neighbours(texels, side, i % side, i / side);
-			missing += !spread[i].known;
-		}
+		for (size_t y = 0, i = 0; y < side; y++)
+			for (size_t x = 0; x < side; x++, i++) {
+				spread[i] = texels[i].known ? texels[i] : draw_neighbours(texels, side, x, y);
+				missing += !spread[i].known;
+			}
 		memcpy(texels, spread, count * sizeof *texels);
 		if (missing == count)
 			return;
@@ -330,7 +331,7 @@ static void draw_store(const draw_picture *picture, uint32_t grid_x, uint32_t gr
 	for (uint32_t y = 0; y < side; y++)
 		for (uint32_t x = 0; x < side; x++) {
 			const impostor_texel *texel = &picture->canvas->texels[(size_t)y * side + x];
-			size_t at = 4 * ((size_t)(grid_y * side + y) * maps->width + grid_x * side + x);
+			size_t at = 4 * (((size_t)grid_y * side + y) * maps->width + (size_t)grid_x * side + x);
 			uint16_t *upper = (uint16_t *)maps->pixels + at;
 			uint16_t *lower = upper + 4 * (size_t)maps->width * (maps->height / 2);
 			for (int c = 0; c < 3; c++)

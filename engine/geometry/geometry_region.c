@@ -113,7 +113,7 @@ static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint
 	uint32_t corners = 3 * count, capacity = 64;
 	while (capacity < 4 * count)
 		capacity *= 2;
-	size_t size = (size_t)capacity * 8 + (size_t)corners * 6 + (size_t)count * 3 * 8 + 8 * 64;
+	size_t size = (size_t)capacity * 8 + (size_t)corners * 6 + (size_t)count * 3 * 8 + (size_t)8 * 64;
 	unsigned char *at = r->build_memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;
@@ -147,7 +147,7 @@ static bool region_build_corners(region *r, const uint32_t (*triangles)[3], uint
 static bool region_allocate(region *r)
 {
 	size_t v = r->vertex_count, p = r->position_count;
-	size_t size = v * (4 + r->groups * sizeof *r->values) + p * (sizeof *r->point + 2 * 4 + 4 * 3 + 4) + 24 * 64;
+	size_t size = v * (4 + r->groups * sizeof *r->values) + p * (sizeof *r->point + 24) + (size_t)24 * 64;
 	unsigned char *at = r->memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;
@@ -207,9 +207,9 @@ static bool same_seam(const region *r, uint32_t a, uint32_t b)
 	const stilb_geometry_mesh *mesh = r->round->mesh;
 	for (uint32_t s = 0; s < mesh->stream_count; s++) {
 		const stilb_geometry_stream *stream = &mesh->streams[s];
-		if (stream->seam &&
-		    memcmp((const char *)stream->values + r->vertex_global[a] * stream->stride,
-		           (const char *)stream->values + r->vertex_global[b] * stream->stride, stream->components * 4) != 0)
+		if (stream->seam && memcmp((const char *)stream->values + r->vertex_global[a] * stream->stride,
+		                           (const char *)stream->values + r->vertex_global[b] * stream->stride,
+		                           (size_t)stream->components * 4) != 0)
 			return false;
 	}
 	return true;
@@ -402,7 +402,8 @@ static void region_measure(region *r, uint32_t p)
 static float wedge_cost(const region *r, uint32_t wedge, uint32_t to)
 {
 	uint32_t groups = r->groups;
-	const stilb_vec4 *values = r->values, *here = &values[wedge * groups], *there = &values[to * groups];
+	const stilb_vec4 *values = r->values, *here = &values[(size_t)wedge * groups],
+					 *there = &values[(size_t)to * groups];
 	stilb_vec4 sum = {0}, limited = {0};
 	float areas = 0.0f;
 	for (uint32_t i = 0; i < r->corner_count; i++) {
@@ -698,7 +699,7 @@ static void region_collapse(region *r, uint32_t p)
 	wedge_map map;
 	map.to[0] = only_target(r, gone);
 	bool mapped = map.to[0] != NONE || map_wedges(r, gone, &map);
-	STILB_ASSERT(mapped && "a collapse that was allowed maps all vertices");
+	STILB_ASSERT(r->wedge_count > 0 && mapped && "a collapse that was allowed maps all vertices");
 	(void)mapped;
 	uint32_t removed = 0;
 	for (uint32_t i = 0; i < r->corner_count; i++) {
@@ -710,6 +711,7 @@ static void region_collapse(region *r, uint32_t p)
 		}
 		while (r->wedges[wedge] != r->vertex[corner])
 			wedge++;
+		STILB_ASSERT(wedge < r->wedge_count);
 		r->vertex[corner] = (uint16_t)map.to[wedge];
 		r->position[corner] = (uint16_t)to;
 		r->next[corner] = r->head[to];
@@ -764,7 +766,7 @@ static void region_run(region *r, geometry_stop stop)
 
 static bool record_allocate(geometry_record *record, uint32_t positions, uint32_t vertices)
 {
-	size_t size = (size_t)positions * 12 + (size_t)vertices * 8 + 5 * 64;
+	size_t size = (size_t)positions * 12 + (size_t)vertices * 8 + (size_t)5 * 64;
 	unsigned char *at = record->memory = stilb_memory_alloc(size, 1);
 	if (!at)
 		return false;

@@ -82,17 +82,17 @@ static void clusters_put_cone(const stilb_scene_mesh *mesh, const uint32_t *indi
 /* deepest: scratch, [group_count] the depth of each group's deepest cluster. */
 static void clusters_fill(const stilb_scene_mesh *mesh, uint32_t coarser, uint32_t *deepest, render_clusters *out)
 {
-	for (uint32_t g = 0; g < out->group_padded; g++) {
-		bool there = g < mesh->group_count;
-		const stilb_scene_cluster_group *group = there ? &mesh->groups[g] : NULL;
-		out->x[g] = there ? group->center[0] : 0.0f;
-		out->y[g] = there ? group->center[1] : 0.0f;
-		out->z[g] = there ? group->center[2] : 0.0f;
-		out->radius[g] = there ? clusters_radius(group->center, group->radius) : 0.0f;
-		out->error[g] = there && group->error < INFINITY ? group->error : NAN;
+	for (uint32_t g = mesh->group_count; g < out->group_padded; g++) {
+		out->x[g] = out->y[g] = out->z[g] = out->radius[g] = 0.0f;
+		out->error[g] = NAN;
 	}
 	for (uint32_t g = 0; g < mesh->group_count; g++) {
 		const stilb_scene_cluster_group *group = &mesh->groups[g];
+		out->x[g] = group->center[0];
+		out->y[g] = group->center[1];
+		out->z[g] = group->center[2];
+		out->radius[g] = clusters_radius(group->center, group->radius);
+		out->error[g] = group->error < INFINITY ? group->error : NAN;
 		out->first_cluster[g] = group->first_cluster;
 		deepest[g] = 0;
 		for (uint32_t c = group->first_cluster; c < group->first_cluster + group->cluster_count; c++) {
@@ -160,8 +160,8 @@ void render_clusters_free(render_clusters *clusters)
 static float clusters_stretch(const stilb_mat4 *transform)
 {
 	double a[3][3];
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
+	for (size_t i = 0; i < 3; i++)
+		for (size_t j = 0; j < 3; j++) {
 			const float *u = transform->m + 4 * i, *v = transform->m + 4 * j;
 			a[i][j] = (double)u[0] * (double)v[0] + (double)u[1] * (double)v[1] + (double)u[2] * (double)v[2];
 		}

@@ -12,6 +12,7 @@
 #include "render/render_resources.h"
 
 #include <stdatomic.h>
+#include <stdlib.h>
 
 /* ---- commands ---------------------------------------------------------------------------------------------------- */
 
@@ -544,7 +545,21 @@ stilb_result render_sort(stilb_render *render, render_pass_lists *lists);
 
 /* Makes *array, which malloc or NULL made, hold at least count elements of `size` bytes, by doubling; contents are
  * kept. False: no memory, nothing has changed. */
-bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size);
+static inline bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size)
+{
+	STILB_ASSERT(size > 0 && !*array == (*capacity == 0));
+	if (count <= *capacity)
+		return true;
+	uint32_t larger = *capacity ? *capacity : 16;
+	while (larger < count)
+		larger = larger <= UINT32_MAX / 2 ? larger * 2 : UINT32_MAX;
+	void *grown = realloc(*array, larger * size);
+	if (!grown)
+		return false;
+	*array = grown;
+	*capacity = larger;
+	return true;
+}
 
 /* The frame's commands and rows, for reading: after render_memory_place. */
 static inline const render_command *render_commands(const stilb_render *render)

@@ -84,22 +84,6 @@ void render_passes_rewind(stilb_render *render)
 	render->replayed_count = 0;
 }
 
-bool render_reserve(void **array, uint32_t *capacity, uint32_t count, size_t size)
-{
-	STILB_ASSERT(size > 0 && !*array == (*capacity == 0));
-	if (count <= *capacity)
-		return true;
-	uint32_t larger = *capacity ? *capacity : 16;
-	while (larger < count)
-		larger = larger <= UINT32_MAX / 2 ? larger * 2 : UINT32_MAX;
-	void *grown = realloc(*array, larger * size);
-	if (!grown)
-		return false;
-	*array = grown;
-	*capacity = larger;
-	return true;
-}
-
 /* Memory on the heap for a claim that lies beyond the frame's memory; NULL: no memory. */
 static void *record_overflow(stilb_render_context *context, render_memory_kind kind, uint32_t first, uint32_t count)
 {

@@ -6,14 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-bool scene_is_within(const float *values, int count, float low, float high)
-{
-	for (int i = 0; i < count; i++)
-		if (!(values[i] >= low && values[i] <= high))
-			return false;
-	return true;
-}
-
 bool scene_is_unit(const float v[3])
 {
 	float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];

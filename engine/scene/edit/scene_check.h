@@ -8,7 +8,13 @@
 #define SCENE_FAR 1e18f /* metres: the square of a larger coordinate overflows */
 
 /* True if low <= v <= high for all values; false for NaN. */
-bool scene_is_within(const float *values, int count, float low, float high);
+static inline bool scene_is_within(const float *values, int count, float low, float high)
+{
+	for (int i = 0; i < count; i++)
+		if (!(values[i] >= low && values[i] <= high))
+			return false;
+	return true;
+}
 
 /* True if the length is 1, to 1 %. */
 bool scene_is_unit(const float v[3]);
