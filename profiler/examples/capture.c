@@ -17,7 +17,7 @@ static char said[128];
 static void done(void *user, const stilb_prof_captured *captured)
 {
 	(void)user;
-	if (captured->cause == STILB_PROF_CAUSE_SPIKE)
+	if (captured->cause == STILB_PROF_CAUSE_SPIKE && captured->frame == 60)
 		snprintf(said, sizeof said, "frame %llu was slow; written: %s, with the frames %s",
 		         (unsigned long long)captured->frame, captured->error == 0 ? "yes" : "no",
 		         captured->frame_count >= 41 ? "before and after" : "missing");
@@ -27,7 +27,7 @@ static void done(void *user, const stilb_prof_captured *captured)
 static void frame(int number)
 {
 	PROFILE_FUNCTION();
-	nanosleep(&(struct timespec){.tv_nsec = number == 60 ? 400000000 : 100000}, NULL);
+	nanosleep(&(struct timespec){.tv_nsec = number == 60 ? 900000000 : 100000}, NULL);
 }
 
 int main(void)
@@ -39,7 +39,7 @@ int main(void)
 	snprintf(path, sizeof path, "%s/slow.json", folder);
 	desc.path = path;
 	desc.spike = STILB_PROF_SPIKE_FIXED;
-	desc.spike_ms = 300;
+	desc.spike_ms = 800; /* a busy machine may delay other frames, too */
 	desc.frames_before = 30;
 	desc.frames_after = 10;
 	desc.done = done;

@@ -416,14 +416,14 @@ static void no_memory_is_said(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_exact_sum_is_exact),
-		cmocka_unit_test(light_is_that_of_all_texels),
-		cmocka_unit_test(suns_are_lamps),
-		cmocka_unit_test(lamps_set_behind_the_horizon),
-		cmocka_unit_test(windows_and_stripes_are_no_lamps),
+		test_one_thread(the_exact_sum_is_exact),
+		test_one_thread(light_is_that_of_all_texels),
+		test_one_thread(suns_are_lamps),
+		test_one_thread(lamps_set_behind_the_horizon),
+		test_one_thread(windows_and_stripes_are_no_lamps),
 		cmocka_unit_test(workers_and_slices_change_nothing),
 		cmocka_unit_test(the_last_one_is_shown_until_the_next_is_made),
-		cmocka_unit_test(texels_are_the_nearest_halves),
+		test_one_thread(texels_are_the_nearest_halves),
 		cmocka_unit_test(no_memory_is_said),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
