@@ -427,6 +427,7 @@ static void make_render(run *r)
 		.height = RECORD_HEIGHT,
 		.samples = 1,
 		.context_count = r->on->threads,
+		.float_vertices = true, /* as the bare program: pictures are compared bit by bit */
 	};
 	expect(stilb_render_create(&desc, &r->render));
 	expect(stilb_render_set_scene(r->render, r->scene));
