@@ -20,10 +20,16 @@ static const bench_metric flight_metrics[] = {{"off", "ms", true, NULL},     {"p
                                               {"morph/off", "x", true, NULL}};
 static const bench_metric million_metrics[] = {
 	{"off", "ms", true, NULL}, {"pop", "ms", true, NULL}, {"pop/off", "x", true, NULL}, {"memory", "%", true, NULL}};
-static const bench_metric horde_metrics[] = {
-	{"impostors", "ms", true, NULL}, {"meshes", "ms", true, NULL}, {"impostors/meshes", "x", true, NULL},
-	{"bake", "ms", true, NULL},      {"maps", "MiB", true, NULL},  {"pixels", "px", false, NULL},
-	{"rms-8", "%", true, NULL},      {"rms-16", "%", true, NULL}};
+static const bench_metric horde_metrics[] = {{"impostors", "ms", true, NULL},
+                                             {"meshes", "ms", true, NULL},
+                                             {"impostors/meshes", "x", true, NULL},
+                                             {"levels", "ms", true, NULL},
+                                             {"level-triangles", "a model", true, NULL},
+                                             {"bake", "ms", true, NULL},
+                                             {"maps", "MiB", true, NULL},
+                                             {"pixels", "px", false, NULL},
+                                             {"rms-8", "%", true, NULL},
+                                             {"rms-16", "%", true, NULL}};
 #define VIEW_METRICS(VIEW)                                                                                             \
 	{VIEW "-off", "ms", true, NULL}, {VIEW "-pop", "ms", true, NULL}, {VIEW "-pop/off", "x", true, NULL},              \
 		{VIEW "-record", "ms", true, NULL}, {VIEW "-draws", "", true, NULL},                                           \
