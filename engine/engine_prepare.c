@@ -121,6 +121,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.light_count = scene->light_count,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
+		.impostors = scene->impostor_count > 0,
 		.exposure = scene->camera.exposure,
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,

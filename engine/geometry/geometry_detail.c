@@ -3,6 +3,7 @@
 #include "geometry/geometry_levels.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/scene_animation.h"
+#include "scene/scene_impostor.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -158,6 +159,15 @@ static bool detail_fits(const stilb_geometry_detail *detail, const stilb_scene *
 	       scene->meshes[id].vertex_count == made->vertex_count && scene->meshes[id].level_count == 0;
 }
 
+/* Gives a mesh its levels. Its surface is the same, so that what impostors show stays true. */
+static void detail_set(stilb_scene *scene, uint32_t id, const stilb_scene_mesh *mesh)
+{
+	bool current = stilb_scene_impostors_are_current(scene);
+	stilb_scene_set_mesh(scene, id, mesh); /* without memory it stays as it is */
+	if (current)
+		scene->impostors_geometry = scene->revisions.geometry;
+}
+
 bool stilb_geometry_detail_give(stilb_geometry_detail *detail, stilb_scene *scene)
 {
 	if (!detail)
@@ -167,7 +177,7 @@ bool stilb_geometry_detail_give(stilb_geometry_detail *detail, stilb_scene *scen
 		uint32_t i = detail->given++;
 		bool fits = detail_fits(detail, scene, i);
 		if (fits)
-			stilb_scene_set_mesh(scene, detail->ids[i], &detail->meshes[i]); /* without memory it stays as it is */
+			detail_set(scene, detail->ids[i], &detail->meshes[i]);
 		stilb_scene_mesh_finish(&detail->meshes[i]);
 		if (fits)
 			break;

@@ -382,7 +382,7 @@ stilb_result stilb_geometry_impostor_bake(const stilb_geometry_impostor_part *pa
 /* ---- a scene's model --------------------------------------------------------------------------------------------- */
 
 /* The inverse of an affine matrix; false: it has none. */
-static bool impostor_invert(const stilb_mat4 *matrix, stilb_mat4 *out)
+bool geometry_impostor_invert(const stilb_mat4 *matrix, stilb_mat4 *out)
 {
 	const float *m = matrix->m;
 	double a[3][3], c[3][3];
@@ -414,7 +414,7 @@ static stilb_result impostor_list_parts(const stilb_scene *scene, uint32_t first
                                         stilb_geometry_impostor_part *parts, stilb_mat4 *transforms)
 {
 	stilb_mat4 to_first;
-	if (!impostor_invert(&scene->part_transform[first], &to_first))
+	if (!geometry_impostor_invert(&scene->part_transform[first], &to_first))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "the transform of part %u has no inverse: its model gets no impostor",
 		                  first);
 	for (uint32_t p = 0; p < count; p++) {

@@ -68,4 +68,7 @@ typedef struct impostor_canvas {
 void geometry_impostor_draw(const impostor_model *model, const stilb_geometry_impostor_desc *desc, uint32_t grid_x,
                             uint32_t grid_y, const impostor_canvas *canvas, const stilb_image *maps);
 
+/* geometry_impostor.c: the inverse of an affine matrix; false: it has none. */
+bool geometry_impostor_invert(const stilb_mat4 *matrix, stilb_mat4 *out);
+
 #endif

@@ -356,6 +356,7 @@ typedef struct stilb_render_view {
 	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance */
 	stilb_render_shading shading;
 	bool both_sides;            /* triangles are seen from behind, too: see stilb_scene.both_sides */
+	bool impostors;             /* the scene has some: stilb_render_prepare_view compiles what draws them, too */
 	stilb_render_detail detail; /* of stilb_render_record_view; {0}: everything is drawn in full */
 	stilb_render_show show;
 	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
@@ -363,7 +364,7 @@ typedef struct stilb_render_view {
 
 /* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
  * and one that needs what is being compiled waits for it. Read are the lights' kinds, surroundings, backdrop's kind,
- * sides and shading. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
+ * sides, shading, detail and impostors. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 /* The image that a pass draws into. */

@@ -1,6 +1,7 @@
 #include "view_load.h"
 
 #include "geometry/geometry_detail.h"
+#include "geometry/horde/geometry_horde.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -56,6 +57,25 @@ static void load_advances(void *user, float done)
 	atomic_store_explicit(&load->done, done, memory_order_relaxed);
 }
 
+/* Gives the scene what frames need to show less of it than there is: levels, which in a window may come later, and
+ * impostors of hordes. */
+static void load_detail(view_load *load)
+{
+	(load->wait ? stilb_geometry_detail_make : stilb_geometry_detail_find)(load->scene);
+	stilb_geometry_horde_desc desc = stilb_geometry_horde_desc_default();
+	desc.give_up = load_is_given_up;
+	desc.user = load;
+	stilb_job_pool_desc workers = stilb_job_pool_desc_default();
+	workers.name = "stilb-horde";
+	workers.affinity = STILB_JOB_AFFINITY_NONE;
+	stilb_job_pool *pool;
+	if (load->scene->model_count < STILB_GEOMETRY_HORDE_MODELS || stilb_job_pool_create(&workers, &pool) != 0)
+		return;
+	uint32_t made;
+	stilb_geometry_hordes(load->scene, &desc, pool, 0, &made); /* without memory they are drawn as meshes */
+	stilb_job_pool_destroy(pool);
+}
+
 static void *load_run(void *data)
 {
 	view_load *load = data;
@@ -71,7 +91,7 @@ static void *load_run(void *data)
 	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
 	if (load->result == STILB_OK && load->picture->detail != STILB_RENDER_DETAIL_OFF)
-		(load->wait ? stilb_geometry_detail_make : stilb_geometry_detail_find)(load->scene);
+		load_detail(load);
 	if (load->result == STILB_OK && load_is_given_up(load))
 		load->result = stilb_fail(STILB_ERROR_FILE, "'%s' was given up", load->name);
 	if (load->result != STILB_OK) {

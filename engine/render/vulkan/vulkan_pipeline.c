@@ -513,8 +513,12 @@ stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, 
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_shading *shading;
-	stilb_result result = shading_ready(device, &view->shading, light_bits, render_view_kinds(view),
-	                                    1u << VULKAN_SURFACE_PLAIN | 1u << VULKAN_SURFACE_TEXTURE, &shading);
+	uint32_t kinds = render_view_kinds(view), surfaces = 1u << VULKAN_SURFACE_PLAIN | 1u << VULKAN_SURFACE_TEXTURE;
+	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
+	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
+		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
+	surfaces |= drawn ? 1u << VULKAN_SURFACE_IMPOSTOR : 0;
+	stilb_result result = shading_ready(device, &view->shading, light_bits, kinds, surfaces, &shading);
 	bool nothing = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
 	return result == STILB_OK && !nothing ? vulkan_backdrop_make(device) : result;
 }
