@@ -20,6 +20,11 @@
 #include "geometry/geometry_impostor.h"
 #include "scene/scene.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
 #define STILB_GEOMETRY_HORDE_MODELS 32u
 #define STILB_GEOMETRY_HORDE_TRIANGLES 64u
 
@@ -38,5 +43,10 @@ stilb_geometry_horde_desc stilb_geometry_horde_desc_default(void);
  * STILB_ERROR_MEMORY; what was made until then stays. [one-writer], with a pool as in geometry_impostor.h. */
 stilb_result stilb_geometry_hordes(stilb_scene *scene, const stilb_geometry_horde_desc *desc, stilb_job_pool *pool,
                                    uint32_t worker, uint32_t *made);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
 
 #endif
