@@ -80,9 +80,10 @@ static int horde_by_triangles(const void *a, const void *b)
 static float horde_stretch(const stilb_mat4 *m)
 {
 	float most = 0.0f;
-	for (int c = 0; c < 3; c++)
-		most = fmaxf(most,
-		             m->m[4 * c] * m->m[4 * c] + m->m[4 * c + 1] * m->m[4 * c + 1] + m->m[4 * c + 2] * m->m[4 * c + 2]);
+	for (size_t c = 0; c < 3; c++) {
+		const float *column = m->m + 4 * c;
+		most = fmaxf(most, column[0] * column[0] + column[1] * column[1] + column[2] * column[2]);
+	}
 	return sqrtf(most);
 }
 
