@@ -422,7 +422,7 @@ int main(void)
 		test_one_thread(lamps_set_behind_the_horizon),
 		test_one_thread(windows_and_stripes_are_no_lamps),
 		cmocka_unit_test(workers_and_slices_change_nothing),
-		cmocka_unit_test(the_last_one_is_shown_until_the_next_is_made),
+		test_one_thread(the_last_one_is_shown_until_the_next_is_made),
 		test_one_thread(texels_are_the_nearest_halves),
 		cmocka_unit_test(no_memory_is_said),
 	};

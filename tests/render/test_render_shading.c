@@ -465,11 +465,11 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_model_is_as_in_c),
+		test_no_asan(every_model_is_as_in_c),
 		cmocka_unit_test(every_light_is_as_in_c),
 		cmocka_unit_test(a_list_of_lights_is_as_in_c),
 		cmocka_unit_test(what_is_added_to_materials),
-		cmocka_unit_test(the_same_in_every_way_of_replay),
+		test_no_asan(the_same_in_every_way_of_replay),
 		cmocka_unit_test(each_pass_has_its_views_formulas),
 		cmocka_unit_test(pipelines_are_made_when_needed_and_kept),
 		cmocka_unit_test(textures_have_pipelines_of_their_own),

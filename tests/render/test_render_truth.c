@@ -830,7 +830,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(lights_with_a_size_are_as_traced, level),
 		cmocka_unit_test_setup(surroundings_are_as_traced, level),
 		cmocka_unit_test_setup(the_ground_is_seen_below_the_horizon, level),
-		cmocka_unit_test_setup(panoramas_are_as_traced, level),
+		cmocka_unit_test_setup(TEST_ASAN ? test_skip : panoramas_are_as_traced, level), /* test_render_panorama */
 		cmocka_unit_test(a_matt_ball_vanishes_in_the_furnace),
 		cmocka_unit_test(glossy_balls_have_their_albedo),
 	};

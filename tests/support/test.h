@@ -40,6 +40,13 @@
 		.name = #f, .test_func = TEST_TSAN ? test_skip : (f)                                                           \
 	}
 
+/* The same for the address sanitizer, if f takes long and runs no code of ours that no other test runs with it: what a
+ * driver draws is not instrumented. */
+#define test_no_asan(f)                                                                                                \
+	{                                                                                                                  \
+		.name = #f, .test_func = TEST_ASAN ? test_skip : (f)                                                           \
+	}
+
 static inline void test_skip(void **state)
 {
 	(void)state;
