@@ -9,9 +9,9 @@
 
 #define NONE UINT32_MAX
 #define PROGRESS 0.85f /* a level with more of the finer one's triangles is not worth its memory */
-#define COMPARED_MOST                                                                                                  \
-	262144u /* triangles of a mesh with which all of its levels are compared; finer ones are compared
-                               * with the next one each, and their errors add up */
+/* Triangles of a mesh with which all of its levels are compared. Finer levels are compared with the next one each, and
+ * their errors add up. */
+#define COMPARED_MOST 262144u
 
 /* The levels on their way. Level 0 is the mesh itself, without triangles that cannot be seen. */
 typedef struct chain {

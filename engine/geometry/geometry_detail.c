@@ -28,12 +28,8 @@ struct stilb_geometry_detail {
 static bool detail_is_wanted(const stilb_scene *scene, uint32_t id)
 {
 	const stilb_scene_mesh *mesh = &scene->meshes[id];
-	if (mesh->level_count > 0 || mesh->index_count / 3 < STILB_GEOMETRY_DETAIL_LEAST)
-		return false;
-	for (uint32_t i = 0; scene->animation && i < scene->animation->deform_count; i++)
-		if (scene->animation->deforms[i].mesh == id)
-			return false;
-	return true;
+	return mesh->level_count == 0 && mesh->index_count / 3 >= STILB_GEOMETRY_DETAIL_LEAST &&
+	       !stilb_scene_animation_deform(scene->animation, id);
 }
 
 void stilb_geometry_detail_find(stilb_scene *scene)

@@ -48,23 +48,10 @@ void geometry_plan_parts(const geometry_plan *plan, geometry_plan_part parts[GEO
 
 /* ---- giving it to a mesh ----------------------------------------------------------------------------------------- */
 
-/* Frees levels and clusters that the mesh had. */
-static void drop_levels(stilb_scene_mesh *mesh)
-{
-	stilb_scene_mesh rest = *mesh;
-	rest.vertices = NULL;
-	rest.indices = NULL;
-	*mesh = (stilb_scene_mesh){.vertices = mesh->vertices,
-	                           .indices = mesh->indices,
-	                           .vertex_count = mesh->vertex_count,
-	                           .index_count = mesh->index_count};
-	stilb_scene_mesh_finish(&rest);
-}
-
 stilb_result geometry_plan_apply(geometry_plan *plan, stilb_scene_mesh *mesh)
 {
 	if (plan->level_count == 0 && plan->cluster_count == 0) {
-		drop_levels(mesh);
+		stilb_scene_mesh_drop_levels(mesh);
 		return STILB_OK;
 	}
 	STILB_ASSERT(plan->vertex_count == mesh->vertex_count && plan->index_count == mesh->index_count);

@@ -150,9 +150,9 @@ uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, con
 
 uint8_t render_detail_impostor(uint8_t history, const render_detail_view *view, uint32_t side, float radius, float room)
 {
-	/* The square of the pixels that IMPOSTOR_TEXELS texels are wide, times the square of the allowed error: so far the
+	/* The square of the pixels that so many texels are wide, times the square of the allowed error: so far the
 	 * model is away where it is the room. */
-	float texels = 2.0f * radius * IMPOSTOR_TEXELS / (float)side, square = texels * texels * view->error2;
+	float texels = 2.0f * radius * STILB_SCENE_IMPOSTOR_TEXELS / (float)side, square = texels * texels * view->error2;
 	bool may = square <= room, must_not = !may, sure = square * DETAIL_BACK <= room;
 	bool was = history == IMPOSTOR_ALONE || (history > IMPOSTOR_COMING && history < IMPOSTOR_GOING);
 	bool wanted = history == 0 ? may : was ? !must_not : sure;

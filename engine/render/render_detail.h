@@ -10,9 +10,10 @@
  *           if the part was never drawn. Of a part that morphs RENDER_DETAIL_PLACE plus its place
  *           (render_detail_follow), which none of the others can be. Each is written by the worker that records the
  *           part.
- * Impostors. A model that has one is drawn as it, in place of its parts, from where IMPOSTOR_TEXELS texels of its
- *           pictures are a pixel wide or less. 8 bits a model: IMPOSTOR_MESHES or IMPOSTOR_ALONE; or IMPOSTOR_COMING or
- *           IMPOSTOR_GOING plus in how many sixteenths of the pixels what comes is drawn; 0: never drawn.
+ * Impostors. A model that has one is drawn as it, in place of its parts, from where STILB_SCENE_IMPOSTOR_TEXELS texels
+ *           of its pictures are a pixel wide or less. 8 bits a model: IMPOSTOR_MESHES or IMPOSTOR_ALONE; or
+ *           IMPOSTOR_COMING or IMPOSTOR_GOING plus in how many sixteenths of the pixels what comes is drawn; 0: never
+ *           drawn.
  * Row word. What the shaders get to know of it rides above the row's number in the word that the GPU reads as
  *           firstInstance: see RENDER_DETAIL_SHIFT.
  */
@@ -50,8 +51,6 @@ uint16_t render_detail_step(uint16_t history, stilb_render_detail_mode mode, con
                             uint32_t allowed, float stretch, float room);
 
 enum { IMPOSTOR_MESHES = 1, IMPOSTOR_ALONE = 2, IMPOSTOR_COMING = 16, IMPOSTOR_GOING = 32 };
-
-#define IMPOSTOR_TEXELS 4.0f
 
 /* The next history of a model. side: of the impostor's pictures; radius: of the model's bounding sphere.
  * [any-thread] */

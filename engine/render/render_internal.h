@@ -234,7 +234,7 @@ static inline uint64_t render_state_of_mesh(const render_mesh_slot *slot)
 /* The same of a level, 0: the mesh in full. */
 static inline uint64_t render_state_of_level(const render_levels *levels, uint32_t level)
 {
-	return (uint64_t)(level < levels->wide) << 61;
+	return (uint64_t)(level < levels->wide) * RENDER_STATE_WIDE;
 }
 
 /* The state of a scene pass's draw. material_entry: the material's entry in render_resources.materials, whose low 24

@@ -525,6 +525,9 @@ stilb_scene_pose stilb_scene_pose_of(const stilb_mat4 *matrix);
 /* Frees the arrays and leaves {0}. Accepts {0}. [one-writer] */
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
 
+/* Frees levels, clusters and morph, if there are any: the mesh itself is left. [any-thread] */
+void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
+
 /* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
  * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
  * on both sides. What has no size is 1 m away. Its angle is 0.7 radians. The direction of STILB_SCENE_FRAME_YAW and

@@ -192,9 +192,9 @@ static bool animation_deforms_are_sound(const stilb_scene *scene)
 	return sound;
 }
 
-const stilb_scene_deform *scene_animation_deform(const stilb_scene_animation *a, uint32_t mesh)
+const stilb_scene_deform *stilb_scene_animation_deform(const stilb_scene_animation *a, uint32_t mesh)
 {
-	uint32_t low = 0, high = a->deform_count;
+	uint32_t low = 0, high = a ? a->deform_count : 0;
 	while (low < high) {
 		uint32_t middle = low + (high - low) / 2;
 		if (a->deforms[middle].mesh < mesh)
@@ -202,7 +202,7 @@ const stilb_scene_deform *scene_animation_deform(const stilb_scene_animation *a,
 		else
 			high = middle;
 	}
-	return low < a->deform_count && a->deforms[low].mesh == mesh ? &a->deforms[low] : NULL;
+	return a && low < a->deform_count && a->deforms[low].mesh == mesh ? &a->deforms[low] : NULL;
 }
 
 uint32_t scene_deform_joints(const stilb_scene_deform *deform, uint32_t vertex_count)
@@ -220,7 +220,7 @@ static bool animation_node_fits(const stilb_scene *scene, const stilb_scene_rest
 	const stilb_scene_animation *a = scene->animation;
 	uint32_t end = scene->first_part[node->first_model + node->model_count];
 	for (uint32_t p = scene->first_part[node->first_model]; p < end; p++) {
-		const stilb_scene_deform *d = scene_animation_deform(a, scene->part_mesh[p]);
+		const stilb_scene_deform *d = stilb_scene_animation_deform(a, scene->part_mesh[p]);
 		if (d && (d->targets > node->weight_count ||
 		          (node->skin != STILB_SCENE_NONE && joints[d - a->deforms] > a->skins[node->skin].joint_count)))
 			return false;

@@ -108,6 +108,9 @@ typedef struct stilb_scene_animation {
 	float *weights;                /* [weight_count] of morph targets at rest */
 } stilb_scene_animation;
 
+/* The deform of a mesh; NULL: no skin or shape moves it. Accepts NULL. [any-thread] */
+const stilb_scene_deform *stilb_scene_animation_deform(const stilb_scene_animation *animation, uint32_t mesh);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

@@ -29,9 +29,6 @@ void scene_animation_finish(stilb_scene_animation *animation);
 stilb_result scene_deform_create(stilb_scene_deform *deform, uint32_t vertex_count, bool normals);
 void scene_deform_finish(stilb_scene_deform *deform);
 
-/* The deform of a mesh, or NULL. */
-const stilb_scene_deform *scene_animation_deform(const stilb_scene_animation *animation, uint32_t mesh);
-
 /* 1 + the largest joint that a vertex names; 0: none does. */
 uint32_t scene_deform_joints(const stilb_scene_deform *deform, uint32_t vertex_count);
 

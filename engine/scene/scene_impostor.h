@@ -20,6 +20,7 @@ extern "C" {
 
 #define STILB_SCENE_IMPOSTOR_MIN_GRID 3u
 #define STILB_SCENE_IMPOSTOR_MIN_SIDE 4u
+#define STILB_SCENE_IMPOSTOR_TEXELS 4.0f /* frames show it from where so many of its texels are at most a pixel wide */
 #define STILB_SCENE_IMPOSTOR_MAX_TEXELS 4096u /* grid * side: 256 MiB of maps */
 
 /* grid * grid pictures of side * side texels, of the directions that shade_impostor_direction gives; grid is odd.

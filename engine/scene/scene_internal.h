@@ -111,7 +111,4 @@ stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count,
 stilb_result scene_mesh_add_clusters(stilb_scene_mesh *mesh, uint32_t cluster_count, uint32_t group_count,
                                      uint32_t cluster_index_count);
 
-/* Frees the levels and clusters, if there are any: the mesh itself is left. */
-void scene_mesh_drop_levels(stilb_scene_mesh *mesh);
-
 #endif

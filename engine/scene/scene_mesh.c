@@ -49,7 +49,7 @@ stilb_result scene_mesh_add_clusters(stilb_scene_mesh *mesh, uint32_t cluster_co
 	return STILB_OK;
 }
 
-void scene_mesh_drop_levels(stilb_scene_mesh *mesh)
+void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh)
 {
 	free(mesh->levels);
 	free(mesh->level_indices);
@@ -70,7 +70,7 @@ void scene_mesh_drop_levels(stilb_scene_mesh *mesh)
 void stilb_scene_mesh_finish(stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(mesh);
-	scene_mesh_drop_levels(mesh);
+	stilb_scene_mesh_drop_levels(mesh);
 	free(mesh->vertices);
 	free(mesh->indices);
 	*mesh = (stilb_scene_mesh){0};

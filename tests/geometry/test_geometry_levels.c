@@ -431,42 +431,11 @@ static void damage_all_nan(stilb_scene_mesh *mesh)
 		mesh->vertices[v].position[0] = NAN;
 }
 
-static void damage_one_point(stilb_scene_mesh *mesh)
-{
-	for (uint32_t v = 0; v < mesh->vertex_count; v++)
-		memset(mesh->vertices[v].position, 0, 12);
-}
-
-static void damage_one_line(stilb_scene_mesh *mesh)
-{
-	for (uint32_t v = 0; v < mesh->vertex_count; v++)
-		mesh->vertices[v].position[1] = mesh->vertices[v].position[2] = 0.0f;
-}
-
 static void damage_huge(stilb_scene_mesh *mesh)
 {
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		for (int axis = 0; axis < 3; axis++)
 			mesh->vertices[v].position[axis] *= 1e16f;
-}
-
-static void damage_tiny(stilb_scene_mesh *mesh)
-{
-	for (uint32_t v = 0; v < mesh->vertex_count; v++)
-		for (int axis = 0; axis < 3; axis++)
-			mesh->vertices[v].position[axis] *= 1e-30f;
-}
-
-/* Random indices: edges with many triangles, triangles twice, fans that touch in a point. */
-static void damage_indices(stilb_scene_mesh *mesh)
-{
-	for (uint32_t i = 0; i < mesh->index_count; i++)
-		mesh->indices[i] = (uint32_t)(stilb_random_u64(3, i) % (i % 2 ? 40 : mesh->vertex_count));
-}
-
-static void damage_twice(stilb_scene_mesh *mesh)
-{
-	memcpy(mesh->indices + mesh->index_count / 2, mesh->indices, mesh->index_count / 2 * sizeof *mesh->indices);
 }
 
 /* All triangles at one vertex: more neighbours than the simplifier looks at. */

@@ -6,8 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define HORDE_TEXELS 4.0f /* of an impostor's pictures in a pixel, from where frames draw it (render_detail.h) */
-#define HORDE_ERROR 0.5f  /* pixels by which levels may be off, the default of frames */
+#define HORDE_ERROR 0.5f /* pixels by which levels may be off, the default of frames */
 
 /* A model, and what those that look like it have in common. */
 typedef struct horde_model {
@@ -27,14 +26,6 @@ stilb_geometry_horde_desc stilb_geometry_horde_desc_default(void)
 	                                   .bytes = (uint64_t)128 << 20};
 }
 
-static bool horde_deforms(const stilb_scene *scene, uint32_t mesh)
-{
-	for (uint32_t i = 0; scene->animation && i < scene->animation->deform_count; i++)
-		if (scene->animation->deforms[i].mesh == mesh)
-			return true;
-	return false;
-}
-
 /* True if the model may have an impostor, and has none. */
 static bool horde_may(const stilb_scene *scene, uint32_t model)
 {
@@ -44,7 +35,8 @@ static bool horde_may(const stilb_scene *scene, uint32_t model)
 		return false;
 	for (uint32_t p = first; p < end; p++) {
 		uint32_t mesh = scene->part_mesh[p], material = scene->part_material[p];
-		if (mesh == STILB_SCENE_NONE || material == STILB_SCENE_NONE || horde_deforms(scene, mesh))
+		if (mesh == STILB_SCENE_NONE || material == STILB_SCENE_NONE ||
+		    stilb_scene_animation_deform(scene->animation, mesh))
 			return false;
 		const float *emission = scene->materials[material].emission;
 		if (emission[0] > 0.0f || emission[1] > 0.0f || emission[2] > 0.0f)
@@ -55,12 +47,10 @@ static bool horde_may(const stilb_scene *scene, uint32_t model)
 
 static uint64_t horde_key(const stilb_scene *scene, uint32_t model)
 {
-	uint64_t key = UINT64_C(0x9e3779b97f4a7c15);
-	for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++) {
-		key = (key ^ scene->part_mesh[p]) * UINT64_C(0xbf58476d1ce4e5b9);
-		key = (key ^ key >> 29 ^ scene->part_material[p]) * UINT64_C(0x94d049bb133111eb);
-	}
-	return key;
+	uint32_t first = scene->first_part[model];
+	size_t size = (scene->first_part[model + 1] - first) * sizeof(uint32_t);
+	uint64_t key = stilb_hash_fnv1a64(STILB_FNV1A64_START, scene->part_mesh + first, size);
+	return stilb_hash_fnv1a64(key, scene->part_material + first, size);
 }
 
 static int horde_by_key(const void *a, const void *b)
@@ -119,7 +109,7 @@ static bool horde_alike(const stilb_scene *scene, uint32_t like, uint32_t model)
 static uint64_t horde_triangles(const stilb_scene *scene, uint32_t model, uint32_t side)
 {
 	/* There so many texels of the impostor's sphere are a pixel: this is a metre in pixels. */
-	float meter = (float)side / (2.0f * HORDE_TEXELS * scene->bounds.radius[model]);
+	float meter = (float)side / (2.0f * STILB_SCENE_IMPOSTOR_TEXELS * scene->bounds.radius[model]);
 	uint64_t triangles = 0;
 	for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++) {
 		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[p]];

@@ -197,7 +197,7 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 		return result;
 	memcpy(mesh->vertices + first, vertices, count * sizeof *vertices);
 	if (mesh->level_count > 0 || mesh->cluster_count > 0) {
-		scene_mesh_drop_levels(mesh);
+		stilb_scene_mesh_drop_levels(mesh);
 		edit_mesh_changed(scene->edits, id);
 	} else {
 		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
