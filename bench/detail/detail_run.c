@@ -672,7 +672,7 @@ static void horde_levels(const stilb_scene *person, uint32_t models, stilb_rende
 	w.view.detail = (stilb_render_detail){STILB_RENDER_DETAIL_POP, 0.5f};
 	for (uint32_t m = 0; m < models / HORDE_SHARE; m++)
 		w.ids[m] = m * HORDE_SHARE;
-	double least = INFINITY;
+	double least = (double)INFINITY;
 	for (int round = 0; round < 4; round++) {
 		static const stilb_render_pass pass = {.name = "scene"};
 		double from = detail_cpu_ms();
