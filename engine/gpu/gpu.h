@@ -1,0 +1,358 @@
+/*
+ * gpu: a device, its memory, and the execution of frames that are planned as tables (gpu_plan.h). It knows no scene, no
+ * light and no mesh.
+ *
+ * Devices.       `vulkan` draws. `null` needs no driver: it checks and counts what a device would be given, and its
+ *                buffers are memory, so that the CPU's side of a frame can be measured and tested anywhere.
+ * Life cycle.    stilb_gpu_create -> buffers, images, samplers, programs, sets -> frames -> stilb_gpu_destroy.
+ * Per frame.     stilb_gpu_frame_begin, a plan, stilb_gpu_frame_run, stilb_gpu_present.
+ * Threads.       [main-thread] is the thread that created the device or was made its owner (stilb_gpu_own).
+ *                [any-thread]: any, at any time, also while a frame runs.
+ * Lifetime.      Whatever is destroyed is freed once no frame that may use it is in flight.
+ * Limits.        Each call that a device's limit forbids is an error with the limit and a way out; none is left to the
+ *                driver to crash on.
+ */
+#ifndef STILB_GPU_H
+#define STILB_GPU_H
+
+#include "gpu/gpu_plan.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+typedef struct stilb_gpu stilb_gpu;
+
+/* ---- the device -------------------------------------------------------------------------------------------------- */
+
+#define STILB_GPU_FRAMES 2u /* in flight */
+
+/* Errors that a device makes on purpose, for tests. Counted from 1; 0: none. */
+typedef struct stilb_gpu_faults {
+	uint32_t allocation;   /* the n-th allocation of device memory fails */
+	uint32_t lost_frame;   /* the device is lost when its n-th frame is submitted */
+	uint32_t surface_lost; /* the window's surface is lost when the n-th frame is shown */
+	uint32_t image_side;   /* no larger images; 0: the device's own limit */
+} stilb_gpu_faults;
+
+/* What the device can do and how much. */
+typedef struct stilb_gpu_limits {
+	uint32_t image_side, image_side_3d, image_layers; /* largest */
+	uint32_t color_attachments;                       /* at most STILB_GPU_MAX_COLORS are used */
+	uint32_t samplers_stage, images_stage, storage_images_stage; /* of one stage of a program */
+	uint32_t group_size[3], group_invocations;                   /* of a dispatch's work group */
+	uint32_t group_count[3];
+	uint32_t shared_bytes; /* of a work group */
+	uint32_t samples;      /* bits of sample counts that colour and depth images can have */
+	uint64_t buffer_bytes;
+	float anisotropy;      /* largest; 1: none */
+	bool timestamps, bc;   /* pass times; BC1 to BC7 */
+	bool indirect_count;   /* the number of indirect draws may come from a buffer */
+} stilb_gpu_limits;
+
+const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
+
+/* ---- memory ------------------------------------------------------------------------------------------------------ */
+
+/* Where a buffer lies and who writes it. */
+typedef enum stilb_gpu_memory {
+	STILB_GPU_MEMORY_DEVICE, /* the device alone */
+	STILB_GPU_MEMORY_WRITE,  /* the CPU writes once, the device reads: in the device's memory if the CPU can map it */
+	STILB_GPU_MEMORY_SHARED, /* the CPU writes and may read, the device reads: cached by the CPU */
+	STILB_GPU_MEMORY_READ,   /* the device writes, the CPU reads: cached by the CPU */
+} stilb_gpu_memory;
+
+/* What a device's memory is used for. Memory comes from the driver in blocks of 64 MiB (less where the whole is small),
+ * which buffers and images share; larger ones get a block of their own. */
+typedef struct stilb_gpu_memory_report {
+	uint64_t blocks, block_bytes; /* from the driver: how many, bytes together */
+	uint64_t used_bytes;          /* of them, by `allocations` buffers and images */
+	uint64_t allocations;
+	uint64_t largest_free_bytes;  /* the largest hole */
+	double fragmentation;         /* 0: all that is free is one hole; 1: no hole is useful: 1 - largest / all free */
+} stilb_gpu_memory_report;
+
+stilb_gpu_memory_report stilb_gpu_memory_measure(stilb_gpu *gpu);
+
+/* ---- buffers ----------------------------------------------------------------------------------------------------- */
+
+typedef struct stilb_gpu_buffer {
+	uint64_t id; /* 0: none */
+} stilb_gpu_buffer;
+
+#define STILB_GPU_BUFFER_ADDRESS 1u  /* shaders read and write it by address */
+#define STILB_GPU_BUFFER_VERTICES 2u
+#define STILB_GPU_BUFFER_INDICES 4u
+#define STILB_GPU_BUFFER_INDIRECT 8u
+#define STILB_GPU_BUFFER_COPY 16u    /* copied from and to */
+#define STILB_GPU_BUFFER_STORAGE 32u /* bound in a set */
+
+typedef struct stilb_gpu_buffer_desc {
+	const char *name; /* for debuggers and messages; copied */
+	uint64_t bytes;   /* > 0 */
+	stilb_gpu_memory memory;
+	uint32_t uses; /* STILB_GPU_BUFFER_... */
+} stilb_gpu_buffer_desc;
+
+/* STILB_ERROR_MEMORY, with the size; STILB_ERROR_ARGUMENT: larger than the device's buffers. [any-thread] */
+stilb_result stilb_gpu_buffer_create(stilb_gpu *gpu, const stilb_gpu_buffer_desc *desc, stilb_gpu_buffer *out);
+/* Accepts {0}. [any-thread] */
+void stilb_gpu_buffer_destroy(stilb_gpu *gpu, stilb_gpu_buffer buffer);
+/* The CPU's pointer to its bytes; NULL for STILB_GPU_MEMORY_DEVICE. [any-thread] */
+void *stilb_gpu_buffer_mapped(stilb_gpu *gpu, stilb_gpu_buffer buffer);
+/* The device's address of its bytes; needs STILB_GPU_BUFFER_ADDRESS. [any-thread] */
+uint64_t stilb_gpu_buffer_address(stilb_gpu *gpu, stilb_gpu_buffer buffer);
+
+/* ---- images and samplers ----------------------------------------------------------------------------------------- */
+
+typedef struct stilb_gpu_image {
+	uint64_t id; /* 0: none */
+} stilb_gpu_image;
+
+typedef struct stilb_gpu_image_desc {
+	const char *name; /* copied */
+	stilb_gpu_extent extent; /* uses: SAMPLED, STORAGE..., COPY..., STILB_GPU_EXTENT_ATTACHMENT */
+} stilb_gpu_image_desc;
+
+/* Its texels are undefined until they are written. STILB_ERROR_ARGUMENT: a size, a format or a use that the device has
+ * not, with its limit. STILB_ERROR_MEMORY. [any-thread] */
+stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *desc, stilb_gpu_image *out);
+/* Accepts {0}. [any-thread] */
+void stilb_gpu_image_destroy(stilb_gpu *gpu, stilb_gpu_image image);
+
+typedef enum stilb_gpu_wrap { STILB_GPU_WRAP_CLAMP, STILB_GPU_WRAP_REPEAT, STILB_GPU_WRAP_MIRROR } stilb_gpu_wrap;
+typedef struct stilb_gpu_sampler {
+	uint8_t id; /* 0: nearest, clamped, first mip */
+} stilb_gpu_sampler;
+typedef struct stilb_gpu_sampler_desc {
+	bool linear, mip_linear; /* filters; false: nearest */
+	bool mips;               /* false: the first mip alone */
+	uint8_t wrap[3];         /* stilb_gpu_wrap of u, v, w */
+	uint8_t compare;         /* 0: none; 1: reversed depth, 1 where the texel is <= the reference */
+	float anisotropy;        /* 0 or 1: none; at most the device's */
+} stilb_gpu_sampler_desc;
+
+/* The sampler of this description, made when it is first asked for; kept as long as the device. STILB_ERROR_ARGUMENT:
+ * there are 255 already. [any-thread] */
+stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc, stilb_gpu_sampler *out);
+
+/* ---- sets: sampled images that draws of a list bind together ------------------------------------------------------
+ * Set 1 of draw lists; set 0 is the pass's uses. */
+
+typedef struct stilb_gpu_set {
+	uint32_t id; /* 0: none */
+} stilb_gpu_set;
+typedef struct stilb_gpu_set_item {
+	stilb_gpu_image image; /* {0}: a white texel */
+	stilb_gpu_sampler sampler;
+} stilb_gpu_set_item;
+#define STILB_GPU_MAX_SET_ITEMS 16u
+
+/* Every binding of a set is always written. [any-thread] */
+stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *items, uint32_t count, stilb_gpu_set *out);
+void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set);
+
+/* ---- programs: shaders and the state that they run with ----------------------------------------------------------- */
+
+typedef struct stilb_gpu_program {
+	uint32_t id; /* 0: none */
+} stilb_gpu_program;
+
+typedef struct stilb_gpu_shader {
+	const uint32_t *words; /* SPIR-V; copied */
+	size_t bytes;
+} stilb_gpu_shader;
+
+typedef enum stilb_gpu_blend {
+	STILB_GPU_BLEND_NONE,
+	STILB_GPU_BLEND_PREMULTIPLIED, /* source + (1 - alpha) * target */
+	STILB_GPU_BLEND_ADD,
+} stilb_gpu_blend;
+
+typedef enum stilb_gpu_compare { STILB_GPU_COMPARE_NONE, STILB_GPU_COMPARE_GREATER, STILB_GPU_COMPARE_GREATER_EQUAL,
+	                             STILB_GPU_COMPARE_EQUAL } stilb_gpu_compare;
+
+#define STILB_GPU_MAX_SPECIALIZATIONS 16u
+#define STILB_GPU_MAX_VERTEX_INPUTS 8u
+
+typedef struct stilb_gpu_vertex_input {
+	uint8_t location, format; /* stilb_gpu_format */
+	uint16_t offset;
+} stilb_gpu_vertex_input;
+
+typedef struct stilb_gpu_program_desc {
+	const char *name; /* copied */
+	stilb_gpu_shader vertex, fragment; /* FULLSCREEN programs: vertex {0}, then the triangle over the area with uv 0..1
+	                                      at location 0 */
+	stilb_gpu_shader compute;          /* alone */
+	uint8_t samplers;                  /* bindings 0 .. of set 0 that are sampled images */
+	uint8_t storage_images;            /* bindings after them */
+	uint8_t set_items;                 /* bindings of set 1, of draw lists */
+	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
+	bool depth_write;
+	bool cull_back;                    /* triangles that are clockwise in the picture */
+	uint8_t blend;                     /* stilb_gpu_blend, of every colour attachment */
+	bool alpha_to_coverage;
+	float depth_bias, depth_bias_slope;
+	uint16_t vertex_bytes;             /* stride; 0: no vertex buffer */
+	uint8_t input_count;
+	stilb_gpu_vertex_input inputs[STILB_GPU_MAX_VERTEX_INPUTS];
+	uint8_t constant_count;
+	struct { uint32_t id, value; } constants[STILB_GPU_MAX_SPECIALIZATIONS]; /* specialization constants, as bits */
+} stilb_gpu_program_desc;
+
+/* Checks the program against the device's limits and its SPIR-V's bindings against the counts. Pipelines, one for each
+ * combination of attachment formats and samples, are compiled when a pass first needs them, or by
+ * stilb_gpu_program_prepare. [any-thread] */
+stilb_result stilb_gpu_program_create(stilb_gpu *gpu, const stilb_gpu_program_desc *desc, stilb_gpu_program *out);
+void stilb_gpu_program_destroy(stilb_gpu *gpu, stilb_gpu_program program);
+/* Compiles what a pass with these attachments needs, unless it is there. [any-thread] */
+stilb_result stilb_gpu_program_prepare(stilb_gpu *gpu, stilb_gpu_program program, const stilb_gpu_format *colors,
+                                       uint32_t color_count, stilb_gpu_format depth, uint32_t samples);
+
+/* ---- uploads ------------------------------------------------------------------------------------------------------
+ * From any thread into a ring of memory that the device can read, copied on to their places before the passes of the
+ * next frame that runs. */
+
+/* Where an upload goes: bytes of a buffer, or texels of one mip and layer of an image, tightly packed. */
+typedef struct stilb_gpu_upload {
+	stilb_gpu_buffer buffer; /* or */
+	stilb_gpu_image image;
+	uint64_t offset;                          /* buffers */
+	uint16_t mip, layer;                      /* images */
+	uint32_t x, y, z, width, height, depth;   /* images, texels, whole blocks */
+	uint64_t bytes;
+} stilb_gpu_upload;
+
+/* Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now: try
+ * again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
+ * (stilb_gpu_upload_most). [any-thread] */
+stilb_result stilb_gpu_upload_begin(stilb_gpu *gpu, const stilb_gpu_upload *upload, void **bytes);
+void stilb_gpu_upload_end(stilb_gpu *gpu, void *bytes);
+uint64_t stilb_gpu_upload_most(const stilb_gpu *gpu);
+
+/* ---- draw lists --------------------------------------------------------------------------------------------------- */
+
+/* One draw: laid out as VkDrawIndexedIndirectCommand, 32 bytes apart; what follows its 20 bytes is the caller's. */
+#define STILB_GPU_DRAW_STRIDE 32u
+
+/* Consecutive draws that need the same bindings. */
+typedef struct stilb_gpu_run {
+	uint32_t first, count;  /* of the list's draws */
+	uint32_t program;       /* stilb_gpu_program.id */
+	uint32_t set;           /* stilb_gpu_set.id, or 0 */
+	uint64_t indices;       /* stilb_gpu_buffer.id */
+	uint64_t vertices;      /* or 0 */
+	uint8_t index_bytes;    /* 2, 4 */
+	uint32_t scissor[4];    /* x, y, width, height in texels; width 0: the whole area */
+} stilb_gpu_run;
+
+typedef enum stilb_gpu_replay {
+	STILB_GPU_REPLAY_INDIRECT,  /* one command a run, read by the device where the draws lie */
+	STILB_GPU_REPLAY_DIRECT,    /* one command a draw */
+	STILB_GPU_REPLAY_SECONDARY, /* likewise, in command buffers that several threads fill */
+} stilb_gpu_replay;
+
+typedef struct stilb_gpu_draws {
+	const void *draws;         /* the CPU's pointer to draw 0, STILB_GPU_DRAW_STRIDE apart */
+	stilb_gpu_buffer commands; /* the buffer in which they lie, from its byte `offset` on */
+	uint64_t offset;
+	const stilb_gpu_run *runs;
+	uint32_t run_count;
+	stilb_gpu_replay replay;
+} stilb_gpu_draws;
+
+/* Runs task(0 .. count - 1, context), maybe on several threads, and returns when all are done. */
+typedef struct stilb_gpu_threads {
+	void *user;
+	uint32_t count; /* into how many parts work should be cut; 0: none of this, all on the calling thread */
+	void (*run)(void *user, uint32_t count, void (*task)(uint32_t index, void *context), void *context);
+} stilb_gpu_threads;
+
+/* ---- creation, frames, results ------------------------------------------------------------------------------------ */
+
+typedef enum stilb_gpu_kind { STILB_GPU_KIND_VULKAN, STILB_GPU_KIND_NULL } stilb_gpu_kind;
+
+/* How pictures get to the window's screen. A mode that the window does not offer becomes FIFO, and is named once in the
+ * log. */
+typedef enum stilb_gpu_presentation {
+	STILB_GPU_PRESENT_FIFO,      /* one for each refresh of the screen, in order; always there */
+	STILB_GPU_PRESENT_MAILBOX,   /* the newest at each refresh: nobody waits, nothing tears */
+	STILB_GPU_PRESENT_IMMEDIATE, /* at once: the least delay, and pictures tear */
+} stilb_gpu_presentation;
+
+/* A window, as two functions that hide both the window system and Vulkan's types. */
+typedef struct stilb_gpu_surface {
+	void *user;
+	const char *const *(*extensions)(void *user, uint32_t *count);    /* Vulkan instance extensions that it needs */
+	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* surface of a VkInstance; returns a VkResult */
+} stilb_gpu_surface;
+
+typedef struct stilb_gpu_desc {
+	stilb_gpu_kind kind;
+	const char *name;                 /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	const stilb_gpu_surface *surface; /* NULL: no window */
+	stilb_gpu_presentation presentation;
+	bool validate;                    /* the Vulkan validation layer, with synchronization checks */
+	uint64_t upload_bytes;            /* of the ring; 0: 32 MiB */
+	stilb_gpu_faults faults;
+} stilb_gpu_desc;
+
+/* Takes the calling thread as the main thread. Errors: the name, no driver, a feature that is missing, a window that
+ * the device cannot present to, memory. On failure *gpu is NULL. */
+stilb_result stilb_gpu_create(const stilb_gpu_desc *desc, stilb_gpu **gpu);
+/* Waits for the device. Accepts NULL. [main-thread] */
+void stilb_gpu_destroy(stilb_gpu *gpu);
+/* From now on the calling thread is the main thread. [any-thread] */
+void stilb_gpu_own(stilb_gpu *gpu);
+
+/* Waits until the device has finished the frame before the last, and frees what is not needed any more.
+ * STILB_ERROR_DEVICE_LOST. [main-thread] */
+stilb_result stilb_gpu_frame_begin(stilb_gpu *gpu);
+
+/* The functions that stilb_gpu_plan_make asks. [any-thread] */
+stilb_gpu_planner stilb_gpu_planner_of(stilb_gpu *gpu);
+
+/* Hands a frame to the device: its uploads, then the plan's passes. lists: by stilb_gpu_pass.draws. Plan, lists and what
+ * they point to are read during the call alone, but for the draws' buffers. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE,
+ * STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
+stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
+                                 uint32_t list_count, const stilb_gpu_threads *threads);
+
+/* Shows an output of the last frame in the window: copied, and scaled where sizes differ. Without a window it does
+ * nothing. Errors as stilb_render_present. [main-thread] */
+stilb_result stilb_gpu_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t image);
+
+/* Asks for a copy of an output of the last frame, mip and layer; nothing waits. *ticket names it.
+ * STILB_ERROR_ARGUMENT: it is no output of the last frame. [main-thread] */
+stilb_result stilb_gpu_read_begin(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip,
+                                  uint16_t layer, uint64_t *ticket);
+/* What a ticket has given: texels tightly packed, or a buffer's bytes, and the number of the frame that they belong to.
+ * *bytes is NULL while the device is not done; wait: waits for it. Valid until stilb_gpu_read_end, which may also give
+ * the ticket up. [main-thread] */
+stilb_result stilb_gpu_read_get(stilb_gpu *gpu, uint64_t ticket, bool wait, const void **bytes, uint64_t *frame);
+void stilb_gpu_read_end(stilb_gpu *gpu, uint64_t ticket);
+
+/* Waits until every submitted frame is done. [main-thread] */
+stilb_result stilb_gpu_wait(stilb_gpu *gpu);
+
+/* Counters of the last frame. */
+typedef struct stilb_gpu_stats {
+	uint64_t frame;             /* its number, from 1 */
+	uint64_t passes, barriers;  /* barriers: stilb_gpu_barrier */
+	uint64_t draw_commands;     /* that make a single draw */
+	uint64_t indirect_commands; /* that make many */
+	uint64_t execute_commands;  /* secondary command buffers executed */
+	uint64_t binds;             /* programs, sets, buffers */
+	uint64_t uploaded_bytes;
+	double gpu_ms;              /* of the last frame whose time is known; 0 on the null device */
+} stilb_gpu_stats;
+stilb_gpu_stats stilb_gpu_stats_get(const stilb_gpu *gpu); /* [main-thread] */
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif

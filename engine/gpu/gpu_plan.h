@@ -1,0 +1,314 @@
+/*
+ * gpu: the frame as a table. Images and passes are rows of plain data; the plan finds out from the rows alone what a
+ * device must do between the passes, and which images can share memory.
+ *
+ * How it works.  Each frame the rows are written anew, in the order in which the passes run: stilb_gpu_plan_begin, one
+ *                call for each image and each pass, stilb_gpu_plan_make. That checks every row, leaves out passes whose
+ *                results nobody reads, finds the barriers between passes, down to single mips and layers, and gives
+ *                images that live only within the frame places in shared memory. The result is plain data, too: the
+ *                Vulkan device follows it, the null device checks and counts it, dumps and --plan show it.
+ * Order.         The table's order is the order. Nothing is moved: a pass that reads what only a later one writes is a
+ *                mistake, unless it asks for last frame's.
+ * Cost.          Some 100 ns a pass from writing the row to the null device's check.
+ * Threads.       A plan belongs to one thread at a time and needs no device.
+ * Example.       A scene in half floats, and a fullscreen pass that tone maps it into the picture:
+ *
+ *   stilb_gpu_plan_begin(plan, 1280, 720);
+ *   uint16_t color = stilb_gpu_plan_image(plan, &(stilb_gpu_plan_image_row){.name = "color",
+ *                                                                           .format = STILB_GPU_RGBA16_F,
+ *                                                                           .scale = 1.0f});
+ *   uint16_t depth = stilb_gpu_plan_image(plan, &(stilb_gpu_plan_image_row){.name = "depth",
+ *                                                                           .format = STILB_GPU_D32_F,
+ *                                                                           .scale = 1.0f});
+ *   uint16_t picture = stilb_gpu_plan_image(plan, &(stilb_gpu_plan_image_row){.name = "picture",
+ *                                                                             .format = STILB_GPU_RGBA8_SRGB,
+ *                                                                             .scale = 1.0f,
+ *                                                                             .output = true});
+ *   stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){
+ *       .name = "scene",
+ *       .kind = STILB_GPU_PASS_DRAWS,
+ *       .color = {{.image = color, .load = STILB_GPU_LOAD_CLEAR}},
+ *       .color_count = 1,
+ *       .depth = {.image = depth, .load = STILB_GPU_LOAD_CLEAR},
+ *       .draws = 0,
+ *   });
+ *   stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){
+ *       .name = "tone",
+ *       .kind = STILB_GPU_PASS_FULLSCREEN,
+ *       .color = {{.image = picture, .load = STILB_GPU_LOAD_DISCARD}},
+ *       .color_count = 1,
+ *       .uses = {{.resource = color, .how = STILB_GPU_USE_SAMPLED}},
+ *       .use_count = 1,
+ *       .program = tone,
+ *   });
+ *   stilb_result result = stilb_gpu_plan_make(plan, needs);
+ */
+#ifndef STILB_GPU_PLAN_H
+#define STILB_GPU_PLAN_H
+
+#include "gpu/gpu_format.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#pragma GCC visibility push(default)
+
+/* ---- resources: images and buffers that passes name --------------------------------------------------------------
+ * One number space for both; 0 is none. Valid for the frame whose plan gave it. */
+
+#define STILB_GPU_PLAN_MAX_RESOURCES 4096u
+#define STILB_GPU_PLAN_MAX_PASSES 4096u
+#define STILB_GPU_MAX_COLORS 8u
+#define STILB_GPU_MAX_USES 12u
+#define STILB_GPU_MAX_CONSTANTS 128u /* bytes: what every device offers as push constants */
+#define STILB_GPU_ALL 0xffffu        /* of mips or layers: all from the first named one on */
+
+typedef enum stilb_gpu_shape {
+	STILB_GPU_SHAPE_2D,    /* layers > 1: an array */
+	STILB_GPU_SHAPE_CUBE,  /* layers is a multiple of six: +X, -X, +Y, -Y, +Z, -Z */
+	STILB_GPU_SHAPE_3D,    /* depth slices; layers is 1 */
+	STILB_GPU_SHAPE_1D,    /* height is 1 */
+} stilb_gpu_shape;
+
+/* An image. Members that are 0 have the value that the comment names. */
+typedef struct stilb_gpu_plan_image_row {
+	const char *name; /* unique in the plan; the text must stay until the next plan begins */
+	stilb_gpu_format format;
+	stilb_gpu_shape shape;
+	float scale;                   /* > 0: sides are this share of the picture's, rounded up, at least 1 */
+	uint32_t width, height, depth; /* texels, if scale is 0; height and depth 0: 1 */
+	uint16_t layers;               /* 0: 1 */
+	uint16_t mips;                 /* 0: 1; STILB_GPU_ALL: down to one texel */
+	uint8_t samples;               /* 0: 1; 1, 2, 4, 8 a texel */
+	bool keep;                     /* the next frame may read its content, by stilb_gpu_use.previous */
+	bool output;                   /* somebody reads it after the frame: the window, a screenshot */
+	uint64_t owned;                /* not 0: the program's own image of this description, with contents that stay from
+	                                  frame to frame; the plan gives it no memory (stilb_gpu_image.id) */
+} stilb_gpu_plan_image_row;
+
+/* A buffer that the device writes or reads within passes. */
+typedef struct stilb_gpu_plan_buffer_row {
+	const char *name;
+	uint64_t bytes;
+	bool keep, output; /* as of images */
+	uint64_t owned;    /* as of images (stilb_gpu_buffer.id) */
+} stilb_gpu_plan_buffer_row;
+
+/* ---- passes ------------------------------------------------------------------------------------------------------ */
+
+typedef enum stilb_gpu_load {
+	STILB_GPU_LOAD_KEEP,    /* what earlier passes have written stays and counts */
+	STILB_GPU_LOAD_CLEAR,   /* every texel of the mip and layer becomes `clear` first */
+	STILB_GPU_LOAD_DISCARD, /* nobody needs what was there; the pass writes every texel that is read later */
+} stilb_gpu_load;
+
+/* What a pass draws into: one mip and layer of an image, or several layers of it at once. */
+typedef struct stilb_gpu_attachment {
+	uint16_t image;   /* 0: there is none */
+	uint16_t resolve; /* 0, or an image with one sample that gets the mean of the samples: mip 0, layer 0, not depth */
+	uint16_t layer;
+	uint16_t layers;    /* 0: 1; more: the vertex shader chooses by gl_Layer */
+	uint8_t mip;
+	uint8_t load;       /* stilb_gpu_load */
+	bool read_only;     /* depth alone: tested, not written; may be sampled by the same pass */
+	float clear[4];     /* of depth the first; integers as floats with the same value */
+} stilb_gpu_attachment;
+
+/* How a pass uses a resource besides its attachments. */
+typedef enum stilb_gpu_use_kind {
+	STILB_GPU_USE_SAMPLED,       /* image: sampler binding `slot` of set 0 */
+	STILB_GPU_USE_STORAGE_READ,  /* image: storage image `slot` of set 0; buffer: its address at byte `slot` of constants */
+	STILB_GPU_USE_STORAGE_WRITE, /* likewise; what was there is not kept, unless an earlier pass of the frame wrote it */
+	STILB_GPU_USE_STORAGE,       /* likewise, read and written */
+	STILB_GPU_USE_VERTICES,      /* buffer: vertices or indices of draws */
+	STILB_GPU_USE_INDIRECT,      /* buffer: commands of draws or a dispatch's three group counts, at byte `slot` */
+	STILB_GPU_USE_COPY_FROM,     /* of a pass of kind COPY, together with COPY_TO */
+	STILB_GPU_USE_COPY_TO,
+	STILB_GPU_USE_KINDS,
+} stilb_gpu_use_kind;
+
+typedef struct stilb_gpu_use {
+	uint16_t resource;
+	uint8_t how;       /* stilb_gpu_use_kind */
+	bool previous;     /* reads last frame's content of a resource with `keep`, also if this frame writes it */
+	uint16_t slot;     /* see stilb_gpu_use_kind */
+	uint8_t sampler;   /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
+	uint8_t mip, mips; /* images: mips mip .. mip + mips - 1; mips 0: all from mip on */
+	uint16_t layer, layers; /* likewise */
+} stilb_gpu_use;
+
+typedef enum stilb_gpu_pass_kind {
+	STILB_GPU_PASS_DRAWS,      /* a list of draws that the caller hands over with the plan */
+	STILB_GPU_PASS_FULLSCREEN, /* one triangle over the attachments' area, without vertices */
+	STILB_GPU_PASS_DISPATCH,   /* groups[0] x groups[1] x groups[2] work groups of a compute program; all 0: the counts
+	                              come from the pass's INDIRECT use */
+	STILB_GPU_PASS_COPY,       /* from its COPY_FROM use to its COPY_TO use: texel by texel where format and size of the
+	                              mips agree, else filtered (sRGB in linear light); of buffers, and between an image and a
+	                              buffer, bytes */
+	STILB_GPU_PASS_KINDS,
+} stilb_gpu_pass_kind;
+
+typedef struct stilb_gpu_pass {
+	const char *name; /* for messages, the profiler, debuggers; need not be unique; the text must stay until the next
+	                     plan begins */
+	uint8_t kind;     /* stilb_gpu_pass_kind */
+	uint8_t color_count;
+	uint8_t use_count;
+	uint8_t constant_bytes;    /* a multiple of 4 */
+	uint32_t program;          /* stilb_gpu_program.id; 0 for COPY, and for DRAWS whose runs name their programs */
+	uint32_t draws;            /* DRAWS: index of the list among those that come with the plan */
+	uint32_t groups[3];        /* DISPATCH */
+	stilb_gpu_attachment color[STILB_GPU_MAX_COLORS];
+	stilb_gpu_attachment depth;
+	stilb_gpu_use uses[STILB_GPU_MAX_USES];
+	uint8_t constants[STILB_GPU_MAX_CONSTANTS]; /* push constants of DRAWS, FULLSCREEN and DISPATCH */
+} stilb_gpu_pass;
+
+/* ---- the plan ---------------------------------------------------------------------------------------------------- */
+
+typedef struct stilb_gpu_plan stilb_gpu_plan;
+
+/* NULL: no memory. */
+stilb_gpu_plan *stilb_gpu_plan_create(void);
+/* Accepts NULL. */
+void stilb_gpu_plan_destroy(stilb_gpu_plan *plan);
+
+/* Forgets the rows of the frame before, but not which of its resources were kept. width, height: the picture's, pixels,
+ * 1..16384. */
+void stilb_gpu_plan_begin(stilb_gpu_plan *plan, uint32_t width, uint32_t height);
+
+/* Adds a row and returns its number. What is wrong with a row, no memory included, is told by stilb_gpu_plan_make: the
+ * number is then 0, and rows that name it are no mistakes of their own. */
+uint16_t stilb_gpu_plan_image(stilb_gpu_plan *plan, const stilb_gpu_plan_image_row *row);
+uint16_t stilb_gpu_plan_buffer(stilb_gpu_plan *plan, const stilb_gpu_plan_buffer_row *row);
+void stilb_gpu_plan_pass(stilb_gpu_plan *plan, const stilb_gpu_pass *row);
+
+/* The number of the resource with this name among those added so far; 0: there is none. For features that read what
+ * others write. */
+uint16_t stilb_gpu_plan_find(const stilb_gpu_plan *plan, const char *name);
+
+/* Sides of an image's first mip in texels, as scale and the picture make them. */
+void stilb_gpu_plan_size(const stilb_gpu_plan *plan, uint16_t image, uint32_t size[3]);
+
+/* True if the last frame has left content for `previous` uses of this resource: it was in the last plan that was made,
+ * under the same name, with the same description and size, was kept, and a pass wrote it. Where it is false the device
+ * gives zeros. Valid from the row's addition on. */
+bool stilb_gpu_plan_kept(const stilb_gpu_plan *plan, uint16_t resource);
+
+/* Marks a resource as read after the frame, as row.output does: to show an image live, or to read it back. */
+void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource);
+
+/* What memory an image needs on a device. */
+typedef struct stilb_gpu_needs {
+	uint64_t bytes, align; /* align: a power of two */
+	uint32_t heap;         /* resources of different heaps never share memory */
+} stilb_gpu_needs;
+
+/* The sizes of an image as a device needs to know them, no member 0. */
+typedef struct stilb_gpu_extent {
+	stilb_gpu_format format;
+	stilb_gpu_shape shape;
+	uint32_t width, height, depth;
+	uint16_t layers, mips;
+	uint8_t samples;
+	uint16_t uses; /* bit by stilb_gpu_use_kind, and above them attachment */
+} stilb_gpu_extent;
+#define STILB_GPU_EXTENT_ATTACHMENT (1u << STILB_GPU_USE_KINDS)
+
+/* What a device says of a frame's images; user is passed back. NULL functions: sizes are those of the texels alone. */
+typedef struct stilb_gpu_planner {
+	void *user;
+	/* Sets *needs. An error, whose message says the limit and the way out: the device has no such image. */
+	stilb_result (*image_needs)(void *user, const stilb_gpu_extent *extent, stilb_gpu_needs *needs);
+	/* What is wrong with a pass for the device and its program, as a static or plan-owned text; NULL: nothing. */
+	const char *(*mistake)(void *user, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass);
+} stilb_gpu_planner;
+
+/* Checks the rows and makes the plan. STILB_ERROR_ARGUMENT: a row is wrong; the message names the pass and the resource,
+ * and there is no plan. STILB_ERROR_MEMORY. What the device's functions return. */
+stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *planner);
+
+/* FNV-1a 64 of all rows that are not left out, by value: names, sizes, constants but for addresses. */
+uint64_t stilb_gpu_plan_hash(const stilb_gpu_plan *plan);
+
+/* ---- what was made, for devices, dumps and --plan; valid until the next plan begins -------------------------------- */
+
+/* The ways in which the device touches memory, as one number: order matters in barriers only between two of which one
+ * writes, or whose images need another layout. */
+typedef enum stilb_gpu_access {
+	STILB_GPU_ACCESS_NONE, /* undefined content, or nobody before */
+	STILB_GPU_ACCESS_COLOR,
+	STILB_GPU_ACCESS_DEPTH,
+	STILB_GPU_ACCESS_DEPTH_READ, /* tested, and maybe sampled */
+	STILB_GPU_ACCESS_RESOLVE,
+	STILB_GPU_ACCESS_SAMPLED_FRAGMENT,
+	STILB_GPU_ACCESS_SAMPLED_COMPUTE,
+	STILB_GPU_ACCESS_STORAGE_READ_GRAPHICS,
+	STILB_GPU_ACCESS_STORAGE_READ_COMPUTE,
+	STILB_GPU_ACCESS_STORAGE_GRAPHICS,
+	STILB_GPU_ACCESS_STORAGE_COMPUTE,
+	STILB_GPU_ACCESS_VERTICES,
+	STILB_GPU_ACCESS_INDIRECT,
+	STILB_GPU_ACCESS_COPY_FROM,
+	STILB_GPU_ACCESS_COPY_TO,
+	STILB_GPU_ACCESS_OUTPUT, /* after the frame: copied to the window or to memory */
+	STILB_GPU_ACCESSES,
+} stilb_gpu_access;
+
+/* Before a pass: what was done with a part of a resource so far, and what the pass will do. */
+typedef struct stilb_gpu_barrier {
+	uint16_t resource;
+	uint8_t from, to;  /* stilb_gpu_access: the last one so far, and the next */
+	uint32_t from_all; /* bit by stilb_gpu_access: everything since the last write, `from` included */
+	bool discard;      /* the content is not needed: images may come from any layout */
+	bool previous;     /* of the other one of two (stilb_gpu_placed.two) */
+	bool memory;       /* the memory was another resource's: from_all is what that was used for */
+	uint8_t mip, mips; /* images; both at least 1 */
+	uint16_t layer, layers;
+} stilb_gpu_barrier;
+
+/* A pass that runs: its row, and barriers first_barrier .. first_barrier + barrier_count - 1 before it. */
+typedef struct stilb_gpu_step {
+	uint32_t pass; /* index of the row */
+	uint32_t first_barrier, barrier_count;
+	uint32_t area[2]; /* texels that its attachments have in common; 0: no attachments */
+	uint8_t samples;
+} stilb_gpu_step;
+
+/* Where a resource lies. */
+typedef struct stilb_gpu_placed {
+	stilb_gpu_extent extent;     /* images */
+	uint64_t bytes;              /* of its memory, or of the buffer */
+	uint64_t offset;             /* in the heap's shared memory; of kept, output and owned resources 0 */
+	uint32_t heap;
+	uint32_t first_step, last_step; /* that touch it; first > last: none does */
+	bool shared;                    /* it lies in shared memory */
+	bool two;                       /* kept, and read as `previous` after this frame has begun to write it: the device
+	                                   has two, and swaps them each frame */
+} stilb_gpu_placed;
+
+uint32_t stilb_gpu_plan_steps(const stilb_gpu_plan *plan, const stilb_gpu_step **steps);
+uint32_t stilb_gpu_plan_barriers(const stilb_gpu_plan *plan, const stilb_gpu_barrier **barriers);
+/* Barriers after the last pass, which make outputs ready for whoever reads them: first .. count. */
+uint32_t stilb_gpu_plan_last_barriers(const stilb_gpu_plan *plan, uint32_t *first);
+const stilb_gpu_pass *stilb_gpu_plan_row(const stilb_gpu_plan *plan, uint32_t pass);
+uint32_t stilb_gpu_plan_passes(const stilb_gpu_plan *plan);
+/* Resources are 1 .. the number that this returns. */
+uint32_t stilb_gpu_plan_resources(const stilb_gpu_plan *plan);
+const stilb_gpu_placed *stilb_gpu_plan_place(const stilb_gpu_plan *plan, uint16_t resource);
+const char *stilb_gpu_plan_name(const stilb_gpu_plan *plan, uint16_t resource);
+/* Bytes of shared memory of a heap, 0 .. the planner's largest. */
+uint64_t stilb_gpu_plan_heap_bytes(const stilb_gpu_plan *plan, uint32_t heap);
+
+/* Writes the plan as lines of text: passes in order with their barriers, what was left out and why, images with sizes
+ * and memory. STILB_ERROR_MEMORY. */
+stilb_result stilb_gpu_plan_text(const stilb_gpu_plan *plan, char **text);
+/* The same as a drawing, SVG. */
+stilb_result stilb_gpu_plan_svg(const stilb_gpu_plan *plan, char **text);
+
+#pragma GCC visibility pop
+#ifdef __cplusplus
+}
+#endif
+
+#endif
