@@ -38,17 +38,17 @@ typedef struct stilb_gpu_faults {
 
 /* What the device can do and how much. */
 typedef struct stilb_gpu_limits {
-	uint32_t image_side, image_side_3d, image_layers; /* largest */
-	uint32_t color_attachments;                       /* at most STILB_GPU_MAX_COLORS are used */
+	uint32_t image_side, image_side_3d, image_layers;            /* largest */
+	uint32_t color_attachments;                                  /* at most STILB_GPU_MAX_COLORS are used */
 	uint32_t samplers_stage, images_stage, storage_images_stage; /* of one stage of a program */
 	uint32_t group_size[3], group_invocations;                   /* of a dispatch's work group */
 	uint32_t group_count[3];
 	uint32_t shared_bytes; /* of a work group */
 	uint32_t samples;      /* bits of sample counts that colour and depth images can have */
 	uint64_t buffer_bytes;
-	float anisotropy;      /* largest; 1: none */
-	bool timestamps, bc;   /* pass times; BC1 to BC7 */
-	bool indirect_count;   /* the number of indirect draws may come from a buffer */
+	float anisotropy;    /* largest; 1: none */
+	bool timestamps, bc; /* pass times; BC1 to BC7 */
+	bool indirect_count; /* the number of indirect draws may come from a buffer */
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
@@ -69,8 +69,8 @@ typedef struct stilb_gpu_memory_report {
 	uint64_t blocks, block_bytes; /* from the driver: how many, bytes together */
 	uint64_t used_bytes;          /* of them, by `allocations` buffers and images */
 	uint64_t allocations;
-	uint64_t largest_free_bytes;  /* the largest hole */
-	double fragmentation;         /* 0: all that is free is one hole; 1: no hole is useful: 1 - largest / all free */
+	uint64_t largest_free_bytes; /* the largest hole */
+	double fragmentation;        /* 0: all that is free is one hole; 1: no hole is useful: 1 - largest / all free */
 } stilb_gpu_memory_report;
 
 stilb_gpu_memory_report stilb_gpu_memory_measure(stilb_gpu *gpu);
@@ -81,7 +81,7 @@ typedef struct stilb_gpu_buffer {
 	uint64_t id; /* 0: none */
 } stilb_gpu_buffer;
 
-#define STILB_GPU_BUFFER_ADDRESS 1u  /* shaders read and write it by address */
+#define STILB_GPU_BUFFER_ADDRESS 1u /* shaders read and write it by address */
 #define STILB_GPU_BUFFER_VERTICES 2u
 #define STILB_GPU_BUFFER_INDICES 4u
 #define STILB_GPU_BUFFER_INDIRECT 8u
@@ -111,7 +111,7 @@ typedef struct stilb_gpu_image {
 } stilb_gpu_image;
 
 typedef struct stilb_gpu_image_desc {
-	const char *name; /* copied */
+	const char *name;        /* copied */
 	stilb_gpu_extent extent; /* uses: SAMPLED, STORAGE..., COPY..., STILB_GPU_EXTENT_ATTACHMENT */
 } stilb_gpu_image_desc;
 
@@ -153,7 +153,7 @@ typedef struct stilb_gpu_set_item {
 stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *items, uint32_t count, stilb_gpu_set *out);
 void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set);
 
-/* ---- programs: shaders and the state that they run with ----------------------------------------------------------- */
+/* ---- programs: shaders and the state that they run with --------------------------------------------------------- */
 
 typedef struct stilb_gpu_program {
 	uint32_t id; /* 0: none */
@@ -170,8 +170,12 @@ typedef enum stilb_gpu_blend {
 	STILB_GPU_BLEND_ADD,
 } stilb_gpu_blend;
 
-typedef enum stilb_gpu_compare { STILB_GPU_COMPARE_NONE, STILB_GPU_COMPARE_GREATER, STILB_GPU_COMPARE_GREATER_EQUAL,
-	                             STILB_GPU_COMPARE_EQUAL } stilb_gpu_compare;
+typedef enum stilb_gpu_compare {
+	STILB_GPU_COMPARE_NONE,
+	STILB_GPU_COMPARE_GREATER,
+	STILB_GPU_COMPARE_GREATER_EQUAL,
+	STILB_GPU_COMPARE_EQUAL
+} stilb_gpu_compare;
 
 #define STILB_GPU_MAX_SPECIALIZATIONS 16u
 #define STILB_GPU_MAX_VERTEX_INPUTS 8u
@@ -182,7 +186,7 @@ typedef struct stilb_gpu_vertex_input {
 } stilb_gpu_vertex_input;
 
 typedef struct stilb_gpu_program_desc {
-	const char *name; /* copied */
+	const char *name;                  /* copied */
 	stilb_gpu_shader vertex, fragment; /* FULLSCREEN programs: vertex {0}, then the triangle over the area with uv 0..1
 	                                      at location 0 */
 	stilb_gpu_shader compute;          /* alone */
@@ -191,15 +195,17 @@ typedef struct stilb_gpu_program_desc {
 	uint8_t set_items;                 /* bindings of set 1, of draw lists */
 	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
 	bool depth_write;
-	bool cull_back;                    /* triangles that are clockwise in the picture */
-	uint8_t blend;                     /* stilb_gpu_blend, of every colour attachment */
+	bool cull_back; /* triangles that are clockwise in the picture */
+	uint8_t blend;  /* stilb_gpu_blend, of every colour attachment */
 	bool alpha_to_coverage;
 	float depth_bias, depth_bias_slope;
-	uint16_t vertex_bytes;             /* stride; 0: no vertex buffer */
+	uint16_t vertex_bytes; /* stride; 0: no vertex buffer */
 	uint8_t input_count;
 	stilb_gpu_vertex_input inputs[STILB_GPU_MAX_VERTEX_INPUTS];
 	uint8_t constant_count;
-	struct { uint32_t id, value; } constants[STILB_GPU_MAX_SPECIALIZATIONS]; /* specialization constants, as bits */
+	struct {
+		uint32_t id, value;
+	} constants[STILB_GPU_MAX_SPECIALIZATIONS]; /* specialization constants, as bits */
 } stilb_gpu_program_desc;
 
 /* Checks the program against the device's limits and its SPIR-V's bindings against the counts. Pipelines, one for each
@@ -219,33 +225,33 @@ stilb_result stilb_gpu_program_prepare(stilb_gpu *gpu, stilb_gpu_program program
 typedef struct stilb_gpu_upload {
 	stilb_gpu_buffer buffer; /* or */
 	stilb_gpu_image image;
-	uint64_t offset;                          /* buffers */
-	uint16_t mip, layer;                      /* images */
-	uint32_t x, y, z, width, height, depth;   /* images, texels, whole blocks */
+	uint64_t offset;                        /* buffers */
+	uint16_t mip, layer;                    /* images */
+	uint32_t x, y, z, width, height, depth; /* images, texels, whole blocks */
 	uint64_t bytes;
 } stilb_gpu_upload;
 
-/* Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now: try
- * again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
+/* Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now:
+ * try again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
  * (stilb_gpu_upload_most). [any-thread] */
 stilb_result stilb_gpu_upload_begin(stilb_gpu *gpu, const stilb_gpu_upload *upload, void **bytes);
 void stilb_gpu_upload_end(stilb_gpu *gpu, void *bytes);
 uint64_t stilb_gpu_upload_most(const stilb_gpu *gpu);
 
-/* ---- draw lists --------------------------------------------------------------------------------------------------- */
+/* ---- draw lists ------------------------------------------------------------------------------------------------- */
 
 /* One draw: laid out as VkDrawIndexedIndirectCommand, 32 bytes apart; what follows its 20 bytes is the caller's. */
 #define STILB_GPU_DRAW_STRIDE 32u
 
 /* Consecutive draws that need the same bindings. */
 typedef struct stilb_gpu_run {
-	uint32_t first, count;  /* of the list's draws */
-	uint32_t program;       /* stilb_gpu_program.id */
-	uint32_t set;           /* stilb_gpu_set.id, or 0 */
-	uint64_t indices;       /* stilb_gpu_buffer.id */
-	uint64_t vertices;      /* or 0 */
-	uint8_t index_bytes;    /* 2, 4 */
-	uint32_t scissor[4];    /* x, y, width, height in texels; width 0: the whole area */
+	uint32_t first, count; /* of the list's draws */
+	uint32_t program;      /* stilb_gpu_program.id */
+	uint32_t set;          /* stilb_gpu_set.id, or 0 */
+	uint64_t indices;      /* stilb_gpu_buffer.id */
+	uint64_t vertices;     /* or 0 */
+	uint8_t index_bytes;   /* 2, 4 */
+	uint32_t scissor[4];   /* x, y, width, height in texels; width 0: the whole area */
 } stilb_gpu_run;
 
 typedef enum stilb_gpu_replay {
@@ -270,7 +276,7 @@ typedef struct stilb_gpu_threads {
 	void (*run)(void *user, uint32_t count, void (*task)(uint32_t index, void *context), void *context);
 } stilb_gpu_threads;
 
-/* ---- creation, frames, results ------------------------------------------------------------------------------------ */
+/* ---- creation, frames, results ---------------------------------------------------------------------------------- */
 
 typedef enum stilb_gpu_kind { STILB_GPU_KIND_VULKAN, STILB_GPU_KIND_NULL } stilb_gpu_kind;
 
@@ -294,12 +300,12 @@ typedef struct stilb_gpu_desc {
 	const char *name;                 /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	const stilb_gpu_surface *surface; /* NULL: no window */
 	stilb_gpu_presentation presentation;
-	bool validate;                    /* the Vulkan validation layer, with synchronization checks */
-	uint64_t upload_bytes;            /* of the ring; 0: 32 MiB */
+	bool validate;         /* the Vulkan validation layer, with synchronization checks */
+	uint64_t upload_bytes; /* of the ring; 0: 32 MiB */
 	stilb_gpu_faults faults;
 } stilb_gpu_desc;
 
-/* Takes the calling thread as the main thread. Errors: the name, no driver, a feature that is missing, a window that
+/* Takes the calling thread as the main thread. Errors: the name, no driver, a missing feature, a window that
  * the device cannot present to, memory. On failure *gpu is NULL. */
 stilb_result stilb_gpu_create(const stilb_gpu_desc *desc, stilb_gpu **gpu);
 /* Waits for the device. Accepts NULL. [main-thread] */
@@ -314,9 +320,9 @@ stilb_result stilb_gpu_frame_begin(stilb_gpu *gpu);
 /* The functions that stilb_gpu_plan_make asks. [any-thread] */
 stilb_gpu_planner stilb_gpu_planner_of(stilb_gpu *gpu);
 
-/* Hands a frame to the device: its uploads, then the plan's passes. lists: by stilb_gpu_pass.draws. Plan, lists and what
- * they point to are read during the call alone, but for the draws' buffers. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE,
- * STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
+/* Hands a frame to the device: its uploads, then the plan's passes. lists: by stilb_gpu_pass.draws. Plan, lists and
+ * what they point to are read during the call alone, but for the draws' buffers. STILB_ERROR_MEMORY,
+ * STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
 stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
                                  uint32_t list_count, const stilb_gpu_threads *threads);
 
@@ -346,7 +352,7 @@ typedef struct stilb_gpu_stats {
 	uint64_t execute_commands;  /* secondary command buffers executed */
 	uint64_t binds;             /* programs, sets, buffers */
 	uint64_t uploaded_bytes;
-	double gpu_ms;              /* of the last frame whose time is known; 0 on the null device */
+	double gpu_ms; /* of the last frame whose time is known; 0 on the null device */
 } stilb_gpu_stats;
 stilb_gpu_stats stilb_gpu_stats_get(const stilb_gpu *gpu); /* [main-thread] */
 

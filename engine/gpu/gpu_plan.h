@@ -64,10 +64,10 @@ extern "C" {
 #define STILB_GPU_ALL 0xffffu        /* of mips or layers: all from the first named one on */
 
 typedef enum stilb_gpu_shape {
-	STILB_GPU_SHAPE_2D,    /* layers > 1: an array */
-	STILB_GPU_SHAPE_CUBE,  /* layers is a multiple of six: +X, -X, +Y, -Y, +Z, -Z */
-	STILB_GPU_SHAPE_3D,    /* depth slices; layers is 1 */
-	STILB_GPU_SHAPE_1D,    /* height is 1 */
+	STILB_GPU_SHAPE_2D,   /* layers > 1: an array */
+	STILB_GPU_SHAPE_CUBE, /* layers is a multiple of six: +X -X +Y -Y +Z -Z */
+	STILB_GPU_SHAPE_3D,   /* depth slices; layers is 1 */
+	STILB_GPU_SHAPE_1D,   /* height is 1 */
 } stilb_gpu_shape;
 
 /* An image. Members that are 0 have the value that the comment names. */
@@ -107,18 +107,18 @@ typedef struct stilb_gpu_attachment {
 	uint16_t image;   /* 0: there is none */
 	uint16_t resolve; /* 0, or an image with one sample that gets the mean of the samples: mip 0, layer 0, not depth */
 	uint16_t layer;
-	uint16_t layers;    /* 0: 1; more: the vertex shader chooses by gl_Layer */
+	uint16_t layers; /* 0: 1; more: the vertex shader chooses by gl_Layer */
 	uint8_t mip;
-	uint8_t load;       /* stilb_gpu_load */
-	bool read_only;     /* depth alone: tested, not written; may be sampled by the same pass */
-	float clear[4];     /* of depth the first; integers as floats with the same value */
+	uint8_t load;   /* stilb_gpu_load */
+	bool read_only; /* depth alone: tested, not written; may be sampled by the same pass */
+	float clear[4]; /* of depth the first; integers as floats with the same value */
 } stilb_gpu_attachment;
 
 /* How a pass uses a resource besides its attachments. */
 typedef enum stilb_gpu_use_kind {
 	STILB_GPU_USE_SAMPLED,       /* image: sampler binding `slot` of set 0 */
-	STILB_GPU_USE_STORAGE_READ,  /* image: storage image `slot` of set 0; buffer: its address at byte `slot` of constants */
-	STILB_GPU_USE_STORAGE_WRITE, /* likewise; what was there is not kept, unless an earlier pass of the frame wrote it */
+	STILB_GPU_USE_STORAGE_READ,  /* image: storage image `slot` of set 0; buffer: address at byte `slot` of constants */
+	STILB_GPU_USE_STORAGE_WRITE, /* likewise; what was there is lost, unless an earlier pass of the frame wrote it */
 	STILB_GPU_USE_STORAGE,       /* likewise, read and written */
 	STILB_GPU_USE_VERTICES,      /* buffer: vertices or indices of draws */
 	STILB_GPU_USE_INDIRECT,      /* buffer: commands of draws or a dispatch's three group counts, at byte `slot` */
@@ -129,11 +129,11 @@ typedef enum stilb_gpu_use_kind {
 
 typedef struct stilb_gpu_use {
 	uint16_t resource;
-	uint8_t how;       /* stilb_gpu_use_kind */
-	bool previous;     /* reads last frame's content of a resource with `keep`, also if this frame writes it */
-	uint16_t slot;     /* see stilb_gpu_use_kind */
-	uint8_t sampler;   /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
-	uint8_t mip, mips; /* images: mips mip .. mip + mips - 1; mips 0: all from mip on */
+	uint8_t how;            /* stilb_gpu_use_kind */
+	bool previous;          /* reads last frame's content of a resource with `keep`, also if this frame writes it */
+	uint16_t slot;          /* see stilb_gpu_use_kind */
+	uint8_t sampler;        /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
+	uint8_t mip, mips;      /* images: mips mip .. mip + mips - 1; mips 0: all from mip on */
 	uint16_t layer, layers; /* likewise */
 } stilb_gpu_use;
 
@@ -142,9 +142,9 @@ typedef enum stilb_gpu_pass_kind {
 	STILB_GPU_PASS_FULLSCREEN, /* one triangle over the attachments' area, without vertices */
 	STILB_GPU_PASS_DISPATCH,   /* groups[0] x groups[1] x groups[2] work groups of a compute program; all 0: the counts
 	                              come from the pass's INDIRECT use */
-	STILB_GPU_PASS_COPY,       /* from its COPY_FROM use to its COPY_TO use: texel by texel where format and size of the
-	                              mips agree, else filtered (sRGB in linear light); of buffers, and between an image and a
-	                              buffer, bytes */
+	STILB_GPU_PASS_COPY,       /* from its COPY_FROM use to its COPY_TO use: texel by texel where format and size of
+	                              the mips agree, else filtered (sRGB in linear light); of buffers, and between an image
+	                              and a buffer, bytes */
 	STILB_GPU_PASS_KINDS,
 } stilb_gpu_pass_kind;
 
@@ -154,10 +154,10 @@ typedef struct stilb_gpu_pass {
 	uint8_t kind;     /* stilb_gpu_pass_kind */
 	uint8_t color_count;
 	uint8_t use_count;
-	uint8_t constant_bytes;    /* a multiple of 4 */
-	uint32_t program;          /* stilb_gpu_program.id; 0 for COPY, and for DRAWS whose runs name their programs */
-	uint32_t draws;            /* DRAWS: index of the list among those that come with the plan */
-	uint32_t groups[3];        /* DISPATCH */
+	uint8_t constant_bytes; /* a multiple of 4 */
+	uint32_t program;       /* stilb_gpu_program.id; 0 for COPY, and for DRAWS whose runs name their programs */
+	uint32_t draws;         /* DRAWS: index of the list among those that come with the plan */
+	uint32_t groups[3];     /* DISPATCH */
 	stilb_gpu_attachment color[STILB_GPU_MAX_COLORS];
 	stilb_gpu_attachment depth;
 	stilb_gpu_use uses[STILB_GPU_MAX_USES];
@@ -224,14 +224,14 @@ typedef struct stilb_gpu_planner {
 	const char *(*mistake)(void *user, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass);
 } stilb_gpu_planner;
 
-/* Checks the rows and makes the plan. STILB_ERROR_ARGUMENT: a row is wrong; the message names the pass and the resource,
- * and there is no plan. STILB_ERROR_MEMORY. What the device's functions return. */
+/* Checks the rows and makes the plan. STILB_ERROR_ARGUMENT: a row is wrong; the message names the pass and the
+ * resource, and there is no plan. STILB_ERROR_MEMORY. What the device's functions return. */
 stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *planner);
 
 /* FNV-1a 64 of all rows that are not left out, by value: names, sizes, constants but for addresses. */
 uint64_t stilb_gpu_plan_hash(const stilb_gpu_plan *plan);
 
-/* ---- what was made, for devices, dumps and --plan; valid until the next plan begins -------------------------------- */
+/* ---- what was made, for devices, dumps and --plan; valid until the next plan begins ------------------------------ */
 
 /* The ways in which the device touches memory, as one number: order matters in barriers only between two of which one
  * writes, or whose images need another layout. */
@@ -277,9 +277,9 @@ typedef struct stilb_gpu_step {
 
 /* Where a resource lies. */
 typedef struct stilb_gpu_placed {
-	stilb_gpu_extent extent;     /* images */
-	uint64_t bytes;              /* of its memory, or of the buffer */
-	uint64_t offset;             /* in the heap's shared memory; of kept, output and owned resources 0 */
+	stilb_gpu_extent extent; /* images */
+	uint64_t bytes;          /* of its memory, or of the buffer */
+	uint64_t offset;         /* in the heap's shared memory; of kept, output and owned resources 0 */
 	uint32_t heap;
 	uint32_t first_step, last_step; /* that touch it; first > last: none does */
 	bool shared;                    /* it lies in shared memory */
