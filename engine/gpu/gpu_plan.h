@@ -9,7 +9,14 @@
  *                Vulkan device follows it, the null device checks and counts it, dumps and --plan show it.
  * Order.         The table's order is the order. Nothing is moved: a pass that reads what only a later one writes is a
  *                mistake, unless it asks for last frame's.
- * Cost.          Some 100 ns a pass from writing the row to the null device's check.
+ * Cost.          Some 100 ns a pass from writing the row to the null device's check, if the table is last frame's but
+ *                for constants; else a few times that.
+ * Frames.        A plan knows what its last frame left: kept, output and owned resources, and the shared memory, are
+ *                where and how the last plan left them. So the frames of one plan run on one device and one queue, in the
+ *                order in which they were made, each whole or not at all (stilb_gpu_plan_dropped).
+ * Barriers.      The fewest that do, each before the pass that needs it. A pass touches a part of an image in one way:
+ *                two uses that need different layouts, or of which one writes, are a mistake.
+ * Left out.      A pass whose results nobody reads does not run. Outputs, shown, kept and owned resources count as read.
  * Threads.       A plan belongs to one thread at a time and needs no device.
  * Example.       A scene in half floats, and a fullscreen pass that tone maps it into the picture:
  *
@@ -61,7 +68,11 @@ extern "C" {
 #define STILB_GPU_MAX_COLORS 8u
 #define STILB_GPU_MAX_USES 12u
 #define STILB_GPU_MAX_CONSTANTS 128u /* bytes: what every device offers as push constants */
-#define STILB_GPU_ALL 0xffffu        /* of mips or layers: all from the first named one on */
+#define STILB_GPU_ALL 0xffffu        /* of an image row's mips: down to one texel */
+#define STILB_GPU_MAX_SIDE 16384u    /* texels of an image's side; a device may have less */
+#define STILB_GPU_MAX_LAYERS 2048u
+#define STILB_GPU_MAX_BUFFER (1ull << 40) /* bytes; likewise */
+#define STILB_GPU_MAX_NAME 63u            /* bytes of a resource's name */
 
 typedef enum stilb_gpu_shape {
 	STILB_GPU_SHAPE_2D,   /* layers > 1: an array */
@@ -72,18 +83,19 @@ typedef enum stilb_gpu_shape {
 
 /* An image. Members that are 0 have the value that the comment names. */
 typedef struct stilb_gpu_plan_image_row {
-	const char *name; /* unique in the plan; the text must stay until the next plan begins */
+	const char *name; /* unique in the plan; copied */
 	stilb_gpu_format format;
 	stilb_gpu_shape shape;
 	float scale;                   /* > 0: sides are this share of the picture's, rounded up, at least 1 */
 	uint32_t width, height, depth; /* texels, if scale is 0; height and depth 0: 1 */
-	uint16_t layers;               /* 0: 1 */
+	uint16_t layers;               /* 0: 1, of cubes 6 */
 	uint16_t mips;                 /* 0: 1; STILB_GPU_ALL: down to one texel */
 	uint8_t samples;               /* 0: 1; 1, 2, 4, 8 a texel */
 	bool keep;                     /* the next frame may read its content, by stilb_gpu_use.previous */
 	bool output;                   /* somebody reads it after the frame: the window, a screenshot */
 	uint64_t owned;                /* not 0: the program's own image of this description, with contents that stay from
-	                                  frame to frame; the plan gives it no memory (stilb_gpu_image.id) */
+	                                  frame to frame; the plan gives it no memory (stilb_gpu_image.id). It may be read
+	                                  before a pass has written it, and `keep` says nothing more */
 } stilb_gpu_plan_image_row;
 
 /* A buffer that the device writes or reads within passes. */
@@ -131,9 +143,9 @@ typedef struct stilb_gpu_use {
 	uint16_t resource;
 	uint8_t how;            /* stilb_gpu_use_kind */
 	bool previous;          /* reads last frame's content of a resource with `keep`, also if this frame writes it */
-	uint16_t slot;          /* see stilb_gpu_use_kind */
+	uint16_t slot;          /* see stilb_gpu_use_kind; addresses take 8 bytes of the constants, at a multiple of 8 */
 	uint8_t sampler;        /* SAMPLED: stilb_gpu_sampler.id; 0: nearest, clamped */
-	uint8_t mip, mips;      /* images: mips mip .. mip + mips - 1; mips 0: all from mip on */
+	uint8_t mip, mips;      /* images: mips mip .. mip + mips - 1; mips 0: all from mip on. Storage images: one mip */
 	uint16_t layer, layers; /* likewise */
 } stilb_gpu_use;
 
@@ -192,7 +204,7 @@ void stilb_gpu_plan_size(const stilb_gpu_plan *plan, uint16_t image, uint32_t si
 
 /* True if the last frame has left content for `previous` uses of this resource: it was in the last plan that was made,
  * under the same name, with the same description and size, was kept, and a pass wrote it. Where it is false the device
- * gives zeros. Valid from the row's addition on. */
+ * gives zeros (stilb_gpu_barrier.zero). Valid from the row's addition on. */
 bool stilb_gpu_plan_kept(const stilb_gpu_plan *plan, uint16_t resource);
 
 /* Marks a resource as read after the frame, as row.output does: to show an image live, or to read it back. */
@@ -201,7 +213,7 @@ void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource);
 /* What memory an image needs on a device. */
 typedef struct stilb_gpu_needs {
 	uint64_t bytes, align; /* align: a power of two */
-	uint32_t heap;         /* resources of different heaps never share memory */
+	uint32_t heap;         /* below 64; resources of different heaps never share memory */
 } stilb_gpu_needs;
 
 /* The sizes of an image as a device needs to know them, no member 0. */
@@ -215,20 +227,31 @@ typedef struct stilb_gpu_extent {
 } stilb_gpu_extent;
 #define STILB_GPU_EXTENT_ATTACHMENT (1u << STILB_GPU_USE_KINDS)
 
-/* What a device says of a frame's images; user is passed back. NULL functions: sizes are those of the texels alone. */
+/* What a device says of a frame's images and buffers; user is passed back. NULL functions: sizes are those of the
+ * texels and bytes alone, aligned to 256, in heap 0. Answers are remembered as long as rows, `user` and `version` stay. */
 typedef struct stilb_gpu_planner {
 	void *user;
+	uint64_t version; /* another one after answers may have changed */
 	/* Sets *needs. An error, whose message says the limit and the way out: the device has no such image. */
 	stilb_result (*image_needs)(void *user, const stilb_gpu_extent *extent, stilb_gpu_needs *needs);
+	/* The same of a buffer that lives within the frame. */
+	stilb_result (*buffer_needs)(void *user, uint64_t bytes, stilb_gpu_needs *needs);
 	/* What is wrong with a pass for the device and its program, as a static or plan-owned text; NULL: nothing. */
 	const char *(*mistake)(void *user, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass);
 } stilb_gpu_planner;
 
-/* Checks the rows and makes the plan. STILB_ERROR_ARGUMENT: a row is wrong; the message names the pass and the
- * resource, and there is no plan. STILB_ERROR_MEMORY. What the device's functions return. */
+/* Checks the rows and makes the plan; planner may be NULL. STILB_ERROR_ARGUMENT: a row is wrong; the message names the
+ * pass and the resource, and there is no plan: it has no steps, and what the last frame left stays as it was.
+ * STILB_ERROR_MEMORY. What the device's functions return. */
 stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *planner);
 
-/* FNV-1a 64 of all rows that are not left out, by value: names, sizes, constants but for addresses. */
+/* The frame that was planned last did not run on the device: the next plan goes on from what the frame before it left.
+ * Call it before the next plan begins. A device that was lost, or another one: destroy the plan. */
+void stilb_gpu_plan_dropped(stilb_gpu_plan *plan);
+
+/* FNV-1a 64 of all rows that are not left out, by value: names, sizes, clear values, uses, group counts, constants but
+ * for the 8 bytes at the slots of buffers. Numbers that depend on what was created before are not in it: program,
+ * sampler, owned. */
 uint64_t stilb_gpu_plan_hash(const stilb_gpu_plan *plan);
 
 /* ---- what was made, for devices, dumps and --plan; valid until the next plan begins ------------------------------ */
@@ -255,14 +278,45 @@ typedef enum stilb_gpu_access {
 	STILB_GPU_ACCESSES,
 } stilb_gpu_access;
 
-/* Before a pass: what was done with a part of a resource so far, and what the pass will do. */
+/* In which arrangement an image must be for an access. Accesses with the same layout need no barrier between them if
+ * both read. */
+typedef enum stilb_gpu_layout {
+	STILB_GPU_LAYOUT_NONE, /* undefined content */
+	STILB_GPU_LAYOUT_COLOR,
+	STILB_GPU_LAYOUT_DEPTH,
+	STILB_GPU_LAYOUT_DEPTH_READ, /* depth images that are sampled, or tested and not written, or both */
+	STILB_GPU_LAYOUT_SAMPLED,
+	STILB_GPU_LAYOUT_STORAGE,
+	STILB_GPU_LAYOUT_COPY_FROM, /* also outputs after the frame */
+	STILB_GPU_LAYOUT_COPY_TO,
+	STILB_GPU_LAYOUTS,
+} stilb_gpu_layout;
+
+/* kind: of the image's format. [any-thread] */
+stilb_gpu_layout stilb_gpu_access_layout(stilb_gpu_access access, stilb_gpu_format_kind kind);
+/* COLOR, DEPTH, RESOLVE, STORAGE_GRAPHICS, STORAGE_COMPUTE and COPY_TO write, all others read alone. [any-thread] */
+bool stilb_gpu_access_writes(stilb_gpu_access access);
+/* "color", "sampled_fragment", ... Static. [any-thread] */
+const char *stilb_gpu_access_name(stilb_gpu_access access);
+
+/* Before a pass: what was done with a part of a resource so far, and what the pass will do. One barrier stands before
+ * the first of all reads that follow a write, and names them all; so a later read of the frame needs none.
+ *
+ *   from NONE, discard        nothing has touched the part that counts; from_all may name what used its memory
+ *   from NONE, not discard    an owned image that this plan has not touched before: its content counts, and the device
+ *                             knows from its own copies what was done with it. Owned buffers have no barrier then
+ *
+ * The device's own copies (uploads, read-back) between frames wait for everything before them, let everything after them
+ * wait, and leave images in the layout in which they found them. */
 typedef struct stilb_gpu_barrier {
 	uint16_t resource;
 	uint8_t from, to;  /* stilb_gpu_access: the last one so far, and the next */
-	uint32_t from_all; /* bit by stilb_gpu_access: everything since the last write, `from` included */
+	uint32_t from_all; /* bit by stilb_gpu_access: everything since the last write, `from` included; 0: nothing */
+	uint32_t to_all;   /* likewise, all of the layout of `to`: what needs no further barrier, `to` included */
 	bool discard;      /* the content is not needed: images may come from any layout */
+	bool zero;         /* with discard: a `previous` use of what has no content; the device fills it with zeros */
 	bool previous;     /* of the other one of two (stilb_gpu_placed.two) */
-	bool memory;       /* the memory was another resource's: from_all is what that was used for */
+	bool memory;       /* from_all is what the memory was used for before, by this frame's resources or last frame's */
 	uint8_t mip, mips; /* images; both at least 1 */
 	uint16_t layer, layers;
 } stilb_gpu_barrier;
@@ -277,15 +331,25 @@ typedef struct stilb_gpu_step {
 
 /* Where a resource lies. */
 typedef struct stilb_gpu_placed {
-	stilb_gpu_extent extent; /* images */
-	uint64_t bytes;          /* of its memory, or of the buffer */
+	stilb_gpu_extent extent; /* images; format NONE: a buffer. uses: those of this frame. Images that stay get all uses
+	                            that their format has on the device: the next frame's may differ */
+	uint64_t bytes;          /* of its memory if shared, else those of the texels; of a buffer those of its row */
 	uint64_t offset;         /* in the heap's shared memory; of kept, output and owned resources 0 */
+	uint64_t owned;          /* as in the row */
+	uint64_t stay;           /* not 0: kept, output or shown; it is the device's from this frame on until a plan without
+	                            it, and has the same number in each plan. 0: shared, owned, or touched by no pass */
 	uint32_t heap;
 	uint32_t first_step, last_step; /* that touch it; first > last: none does */
 	bool shared;                    /* it lies in shared memory */
-	bool two;                       /* kept, and read as `previous` after this frame has begun to write it: the device
-	                                   has two, and swaps them each frame */
+	bool two; /* kept, and read as `previous` after this frame has begun to write it: the device has two, of which one
+	             holds what the last frame wrote and the other gets what this one writes */
 } stilb_gpu_placed;
+
+/* Mips and layers; of buffers 0, 1, 0, 1. */
+typedef struct stilb_gpu_range {
+	uint8_t mip, mips;
+	uint16_t layer, layers;
+} stilb_gpu_range;
 
 uint32_t stilb_gpu_plan_steps(const stilb_gpu_plan *plan, const stilb_gpu_step **steps);
 uint32_t stilb_gpu_plan_barriers(const stilb_gpu_plan *plan, const stilb_gpu_barrier **barriers);
@@ -293,11 +357,17 @@ uint32_t stilb_gpu_plan_barriers(const stilb_gpu_plan *plan, const stilb_gpu_bar
 uint32_t stilb_gpu_plan_last_barriers(const stilb_gpu_plan *plan, uint32_t *first);
 const stilb_gpu_pass *stilb_gpu_plan_row(const stilb_gpu_plan *plan, uint32_t pass);
 uint32_t stilb_gpu_plan_passes(const stilb_gpu_plan *plan);
+/* What a use of a row stands for, with 0 as all that there are. */
+stilb_gpu_range stilb_gpu_plan_range(const stilb_gpu_plan *plan, const stilb_gpu_use *use);
 /* Resources are 1 .. the number that this returns. */
 uint32_t stilb_gpu_plan_resources(const stilb_gpu_plan *plan);
 const stilb_gpu_placed *stilb_gpu_plan_place(const stilb_gpu_plan *plan, uint16_t resource);
 const char *stilb_gpu_plan_name(const stilb_gpu_plan *plan, uint16_t resource);
-/* Bytes of shared memory of a heap, 0 .. the planner's largest. */
+/* True if this mip and layer, of a buffer 0 and 0, has content after the frame and is ready to be copied: a part of an
+ * output or of a shown resource that a pass has written, or of an owned output. */
+bool stilb_gpu_plan_ready(const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip, uint16_t layer);
+/* Heaps that shared memory lies in: 0 .. the planner's largest, 64 at most; and the bytes of each. */
+uint32_t stilb_gpu_plan_heaps(const stilb_gpu_plan *plan);
 uint64_t stilb_gpu_plan_heap_bytes(const stilb_gpu_plan *plan, uint32_t heap);
 
 /* Writes the plan as lines of text: passes in order with their barriers, what was left out and why, images with sizes
