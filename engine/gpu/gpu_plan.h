@@ -12,11 +12,12 @@
  * Cost.          Some 100 ns a pass from writing the row to the null device's check, if the table is last frame's but
  *                for constants; else a few times that.
  * Frames.        A plan knows what its last frame left: kept, output and owned resources, and the shared memory, are
- *                where and how the last plan left them. So the frames of one plan run on one device and one queue, in the
- *                order in which they were made, each whole or not at all (stilb_gpu_plan_dropped).
+ *                where and how the last plan left them. So the frames of one plan run on one device and one queue, in
+ *                the order in which they were made, each whole or not at all (stilb_gpu_plan_dropped).
  * Barriers.      The fewest that do, each before the pass that needs it. A pass touches a part of an image in one way:
  *                two uses that need different layouts, or of which one writes, are a mistake.
- * Left out.      A pass whose results nobody reads does not run. Outputs, shown, kept and owned resources count as read.
+ * Left out.      A pass whose results nobody reads does not run. Outputs, shown, kept and owned resources count as
+ *                read.
  * Threads.       A plan belongs to one thread at a time and needs no device.
  * Example.       A scene in half floats, and a fullscreen pass that tone maps it into the picture:
  *
@@ -228,7 +229,8 @@ typedef struct stilb_gpu_extent {
 #define STILB_GPU_EXTENT_ATTACHMENT (1u << STILB_GPU_USE_KINDS)
 
 /* What a device says of a frame's images and buffers; user is passed back. NULL functions: sizes are those of the
- * texels and bytes alone, aligned to 256, in heap 0. Answers are remembered as long as rows, `user` and `version` stay. */
+ * texels and bytes alone, aligned to 256, in heap 0. Answers are remembered while rows, `user` and `version` stay
+ * the same. */
 typedef struct stilb_gpu_planner {
 	void *user;
 	uint64_t version; /* another one after answers may have changed */
@@ -306,8 +308,8 @@ const char *stilb_gpu_access_name(stilb_gpu_access access);
  *   from NONE, not discard    an owned image that this plan has not touched before: its content counts, and the device
  *                             knows from its own copies what was done with it. Owned buffers have no barrier then
  *
- * The device's own copies (uploads, read-back) between frames wait for everything before them, let everything after them
- * wait, and leave images in the layout in which they found them. */
+ * The device's own copies (uploads, read-back) between frames wait for everything before them, let everything after
+ * them wait, and leave images in the layout in which they found them. */
 typedef struct stilb_gpu_barrier {
 	uint16_t resource;
 	uint8_t from, to;  /* stilb_gpu_access: the last one so far, and the next */
