@@ -200,9 +200,6 @@ void stilb_gpu_plan_pass(stilb_gpu_plan *plan, const stilb_gpu_pass *row);
  * others write. */
 uint16_t stilb_gpu_plan_find(const stilb_gpu_plan *plan, const char *name);
 
-/* Sides of an image's first mip in texels, as scale and the picture make them. */
-void stilb_gpu_plan_size(const stilb_gpu_plan *plan, uint16_t image, uint32_t size[3]);
-
 /* True if the last frame has left content for `previous` uses of this resource: it was in the last plan that was made,
  * under the same name, with the same description and size, was kept, and a pass wrote it. Where it is false the device
  * gives zeros (stilb_gpu_barrier.zero). Valid from the row's addition on. */
@@ -227,6 +224,10 @@ typedef struct stilb_gpu_extent {
 	uint16_t uses; /* bit by stilb_gpu_use_kind, and above them attachment */
 } stilb_gpu_extent;
 #define STILB_GPU_EXTENT_ATTACHMENT (1u << STILB_GPU_USE_KINDS)
+
+/* An image as its row and the picture's size make it; format NONE: a buffer. uses are 0. Valid from the row's addition
+ * on, until the plan's next row. */
+const stilb_gpu_extent *stilb_gpu_plan_extent(const stilb_gpu_plan *plan, uint16_t resource);
 
 /* What a device says of a frame's images and buffers; user is passed back. NULL functions: sizes are those of the
  * texels and bytes alone, aligned to 256, in heap 0. Answers are remembered while rows, `user` and `version` stay

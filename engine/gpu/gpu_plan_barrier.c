@@ -1,0 +1,557 @@
+/*
+ * gpu_plan: barriers, and what a frame leaves for the next.
+ *
+ * Between two barriers, a part of a resource is written once, or read in one layout any number of times. So a barrier
+ * is needed before each write, and before the first read after a write or in another layout; a later read that the
+ * barrier did not name is added to it, as nothing has changed in between. Only reads that last frame's barrier made
+ * possible cannot be added to it: another way of reading then needs a barrier of its own.
+ *
+ * A barrier orders one access after those since the barrier before it. What happened earlier still is ordered by that
+ * one: execution dependencies chain, and memory that was once made available stays so (Vulkan 1.3 specification,
+ * "Execution and Memory Dependencies").
+ */
+#include "gpu/gpu_plan_internal.h"
+
+#include <string.h>
+
+/* ---- heaps: what used a part of them last ------------------------------------------------------------------------ */
+
+/* How a resource's memory was used last. */
+static uint16_t last_accesses(const stilb_gpu_plan *plan, uint16_t number)
+{
+	const gpu_resource *resource = gpu_plan_resource(plan, number);
+	const gpu_sub *subs = (const gpu_sub *)plan->subs.items + resource->first_sub;
+	uint16_t accesses = 0;
+	for (uint32_t i = 0; i < resource->subs; i++)
+		if (subs[i].last != STILB_GPU_ACCESS_NONE)
+			accesses |= subs[i].readers != 0 ? subs[i].readers : (uint16_t)(1u << subs[i].write);
+	return accesses;
+}
+
+static uint16_t region_accesses(const stilb_gpu_plan *plan, const gpu_region *region)
+{
+	return region->resource != 0 ? last_accesses(plan, region->resource) : region->accesses;
+}
+
+/* Gives begin..end of a heap to a resource, and returns what used it before. Regions are sorted by heap and place, and
+ * do not overlap. False: no memory. */
+static bool take_region(stilb_gpu_plan *plan, gpu_region taken, uint16_t *before)
+{
+	gpu_left *next = &plan->next;
+	if (!gpu_array_reserve(&next->regions, next->region_count + 2, sizeof(gpu_region)))
+		return false;
+	gpu_region *regions = next->regions.items;
+	uint32_t low = 0, high = next->region_count; /* the first that ends after `begin` */
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		const gpu_region *region = &regions[middle];
+		if (region->heap < taken.heap || (region->heap == taken.heap && region->end <= taken.begin))
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	uint16_t accesses = 0;
+	gpu_region parts[3]; /* what is left of the first, the new one, what is left of the last */
+	uint32_t part_count = 0, end = low;
+	for (; end < next->region_count && regions[end].heap == taken.heap && regions[end].begin < taken.end; end++)
+		accesses |= region_accesses(plan, &regions[end]);
+	if (end > low && regions[low].begin < taken.begin) {
+		parts[part_count] = regions[low];
+		parts[part_count++].end = taken.begin;
+	}
+	parts[part_count++] = taken;
+	if (end > low && regions[end - 1].end > taken.end) {
+		parts[part_count] = regions[end - 1];
+		parts[part_count++].begin = taken.end;
+	}
+	memmove(&regions[low + part_count], &regions[end], (next->region_count - end) * sizeof *regions);
+	memcpy(&regions[low], parts, part_count * sizeof *parts);
+	next->region_count += part_count - (end - low);
+	*before = accesses;
+	return true;
+}
+
+static bool begin_regions(stilb_gpu_plan *plan)
+{
+	gpu_left *next = &plan->next;
+	if (!gpu_array_reserve(&next->regions, plan->left.region_count, sizeof(gpu_region)))
+		return false;
+	next->region_count = plan->left.region_count;
+	if (next->region_count > 0)
+		memcpy(next->regions.items, plan->left.regions.items, next->region_count * sizeof(gpu_region));
+	return true;
+}
+
+/* Puts accesses in place of this frame's resources, and joins neighbours with the same. */
+static void end_regions(stilb_gpu_plan *plan)
+{
+	gpu_region *regions = plan->next.regions.items;
+	uint32_t left = 0;
+	for (uint32_t i = 0; i < plan->next.region_count; i++) {
+		gpu_region region = regions[i];
+		region.accesses = region_accesses(plan, &region);
+		region.resource = 0;
+		gpu_region *before = left > 0 ? &regions[left - 1] : NULL;
+		if (before && before->heap == region.heap && before->end == region.begin && before->accesses == region.accesses)
+			before->end = region.end;
+		else
+			regions[left++] = region;
+	}
+	plan->next.region_count = left;
+}
+
+/* ---- states at the frame's start --------------------------------------------------------------------------------- */
+
+/* Nothing has touched it. */
+static gpu_sub fresh_sub(const gpu_resource *resource)
+{
+	if (resource->image.owned == 0)
+		return (gpu_sub){.layout = STILB_GPU_LAYOUT_NONE};
+	if (resource->buffer)
+		return (gpu_sub){.layout = STILB_GPU_LAYOUT_NONE, .visible = UINT16_MAX, .now = true};
+	return (gpu_sub){.layout = GPU_LAYOUT_UNKNOWN, .now = true};
+}
+
+/* Copies one half of a record's states. A record with one state for all fills as many as there are, and the other way
+ * round if all are the same, which gpu_plan_live.c has made sure of. */
+static void copy_half(gpu_sub *to, const gpu_resource *resource, const gpu_sub *from, const gpu_record *record)
+{
+	for (uint32_t i = 0; i < resource->subs; i++)
+		to[i] = from[record->subs == 1 ? 0 : i];
+}
+
+static void begin_resource(stilb_gpu_plan *plan, uint32_t number)
+{
+	const gpu_resource *resource = gpu_plan_resource(plan, number);
+	gpu_sub *subs = (gpu_sub *)plan->subs.items + resource->first_sub, *other = subs + resource->subs;
+	bool two = gpu_plan_placed(plan, number)->two;
+	uint32_t count = resource->image.keep ? 2 * resource->subs : resource->subs;
+	if (resource->record == GPU_NO_RECORD || !two) {
+		gpu_sub fresh = fresh_sub(resource);
+		for (uint32_t i = 0; i < count; i++)
+			subs[i] = fresh;
+	}
+	if (resource->record == GPU_NO_RECORD)
+		return;
+	const gpu_record *record = (const gpu_record *)plan->left.records.items + resource->record;
+	const gpu_sub *from = (const gpu_sub *)plan->left.subs.items + record->first_sub;
+	copy_half(two ? other : subs, resource, from, record);
+	if (two && record->two)
+		copy_half(subs, resource, from + record->subs, record);
+	else if (two)
+		for (uint32_t i = 0; i < resource->subs; i++)
+			subs[i] = fresh_sub(resource);
+}
+
+static bool begin_states(stilb_gpu_plan *plan)
+{
+	if (!gpu_array_reserve(&plan->subs, plan->sub_count, sizeof(gpu_sub)) || !begin_regions(plan))
+		return false;
+	for (uint32_t i = 1; i <= plan->resource_count; i++)
+		begin_resource(plan, i);
+	return true;
+}
+
+/* ---- one touch --------------------------------------------------------------------------------------------------- */
+
+/* A touch while its barriers are found. */
+typedef struct touched {
+	stilb_gpu_plan *plan;
+	const gpu_touch *touch;
+	const gpu_resource *resource;
+	gpu_sub *subs; /* of mip 0, layer 0 */
+	uint16_t accesses;
+	bool replaces; /* content that may be there is not needed */
+	bool writes;
+	bool content_alone; /* parts that this frame has not written are left alone */
+} touched;
+
+/* What a state has been made visible to. */
+static uint16_t visible_to(const stilb_gpu_plan *plan, const gpu_sub *sub)
+{
+	const stilb_gpu_barrier *barriers = plan->barriers.items;
+	return sub->barrier != 0 ? (uint16_t)(sub->visible | barriers[sub->barrier - 1].to_all) : sub->visible;
+}
+
+static bool drops_content(const touched *t, const gpu_sub *sub)
+{
+	return t->replaces && !(sub->now && !t->touch->replaces);
+}
+
+/* 0: no barrier; else equal for states that one barrier can serve: those that come from one layout, or from any, and
+ * are filled with zeros, or not. */
+static uint8_t sub_key(const touched *t, const gpu_sub *sub)
+{
+	const gpu_touch *touch = t->touch;
+	bool zero = touch->previous && !sub->old;
+	if (t->writes) {
+		bool nobody = t->resource->buffer && sub->readers == 0 && sub->write == STILB_GPU_ACCESS_NONE;
+		if (nobody && (t->resource->memory_readers == 0 || sub->last != STILB_GPU_ACCESS_NONE))
+			return 0;
+	} else if (!zero && sub->layout == touch->layout) {
+		if ((t->accesses & ~visible_to(t->plan, sub)) == 0 || sub->barrier != 0)
+			return 0;
+	}
+	if (zero || drops_content(t, sub))
+		return (uint8_t)(zero ? 0x42 : 0x41);
+	return (uint8_t)(0x80 | (sub->layout & 0x3f));
+}
+
+/* Accesses that a barrier has to wait for. */
+static uint16_t sub_before(const touched *t, const gpu_sub *sub)
+{
+	if (sub->last == STILB_GPU_ACCESS_NONE)
+		return t->resource->memory_readers;
+	uint16_t write = sub->write != STILB_GPU_ACCESS_NONE ? (uint16_t)(1u << sub->write) : 0;
+	if (sub->readers == 0)
+		return write;
+	bool more_readers = !t->writes && sub->layout == t->touch->layout && !(t->touch->previous && !sub->old);
+	return more_readers ? (uint16_t)(sub->readers | write) : sub->readers;
+}
+
+/* The access itself. barrier: index + 1; 0: it needs none. */
+static void sub_access(const touched *t, gpu_sub *sub, uint32_t barrier)
+{
+	const gpu_touch *touch = t->touch;
+	if (t->writes) {
+		sub->write = touch->access;
+		sub->readers = sub->visible = 0;
+		sub->barrier = 0;
+		sub->now = true;
+	} else if (barrier != 0) {
+		bool more_readers = sub->layout == touch->layout && !(touch->previous && !sub->old);
+		sub->readers = more_readers ? (uint16_t)(sub->readers | t->accesses) : t->accesses;
+		sub->visible = more_readers ? sub->visible : 0;
+		sub->barrier = barrier;
+	} else {
+		sub->readers |= t->accesses;
+		if (sub->barrier != 0)
+			((stilb_gpu_barrier *)t->plan->barriers.items)[sub->barrier - 1].to_all |= t->accesses;
+	}
+	sub->old = sub->old || touch->previous;
+	sub->last = touch->access;
+	sub->layout = touch->layout;
+}
+
+/* ---- barriers of ranges ------------------------------------------------------------------------------------------ */
+
+static bool same_way(const stilb_gpu_barrier *a, const stilb_gpu_barrier *b, stilb_gpu_format_kind kind)
+{
+	return a->resource == b->resource && a->discard == b->discard && a->zero == b->zero && a->previous == b->previous &&
+	       a->memory == b->memory &&
+	       (a->discard || ((a->from == STILB_GPU_ACCESS_NONE) == (b->from == STILB_GPU_ACCESS_NONE) &&
+	                       stilb_gpu_access_layout(a->from, kind) == stilb_gpu_access_layout(b->from, kind))) &&
+	       stilb_gpu_access_layout(a->to, kind) == stilb_gpu_access_layout(b->to, kind);
+}
+
+/* Makes one of two ranges that lie side by side; false: they do not. */
+static bool join_ranges(stilb_gpu_barrier *a, const stilb_gpu_barrier *b)
+{
+	if (a->layer == b->layer && a->layers == b->layers && (a->mip + a->mips == b->mip || b->mip + b->mips == a->mip)) {
+		a->mip = a->mip < b->mip ? a->mip : b->mip;
+		a->mips = (uint8_t)(a->mips + b->mips);
+		return true;
+	}
+	if (a->mip == b->mip && a->mips == b->mips &&
+	    (a->layer + a->layers == b->layer || b->layer + b->layers == a->layer)) {
+		a->layer = a->layer < b->layer ? a->layer : b->layer;
+		a->layers = (uint16_t)(a->layers + b->layers);
+		return true;
+	}
+	return false;
+}
+
+/* Adds a barrier, or makes one with one of the same step. Returns index + 1. */
+static uint32_t add_barrier(const touched *t, stilb_gpu_barrier barrier, uint32_t first_of_step)
+{
+	stilb_gpu_plan *plan = t->plan;
+	stilb_gpu_barrier *barriers = plan->barriers.items;
+	for (uint32_t i = first_of_step; t->resource->subs > 1 && i < plan->barrier_count; i++) {
+		stilb_gpu_format_kind kind = stilb_gpu_format_describe(t->resource->extent.format)->kind;
+		if (same_way(&barriers[i], &barrier, kind) && join_ranges(&barriers[i], &barrier)) {
+			barriers[i].from_all |= barrier.from_all;
+			barriers[i].to_all |= barrier.to_all;
+			return i + 1;
+		}
+	}
+	barriers[plan->barrier_count] = barrier;
+	plan->barrier_count++;
+	return plan->barrier_count;
+}
+
+/* A barrier for the states in a range, which have one key. */
+static stilb_gpu_barrier range_barrier(const touched *t, stilb_gpu_range range, uint8_t key)
+{
+	const gpu_touch *touch = t->touch;
+	uint32_t stride = t->resource->subs > 1 ? t->resource->extent.mips : 0;
+	stilb_gpu_barrier barrier = {
+		.resource = touch->resource,
+		.to = touch->access,
+		.to_all = t->accesses,
+		.discard = !(key & 0x80),
+		.zero = key == 0x42,
+		.previous = touch->previous && gpu_plan_placed(t->plan, touch->resource)->two,
+		.mip = range.mip,
+		.mips = range.mips,
+		.layer = range.layer,
+		.layers = range.layers,
+	};
+	bool first = true;
+	for (uint32_t layer = range.layer; layer < (uint32_t)range.layer + range.layers; layer++)
+		for (uint32_t mip = range.mip; mip < (uint32_t)range.mip + range.mips; mip++) {
+			const gpu_sub *sub = &t->subs[layer * stride + (stride > 0 ? mip : 0)];
+			barrier.from_all |= sub_before(t, sub);
+			barrier.from = first ? sub->last : barrier.from;
+			barrier.memory = barrier.memory || (sub->last == STILB_GPU_ACCESS_NONE && t->resource->memory_readers != 0);
+			first = false;
+			if (stride == 0)
+				return barrier;
+		}
+	return barrier;
+}
+
+/* The largest range from a corner on, within `within`, whose keys are that of the corner. */
+static stilb_gpu_range grow(const touched *t, const uint8_t *keys, stilb_gpu_range within, uint32_t layer, uint32_t mip,
+                            bool mips_first)
+{
+	uint32_t stride = t->resource->extent.mips;
+	uint8_t key = keys[layer * stride + mip];
+	uint32_t last_mip = (uint32_t)within.mip + within.mips, last_layer = (uint32_t)within.layer + within.layers;
+	uint32_t mips = 1, layers = 1;
+	for (uint32_t pass = 0; pass < 2; pass++) {
+		bool along_mips = mips_first == (pass == 0);
+		for (bool same = true; same;) {
+			if (along_mips ? mip + mips == last_mip : layer + layers == last_layer)
+				break;
+			uint32_t across = along_mips ? layers : mips;
+			for (uint32_t i = 0; i < across && same; i++)
+				same = key == (along_mips ? keys[(layer + i) * stride + mip + mips]
+				                          : keys[(layer + layers) * stride + mip + i]);
+			if (same && along_mips)
+				mips++;
+			else if (same)
+				layers++;
+		}
+	}
+	return (stilb_gpu_range){(uint8_t)mip, (uint8_t)mips, (uint16_t)layer, (uint16_t)layers};
+}
+
+/* Cuts what has keys into ranges, adds their barriers if `add`, and returns their number. Clears keys. */
+static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add, uint32_t first_of_step)
+{
+	stilb_gpu_range within = t->touch->range;
+	uint32_t stride = t->resource->extent.mips, count = 0;
+	for (uint32_t layer = within.layer; layer < (uint32_t)within.layer + within.layers; layer++)
+		for (uint32_t mip = within.mip; mip < (uint32_t)within.mip + within.mips; mip++) {
+			uint8_t key = keys[layer * stride + mip];
+			if (key == 0)
+				continue;
+			stilb_gpu_range range = grow(t, keys, within, layer, mip, mips_first);
+			uint32_t barrier = add ? add_barrier(t, range_barrier(t, range, key), first_of_step) : 0;
+			for (uint32_t l = layer; l < layer + range.layers; l++)
+				for (uint32_t m = mip; m < mip + range.mips; m++) {
+					keys[l * stride + m] = 0;
+					if (add)
+						sub_access(t, &t->subs[l * stride + m], barrier);
+				}
+			count++;
+		}
+	return count;
+}
+
+/* A touch of a resource with a state for each mip and layer. */
+static bool touch_parts(const touched *t, uint32_t first_of_step)
+{
+	stilb_gpu_plan *plan = t->plan;
+	stilb_gpu_range range = t->touch->range;
+	uint32_t stride = t->resource->extent.mips, count = t->resource->subs;
+	if (!gpu_array_reserve(&plan->keys, 2 * (size_t)count, 1) ||
+	    !gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + (uint32_t)range.mips * range.layers,
+	                       sizeof(stilb_gpu_barrier)))
+		return false;
+	uint8_t *keys = plan->keys.items, *tried = keys + count;
+	for (uint32_t layer = range.layer; layer < (uint32_t)range.layer + range.layers; layer++)
+		for (uint32_t mip = range.mip; mip < (uint32_t)range.mip + range.mips; mip++) {
+			uint32_t at = layer * stride + mip;
+			bool skip = t->content_alone && !t->subs[at].now;
+			keys[at] = tried[at] = skip ? 0 : sub_key(t, &t->subs[at]);
+			if (keys[at] == 0 && !skip)
+				sub_access(t, &t->subs[at], 0);
+		}
+	bool mips_first = true;
+	if (range.mips > 1 && range.layers > 1) {
+		uint32_t mips = cut(t, tried, true, false, 0);
+		memcpy(tried, keys, count);
+		mips_first = mips <= cut(t, tried, false, false, 0);
+	}
+	cut(t, keys, mips_first, true, first_of_step);
+	return true;
+}
+
+static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch, uint32_t first_of_step)
+{
+	const gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
+	bool other = touch->previous && gpu_plan_placed(plan, touch->resource)->two;
+	touched t = {
+		.plan = plan,
+		.touch = touch,
+		.resource = resource,
+		.subs = (gpu_sub *)plan->subs.items + resource->first_sub + (other ? resource->subs : 0),
+		.accesses = (uint16_t)(1u << touch->access),
+		.replaces = touch->replaces || (touch->writes && !touch->reads && resource->image.owned == 0),
+		.writes = touch->writes,
+		.content_alone = touch->access == STILB_GPU_ACCESS_OUTPUT,
+	};
+	if (resource->subs > 1)
+		return touch_parts(&t, first_of_step);
+	if (!gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + 1, sizeof(stilb_gpu_barrier)))
+		return false;
+	uint8_t key = sub_key(&t, t.subs);
+	uint32_t barrier = key != 0 ? add_barrier(&t, range_barrier(&t, touch->range, key), first_of_step) : 0;
+	sub_access(&t, t.subs, barrier);
+	return true;
+}
+
+/* ---- the frame --------------------------------------------------------------------------------------------------- */
+
+/* Before a transient resource's first step: what its memory was used for. */
+static bool begin_memory(stilb_gpu_plan *plan, uint16_t number, uint32_t step)
+{
+	const stilb_gpu_placed *placed = gpu_plan_placed(plan, number);
+	gpu_resource *resource = gpu_plan_resource(plan, number);
+	if (!placed->shared || placed->first_step != step)
+		return true;
+	return take_region(
+		plan,
+		(gpu_region){
+			.begin = placed->offset, .end = placed->offset + placed->bytes, .heap = placed->heap, .resource = number},
+		&resource->memory_readers);
+}
+
+static bool walk_steps(stilb_gpu_plan *plan)
+{
+	stilb_gpu_step *steps = plan->steps.items;
+	for (uint32_t s = 0; s < plan->step_count; s++) {
+		uint32_t count;
+		const gpu_touch *touches = gpu_plan_touches(plan, steps[s].pass, &count);
+		steps[s].first_barrier = plan->barrier_count;
+		for (uint32_t i = 0; i < count; i++) {
+			bool again = false; /* it has its memory already */
+			for (uint32_t k = 0; k < i; k++)
+				again = again || touches[k].resource == touches[i].resource;
+			if (!again && !begin_memory(plan, touches[i].resource, s))
+				return false;
+		}
+		for (uint32_t i = 0; i < count; i++)
+			if (!touch_one(plan, &touches[i], steps[s].first_barrier))
+				return false;
+		steps[s].barrier_count = plan->barrier_count - steps[s].first_barrier;
+	}
+	return true;
+}
+
+/* Outputs as they are read after the frame: what of them has content. */
+static bool walk_outputs(stilb_gpu_plan *plan)
+{
+	plan->last_barrier = plan->barrier_count;
+	for (uint32_t i = 1; i <= plan->resource_count; i++) {
+		const gpu_resource *resource = gpu_plan_resource(plan, i);
+		const stilb_gpu_extent *extent = &resource->extent;
+		if (!resource->image.output && !resource->shown)
+			continue;
+		gpu_touch touch = {.resource = (uint16_t)i,
+		                   .access = STILB_GPU_ACCESS_OUTPUT,
+		                   .layout = resource->buffer ? STILB_GPU_LAYOUT_NONE : STILB_GPU_LAYOUT_COPY_FROM,
+		                   .range = {0, (uint8_t)extent->mips, 0, extent->layers}};
+		if (!touch_one(plan, &touch, plan->last_barrier))
+			return false;
+	}
+	return true;
+}
+
+/* ---- what is left ------------------------------------------------------------------------------------------------ */
+
+static gpu_sub sub_left(const stilb_gpu_plan *plan, const gpu_resource *resource, gpu_sub sub)
+{
+	sub.visible = visible_to(plan, &sub);
+	sub.barrier = 0;
+	sub.old = sub.now && resource->image.keep;
+	sub.now = resource->image.owned != 0;
+	return sub;
+}
+
+static bool leave(stilb_gpu_plan *plan)
+{
+	gpu_left *next = &plan->next;
+	if (!gpu_array_reserve(&next->records, plan->resource_count, sizeof(gpu_record)) ||
+	    !gpu_array_reserve(&next->subs, plan->sub_count, sizeof(gpu_sub)))
+		return false;
+	next->record_count = next->sub_count = 0;
+	for (uint32_t i = 1; i <= plan->resource_count; i++) {
+		const gpu_resource *resource = gpu_plan_resource(plan, i);
+		const stilb_gpu_placed *placed = gpu_plan_placed(plan, i);
+		if (placed->first_step == UINT32_MAX && resource->record == GPU_NO_RECORD)
+			continue;
+		if (placed->stay == 0 && placed->owned == 0)
+			continue;
+		gpu_record *record = (gpu_record *)next->records.items + next->record_count;
+		memset(record, 0, sizeof *record);
+		memcpy(record->name, resource->name, sizeof record->name);
+		record->name_hash = resource->name_hash;
+		record->owned = placed->owned;
+		record->bytes = resource->bytes;
+		record->stay = placed->stay;
+		record->extent = resource->extent;
+		record->first_sub = next->sub_count;
+		record->subs = resource->subs;
+		record->two = placed->two;
+		record->keep = resource->image.keep;
+		record->written = resource->written;
+		next->record_count++;
+		uint32_t count = resource->image.keep ? 2 * resource->subs : resource->subs;
+		gpu_sub *to = (gpu_sub *)next->subs.items + next->sub_count;
+		const gpu_sub *from = (const gpu_sub *)plan->subs.items + resource->first_sub;
+		for (uint32_t s = 0; s < count; s++)
+			to[s] = sub_left(plan, resource, from[s]);
+		next->sub_count += count;
+	}
+	end_regions(plan);
+	return true;
+}
+
+static bool record_equal(const gpu_record *a, const gpu_record *b)
+{
+	return a->stay == b->stay && a->owned == b->owned && a->subs == b->subs && a->two == b->two && a->keep == b->keep &&
+	       a->written == b->written && strcmp(a->name, b->name) == 0;
+}
+
+/* The frame leaves everything as it found it: another one with the same rows has the same barriers. */
+static bool left_as_found(const stilb_gpu_plan *plan)
+{
+	const gpu_left *a = &plan->left, *b = &plan->next;
+	if (a->record_count != b->record_count || a->sub_count != b->sub_count || a->region_count != b->region_count)
+		return false;
+	for (uint32_t i = 0; i < a->record_count; i++)
+		if (!record_equal((const gpu_record *)a->records.items + i, (const gpu_record *)b->records.items + i))
+			return false;
+	for (uint32_t i = 0; i < a->sub_count; i++)
+		if (!gpu_sub_equal((const gpu_sub *)a->subs.items + i, (const gpu_sub *)b->subs.items + i))
+			return false;
+	const gpu_region *x = a->regions.items, *y = b->regions.items;
+	for (uint32_t i = 0; i < a->region_count; i++)
+		if (x[i].begin != y[i].begin || x[i].end != y[i].end || x[i].heap != y[i].heap ||
+		    x[i].accesses != y[i].accesses)
+			return false;
+	return true;
+}
+
+stilb_result gpu_plan_find_barriers(stilb_gpu_plan *plan)
+{
+	plan->barrier_count = plan->last_barrier = 0;
+	for (uint32_t i = 1; i <= plan->resource_count; i++)
+		gpu_plan_resource(plan, i)->memory_readers = 0;
+	if (!begin_states(plan) || !walk_steps(plan) || !walk_outputs(plan) || !leave(plan))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the barriers of a plan of %u passes", plan->row_count);
+	plan->steady = left_as_found(plan);
+	return STILB_OK;
+}
