@@ -345,7 +345,8 @@ typedef struct stilb_gpu_placed {
 	uint32_t first_step, last_step; /* that touch it; first > last: none does */
 	bool shared;                    /* it lies in shared memory */
 	bool two; /* kept, and read as `previous` after this frame has begun to write it: the device has two, of which one
-	             holds what the last frame wrote and the other gets what this one writes */
+	             holds what the last frame wrote and the other gets what this one writes. In a frame that needs but one
+	             it keeps the one that was written last and gives the other up */
 } stilb_gpu_placed;
 
 /* Mips and layers; of buffers 0, 1, 0, 1. */

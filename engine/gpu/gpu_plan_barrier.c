@@ -178,12 +178,18 @@ static bool drops_content(const touched *t, const gpu_sub *sub)
 	return t->replaces && !(sub->now && !t->touch->replaces);
 }
 
+/* The device has to fill it with zeros: last frame has left nothing, nor zeros. */
+static bool needs_zeros(const touched *t, const gpu_sub *sub)
+{
+	return t->touch->previous && !sub->old && !sub->zeros;
+}
+
 /* 0: no barrier; else equal for states that one barrier can serve: those that come from one layout, or from any, and
  * are filled with zeros, or not. */
 static uint8_t sub_key(const touched *t, const gpu_sub *sub)
 {
 	const gpu_touch *touch = t->touch;
-	bool zero = touch->previous && !sub->old;
+	bool zero = needs_zeros(t, sub);
 	if (t->writes) {
 		bool nobody = t->resource->buffer && sub->readers == 0 && sub->write == STILB_GPU_ACCESS_NONE;
 		if (nobody && (t->resource->memory_readers == 0 || sub->last != STILB_GPU_ACCESS_NONE))
@@ -205,7 +211,7 @@ static uint16_t sub_before(const touched *t, const gpu_sub *sub)
 	uint16_t write = sub->write != STILB_GPU_ACCESS_NONE ? (uint16_t)(1u << sub->write) : 0;
 	if (sub->readers == 0)
 		return write;
-	bool more_readers = !t->writes && sub->layout == t->touch->layout && !(t->touch->previous && !sub->old);
+	bool more_readers = !t->writes && sub->layout == t->touch->layout && !needs_zeros(t, sub);
 	return more_readers ? (uint16_t)(sub->readers | write) : sub->readers;
 }
 
@@ -218,8 +224,9 @@ static void sub_access(const touched *t, gpu_sub *sub, uint32_t barrier)
 		sub->readers = sub->visible = 0;
 		sub->barrier = 0;
 		sub->now = true;
+		sub->zeros = false;
 	} else if (barrier != 0) {
-		bool more_readers = sub->layout == touch->layout && !(touch->previous && !sub->old);
+		bool more_readers = sub->layout == touch->layout && !needs_zeros(t, sub);
 		sub->readers = more_readers ? (uint16_t)(sub->readers | t->accesses) : t->accesses;
 		sub->visible = more_readers ? sub->visible : 0;
 		sub->barrier = barrier;
@@ -228,7 +235,7 @@ static void sub_access(const touched *t, gpu_sub *sub, uint32_t barrier)
 		if (sub->barrier != 0)
 			((stilb_gpu_barrier *)t->plan->barriers.items)[sub->barrier - 1].to_all |= t->accesses;
 	}
-	sub->old = sub->old || touch->previous;
+	sub->zeros = sub->zeros || needs_zeros(t, sub);
 	sub->last = touch->access;
 	sub->layout = touch->layout;
 }
@@ -261,22 +268,53 @@ static bool join_ranges(stilb_gpu_barrier *a, const stilb_gpu_barrier *b)
 	return false;
 }
 
-/* Adds a barrier, or makes one with one of the same step. Returns index + 1. */
-static uint32_t add_barrier(const touched *t, stilb_gpu_barrier barrier, uint32_t first_of_step)
+/* States that wait for barrier `from` wait for barrier `to` instead; both are index + 1. */
+static void rename_barrier(stilb_gpu_plan *plan, uint16_t number, uint32_t from, uint32_t to)
 {
-	stilb_gpu_plan *plan = t->plan;
+	const gpu_resource *resource = gpu_plan_resource(plan, number);
+	gpu_sub *subs = (gpu_sub *)plan->subs.items + resource->first_sub;
+	uint32_t count = resource->image.keep ? 2 * resource->subs : resource->subs;
+	for (uint32_t i = 0; i < count; i++)
+		if (subs[i].barrier == from)
+			subs[i].barrier = to;
+}
+
+/* Makes one of two barriers of a step if it can be; they keep their order. */
+static bool join(stilb_gpu_plan *plan, uint32_t a, uint32_t b)
+{
 	stilb_gpu_barrier *barriers = plan->barriers.items;
-	for (uint32_t i = first_of_step; t->resource->subs > 1 && i < plan->barrier_count; i++) {
-		stilb_gpu_format_kind kind = stilb_gpu_format_describe(t->resource->extent.format)->kind;
-		if (same_way(&barriers[i], &barrier, kind) && join_ranges(&barriers[i], &barrier)) {
-			barriers[i].from_all |= barrier.from_all;
-			barriers[i].to_all |= barrier.to_all;
-			return i + 1;
-		}
+	const gpu_resource *resource = gpu_plan_resource(plan, barriers[a].resource);
+	if (resource->subs == 1 || barriers[b].resource != barriers[a].resource ||
+	    !same_way(&barriers[a], &barriers[b], stilb_gpu_format_describe(resource->extent.format)->kind) ||
+	    !join_ranges(&barriers[a], &barriers[b]))
+		return false;
+	barriers[a].from_all |= barriers[b].from_all;
+	barriers[a].to_all |= barriers[b].to_all;
+	rename_barrier(plan, barriers[b].resource, b + 1, a + 1);
+	for (uint32_t i = b + 1; i < plan->barrier_count; i++) {
+		rename_barrier(plan, barriers[i].resource, i + 1, i);
+		barriers[i - 1] = barriers[i];
 	}
-	barriers[plan->barrier_count] = barrier;
-	plan->barrier_count++;
-	return plan->barrier_count;
+	plan->barrier_count--;
+	return true;
+}
+
+/* A step's uses of one image may need barriers that are one together. */
+static void join_step(stilb_gpu_plan *plan, uint32_t first_of_step)
+{
+	for (uint32_t b = first_of_step + 1; b < plan->barrier_count; b++)
+		for (uint32_t a = first_of_step; a < b; a++)
+			if (join(plan, a, b)) {
+				b = first_of_step; /* the wider one may now join others */
+				break;
+			}
+}
+
+/* Returns index + 1. */
+static uint32_t add_barrier(stilb_gpu_plan *plan, stilb_gpu_barrier barrier)
+{
+	((stilb_gpu_barrier *)plan->barriers.items)[plan->barrier_count] = barrier;
+	return ++plan->barrier_count;
 }
 
 /* A barrier for the states in a range, which have one key. */
@@ -337,7 +375,7 @@ static stilb_gpu_range grow(const touched *t, const uint8_t *keys, stilb_gpu_ran
 }
 
 /* Cuts what has keys into ranges, adds their barriers if `add`, and returns their number. Clears keys. */
-static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add, uint32_t first_of_step)
+static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add)
 {
 	stilb_gpu_range within = t->touch->range;
 	uint32_t stride = t->resource->extent.mips, count = 0;
@@ -347,7 +385,7 @@ static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add, 
 			if (key == 0)
 				continue;
 			stilb_gpu_range range = grow(t, keys, within, layer, mip, mips_first);
-			uint32_t barrier = add ? add_barrier(t, range_barrier(t, range, key), first_of_step) : 0;
+			uint32_t barrier = add ? add_barrier(t->plan, range_barrier(t, range, key)) : 0;
 			for (uint32_t l = layer; l < layer + range.layers; l++)
 				for (uint32_t m = mip; m < mip + range.mips; m++) {
 					keys[l * stride + m] = 0;
@@ -360,7 +398,7 @@ static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add, 
 }
 
 /* A touch of a resource with a state for each mip and layer. */
-static bool touch_parts(const touched *t, uint32_t first_of_step)
+static bool touch_parts(const touched *t)
 {
 	stilb_gpu_plan *plan = t->plan;
 	stilb_gpu_range range = t->touch->range;
@@ -380,15 +418,15 @@ static bool touch_parts(const touched *t, uint32_t first_of_step)
 		}
 	bool mips_first = true;
 	if (range.mips > 1 && range.layers > 1) {
-		uint32_t mips = cut(t, tried, true, false, 0);
+		uint32_t mips = cut(t, tried, true, false);
 		memcpy(tried, keys, count);
-		mips_first = mips <= cut(t, tried, false, false, 0);
+		mips_first = mips <= cut(t, tried, false, false);
 	}
-	cut(t, keys, mips_first, true, first_of_step);
+	cut(t, keys, mips_first, true);
 	return true;
 }
 
-static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch, uint32_t first_of_step)
+static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch)
 {
 	const gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
 	bool other = touch->previous && gpu_plan_placed(plan, touch->resource)->two;
@@ -403,11 +441,11 @@ static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch, uint32_t fir
 		.content_alone = touch->access == STILB_GPU_ACCESS_OUTPUT,
 	};
 	if (resource->subs > 1)
-		return touch_parts(&t, first_of_step);
+		return touch_parts(&t);
 	if (!gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + 1, sizeof(stilb_gpu_barrier)))
 		return false;
 	uint8_t key = sub_key(&t, t.subs);
-	uint32_t barrier = key != 0 ? add_barrier(&t, range_barrier(&t, touch->range, key), first_of_step) : 0;
+	uint32_t barrier = key != 0 ? add_barrier(plan, range_barrier(&t, touch->range, key)) : 0;
 	sub_access(&t, t.subs, barrier);
 	return true;
 }
@@ -443,8 +481,9 @@ static bool walk_steps(stilb_gpu_plan *plan)
 				return false;
 		}
 		for (uint32_t i = 0; i < count; i++)
-			if (!touch_one(plan, &touches[i], steps[s].first_barrier))
+			if (!touch_one(plan, &touches[i]))
 				return false;
+		join_step(plan, steps[s].first_barrier);
 		steps[s].barrier_count = plan->barrier_count - steps[s].first_barrier;
 	}
 	return true;
@@ -463,7 +502,7 @@ static bool walk_outputs(stilb_gpu_plan *plan)
 		                   .access = STILB_GPU_ACCESS_OUTPUT,
 		                   .layout = resource->buffer ? STILB_GPU_LAYOUT_NONE : STILB_GPU_LAYOUT_COPY_FROM,
 		                   .range = {0, (uint8_t)extent->mips, 0, extent->layers}};
-		if (!touch_one(plan, &touch, plan->last_barrier))
+		if (!touch_one(plan, &touch))
 			return false;
 	}
 	return true;

@@ -78,6 +78,7 @@ typedef struct gpu_sub {
 	uint8_t layout;   /* stilb_gpu_layout, GPU_LAYOUT_UNKNOWN */
 	bool now;         /* this frame has written content */
 	bool old;         /* last frame has left content */
+	bool zeros;       /* it holds zeros that the device has filled in, as last frame had left nothing */
 } gpu_sub;
 
 /* Marks of a mip and layer while rows are checked. */

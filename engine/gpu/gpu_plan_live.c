@@ -31,7 +31,7 @@ uint32_t gpu_plan_find_record(const stilb_gpu_plan *plan, const gpu_resource *re
 bool gpu_sub_equal(const gpu_sub *a, const gpu_sub *b)
 {
 	return a->readers == b->readers && a->visible == b->visible && a->write == b->write && a->last == b->last &&
-	       a->layout == b->layout && a->now == b->now && a->old == b->old;
+	       a->layout == b->layout && a->now == b->now && a->old == b->old && a->zeros == b->zeros;
 }
 
 /* The states of a record, the other one's of two included, are those of its first. */
