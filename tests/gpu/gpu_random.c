@@ -1,5 +1,6 @@
-/* Random tables. A pass begins with what its kind asks for, and is then given uses one by one, of which those that would
- * be mistakes are left out. What was written so far, and what the pass touches, is known for each mip and layer. */
+/* Random tables. A pass begins with what its kind asks for, and is then given uses one by one, of which those that
+ * would be mistakes are left out. What was written so far, and what the pass touches, is known for each mip and layer.
+ */
 #include "gpu_random.h"
 
 #include "support/test.h"

@@ -4,9 +4,9 @@
  * So a barrier that is missing, or of a wrong range, or too late, shows as an access that is not ordered after an
  * earlier one, in a wrong layout, or to lost content. One that is not needed shows when nothing is wrong without it.
  *
- * Nothing here is shared with the planner but its headers: what a pass touches is found out from its row (gpu_random.c),
- * which passes count is found by going forward with the sets of passes that went into each content, and content is
- * compared with what the rows mean when they run one after the other.
+ * Nothing here is shared with the planner but its headers: what a pass touches is found out from its row
+ * (gpu_random.c), which passes count is found by going forward with the sets of passes that went into each content, and
+ * content is compared with what the rows mean when they run one after the other.
  */
 #include "gpu_random.h"
 #include "gpu_script.h"
