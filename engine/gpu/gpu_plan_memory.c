@@ -12,10 +12,11 @@
 
 #include <string.h>
 
-#define ALL_ORDERS_ITEMS 8u     /* up to so many items are tried in all orders */
-#define ALL_ORDERS_TRIES 50000u /* placements of single items before even that ends */
-#define SORTED_ITEMS 256u       /* up to so many in several sorted orders */
-#define REPAIRS 48u             /* times that an item at the top is put first */
+#define ALL_ORDERS_ITEMS 8u    /* up to so many items are tried in all orders */
+#define ALL_ORDERS_TRIES 3000u /* placements of single items before even that ends */
+#define SORTED_ITEMS 160u      /* up to so many in several sorted orders */
+#define REPAIRS 48u            /* times that an item at the top is put first */
+#define REPAIR_PAIRS 60000u    /* pairs of items that this may compare */
 
 typedef struct placer {
 	gpu_item *items;
@@ -139,7 +140,8 @@ static void repair(placer *p)
 	memcpy(p->order, p->best_order, p->count * sizeof *p->order);
 	for (uint32_t i = 0; i < p->count; i++)
 		p->items[i].offset = p->best_offsets[i];
-	for (uint32_t round = 0; round < REPAIRS && p->best > p->least; round++) {
+	uint32_t most = REPAIR_PAIRS / (p->count * p->count);
+	for (uint32_t round = 0; round < REPAIRS && round < most && p->best > p->least; round++) {
 		uint32_t top = 0;
 		uint64_t end = 0;
 		for (uint32_t i = 0; i < p->count; i++) {
@@ -220,7 +222,7 @@ uint64_t gpu_place(gpu_item *items, uint32_t count, gpu_array *scratch)
 		sort_order(&p, by);
 		try_order(&p, by == BY_TIME);
 	}
-	if (p.best > p.least && count <= SORTED_ITEMS)
+	if (p.best > p.least)
 		repair(&p);
 	if (p.best > p.least && count <= ALL_ORDERS_ITEMS) {
 		sort_order(&p, BY_BYTES);
