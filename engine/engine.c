@@ -83,7 +83,7 @@ void stilb_engine_set_faults(const stilb_render_faults *faults)
 static stilb_result engine_create_render(stilb_engine *engine)
 {
 	const stilb_engine_desc *desc = &engine->desc;
-	stilb_render_surface own = engine->window ? engine_surface_of(engine->window) : (stilb_render_surface){0};
+	stilb_gpu_surface own = engine->window ? engine_surface_of(engine->window) : (stilb_gpu_surface){0};
 	stilb_render_desc render = {
 		.device = desc->device,
 		.replay = desc->replay,
@@ -136,7 +136,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
-	STILB_ASSERT((unsigned)desc->presentation <= STILB_RENDER_PRESENT_IMMEDIATE);
+	STILB_ASSERT((unsigned)desc->presentation <= STILB_GPU_PRESENT_IMMEDIATE);
 	*out = NULL;
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)
@@ -319,7 +319,7 @@ bool stilb_engine_pick(stilb_engine *engine, double x, double y, stilb_engine_hi
 	return stilb_scene_pick_indexed(engine->scene, &ray, engine->pick_index, hit);
 }
 
-stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine)
+stilb_gpu_presentation stilb_engine_presentation(const stilb_engine *engine)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	return stilb_render_presentation_used(engine->render);
@@ -363,7 +363,7 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
 {
 	STILB_ASSERT(libraries);
-	libraries[0] = (stilb_engine_library){"Vulkan loader", stilb_render_vulkan_version()};
+	libraries[0] = (stilb_engine_library){"Vulkan loader", stilb_gpu_vulkan_version()};
 	libraries[1] = (stilb_engine_library){"GLFW", stilb_window_library_version()};
 	return STILB_ENGINE_LIBRARIES;
 }

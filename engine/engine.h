@@ -160,9 +160,9 @@ typedef struct stilb_engine_desc {
 	/* A window of the program's own, if `window` is false; NULL: none. Needed only during stilb_engine_create; the
 	 * window lives until the engine is destroyed or stilb_engine_set_surface takes another one. The program handles its
 	 * events and tells its size by stilb_engine_resize. */
-	const stilb_render_surface *surface;
-	stilb_render_presentation presentation; /* how pictures get to the screen */
-	bool validate;                          /* with Vulkan's validation layer */
+	const stilb_gpu_surface *surface;
+	stilb_gpu_presentation presentation; /* how pictures get to the screen */
+	bool validate;                       /* with Vulkan's validation layer */
 	bool keep_textures; /* keep a copy of all textures in memory: stilb_engine_dump of a scene with textures needs it */
 	bool overlay;       /* the profiler's window is open from the start */
 	bool inspector;     /* the materials' window is open from the start */
@@ -363,7 +363,7 @@ uint32_t stilb_engine_validation_messages(const stilb_engine *engine);
 bool stilb_engine_pick(stilb_engine *engine, double x, double y, stilb_engine_hit *hit);
 
 /* How pictures get to the screen: desc.presentation, or FIFO if the window does not offer that. */
-stilb_render_presentation stilb_engine_presentation(const stilb_engine *engine);
+stilb_gpu_presentation stilb_engine_presentation(const stilb_engine *engine);
 
 /* The picture's size, pixels; in a window of the engine's it follows that. */
 void stilb_engine_size(const stilb_engine *engine, uint32_t *width, uint32_t *height);
@@ -381,7 +381,7 @@ stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t 
  * created without a surface, or this GPU cannot draw to this window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window
  * cannot be used now. After these frames are drawn to memory, and the call may be made again.
  * STILB_ERROR_DEVICE_LOST. */
-stilb_result stilb_engine_set_surface(stilb_engine *engine, const stilb_render_surface *surface);
+stilb_result stilb_engine_set_surface(stilb_engine *engine, const stilb_gpu_surface *surface);
 
 /* Sets the window's title, UTF-8; does nothing without a window. */
 void stilb_engine_set_title(stilb_engine *engine, const char *title);

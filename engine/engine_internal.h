@@ -317,7 +317,7 @@ void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 /* engine_surface.c */
 
 /* The window as stilb_render_create takes it. */
-stilb_render_surface engine_surface_of(stilb_window *window);
+stilb_gpu_surface engine_surface_of(stilb_window *window);
 
 /* stilb_render_present; a surface that is lost is no error, and if `window` is not NULL another one is made of it. */
 stilb_result engine_surface_present(engine_surface *surface, stilb_render *render, stilb_window *window);

@@ -9,10 +9,10 @@
 #define SURFACE_TRY_NS UINT64_C(100000000)   /* between two tries */
 #define SURFACE_GONE_NS UINT64_C(1000000000) /* of tries in vain, after which the window counts as gone */
 
-stilb_render_surface engine_surface_of(stilb_window *window)
+stilb_gpu_surface engine_surface_of(stilb_window *window)
 {
 	STILB_ASSERT(window);
-	return (stilb_render_surface){window, stilb_window_surface_extensions, stilb_window_surface_create};
+	return (stilb_gpu_surface){window, stilb_window_surface_extensions, stilb_window_surface_create};
 }
 
 /* Tries to make another surface, unless the last try was a moment ago. Errors of the window are no errors: until there
@@ -24,7 +24,7 @@ static stilb_result surface_regain(engine_surface *surface, stilb_render *render
 		return STILB_OK;
 	PROFILE("make a surface");
 	surface->tried_ns = now;
-	stilb_render_surface own = engine_surface_of(window);
+	stilb_gpu_surface own = engine_surface_of(window);
 	stilb_result result = stilb_render_set_surface(render, &own);
 	if (result != STILB_OK)
 		return result == STILB_ERROR_DEVICE_LOST ? result : STILB_OK;
@@ -49,7 +49,7 @@ bool engine_surface_is_gone(const engine_surface *surface, const stilb_window *w
 	return surface->lost && (!window || stilb_time_ns() - surface->since_ns > SURFACE_GONE_NS);
 }
 
-stilb_result stilb_engine_set_surface(stilb_engine *engine, const stilb_render_surface *surface)
+stilb_result stilb_engine_set_surface(stilb_engine *engine, const stilb_gpu_surface *surface)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(!engine->window && "the engine has a window of its own");

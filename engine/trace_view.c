@@ -91,7 +91,7 @@ static stilb_result view_start(stilb_engine_trace_view *view, const stilb_engine
 		result = stilb_window_create("Stilb trace", desc->width, desc->height, &view->window);
 	if (result != STILB_OK)
 		return result;
-	stilb_render_surface surface = view->window ? engine_surface_of(view->window) : (stilb_render_surface){0};
+	stilb_gpu_surface surface = view->window ? engine_surface_of(view->window) : (stilb_gpu_surface){0};
 	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = view->window ? &surface : NULL,

@@ -173,7 +173,7 @@ static stilb_result viewer_start(stilb_engine_viewer *viewer, const stilb_engine
 		result = stilb_window_create(desc->title, size[0], size[1], &viewer->window);
 	if (result != STILB_OK)
 		return result;
-	stilb_render_surface surface = viewer->window ? engine_surface_of(viewer->window) : (stilb_render_surface){0};
+	stilb_gpu_surface surface = viewer->window ? engine_surface_of(viewer->window) : (stilb_gpu_surface){0};
 	stilb_render_desc render = {
 		.gpu = desc->gpu,
 		.surface = viewer->window ? &surface : NULL,

@@ -71,7 +71,7 @@ static stilb_result loop(GLFWwindow *window, stilb_engine *engine, uint64_t fram
 
 static stilb_result show(GLFWwindow *window, stilb_scene *scene, uint64_t frames)
 {
-	stilb_render_surface surface = {.user = window, .extensions = surface_extensions, .create = surface_create};
+	stilb_gpu_surface surface = {.user = window, .extensions = surface_extensions, .create = surface_create};
 	stilb_engine_desc desc = stilb_engine_desc_default();
 	desc.surface = &surface;
 	desc.width = 480;

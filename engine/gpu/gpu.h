@@ -15,6 +15,7 @@
 #ifndef STILB_GPU_H
 #define STILB_GPU_H
 
+#include "gpu/gpu_device.h"
 #include "gpu/gpu_plan.h"
 
 #ifdef __cplusplus
@@ -27,14 +28,6 @@ typedef struct stilb_gpu stilb_gpu;
 /* ---- the device -------------------------------------------------------------------------------------------------- */
 
 #define STILB_GPU_FRAMES 2u /* in flight */
-
-/* Errors that a device makes on purpose, for tests. Counted from 1; 0: none. */
-typedef struct stilb_gpu_faults {
-	uint32_t allocation;   /* the n-th allocation of device memory fails */
-	uint32_t lost_frame;   /* the device is lost when its n-th frame is submitted */
-	uint32_t surface_lost; /* the window's surface is lost when the n-th frame is shown */
-	uint32_t image_side;   /* no larger images; 0: the device's own limit */
-} stilb_gpu_faults;
 
 /* What the device can do and how much. */
 typedef struct stilb_gpu_limits {
@@ -277,23 +270,6 @@ typedef struct stilb_gpu_threads {
 } stilb_gpu_threads;
 
 /* ---- creation, frames, results ---------------------------------------------------------------------------------- */
-
-typedef enum stilb_gpu_kind { STILB_GPU_KIND_VULKAN, STILB_GPU_KIND_NULL } stilb_gpu_kind;
-
-/* How pictures get to the window's screen. A mode that the window does not offer becomes FIFO, and is named once in the
- * log. */
-typedef enum stilb_gpu_presentation {
-	STILB_GPU_PRESENT_FIFO,      /* one for each refresh of the screen, in order; always there */
-	STILB_GPU_PRESENT_MAILBOX,   /* the newest at each refresh: nobody waits, nothing tears */
-	STILB_GPU_PRESENT_IMMEDIATE, /* at once: the least delay, and pictures tear */
-} stilb_gpu_presentation;
-
-/* A window, as two functions that hide both the window system and Vulkan's types. */
-typedef struct stilb_gpu_surface {
-	void *user;
-	const char *const *(*extensions)(void *user, uint32_t *count);    /* Vulkan instance extensions that it needs */
-	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* surface of a VkInstance; returns a VkResult */
-} stilb_gpu_surface;
 
 typedef struct stilb_gpu_desc {
 	stilb_gpu_kind kind;

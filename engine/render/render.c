@@ -110,12 +110,12 @@ void stilb_render_destroy(stilb_render *render)
 
 const char *stilb_render_device_name(const stilb_render *render)
 {
-	return render->device->name;
+	return render->device->gpu->name;
 }
 
 bool stilb_render_device_is_software(const stilb_render *render)
 {
-	return render->device->software;
+	return render->device->gpu->software;
 }
 
 uint32_t stilb_render_samples(const stilb_render *render)
@@ -123,16 +123,16 @@ uint32_t stilb_render_samples(const stilb_render *render)
 	return render->device->samples;
 }
 
-stilb_render_presentation stilb_render_presentation_used(const stilb_render *render)
+stilb_gpu_presentation stilb_render_presentation_used(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	return render->device->presentation;
+	return render->device->gpu->presentation;
 }
 
 uint32_t stilb_render_validation_messages(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	return render->device->validation_messages;
+	return render->device->gpu->validation_messages;
 }
 
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
@@ -193,7 +193,7 @@ stilb_result stilb_render_present(stilb_render *render)
 	return render->device->functions->present(render->device);
 }
 
-stilb_result stilb_render_set_surface(stilb_render *render, const stilb_render_surface *surface)
+stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surface *surface)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(!surface || (surface->extensions && surface->create));

@@ -47,6 +47,7 @@
 
 #include "base/base.h"
 #include "base/base_math.h"
+#include "gpu/gpu_device.h"
 #include "image/image.h"
 #include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
@@ -97,22 +98,6 @@ typedef enum stilb_render_output {
 	STILB_RENDER_OUTPUT_LINEAR,  /* linear radiance in W sr^-1 m^-2, 16-bit float */
 } stilb_render_output;
 
-/* How pictures get to the window's screen. A mode that the window does not offer becomes FIFO, and is named once in the
- * log. */
-typedef enum stilb_render_presentation {
-	STILB_RENDER_PRESENT_FIFO,      /* one for each refresh of the screen, in order; always there */
-	STILB_RENDER_PRESENT_MAILBOX,   /* the newest at each refresh: the renderer does not wait, nothing tears */
-	STILB_RENDER_PRESENT_IMMEDIATE, /* at once: the least delay, and pictures tear */
-} stilb_render_presentation;
-
-/* A window to present to, as two functions that hide both the window system and Vulkan's types. user is passed back to
- * them. Needed only until stilb_render_create or stilb_render_set_surface returns. */
-typedef struct stilb_render_surface {
-	void *user;
-	const char *const *(*extensions)(void *user, uint32_t *count);    /* Vulkan instance extensions that it needs */
-	int32_t (*create)(void *user, void *instance, uint64_t *surface); /* surface of a VkInstance; returns a VkResult */
-} stilb_render_surface;
-
 /* Zero-initialised it means: Vulkan, indirect replay, indexed materials, display output, best GPU, no window, samples
  * chosen by the GPU. Sizes and context_count must be set. */
 typedef struct stilb_render_desc {
@@ -120,9 +105,9 @@ typedef struct stilb_render_desc {
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
 	stilb_render_output output;
-	const char *gpu;                     /* a number or a part of a name as `stilb info` prints them; NULL: the best */
-	const stilb_render_surface *surface; /* NULL: no window; stilb_render_read_image gets the picture */
-	stilb_render_presentation presentation;
+	const char *gpu;                  /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	const stilb_gpu_surface *surface; /* NULL: no window; stilb_render_read_image gets the picture */
+	stilb_gpu_presentation presentation;
 	uint32_t width, height; /* pixels, 1..16384 */
 	uint32_t samples;       /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
@@ -158,7 +143,7 @@ bool stilb_render_device_is_software(const stilb_render *render);
 uint32_t stilb_render_samples(const stilb_render *render);
 
 /* How pictures get to the window's screen; FIFO without one. [main-thread] */
-stilb_render_presentation stilb_render_presentation_used(const stilb_render *render);
+stilb_gpu_presentation stilb_render_presentation_used(const stilb_render *render);
 
 /* How many warnings and errors the validation layer has given so far; 0 without desc.validate. [main-thread] */
 uint32_t stilb_render_validation_messages(const stilb_render *render);
@@ -437,7 +422,7 @@ stilb_result stilb_render_present(stilb_render *render);
  * Between frames. STILB_ERROR_WINDOW: the renderer was created without a surface, or this GPU cannot present to this
  * window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window cannot be used now. After these pictures are copied to
  * memory, and the call may be made again. STILB_ERROR_DEVICE_LOST. [main-thread] */
-stilb_result stilb_render_set_surface(stilb_render *render, const stilb_render_surface *surface);
+stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surface *surface);
 
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
  * frames. If the backdrop of the frame's first pass is nothing there is alpha, too, the share of the pixel that models
@@ -552,23 +537,6 @@ void stilb_render_draw_picture(stilb_render_context *context, const float place[
 /* Ends the recording of a pass; every segment has ended. STILB_ERROR_MEMORY: a context ran out of memory while it
  * recorded. [main-thread] */
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass);
-
-/* ---- the machine's GPUs ---------------------------------------------------------------------------------------- */
-
-typedef struct stilb_render_gpu {
-	char name[256];
-	char driver[256];     /* name and version as the driver gives them */
-	char api_version[32]; /* "1.3.230" */
-	const char *type;     /* "discrete GPU", "integrated GPU", "virtual GPU", "software", "other" */
-	const char *missing;  /* NULL: it can run Stilb; else the first feature that it lacks */
-} stilb_render_gpu;
-
-/* The version that the Vulkan loader offers: "1.3.239". In a static buffer. [main-thread] */
-const char *stilb_render_vulkan_version(void);
-
-/* Lists up to capacity GPUs in the order of --gpu numbers. *count may be 0. STILB_ERROR_MEMORY: a driver cannot be
- * loaded for want of memory. STILB_ERROR_DEVICE: no Vulkan driver at all. [any-thread] */
-stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

@@ -167,7 +167,7 @@ static stilb_result measure_frame_run(measure_job *job, measure_variant variant,
 		result = device->functions->pass(device, &job->streams[p]);
 	frame->pass = measure_since(&clock);
 	if (result == STILB_OK && submit) {
-		device->frames++;
+		device->gpu->frames++;
 		result = device->functions->submit(device);
 		frame->submit = measure_since(&clock);
 	}

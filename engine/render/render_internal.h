@@ -6,6 +6,7 @@
 #define STILB_RENDER_INTERNAL_H
 
 #include "base/base_contract.h"
+#include "gpu/gpu_internal.h"
 #include "profiler/prof.h"
 #include "render/render.h"
 #include "render/render_panorama.h"
@@ -357,7 +358,7 @@ typedef struct render_part {
 typedef struct render_device_functions {
 	void (*destroy)(render_device *device);
 	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
-	/* Takes the next of RENDER_FRAMES_IN_FLIGHT frame slots in turn: waits until the device is done with the frame that
+	/* Takes the next of STILB_GPU_FRAMES frame slots in turn: waits until the device is done with the frame that
 	 * used it last, and fills in data and capacity of memory[RENDER_MEMORY_KINDS] with the slot's memory. */
 	stilb_result (*frame_begin)(render_device *device, render_memory *memory);
 	/* Replaces memory's data by an array of `capacity` elements that begins with the first `keep` of the old one. */
@@ -383,27 +384,19 @@ typedef struct render_device_functions {
 	stilb_result (*submit)(render_device *device);
 	stilb_result (*present)(render_device *device);
 	/* See stilb_render_set_surface. */
-	stilb_result (*set_surface)(render_device *device, const stilb_render_surface *surface);
+	stilb_result (*set_surface)(render_device *device, const stilb_gpu_surface *surface);
 	stilb_result (*wait)(render_device *device);
 	stilb_result (*read_image)(render_device *device, stilb_image *image);
 } render_device_functions;
 
 struct render_device {
 	const render_device_functions *functions;
-	char name[256];
-	bool software, in_window;
+	stilb_gpu *gpu; /* its name, what it counts, its faults */
 	uint32_t width, height, samples;
-	stilb_render_presentation presentation; /* the one in use */
-	uint32_t validation_messages;
 	stilb_render_replay_mode replay;
 	stilb_render_materials materials;
-	stilb_render_faults faults;
-	_Atomic uint32_t allocations; /* made so far. Relaxed: a counter that orders nothing; any thread creates textures */
-	uint32_t frames;              /* submitted so far */
 	stilb_render_stats stats;
 };
-
-#define RENDER_FRAMES_IN_FLIGHT 2 /* frame slots of every device */
 
 stilb_result render_null_create(const stilb_render_desc *desc, render_device **device);
 stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device);
@@ -411,13 +404,6 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 /* The error of an image that is larger than the device's largest texture of its format, width x height. */
 stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
                                       const stilb_image *image);
-
-/* Counts an allocation of the device; true if it must fail (stilb_render_faults). [any-thread] */
-bool render_fault_allocation(render_device *device);
-/* True if the device must be lost with the frame that is submitted now (stilb_render_faults). */
-bool render_fault_lost(const render_device *device);
-/* True if the window's surface must be lost now that the submitted frame is shown; once (stilb_render_faults). */
-bool render_fault_surface(render_device *device);
 
 /* How a stream is replayed on this device. 2D passes have too few draws to gain from secondary command buffers. */
 static inline stilb_render_replay_mode render_stream_mode(const render_device *device, const render_stream *stream)

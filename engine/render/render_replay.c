@@ -274,7 +274,7 @@ static stilb_result replay_update_panorama(stilb_render *render, const stilb_ren
 	for (uint32_t v = 0; v < view_count; v++)
 		if (render_panorama_is_good(&views[v].surroundings.panorama))
 			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, memory,
-			                              render->device->in_window, pool, worker);
+			                              render->device->gpu->in_window, pool, worker);
 	render_panorama_leave(&render->panorama);
 	return STILB_OK;
 }
@@ -337,7 +337,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK) {
-		device->frames++;
+		device->gpu->frames++;
 		result = device->functions->submit(device);
 	}
 	if (updated)
@@ -364,27 +364,6 @@ void render_split(const render_stream *stream, uint32_t count, render_part *part
 			run++;
 		}
 	}
-}
-
-/* ---- injected faults --------------------------------------------------------------------------------------------- */
-
-bool render_fault_allocation(render_device *device)
-{
-	/* Relaxed: see render_device.allocations. */
-	return atomic_fetch_add_explicit(&device->allocations, 1, memory_order_relaxed) + 1 == device->faults.allocation;
-}
-
-bool render_fault_lost(const render_device *device)
-{
-	return device->frames == device->faults.lost_frame && device->faults.lost_frame > 0;
-}
-
-bool render_fault_surface(render_device *device)
-{
-	bool lost = device->frames == device->faults.surface_lost && device->faults.surface_lost > 0;
-	if (lost)
-		device->faults.surface_lost = 0;
-	return lost;
 }
 
 /* ---- the hash of the stream -------------------------------------------------------------------------------------- */

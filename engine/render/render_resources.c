@@ -566,7 +566,7 @@ stilb_result render_texture_too_large(const render_device *device, uint32_t widt
                                       const stilb_image *image)
 {
 	return stilb_fail(STILB_ERROR_ARGUMENT,
-	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->name,
+	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->gpu->name,
 	                  width, height, image->width, image->height);
 }
 
@@ -585,7 +585,7 @@ static stilb_result texture_create(stilb_render *render, const stilb_image *imag
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
 		                  image->height);
 	STILB_ASSERT(image->pixels);
-	uint32_t side = render->device->faults.texture_side;
+	uint32_t side = render->device->gpu->faults.image_side;
 	if (side > 0 && (image->width > side || image->height > side))
 		return render_texture_too_large(render->device, side, side, image);
 	stilb_result result = texture_convert(image, &converted);
@@ -829,7 +829,7 @@ void render_resources_frame(stilb_render *render)
 	uint32_t kept = 0, released = 0, limit = resources_release_limit(resources);
 	for (uint32_t i = 0; i < resources->retired_count; i++) {
 		render_retired retired = resources->retired[i];
-		bool due = retired.frame + RENDER_FRAMES_IN_FLIGHT <= frame && released < limit;
+		bool due = retired.frame + STILB_GPU_FRAMES <= frame && released < limit;
 		if (due) {
 			released += retired.kind != RENDER_RESOURCE_MATERIAL;
 			resource_release(render, retired);

@@ -228,7 +228,7 @@ stilb_result render_levels_check(const stilb_scene_mesh *mesh);
 /* Accepts a zeroed struct too. */
 void render_resources_destroy(render_resources *resources);
 
-/* Call when a frame has begun and the device is done with the frame RENDER_FRAMES_IN_FLIGHT before it: releases
+/* Call when a frame has begun and the device is done with the frame STILB_GPU_FRAMES before it: releases
  * resources that were destroyed in that frame or earlier. [main-thread] */
 void render_resources_frame(stilb_render *render);
 

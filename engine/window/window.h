@@ -185,11 +185,11 @@ typedef struct stilb_window_gamepad {
 /* Fills all entries with GLFW's gamepads, entry i with joystick number i, as of the last poll. [main-thread] */
 void stilb_window_gamepads(stilb_window *window, stilb_window_gamepad gamepads[STILB_WINDOW_GAMEPADS]);
 
-/* For stilb_render_surface, user being the window: the names of the Vulkan instance extensions that a surface needs,
+/* For stilb_gpu_surface, user being the window: the names of the Vulkan instance extensions that a surface needs,
  * owned by GLFW; *count is their number. NULL: Vulkan cannot draw to windows. [main-thread] */
 const char *const *stilb_window_surface_extensions(void *user, uint32_t *count);
 
-/* For stilb_render_surface, user being the window: creates a surface. instance is a VkInstance with the extensions
+/* For stilb_gpu_surface, user being the window: creates a surface. instance is a VkInstance with the extensions
  * above, *surface a VkSurfaceKHR that the caller destroys. Returns a VkResult; VK_ERROR_SURFACE_LOST_KHR if the display
  * is lost. [main-thread] */
 int32_t stilb_window_surface_create(void *user, void *instance, uint64_t *surface);

@@ -18,7 +18,7 @@
 typedef struct info_machine {
 	stilb_cpu_features cpu;
 	uint32_t cpus; /* usable by this process */
-	stilb_render_gpu gpus[INFO_MAX_GPUS];
+	stilb_gpu_listed gpus[INFO_MAX_GPUS];
 	uint32_t gpu_count;
 	const char *gpu_error; /* the reason why no GPU could be listed; NULL: they are listed */
 	stilb_engine_library libraries[INFO_LIBRARIES];
@@ -57,7 +57,7 @@ static void info_query(info_machine *machine)
 {
 	machine->cpu = stilb_cpu_query();
 	machine->cpus = stilb_job_cpu_count();
-	if (stilb_render_gpu_list(machine->gpus, INFO_MAX_GPUS, &machine->gpu_count) != STILB_OK)
+	if (stilb_gpu_list(machine->gpus, INFO_MAX_GPUS, &machine->gpu_count) != STILB_OK)
 		machine->gpu_error = stilb_error_message();
 	machine->library_count = stilb_engine_libraries(machine->libraries);
 	machine->libraries[machine->library_count++] = (stilb_engine_library){"Embree", stilb_gi_library_version()};
@@ -75,7 +75,7 @@ static void info_print(FILE *out, const info_machine *machine)
 		fprintf(out, " %s%s", features[i].there ? "" : "no-", features[i].name);
 	fprintf(out, "\n\nGPUs (--gpu takes the number or a part of the name):\n");
 	for (uint32_t i = 0; i < machine->gpu_count; i++) {
-		const stilb_render_gpu *gpu = &machine->gpus[i];
+		const stilb_gpu_listed *gpu = &machine->gpus[i];
 		fprintf(out, "  %u  %s, %s, Vulkan %s\n     %s\n", i, gpu->name, gpu->type, gpu->api_version, gpu->driver);
 		if (gpu->missing)
 			fprintf(out, "     cannot run Stilb: it lacks %s\n", gpu->missing);
@@ -97,7 +97,7 @@ static void info_json_gpus(stilb_json *json, const info_machine *machine)
 {
 	stilb_json_begin(json, "gpus", '[');
 	for (uint32_t i = 0; i < machine->gpu_count; i++) {
-		const stilb_render_gpu *gpu = &machine->gpus[i];
+		const stilb_gpu_listed *gpu = &machine->gpus[i];
 		stilb_json_begin(json, NULL, '{');
 		stilb_json_string(json, "name", gpu->name);
 		stilb_json_string(json, "type", gpu->type);

@@ -357,7 +357,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.samples = (uint32_t)o->picture.samples;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
-	desc.presentation = (stilb_render_presentation)o->present;
+	desc.presentation = (stilb_gpu_presentation)o->present;
 	desc.validate = o->picture.validate;
 	desc.keep_textures = o->dump;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);

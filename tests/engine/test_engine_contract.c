@@ -33,7 +33,7 @@ static stilb_engine *make(void)
 static void create_with_two_windows(void)
 {
 	stilb_engine_desc desc = null_desc();
-	stilb_render_surface surface = {0};
+	stilb_gpu_surface surface = {0};
 	stilb_engine *engine;
 	desc.window = true;
 	desc.surface = &surface;
@@ -157,7 +157,7 @@ static void what_programs_give(void **state)
 	contract_breaks("the picture follows the window", resize_a_window(engine));
 	contract_breaks("1..16384 pixels a side", stilb_engine_resize(engine, 16385, 1));
 	contract_breaks("scene != engine->scene", stilb_engine_prepare(engine, stilb_engine_scene(engine)));
-	contract_breaks("surface->create", stilb_engine_set_surface(engine, &(stilb_render_surface){0}));
+	contract_breaks("surface->create", stilb_engine_set_surface(engine, &(stilb_gpu_surface){0}));
 	contract_breaks("a window of its own", change_the_surface_of_a_window(engine));
 	contract_breaks("speed >= 0.0f", stilb_engine_set_speed(engine, -1.0f));
 	contract_breaks("(speed)", stilb_engine_set_speed(engine, INFINITY));

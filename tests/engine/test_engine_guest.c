@@ -215,7 +215,7 @@ static void test_pick(void **state)
 	desc.device = STILB_RENDER_DEVICE_NULL;
 	assert_int_equal(stilb_engine_create(&desc, &empty), STILB_OK);
 	assert_false(stilb_engine_pick(empty, 1.0, 1.0, &hit));
-	assert_int_equal(stilb_engine_presentation(empty), STILB_RENDER_PRESENT_FIFO);
+	assert_int_equal(stilb_engine_presentation(empty), STILB_GPU_PRESENT_FIFO);
 	stilb_engine_destroy(empty);
 }
 

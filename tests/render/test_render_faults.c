@@ -276,7 +276,7 @@ static uint32_t device_allocations; /* that the last trial made */
 static void trial_finish(trial *t)
 {
 	uint32_t before = messages;
-	device_allocations = atomic_load_explicit(&t->render->device->allocations, memory_order_relaxed);
+	device_allocations = atomic_load_explicit(&t->render->device->gpu->allocations, memory_order_relaxed);
 	stilb_render_destroy(t->render);
 	assert_int_equal(messages, before);
 	stilb_job_pool_destroy(t->pool);
@@ -381,7 +381,7 @@ static void one_host_allocation_fails(void **state)
 	driver_call(); /* its first call loads libraries: now, while there is memory */
 	signal(SIGSEGV, host_died);
 	signal(SIGABRT, host_died);
-	vulkan_host_allocator = &host_allocator;
+	gpu_vulkan_host_allocator = &host_allocator;
 	int errors = trial_run(ways[host_way], 10, &image);
 	assert_in_range(errors, 0, host_fault > 0);
 	uint64_t picture = stilb_hash_fnv1a64(STILB_FNV1A64_START, image.pixels, stilb_image_size(&image));

@@ -181,7 +181,7 @@ static void frames_in_flight_are_read_in_order(void **state)
 	uint64_t since = stilb_time_ns();
 	for (uint32_t f = 0; f < FRAMES - 1; f++)
 		assert_int_equal(stage_frame(&s, false), STILB_OK);
-	assert_int_equal(take_frames(&snapshot, "GPU", since, false, frames), FRAMES - 1 - VULKAN_SLOTS);
+	assert_int_equal(take_frames(&snapshot, "GPU", since, false, frames), FRAMES - 1 - STILB_GPU_FRAMES);
 	for (int again = 0; again < 2; again++) {
 		assert_int_equal(stilb_render_wait(s.render), STILB_OK);
 		assert_int_equal(take_frames(&snapshot, "GPU", since, false, frames), FRAMES - 1);
@@ -211,7 +211,7 @@ static void a_short_clock(void **state)
 {
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
-	s.device->timestamp_mask = UINT64_MAX >> 32; /* wraps every 4.3 s */
+	s.device->gpu->timestamp_mask = UINT64_MAX >> 32; /* wraps every 4.3 s */
 	for (uint32_t f = 0; f < FRAMES; f++)
 		stage_timed_frame(&s, true);
 	assert_timed(&s, "GPU", true);
@@ -283,9 +283,9 @@ static VKAPI_ATTR VkResult VKAPI_CALL interrupted_read(VkDevice device, uint32_t
 
 static void interrupt_reads(stage *s, uint32_t count, const uint64_t *values)
 {
-	if (s->device->times.read_clocks != interrupted_read)
-		real_read = s->device->times.read_clocks; /* of this device: the layer is loaded again for each device */
-	s->device->times.read_clocks = interrupted_read;
+	if (s->device->gpu->times.read_clocks != interrupted_read)
+		real_read = s->device->gpu->times.read_clocks; /* of this device: the layer is loaded again for each device */
+	s->device->gpu->times.read_clocks = interrupted_read;
 	memcpy(deviations, values, count * sizeof *values);
 	deviation_count = count;
 	reads = 0;
@@ -301,16 +301,16 @@ static void the_best_of_four_tries(void **state)
 	assert_int_equal(reads, 1);
 	/* No good reading: four tries, and the best is taken. */
 	interrupt_reads(&s, 4, (uint64_t[]){45000, 20000, 30000, 49000});
-	uint64_t before = s.device->times.moment.ns;
+	uint64_t before = s.device->gpu->times.moment.ns;
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 4);
-	assert_true(s.device->times.moment.ns > before);
+	assert_true(s.device->gpu->times.moment.ns > before);
 	/* Only unusable readings: four tries, and the last frame's reading stays. */
 	interrupt_reads(&s, 1, (uint64_t[]){1000000000});
-	vulkan_moment last = s.device->times.moment;
+	gpu_vulkan_moment last = s.device->gpu->times.moment;
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 4);
-	assert_memory_equal(&s.device->times.moment, &last, sizeof last);
+	assert_memory_equal(&s.device->gpu->times.moment, &last, sizeof last);
 	assert_timed(&s, "GPU", true);
 	stage_close(&s);
 }

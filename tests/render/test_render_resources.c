@@ -186,7 +186,7 @@ static void assert_things_drawn(stilb_render *render, const gpu_thing *things, u
 /* Runs frames until all destroyed resources are released, a thousand in each frame. */
 static void frames_pass(stilb_render *render)
 {
-	uint32_t frames = RENDER_FRAMES_IN_FLIGHT + render->resources.retired_count / 1000;
+	uint32_t frames = STILB_GPU_FRAMES + render->resources.retired_count / 1000;
 	for (uint32_t f = 0; f < frames; f++)
 		assert_int_equal(draw_things(render, NULL, 0), STILB_OK);
 }
@@ -400,7 +400,7 @@ static void churn_frame(churn *c)
 static void assert_no_growth(const stilb_render *render)
 {
 	const render_resources *resources = &render->resources;
-	uint32_t frames = CHURN_STAYS + 1 + RENDER_FRAMES_IN_FLIGHT, things = CHURN_SEGMENTS * CHURN_EACH * frames;
+	uint32_t frames = CHURN_STAYS + 1 + STILB_GPU_FRAMES, things = CHURN_SEGMENTS * CHURN_EACH * frames;
 	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
 		assert_in_range(resources->indices[kind].next_unused, things / 2, 2 * things);
 	assert_in_range(resources->heaps[RENDER_HEAP_VERTICES].size, 1, 2 * things * GPU_THING_MOST_VERTICES / 2);
@@ -471,7 +471,7 @@ static void indices_come_back_later(void **state)
 	assert_things_drawn(render, things, 2);
 	things_destroy(render, things, 1, 1); /* in the frame that draws it */
 	uint32_t used = render->resources.heaps[RENDER_HEAP_VERTICES].size;
-	for (int f = 0; f < RENDER_FRAMES_IN_FLIGHT - 1; f++) {
+	for (uint32_t f = 0; f < STILB_GPU_FRAMES - 1; f++) {
 		assert_things_drawn(render, things, 1);
 		assert_int_equal(render->resources.retired_count, 3);
 	}
@@ -609,7 +609,7 @@ static void frames_without_replay(void **state)
 	gpu_thing things[THINGS];
 	gpu_attach(render);
 	things_create(render, things, 0, 10);
-	for (int f = 0; f < 2 * RENDER_FRAMES_IN_FLIGHT; f++) {
+	for (uint32_t f = 0; f < 2 * STILB_GPU_FRAMES; f++) {
 		assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 		if (f == 0)
 			things_destroy(render, things, 0, 5);

@@ -302,7 +302,7 @@ static void the_same_in_every_mode(void **state)
 		};
 		stage s = stage_open(desc, 2);
 		if (way >= 9)
-			((vulkan_device *)s.render->device)->properties.limits.minStorageBufferOffsetAlignment = 256;
+			((vulkan_device *)s.render->device)->gpu->properties.limits.minStorageBufferOffsetAlignment = 256;
 		fill_cells(&s, draws);
 		stage_draw(&s, draws, CELLS * CELLS);
 		stilb_image picture = stage_picture(&s);

@@ -222,7 +222,7 @@ static void too_large_a_picture(void **state)
 	stilb_engine *engine = start(&desc);
 	frames(engine, 1);
 	vulkan_device *device = (vulkan_device *)engine->render->device;
-	VkPhysicalDeviceLimits *limits = &device->properties.limits;
+	VkPhysicalDeviceLimits *limits = &device->gpu->properties.limits;
 	uint32_t real_width = limits->maxFramebufferWidth;
 	limits->maxFramebufferWidth = 4096; /* the limit of smaller GPUs */
 	assert_int_equal(stilb_engine_resize(engine, 4097, 60), STILB_ERROR_DEVICE);
@@ -249,7 +249,7 @@ static void few_draws_a_command(void **state)
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(report.render.indirect_commands, 1);
 	assert_int_equal(stilb_render_read_image(engine->render, &whole), STILB_OK);
-	((vulkan_device *)engine->render->device)->properties.limits.maxDrawIndirectCount = 7;
+	((vulkan_device *)engine->render->device)->gpu->properties.limits.maxDrawIndirectCount = 7;
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(report.render.draws, 600);
 	assert_int_equal(report.render.indirect_commands, (600 + 6) / 7);
@@ -268,9 +268,9 @@ static void a_short_clock_wraps(void **state)
 	stilb_engine *engine = start(&desc);
 	vulkan_device *device = (vulkan_device *)engine->render->device;
 	double gpu_ms;
-	assert_true(device->timestamp_mask != 0);
+	assert_true(device->gpu->timestamp_mask != 0);
 	for (uint32_t bits = 64; bits >= 36; bits -= 28) {
-		device->timestamp_mask = UINT64_MAX >> (64 - bits);
+		device->gpu->timestamp_mask = UINT64_MAX >> (64 - bits);
 		frames(engine, 3);
 		assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
 		assert_true(gpu_ms > 0.0 && gpu_ms < 60000.0);
@@ -288,8 +288,8 @@ static void a_bad_argument_is_seen(void **state)
 	vulkan_device *device = (vulkan_device *)engine->render->device;
 	VkBufferCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 16, .usage = 0};
 	VkBuffer buffer = VK_NULL_HANDLE;
-	vkCreateBuffer(device->device, &nothing, NULL, &buffer);
-	vkDestroyBuffer(device->device, buffer, NULL);
+	vkCreateBuffer(device->gpu->device, &nothing, NULL, &buffer);
+	vkDestroyBuffer(device->gpu->device, buffer, NULL);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
 	assert_true(stilb_render_validation_messages(engine->render) > 0);
 	stress_engine_destroy(engine);
@@ -303,17 +303,18 @@ static void a_missing_barrier_is_seen(void **state)
 	stilb_engine *engine = start(&desc);
 	vulkan_device *device = (vulkan_device *)engine->render->device;
 	VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-	VkCommandBuffer commands = device->slots[0].show;
-	vulkan_buffer buffer;
-	assert_int_equal(vulkan_buffer_create(device, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, VULKAN_MEMORY_DEVICE, &buffer),
-	                 STILB_OK);
+	VkCommandBuffer commands = device->gpu->slots[0].show;
+	gpu_vulkan_buffer buffer;
+	assert_int_equal(
+		gpu_vulkan_buffer_create(device->gpu, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, STILB_GPU_MEMORY_DEVICE, &buffer),
+		STILB_OK);
 	vkBeginCommandBuffer(commands, &begin);
 	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 1);
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
 	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 2);
 	vkEndCommandBuffer(commands);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
-	vulkan_buffer_destroy(device, &buffer);
+	gpu_vulkan_buffer_destroy(device->gpu, &buffer);
 	stress_engine_destroy(engine);
 }
 
@@ -367,7 +368,7 @@ static int32_t no_surface(void *user, void *instance, uint64_t *surface)
 static void a_window_without_a_surface(void **state)
 {
 	(void)state;
-	stilb_render_surface surface = {NULL, no_extensions, no_surface};
+	stilb_gpu_surface surface = {NULL, no_extensions, no_surface};
 	stilb_render_desc desc = {.surface = &surface, .width = 64, .height = 48, .context_count = 1, .validate = true};
 	stilb_render *render;
 	assert_int_equal(stilb_render_create(&desc, &render), STILB_ERROR_WINDOW);

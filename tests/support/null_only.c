@@ -16,7 +16,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 	return stilb_fail(STILB_ERROR_DEVICE, "no Vulkan in this test");
 }
 
-const char *stilb_render_vulkan_version(void)
+const char *stilb_gpu_vulkan_version(void)
 {
 	return "none";
 }

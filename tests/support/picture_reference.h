@@ -321,9 +321,9 @@ static inline bool picture_is_sky(const stilb_image *image, const stilb_scene *s
 /* Programs end with this when there is no Vulkan driver at all; any other trouble is a failure. */
 static inline bool reference_no_driver(void)
 {
-	stilb_render_gpu gpu;
+	stilb_gpu_listed gpu;
 	uint32_t count;
-	if (stilb_render_gpu_list(&gpu, 1, &count) == STILB_OK && count > 0)
+	if (stilb_gpu_list(&gpu, 1, &count) == STILB_OK && count > 0)
 		return false;
 	printf("skipped: no Vulkan driver (apt install mesa-vulkan-drivers)\n");
 	return true;

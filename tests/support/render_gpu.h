@@ -38,7 +38,7 @@ static struct {
 	uint32_t heap_sizes[RENDER_HEAPS]; /* elements */
 	bool made[STILB_RENDER_MAX_TEXTURES];
 	uint32_t pixels[STILB_RENDER_MAX_TEXTURES]; /* the first pixel; 0: nothing has been uploaded */
-	gpu_frame frames[RENDER_FRAMES_IN_FLIGHT];
+	gpu_frame frames[STILB_GPU_FRAMES];
 	uint32_t frame;
 	stilb_result texture_result; /* of the next texture_create */
 	bool losing;                 /* submit fails: the frame is lost */
@@ -156,14 +156,14 @@ static inline bool gpu_draw_is_good(const gpu_draw *draw)
 
 static inline void gpu_check_frames(void)
 {
-	for (int f = 0; f < RENDER_FRAMES_IN_FLIGHT; f++)
+	for (uint32_t f = 0; f < STILB_GPU_FRAMES; f++)
 		for (uint32_t d = 0; d < gpu.frames[f].count; d++)
 			gpu.wrong += !gpu_draw_is_good(&gpu.frames[f].draws[d]);
 }
 
 static inline stilb_result gpu_frame_begin(render_device *device, render_memory *memory)
 {
-	gpu.frame = (gpu.frame + 1) % RENDER_FRAMES_IN_FLIGHT;
+	gpu.frame = (gpu.frame + 1) % STILB_GPU_FRAMES;
 	gpu.frames[gpu.frame].count = 0; /* the GPU is done with it */
 	return gpu.real->frame_begin(device, memory);
 }
@@ -283,7 +283,7 @@ static inline void gpu_detach(stilb_render *render)
 	render->device->functions = gpu.real;
 	for (int kind = 0; kind < RENDER_HEAPS; kind++)
 		free(gpu.heaps[kind]);
-	for (int f = 0; f < RENDER_FRAMES_IN_FLIGHT; f++)
+	for (uint32_t f = 0; f < STILB_GPU_FRAMES; f++)
 		free(gpu.frames[f].draws);
 	assert_int_equal(gpu.wrong, 0);
 }

@@ -28,7 +28,7 @@ typedef struct shade_gpu_push {
 static struct {
 	stilb_render *render; /* for its device and its memory */
 	vulkan_device *device;
-	vulkan_buffer inputs, results;
+	gpu_vulkan_buffer inputs, results;
 	VkPipelineLayout layout;
 	VkShaderModule code;
 	VkPipeline pipeline;
@@ -46,14 +46,14 @@ static inline void shade_gpu_make_pipeline(const VkSpecializationInfo *specializ
 	              .pSpecializationInfo = specialization},
 		.layout = shade_gpu.layout,
 	};
-	VkDevice device = shade_gpu.device->device;
+	VkDevice device = shade_gpu.device->gpu->device;
 	vkDestroyPipeline(device, shade_gpu.pipeline, NULL);
 	assert_int_equal(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, NULL, &shade_gpu.pipeline), VK_SUCCESS);
 }
 
 static inline void shade_gpu_load_code(const uint32_t *words, size_t size)
 {
-	VkDevice device = shade_gpu.device->device;
+	VkDevice device = shade_gpu.device->gpu->device;
 	const VkPushConstantRange range = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(shade_gpu_push)};
 	const VkPipelineLayoutCreateInfo layout = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
@@ -88,10 +88,12 @@ static inline void shade_gpu_start(const uint32_t *words, size_t size)
 	if (stilb_render_create(&desc, &shade_gpu.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	shade_gpu.device = (vulkan_device *)shade_gpu.render->device;
-	assert_int_equal(vulkan_buffer_create(shade_gpu.device, 2 * results, usage, VULKAN_MEMORY_WRITE, &shade_gpu.inputs),
-	                 STILB_OK);
-	assert_int_equal(vulkan_buffer_create(shade_gpu.device, results, usage, VULKAN_MEMORY_READBACK, &shade_gpu.results),
-	                 STILB_OK);
+	assert_int_equal(
+		gpu_vulkan_buffer_create(shade_gpu.device->gpu, 2 * results, usage, STILB_GPU_MEMORY_WRITE, &shade_gpu.inputs),
+		STILB_OK);
+	assert_int_equal(
+		gpu_vulkan_buffer_create(shade_gpu.device->gpu, results, usage, STILB_GPU_MEMORY_READ, &shade_gpu.results),
+		STILB_OK);
 	shade_gpu_fill_inputs();
 	shade_gpu_load_code(words, size);
 }
@@ -99,12 +101,12 @@ static inline void shade_gpu_start(const uint32_t *words, size_t size)
 static inline int shade_gpu_end(void **state)
 {
 	(void)state;
-	VkDevice device = shade_gpu.device->device;
+	VkDevice device = shade_gpu.device->gpu->device;
 	vkDestroyPipeline(device, shade_gpu.pipeline, NULL);
 	vkDestroyShaderModule(device, shade_gpu.code, NULL);
 	vkDestroyPipelineLayout(device, shade_gpu.layout, NULL);
-	vulkan_buffer_destroy(shade_gpu.device, &shade_gpu.inputs);
-	vulkan_buffer_destroy(shade_gpu.device, &shade_gpu.results);
+	gpu_vulkan_buffer_destroy(shade_gpu.device->gpu, &shade_gpu.inputs);
+	gpu_vulkan_buffer_destroy(shade_gpu.device->gpu, &shade_gpu.results);
 	stilb_render_destroy(shade_gpu.render);
 	return 0;
 }
@@ -112,7 +114,7 @@ static inline int shade_gpu_end(void **state)
 /* Runs the pipeline and waits for the results. */
 static inline void shade_gpu_run(int32_t row)
 {
-	VkCommandBuffer commands = shade_gpu.device->slots[0].draw;
+	VkCommandBuffer commands = shade_gpu.device->gpu->slots[0].draw;
 	const VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
@@ -128,15 +130,16 @@ static inline void shade_gpu_run(int32_t row)
 		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &barrier};
 	shade_gpu_push values = {shade_gpu.inputs.address, shade_gpu.results.address, row, SHADE_GPU_COUNT};
 	memset(shade_gpu.results.mapped, 0xff, SHADE_GPU_COUNT * sizeof(stilb_vec4)); /* NaN: what is not written fails */
-	vkResetCommandPool(shade_gpu.device->device, shade_gpu.device->slots[0].pool, 0);
+	vkResetCommandPool(shade_gpu.device->gpu->device, shade_gpu.device->gpu->slots[0].pool, 0);
 	vkBeginCommandBuffer(commands, &begin);
 	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, shade_gpu.pipeline);
 	vkCmdPushConstants(commands, shade_gpu.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof values, &values);
 	vkCmdDispatch(commands, (SHADE_GPU_COUNT + SHADE_GPU_GROUP - 1) / SHADE_GPU_GROUP, 1, 1);
 	vkCmdPipelineBarrier2(commands, &dependency);
 	assert_int_equal(vkEndCommandBuffer(commands), VK_SUCCESS);
-	assert_int_equal(vulkan_queue_submit(shade_gpu.device, commands, VK_NULL_HANDLE, VK_NULL_HANDLE), STILB_OK);
-	assert_int_equal(vulkan_timeline_wait(shade_gpu.device, shade_gpu.device->timeline_value), STILB_OK);
+	assert_int_equal(gpu_vulkan_queue_submit(shade_gpu.device->gpu, commands, VK_NULL_HANDLE, VK_NULL_HANDLE),
+	                 STILB_OK);
+	assert_int_equal(gpu_vulkan_timeline_wait(shade_gpu.device->gpu, shade_gpu.device->gpu->timeline_value), STILB_OK);
 }
 
 /* What the shader computes, in C: the result for the eight numbers of one input. row: the test's own integer. */
@@ -183,9 +186,9 @@ static inline void shade_gpu_layer_said_nothing(void **state)
 
 static inline bool shade_gpu_present(void)
 {
-	stilb_render_gpu one;
+	stilb_gpu_listed one;
 	uint32_t count;
-	if (stilb_render_gpu_list(&one, 1, &count) == STILB_OK && count > 0)
+	if (stilb_gpu_list(&one, 1, &count) == STILB_OK && count > 0)
 		return true;
 	printf("skipped: no Vulkan driver (apt install mesa-vulkan-drivers)\n");
 	return false;

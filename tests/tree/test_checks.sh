@@ -83,7 +83,7 @@ test_layers() {
 	include engine/scene/scene.h '"../base/base.h"' 'name headers from the top'
 	include engine/render/sky.frag '"../engine.h"' 'render may not include engine'
 	include engine/scene/scene.h '"base/gone.h"' 'is not in the tree'
-	include engine/scene/scene.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to engine/render/vulkan alone'
+	include engine/scene/scene.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to engine/gpu/vulkan engine/render/vulkan alone'
 	include engine/render/render.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to'
 	include game/main.c '<GLFW/glfw3.h>' '<GLFW/glfw3.h> belongs to'
 	include game/main.c '<cmocka.h>' '<cmocka.h> belongs to'

@@ -101,7 +101,7 @@ static void test_engines_with_windows(void **state)
 	for (int i = 0; i < 3; i++) {
 		stilb_engine_desc desc = window_desc();
 		desc.window = true;
-		desc.presentation = (stilb_render_presentation)i;
+		desc.presentation = (stilb_gpu_presentation)i;
 		engines[i] = make_engine(&desc);
 		replaced += stilb_engine_presentation(engines[i]) != desc.presentation;
 	}
@@ -147,12 +147,12 @@ static void test_a_presentation_is_replaced(void **state)
 	(void)state;
 	stilb_engine_desc desc = window_desc();
 	desc.window = true;
-	desc.presentation = STILB_RENDER_PRESENT_MAILBOX;
+	desc.presentation = STILB_GPU_PRESENT_MAILBOX;
 	fifo_only = true;
 	presentation_lines = 0;
 	stilb_log_set(on_line, NULL);
 	stilb_engine *engine = make_engine(&desc);
-	assert_int_equal(stilb_engine_presentation(engine), STILB_RENDER_PRESENT_FIFO);
+	assert_int_equal(stilb_engine_presentation(engine), STILB_GPU_PRESENT_FIFO);
 	run_frames(engine, 3);
 	assert_int_equal(presentation_lines, 1);
 	stress_engine_destroy(engine);
@@ -253,7 +253,7 @@ static void test_another_window_for_the_same_engine(void **state)
 	assert_non_null(o.display);
 	own_open(&o);
 	stilb_engine_desc desc = window_desc();
-	stilb_render_surface surface = {&o, own_extensions, own_create};
+	stilb_gpu_surface surface = {&o, own_extensions, own_create};
 	desc.surface = &surface;
 	surfaces = 0;
 	stilb_engine *engine = make_engine(&desc);
@@ -293,7 +293,7 @@ static void test_a_window_that_cannot_be_had(void **state)
 	assert_non_null(o.display);
 	own_open(&o);
 	stilb_engine_desc desc = window_desc();
-	stilb_render_surface surface = {&o, own_extensions, own_create}, vain = {&o, own_extensions, own_create_in_vain};
+	stilb_gpu_surface surface = {&o, own_extensions, own_create}, vain = {&o, own_extensions, own_create_in_vain};
 	stilb_engine_report report;
 	desc.surface = &surface;
 	stilb_engine *engine = make_engine(&desc);
@@ -350,7 +350,7 @@ static void test_a_window_of_the_programs_own(void **state)
 	assert_non_null(o.display);
 	own_open(&o);
 	stilb_engine_desc desc = window_desc();
-	stilb_render_surface surface = {&o, own_extensions, own_create};
+	stilb_gpu_surface surface = {&o, own_extensions, own_create};
 	uint32_t width, height;
 	desc.surface = &surface;
 	stilb_engine *engine = make_engine(&desc);

@@ -31,7 +31,8 @@ typedef struct null_list {
 
 typedef struct null_device {
 	render_device base;
-	null_frame frames[RENDER_FRAMES_IN_FLIGHT];
+	stilb_gpu gpu;
+	null_frame frames[STILB_GPU_FRAMES];
 	uint32_t frame;
 	null_draw *draws; /* [draw_capacity] the draws of the last pass, one for each; unused with indirect replay */
 	uint64_t draw_capacity;
@@ -46,7 +47,7 @@ typedef struct null_device {
 static void null_destroy(render_device *base)
 {
 	null_device *device = (null_device *)base;
-	for (int i = 0; i < RENDER_FRAMES_IN_FLIGHT; i++)
+	for (uint32_t i = 0; i < STILB_GPU_FRAMES; i++)
 		for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 			free(device->frames[i].memory[kind]);
 	free(device->draws);
@@ -68,7 +69,7 @@ static stilb_result null_resize(render_device *device, uint32_t width, uint32_t 
 /* An allocation of the device, which stilb_render_faults can make fail. */
 static void *null_alloc(render_device *base, uint64_t count, size_t size)
 {
-	return render_fault_allocation(base) ? NULL : stilb_memory_alloc(count, size);
+	return gpu_fault_allocation(base->gpu) ? NULL : stilb_memory_alloc(count, size);
 }
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
@@ -97,7 +98,7 @@ static stilb_result null_grow(render_device *base, render_memory *memory, render
 static stilb_result null_frame_begin(render_device *base, render_memory *memory)
 {
 	null_device *device = (null_device *)base;
-	device->frame = (device->frame + 1) % RENDER_FRAMES_IN_FLIGHT;
+	device->frame = (device->frame + 1) % STILB_GPU_FRAMES;
 	null_frame *frame = &device->frames[device->frame];
 	stilb_result result = STILB_OK;
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
@@ -131,7 +132,7 @@ static stilb_result null_texture_create(render_device *base, uint32_t texture, c
 {
 	(void)texture, (void)image;
 	STILB_ASSERT(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
-	return render_fault_allocation(base) ? stilb_fail(STILB_ERROR_MEMORY, "no memory for a texture") : STILB_OK;
+	return gpu_fault_allocation(base->gpu) ? stilb_fail(STILB_ERROR_MEMORY, "no memory for a texture") : STILB_OK;
 }
 
 static void null_texture_destroy(render_device *base, uint32_t texture)
@@ -282,7 +283,7 @@ static stilb_result null_pass(render_device *base, const render_stream *stream)
 
 static stilb_result null_submit(render_device *base)
 {
-	return render_fault_lost(base)
+	return gpu_fault_lost(base->gpu)
 	           ? stilb_fail(STILB_ERROR_DEVICE_LOST, "cannot give the null device a frame: it was lost on purpose")
 	           : STILB_OK;
 }
@@ -293,7 +294,7 @@ static stilb_result null_nothing(render_device *base)
 	return STILB_OK;
 }
 
-static stilb_result null_set_surface(render_device *base, const stilb_render_surface *surface)
+static stilb_result null_set_surface(render_device *base, const stilb_gpu_surface *surface)
 {
 	(void)base, (void)surface;
 	return STILB_OK;
@@ -335,13 +336,15 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 	if (!device)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the null device");
 	device->base.functions = &functions;
-	memcpy(device->base.name, "null", sizeof "null");
+	device->base.gpu = &device->gpu;
+	memcpy(device->gpu.name, "null", sizeof "null");
 	device->base.width = desc->width;
 	device->base.height = desc->height;
 	device->base.samples = desc->samples ? desc->samples : 1;
 	device->base.replay = desc->replay;
 	device->base.materials = desc->materials;
-	device->base.faults = desc->faults;
+	device->gpu.faults = (stilb_gpu_faults){desc->faults.allocation, desc->faults.lost_frame, desc->faults.surface_lost,
+	                                        desc->faults.texture_side};
 	*out = &device->base;
 	return STILB_OK;
 }

@@ -108,9 +108,10 @@ static VkResult backdrop_modules(vulkan_device *device, VkShaderModule modules[2
 											 .codeSize = sizeof backdrop_frag,
 											 .pCode = backdrop_frag,
 										 }};
-	VkResult result = vkCreateShaderModule(device->device, &infos[0], device->allocator, &modules[0]);
-	return result == VK_SUCCESS ? vkCreateShaderModule(device->device, &infos[1], device->allocator, &modules[1])
-	                            : result;
+	VkResult result = vkCreateShaderModule(device->gpu->device, &infos[0], device->gpu->allocator, &modules[0]);
+	return result == VK_SUCCESS
+	           ? vkCreateShaderModule(device->gpu->device, &infos[1], device->gpu->allocator, &modules[1])
+	           : result;
 }
 
 static const VkPipelineVertexInputStateCreateInfo no_vertices = {
@@ -193,30 +194,32 @@ static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderMod
 		.pDynamicState = &backdrop_dynamic,
 		.layout = device->pipeline_layout,
 	};
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, pipeline);
+	return vkCreateGraphicsPipelines(device->gpu->device, VK_NULL_HANDLE, 1, &info, device->gpu->allocator, pipeline);
 }
 
-static VkResult backdrop_make(vulkan_device *device, const void *nothing, VkPipeline *pipeline)
+static VkResult backdrop_make(void *user, const void *nothing, VkPipeline *pipeline)
 {
+	vulkan_device *device = user;
 	(void)nothing;
 	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
 	VkResult result = backdrop_modules(device, modules);
 	if (result == VK_SUCCESS)
 		result = backdrop_pipeline(device, modules, pipeline);
 	for (int stage = 0; stage < 2; stage++)
-		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+		vkDestroyShaderModule(device->gpu->device, modules[stage], device->gpu->allocator);
 	return result;
 }
 
 stilb_result vulkan_backdrop_make(vulkan_device *device)
 {
-	VkResult result = vulkan_pipeline_once(device, &device->backdrop, backdrop_make, NULL);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the pipeline of the background");
+	VkResult result = gpu_vulkan_pipeline_once(device->gpu, &device->backdrop, backdrop_make, device, NULL);
+	return result == VK_SUCCESS ? STILB_OK
+	                            : gpu_vulkan_fail(device->gpu, result, "make the pipeline of the background");
 }
 
 void vulkan_backdrop_destroy(vulkan_device *device)
 {
-	vkDestroyPipeline(device->device, device->backdrop.handle, device->allocator);
+	vkDestroyPipeline(device->gpu->device, device->backdrop.handle, device->gpu->allocator);
 }
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
@@ -262,9 +265,10 @@ stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, c
 	STILB_ASSERT(vulkan_backdrop_is_drawn(stream));
 	stilb_result result = vulkan_backdrop_make(device);
 	if (result == STILB_OK && !slot->backdrop.buffer)
-		result = vulkan_buffer_create(device, sizeof(vulkan_backdrop),
-		                              VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-		                              VULKAN_MEMORY_WRITE, &slot->backdrop);
+		result =
+			gpu_vulkan_buffer_create(device->gpu, sizeof(vulkan_backdrop),
+		                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+		                             STILB_GPU_MEMORY_WRITE, &slot->backdrop);
 	if (result == STILB_OK)
 		backdrop_write(device, stream, slot->backdrop.mapped);
 	return result;
@@ -273,8 +277,9 @@ stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, c
 void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot)
 {
 	STILB_ASSERT(device->backdrop.handle && slot->backdrop.address);
-	vkCmdBindPipeline(slot->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop.handle);
-	vkCmdPushConstants(slot->draw, device->pipeline_layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
-	                   0, sizeof slot->backdrop.address, &slot->backdrop.address);
-	vkCmdDraw(slot->draw, 3, 1, 0, 0);
+	vkCmdBindPipeline(slot->gpu->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop.handle);
+	vkCmdPushConstants(slot->gpu->draw, device->pipeline_layout,
+	                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof slot->backdrop.address,
+	                   &slot->backdrop.address);
+	vkCmdDraw(slot->gpu->draw, 3, 1, 0, 0);
 }

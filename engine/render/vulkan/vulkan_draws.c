@@ -112,8 +112,8 @@ vulkan_sent vulkan_draws_indirect(vulkan_device *device, VkCommandBuffer command
 {
 	vulkan_sent sent = {0};
 	uint64_t state = RENDER_NO_STATE;
-	uint32_t most = device->properties.limits.maxDrawIndirectCount;
-	const vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS];
+	uint32_t most = device->gpu->properties.limits.maxDrawIndirectCount;
+	const gpu_vulkan_buffer *buffer = &vulkan_slot_now(device)->memory[RENDER_MEMORY_COMMANDS];
 	for (const render_run *run = stream->runs; run < stream->runs + stream->run_count; run++) {
 		STILB_ASSERT(((VkDeviceSize)run->first + run->count) * sizeof(render_command) <= buffer->size);
 		sent.binds += draws_bind(device, commands, state, run->state);

@@ -19,42 +19,42 @@ static const VkBufferUsageFlags heap_usage[RENDER_HEAPS] = {
 
 /* ---- replaced buffers -------------------------------------------------------------------------------------------- */
 
-stilb_result vulkan_buffer_retire(vulkan_device *device, vulkan_buffer *buffer)
+stilb_result vulkan_buffer_retire(vulkan_device *device, gpu_vulkan_buffer *buffer)
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (!render_reserve((void **)&slot->outgrown, &slot->outgrown_capacity, slot->outgrown_count + 1,
 	                    sizeof *slot->outgrown))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of outgrown buffers");
 	slot->outgrown[slot->outgrown_count++] = *buffer;
-	*buffer = (vulkan_buffer){0};
+	*buffer = (gpu_vulkan_buffer){0};
 	return STILB_OK;
 }
 
-stilb_result vulkan_buffer_replace(vulkan_device *device, vulkan_buffer *buffer, vulkan_buffer with)
+stilb_result vulkan_buffer_replace(vulkan_device *device, gpu_vulkan_buffer *buffer, gpu_vulkan_buffer with)
 {
 	STILB_ASSERT(with.buffer && with.buffer != buffer->buffer && with.size > buffer->size);
 	stilb_result result = vulkan_buffer_retire(device, buffer);
 	if (result == STILB_OK)
 		*buffer = with;
 	else
-		vulkan_buffer_destroy(device, &with);
+		gpu_vulkan_buffer_destroy(device->gpu, &with);
 	return result;
 }
 
 void vulkan_heaps_frame(vulkan_device *device, vulkan_slot *slot)
 {
 	for (uint32_t b = 0; b < slot->outgrown_count; b++)
-		vulkan_buffer_destroy(device, &slot->outgrown[b]);
+		gpu_vulkan_buffer_destroy(device->gpu, &slot->outgrown[b]);
 	slot->outgrown_count = 0;
 	if (slot->staging.size > HEAPS_STAGING_KEPT && slot->staging_used < slot->staging.size / 4)
-		vulkan_buffer_destroy(device, &slot->staging);
+		gpu_vulkan_buffer_destroy(device->gpu, &slot->staging);
 	slot->staging_used = 0;
 }
 
 void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
 {
 	vulkan_heaps_frame(device, slot);
-	vulkan_buffer_destroy(device, &slot->staging);
+	gpu_vulkan_buffer_destroy(device->gpu, &slot->staging);
 	free(slot->outgrown);
 	slot->outgrown = NULL;
 	slot->outgrown_capacity = 0;
@@ -65,7 +65,7 @@ void vulkan_heaps_destroy_slot(vulkan_device *device, vulkan_slot *slot)
 /* Materials are packed, except with --materials bind: then each offset must be a multiple of the GPU's alignment. */
 VkDeviceSize vulkan_material_stride(const vulkan_device *device)
 {
-	VkDeviceSize size = sizeof(render_material), align = device->properties.limits.minStorageBufferOffsetAlignment;
+	VkDeviceSize size = sizeof(render_material), align = device->gpu->properties.limits.minStorageBufferOffsetAlignment;
 	STILB_ASSERT(align > 0);
 	return device->base.materials == STILB_RENDER_MATERIALS_BIND ? (size + align - 1) / align * align : size;
 }
@@ -74,22 +74,23 @@ VkResult vulkan_material_sets_create(vulkan_device *device)
 {
 	if (device->base.materials != STILB_RENDER_MATERIALS_BIND)
 		return VK_SUCCESS;
-	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, VULKAN_SLOTS};
+	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC, STILB_GPU_FRAMES};
 	VkDescriptorPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
-		.maxSets = VULKAN_SLOTS,
+		.maxSets = STILB_GPU_FRAMES,
 		.poolSizeCount = 1,
 		.pPoolSizes = &size,
 	};
-	VkResult result = vkCreateDescriptorPool(device->device, &info, device->allocator, &device->material_pool);
-	for (int i = 0; i < VULKAN_SLOTS && result == VK_SUCCESS; i++) {
+	VkResult result =
+		vkCreateDescriptorPool(device->gpu->device, &info, device->gpu->allocator, &device->material_pool);
+	for (uint32_t i = 0; i < STILB_GPU_FRAMES && result == VK_SUCCESS; i++) {
 		VkDescriptorSetAllocateInfo set = {
 			.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
 			.descriptorPool = device->material_pool,
 			.descriptorSetCount = 1,
 			.pSetLayouts = &device->material_layout,
 		};
-		result = vkAllocateDescriptorSets(device->device, &set, &device->slots[i].material_set);
+		result = vkAllocateDescriptorSets(device->gpu->device, &set, &device->slots[i].material_set);
 	}
 	return result;
 }
@@ -109,7 +110,7 @@ static void material_set_update(vulkan_device *device, vulkan_slot *slot)
 		.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER_DYNAMIC,
 		.pBufferInfo = &buffer,
 	};
-	vkUpdateDescriptorSets(device->device, 1, &write, 0, NULL);
+	vkUpdateDescriptorSets(device->gpu->device, 1, &write, 0, NULL);
 	slot->material_buffer = materials;
 }
 
@@ -127,12 +128,12 @@ static stilb_result heap_fit(vulkan_device *device, const render_resources *reso
 	const render_heap *heap = &resources->heaps[kind];
 	VkDeviceSize stride = heap_stride(device, heap, kind), size = heap->size * stride;
 	VkDeviceSize expected = resources->expected[kind] * stride, wanted = size > expected ? size + size / 2 : expected;
-	vulkan_buffer larger;
+	gpu_vulkan_buffer larger;
 	*all = size > device->heaps[kind].size || (heap->size > 0 && expected > device->heaps[kind].size);
 	if (!*all)
 		return STILB_OK;
-	stilb_result result = vulkan_buffer_create(device, wanted, heap_usage[kind] | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-	                                           VULKAN_MEMORY_DEVICE, &larger);
+	stilb_result result = gpu_vulkan_buffer_create(
+		device->gpu, wanted, heap_usage[kind] | VK_BUFFER_USAGE_TRANSFER_DST_BIT, STILB_GPU_MEMORY_DEVICE, &larger);
 	return result == STILB_OK ? vulkan_buffer_replace(device, &device->heaps[kind], larger) : result;
 }
 
@@ -169,7 +170,7 @@ static VkDeviceSize heap_copy(vulkan_device *device, const render_heap *heap, in
 		STILB_ASSERT(at + copy.size <= slot->staging.size && copy.dstOffset + copy.size <= device->heaps[kind].size);
 		elements_write((uint8_t *)slot->staging.mapped + at, stride, heap->data + (size_t)range.first * heap->element,
 		               heap->element, range.count);
-		vkCmdCopyBuffer(slot->draw, slot->staging.buffer, device->heaps[kind].buffer, 1, &copy);
+		vkCmdCopyBuffer(slot->gpu->draw, slot->staging.buffer, device->heaps[kind].buffer, 1, &copy);
 		at += copy.size;
 	}
 	return at;
@@ -199,9 +200,9 @@ static stilb_result staging_fit(vulkan_device *device, vulkan_slot *slot, VkDevi
 {
 	if (size <= slot->staging.size)
 		return STILB_OK;
-	vulkan_buffer_destroy(device, &slot->staging); /* unused: the GPU has finished the slot's last frame */
-	return vulkan_buffer_create(device, size + size / 2, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, VULKAN_MEMORY_WRITE,
-	                            &slot->staging);
+	gpu_vulkan_buffer_destroy(device->gpu, &slot->staging); /* unused: the GPU has finished the slot's last frame */
+	return gpu_vulkan_buffer_create(device->gpu, size + size / 2, VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+	                                STILB_GPU_MEMORY_WRITE, &slot->staging);
 }
 
 static VkDeviceSize texture_row(const render_texture_upload *upload)
@@ -222,7 +223,7 @@ static void update_copy(vulkan_device *device, const render_resources *resources
 {
 	vulkan_slot *slot = vulkan_slot_now(device);
 	VkDeviceSize at = 0;
-	heaps_barrier(slot->draw, true);
+	heaps_barrier(slot->gpu->draw, true);
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
 		STILB_ASSERT(at + texture_bytes(upload) <= slot->staging.size);
@@ -236,7 +237,7 @@ static void update_copy(vulkan_device *device, const render_resources *resources
 	}
 	for (int kind = 0; kind < RENDER_HEAPS; kind++)
 		at = heap_copy(device, &resources->heaps[kind], kind, &dirty[kind], at);
-	heaps_barrier(slot->draw, false);
+	heaps_barrier(slot->gpu->draw, false);
 }
 
 stilb_result vulkan_update(render_device *base, const render_resources *resources)

@@ -18,18 +18,18 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 	VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
 	VkImageMemoryBarrier2 taken[3];
 	uint32_t count = 0;
-	taken[count++] = vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-	                                         color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-	                                         VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
+	taken[count++] = gpu_vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
+	                                             color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+	                                             VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
 	if (device->color_samples.image && scene)
 		taken[count++] =
-			vulkan_image_transition(device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-		                            color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
+			gpu_vulkan_image_transition(device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
+		                                color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
 	if (scene)
 		taken[count++] =
-			vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
-		                            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
-	vulkan_image_barriers(commands, taken, count);
+			gpu_vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
+		                                VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT, depth_stage, depth_access);
+	gpu_vulkan_image_barriers(commands, taken, count);
 }
 
 /* contents: 0 if the primary command buffer makes the draws itself, or
@@ -118,20 +118,20 @@ static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const ren
 /* Names the pass in messages of the validation layer and in captures of debuggers. */
 static void pass_label_begin(const vulkan_device *device, VkCommandBuffer commands, const char *name)
 {
-	if (device->label_begin)
-		device->label_begin(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
-		                                                      .pLabelName = name ? name : "pass"});
+	if (device->gpu->label_begin)
+		device->gpu->label_begin(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+		                                                           .pLabelName = name ? name : "pass"});
 }
 
 /* Draws the backdrop into the cleared picture, in a rendering of its own: that of the draws may consist of secondary
  * command buffers alone. */
 static void pass_draw_backdrop(vulkan_device *device, const vulkan_slot *slot, const render_stream *stream)
 {
-	pass_take_targets(device, slot->draw, true, true);
-	pass_begin_rendering(device, slot->draw, stream, true, 0);
-	vulkan_draws_area(device, slot->draw);
+	pass_take_targets(device, slot->gpu->draw, true, true);
+	pass_begin_rendering(device, slot->gpu->draw, stream, true, 0);
+	vulkan_draws_area(device, slot->gpu->draw);
 	vulkan_backdrop_draw(device, slot);
-	vkCmdEndRendering(slot->draw);
+	vkCmdEndRendering(slot->gpu->draw);
 }
 
 stilb_result vulkan_pass(render_device *base, const render_stream *stream)
@@ -163,21 +163,21 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 		if (result != STILB_OK)
 			return result;
 	}
-	pass_label_begin(device, slot->draw, stream->pass->name);
-	vulkan_times_pass_begin(device, stream->site);
+	pass_label_begin(device, slot->gpu->draw, stream->pass->name);
+	gpu_vulkan_times_pass_begin(device->gpu, stream->site);
 	if (backdrop)
 		pass_draw_backdrop(device, slot, stream);
-	pass_take_targets(device, slot->draw, first && !backdrop, scene);
-	pass_begin_rendering(device, slot->draw, stream, first && !backdrop,
+	pass_take_targets(device, slot->gpu->draw, first && !backdrop, scene);
+	pass_begin_rendering(device, slot->gpu->draw, stream, first && !backdrop,
 	                     secondary_count > 0 ? VK_RENDERING_CONTENTS_SECONDARY_COMMAND_BUFFERS_BIT : 0);
 	if (secondary_count > 0)
-		vkCmdExecuteCommands(slot->draw, secondary_count, secondary);
+		vkCmdExecuteCommands(slot->gpu->draw, secondary_count, secondary);
 	else if (stream->draws > 0)
-		pass_draw(device, slot->draw, stream);
-	vkCmdEndRendering(slot->draw);
-	vulkan_times_pass_end(device);
-	if (device->label_end)
-		device->label_end(slot->draw);
+		pass_draw(device, slot->gpu->draw, stream);
+	vkCmdEndRendering(slot->gpu->draw);
+	gpu_vulkan_times_pass_end(device->gpu);
+	if (device->gpu->label_end)
+		device->gpu->label_end(slot->gpu->draw);
 	device->pass++;
 	return STILB_OK;
 }

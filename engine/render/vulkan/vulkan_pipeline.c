@@ -117,7 +117,7 @@ static VkResult shader_create(vulkan_device *device, pipeline_code code, VkShade
 		.codeSize = code.size,
 		.pCode = code.words,
 	};
-	return vkCreateShaderModule(device->device, &info, device->allocator, module);
+	return vkCreateShaderModule(device->gpu->device, &info, device->gpu->allocator, module);
 }
 
 /* ---- layout: set 0 is the texture, set 1 the material with --materials bind -------------------------------------- */
@@ -136,7 +136,7 @@ static VkResult set_layout_create(vulkan_device *device, VkDescriptorType type, 
 		.bindingCount = 1,
 		.pBindings = &binding,
 	};
-	return vkCreateDescriptorSetLayout(device->device, &info, device->allocator, layout);
+	return vkCreateDescriptorSetLayout(device->gpu->device, &info, device->gpu->allocator, layout);
 }
 
 static VkResult layout_create(vulkan_device *device)
@@ -160,7 +160,7 @@ static VkResult layout_create(vulkan_device *device)
 		.pushConstantRangeCount = 1,
 		.pPushConstantRanges = &range,
 	};
-	return vkCreatePipelineLayout(device->device, &info, device->allocator, &device->pipeline_layout);
+	return vkCreatePipelineLayout(device->gpu->device, &info, device->gpu->allocator, &device->pipeline_layout);
 }
 
 /* ---- constant state of mesh pipelines --------------------------------------------------------------------------- */
@@ -354,8 +354,9 @@ typedef struct pipeline_wanted {
 	pipeline_variant variant;
 } pipeline_wanted;
 
-static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipeline *pipeline)
+static VkResult pipeline_make(void *user, const void *what, VkPipeline *pipeline)
 {
+	vulkan_device *device = user;
 	const pipeline_wanted *wanted = what;
 	const uint32_t *formulas = wanted->formulas;
 	pipeline_variant variant = wanted->variant;
@@ -401,7 +402,7 @@ static VkResult pipeline_make(vulkan_device *device, const void *what, VkPipelin
 		.pDynamicState = &dynamic,
 		.layout = device->pipeline_layout,
 	};
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator, pipeline);
+	return vkCreateGraphicsPipelines(device->gpu->device, VK_NULL_HANDLE, 1, &info, device->gpu->allocator, pipeline);
 }
 
 static VkResult mesh_modules_make(vulkan_device *device, vulkan_surface surface)
@@ -417,8 +418,9 @@ static VkResult mesh_modules_make(vulkan_device *device, vulkan_surface surface)
 static VkResult shading_make_one(vulkan_device *device, vulkan_shading *shading, pipeline_variant variant)
 {
 	pipeline_wanted wanted = {shading->formulas, variant};
-	return vulkan_pipeline_once(device, &shading->pipelines[variant.detail][variant.surface][variant.materials],
-	                            pipeline_make, &wanted);
+	return gpu_vulkan_pipeline_once(device->gpu,
+	                                &shading->pipelines[variant.detail][variant.surface][variant.materials],
+	                                pipeline_make, device, &wanted);
 }
 
 /* Makes the pipelines that device->base.materials needs and that do not exist yet. */
@@ -450,21 +452,21 @@ static vulkan_shading *shading_add(vulkan_device *device, const uint32_t formula
 static vulkan_shading *shading_find(vulkan_device *device, const uint32_t formulas[VULKAN_FORMULAS])
 {
 	vulkan_shading *found = NULL;
-	pthread_mutex_lock(&device->pipelines_lock);
+	pthread_mutex_lock(&device->gpu->pipelines_lock);
 	for (uint32_t s = 0; s < device->shading_count && !found; s++)
 		if (memcmp(device->shadings[s]->formulas, formulas, sizeof device->shadings[s]->formulas) == 0)
 			found = device->shadings[s];
 	if (!found)
 		found = shading_add(device, formulas);
-	pthread_mutex_unlock(&device->pipelines_lock);
+	pthread_mutex_unlock(&device->gpu->pipelines_lock);
 	return found;
 }
 
 static void shading_destroy(const vulkan_device *device, vulkan_shading *shading)
 {
-	const vulkan_pipeline *pipelines = &shading->pipelines[0][0][0];
+	const gpu_vulkan_pipeline *pipelines = &shading->pipelines[0][0][0];
 	for (size_t p = 0; p < sizeof shading->pipelines / sizeof *pipelines; p++)
-		vkDestroyPipeline(device->device, pipelines[p].handle, device->allocator);
+		vkDestroyPipeline(device->gpu->device, pipelines[p].handle, device->gpu->allocator);
 	free(shading);
 }
 
@@ -491,7 +493,7 @@ static stilb_result shading_ready(vulkan_device *device, const stilb_render_shad
 	for (uint32_t v = 0; v < VULKAN_SURFACES * RENDER_DETAIL_KINDS && result == VK_SUCCESS; v++)
 		if ((kinds >> v / VULKAN_SURFACES & 1u) != 0 && (surfaces >> v % VULKAN_SURFACES & 1u) != 0)
 			result = shading_make(device, *ready, v / VULKAN_SURFACES, (vulkan_surface)(v % VULKAN_SURFACES));
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the mesh pipelines");
+	return result == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(device->gpu, result, "make the mesh pipelines");
 }
 
 stilb_result vulkan_pipeline_choose(vulkan_device *device, const render_stream *stream)
@@ -552,7 +554,7 @@ static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule mod
 		.pDynamicState = &dynamic,
 		.layout = device->pipeline_layout,
 	};
-	return vkCreateGraphicsPipelines(device->device, VK_NULL_HANDLE, 1, &info, device->allocator,
+	return vkCreateGraphicsPipelines(device->gpu->device, VK_NULL_HANDLE, 1, &info, device->gpu->allocator,
 	                                 &device->pipelines_2d[kind]);
 }
 
@@ -565,27 +567,20 @@ static VkResult pipelines_make_2d(vulkan_device *device, vulkan_pipeline_2d kind
 	if (result == VK_SUCCESS)
 		result = pipeline_make_2d(device, modules, kind);
 	for (int stage = 0; stage < 2; stage++)
-		vkDestroyShaderModule(device->device, modules[stage], device->allocator);
+		vkDestroyShaderModule(device->gpu->device, modules[stage], device->gpu->allocator);
 	return result;
 }
 
 stilb_result vulkan_pipeline_create(vulkan_device *device)
 {
-	device->pipelines_lock_made = pthread_mutex_init(&device->pipelines_lock, NULL) == 0;
-	if (device->pipelines_lock_made && pthread_cond_init(&device->pipelines_made, NULL) != 0) {
-		pthread_mutex_destroy(&device->pipelines_lock);
-		device->pipelines_lock_made = false;
-	}
-	if (!device->pipelines_lock_made)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the lock of pipelines");
 	VkResult result = layout_create(device);
 	for (int surface = 0; surface < VULKAN_SURFACES && result == VK_SUCCESS; surface++)
 		result = mesh_modules_make(device, (vulkan_surface)surface);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(device, result, "make the mesh shaders");
+		return gpu_vulkan_fail(device->gpu, result, "make the mesh shaders");
 	for (int kind = 0; kind < VULKAN_PIPELINES_2D && result == VK_SUCCESS; kind++)
 		result = pipelines_make_2d(device, (vulkan_pipeline_2d)kind);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make the 2D pipelines");
+	return result == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(device->gpu, result, "make the 2D pipelines");
 }
 
 void vulkan_pipeline_destroy(vulkan_device *device)
@@ -593,20 +588,16 @@ void vulkan_pipeline_destroy(vulkan_device *device)
 	for (uint32_t s = 0; s < device->shading_count; s++)
 		shading_destroy(device, device->shadings[s]);
 	free(device->shadings);
-	if (device->pipelines_lock_made) {
-		pthread_cond_destroy(&device->pipelines_made);
-		pthread_mutex_destroy(&device->pipelines_lock);
-	}
 	for (int surface = 0; surface < VULKAN_SURFACES; surface++) {
 		for (int stage = 0; stage < 2; stage++)
-			vkDestroyShaderModule(device->device, device->mesh_modules[surface][stage], device->allocator);
+			vkDestroyShaderModule(device->gpu->device, device->mesh_modules[surface][stage], device->gpu->allocator);
 	}
 	for (int kind = 0; kind < VULKAN_PIPELINES_2D; kind++)
-		vkDestroyPipeline(device->device, device->pipelines_2d[kind], device->allocator);
+		vkDestroyPipeline(device->gpu->device, device->pipelines_2d[kind], device->gpu->allocator);
 	vulkan_backdrop_destroy(device);
-	vkDestroyPipelineLayout(device->device, device->pipeline_layout, device->allocator);
-	vkDestroyDescriptorSetLayout(device->device, device->texture_layout, device->allocator);
-	vkDestroyDescriptorSetLayout(device->device, device->material_layout, device->allocator);
+	vkDestroyPipelineLayout(device->gpu->device, device->pipeline_layout, device->gpu->allocator);
+	vkDestroyDescriptorSetLayout(device->gpu->device, device->texture_layout, device->gpu->allocator);
+	vkDestroyDescriptorSetLayout(device->gpu->device, device->material_layout, device->gpu->allocator);
 }
 
 VkPipeline vulkan_pipeline_for(const vulkan_device *device, uint64_t state)

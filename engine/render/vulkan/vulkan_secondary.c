@@ -10,9 +10,9 @@ static VkResult list_create(vulkan_device *device, vulkan_list *list)
 	VkCommandPoolCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
 		.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
-		.queueFamilyIndex = device->queue_family,
+		.queueFamilyIndex = device->gpu->queue_family,
 	};
-	return vkCreateCommandPool(device->device, &info, device->allocator, &list->pool);
+	return vkCreateCommandPool(device->gpu->device, &info, device->gpu->allocator, &list->pool);
 }
 
 /* Gives the slot at least count lists. No job may be recording: the array of lists moves. */
@@ -32,7 +32,7 @@ static stilb_result lists_fit(vulkan_device *device, vulkan_slot *slot, uint32_t
 	while (slot->list_count < count) {
 		VkResult result = list_create(device, &slot->lists[slot->list_count]);
 		if (result != VK_SUCCESS)
-			return vulkan_fail(device, result, "make secondary command buffers");
+			return gpu_vulkan_fail(device->gpu, result, "make secondary command buffers");
 		slot->list_count++;
 	}
 	return STILB_OK;
@@ -41,7 +41,7 @@ static stilb_result lists_fit(vulkan_device *device, vulkan_slot *slot, uint32_t
 void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot)
 {
 	for (uint32_t l = 0; l < slot->list_count; l++)
-		vkDestroyCommandPool(device->device, slot->lists[l].pool, device->allocator);
+		vkDestroyCommandPool(device->gpu->device, slot->lists[l].pool, device->gpu->allocator);
 	free(slot->lists);
 	slot->lists = NULL;
 	slot->list_count = 0;
@@ -52,7 +52,7 @@ void vulkan_secondary_destroy(vulkan_device *device, vulkan_slot *slot)
 static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuffer *commands)
 {
 	STILB_ASSERT(list->used <= list->made && list->used < STILB_RENDER_MAX_PASSES);
-	VkResult result = list->used == 0 ? vkResetCommandPool(device->device, list->pool, 0) : VK_SUCCESS;
+	VkResult result = list->used == 0 ? vkResetCommandPool(device->gpu->device, list->pool, 0) : VK_SUCCESS;
 	if (result == VK_SUCCESS && list->used == list->made) {
 		VkCommandBufferAllocateInfo info = {
 			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
@@ -60,7 +60,7 @@ static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuf
 			.level = VK_COMMAND_BUFFER_LEVEL_SECONDARY,
 			.commandBufferCount = 1,
 		};
-		result = vkAllocateCommandBuffers(device->device, &info, &list->commands[list->made]);
+		result = vkAllocateCommandBuffers(device->gpu->device, &info, &list->commands[list->made]);
 		list->made += result == VK_SUCCESS;
 	}
 	if (result == VK_SUCCESS)
@@ -136,7 +136,7 @@ stilb_result vulkan_secondary_record(vulkan_device *device, const render_stream 
 	for (uint32_t l = 0; l < count; l++) {
 		const vulkan_list *list = &slot->lists[l];
 		if (list->result != VK_SUCCESS)
-			return vulkan_fail(device, list->result, "record secondary command buffers");
+			return gpu_vulkan_fail(device->gpu, list->result, "record secondary command buffers");
 		device->base.stats.draw_commands += list->sent.draws;
 		device->base.stats.binds_sent += list->sent.binds;
 	}

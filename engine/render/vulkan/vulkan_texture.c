@@ -29,9 +29,9 @@ static VkResult textures_make(vulkan_device *device)
 		.poolSizeCount = 1,
 		.pPoolSizes = &size,
 	};
-	VkResult result = vkCreateSampler(device->device, &sampler, device->allocator, &device->sampler);
+	VkResult result = vkCreateSampler(device->gpu->device, &sampler, device->gpu->allocator, &device->sampler);
 	if (result == VK_SUCCESS)
-		result = vkCreateDescriptorPool(device->device, &pool, device->allocator, &device->texture_pool);
+		result = vkCreateDescriptorPool(device->gpu->device, &pool, device->gpu->allocator, &device->texture_pool);
 	return result;
 }
 
@@ -41,15 +41,15 @@ stilb_result vulkan_textures_create(vulkan_device *device)
 	if (!device->textures)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the table of textures");
 	VkResult result = textures_make(device);
-	return result == VK_SUCCESS ? STILB_OK : vulkan_fail(device, result, "make a sampler of textures");
+	return result == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(device->gpu, result, "make a sampler of textures");
 }
 
 void vulkan_textures_destroy(vulkan_device *device)
 {
 	for (uint32_t t = 0; device->textures && t < STILB_RENDER_MAX_TEXTURES; t++)
-		vulkan_image_destroy(device, &device->textures[t].image);
-	vkDestroyDescriptorPool(device->device, device->texture_pool, device->allocator); /* frees the sets too */
-	vkDestroySampler(device->device, device->sampler, device->allocator);
+		gpu_vulkan_image_destroy(device->gpu, &device->textures[t].image);
+	vkDestroyDescriptorPool(device->gpu->device, device->texture_pool, device->gpu->allocator); /* frees the sets too */
+	vkDestroySampler(device->gpu->device, device->sampler, device->gpu->allocator);
 	free(device->textures);
 	device->textures = NULL;
 }
@@ -64,15 +64,15 @@ static stilb_result texture_check(const vulkan_device *device, const VkImageCrea
 	                              VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
 	VkFormatProperties format;
 	VkImageFormatProperties can;
-	vkGetPhysicalDeviceFormatProperties(device->gpu, info->format, &format);
-	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu, info->format, info->imageType, info->tiling,
-	                                                           info->usage, info->flags, &can);
+	vkGetPhysicalDeviceFormatProperties(device->gpu->physical, info->format, &format);
+	VkResult result = vkGetPhysicalDeviceImageFormatProperties(device->gpu->physical, info->format, info->imageType,
+	                                                           info->tiling, info->usage, info->flags, &can);
 	if ((format.optimalTilingFeatures & needed) != needed || result == VK_ERROR_FORMAT_NOT_SUPPORTED)
 		return stilb_fail(
 			STILB_ERROR_ARGUMENT, "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats",
-			device->base.name, info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
+			device->gpu->base.name, info->format == VK_FORMAT_R32G32B32A32_SFLOAT ? "32-bit floats" : "this format");
 	if (result != VK_SUCCESS)
-		return vulkan_fail(device, result, "ask the GPU for its largest texture");
+		return gpu_vulkan_fail(device->gpu, result, "ask the GPU for its largest texture");
 	if (info->extent.width > can.maxExtent.width || info->extent.height > can.maxExtent.height)
 		return render_texture_too_large(&device->base, can.maxExtent.width, can.maxExtent.height, image);
 	return STILB_OK;
@@ -86,7 +86,7 @@ static VkResult texture_set_create(vulkan_device *device, vulkan_texture *textur
 		.descriptorSetCount = 1,
 		.pSetLayouts = &device->texture_layout,
 	};
-	VkResult result = vkAllocateDescriptorSets(device->device, &info, &texture->set);
+	VkResult result = vkAllocateDescriptorSets(device->gpu->device, &info, &texture->set);
 	if (result != VK_SUCCESS)
 		return result;
 	VkDescriptorImageInfo image = {
@@ -100,7 +100,7 @@ static VkResult texture_set_create(vulkan_device *device, vulkan_texture *textur
 		.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
 		.pImageInfo = &image,
 	};
-	vkUpdateDescriptorSets(device->device, 1, &write, 0, NULL);
+	vkUpdateDescriptorSets(device->gpu->device, 1, &write, 0, NULL);
 	return VK_SUCCESS;
 }
 
@@ -125,15 +125,15 @@ stilb_result vulkan_texture_create(render_device *base, uint32_t index, const st
 	stilb_result possible = texture_check(device, &info, image);
 	if (possible != STILB_OK)
 		return possible;
-	VkResult result = vulkan_image_create(device, &info, VK_IMAGE_ASPECT_COLOR_BIT, &texture->image);
+	VkResult result = gpu_vulkan_image_create(device->gpu, &info, VK_IMAGE_ASPECT_COLOR_BIT, &texture->image);
 	if (result == VK_SUCCESS)
 		result = texture_set_create(device, texture);
 	if (result == VK_SUCCESS)
 		return STILB_OK;
-	vulkan_image_destroy(device, &texture->image);
+	gpu_vulkan_image_destroy(device->gpu, &texture->image);
 	char what[64];
 	snprintf(what, sizeof what, "make a texture of %ux%u pixels", image->width, image->height);
-	return vulkan_fail(device, result, what);
+	return gpu_vulkan_fail(device->gpu, result, what);
 }
 
 void vulkan_texture_destroy(render_device *base, uint32_t index)
@@ -141,8 +141,8 @@ void vulkan_texture_destroy(render_device *base, uint32_t index)
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_texture *texture = &device->textures[index];
 	STILB_ASSERT(texture->image.image && texture->set);
-	vkFreeDescriptorSets(device->device, device->texture_pool, 1, &texture->set);
-	vulkan_image_destroy(device, &texture->image);
+	vkFreeDescriptorSets(device->gpu->device, device->texture_pool, 1, &texture->set);
+	gpu_vulkan_image_destroy(device->gpu, &texture->image);
 	*texture = (vulkan_texture){0};
 }
 
@@ -159,15 +159,16 @@ void vulkan_texture_copy(vulkan_device *device, const render_texture_upload *upl
 	};
 	/* Draws of the frames before may still sample a texture that is written again. */
 	if (upload->rows == 0)
-		vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
-		                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-		                     VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_NONE,
-		                     VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
-	vkCmdCopyBufferToImage(slot->draw, slot->staging.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+		gpu_vulkan_image_barrier(slot->gpu->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_UNDEFINED,
+		                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+		                         VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
+		                         VK_ACCESS_2_NONE, VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+	vkCmdCopyBufferToImage(slot->gpu->draw, slot->staging.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+	                       &region);
 	if (upload->sent < upload->image.height)
 		return; /* heaps_barrier orders the next rows after these */
-	vulkan_image_barrier(slot->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-	                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
-	                     VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-	                     VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
+	gpu_vulkan_image_barrier(slot->gpu->draw, image, VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+	                         VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
+	                         VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+	                         VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
 }

@@ -1,5 +1,5 @@
 /* Messages about GPUs and their errors. The test needs no driver. */
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
 #include "support/test.h"
 
 #include <string.h>
@@ -19,7 +19,7 @@ static void every_kind_of_gpu_has_its_word(void **state)
 		{(VkPhysicalDeviceType)1000, "other"}, /* a kind from a newer driver than this program */
 	};
 	for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-		assert_string_equal(vulkan_gpu_type_text(kinds[i].type), kinds[i].text);
+		assert_string_equal(gpu_vulkan_gpu_type_text(kinds[i].type), kinds[i].text);
 }
 
 static void errors_have_a_result_a_name_and_a_way_out(void **state)
@@ -43,9 +43,9 @@ static void errors_have_a_result_a_name_and_a_way_out(void **state)
 	     "'dmesg' may say why; start again, or take another with --gpu"},
 		{VK_ERROR_UNKNOWN, STILB_ERROR_DEVICE, "cannot draw: device error (VkResult -13)"},
 	};
-	static vulkan_device device = {.base.name = "Testcard"};
+	static gpu_vulkan gpu = {.base.name = "Testcard"};
 	for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
-		assert_int_equal(vulkan_fail(&device, errors[i].error, "draw"), errors[i].result);
+		assert_int_equal(gpu_vulkan_fail(&gpu, errors[i].error, "draw"), errors[i].result);
 		assert_string_equal(stilb_error_message(), errors[i].text);
 	}
 }

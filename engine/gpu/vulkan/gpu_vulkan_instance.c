@@ -1,5 +1,5 @@
 /* Error messages, the instance, validation, and the choice of a GPU. */
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
 
 #include <ctype.h>
 #include <stdatomic.h>
@@ -13,7 +13,7 @@
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
-static const char *vulkan_error_name(VkResult error)
+static const char *error_name(VkResult error)
 {
 	switch (error) {
 	case VK_ERROR_OUT_OF_HOST_MEMORY:
@@ -41,7 +41,7 @@ static const char *vulkan_error_name(VkResult error)
 	}
 }
 
-stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char *what)
+stilb_result gpu_vulkan_fail(const gpu_vulkan *gpu, VkResult error, const char *what)
 {
 	STILB_ASSERT(error != VK_SUCCESS && what);
 	stilb_result result = STILB_ERROR_DEVICE;
@@ -49,19 +49,19 @@ stilb_result vulkan_fail(const vulkan_device *device, VkResult error, const char
 		return stilb_fail(STILB_ERROR_DEVICE_LOST,
 		                  "cannot %s: device lost (VK_ERROR_DEVICE_LOST %d): GPU '%s' was reset or its driver failed, "
 		                  "'dmesg' may say why; start again, or take another with --gpu",
-		                  what, (int)error, device->base.name);
+		                  what, (int)error, gpu->base.name);
 	if (error == VK_ERROR_SURFACE_LOST_KHR)
 		return stilb_fail(STILB_ERROR_WINDOW, "cannot %s: the window or its display has gone (%s %d)", what,
-		                  vulkan_error_name(error), (int)error);
+		                  error_name(error), (int)error);
 	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || error == VK_ERROR_OUT_OF_DEVICE_MEMORY)
 		result = STILB_ERROR_MEMORY;
 	const char *advice = result == STILB_ERROR_MEMORY ? "; try fewer models or a smaller --size" : "";
-	return stilb_fail(result, "cannot %s: %s (%s %d)%s", what, stilb_result_text(result), vulkan_error_name(error),
-	                  (int)error, advice);
+	return stilb_fail(result, "cannot %s: %s (%s %d)%s", what, stilb_result_text(result), error_name(error), (int)error,
+	                  advice);
 }
 
 /* The loader drops drivers that it cannot load, also those for which there is no memory. */
-static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
+static stilb_result fail_no_driver(const char *call, VkResult error)
 {
 	if (error == VK_ERROR_OUT_OF_HOST_MEMORY || stilb_memory_is_scarce(VULKAN_DRIVER_BYTES))
 		return stilb_fail(STILB_ERROR_MEMORY,
@@ -76,19 +76,19 @@ static stilb_result vulkan_fail_no_driver(const char *call, VkResult error)
 /* ---- instance ---------------------------------------------------------------------------------------------------- */
 
 /* The layer calls this on the thread that made the faulty call, any thread: so the counter is atomic. */
-static VKAPI_ATTR VkBool32 VKAPI_CALL vulkan_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
-                                                     VkDebugUtilsMessageTypeFlagsEXT type,
-                                                     const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
+static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                              VkDebugUtilsMessageTypeFlagsEXT type,
+                                              const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
 {
 	(void)severity, (void)type;
 	STILB_ASSERT(user && data);
-	vulkan_device *device = user;
-	__atomic_fetch_add(&device->base.validation_messages, 1, __ATOMIC_RELAXED); /* relaxed: only the number matters */
+	gpu_vulkan *gpu = user;
+	__atomic_fetch_add(&gpu->base.validation_messages, 1, __ATOMIC_RELAXED); /* relaxed: only the number matters */
 	stilb_log("validation: %s", data->pMessage);
 	return VK_FALSE;
 }
 
-static VkDebugUtilsMessengerCreateInfoEXT vulkan_messenger_info(vulkan_device *device)
+static VkDebugUtilsMessengerCreateInfoEXT messenger_info(gpu_vulkan *gpu)
 {
 	return (VkDebugUtilsMessengerCreateInfoEXT){
 		.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
@@ -96,12 +96,12 @@ static VkDebugUtilsMessengerCreateInfoEXT vulkan_messenger_info(vulkan_device *d
 			VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
 		.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
 	                   VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
-		.pfnUserCallback = vulkan_message,
-		.pUserData = device,
+		.pfnUserCallback = message,
+		.pUserData = gpu,
 	};
 }
 
-static bool vulkan_has_layer(const char *name)
+static bool has_layer(const char *name)
 {
 	VkLayerProperties layers[64];
 	uint32_t count = 64;
@@ -112,41 +112,40 @@ static bool vulkan_has_layer(const char *name)
 	return false;
 }
 
-static VkResult vulkan_messenger_create(vulkan_device *device)
+static VkResult messenger_create(gpu_vulkan *gpu)
 {
 	PFN_vkCreateDebugUtilsMessengerEXT create =
-		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkCreateDebugUtilsMessengerEXT");
-	VkDebugUtilsMessengerCreateInfoEXT info = vulkan_messenger_info(device);
-	device->label_begin =
-		(PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(device->instance, "vkCmdBeginDebugUtilsLabelEXT");
-	device->label_end =
-		(PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(device->instance, "vkCmdEndDebugUtilsLabelEXT");
-	return create ? create(device->instance, &info, NULL, &device->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
+		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(gpu->instance, "vkCreateDebugUtilsMessengerEXT");
+	VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(gpu);
+	gpu->label_begin =
+		(PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdBeginDebugUtilsLabelEXT");
+	gpu->label_end = (PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdEndDebugUtilsLabelEXT");
+	return create ? create(gpu->instance, &info, NULL, &gpu->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
 }
 
-stilb_result vulkan_surface_create(vulkan_device *device, const stilb_render_surface *surface)
+stilb_result gpu_vulkan_surface_create(gpu_vulkan *gpu, const stilb_gpu_surface *surface)
 {
-	STILB_ASSERT(!device->surface);
+	STILB_ASSERT(!gpu->surface);
 	uint64_t handle = 0;
-	VkResult result = surface->create(surface->user, device->instance, &handle);
+	VkResult result = surface->create(surface->user, gpu->instance, &handle);
 	if (result != VK_SUCCESS) {
-		vulkan_fail(device, result, "make a Vulkan surface for the window");
+		gpu_vulkan_fail(gpu, result, "make a Vulkan surface for the window");
 		return STILB_ERROR_WINDOW;
 	}
-	memcpy(&device->surface, &handle, sizeof handle); /* a pointer, or a number on machines of 32 bits */
+	memcpy(&gpu->surface, &handle, sizeof handle); /* a pointer, or a number on machines of 32 bits */
 	return STILB_OK;
 }
 
-void vulkan_surface_destroy(vulkan_device *device)
+void gpu_vulkan_surface_destroy(gpu_vulkan *gpu)
 {
-	STILB_ASSERT(!device->swapchain.handle && "it is of this surface");
-	if (device->surface)
-		vkDestroySurfaceKHR(device->instance, device->surface, NULL);
-	device->surface = VK_NULL_HANDLE;
-	device->surface_lost = false;
+	STILB_ASSERT(!gpu->swapchain.handle && "it is of this surface");
+	if (gpu->surface)
+		vkDestroySurfaceKHR(gpu->instance, gpu->surface, NULL);
+	gpu->surface = VK_NULL_HANDLE;
+	gpu->surface_lost = false;
 }
 
-stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_desc *desc)
+stilb_result gpu_vulkan_instance_create(gpu_vulkan *gpu, const stilb_gpu_desc *desc)
 {
 	static const char *const layer = "VK_LAYER_KHRONOS_validation";
 	VkApplicationInfo application = {
@@ -167,12 +166,12 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 		extensions[extension_count++] = wanted[i];
 	if (desc->validate)
 		extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
-	if (desc->validate && !vulkan_has_layer(layer))
+	if (desc->validate && !has_layer(layer))
 		return stilb_fail(STILB_ERROR_DEVICE,
 		                  "--validate needs the Vulkan validation layer; install it with 'apt install "
 		                  "vulkan-validationlayers'");
 	VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
-	VkDebugUtilsMessengerCreateInfoEXT messenger = vulkan_messenger_info(device);
+	VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(gpu);
 	VkValidationFeaturesEXT features = {
 		.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
 		.pNext = &messenger,
@@ -188,21 +187,21 @@ stilb_result vulkan_instance_create(vulkan_device *device, const stilb_render_de
 		.enabledExtensionCount = extension_count,
 		.ppEnabledExtensionNames = extensions,
 	};
-	VkResult result = vkCreateInstance(&info, NULL, &device->instance);
+	VkResult result = vkCreateInstance(&info, NULL, &gpu->instance);
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-		return vulkan_fail_no_driver("vkCreateInstance", result);
+		return fail_no_driver("vkCreateInstance", result);
 	if (result == VK_SUCCESS && desc->validate)
-		result = vulkan_messenger_create(device);
+		result = messenger_create(gpu);
 	if (result != VK_SUCCESS)
-		return vulkan_fail(device, result, "start Vulkan");
-	return desc->surface ? vulkan_surface_create(device, desc->surface) : STILB_OK;
+		return gpu_vulkan_fail(gpu, result, "start Vulkan");
+	return desc->surface ? gpu_vulkan_surface_create(gpu, desc->surface) : STILB_OK;
 }
 
 /* Keeps the first instance that would be destroyed until the program ends, and returns true then. The loader unloads a
  * driver with its last instance, and not every driver can be loaded again: after a few rounds NVIDIA's (580.159) finds
  * no room for its thread-local variables, and the program has no driver any more. An instance with the validation layer
  * is not kept, since the layer would stay with it. */
-static bool vulkan_instance_keep(VkInstance instance)
+static bool instance_keep(VkInstance instance)
 {
 	static _Atomic(VkInstance) kept;
 	VkInstance none = VK_NULL_HANDLE;
@@ -210,18 +209,18 @@ static bool vulkan_instance_keep(VkInstance instance)
 	return atomic_compare_exchange_strong_explicit(&kept, &none, instance, memory_order_relaxed, memory_order_relaxed);
 }
 
-void vulkan_instance_destroy(vulkan_device *device)
+void gpu_vulkan_instance_destroy(gpu_vulkan *gpu)
 {
-	if (!device->instance)
+	if (!gpu->instance)
 		return;
-	vulkan_surface_destroy(device);
+	gpu_vulkan_surface_destroy(gpu);
 	PFN_vkDestroyDebugUtilsMessengerEXT destroy =
-		(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(device->instance, "vkDestroyDebugUtilsMessengerEXT");
-	if (device->messenger && destroy)
-		destroy(device->instance, device->messenger, NULL);
-	if (device->messenger || !vulkan_instance_keep(device->instance))
-		vkDestroyInstance(device->instance, NULL);
-	device->instance = VK_NULL_HANDLE;
+		(PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(gpu->instance, "vkDestroyDebugUtilsMessengerEXT");
+	if (gpu->messenger && destroy)
+		destroy(gpu->instance, gpu->messenger, NULL);
+	if (gpu->messenger || !instance_keep(gpu->instance))
+		vkDestroyInstance(gpu->instance, NULL);
+	gpu->instance = VK_NULL_HANDLE;
 }
 
 /* ---- GPUs -------------------------------------------------------------------------------------------------------- */
@@ -255,7 +254,7 @@ static const char *gpu_missing(VkPhysicalDevice gpu)
 	return NULL;
 }
 
-const char *vulkan_gpu_type_text(VkPhysicalDeviceType type)
+const char *gpu_vulkan_gpu_type_text(VkPhysicalDeviceType type)
 {
 	switch (type) {
 	case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
@@ -310,30 +309,30 @@ static uint32_t gpu_find(const VkPhysicalDevice *gpus, uint32_t count, const cha
 	return best;
 }
 
-stilb_result vulkan_gpu_select(vulkan_device *device, const char *wanted)
+stilb_result gpu_vulkan_gpu_select(gpu_vulkan *gpu, const char *wanted)
 {
 	VkPhysicalDevice gpus[VULKAN_MAX_GPUS];
 	uint32_t count = VULKAN_MAX_GPUS;
-	VkResult result = vkEnumeratePhysicalDevices(device->instance, &count, gpus);
+	VkResult result = vkEnumeratePhysicalDevices(gpu->instance, &count, gpus);
 	if ((result != VK_SUCCESS && result != VK_INCOMPLETE) || count == 0)
-		return vulkan_fail_no_driver("vkEnumeratePhysicalDevices", result);
+		return fail_no_driver("vkEnumeratePhysicalDevices", result);
 	STILB_ASSERT(count <= VULKAN_MAX_GPUS);
 	uint32_t found = gpu_find(gpus, count, wanted);
 	if (found == count)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no GPU '%s'; 'stilb info' lists the GPUs", wanted);
-	device->gpu = gpus[found];
-	vkGetPhysicalDeviceProperties(device->gpu, &device->properties);
-	vkGetPhysicalDeviceMemoryProperties(device->gpu, &device->memory);
-	const char *missing = gpu_missing(device->gpu);
+	gpu->physical = gpus[found];
+	vkGetPhysicalDeviceProperties(gpu->physical, &gpu->properties);
+	vkGetPhysicalDeviceMemoryProperties(gpu->physical, &gpu->memory);
+	const char *missing = gpu_missing(gpu->physical);
 	if (missing)
 		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' cannot run Stilb: it lacks %s; 'stilb info' lists the others",
-		                  device->properties.deviceName, missing);
-	snprintf(device->base.name, sizeof device->base.name, "%s", device->properties.deviceName);
-	device->base.software = device->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+		                  gpu->properties.deviceName, missing);
+	snprintf(gpu->base.name, sizeof gpu->base.name, "%s", gpu->properties.deviceName);
+	gpu->base.software = gpu->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
 	return STILB_OK;
 }
 
-static void gpu_describe(VkPhysicalDevice gpu, stilb_render_gpu *out)
+static void gpu_describe(VkPhysicalDevice gpu, stilb_gpu_listed *out)
 {
 	VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
 	VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
@@ -343,8 +342,8 @@ static void gpu_describe(VkPhysicalDevice gpu, stilb_render_gpu *out)
 		properties.pNext = &driver;
 		vkGetPhysicalDeviceProperties2(gpu, &properties);
 	}
-	*out = (stilb_render_gpu){
-		.type = vulkan_gpu_type_text(properties.properties.deviceType),
+	*out = (stilb_gpu_listed){
+		.type = gpu_vulkan_gpu_type_text(properties.properties.deviceType),
 		.missing = gpu_missing(gpu),
 	};
 	snprintf(out->name, sizeof out->name, "%s", properties.properties.deviceName);
@@ -353,28 +352,28 @@ static void gpu_describe(VkPhysicalDevice gpu, stilb_render_gpu *out)
 	         VK_API_VERSION_MINOR(version), VK_API_VERSION_PATCH(version));
 }
 
-stilb_result stilb_render_gpu_list(stilb_render_gpu *gpus, uint32_t capacity, uint32_t *count)
+stilb_result stilb_gpu_list(stilb_gpu_listed *gpus, uint32_t capacity, uint32_t *count)
 {
 	VkPhysicalDevice devices[VULKAN_MAX_GPUS];
 	uint32_t found = VULKAN_MAX_GPUS;
-	vulkan_device device = {0};
+	gpu_vulkan gpu = {0};
 	STILB_ASSERT(count && (gpus || capacity == 0));
 	*count = 0;
-	stilb_result result = vulkan_instance_create(&device, &(stilb_render_desc){0});
+	stilb_result result = gpu_vulkan_instance_create(&gpu, &(stilb_gpu_desc){0});
 	if (result != STILB_OK)
 		return result;
-	VkResult listed = vkEnumeratePhysicalDevices(device.instance, &found, devices);
+	VkResult listed = vkEnumeratePhysicalDevices(gpu.instance, &found, devices);
 	if (listed != VK_SUCCESS && listed != VK_INCOMPLETE) {
 		found = 0; /* on an error the array is not filled in */
-		result = vulkan_fail_no_driver("vkEnumeratePhysicalDevices", listed);
+		result = fail_no_driver("vkEnumeratePhysicalDevices", listed);
 	}
 	for (uint32_t i = 0; i < found && i < capacity; i++)
 		gpu_describe(devices[i], &gpus[(*count)++]);
-	vulkan_instance_destroy(&device);
+	gpu_vulkan_instance_destroy(&gpu);
 	return result;
 }
 
-const char *stilb_render_vulkan_version(void)
+const char *stilb_gpu_vulkan_version(void)
 {
 	static char text[32];
 	uint32_t version = VK_API_VERSION_1_0;

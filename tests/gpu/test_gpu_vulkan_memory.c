@@ -1,5 +1,5 @@
 /* The type of memory that a buffer gets from a GPU with several. The test stands in for the driver. */
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
 #include "support/test.h"
 
 #define LOCAL VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT
@@ -14,7 +14,7 @@ enum {
 	TYPES
 }; /* as a discrete GPU has them; BAR: the part of its memory that the CPU maps */
 
-static vulkan_device device = {
+static gpu_vulkan gpu = {
 	.base.name = "Testcard",
 	.memory = {.memoryTypeCount = TYPES,
                .memoryTypes = {{.propertyFlags = LOCAL},
@@ -82,15 +82,15 @@ void vkFreeMemory(VkDevice d, VkDeviceMemory memory, const VkAllocationCallbacks
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-static stilb_result buffer_of(vulkan_memory_kind kind, uint32_t allowed_types, uint32_t full_types)
+static stilb_result buffer_of(stilb_gpu_memory kind, uint32_t allowed_types, uint32_t full_types)
 {
-	vulkan_buffer buffer;
+	gpu_vulkan_buffer buffer;
 	allowed = allowed_types;
 	full = full_types;
 	tries = 0;
-	stilb_result result = vulkan_buffer_create(&device, 256, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kind, &buffer);
-	assert_true(result != STILB_OK || !buffer.mapped == (kind == VULKAN_MEMORY_DEVICE));
-	vulkan_buffer_destroy(&device, &buffer);
+	stilb_result result = gpu_vulkan_buffer_create(&gpu, 256, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kind, &buffer);
+	assert_true(result != STILB_OK || !buffer.mapped == (kind == STILB_GPU_MEMORY_DEVICE));
+	gpu_vulkan_buffer_destroy(&gpu, &buffer);
 	return result;
 }
 
@@ -101,17 +101,17 @@ static void each_use_gets_its_memory(void **state)
 {
 	(void)state;
 	static const struct {
-		vulkan_memory_kind kind;
+		stilb_gpu_memory kind;
 		uint32_t allowed, type;
 	} uses[] = {
-		{VULKAN_MEMORY_DEVICE, ANY, GPU},
-		{VULKAN_MEMORY_WRITE, ANY, BAR},
-		{VULKAN_MEMORY_SHARED, ANY, CPU_CACHED},
-		{VULKAN_MEMORY_READBACK, ANY, CPU_CACHED},
+		{STILB_GPU_MEMORY_DEVICE, ANY, GPU},
+		{STILB_GPU_MEMORY_WRITE, ANY, BAR},
+		{STILB_GPU_MEMORY_SHARED, ANY, CPU_CACHED},
+		{STILB_GPU_MEMORY_READ, ANY, CPU_CACHED},
 		/* The best type that the buffer may have, and that the CPU can map if it is to. */
-		{VULKAN_MEMORY_DEVICE, BIT(CPU) | BIT(CPU_CACHED), CPU},
-		{VULKAN_MEMORY_WRITE, BIT(GPU) | BIT(CPU), CPU},
-		{VULKAN_MEMORY_READBACK, BIT(GPU) | BIT(BAR), BAR},
+		{STILB_GPU_MEMORY_DEVICE, BIT(CPU) | BIT(CPU_CACHED), CPU},
+		{STILB_GPU_MEMORY_WRITE, BIT(GPU) | BIT(CPU), CPU},
+		{STILB_GPU_MEMORY_READ, BIT(GPU) | BIT(BAR), BAR},
 	};
 	for (size_t i = 0; i < sizeof uses / sizeof *uses; i++) {
 		assert_int_equal(buffer_of(uses[i].kind, uses[i].allowed, 0), STILB_OK);
@@ -123,14 +123,14 @@ static void each_use_gets_its_memory(void **state)
 static void the_next_best_is_taken_when_one_is_full(void **state)
 {
 	(void)state;
-	assert_int_equal(buffer_of(VULKAN_MEMORY_WRITE, ANY, BIT(BAR)), STILB_OK);
+	assert_int_equal(buffer_of(STILB_GPU_MEMORY_WRITE, ANY, BIT(BAR)), STILB_OK);
 	assert_int_equal(tries, 2);
 	assert_int_equal(tried[0], BAR);
 	assert_int_equal(tried[1], CPU);
 	/* Never memory that the CPU cannot map. */
-	assert_int_equal(buffer_of(VULKAN_MEMORY_WRITE, ANY, BIT(CPU) | BIT(CPU_CACHED) | BIT(BAR)), STILB_ERROR_MEMORY);
+	assert_int_equal(buffer_of(STILB_GPU_MEMORY_WRITE, ANY, BIT(CPU) | BIT(CPU_CACHED) | BIT(BAR)), STILB_ERROR_MEMORY);
 	assert_int_equal(tries, 3);
-	assert_int_equal(buffer_of(VULKAN_MEMORY_WRITE, BIT(GPU), 0), STILB_ERROR_MEMORY);
+	assert_int_equal(buffer_of(STILB_GPU_MEMORY_WRITE, BIT(GPU), 0), STILB_ERROR_MEMORY);
 	assert_int_equal(tries, 0);
 }
 

@@ -1,10 +1,10 @@
 /* Barriers between the commands of a queue. */
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
 
-VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                                              VkImageLayout to, VkPipelineStageFlags2 from_stage,
-                                              VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
-                                              VkAccessFlags2 to_access)
+VkImageMemoryBarrier2 gpu_vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                                                  VkImageLayout to, VkPipelineStageFlags2 from_stage,
+                                                  VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
+                                                  VkAccessFlags2 to_access)
 {
 	STILB_ASSERT(image && aspect && to != VK_IMAGE_LAYOUT_UNDEFINED);
 	return (VkImageMemoryBarrier2){
@@ -22,7 +22,7 @@ VkImageMemoryBarrier2 vulkan_image_transition(VkImage image, VkImageAspectFlags 
 	};
 }
 
-void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count)
+void gpu_vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count)
 {
 	STILB_ASSERT(commands && count > 0);
 	VkDependencyInfo dependency = {
@@ -33,16 +33,16 @@ void vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2
 	vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-void vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
-                          VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
-                          VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access)
+void gpu_vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                              VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
+                              VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access)
 {
 	VkImageMemoryBarrier2 transition =
-		vulkan_image_transition(image, aspect, from, to, from_stage, from_access, to_stage, to_access);
-	vulkan_image_barriers(commands, &transition, 1);
+		gpu_vulkan_image_transition(image, aspect, from, to, from_stage, from_access, to_stage, to_access);
+	gpu_vulkan_image_barriers(commands, &transition, 1);
 }
 
-void vulkan_host_barrier(VkCommandBuffer commands)
+void gpu_vulkan_host_barrier(VkCommandBuffer commands)
 {
 	VkMemoryBarrier2 barrier = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,

@@ -1,0 +1,239 @@
+/*
+ * The Vulkan device, version 1.3: dynamic rendering, synchronization2, timeline semaphores, buffer addresses.
+ *
+ * There are two frame slots. A slot owns the command buffers of a frame, and is reused when the timeline semaphore says
+ * that the GPU is done with it. A frame makes two submissions: `draw` (what is drawn) and `show` (the picture to the
+ * window or to memory). All frames follow each other on one queue, and barriers order them.
+ */
+#ifndef STILB_GPU_VULKAN_INTERNAL_H
+#define STILB_GPU_VULKAN_INTERNAL_H
+
+#include "gpu/gpu_internal.h"
+#include "profiler/prof.h"
+
+#include <pthread.h>
+#include <vulkan/vulkan.h>
+
+#define GPU_VULKAN_MAX_SWAPCHAIN_IMAGES 16
+
+typedef struct gpu_vulkan_buffer {
+	VkBuffer buffer;
+	VkDeviceMemory memory;
+	VkDeviceSize size;
+	VkDeviceAddress address; /* 0 unless made with VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT */
+	void *mapped;            /* for the CPU; NULL for STILB_GPU_MEMORY_DEVICE */
+} gpu_vulkan_buffer;
+
+typedef struct gpu_vulkan_image {
+	VkImage image;
+	VkImageView view;
+	VkDeviceMemory memory;
+} gpu_vulkan_image;
+
+/* The GPU's clock (ticks) and CLOCK_MONOTONIC (ns), read together; ns 0: never read. */
+typedef struct gpu_vulkan_moment {
+	uint64_t ticks, ns;
+} gpu_vulkan_moment;
+
+/* The timestamps of a slot's frame. */
+typedef struct gpu_vulkan_slot_times {
+	VkQueryPool queries;           /* null: the queue has no timestamps */
+	gpu_vulkan_buffer results;     /* GPU ticks: begin and end of the frame, then of each pass */
+	const stilb_prof_site **sites; /* [passes] names of the passes */
+	uint32_t passes, capacity;
+	bool taken;               /* the frame was submitted, its timestamps were not read */
+	gpu_vulkan_moment moment; /* reading of both clocks that was the last at its submission */
+	uint64_t submitted_ns;    /* CLOCK_MONOTONIC */
+} gpu_vulkan_slot_times;
+
+typedef struct gpu_vulkan_times {
+	PFN_vkGetCalibratedTimestampsEXT read_clocks; /* NULL: this GPU cannot read both clocks together */
+	gpu_vulkan_moment moment;                     /* the last accurate reading of both (TIMES_WORST_NS) */
+	stilb_prof_lane_handle *lane;                 /* NULL: there was no memory for it */
+	uint64_t shown_ns;                            /* end of the frame shown last in the lane, CLOCK_MONOTONIC */
+} gpu_vulkan_times;
+
+typedef struct gpu_vulkan_slot {
+	VkCommandPool pool;
+	VkCommandBuffer draw, show;
+	VkSemaphore acquired; /* signalled when the window's image may be drawn into */
+	gpu_vulkan_slot_times times;
+	uint64_t done; /* timeline value of the slot's last submission */
+} gpu_vulkan_slot;
+
+typedef struct gpu_vulkan_swapchain {
+	VkSwapchainKHR handle;
+	VkExtent2D extent;
+	uint32_t image_count;
+	VkImage images[GPU_VULKAN_MAX_SWAPCHAIN_IMAGES];
+	VkSemaphore shown[GPU_VULKAN_MAX_SWAPCHAIN_IMAGES]; /* signalled when the blit into this image is done */
+	bool stale; /* the window has changed: must be made anew before its next use */
+} gpu_vulkan_swapchain;
+
+typedef struct gpu_vulkan {
+	stilb_gpu base;
+
+	VkInstance instance;
+	VkDebugUtilsMessengerEXT messenger;
+	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate */
+	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
+	VkSurfaceKHR surface;                /* null without a window */
+	bool presents;                       /* created with a surface: another one can take its place */
+	stilb_gpu_presentation presentation; /* of this surface; as asked for, or FIFO */
+	stilb_gpu_presentation asked;        /* as asked for */
+	bool surface_lost;                   /* the window or its display has gone: pictures are copied to memory */
+	VkPhysicalDevice physical;
+	VkPhysicalDeviceProperties properties;
+	VkPhysicalDeviceMemoryProperties memory;
+	VkDevice device;
+	VkQueue queue;
+	uint32_t queue_family;
+
+	VkSemaphore timeline;
+	uint64_t timeline_value; /* the semaphore's value once the last submission is done */
+	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
+	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
+	gpu_vulkan_times times;
+
+	const VkAllocationCallbacks *allocator; /* for all objects of the device; NULL: the driver's own */
+
+	/* Several threads may need pipelines: this guards which there are and which a thread is making, not their use. */
+	pthread_mutex_t pipelines_lock;
+	pthread_cond_t pipelines_made;
+	bool pipelines_lock_made;
+
+	gpu_vulkan_slot slots[STILB_GPU_FRAMES];
+	uint32_t slot; /* index of the current frame's slot */
+	gpu_vulkan_swapchain swapchain;
+	VkExtent2D picture; /* size of what the window shows, where the window says none of its own */
+} gpu_vulkan;
+
+/* The slot of the current frame. */
+static inline gpu_vulkan_slot *gpu_vulkan_slot_now(gpu_vulkan *gpu)
+{
+	STILB_ASSERT(gpu->slot < STILB_GPU_FRAMES);
+	return &gpu->slots[gpu->slot];
+}
+
+/* For tests: the allocator of devices that are created from now on. NULL, its first value: the driver's own. */
+extern const VkAllocationCallbacks *gpu_vulkan_host_allocator;
+
+/* gpu_vulkan_instance.c: errors, the instance, the choice of a GPU. */
+
+/* The result for a VkResult that is an error, with the message "cannot WHAT: out of memory
+ * (VK_ERROR_OUT_OF_HOST_MEMORY -1); try ...". */
+stilb_result gpu_vulkan_fail(const gpu_vulkan *gpu, VkResult error, const char *what);
+stilb_result gpu_vulkan_instance_create(gpu_vulkan *gpu, const stilb_gpu_desc *desc);
+/* Makes the surface of a window, gpu->surface. STILB_ERROR_WINDOW: then it is null. */
+stilb_result gpu_vulkan_surface_create(gpu_vulkan *gpu, const stilb_gpu_surface *surface);
+/* Safe to call without a surface; its swapchain has been destroyed. */
+void gpu_vulkan_surface_destroy(gpu_vulkan *gpu);
+/* Chooses the GPU that `wanted` names (stilb_gpu_desc.name). */
+stilb_result gpu_vulkan_gpu_select(gpu_vulkan *gpu, const char *wanted);
+/* Safe to call again, and without an instance. */
+void gpu_vulkan_instance_destroy(gpu_vulkan *gpu);
+/* The words for a kind of GPU: "discrete GPU", ... , "other" also for kinds that are newer than this program. */
+const char *gpu_vulkan_gpu_type_text(VkPhysicalDeviceType type);
+
+/* gpu_vulkan_device.c */
+
+/* Opens a GPU: with a timeline, slots, timestamps and, where there is a window, its swapchain. picture: what the window
+ * shows. */
+stilb_result gpu_vulkan_create(const stilb_gpu_desc *desc, VkExtent2D picture, gpu_vulkan **out);
+/* Accepts NULL. What others made of it has been destroyed, after gpu_vulkan_idle. */
+void gpu_vulkan_destroy(gpu_vulkan *gpu);
+/* Waits until the GPU has nothing to do, also if the driver has no memory to wait with. */
+void gpu_vulkan_idle(gpu_vulkan *gpu);
+/* STILB_ERROR_MEMORY: a software driver needs this much address space, and there is not so much. */
+stilb_result gpu_vulkan_check_memory(const gpu_vulkan *gpu, size_t bytes);
+
+/* gpu_vulkan_barrier.c: barriers between the commands of a queue. */
+
+/* One image barrier: everything in from_stage and its writes come before everything in to_stage, and the layout changes
+ * in between. VK_IMAGE_LAYOUT_UNDEFINED as `from` discards the contents. */
+VkImageMemoryBarrier2 gpu_vulkan_image_transition(VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                                                  VkImageLayout to, VkPipelineStageFlags2 from_stage,
+                                                  VkAccessFlags2 from_access, VkPipelineStageFlags2 to_stage,
+                                                  VkAccessFlags2 to_access);
+/* Records several of them as one command. */
+void gpu_vulkan_image_barriers(VkCommandBuffer commands, const VkImageMemoryBarrier2 *transitions, uint32_t count);
+/* The transition of gpu_vulkan_image_transition, recorded as one command. */
+void gpu_vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                              VkImageLayout to, VkPipelineStageFlags2 from_stage, VkAccessFlags2 from_access,
+                              VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
+/* Makes copies recorded so far visible to the CPU once the submission has finished. */
+void gpu_vulkan_host_barrier(VkCommandBuffer commands);
+
+/* gpu_vulkan_memory.c: buffers and images, each with memory of its own (a frame has few). */
+
+/* size > 0, bytes. On failure *buffer is {0}; the message says how much memory was asked for. */
+stilb_result gpu_vulkan_buffer_create(gpu_vulkan *gpu, VkDeviceSize size, VkBufferUsageFlags usage,
+                                      stilb_gpu_memory kind, gpu_vulkan_buffer *buffer);
+/* Leaves {0}; accepts {0}. */
+void gpu_vulkan_buffer_destroy(gpu_vulkan *gpu, gpu_vulkan_buffer *buffer);
+/* The caller has checked that the GPU supports such an image. On failure *image is {0}. */
+VkResult gpu_vulkan_image_create(gpu_vulkan *gpu, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                                 gpu_vulkan_image *image);
+/* Leaves {0}; accepts {0}. */
+void gpu_vulkan_image_destroy(gpu_vulkan *gpu, gpu_vulkan_image *image);
+
+/* gpu_vulkan_once.c */
+
+/* A pipeline that is made when it is first needed, or before. Both members are guarded by gpu_vulkan.pipelines_lock
+ * until gpu_vulkan_pipeline_once has returned. */
+typedef struct gpu_vulkan_pipeline {
+	VkPipeline handle; /* null: not needed so far */
+	bool making;       /* a thread compiles it */
+} gpu_vulkan_pipeline;
+
+VkResult gpu_vulkan_once_create(gpu_vulkan *gpu);
+void gpu_vulkan_once_destroy(gpu_vulkan *gpu);
+/* Makes a pipeline unless it is there; if another thread makes it, waits for that. `make` stores it. [any-thread] */
+typedef VkResult gpu_vulkan_make_fn(void *user, const void *what, VkPipeline *pipeline);
+VkResult gpu_vulkan_pipeline_once(gpu_vulkan *gpu, gpu_vulkan_pipeline *pipeline, gpu_vulkan_make_fn *make, void *user,
+                                  const void *what);
+
+/* gpu_vulkan_frame.c: slots and submission. */
+stilb_result gpu_vulkan_frames_create(gpu_vulkan *gpu);
+void gpu_vulkan_frames_destroy(gpu_vulkan *gpu);
+/* Makes the next slot the current one: waits until the GPU is done with it and reads its timestamps. */
+stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu);
+/* Empties the slot's command buffers and begins `draw`, with timestamps for up to `passes` passes. */
+stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes);
+/* Ends and submits `draw`. */
+stilb_result gpu_vulkan_slot_submit(gpu_vulkan *gpu);
+/* Begins `show`. */
+stilb_result gpu_vulkan_show_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
+/* Ends and submits `show`; see gpu_vulkan_queue_submit. */
+stilb_result gpu_vulkan_show_submit(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkSemaphore wait, VkSemaphore signal);
+/* Submits a command buffer. Its transfers wait for the semaphore `wait`, and it signals `signal` and the timeline's
+ * next value; both semaphores may be null. */
+stilb_result gpu_vulkan_queue_submit(gpu_vulkan *gpu, VkCommandBuffer commands, VkSemaphore wait, VkSemaphore signal);
+/* Waits until the GPU has finished the submission that signals `value`. */
+stilb_result gpu_vulkan_timeline_wait(gpu_vulkan *gpu, uint64_t value);
+/* Waits for everything that was submitted, and reads all timestamps. */
+stilb_result gpu_vulkan_wait(gpu_vulkan *gpu);
+
+/* gpu_vulkan_times.c: timestamps, in the order of the calls of a frame. */
+stilb_result gpu_vulkan_times_create(gpu_vulkan *gpu);
+void gpu_vulkan_times_destroy(gpu_vulkan *gpu);
+/* For up to `passes` passes; the slot's last frame has been read. */
+stilb_result gpu_vulkan_times_begin(gpu_vulkan *gpu, uint32_t passes);
+void gpu_vulkan_times_pass_begin(gpu_vulkan *gpu, const stilb_prof_site *name);
+void gpu_vulkan_times_pass_end(gpu_vulkan *gpu);
+void gpu_vulkan_times_end(gpu_vulkan *gpu);
+/* Call right after the submission of the frame's draws. good: it succeeded. */
+void gpu_vulkan_times_submitted(gpu_vulkan *gpu, bool good);
+/* Call when the slot's frame is done, for frames in the order of their submission. Does nothing if it was read
+ * already. */
+void gpu_vulkan_times_read(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
+
+/* gpu_vulkan_present.c: a picture to the window. */
+stilb_result gpu_vulkan_swapchain_create(gpu_vulkan *gpu);
+void gpu_vulkan_swapchain_destroy(gpu_vulkan *gpu);
+stilb_result gpu_vulkan_set_surface(gpu_vulkan *gpu, const stilb_gpu_surface *surface);
+/* Copies an image, which is in the layout TRANSFER_SRC_OPTIMAL, to the window, scaled where sizes differ. The window
+ * has been created and is not lost. STILB_ERROR_WINDOW: it is now (gpu->surface_lost). */
+stilb_result gpu_vulkan_present_image(gpu_vulkan *gpu, VkImage image, VkExtent2D size);
+
+#endif

@@ -1,0 +1,155 @@
+/* Buffers and images, each with an allocation of its own. */
+#include "gpu/vulkan/gpu_vulkan_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The memory type among `allowed` (a bit each) that has all flags of `required` and most of `preferred`; UINT32_MAX:
+ * there is none. */
+static uint32_t memory_type(const gpu_vulkan *gpu, uint32_t allowed, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags preferred)
+{
+	uint32_t best = UINT32_MAX;
+	int best_score = -1;
+	for (uint32_t i = 0; i < gpu->memory.memoryTypeCount; i++) {
+		VkMemoryPropertyFlags flags = gpu->memory.memoryTypes[i].propertyFlags;
+		if (!(allowed & (1u << i)) || (flags & required) != required)
+			continue;
+		int score = __builtin_popcount(flags & preferred);
+		if (score > best_score) {
+			best = i;
+			best_score = score;
+		}
+	}
+	return best;
+}
+
+/* Allocates from the best memory type, and if that fails from the next best: a GPU's host-visible heap may be full. */
+static VkResult memory_allocate(gpu_vulkan *gpu, VkMemoryRequirements needs, stilb_gpu_memory kind, bool address,
+                                VkDeviceMemory *memory)
+{
+	static const VkMemoryPropertyFlags required[] = {
+		[STILB_GPU_MEMORY_DEVICE] = 0,
+		[STILB_GPU_MEMORY_WRITE] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+		[STILB_GPU_MEMORY_SHARED] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+		[STILB_GPU_MEMORY_READ] = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+	};
+	static const VkMemoryPropertyFlags preferred[] = {
+		[STILB_GPU_MEMORY_DEVICE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+		[STILB_GPU_MEMORY_WRITE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+		[STILB_GPU_MEMORY_SHARED] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+		[STILB_GPU_MEMORY_READ] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+	};
+	VkMemoryAllocateFlagsInfo flags = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
+	};
+	VkMemoryAllocateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+		.pNext = address ? &flags : NULL,
+		.allocationSize = needs.size,
+	};
+	VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+	STILB_ASSERT(needs.size > 0 && needs.memoryTypeBits && (uint32_t)kind <= STILB_GPU_MEMORY_READ);
+	if (gpu_fault_allocation(&gpu->base))
+		return result;
+	uint32_t allowed = needs.memoryTypeBits, type;
+	while ((type = memory_type(gpu, allowed, required[kind], preferred[kind])) != UINT32_MAX) {
+		info.memoryTypeIndex = type;
+		result = vkAllocateMemory(gpu->device, &info, gpu->allocator, memory);
+		if (result == VK_SUCCESS)
+			break;
+		allowed &= ~(1u << type);
+	}
+	return result;
+}
+
+static VkResult memory_buffer_make(gpu_vulkan *gpu, VkBufferUsageFlags usage, stilb_gpu_memory kind,
+                                   gpu_vulkan_buffer *buffer)
+{
+	bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+	VkBufferCreateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+		.size = buffer->size,
+		.usage = usage,
+	};
+	VkResult result = vkCreateBuffer(gpu->device, &info, gpu->allocator, &buffer->buffer);
+	if (result != VK_SUCCESS)
+		return result;
+	VkMemoryRequirements needs;
+	vkGetBufferMemoryRequirements(gpu->device, buffer->buffer, &needs);
+	result = memory_allocate(gpu, needs, kind, address, &buffer->memory);
+	if (result == VK_SUCCESS)
+		result = vkBindBufferMemory(gpu->device, buffer->buffer, buffer->memory, 0);
+	if (result == VK_SUCCESS && kind != STILB_GPU_MEMORY_DEVICE)
+		result = vkMapMemory(gpu->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
+	if (result == VK_SUCCESS && address)
+		buffer->address = vkGetBufferDeviceAddress(
+			gpu->device, &(VkBufferDeviceAddressInfo){.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
+		                                              .buffer = buffer->buffer});
+	return result;
+}
+
+stilb_result gpu_vulkan_buffer_create(gpu_vulkan *gpu, VkDeviceSize size, VkBufferUsageFlags usage,
+                                      stilb_gpu_memory kind, gpu_vulkan_buffer *buffer)
+{
+	STILB_ASSERT(size > 0 && usage && "an empty buffer is not valid Vulkan");
+	*buffer = (gpu_vulkan_buffer){.size = size};
+	VkResult result = memory_buffer_make(gpu, usage, kind, buffer);
+	if (result == VK_SUCCESS)
+		return STILB_OK;
+	gpu_vulkan_buffer_destroy(gpu, buffer);
+	char what[96];
+	if (size < 1 << 20)
+		snprintf(what, sizeof what, "get %u KiB of GPU memory", (unsigned)((size + 1023) / 1024));
+	else
+		snprintf(what, sizeof what, "get %.1f MiB of GPU memory", (double)size / (1024.0 * 1024.0));
+	return gpu_vulkan_fail(gpu, result, what);
+}
+
+void gpu_vulkan_buffer_destroy(gpu_vulkan *gpu, gpu_vulkan_buffer *buffer)
+{
+	vkDestroyBuffer(gpu->device, buffer->buffer, gpu->allocator);
+	vkFreeMemory(gpu->device, buffer->memory, gpu->allocator); /* unmaps */
+	*buffer = (gpu_vulkan_buffer){0};
+}
+
+static VkResult memory_image_make(gpu_vulkan *gpu, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                                  gpu_vulkan_image *image)
+{
+	VkResult result = vkCreateImage(gpu->device, info, gpu->allocator, &image->image);
+	if (result != VK_SUCCESS)
+		return result;
+	VkMemoryRequirements needs;
+	vkGetImageMemoryRequirements(gpu->device, image->image, &needs);
+	result = memory_allocate(gpu, needs, STILB_GPU_MEMORY_DEVICE, false, &image->memory);
+	if (result == VK_SUCCESS)
+		result = vkBindImageMemory(gpu->device, image->image, image->memory, 0);
+	VkImageViewCreateInfo view = {
+		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+		.image = image->image,
+		.viewType = VK_IMAGE_VIEW_TYPE_2D,
+		.format = info->format,
+		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
+	};
+	return result == VK_SUCCESS ? vkCreateImageView(gpu->device, &view, gpu->allocator, &image->view) : result;
+}
+
+VkResult gpu_vulkan_image_create(gpu_vulkan *gpu, const VkImageCreateInfo *info, VkImageAspectFlags aspect,
+                                 gpu_vulkan_image *image)
+{
+	STILB_ASSERT(info->extent.width > 0 && info->extent.height > 0 && aspect);
+	*image = (gpu_vulkan_image){0};
+	VkResult result = memory_image_make(gpu, info, aspect, image);
+	if (result != VK_SUCCESS)
+		gpu_vulkan_image_destroy(gpu, image);
+	return result;
+}
+
+void gpu_vulkan_image_destroy(gpu_vulkan *gpu, gpu_vulkan_image *image)
+{
+	vkDestroyImageView(gpu->device, image->view, gpu->allocator);
+	vkDestroyImage(gpu->device, image->image, gpu->allocator);
+	vkFreeMemory(gpu->device, image->memory, gpu->allocator);
+	*image = (gpu_vulkan_image){0};
+}
