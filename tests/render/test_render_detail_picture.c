@@ -399,8 +399,8 @@ static void pictures_do_not_depend_on_how_they_are_replayed(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_pixel_of_a_fade_is_one_levels),
-		cmocka_unit_test(nothing_opens_between_levels),
+		test_no_asan(every_pixel_of_a_fade_is_one_levels),
+		test_no_asan(nothing_opens_between_levels),
 		cmocka_unit_test(a_morph_goes_from_level_to_level),
 		cmocka_unit_test(pixels_are_lit_inside_of_triangles),
 		cmocka_unit_test(pictures_do_not_depend_on_how_they_are_replayed),

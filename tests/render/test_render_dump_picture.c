@@ -186,7 +186,8 @@ static void the_same_pixels(void **state)
 	stilb_render_destroy(render);
 	assert_true(pixels_drawn(&picture) > SIDE * SIDE / 5);
 	for (int way = 0; way < 9; way++)
-		assert_plays(way % 3, way / 3, &picture, hash);
+		if (!TEST_ASAN || way % 3 == way / 3) /* test_render_picture has all pairs */
+			assert_plays(way % 3, way / 3, &picture, hash);
 	stilb_image_finish(&picture);
 }
 

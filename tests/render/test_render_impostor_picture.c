@@ -315,6 +315,8 @@ static void test_replays(void **state)
 	stilb_image first = {0};
 	uint64_t hash = 0;
 	for (int way = 0; way < 9; way++) {
+		if (TEST_ASAN && way % 3 != way / 3)
+			continue; /* each replay and each kind of materials once; test_render_picture has all pairs */
 		stage s = stage_open(&model, &impostor,
 		                     (stilb_render_desc){.width = 64,
 		                                         .height = 64,

@@ -295,6 +295,8 @@ static void the_same_in_every_mode(void **state)
 	stilb_image first = {0};
 	draw draws[CELLS * CELLS];
 	for (int way = 0; way < 18; way++) {
+		if (TEST_ASAN && way % 3 != way / 3 % 3)
+			continue; /* each replay and each kind of materials; test_render_picture has all pairs */
 		stilb_render_desc desc = {
 			.replay = (stilb_render_replay_mode)(way % 3),
 			.materials = (stilb_render_materials)(way / 3 % 3),
