@@ -17,6 +17,8 @@
 
 #include "gpu/gpu_plan.h"
 
+#include <stdio.h>
+
 #define GPU_MAX_HEAPS 64u
 #define GPU_LAYOUT_UNKNOWN 0xffu /* of an owned image that this plan has not touched */
 #define GPU_NO_RECORD UINT32_MAX
@@ -210,6 +212,14 @@ static inline const char *gpu_resource_word(const gpu_resource *resource)
 {
 	return resource->buffer ? "buffer" : "image";
 }
+
+/* ---- words of text and drawing, gpu_plan_text.c ------------------------------------------------------------------ */
+
+void gpu_print_title(FILE *out, const stilb_gpu_plan *plan);
+void gpu_print_bytes(FILE *out, uint64_t bytes);                /* "12 B", "1.5 MiB" */
+void gpu_print_extent(FILE *out, const gpu_resource *resource); /* "rgba8_u 64 x 64 cube 3 mips" */
+void gpu_print_barrier(FILE *out, const stilb_gpu_plan *plan, const stilb_gpu_barrier *barrier);
+void gpu_print_left_out(FILE *out, const stilb_gpu_plan *plan, uint32_t row); /* why a pass does not run */
 
 /* ---- steps of making a plan, in their order ---------------------------------------------------------------------- */
 
