@@ -88,9 +88,11 @@ static stilb_result buffer_of(stilb_gpu_memory kind, uint32_t allowed_types, uin
 	allowed = allowed_types;
 	full = full_types;
 	tries = 0;
+	assert_int_equal(gpu_vulkan_memory_create(&gpu), VK_SUCCESS);
 	stilb_result result = gpu_vulkan_buffer_create(&gpu, 256, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, kind, &buffer);
 	assert_true(result != STILB_OK || !buffer.mapped == (kind == STILB_GPU_MEMORY_DEVICE));
 	gpu_vulkan_buffer_destroy(&gpu, &buffer);
+	gpu_vulkan_memory_destroy(&gpu);
 	return result;
 }
 

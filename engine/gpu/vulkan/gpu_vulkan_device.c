@@ -121,7 +121,9 @@ static stilb_result device_start(gpu_vulkan *gpu, const stilb_gpu_desc *desc)
 		result = device_open(gpu);
 	if (result == STILB_OK) {
 		VkResult locked = gpu_vulkan_once_create(gpu);
-		result = locked == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(gpu, locked, "make the lock of the pipelines");
+		if (locked == VK_SUCCESS)
+			locked = gpu_vulkan_memory_create(gpu);
+		result = locked == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(gpu, locked, "make the locks of the device");
 	}
 	if (result == STILB_OK)
 		result = gpu_vulkan_frames_create(gpu);
@@ -165,6 +167,7 @@ void gpu_vulkan_destroy(gpu_vulkan *gpu)
 		gpu_vulkan_idle(gpu);
 		gpu_vulkan_swapchain_destroy(gpu);
 		gpu_vulkan_frames_destroy(gpu);
+		gpu_vulkan_memory_destroy(gpu);
 		gpu_vulkan_once_destroy(gpu);
 		vkDestroyDevice(gpu->device, gpu->allocator);
 	}

@@ -9,6 +9,7 @@
 #define STILB_GPU_VULKAN_INTERNAL_H
 
 #include "gpu/gpu_internal.h"
+#include "gpu/gpu_memory_internal.h"
 #include "profiler/prof.h"
 
 #include <pthread.h>
@@ -18,7 +19,7 @@
 
 typedef struct gpu_vulkan_buffer {
 	VkBuffer buffer;
-	VkDeviceMemory memory;
+	gpu_memory_place place;
 	VkDeviceSize size;
 	VkDeviceAddress address; /* 0 unless made with VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT */
 	void *mapped;            /* for the CPU; NULL for STILB_GPU_MEMORY_DEVICE */
@@ -27,7 +28,7 @@ typedef struct gpu_vulkan_buffer {
 typedef struct gpu_vulkan_image {
 	VkImage image;
 	VkImageView view;
-	VkDeviceMemory memory;
+	gpu_memory_place place;
 } gpu_vulkan_image;
 
 /* The GPU's clock (ticks) and CLOCK_MONOTONIC (ns), read together; ns 0: never read. */
@@ -95,6 +96,7 @@ typedef struct gpu_vulkan {
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 
+	gpu_memory blocks;
 	const VkAllocationCallbacks *allocator; /* for all objects of the device; NULL: the driver's own */
 
 	/* Several threads may need pipelines: this guards which there are and which a thread is making, not their use. */
@@ -164,7 +166,11 @@ void gpu_vulkan_image_barrier(VkCommandBuffer commands, VkImage image, VkImageAs
 /* Makes copies recorded so far visible to the CPU once the submission has finished. */
 void gpu_vulkan_host_barrier(VkCommandBuffer commands);
 
-/* gpu_vulkan_memory.c: buffers and images, each with memory of its own (a frame has few). */
+/* gpu_vulkan_memory.c: buffers and images. */
+
+VkResult gpu_vulkan_memory_create(gpu_vulkan *gpu);
+/* All buffers and images have been destroyed. */
+void gpu_vulkan_memory_destroy(gpu_vulkan *gpu);
 
 /* size > 0, bytes. On failure *buffer is {0}; the message says how much memory was asked for. */
 stilb_result gpu_vulkan_buffer_create(gpu_vulkan *gpu, VkDeviceSize size, VkBufferUsageFlags usage,

@@ -1,4 +1,4 @@
-/* Buffers and images, each with an allocation of its own. */
+/* Buffers and images, in blocks of memory that they share (gpu_memory_internal.h). */
 #include "gpu/vulkan/gpu_vulkan_internal.h"
 
 #include <stdio.h>
@@ -24,9 +24,68 @@ static uint32_t memory_type(const gpu_vulkan *gpu, uint32_t allowed, VkMemoryPro
 	return best;
 }
 
-/* Allocates from the best memory type, and if that fails from the next best: a GPU's host-visible heap may be full. */
-static VkResult memory_allocate(gpu_vulkan *gpu, VkMemoryRequirements needs, stilb_gpu_memory kind, bool address,
-                                VkDeviceMemory *memory)
+/* ---- blocks ------------------------------------------------------------------------------------------------------ */
+
+/* Pools: two for each type of memory. */
+#define MEMORY_POOL(type, image) (2 * (type) + ((image) ? 1u : 0u))
+
+/* Memory of a buffer pool can be read by address, and is mapped as long as it lives where the CPU can. */
+static int32_t memory_block_make(void *user, uint32_t pool, uint64_t bytes, gpu_memory_handle *handle)
+{
+	gpu_vulkan *gpu = user;
+	bool image = pool % 2 == 1;
+	VkMemoryAllocateFlagsInfo flags = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
+	};
+	VkMemoryAllocateInfo info = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+		.pNext = image ? NULL : &flags,
+		.allocationSize = bytes,
+		.memoryTypeIndex = pool / 2,
+	};
+	VkDeviceMemory memory = VK_NULL_HANDLE;
+	VkResult result = vkAllocateMemory(gpu->device, &info, gpu->allocator, &memory);
+	if (result != VK_SUCCESS)
+		return result;
+	void *mapped = NULL;
+	if (!image && gpu->memory.memoryTypes[pool / 2].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)
+		result = vkMapMemory(gpu->device, memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+	if (result != VK_SUCCESS) {
+		vkFreeMemory(gpu->device, memory, gpu->allocator);
+		return result;
+	}
+	*handle = (gpu_memory_handle){(uint64_t)memory, mapped};
+	return VK_SUCCESS;
+}
+
+static void memory_block_drop(void *user, gpu_memory_handle handle)
+{
+	const gpu_vulkan *gpu = user;
+	vkFreeMemory(gpu->device, (VkDeviceMemory)handle.memory, gpu->allocator); /* unmaps */
+}
+
+VkResult gpu_vulkan_memory_create(gpu_vulkan *gpu)
+{
+	gpu_memory_source source = {gpu, memory_block_make, memory_block_drop, VK_ERROR_OUT_OF_HOST_MEMORY};
+	if (!gpu_memory_init(&gpu->blocks, source))
+		return VK_ERROR_OUT_OF_HOST_MEMORY;
+	for (uint32_t type = 0; type < gpu->memory.memoryTypeCount; type++) {
+		uint64_t heap = gpu->memory.memoryHeaps[gpu->memory.memoryTypes[type].heapIndex].size;
+		gpu_memory_pool_set(&gpu->blocks, MEMORY_POOL(type, false), heap);
+		gpu_memory_pool_set(&gpu->blocks, MEMORY_POOL(type, true), heap);
+	}
+	return VK_SUCCESS;
+}
+
+void gpu_vulkan_memory_destroy(gpu_vulkan *gpu)
+{
+	gpu_memory_finish(&gpu->blocks);
+}
+
+/* Takes memory of the best type, and if that fails of the next best: a GPU's host-visible heap may be full. */
+static VkResult memory_allocate(gpu_vulkan *gpu, VkMemoryRequirements needs, stilb_gpu_memory kind, bool image,
+                                gpu_memory_place *place)
 {
 	static const VkMemoryPropertyFlags required[] = {
 		[STILB_GPU_MEMORY_DEVICE] = 0,
@@ -40,29 +99,21 @@ static VkResult memory_allocate(gpu_vulkan *gpu, VkMemoryRequirements needs, sti
 		[STILB_GPU_MEMORY_SHARED] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
 		[STILB_GPU_MEMORY_READ] = VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
 	};
-	VkMemoryAllocateFlagsInfo flags = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
-		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
-	};
-	VkMemoryAllocateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-		.pNext = address ? &flags : NULL,
-		.allocationSize = needs.size,
-	};
 	VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
 	STILB_ASSERT(needs.size > 0 && needs.memoryTypeBits && (uint32_t)kind <= STILB_GPU_MEMORY_READ);
 	if (gpu_fault_allocation(&gpu->base))
 		return result;
 	uint32_t allowed = needs.memoryTypeBits, type;
 	while ((type = memory_type(gpu, allowed, required[kind], preferred[kind])) != UINT32_MAX) {
-		info.memoryTypeIndex = type;
-		result = vkAllocateMemory(gpu->device, &info, gpu->allocator, memory);
+		result = (VkResult)gpu_memory_take(&gpu->blocks, MEMORY_POOL(type, image), needs.size, needs.alignment, place);
 		if (result == VK_SUCCESS)
 			break;
 		allowed &= ~(1u << type);
 	}
 	return result;
 }
+
+/* ---- buffers and images ------------------------------------------------------------------------------------------ */
 
 static VkResult memory_buffer_make(gpu_vulkan *gpu, VkBufferUsageFlags usage, stilb_gpu_memory kind,
                                    gpu_vulkan_buffer *buffer)
@@ -78,11 +129,12 @@ static VkResult memory_buffer_make(gpu_vulkan *gpu, VkBufferUsageFlags usage, st
 		return result;
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->device, buffer->buffer, &needs);
-	result = memory_allocate(gpu, needs, kind, address, &buffer->memory);
+	result = memory_allocate(gpu, needs, kind, false, &buffer->place);
 	if (result == VK_SUCCESS)
-		result = vkBindBufferMemory(gpu->device, buffer->buffer, buffer->memory, 0);
+		result = vkBindBufferMemory(gpu->device, buffer->buffer, (VkDeviceMemory)buffer->place.handle.memory,
+		                            buffer->place.offset);
 	if (result == VK_SUCCESS && kind != STILB_GPU_MEMORY_DEVICE)
-		result = vkMapMemory(gpu->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
+		buffer->mapped = buffer->place.mapped;
 	if (result == VK_SUCCESS && address)
 		buffer->address = vkGetBufferDeviceAddress(
 			gpu->device, &(VkBufferDeviceAddressInfo){.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
@@ -110,7 +162,7 @@ stilb_result gpu_vulkan_buffer_create(gpu_vulkan *gpu, VkDeviceSize size, VkBuff
 void gpu_vulkan_buffer_destroy(gpu_vulkan *gpu, gpu_vulkan_buffer *buffer)
 {
 	vkDestroyBuffer(gpu->device, buffer->buffer, gpu->allocator);
-	vkFreeMemory(gpu->device, buffer->memory, gpu->allocator); /* unmaps */
+	gpu_memory_give(&gpu->blocks, &buffer->place);
 	*buffer = (gpu_vulkan_buffer){0};
 }
 
@@ -122,9 +174,10 @@ static VkResult memory_image_make(gpu_vulkan *gpu, const VkImageCreateInfo *info
 		return result;
 	VkMemoryRequirements needs;
 	vkGetImageMemoryRequirements(gpu->device, image->image, &needs);
-	result = memory_allocate(gpu, needs, STILB_GPU_MEMORY_DEVICE, false, &image->memory);
+	result = memory_allocate(gpu, needs, STILB_GPU_MEMORY_DEVICE, true, &image->place);
 	if (result == VK_SUCCESS)
-		result = vkBindImageMemory(gpu->device, image->image, image->memory, 0);
+		result = vkBindImageMemory(gpu->device, image->image, (VkDeviceMemory)image->place.handle.memory,
+		                           image->place.offset);
 	VkImageViewCreateInfo view = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
 		.image = image->image,
@@ -150,6 +203,6 @@ void gpu_vulkan_image_destroy(gpu_vulkan *gpu, gpu_vulkan_image *image)
 {
 	vkDestroyImageView(gpu->device, image->view, gpu->allocator);
 	vkDestroyImage(gpu->device, image->image, gpu->allocator);
-	vkFreeMemory(gpu->device, image->memory, gpu->allocator);
+	gpu_memory_give(&gpu->blocks, &image->place);
 	*image = (gpu_vulkan_image){0};
 }
