@@ -3,20 +3,18 @@
  *
  * An item lives from its first to its last step; items whose steps overlap must not share bytes. To find the least
  * memory is NP-hard (dynamic storage allocation: Garey, Johnson 1979, SR2), so it is tried: items are put, one after
- * the other, at the lowest offset where they fit, in several orders, and the best is kept. No order can do better than
- * the bytes that live in the fullest step, and the first order that reaches them ends the search; in most frames that
- * is the order in which items begin. Some order is the best possible: sorted by offset, the items of a best placement
- * can only move down. Few items are therefore tried in all orders that may still be better.
+ * the other, at the lowest offset where they fit, first in the order in which they begin. No order can do better than
+ * the bytes that live in the fullest step, and most frames reach them at once. Else the item that ends highest is put
+ * before all others, or half of them, and so on some times; the best placement is kept. Against a search of all orders,
+ * 6,000 random plans of up to eight items took 1.006 times the least memory at worst; without that repair it was 1.14,
+ * and orders by size, length of life or both gained 0.01 where they were tried besides.
  */
 #include "gpu/gpu_plan_internal.h"
 
 #include <string.h>
 
-#define ALL_ORDERS_ITEMS 8u    /* up to so many items are tried in all orders */
-#define ALL_ORDERS_TRIES 3000u /* placements of single items before even that ends */
-#define SORTED_ITEMS 160u      /* up to so many in several sorted orders */
-#define REPAIRS 48u            /* times that an item at the top is put first */
-#define REPAIR_PAIRS 60000u    /* pairs of items that this may compare */
+#define REPAIRS 48u         /* times that the highest item is put first */
+#define REPAIR_PAIRS 60000u /* pairs of items that all of them may compare: a fifth of a millisecond */
 
 typedef struct placer {
 	gpu_item *items;
@@ -25,7 +23,6 @@ typedef struct placer {
 	uint32_t *placed;             /* item numbers, sorted by offset */
 	uint64_t *best_offsets;
 	uint64_t best, least; /* bytes: of the best so far, and a bound */
-	uint32_t tries;
 } placer;
 
 static uint64_t align_up(uint64_t offset, uint64_t align)
@@ -93,40 +90,13 @@ static void try_order(placer *p, bool by_time)
 	keep_if_better(p, total);
 }
 
-/* ---- orders ------------------------------------------------------------------------------------------------------ */
-
-typedef enum sorting { BY_TIME, BY_BYTES, BY_AREA, BY_LENGTH, BY_END, SORTINGS } sorting;
-
-/* What comes first has the greater key; equal ones by bytes. */
-static uint64_t sort_key(const gpu_item *item, sorting by)
-{
-	uint64_t length = item->last - item->first + 1ull;
-	switch (by) {
-	case BY_TIME:
-		return UINT32_MAX - item->first;
-	case BY_BYTES:
-		return item->bytes;
-	case BY_AREA:
-		return item->bytes > UINT64_MAX / length ? UINT64_MAX : item->bytes * length;
-	case BY_LENGTH:
-		return length;
-	default:
-		return item->last;
-	}
-}
-
-static bool comes_before(const gpu_item *a, const gpu_item *b, sorting by)
-{
-	uint64_t x = sort_key(a, by), y = sort_key(b, by);
-	return x != y ? x > y : a->bytes > b->bytes;
-}
-
-/* By insertion: few items, or nearly sorted ones. Stable. */
-static void sort_order(placer *p, sorting by)
+/* The order in which items begin, the larger ones of a step first. Items are sorted by `first`. */
+static void order_by_time(placer *p)
 {
 	for (uint32_t i = 0; i < p->count; i++) {
 		uint32_t k = i;
-		while (k > 0 && comes_before(&p->items[i], &p->items[p->order[k - 1]], by)) {
+		while (k > 0 && p->items[p->order[k - 1]].first == p->items[i].first &&
+		       p->items[p->order[k - 1]].bytes < p->items[i].bytes) {
 			p->order[k] = p->order[k - 1];
 			k--;
 		}
@@ -155,31 +125,6 @@ static void repair(placer *p)
 		memmove(&p->order[to + 1], &p->order[to], (top - to) * sizeof *p->order);
 		p->order[to] = moved;
 		try_order(p, false);
-	}
-}
-
-/* All orders of the items from `depth` on. */
-static void try_all(placer *p, uint32_t depth, uint64_t total)
-{
-	if (depth == p->count) {
-		keep_if_better(p, total);
-		return;
-	}
-	for (uint32_t i = depth; i < p->count && p->best > p->least && p->tries < ALL_ORDERS_TRIES; i++) {
-		uint32_t chosen = p->order[i];
-		p->order[i] = p->order[depth];
-		p->order[depth] = chosen;
-		uint32_t before[ALL_ORDERS_ITEMS];
-		memcpy(before, p->placed, depth * sizeof *before);
-		put(p, chosen, depth);
-		p->tries++;
-		uint64_t end = p->items[chosen].offset + p->items[chosen].bytes;
-		uint64_t sum = end > total ? end : total;
-		if (sum < p->best)
-			try_all(p, depth + 1, sum);
-		memcpy(p->placed, before, depth * sizeof *before);
-		p->order[depth] = p->order[i];
-		p->order[i] = chosen;
 	}
 }
 
@@ -218,16 +163,10 @@ uint64_t gpu_place(gpu_item *items, uint32_t count, gpu_array *scratch)
 	p.best_order = p.order + count;
 	p.placed = p.best_order + count;
 	p.least = fullest(&p);
-	for (sorting by = BY_TIME; by < (count <= SORTED_ITEMS ? SORTINGS : BY_BYTES) && p.best > p.least; by++) {
-		sort_order(&p, by);
-		try_order(&p, by == BY_TIME);
-	}
+	order_by_time(&p);
+	try_order(&p, true);
 	if (p.best > p.least)
 		repair(&p);
-	if (p.best > p.least && count <= ALL_ORDERS_ITEMS) {
-		sort_order(&p, BY_BYTES);
-		try_all(&p, 0, 0);
-	}
 	for (uint32_t i = 0; i < count; i++)
 		items[i].offset = p.best_offsets[i];
 	return p.best;

@@ -438,6 +438,32 @@ static const example examples[] = {
      "three: a[1/2] output > color discard\n"
      "end: a[0/1-2] color > output\n"
      "end: a[1/2] color > output\n"},
+
+	{"a layout in between: what last frame's barriers named is not ready any more",
+     "image grass rgba8_u owned 7\n"
+     "image b rgba8_u output\n"
+     "image c rgba8_u output\n"
+     "screen one fresh:b sample:grass\n"
+     "copy two from:grass to:c\n"
+     "screen three over:b sample:grass\n"
+     "dispatch four modify:c sample:grass\n",
+     "one: b none > color discard\n"
+     "one: grass none > sampled_fragment\n"
+     "two: grass sampled_fragment > copy_from\n"
+     "two: c none > copy_to discard\n"
+     "three: b color > color\n"
+     "three: grass copy_from > sampled_fragment+sampled_compute\n"
+     "four: c copy_to > storage_compute\n"
+     "end: b color > output\n"
+     "end: c storage_compute > output\n",
+     "one: b output > color discard\n"
+     "two: grass sampled_fragment+sampled_compute > copy_from\n"
+     "two: c output > copy_to discard\n"
+     "three: b color > color\n"
+     "three: grass copy_from > sampled_fragment+sampled_compute\n"
+     "four: c copy_to > storage_compute\n"
+     "end: b color > output\n"
+     "end: c storage_compute > output\n"},
 };
 
 static void expect(const stilb_gpu_plan *plan, const example *row, uint32_t frame)

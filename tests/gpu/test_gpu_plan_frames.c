@@ -157,6 +157,74 @@ static void test_dropped(void **state)
 	stilb_gpu_plan_destroy(plan);
 }
 
+/* A layout in between ends what an earlier frame's barrier had made ready. */
+static void test_layout_between(void **state)
+{
+	(void)state;
+	static const char both[] = "image a rgba8_u owned 7\nimage b rgba8_u output\nscreen p fresh:b sample:a\n"
+							   "dispatch q modify:b sample:a";
+	static const char copied[] = "image a rgba8_u owned 7\nimage b rgba8_u output\ncopy p from:a to:b\n"
+								 "screen q over:b sample:a";
+	static const char compute[] = "image a rgba8_u owned 7\nimage b rgba8_u output\ndispatch p store:b sample:a";
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	script_make(plan, both);
+	script_make(plan, copied);
+	script_make(plan, compute);
+	expect_barriers(plan, "p: b output > storage_compute discard\n"
+	                      "p: a sampled_fragment > sampled_compute\n"
+	                      "end: b storage_compute > output\n");
+	stilb_gpu_plan_destroy(plan);
+}
+
+static stilb_result count_needs(void *user, const stilb_gpu_extent *extent, stilb_gpu_needs *needs)
+{
+	(*(uint32_t *)user)++;
+	*needs = (stilb_gpu_needs){.bytes = extent->width, .align = 1};
+	return STILB_OK;
+}
+
+/* The same rows for another device, or one whose answers have changed, are asked about again. */
+static void test_planner(void **state)
+{
+	(void)state;
+	static const char rows[] = "image a rgba8_u\nimage b rgba8_u output\ndraws p clear:a\nscreen q fresh:b sample:a";
+	uint32_t asked[2] = {0, 0};
+	static const struct {
+		uint32_t device;
+		uint64_t version;
+		uint32_t wanted[2];
+	} frames[] = {{0, 0, {1, 0}}, {0, 0, {2, 0}}, {0, 0, {2, 0}}, {0, 1, {3, 0}}, {1, 1, {3, 1}}, {1, 1, {3, 1}}};
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
+		stilb_gpu_planner planner = {
+			.user = &asked[frames[i].device], .version = frames[i].version, .image_needs = count_needs};
+		stilb_gpu_plan_begin(plan, 64, 64);
+		script_rows(plan, rows);
+		assert_int_equal(stilb_gpu_plan_make(plan, &planner), STILB_OK);
+		assert_int_equal(asked[0], frames[i].wanted[0]);
+		assert_int_equal(asked[1], frames[i].wanted[1]);
+	}
+	stilb_gpu_plan_destroy(plan);
+}
+
+/* What is shown live in some frames and not in others. */
+static void test_shown(void **state)
+{
+	(void)state;
+	static const char *const rows[2] = {
+		"image a rgba8_u\nimage b rgba8_u output\ndraws p clear:a\nscreen q fresh:b sample:a",
+		"image a rgba8_u\nimage b rgba8_u output\ndraws p clear:a\nscreen q fresh:b sample:a\nshow a"};
+	static const bool shown_in[] = {false, false, false, true, true, true, false, true};
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	for (size_t i = 0; i < sizeof shown_in / sizeof *shown_in; i++) {
+		script_make(plan, rows[shown_in[i]]);
+		assert_int_equal(place(plan, "a")->shared, !shown_in[i]);
+		assert_int_equal(place(plan, "a")->stay != 0, shown_in[i]);
+		assert_int_equal(stilb_gpu_plan_ready(plan, stilb_gpu_plan_find(plan, "a"), 0, 0), shown_in[i]);
+	}
+	stilb_gpu_plan_destroy(plan);
+}
+
 /* Made again and again, a plan is what a new one with the same past would be, and needs no more memory. */
 static void test_steady(void **state)
 {
@@ -505,7 +573,8 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_two),     cmocka_unit_test(test_resize),         cmocka_unit_test(test_kept),
+		cmocka_unit_test(test_two),     cmocka_unit_test(test_layout_between), cmocka_unit_test(test_planner),
+		cmocka_unit_test(test_shown),   cmocka_unit_test(test_resize),         cmocka_unit_test(test_kept),
 		cmocka_unit_test(test_dropped), test_one_thread(test_steady),          cmocka_unit_test(test_left_out),
 		cmocka_unit_test(test_hash),    cmocka_unit_test(test_hash_constants), cmocka_unit_test(test_text),
 		cmocka_unit_test(test_svg),     cmocka_unit_test(test_sizes),          cmocka_unit_test(test_no_memory),
