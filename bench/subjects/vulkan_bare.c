@@ -116,7 +116,7 @@ static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb
 
 static void draw_all(const bare *b, const bare_frame *frame, uint32_t draws)
 {
-	bare_push push = {frame->view.address, frame->rows.address, b->materials.address, 0};
+	bare_push push = {frame->view.address, frame->rows.address, b->materials.address, 0, 0};
 	vkCmdBindPipeline(frame->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->pipeline);
 	vkCmdPushConstants(frame->commands, b->layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);

@@ -46,7 +46,7 @@ typedef struct bare_view {
 } bare_view;
 
 typedef struct bare_push {
-	VkDeviceAddress view, rows, materials, vertices; /* the last is not read */
+	VkDeviceAddress view, rows, materials, vertices, frame_rows; /* the last two are not read */
 } bare_push;
 
 typedef struct bare_buffer {

@@ -59,9 +59,9 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	stilb_owner_take(&render->owner);
 	render->output = desc->output;
 	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
-	render->memory[RENDER_MEMORY_COMMANDS].first_capacity = RENDER_FIRST_CAPACITY;
+	render->memory[RENDER_MEMORY_COMMANDS].first_capacity = RENDER_FIRST_COMMANDS;
 	render->memory[RENDER_MEMORY_ROWS].element = sizeof(render_row);
-	render->memory[RENDER_MEMORY_ROWS].first_capacity = RENDER_FIRST_CAPACITY;
+	render->memory[RENDER_MEMORY_ROWS].first_capacity = RENDER_FIRST_ROWS;
 	render->memory[RENDER_MEMORY_VERTICES_2D].element = sizeof(stilb_render_vertex_2d);
 	render->memory[RENDER_MEMORY_INDICES_2D].element = sizeof(uint32_t);
 	render->memory[RENDER_MEMORY_LIGHTS].element = sizeof(render_light);
@@ -92,8 +92,12 @@ void stilb_render_destroy(stilb_render *render)
 	if (!render)
 		return;
 	STILB_ASSERT_OWNER(render->owner);
-	if (render->device)
+	if (render->device) {
+		render->device->functions->wait(render->device); /* a device that is lost uses nothing any more */
+		render_places_finish(render, &render->scene.places, false);
+		render_rows_finish(render);
 		render->device->functions->destroy(render->device);
+	}
 	render_contexts_destroy(render);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++) {
 		free(render->passes[p].segments);
@@ -182,6 +186,7 @@ stilb_result stilb_render_frame_begin(stilb_render *render)
 	if (result != STILB_OK)
 		return result;
 	render_resources_frame(render);
+	render_rows_frame(render);
 	render->state = RENDER_FRAME_BEGUN;
 	return STILB_OK;
 }

@@ -3,8 +3,9 @@
  * depend on the threads.
  *
  * How it works.  Every worker owns a render context. Recording appends 32-byte commands to blocks of memory that belong
- *                to the context for this frame, and writes each draw's transform into a row of the frame's row memory;
- *                with indirect replay both are memory that the GPU reads, written once and never copied. A pass is cut
+ *                to the context for this frame. The transforms of a scene's parts are rows that stay from frame to
+ *                frame, which commands name; only what moves, and what is drawn by hand, writes rows of 64 bytes for
+ *                a frame. With indirect replay all of it is memory that the GPU reads, never copied. A pass is cut
  *                into segments, numbered by the scene; any worker may record any segment, and replay takes the segments
  *                in number order. So the command stream, and the picture, are the same for any number of workers.
  * Life cycle.    stilb_render_create -> stilb_render_set_scene, stilb_render_mesh_create, ... -> frames ->
@@ -19,8 +20,8 @@
  * Devices.       `null` counts and writes what a GPU would be given, and draws nothing: it needs no driver. `vulkan`
  *                draws, and shows GPU times in the profiler's lane "GPU": a zone for each frame, in it one for each
  *                pass.
- * Limits.        67,108,864 draws a frame, more than fit into memory; lists and buffers grow, and running out of either
- *                is an error of the frame. Nothing is ever dropped.
+ * Limits.        33,554,432 parts of a scene, and as many draws by hand a frame; lists and buffers grow, and running
+ *                out of either is an error of the frame. Nothing is ever dropped.
  * Example.       A scene in a picture of 1280 x 720; `visible` comes from stilb_cull_run:
  *
  *   stilb_render_desc desc = {.width = 1280, .height = 720, .context_count = stilb_job_pool_worker_count(pool) + 1};
@@ -226,10 +227,10 @@ stilb_result stilb_render_impostor_create(stilb_render *render, const stilb_scen
 /* [any-thread] */
 void stilb_render_impostor_destroy(stilb_render *render, stilb_render_impostor impostor);
 
-/* Copies all meshes, materials and textures of a scene to the device, for stilb_render_record, and destroys those of
- * the scene that was set before; between frames. NULL: only destroys. On failure the scene before stays.
- * STILB_ERROR_ARGUMENT, STILB_ERROR_DEVICE: see stilb_render_mesh_create and stilb_render_texture_create.
- * STILB_ERROR_MEMORY. [main-thread] */
+/* Copies all meshes, materials and textures of a scene, and where its parts stand, to the device, for
+ * stilb_render_record, and destroys those of the scene that was set before; between frames. NULL: only destroys. On
+ * failure the scene before stays. STILB_ERROR_ARGUMENT, STILB_ERROR_DEVICE: see stilb_render_mesh_create and
+ * stilb_render_texture_create; more than 33,554,432 parts. STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
 /* Makes a scene ready beside the frames, for stilb_render_show_scene: creates what it needs, while each frame copies
@@ -254,9 +255,10 @@ void stilb_render_show_scene(stilb_render *render, stilb_render_prepared *prepar
 void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepared);
 
 /* Brings these up to date with what has changed in the scene that was set (stilb_scene_changes_read): copies what is
- * new, changed vertices as ranges, and destroys what was removed; in a frame before stilb_render_record, or between
- * frames. The device does not wait: frames that it still draws show what they were recorded with. Errors as
- * stilb_render_set_scene: then part of the changes may have been made, and the same call may be made again.
+ * new, changed vertices as ranges, and destroys what was removed; notes the models in scene->moved, which therefore is
+ * cleared after it, not before; in a frame before stilb_render_record, or between frames. The device does not wait:
+ * frames that it still draws show what they were recorded with. Errors as stilb_render_set_scene: then part of the
+ * changes may have been made, and the same call may be made again.
  * STILB_ERROR_ARGUMENT: the device does not take a texture, which the line names; what was drawn in its place before
  * stays, all other changes were made, and the same call made again leaves this image out and is done. [main-thread] */
 stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *scene,
@@ -391,8 +393,10 @@ void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *he
 stilb_result stilb_render_frame_begin(stilb_render *render);
 
 /* Records a whole pass: every part of the models visible[0 .. visible_count - 1], in that order, spread over the pool.
- * The scene is the one that was set. pass: 0..STILB_RENDER_MAX_PASSES - 1, not yet recorded in this frame.
- * STILB_ERROR_MEMORY. [main-thread] */
+ * The scene is the one that was set. The frame's first call reads the transforms of models that have moved: those that
+ * stilb_render_update_scene has noted and those still in scene->moved. What others have is what they had when they were
+ * last listed. A program that changes part_transform without scene_edit.h lists the model, too. pass:
+ * 0..STILB_RENDER_MAX_PASSES - 1, not yet recorded in this frame. STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker);
 
@@ -437,7 +441,7 @@ stilb_result stilb_render_wait(stilb_render *render);
 /* Counters of the last replayed frame. */
 typedef struct stilb_render_stats {
 	uint64_t draws;
-	uint64_t recorded_bytes;    /* commands, rows and 2D geometry of these draws */
+	uint64_t recorded_bytes;    /* commands and 2D geometry of these draws, and the rows that the frame wrote */
 	uint64_t draw_commands;     /* device commands that make a single draw */
 	uint64_t indirect_commands; /* device commands that make many: all consecutive draws with the same bindings */
 	uint64_t execute_commands;  /* secondary command buffers executed */

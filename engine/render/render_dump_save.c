@@ -45,7 +45,7 @@ static void save_each_draw_of_segment(const stilb_render *render, const render_s
 		const render_run *run = &segment->context->runs[segment->first_run + r];
 		for (uint32_t c = run->first; c < run->first + run->count; c++) {
 			const render_command *command = &render_commands(render)[c];
-			fn(user, command, &render_rows(render)[render_command_row(command)], run->state);
+			fn(user, command, render_row_of(render, command), run->state);
 		}
 	}
 }

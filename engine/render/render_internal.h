@@ -11,6 +11,7 @@
 #include "render/render.h"
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
+#include "render/rows/render_rows.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ typedef struct render_command {
 	uint32_t instance_count; /* 1 */
 	uint32_t first_index;
 	int32_t vertex_offset;
-	uint32_t row; /* index into the frame's rows, and above it RENDER_DETAIL_...; the GPU reads it as firstInstance */
+	uint32_t row;      /* the word of its row, and above it RENDER_DETAIL_...; the GPU reads it as firstInstance */
 	uint32_t material; /* index into the table of materials */
 	uint64_t key;      /* of stilb_render_draw_with_key */
 } render_command;
@@ -37,8 +38,10 @@ static_assert(offsetof(render_command, row) == 16, "laid out as VkDrawIndexedInd
  * RENDER_STATE_SHOW: 1 + its level, at most 63. */
 #define RENDER_DETAIL_SHIFT 26u
 #define RENDER_DETAIL_OUT 32u
-#define RENDER_MAX_ROWS (1u << RENDER_DETAIL_SHIFT)
 
+static_assert(RENDER_ROW_FRAME << 1 == 1u << RENDER_DETAIL_SHIFT, "the word of a row lies below");
+
+/* Its index, among the frame's rows or the scene's. */
 static inline uint32_t render_command_row(const render_command *command)
 {
 	return command->row & (RENDER_MAX_ROWS - 1);
@@ -48,17 +51,6 @@ static inline uint32_t render_command_detail(const render_command *command)
 {
 	return command->row >> RENDER_DETAIL_SHIFT;
 }
-
-/* One draw as the vertex shader reads it (shaders/row.glsl): the upper three rows of the affine transform, then the
- * material's index. A 2D draw has only its clip rectangle, in the first row. */
-typedef struct render_row {
-	float transform[12];
-	uint32_t material;
-	uint32_t mesh; /* index; for the stream hash and dumps, no shader reads it */
-	uint32_t unused[2];
-} render_row;
-
-static_assert(sizeof(render_row) == 64, "a row is a cache line");
 
 /* A light of a view as the shaders read it (shaders/mesh.glsl). */
 typedef struct render_light {
@@ -104,7 +96,8 @@ typedef enum render_memory_kind {
 	RENDER_MEMORY_KINDS,
 } render_memory_kind;
 
-#define RENDER_FIRST_CAPACITY 32768u /* first_capacity of commands and of rows */
+#define RENDER_FIRST_COMMANDS 32768u /* first_capacity */
+#define RENDER_FIRST_ROWS 4096u
 
 /* ---- contexts and lists ------------------------------------------------------------------------------------------ */
 
@@ -336,9 +329,10 @@ typedef struct render_stream {
 	const render_command *commands; /* of the frame; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
-	uint64_t draws;       /* of all runs together */
-	uint64_t states;      /* bitwise or of all runs' states */
-	uint32_t kinds;       /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
+	const render_rows *rows; /* the scene's; NULL: no draw of the frame has one of these */
+	uint64_t draws;          /* of all runs together */
+	uint64_t states;         /* bitwise or of all runs' states */
+	uint32_t kinds;          /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
 	uint32_t first_light; /* the view's lights: elements first_light .. first_light + light_count - 1 of the memory */
 	uint32_t light_count;
 	uint32_t light_bits;             /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
@@ -364,6 +358,10 @@ typedef struct render_device_functions {
 	/* Replaces memory's data by an array of `capacity` elements that begins with the first `keep` of the old one. */
 	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
 	                     uint32_t keep);
+	/* Memory for rows that the CPU writes at any time, and frames read. [any-thread] */
+	stilb_result (*rows_make)(render_device *device, uint32_t capacity, render_rows **rows);
+	/* Frees rows that no frame in flight uses. [any-thread] */
+	void (*rows_free)(render_device *device, render_rows *rows);
 	/* Makes texture number `texture` with the size and format of image; update copies the pixels. The caller holds the
 	 * lock of render_resources. [any-thread] */
 	stilb_result (*texture_create)(render_device *device, uint32_t texture, const stilb_image *image);
@@ -443,9 +441,10 @@ typedef struct render_scene {
 	stilb_render_impostor *impostors; /* [impostor_count] */
 	uint32_t impostor_count, impostor_capacity;
 	uint64_t impostors_removed; /* stilb_scene.impostors_removed of these */
+	render_places places;       /* of its parts */
 } render_scene;
 
-/* Frees the arrays and destroys nothing, since that needs the device; leaves {0}. */
+/* Frees the arrays of handles and destroys nothing, since that needs the device; leaves {0}. */
 void render_scene_finish(render_scene *scene);
 
 /* The parts of which a scene is made on the device; [any-thread], one at a time for each tables. */
@@ -480,7 +479,9 @@ struct stilb_render {
 	uint32_t context_count;
 	render_resources resources;
 	render_scene scene;
-	render_panorama panorama; /* of the last frame that showed one */
+	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
+	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
+	render_panorama panorama;   /* of the last frame that showed one */
 	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
@@ -547,15 +548,21 @@ static inline bool render_reserve(void **array, uint32_t *capacity, uint32_t cou
 	return true;
 }
 
-/* The frame's commands and rows, for reading: after render_memory_place. */
+/* The frame's commands and rows, and the row of a command, for reading: after render_memory_place. */
 static inline const render_command *render_commands(const stilb_render *render)
 {
 	return render->memory[RENDER_MEMORY_COMMANDS].data;
 }
 
-static inline const render_row *render_rows(const stilb_render *render)
+static inline const render_row *render_row_of(const stilb_render *render, const render_command *command)
 {
-	return render->memory[RENDER_MEMORY_ROWS].data;
+	uint32_t index = render_command_row(command);
+	if (command->row & RENDER_ROW_FRAME) {
+		STILB_ASSERT(index < render->memory[RENDER_MEMORY_ROWS].capacity);
+		return (const render_row *)render->memory[RENDER_MEMORY_ROWS].data + index;
+	}
+	STILB_ASSERT(render->shown_rows && index < render->shown_rows->capacity);
+	return &render->shown_rows->data[index];
 }
 
 #endif

@@ -102,6 +102,8 @@ static stilb_result prepare_fill(prepare *p)
 	p->made += scene->material_count * sizeof(render_material);
 	if (result == STILB_OK)
 		result = render_scene_impostors(p->render, p->tables, scene);
+	if (result == STILB_OK)
+		result = render_places_make(p->render, p->tables, scene);
 	return result == STILB_OK ? prepare_wait(p, 0) : result;
 }
 

@@ -1,5 +1,5 @@
-/* Contexts: how the draws that a worker records become commands and rows (its transform, its material) in the frame's
- * memory. On any thread. */
+/* Contexts: how the draws that a worker records become commands in the frame's memory; those by hand also rows (the
+ * transform, the material), while those of a scene name rows that are kept (render_rows.h). On any thread. */
 #include "render/render_clusters.h"
 #include "render/render_detail.h"
 #include "render/render_internal.h"
@@ -10,9 +10,6 @@
 /* Models in a segment, one step of the parallel loop that records a scene. That is about 512 draws: far more work than
  * taking a step costs, and yet few enough that every worker gets many. */
 #define RECORD_SEGMENT_MODELS 256u
-
-/* Up to so many rows in a frame (4 MiB) stay in the CPU's caches until the GPU reads them; see record_write_row. */
-#define RECORD_CACHED_ROWS 65536u
 
 /* ---- memory of a context ----------------------------------------------------------------------------------------- */
 
@@ -64,7 +61,7 @@ void render_contexts_rewind(stilb_render *render)
 		context->run_count = 0;
 		context->failed = false;
 		context->material_mask = render_material_mask(render->device->materials);
-		context->stream_rows = rows > RECORD_CACHED_ROWS;
+		context->stream_rows = rows > RENDER_CACHED_ROWS;
 		context->meshes = render->resources.meshes;
 		context->materials = render->resources.materials;
 		context->levels = render->resources.levels;
@@ -72,6 +69,7 @@ void render_contexts_rewind(stilb_render *render)
 	/* Relaxed: workers see it, because jobs are submitted after it and that orders it. */
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS; kind++)
 		atomic_store_explicit(&render->memory[kind].next, 0, memory_order_relaxed);
+	render->shown_rows = NULL;
 	render_passes_rewind(render);
 }
 
@@ -204,14 +202,14 @@ static bool record_begin_run(stilb_render_context *context, uint64_t state)
 	return true;
 }
 
-/* Claims new chunks for the next draw and begins a new run, as far as it needs them. False: no memory, now or
- * before. */
-static bool record_make_room(stilb_render_context *context, uint64_t state)
+/* Claims new chunks for the next draw and begins a new run, as far as it needs them. row: it writes a row. False: no
+ * memory, now or before. */
+static bool record_make_room(stilb_render_context *context, uint64_t state, bool row)
 {
 	if (context->failed)
 		return false;       /* each draw would claim again, until the 32-bit counters wrap */
 	context->failed = true; /* unless the end of this function is reached */
-	if (context->row == context->row_end && !record_next_rows(context))
+	if (row && context->row == context->row_end && !record_next_rows(context))
 		return false;
 	if (context->command == context->command_end) {
 		record_end_run(context);
@@ -229,12 +227,6 @@ static bool record_make_room(stilb_render_context *context, uint64_t state)
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* The GPU is the next to read a row. If there are more rows than the caches hold, rows are written with streaming
- * stores, a whole cache line each: no line is fetched only to be overwritten, and none evicts data that recording
- * reads. Fewer rows are written with ordinary stores: memory bandwidth for streaming stores is shared by all CPUs, so a
- * second worker would gain 1.5 times instead of 1.9 (measured). Commands are half a line and never streamed: between
- * streamed rows the two halves would not be combined into one write (measured: 14 ns a draw instead of 4). The thread
- * sanitizer does not see streaming stores, so its build has none. */
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 #include <emmintrin.h>
 
@@ -249,33 +241,6 @@ static inline void record_write_command(render_command *out, const render_level 
 	_mm_store_si128((__m128i *)out + 1, rest);
 }
 
-/* Writes the upper three rows of the matrix, then material and mesh. stream: with non-temporal stores. Without loops:
- * gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of 4.1). */
-static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    bool stream)
-{
-	__m128i ids = _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material);
-	__m128 x = _mm_loadu_ps(transform->m), y = _mm_loadu_ps(transform->m + 4);
-	__m128 z = _mm_loadu_ps(transform->m + 8), w = _mm_loadu_ps(transform->m + 12);
-	_MM_TRANSPOSE4_PS(x, y, z, w); /* columns to rows */
-	if (stream) {
-		_mm_stream_ps(row->transform, x);
-		_mm_stream_ps(row->transform + 4, y);
-		_mm_stream_ps(row->transform + 8, z);
-		_mm_stream_si128((__m128i *)&row->material, ids);
-	} else {
-		_mm_store_ps(row->transform, x);
-		_mm_store_ps(row->transform + 4, y);
-		_mm_store_ps(row->transform + 8, z);
-		_mm_store_si128((__m128i *)&row->material, ids);
-	}
-}
-
-/* Orders streaming stores before the segment is published: a release store alone does not. */
-static inline void record_drain(void)
-{
-	_mm_sfence();
-}
 #else
 static inline void record_write_command(render_command *out, const render_level *level, uint32_t row, uint32_t material,
                                         uint64_t key)
@@ -289,22 +254,6 @@ static inline void record_write_command(render_command *out, const render_level 
 		.material = material,
 		.key = key,
 	};
-}
-
-static inline void record_write_row(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    bool stream)
-{
-	(void)stream;
-	for (int r = 0; r < 3; r++)
-		for (int c = 0; c < 4; c++)
-			row->transform[4 * r + c] = transform->m[4 * c + r];
-	row->material = material;
-	row->mesh = mesh;
-	row->unused[0] = row->unused[1] = 0;
-}
-
-static inline void record_drain(void)
-{
 }
 #endif
 
@@ -349,7 +298,7 @@ void stilb_render_segment_end(stilb_render_context *context)
 	STILB_ASSERT_OWNER(context->writer);
 	STILB_ASSERT(context->segment);
 	record_end_run(context);
-	record_drain();
+	render_row_drain();
 	/* One store of the whole entry at the end: other workers write the neighbouring entries, in the same cache line. */
 	*context->segment = (render_segment){context, context->first_run, context->run_count - context->first_run};
 	context->segment = NULL;
@@ -364,18 +313,24 @@ typedef struct record_what {
 	uint64_t state; /* the bits RENDER_STATE_MESH of its level */
 } record_what;
 
-static inline void record_write(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
+static inline void record_write(stilb_render_context *context, record_what what, uint32_t row)
 {
-	record_write_row(context->row++, transform, what.material, what.mesh, context->stream_rows);
-	record_write_command(context->command++, what.level, context->row_index++ | what.detail, what.material, what.key);
+	record_write_command(context->command++, what.level, row | what.detail, what.material, what.key);
+}
+
+/* The same with a row of the frame. */
+static inline void record_write_by_hand(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
+{
+	render_row_write(context->row++, transform, what.material, what.mesh, context->stream_rows);
+	record_write(context, what, context->row_index++ | RENDER_ROW_FRAME);
 }
 
 static_assert(STILB_RENDER_MAX_MESHES <= RENDER_MAX_ROWS, "a mesh's index and the detail share a word");
 
-/* Records a draw that needs a new chunk or a new run. Not inlined, and called as a tail call with all of its arguments
- * in registers: stilb_render_draw then saves none in the common case, a draw that needs neither. mesh_material: the
- * mesh's index with the detail above it, and in the high half the material's. */
-__attribute__((noinline)) static void record_draw_making_room(stilb_render_context *context, uint64_t key,
+/* Record a draw that needs a new chunk or a new run. Not inlined, and called as a tail call with all of its arguments
+ * in registers: callers then save none in the common case, a draw that needs neither. mesh_material: the mesh's index
+ * with the detail above it, and in the high half the material's. */
+__attribute__((noinline)) static void record_hand_making_room(stilb_render_context *context, uint64_t key,
                                                               const render_level *level, uint64_t mesh_material,
                                                               const stilb_mat4 *transform, uint64_t state)
 {
@@ -384,13 +339,22 @@ __attribute__((noinline)) static void record_draw_making_room(stilb_render_conte
 	                    .material = (uint32_t)(mesh_material >> 32),
 	                    .detail = (uint32_t)mesh_material & ~(RENDER_MAX_ROWS - 1),
 	                    .key = key};
-	if (record_make_room(context, state))
-		record_write(context, what, transform);
+	if (record_make_room(context, state, true))
+		record_write_by_hand(context, what, transform);
 }
 
-/* A draw of the mesh in full; asserts that mesh, material and transform may be drawn. */
+/* word: of the row, with the detail. */
+__attribute__((noinline)) static void record_making_room(stilb_render_context *context, uint64_t key,
+                                                         const render_level *level, uint32_t word, uint32_t material,
+                                                         uint64_t state)
+{
+	if (record_make_room(context, state, false))
+		record_write(context, (record_what){.level = level, .material = material, .key = key}, word);
+}
+
+/* A draw of the mesh in full; asserts that mesh and material may be drawn. */
 static inline record_what record_full(const stilb_render_context *context, stilb_render_mesh mesh,
-                                      stilb_render_material material, const stilb_mat4 *transform)
+                                      stilb_render_material material)
 {
 	const render_mesh_slot *slot = &context->meshes[mesh.id & RENDER_INDEX_MASK];
 	uint32_t entry = context->materials[material.id & RENDER_INDEX_MASK];
@@ -400,9 +364,7 @@ static inline record_what record_full(const stilb_render_context *context, stilb
 	STILB_ASSERT(entry >> RENDER_GENERATION_SHIFT && "a material that exists");
 	STILB_ASSERT(entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT &&
 	             "a material that exists");
-	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
-	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
-	(void)entry, (void)transform;
+	(void)entry;
 	return (record_what){.level = (const render_level *)slot,
 	                     .mesh = mesh.id & RENDER_INDEX_MASK,
 	                     .material = material.id & RENDER_INDEX_MASK,
@@ -410,24 +372,42 @@ static inline record_what record_full(const stilb_render_context *context, stilb
 }
 
 /* kind: the RENDER_STATE_... of its detail. */
-static inline void record_put(stilb_render_context *context, record_what what, const stilb_mat4 *transform,
-                              uint64_t kind)
+static inline uint64_t record_state(const stilb_render_context *context, const record_what *what, uint64_t kind)
 {
-	uint64_t state =
-		render_state(context->materials[what.material], what.material, context->material_mask) | kind | what.state;
+	return render_state(context->materials[what->material], what->material, context->material_mask) | kind |
+	       what->state;
+}
+
+/* row: its word. */
+static inline void record_put(stilb_render_context *context, record_what what, uint32_t row, uint64_t kind)
+{
+	uint64_t state = record_state(context, &what, kind);
+	if (context->command == context->command_end || state != context->state)
+		record_making_room(context, what.key, what.level, row | what.detail, what.material, state);
+	else
+		record_write(context, what, row);
+}
+
+/* The same with a row of the frame. */
+static inline void record_put_by_hand(stilb_render_context *context, record_what what, const stilb_mat4 *transform,
+                                      uint64_t kind)
+{
+	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
+	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
+	uint64_t state = record_state(context, &what, kind);
 	if (context->command == context->command_end || context->row == context->row_end || state != context->state)
-		record_draw_making_room(context, what.key, what.level, what.mesh | what.detail | (uint64_t)what.material << 32,
+		record_hand_making_room(context, what.key, what.level, what.mesh | what.detail | (uint64_t)what.material << 32,
 		                        transform, state);
 	else
-		record_write(context, what, transform);
+		record_write_by_hand(context, what, transform);
 }
 
 static inline void record_draw(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                                stilb_render_material material, const stilb_mat4 *transform)
 {
-	record_what what = record_full(context, mesh, material, transform);
+	record_what what = record_full(context, mesh, material);
 	what.key = key;
-	record_put(context, what, transform, 0);
+	record_put_by_hand(context, what, transform, 0);
 }
 
 void stilb_render_draw(stilb_render_context *context, stilb_render_mesh mesh, stilb_render_material material,
@@ -446,7 +426,7 @@ void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render
                        stilb_render_material material, const stilb_mat4 *transform, uint32_t level, uint32_t detail,
                        uint32_t kind)
 {
-	record_what what = record_full(context, mesh, material, transform);
+	record_what what = record_full(context, mesh, material);
 	what.detail = detail << RENDER_DETAIL_SHIFT;
 	what.key = key;
 	const render_levels *levels = context->levels[what.mesh];
@@ -457,14 +437,14 @@ void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render
 		what.level = &render_levels_level(levels)[moves ? levels->count + 1 + level : level];
 		what.state = render_state_of_level(levels, level);
 	}
-	record_put(context, what, transform, render_state_of_detail(kind));
+	record_put_by_hand(context, what, transform, render_state_of_detail(kind));
 }
 
 void render_draw_clusters(stilb_render_context *context, uint64_t key, stilb_render_mesh mesh,
                           stilb_render_material material, const stilb_mat4 *transform, render_cluster_range range,
                           uint32_t detail, uint32_t kind)
 {
-	record_what what = record_full(context, mesh, material, transform);
+	record_what what = record_full(context, mesh, material);
 	const render_levels *levels = context->levels[what.mesh];
 	STILB_ASSERT(render_levels_have_clusters(levels) && range.index_count > 0);
 	render_level level = *what.level;
@@ -475,7 +455,7 @@ void render_draw_clusters(stilb_render_context *context, uint64_t key, stilb_ren
 	what.level = &level;
 	what.detail = detail << RENDER_DETAIL_SHIFT;
 	what.key = key;
-	record_put(context, what, transform, render_state_of_detail(kind));
+	record_put_by_hand(context, what, transform, render_state_of_detail(kind));
 }
 
 uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_render_vertex_2d *vertices,
@@ -511,11 +491,13 @@ static void record_draw_2d(stilb_render_context *context, uint32_t first_index, 
 	STILB_ASSERT(context->render->resources.textures[index] == texture.id >> RENDER_GENERATION_SHIFT);
 	uint64_t state = RENDER_STATE_2D | kind | index;
 	bool room = context->command != context->command_end && context->row != context->row_end;
-	if (context->failed || ((!room || state != context->state) && !record_make_room(context, state)))
+	if (context->failed || ((!room || state != context->state) && !record_make_room(context, state, true)))
 		return;
 	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3], factor}};
-	*context->command++ = (render_command){
-		.index_count = index_count, .instance_count = 1, .first_index = first_index, .row = context->row_index++};
+	*context->command++ = (render_command){.index_count = index_count,
+	                                       .instance_count = 1,
+	                                       .first_index = first_index,
+	                                       .row = context->row_index++ | RENDER_ROW_FRAME};
 }
 
 void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
@@ -563,24 +545,51 @@ typedef struct record_pass {
 	uint32_t pass;
 } record_pass;
 
+/* What a segment's loop reads, in locals, because the compiler must assume that a draw's stores change the members of
+ * scene and renderer. */
+typedef struct record_parts {
+	const uint32_t *visible, *first_part, *meshes, *materials;
+	const uint32_t *words;  /* render_places.words */
+	const float *stretches; /* render_places.stretches */
+	const stilb_mat4 *transforms;
+	const stilb_render_mesh *mesh_handles;
+	const stilb_render_material *material_handles;
+} record_parts;
+
+static record_parts record_parts_of(const record_pass *recorded)
+{
+	const stilb_scene *scene = recorded->scene;
+	const render_scene *tables = &recorded->render->scene;
+	return (record_parts){
+		.visible = recorded->visible,
+		.first_part = scene->first_part,
+		.meshes = scene->part_mesh,
+		.materials = scene->part_material,
+		.words = tables->places.words,
+		.stretches = tables->places.stretches,
+		.transforms = scene->part_transform,
+		.mesh_handles = tables->meshes,
+		.material_handles = tables->materials,
+	};
+}
+
+static inline record_what record_what_of(const stilb_render_context *context, const record_parts *parts, uint32_t p)
+{
+	return record_full(context, parts->mesh_handles[parts->meshes[p]], parts->material_handles[parts->materials[p]]);
+}
+
 static void record_segment(const record_pass *recorded, stilb_render_context *context, uint32_t segment)
 {
 	PROFILE("record segment");
-	const stilb_scene *scene = recorded->scene;
-	/* Locals, because the compiler must assume that a draw's stores change the scene's members. */
-	const uint32_t *visible = recorded->visible, *first_part = scene->first_part;
-	const uint32_t *meshes = scene->part_mesh, *materials = scene->part_material;
-	const stilb_mat4 *transforms = scene->part_transform;
-	const stilb_render_mesh *mesh_handles = recorded->render->scene.meshes;
-	const stilb_render_material *material_handles = recorded->render->scene.materials;
+	record_parts parts = record_parts_of(recorded);
 	uint32_t first = segment * RECORD_SEGMENT_MODELS, end = first + RECORD_SEGMENT_MODELS;
 	end = end < recorded->visible_count ? end : recorded->visible_count;
 	stilb_render_segment_begin(context, recorded->pass, segment);
 	for (uint32_t i = first; i < end; i++) {
-		uint32_t model = visible[i];
-		STILB_ASSERT(model < scene->model_count);
-		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++)
-			record_draw(context, 0, mesh_handles[meshes[p]], material_handles[materials[p]], &transforms[p]);
+		uint32_t model = parts.visible[i];
+		STILB_ASSERT(model < recorded->scene->model_count);
+		for (uint32_t p = parts.first_part[model]; p < parts.first_part[model + 1]; p++)
+			record_put(context, record_what_of(context, &parts, p), render_place_word(parts.words, p), 0);
 	}
 	stilb_render_segment_end(context);
 }
@@ -602,60 +611,6 @@ typedef struct record_pass_view {
 	uint16_t *history;  /* [part_count] */
 	uint8_t *impostors; /* [impostor_model_count] NULL: none are drawn */
 } record_pass_view;
-
-/* The square of the largest length of a column: how much a transform stretches, for a similarity exactly. Others may
- * stretch by up to sqrt(3) times that, where columns are no longer perpendicular. */
-#if defined(__SSE2__)
-static inline float record_stretch(const stilb_mat4 *transform)
-{
-	__m128 x = _mm_loadu_ps(transform->m), y = _mm_loadu_ps(transform->m + 4);
-	__m128 z = _mm_loadu_ps(transform->m + 8), w = _mm_loadu_ps(transform->m + 12);
-	_MM_TRANSPOSE4_PS(x, y, z, w); /* as in record_write_row, so that compilers do it once */
-	__m128 squares = _mm_add_ps(_mm_add_ps(_mm_mul_ps(x, x), _mm_mul_ps(y, y)), _mm_mul_ps(z, z));
-	__m128 most = _mm_max_ss(squares, _mm_shuffle_ps(squares, squares, _MM_SHUFFLE(1, 1, 1, 1)));
-	return _mm_cvtss_f32(_mm_max_ss(most, _mm_movehl_ps(squares, squares)));
-}
-#else
-static inline float record_stretch(const stilb_mat4 *transform)
-{
-	float most = 0.0f;
-	for (int c = 0; c < 3; c++) {
-		const float *v = transform->m + 4 * c;
-		most = fmaxf(most, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-	}
-	return most;
-}
-#endif
-
-/* What a segment's loop reads, in locals, because the compiler must assume that a draw's stores change the members of
- * scene and renderer. */
-typedef struct record_parts {
-	const uint32_t *visible, *first_part, *meshes, *materials;
-	const stilb_mat4 *transforms;
-	const stilb_render_mesh *mesh_handles;
-	const stilb_render_material *material_handles;
-	uint16_t *history;
-} record_parts;
-
-static record_parts record_parts_of(const record_pass_view *recorded)
-{
-	const stilb_scene *scene = recorded->pass.scene;
-	return (record_parts){recorded->pass.visible,
-	                      scene->first_part,
-	                      scene->part_mesh,
-	                      scene->part_material,
-	                      scene->part_transform,
-	                      recorded->pass.render->scene.meshes,
-	                      recorded->pass.render->scene.materials,
-	                      recorded->history};
-}
-
-static inline record_what record_what_of(const stilb_render_context *context, const record_parts *parts, uint32_t p)
-{
-	stilb_render_mesh mesh = parts->mesh_handles[parts->meshes[p]];
-	stilb_render_material material = parts->material_handles[parts->materials[p]];
-	return record_full(context, mesh, material, &parts->transforms[p]);
-}
 
 /* The state of a mesh in full becomes that of its level. If that has 16 bit indices, each level has. */
 static inline void record_set_state(const render_levels *levels, uint32_t level, record_what *what)
@@ -704,18 +659,18 @@ static inline void record_choose_morph(const render_levels *levels, float stretc
  * each mode has code of its own; only with it the inverse of the room counts. */
 __attribute__((always_inline)) static inline bool
 record_part_seen(const render_detail_view *view, stilb_render_context *context, const record_parts *parts, uint32_t p,
-                 float room, float inverse, bool morphs, bool has_levels, record_what what)
+                 uint16_t *history, float room, float inverse, bool morphs, bool has_levels, record_what what)
 {
 	uint64_t plain = morphs ? RENDER_STATE_MORPH : view->shows ? RENDER_STATE_SHOW : 0;
 	if (has_levels) {
 		const render_levels *levels = context->levels[what.mesh];
-		float stretch = record_stretch(&parts->transforms[p]);
+		float stretch = parts->stretches[p];
 		if (morphs && levels->morphs > 0)
-			record_choose_morph(levels, stretch, room, inverse, &parts->history[p], &what);
-		else if (!record_choose(view, levels, stretch, room, &parts->history[p], &what))
+			record_choose_morph(levels, stretch, room, inverse, history, &what);
+		else if (!record_choose(view, levels, stretch, room, history, &what))
 			return false;
 	}
-	record_put(context, what, &parts->transforms[p], plain);
+	record_put(context, what, render_place_word(parts->words, p), plain);
 	return true;
 }
 
@@ -725,47 +680,42 @@ static inline bool record_is_cut(const render_detail_view *view, const render_le
 	return levels->clusters && what->level == render_levels_level(levels) && view->scale >= 0.0f;
 }
 
-/* Records the clusters of a part that its view needs: draws with one row for all. kind: as of record_put. */
+/* Records the clusters of a part that its view needs. kind: as of record_put. */
 __attribute__((noinline)) static void record_clusters(const record_pass_view *recorded, stilb_render_context *context,
-                                                      record_what what, const stilb_mat4 *transform, uint64_t kind)
+                                                      record_what what, const record_parts *parts, uint32_t p,
+                                                      uint64_t kind)
 {
 	const render_clusters *clusters = context->levels[what.mesh]->clusters;
-	render_cluster_view view = render_cluster_view_make(&recorded->view, recorded->seen, transform);
+	render_cluster_view view = render_cluster_view_make(&recorded->view, recorded->seen, &parts->transforms[p]);
 	bool shows = recorded->view.shows;
 	if (context->failed || !render_clusters_choose(clusters, &view, shows, &context->cut)) {
 		context->failed = true;
 		return;
 	}
-	uint64_t state =
-		render_state(context->materials[what.material], what.material, context->material_mask) | kind | what.state;
-	uint32_t row = 0;
-	for (uint32_t r = 0; r < context->cut.range_count; r++) {
+	uint32_t row = render_place_word(parts->words, p);
+	for (uint32_t r = 0; r < context->cut.range_count && !context->failed; r++) {
 		const render_cluster_range *range = &context->cut.ranges[r];
-		bool room = context->command != context->command_end && (r > 0 || context->row != context->row_end);
-		if ((!room || state != context->state) && !record_make_room(context, state))
-			return;
-		if (r == 0) {
-			row = context->row_index++;
-			record_write_row(context->row++, transform, what.material, what.mesh, context->stream_rows);
-		}
 		render_level level = {.index_count = range->index_count,
 		                      .instance_count = 1,
 		                      .first_index = what.level->first_index + range->first_index,
 		                      .vertex_offset = what.level->vertex_offset};
-		uint32_t detail = shows ? (range->depth < 62 ? range->depth + 1 : 63) << RENDER_DETAIL_SHIFT : what.detail;
-		record_write_command(context->command++, &level, row | detail, what.material, what.key);
+		record_what piece = what;
+		piece.level = &level;
+		if (shows)
+			piece.detail = (range->depth < 62 ? range->depth + 1 : 63) << RENDER_DETAIL_SHIFT;
+		record_put(context, piece, row, kind);
 	}
 }
 
 /* Records a level that a part fades from or to. */
 static void record_fading(const record_pass_view *recorded, stilb_render_context *context, record_what what,
-                          const stilb_mat4 *transform)
+                          const record_parts *parts, uint32_t p)
 {
 	const render_levels *levels = context->levels[what.mesh];
 	if (levels && record_is_cut(&recorded->view, levels, &what))
-		record_clusters(recorded, context, what, transform, RENDER_STATE_FADE);
+		record_clusters(recorded, context, what, parts, p, RENDER_STATE_FADE);
 	else
-		record_put(context, what, transform, RENDER_STATE_FADE);
+		record_put(context, what, render_place_word(parts->words, p), RENDER_STATE_FADE);
 }
 
 /* Records a part of a mesh that has clusters, as record_part_seen does: it never morphs. */
@@ -775,10 +725,10 @@ static bool record_part_cut(const record_pass_view *recorded, stilb_render_conte
 	const render_detail_view *view = &recorded->view;
 	const render_levels *levels = context->levels[what.mesh];
 	uint64_t plain = view->shows ? RENDER_STATE_SHOW : view->mode == STILB_RENDER_DETAIL_MORPH ? RENDER_STATE_MORPH : 0;
-	if (!record_choose(view, levels, record_stretch(&parts->transforms[p]), room, &parts->history[p], &what))
+	if (!record_choose(view, levels, parts->stretches[p], room, &recorded->history[p], &what))
 		return false;
 	if (record_is_cut(view, levels, &what)) {
-		record_clusters(recorded, context, what, &parts->transforms[p], plain);
+		record_clusters(recorded, context, what, parts, p, plain);
 		return true;
 	}
 	bool level = view->shows && what.level != render_levels_level(levels);
@@ -786,7 +736,7 @@ static bool record_part_cut(const record_pass_view *recorded, stilb_render_conte
 	uint32_t deeper = level ? (what.detail >> RENDER_DETAIL_SHIFT) + levels->clusters->depth : 0;
 	if (level)
 		what.detail = (deeper < 63 ? deeper : 63) << RENDER_DETAIL_SHIFT;
-	record_put(context, what, &parts->transforms[p], plain);
+	record_put(context, what, render_place_word(parts->words, p), plain);
 	return true;
 }
 
@@ -795,14 +745,15 @@ static bool record_part_cut(const record_pass_view *recorded, stilb_render_conte
 __attribute__((noinline)) static bool record_part_odd(const record_pass_view *recorded, stilb_render_context *context,
                                                       uint32_t p, float room)
 {
-	record_parts parts = record_parts_of(recorded);
+	record_parts parts = record_parts_of(&recorded->pass);
 	record_what what = record_what_of(context, &parts, p);
+	uint16_t *history = &recorded->history[p];
 	bool levels = context->meshes[what.mesh].flags & RENDER_MESH_LEVELS;
 	if (levels && context->levels[what.mesh]->clusters)
 		return record_part_cut(recorded, context, &parts, p, room, what);
 	return recorded->view.mode == STILB_RENDER_DETAIL_MORPH
-	           ? record_part_seen(&recorded->view, context, &parts, p, room, 1.0f / room, true, levels, what)
-	           : record_part_seen(&recorded->view, context, &parts, p, room, 0.0f, false, levels, what);
+	           ? record_part_seen(&recorded->view, context, &parts, p, history, room, 1.0f / room, true, levels, what)
+	           : record_part_seen(&recorded->view, context, &parts, p, history, room, 0.0f, false, levels, what);
 }
 
 /* Records the parts of models first .. end - 1 of the visible ones, but those that fade. True: there are some. morphs:
@@ -811,8 +762,9 @@ __attribute__((always_inline)) static inline bool record_models_seen(const recor
                                                                      stilb_render_context *context, uint32_t first,
                                                                      uint32_t end, const float *rooms, bool morphs)
 {
-	record_parts parts = record_parts_of(recorded);
+	record_parts parts = record_parts_of(&recorded->pass);
 	render_detail_view view = recorded->view;
+	uint16_t *history = recorded->history;
 	bool fades = false;
 	for (uint32_t i = first; i < end; i++) {
 		uint32_t model = parts.visible[i];
@@ -823,9 +775,9 @@ __attribute__((always_inline)) static inline bool record_models_seen(const recor
 			uint32_t flags = context->meshes[what.mesh].flags;
 			what.state = 0;
 			if (flags == RENDER_MESH_LEVELS)
-				fades |= !record_part_seen(&view, context, &parts, p, room, inverse, morphs, true, what);
+				fades |= !record_part_seen(&view, context, &parts, p, &history[p], room, inverse, morphs, true, what);
 			else if (__builtin_expect(flags == 0, 1))
-				record_part_seen(&view, context, &parts, p, room, inverse, morphs, false, what);
+				record_part_seen(&view, context, &parts, p, &history[p], room, inverse, morphs, false, what);
 			else
 				fades |= !record_part_odd(recorded, context, p, room);
 		}
@@ -838,12 +790,12 @@ __attribute__((always_inline)) static inline bool record_models_seen(const recor
 static void record_models_fading(const record_pass_view *recorded, stilb_render_context *context, uint32_t first,
                                  uint32_t end)
 {
-	record_parts parts = record_parts_of(recorded);
+	record_parts parts = record_parts_of(&recorded->pass);
 	bool morphs = recorded->view.mode == STILB_RENDER_DETAIL_MORPH;
 	for (uint32_t i = first; i < end; i++)
 		for (uint32_t p = parts.first_part[parts.visible[i]]; p < parts.first_part[parts.visible[i] + 1]; p++) {
 			record_what what = record_what_of(context, &parts, p);
-			uint16_t history = parts.history[p];
+			uint16_t history = recorded->history[p];
 			if (!(context->meshes[what.mesh].flags & RENDER_MESH_LEVELS) || !render_detail_fades(history))
 				continue;
 			const render_levels *levels = context->levels[what.mesh];
@@ -853,31 +805,31 @@ static void record_models_fading(const record_pass_view *recorded, stilb_render_
 			record_what before = what;
 			record_set_level(levels, (history & 63u) - 1, &what);
 			what.detail = share << RENDER_DETAIL_SHIFT;
-			record_fading(recorded, context, what, &parts.transforms[p]);
+			record_fading(recorded, context, what, &parts, p);
 			what = before;
 			record_set_level(levels, (history >> 6 & 63u) - 1, &what);
 			what.detail = (share | RENDER_DETAIL_OUT) << RENDER_DETAIL_SHIFT;
-			record_fading(recorded, context, what, &parts.transforms[p]);
+			record_fading(recorded, context, what, &parts, p);
 		}
 }
 
-/* Records the model's impostor. */
+/* Records the model's impostor, with a row of the frame: that of the part has another material. */
 static void record_impostor(const record_pass_view *recorded, stilb_render_context *context, uint32_t model,
                             uint32_t detail, uint64_t kind)
 {
 	const stilb_scene *scene = recorded->pass.scene;
 	const stilb_render_impostor *impostor = &recorded->pass.render->scene.impostors[scene->model_impostor[model] - 1];
 	const stilb_mat4 *transform = &scene->part_transform[scene->first_part[model]];
-	record_what what = record_full(context, impostor->mesh, impostor->material, transform);
+	record_what what = record_full(context, impostor->mesh, impostor->material);
 	what.detail = detail << RENDER_DETAIL_SHIFT;
-	record_put(context, what, transform, kind);
+	record_put_by_hand(context, what, transform, kind);
 }
 
 /* Records a model that fades between its impostor and its meshes, each in the coarsest level that it may have. */
 static void record_model_fading(const record_pass_view *recorded, stilb_render_context *context, uint32_t model,
                                 float room)
 {
-	record_parts parts = record_parts_of(recorded);
+	record_parts parts = record_parts_of(&recorded->pass);
 	uint8_t history = recorded->impostors[model];
 	uint32_t share = history % 16u * 2, out = share | RENDER_DETAIL_OUT;
 	bool coming = history < IMPOSTOR_GOING;
@@ -886,11 +838,11 @@ static void record_model_fading(const record_pass_view *recorded, stilb_render_c
 		what.detail = (coming ? out : share) << RENDER_DETAIL_SHIFT;
 		if (context->meshes[what.mesh].flags & RENDER_MESH_LEVELS) {
 			const render_levels *levels = context->levels[what.mesh];
-			uint32_t level = render_detail_allowed(levels, record_stretch(&parts.transforms[p]), room);
+			uint32_t level = render_detail_allowed(levels, parts.stretches[p], room);
 			record_set_level(levels, level, &what);
-			parts.history[p] = render_detail_rest(level);
+			recorded->history[p] = render_detail_rest(level);
 		}
-		record_fading(recorded, context, what, &parts.transforms[p]);
+		record_fading(recorded, context, what, &parts, p);
 	}
 	record_impostor(recorded, context, model, coming ? share : out, RENDER_STATE_FADE);
 }
@@ -1010,7 +962,50 @@ static bool record_impostors_fit(render_pass_lists *lists, uint32_t model_count)
 	return true;
 }
 
-static stilb_result record_begin(const record_pass *recorded, const stilb_job_pool *pool)
+/* Parts of the visible models. */
+static uint64_t record_count_parts(const record_pass *recorded)
+{
+	const uint32_t *first_part = recorded->scene->first_part;
+	uint64_t parts = 0;
+	for (uint32_t i = 0; i < recorded->visible_count; i++)
+		parts += first_part[recorded->visible[i] + 1] - first_part[recorded->visible[i]];
+	return parts;
+}
+
+/* Before the frame's first commands: makes room for one a part, so that a frame that draws far more than the last one
+ * neither writes to the heap first nor grows by a quarter more than it needs. Without memory for it the frame goes on:
+ * it may need less. */
+static void record_reserve(const record_pass *recorded)
+{
+	stilb_render *render = recorded->render;
+	render_memory *memory = &render->memory[RENDER_MEMORY_COMMANDS];
+	uint64_t spare = (uint64_t)render->context_count * RENDER_COMMAND_CHUNK, parts = recorded->scene->part_count;
+	/* Relaxed: no thread claims memory now. */
+	if (atomic_load_explicit(&memory->next, memory_order_relaxed) > 0 || parts + spare <= memory->capacity)
+		return;
+	parts = record_count_parts(recorded) + spare;
+	if (parts > memory->capacity && parts <= UINT32_MAX)
+		render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)parts, 0);
+}
+
+/* Brings the scene's rows up to date. levels: some may be drawn. */
+static stilb_result record_rows(const record_pass *recorded, bool levels, stilb_job_pool *pool, uint32_t worker)
+{
+	PROFILE("rows");
+	stilb_render *render = recorded->render;
+	uint32_t count, first;
+	stilb_result result = render_places_frame(render, recorded->scene, levels, &count);
+	if (result != STILB_OK || count == 0)
+		return result;
+	render_row *rows = render_claim(render, RENDER_MEMORY_ROWS, count, &first);
+	if (!rows || first > RENDER_MAX_ROWS - count)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the rows of %u parts that move", count);
+	render_places_move(render, recorded->scene, rows, first, pool, worker);
+	return STILB_OK;
+}
+
+/* levels: it may draw some. */
+static stilb_result record_begin(const record_pass *recorded, bool levels, stilb_job_pool *pool, uint32_t worker)
 {
 	stilb_render *render = recorded->render;
 	const stilb_scene *scene = recorded->scene;
@@ -1018,15 +1013,21 @@ static stilb_result record_begin(const record_pass *recorded, const stilb_job_po
 	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
 	STILB_ASSERT(recorded->visible_count == 0 || (scene && render->scene.mesh_count == scene->mesh_count &&
 	                                              render->scene.material_count == scene->material_count));
-	(void)pool, (void)scene;
-	return stilb_render_pass_begin(render, recorded->pass, segments);
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->state == RENDER_FRAME_BEGUN);
+	stilb_result result = STILB_OK;
+	if (recorded->visible_count > 0) {
+		record_reserve(recorded);
+		result = record_rows(recorded, levels, pool, worker);
+	}
+	return result == STILB_OK ? stilb_render_pass_begin(render, recorded->pass, segments) : result;
 }
 
 stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
                                  uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
 {
 	record_pass recorded = {render, scene, visible, visible_count, pass};
-	stilb_result result = record_begin(&recorded, pool);
+	stilb_result result = record_begin(&recorded, false, pool, worker);
 	if (result != STILB_OK)
 		return result;
 	stilb_job_parallel_for(pool, render->passes[pass].segment_count, 1, record_slice, &recorded, worker);
@@ -1055,7 +1056,7 @@ stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const
 	                             .seen = view,
 	                             .history = lists->history,
 	                             .impostors = impostors ? lists->impostors : NULL};
-	stilb_result result = record_begin(&recorded.pass, pool);
+	stilb_result result = record_begin(&recorded.pass, true, pool, worker);
 	if (result != STILB_OK)
 		return result;
 	lists->detail = detail.mode;

@@ -66,16 +66,19 @@ static bool replay_lists_is_sound(const stilb_render *render, const render_pass_
 {
 	/* Relaxed: no worker records any more. */
 	uint32_t commands = atomic_load_explicit(&render->memory[RENDER_MEMORY_COMMANDS].next, memory_order_relaxed);
-	uint32_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
+	uint32_t frame_rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
+	uint32_t scene_rows = render->shown_rows ? render->shown_rows->capacity : 0;
 	uint64_t draws = 0, states = 0;
 	for (uint32_t r = 0; r < lists->run_count; r++) {
 		const render_run *run = &lists->runs[r];
 		if (run->count == 0 || run->first >= commands || run->count > commands - run->first)
 			return false;
 		const render_command *command = render_commands(render) + run->first;
-		for (uint32_t c = 0; c < run->count; c++)
+		for (uint32_t c = 0; c < run->count; c++) {
+			uint32_t rows = command[c].row & RENDER_ROW_FRAME ? frame_rows : scene_rows;
 			if (render_command_row(&command[c]) >= rows || command[c].instance_count != 1)
 				return false;
+		}
 		draws += run->count;
 		states |= run->state;
 	}
@@ -126,6 +129,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stream->commands = render_commands(render);
 	stream->runs = lists->runs;
 	stream->run_count = lists->run_count;
+	stream->rows = render->shown_rows;
 	stream->draws = lists->draws;
 	stream->states = lists->states;
 	stream->kinds = lists->kinds;
@@ -134,7 +138,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 		replay_keep_view(lists, stream);
 	stilb_render_stats *stats = &render->device->stats;
 	stats->draws += lists->draws;
-	stats->recorded_bytes += lists->draws * (sizeof(render_command) + sizeof(render_row));
+	stats->recorded_bytes += lists->draws * sizeof(render_command);
 	stats->binds_asked += lists->draws * 3;
 	stilb_prof_zone_begin(stream->site);
 	stilb_result result = render->device->functions->pass(render->device, stream);
@@ -142,10 +146,15 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	return result;
 }
 
-/* Bytes of 2D geometry that were recorded in this frame. */
-static uint64_t replay_geometry_2d_bytes(const stilb_render *render)
+/* Bytes that were recorded in this frame besides commands: 2D geometry, and rows, of which contexts claim more than
+ * they write. */
+static uint64_t replay_other_bytes(const stilb_render *render)
 {
-	uint64_t bytes = 0;
+	/* Relaxed: no worker records any more. */
+	uint64_t rows = atomic_load_explicit(&render->memory[RENDER_MEMORY_ROWS].next, memory_order_relaxed);
+	for (uint32_t i = 0; i < render->context_count; i++)
+		rows -= (uint64_t)(render->contexts[i].row_end - render->contexts[i].row);
+	uint64_t bytes = rows * sizeof(render_row);
 	for (int kind = RENDER_MEMORY_VERTICES_2D; kind <= RENDER_MEMORY_INDICES_2D; kind++)
 		/* Relaxed: no worker records any more. */
 		bytes += (uint64_t)atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed) *
@@ -306,8 +315,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	for (const stilb_render_pass *pass = passes; pass < passes + pass_count; pass++)
 		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE || pass->view < view_count);
 	render_device *device = render->device;
-	device->stats =
-		(stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_geometry_2d_bytes(render)};
+	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_other_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
 	replay_lights lights[STILB_RENDER_MAX_PASSES];
 	stilb_result result = replay_update_panorama(render, views, view_count, pool, worker);
@@ -425,9 +433,7 @@ static uint64_t hash_passes(const stilb_render *render, bool panorama)
 			STILB_ASSERT(run->first + run->count <= render->memory[RENDER_MEMORY_COMMANDS].capacity);
 			for (uint32_t c = run->first; c < run->first + run->count; c++) {
 				const render_command *command = &render_commands(render)[c];
-				uint32_t row = render_command_row(command);
-				STILB_ASSERT(row < render->memory[RENDER_MEMORY_ROWS].capacity);
-				hash = hash_draw(hash, &render->resources, command, &render_rows(render)[row], run->state);
+				hash = hash_draw(hash, &render->resources, command, render_row_of(render, command), run->state);
 			}
 		}
 	}

@@ -18,6 +18,7 @@ void render_scene_finish(render_scene *scene)
 /* Materials before their textures. */
 void render_scene_destroy(stilb_render *render, render_scene *scene)
 {
+	render_places_finish(render, &scene->places, false);
 	for (uint32_t i = 0; i < scene->impostor_count; i++)
 		stilb_render_impostor_destroy(render, scene->impostors[i]);
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
@@ -184,7 +185,9 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 		result = shown_texture_set(render, tables, scene, i, false, &replaced);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, tables, scene, i);
-	return result == STILB_OK ? render_scene_impostors(render, tables, scene) : result;
+	if (result == STILB_OK)
+		result = render_scene_impostors(render, tables, scene);
+	return result == STILB_OK ? render_places_make(render, tables, scene) : result;
 }
 
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene)
@@ -202,6 +205,7 @@ stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *sce
 
 void render_scene_replace(stilb_render *render, render_scene *next)
 {
+	render_places_finish(render, &render->scene.places, true);
 	render_scene_destroy(render, &render->scene);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++)
 		if (render->passes[p].impostor_capacity > 0)
@@ -273,6 +277,8 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 		result = render_scene_material(render, &render->scene, scene, changes->materials[i]);
 	if (result == STILB_OK)
 		result = render_scene_impostors(render, &render->scene, scene);
+	if (result == STILB_OK)
+		result = render_places_note(&render->scene.places, scene);
 	result = result == STILB_OK ? textures : result;
 	if (result == STILB_OK && render->scene.refused)
 		shown_forget_refused(&render->scene);

@@ -326,8 +326,10 @@ typedef struct stilb_scene {
 	uint64_t impostors_geometry, impostors_materials; /* the revisions that they show */
 	uint64_t impostors_removed;                       /* how often all of them were */
 
-	uint32_t moved_count; /* models whose bounds have changed since the last frame; the engine sets it back to 0 */
-	uint32_t *moved;      /* their ids, each once, in any order; room for model_count */
+	/* Models whose bounds, transforms, meshes or materials have changed since the last frame; the engine sets the count
+	 * back to 0. The functions of scene_edit.h and its like list them; frames show no other change of theirs. */
+	uint32_t moved_count;
+	uint32_t *moved; /* their ids, each once, in any order; room for model_count */
 
 	uint32_t texture_count;
 	stilb_image *textures; /* [texture_count]; 1 to 4 channels; row 0 is v = 0; repeated outside [0, 1] */

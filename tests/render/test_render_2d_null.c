@@ -96,7 +96,7 @@ static void assert_shapes(const stilb_render *render, uint32_t count)
 			assert_int_equal(command->index_count, s.index_count);
 			assert_int_equal(command->instance_count, 1);
 			assert_int_equal(command->vertex_offset, 0);
-			assert_memory_equal(render_rows(render)[command->row].transform, s.clip, sizeof s.clip);
+			assert_memory_equal(render_row_of(render, command)->transform, s.clip, sizeof s.clip);
 			for (uint32_t i = 0; i < s.index_count; i++)
 				assert_memory_equal(&vertices[indices[command->first_index + i]], &s.vertices[s.indices[i]],
 				                    sizeof *vertices);

@@ -93,8 +93,7 @@ static uint32_t drawn_list(const stilb_render *render, drawn *out, uint32_t most
 		for (uint32_t c = lists->runs[r].first; c < lists->runs[r].first + lists->runs[r].count; c++) {
 			const render_command *command = &render_commands(render)[c];
 			assert_true(count < most);
-			out[count++] = (drawn){command, &render_rows(render)[render_command_row(command)],
-			                       render_state_detail(lists->runs[r].state)};
+			out[count++] = (drawn){command, render_row_of(render, command), render_state_detail(lists->runs[r].state)};
 		}
 	return count;
 }

@@ -334,7 +334,7 @@ static void every_device_allocation_fails_once(void **state)
 	(void)state;
 	for (size_t w = 0; w < WAYS; w++) {
 		stilb_render_desc desc = ways[w];
-		uint32_t far_draws = w == 0 || desc.device == STILB_RENDER_DEVICE_NULL ? RENDER_FIRST_CAPACITY + 1000 : 10;
+		uint32_t far_draws = w == 0 || desc.device == STILB_RENDER_DEVICE_NULL ? RENDER_FIRST_COMMANDS + 1000 : 10;
 		uint32_t n = 1, step = !TEST_ASAN ? 1 : w > 0 ? 3 : 2;
 		stilb_image want, got;
 		assert_int_equal(trial_run(desc, far_draws, &want), 0);

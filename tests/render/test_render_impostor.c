@@ -114,7 +114,7 @@ static void find_drawn(const stilb_render *render, seen out[MODELS])
 	for (uint32_t r = 0; r < lists->run_count; r++)
 		for (uint32_t c = lists->runs[r].first; c < lists->runs[r].first + lists->runs[r].count; c++) {
 			const render_command *command = &render_commands(render)[c];
-			const render_row *row = &render_rows(render)[render_command_row(command)];
+			const render_row *row = render_row_of(render, command);
 			bool impostor = (lists->runs[r].state & RENDER_STATE_IMPOSTOR) != 0;
 			uint32_t model = 0; /* tiles lie exactly below their spheres */
 			while (model < MODELS && (scene->part_transform[2 * model].m[12] != row->transform[3] ||

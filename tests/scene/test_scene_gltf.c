@@ -684,8 +684,12 @@ static void variants(void **state)
 	assert_string_equal(found->names[2], "number 2");
 	assert_memory_equal(found->materials, wanted, sizeof wanted);
 	for (uint32_t v = 0; v < 4; v++) {
+		uint64_t models = stilb_scene_revisions_read(scene).models;
+		stilb_scene_changes_clear(scene);
 		assert_int_equal(stilb_scene_show_variant(scene, v), STILB_OK);
 		assert_int_equal(found->shown, v);
+		assert_true((scene->moved_count > 0) == (v > 0)); /* frames must draw these models anew */
+		assert_true((stilb_scene_revisions_read(scene).models > models) == (v > 0));
 		assert_memory_equal(scene->part_material, wanted[v], sizeof wanted[v]);
 	}
 	assert_int_equal(stilb_scene_show_variant(scene, 4), STILB_ERROR_ARGUMENT);

@@ -246,7 +246,7 @@ static inline stilb_result gpu_pass(render_device *device, const render_stream *
 		const render_run *run = &stream->runs[r];
 		for (uint32_t c = run->first; c < run->first + run->count; c++) {
 			const render_command *command = &stream->commands[c];
-			const render_row *row = &render_rows(gpu.render)[command->row];
+			const render_row *row = render_row_of(gpu.render, command);
 			gpu_keep(&gpu.frames[gpu.frame],
 			         (gpu_draw){*command, render_state_texture(run->state), (uint32_t)row->transform[3]});
 		}

@@ -126,6 +126,28 @@ static stilb_result null_no_memory(void)
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the commands of a pass; try fewer models");
 }
 
+static stilb_result null_rows_make(render_device *base, uint32_t capacity, render_rows **out)
+{
+	STILB_ASSERT(capacity > 0);
+	render_rows *rows = calloc(1, sizeof *rows);
+	render_row *data = rows ? null_alloc(base, capacity, sizeof *data) : NULL;
+	if (!data) {
+		free(rows);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the rows of %u parts", capacity);
+	}
+	rows->data = data;
+	rows->capacity = capacity;
+	*out = rows;
+	return STILB_OK;
+}
+
+static void null_rows_free(render_device *base, render_rows *rows)
+{
+	(void)base;
+	free(rows->data);
+	free(rows);
+}
+
 /* ---- resources --------------------------------------------------------------------------------------------------- */
 
 static stilb_result null_texture_create(render_device *base, uint32_t texture, const stilb_image *image)
@@ -319,6 +341,8 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.resize = null_resize,
 		.frame_begin = null_frame_begin,
 		.grow = null_grow,
+		.rows_make = null_rows_make,
+		.rows_free = null_rows_free,
 		.texture_create = null_texture_create,
 		.texture_destroy = null_texture_destroy,
 		.update = null_update,

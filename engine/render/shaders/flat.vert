@@ -28,12 +28,12 @@ void main()
 {
 	vec3 linear = vec3(shade_srgb_to_linear(code.r), shade_srgb_to_linear(code.g), shade_srgb_to_linear(code.b));
 	light = vec4(linear * code.a, code.a);
-	clip = push.rows.rows[gl_InstanceIndex].transform[0];
+	clip = push.rows.rows[uint(gl_InstanceIndex) & (ROW_FRAME - 1u)].transform[0];
 #ifdef FLAT_TEXTURE
 	surface_uv = uv;
 #endif
 #ifdef FLAT_PICTURE
-	factor = push.rows.rows[gl_InstanceIndex].transform[1].x;
+	factor = push.rows.rows[uint(gl_InstanceIndex) & (ROW_FRAME - 1u)].transform[1].x;
 #endif
 	gl_Position = vec4(position * push.scale - 1.0, 0.0, 1.0);
 }

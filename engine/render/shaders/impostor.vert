@@ -25,7 +25,7 @@ void main()
 {
 	uint word = uint(gl_InstanceIndex);
 	uint detail = detail_kind == DETAIL_NONE ? 0u : word >> DETAIL_SHIFT;
-	Row row = push.rows.rows[detail_kind == DETAIL_NONE ? word : word & ((1u << DETAIL_SHIFT) - 1u)];
+	Row row = row_of(word);
 	uint packed = uint(numbers.y);
 	float grid = float(packed >> 14u), side = float(packed >> 2u & 4095u), radius = numbers.x;
 	vec2 corner = vec2(packed & 1u, packed >> 1u & 1u) * 2.0 - 1.0;

@@ -53,7 +53,14 @@ layout(push_constant, std430) uniform Push {
 	Rows rows;
 	Materials materials;
 	Vertices vertices;
+	Rows frame_rows;
 } push;
+
+Row row_of(uint word)
+{
+	Rows rows = (word & ROW_FRAME) != 0u ? push.frame_rows : push.rows;
+	return rows.rows[word & (ROW_FRAME - 1u)];
+}
 
 // What the high bits of a draw's row word mean (render_internal.h, RENDER_DETAIL_SHIFT).
 #define DETAIL_NONE 0u

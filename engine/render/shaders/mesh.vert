@@ -37,10 +37,9 @@ vec3 morph_normal_of(uint code)
 
 void main()
 {
-	// gl_InstanceIndex is the draw's firstInstance: the index of its row, and above it how it fades or morphs.
 	uint word = uint(gl_InstanceIndex);
 	uint detail = detail_kind == DETAIL_NONE ? 0u : word >> DETAIL_SHIFT;
-	Row row = push.rows.rows[detail_kind == DETAIL_NONE ? word : word & ((1u << DETAIL_SHIFT) - 1u)];
+	Row row = row_of(word);
 	vec3 place = position;
 #ifdef MESH_PACKED
 	vec3 n = normal_of(normal_code);

@@ -1,4 +1,4 @@
-// The rows of the frame's draws, a buffer by address.
+// The rows of draws, in buffers by address.
 #extension GL_EXT_buffer_reference : require
 
 // As render_row of render_internal.h.
@@ -10,3 +10,7 @@ struct Row {
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Rows { Row rows[]; };
+
+// A draw's firstInstance is the word of its row: an index, and the bit of rows of the frame (render_rows.h). Above it
+// is how the draw fades or morphs.
+#define ROW_FRAME (1u << 25)

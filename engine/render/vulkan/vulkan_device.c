@@ -91,6 +91,8 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.resize = vulkan_resize,
 		.frame_begin = vulkan_frame_begin,
 		.grow = vulkan_grow,
+		.rows_make = vulkan_rows_make,
+		.rows_free = vulkan_rows_free,
 		.texture_create = vulkan_texture_create,
 		.texture_destroy = vulkan_texture_destroy,
 		.update = vulkan_update,

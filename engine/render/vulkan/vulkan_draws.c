@@ -38,7 +38,8 @@ static void draws_bind_buffers(vulkan_device *device, VkCommandBuffer commands, 
 	const vulkan_slot *slot = vulkan_slot_now(device);
 	vulkan_push push = {
 		.view = slot->views.address + device->pass * sizeof(vulkan_view),
-		.rows = slot->memory[RENDER_MEMORY_ROWS].address,
+		.rows = device->rows,
+		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
 		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
 	};

@@ -175,6 +175,32 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
 	return STILB_OK;
 }
 
+/* Like a frame's rows the CPU writes them once, mostly, and the GPU reads them where they are. */
+stilb_result vulkan_rows_make(render_device *base, uint32_t capacity, render_rows **out)
+{
+	vulkan_device *device = (vulkan_device *)base;
+	vulkan_rows *rows = calloc(1, sizeof *rows);
+	if (!rows)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a table of rows");
+	stilb_result result = gpu_vulkan_buffer_create(device->gpu, (VkDeviceSize)capacity * sizeof(render_row),
+	                                               frame_memory[RENDER_MEMORY_ROWS].usage,
+	                                               frame_memory[RENDER_MEMORY_ROWS].memory, &rows->buffer);
+	if (result != STILB_OK) {
+		free(rows);
+		return result;
+	}
+	rows->base = (render_rows){.data = rows->buffer.mapped, .capacity = capacity};
+	*out = &rows->base;
+	return STILB_OK;
+}
+
+void vulkan_rows_free(render_device *base, render_rows *rows)
+{
+	vulkan_rows *own = (vulkan_rows *)rows;
+	gpu_vulkan_buffer_destroy(((vulkan_device *)base)->gpu, &own->buffer);
+	free(own);
+}
+
 /* ---- submission -------------------------------------------------------------------------------------------------- */
 
 stilb_result vulkan_submit(render_device *base)

@@ -31,7 +31,7 @@ static_assert(sizeof(vulkan_view) == 160, "std430");
 
 /* Push constants of scene passes (shaders/mesh.glsl). */
 typedef struct vulkan_push {
-	VkDeviceAddress view, rows, materials, vertices;
+	VkDeviceAddress view, rows, materials, vertices, frame_rows;
 } vulkan_push;
 
 /* Push constants of 2D passes (shaders/flat.vert). */
@@ -41,6 +41,11 @@ typedef struct vulkan_push_2d {
 } vulkan_push_2d;
 
 static_assert(sizeof(vulkan_push_2d) <= sizeof(vulkan_push), "one pipeline layout serves both");
+
+typedef struct vulkan_rows {
+	render_rows base;
+	gpu_vulkan_buffer buffer;
+} vulkan_rows;
 
 /* Commands that were recorded into a command buffer. */
 typedef struct vulkan_sent {
@@ -154,7 +159,8 @@ typedef struct vulkan_device {
 	render_layout layout; /* of vertices */
 
 	vulkan_slot slots[STILB_GPU_FRAMES];
-	uint32_t pass; /* number of the current frame's passes so far that had draws */
+	VkDeviceAddress rows; /* of the scene; in the pass that is being made */
+	uint32_t pass;        /* number of the current frame's passes so far that had draws */
 } vulkan_device;
 
 /* The slot of the current frame. */
@@ -208,6 +214,8 @@ stilb_result vulkan_grow(render_device *base, render_memory *memory, render_memo
                          uint32_t keep);
 stilb_result vulkan_submit(render_device *base);
 stilb_result vulkan_wait(render_device *base);
+stilb_result vulkan_rows_make(render_device *base, uint32_t capacity, render_rows **rows);
+void vulkan_rows_free(render_device *base, render_rows *rows);
 void *vulkan_panorama_make(render_device *base, size_t bytes);
 void vulkan_panorama_show(render_device *base);
 /* vulkan_pass.c: the commands of one pass. */

@@ -146,6 +146,7 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	if (!scene && !first && stream->draws == 0)
 		return STILB_OK;
 	stilb_result result = STILB_OK;
+	device->rows = stream->rows ? ((const vulkan_rows *)stream->rows)->buffer.address : 0;
 	if (scene) {
 		pass_write_view(device, slot, stream);
 		result = vulkan_pipeline_choose(device, stream);

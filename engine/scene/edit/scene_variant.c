@@ -47,6 +47,26 @@ bool scene_variants_are_sound(const stilb_scene *scene)
 	return sound;
 }
 
+/* Gives the parts of a model that show what the variant before says the material of the next one. */
+static void variant_paint(stilb_scene *scene, uint32_t model, const uint32_t *from, const uint32_t *to)
+{
+	edit_ids *ids = &scene->edits->materials;
+	bool changed = false;
+	for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++) {
+		if (scene->part_material[p] != from[p] || from[p] == to[p])
+			continue;
+		ids->users[from[p]]--;
+		ids->users[to[p]]++;
+		scene->part_material[p] = to[p];
+		changed = true;
+	}
+	if (!changed)
+		return;
+	scene_impostor_forget(scene, model);
+	scene_edit_moved(scene, model);
+	scene->revisions.models++;
+}
+
 stilb_result stilb_scene_show_variant(stilb_scene *scene, uint32_t variant)
 {
 	STILB_ASSERT(scene);
@@ -58,19 +78,14 @@ stilb_result stilb_scene_show_variant(stilb_scene *scene, uint32_t variant)
 	stilb_result result = scene_edit_begin(scene);
 	if (result != STILB_OK)
 		return result;
-	edit_ids *ids = &scene->edits->materials;
+	const edit_ids *ids = &scene->edits->materials;
 	const uint32_t *from = variants->materials + (size_t)variants->shown * variants->part_count;
 	const uint32_t *to = variants->materials + (size_t)variant * variants->part_count;
 	for (uint32_t p = 0; p < variants->part_count; p++)
 		if (scene->part_material[p] == from[p] && !scene_edit_has(ids, scene->material_count, to[p]))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "variant %u: its material %u was removed", variant, to[p]);
-	for (uint32_t p = 0; p < variants->part_count; p++) {
-		if (scene->part_material[p] != from[p])
-			continue;
-		ids->users[from[p]]--;
-		ids->users[to[p]]++;
-		scene->part_material[p] = to[p];
-	}
+	for (uint32_t m = 0; m < scene->model_count && scene->first_part[m] < variants->part_count; m++)
+		variant_paint(scene, m, from, to);
 	variants->shown = variant;
 	return STILB_OK;
 }

@@ -161,7 +161,7 @@ static uint32_t drawn_list(const stilb_render *render, drawn out[MOST_DRAWS])
 	for (uint32_t r = 0; r < lists->run_count; r++)
 		for (uint32_t c = lists->runs[r].first; c < lists->runs[r].first + lists->runs[r].count; c++) {
 			const render_command *command = &render_commands(render)[c];
-			const render_row *row = &render_rows(render)[render_command_row(command)];
+			const render_row *row = render_row_of(render, command);
 			uint32_t model = 0;
 			while (model < MODELS &&
 			       (places[model].m[12] != row->transform[3] || places[model].m[14] != row->transform[11]))
