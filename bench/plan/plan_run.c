@@ -1,5 +1,5 @@
-/* The program of the suite `plan`: a chain of fullscreen passes and dispatches, each into an image of its own, which the
- * next pass samples, and one a few passes later, too. Every plan is checked for its numbers of steps and barriers. */
+/* The program of the suite `plan`: a chain of fullscreen passes and dispatches, each into an image of its own, which
+ * the next pass samples, and one a few passes later, too. Every plan is checked for its steps and barriers. */
 #include "bench/harness/bench_child.h"
 #include "bench/plan/plan_cases.h"
 #include "gpu/gpu_plan.h"

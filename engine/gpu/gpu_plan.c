@@ -361,8 +361,12 @@ static stilb_result ask_mistakes(stilb_gpu_plan *plan)
 
 static stilb_result make(stilb_gpu_plan *plan)
 {
-	for (uint32_t i = 1; i <= plan->resource_count; i++)
-		gpu_plan_resource(plan, i)->shown = false;
+	for (uint32_t i = 1; i <= plan->resource_count; i++) {
+		gpu_resource *resource = gpu_plan_resource(plan, i);
+		resource->shown = false;
+		resource->whole = true;
+		resource->memory_readers = 0;
+	}
 	for (uint32_t i = 0; i < plan->shown_count; i++)
 		gpu_plan_resource(plan, ((const uint16_t *)plan->shown.items)[i])->shown = true;
 	stilb_result result = gpu_plan_check_passes(plan);

@@ -587,8 +587,6 @@ static bool left_as_found(const stilb_gpu_plan *plan)
 stilb_result gpu_plan_find_barriers(stilb_gpu_plan *plan)
 {
 	plan->barrier_count = plan->last_barrier = 0;
-	for (uint32_t i = 1; i <= plan->resource_count; i++)
-		gpu_plan_resource(plan, i)->memory_readers = 0;
 	if (!begin_states(plan) || !walk_steps(plan) || !walk_outputs(plan) || !leave(plan))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the barriers of a plan of %u passes", plan->row_count);
 	plan->steady = left_as_found(plan);

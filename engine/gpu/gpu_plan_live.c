@@ -49,6 +49,8 @@ static stilb_result assign_subs(stilb_gpu_plan *plan)
 {
 	size_t sum = 0;
 	uint32_t hint = 0;
+	if (!gpu_array_reserve(&plan->placed, plan->resource_count + 1, sizeof(stilb_gpu_placed)))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u resources", plan->resource_count);
 	for (uint32_t i = 1; i <= plan->resource_count; i++) {
 		gpu_resource *resource = gpu_plan_resource(plan, i);
 		resource->record = GPU_NO_RECORD;
@@ -65,6 +67,10 @@ static stilb_result assign_subs(stilb_gpu_plan *plan)
 		sum += resource->image.keep ? 2 * (size_t)resource->subs : resource->subs;
 		resource->first_write = resource->last_previous = UINT32_MAX;
 		resource->written = false;
+		*gpu_plan_placed(plan, i) = (stilb_gpu_placed){.extent = resource->extent,
+		                                               .bytes = resource->bytes,
+		                                               .owned = resource->image.owned,
+		                                               .first_step = UINT32_MAX};
 	}
 	if (sum >= UINT32_MAX || !gpu_array_reserve(&plan->marks, sum, sizeof(gpu_mark)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan whose images have %zu mips and layers", sum);
@@ -213,8 +219,10 @@ static void mark_written(stilb_gpu_plan *plan, const gpu_touch *touch)
 		marks[at].written = true;
 }
 
+/* Also marks what somebody reads after the frame. */
 static stilb_result check_order(stilb_gpu_plan *plan)
 {
+	gpu_mark *marks = plan->marks.items;
 	for (uint32_t row = 0; row < plan->row_count; row++) {
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
@@ -234,6 +242,8 @@ static stilb_result check_order(stilb_gpu_plan *plan)
 			                  gpu_resource_word(resource), resource->name,
 			                  resource->image.output ? "an output" : "shown");
 		resource->written = false;
+		for (uint32_t s = 0; gpu_resource_counts(resource) && s < resource->subs; s++)
+			marks[resource->first_sub + s].needed = true;
 	}
 	return STILB_OK;
 }
@@ -247,12 +257,6 @@ static stilb_result find_needed(stilb_gpu_plan *plan)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
 	bool *live = plan->live.items;
 	gpu_mark *marks = plan->marks.items;
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
-		const gpu_resource *resource = gpu_plan_resource(plan, i);
-		if (gpu_resource_counts(resource))
-			for (uint32_t s = 0; s < resource->subs; s++)
-				marks[resource->first_sub + s].needed = true;
-	}
 	for (uint32_t row = plan->row_count; row-- > 0;) {
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
@@ -307,16 +311,8 @@ static void step_area(const stilb_gpu_plan *plan, const stilb_gpu_pass *pass, st
 
 static stilb_result find_steps(stilb_gpu_plan *plan)
 {
-	if (!gpu_array_reserve(&plan->steps, plan->row_count, sizeof(stilb_gpu_step)) ||
-	    !gpu_array_reserve(&plan->placed, plan->resource_count + 1, sizeof(stilb_gpu_placed)))
+	if (!gpu_array_reserve(&plan->steps, plan->row_count, sizeof(stilb_gpu_step)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
-		const gpu_resource *resource = gpu_plan_resource(plan, i);
-		*gpu_plan_placed(plan, i) = (stilb_gpu_placed){.extent = resource->extent,
-		                                               .bytes = resource->bytes,
-		                                               .owned = resource->image.owned,
-		                                               .first_step = UINT32_MAX};
-	}
 	stilb_gpu_step *steps = plan->steps.items;
 	const bool *live = plan->live.items;
 	plan->step_count = 0;

@@ -567,8 +567,6 @@ static stilb_result check_pass(checked *c)
 
 stilb_result gpu_plan_check_passes(stilb_gpu_plan *plan)
 {
-	for (uint32_t i = 1; i <= plan->resource_count; i++)
-		gpu_plan_resource(plan, i)->whole = true;
 	plan->touch_count = 0;
 	if (!gpu_array_reserve(&plan->first_touch, plan->row_count + 1, sizeof(uint32_t)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);

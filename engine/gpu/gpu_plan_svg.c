@@ -107,12 +107,12 @@ static void draw_resource(const drawing *d, uint32_t row)
 	const stilb_gpu_placed *placed = gpu_plan_placed(d->plan, number);
 	double y = row_y(d, row);
 	bool after = resource->image.output || resource->shown;
-	uint32_t last = after ? d->plan->step_count : placed->last_step;
+	uint32_t steps = d->plan->step_count, last = after ? steps : placed->last_step;
+	uint32_t first = placed->first_step < steps ? placed->first_step : steps;
 	fprintf(d->out, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", LEFT - 10, y + 15);
 	put_text(d->out, resource->name, NAME_LETTERS);
 	fprintf(d->out, "</text>\n<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"%s\"/>\n",
-	        column_x(d, placed->first_step) + 2, y + 4, d->column * (last - placed->first_step + 1) - 4, ROW - 8,
-	        color_of(placed));
+	        column_x(d, first) + 2, y + 4, d->column * (last - first + 1) - 4, ROW - 8, color_of(placed));
 	fprintf(d->out, "<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">", column_x(d, d->plan->step_count + 1) + 10, y + 15);
 	gpu_print_extent(d->out, resource);
 	fprintf(d->out, ", ");
@@ -275,10 +275,14 @@ static void lay_out(drawing *d)
 	double legend = 1090, names = 0.58 * LETTER * (double)longest;
 	d->width = LEFT + d->column * columns + (RIGHT > names ? RIGHT : names);
 	d->width = d->width < legend ? legend : d->width;
-	for (uint32_t s = 0; s < d->plan->step_count; s++)
-		for (uint32_t i = 1; i <= d->plan->resource_count; i++)
-			if (gpu_plan_placed(d->plan, i)->first_step == s)
+	for (uint32_t s = 0; s <= d->plan->step_count; s++) /* at last what is read after the frame alone */
+		for (uint32_t i = 1; i <= d->plan->resource_count; i++) {
+			const gpu_resource *resource = gpu_plan_resource(d->plan, i);
+			uint32_t first = gpu_plan_placed(d->plan, i)->first_step;
+			bool after = first == UINT32_MAX && (resource->image.output || resource->shown);
+			if (s < d->plan->step_count ? first == s : after)
 				d->rows[d->row_count++] = i;
+		}
 }
 
 static void draw(drawing *d)

@@ -428,6 +428,14 @@ static void test_noise(void **state)
 					bytes[begin_at + where % area] =
 						where >> 40 & 1 ? (uint8_t)(where >> 32) % 8 : (uint8_t)(where >> 32);
 			}
+			/* A bool has no third value. */
+			for (uint32_t b = 0; b < STILB_GPU_MAX_COLORS; b++)
+				bytes[offsetof(stilb_gpu_pass, color) + b * sizeof pass.color[0] +
+				      offsetof(stilb_gpu_attachment, read_only)] &= 1;
+			bytes[offsetof(stilb_gpu_pass, depth) + offsetof(stilb_gpu_attachment, read_only)] &= 1;
+			for (uint32_t b = 0; b < STILB_GPU_MAX_USES; b++)
+				bytes[offsetof(stilb_gpu_pass, uses) + b * sizeof pass.uses[0] + offsetof(stilb_gpu_use, previous)] &=
+					1;
 			stilb_gpu_plan_pass(plan, &pass);
 		}
 		stilb_result result = stilb_gpu_plan_make(plan, NULL);

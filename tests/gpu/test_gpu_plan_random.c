@@ -539,7 +539,7 @@ static void play(stilb_gpu_plan *plan, const random_table *table, history *befor
 static void test_random(void **state)
 {
 	(void)state;
-	uint64_t sequences = TEST_ASAN || TEST_EMULATED ? 1500 : 25000;
+	uint64_t sequences = TEST_ASAN || TEST_EMULATED ? 4000 : 25000;
 	static history before;
 	static random_table table;
 	totals sum = {0};
