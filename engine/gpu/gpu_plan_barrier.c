@@ -404,7 +404,7 @@ static bool touch_parts(const touched *t)
 	stilb_gpu_range range = t->touch->range;
 	uint32_t stride = t->resource->extent.mips, count = t->resource->subs;
 	if (!gpu_array_reserve(&plan->keys, 2 * (size_t)count, 1) ||
-	    !gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + (uint32_t)range.mips * range.layers,
+	    !gpu_array_reserve(&plan->barriers, plan->barrier_count + (size_t)range.mips * range.layers,
 	                       sizeof(stilb_gpu_barrier)))
 		return false;
 	uint8_t *keys = plan->keys.items, *tried = keys + count;

@@ -40,7 +40,7 @@ static bool is_uniform(const stilb_gpu_plan *plan, const gpu_record *record)
 	const gpu_sub *subs = (const gpu_sub *)plan->left.subs.items + record->first_sub;
 	uint32_t count = record->keep ? 2 * record->subs : record->subs;
 	for (uint32_t i = 0; i < count; i++)
-		if (!gpu_sub_equal(&subs[i], &subs[i / record->subs * record->subs]))
+		if (!gpu_sub_equal(&subs[i], &subs[i < record->subs ? 0 : record->subs]))
 			return false;
 	return true;
 }

@@ -139,18 +139,23 @@ static stilb_result check_kind(const checked *c)
 
 /* ---- attachments ------------------------------------------------------------------------------------------------- */
 
-/* Checks that a number names an image, and sets *resource. */
-static stilb_result check_image(const checked *c, uint32_t number, const char *what, const gpu_resource **resource)
+/* The image of an attachment. NULL: there is none, and the message is stored. */
+static const gpu_resource *find_image(const checked *c, uint32_t number, const char *what)
 {
-	if (number == 0)
-		return wrong(c, "has a %s without an image", what);
-	if (number > c->plan->resource_count)
-		return wrong(c, "has resource %u as %s, and the plan has %u: numbers are those of this frame's rows", number,
-		             what, c->plan->resource_count);
-	*resource = gpu_plan_resource(c->plan, number);
-	if ((*resource)->buffer)
-		return wrong(c, "has the buffer '%s' as %s, which is an image", (*resource)->name, what);
-	return STILB_OK;
+	if (number == 0) {
+		wrong(c, "has a %s without an image", what);
+		return NULL;
+	}
+	if (number > c->plan->resource_count) {
+		wrong(c, "has resource %u as %s, and the plan has %u: numbers are those of this frame's rows", number, what,
+		      c->plan->resource_count);
+		return NULL;
+	}
+	const gpu_resource *resource = gpu_plan_resource(c->plan, number);
+	if (!resource->buffer)
+		return resource;
+	wrong(c, "has the buffer '%s' as %s, which is an image", resource->name, what);
+	return NULL;
 }
 
 /* All attachments of a pass have one size, and all but resolves one number of samples. */
@@ -210,10 +215,9 @@ static void touch_attachment(checked *c, const stilb_gpu_attachment *attachment,
 
 static stilb_result check_resolve(checked *c, const stilb_gpu_attachment *color, uint32_t index)
 {
-	const gpu_resource *to = NULL;
-	stilb_result result = check_image(c, color->resolve, "resolve", &to);
-	if (result != STILB_OK)
-		return result;
+	const gpu_resource *to = find_image(c, color->resolve, "resolve");
+	if (!to)
+		return STILB_ERROR_ARGUMENT;
 	const gpu_resource *from = gpu_plan_resource(c->plan, color->image);
 	if (from->extent.samples == 1)
 		return wrong(c, "resolves '%s', which has one sample a texel: leave the resolve out, or give it more",
@@ -232,7 +236,7 @@ static stilb_result check_resolve(checked *c, const stilb_gpu_attachment *color,
 		return wrong(c, "resolves %u layers of '%s': only one can be resolved", c->layers, from->name);
 	if (to->extent.shape == STILB_GPU_SHAPE_3D)
 		return wrong(c, "resolves '%s' into the 3-D image '%s': it must be 2-D", from->name, to->name);
-	result = check_alike(c, to, 0, 1, true);
+	stilb_result result = check_alike(c, to, 0, 1, true);
 	if (result == STILB_OK)
 		touch_add(c, (gpu_touch){.resource = color->resolve,
 		                         .access = STILB_GPU_ACCESS_RESOLVE,
@@ -247,10 +251,9 @@ static stilb_result check_colors(checked *c)
 {
 	for (uint32_t i = 0; i < c->pass->color_count; i++) {
 		const stilb_gpu_attachment *color = &c->pass->color[i];
-		const gpu_resource *resource = NULL;
-		stilb_result result = check_image(c, color->image, "colour attachment", &resource);
-		if (result != STILB_OK)
-			return result;
+		const gpu_resource *resource = find_image(c, color->image, "colour attachment");
+		if (!resource)
+			return STILB_ERROR_ARGUMENT;
 		const stilb_gpu_format_info *format = stilb_gpu_format_describe(resource->extent.format);
 		if (format->kind == STILB_GPU_FORMAT_DEPTH || format->block_side > 1)
 			return wrong(c, "has '%s' as colour attachment, whose format %s is %s", resource->name, format->name,
@@ -258,7 +261,7 @@ static stilb_result check_colors(checked *c)
 		if (color->read_only)
 			return wrong(c, "has '%s' as read-only colour attachment: only depth can be; sample it instead",
 			             resource->name);
-		result = check_attachment(c, color, "colour attachment", resource);
+		stilb_result result = check_attachment(c, color, "colour attachment", resource);
 		if (result != STILB_OK)
 			return result;
 		touch_attachment(c, color, STILB_GPU_ACCESS_COLOR, i);
@@ -275,17 +278,16 @@ static stilb_result check_depth(checked *c)
 	const stilb_gpu_attachment *depth = &c->pass->depth;
 	if (depth->image == 0)
 		return STILB_OK;
-	const gpu_resource *resource = NULL;
-	stilb_result result = check_image(c, depth->image, "depth attachment", &resource);
-	if (result != STILB_OK)
-		return result;
+	const gpu_resource *resource = find_image(c, depth->image, "depth attachment");
+	if (!resource)
+		return STILB_ERROR_ARGUMENT;
 	const stilb_gpu_format_info *format = stilb_gpu_format_describe(resource->extent.format);
 	if (format->kind != STILB_GPU_FORMAT_DEPTH)
 		return wrong(c, "has '%s' as depth attachment, whose format %s is none of depths: take d32_f or d16",
 		             resource->name, format->name);
 	if (depth->resolve != 0)
 		return wrong(c, "resolves the depths of '%s', which have no mean", resource->name);
-	result = check_attachment(c, depth, "depth attachment", resource);
+	stilb_result result = check_attachment(c, depth, "depth attachment", resource);
 	if (result != STILB_OK)
 		return result;
 	if (depth->read_only && depth->load != STILB_GPU_LOAD_KEEP)

@@ -17,7 +17,7 @@ void gpu_print_bytes(FILE *out, uint64_t bytes)
 {
 	if (bytes < 1024)
 		fprintf(out, "%llu B", (unsigned long long)bytes);
-	else if (bytes < 1024 * 1024)
+	else if (bytes < 1048576)
 		fprintf(out, "%.1f KiB", (double)bytes / 1024);
 	else
 		fprintf(out, "%.1f MiB", (double)bytes / 1048576);
