@@ -10,7 +10,7 @@ cd "${1:-$here/../..}"
 "$here/files.sh" "$PWD" | grep -E '^(jobs|profiler|engine|game)/.*\.[ch]$' | grep -v '/examples/' | xargs -d '\n' awk '
 	BEGIN {
 		split("jobs:job profiler:prof base:base shading:shade numeric:numeric image:image scene:scene window:window input:input " \
-			"culling:cull render:render vulkan:vulkan gi:gi ui:ui engine:engine bench:bench", pairs, " ")
+			"culling:cull gpu:gpu render:render vulkan:vulkan gi:gi ui:ui engine:engine bench:bench", pairs, " ")
 		for (i in pairs) { split(pairs[i], pair, ":"); prefix[pair[1]] = pair[2] }
 	}
 	FNR == 1 {
