@@ -148,6 +148,11 @@ static stilb_result step_create(trial *t)
 	return result;
 }
 
+static stilb_result step_scene(trial *t)
+{
+	return stilb_render_set_scene(t->render, t->scene);
+}
+
 static stilb_result step_texture(trial *t)
 {
 	uint8_t codes[16 * 16 * 3];
@@ -289,7 +294,7 @@ static int trial_run(stilb_render_desc desc, uint32_t far_draws, stilb_image *pi
 {
 	trial t = trial_make(desc, far_draws);
 	trial_must(&t, step_create);
-	assert_int_equal(stilb_render_set_scene(t.render, t.scene), STILB_OK);
+	trial_must(&t, step_scene);
 	trial_must(&t, step_texture);
 	trial_must(&t, step_material);
 	trial_must(&t, step_frame);
