@@ -7,6 +7,7 @@
 #include "shading/shade_encoding.h"
 #include "shading/shade_firefly.h"
 #include "shading/shade_srgb.h"
+#include "shading/shade_tone.h"
 #include "shading/shade_tonemap.h"
 
 #include "shading/glsl_begin.h"
@@ -38,8 +39,16 @@
 	X(20, shade_xyz_from_linear, 1e-5f, 1e-6f)                                                                         \
 	X(21, shade_linear_from_xyz, 1e-5f, 1e-6f)                                                                         \
 	X(22, shade_logluv_encode, 1e-5f, 3e-5f)                                                                           \
-	X(23, shade_logluv_decode, 1e-5f, 1e-6f)
-#define SHADE_CASES_COLOR_COUNT 24
+	X(23, shade_logluv_decode, 1e-5f, 1e-6f)                                                                           \
+	X(24, shade_neutral, 1e-5f, 1e-6f)                                                                                 \
+	X(25, shade_neutral_inverse, 2e-5f, 1e-5f)                                                                         \
+	X(26, shade_filmic_curve, 1e-5f, 1e-6f)                                                                            \
+	X(27, shade_filmic_curve_inverse, 1e-5f, 1e-6f)                                                                    \
+	X(28, shade_filmic, 1e-5f, 1e-6f)                                                                                  \
+	X(29, shade_filmic_inverse, 1e-5f, 1e-6f)                                                                          \
+	X(30, shade_tone, 1e-5f, 1e-6f)                                                                                    \
+	X(31, shade_tone_inverse, 2e-5f, 1e-5f)
+#define SHADE_CASES_COLOR_COUNT 32
 
 /* Rows 0 to 9. color is dim, bright or black; a < b. */
 SHADE_FN vec4 shade_case_tonemap(int row, vec3 color, float share, float a, float b)
@@ -96,6 +105,27 @@ SHADE_FN vec4 shade_case_encoding(int row, vec3 color, vec4 a, vec4 b)
 	return vec4(shade_logluv_decode(vec4(0.2f + 0.4f * a[0], 0.6f + 0.3f * a[1], 127.0f / 255.0f, a[3])), 0.0f);
 }
 
+/* Rows 24 to 31. color is dim, bright or black; shown, share in [0, 1). */
+SHADE_FN vec4 shade_case_tone(int row, vec3 color, vec3 shown, float share)
+{
+	int tone = int(share * 3.999f);
+	if (row == 24)
+		return vec4(shade_neutral(color), 0.0f);
+	if (row == 25)
+		return vec4(shade_neutral_inverse(shown), 0.0f);
+	if (row == 26)
+		return vec4(shade_filmic_curve(color[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 27)
+		return vec4(shade_filmic_curve_inverse(shown[0]), 0.0f, 0.0f, 0.0f);
+	if (row == 28)
+		return vec4(shade_filmic(color), 0.0f);
+	if (row == 29)
+		return vec4(shade_filmic_inverse(shown), 0.0f);
+	if (row == 30)
+		return vec4(shade_tone(tone, color), 0.0f);
+	return vec4(shade_tone_inverse(tone, shown), 0.0f);
+}
+
 SHADE_FN vec4 shade_case_color(int row, vec4 a, vec4 b)
 {
 	vec3 color = vec3(a) * shade_case_skewed(b[0], 0.01f, 1e6f);
@@ -112,6 +142,8 @@ SHADE_FN vec4 shade_case_color(int row, vec4 a, vec4 b)
 		return vec4(shade_srgb_from_linear(a[0]), shade_srgb_from_linear(0.01f * a[1]), 0.0f, 0.0f);
 	if (row == 14)
 		return vec4(shade_srgb_to_linear(a[0]), shade_srgb_to_linear(0.1f * a[1]), 0.0f, 0.0f);
+	if (row > 23)
+		return shade_case_tone(row, color, vec3(a) * 0.95f, b[2]);
 	return shade_case_encoding(row, color, a, b);
 }
 

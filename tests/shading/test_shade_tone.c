@@ -1,0 +1,165 @@
+/* shade_tone.h: the neutral and the filmic curve against their formulas as printed, in double; their inverses; limits;
+ * and the choice by number. */
+
+#include "shading/shade_tone.h"
+
+#include "support/shade_proof.h"
+
+#include <string.h>
+
+static double least_of(const double c[3])
+{
+	return fmin(c[0], fmin(c[1], c[2]));
+}
+
+static double most_of(const double c[3])
+{
+	return fmax(c[0], fmax(c[1], c[2]));
+}
+
+/* Khronos' specification, step by step. */
+static void neutral_printed(const stilb_vec3 color, double out[3])
+{
+	const double start = 0.8 - 0.04, desaturation = 0.15;
+	double in[3] = {(double)color[0], (double)color[1], (double)color[2]};
+	double x = least_of(in), offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
+	for (int c = 0; c < 3; c++)
+		out[c] = in[c] - offset;
+	double peak = most_of(out);
+	if (peak < start)
+		return;
+	double d = 1.0 - start, new_peak = 1.0 - d * d / (peak + d - start);
+	double g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
+	for (int c = 0; c < 3; c++)
+		out[c] = out[c] * new_peak / peak * (1.0 - g) + new_peak * g;
+}
+
+static double filmic_printed(double x)
+{
+	return fmin(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
+}
+
+static stilb_vec3 random_color(shade_proof_random *random)
+{
+	float height = shade_proof_log_range(random, 0.01f, 1e5f);
+	return shade_proof_random_color(random, 1.0f) * height;
+}
+
+static void neutral_is_the_printed_one(void **state)
+{
+	(void)state;
+	shade_proof_random random = {11, 0};
+	for (int i = 0; i < 20000; i++) {
+		stilb_vec3 color = random_color(&random), got = shade_neutral(color);
+		double want[3];
+		neutral_printed(color, want);
+		SHADE_PROOF_NEAR3(got, want[0], want[1], want[2], 2e-6, 3e-7);
+	}
+}
+
+static void filmic_is_the_printed_one(void **state)
+{
+	(void)state;
+	shade_proof_random random = {12, 0};
+	for (int i = 0; i < 20000; i++) {
+		stilb_vec3 color = random_color(&random), got = shade_filmic(color);
+		SHADE_PROOF_NEAR3(got, filmic_printed((double)color[0]), filmic_printed((double)color[1]),
+		                  filmic_printed((double)color[2]), 2e-6, 1e-9);
+	}
+	SHADE_PROOF_NEAR(shade_filmic_curve_inverse(1.0f), 7.2420, 2e-4, 0.0);
+}
+
+/* What the neutral curve is for: a surface whose base colour is below 0.76, which mirrors 4 % of white light besides, is
+ * shown in its base colour, and greys stay grey. */
+static void neutral_keeps_base_colors(void **state)
+{
+	(void)state;
+	shade_proof_random random = {13, 0};
+	for (int i = 0; i < 2000; i++) {
+		stilb_vec3 base = shade_proof_random_color(&random, 0.70f) + 0.05f, got = shade_neutral(base + 0.04f);
+		SHADE_PROOF_NEAR3(got, base[0], base[1], base[2], 0.0, 1e-7);
+		float grey = shade_proof_log_range(&random, 1e-4f, 1e6f);
+		got = shade_neutral(stilb_vec3_make(grey, grey, grey));
+		assert_true(got[0] == got[1] && got[1] == got[2]);
+	}
+}
+
+/* Each tone map: finite, in [0, 1], never falling along a ray of brightness, whole at 0 and without light at its end. */
+static void all_end_in_the_display(void **state)
+{
+	(void)state;
+	shade_proof_random random = {14, 0};
+	for (int tone = 0; tone < SHADE_TONE_COUNT; tone++)
+		for (int i = 0; i < 200; i++) {
+			stilb_vec3 color = shade_proof_random_color(&random, 1.0f);
+			float last = 0.0f;
+			for (float height = 1e-3f; height < 1e9f; height *= 1.5f) {
+				stilb_vec3 got = shade_tone(tone, color * height);
+				float largest = shade_largest(got);
+				for (int c = 0; c < 3; c++)
+					assert_true(got[c] >= 0.0f && got[c] <= 1.0f);
+				assert_true(largest >= last * (1.0f - 3e-7f));
+				last = largest;
+			}
+			stilb_vec3 end = shade_tone(tone, stilb_vec3_make(INFINITY, 1e30f, 3e38f));
+			for (int c = 0; c < 3; c++)
+				assert_true(end[c] >= 0.999f && end[c] <= 1.0f);
+			stilb_vec3 dark = shade_tone(tone, stilb_vec3_make(0.0f, 0.0f, 0.0f));
+			assert_true(shade_largest(dark) == 0.0f);
+		}
+}
+
+static void all_have_inverses(void **state)
+{
+	(void)state;
+	shade_proof_random random = {15, 0};
+	for (int tone = 0; tone < SHADE_TONE_COUNT; tone++)
+		for (int i = 0; i < 20000; i++) {
+			float most = tone == SHADE_TONE_NONE ? 1.0f : 4.0f;
+			stilb_vec3 color = shade_proof_random_color(&random, most);
+			stilb_vec3 back = shade_tone_inverse(tone, shade_tone(tone, color));
+			/* A float step near the display's end stands for ever more steps of what is shown: slopes are up to some
+			 * 250. The neutral curve starts as a parabola: an error e of its result is sqrt(e / 6.25) of a channel that
+			 * is black. */
+			SHADE_PROOF_NEAR3(back, color[0], color[1], color[2], 1e-4, 1e-3);
+			if (shade_largest(color) < 0.5f)
+				SHADE_PROOF_NEAR3(back, color[0], color[1], color[2], 1e-5, 1e-4);
+			if (tone != SHADE_TONE_NEUTRAL && shade_largest(color) < 0.5f)
+				SHADE_PROOF_NEAR3(back, color[0], color[1], color[2], 1e-5, 1e-6);
+		}
+}
+
+static void numbers_choose(void **state)
+{
+	(void)state;
+	shade_proof_random random = {16, 0};
+	for (int i = 0; i < 200; i++) {
+		stilb_vec3 color = random_color(&random);
+		stilb_vec3 want[SHADE_TONE_COUNT] = {
+			[SHADE_TONE_KNEE] = shade_tonemap(color, SHADE_TONEMAP_A, SHADE_TONEMAP_B),
+			[SHADE_TONE_NONE] = stilb_vec3_make(fminf(color[0], 1.0f), fminf(color[1], 1.0f), fminf(color[2], 1.0f)),
+			[SHADE_TONE_NEUTRAL] = shade_neutral(color),
+			[SHADE_TONE_FILMIC] = shade_filmic(color),
+		};
+		for (int tone = 0; tone < SHADE_TONE_COUNT; tone++) {
+			stilb_vec3 got = shade_tone(tone, color);
+			for (int c = 0; c < 3; c++)
+				assert_true(got[c] == want[tone][c]);
+		}
+	}
+	stilb_vec3 half = stilb_vec3_make(0.5f, 0.25f, 0.125f);
+	assert_true(shade_tone_inverse(SHADE_TONE_NONE, half)[1] == 0.25f);
+	assert_true(shade_tone_inverse(SHADE_TONE_KNEE, half)[1] == 0.25f);
+	assert_true(shade_tone_inverse(SHADE_TONE_NEUTRAL, half)[1] == shade_neutral_inverse(half)[1]);
+	assert_true(shade_tone_inverse(SHADE_TONE_FILMIC, half)[1] == shade_filmic_inverse(half)[1]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(neutral_is_the_printed_one), cmocka_unit_test(filmic_is_the_printed_one),
+		cmocka_unit_test(neutral_keeps_base_colors),  cmocka_unit_test(all_end_in_the_display),
+		cmocka_unit_test(all_have_inverses),          cmocka_unit_test(numbers_choose),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
