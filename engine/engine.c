@@ -251,7 +251,7 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 	stilb_result result;
 	{
 		PROFILE("read the picture back");
-		result = stilb_render_read_image(engine->render, &image);
+		result = stilb_render_read_for_file(engine->render, path, &image);
 	}
 	if (result == STILB_OK) {
 		PROFILE("write the picture");

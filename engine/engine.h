@@ -302,7 +302,7 @@ stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine);
 /* The hash of the last frame's command stream (render.h): equal for every number of workers. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 
-/* Writes the last frame's picture as .png, .exr or .hdr. With output LINEAR it is the radiance itself. Fails as
+/* Writes the last frame's picture as .png, or its radiance, without windows over it, as .exr or .hdr. Fails as
  * stilb_render_read_image and stilb_image_save do. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 

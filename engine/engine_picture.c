@@ -7,6 +7,7 @@
  * windows is drawn once, read back, and shown from then on as a texture, too.
  */
 #include "engine_internal.h"
+#include "shading/shade_tone.h"
 
 #include <math.h>
 
@@ -109,10 +110,11 @@ stilb_result engine_picture_record(stilb_engine *engine, uint32_t pass, uint32_t
 	stilb_render_context *context = stilb_render_context_get(engine->render, worker);
 	stilb_render_segment_begin(context, pass, 0);
 	if (edge > 0.0f && picture->hides_scene)
-		stilb_render_draw_picture(context, place, (float[4]){0.0f, 0.0f, edge, bottom}, picture->scene, 0.0f);
+		stilb_render_draw_picture(context, place, (float[4]){0.0f, 0.0f, edge, bottom}, picture->scene, 0.0f,
+		                          SHADE_TONE_KNEE);
 	if (edge < right)
 		stilb_render_draw_picture(context, place, (float[4]){edge, 0.0f, right, bottom}, picture->texture,
-		                          exp2f(engine->views[0].exposure));
+		                          exp2f(engine->views[0].exposure), engine->views[0].tone);
 	stilb_render_segment_end(context);
 	return stilb_render_pass_end(engine->render, pass);
 }

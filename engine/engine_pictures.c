@@ -219,7 +219,7 @@ stilb_result stilb_engine_picture(stilb_engine *engine, const char *path, bool c
 	stilb_result result = engine->pictures ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory to write '%s'", path);
 	if (result == STILB_OK) {
 		PROFILE("read the picture back");
-		result = stilb_render_read_image(engine->render, &image);
+		result = stilb_render_read_for_file(engine->render, path, &image);
 	}
 	if (result == STILB_OK)
 		return engine_pictures_add(engine->pictures, &image, path, created);

@@ -133,7 +133,7 @@ stilb_result stilb_engine_replay_screenshot(stilb_engine_replay *replay, const c
 	STILB_ASSERT_OWNER(replay->owner);
 	STILB_ASSERT(path);
 	stilb_image image = {0};
-	stilb_result result = stilb_render_read_image(replay->render, &image);
+	stilb_result result = stilb_render_read_for_file(replay->render, path, &image);
 	if (result == STILB_OK)
 		result = stilb_image_save(&image, path);
 	stilb_image_finish(&image);

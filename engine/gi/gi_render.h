@@ -177,7 +177,7 @@ typedef struct stilb_gi_settings {
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
-	/* Camera rays see what lies between near_z and far_z, as frames do; of exposure the member below is used. */
+	/* Camera rays see what lies between near_z and far_z, as frames do; of exposure and tone the members below are used. */
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
 	/* Most reflections of a path, 0..1024. 0: only the lights themselves are seen; 1: also direct light. */
@@ -204,11 +204,12 @@ typedef struct stilb_gi_settings {
 	bool progressive;
 	/* In stops, -100..100: radiance is multiplied by 2^exposure in .png files and where the picture is displayed. */
 	float exposure;
+	uint32_t tone; /* SHADE_TONE_... of shading/shade_tone.h, of .png files and where the picture is displayed */
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
 
 /* Integrator path, 64 samples of 512 x 512 pixels, sampler sobol, filter box, depth 64, model GGX with Smith's G and
- * Schlick's F, the scene's camera and its exposure. [any-thread] */
+ * Schlick's F, the scene's camera, its exposure and its tone map. [any-thread] */
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene);
 
 /* Number of rays that MONTECARLO traces with these settings if every ray hits something, shadow rays not counted:
@@ -333,9 +334,9 @@ void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void 
  * tiles in progress may be of different age. */
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
 
-/* Linear radiance to what a .png holds: times 2^exposure, tone mapped (shade_tonemap.h), sRGB in 8 bits. rgb, srgb:
+/* Linear radiance to what a .png holds: times 2^exposure, tone mapped by `tone`, SHADE_TONE_... of shade_tone.h, sRGB in 8 bits. rgb, srgb:
  * [pixels][3]; NaN and negative radiance become black. [any-thread] */
-void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb);
+void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t tone, uint8_t *srgb);
 
 /* The planes (layers of floats or numbers) of the picture, [height][width], or [height][width][3] for those marked [3],
  * row 0 at the top. Means are over the samples of a pixel. */

@@ -1,6 +1,8 @@
 #include "gi/gi_settings.h"
 
+#include "scene/scene_look.h"
 #include "shading/shade_specular.h"
+#include "shading/shade_tone.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -19,6 +21,7 @@ stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
 		.filter = STILB_GI_FILTER_BOX,
 		.camera = scene->camera,
 		.exposure = scene->camera.exposure,
+		.tone = scene->camera.tone,
 		.lens = {.focus = 1.0f},
 		.depth = 64,
 		.model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK},
@@ -111,6 +114,7 @@ static const field FIELDS[] = {
 	SWITCH(ao_weighted),
 	VIEW(FIELD_BOOL, progressive, 0, 1),
 	VIEW(FIELD_FLOAT, exposure, -100, 100),
+	{"tone", FIELD_NAME, GI_SETTING_VIEW, AT(tone), 0, SHADE_TONE_COUNT - 1, stilb_scene_tone_names},
 	NAMED(cache.mode, MODE_NAMES),
 	NAMED(cache.radius, RADIUS_NAMES),
 	NUMBER(FIELD_FLOAT, cache.error, 1e-4, 1),

@@ -219,6 +219,20 @@ stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image)
 	return render->device->functions->read_image(render->device, image);
 }
 
+stilb_result stilb_render_read_radiance(stilb_render *render, stilb_image *image)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(image && !render_is_recording(render) && "between frames");
+	return render->device->functions->read_light(render->device, image);
+}
+
+stilb_result stilb_render_read_for_file(stilb_render *render, const char *path, stilb_image *image)
+{
+	STILB_ASSERT(path);
+	bool light = stilb_image_path_is_light(path) && render->output == STILB_RENDER_OUTPUT_DISPLAY;
+	return light ? stilb_render_read_radiance(render, image) : stilb_render_read_image(render, image);
+}
+
 stilb_render_stats stilb_render_stats_get(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);

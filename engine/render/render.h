@@ -346,7 +346,10 @@ typedef struct stilb_render_view {
 	bool impostors;             /* the scene has some: stilb_render_prepare_view compiles what draws them, too */
 	stilb_render_detail detail; /* of stilb_render_record_view; {0}: everything is drawn in full */
 	stilb_render_show show;
-	float exposure; /* stops: with output DISPLAY radiance is multiplied by 2^exposure before the tone map */
+	/* How the picture shows radiance with output DISPLAY; those of the frame's first scene pass count. */
+	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
+	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tone.h */
+	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
 } stilb_render_view;
 
 /* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
@@ -434,6 +437,15 @@ stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surf
  * STILB_ERROR_DEVICE: no frame of this size has been drawn yet, or the null device. STILB_ERROR_MEMORY.
  * [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
+
+/* As stilb_render_read_image, but of what the scene passes alone have drawn: linear radiance, STILB_IMAGE_F16_LINEAR,
+ * without exposure, tone map and 2D passes, whatever desc.output is. STILB_ERROR_DEVICE also if the last frame had no
+ * scene pass. [main-thread] */
+stilb_result stilb_render_read_radiance(stilb_render *render, stilb_image *image);
+
+/* What belongs into a file of this name: with output DISPLAY stilb_render_read_radiance for .exr and .hdr, else
+ * stilb_render_read_image. [main-thread] */
+stilb_result stilb_render_read_for_file(stilb_render *render, const char *path, stilb_image *image);
 
 /* Waits until the device has drawn every submitted frame; stats.gpu_ms is then the last frame's. [main-thread] */
 stilb_result stilb_render_wait(stilb_render *render);
@@ -533,10 +545,10 @@ void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, u
 /* Shows a picture: the texture's pixels fill the rectangle `place` (left, top, right, bottom in pixels), each pixel the
  * texel that its centre lies in, unfiltered; where the rectangle is as large as the texture they are the same pixels.
  * In place of what is below, alpha is not read. factor > 0: the texels are linear radiance and are shown as frames show
- * it: with output DISPLAY multiplied by factor and tone mapped, with LINEAR as they are. factor 0: as they are. In a
- * segment of a 2D pass; clip as above. [one-writer] */
+ * it: with output DISPLAY multiplied by factor and tone mapped by `tone`, SHADE_TONE_..., with LINEAR as they are.
+ * factor 0: as they are. In a segment of a 2D pass; clip as above. [one-writer] */
 void stilb_render_draw_picture(stilb_render_context *context, const float place[4], const float clip[4],
-                               stilb_render_texture texture, float factor);
+                               stilb_render_texture texture, float factor, uint32_t tone);
 
 /* Ends the recording of a pass; every segment has ended. STILB_ERROR_MEMORY: a context ran out of memory while it
  * recorded. [main-thread] */

@@ -192,6 +192,8 @@ static void upload_tables(stilb_render_dump *dump)
 		view->shading = upload_shading(from);
 		view->both_sides = from->both_sides;
 		view->exposure = from->exposure;
+		view->tone = from->tone;
+		view->dither = from->dither;
 		render_dump_backdrop_get(dump, v, view);
 	}
 	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */

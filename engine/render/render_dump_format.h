@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 6. Inside render/.
+ * The bytes of a frame dump, version 7. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
@@ -7,7 +7,7 @@
  *
  *   part       bytes each  how many              contents
  *   header            120  1                     render_dump_header
- *   views             144  header.views, 1..16   render_dump_view
+ *   views             160  header.views, 1..16   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
@@ -38,7 +38,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 6u
+#define RENDER_DUMP_VERSION 7u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 16u
 
@@ -65,6 +65,8 @@ typedef struct render_dump_view {
 	uint32_t glossy;                             /* 0 or 1: stilb_scene_surroundings.glossy */
 	uint32_t both_sides;                         /* 0 or 1: stilb_render_view.both_sides */
 	float exposure;                              /* stops, -100..100 */
+	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
+	uint32_t unused;
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */
@@ -153,7 +155,7 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 	return draw->mesh >> 20 & 63u;
 }
 
-static_assert(sizeof(render_dump_header) == 120 && sizeof(render_dump_view) == 148 && sizeof(render_dump_light) == 96 &&
+static_assert(sizeof(render_dump_header) == 120 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
                   sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 24 &&
                   sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&

@@ -2,6 +2,7 @@
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
+#include "shading/shade_tone.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -180,6 +181,10 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 			return load_refuse(name, "view %u: a number is not finite", v);
 		if (!(fabsf(view->exposure) <= 100.0f))
 			return load_refuse(name, "view %u: its exposure is not within 100 stops", v);
+		if (view->tone >= SHADE_TONE_COUNT || view->dither > 1)
+			return load_refuse(name, "view %u: unknown tone map %u, dither %u", v, view->tone, view->dither);
+		if (view->unused != 0)
+			return load_refuse(name, "view %u: its unused bytes are not zero", v);
 		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
 		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",

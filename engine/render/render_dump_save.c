@@ -278,6 +278,8 @@ static void save_put_views(const save_job *job)
 		out->lights = view->light_count;
 		out->both_sides = view->both_sides;
 		out->exposure = view->exposure;
+		out->tone = view->tone;
+		out->dither = view->dither;
 		save_put_shading(out, &view->shading);
 	}
 }

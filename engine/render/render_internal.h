@@ -385,6 +385,7 @@ typedef struct render_device_functions {
 	stilb_result (*set_surface)(render_device *device, const stilb_gpu_surface *surface);
 	stilb_result (*wait)(render_device *device);
 	stilb_result (*read_image)(render_device *device, stilb_image *image);
+	stilb_result (*read_light)(render_device *device, stilb_image *image);
 } render_device_functions;
 
 struct render_device {

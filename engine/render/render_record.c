@@ -3,6 +3,7 @@
 #include "render/render_clusters.h"
 #include "render/render_detail.h"
 #include "render/render_internal.h"
+#include "shading/shade_tone.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -482,7 +483,7 @@ uint32_t stilb_render_geometry_2d(stilb_render_context *context, const stilb_ren
 
 /* kind: further bits of the draw's state. factor: the second column of its row. */
 static void record_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
-                           const float clip[4], stilb_render_texture texture, uint64_t kind, float factor)
+                           const float clip[4], stilb_render_texture texture, uint64_t kind, const float shown[2])
 {
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	STILB_ASSERT_OWNER(context->writer);
@@ -493,7 +494,7 @@ static void record_draw_2d(stilb_render_context *context, uint32_t first_index, 
 	bool room = context->command != context->command_end && context->row != context->row_end;
 	if (context->failed || ((!room || state != context->state) && !record_make_room(context, state, true)))
 		return;
-	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3], factor}};
+	*context->row++ = (render_row){.transform = {clip[0], clip[1], clip[2], clip[3], shown[0], shown[1]}};
 	*context->command++ = (render_command){.index_count = index_count,
 	                                       .instance_count = 1,
 	                                       .first_index = first_index,
@@ -503,13 +504,14 @@ static void record_draw_2d(stilb_render_context *context, uint32_t first_index, 
 void stilb_render_draw_2d(stilb_render_context *context, uint32_t first_index, uint32_t index_count,
                           const float clip[4], stilb_render_texture texture)
 {
-	record_draw_2d(context, first_index, index_count, clip, texture, 0, 0.0f);
+	record_draw_2d(context, first_index, index_count, clip, texture, 0, (const float[2]){0.0f, 0.0f});
 }
 
 void stilb_render_draw_picture(stilb_render_context *context, const float place[4], const float clip[4],
-                               stilb_render_texture texture, float factor)
+                               stilb_render_texture texture, float factor, uint32_t tone)
 {
-	STILB_ASSERT(texture.id != 0 && place[2] > place[0] && place[3] > place[1] && factor >= 0.0f);
+	STILB_ASSERT(texture.id != 0 && place[2] > place[0] && place[3] > place[1]);
+	STILB_ASSERT(factor >= 0.0f && tone < SHADE_TONE_COUNT);
 	static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
 	const stilb_render_vertex_2d corners[4] = {
 		{.position = {place[0], place[1]}, .uv = {0.0f, 0.0f}, .color = {255, 255, 255, 255}},
@@ -518,7 +520,7 @@ void stilb_render_draw_picture(stilb_render_context *context, const float place[
 		{.position = {place[0], place[3]}, .uv = {0.0f, 1.0f}, .color = {255, 255, 255, 255}},
 	};
 	uint32_t first = stilb_render_geometry_2d(context, corners, 4, indices, 6);
-	record_draw_2d(context, first, 6, clip, texture, RENDER_STATE_PICTURE, factor);
+	record_draw_2d(context, first, 6, clip, texture, RENDER_STATE_PICTURE, (const float[2]){factor, (float)tone});
 }
 
 stilb_result stilb_render_pass_end(stilb_render *render, uint32_t pass)

@@ -22,6 +22,9 @@ extern "C" {
 #endif
 #pragma GCC visibility push(default)
 
+/* The tone maps of stilb_scene_camera.tone by number: "knee", "none", "neutral", "filmic"; NULL-terminated. */
+extern const char *const stilb_scene_tone_names[];
+
 /* The exposure, stops, that suits the light on what this camera sees, in hundredths of a stop: an incident light meter,
  * so that white stays white and black stays black. Of a picture of 96 x 96 pixels with the camera's angle it takes the
  * irradiance E at each pixel whose surface is lit: all lights and surroundings as the formulas of shade_light.h have

@@ -2,6 +2,7 @@
 #include "scene/scene_internal.h"
 #include "scene/scene_light_shade.h"
 #include "scene/scene_look.h"
+#include "shading/shade_tone.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -210,6 +211,11 @@ static bool meter_surface(const meter *m, uint32_t index, const float camera[3],
 	*normal = across * ((stilb_vec3_dot(across, to_camera) < 0.0f ? -1.0f : 1.0f) / length);
 	return length > 0.0f && isfinite(length);
 }
+
+const char *const stilb_scene_tone_names[] = {
+	[SHADE_TONE_KNEE] = "knee",     [SHADE_TONE_NONE] = "none", [SHADE_TONE_NEUTRAL] = "neutral",
+	[SHADE_TONE_FILMIC] = "filmic", [SHADE_TONE_COUNT] = NULL,
+};
 
 /* ---- the exposure ------------------------------------------------------------------------------------------------ */
 

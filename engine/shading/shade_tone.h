@@ -25,8 +25,8 @@
 #define SHADE_TONE_FILMIC 3
 #define SHADE_TONE_COUNT 4
 
-#define SHADE_NEUTRAL_FRESNEL 0.04f    /* what a dielectric mirrors straight ahead: taken from colours again */
-#define SHADE_NEUTRAL_START 0.76f      /* the largest channel from which on it is compressed: 0.8 - 0.04 */
+#define SHADE_NEUTRAL_FRESNEL 0.04f /* what a dielectric mirrors straight ahead: taken from colours again */
+#define SHADE_NEUTRAL_START 0.76f   /* the largest channel from which on it is compressed: 0.8 - 0.04 */
 #define SHADE_NEUTRAL_DESATURATION 0.15f
 
 /* ---- neutral ------------------------------------------------------------------------------------------------------ */

@@ -2,7 +2,7 @@
 
 #include "shading/shade_brdf.h"
 #include "shading/shade_srgb.h"
-#include "shading/shade_tonemap.h"
+#include "shading/shade_tone.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -27,6 +27,7 @@ picture_flags picture_flags_default(void)
 		.ndf = PICTURE_NOT_GIVEN,
 		.g = PICTURE_NOT_GIVEN,
 		.f = PICTURE_NOT_GIVEN,
+		.tone = PICTURE_NOT_GIVEN,
 		.roughness = NAN,
 		.anisotropy = NAN,
 		.wrap = NAN,
@@ -132,6 +133,19 @@ static void picture_add_look(picture_flags *p, flag_rows *table)
 	flag_rows_add(table, look, sizeof look / sizeof *look);
 }
 
+static void picture_add_tone(picture_flags *p, flag_rows *table)
+{
+	const flag tone = {"--tone",
+	                   FLAG_CHOICE,
+	                   &p->tone,
+	                   "NAME",
+	                   "tone map: none, knee, neutral or filmic (files: neutral, else knee)",
+	                   0,
+	                   0,
+	                   stilb_scene_tone_names};
+	flag_rows_add(table, &tone, 1);
+}
+
 void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table)
 {
 	STILB_ASSERT(picture && table);
@@ -142,6 +156,8 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 		picture_add_place(picture, table);
 	if (group == PICTURE_LOOK)
 		picture_add_look(picture, table);
+	if (group == PICTURE_TONE)
+		picture_add_tone(picture, table);
 }
 
 /* ---- what the flags mean ----------------------------------------------------------------------------------------- */
@@ -378,8 +394,7 @@ static void picture_color_background(const picture_flags *p, stilb_scene *scene)
 		return;
 	stilb_vec3 shown = stilb_vec3_make(fminf(color[0], PICTURE_BRIGHTEST), fminf(color[1], PICTURE_BRIGHTEST),
 	                                   fminf(color[2], PICTURE_BRIGHTEST));
-	stilb_vec3 radiance =
-		shade_tonemap_inverse(shown, SHADE_TONEMAP_A, SHADE_TONEMAP_B) * exp2f(-scene->camera.exposure);
+	stilb_vec3 radiance = shade_tone_inverse((int)scene->camera.tone, shown) * exp2f(-scene->camera.exposure);
 	stilb_scene_set_backdrop(scene, (const float[3]){radiance[0], radiance[1], radiance[2]});
 }
 
@@ -405,8 +420,18 @@ static stilb_result picture_expose(const picture_flags *p, stilb_scene *scene, b
 	return result;
 }
 
+void picture_flags_tone(const picture_flags *p, stilb_scene *scene)
+{
+	if (p->tone == PICTURE_NOT_GIVEN)
+		return;
+	scene->camera.tone = (uint32_t)p->tone;
+	for (uint32_t i = 0; i < scene->camera_count; i++)
+		scene->cameras[i].camera.tone = (uint32_t)p->tone;
+}
+
 stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bool *metered)
 {
+	picture_flags_tone(p, scene);
 	stilb_result result = picture_expose(p, scene, metered);
 	picture_color_background(p, scene);
 	return result;

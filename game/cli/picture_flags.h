@@ -33,8 +33,9 @@ typedef struct picture_flags {
 	bool validate, allow_outside, quiet;
 	const char *gpu, *environment, *camera, *exposure, *variant, *background; /* NULL if not given */
 	int studio;                                                               /* a picture_studio */
-	int detail, show;                                                         /* stilb_render_detail_mode, _show */
-	float detail_error;                                                       /* pixels */
+	int tone;           /* a SHADE_TONE_..., or PICTURE_NOT_GIVEN: the scene's */
+	int detail, show;   /* stilb_render_detail_mode, _show */
+	float detail_error; /* pixels */
 } picture_flags;
 
 typedef enum picture_flags_group {
@@ -44,6 +45,7 @@ typedef enum picture_flags_group {
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show: what frames show, and how finely */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
+	PICTURE_TONE,     /* --tone */
 	PICTURE_BRDF,     /* --brdf and the parts of --brdf microfacet */
 	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;
@@ -87,8 +89,12 @@ stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, ui
  * 0, and metered (stilb_scene_meter) if the scene has photometric lights, as glTF's, or lights that would show a white
  * surface as more than 8: exporters write watts. The meter looks from this camera; if the scene is framed, from where a
  * square picture is, so that the exposure is the same for every shape of the picture. *metered: it was. Also sets a
- * colour of --background, which is shown as it is, whatever the exposure. STILB_ERROR_MEMORY. */
+ * colour of --background, which is shown as it is, whatever the exposure, and the tone map of --tone.
+ * STILB_ERROR_MEMORY. */
 stilb_result picture_flags_expose(const picture_flags *picture, stilb_scene *scene, bool *metered);
+
+/* Sets the tone map of the scene's cameras to that of --tone, if it is given; picture_flags_expose does so, too. */
+void picture_flags_tone(const picture_flags *picture, stilb_scene *scene);
 
 /* Shows the variant of --variant. STILB_ERROR_ARGUMENT: the scene has none of this name; STILB_ERROR_MEMORY. */
 stilb_result picture_flags_variant(const picture_flags *picture, stilb_scene *scene);

@@ -46,6 +46,7 @@ static stilb_result demo_start(void *user, live_run *run)
 	if (result != STILB_OK)
 		return result;
 	demo_look(d, run->engine);
+	picture_flags_tone(&run->options->picture, d->scene);
 	return stilb_engine_set_scene(run->engine, d->scene);
 }
 

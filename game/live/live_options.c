@@ -53,6 +53,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	flag_rows_add(table, size, 1);
 	picture_flags_add(&o->picture, PICTURE_SAMPLES, table);
 	picture_flags_add(&o->picture, PICTURE_DETAIL, table);
+	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, materials, 1);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	picture_flags_add(&o->picture, PICTURE_ADDED, table);
@@ -381,7 +382,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.capture.crash = o->capture;
 	bool spike = live_parse_spike(o->spike, &desc.capture);
 	STILB_ASSERT(gamepad && spike && "live_options_check accepted the options");
-	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* .exr, .hdr: the window has radiance, too */
+	if (o->screenshot && stilb_image_path_is_light(o->screenshot)) /* with the half of --split that rays have drawn */
 		desc.output = STILB_RENDER_OUTPUT_LINEAR;
 	return desc;
 }

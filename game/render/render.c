@@ -84,10 +84,11 @@ static void offline_window_open(offline_window *window, const offline_options *o
 static void offline_window_refresh(offline_window *window, offline_work *work)
 {
 	float exposure;
+	uint32_t tone;
 	uint64_t start = stilb_time_ns();
-	if (start < window->next_ns || !offline_work_preview(work, window->radiance, &exposure))
+	if (start < window->next_ns || !offline_work_preview(work, window->radiance, &exposure, &tone))
 		return;
-	stilb_gi_display(window->radiance, window->pixels, exposure, window->srgb);
+	stilb_gi_display(window->radiance, window->pixels, exposure, tone, window->srgb);
 	stilb_engine_viewer_picture(window->viewer, window->srgb);
 	uint64_t now = stilb_time_ns();
 	window->next_ns = now + (uint64_t)((double)(now - start) / RENDER_PREVIEW_SHARE);

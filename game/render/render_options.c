@@ -239,6 +239,7 @@ static void options_table(offline_options *o, flag_rows *table)
 	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
 	picture_flags_add(&o->picture, PICTURE_LOOK, table);
+	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	flag_rows_add(table, lit, 1);

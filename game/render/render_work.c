@@ -96,7 +96,7 @@ offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress)
 	return stage;
 }
 
-bool offline_work_preview(offline_work *work, float *rgb, float *exposure)
+bool offline_work_preview(offline_work *work, float *rgb, float *exposure, uint32_t *tone)
 {
 	STILB_ASSERT_OWNER(work->owner);
 	pthread_mutex_lock(&work->lock);
@@ -104,6 +104,7 @@ bool offline_work_preview(offline_work *work, float *rgb, float *exposure)
 	if (there) {
 		stilb_gi_render_preview(work->render, rgb);
 		*exposure = work->result.settings.exposure; /* written before the render was published */
+		*tone = work->result.settings.tone;
 	}
 	pthread_mutex_unlock(&work->lock);
 	return there;

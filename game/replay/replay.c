@@ -113,8 +113,7 @@ static FILE *replay_message_stream(const replay_options *o)
 static stilb_result replay_start(replay_run *run)
 {
 	const replay_options *o = &run->options;
-	bool light = o->screenshot && stilb_image_path_is_light(o->screenshot);
-	stilb_render_output output = light ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+	static const stilb_render_output output = STILB_RENDER_OUTPUT_DISPLAY;
 	stilb_engine_replay_desc desc = {
 		.path = o->file,
 		.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers,

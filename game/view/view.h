@@ -50,6 +50,7 @@ struct view {
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */
 	float exposure;          /* of the pictures, stops, whichever camera takes them */
+	uint32_t tone;           /* likewise, SHADE_TONE_... */
 	float aspect;            /* of the picture that the scene was framed for */
 	bool framed;             /* the camera frames the scene, and does so again in a picture of another aspect */
 	stilb_scene_camera home; /* the camera at the start */

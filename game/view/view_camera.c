@@ -27,6 +27,7 @@ static void view_settle(view *v)
 	camera->near_z = VIEW_NEAR * v->distance;
 	camera->far_z = VIEW_FAR * v->distance;
 	camera->exposure = v->exposure;
+	camera->tone = v->tone;
 	v->last = *camera;
 }
 
@@ -106,6 +107,7 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again, bool metered)
 	v->scene = scene;
 	v->home = scene->camera;
 	v->exposure = scene->camera.exposure;
+	v->tone = scene->camera.tone;
 	if (v->turntable > 0)
 		v->home = view_turn_home(v);
 	if (again && !v->framed) {

@@ -3,7 +3,7 @@
 #include "support/folder.h"
 
 #include "image/image_layers.h"
-#include "shading/shade_tonemap.h"
+#include "shading/shade_tone.h"
 
 #include <math.h>
 #include <signal.h>
@@ -150,8 +150,8 @@ static void display(void **state)
 	(void)state;
 	const float rgb[][3] = {{0.0f, 0.0f, 0.0f}, {0.125f, 0.05f, 0.01f}, {1e30f, 0.0f, NAN}, {-1.0f, INFINITY, 0.1f}};
 	uint8_t plain[4][3], bright[4][3];
-	stilb_gi_display(rgb[0], 4, 0.0f, plain[0]);
-	stilb_gi_display(rgb[0], 4, 2.0f, bright[0]);
+	stilb_gi_display(rgb[0], 4, 0.0f, SHADE_TONE_KNEE, plain[0]);
+	stilb_gi_display(rgb[0], 4, 2.0f, SHADE_TONE_KNEE, bright[0]);
 	assert_true(plain[0][0] == 0 && plain[0][2] == 0);
 	assert_int_equal(plain[1][0], 99); /* sRGB codes of the numbers themselves */
 	assert_int_equal(plain[1][1], 63);
@@ -176,7 +176,8 @@ static void picture(void **state)
 	stilb_image image;
 	assert_int_equal(stilb_image_load(png, &image), STILB_OK);
 	static uint8_t shown[21][37][3];
-	stilb_gi_display(stilb_gi_render_film(render).radiance, sizeof shown / 3, settings.exposure, shown[0][0]);
+	stilb_gi_display(stilb_gi_render_film(render).radiance, sizeof shown / 3, settings.exposure, settings.tone,
+	                 shown[0][0]);
 	assert_int_equal(stilb_image_size(&image), sizeof shown);
 	assert_memory_equal(image.pixels, shown, sizeof shown);
 	stilb_image_finish(&image);

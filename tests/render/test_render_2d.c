@@ -406,7 +406,7 @@ static void pictures_pixel_by_pixel(void **state)
 		stilb_render_context *context = stilb_render_context_get(s.render, 0);
 		draw_quad(context, (float[4]){0, 0, WIDTH, HEIGHT}, (color){255, 0, 0, 255}, everywhere, glyphs);
 		stilb_render_draw_picture(context, (float[4]){8, 4, 8 + 2 * SIDE, 4 + 2 * SIDE},
-		                          (float[4]){12, 0, WIDTH, HEIGHT}, picture, 0.5f);
+		                          (float[4]){12, 0, WIDTH, HEIGHT}, picture, 0.5f, 0);
 		draw_quad(context, (float[4]){0, 40, WIDTH, HEIGHT}, (color){0, 0, 255, 255}, everywhere, glyphs);
 		frame_end(&s);
 		stilb_image image = read_picture(&s);
@@ -444,7 +444,7 @@ static void pictures_as_they_are(void **state)
 	assert_int_equal(stilb_render_texture_create(s.render, &texels, &texture), STILB_OK);
 	frame_begin(&s, 0);
 	stilb_render_draw_picture(stilb_render_context_get(s.render, 0), (float[4]){0, 0, WIDTH, HEIGHT}, everywhere,
-	                          texture, 0.0f);
+	                          texture, 0.0f, 0);
 	frame_end(&s);
 	stilb_image image = read_picture(&s);
 	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {

@@ -228,7 +228,7 @@ static void draws(void **state)
 	contract_breaks("most < vertex_count", geometry(context));
 	contract_breaks("texture.id != 0",
 	                (stilb_render_draw_picture(context, (float[4]){0.0f, 0.0f, 9.0f, 9.0f},
-	                                           (float[4]){0.0f, 0.0f, 9.0f, 9.0f}, (stilb_render_texture){0}, 1.0f),
+	                                           (float[4]){0.0f, 0.0f, 9.0f, 9.0f}, (stilb_render_texture){0}, 1.0f, 0),
 	                 0));
 	contract_breaks("between frames", stilb_render_resize(render, 32, 32));
 	contract_breaks("between frames", stilb_render_set_surface(render, NULL));

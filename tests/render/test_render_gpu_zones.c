@@ -255,7 +255,7 @@ static void making_a_pipeline_is_a_zone(void **state)
 	for (uint32_t made = 1; made <= 2; made++) {
 		for (int again = 0; again < 2; again++) {
 			assert_int_equal(stage_frame(&s, false), STILB_OK);
-			assert_int_equal(count_zones("make a pipeline", since), made);
+			assert_int_equal(count_zones("make a pipeline", since), made + 1); /* and the tone map's, once */
 		}
 		s.view.shading.brdf++; /* other formulas */
 	}

@@ -5,7 +5,7 @@
 #include "image/image_layers.h"
 #include "profiler/prof.h"
 #include "shading/shade_srgb.h"
-#include "shading/shade_tonemap.h"
+#include "shading/shade_tone.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,13 +28,13 @@ static uint8_t display_code(float light)
 	return (uint8_t)(shade_srgb_from_linear(light) * 255.0f + 0.5f);
 }
 
-void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint8_t *srgb)
+void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t tone, uint8_t *srgb)
 {
-	STILB_ASSERT((rgb && srgb) || pixels == 0);
+	STILB_ASSERT(((rgb && srgb) || pixels == 0) && tone < SHADE_TONE_COUNT);
 	float scale = exp2f(exposure);
 	for (size_t i = 0; i < pixels; i++, rgb += 3, srgb += 3) {
 		stilb_vec3 light = {display_light(rgb[0], scale), display_light(rgb[1], scale), display_light(rgb[2], scale)};
-		stilb_vec3 shown = shade_tonemap(light, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+		stilb_vec3 shown = shade_tone((int)tone, light);
 		for (int c = 0; c < 3; c++)
 			srgb[c] = display_code(shown[c]);
 	}
@@ -54,7 +54,7 @@ static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *
 		for (size_t c = 0; c < 3 && share[i] > 0.0f; c++)
 			rgb[3 * i + c] /= share[i];
 	if (good)
-		stilb_gi_display(rgb, pixels, render->view.settings.exposure, opaque);
+		stilb_gi_display(rgb, pixels, render->view.settings.exposure, render->view.settings.tone, opaque);
 	for (size_t i = 0; good && i < pixels; i++) {
 		memcpy(srgb + 4 * i, opaque + 3 * i, 3);
 		srgb[4 * i + 3] = (uint8_t)(share[i] * 255.0f + 0.5f);
@@ -82,7 +82,7 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 	if (good && alpha)
 		good = save_with_alpha(render, rgb, image.pixels);
 	else if (good)
-		stilb_gi_display(rgb, pixels, render->view.settings.exposure, image.pixels);
+		stilb_gi_display(rgb, pixels, render->view.settings.exposure, render->view.settings.tone, image.pixels);
 	result = good ? stilb_image_save(&image, path)
 	              : stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	free(rgb);

@@ -355,6 +355,7 @@ stilb_result render_null_create(const stilb_render_desc *desc, render_device **o
 		.set_surface = null_set_surface,
 		.wait = null_nothing,
 		.read_image = null_read_image,
+		.read_light = null_read_image,
 	};
 	null_device *device = calloc(1, sizeof *device);
 	if (!device)

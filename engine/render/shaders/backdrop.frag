@@ -1,9 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
-#include "../../shading/shade_tonemap.h"
-
-layout(constant_id = 0) const bool tone_map = true;
 
 const int WIDTH = 64; // of the map, as STILB_SCENE_BACKDROP_WIDTH and _HEIGHT
 const int HEIGHT = 32;
@@ -20,7 +17,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ba
 	vec4 across;
 	vec4 down;
 	vec4 camera;
-	vec4 color_exposure; // w: factor before the tone map
+	vec4 shown_color;
 	vec4 floor_radius;   // its center; w: 0: there is no floor, the map is shown
 	vec4 sky; // w: 1: it and the ground are shown
 	vec4 ground;
@@ -98,10 +95,9 @@ void main()
 {
 	vec4 across = push.backdrop.across, down = push.backdrop.down;
 	vec3 direction = normalize(push.backdrop.ahead.xyz + clip.x * across.xyz + clip.y * down.xyz);
-	vec4 color_exposure = push.backdrop.color_exposure;
 	vec3 radiance;
 	if (push.backdrop.floor_radius.w > 0.0)
-		radiance = color_exposure.rgb * (1.0 - shadow_at(direction));
+		radiance = push.backdrop.shown_color.rgb * (1.0 - shadow_at(direction));
 	else if (push.backdrop.sky.w > 0.0)
 		radiance = mix(push.backdrop.ground.rgb, push.backdrop.sky.rgb,
 			clamp(direction.y / max(fwidth(direction.y), 1e-9) + 0.5, 0.0, 1.0)); // an edge one pixel wide
@@ -109,7 +105,5 @@ void main()
 		radiance = panorama_at(direction);
 	else
 		radiance = map_at(direction);
-	if (tone_map)
-		radiance = shade_tonemap(radiance * color_exposure.w, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	color = vec4(radiance, 1.0);
 }

@@ -1,10 +1,11 @@
 #version 460
 #ifdef FLAT_PICTURE
 #extension GL_GOOGLE_include_directive : require
-#include "../../shading/shade_tonemap.h"
+#include "../../shading/shade_tone.h"
 
 layout(constant_id = 0) const bool tone_map = true;
 layout(location = 3) flat in float factor; // of radiance before the tone map; 0: the texels are shown as they are
+layout(location = 4) flat in int tone;
 #endif
 
 layout(location = 0) in vec4 light; // premultiplied
@@ -25,7 +26,7 @@ void main()
 	ivec2 size = textureSize(picture, 0);
 	vec3 texel = texelFetch(picture, clamp(ivec2(surface_uv * vec2(size)), ivec2(0), size - 1), 0).rgb;
 	if (tone_map && factor > 0.0)
-		texel = shade_tonemap(texel * factor, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
+		texel = shade_tone(tone, texel * factor);
 	color = vec4(texel, light.a); // alpha 1
 #elif defined(FLAT_TEXTURE)
 	vec4 texel = texture(picture, surface_uv);

@@ -22,6 +22,7 @@ layout(location = 2) out vec2 surface_uv;
 
 #ifdef FLAT_PICTURE
 layout(location = 3) flat out float factor;
+layout(location = 4) flat out int tone;
 #endif
 
 void main()
@@ -33,7 +34,9 @@ void main()
 	surface_uv = uv;
 #endif
 #ifdef FLAT_PICTURE
-	factor = push.rows.rows[uint(gl_InstanceIndex) & (ROW_FRAME - 1u)].transform[1].x;
+	vec4 shown = push.rows.rows[uint(gl_InstanceIndex) & (ROW_FRAME - 1u)].transform[1];
+	factor = shown.x;
+	tone = int(shown.y);
 #endif
 	gl_Position = vec4(position * push.scale - 1.0, 0.0, 1.0);
 }

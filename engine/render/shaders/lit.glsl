@@ -3,9 +3,7 @@
 #include "fade.glsl"
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_surface.h"
-#include "../../shading/shade_tonemap.h"
 
-layout(constant_id = 0) const bool tone_map = true;
 // The materials that the pipeline draws: 0 all, 1 those with an even index, 2 those with an odd one. Others are black.
 layout(constant_id = 1) const uint drawn = 0;
 // The formulas, in the order of vulkan_formula. They are compile-time constants: code of other formulas is removed.
@@ -195,7 +193,5 @@ vec4 picture_color(vec3 radiance, uint material)
 {
 	if (drawn != 0 && (material & 1) != drawn - 1)
 		radiance = vec3(0.0);
-	if (tone_map)
-		radiance = shade_tonemap(radiance * push.view.exposure, SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	return vec4(radiance, 1.0);
 }

@@ -35,7 +35,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	Lights lights;
 	uint light_count;
-	float exposure; // factor of radiance before the tone map
+	float unused;
 	Panorama panorama;
 	vec2 turn; // sine and cosine of its rotation
 };

@@ -2,8 +2,6 @@
  * of one colour needs none: the picture is cleared to it. */
 #include "render/vulkan/vulkan_internal.h"
 
-#include "shading/shade_tonemap.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -18,7 +16,7 @@ static const uint32_t backdrop_frag[] =
 typedef struct vulkan_backdrop {
 	float ahead[4], across[4], down[4];
 	float camera[4];
-	float color_exposure[4];
+	float color[4];
 	float floor_radius[4];
 	float sky[4], ground[4]; /* [3] of the sky: 1: these two are shown, else 0 */
 	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
@@ -78,7 +76,7 @@ bool vulkan_backdrop_is_drawn(const render_stream *stream)
 	       (backdrop->kind == STILB_SCENE_BACKDROP_COLOR && backdrop->floor);
 }
 
-VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view)
+VkClearColorValue vulkan_backdrop_clear(const stilb_render_view *view)
 {
 	if (!view)
 		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
@@ -88,10 +86,7 @@ VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb
 	backdrop_sides sides = backdrop_sides_of(view);
 	const float *around = sides.ground && !sides.sky ? view->surroundings.ground : view->surroundings.sky;
 	const float *shown = backdrop->kind == STILB_SCENE_BACKDROP_COLOR ? backdrop->color : around;
-	stilb_vec3 color = stilb_vec3_make(shown[0], shown[1], shown[2]);
-	if (device->output == STILB_RENDER_OUTPUT_DISPLAY)
-		color = shade_tonemap(color * exp2f(view->exposure), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
-	return (VkClearColorValue){.float32 = {color[0], color[1], color[2], 1.0f}};
+	return (VkClearColorValue){.float32 = {shown[0], shown[1], shown[2], 1.0f}};
 }
 
 /* ---- the pipeline ------------------------------------------------------------------------------------------------ */
@@ -157,9 +152,7 @@ static const VkPipelineDynamicStateCreateInfo backdrop_dynamic = {
 
 static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderModule modules[2], VkPipeline *pipeline)
 {
-	VkBool32 tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY;
-	VkSpecializationMapEntry entry = {.constantID = 0, .size = sizeof tone_map};
-	VkSpecializationInfo constants = {1, &entry, sizeof tone_map, &tone_map};
+	VkFormat light = VULKAN_LIGHT_FORMAT;
 	VkPipelineShaderStageCreateInfo stages[2];
 	for (int i = 0; i < 2; i++)
 		stages[i] = (VkPipelineShaderStageCreateInfo){
@@ -167,7 +160,6 @@ static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderMod
 			.stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
 			.module = modules[i],
 			.pName = "main",
-			.pSpecializationInfo = i == 0 ? NULL : &constants,
 		};
 	VkPipelineMultisampleStateCreateInfo samples = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
@@ -176,7 +168,7 @@ static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderMod
 	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &device->color_format,
+		.pColorAttachmentFormats = &light,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 	};
 	VkGraphicsPipelineCreateInfo info = {
@@ -232,8 +224,7 @@ static void backdrop_write(const vulkan_device *device, const render_stream *str
 	backdrop_axis(view->view_projection.m, 0, out->across);
 	backdrop_axis(view->view_projection.m, 1, out->down);
 	memcpy(out->camera, view->camera_position, sizeof view->camera_position);
-	memcpy(out->color_exposure, from->color, sizeof from->color);
-	out->color_exposure[3] = exp2f(view->exposure);
+	memcpy(out->color, from->color, sizeof from->color);
 	memset(out->floor_radius, 0, sizeof out->floor_radius);
 	if (from->kind == STILB_SCENE_BACKDROP_COLOR) {
 		memcpy(out->floor_radius, from->floor->center, sizeof from->floor->center);

@@ -25,6 +25,7 @@ static void vulkan_destroy(render_device *base)
 		for (int heap = 0; heap < RENDER_HEAPS; heap++)
 			gpu_vulkan_buffer_destroy(device->gpu, &device->heaps[heap]);
 		vulkan_pipeline_destroy(device);
+		vulkan_tone_destroy(device);
 		vulkan_textures_destroy(device);
 		gpu_vulkan_destroy(device->gpu);
 	}
@@ -74,6 +75,8 @@ static stilb_result device_start(vulkan_device *device, const stilb_render_desc 
 		device->slots[i].gpu = &device->gpu->slots[i];
 	result = device_choose_samples(device, desc->samples);
 	if (result == STILB_OK)
+		result = vulkan_tone_create(device);
+	if (result == STILB_OK)
 		result = vulkan_targets_create(device);
 	if (result == STILB_OK)
 		result = vulkan_textures_create(device);
@@ -105,6 +108,7 @@ stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device *
 		.set_surface = vulkan_set_surface,
 		.wait = vulkan_wait,
 		.read_image = vulkan_read_image,
+		.read_light = vulkan_read_light,
 	};
 	vulkan_device *device = calloc(1, sizeof *device);
 	if (!device)

@@ -95,19 +95,26 @@ stilb_result vulkan_targets_create(vulkan_device *device)
 	stilb_result result = target_create(device, device->color_format, VK_SAMPLE_COUNT_1_BIT,
 	                                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
 	                                    VK_IMAGE_ASPECT_COLOR_BIT, &device->color);
+	VkImageUsageFlags light = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+	if (result == STILB_OK)
+		result = target_create(device, VULKAN_LIGHT_FORMAT, VK_SAMPLE_COUNT_1_BIT,
+		                       light | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT, &device->light);
 	if (result == STILB_OK && samples > 1)
-		result = target_create(device, device->color_format, samples, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-		                       VK_IMAGE_ASPECT_COLOR_BIT, &device->color_samples);
+		result = target_create(device, VULKAN_LIGHT_FORMAT, samples, light, VK_IMAGE_ASPECT_COLOR_BIT,
+		                       &device->light_samples);
 	if (result == STILB_OK)
 		result = target_create(device, VK_FORMAT_D32_SFLOAT, samples, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
 		                       VK_IMAGE_ASPECT_DEPTH_BIT, &device->depth);
+	if (result == STILB_OK)
+		vulkan_tone_targets(device);
 	return result;
 }
 
 void vulkan_targets_destroy(vulkan_device *device)
 {
 	gpu_vulkan_image_destroy(device->gpu, &device->color);
-	gpu_vulkan_image_destroy(device->gpu, &device->color_samples);
+	gpu_vulkan_image_destroy(device->gpu, &device->light);
+	gpu_vulkan_image_destroy(device->gpu, &device->light_samples);
 	gpu_vulkan_image_destroy(device->gpu, &device->depth);
 }
 
@@ -118,6 +125,7 @@ stilb_result vulkan_frame_begin(render_device *base, render_memory *memory)
 	vulkan_device *device = (vulkan_device *)base;
 	if (!device->color.image)
 		return stilb_fail(STILB_ERROR_MEMORY, "there is no picture to draw into; choose a smaller size");
+	device->tone.wanted = device->tone.lit = false;
 	STILB_ASSERT(memory);
 	device->pass = 0;
 	stilb_result result = gpu_vulkan_slot_take(device->gpu);
@@ -210,6 +218,7 @@ stilb_result vulkan_submit(render_device *base)
 	vulkan_slot *slot = vulkan_slot_now(device);
 	if (gpu_fault_lost(base->gpu))
 		return gpu_vulkan_fail(device->gpu, VK_ERROR_DEVICE_LOST, "give the GPU a frame");
+	vulkan_tone_pass(device, slot->gpu->draw);
 	gpu_vulkan_image_barrier(slot->gpu->draw, device->color.image, VK_IMAGE_ASPECT_COLOR_BIT,
 	                         VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
 	                         VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,

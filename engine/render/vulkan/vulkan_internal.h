@@ -10,6 +10,7 @@
 
 #include "gpu/vulkan/gpu_vulkan_internal.h"
 #include "render/render_internal.h"
+#include "shading/shade_tone.h"
 
 #define VULKAN_MAX_LISTS (STILB_JOB_MAX_WORKERS + 1)
 
@@ -22,7 +23,7 @@ typedef struct vulkan_view {
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 	VkDeviceAddress lights;
 	uint32_t light_count;
-	float exposure;           /* factor of radiance before the tone map */
+	float unused;
 	VkDeviceAddress panorama; /* of device.panorama: its table */
 	float turn[2];            /* sine and cosine of its rotation */
 } vulkan_view;
@@ -46,6 +47,12 @@ typedef struct vulkan_rows {
 	render_rows base;
 	gpu_vulkan_buffer buffer;
 } vulkan_rows;
+
+/* Push constants of shaders/resolve.frag and tone.frag. */
+typedef struct vulkan_tone_push {
+	float exposure;  /* factor of radiance */
+	uint32_t dither; /* 0, 1 */
+} vulkan_tone_push;
 
 /* Commands that were recorded into a command buffer. */
 typedef struct vulkan_sent {
@@ -129,6 +136,21 @@ typedef struct vulkan_shading {
 	gpu_vulkan_pipeline pipelines[RENDER_DETAIL_KINDS][VULKAN_SURFACES][VULKAN_PIPELINE_MATERIALS];
 } vulkan_shading;
 
+#define VULKAN_LIGHT_FORMAT VK_FORMAT_R16G16B16A16_SFLOAT
+
+/* What makes the picture of the frame's light. */
+typedef struct vulkan_tone {
+	VkDescriptorPool pool;
+	VkDescriptorSetLayout layout;
+	VkPipelineLayout pipeline_layout;
+	VkDescriptorSet light, samples; /* of the images with these names; samples is null with one a pixel */
+	gpu_vulkan_pipeline resolve, tones[SHADE_TONE_COUNT];
+	vulkan_tone_push push; /* of this frame: that of its first scene pass */
+	uint32_t curve;        /* SHADE_TONE_... of this frame */
+	bool wanted;           /* a scene pass has drawn light of which no picture has been made */
+	bool lit;              /* the last frame had one */
+} vulkan_tone;
+
 typedef struct vulkan_device {
 	render_device base;
 
@@ -148,10 +170,14 @@ typedef struct vulkan_device {
 	gpu_vulkan_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
 	bool transparent;                          /* the frame's backdrop is nothing, and the picture's alpha counts */
 	stilb_render_output output;
-	VkFormat color_format;
-	gpu_vulkan_image color;         /* the picture, one sample a pixel */
-	gpu_vulkan_image color_samples; /* with 4 samples a pixel, resolved into color; null with 1 */
+	/* Scene passes draw into `light` or its samples; from there vulkan_tone makes the picture, over which 2D passes
+	 * draw. */
+	gpu_vulkan_image light;         /* linear radiance, VULKAN_LIGHT_FORMAT, one sample a pixel */
+	gpu_vulkan_image light_samples; /* with 4 samples a pixel, resolved into light; null with 1 */
 	gpu_vulkan_image depth;
+	VkFormat color_format;
+	gpu_vulkan_image color; /* the picture, one sample a pixel */
+	vulkan_tone tone;
 	bool drawn; /* color holds a submitted picture, in the layout TRANSFER_SRC_OPTIMAL */
 
 	gpu_vulkan_buffer heaps[RENDER_HEAPS];
@@ -225,9 +251,8 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream);
 
 /* True if what is seen is more than the colour that the picture is cleared to. */
 bool vulkan_backdrop_is_drawn(const render_stream *stream);
-/* The colour that the picture is cleared to: of the backdrop, or of the sky or the ground, tone mapped as the fragment
- * shader does it; black without a view. */
-VkClearColorValue vulkan_backdrop_clear(const vulkan_device *device, const stilb_render_view *view);
+/* The radiance that the picture is cleared to: of the backdrop, or of the sky or the ground; black without a view. */
+VkClearColorValue vulkan_backdrop_clear(const stilb_render_view *view);
 /* Makes the pipeline that draws backdrops. [any-thread] */
 stilb_result vulkan_backdrop_make(vulkan_device *device);
 /* Makes what is missing to draw the backdrop of the stream's view and writes it to the slot's memory. */
@@ -235,6 +260,20 @@ stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, c
 /* Draws it, after vulkan_draws_area. */
 void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot);
 void vulkan_backdrop_destroy(vulkan_device *device);
+
+/* vulkan_tone.c: from the light that scene passes have drawn to the picture. */
+
+stilb_result vulkan_tone_create(vulkan_device *device);
+void vulkan_tone_destroy(vulkan_device *device);
+/* Makes the pipelines of a tone map, SHADE_TONE_.... [any-thread] */
+stilb_result vulkan_tone_make(vulkan_device *device, uint32_t curve);
+/* To be called when the targets were made anew. */
+void vulkan_tone_targets(vulkan_device *device);
+/* Takes exposure and tone map of the frame's first scene pass, whose pipelines it makes. */
+stilb_result vulkan_tone_begin(vulkan_device *device, const stilb_render_view *view);
+/* Makes the picture, which is then ready to be drawn over. Nothing if it has been made, or there was no scene pass. */
+void vulkan_tone_pass(vulkan_device *device, VkCommandBuffer commands);
+stilb_result vulkan_read_light(render_device *base, stilb_image *image);
 
 /* vulkan_draws.c: the draws of a stream and their bindings. */
 

@@ -4,8 +4,15 @@
 #include <math.h>
 #include <string.h>
 
+/* What scene passes draw into. */
+static const gpu_vulkan_image *pass_light(const vulkan_device *device)
+{
+	return device->light_samples.image ? &device->light_samples : &device->light;
+}
+
 /* Makes the images ready to be drawn into. The frame's first pass waits for the last frame's passes and its copy to the
- * window, and discards the contents; later passes wait for the pass before. 2D passes use the picture alone. */
+ * window, and discards the contents; later passes wait for the pass before. 2D passes use the picture alone, scene
+ * passes all others. */
 static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, bool first, bool scene)
 {
 	VkPipelineStageFlags2 color_stage = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
@@ -16,15 +23,13 @@ static void pass_take_targets(vulkan_device *device, VkCommandBuffer commands, b
 		VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 	VkImageLayout attachment = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
 	VkImageLayout before = first ? VK_IMAGE_LAYOUT_UNDEFINED : attachment;
-	VkImageMemoryBarrier2 taken[3];
+	VkImageMemoryBarrier2 taken[2];
 	uint32_t count = 0;
-	taken[count++] = gpu_vulkan_image_transition(device->color.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-	                                             color_stage | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+	VkPipelineStageFlags2 reader =
+		scene ? VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT : VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+	taken[count++] = gpu_vulkan_image_transition(scene ? pass_light(device)->image : device->color.image,
+	                                             VK_IMAGE_ASPECT_COLOR_BIT, before, attachment, color_stage | reader,
 	                                             VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
-	if (device->color_samples.image && scene)
-		taken[count++] =
-			gpu_vulkan_image_transition(device->color_samples.image, VK_IMAGE_ASPECT_COLOR_BIT, before, attachment,
-		                                color_stage, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT, color_stage, color_access);
 	if (scene)
 		taken[count++] =
 			gpu_vulkan_image_transition(device->depth.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, attachment, depth_stage,
@@ -38,18 +43,14 @@ static void pass_begin_rendering(vulkan_device *device, VkCommandBuffer commands
                                  bool first, VkRenderingFlags contents)
 {
 	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
-	bool resolve = device->color_samples.image != VK_NULL_HANDLE && scene;
 	VkAttachmentLoadOp load = first ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
 	VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = resolve ? device->color_samples.view : device->color.view,
+		.imageView = scene ? pass_light(device)->view : device->color.view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.resolveMode = resolve ? VK_RESOLVE_MODE_AVERAGE_BIT : VK_RESOLVE_MODE_NONE,
-		.resolveImageView = resolve ? device->color.view : VK_NULL_HANDLE,
-		.resolveImageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
 		.loadOp = load,
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue = {.color = vulkan_backdrop_clear(device, stream->view)},
+		.clearValue = {.color = vulkan_backdrop_clear(stream->view)},
 	};
 	VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -93,7 +94,6 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 	out->added[3] = view->shading.specular;
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
 	out->light_count = stream->light_count;
-	out->exposure = exp2f(view->exposure);
 	out->panorama = stream->panorama ? device->panorama.address : 0;
 	out->turn[0] = sinf(view->surroundings.rotation);
 	out->turn[1] = cosf(view->surroundings.rotation);
@@ -154,6 +154,8 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 	bool backdrop = first && scene && vulkan_backdrop_is_drawn(stream);
 	if (first)
 		device->transparent = scene && stream->view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
+	if (first && scene && result == STILB_OK)
+		result = vulkan_tone_begin(device, stream->view);
 	if (result == STILB_OK && backdrop)
 		result = vulkan_backdrop_prepare(device, slot, stream);
 	if (result != STILB_OK)
@@ -164,6 +166,8 @@ stilb_result vulkan_pass(render_device *base, const render_stream *stream)
 		if (result != STILB_OK)
 			return result;
 	}
+	if (!scene)
+		vulkan_tone_pass(device, slot->gpu->draw);
 	pass_label_begin(device, slot->gpu->draw, stream->pass->name);
 	gpu_vulkan_times_pass_begin(device->gpu, stream->site);
 	if (backdrop)

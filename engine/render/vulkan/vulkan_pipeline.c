@@ -323,7 +323,6 @@ typedef struct pipeline_variant {
 
 /* Values of the mesh shaders' specialization constants; the vertex shader has `detail` alone. */
 typedef struct pipeline_constants {
-	VkBool32 tone_map;
 	uint32_t materials; /* a vulkan_pipeline_materials */
 	uint32_t detail;    /* a pipeline_variant's */
 	uint32_t samples;   /* of a pixel */
@@ -336,10 +335,9 @@ typedef struct pipeline_constants {
 		2 + (index), offsetof(pipeline_constants, formulas) + (index) * sizeof(uint32_t), sizeof(uint32_t)             \
 	}
 
-static const VkSpecializationMapEntry pipeline_constant_map[4 + VULKAN_FORMULAS] = {
+static const VkSpecializationMapEntry pipeline_constant_map[3 + VULKAN_FORMULAS] = {
 	{.constantID = 8, .offset = offsetof(pipeline_constants, samples), .size = sizeof(uint32_t)},
 	{.constantID = 7, .offset = offsetof(pipeline_constants, detail), .size = sizeof(uint32_t)},
-	{.constantID = 0, .offset = offsetof(pipeline_constants, tone_map), .size = sizeof(VkBool32)},
 	{.constantID = 1, .offset = offsetof(pipeline_constants, materials), .size = sizeof(uint32_t)},
 	PIPELINE_FORMULA(VULKAN_FORMULA_BRDF),
 	PIPELINE_FORMULA(VULKAN_FORMULA_NDF),
@@ -364,12 +362,10 @@ static VkResult pipeline_make(void *user, const void *what, VkPipeline *pipeline
 	STILB_ASSERT(modules[0] && modules[1]);
 	vertex_input input;
 	vertex_input_make(&device->layout, variant.surface, &input);
-	pipeline_constants constants = {.tone_map = device->output == STILB_RENDER_OUTPUT_DISPLAY,
-	                                .materials = variant.materials,
-	                                .detail = variant.detail,
-	                                .samples = device->base.samples};
+	pipeline_constants constants = {
+		.materials = variant.materials, .detail = variant.detail, .samples = device->base.samples};
 	memcpy(constants.formulas, formulas, VULKAN_FORMULAS * sizeof *formulas);
-	VkSpecializationInfo specialization = {4 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
+	VkSpecializationInfo specialization = {3 + VULKAN_FORMULAS, pipeline_constant_map, sizeof constants, &constants};
 	VkPipelineShaderStageCreateInfo stages[2] = {
 		pipeline_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], &specialization),
 		pipeline_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &specialization),
@@ -381,10 +377,11 @@ static VkResult pipeline_make(void *user, const void *what, VkPipeline *pipeline
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
 	};
+	VkFormat light = VULKAN_LIGHT_FORMAT;
 	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &device->color_format,
+		.pColorAttachmentFormats = &light,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 	};
 	VkGraphicsPipelineCreateInfo info = {
@@ -522,7 +519,9 @@ stilb_result vulkan_prepare(render_device *base, const stilb_render_view *view, 
 	surfaces |= drawn ? 1u << VULKAN_SURFACE_IMPOSTOR : 0;
 	stilb_result result = shading_ready(device, &view->shading, light_bits, kinds, surfaces, &shading);
 	bool nothing = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
-	return result == STILB_OK && !nothing ? vulkan_backdrop_make(device) : result;
+	if (result == STILB_OK && !nothing)
+		result = vulkan_backdrop_make(device);
+	return result == STILB_OK ? vulkan_tone_make(device, view->tone) : result;
 }
 
 static VkResult pipeline_make_2d(vulkan_device *device, const VkShaderModule modules[2], vulkan_pipeline_2d kind)

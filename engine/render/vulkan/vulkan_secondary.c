@@ -70,10 +70,11 @@ static VkResult list_next(vulkan_device *device, vulkan_list *list, VkCommandBuf
 
 static VkResult list_begin(vulkan_device *device, VkCommandBuffer commands)
 {
+	VkFormat light = VULKAN_LIGHT_FORMAT;
 	VkCommandBufferInheritanceRenderingInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_INHERITANCE_RENDERING_INFO,
 		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &device->color_format,
+		.pColorAttachmentFormats = &light,
 		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
 		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
 	};

@@ -3,6 +3,7 @@
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
 #include "scene/scene_internal.h"
+#include "shading/shade_tone.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -56,7 +57,12 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
 		                  stilb_scene_builtin_names());
 	stilb_result result = scene_import_within(path, &limits, scene);
-	if (result != STILB_OK || scene_is_lit(*scene))
+	if (result != STILB_OK)
+		return result;
+	(*scene)->camera.tone = SHADE_TONE_NEUTRAL;
+	for (uint32_t i = 0; i < (*scene)->camera_count; i++)
+		(*scene)->cameras[i].camera.tone = SHADE_TONE_NEUTRAL;
+	if (scene_is_lit(*scene))
 		return result;
 	(*scene)->unlit = true;
 	if (options->dark)

@@ -3,6 +3,7 @@
 #include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
+#include "shading/shade_tone.h"
 
 #include <errno.h>
 #include <math.h>
@@ -215,7 +216,7 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 static bool stream_camera_is_usable(const stilb_scene_camera *camera)
 {
 	bool finite = isfinite(camera->yaw) && isfinite(camera->pitch) && isfinite(camera->roll) &&
-	              isfinite(camera->far_z) && fabsf(camera->exposure) <= 100.0f;
+	              isfinite(camera->far_z) && fabsf(camera->exposure) <= 100.0f && camera->tone < SHADE_TONE_COUNT;
 	for (int i = 0; i < 3; i++)
 		finite = finite && isfinite(camera->position[i]);
 	return finite && camera->fov_y > 0.0f && camera->fov_y < 3.1415927f && camera->near_z > 0.0f &&

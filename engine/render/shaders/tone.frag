@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+#include "fade.glsl"
+#include "../../shading/shade_tone.h"
+
+layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
+layout(constant_id = 1) const bool display = true; // else the picture holds radiance, too
+
+// As vulkan_tone_push.
+layout(push_constant, std430) uniform Push {
+	float exposure; // factor of radiance
+	uint dither;
+} push;
+
+layout(set = 0, binding = 0) uniform texture2D light;
+layout(location = 0) out vec4 color;
+
+// Half a code up or down at most, by the pixel: what lies between two codes becomes the share of pixels that have the
+// upper one. A code's height in linear light is the slope of sRGB's curve, 2.275 L^(7/12), over 255; here up to a tenth
+// less, so that light that is a code stays it.
+vec3 dithered(vec3 shown)
+{
+	float noise = (float(fade_threshold(uvec2(gl_FragCoord.xy))) + 0.5) / 64.0 - 0.5;
+	vec3 root = sqrt(max(shown, 0.0));
+	vec3 slope = max(2.275 * root * (0.5 + 0.5 * sqrt(root)), 0.0774);
+	return max(shown + slope * (noise / 255.0), 0.0);
+}
+
+void main()
+{
+	vec4 texel = texelFetch(light, ivec2(gl_FragCoord.xy), 0);
+	if (!display) {
+		color = texel;
+		return;
+	}
+	vec3 shown = shade_tone(tone, texel.rgb * (push.exposure / max(texel.a, 1e-6)));
+	if (push.dither != 0u)
+		shown = dithered(shown);
+	color = vec4(shown * texel.a, texel.a); // premultiplied
+}
