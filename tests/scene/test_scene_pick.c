@@ -126,7 +126,7 @@ static void test_the_cameras_rays(void **state)
 	add_square(build, 0.0f, 0.0f, 1.0f);
 	stilb_scene *scene = finish_scene(build);
 	scene->camera = (stilb_scene_camera){
-		{0.5f, 0.25f, 4.0f}, 0.1f, -0.05f, 0.3f, 0.8f, 0.5f, 100.0f, 0.0f}; /* every angle is used */
+		{0.5f, 0.25f, 4.0f}, 0.1f, -0.05f, 0.3f, 0.8f, 0.5f, 100.0f, 0.0f, 0}; /* every angle is used */
 	stilb_mat4 clip = stilb_scene_camera_matrix(&scene->camera, 640.0f / 360.0f);
 	const float *m = clip.m;
 	uint32_t hits = 0;
