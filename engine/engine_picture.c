@@ -7,7 +7,7 @@
  * windows is drawn once, read back, and shown from then on as a texture, too.
  */
 #include "engine_internal.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <math.h>
 

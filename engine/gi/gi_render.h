@@ -177,7 +177,7 @@ typedef struct stilb_gi_settings {
 	uint64_t seed;
 	stilb_gi_sampler_kind sampler;
 	stilb_gi_filter_kind filter;
-	/* Camera rays see what lies between near_z and far_z, as frames do; of exposure and tone the members below are used. */
+	/* Camera rays see what lies between near_z and far_z, as frames do; exposure and tone are the members below. */
 	stilb_scene_camera camera;
 	stilb_gi_lens lens;
 	/* Most reflections of a path, 0..1024. 0: only the lights themselves are seen; 1: also direct light. */
@@ -204,7 +204,7 @@ typedef struct stilb_gi_settings {
 	bool progressive;
 	/* In stops, -100..100: radiance is multiplied by 2^exposure in .png files and where the picture is displayed. */
 	float exposure;
-	uint32_t tone; /* SHADE_TONE_... of shading/shade_tone.h, of .png files and where the picture is displayed */
+	uint32_t tone; /* SHADE_TONE_... of shading/shade_tonemap.h, of .png files and where the picture is displayed */
 	stilb_gi_cache_settings cache;
 } stilb_gi_settings;
 
@@ -334,8 +334,8 @@ void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void 
  * tiles in progress may be of different age. */
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
 
-/* Linear radiance to what a .png holds: times 2^exposure, tone mapped by `tone`, SHADE_TONE_... of shade_tone.h, sRGB in 8 bits. rgb, srgb:
- * [pixels][3]; NaN and negative radiance become black. [any-thread] */
+/* Linear radiance to what a .png holds: times 2^exposure, tone mapped by `tone`, SHADE_TONE_... of shade_tonemap.h,
+ * sRGB in 8 bits. rgb, srgb: [pixels][3]; NaN and negative radiance become black. [any-thread] */
 void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t tone, uint8_t *srgb);
 
 /* The planes (layers of floats or numbers) of the picture, [height][width], or [height][width][3] for those marked [3],

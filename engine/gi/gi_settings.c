@@ -2,7 +2,7 @@
 
 #include "scene/scene_look.h"
 #include "shading/shade_specular.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -348,7 +348,7 @@ typedef struct stilb_render_view {
 	stilb_render_show show;
 	/* How the picture shows radiance with output DISPLAY; those of the frame's first scene pass count. */
 	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
-	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tone.h */
+	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tonemap.h */
 	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
 } stilb_render_view;
 

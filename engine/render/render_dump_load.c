@@ -2,7 +2,7 @@
 #include "render/render_dump_format.h"
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <ctype.h>
 #include <errno.h>

@@ -3,7 +3,7 @@
 #include "render/render_clusters.h"
 #include "render/render_detail.h"
 #include "render/render_internal.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -232,7 +232,8 @@ typedef struct stilb_scene_camera {
 	float fov_y;            /* angle of the picture's whole height, (0, pi) */
 	float near_z, far_z;    /* distances of the clip planes, 0 < near_z < far_z */
 	float exposure; /* stops, -100..100: pictures for display are brighter by 2^exposure; radiance stays as it is */
-	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tone.h: how pictures for display show it; of the cameras of files
+	uint32_t
+		tone; /* SHADE_TONE_... of shading/shade_tonemap.h: how pictures for display show it; of the cameras of files
 	                   SHADE_TONE_NEUTRAL */
 } stilb_scene_camera;
 

@@ -2,7 +2,7 @@
 
 #include "shading/shade_brdf.h"
 #include "shading/shade_srgb.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -135,15 +135,10 @@ static void picture_add_look(picture_flags *p, flag_rows *table)
 
 static void picture_add_tone(picture_flags *p, flag_rows *table)
 {
-	const flag tone = {"--tone",
-	                   FLAG_CHOICE,
-	                   &p->tone,
-	                   "NAME",
-	                   "tone map: none, knee, neutral or filmic (files: neutral, else knee)",
-	                   0,
-	                   0,
-	                   stilb_scene_tone_names};
-	flag_rows_add(table, &tone, 1);
+	const flag tone[] = {{"--tone", FLAG_CHOICE, &p->tone, "NAME",
+	                      "tone map: none, knee, neutral or filmic (files: neutral, else knee)", 0, 0,
+	                      stilb_scene_tone_names}};
+	flag_rows_add(table, tone, 1);
 }
 
 void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table)

@@ -53,8 +53,8 @@ stilb_result offline_work_start(const offline_options *options, offline_work **w
 /* Returns the present stage. *progress is {0} before rendering begins. */
 offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress);
 
-/* Copies the picture so far into rgb, 3 floats for each pixel of options->size, and sets *exposure and *tone to those of
- * the settings. False: rendering has not begun, or the render has been freed already. */
+/* Copies the picture so far into rgb, 3 floats for each pixel of options->size, and sets *exposure and *tone to those
+ * of the settings. False: rendering has not begun, or the render has been freed already. */
 bool offline_work_preview(offline_work *work, float *rgb, float *exposure, uint32_t *tone);
 
 /* Asks the work to end soon: it writes the picture so far, and a checkpoint. */

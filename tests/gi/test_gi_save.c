@@ -3,7 +3,7 @@
 #include "support/folder.h"
 
 #include "image/image_layers.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <math.h>
 #include <signal.h>

@@ -1,7 +1,7 @@
-/* shade_tone.h: the neutral and the filmic curve against their formulas as printed, in double; their inverses; limits;
- * and the choice by number. */
+/* Tone maps of pictures (shade_tonemap.h): the neutral and the filmic curve against their formulas as printed, in
+ * double; their inverses; limits; and the choice by number. */
 
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include "support/shade_proof.h"
 
@@ -18,9 +18,9 @@ static double most_of(const double c[3])
 }
 
 /* Khronos' specification, step by step. */
-static void neutral_printed(const stilb_vec3 color, double out[3])
+static void neutral_printed(stilb_vec3 color, double out[3])
 {
-	const double start = 0.8 - 0.04, desaturation = 0.15;
+	double start = 0.8 - 0.04, desaturation = 0.15;
 	double in[3] = {(double)color[0], (double)color[1], (double)color[2]};
 	double x = least_of(in), offset = x < 0.08 ? x - 6.25 * x * x : 0.04;
 	for (int c = 0; c < 3; c++)
@@ -69,8 +69,8 @@ static void filmic_is_the_printed_one(void **state)
 	SHADE_PROOF_NEAR(shade_filmic_curve_inverse(1.0f), 7.2420, 2e-4, 0.0);
 }
 
-/* What the neutral curve is for: a surface whose base colour is below 0.76, which mirrors 4 % of white light besides, is
- * shown in its base colour, and greys stay grey. */
+/* What the neutral curve is for: a surface whose base colour is below 0.76, which mirrors 4 % of white light besides,
+ * is shown in its base colour, and greys stay grey. */
 static void neutral_keeps_base_colors(void **state)
 {
 	(void)state;
@@ -84,7 +84,7 @@ static void neutral_keeps_base_colors(void **state)
 	}
 }
 
-/* Each tone map: finite, in [0, 1], never falling along a ray of brightness, whole at 0 and without light at its end. */
+/* Each tone map: in [0, 1], never falling along a ray of brightness, 0 without light, 1 at the end of floats. */
 static void all_end_in_the_display(void **state)
 {
 	(void)state;

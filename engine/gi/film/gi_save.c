@@ -5,7 +5,7 @@
 #include "image/image_layers.h"
 #include "profiler/prof.h"
 #include "shading/shade_srgb.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #version 460
 #ifdef FLAT_PICTURE
 #extension GL_GOOGLE_include_directive : require
-#include "../../shading/shade_tone.h"
+#include "../../shading/shade_tonemap.h"
 
 layout(constant_id = 0) const bool tone_map = true;
 layout(location = 3) flat in float factor; // of radiance before the tone map; 0: the texels are shown as they are

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "fade.glsl"
-#include "../../shading/shade_tone.h"
+#include "../../shading/shade_tonemap.h"
 
 layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
 layout(constant_id = 1) const bool display = true; // else the picture holds radiance, too

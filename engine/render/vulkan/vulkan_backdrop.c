@@ -91,115 +91,19 @@ VkClearColorValue vulkan_backdrop_clear(const stilb_render_view *view)
 
 /* ---- the pipeline ------------------------------------------------------------------------------------------------ */
 
-static VkResult backdrop_modules(vulkan_device *device, VkShaderModule modules[2])
-{
-	VkShaderModuleCreateInfo infos[2] = {{
-											 .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-											 .codeSize = sizeof backdrop_vert,
-											 .pCode = backdrop_vert,
-										 },
-	                                     {
-											 .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-											 .codeSize = sizeof backdrop_frag,
-											 .pCode = backdrop_frag,
-										 }};
-	VkResult result = vkCreateShaderModule(device->gpu->device, &infos[0], device->gpu->allocator, &modules[0]);
-	return result == VK_SUCCESS
-	           ? vkCreateShaderModule(device->gpu->device, &infos[1], device->gpu->allocator, &modules[1])
-	           : result;
-}
-
-static const VkPipelineVertexInputStateCreateInfo no_vertices = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-};
-
-static const VkPipelineInputAssemblyStateCreateInfo backdrop_triangle = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-	.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
-};
-
-static const VkPipelineViewportStateCreateInfo backdrop_viewport = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-	.viewportCount = 1,
-	.scissorCount = 1,
-};
-
-static const VkPipelineRasterizationStateCreateInfo backdrop_rasterization = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-	.cullMode = VK_CULL_MODE_NONE,
-	.lineWidth = 1.0f,
-};
-
-static const VkPipelineDepthStencilStateCreateInfo no_depth = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-};
-
-static const VkPipelineColorBlendAttachmentState backdrop_channels = {.colorWriteMask = 0xf};
-
-static const VkPipelineColorBlendStateCreateInfo backdrop_blend = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-	.attachmentCount = 1,
-	.pAttachments = &backdrop_channels,
-};
-
-static const VkDynamicState backdrop_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-
-static const VkPipelineDynamicStateCreateInfo backdrop_dynamic = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-	.dynamicStateCount = 2,
-	.pDynamicStates = backdrop_states,
-};
-
-static VkResult backdrop_pipeline(const vulkan_device *device, const VkShaderModule modules[2], VkPipeline *pipeline)
-{
-	VkFormat light = VULKAN_LIGHT_FORMAT;
-	VkPipelineShaderStageCreateInfo stages[2];
-	for (int i = 0; i < 2; i++)
-		stages[i] = (VkPipelineShaderStageCreateInfo){
-			.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-			.stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
-			.module = modules[i],
-			.pName = "main",
-		};
-	VkPipelineMultisampleStateCreateInfo samples = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-		.rasterizationSamples = (VkSampleCountFlagBits)device->base.samples,
-	};
-	VkPipelineRenderingCreateInfo rendering = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &light,
-		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
-	};
-	VkGraphicsPipelineCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-		.pNext = &rendering,
-		.stageCount = 2,
-		.pStages = stages,
-		.pVertexInputState = &no_vertices,
-		.pInputAssemblyState = &backdrop_triangle,
-		.pViewportState = &backdrop_viewport,
-		.pRasterizationState = &backdrop_rasterization,
-		.pMultisampleState = &samples,
-		.pDepthStencilState = &no_depth,
-		.pColorBlendState = &backdrop_blend,
-		.pDynamicState = &backdrop_dynamic,
-		.layout = device->pipeline_layout,
-	};
-	return vkCreateGraphicsPipelines(device->gpu->device, VK_NULL_HANDLE, 1, &info, device->gpu->allocator, pipeline);
-}
-
 static VkResult backdrop_make(void *user, const void *nothing, VkPipeline *pipeline)
 {
-	vulkan_device *device = user;
+	const vulkan_device *device = user;
 	(void)nothing;
-	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-	VkResult result = backdrop_modules(device, modules);
-	if (result == VK_SUCCESS)
-		result = backdrop_pipeline(device, modules, pipeline);
-	for (int stage = 0; stage < 2; stage++)
-		vkDestroyShaderModule(device->gpu->device, modules[stage], device->gpu->allocator);
-	return result;
+	vulkan_screen screen = {.vertex = backdrop_vert,
+	                        .vertex_bytes = sizeof backdrop_vert,
+	                        .fragment = backdrop_frag,
+	                        .fragment_bytes = sizeof backdrop_frag,
+	                        .format = VULKAN_LIGHT_FORMAT,
+	                        .depth = VK_FORMAT_D32_SFLOAT,
+	                        .samples = device->base.samples,
+	                        .layout = device->pipeline_layout};
+	return vulkan_screen_make(device, &screen, pipeline);
 }
 
 stilb_result vulkan_backdrop_make(vulkan_device *device)

@@ -2,15 +2,6 @@
  * draw before. Any thread, one at a time for a command buffer. */
 #include "render/vulkan/vulkan_internal.h"
 
-void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands)
-{
-	VkRect2D area = {.extent = {device->base.width, device->base.height}};
-	VkViewport viewport = {
-		.width = (float)device->base.width, .height = (float)device->base.height, .minDepth = 0.0f, .maxDepth = 1.0f};
-	vkCmdSetViewport(commands, 0, 1, &viewport);
-	vkCmdSetScissor(commands, 0, 1, &area);
-}
-
 /* ---- binding ----------------------------------------------------------------------------------------------------- */
 
 static void draws_bind_buffers_2d(vulkan_device *device, VkCommandBuffer commands)

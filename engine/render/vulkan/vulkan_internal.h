@@ -10,7 +10,7 @@
 
 #include "gpu/vulkan/gpu_vulkan_internal.h"
 #include "render/render_internal.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #define VULKAN_MAX_LISTS (STILB_JOB_MAX_WORKERS + 1)
 
@@ -257,9 +257,27 @@ VkClearColorValue vulkan_backdrop_clear(const stilb_render_view *view);
 stilb_result vulkan_backdrop_make(vulkan_device *device);
 /* Makes what is missing to draw the backdrop of the stream's view and writes it to the slot's memory. */
 stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream);
-/* Draws it, after vulkan_draws_area. */
+/* Draws it, after vulkan_screen_area. */
 void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot);
 void vulkan_backdrop_destroy(vulkan_device *device);
+
+/* vulkan_screen.c: what covers the whole picture. */
+
+/* Sets viewport and scissor to the whole picture: every command buffer needs it, secondary ones inherit nothing. */
+void vulkan_screen_area(const vulkan_device *device, VkCommandBuffer commands);
+
+/* A pipeline of one triangle over the picture, which shaders/screen.vert makes. */
+typedef struct vulkan_screen {
+	const uint32_t *vertex, *fragment; /* SPIR-V */
+	size_t vertex_bytes, fragment_bytes;
+	uint32_t constants[2]; /* specialization constants 0 and 1 of the fragment shader */
+	VkFormat format;
+	VkFormat depth; /* of the depth image beside it, which it does not touch; VK_FORMAT_UNDEFINED: there is none */
+	uint32_t samples;
+	VkPipelineLayout layout;
+} vulkan_screen;
+
+VkResult vulkan_screen_make(const vulkan_device *device, const vulkan_screen *screen, VkPipeline *pipeline);
 
 /* vulkan_tone.c: from the light that scene passes have drawn to the picture. */
 
@@ -277,8 +295,6 @@ stilb_result vulkan_read_light(render_device *base, stilb_image *image);
 
 /* vulkan_draws.c: the draws of a stream and their bindings. */
 
-/* Sets viewport and scissor to the whole picture: every command buffer needs it, secondary ones inherit nothing. */
-void vulkan_draws_area(const vulkan_device *device, VkCommandBuffer commands);
 /* Records one command for each draw of the part. */
 vulkan_sent vulkan_draws_direct(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream,
                                 render_part part);

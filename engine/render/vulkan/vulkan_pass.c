@@ -103,7 +103,7 @@ static void pass_write_view(const vulkan_device *device, const vulkan_slot *slot
 static void pass_draw(vulkan_device *device, VkCommandBuffer commands, const render_stream *stream)
 {
 	stilb_render_stats *stats = &device->base.stats;
-	vulkan_draws_area(device, commands);
+	vulkan_screen_area(device, commands);
 	if (render_stream_mode(&device->base, stream) == STILB_RENDER_REPLAY_INDIRECT) {
 		vulkan_sent sent = vulkan_draws_indirect(device, commands, stream);
 		stats->indirect_commands += sent.draws;
@@ -129,7 +129,7 @@ static void pass_draw_backdrop(vulkan_device *device, const vulkan_slot *slot, c
 {
 	pass_take_targets(device, slot->gpu->draw, true, true);
 	pass_begin_rendering(device, slot->gpu->draw, stream, true, 0);
-	vulkan_draws_area(device, slot->gpu->draw);
+	vulkan_screen_area(device, slot->gpu->draw);
 	vulkan_backdrop_draw(device, slot);
 	vkCmdEndRendering(slot->gpu->draw);
 }

@@ -98,7 +98,7 @@ static VkResult list_record(vulkan_device *device, vulkan_list *list, const rend
 		result = list_begin(device, *commands);
 	if (result != VK_SUCCESS)
 		return result;
-	vulkan_draws_area(device, *commands);
+	vulkan_screen_area(device, *commands);
 	list->sent = vulkan_draws_direct(device, *commands, stream, part);
 	return vkEndCommandBuffer(*commands);
 }

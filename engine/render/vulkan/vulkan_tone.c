@@ -113,128 +113,31 @@ void vulkan_tone_targets(vulkan_device *device)
 
 /* ---- pipelines --------------------------------------------------------------------------------------------------- */
 
-static const VkPipelineVertexInputStateCreateInfo no_vertices = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-};
-
-static const VkPipelineInputAssemblyStateCreateInfo triangle = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-	.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
-};
-
-static const VkPipelineViewportStateCreateInfo viewport = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-	.viewportCount = 1,
-	.scissorCount = 1,
-};
-
-static const VkPipelineRasterizationStateCreateInfo rasterization = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-	.cullMode = VK_CULL_MODE_NONE,
-	.lineWidth = 1.0f,
-};
-
-static const VkPipelineMultisampleStateCreateInfo one_sample = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-	.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT,
-};
-
-static const VkPipelineColorBlendAttachmentState tone_channels = {.colorWriteMask = 0xf};
-
-static const VkPipelineColorBlendStateCreateInfo no_blending = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-	.attachmentCount = 1,
-	.pAttachments = &tone_channels,
-};
-
-static const VkDynamicState states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-
-static const VkPipelineDynamicStateCreateInfo dynamic = {
-	.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-	.dynamicStateCount = 2,
-	.pDynamicStates = states,
-};
-
-/* A pipeline over the whole picture. */
-typedef struct tone_program {
-	const uint32_t *words; /* the fragment shader */
-	size_t bytes;
-	uint32_t constants[2]; /* numbers 0 and 1 */
-	VkFormat format;
-} tone_program;
-
-static VkResult tone_module(const vulkan_device *device, const uint32_t *words, size_t bytes, VkShaderModule *module)
+static VkResult tone_make_screen(void *user, const void *what, VkPipeline *pipeline)
 {
-	VkShaderModuleCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-		.codeSize = bytes,
-		.pCode = words,
-	};
-	return vkCreateShaderModule(device->gpu->device, &info, device->gpu->allocator, module);
-}
-
-static VkResult tone_pipeline(const vulkan_device *device, const tone_program *program, const VkShaderModule modules[2],
-                              VkPipeline *pipeline)
-{
-	static const VkSpecializationMapEntry entries[2] = {{.constantID = 0, .offset = 0, .size = sizeof(uint32_t)},
-	                                                    {.constantID = 1, .offset = 4, .size = sizeof(uint32_t)}};
-	VkSpecializationInfo constants = {2, entries, sizeof program->constants, program->constants};
-	VkPipelineShaderStageCreateInfo stages[2];
-	for (int i = 0; i < 2; i++)
-		stages[i] = (VkPipelineShaderStageCreateInfo){
-			.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-			.stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
-			.module = modules[i],
-			.pName = "main",
-			.pSpecializationInfo = i == 0 ? NULL : &constants,
-		};
-	VkPipelineRenderingCreateInfo rendering = {
-		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &program->format,
-	};
-	VkGraphicsPipelineCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-		.pNext = &rendering,
-		.stageCount = 2,
-		.pStages = stages,
-		.pVertexInputState = &no_vertices,
-		.pInputAssemblyState = &triangle,
-		.pViewportState = &viewport,
-		.pRasterizationState = &rasterization,
-		.pMultisampleState = &one_sample,
-		.pColorBlendState = &no_blending,
-		.pDynamicState = &dynamic,
-		.layout = device->tone.pipeline_layout,
-	};
-	return vkCreateGraphicsPipelines(device->gpu->device, VK_NULL_HANDLE, 1, &info, device->gpu->allocator, pipeline);
-}
-
-static VkResult tone_make_program(void *user, const void *what, VkPipeline *pipeline)
-{
-	vulkan_device *device = user;
-	const tone_program *program = what;
-	VkShaderModule modules[2] = {VK_NULL_HANDLE, VK_NULL_HANDLE};
-	VkResult result = tone_module(device, screen_vert, sizeof screen_vert, &modules[0]);
-	if (result == VK_SUCCESS)
-		result = tone_module(device, program->words, program->bytes, &modules[1]);
-	if (result == VK_SUCCESS)
-		result = tone_pipeline(device, program, modules, pipeline);
-	for (int stage = 0; stage < 2; stage++)
-		vkDestroyShaderModule(device->gpu->device, modules[stage], device->gpu->allocator);
-	return result;
+	return vulkan_screen_make(user, what, pipeline);
 }
 
 stilb_result vulkan_tone_make(vulkan_device *device, uint32_t curve)
 {
 	STILB_ASSERT(curve < SHADE_TONE_COUNT);
-	tone_program tone = {
-		tone_frag, sizeof tone_frag, {curve, device->output == STILB_RENDER_OUTPUT_DISPLAY}, device->color_format};
-	tone_program resolve = {resolve_frag, sizeof resolve_frag, {device->base.samples, 0}, VULKAN_LIGHT_FORMAT};
+	vulkan_screen tone = {.vertex = screen_vert,
+	                      .vertex_bytes = sizeof screen_vert,
+	                      .fragment = tone_frag,
+	                      .fragment_bytes = sizeof tone_frag,
+	                      .constants = {curve, device->output == STILB_RENDER_OUTPUT_DISPLAY},
+	                      .format = device->color_format,
+	                      .samples = 1,
+	                      .layout = device->tone.pipeline_layout};
+	vulkan_screen resolve = tone;
+	resolve.fragment = resolve_frag;
+	resolve.fragment_bytes = sizeof resolve_frag;
+	resolve.constants[0] = device->base.samples;
+	resolve.format = VULKAN_LIGHT_FORMAT;
 	VkResult result =
-		gpu_vulkan_pipeline_once(device->gpu, &device->tone.tones[curve], tone_make_program, device, &tone);
+		gpu_vulkan_pipeline_once(device->gpu, &device->tone.tones[curve], tone_make_screen, device, &tone);
 	if (result == VK_SUCCESS && device->base.samples > 1)
-		result = gpu_vulkan_pipeline_once(device->gpu, &device->tone.resolve, tone_make_program, device, &resolve);
+		result = gpu_vulkan_pipeline_once(device->gpu, &device->tone.resolve, tone_make_screen, device, &resolve);
 	return result == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(device->gpu, result, "make the pipeline of the tone map");
 }
 
@@ -248,8 +151,8 @@ stilb_result vulkan_tone_begin(vulkan_device *device, const stilb_render_view *v
 	return vulkan_tone_make(device, view->tone);
 }
 
-/* What has been drawn into `from` can be read, and `to` be written, whose content before is lost. reader: the stage that
- * has read `to` last. */
+/* What has been drawn into `from` can be read, and `to` be written, whose content before is lost. reader: the stage
+ * that has read `to` last. */
 static void tone_take_images(VkCommandBuffer commands, VkImage from, VkImage to, VkPipelineStageFlags2 reader)
 {
 	VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
@@ -284,7 +187,7 @@ static void tone_run(vulkan_device *device, VkCommandBuffer commands, VkPipeline
 	};
 	STILB_ASSERT(pipeline && from && to);
 	vkCmdBeginRendering(commands, &rendering);
-	vulkan_draws_area(device, commands);
+	vulkan_screen_area(device, commands);
 	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
 	vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, tone->pipeline_layout, 0, 1, &from, 0, NULL);
 	vkCmdPushConstants(commands, tone->pipeline_layout, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof tone->push,
@@ -347,7 +250,7 @@ stilb_result vulkan_read_light(render_device *base, stilb_image *image)
 {
 	vulkan_device *device = (vulkan_device *)base;
 	vulkan_slot *slot = vulkan_slot_now(device);
-	const size_t pixels = (size_t)base->width * base->height, channels = device->transparent ? 4 : 3;
+	size_t pixels = (size_t)base->width * base->height, channels = device->transparent ? 4 : 3;
 	if (!device->drawn || !device->tone.lit)
 		return stilb_fail(STILB_ERROR_DEVICE, "no frame with a scene of this size has been drawn yet");
 	gpu_vulkan_buffer buffer;

@@ -3,7 +3,7 @@
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
 #include "scene/scene_internal.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
-#include "shading/shade_tone.h"
+#include "shading/shade_tonemap.h"
 
 #include <errno.h>
 #include <math.h>

@@ -7,7 +7,6 @@
 #include "shading/shade_encoding.h"
 #include "shading/shade_firefly.h"
 #include "shading/shade_srgb.h"
-#include "shading/shade_tone.h"
 #include "shading/shade_tonemap.h"
 
 #include "shading/glsl_begin.h"
