@@ -1,8 +1,8 @@
 /*
  * gpu: which bytes of a block of memory are in use. Two-level segregated fit (Masmano, Ripoll, Crespo, Real: TLSF: a
- * new dynamic memory allocator for real-time systems, 2004): free ranges lie in lists by size, 16 for each power of two,
- * and two levels of bits tell which lists are not empty, so taking and giving cost the same however many ranges there
- * are.
+ * new dynamic memory allocator for real-time systems, 2004): free ranges lie in lists by size, 16 for each power of
+ * two, and two levels of bits tell which lists are not empty, so taking and giving cost the same however many ranges
+ * there are.
  *
  * The block's bytes are never touched: what is known of a range lies in an array beside them. One thread at a time.
  */
