@@ -10,3 +10,29 @@ function(stilb_module name)
 		$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine>)
 	target_link_libraries(stilb-${name} PUBLIC ${arg_DEPS} PRIVATE $<BUILD_INTERFACE:stilb-flags> ${arg_PRIVATE_DEPS})
 endfunction()
+
+# stilb_shaders(TARGET "SOURCE [OUTPUT [DEFINITION ...]]"...): compiles shaders to C initialisers (words in braces), which the
+# target's sources include as OUTPUT.inc; OUTPUT is the name of the source unless it is given. Shaders may include others,
+# so glslc writes what they depend on.
+function(stilb_shaders target)
+	find_program(STILB_GLSLC glslc REQUIRED)
+	set(folder ${CMAKE_CURRENT_BINARY_DIR}/shaders)
+	file(MAKE_DIRECTORY ${folder})
+	foreach(line ${ARGN})
+		separate_arguments(words UNIX_COMMAND "${line}")
+		list(POP_FRONT words source output)
+		if(NOT output)
+			get_filename_component(output ${source} NAME)
+		endif()
+		list(TRANSFORM words PREPEND -D)
+		add_custom_command(
+			OUTPUT ${folder}/${output}.inc
+			COMMAND ${STILB_GLSLC} --target-env=vulkan1.3 -O -Werror ${words} -mfmt=c -MD -MF ${folder}/${output}.d
+				-MT ${folder}/${output}.inc -o ${folder}/${output}.inc ${CMAKE_CURRENT_SOURCE_DIR}/${source}
+			DEPENDS ${source}
+			DEPFILE ${folder}/${output}.d
+			VERBATIM)
+		target_sources(${target} PRIVATE ${folder}/${output}.inc)
+	endforeach()
+	target_include_directories(${target} PRIVATE ${folder})
+endfunction()
