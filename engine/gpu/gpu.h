@@ -131,7 +131,8 @@ typedef struct stilb_gpu_sampler_desc {
 stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc, stilb_gpu_sampler *out);
 
 /* ---- sets: sampled images that draws of a list bind together ------------------------------------------------------
- * Set 1 of draw lists; set 0 is the pass's uses. */
+ * Set 1 of draw lists; set 0 is the pass's uses. Their images are those of programs (stilb_gpu_image_create), which no
+ * plan writes: what a plan writes is sampled by a use. */
 
 typedef struct stilb_gpu_set {
 	uint32_t id; /* 0: none */
@@ -142,7 +143,8 @@ typedef struct stilb_gpu_set_item {
 } stilb_gpu_set_item;
 #define STILB_GPU_MAX_SET_ITEMS 16u
 
-/* Every binding of a set is always written. [any-thread] */
+/* Every binding of a set is always written. A run's set has as many items as its program asks for (set_items).
+ * STILB_ERROR_ARGUMENT: the count, or an item's image or sampler; STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *items, uint32_t count, stilb_gpu_set *out);
 void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set);
 
@@ -184,7 +186,7 @@ typedef struct stilb_gpu_program_desc {
 	                                      at location 0 */
 	stilb_gpu_shader compute;          /* alone */
 	uint8_t samplers;                  /* bindings 0 .. of set 0 that are sampled images */
-	uint8_t storage_images;            /* bindings after them */
+	uint8_t storage_images;            /* bindings behind them */
 	uint8_t set_items;                 /* bindings of set 1, of draw lists */
 	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
 	bool depth_write;
@@ -224,7 +226,9 @@ typedef struct stilb_gpu_upload {
 	uint64_t bytes;
 } stilb_gpu_upload;
 
-/* Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now:
+/* An upload waits for the frame that runs after its end; up to 1,024 are copied by one frame, in the order in which
+ * they were begun. An image whose other mips and layers nobody has written can be sampled; what is there is undefined.
+ * Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now:
  * try again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
  * (stilb_gpu_upload_most). [any-thread] */
 stilb_result stilb_gpu_upload_begin(stilb_gpu *gpu, const stilb_gpu_upload *upload, void **bytes);

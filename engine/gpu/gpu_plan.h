@@ -127,7 +127,9 @@ typedef struct stilb_gpu_attachment {
 	float clear[4]; /* of depth the first; integers as floats with the same value */
 } stilb_gpu_attachment;
 
-/* How a pass uses a resource besides its attachments. */
+/* How a pass uses a resource besides its attachments. In shaders one layer of an image is 2D (3D, 1D), several are an
+ * array, and all six of a cube a cube (as storage images an array). Each binding that its program has must have a
+ * use. */
 typedef enum stilb_gpu_use_kind {
 	STILB_GPU_USE_SAMPLED,       /* image: sampler binding `slot` of set 0 */
 	STILB_GPU_USE_STORAGE_READ,  /* image: storage image `slot` of set 0; buffer: address at byte `slot` of constants */

@@ -202,6 +202,7 @@ static inline bool gpu_resource_counts(const gpu_resource *resource)
 	return resource->image.owned != 0 || resource->image.keep || resource->image.output || resource->shown;
 }
 
+/* Texels of a mip along a side. */
 static inline uint32_t gpu_mip_side(uint32_t side, uint32_t mip)
 {
 	return side >> mip > 0 ? side >> mip : 1;

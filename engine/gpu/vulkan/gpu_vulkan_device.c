@@ -47,20 +47,37 @@ static VkResult device_make(gpu_vulkan *gpu)
 	gpu->calibrates = device_has_extension(gpu, VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME);
 	if (gpu->calibrates)
 		extensions[extension_count++] = VK_EXT_CALIBRATED_TIMESTAMPS_EXTENSION_NAME;
+	/* What gpu.h has and the renderer does not need is taken where it is there. */
+	VkPhysicalDeviceVulkan13Features can13 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+	VkPhysicalDeviceVulkan12Features can12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+	                                          .pNext = &can13};
+	VkPhysicalDeviceFeatures2 can = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &can12};
+	vkGetPhysicalDeviceFeatures2(gpu->physical, &can);
+	gpu->anisotropic = can.features.samplerAnisotropy;
 	VkPhysicalDeviceVulkan13Features v13 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
 		.dynamicRendering = VK_TRUE,
 		.synchronization2 = VK_TRUE,
+		.maintenance4 = can13.maintenance4, /* work group sizes as glslc writes them */
 	};
 	VkPhysicalDeviceVulkan12Features v12 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
 		.pNext = &v13,
 		.bufferDeviceAddress = VK_TRUE,
 		.timelineSemaphore = VK_TRUE,
+		.shaderOutputLayer = can12.shaderOutputLayer,
 	};
 	VkPhysicalDeviceFeatures features = {
 		.multiDrawIndirect = VK_TRUE,
 		.drawIndirectFirstInstance = VK_TRUE,
+		.samplerAnisotropy = can.features.samplerAnisotropy,
+		.imageCubeArray = can.features.imageCubeArray,
+		.textureCompressionBC = can.features.textureCompressionBC,
+		.shaderInt64 = can.features.shaderInt64,
+		.independentBlend = can.features.independentBlend,
+		.fragmentStoresAndAtomics = can.features.fragmentStoresAndAtomics,
+		.vertexPipelineStoresAndAtomics = can.features.vertexPipelineStoresAndAtomics,
+		.shaderStorageImageExtendedFormats = can.features.shaderStorageImageExtendedFormats,
 	};
 	VkDeviceQueueCreateInfo queue = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,

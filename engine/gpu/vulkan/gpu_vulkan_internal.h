@@ -31,6 +31,74 @@ typedef struct gpu_vulkan_image {
 	gpu_memory_place place;
 } gpu_vulkan_image;
 
+/* A view of an image: what of it, and how it is seen. */
+typedef struct gpu_vulkan_view {
+	VkImageViewType type;
+	uint16_t mip, mips, layer, layers;
+	VkImageView view;
+} gpu_vulkan_view;
+
+/* An image of any shape, with the views that were needed so far. */
+typedef struct gpu_vulkan_texels {
+	VkImage image;
+	gpu_memory_place place; /* {0}: it lies in memory of others */
+	stilb_gpu_extent extent;
+	VkFormat format;
+	VkImageAspectFlags aspect;
+	gpu_vulkan_view *views; /* [view_capacity], guarded by gpu_vulkan.views_lock */
+	uint32_t view_count, view_capacity;
+	uint64_t rested; /* the frame that gave each part a layout which is not UNDEFINED; 0: none so far */
+} gpu_vulkan_texels;
+
+/* Something that is destroyed when the slot's frame is done. */
+typedef struct gpu_vulkan_trash {
+	gpu_vulkan_texels texels;
+	gpu_vulkan_buffer buffer;
+	gpu_memory_place place;
+} gpu_vulkan_trash;
+
+/* A kept, output or shown resource of plans, by its number (stilb_gpu_placed.stay). */
+typedef struct gpu_vulkan_stay {
+	stilb_gpu_extent extent; /* format NONE: a buffer */
+	uint64_t bytes;
+	gpu_vulkan_texels texels[2];
+	gpu_vulkan_buffer buffers[2];
+	uint32_t now;   /* which of two holds what the last frame wrote */
+	uint64_t frame; /* whose plan had it last */
+} gpu_vulkan_stay;
+
+/* A plan's resource in shared memory, kept from frame to frame while it stays what and where it is. */
+typedef struct gpu_vulkan_shared {
+	stilb_gpu_extent extent;
+	uint64_t bytes, offset;
+	uint32_t heap;
+	uint64_t heap_age; /* of the memory that it lies in */
+	gpu_vulkan_texels texels;
+	gpu_vulkan_buffer buffer;
+} gpu_vulkan_shared;
+
+/* Memory that resources of a plan share. */
+typedef struct gpu_vulkan_heap {
+	gpu_memory_place place;
+	uint64_t age; /* another number for other memory; 0: none yet */
+} gpu_vulkan_heap;
+
+/* A plan's resource in this frame. */
+typedef struct gpu_vulkan_target {
+	gpu_vulkan_texels *texels, *before; /* before: what `previous` uses read; the same but for two */
+	gpu_vulkan_buffer *buffer, *buffer_before;
+	uint8_t *layouts; /* of owned images */
+} gpu_vulkan_target;
+
+/* Secondary command buffers of one part of a pass. */
+typedef struct gpu_vulkan_list {
+	_Alignas(STILB_CACHE_LINE) VkCommandPool pool;
+	VkCommandBuffer *commands; /* [made] */
+	uint32_t made, used;
+} gpu_vulkan_list;
+
+#define GPU_VULKAN_POOLS 64u /* of descriptors: each larger than the one before, up to a size */
+
 /* The GPU's clock (ticks) and CLOCK_MONOTONIC (ns), read together; ns 0: never read. */
 typedef struct gpu_vulkan_moment {
 	uint64_t ticks, ns;
@@ -60,6 +128,16 @@ typedef struct gpu_vulkan_slot {
 	VkSemaphore acquired; /* signalled when the window's image may be drawn into */
 	gpu_vulkan_slot_times times;
 	uint64_t done; /* timeline value of the slot's last submission */
+
+	/* of frames that are planned (gpu_vulkan_run.c) */
+	VkDescriptorPool pools[GPU_VULKAN_POOLS];
+	uint32_t pool_count, pool_now;
+	gpu_vulkan_list *lists; /* [list_count] */
+	uint32_t list_count;
+	VkCommandBuffer *extra; /* [extra_count] for copies that are asked for after the frame */
+	uint32_t extra_count, extra_used;
+	gpu_vulkan_trash *trash; /* [trash_capacity] */
+	uint32_t trash_count, trash_capacity;
 } gpu_vulkan_slot;
 
 typedef struct gpu_vulkan_swapchain {
@@ -93,6 +171,7 @@ typedef struct gpu_vulkan {
 	VkSemaphore timeline;
 	uint64_t timeline_value; /* the semaphore's value once the last submission is done */
 	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
+	bool anisotropic;        /* samplers can be */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 
@@ -107,6 +186,25 @@ typedef struct gpu_vulkan {
 	gpu_vulkan_slot slots[STILB_GPU_FRAMES];
 	uint32_t slot; /* index of the current frame's slot */
 	gpu_vulkan_swapchain swapchain;
+
+	/* what gpu.h's functions need */
+	PFN_vkSetDebugUtilsObjectNameEXT object_name; /* NULL without desc.validate */
+	stilb_lock views_lock;                        /* views of images, sets of draw lists */
+	bool views_lock_made;
+	VkSampler samplers[GPU_MAX_SAMPLERS];
+	VkDescriptorSetLayout item_layouts[STILB_GPU_MAX_SET_ITEMS + 1]; /* by items */
+	VkDescriptorPool item_pools[GPU_VULKAN_POOLS];
+	uint32_t item_pool_count;
+	gpu_vulkan_texels white; /* what stands for no image in sets */
+	bool white_ready;
+	VkShaderModule fullscreen;
+	gpu_vulkan_stay *stays; /* [stay_capacity] by number */
+	uint32_t stay_capacity;
+	gpu_vulkan_shared *shared; /* [shared_capacity] by resource of the plan */
+	uint32_t shared_capacity;
+	gpu_vulkan_target *targets; /* [shared_capacity + 1] */
+	gpu_vulkan_heap heaps[GPU_MEMORY_POOLS];
+	uint64_t heap_ages;
 	VkExtent2D picture; /* size of what the window shows, where the window says none of its own */
 } gpu_vulkan;
 
@@ -241,5 +339,109 @@ stilb_result gpu_vulkan_set_surface(gpu_vulkan *gpu, const stilb_gpu_surface *su
 /* Copies an image, which is in the layout TRANSFER_SRC_OPTIMAL, to the window, scaled where sizes differ. The window
  * has been created and is not lost. STILB_ERROR_WINDOW: it is now (gpu->surface_lost). */
 stilb_result gpu_vulkan_present_image(gpu_vulkan *gpu, VkImage image, VkExtent2D size);
+
+/* ---- devices of gpu.h -------------------------------------------------------------------------------------------- */
+
+/* gpu_vulkan_memory.c: memory for what gpu.h knows. */
+
+/* Which heap (stilb_gpu_needs.heap) something with these needs lies in. */
+uint32_t gpu_vulkan_memory_heap(const gpu_vulkan *gpu, VkMemoryRequirements needs, bool image);
+/* Takes memory of a heap. */
+VkResult gpu_vulkan_memory_take(gpu_vulkan *gpu, uint32_t heap, uint64_t bytes, uint64_t align,
+                                gpu_memory_place *place);
+
+/* gpu_vulkan_image.c: images of all shapes, their views, samplers, sets. */
+VkFormat gpu_vulkan_format(stilb_gpu_format format);
+void gpu_vulkan_formats_find(gpu_vulkan *gpu);
+/* What memory such an image needs. */
+VkResult gpu_vulkan_texels_needs(gpu_vulkan *gpu, const stilb_gpu_extent *extent, VkMemoryRequirements *needs);
+/* memory: where it lies, with an offset; NULL: it gets memory of its own. name: for debuggers. */
+VkResult gpu_vulkan_texels_create(gpu_vulkan *gpu, const char *name, const stilb_gpu_extent *extent,
+                                  const gpu_memory_place *memory, uint64_t offset, gpu_vulkan_texels *texels);
+/* Leaves {0}; accepts {0}. */
+void gpu_vulkan_texels_destroy(gpu_vulkan *gpu, gpu_vulkan_texels *texels);
+/* A view, made when it is first asked for. VK_NULL_HANDLE: no memory. [any-thread] */
+typedef enum gpu_vulkan_seen { GPU_VULKAN_SAMPLED, GPU_VULKAN_STORED, GPU_VULKAN_DRAWN } gpu_vulkan_seen;
+VkImageView gpu_vulkan_texels_view(gpu_vulkan *gpu, gpu_vulkan_texels *texels, gpu_vulkan_seen seen,
+                                   stilb_gpu_range range);
+VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout);
+/* The layout in which an image waits for draws that sample it. */
+stilb_gpu_layout gpu_vulkan_rest(const stilb_gpu_extent *extent);
+void gpu_vulkan_name(gpu_vulkan *gpu, VkObjectType type, uint64_t object, const char *name);
+
+stilb_result gpu_vulkan_image_make(stilb_gpu *gpu, gpu_image *image);
+void gpu_vulkan_image_free(stilb_gpu *gpu, gpu_image *image);
+stilb_result gpu_vulkan_sampler_make(stilb_gpu *gpu, uint32_t index, const stilb_gpu_sampler_desc *desc);
+stilb_result gpu_vulkan_set_make(stilb_gpu *gpu, gpu_set *set);
+void gpu_vulkan_set_free(stilb_gpu *gpu, gpu_set *set);
+VkDescriptorSet gpu_vulkan_set_handle(const gpu_set *set);
+/* Makes item_layouts[count], the layout of sets of so many images, unless it is there. The caller holds views_lock. */
+VkResult gpu_vulkan_set_layout(gpu_vulkan *gpu, uint32_t count);
+
+/* gpu_vulkan_program.c */
+typedef struct gpu_vulkan_variant {
+	VkFormat colors[STILB_GPU_MAX_COLORS];
+	uint32_t color_count;
+	VkFormat depth;
+	uint32_t samples;
+	gpu_vulkan_pipeline pipeline;
+} gpu_vulkan_variant;
+
+typedef struct gpu_vulkan_program {
+	VkShaderModule modules[2]; /* vertex and fragment, or compute */
+	VkDescriptorSetLayout uses;
+	VkPipelineLayout layout;
+	gpu_vulkan_variant **variants; /* [variant_capacity], guarded by pipelines_lock */
+	uint32_t variant_count, variant_capacity;
+} gpu_vulkan_program;
+
+stilb_result gpu_vulkan_program_make(stilb_gpu *gpu, gpu_program *program);
+void gpu_vulkan_program_free(stilb_gpu *gpu, gpu_program *program);
+stilb_result gpu_vulkan_program_prepare(stilb_gpu *gpu, gpu_program *program, const stilb_gpu_format *colors,
+                                        uint32_t color_count, stilb_gpu_format depth, uint32_t samples);
+/* The pipeline for these attachments, compiled unless it is there. [any-thread] */
+stilb_result gpu_vulkan_program_pipeline(gpu_vulkan *gpu, gpu_program *program, const gpu_vulkan_variant *wanted,
+                                         VkPipeline *pipeline);
+VkShaderStageFlags gpu_vulkan_program_stages(const stilb_gpu_program_desc *desc);
+
+/* gpu_vulkan_target.c: what stands for a plan's resources. */
+stilb_result gpu_vulkan_targets_take(gpu_vulkan *gpu, const stilb_gpu_plan *plan);
+/* The frame was submitted: of two, the other one is now last frame's; and owned images are as the plan left them. */
+void gpu_vulkan_targets_done(gpu_vulkan *gpu, const stilb_gpu_plan *plan);
+void gpu_vulkan_targets_free(gpu_vulkan *gpu);
+/* What memory a plan's buffer needs. */
+VkResult gpu_vulkan_shared_buffer_needs(gpu_vulkan *gpu, uint64_t bytes, VkMemoryRequirements *needs);
+/* Destroys it when the slot's frame is done. Waits for the GPU where there is no memory to remember it. */
+void gpu_vulkan_trash_add(gpu_vulkan *gpu, gpu_vulkan_trash item);
+void gpu_vulkan_trash_empty(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
+
+/* gpu_vulkan_access.c: barriers of a plan. */
+/* Records barriers first .. first + count - 1 of the plan. */
+void gpu_vulkan_plan_barriers(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_plan *plan, uint32_t first,
+                              uint32_t count);
+/* One barrier for the layout of a part of an image, which waits for all and lets all wait. */
+void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texels, stilb_gpu_layout from,
+                         stilb_gpu_layout to, stilb_gpu_range range);
+/* Everything before comes before everything behind. */
+void gpu_vulkan_full_barrier(VkCommandBuffer commands);
+
+/* gpu_vulkan_upload.c: uploads, read-back. */
+void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count);
+/* Images of sets that no upload has written yet get a layout. */
+void gpu_vulkan_sets_ready(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_draws *lists, uint32_t count);
+stilb_result gpu_vulkan_read(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip, uint16_t layer,
+                             gpu_read *read);
+stilb_result gpu_vulkan_read_done(stilb_gpu *gpu, const gpu_read *read, bool wait, bool *done);
+
+/* gpu_vulkan_pass.c: the commands of a pass. */
+stilb_result gpu_vulkan_plan_pass(gpu_vulkan *gpu, const stilb_gpu_plan *plan, const stilb_gpu_step *step,
+                                  const stilb_gpu_draws *lists, const stilb_gpu_threads *threads);
+/* Frees what passes have made in a slot. */
+void gpu_vulkan_pass_free(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
+/* The slot's frame is done: its sets and lists can be used again. */
+stilb_result gpu_vulkan_pass_rewind(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
+
+/* gpu_vulkan_copy.c */
+void gpu_vulkan_copy(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass);
 
 #endif

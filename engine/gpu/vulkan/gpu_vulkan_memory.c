@@ -206,3 +206,19 @@ void gpu_vulkan_image_destroy(gpu_vulkan *gpu, gpu_vulkan_image *image)
 	gpu_memory_give(&gpu->blocks, &image->place);
 	*image = (gpu_vulkan_image){0};
 }
+
+/* ---- heaps of plans ---------------------------------------------------------------------------------------------- */
+
+uint32_t gpu_vulkan_memory_heap(const gpu_vulkan *gpu, VkMemoryRequirements needs, bool image)
+{
+	uint32_t type = memory_type(gpu, needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+	STILB_ASSERT(type < VK_MAX_MEMORY_TYPES && "the GPU says in which types it can lie");
+	return MEMORY_POOL(type, image);
+}
+
+VkResult gpu_vulkan_memory_take(gpu_vulkan *gpu, uint32_t heap, uint64_t bytes, uint64_t align, gpu_memory_place *place)
+{
+	if (gpu_fault_allocation(&gpu->base))
+		return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+	return (VkResult)gpu_memory_take(&gpu->blocks, heap, bytes, align, place);
+}

@@ -1,0 +1,189 @@
+/* Uploads before a frame's passes, and read-back behind them. */
+#include "gpu/vulkan/gpu_vulkan_internal.h"
+
+#include <stdlib.h>
+
+static stilb_gpu_range part_of(uint32_t mip, uint32_t layer)
+{
+	return (stilb_gpu_range){(uint8_t)mip, 1, (uint16_t)layer, 1};
+}
+
+/* ---- uploads ----------------------------------------------------------------------------------------------------- */
+
+/* Gives parts of an image that nobody has written a layout, all or none: so a set can sample all mips once some were
+ * uploaded. Texels are undefined until they are written. */
+static void upload_rest(const gpu_vulkan *gpu, VkCommandBuffer commands, gpu_image *image)
+{
+	gpu_vulkan_texels *texels = image->own;
+	if (texels->rested > 0)
+		return;
+	texels->rested = gpu->base.frame;
+	stilb_gpu_layout rest = gpu_vulkan_rest(&image->extent);
+	for (uint32_t layer = 0; layer < image->extent.layers; layer++)
+		for (uint32_t mip = 0; mip < image->extent.mips; mip++) {
+			uint8_t *layout = &image->layouts[layer * image->extent.mips + mip];
+			if (*layout != STILB_GPU_LAYOUT_NONE)
+				continue;
+			gpu_vulkan_relayout(commands, texels, STILB_GPU_LAYOUT_NONE, rest, part_of(mip, layer));
+			*layout = (uint8_t)rest;
+		}
+}
+
+static void upload_image(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *ready)
+{
+	const stilb_gpu_upload *u = &ready->upload;
+	gpu_image *image = gpu_image_of(&gpu->base, u->image.id);
+	const gpu_vulkan_texels *texels = image->own;
+	upload_rest(gpu, commands, image);
+	stilb_gpu_layout layout = (stilb_gpu_layout)image->layouts[u->layer * image->extent.mips + u->mip];
+	gpu_vulkan_relayout(commands, texels, layout, STILB_GPU_LAYOUT_COPY_TO, part_of(u->mip, u->layer));
+	VkBufferImageCopy region = {
+		.bufferOffset = ready->place,
+		.imageSubresource = {texels->aspect, u->mip, u->layer, 1},
+		.imageOffset = {(int32_t)u->x, (int32_t)u->y, (int32_t)u->z},
+		.imageExtent = {u->width, u->height, u->depth},
+	};
+	const gpu_vulkan_buffer *ring = gpu->base.ring.buffer.own;
+	vkCmdCopyBufferToImage(commands, ring->buffer, texels->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+	gpu_vulkan_relayout(commands, texels, STILB_GPU_LAYOUT_COPY_TO,
+	                    layout == STILB_GPU_LAYOUT_NONE ? gpu_vulkan_rest(&image->extent) : layout,
+	                    part_of(u->mip, u->layer));
+}
+
+void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count)
+{
+	const gpu_vulkan_buffer *ring = gpu->base.ring.buffer.own;
+	if (!gpu->white_ready) {
+		stilb_gpu_range all = {0, 1, 0, 1};
+		VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+		VkClearColorValue one = {.float32 = {1.0f, 1.0f, 1.0f, 1.0f}};
+		gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_NONE, STILB_GPU_LAYOUT_COPY_TO, all);
+		vkCmdClearColorImage(commands, gpu->white.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &one, 1, &range);
+		gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_COPY_TO, STILB_GPU_LAYOUT_SAMPLED, all);
+		gpu->white_ready = true;
+	}
+	if (count == 0)
+		return;
+	gpu_vulkan_full_barrier(commands);
+	for (uint32_t i = 0; i < count; i++) {
+		const stilb_gpu_upload *u = &uploads[i].upload;
+		if (u->image.id) {
+			upload_image(gpu, commands, &uploads[i]);
+			continue;
+		}
+		const gpu_vulkan_buffer *target = gpu_buffer_of(&gpu->base, u->buffer.id)->own;
+		VkBufferCopy copy = {uploads[i].place, u->offset, u->bytes};
+		vkCmdCopyBuffer(commands, ring->buffer, target->buffer, 1, &copy);
+		/* The next one may go to the same bytes. */
+		if (i + 1 < count && uploads[i + 1].upload.buffer.id == u->buffer.id)
+			gpu_vulkan_full_barrier(commands);
+	}
+	gpu_vulkan_full_barrier(commands);
+}
+
+void gpu_vulkan_sets_ready(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_draws *lists, uint32_t count)
+{
+	uint32_t last = 0;
+	for (uint32_t l = 0; l < count; l++)
+		for (uint32_t r = 0; r < lists[l].run_count; r++) {
+			uint32_t id = lists[l].runs[r].set;
+			const gpu_set *set = id && id != last ? gpu_set_of(&gpu->base, id) : NULL;
+			last = id;
+			for (uint32_t i = 0; set && i < set->count; i++) {
+				gpu_image *image = set->items[i].image.id ? gpu_image_of(&gpu->base, set->items[i].image.id) : NULL;
+				if (image)
+					upload_rest(gpu, commands, image);
+			}
+		}
+}
+
+/* ---- read-back --------------------------------------------------------------------------------------------------- */
+
+/* A command buffer of the slot for copies, begun. */
+static VkResult extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
+{
+	if (slot->extra_used == slot->extra_count) {
+		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
+		if (!grown)
+			return VK_ERROR_OUT_OF_HOST_MEMORY;
+		slot->extra = grown;
+		VkCommandBufferAllocateInfo info = {
+			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+			.commandPool = slot->pool,
+			.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+			.commandBufferCount = 1,
+		};
+		VkResult result = vkAllocateCommandBuffers(gpu->device, &info, &slot->extra[slot->extra_count]);
+		if (result != VK_SUCCESS)
+			return result;
+		slot->extra_count++;
+	}
+	*commands = slot->extra[slot->extra_used++];
+	VkCommandBufferBeginInfo begin = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	return vkBeginCommandBuffer(*commands, &begin);
+}
+
+static void read_image(VkCommandBuffer commands, const gpu_vulkan_target *target, uint32_t mip, uint32_t layer,
+                       VkBuffer to)
+{
+	const gpu_vulkan_texels *texels = target->texels;
+	const stilb_gpu_extent *e = &texels->extent;
+	VkBufferImageCopy region = {
+		.imageSubresource = {texels->aspect, mip, layer, 1},
+		.imageExtent = {gpu_mip_side(e->width, mip), gpu_mip_side(e->height, mip), gpu_mip_side(e->depth, mip)},
+	};
+	/* Outputs are in this layout after the frame (stilb_gpu_access OUTPUT). */
+	stilb_gpu_layout layout =
+		target->layouts ? (stilb_gpu_layout)target->layouts[layer * e->mips + mip] : STILB_GPU_LAYOUT_COPY_FROM;
+	if (layout != STILB_GPU_LAYOUT_COPY_FROM)
+		gpu_vulkan_relayout(commands, texels, layout, STILB_GPU_LAYOUT_COPY_FROM, part_of(mip, layer));
+	vkCmdCopyImageToBuffer(commands, texels->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to, 1, &region);
+	if (layout != STILB_GPU_LAYOUT_COPY_FROM && layout != STILB_GPU_LAYOUT_NONE)
+		gpu_vulkan_relayout(commands, texels, STILB_GPU_LAYOUT_COPY_FROM, layout, part_of(mip, layer));
+}
+
+stilb_result gpu_vulkan_read(stilb_gpu *base, const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip,
+                             uint16_t layer, gpu_read *read)
+{
+	gpu_vulkan *gpu = (gpu_vulkan *)base;
+	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
+	const gpu_vulkan_target *target = &gpu->targets[resource];
+	const gpu_vulkan_buffer *to = read->buffer.own;
+	(void)plan;
+	VkCommandBuffer commands;
+	VkResult result = extra_begin(gpu, slot, &commands);
+	if (result != VK_SUCCESS)
+		return gpu_vulkan_fail(gpu, result, "read an image back");
+	gpu_vulkan_full_barrier(commands);
+	if (target->texels)
+		read_image(commands, target, mip, layer, to->buffer);
+	else
+		vkCmdCopyBuffer(commands, target->buffer->buffer, to->buffer, 1, &(VkBufferCopy){.size = read->bytes});
+	gpu_vulkan_host_barrier(commands);
+	gpu_vulkan_full_barrier(commands); /* the next frame may write it */
+	result = vkEndCommandBuffer(commands);
+	if (result != VK_SUCCESS)
+		return gpu_vulkan_fail(gpu, result, "read an image back");
+	stilb_result submitted = gpu_vulkan_queue_submit(gpu, commands, VK_NULL_HANDLE, VK_NULL_HANDLE);
+	slot->done = gpu->timeline_value;
+	read->done = gpu->timeline_value;
+	return submitted;
+}
+
+stilb_result gpu_vulkan_read_done(stilb_gpu *base, const gpu_read *read, bool wait, bool *done)
+{
+	gpu_vulkan *gpu = (gpu_vulkan *)base;
+	uint64_t value = 0;
+	*done = false;
+	if (wait) {
+		stilb_result result = gpu_vulkan_timeline_wait(gpu, read->done);
+		*done = result == STILB_OK;
+		return result;
+	}
+	VkResult result = vkGetSemaphoreCounterValue(gpu->device, gpu->timeline, &value);
+	*done = result == VK_SUCCESS && value >= read->done;
+	return result == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(gpu, result, "ask the GPU how far it is");
+}

@@ -1,0 +1,5 @@
+/* What a pass of random plans writes: its number and its inputs, mixed as test_gpu_vulkan_random.c does it. */
+uint mix_step(uint hash, uint value)
+{
+	return (hash ^ value) * 16777619u;
+}

@@ -1,0 +1,698 @@
+/* Plans on the Vulkan device, under validation with synchronization checks: what each kind of pass leaves behind is
+ * read back and compared with what the CPU works out. */
+#include "gpu/gpu_internal.h"
+#include "shading/shade_srgb.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SHADER(words)                                                                                                  \
+	{                                                                                                                  \
+		words, sizeof words                                                                                            \
+	}
+
+static const uint32_t scene_vert[] =
+#include "scene.vert.inc"
+	;
+static const uint32_t layered_vert[] =
+#include "layered.vert.inc"
+	;
+static const uint32_t layered_frag[] =
+#include "layered.frag.inc"
+	;
+static const uint32_t color_frag[] =
+#include "color.frag.inc"
+	;
+static const uint32_t textured_frag[] =
+#include "textured.frag.inc"
+	;
+static const uint32_t depth_frag[] =
+#include "depth_to_color.frag.inc"
+	;
+static const uint32_t sum_comp[] =
+#include "sum.comp.inc"
+	;
+static const uint32_t mix_frag[] =
+#include "mix.frag.inc"
+	;
+static const uint32_t mix_comp[] =
+#include "mix.comp.inc"
+	;
+
+typedef struct vertex {
+	float position[2], depth;
+} vertex;
+
+typedef struct draw {
+	uint32_t index_count, instance_count, first_index;
+	int32_t vertex_offset;
+	uint32_t first_instance, rest[3];
+} draw;
+
+static_assert(sizeof(draw) == STILB_GPU_DRAW_STRIDE, "laid out as the device reads it");
+
+/* A device, its plan, and a square of two triangles: over the left half of the area at depth 0.5, in draw 0. */
+typedef struct stage {
+	stilb_gpu *gpu;
+	stilb_gpu_plan *plan;
+	stilb_gpu_buffer vertices, indices, commands;
+	stilb_gpu_program depth_only, colored, layered, textured, show_depth, sum, mix, mix_compute;
+	stilb_gpu_run run;
+	stilb_gpu_draws list;
+} stage;
+
+static stage s;
+
+static stilb_gpu_program program_make(stilb_gpu_program_desc desc)
+{
+	stilb_gpu_program program;
+	if (desc.vertex.words) {
+		desc.vertex_bytes = sizeof(vertex);
+		desc.input_count = 2;
+		desc.inputs[0] = (stilb_gpu_vertex_input){.location = 0, .format = STILB_GPU_RG32_F};
+		desc.inputs[1] = (stilb_gpu_vertex_input){.location = 1, .format = STILB_GPU_R32_F, .offset = 8};
+	}
+	if (stilb_gpu_program_create(s.gpu, &desc, &program) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return program;
+}
+
+static stilb_gpu_buffer buffer_make(const char *name, const void *bytes, uint64_t size, uint32_t uses)
+{
+	stilb_gpu_buffer buffer;
+	stilb_gpu_buffer_desc desc = {.name = name, .bytes = size, .memory = STILB_GPU_MEMORY_SHARED, .uses = uses};
+	assert_int_equal(stilb_gpu_buffer_create(s.gpu, &desc, &buffer), STILB_OK);
+	memcpy(stilb_gpu_buffer_mapped(s.gpu, buffer), bytes, size);
+	return buffer;
+}
+
+static int stage_open(void **state)
+{
+	(void)state;
+	static const vertex vertices[4] = {{{-1, -1}, 0.5f}, {{0, -1}, 0.5f}, {{-1, 1}, 0.5f}, {{0, 1}, 0.5f}};
+	static const uint16_t indices[6] = {0, 2, 1, 1, 2, 3};
+	static const draw draws[4] = {
+		{6, 1, 0, 0, 0, {0}}, {6, 1, 0, 0, 1, {0}}, {6, 1, 0, 0, 2, {0}}, {6, 1, 0, 0, 3, {0}}};
+	stilb_gpu_desc desc = {.validate = true, .upload_bytes = 1 << 20};
+	s = (stage){0};
+	if (stilb_gpu_create(&desc, &s.gpu) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	s.plan = stilb_gpu_plan_create();
+	s.vertices = buffer_make("vertices", vertices, sizeof vertices, STILB_GPU_BUFFER_VERTICES);
+	s.indices = buffer_make("indices", indices, sizeof indices, STILB_GPU_BUFFER_INDICES);
+	s.commands = buffer_make("commands", draws, sizeof draws, STILB_GPU_BUFFER_INDIRECT);
+	s.depth_only = program_make((stilb_gpu_program_desc){
+		.name = "depth only", .vertex = SHADER(scene_vert), .depth = STILB_GPU_COMPARE_GREATER, .depth_write = true});
+	s.colored = program_make(
+		(stilb_gpu_program_desc){.name = "colored", .vertex = SHADER(scene_vert), .fragment = SHADER(color_frag)});
+	s.layered = program_make(
+		(stilb_gpu_program_desc){.name = "layered", .vertex = SHADER(layered_vert), .fragment = SHADER(layered_frag)});
+	s.textured = program_make((stilb_gpu_program_desc){
+		.name = "textured", .vertex = SHADER(scene_vert), .fragment = SHADER(textured_frag), .set_items = 1});
+	s.show_depth =
+		program_make((stilb_gpu_program_desc){.name = "show depth", .fragment = SHADER(depth_frag), .samplers = 1});
+	s.sum = program_make((stilb_gpu_program_desc){.name = "sum", .compute = SHADER(sum_comp), .samplers = 1});
+	s.mix = program_make((stilb_gpu_program_desc){.name = "mix", .fragment = SHADER(mix_frag), .samplers = 2});
+	s.mix_compute = program_make((stilb_gpu_program_desc){
+		.name = "mix compute", .compute = SHADER(mix_comp), .samplers = 2, .storage_images = 1});
+	s.run = (stilb_gpu_run){
+		.count = 1, .program = s.depth_only.id, .indices = s.indices.id, .vertices = s.vertices.id, .index_bytes = 2};
+	s.list = (stilb_gpu_draws){
+		.draws = stilb_gpu_buffer_mapped(s.gpu, s.commands), .commands = s.commands, .runs = &s.run, .run_count = 1};
+	return 0;
+}
+
+static int stage_close(void **state)
+{
+	(void)state;
+	assert_int_equal(stilb_gpu_wait(s.gpu), STILB_OK);
+	assert_int_equal(s.gpu->validation_messages, 0);
+	stilb_gpu_plan_destroy(s.plan);
+	stilb_gpu_destroy(s.gpu);
+	return 0;
+}
+
+static void plan_begin(uint32_t width, uint32_t height)
+{
+	assert_int_equal(stilb_gpu_frame_begin(s.gpu), STILB_OK);
+	stilb_gpu_plan_begin(s.plan, width, height);
+}
+
+static void plan_run(const stilb_gpu_draws *lists, uint32_t count, const stilb_gpu_threads *threads)
+{
+	stilb_gpu_planner planner = stilb_gpu_planner_of(s.gpu);
+	if (stilb_gpu_plan_make(s.plan, &planner) != STILB_OK ||
+	    stilb_gpu_frame_run(s.gpu, s.plan, lists, count, threads) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+}
+
+/* The bytes of an output of the last frame; valid until the next call. */
+static const void *read_back(uint16_t resource, uint8_t mip, uint16_t layer)
+{
+	static uint64_t ticket;
+	const void *bytes;
+	uint64_t frame;
+	if (ticket > 0)
+		stilb_gpu_read_end(s.gpu, ticket);
+	if (stilb_gpu_read_begin(s.gpu, s.plan, resource, mip, layer, &ticket) != STILB_OK ||
+	    stilb_gpu_read_get(s.gpu, ticket, true, &bytes, &frame) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	assert_non_null(bytes);
+	assert_int_equal(frame, stilb_gpu_stats_get(s.gpu).frame);
+	return bytes;
+}
+
+static uint16_t image(const char *name, stilb_gpu_format format, bool output)
+{
+	return stilb_gpu_plan_image(
+		s.plan, &(stilb_gpu_plan_image_row){.name = name, .format = format, .scale = 1.0f, .output = output});
+}
+
+/* ---- a chain of passes ------------------------------------------------------------------------------------------- */
+
+typedef struct chain {
+	uint16_t shown, copied, sums;
+} chain;
+
+/* A depth-only pass of draws, a fullscreen pass that samples it, a dispatch that adds that up, and a copy. */
+static chain chain_plan(uint32_t width, uint32_t height)
+{
+	chain c;
+	uint16_t depth = image("depth", STILB_GPU_D32_F, false);
+	c.shown = image("shown", STILB_GPU_R32_UI, false);
+	c.copied = image("copied", STILB_GPU_R32_UI, true);
+	c.sums = stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "sums", .bytes = 16, .output = true});
+	uint16_t zeros =
+		stilb_gpu_plan_buffer(s.plan, &(stilb_gpu_plan_buffer_row){.name = "zeros", .bytes = 16, .keep = true});
+	stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "depth",
+	                                              .kind = STILB_GPU_PASS_DRAWS,
+	                                              .depth = {.image = depth, .load = STILB_GPU_LOAD_CLEAR}});
+	stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "show",
+	                                              .kind = STILB_GPU_PASS_FULLSCREEN,
+	                                              .color = {{.image = c.shown, .load = STILB_GPU_LOAD_DISCARD}},
+	                                              .color_count = 1,
+	                                              .uses = {{.resource = depth, .how = STILB_GPU_USE_SAMPLED}},
+	                                              .use_count = 1,
+	                                              .program = s.show_depth.id});
+	stilb_gpu_plan_pass(
+		s.plan, &(stilb_gpu_pass){.name = "zero",
+	                              .kind = STILB_GPU_PASS_COPY,
+	                              .uses = {{.resource = zeros, .how = STILB_GPU_USE_COPY_FROM, .previous = true},
+	                                       {.resource = c.sums, .how = STILB_GPU_USE_COPY_TO}},
+	                              .use_count = 2});
+	stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "sum",
+	                                              .kind = STILB_GPU_PASS_DISPATCH,
+	                                              .groups = {(width + 7) / 8, (height + 7) / 8, 1},
+	                                              .uses = {{.resource = c.shown, .how = STILB_GPU_USE_SAMPLED},
+	                                                       {.resource = c.sums, .how = STILB_GPU_USE_STORAGE}},
+	                                              .use_count = 2,
+	                                              .constant_bytes = 8,
+	                                              .program = s.sum.id});
+	stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "copy",
+	                                              .kind = STILB_GPU_PASS_COPY,
+	                                              .uses = {{.resource = c.shown, .how = STILB_GPU_USE_COPY_FROM},
+	                                                       {.resource = c.copied, .how = STILB_GPU_USE_COPY_TO}},
+	                                              .use_count = 2});
+	return c;
+}
+
+static void chain_check(chain c, uint32_t width, uint32_t height)
+{
+	/* Texels whose centre lies in the left half have depth 0.5, which is shown as 128. */
+	uint32_t left = 0;
+	for (uint32_t x = 0; x < width; x++)
+		left += (float)x + 0.5f < (float)width * 0.5f;
+	const uint32_t *sums = read_back(c.sums, 0, 0);
+	assert_int_equal(sums[0], 128 * left * height);
+	assert_int_equal(sums[1], width * height);
+	const uint32_t *texels = read_back(c.copied, 0, 0);
+	for (uint32_t y = 0; y < height; y++)
+		for (uint32_t x = 0; x < width; x++)
+			assert_int_equal(texels[y * width + x], x < left ? 128 : 0);
+}
+
+static void four_kinds_of_passes(void **state)
+{
+	(void)state;
+	/* Resized from frame to frame, also to odd sizes. */
+	static const uint32_t sizes[][2] = {{16, 16}, {16, 16}, {1, 1}, {4099, 3}, {640, 360}, {33, 7}, {16, 16}};
+	for (uint32_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		plan_begin(sizes[i][0], sizes[i][1]);
+		chain c = chain_plan(sizes[i][0], sizes[i][1]);
+		plan_run(&s.list, 1, NULL);
+		chain_check(c, sizes[i][0], sizes[i][1]);
+		assert_int_equal(s.gpu->validation_messages, 0);
+	}
+}
+
+/* Runs tasks one after the other, the last one first: each part has its own command buffer. */
+static void run_backwards(void *user, uint32_t count, void (*task)(uint32_t index, void *context), void *context)
+{
+	*(uint32_t *)user += count;
+	for (uint32_t i = count; i-- > 0;)
+		task(i, context);
+}
+
+static void three_modes_of_replay(void **state)
+{
+	(void)state;
+	uint32_t tasks = 0;
+	stilb_gpu_threads threads = {&tasks, 3, run_backwards};
+	for (uint32_t mode = 0; mode < 3; mode++) {
+		stilb_gpu_draws list = s.list;
+		stilb_gpu_run runs[2] = {s.run, s.run};
+		list.runs = runs;
+		list.run_count = 2;
+		list.replay = (stilb_gpu_replay)mode;
+		runs[0].program = 0; /* the pass's */
+		runs[1].first = 1;
+		runs[1].count = 3;
+		runs[1].scissor[0] = 0;
+		runs[1].scissor[2] = runs[1].scissor[3] = 2;
+		plan_begin(8, 8);
+		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
+		stilb_gpu_pass pass = {.name = "draw",
+		                       .kind = STILB_GPU_PASS_DRAWS,
+		                       .program = s.colored.id,
+		                       .color = {{.image = out, .load = STILB_GPU_LOAD_CLEAR, .clear = {0, 0, 1, 1}}},
+		                       .color_count = 1,
+		                       .constant_bytes = 16};
+		runs[1].program = s.colored.id;
+		memcpy(pass.constants, (float[4]){1.0f, 0.0f, 0.0f, 1.0f}, 16);
+		stilb_gpu_plan_pass(s.plan, &pass);
+		plan_run(&list, 1, &threads);
+		const uint8_t *texels = read_back(out, 0, 0);
+		for (uint32_t y = 0; y < 8; y++)
+			for (uint32_t x = 0; x < 8; x++) {
+				const uint8_t *t = texels + 4 * (8 * y + x);
+				assert_int_equal(t[0], x < 4 ? 255 : 0);
+				assert_int_equal(t[2], x < 4 ? 0 : 255);
+			}
+		stilb_gpu_stats stats = stilb_gpu_stats_get(s.gpu);
+		assert_int_equal(stats.indirect_commands, mode == STILB_GPU_REPLAY_INDIRECT ? 2 : 0);
+		assert_int_equal(stats.draw_commands, mode == STILB_GPU_REPLAY_INDIRECT ? 0 : 4);
+		assert_int_equal(stats.execute_commands, mode == STILB_GPU_REPLAY_SECONDARY ? 3 : 0);
+	}
+	assert_int_equal(tasks, 3);
+}
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+static void layers_at_once(void **state)
+{
+	(void)state;
+	stilb_gpu_run run = s.run;
+	run.program = s.layered.id;
+	run.count = 4;
+	stilb_gpu_draws list = s.list;
+	list.runs = &run;
+	plan_begin(8, 8);
+	uint16_t out = stilb_gpu_plan_image(
+		s.plan,
+		&(stilb_gpu_plan_image_row){
+			.name = "layers", .format = STILB_GPU_R32_UI, .width = 8, .height = 4, .layers = 4, .output = true});
+	stilb_gpu_plan_pass(
+		s.plan, &(stilb_gpu_pass){.name = "layers",
+	                              .kind = STILB_GPU_PASS_DRAWS,
+	                              .color = {{.image = out, .layers = 4, .load = STILB_GPU_LOAD_CLEAR, .clear = {7}}},
+	                              .color_count = 1});
+	plan_run(&list, 1, NULL);
+	for (uint16_t layer = 0; layer < 4; layer++) {
+		const uint32_t *texels = read_back(out, 0, layer);
+		for (uint32_t t = 0; t < 32; t++)
+			assert_int_equal(texels[t], t % 8 < 4 ? 100u + layer : 7u);
+	}
+}
+
+/* The edge of the square runs through the middle of a column of texels: half of its samples are covered. */
+static void samples_are_resolved(void **state)
+{
+	(void)state;
+	stilb_gpu_run run = s.run;
+	run.program = s.colored.id;
+	stilb_gpu_draws list = s.list;
+	list.runs = &run;
+	plan_begin(7, 4);
+	uint16_t samples = stilb_gpu_plan_image(
+		s.plan,
+		&(stilb_gpu_plan_image_row){.name = "samples", .format = STILB_GPU_RGBA8_U, .scale = 1.0f, .samples = 4});
+	uint16_t out = image("resolved", STILB_GPU_RGBA8_U, true);
+	stilb_gpu_pass pass = {.name = "draw",
+	                       .kind = STILB_GPU_PASS_DRAWS,
+	                       .color = {{.image = samples, .resolve = out, .load = STILB_GPU_LOAD_CLEAR}},
+	                       .color_count = 1,
+	                       .constant_bytes = 16};
+	memcpy(pass.constants, (float[4]){1.0f, 1.0f, 1.0f, 1.0f}, 16);
+	stilb_gpu_plan_pass(s.plan, &pass);
+	plan_run(&list, 1, NULL);
+	const uint8_t *texels = read_back(out, 0, 0);
+	for (uint32_t t = 0; t < 28; t++) {
+		uint32_t wanted = t % 7 < 3 ? 255 : t % 7 == 3 ? 128 : 0;
+		assert_in_range(texels[4 * t], t % 7 == 3 ? 127 : wanted, wanted);
+	}
+}
+
+static stilb_gpu_image own_image(const char *name, stilb_gpu_format format, uint32_t width, uint32_t height,
+                                 uint16_t mips, uint32_t uses)
+{
+	stilb_gpu_image made;
+	stilb_gpu_image_desc desc = {.name = name,
+	                             .extent = {.format = format,
+	                                        .width = width,
+	                                        .height = height,
+	                                        .depth = 1,
+	                                        .layers = 1,
+	                                        .mips = mips,
+	                                        .samples = 1,
+	                                        .uses = (uint16_t)uses}};
+	if (stilb_gpu_image_create(s.gpu, &desc, &made) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return made;
+}
+
+static void upload_texels(stilb_gpu_image to, uint32_t width, uint32_t height, const void *texels, uint64_t size)
+{
+	void *bytes;
+	stilb_gpu_upload upload = {.image = to, .width = width, .height = height, .depth = 1, .bytes = size};
+	assert_int_equal(stilb_gpu_upload_begin(s.gpu, &upload, &bytes), STILB_OK);
+	assert_non_null(bytes);
+	memcpy(bytes, texels, size);
+	stilb_gpu_upload_end(s.gpu, bytes);
+}
+
+/* A chain of mips by filtered copies of an sRGB image: the mean is taken of light, not of codes. */
+static void mips_in_linear_light(void **state)
+{
+	(void)state;
+	enum { SIDE = 16, MIPS = 5 };
+	uint8_t codes[SIDE * SIDE * 4];
+	for (uint32_t i = 0; i < sizeof codes; i++)
+		codes[i] = i % 4 == 3 ? 255 : (uint8_t)stilb_random_u64(5, i);
+	stilb_gpu_image own =
+		own_image("texture", STILB_GPU_RGBA8_SRGB, SIDE, SIDE, MIPS,
+	              1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO);
+	upload_texels(own, SIDE, SIDE, codes, sizeof codes);
+	plan_begin(SIDE, SIDE);
+	uint16_t texture = stilb_gpu_plan_image(s.plan, &(stilb_gpu_plan_image_row){.name = "texture",
+	                                                                            .format = STILB_GPU_RGBA8_SRGB,
+	                                                                            .width = SIDE,
+	                                                                            .height = SIDE,
+	                                                                            .mips = MIPS,
+	                                                                            .output = true,
+	                                                                            .owned = own.id});
+	for (uint8_t mip = 1; mip < MIPS; mip++)
+		stilb_gpu_plan_pass(
+			s.plan,
+			&(stilb_gpu_pass){
+				.name = "mip",
+				.kind = STILB_GPU_PASS_COPY,
+				.uses = {{.resource = texture, .how = STILB_GPU_USE_COPY_FROM, .mip = (uint8_t)(mip - 1), .mips = 1},
+		                 {.resource = texture, .how = STILB_GPU_USE_COPY_TO, .mip = mip, .mips = 1}},
+				.use_count = 2});
+	plan_run(NULL, 0, NULL);
+	uint8_t before[SIDE * SIDE * 4];
+	memcpy(before, read_back(texture, 0, 0), sizeof before);
+	assert_memory_equal(before, codes, sizeof codes);
+	for (uint8_t mip = 1; mip < MIPS; mip++) {
+		uint32_t side = SIDE >> mip;
+		const uint8_t *texels = read_back(texture, mip, 0);
+		for (uint32_t i = 0; i < side * side * 4; i++) {
+			uint32_t x = i / 4 % side, y = i / 4 / side, c = i % 4;
+			float light = 0.0f;
+			for (uint32_t t = 0; t < 4; t++) {
+				uint8_t code = before[((2 * y + t / 2) * 2 * side + 2 * x + t % 2) * 4 + c];
+				light += (c == 3 ? (float)code / 255.0f : shade_srgb_to_linear((float)code / 255.0f)) / 4.0f;
+			}
+			float wanted = 255.0f * (c == 3 ? light : shade_srgb_from_linear(light));
+			if (fabsf((float)texels[i] - wanted) > 1.01f) /* the device's tables have steps */
+				fail_msg("mip %u, texel %u,%u, channel %u: %u instead of %g", mip, x, y, c, texels[i], (double)wanted);
+		}
+		memcpy(before, texels, side * side * 4);
+	}
+	stilb_gpu_image_destroy(s.gpu, own);
+}
+
+/* An image of the program stays as it was between frames, is sampled by draws with a set, and is uploaded anew. */
+static void textures_of_draws(void **state)
+{
+	(void)state;
+	uint8_t texels[4][4] = {{10, 20, 30, 255}, {40, 50, 60, 255}, {70, 80, 90, 255}, {100, 110, 120, 255}};
+	stilb_gpu_image own =
+		own_image("texture", STILB_GPU_RGBA8_U, 2, 2, 1, 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO);
+	stilb_gpu_set sets[2];
+	assert_int_equal(stilb_gpu_set_create(s.gpu, &(stilb_gpu_set_item){.image = own}, 1, &sets[0]), STILB_OK);
+	assert_int_equal(stilb_gpu_set_create(s.gpu, &(stilb_gpu_set_item){0}, 1, &sets[1]), STILB_OK);
+	for (uint32_t frame = 0; frame < 5; frame++) {
+		if (frame % 2 == 0) {
+			texels[3][0] = (uint8_t)(100 + frame);
+			upload_texels(own, 2, 2, texels, sizeof texels);
+		}
+		bool white = frame == 4;
+		stilb_gpu_run run = s.run;
+		run.program = s.textured.id;
+		run.set = sets[white].id;
+		stilb_gpu_draws list = s.list;
+		list.runs = &run;
+		plan_begin(4, 4);
+		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
+		stilb_gpu_plan_pass(s.plan, &(stilb_gpu_pass){.name = "draw",
+		                                              .kind = STILB_GPU_PASS_DRAWS,
+		                                              .color = {{.image = out, .load = STILB_GPU_LOAD_CLEAR}},
+		                                              .color_count = 1});
+		plan_run(&list, 1, NULL);
+		const uint8_t *got = read_back(out, 0, 0);
+		for (uint32_t t = 0; t < 16; t++) {
+			uint32_t x = t % 4, y = t / 4;
+			static const uint8_t none[4] = {0, 0, 0, 0}, one[4] = {255, 255, 255, 255};
+			const uint8_t *wanted = x >= 2 ? none : white ? one : texels[y % 2 * 2 + x % 2];
+			assert_memory_equal(got + 4 * t, wanted, 4);
+		}
+	}
+	stilb_gpu_set_destroy(s.gpu, sets[0]);
+	stilb_gpu_set_destroy(s.gpu, sets[1]);
+	stilb_gpu_image_destroy(s.gpu, own);
+}
+
+/* Each frame adds to what the last one left: the first one and the one after a resize find zeros. */
+static void content_of_the_last_frame(void **state)
+{
+	(void)state;
+	uint32_t wanted = 0;
+	for (uint32_t frame = 1; frame <= 7; frame++) {
+		uint32_t side = frame < 5 ? 8 : 9;
+		plan_begin(side, side);
+		uint16_t history = stilb_gpu_plan_image(
+			s.plan, &(stilb_gpu_plan_image_row){
+						.name = "history", .format = STILB_GPU_R32_UI, .scale = 1.0f, .keep = true, .output = true});
+		if (!stilb_gpu_plan_kept(s.plan, history))
+			wanted = 0;
+		stilb_gpu_pass pass = {
+			.name = "add",
+			.kind = STILB_GPU_PASS_FULLSCREEN,
+			.color = {{.image = history, .load = STILB_GPU_LOAD_DISCARD}},
+			.color_count = 1,
+			.uses = {{.resource = history, .how = STILB_GPU_USE_SAMPLED, .previous = true, .slot = 0},
+		             {.resource = history, .how = STILB_GPU_USE_SAMPLED, .previous = true, .slot = 1}},
+			.use_count = 2,
+			.constant_bytes = 4,
+			.program = s.mix.id};
+		memcpy(pass.constants, &frame, sizeof frame);
+		stilb_gpu_plan_pass(s.plan, &pass);
+		plan_run(NULL, 0, NULL);
+		const uint32_t *texels = read_back(history, 0, 0);
+		wanted = (((frame ^ wanted) * 16777619u) ^ wanted) * 16777619u * 16777619u; /* of texel 0, 0 */
+		assert_int_equal(texels[0], wanted);
+	}
+}
+
+/* ---- random plans ------------------------------------------------------------------------------------------------ */
+
+#define IMAGES 6u
+#define PASSES 10u
+#define MOST_TEXELS (33u * 9u)
+
+/* What the passes of a random plan do, on the CPU. */
+typedef struct model {
+	uint32_t width, height;
+	uint32_t texels[IMAGES][MOST_TEXELS], before[IMAGES][MOST_TEXELS];
+	bool written[IMAGES], kept[IMAGES];
+} model;
+
+static uint32_t mix_step(uint32_t hash, uint32_t value)
+{
+	return (hash ^ value) * 16777619u;
+}
+
+static void model_mix(model *m, uint32_t number, const uint32_t *first, const uint32_t *second, uint32_t target)
+{
+	static uint32_t out[MOST_TEXELS];
+	for (uint32_t t = 0; t < m->width * m->height; t++)
+		out[t] = mix_step(mix_step(mix_step(number, first[t]), second[t]), t % m->width + 97 * (t / m->width));
+	memcpy(m->texels[target], out, sizeof out);
+	m->written[target] = true;
+}
+
+static uint32_t pick(uint64_t seed, uint64_t *index, uint32_t below)
+{
+	return (uint32_t)(stilb_random_u64(seed, (*index)++) % below);
+}
+
+/* Adds a pass that reads two images and writes a third one, by a triangle, a dispatch or a copy. */
+static void random_pass(model *m, uint64_t seed, uint64_t *index, uint32_t number, const uint16_t ids[IMAGES])
+{
+	static const char *const names[] = {"draw", "dispatch", "copy"};
+	uint32_t reads[2], kind = pick(seed, index, 3), target = pick(seed, index, IMAGES);
+	bool previous[2];
+	for (int r = 0; r < 2; r++) {
+		reads[r] = pick(seed, index, IMAGES);
+		/* What no pass has written can be read as the last frame's alone; what the pass writes, too. */
+		previous[r] = !m->written[reads[r]] || reads[r] == target;
+		if (previous[r])
+			reads[r] = reads[r] % 2; /* images 0 and 1 are kept */
+	}
+	const uint32_t *inputs[2];
+	for (int r = 0; r < 2; r++)
+		inputs[r] = previous[r] ? m->before[reads[r]] : m->texels[reads[r]];
+	stilb_gpu_pass pass = {.name = names[kind], .use_count = 2, .constant_bytes = 4};
+	memcpy(pass.constants, &number, sizeof number);
+	for (uint32_t r = 0; r < 2; r++)
+		pass.uses[r] = (stilb_gpu_use){
+			.resource = ids[reads[r]], .how = STILB_GPU_USE_SAMPLED, .previous = previous[r], .slot = (uint16_t)r};
+	if (kind == 0) {
+		pass.kind = STILB_GPU_PASS_FULLSCREEN;
+		pass.program = s.mix.id;
+		pass.color_count = 1;
+		pass.color[0] = (stilb_gpu_attachment){.image = ids[target], .load = STILB_GPU_LOAD_DISCARD};
+	} else if (kind == 1) {
+		pass.kind = STILB_GPU_PASS_DISPATCH;
+		pass.program = s.mix_compute.id;
+		pass.groups[0] = (m->width + 7) / 8;
+		pass.groups[1] = (m->height + 7) / 8;
+		pass.groups[2] = 1;
+		pass.uses[pass.use_count++] =
+			(stilb_gpu_use){.resource = ids[target], .how = STILB_GPU_USE_STORAGE_WRITE, .slot = 2};
+	} else {
+		pass.kind = STILB_GPU_PASS_COPY;
+		pass.constant_bytes = 0;
+		pass.uses[0].how = STILB_GPU_USE_COPY_FROM;
+		pass.uses[0].slot = 0;
+		pass.uses[1] = (stilb_gpu_use){.resource = ids[target], .how = STILB_GPU_USE_COPY_TO};
+		static uint32_t copy[MOST_TEXELS];
+		memcpy(copy, inputs[0], sizeof copy);
+		memcpy(m->texels[target], copy, sizeof copy);
+		m->written[target] = true;
+	}
+	stilb_gpu_plan_pass(s.plan, &pass);
+	if (kind < 2)
+		model_mix(m, number, inputs[0], inputs[1], target);
+}
+
+static void random_frame(model *m, uint64_t seed)
+{
+	static const char *const names[IMAGES] = {"kept0", "kept1", "a", "b", "c", "d"};
+	static const uint32_t sizes[][2] = {{8, 8}, {33, 9}, {1, 1}, {5, 3}};
+	uint64_t index = 0;
+	uint16_t ids[IMAGES];
+	if (pick(seed, &index, 8) == 0) {
+		uint32_t size = pick(seed, &index, 4);
+		m->width = sizes[size][0];
+		m->height = sizes[size][1];
+	}
+	plan_begin(m->width, m->height);
+	bool outputs[IMAGES];
+	for (uint32_t i = 0; i < IMAGES; i++) {
+		outputs[i] = pick(seed, &index, 3) == 0;
+		ids[i] = stilb_gpu_plan_image(
+			s.plan,
+			&(stilb_gpu_plan_image_row){
+				.name = names[i], .format = STILB_GPU_R32_UI, .scale = 1.0f, .keep = i < 2, .output = outputs[i]});
+		if (!stilb_gpu_plan_kept(s.plan, ids[i]))
+			memset(m->before[i], 0, sizeof m->before[i]);
+		m->written[i] = false;
+	}
+	uint32_t passes = 1 + pick(seed, &index, PASSES);
+	for (uint32_t p = 0; p < passes; p++)
+		random_pass(m, seed, &index, p + 1, ids);
+	/* Each output is written, as the plan asks for. */
+	for (uint32_t i = 0; i < IMAGES; i++)
+		if (outputs[i] && !m->written[i]) {
+			stilb_gpu_pass pass = {
+				.name = "fill",
+				.kind = STILB_GPU_PASS_FULLSCREEN,
+				.color = {{.image = ids[i], .load = STILB_GPU_LOAD_DISCARD}},
+				.color_count = 1,
+				.uses = {{.resource = ids[0], .how = STILB_GPU_USE_SAMPLED, .previous = true, .slot = 0},
+			             {.resource = ids[1], .how = STILB_GPU_USE_SAMPLED, .previous = true, .slot = 1}},
+				.use_count = 2,
+				.constant_bytes = 4,
+				.program = s.mix.id};
+			stilb_gpu_plan_pass(s.plan, &pass);
+			model_mix(m, 0, m->before[0], m->before[1], i);
+		}
+	plan_run(NULL, 0, NULL);
+	for (uint32_t i = 0; i < IMAGES; i++) {
+		if (outputs[i]) {
+			const uint32_t *texels = read_back(ids[i], 0, 0);
+			if (memcmp(texels, m->texels[i], m->width * m->height * sizeof *texels) != 0)
+				fail_msg("seed %llu: image %s is not as the CPU works it out", (unsigned long long)seed, names[i]);
+		}
+		if (i < 2 && m->written[i])
+			memcpy(m->before[i], m->texels[i], sizeof m->before[i]);
+	}
+	if (s.gpu->validation_messages > 0)
+		fail_msg("seed %llu: the validation layer complains", (unsigned long long)seed);
+}
+
+static void random_plans(void **state)
+{
+	(void)state;
+	static model m = {.width = 8, .height = 8};
+	uint32_t count = TEST_ASAN ? 100 : 1000;
+	for (uint64_t seed = 1; seed <= count; seed++)
+		random_frame(&m, seed);
+}
+
+/* ---- many images ------------------------------------------------------------------------------------------------- */
+
+static void ten_thousand_images(void **state)
+{
+	(void)state;
+	enum { COUNT = TEST_ASAN ? 1000 : 10000 };
+	static stilb_gpu_image images[COUNT];
+	for (uint32_t f = 0; f < STILB_GPU_FRAMES; f++) { /* which make what each slot needs */
+		plan_begin(8, 8);
+		plan_run(NULL, 0, NULL);
+	}
+	stilb_gpu_memory_report before = stilb_gpu_memory_measure(s.gpu);
+	for (uint32_t i = 0; i < COUNT; i++)
+		images[i] = own_image("many", STILB_GPU_RGBA8_U, 1u << i % 7, 1u << i % 7, 1,
+		                      1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO);
+	stilb_gpu_memory_report report = stilb_gpu_memory_measure(s.gpu);
+	assert_int_equal(report.allocations, before.allocations + COUNT);
+	assert_true(report.blocks < 32);
+	/* Others take the places of those that go. */
+	for (uint32_t i = 0; i < COUNT; i += 2)
+		stilb_gpu_image_destroy(s.gpu, images[i]);
+	for (uint32_t f = 0; f < 3; f++) {
+		plan_begin(8, 8);
+		plan_run(NULL, 0, NULL);
+	}
+	assert_int_equal(stilb_gpu_memory_measure(s.gpu).allocations, before.allocations + COUNT / 2);
+	assert_true(stilb_gpu_memory_measure(s.gpu).fragmentation > 0.0);
+	for (uint32_t i = 1; i < COUNT; i += 2)
+		stilb_gpu_image_destroy(s.gpu, images[i]);
+}
+
+#define STAGE_TEST(f) cmocka_unit_test_setup_teardown(f, stage_open, stage_close)
+
+int main(void)
+{
+	struct CMUnitTest tests[] = {
+		STAGE_TEST(four_kinds_of_passes),      STAGE_TEST(three_modes_of_replay), STAGE_TEST(layers_at_once),
+		STAGE_TEST(samples_are_resolved),      STAGE_TEST(mips_in_linear_light),  STAGE_TEST(textures_of_draws),
+		STAGE_TEST(content_of_the_last_frame), STAGE_TEST(random_plans),          STAGE_TEST(ten_thousand_images),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
