@@ -260,7 +260,7 @@ static const char *check_bindings(const stilb_gpu *gpu, const stilb_gpu_plan *pl
 	uint64_t sampled = 0, storage = 0;
 	for (uint32_t u = 0; u < pass->use_count; u++) {
 		const stilb_gpu_use *use = &pass->uses[u];
-		const stilb_gpu_extent *extent = &stilb_gpu_plan_place(plan, use->resource)->extent;
+		const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, use->resource);
 		if (extent->format == STILB_GPU_NONE)
 			continue;
 		bool integer = stilb_gpu_format_describe(extent->format)->kind == STILB_GPU_FORMAT_INTEGER;
@@ -299,7 +299,7 @@ static const char *check_scaled_copy(const stilb_gpu *gpu, const stilb_gpu_plan 
 	if (pass->program)
 		return "a copy has no program";
 	for (uint32_t u = 0; u < pass->use_count; u++) {
-		const stilb_gpu_extent *extent = &stilb_gpu_plan_place(plan, pass->uses[u].resource)->extent;
+		const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, pass->uses[u].resource);
 		if (extent->format == STILB_GPU_NONE)
 			continue;
 		if (pass->uses[u].how == STILB_GPU_USE_COPY_FROM) {

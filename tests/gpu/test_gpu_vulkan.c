@@ -152,8 +152,8 @@ static void plan_run(const stilb_gpu_draws *lists, uint32_t count, const stilb_g
 static const void *read_back(uint16_t resource, uint8_t mip, uint16_t layer)
 {
 	static uint64_t ticket;
-	const void *bytes;
-	uint64_t frame;
+	const void *bytes = NULL;
+	uint64_t frame = 0;
 	if (ticket > 0)
 		stilb_gpu_read_end(s.gpu, ticket);
 	if (stilb_gpu_read_begin(s.gpu, s.plan, resource, mip, layer, &ticket) != STILB_OK ||

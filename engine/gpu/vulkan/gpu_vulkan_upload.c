@@ -153,7 +153,7 @@ stilb_result gpu_vulkan_read(stilb_gpu *base, const stilb_gpu_plan *plan, uint16
 	const gpu_vulkan_target *target = &gpu->targets[resource];
 	const gpu_vulkan_buffer *to = read->buffer.own;
 	(void)plan;
-	VkCommandBuffer commands;
+	VkCommandBuffer commands = VK_NULL_HANDLE;
 	VkResult result = extra_begin(gpu, slot, &commands);
 	if (result != VK_SUCCESS)
 		return gpu_vulkan_fail(gpu, result, "read an image back");
