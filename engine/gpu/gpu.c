@@ -32,9 +32,8 @@ stilb_result gpu_start(stilb_gpu *gpu, const stilb_gpu_desc *desc)
 
 static void program_forget(gpu_program *program)
 {
-	free((void *)(uintptr_t)program->desc.vertex.words);
-	free((void *)(uintptr_t)program->desc.fragment.words);
-	free((void *)(uintptr_t)program->desc.compute.words);
+	for (int w = 0; w < 3; w++)
+		free(program->words[w]);
 }
 
 static void entry_free(stilb_gpu *gpu, gpu_kind kind, void *entry)
@@ -330,16 +329,16 @@ void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set)
 	entry_retire(gpu, GPU_SET, set.id);
 }
 
-/* Copies a shader's words. */
-static bool shader_copy(stilb_gpu_shader *shader)
+/* Gives a shader words of its own. */
+static bool shader_copy(stilb_gpu_shader *shader, uint32_t **words)
 {
 	if (!shader->words)
 		return true;
-	uint32_t *words = malloc(shader->bytes);
-	if (words)
-		memcpy(words, shader->words, shader->bytes);
-	shader->words = words;
-	return words;
+	*words = malloc(shader->bytes);
+	if (*words)
+		memcpy(*words, shader->words, shader->bytes);
+	shader->words = *words;
+	return *words;
 }
 
 stilb_result stilb_gpu_program_create(stilb_gpu *gpu, const stilb_gpu_program_desc *desc, stilb_gpu_program *out)
@@ -356,9 +355,9 @@ stilb_result stilb_gpu_program_create(stilb_gpu *gpu, const stilb_gpu_program_de
 	name_copy(program->name, desc->name);
 	program->desc = *desc;
 	program->desc.name = program->name;
-	bool copied = shader_copy(&program->desc.vertex);
-	copied &= shader_copy(&program->desc.fragment);
-	copied &= shader_copy(&program->desc.compute);
+	bool copied = shader_copy(&program->desc.vertex, &program->words[0]);
+	copied &= shader_copy(&program->desc.fragment, &program->words[1]);
+	copied &= shader_copy(&program->desc.compute, &program->words[2]);
 	result = copied ? gpu->functions->program_make(gpu, program)
 	                : stilb_fail(STILB_ERROR_MEMORY, "no memory for the shaders of program '%s'", program->name);
 	if (result == STILB_OK)
@@ -488,7 +487,7 @@ stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 		.passes = stilb_gpu_plan_steps(plan, &steps),
 		.barriers = stilb_gpu_plan_barriers(plan, &barriers),
 	};
-	static_assert(FRAME_UPLOADS * sizeof(gpu_upload_ready) <= 128 * 1024, "on the stack");
+	static_assert(FRAME_UPLOADS * sizeof(gpu_upload_ready) <= (size_t)128 * 1024, "on the stack");
 	gpu_upload_ready uploads[FRAME_UPLOADS];
 	uint32_t upload_count = gpu_ring_ready(gpu, uploads, FRAME_UPLOADS);
 	for (uint32_t u = 0; u < upload_count; u++)

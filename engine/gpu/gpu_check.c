@@ -237,10 +237,10 @@ stilb_result gpu_check_upload(const stilb_gpu *gpu, const stilb_gpu_upload *uplo
 {
 	const gpu_image *image = upload->image.id ? gpu_image_of(gpu, upload->image.id) : NULL;
 	const gpu_buffer *buffer = upload->buffer.id ? gpu_buffer_of(gpu, upload->buffer.id) : NULL;
-	if ((!image) == (!buffer))
-		return FAIL("an upload goes to a buffer or to an image that is there, and to one of them");
-	if (image)
+	if (image && !buffer)
 		return check_upload_image(image, upload);
+	if (image || !buffer)
+		return FAIL("an upload goes to a buffer or to an image that is there, and to one of them");
 	if (!(buffer->uses & STILB_GPU_BUFFER_COPY))
 		return FAIL("buffer '%s' was not made to be copied to; add STILB_GPU_BUFFER_COPY to its uses", buffer->name);
 	if (upload->bytes == 0 || upload->offset > buffer->bytes || upload->bytes > buffer->bytes - upload->offset ||

@@ -79,7 +79,8 @@ typedef struct gpu_set {
 typedef struct gpu_program {
 	gpu_entry entry;
 	char name[GPU_NAME];
-	stilb_gpu_program_desc desc; /* with words of its own */
+	stilb_gpu_program_desc desc;
+	uint32_t *words[3]; /* those of its shaders: its own */
 	void *own;
 } gpu_program;
 

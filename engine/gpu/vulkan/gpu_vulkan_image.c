@@ -191,8 +191,7 @@ static VkResult texels_make(gpu_vulkan *gpu, const VkImageCreateInfo *info, cons
 			return result;
 		memory = &texels->place;
 	}
-	return vkBindImageMemory(gpu->device, texels->image, (VkDeviceMemory)memory->handle.memory,
-	                         memory->offset + offset);
+	return vkBindImageMemory(gpu->device, texels->image, gpu_vulkan_memory_of(memory->handle), memory->offset + offset);
 }
 
 VkResult gpu_vulkan_texels_create(gpu_vulkan *gpu, const char *name, const stilb_gpu_extent *extent,

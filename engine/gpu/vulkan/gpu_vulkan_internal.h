@@ -13,6 +13,7 @@
 #include "profiler/prof.h"
 
 #include <pthread.h>
+#include <string.h>
 #include <vulkan/vulkan.h>
 
 #define GPU_VULKAN_MAX_SWAPCHAIN_IMAGES 16
@@ -343,6 +344,15 @@ stilb_result gpu_vulkan_present_image(gpu_vulkan *gpu, VkImage image, VkExtent2D
 /* ---- devices of gpu.h -------------------------------------------------------------------------------------------- */
 
 /* gpu_vulkan_memory.c: memory for what gpu.h knows. */
+
+/* Vulkan's handle, a pointer, or a number on machines of 32 bits. */
+static inline VkDeviceMemory gpu_vulkan_memory_of(gpu_memory_handle handle)
+{
+	VkDeviceMemory memory;
+	static_assert(sizeof memory <= sizeof handle.memory, "it fits");
+	memcpy(&memory, &handle.memory, sizeof memory);
+	return memory;
+}
 
 /* Which heap (stilb_gpu_needs.heap) something with these needs lies in. */
 uint32_t gpu_vulkan_memory_heap(const gpu_vulkan *gpu, VkMemoryRequirements needs, bool image);

@@ -62,7 +62,7 @@ static int32_t memory_block_make(void *user, uint32_t pool, uint64_t bytes, gpu_
 static void memory_block_drop(void *user, gpu_memory_handle handle)
 {
 	const gpu_vulkan *gpu = user;
-	vkFreeMemory(gpu->device, (VkDeviceMemory)handle.memory, gpu->allocator); /* unmaps */
+	vkFreeMemory(gpu->device, gpu_vulkan_memory_of(handle), gpu->allocator); /* unmaps */
 }
 
 VkResult gpu_vulkan_memory_create(gpu_vulkan *gpu)
@@ -131,7 +131,7 @@ static VkResult memory_buffer_make(gpu_vulkan *gpu, VkBufferUsageFlags usage, st
 	vkGetBufferMemoryRequirements(gpu->device, buffer->buffer, &needs);
 	result = memory_allocate(gpu, needs, kind, false, &buffer->place);
 	if (result == VK_SUCCESS)
-		result = vkBindBufferMemory(gpu->device, buffer->buffer, (VkDeviceMemory)buffer->place.handle.memory,
+		result = vkBindBufferMemory(gpu->device, buffer->buffer, gpu_vulkan_memory_of(buffer->place.handle),
 		                            buffer->place.offset);
 	if (result == VK_SUCCESS && kind != STILB_GPU_MEMORY_DEVICE)
 		buffer->mapped = buffer->place.mapped;
@@ -176,7 +176,7 @@ static VkResult memory_image_make(gpu_vulkan *gpu, const VkImageCreateInfo *info
 	vkGetImageMemoryRequirements(gpu->device, image->image, &needs);
 	result = memory_allocate(gpu, needs, STILB_GPU_MEMORY_DEVICE, true, &image->place);
 	if (result == VK_SUCCESS)
-		result = vkBindImageMemory(gpu->device, image->image, (VkDeviceMemory)image->place.handle.memory,
+		result = vkBindImageMemory(gpu->device, image->image, gpu_vulkan_memory_of(image->place.handle),
 		                           image->place.offset);
 	VkImageViewCreateInfo view = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,

@@ -175,7 +175,7 @@ static VkResult shared_buffer(gpu_vulkan *gpu, const gpu_vulkan_heap *heap, uint
 	*buffer = (gpu_vulkan_buffer){.size = bytes};
 	VkResult result = vkCreateBuffer(gpu->device, &info, gpu->allocator, &buffer->buffer);
 	if (result == VK_SUCCESS)
-		result = vkBindBufferMemory(gpu->device, buffer->buffer, (VkDeviceMemory)heap->place.handle.memory,
+		result = vkBindBufferMemory(gpu->device, buffer->buffer, gpu_vulkan_memory_of(heap->place.handle),
 		                            heap->place.offset + offset);
 	if (result != VK_SUCCESS) {
 		vkDestroyBuffer(gpu->device, buffer->buffer, gpu->allocator);
