@@ -3,7 +3,6 @@
 #include "bench/subjects/vulkan_bare.h"
 
 #include "bench/record/record_child.h"
-#include "shading/shade_tonemap.h"
 
 /* ---- data of a frame --------------------------------------------------------------------------------------------- */
 
@@ -38,7 +37,6 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	memcpy(view.ground, scene->surroundings.ground, 3 * sizeof(float));
 	view.lights = frame->view.address + offsetof(bare_view, sun);
 	view.light_count = scene->light_count; /* 1: the stress test's sun */
-	view.exposure = 1.0f;
 	view.sun[3] = STILB_SCENE_LIGHT_DIRECTIONAL;
 	memcpy(&view.sun[4], scene->lights[0].direction, 3 * sizeof(float));
 	memcpy(&view.sun[8], scene->lights[0].intensity, 3 * sizeof(float));
@@ -61,17 +59,23 @@ static void image_barrier(VkCommandBuffer commands, const VkImageMemoryBarrier2 
 	                                                    .pImageMemoryBarriers = &whole});
 }
 
-/* Barriers: this frame's drawing waits until the previous frame no longer uses the render targets, and discards their
- * contents. */
-static void take_targets(const bare *b, VkCommandBuffer commands)
+/* An image of colours is drawn into next, by a pass that discards its contents, once `reader` no longer reads it. */
+static void take_color(VkCommandBuffer commands, VkImage image, VkPipelineStageFlags2 reader)
 {
-	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE | COPY_STAGE,
+	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE | reader,
 	                                                 .srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
 	                                                 .dstStageMask = COLOR_STAGE,
 	                                                 .dstAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
 	                                                 .newLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-	                                                 .image = b->color.image,
+	                                                 .image = image,
 	                                                 .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT});
+}
+
+/* Barriers: this frame's drawing waits until the previous frame no longer uses the render targets, and discards their
+ * contents. */
+static void take_targets(const bare *b, VkCommandBuffer commands)
+{
+	take_color(commands, b->light.image, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
 	image_barrier(commands, &(VkImageMemoryBarrier2){
 								.srcStageMask = DEPTH_STAGES,
 								.srcAccessMask = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
@@ -84,18 +88,18 @@ static void take_targets(const bare *b, VkCommandBuffer commands)
 							});
 }
 
-static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb_scene *scene)
+/* sky: the radiance that `image` is cleared to, with the depth; NULL: it is not, and there is no depth. */
+static void begin_rendering(const bare *b, VkCommandBuffer commands, const bare_image *image, const float *sky)
 {
-	const float *sky = scene->surroundings.sky;
-	stilb_vec3 clear = shade_tonemap(stilb_vec3_make(sky[0], sky[1], sky[2]), SHADE_TONEMAP_A, SHADE_TONEMAP_B);
 	VkRenderingAttachmentInfo color = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = b->color.view,
+		.imageView = image->view,
 		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+		.loadOp = sky ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE,
 		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-		.clearValue.color.float32 = {clear[0], clear[1], clear[2], 1.0f},
 	};
+	if (sky)
+		color.clearValue = (VkClearValue){.color.float32 = {sky[0], sky[1], sky[2], 1.0f}};
 	VkRenderingAttachmentInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
 		.imageView = b->depth.view,
@@ -109,9 +113,26 @@ static void begin_rendering(const bare *b, VkCommandBuffer commands, const stilb
 		.layerCount = 1,
 		.colorAttachmentCount = 1,
 		.pColorAttachments = &color,
-		.pDepthAttachment = &depth,
+		.pDepthAttachment = sky ? &depth : NULL,
 	};
 	vkCmdBeginRendering(commands, &rendering);
+}
+
+/* Makes the picture of the light. */
+static void tone_map(const bare *b, VkCommandBuffer commands)
+{
+	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE,
+	                                                 .srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+	                                                 .dstStageMask = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+	                                                 .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
+	                                                 .oldLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
+	                                                 .newLayout = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
+	                                                 .image = b->light.image,
+	                                                 .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT});
+	take_color(commands, b->color.image, COPY_STAGE);
+	begin_rendering(b, commands, &b->color, NULL);
+	bare_tone_draw(b, commands);
+	vkCmdEndRendering(commands);
 }
 
 static void draw_all(const bare *b, const bare_frame *frame, uint32_t draws)
@@ -182,9 +203,10 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 	write_view(frame, scene);
 	bare_check(vkBeginCommandBuffer(frame->commands, &begin), "vkBeginCommandBuffer");
 	take_targets(b, frame->commands);
-	begin_rendering(b, frame->commands, scene);
+	begin_rendering(b, frame->commands, &b->light, scene->surroundings.sky);
 	draw_all(b, frame, scene->part_count);
 	vkCmdEndRendering(frame->commands);
+	tone_map(b, frame->commands);
 	copy_picture(b, frame);
 	bare_check(vkEndCommandBuffer(frame->commands), "vkEndCommandBuffer");
 	submit(b, frame);

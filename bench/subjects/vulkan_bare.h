@@ -1,8 +1,8 @@
 /*
  * vulkan_bare: the stress test (stilb_scene_create_stress) drawn by a plain Vulkan 1.3 program, with the least work
  * that gives the engine's picture: one pipeline with the engine's shaders; for each of two frames in flight a buffer of
- * rows (each the transform and material of a draw) and one of indirect commands; one multi-draw-indirect; the picture
- * copied to memory. It uses no part of the engine but the scene and the shaders.
+ * rows (each the transform and material of a draw) and one of indirect commands; one multi-draw-indirect; a second
+ * pass that tone maps the light; the picture copied to memory. It uses no part of the engine but the scene and the shaders.
  *
  *   bare b = {0};
  *   if (!bare_open(&b))
@@ -41,7 +41,7 @@ typedef struct bare_view {
 	float added[4];         /* all 0: nothing added to the materials' colours */
 	VkDeviceAddress lights; /* of sun */
 	uint32_t light_count;
-	float exposure;
+	float unused;
 	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
@@ -75,6 +75,15 @@ typedef struct bare_mesh {
 	int32_t vertex_offset;
 } bare_mesh;
 
+/* The pass that makes the picture of the light. */
+typedef struct bare_tone {
+	VkDescriptorSetLayout set_layout;
+	VkDescriptorPool pool;
+	VkDescriptorSet set;
+	VkPipelineLayout layout;
+	VkPipeline pipeline;
+} bare_tone;
+
 typedef struct bare {
 	VkInstance instance;
 	VkPhysicalDevice gpu;
@@ -82,11 +91,30 @@ typedef struct bare {
 	VkQueue queue;
 	VkPipelineLayout layout;
 	VkPipeline pipeline;
-	bare_image color, depth;
+	bare_image light, color, depth; /* light: half floats, linear */
+	bare_tone tone;
 	bare_buffer vertices, indices, materials;
 	bare_mesh *meshes;
 	bare_frame frames[BARE_FRAMES];
 } bare;
+
+/* A pipeline; without `vertices` one triangle over the picture, and no depth. */
+typedef struct bare_program {
+	const uint32_t *codes[2]; /* SPIR-V: vertex, fragment */
+	size_t sizes[2];
+	bool vertices;
+	VkFormat format;
+	VkPipelineLayout layout;
+	uint32_t width, height;
+} bare_program;
+
+VkPipeline bare_make_pipeline(const bare *b, const bare_program *program);
+
+/* The light exists. */
+void bare_tone_make(bare *b, uint32_t width, uint32_t height);
+/* Within a rendering into the picture. */
+void bare_tone_draw(const bare *b, VkCommandBuffer commands);
+void bare_tone_free(bare *b);
 
 /* Ends the program, naming the call, if the result is an error. */
 void bare_check(VkResult result, const char *call);

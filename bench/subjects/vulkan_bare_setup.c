@@ -218,7 +218,7 @@ static void make_materials(bare *b, const stilb_scene *scene)
 
 /* ---- pipeline ---------------------------------------------------------------------------------------------------- */
 
-static VkShaderModule make_shader(bare *b, const uint32_t *code, size_t size)
+static VkShaderModule make_shader(const bare *b, const uint32_t *code, size_t size)
 {
 	VkShaderModuleCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -244,17 +244,17 @@ static void make_layout(bare *b)
 	bare_check(vkCreatePipelineLayout(b->device, &info, NULL, &b->layout), "vkCreatePipelineLayout");
 }
 
-/* Creates the pipeline and its layout, with a fixed viewport. */
-static void make_pipeline(bare *b, uint32_t width, uint32_t height)
+/* With a fixed viewport. */
+VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 {
 	const VkPipelineShaderStageCreateInfo stages[2] = {
 		{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
 	     .stage = VK_SHADER_STAGE_VERTEX_BIT,
-	     .module = make_shader(b, vertex_code, sizeof vertex_code),
+	     .module = make_shader(b, program->codes[0], program->sizes[0]),
 	     .pName = "main"},
 		{.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
 	     .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
-	     .module = make_shader(b, fragment_code, sizeof fragment_code),
+	     .module = make_shader(b, program->codes[1], program->sizes[1]),
 	     .pName = "main"},
 	};
 	VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
@@ -264,17 +264,17 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 	};
 	VkPipelineVertexInputStateCreateInfo vertex_input = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-		.vertexBindingDescriptionCount = 1,
+		.vertexBindingDescriptionCount = program->vertices ? 1 : 0,
 		.pVertexBindingDescriptions = &binding,
-		.vertexAttributeDescriptionCount = 2,
+		.vertexAttributeDescriptionCount = program->vertices ? 2 : 0,
 		.pVertexAttributeDescriptions = attributes,
 	};
 	VkPipelineInputAssemblyStateCreateInfo assembly = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
 		.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
 	};
-	VkRect2D area = {.extent = {width, height}};
-	VkViewport whole = {.width = (float)width, .height = (float)height, .maxDepth = 1.0f};
+	VkRect2D area = {.extent = {program->width, program->height}};
+	VkViewport whole = {.width = (float)program->width, .height = (float)program->height, .maxDepth = 1.0f};
 	VkPipelineViewportStateCreateInfo viewport = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
 		.viewportCount = 1,
@@ -284,7 +284,7 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 	};
 	VkPipelineRasterizationStateCreateInfo rasterization = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-		.cullMode = VK_CULL_MODE_BACK_BIT,
+		.cullMode = program->vertices ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
 		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
 		.lineWidth = 1.0f,
 	};
@@ -294,8 +294,8 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 	};
 	VkPipelineDepthStencilStateCreateInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-		.depthTestEnable = VK_TRUE,
-		.depthWriteEnable = VK_TRUE,
+		.depthTestEnable = program->vertices,
+		.depthWriteEnable = program->vertices,
 		.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed depth: near is 1 */
 	};
 	VkPipelineColorBlendAttachmentState no_blending = {.colorWriteMask = 0xf};
@@ -304,12 +304,11 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 		.attachmentCount = 1,
 		.pAttachments = &no_blending,
 	};
-	VkFormat color_format = VK_FORMAT_R8G8B8A8_SRGB;
 	VkPipelineRenderingCreateInfo rendering = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
-		.pColorAttachmentFormats = &color_format,
-		.depthAttachmentFormat = VK_FORMAT_D32_SFLOAT,
+		.pColorAttachmentFormats = &program->format,
+		.depthAttachmentFormat = program->vertices ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_UNDEFINED,
 	};
 	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
@@ -323,12 +322,26 @@ static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 		.pMultisampleState = &multisample,
 		.pDepthStencilState = &depth,
 		.pColorBlendState = &blend,
-		.layout = b->layout,
+		.layout = program->layout,
 	};
-	bare_check(vkCreateGraphicsPipelines(b->device, VK_NULL_HANDLE, 1, &info, NULL, &b->pipeline),
+	VkPipeline made;
+	bare_check(vkCreateGraphicsPipelines(b->device, VK_NULL_HANDLE, 1, &info, NULL, &made),
 	           "vkCreateGraphicsPipelines");
 	vkDestroyShaderModule(b->device, stages[0].module, NULL);
 	vkDestroyShaderModule(b->device, stages[1].module, NULL);
+	return made;
+}
+
+static void make_pipeline(bare *b, uint32_t width, uint32_t height)
+{
+	const bare_program program = {.codes = {vertex_code, fragment_code},
+	                              .sizes = {sizeof vertex_code, sizeof fragment_code},
+	                              .vertices = true,
+	                              .format = VK_FORMAT_R16G16B16A16_SFLOAT,
+	                              .layout = b->layout,
+	                              .width = width,
+	                              .height = height};
+	b->pipeline = bare_make_pipeline(b, &program);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
@@ -374,10 +387,13 @@ void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t he
 	b->color =
 		make_image(b, width, height, VK_FORMAT_R8G8B8A8_SRGB,
 	               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
+	b->light = make_image(b, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
+	                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
 	b->depth = make_image(b, width, height, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
 	                      VK_IMAGE_ASPECT_DEPTH_BIT);
 	make_layout(b);
 	make_pipeline(b, width, height);
+	bare_tone_make(b, width, height);
 	for (int i = 0; i < BARE_FRAMES; i++)
 		make_frame(b, &b->frames[i], scene->part_count, width, height);
 }
@@ -387,6 +403,8 @@ void bare_close(bare *b)
 	vkDeviceWaitIdle(b->device);
 	for (int i = 0; i < BARE_FRAMES; i++)
 		free_frame(b, &b->frames[i]);
+	bare_tone_free(b);
+	free_image(b, &b->light);
 	free_image(b, &b->color);
 	free_image(b, &b->depth);
 	free_buffer(b, &b->vertices);
