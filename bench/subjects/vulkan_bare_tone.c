@@ -67,7 +67,7 @@ void bare_tone_make(bare *b, uint32_t width, uint32_t height)
 		.pPushConstantRanges = &range,
 	};
 	bare_check(vkCreatePipelineLayout(b->device, &layout, NULL, &b->tone.layout), "vkCreatePipelineLayout");
-	const bare_program program = {.codes = {tone_vertex_code, tone_fragment_code},
+	bare_program program = {.codes = {tone_vertex_code, tone_fragment_code},
 	                              .sizes = {sizeof tone_vertex_code, sizeof tone_fragment_code},
 	                              .format = VK_FORMAT_R8G8B8A8_SRGB,
 	                              .layout = b->tone.layout,
