@@ -2,7 +2,8 @@
  * vulkan_bare: the stress test (stilb_scene_create_stress) drawn by a plain Vulkan 1.3 program, with the least work
  * that gives the engine's picture: one pipeline with the engine's shaders; for each of two frames in flight a buffer of
  * rows (each the transform and material of a draw) and one of indirect commands; one multi-draw-indirect; a second
- * pass that tone maps the light; the picture copied to memory. It uses no part of the engine but the scene and the shaders.
+ * pass that tone maps the light; the picture copied to memory. It uses no part of the engine but the scene and the
+ * shaders.
  *
  *   bare b = {0};
  *   if (!bare_open(&b))
