@@ -510,8 +510,9 @@ const char *stilb_scene_light_mistake(const stilb_scene_light *light);
 /* The unit sphere as an icosahedron split `splits` times (0..6): 20 * 4^splits triangles with vertices on the sphere. u
  * is the longitude, 0 at -Z, growing eastward (towards -X) to 1 at -Z again; v is the polar angle / pi, 0 at +Y, 1 at
  * -Y. Triangles share their vertices, so a texture is squeezed in those across u = 0 and at the poles. Its levels are
- * the spheres of fewer splits, and the vertices that a split adds morph to the middles of the edges that it halves.
- * [any-thread] STILB_ERROR_MEMORY; then mesh is {0}. */
+ * the spheres of fewer splits, and the vertices that a split adds morph to the middles of the edges that it halves; the
+ * last one is an octahedron of six of the icosahedron's vertices, onto which the other six morph. A sphere that is not
+ * split has no levels. [any-thread] STILB_ERROR_MEMORY; then mesh is {0}. */
 stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh);
 
 /* The square x, z in [-1, 1] at y = 0, facing +Y, two triangles. u grows with x, v with z, each from 0 to 1.

@@ -165,26 +165,55 @@ static void mesh_split(stilb_scene_mesh *mesh, mesh_edges *edges)
 	mesh->index_count *= 4;
 }
 
+/* Vertices v and v + 6, for v below 6, are the ends of an edge, and no triangle has two of these six edges. With each
+ * drawn together at vertex v, the 12 triangles beside them vanish, and 8 are left: an octahedron, whose faces are as
+ * near to the sphere as those of any that has six of the icosahedron's vertices. */
 static void mesh_icosahedron(stilb_scene_mesh *mesh)
 {
 	/* Poles on the Y axis; two rings of five at latitude +-atan(1/2). */
 	float y = 0.44721359549995794f, r = 0.8944271909999159f, turn = 0.62831853071795865f;
-	mesh_add_vertex(mesh, stilb_vec3_make(0, 1, 0));
+	float places[12][3] = {{0.0f, 1.0f, 0.0f}, [11] = {0.0f, -1.0f, 0.0f}};
 	for (int ring = 0; ring < 2; ring++)
 		for (int i = 0; i < 5; i++) {
-			float angle = turn * (float)(2 * i + ring);
-			mesh_add_vertex(mesh, stilb_vec3_make(r * sinf(angle), ring ? -y : y, r * cosf(angle)));
+			float angle = turn * (float)(2 * i + ring), *place = places[1 + 5 * ring + i];
+			place[0] = r * sinf(angle);
+			place[1] = ring ? -y : y;
+			place[2] = r * cosf(angle);
 		}
-	mesh_add_vertex(mesh, stilb_vec3_make(0, -1, 0));
+	for (uint32_t v = 0; v < 12; v++) {
+		const float *place = places[v < 6 ? 2 * v + 1 : 2 * (v - 6)];
+		mesh_add_vertex(mesh, stilb_vec3_make(place[0], place[1], place[2]));
+	}
+	for (uint32_t v = 6; v < 12 && mesh->morph; v++)
+		mesh->morph[v] = mesh->vertices[v - 6];
 	uint32_t *out = mesh->indices;
 	for (uint32_t i = 0; i < 5; i++) {
 		uint32_t upper = 1 + i, upper_next = 1 + (i + 1) % 5, lower = 6 + i, lower_next = 6 + (i + 1) % 5;
 		const uint32_t triangles[12] = {0,     upper,      upper_next, upper, lower,      upper_next,
 		                                lower, lower_next, upper_next, 11,    lower_next, lower};
 		for (int k = 0; k < 12; k++)
-			*out++ = triangles[k];
+			*out++ = triangles[k] % 2 == 1 ? triangles[k] / 2 : 6 + triangles[k] / 2;
 	}
 	mesh->index_count = 60;
+}
+
+#define MESH_COARSEST_INDICES 24u
+
+/* Keeps what the icosahedron becomes with its six edges drawn together as the coarsest level. */
+static void mesh_keep_coarsest(stilb_scene_mesh *mesh)
+{
+	uint32_t *out = mesh->level_indices;
+	STILB_ASSERT(mesh->index_count == 60 && mesh->level_count > 0);
+	for (uint32_t t = 0; t < 60; t += 3) {
+		uint32_t corner[3];
+		for (uint32_t c = 0; c < 3; c++)
+			corner[c] = mesh->indices[t + c] % 6;
+		if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0])
+			for (int c = 0; c < 3; c++)
+				*out++ = corner[c];
+	}
+	STILB_ASSERT(out == mesh->level_indices + MESH_COARSEST_INDICES);
+	mesh->levels[mesh->level_count - 1] = (stilb_scene_level){.index_count = MESH_COARSEST_INDICES, .vertex_count = 6};
 }
 
 /* Keeps the triangles so far as level number `level`, behind those of the coarser ones. */
@@ -197,8 +226,8 @@ static void mesh_keep_level(stilb_scene_mesh *mesh, uint32_t level, uint32_t fir
 		mesh->level_indices[first_index + i] = mesh->indices[i];
 }
 
-/* How far the sphere's vertices lie outside of a triangle of a level, along the line to the centre, at most. indices:
- * of the sphere's triangles that the level's triangle was split into. */
+/* How far vertices of the sphere lie outside of the plane of a level's triangle, along the line to the centre, at most;
+ * 0: all are inside. */
 static float mesh_sphere_error(const stilb_scene_mesh *mesh, const uint32_t corners[3], const uint32_t *indices,
                                uint32_t count)
 {
@@ -212,7 +241,8 @@ static float mesh_sphere_error(const stilb_scene_mesh *mesh, const uint32_t corn
 	for (uint32_t i = 0; i < count; i++) {
 		const float *v = mesh->vertices[indices[i]].position;
 		float along = normal[0] * v[0] + normal[1] * v[1] + normal[2] * v[2];
-		error = fmaxf(error, 1.0f - distance / along);
+		if (along > 0.0f)
+			error = fmaxf(error, 1.0f - distance / along);
 	}
 	return error;
 }
@@ -220,16 +250,21 @@ static float mesh_sphere_error(const stilb_scene_mesh *mesh, const uint32_t corn
 /* The levels' errors. Level and sphere are convex, and the level lies inside the sphere, since its vertices are some of
  * the sphere's. The largest distance between the surfaces of two such bodies is that of a point of the outer one from
  * the inner one (Schneider, "Convex Bodies" (1993), lemma 1.8.1), which is a convex function and so largest at a
- * vertex. The way from there towards the centre to the level is no shorter. */
+ * vertex. The way from there towards the centre to the level is no shorter, and ends at the plane that it meets first.
+ * Of the levels that were split, that is the plane of the triangle from which the vertex comes; of the coarsest one all
+ * planes are tried. */
 static void mesh_sphere_errors(stilb_scene_mesh *mesh)
 {
 	for (uint32_t l = 0; l < mesh->level_count; l++) {
 		stilb_scene_level *level = &mesh->levels[l];
-		const uint32_t *corners = mesh->level_indices + level->first_index;
-		uint32_t inner = 3 * (mesh->index_count / level->index_count);
-		for (uint32_t t = 0; t < level->index_count / 3; t++)
-			level->error = fmaxf(level->error, mesh_sphere_error(mesh, corners + (size_t)3 * t,
-			                                                     mesh->indices + (size_t)inner * t, inner));
+		bool coarsest = l + 1 == mesh->level_count;
+		uint32_t triangles = level->index_count / 3,
+				 inner = coarsest ? 0 : 3 * (mesh->index_count / level->index_count);
+		for (uint32_t t = 0; t < triangles; t++)
+			level->error =
+				fmaxf(level->error,
+			          mesh_sphere_error(mesh, mesh->level_indices + level->first_index + (size_t)3 * t,
+			                            mesh->indices + (size_t)inner * t, coarsest ? mesh->index_count : inner));
 		level->error += 1e-6f; /* for rounding */
 	}
 }
@@ -240,7 +275,8 @@ static stilb_result mesh_sphere_create(uint32_t splits, stilb_scene_mesh *mesh)
 	stilb_result result = scene_mesh_create(mesh, vertices, triangles * 3);
 	if (result != STILB_OK || splits == 0)
 		return result;
-	result = scene_mesh_add_levels(mesh, splits, triangles - 20, true); /* 3 * 20 (1 + 4 + 16 + ...) */
+	/* 3 * 20 (1 + 4 + 16 + ...), and the coarsest one */
+	result = scene_mesh_add_levels(mesh, splits + 1, triangles - 20 + MESH_COARSEST_INDICES, true);
 	if (result != STILB_OK)
 		stilb_scene_mesh_finish(mesh);
 	return result;
@@ -252,7 +288,7 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 	stilb_result result = mesh_sphere_create(splits, mesh);
 	if (result != STILB_OK)
 		return result;
-	uint32_t vertices = mesh->vertex_count, indices = mesh->index_count, first_index = 0;
+	uint32_t vertices = mesh->vertex_count, indices = mesh->index_count, first_index = MESH_COARSEST_INDICES;
 	mesh_edges edges = {
 		.other = stilb_memory_alloc(vertices, sizeof *edges.other),
 		.middle = stilb_memory_alloc(vertices, sizeof *edges.middle),
@@ -261,6 +297,8 @@ stilb_result stilb_scene_mesh_sphere(uint32_t splits, stilb_scene_mesh *mesh)
 	if (edges.other && edges.middle && edges.used) {
 		mesh->vertex_count = 0;
 		mesh_icosahedron(mesh);
+		if (splits > 0)
+			mesh_keep_coarsest(mesh);
 		for (uint32_t i = 0; i < splits; i++) {
 			mesh_keep_level(mesh, splits - 1 - i, first_index);
 			first_index += mesh->index_count;

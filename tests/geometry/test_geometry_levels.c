@@ -473,7 +473,7 @@ static void test_touching(void **state)
 	for (uint32_t v = 0; v < 2 * sphere.vertex_count; v++) {
 		mesh.vertices[v] = sphere.vertices[v % sphere.vertex_count];
 		if (v >= sphere.vertex_count) /* the pole of one is at that of the other */
-			mesh.vertices[v].position[1] += 2.0f * sphere.vertices[0].position[1];
+			mesh.vertices[v].position[1] += 2.0f;
 	}
 	for (uint32_t i = 0; i < 2 * sphere.index_count; i++)
 		mesh.indices[i] = sphere.indices[i % sphere.index_count] + (i < sphere.index_count ? 0 : sphere.vertex_count);

@@ -13,6 +13,8 @@
 #define WIDTH 640u
 #define HEIGHT 360u
 #define MODELS 900u
+#define COARSEST 3u     /* level of the spheres */
+#define FAR_AWAY 700.0f /* height from which all spheres are drawn in it */
 
 static stilb_scene *scene;
 static uint32_t ids[MODELS];
@@ -148,7 +150,7 @@ static void the_coarsest_level_within_the_error_is_drawn(void **state)
 	(void)state;
 	stilb_job_pool *pool = make_pool(0);
 	static drawn list[2 * MODELS];
-	for (float height = 1.0f; height < 200.0f; height *= 1.5f) {
+	for (float height = 1.0f; height < 500.0f; height *= 1.5f) {
 		stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
 		stilb_render_view view = view_at(height, STILB_RENDER_DETAIL_POP);
 		draw(render, &view, pool);
@@ -161,7 +163,7 @@ static void the_coarsest_level_within_the_error_is_drawn(void **state)
 				continue;
 			uint32_t model = model_of(list[i].row), level = level_of(list[i].command);
 			assert_true(pixels_of(model, level, &view) <= 0.5 * (1.0 + 1e-5));
-			assert_true(level == 2 || pixels_of(model, level + 1, &view) > 0.5 * (1.0 - 1e-5));
+			assert_true(level == COARSEST || pixels_of(model, level + 1, &view) > 0.5 * (1.0 - 1e-5));
 			assert_int_equal(render_command_detail(list[i].command), 0);
 			spheres++;
 		}
@@ -180,19 +182,20 @@ static void other_views(void **state)
 	stilb_job_pool *pool = make_pool(0);
 	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
 	stilb_render_view view = {.detail = {STILB_RENDER_DETAIL_POP, 0.5f}, .shading = stilb_render_shading_default()};
-	for (uint32_t level = 0; level <= 2; level++) {
-		float half = level == 0 ? 10.0f : level == 1 ? 50.0f : 300.0f; /* metres across half of the picture's height */
+	static const float halves[COARSEST + 1] = {10.0f, 50.0f, 150.0f, 500.0f}; /* of the picture's height, metres */
+	for (uint32_t level = 0; level <= COARSEST; level++) {
+		float half = halves[level];
 		view.view_projection =
 			(stilb_mat4){{HEIGHT / (WIDTH * half), 0, 0, 0, 0, 1.0f / half, 0, 0, 0, 0, 0.001f, 0, 0, 0, 0.5f, 1}};
 		draw(render, &view, pool);
-		uint32_t count = drawn_list(render, list, 2 * MODELS), found[3] = {0};
+		uint32_t count = drawn_list(render, list, 2 * MODELS), found[COARSEST + 1] = {0};
 		for (uint32_t i = 0; i < count; i++)
 			if (is_sphere(&list[i])) {
 				double error = 0.5 * HEIGHT / (double)half * (double)list[i].row->transform[0];
 				uint32_t l = level_of(list[i].command);
 				found[l]++;
 				assert_true(l == 0 || error * (double)scene->meshes[0].levels[l - 1].error <= 0.5001);
-				assert_true(l == 2 || error * (double)scene->meshes[0].levels[l].error >= 0.4499);
+				assert_true(l == COARSEST || error * (double)scene->meshes[0].levels[l].error >= 0.4499);
 			}
 		assert_true(found[level] > 0);
 	}
@@ -258,9 +261,9 @@ static void trembling_switches_nothing(void **state)
 	assert_int_equal(finer, 0);
 	assert_int_equal(coarser, 0);
 	/* Far enough away each goes over. */
-	stilb_render_view far = view_at(300.0f, STILB_RENDER_DETAIL_POP);
+	stilb_render_view far = view_at(FAR_AWAY, STILB_RENDER_DETAIL_POP);
 	draw(render, &far, pool);
-	assert_true(stilb_render_triangles(render) == MODELS * (20u + 2u));
+	assert_true(stilb_render_triangles(render) == MODELS * (8u + 2u));
 	stilb_render_destroy(render);
 	stilb_job_pool_destroy(pool);
 }
@@ -272,12 +275,13 @@ static void fades_take_sixteen_frames(void **state)
 	static drawn list[3 * MODELS];
 	stilb_job_pool *pool = make_pool(0);
 	stilb_render *render = make_render(STILB_RENDER_REPLAY_INDIRECT, 0);
-	stilb_render_view near = view_at(30.0f, STILB_RENDER_DETAIL_FADE), far = view_at(300.0f, STILB_RENDER_DETAIL_FADE);
+	stilb_render_view near = view_at(200.0f, STILB_RENDER_DETAIL_FADE);
+	stilb_render_view far = view_at(FAR_AWAY, STILB_RENDER_DETAIL_FADE);
 	draw(render, &near, pool);
 	uint32_t fading = 0, plain = drawn_list(render, list, 3 * MODELS);
 	assert_int_equal(plain, 2 * MODELS); /* nothing fades in the first frame */
 	for (uint32_t i = 0; i < plain; i++)
-		fading += is_sphere(&list[i]) && level_of(list[i].command) < 2;
+		fading += is_sphere(&list[i]) && level_of(list[i].command) < COARSEST;
 	assert_true(fading > 10 && fading < MODELS);
 	for (uint32_t frame = 1; frame <= 17; frame++) {
 		draw(render, &far, pool);
@@ -286,12 +290,12 @@ static void fades_take_sixteen_frames(void **state)
 		for (uint32_t i = 0; i < count; i++) {
 			if (list[i].kind == 0) {
 				assert_int_equal(render_command_detail(list[i].command), 0);
-				assert_true(!is_sphere(&list[i]) || level_of(list[i].command) == 2);
+				assert_true(!is_sphere(&list[i]) || level_of(list[i].command) == COARSEST);
 				continue;
 			}
 			assert_int_equal(list[i].kind, 1);
 			const drawn *other = &list[i + 1];
-			assert_true(level_of(list[i].command) == 2 && level_of(other->command) < 2);
+			assert_true(level_of(list[i].command) == COARSEST && level_of(other->command) < COARSEST);
 			assert_int_equal(render_command_detail(list[i].command), 2 * frame);
 			assert_int_equal(render_command_detail(other->command), 32 + 2 * frame);
 			assert_memory_equal(list[i].row, other->row, sizeof *other->row);
@@ -615,16 +619,16 @@ static void morphs_name_the_second_of_pairs(void **state)
 	const uint16_t *heap = (const uint16_t *)render->resources.heaps[RENDER_HEAP_INDICES_16].data;
 	const render_layout *layout = &render->resources.layout;
 	const uint8_t *vertices = render->resources.heaps[RENDER_HEAP_VERTICES].data;
-	assert_true(levels->morphs == 1 && levels->count == 2);
-	for (uint32_t l = 0; l <= 2; l++) {
+	assert_true(levels->morphs == 1 && levels->count == COARSEST);
+	for (uint32_t l = 0; l <= COARSEST; l++) {
 		const uint32_t *from = l == 0 ? source->indices : source->level_indices + source->levels[l - 1].first_index;
 		assert_int_equal(level[l].index_count, 3 * triangles_of(l));
 		for (uint32_t i = 0; i < level[l].index_count; i++) {
 			assert_int_equal(heap[level[l].first_index + i], 2 * from[i]);
-			if (l == 2)
+			if (l == COARSEST)
 				continue;
 			uint32_t moves = from[i] >= source->levels[l].vertex_count;
-			assert_int_equal(heap[level[3 + l].first_index + i], 2 * from[i] + moves);
+			assert_int_equal(heap[level[COARSEST + 1 + l].first_index + i], 2 * from[i] + moves);
 			const stilb_scene_vertex wanted[2] = {source->vertices[from[i]], source->morph[from[i]]};
 			size_t place = (size_t)(uint32_t)level[l].vertex_offset + 2 * (size_t)from[i];
 			uint8_t packed[2 * sizeof *wanted];
@@ -643,20 +647,20 @@ static void wrong_levels_are_refused(void **state)
 	stilb_render_mesh made;
 	assert_int_equal(stilb_scene_mesh_sphere(2, &mesh), STILB_OK);
 	uint32_t before = mesh.level_indices[5];
-	mesh.level_indices[5] = 12;
+	mesh.level_indices[5] = 6;
 	assert_int_equal(stilb_render_mesh_create(render, &mesh, &made), STILB_ERROR_ARGUMENT);
-	assert_non_null(strstr(stilb_error_message(), "index 5 of level 1 of a mesh is vertex 12, but it has 12"));
+	assert_non_null(strstr(stilb_error_message(), "index 5 of level 2 of a mesh is vertex 6, but it has 6"));
 	mesh.level_indices[5] = before;
 	mesh.levels[1].error = 0.0f;
 	assert_int_equal(stilb_render_mesh_create(render, &mesh, &made), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "an error of 0 m after"));
 	mesh.levels[1].error = 0.3f;
-	mesh.levels[0].first_index = 200;
+	mesh.levels[0].first_index = 225;
 	assert_int_equal(stilb_render_mesh_create(render, &mesh, &made), STILB_ERROR_ARGUMENT);
-	mesh.levels[0].first_index = 60;
+	mesh.levels[0].first_index = 84;
 	mesh.level_count = STILB_SCENE_MAX_LEVELS + 1;
 	assert_int_equal(stilb_render_mesh_create(render, &mesh, &made), STILB_ERROR_ARGUMENT);
-	mesh.level_count = 2;
+	mesh.level_count = COARSEST;
 	/* Made and destroyed again and again, with pairs at even and odd places, the heaps do not grow. */
 	uint32_t sizes[2] = {0};
 	for (uint32_t frame = 0; frame < 40; frame++) {

@@ -11,7 +11,7 @@
 
 #define SIDE 512u
 #define CELLS 16u /* spheres along a side, each turned in its own way: as many views of one sphere */
-#define LEVELS 3u /* of the stress test's spheres, with the mesh in full */
+#define LEVELS 4u /* of the stress test's spheres, with the mesh in full */
 
 static stilb_job_pool *pool;
 
@@ -67,7 +67,7 @@ static void stage_open(stage *s, uint32_t samples)
 	stilb_render_desc desc = {.width = SIDE, .height = SIDE, .samples = samples, .context_count = 2, .morph = true};
 	stilb_scene_mesh mesh;
 	stilb_scene_material paint = {.diffuse = {0.6f, 0.3f, 0.2f}, .roughness = 0.6f, .emission = {0.05f, 0.05f, 0.05f}};
-	assert_int_equal(stilb_scene_mesh_sphere(LEVELS - 1, &mesh), STILB_OK);
+	assert_int_equal(stilb_scene_mesh_sphere(LEVELS - 2, &mesh), STILB_OK);
 	if (stilb_render_create(&desc, &s->render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	assert_int_equal(stilb_render_mesh_create(s->render, &mesh, &s->sphere), STILB_OK);

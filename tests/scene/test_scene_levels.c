@@ -104,9 +104,9 @@ static void errors_are_true_and_tight(void **state)
 	for (uint32_t splits = 1; splits <= (TEST_ASAN ? 1u : 2u); splits++) {
 		stilb_scene_mesh mesh;
 		assert_int_equal(stilb_scene_mesh_sphere(splits, &mesh), STILB_OK);
-		assert_int_equal(mesh.level_count, splits);
+		assert_int_equal(mesh.level_count, splits + 1);
 		surface full = level_surface(&mesh, 0);
-		for (uint32_t l = 1; l <= splits; l++) {
+		for (uint32_t l = 1; l <= splits + 1; l++) {
 			surface coarse = level_surface(&mesh, l);
 			double there = farthest(&full, &coarse, 2), back = farthest(&coarse, &full, 2 << l);
 			double error = (double)mesh.levels[l - 1].error, most = fmax(there, back);
@@ -145,28 +145,41 @@ static void assert_closed_and_convex(const surface *s)
 	}
 }
 
-static void levels_are_spheres_of_fewer_splits(void **state)
+/* Asserts that level l + 1 of a sphere is the sphere of fewer splits. */
+static void assert_level_is_sphere(const stilb_scene_mesh *mesh, uint32_t l, uint32_t splits)
+{
+	stilb_scene_mesh alone;
+	const stilb_scene_level *level = &mesh->levels[l];
+	assert_int_equal(stilb_scene_mesh_sphere(splits, &alone), STILB_OK);
+	assert_int_equal(level->index_count, alone.index_count);
+	assert_int_equal(level->vertex_count, alone.vertex_count);
+	assert_memory_equal(mesh->level_indices + level->first_index, alone.indices,
+	                    alone.index_count * sizeof *alone.indices);
+	assert_memory_equal(mesh->vertices, alone.vertices, alone.vertex_count * sizeof *alone.vertices);
+	stilb_scene_mesh_finish(&alone);
+}
+
+static void levels_are_spheres_of_fewer_splits_and_an_octahedron(void **state)
 {
 	(void)state;
 	for (uint32_t splits = 0; splits <= 6; splits++) {
-		stilb_scene_mesh mesh, alone;
+		stilb_scene_mesh mesh;
 		assert_int_equal(stilb_scene_mesh_sphere(splits, &mesh), STILB_OK);
-		assert_int_equal(mesh.level_count, splits);
+		uint32_t count = splits > 0 ? splits + 1 : 0;
+		assert_int_equal(mesh.level_count, count);
 		float error = 0.0f;
-		for (uint32_t l = 0; l < splits; l++) {
-			const stilb_scene_level *level = &mesh.levels[l];
-			assert_int_equal(stilb_scene_mesh_sphere(splits - 1 - l, &alone), STILB_OK);
-			assert_int_equal(level->index_count, alone.index_count);
-			assert_int_equal(level->vertex_count, alone.vertex_count);
-			assert_memory_equal(mesh.level_indices + level->first_index, alone.indices,
-			                    alone.index_count * sizeof *alone.indices);
-			assert_memory_equal(mesh.vertices, alone.vertices, alone.vertex_count * sizeof *alone.vertices);
-			assert_true(level->error > error);
-			error = level->error;
+		for (uint32_t l = 0; l < count; l++) {
+			assert_true(mesh.levels[l].error > error);
+			error = mesh.levels[l].error;
+			if (l < splits)
+				assert_level_is_sphere(&mesh, l, splits - 1 - l);
 			surface s = level_surface(&mesh, l + 1);
 			if (s.index_count <= 960)
 				assert_closed_and_convex(&s);
-			stilb_scene_mesh_finish(&alone);
+		}
+		if (count > 0) {
+			assert_int_equal(mesh.levels[splits].index_count, 24);
+			assert_int_equal(mesh.levels[splits].vertex_count, 6);
 		}
 		stilb_scene_mesh_finish(&mesh);
 		assert_null(mesh.levels);
@@ -203,6 +216,41 @@ static void vertices_morph_onto_the_coarser_level(void **state)
 	stilb_scene_mesh_finish(&mesh);
 }
 
+/* The six vertices that only the icosahedron has move along edges onto those of the octahedron, and the 8 triangles
+ * that are left are the coarsest level's. */
+static void the_icosahedron_morphs_onto_the_octahedron(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh;
+	assert_int_equal(stilb_scene_mesh_sphere(1, &mesh), STILB_OK);
+	surface fine = level_surface(&mesh, 1), coarse = level_surface(&mesh, 2);
+	uint32_t to[12], left = 0;
+	for (uint32_t v = 0; v < 12; v++) {
+		to[v] = v;
+		for (uint32_t k = 0; k < 6 && v >= 6; k++)
+			if (memcmp(&mesh.morph[v], &mesh.vertices[k], sizeof mesh.morph[v]) == 0)
+				to[v] = k;
+		assert_true(to[v] < 6);
+		double way = 0.0;
+		for (int i = 0; i < 3; i++)
+			way += pow((double)mesh.vertices[v].position[i] - (double)mesh.vertices[to[v]].position[i], 2.0);
+		assert_true(v < 6 || fabs(sqrt(way) - 1.0514622242382672) < 1e-6); /* an edge of the icosahedron */
+	}
+	for (uint32_t t = 0; t < fine.index_count; t += 3) {
+		uint32_t a = to[fine.indices[t]], b = to[fine.indices[t + 1]], c = to[fine.indices[t + 2]], same = 0;
+		if (a == b || b == c || c == a)
+			continue;
+		for (uint32_t u = 0; u < coarse.index_count; u += 3)
+			for (uint32_t k = 0; k < 3; k++)
+				same += coarse.indices[u + k] == a && coarse.indices[u + (k + 1) % 3] == b &&
+				        coarse.indices[u + (k + 2) % 3] == c;
+		assert_int_equal(same, 1);
+		left++;
+	}
+	assert_int_equal(left, 8);
+	stilb_scene_mesh_finish(&mesh);
+}
+
 /* ---- scenes of programs ------------------------------------------------------------------------------------------ */
 
 static void assert_levels_equal(const stilb_scene_mesh *a, const stilb_scene_mesh *b)
@@ -230,7 +278,7 @@ static void scenes_copy_levels(void **state)
 	mesh.morph = morph;
 	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
 	assert_levels_equal(&scene->meshes[0], &mesh);
-	assert_int_equal(scene->meshes[1].level_count, 2);
+	assert_int_equal(scene->meshes[1].level_count, 3);
 	assert_null(scene->meshes[1].morph);
 	assert_int_equal(stilb_scene_add_mesh(scene, &mesh, &added), STILB_OK);
 	assert_levels_equal(&scene->meshes[added], &mesh);
@@ -247,9 +295,9 @@ static void moved_vertices_drop_levels(void **state)
 	stilb_scene *scene;
 	assert_int_equal(stilb_scene_create_stress(4, 1, &scene), STILB_OK);
 	stilb_scene_vertex vertex = scene->meshes[0].vertices[5];
-	assert_int_equal(scene->meshes[0].level_count, 2);
+	assert_int_equal(scene->meshes[0].level_count, 3);
 	assert_int_equal(stilb_scene_set_vertices(scene, 0, 5, 0, &vertex), STILB_OK); /* none: nothing changes */
-	assert_int_equal(scene->meshes[0].level_count, 2);
+	assert_int_equal(scene->meshes[0].level_count, 3);
 	assert_int_equal(stilb_scene_set_vertices(scene, 0, 5, 1, &vertex), STILB_OK);
 	assert_int_equal(scene->meshes[0].level_count, 0);
 	assert_null(scene->meshes[0].morph);
@@ -292,16 +340,16 @@ static void mistakes_are_named(void **state)
 	(void)state;
 	assert_int_equal(stilb_scene_mesh_sphere(2, &wrong), STILB_OK);
 	stilb_scene_level *fine = &wrong.levels[0], *coarse = &wrong.levels[1];
-	refuses_with(wrong.level_count, 0, "mesh 0: 0 levels of 300 indices");
-	refuses_with(wrong.level_count, 33, "33 levels of 300 indices; there are 1..32");
-	refuses_with(wrong.levels, NULL, "2 levels of 300 indices");
-	refuses_with(wrong.level_indices, NULL, "2 levels of 300 indices");
+	refuses_with(wrong.level_count, 0, "mesh 0: 0 levels of 324 indices");
+	refuses_with(wrong.level_count, 33, "33 levels of 324 indices; there are 1..32");
+	refuses_with(wrong.levels, NULL, "3 levels of 324 indices");
+	refuses_with(wrong.level_indices, NULL, "3 levels of 324 indices");
 	refuses_with(fine->index_count, 960, "its level 0 has 960 indices; that takes a multiple of 3 below the finer");
 	refuses_with(fine->index_count, 241, "its level 0 has 241 indices");
 	refuses_with(coarse->index_count, 0, "its level 1 has 0 indices");
 	refuses_with(coarse->index_count, 240, "its level 1 has 240 indices");
-	refuses_with(fine->first_index, 61, "indices 61 to 300 of its level 0; its levels have 300");
-	refuses_with(fine->first_index, UINT32_MAX, "of its level 0; its levels have 300");
+	refuses_with(fine->first_index, 85, "indices 85 to 324 of its level 0; its levels have 324");
+	refuses_with(fine->first_index, UINT32_MAX, "of its level 0; its levels have 324");
 	refuses_with(fine->vertex_count, 163, "its level 0 has 163 vertices, the finer one 162");
 	refuses_with(coarse->vertex_count, 0, "its level 1 has 0 vertices");
 	refuses_with(coarse->vertex_count, 11, "is vertex 11, but it has 11");
@@ -309,11 +357,12 @@ static void mistakes_are_named(void **state)
 	refuses_with(fine->error, -1.0f, "the error of its level 0 is -1 m, the finer one's 0");
 	refuses_with(coarse->error, 0.01f, "the error of its level 1 is 0.01 m");
 	refuses_with(coarse->error, INFINITY, "the error of its level 1 is inf m");
-	refuses_with(wrong.level_indices[3], 12, "index 3 of its level 1 is vertex 12, but it has 12");
+	refuses_with(wrong.level_indices[24 + 3], 12, "index 3 of its level 1 is vertex 12, but it has 12");
+	refuses_with(wrong.level_indices[3], 6, "index 3 of its level 2 is vertex 6, but it has 6");
 	refuses_with(wrong.morph[12].position[1], NAN, "vertex 12 morphs to what is no vertex");
 	refuses_with(wrong.morph[161].normal[0], 1.1f, "vertex 161 morphs to what is no vertex");
 	refuses_with(wrong.morph[161].uv[0], INFINITY, "vertex 161 morphs to what is no vertex");
-	wrong.morph[11].uv[0] = NAN; /* nobody reads it */
+	wrong.morph[5].uv[0] = NAN; /* nobody reads it */
 	stilb_scene *scene;
 	stilb_scene_build *build = stilb_scene_build_begin();
 	stilb_scene_build_mesh(build, &wrong);
@@ -424,9 +473,10 @@ static void mistakes_of_clusters_are_named(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(levels_are_spheres_of_fewer_splits),
+		cmocka_unit_test(levels_are_spheres_of_fewer_splits_and_an_octahedron),
 		cmocka_unit_test(errors_are_true_and_tight),
 		cmocka_unit_test(vertices_morph_onto_the_coarser_level),
+		cmocka_unit_test(the_icosahedron_morphs_onto_the_octahedron),
 		cmocka_unit_test(scenes_copy_levels),
 		cmocka_unit_test(moved_vertices_drop_levels),
 		cmocka_unit_test(mistakes_are_named),
