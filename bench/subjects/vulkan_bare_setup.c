@@ -335,12 +335,12 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 {
 	bare_program program = {.codes = {vertex_code, fragment_code},
-	                              .sizes = {sizeof vertex_code, sizeof fragment_code},
-	                              .vertices = true,
-	                              .format = VK_FORMAT_R16G16B16A16_SFLOAT,
-	                              .layout = b->layout,
-	                              .width = width,
-	                              .height = height};
+	                        .sizes = {sizeof vertex_code, sizeof fragment_code},
+	                        .vertices = true,
+	                        .format = VK_FORMAT_R16G16B16A16_SFLOAT,
+	                        .layout = b->layout,
+	                        .width = width,
+	                        .height = height};
 	b->pipeline = bare_make_pipeline(b, &program);
 }
 

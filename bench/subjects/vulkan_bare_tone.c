@@ -68,11 +68,11 @@ void bare_tone_make(bare *b, uint32_t width, uint32_t height)
 	};
 	bare_check(vkCreatePipelineLayout(b->device, &layout, NULL, &b->tone.layout), "vkCreatePipelineLayout");
 	bare_program program = {.codes = {tone_vertex_code, tone_fragment_code},
-	                              .sizes = {sizeof tone_vertex_code, sizeof tone_fragment_code},
-	                              .format = VK_FORMAT_R8G8B8A8_SRGB,
-	                              .layout = b->tone.layout,
-	                              .width = width,
-	                              .height = height};
+	                        .sizes = {sizeof tone_vertex_code, sizeof tone_fragment_code},
+	                        .format = VK_FORMAT_R8G8B8A8_SRGB,
+	                        .layout = b->tone.layout,
+	                        .width = width,
+	                        .height = height};
 	b->tone.pipeline = bare_make_pipeline(b, &program);
 }
 
