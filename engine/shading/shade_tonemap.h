@@ -136,7 +136,8 @@ SHADE_FN vec3 shade_tonemap_luminance_inverse(vec3 color, float a, float b)
 SHADE_FN vec3 shade_neutral(vec3 color)
 {
 	float least = min(color[0], min(color[1], color[2]));
-	float offset = select(least < 2.0f * SHADE_NEUTRAL_FRESNEL, least - 6.25f * least * least, SHADE_NEUTRAL_FRESNEL);
+	float offset = select(least < SHADE_NEUTRAL_FRESNEL + SHADE_NEUTRAL_FRESNEL, least - 6.25f * least * least,
+	                      SHADE_NEUTRAL_FRESNEL);
 	vec3 base = color - offset;
 	float peak = shade_largest(base), room = 1.0f - SHADE_NEUTRAL_START;
 	float bent = 1.0f - room * room / (max(peak, SHADE_NEUTRAL_START) + (room - SHADE_NEUTRAL_START));
@@ -161,10 +162,13 @@ SHADE_FN vec3 shade_neutral_inverse(vec3 color)
 
 /* ---- filmic ----------------------------------------------------------------------------------------------------- */
 
+#define SHADE_FILMIC_MAX 1e3f      /* above it the curve has long been 1; its square is finite */
+#define SHADE_FILMIC_EPSILON 1e-9f /* 0 / 0 at 0 is 0 */
+
 /* x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), at most 1, which it reaches at 7.24. x: a channel. */
 SHADE_FN float shade_filmic_curve(float x)
 {
-	x = min(x, 1e3f); /* the limit, 2.51 / 2.43, is above 1 */
+	x = min(x, SHADE_FILMIC_MAX);
 	return min(x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f), 1.0f);
 }
 
@@ -172,7 +176,7 @@ SHADE_FN float shade_filmic_curve(float x)
 SHADE_FN float shade_filmic_curve_inverse(float y)
 {
 	float p = 0.03f - 0.59f * y;
-	return 0.28f * y / max(p + sqrt(p * p + 0.56f * y * (2.51f - 2.43f * y)), 1e-9f);
+	return 0.28f * y / max(p + sqrt(p * p + 0.56f * y * (2.51f - 2.43f * y)), SHADE_FILMIC_EPSILON);
 }
 
 SHADE_FN vec3 shade_filmic(vec3 color)

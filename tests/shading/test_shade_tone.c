@@ -39,6 +39,27 @@ static double filmic_printed(double x)
 	return fmin(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 1.0);
 }
 
+/* The steps of the specification backwards. color: shown, its largest channel below 1. */
+static void neutral_inverse_printed(stilb_vec3 color, double out[3])
+{
+	double start = 0.8 - 0.04, desaturation = 0.15, d = 1.0 - start;
+	double in[3] = {(double)color[0], (double)color[1], (double)color[2]};
+	double new_peak = most_of(in), peak = d * d / (1.0 - new_peak) - d + start;
+	double g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
+	for (int c = 0; c < 3; c++)
+		out[c] = new_peak < start ? in[c] : (in[c] - new_peak * g) / (1.0 - g) * peak / new_peak;
+	double least = fmax(least_of(out), 0.0), offset = least < 0.04 ? sqrt(least / 6.25) - least : 0.04;
+	for (int c = 0; c < 3; c++)
+		out[c] = fmax(out[c], 0.0) + offset;
+}
+
+/* The positive root x of filmic_printed(x) = y. */
+static double filmic_inverse_printed(double y)
+{
+	double a = 2.51 - 2.43 * y, b = 0.03 - 0.59 * y, c = -0.14 * y;
+	return (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+}
+
 static stilb_vec3 random_color(shade_proof_random *random)
 {
 	float height = shade_proof_log_range(random, 0.01f, 1e5f);
@@ -67,6 +88,29 @@ static void filmic_is_the_printed_one(void **state)
 		                  filmic_printed((double)color[2]), 2e-6, 1e-9);
 	}
 	SHADE_PROOF_NEAR(shade_filmic_curve_inverse(1.0f), 7.2420, 2e-4, 0.0);
+}
+
+static void inverses_are_the_printed_ones(void **state)
+{
+	(void)state;
+	shade_proof_random random = {17, 0};
+	for (int i = 0; i < 20000; i++) {
+		stilb_vec3 shown = shade_proof_random_color(&random, 0.9f) + 0.05f, got = shade_neutral_inverse(shown);
+		double want[3];
+		neutral_inverse_printed(shown, want);
+		SHADE_PROOF_NEAR3(got, want[0], want[1], want[2], 5e-6, 3e-5);
+		got = shade_filmic_inverse(shown);
+		SHADE_PROOF_NEAR3(got, filmic_inverse_printed((double)shown[0]), filmic_inverse_printed((double)shown[1]),
+		                  filmic_inverse_printed((double)shown[2]), 5e-6, 0.0);
+	}
+	assert_true(shade_filmic_curve_inverse(0.0f) == 0.0f);
+	/* Near white colours, whose least channel is far above the parabola: no large errors hide a small one. */
+	for (int i = 0; i < 20000; i++) {
+		stilb_vec3 shown = shade_proof_random_color(&random, 0.13f) + 0.85f, got = shade_neutral_inverse(shown);
+		double want[3];
+		neutral_inverse_printed(shown, want);
+		SHADE_PROOF_NEAR3(got, want[0], want[1], want[2], 2e-5, 0.0);
+	}
 }
 
 /* What the neutral curve is for: a surface whose base colour is below 0.76, which mirrors 4 % of white light besides,
@@ -156,10 +200,16 @@ static void numbers_choose(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(neutral_is_the_printed_one), cmocka_unit_test(filmic_is_the_printed_one),
-		cmocka_unit_test(neutral_keeps_base_colors),  cmocka_unit_test(all_end_in_the_display),
-		cmocka_unit_test(all_have_inverses),          cmocka_unit_test(numbers_choose),
+	const struct CMUnitTest exactness[] = {
+		cmocka_unit_test(neutral_is_the_printed_one),
+		cmocka_unit_test(filmic_is_the_printed_one),
+		cmocka_unit_test(inverses_are_the_printed_ones),
+		cmocka_unit_test(neutral_keeps_base_colors),
+		cmocka_unit_test(numbers_choose),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	const struct CMUnitTest properties[] = {
+		cmocka_unit_test(all_end_in_the_display),
+		cmocka_unit_test(all_have_inverses),
+	};
+	return SHADE_PROOF_RUN(exactness, properties);
 }

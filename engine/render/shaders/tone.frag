@@ -18,7 +18,7 @@ layout(location = 0) out vec4 color;
 
 // Half a code up or down at most, by the pixel: what lies between two codes becomes the share of pixels that have the
 // upper one. A code's height in linear light is the slope of sRGB's curve, 2.275 L^(7/12), over 255; here up to a tenth
-// less, so that light that is a code stays it.
+// less, so that light that is a code stays it, but for the rounding of half floats.
 vec3 dithered(vec3 shown)
 {
 	float noise = (float(fade_threshold(uvec2(gl_FragCoord.xy))) + 0.5) / 64.0 - 0.5;
