@@ -123,6 +123,12 @@ void bare_check(VkResult result, const char *call);
 /* Opens lavapipe, Mesa's Vulkan driver that draws on the CPU. False if it is not installed, after a line on stderr;
  * other errors end the program. */
 bool bare_open(bare *b);
+/* Buffers are mapped; a view is of an image's first mip and layer. */
+bare_buffer bare_make_buffer(bare *b, VkDeviceSize size, VkBufferUsageFlags usage);
+void bare_free_buffer(bare *b, bare_buffer *buffer);
+bare_image bare_make_image(bare *b, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
+                           VkImageAspectFlags aspect);
+void bare_free_image(bare *b, bare_image *image);
 /* Creates the scene's meshes and materials, targets of this size in pixels, the pipeline and the frames. */
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height);
 /* Waits for the device and destroys everything. */

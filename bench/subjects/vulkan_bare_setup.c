@@ -1,4 +1,4 @@
-/* The plain Vulkan program's device, memory, pipeline and frames. */
+/* The plain Vulkan program's meshes, pipeline and frames. */
 #include "bench/subjects/vulkan_bare.h"
 
 #include "bench/record/record_child.h"
@@ -11,175 +11,6 @@ static const uint32_t fragment_code[] =
 #include "mesh.frag.inc"
 	;
 
-void bare_check(VkResult result, const char *call)
-{
-	if (result != VK_SUCCESS)
-		bench_child_fail("%s: VkResult %d", call, (int)result);
-}
-
-/* ---- device ------------------------------------------------------------------------------------------------------ */
-
-/* Chooses the first device that draws on the CPU; false, after a line on stderr, if there is none. */
-static bool find_gpu(bare *b)
-{
-	VkPhysicalDevice gpus[16];
-	uint32_t count = 16;
-	if (vkEnumeratePhysicalDevices(b->instance, &count, gpus) < 0)
-		count = 0;
-	for (uint32_t i = 0; i < count; i++) {
-		VkPhysicalDeviceProperties properties;
-		vkGetPhysicalDeviceProperties(gpus[i], &properties);
-		if (properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU && properties.apiVersion >= VK_API_VERSION_1_3) {
-			b->gpu = gpus[i];
-			return true;
-		}
-	}
-	fprintf(stderr, "no software driver for Vulkan 1.3 is installed (Debian package mesa-vulkan-drivers)\n");
-	return false;
-}
-
-/* Creates the device with one queue of family 0, which on lavapipe has all capabilities. */
-static void make_device(bare *b)
-{
-	static const float priority = 1.0f;
-	VkPhysicalDeviceVulkan13Features v13 = {
-		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-		.dynamicRendering = VK_TRUE,
-		.synchronization2 = VK_TRUE,
-	};
-	VkPhysicalDeviceVulkan12Features v12 = {
-		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-		.pNext = &v13,
-		.bufferDeviceAddress = VK_TRUE,
-	};
-	VkPhysicalDeviceFeatures features = {.multiDrawIndirect = VK_TRUE, .drawIndirectFirstInstance = VK_TRUE};
-	VkDeviceQueueCreateInfo queue = {
-		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-		.queueCount = 1,
-		.pQueuePriorities = &priority,
-	};
-	VkDeviceCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-		.pNext = &v12,
-		.queueCreateInfoCount = 1,
-		.pQueueCreateInfos = &queue,
-		.pEnabledFeatures = &features,
-	};
-	bare_check(vkCreateDevice(b->gpu, &info, NULL, &b->device), "vkCreateDevice");
-	vkGetDeviceQueue(b->device, 0, 0, &b->queue);
-}
-
-bool bare_open(bare *b)
-{
-	VkApplicationInfo application = {
-		.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-		.apiVersion = VK_API_VERSION_1_3,
-	};
-	VkInstanceCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-		.pApplicationInfo = &application,
-	};
-	*b = (bare){0};
-	if (vkCreateInstance(&info, NULL, &b->instance) != VK_SUCCESS) {
-		fprintf(stderr, "no Vulkan driver is installed (Debian package mesa-vulkan-drivers)\n");
-		return false;
-	}
-	if (!find_gpu(b)) {
-		vkDestroyInstance(b->instance, NULL);
-		return false;
-	}
-	make_device(b);
-	return true;
-}
-
-/* ---- memory ------------------------------------------------------------------------------------------------------ */
-
-/* Allocates memory of the first allowed type. All of lavapipe's memory can be mapped. */
-static VkDeviceMemory allocate(bare *b, VkMemoryRequirements needs, bool address)
-{
-	VkMemoryAllocateFlagsInfo flags = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
-		.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT,
-	};
-	VkMemoryAllocateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-		.pNext = address ? &flags : NULL,
-		.allocationSize = needs.size,
-		.memoryTypeIndex = (uint32_t)__builtin_ctz(needs.memoryTypeBits),
-	};
-	VkDeviceMemory memory;
-	bare_check(vkAllocateMemory(b->device, &info, NULL, &memory), "vkAllocateMemory");
-	return memory;
-}
-
-static bare_buffer make_buffer(bare *b, VkDeviceSize size, VkBufferUsageFlags usage)
-{
-	bool address = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
-	VkBufferCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-		.size = size,
-		.usage = usage,
-	};
-	bare_buffer made = {0};
-	VkMemoryRequirements needs;
-	bare_check(vkCreateBuffer(b->device, &info, NULL, &made.buffer), "vkCreateBuffer");
-	vkGetBufferMemoryRequirements(b->device, made.buffer, &needs);
-	made.memory = allocate(b, needs, address);
-	bare_check(vkBindBufferMemory(b->device, made.buffer, made.memory, 0), "vkBindBufferMemory");
-	bare_check(vkMapMemory(b->device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.mapped), "vkMapMemory");
-	VkBufferDeviceAddressInfo where = {
-		.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
-		.buffer = made.buffer,
-	};
-	if (address)
-		made.address = vkGetBufferDeviceAddress(b->device, &where);
-	return made;
-}
-
-static void free_buffer(bare *b, bare_buffer *buffer)
-{
-	vkDestroyBuffer(b->device, buffer->buffer, NULL);
-	vkFreeMemory(b->device, buffer->memory, NULL);
-}
-
-static bare_image make_image(bare *b, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
-                             VkImageAspectFlags aspect)
-{
-	VkImageCreateInfo info = {
-		.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-		.imageType = VK_IMAGE_TYPE_2D,
-		.format = format,
-		.extent = {width, height, 1},
-		.mipLevels = 1,
-		.arrayLayers = 1,
-		.samples = VK_SAMPLE_COUNT_1_BIT,
-		.tiling = VK_IMAGE_TILING_OPTIMAL,
-		.usage = usage,
-	};
-	bare_image made = {0};
-	VkMemoryRequirements needs;
-	bare_check(vkCreateImage(b->device, &info, NULL, &made.image), "vkCreateImage");
-	vkGetImageMemoryRequirements(b->device, made.image, &needs);
-	made.memory = allocate(b, needs, false);
-	bare_check(vkBindImageMemory(b->device, made.image, made.memory, 0), "vkBindImageMemory");
-	VkImageViewCreateInfo view = {
-		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-		.image = made.image,
-		.viewType = VK_IMAGE_VIEW_TYPE_2D,
-		.format = format,
-		.subresourceRange = {.aspectMask = aspect, .levelCount = 1, .layerCount = 1},
-	};
-	bare_check(vkCreateImageView(b->device, &view, NULL, &made.view), "vkCreateImageView");
-	return made;
-}
-
-static void free_image(bare *b, bare_image *image)
-{
-	vkDestroyImageView(b->device, image->view, NULL);
-	vkDestroyImage(b->device, image->image, NULL);
-	vkFreeMemory(b->device, image->memory, NULL);
-}
-
 /* ---- the scene's buffers ----------------------------------------------------------------------------------------- */
 
 static void make_meshes(bare *b, const stilb_scene *scene)
@@ -191,8 +22,8 @@ static void make_meshes(bare *b, const stilb_scene *scene)
 		vertices += scene->meshes[i].vertex_count;
 		indices += scene->meshes[i].index_count;
 	}
-	b->vertices = make_buffer(b, vertices * sizeof(stilb_scene_vertex), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
-	b->indices = make_buffer(b, indices * sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+	b->vertices = bare_make_buffer(b, vertices * sizeof(stilb_scene_vertex), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+	b->indices = bare_make_buffer(b, indices * sizeof(uint32_t), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
 		const stilb_scene_mesh *mesh = &scene->meshes[i];
 		memcpy((stilb_scene_vertex *)b->vertices.mapped + b->meshes[i].vertex_offset, mesh->vertices,
@@ -206,7 +37,7 @@ static void make_meshes(bare *b, const stilb_scene *scene)
 
 static void make_materials(bare *b, const stilb_scene *scene)
 {
-	b->materials = make_buffer(b, scene->material_count * sizeof(bare_material), SHADER_BUFFER);
+	b->materials = bare_make_buffer(b, scene->material_count * sizeof(bare_material), SHADER_BUFFER);
 	bare_material *out = b->materials.mapped;
 	for (uint32_t i = 0; i < scene->material_count; i++) {
 		const stilb_scene_material *in = &scene->materials[i];
@@ -364,33 +195,35 @@ static void make_frame(bare *b, bare_frame *frame, uint32_t draws, uint32_t widt
 		.flags = VK_FENCE_CREATE_SIGNALED_BIT, /* signaled, so that the first frame does not wait */
 	};
 	bare_check(vkCreateFence(b->device, &fence, NULL, &frame->done), "vkCreateFence");
-	frame->rows = make_buffer(b, draws * sizeof(bare_row), SHADER_BUFFER);
-	frame->indirect = make_buffer(b, draws * sizeof(VkDrawIndexedIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT);
-	frame->view = make_buffer(b, sizeof(bare_view), SHADER_BUFFER);
-	frame->picture = make_buffer(b, (VkDeviceSize)width * height * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+	frame->rows = bare_make_buffer(b, draws * sizeof(bare_row), SHADER_BUFFER);
+	frame->indirect =
+		bare_make_buffer(b, draws * sizeof(VkDrawIndexedIndirectCommand), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT);
+	frame->view = bare_make_buffer(b, sizeof(bare_view), SHADER_BUFFER);
+	frame->picture = bare_make_buffer(b, (VkDeviceSize)width * height * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 static void free_frame(bare *b, bare_frame *frame)
 {
 	vkDestroyCommandPool(b->device, frame->pool, NULL);
 	vkDestroyFence(b->device, frame->done, NULL);
-	free_buffer(b, &frame->rows);
-	free_buffer(b, &frame->indirect);
-	free_buffer(b, &frame->view);
-	free_buffer(b, &frame->picture);
+	bare_free_buffer(b, &frame->rows);
+	bare_free_buffer(b, &frame->indirect);
+	bare_free_buffer(b, &frame->view);
+	bare_free_buffer(b, &frame->picture);
 }
 
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height)
 {
 	make_meshes(b, scene);
 	make_materials(b, scene);
-	b->color =
-		make_image(b, width, height, VK_FORMAT_R8G8B8A8_SRGB,
-	               VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-	b->light = make_image(b, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
-	                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-	b->depth = make_image(b, width, height, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-	                      VK_IMAGE_ASPECT_DEPTH_BIT);
+	b->color = bare_make_image(b, width, height, VK_FORMAT_R8G8B8A8_SRGB,
+	                           VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+	                           VK_IMAGE_ASPECT_COLOR_BIT);
+	b->light =
+		bare_make_image(b, width, height, VK_FORMAT_R16G16B16A16_SFLOAT,
+	                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
+	b->depth = bare_make_image(b, width, height, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+	                           VK_IMAGE_ASPECT_DEPTH_BIT);
 	make_layout(b);
 	make_pipeline(b, width, height);
 	bare_tone_make(b, width, height);
@@ -404,12 +237,12 @@ void bare_close(bare *b)
 	for (int i = 0; i < BARE_FRAMES; i++)
 		free_frame(b, &b->frames[i]);
 	bare_tone_free(b);
-	free_image(b, &b->light);
-	free_image(b, &b->color);
-	free_image(b, &b->depth);
-	free_buffer(b, &b->vertices);
-	free_buffer(b, &b->indices);
-	free_buffer(b, &b->materials);
+	bare_free_image(b, &b->light);
+	bare_free_image(b, &b->color);
+	bare_free_image(b, &b->depth);
+	bare_free_buffer(b, &b->vertices);
+	bare_free_buffer(b, &b->indices);
+	bare_free_buffer(b, &b->materials);
 	free(b->meshes);
 	vkDestroyPipeline(b->device, b->pipeline, NULL);
 	vkDestroyPipelineLayout(b->device, b->layout, NULL);

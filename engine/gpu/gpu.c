@@ -22,7 +22,8 @@ stilb_result gpu_start(stilb_gpu *gpu, const stilb_gpu_desc *desc)
 	gpu->lock_made = stilb_lock_init(&gpu->lock);
 	if (!gpu->lock_made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the device's lock");
-	stilb_result result = gpu_ring_create(gpu, desc->upload_bytes ? desc->upload_bytes : GPU_UPLOAD_BYTES);
+	stilb_result result =
+		gpu_ring_create(gpu, desc->upload_bytes ? desc->upload_bytes : GPU_UPLOAD_BYTES, desc->upload_frame);
 	if (result == STILB_OK)
 		result = gpu->functions->sampler_make(gpu, 0, &gpu->samplers[0]);
 	if (result == STILB_OK)

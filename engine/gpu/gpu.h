@@ -226,8 +226,10 @@ typedef struct stilb_gpu_upload {
 	uint64_t bytes;
 } stilb_gpu_upload;
 
-/* An upload waits for the frame that runs after its end; up to 1,024 are copied by one frame, in the order in which
- * they were begun. An image whose other mips and layers nobody has written can be sampled; what is there is undefined.
+/* An upload waits for the frame that runs after its end; up to 1,024 are copied by one frame, or as many as
+ * stilb_gpu_desc.upload_frame allows, in the order in which they were begun. That bound is for programs that stream
+ * while they draw, and look themselves whether what they draw with has arrived. An image whose other mips and layers
+ * nobody has written can be sampled; what is there is undefined.
  * Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now:
  * try again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
  * (stilb_gpu_upload_most). [any-thread] */
@@ -282,6 +284,7 @@ typedef struct stilb_gpu_desc {
 	stilb_gpu_presentation presentation;
 	bool validate;         /* the Vulkan validation layer, with synchronization checks */
 	uint64_t upload_bytes; /* of the ring; 0: 32 MiB */
+	uint64_t upload_frame; /* bytes of uploads that one frame copies, at least one upload; 0: all that have ended */
 	stilb_gpu_faults faults;
 } stilb_gpu_desc;
 

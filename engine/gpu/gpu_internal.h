@@ -97,13 +97,16 @@ typedef struct gpu_retired {
 
 #define GPU_UPLOAD_ALIGN 16u
 #define GPU_UPLOAD_BYTES ((uint64_t)32 << 20)
+#define GPU_UPLOADS 4096u /* that are there at once: those of the frames in flight, and those that follow */
 
 /* One upload: a range of the ring. Ranges lie in the order in which they were begun. */
 typedef struct gpu_upload_item {
 	stilb_gpu_upload upload;
 	uint64_t offset, end; /* bytes of the ring that it takes, counted on and on: modulo the ring's size */
 	uint64_t frame;       /* in which it was copied; 0: not yet */
-	bool ended;
+	_Atomic uint64_t
+		writing; /* the place of its bytes + 1 until its end, then 0. Release by stilb_gpu_upload_end, acquire
+	                             by gpu_ring_ready */
 } gpu_upload_item;
 
 /* An upload to copy, and where its bytes lie in the ring's buffer. */
@@ -114,9 +117,14 @@ typedef struct gpu_upload_ready {
 
 typedef struct gpu_ring {
 	gpu_buffer buffer;
-	gpu_upload_item *items; /* [capacity], a ring, too */
-	uint32_t first, count, capacity;
-	uint64_t head; /* where the next one begins, counted on and on */
+	stilb_lock lock; /* guards all below but for gpu_upload_item.writing */
+	bool lock_made;
+	gpu_upload_item *items; /* [GPU_UPLOADS], by number modulo that */
+	uint32_t first;         /* the oldest that is there; numbers are counted on and on */
+	_Atomic uint32_t
+		begun; /* the number of the next. Relaxed: the lock orders it, and stilb_gpu_upload_end needs a hint */
+	uint64_t frame_bytes; /* that one frame copies */
+	uint64_t head;        /* where the next one begins, counted on and on */
 } gpu_ring;
 
 /* ---- read-back --------------------------------------------------------------------------------------------------- */
@@ -284,8 +292,8 @@ bool gpu_fault_surface(stilb_gpu *gpu);
 
 /* ---- gpu_upload.c ------------------------------------------------------------------------------------------------ */
 
-/* The ring's room; the device's buffers can be made. */
-stilb_result gpu_ring_create(stilb_gpu *gpu, uint64_t bytes);
+/* The ring's room, and how much of it one frame copies, 0: all; the device's buffers can be made. */
+stilb_result gpu_ring_create(stilb_gpu *gpu, uint64_t bytes, uint64_t frame_bytes);
 void gpu_ring_destroy(stilb_gpu *gpu);
 /* Gives back the room of uploads whose frame is done. */
 void gpu_ring_frame(stilb_gpu *gpu, uint64_t done);

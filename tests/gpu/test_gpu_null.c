@@ -425,6 +425,71 @@ static void the_ring_is_full(void **state)
 	stilb_gpu_plan_destroy(plan);
 }
 
+/* A frame copies no more than it may, but always one upload; in order. */
+static void uploads_of_a_frame(void **state)
+{
+	(void)state;
+	static const uint32_t sizes[] = {600, 400, 4, 600, 2000, 4, 996, 4}, wanted[] = {1000, 604, 2000, 1000, 4, 0};
+	stilb_gpu *bounded;
+	stilb_gpu_desc desc = {.kind = STILB_GPU_KIND_NULL, .upload_bytes = 8192, .upload_frame = 1000};
+	assert_int_equal(stilb_gpu_create(&desc, &bounded), STILB_OK);
+	stilb_gpu *own = gpu;
+	gpu = bounded;
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	stilb_gpu_buffer buffer;
+	stilb_gpu_buffer_desc target = {
+		.name = "b", .bytes = 5000, .memory = STILB_GPU_MEMORY_READ, .uses = STILB_GPU_BUFFER_COPY};
+	assert_int_equal(stilb_gpu_buffer_create(gpu, &target, &buffer), STILB_OK);
+	for (uint32_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+		void *bytes;
+		stilb_gpu_upload to = {.buffer = buffer, .bytes = sizes[i]};
+		assert_int_equal(stilb_gpu_upload_begin(gpu, &to, &bytes), STILB_OK);
+		assert_non_null(bytes);
+		memset(bytes, (int)i + 1, sizes[i]);
+		stilb_gpu_upload_end(gpu, bytes);
+	}
+	for (uint32_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
+		a_frame(plan);
+		assert_int_equal(stilb_gpu_stats_get(gpu).uploaded_bytes, wanted[i]);
+	}
+	assert_int_equal(*(uint8_t *)stilb_gpu_buffer_mapped(gpu, buffer), 8);
+	stilb_gpu_plan_destroy(plan);
+	stilb_gpu_destroy(gpu);
+	gpu = own;
+}
+
+/* More uploads than can be there at once wait for the next frames. */
+static void many_uploads(void **state)
+{
+	(void)state;
+	stilb_gpu *own = gpu;
+	stilb_gpu_desc desc = {.kind = STILB_GPU_KIND_NULL};
+	assert_int_equal(stilb_gpu_create(&desc, &gpu), STILB_OK);
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	stilb_gpu_buffer buffer;
+	stilb_gpu_buffer_desc target = {.name = "b", .bytes = 64, .uses = STILB_GPU_BUFFER_COPY};
+	assert_int_equal(stilb_gpu_buffer_create(gpu, &target, &buffer), STILB_OK);
+	stilb_gpu_upload to = {.buffer = buffer, .bytes = 16};
+	uint32_t begun = 0;
+	uint64_t copied = 0;
+	for (uint32_t frame = 0; frame < 12; frame++) {
+		for (void *bytes = gpu; bytes;) {
+			assert_int_equal(stilb_gpu_upload_begin(gpu, &to, &bytes), STILB_OK);
+			begun += bytes ? 1 : 0;
+			if (bytes)
+				stilb_gpu_upload_end(gpu, bytes);
+		}
+		/* 1,024 go with each frame, and come back two frames later. */
+		assert_int_equal(begun, GPU_UPLOADS + (frame > 2 ? frame - 2 : 0) * 1024);
+		a_frame(plan);
+		copied += stilb_gpu_stats_get(gpu).uploaded_bytes;
+		assert_int_equal(copied, (frame + 1) * 1024 * 16);
+	}
+	stilb_gpu_plan_destroy(plan);
+	stilb_gpu_destroy(gpu);
+	gpu = own;
+}
+
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static void passes_that_do_not_fit(void **state)
@@ -507,6 +572,8 @@ int main(void)
 		NULL_TEST(uploads_that_cannot_be),
 		NULL_TEST(uploads_of_several_threads),
 		NULL_TEST(the_ring_is_full),
+		NULL_TEST(uploads_of_a_frame),
+		NULL_TEST(many_uploads),
 		NULL_TEST(passes_that_do_not_fit),
 		NULL_TEST(a_device_is_lost),
 	};

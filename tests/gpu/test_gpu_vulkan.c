@@ -354,22 +354,25 @@ static void samples_are_resolved(void **state)
 	}
 }
 
+static stilb_gpu_image own_image_of(const char *name, stilb_gpu_extent extent)
+{
+	stilb_gpu_image made;
+	if (stilb_gpu_image_create(s.gpu, &(stilb_gpu_image_desc){.name = name, .extent = extent}, &made) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return made;
+}
+
 static stilb_gpu_image own_image(const char *name, stilb_gpu_format format, uint32_t width, uint32_t height,
                                  uint16_t mips, uint32_t uses)
 {
-	stilb_gpu_image made;
-	stilb_gpu_image_desc desc = {.name = name,
-	                             .extent = {.format = format,
-	                                        .width = width,
-	                                        .height = height,
-	                                        .depth = 1,
-	                                        .layers = 1,
-	                                        .mips = mips,
-	                                        .samples = 1,
-	                                        .uses = (uint16_t)uses}};
-	if (stilb_gpu_image_create(s.gpu, &desc, &made) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	return made;
+	return own_image_of(name, (stilb_gpu_extent){.format = format,
+	                                             .width = width,
+	                                             .height = height,
+	                                             .depth = 1,
+	                                             .layers = 1,
+	                                             .mips = mips,
+	                                             .samples = 1,
+	                                             .uses = (uint16_t)uses});
 }
 
 static void upload_texels(stilb_gpu_image to, uint32_t width, uint32_t height, const void *texels, uint64_t size)
@@ -380,6 +383,73 @@ static void upload_texels(stilb_gpu_image to, uint32_t width, uint32_t height, c
 	assert_non_null(bytes);
 	memcpy(bytes, texels, size);
 	stilb_gpu_upload_end(s.gpu, bytes);
+}
+
+/* Uploads of one frame to overlapping parts of an image and of a buffer: the later one wins. */
+static void uploads_in_order(void **state)
+{
+	(void)state;
+	enum { SIDE = 8, LAYERS = 3, WORDS = 64 };
+	static uint32_t texels[LAYERS][SIDE * SIDE], words[WORDS];
+	stilb_gpu_image own =
+		own_image_of("target", (stilb_gpu_extent){.format = STILB_GPU_R32_UI,
+	                                              .width = SIDE,
+	                                              .height = SIDE,
+	                                              .depth = 1,
+	                                              .layers = LAYERS,
+	                                              .mips = 2,
+	                                              .samples = 1,
+	                                              .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO |
+	                                                      1u << STILB_GPU_USE_COPY_FROM});
+	stilb_gpu_buffer buffer = buffer_make("words", words, sizeof words, STILB_GPU_BUFFER_COPY);
+	uint32_t number = 0;
+	for (uint64_t frame = 0; frame < 20; frame++) {
+		for (uint64_t i = 0; i < 100; i++) {
+			uint64_t dice = stilb_random_u64(9, frame * 100 + i);
+			uint32_t x = dice % SIDE, y = dice / 8 % SIDE, width = 1 + dice / 64 % (SIDE - x),
+					 height = 1 + dice / 512 % (SIDE - y), layer = dice / 4096 % LAYERS;
+			uint32_t first = dice % WORDS, count = 1 + dice / 64 % (WORDS - first);
+			bool image = dice / 65536 % 2 == 0;
+			stilb_gpu_upload upload = {.image = own,
+			                           .layer = (uint16_t)layer,
+			                           .x = x,
+			                           .y = y,
+			                           .width = width,
+			                           .height = height,
+			                           .depth = 1,
+			                           .bytes = (uint64_t)width * height * 4};
+			if (!image)
+				upload = (stilb_gpu_upload){
+					.buffer = buffer, .offset = first * sizeof *words, .bytes = count * sizeof *words};
+			void *bytes;
+			assert_int_equal(stilb_gpu_upload_begin(s.gpu, &upload, &bytes), STILB_OK);
+			assert_non_null(bytes);
+			number++;
+			for (uint32_t t = 0; t < upload.bytes / 4; t++)
+				((uint32_t *)bytes)[t] = number;
+			stilb_gpu_upload_end(s.gpu, bytes);
+			for (uint32_t t = 0; t < width * height && image; t++)
+				texels[layer][(y + t / width) * SIDE + x + t % width] = number;
+			for (uint32_t t = first; t < first + count && !image; t++)
+				words[t] = number;
+		}
+		plan_begin(SIDE, SIDE);
+		uint16_t target = stilb_gpu_plan_image(s.plan, &(stilb_gpu_plan_image_row){.name = "target",
+		                                                                           .format = STILB_GPU_R32_UI,
+		                                                                           .scale = 1.0f,
+		                                                                           .layers = LAYERS,
+		                                                                           .mips = 2,
+		                                                                           .output = true,
+		                                                                           .owned = own.id});
+		plan_run(NULL, 0, NULL);
+		for (uint16_t layer = 0; layer < LAYERS && frame > 2; layer++) /* by then every texel was written */
+			assert_memory_equal(read_back(target, 0, layer), texels[layer], sizeof texels[layer]);
+		assert_int_equal(stilb_gpu_wait(s.gpu), STILB_OK);
+		assert_memory_equal(stilb_gpu_buffer_mapped(s.gpu, buffer), words, sizeof words);
+		assert_int_equal(s.gpu->validation_messages, 0);
+	}
+	stilb_gpu_buffer_destroy(s.gpu, buffer);
+	stilb_gpu_image_destroy(s.gpu, own);
 }
 
 /* A chain of mips by filtered copies of an sRGB image: the mean is taken of light, not of codes. */
@@ -690,9 +760,10 @@ static void ten_thousand_images(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		STAGE_TEST(four_kinds_of_passes),      STAGE_TEST(three_modes_of_replay), STAGE_TEST(layers_at_once),
-		STAGE_TEST(samples_are_resolved),      STAGE_TEST(mips_in_linear_light),  STAGE_TEST(textures_of_draws),
-		STAGE_TEST(content_of_the_last_frame), STAGE_TEST(random_plans),          STAGE_TEST(ten_thousand_images),
+		STAGE_TEST(four_kinds_of_passes), STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
+		STAGE_TEST(samples_are_resolved), STAGE_TEST(uploads_in_order),          STAGE_TEST(mips_in_linear_light),
+		STAGE_TEST(textures_of_draws),    STAGE_TEST(content_of_the_last_frame), STAGE_TEST(random_plans),
+		STAGE_TEST(ten_thousand_images),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -89,14 +89,21 @@ static VkImageMemoryBarrier2 access_barrier(const gpu_vulkan_texels *texels, VkI
 	};
 }
 
-void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texels, stilb_gpu_layout from,
-                         stilb_gpu_layout to, stilb_gpu_range range)
+VkImageMemoryBarrier2 gpu_vulkan_relayout_barrier(const gpu_vulkan_texels *texels, stilb_gpu_layout from,
+                                                  stilb_gpu_layout to, stilb_gpu_range range)
 {
 	VkImageMemoryBarrier2 barrier = access_barrier(texels, gpu_vulkan_layout(from), gpu_vulkan_layout(to),
 	                                               (access_meaning){0}, (access_meaning){0}, range);
 	barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
 	barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
 	barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+	return barrier;
+}
+
+void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texels, stilb_gpu_layout from,
+                         stilb_gpu_layout to, stilb_gpu_range range)
+{
+	VkImageMemoryBarrier2 barrier = gpu_vulkan_relayout_barrier(texels, from, to, range);
 	gpu_vulkan_image_barriers(commands, &barrier, 1);
 }
 

@@ -429,7 +429,9 @@ void gpu_vulkan_trash_empty(gpu_vulkan *gpu, gpu_vulkan_slot *slot);
 /* Records barriers first .. first + count - 1 of the plan. */
 void gpu_vulkan_plan_barriers(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_plan *plan, uint32_t first,
                               uint32_t count);
-/* One barrier for the layout of a part of an image, which waits for all and lets all wait. */
+/* One barrier for the layout of a part of an image, which waits for all and lets all wait; and the same, recorded. */
+VkImageMemoryBarrier2 gpu_vulkan_relayout_barrier(const gpu_vulkan_texels *texels, stilb_gpu_layout from,
+                                                  stilb_gpu_layout to, stilb_gpu_range range);
 void gpu_vulkan_relayout(VkCommandBuffer commands, const gpu_vulkan_texels *texels, stilb_gpu_layout from,
                          stilb_gpu_layout to, stilb_gpu_range range);
 /* Everything before comes before everything behind. */

@@ -2,6 +2,7 @@
 #include "gpu/vulkan/gpu_vulkan_internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static stilb_gpu_range part_of(uint32_t mip, uint32_t layer)
 {
@@ -19,6 +20,15 @@ static void upload_rest(const gpu_vulkan *gpu, VkCommandBuffer commands, gpu_ima
 		return;
 	texels->rested = gpu->base.frame;
 	stilb_gpu_layout rest = gpu_vulkan_rest(&image->extent);
+	uint32_t parts = (uint32_t)image->extent.layers * image->extent.mips, written = 0;
+	for (uint32_t p = 0; p < parts; p++)
+		written += image->layouts[p] != STILB_GPU_LAYOUT_NONE;
+	if (written == 0) {
+		stilb_gpu_range all = {0, (uint8_t)image->extent.mips, 0, image->extent.layers};
+		gpu_vulkan_relayout(commands, texels, STILB_GPU_LAYOUT_NONE, rest, all);
+		memset(image->layouts, (int)rest, parts);
+		return;
+	}
 	for (uint32_t layer = 0; layer < image->extent.layers; layer++)
 		for (uint32_t mip = 0; mip < image->extent.mips; mip++) {
 			uint8_t *layout = &image->layouts[layer * image->extent.mips + mip];
@@ -29,56 +39,134 @@ static void upload_rest(const gpu_vulkan *gpu, VkCommandBuffer commands, gpu_ima
 		}
 }
 
-static void upload_image(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *ready)
+/* Uploads that are copied without barriers between them: none writes what another one of them writes. */
+#define GROUP 64u
+typedef struct upload_group {
+	const gpu_upload_ready *items[GROUP];
+	uint64_t targets[GROUP]; /* what they write to: most uploads meet no other */
+	uint32_t count;
+	VkImageMemoryBarrier2 before[GROUP], after[GROUP]; /* of parts of images */
+	uint32_t part_count;
+} upload_group;
+
+static bool same_part(const stilb_gpu_upload *a, const stilb_gpu_upload *b)
+{
+	return a->image.id != 0 && a->image.id == b->image.id && a->mip == b->mip && a->layer == b->layer;
+}
+
+static bool uploads_meet(const stilb_gpu_upload *a, const stilb_gpu_upload *b)
+{
+	if (a->image.id == 0)
+		return a->buffer.id == b->buffer.id && a->offset < b->offset + b->bytes && b->offset < a->offset + a->bytes;
+	return same_part(a, b) && a->x < b->x + b->width && b->x < a->x + a->width && a->y < b->y + b->height &&
+	       b->y < a->y + a->height && a->z < b->z + b->depth && b->z < a->z + a->depth;
+}
+
+/* Ids of images are odd, those of buffers even. */
+static uint64_t target_of(const stilb_gpu_upload *upload)
+{
+	return upload->image.id ? upload->image.id << 1 | 1 : upload->buffer.id << 1;
+}
+
+/* The group can take an upload. known: it has an upload to the same part already, or the target is a buffer, which has
+ * no layout. */
+static bool group_takes(const upload_group *group, const stilb_gpu_upload *upload, bool *known)
+{
+	uint64_t target = target_of(upload);
+	*known = upload->image.id == 0;
+	for (uint32_t i = 0; i < group->count; i++) {
+		if (group->targets[i] != target)
+			continue;
+		if (uploads_meet(&group->items[i]->upload, upload))
+			return false;
+		*known = *known || same_part(&group->items[i]->upload, upload);
+	}
+	return group->count < GROUP;
+}
+
+/* Adds an upload that the group can take. known: as group_takes says. */
+static void group_add(gpu_vulkan *gpu, VkCommandBuffer commands, upload_group *group, const gpu_upload_ready *ready,
+                      bool known)
 {
 	const stilb_gpu_upload *u = &ready->upload;
+	group->targets[group->count] = target_of(u);
+	group->items[group->count++] = ready;
+	if (known)
+		return;
 	gpu_image *image = gpu_image_of(&gpu->base, u->image.id);
-	const gpu_vulkan_texels *texels = image->own;
 	upload_rest(gpu, commands, image);
-	stilb_gpu_layout layout = (stilb_gpu_layout)image->layouts[u->layer * image->extent.mips + u->mip];
-	gpu_vulkan_relayout(commands, texels, layout, STILB_GPU_LAYOUT_COPY_TO, part_of(u->mip, u->layer));
+	uint8_t *layout = &image->layouts[u->layer * image->extent.mips + u->mip];
+	stilb_gpu_layout from = (stilb_gpu_layout)*layout;
+	if (from == STILB_GPU_LAYOUT_NONE)
+		*layout = (uint8_t)gpu_vulkan_rest(&image->extent);
+	stilb_gpu_range part = part_of(u->mip, u->layer);
+	group->before[group->part_count] = gpu_vulkan_relayout_barrier(image->own, from, STILB_GPU_LAYOUT_COPY_TO, part);
+	group->after[group->part_count++] =
+		gpu_vulkan_relayout_barrier(image->own, STILB_GPU_LAYOUT_COPY_TO, (stilb_gpu_layout)*layout, part);
+}
+
+static void upload_copy(const gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *ready)
+{
+	const stilb_gpu_upload *u = &ready->upload;
+	const gpu_vulkan_buffer *ring = gpu->base.ring.buffer.own;
+	if (u->image.id == 0) {
+		const gpu_vulkan_buffer *target = gpu_buffer_of(&gpu->base, u->buffer.id)->own;
+		VkBufferCopy copy = {ready->place, u->offset, u->bytes};
+		vkCmdCopyBuffer(commands, ring->buffer, target->buffer, 1, &copy);
+		return;
+	}
+	const gpu_vulkan_texels *texels = gpu_image_of(&gpu->base, u->image.id)->own;
 	VkBufferImageCopy region = {
 		.bufferOffset = ready->place,
 		.imageSubresource = {texels->aspect, u->mip, u->layer, 1},
 		.imageOffset = {(int32_t)u->x, (int32_t)u->y, (int32_t)u->z},
 		.imageExtent = {u->width, u->height, u->depth},
 	};
-	const gpu_vulkan_buffer *ring = gpu->base.ring.buffer.own;
 	vkCmdCopyBufferToImage(commands, ring->buffer, texels->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-	gpu_vulkan_relayout(commands, texels, STILB_GPU_LAYOUT_COPY_TO,
-	                    layout == STILB_GPU_LAYOUT_NONE ? gpu_vulkan_rest(&image->extent) : layout,
-	                    part_of(u->mip, u->layer));
+}
+
+/* Records the copies of a group, which is then empty. */
+static void group_record(const gpu_vulkan *gpu, VkCommandBuffer commands, upload_group *group)
+{
+	if (group->part_count > 0)
+		gpu_vulkan_image_barriers(commands, group->before, group->part_count);
+	for (uint32_t i = 0; i < group->count; i++)
+		upload_copy(gpu, commands, group->items[i]);
+	if (group->part_count > 0)
+		gpu_vulkan_image_barriers(commands, group->after, group->part_count);
+	gpu_vulkan_full_barrier(commands);
+	group->count = group->part_count = 0;
+}
+
+static void white_make(gpu_vulkan *gpu, VkCommandBuffer commands)
+{
+	stilb_gpu_range all = {0, 1, 0, 1};
+	VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+	VkClearColorValue one = {.float32 = {1.0f, 1.0f, 1.0f, 1.0f}};
+	gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_NONE, STILB_GPU_LAYOUT_COPY_TO, all);
+	vkCmdClearColorImage(commands, gpu->white.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &one, 1, &range);
+	gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_COPY_TO, STILB_GPU_LAYOUT_SAMPLED, all);
+	gpu->white_ready = true;
 }
 
 void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count)
 {
-	const gpu_vulkan_buffer *ring = gpu->base.ring.buffer.own;
-	if (!gpu->white_ready) {
-		stilb_gpu_range all = {0, 1, 0, 1};
-		VkImageSubresourceRange range = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-		VkClearColorValue one = {.float32 = {1.0f, 1.0f, 1.0f, 1.0f}};
-		gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_NONE, STILB_GPU_LAYOUT_COPY_TO, all);
-		vkCmdClearColorImage(commands, gpu->white.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &one, 1, &range);
-		gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_COPY_TO, STILB_GPU_LAYOUT_SAMPLED, all);
-		gpu->white_ready = true;
-	}
+	if (!gpu->white_ready)
+		white_make(gpu, commands);
 	if (count == 0)
 		return;
+	upload_group group;
+	group.count = group.part_count = 0;
 	gpu_vulkan_full_barrier(commands);
 	for (uint32_t i = 0; i < count; i++) {
-		const stilb_gpu_upload *u = &uploads[i].upload;
-		if (u->image.id) {
-			upload_image(gpu, commands, &uploads[i]);
-			continue;
+		bool known;
+		if (!group_takes(&group, &uploads[i].upload, &known)) {
+			group_record(gpu, commands, &group);
+			group_takes(&group, &uploads[i].upload, &known);
 		}
-		const gpu_vulkan_buffer *target = gpu_buffer_of(&gpu->base, u->buffer.id)->own;
-		VkBufferCopy copy = {uploads[i].place, u->offset, u->bytes};
-		vkCmdCopyBuffer(commands, ring->buffer, target->buffer, 1, &copy);
-		/* The next one may go to the same bytes. */
-		if (i + 1 < count && uploads[i + 1].upload.buffer.id == u->buffer.id)
-			gpu_vulkan_full_barrier(commands);
+		group_add(gpu, commands, &group, &uploads[i], known);
 	}
-	gpu_vulkan_full_barrier(commands);
+	group_record(gpu, commands, &group);
 }
 
 void gpu_vulkan_sets_ready(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_draws *lists, uint32_t count)
