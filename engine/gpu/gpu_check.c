@@ -322,6 +322,10 @@ const char *gpu_check_pass(const stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 {
 	if (pass->color_count > gpu->limits.color_attachments)
 		return "it has more colour attachments than the device";
+	/* Mesa's software driver (22.3) resolves the first layer, whichever the attachment is. */
+	for (uint32_t i = 0; i < pass->color_count && gpu->software; i++)
+		if (pass->color[i].resolve != 0 && pass->color[i].layer > 0)
+			return "resolves a layer that is not the first, which this device cannot: draw it into an image of its own";
 	if (pass->kind == STILB_GPU_PASS_COPY)
 		return check_scaled_copy(gpu, plan, pass);
 	const gpu_program *program = pass->program ? gpu_program_of(gpu, pass->program) : NULL;

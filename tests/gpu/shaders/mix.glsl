@@ -1,4 +1,4 @@
-/* What a pass of random plans writes: its number and its inputs, mixed as test_gpu_vulkan_random.c does it. */
+/* What a pass of random plans writes: its number and its inputs, mixed as gpu_mix.c does it. */
 uint mix_step(uint hash, uint value)
 {
 	return (hash ^ value) * 16777619u;
