@@ -19,12 +19,14 @@ void stilb_gpu_plan_destroy(stilb_gpu_plan *plan)
 	gpu_array *arrays[] = {
 		&plan->resources, &plan->rows,         &plan->shown,        &plan->names,     &plan->left.records,
 		&plan->left.subs, &plan->left.regions, &plan->next.records, &plan->next.subs, &plan->next.regions,
-		&plan->touches,   &plan->first_touch,  &plan->marks,        &plan->subs,      &plan->live,
-		&plan->placed,    &plan->steps,        &plan->barriers,     &plan->items,     &plan->items_known,
-		&plan->placing,   &plan->keys,
+		&plan->touches,   &plan->spans,        &plan->marks,        &plan->subs,      &plan->live,
+		&plan->placed,    &plan->steps,        &plan->barriers,     &plan->items,     &plan->placing,
+		&plan->keys,      &plan->lives,        &plan->counted,
 	};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
+	for (uint32_t i = 0; i < GPU_PLACEMENTS; i++)
+		free(plan->placements[i].items.items);
 	free(plan);
 }
 
@@ -52,7 +54,7 @@ void stilb_gpu_plan_begin(stilb_gpu_plan *plan, uint32_t width, uint32_t height)
 	plan->size[0] = width;
 	plan->size[1] = height;
 	plan->resource_count = plan->row_count = plan->shown_count = 0;
-	plan->changed = false;
+	plan->changed = plan->rows_changed = false;
 	plan->begun = true;
 	plan->planned = false;
 	plan->row_error = STILB_OK;
@@ -140,7 +142,7 @@ static uint16_t remember_error(stilb_gpu_plan *plan, stilb_result result)
 	return 0;
 }
 
-/* From this row on the table is another one. */
+/* From this row on the resources are others. */
 static bool change(stilb_gpu_plan *plan)
 {
 	if (plan->changed)
@@ -277,31 +279,42 @@ static bool same_pass(const stilb_gpu_pass *a, const stilb_gpu_pass *b)
 	return same_attachment(&a->depth, &b->depth);
 }
 
+/* What does not matter to the plan. */
+static void take_values(stilb_gpu_pass *known, const stilb_gpu_pass *row)
+{
+	known->name = row->name;
+	for (uint32_t i = 0; i < row->color_count; i++)
+		memcpy(known->color[i].clear, row->color[i].clear, sizeof known->color[i].clear);
+	memcpy(known->depth.clear, row->depth.clear, sizeof known->depth.clear);
+	memcpy(known->constants, row->constants, row->constant_bytes);
+}
+
 void stilb_gpu_plan_pass(stilb_gpu_plan *plan, const stilb_gpu_pass *row)
 {
 	STILB_ASSERT(plan && row && plan->begun);
-	if (!plan->changed && plan->row_count < plan->rows_known) {
-		stilb_gpu_pass *known = (stilb_gpu_pass *)plan->rows.items + plan->row_count;
-		if (same_pass(known, row)) {
-			known->name = row->name;
-			for (uint32_t i = 0; i < row->color_count; i++)
-				memcpy(known->color[i].clear, row->color[i].clear, sizeof known->color[i].clear);
-			memcpy(known->depth.clear, row->depth.clear, sizeof known->depth.clear);
-			memcpy(known->constants, row->constants, row->constant_bytes);
-			plan->row_count++;
-			return;
-		}
+	bool known = plan->row_count < plan->rows_known;
+	stilb_gpu_pass *rows = plan->rows.items;
+	if (known && same_pass(&rows[plan->row_count], row)) {
+		take_values(&rows[plan->row_count], row);
+		plan->row_count++;
+		return;
 	}
 	if (plan->row_count == STILB_GPU_PLAN_MAX_PASSES) {
 		remember_error(plan,
 		               stilb_fail(STILB_ERROR_ARGUMENT, "the plan has more than %u passes", STILB_GPU_PLAN_MAX_PASSES));
 		return;
 	}
-	if (!change(plan) || !gpu_array_reserve(&plan->rows, plan->row_count + 1, sizeof(stilb_gpu_pass))) {
+	plan->rows_changed = true;
+	if (!gpu_array_reserve(&plan->rows, plan->row_count + 1, sizeof(stilb_gpu_pass)) ||
+	    !gpu_array_reserve(&plan->spans, plan->row_count + 1, sizeof(gpu_span))) {
 		remember_error(plan, stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count + 1));
 		return;
 	}
 	((stilb_gpu_pass *)plan->rows.items)[plan->row_count] = *row;
+	gpu_span *span = (gpu_span *)plan->spans.items + plan->row_count;
+	if (!known)
+		*span = (gpu_span){0};
+	span->checked = false;
 	plan->row_count++;
 }
 
@@ -347,29 +360,36 @@ void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource)
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
+/* Asks for mistakes of the rows that run and have changed. */
 static stilb_result ask_mistakes(stilb_gpu_plan *plan)
 {
 	const stilb_gpu_step *steps = plan->steps.items;
+	gpu_span *spans = plan->spans.items;
 	for (uint32_t s = 0; plan->planner.mistake && s < plan->step_count; s++) {
+		if (spans[steps[s].pass].asked)
+			continue;
 		const stilb_gpu_pass *pass = gpu_plan_row(plan, steps[s].pass);
 		const char *mistake = plan->planner.mistake(plan->planner.user, plan, pass);
 		if (mistake)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "pass %u '%s' %s", steps[s].pass + 1, pass->name, mistake);
+		spans[steps[s].pass].asked = true;
 	}
 	return STILB_OK;
 }
 
-static stilb_result make(stilb_gpu_plan *plan)
+/* stays: what was made of the table before is the plan of this one, too, if all touches are the same. */
+static stilb_result make(stilb_gpu_plan *plan, bool stays)
 {
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
-		gpu_resource *resource = gpu_plan_resource(plan, i);
-		resource->shown = false;
-		resource->whole = true;
-		resource->memory_readers = 0;
-	}
-	for (uint32_t i = 0; i < plan->shown_count; i++)
+	for (uint32_t i = 1; i <= plan->resource_count && plan->changed; i++)
+		gpu_plan_resource(plan, i)->shown = false;
+	for (uint32_t i = 0; i < plan->shown_count && plan->changed; i++)
 		gpu_plan_resource(plan, ((const uint16_t *)plan->shown.items)[i])->shown = true;
-	stilb_result result = gpu_plan_check_passes(plan);
+	bool same;
+	stilb_result result = gpu_plan_check_passes(plan, &same);
+	if (result == STILB_OK && same && stays)
+		return ask_mistakes(plan);
+	plan->next_counts = true;
+	plan->step_count = plan->barrier_count = plan->last_barrier = 0;
 	result = result == STILB_OK ? gpu_plan_find_live(plan) : result;
 	result = result == STILB_OK ? ask_mistakes(plan) : result;
 	result = result == STILB_OK ? gpu_plan_place_memory(plan) : result;
@@ -382,27 +402,44 @@ static bool same_planner(const stilb_gpu_planner *a, const stilb_gpu_planner *b)
 	       a->buffer_needs == b->buffer_needs && a->mistake == b->mistake;
 }
 
+/* Another device is asked anew. */
+static void forget_answers(stilb_gpu_plan *plan)
+{
+	for (uint32_t i = 1; i <= plan->resource_count; i++)
+		gpu_plan_resource(plan, i)->needs.bytes = 0;
+	for (uint32_t row = 0; row < plan->row_count; row++)
+		((gpu_span *)plan->spans.items)[row].asked = false;
+}
+
 stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *planner)
 {
 	STILB_ASSERT(plan && plan->begun);
 	static const stilb_gpu_planner nobody = {0};
 	planner = planner ? planner : &nobody;
-	if (plan->resource_count != plan->resources_known || plan->row_count != plan->rows_known ||
-	    plan->shown_count != plan->shown_known)
+	if (plan->resource_count != plan->resources_known || plan->shown_count != plan->shown_known)
 		plan->changed = true;
-	if (!plan->changed && plan->made && plan->steady && same_planner(planner, &plan->planner)) {
+	if (plan->row_count != plan->rows_known)
+		plan->rows_changed = true;
+	bool same = same_planner(planner, &plan->planner);
+	bool stays = !plan->changed && plan->made && plan->steady && same;
+	if (stays && !plan->rows_changed) {
 		plan->planned = true;
 		return STILB_OK;
 	}
 	plan->made = plan->planned = plan->next_counts = false;
-	plan->step_count = plan->barrier_count = plan->last_barrier = 0;
 	plan->planner = *planner;
-	if (plan->row_error != STILB_OK)
-		return stilb_fail(plan->row_error, "%s", plan->row_message);
-	stilb_result result = make(plan);
-	plan->made = plan->planned = plan->next_counts = result == STILB_OK;
+	if (!same)
+		forget_answers(plan);
+	stilb_result result = plan->row_error;
 	if (result != STILB_OK)
-		plan->step_count = plan->barrier_count = plan->last_barrier = 0;
+		stilb_fail(result, "%s", plan->row_message);
+	else
+		result = make(plan, stays);
+	plan->made = plan->planned = result == STILB_OK;
+	if (result == STILB_OK)
+		return STILB_OK;
+	plan->next_counts = false;
+	plan->step_count = plan->barrier_count = plan->last_barrier = 0;
 	return result;
 }
 
@@ -473,11 +510,11 @@ bool stilb_gpu_plan_ready(const stilb_gpu_plan *plan, uint16_t number, uint8_t m
 uint32_t stilb_gpu_plan_heaps(const stilb_gpu_plan *plan)
 {
 	STILB_ASSERT(plan);
-	return plan->heap_count;
+	return plan->placements[plan->placement].heap_count;
 }
 
 uint64_t stilb_gpu_plan_heap_bytes(const stilb_gpu_plan *plan, uint32_t heap)
 {
-	STILB_ASSERT(plan && heap < plan->heap_count);
-	return plan->heap_bytes[heap];
+	STILB_ASSERT(plan && heap < stilb_gpu_plan_heaps(plan));
+	return plan->placements[plan->placement].heap_bytes[heap];
 }

@@ -64,8 +64,10 @@ static bool take_region(stilb_gpu_plan *plan, gpu_region taken, uint16_t *before
 		parts[part_count] = regions[end - 1];
 		parts[part_count++].begin = taken.end;
 	}
-	memmove(&regions[low + part_count], &regions[end], (next->region_count - end) * sizeof *regions);
-	memcpy(&regions[low], parts, part_count * sizeof *parts);
+	if (part_count != end - low) /* most often one takes the place of one */
+		memmove(&regions[low + part_count], &regions[end], (next->region_count - end) * sizeof *regions);
+	for (uint32_t i = 0; i < part_count; i++)
+		regions[low + i] = parts[i];
 	next->region_count += part_count - (end - low);
 	*before = accesses;
 	return true;
@@ -147,8 +149,11 @@ static bool begin_states(stilb_gpu_plan *plan)
 {
 	if (!gpu_array_reserve(&plan->subs, plan->sub_count, sizeof(gpu_sub)) || !begin_regions(plan))
 		return false;
-	for (uint32_t i = 1; i <= plan->resource_count; i++)
-		begin_resource(plan, i);
+	/* What lives within the frame begins as zeros: fresh_sub. */
+	static_assert(STILB_GPU_LAYOUT_NONE == 0 && STILB_GPU_ACCESS_NONE == 0, "states of zeros");
+	memset(plan->subs.items, 0, plan->sub_count * sizeof(gpu_sub));
+	for (uint32_t c = 0; c < plan->counted_count; c++)
+		begin_resource(plan, ((const uint16_t *)plan->counted.items)[c]);
 	return true;
 }
 
@@ -158,13 +163,19 @@ static bool begin_states(stilb_gpu_plan *plan)
 typedef struct touched {
 	stilb_gpu_plan *plan;
 	const gpu_touch *touch;
-	const gpu_resource *resource;
-	gpu_sub *subs; /* of mip 0, layer 0 */
+	gpu_sub *subs;   /* of mip 0, layer 0 */
+	uint32_t stride; /* of layers; 0: one state for all */
 	uint16_t accesses;
 	bool replaces; /* content that may be there is not needed */
 	bool writes;
 	bool content_alone; /* parts that this frame has not written are left alone */
 } touched;
+
+/* How the memory of what a touch is of was used before. */
+static uint16_t memory_readers(const touched *t)
+{
+	return gpu_plan_life(t->plan, t->touch->resource)->memory_readers;
+}
 
 /* What a state has been made visible to. */
 static uint16_t visible_to(const stilb_gpu_plan *plan, const gpu_sub *sub)
@@ -191,8 +202,9 @@ static uint8_t sub_key(const touched *t, const gpu_sub *sub)
 	const gpu_touch *touch = t->touch;
 	bool zero = needs_zeros(t, sub);
 	if (t->writes) {
-		bool nobody = t->resource->buffer && sub->readers == 0 && sub->write == STILB_GPU_ACCESS_NONE;
-		if (nobody && (t->resource->memory_readers == 0 || sub->last != STILB_GPU_ACCESS_NONE))
+		bool buffer = touch->layout == STILB_GPU_LAYOUT_NONE;
+		bool nobody = buffer && sub->readers == 0 && sub->write == STILB_GPU_ACCESS_NONE;
+		if (nobody && (memory_readers(t) == 0 || sub->last != STILB_GPU_ACCESS_NONE))
 			return 0;
 	} else if (!zero && sub->layout == touch->layout) {
 		if ((t->accesses & ~visible_to(t->plan, sub)) == 0 || sub->barrier != 0)
@@ -207,7 +219,7 @@ static uint8_t sub_key(const touched *t, const gpu_sub *sub)
 static uint16_t sub_before(const touched *t, const gpu_sub *sub)
 {
 	if (sub->last == STILB_GPU_ACCESS_NONE)
-		return t->resource->memory_readers;
+		return memory_readers(t);
 	uint16_t write = sub->write != STILB_GPU_ACCESS_NONE ? (uint16_t)(1u << sub->write) : 0;
 	if (sub->readers == 0)
 		return write;
@@ -283,8 +295,10 @@ static void rename_barrier(stilb_gpu_plan *plan, uint16_t number, uint32_t from,
 static bool join(stilb_gpu_plan *plan, uint32_t a, uint32_t b)
 {
 	stilb_gpu_barrier *barriers = plan->barriers.items;
+	if (barriers[b].resource != barriers[a].resource)
+		return false;
 	const gpu_resource *resource = gpu_plan_resource(plan, barriers[a].resource);
-	if (resource->subs == 1 || barriers[b].resource != barriers[a].resource ||
+	if (resource->subs == 1 ||
 	    !same_way(&barriers[a], &barriers[b], stilb_gpu_format_describe(resource->extent.format)->kind) ||
 	    !join_ranges(&barriers[a], &barriers[b]))
 		return false;
@@ -310,49 +324,46 @@ static void join_step(stilb_gpu_plan *plan, uint32_t first_of_step)
 			}
 }
 
-/* Returns index + 1. */
-static uint32_t add_barrier(stilb_gpu_plan *plan, stilb_gpu_barrier barrier)
-{
-	((stilb_gpu_barrier *)plan->barriers.items)[plan->barrier_count] = barrier;
-	return ++plan->barrier_count;
-}
-
-/* A barrier for the states in a range, which have one key. */
-static stilb_gpu_barrier range_barrier(const touched *t, stilb_gpu_range range, uint8_t key)
+/* Adds a barrier for the states in a range, which have one key, and returns its index + 1. Written member by member
+ * where it stays: a copy that is read in larger pieces than it was written in would wait for them. */
+static uint32_t add_barrier(const touched *t, stilb_gpu_range range, uint8_t key)
 {
 	const gpu_touch *touch = t->touch;
-	uint32_t stride = t->resource->subs > 1 ? t->resource->extent.mips : 0;
-	stilb_gpu_barrier barrier = {
-		.resource = touch->resource,
-		.to = touch->access,
-		.to_all = t->accesses,
-		.discard = !(key & 0x80),
-		.zero = key == 0x42,
-		.previous = touch->previous && gpu_plan_placed(t->plan, touch->resource)->two,
-		.mip = range.mip,
-		.mips = range.mips,
-		.layer = range.layer,
-		.layers = range.layers,
-	};
-	bool first = true;
+	uint32_t from_all = 0;
+	uint8_t from = STILB_GPU_ACCESS_NONE;
+	bool first = true, memory = false;
 	for (uint32_t layer = range.layer; layer < (uint32_t)range.layer + range.layers; layer++)
 		for (uint32_t mip = range.mip; mip < (uint32_t)range.mip + range.mips; mip++) {
-			const gpu_sub *sub = &t->subs[layer * stride + (stride > 0 ? mip : 0)];
-			barrier.from_all |= sub_before(t, sub);
-			barrier.from = first ? sub->last : barrier.from;
-			barrier.memory = barrier.memory || (sub->last == STILB_GPU_ACCESS_NONE && t->resource->memory_readers != 0);
+			const gpu_sub *sub = &t->subs[layer * t->stride + (t->stride > 0 ? mip : 0)];
+			if (t->stride == 0 && !first)
+				continue;
+			from_all |= sub_before(t, sub);
+			from = first ? sub->last : from;
+			memory = memory || (sub->last == STILB_GPU_ACCESS_NONE && memory_readers(t) != 0);
 			first = false;
-			if (stride == 0)
-				return barrier;
 		}
-	return barrier;
+	stilb_gpu_barrier *barrier = (stilb_gpu_barrier *)t->plan->barriers.items + t->plan->barrier_count;
+	barrier->resource = touch->resource;
+	barrier->from = from;
+	barrier->to = touch->access;
+	barrier->from_all = from_all;
+	barrier->to_all = t->accesses;
+	barrier->discard = !(key & 0x80);
+	barrier->zero = key == 0x42;
+	barrier->previous = touch->previous && gpu_plan_placed(t->plan, touch->resource)->two;
+	barrier->memory = memory;
+	barrier->mip = range.mip;
+	barrier->mips = range.mips;
+	barrier->layer = range.layer;
+	barrier->layers = range.layers;
+	return ++t->plan->barrier_count;
 }
 
 /* The largest range from a corner on, within `within`, whose keys are that of the corner. */
 static stilb_gpu_range grow(const touched *t, const uint8_t *keys, stilb_gpu_range within, uint32_t layer, uint32_t mip,
                             bool mips_first)
 {
-	uint32_t stride = t->resource->extent.mips;
+	uint32_t stride = t->stride;
 	uint8_t key = keys[layer * stride + mip];
 	uint32_t last_mip = (uint32_t)within.mip + within.mips, last_layer = (uint32_t)within.layer + within.layers;
 	uint32_t mips = 1, layers = 1;
@@ -378,14 +389,14 @@ static stilb_gpu_range grow(const touched *t, const uint8_t *keys, stilb_gpu_ran
 static uint32_t cut(const touched *t, uint8_t *keys, bool mips_first, bool add)
 {
 	stilb_gpu_range within = t->touch->range;
-	uint32_t stride = t->resource->extent.mips, count = 0;
+	uint32_t stride = t->stride, count = 0;
 	for (uint32_t layer = within.layer; layer < (uint32_t)within.layer + within.layers; layer++)
 		for (uint32_t mip = within.mip; mip < (uint32_t)within.mip + within.mips; mip++) {
 			uint8_t key = keys[layer * stride + mip];
 			if (key == 0)
 				continue;
 			stilb_gpu_range range = grow(t, keys, within, layer, mip, mips_first);
-			uint32_t barrier = add ? add_barrier(t->plan, range_barrier(t, range, key)) : 0;
+			uint32_t barrier = add ? add_barrier(t, range, key) : 0;
 			for (uint32_t l = layer; l < layer + range.layers; l++)
 				for (uint32_t m = mip; m < mip + range.mips; m++) {
 					keys[l * stride + m] = 0;
@@ -402,7 +413,7 @@ static bool touch_parts(const touched *t)
 {
 	stilb_gpu_plan *plan = t->plan;
 	stilb_gpu_range range = t->touch->range;
-	uint32_t stride = t->resource->extent.mips, count = t->resource->subs;
+	uint32_t stride = t->stride, count = gpu_plan_resource(plan, t->touch->resource)->subs;
 	if (!gpu_array_reserve(&plan->keys, 2 * (size_t)count, 1) ||
 	    !gpu_array_reserve(&plan->barriers, plan->barrier_count + (size_t)range.mips * range.layers,
 	                       sizeof(stilb_gpu_barrier)))
@@ -428,24 +439,26 @@ static bool touch_parts(const touched *t)
 
 static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch)
 {
-	const gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
-	bool other = touch->previous && gpu_plan_placed(plan, touch->resource)->two;
 	touched t = {
 		.plan = plan,
 		.touch = touch,
-		.resource = resource,
-		.subs = (gpu_sub *)plan->subs.items + resource->first_sub + (other ? resource->subs : 0),
+		.subs = (gpu_sub *)plan->subs.items + touch->first,
 		.accesses = (uint16_t)(1u << touch->access),
-		.replaces = touch->replaces || (touch->writes && !touch->reads && resource->image.owned == 0),
+		.replaces = touch->replaces || (touch->writes && !touch->reads && !touch->owned),
 		.writes = touch->writes,
 		.content_alone = touch->access == STILB_GPU_ACCESS_OUTPUT,
 	};
-	if (resource->subs > 1)
+	if (touch->previous && gpu_plan_placed(plan, touch->resource)->two)
+		t.subs += gpu_plan_resource(plan, touch->resource)->subs;
+	if (touch->many) {
+		t.stride = gpu_plan_resource(plan, touch->resource)->extent.mips;
+		t.subs -= touch->range.layer * t.stride + touch->range.mip;
 		return touch_parts(&t);
+	}
 	if (!gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + 1, sizeof(stilb_gpu_barrier)))
 		return false;
 	uint8_t key = sub_key(&t, t.subs);
-	uint32_t barrier = key != 0 ? add_barrier(plan, range_barrier(&t, touch->range, key)) : 0;
+	uint32_t barrier = key != 0 ? add_barrier(&t, touch->range, key) : 0;
 	sub_access(&t, t.subs, barrier);
 	return true;
 }
@@ -453,17 +466,29 @@ static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch)
 /* ---- the frame --------------------------------------------------------------------------------------------------- */
 
 /* Before a transient resource's first step: what its memory was used for. */
-static bool begin_memory(stilb_gpu_plan *plan, uint16_t number, uint32_t step)
+static bool begin_memory(stilb_gpu_plan *plan, uint16_t number)
 {
 	const stilb_gpu_placed *placed = gpu_plan_placed(plan, number);
-	gpu_resource *resource = gpu_plan_resource(plan, number);
-	if (!placed->shared || placed->first_step != step)
+	if (!placed->shared)
 		return true;
 	return take_region(
 		plan,
 		(gpu_region){
 			.begin = placed->offset, .end = placed->offset + placed->bytes, .heap = placed->heap, .resource = number},
-		&resource->memory_readers);
+		&gpu_plan_life(plan, number)->memory_readers);
+}
+
+/* The same for all that a step is the first to touch. */
+static bool begin_memories(stilb_gpu_plan *plan, const gpu_touch *touches, uint32_t count, uint32_t step)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		bool begins = gpu_plan_life(plan, touches[i].resource)->first == step + 1;
+		for (uint32_t k = 0; k < i && begins; k++)
+			begins = touches[k].resource != touches[i].resource; /* else it has its memory already */
+		if (begins && !begin_memory(plan, touches[i].resource))
+			return false;
+	}
+	return true;
 }
 
 static bool walk_steps(stilb_gpu_plan *plan)
@@ -473,13 +498,8 @@ static bool walk_steps(stilb_gpu_plan *plan)
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, steps[s].pass, &count);
 		steps[s].first_barrier = plan->barrier_count;
-		for (uint32_t i = 0; i < count; i++) {
-			bool again = false; /* it has its memory already */
-			for (uint32_t k = 0; k < i; k++)
-				again = again || touches[k].resource == touches[i].resource;
-			if (!again && !begin_memory(plan, touches[i].resource, s))
-				return false;
-		}
+		if (!begin_memories(plan, touches, count, s))
+			return false;
 		for (uint32_t i = 0; i < count; i++)
 			if (!touch_one(plan, &touches[i]))
 				return false;
@@ -493,15 +513,19 @@ static bool walk_steps(stilb_gpu_plan *plan)
 static bool walk_outputs(stilb_gpu_plan *plan)
 {
 	plan->last_barrier = plan->barrier_count;
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
-		const gpu_resource *resource = gpu_plan_resource(plan, i);
+	for (uint32_t c = 0; c < plan->counted_count; c++) {
+		uint16_t number = ((const uint16_t *)plan->counted.items)[c];
+		const gpu_resource *resource = gpu_plan_resource(plan, number);
 		const stilb_gpu_extent *extent = &resource->extent;
 		if (!resource->image.output && !resource->shown)
 			continue;
-		gpu_touch touch = {.resource = (uint16_t)i,
+		gpu_touch touch = {.resource = number,
 		                   .access = STILB_GPU_ACCESS_OUTPUT,
 		                   .layout = resource->buffer ? STILB_GPU_LAYOUT_NONE : STILB_GPU_LAYOUT_COPY_FROM,
-		                   .range = {0, (uint8_t)extent->mips, 0, extent->layers}};
+		                   .owned = resource->image.owned != 0,
+		                   .many = resource->subs > 1,
+		                   .range = {0, (uint8_t)extent->mips, 0, extent->layers},
+		                   .first = resource->first_sub};
 		if (!touch_one(plan, &touch))
 			return false;
 	}
@@ -522,11 +546,12 @@ static gpu_sub sub_left(const stilb_gpu_plan *plan, const gpu_resource *resource
 static bool leave(stilb_gpu_plan *plan)
 {
 	gpu_left *next = &plan->next;
-	if (!gpu_array_reserve(&next->records, plan->resource_count, sizeof(gpu_record)) ||
+	if (!gpu_array_reserve(&next->records, plan->counted_count, sizeof(gpu_record)) ||
 	    !gpu_array_reserve(&next->subs, plan->sub_count, sizeof(gpu_sub)))
 		return false;
 	next->record_count = next->sub_count = 0;
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
+	for (uint32_t c = 0; c < plan->counted_count; c++) {
+		uint32_t i = ((const uint16_t *)plan->counted.items)[c];
 		const gpu_resource *resource = gpu_plan_resource(plan, i);
 		const stilb_gpu_placed *placed = gpu_plan_placed(plan, i);
 		if (placed->first_step == UINT32_MAX && resource->record == GPU_NO_RECORD)
@@ -545,7 +570,7 @@ static bool leave(stilb_gpu_plan *plan)
 		record->subs = resource->subs;
 		record->two = placed->two;
 		record->keep = resource->image.keep;
-		record->written = resource->written;
+		record->written = gpu_plan_life(plan, i)->written;
 		next->record_count++;
 		uint32_t count = resource->image.keep ? 2 * resource->subs : resource->subs;
 		gpu_sub *to = (gpu_sub *)next->subs.items + next->sub_count;

@@ -9,8 +9,9 @@
  *   gpu_plan_barrier.c   barriers, and what the frame leaves for the next
  *   gpu_plan_hash.c, gpu_plan_text.c, gpu_plan_svg.c   results in other forms
  *
- * A table that is the same as last frame's, but for constants, clear values and names of passes, has the same plan, if
- * last frame has also left everything as it found it (`steady`): then nothing is made anew.
+ * A table whose passes touch the same parts of the same resources in the same ways as last frame's, whatever their
+ * programs, constants, clear values and names are, has the same plan, if last frame has also left everything as it
+ * found it (`steady`): then nothing is made anew. Else all is, but for the checks of rows that are last frame's.
  */
 #ifndef STILB_GPU_PLAN_INTERNAL_H
 #define STILB_GPU_PLAN_INTERNAL_H
@@ -42,17 +43,27 @@ typedef struct gpu_resource {
 	stilb_gpu_extent extent;        /* format NONE: a buffer */
 	uint64_t bytes;                 /* of all texels, or of the buffer */
 	bool buffer;
+	stilb_gpu_needs needs; /* the device's answer for these uses; bytes 0: not asked */
+	uint16_t needs_uses;
 	/* what plans of this table have in common */
 	bool shown;
-	bool whole;              /* every use is of all mips and layers */
-	uint32_t first_sub;      /* of this frame's content; kept: as many again for last frame's, if there are two */
-	uint32_t subs;           /* states: one for each mip and layer, or one for all */
-	uint32_t record;         /* in plan->left, or GPU_NO_RECORD */
-	uint32_t first_write;    /* step */
-	uint32_t last_previous;  /* step; UINT32_MAX: no `previous` use */
-	bool written;            /* by a pass that is not left out */
-	uint16_t memory_readers; /* accesses of what the memory was used for before */
+	uint32_t first_sub; /* of this frame's content; kept: as many again for last frame's, if there are two */
+	uint32_t subs;      /* states: one for each mip and layer, or one for all */
+	uint32_t record;    /* in plan->left, or GPU_NO_RECORD */
 } gpu_resource;
+
+/* What the walks over all touches ask of a resource: few bytes, so that all of them stay in the nearest cache. */
+typedef struct gpu_life {
+	uint32_t first, last;    /* steps + 1; first 0: none touches it */
+	uint32_t first_write;    /* step + 1; 0: none */
+	uint32_t last_previous;  /* step + 1; 0: no `previous` use */
+	uint16_t uses;           /* as of stilb_gpu_extent */
+	uint16_t memory_readers; /* accesses of what the memory was used for before */
+	uint32_t first_sub;      /* as in gpu_resource */
+	bool many;               /* a state for each mip and layer */
+	bool partial;            /* a use is not of all mips and layers */
+	bool written;            /* by a pass that is not left out */
+} gpu_life;
 
 /* What a pass does with a part of a resource. */
 typedef struct gpu_touch {
@@ -63,12 +74,24 @@ typedef struct gpu_touch {
 	bool writes;
 	bool replaces; /* all of what was there */
 	bool previous;
-	stilb_gpu_range range;
+	bool owned;   /* the resource is */
+	bool partial; /* not of all mips and layers */
+	bool many;    /* the resource has a state for each mip and layer */
 	uint8_t role; /* where the row says so: a colour attachment's index, or GPU_ROLE_... */
+	uint16_t use; /* bit of stilb_gpu_extent.uses */
+	stilb_gpu_range range;
+	uint32_t first; /* state of the range's first mip and layer, of this frame's content */
 } gpu_touch;
 #define GPU_ROLE_RESOLVE 8u /* + index of the colour attachment */
 #define GPU_ROLE_DEPTH 16u
 #define GPU_ROLE_USE 17u /* + index of the use */
+
+/* The touches of a row. */
+typedef struct gpu_span {
+	uint32_t first, count;
+	bool checked; /* they are those of the row as it is; else of that of the table before, if it had one */
+	bool asked;   /* the planner was asked for mistakes of the row as it is */
+} gpu_span;
 
 /* State of a mip and layer between two passes. */
 typedef struct gpu_sub {
@@ -124,6 +147,15 @@ typedef struct gpu_item {
 	uint64_t offset; /* the result */
 } gpu_item;
 
+/* Items that were placed: a table that goes back to what it was some frames ago finds its places again. */
+#define GPU_PLACEMENTS 4u
+typedef struct gpu_placement {
+	gpu_array items; /* gpu_item */
+	uint32_t count;
+	uint64_t heap_bytes[GPU_MAX_HEAPS];
+	uint32_t heap_count;
+} gpu_placement;
+
 struct stilb_gpu_plan {
 	uint32_t size[2];
 	/* rows */
@@ -134,7 +166,8 @@ struct stilb_gpu_plan {
 	uint32_t shown_count, shown_known;
 	gpu_array names; /* uint16_t: resources by name and by `owned`; open addressing, 0: empty */
 	uint32_t name_mask;
-	bool changed; /* the rows are not those of the table before */
+	bool changed;      /* the images, buffers or what is shown are not those of the table before */
+	bool rows_changed; /* passes are not */
 	bool begun;
 	bool made;    /* there is a plan of the rows */
 	bool planned; /* in this frame */
@@ -148,19 +181,22 @@ struct stilb_gpu_plan {
 	gpu_left left, next; /* by the frame before; by this plan */
 	bool next_counts;    /* `next` is to become `left` */
 	/* scratch and results */
-	gpu_array touches, first_touch; /* gpu_touch; uint32_t: of each row, and one more */
-	uint32_t touch_count;
+	gpu_array touches, spans;    /* gpu_touch; gpu_span of each row */
+	uint32_t touch_count;        /* also of rows as they were: each that changes has its touches at the end */
 	gpu_array marks, subs, live; /* gpu_mark, gpu_sub; bool for each row */
 	uint32_t sub_count;
+	gpu_array lives;   /* gpu_life from index 1 on */
+	gpu_array counted; /* uint16_t: resources that somebody reads after the frame */
+	uint32_t counted_count;
 	gpu_array placed; /* stilb_gpu_placed from index 1 on */
 	gpu_array steps, barriers;
 	uint32_t step_count, barrier_count, last_barrier; /* last_barrier: the first after the last step */
-	gpu_array items, items_known;                     /* gpu_item */
-	uint32_t item_count, items_known_count;
-	gpu_array placing; /* scratch of gpu_place */
-	uint64_t heap_bytes[GPU_MAX_HEAPS];
-	uint32_t heap_count;
-	gpu_array keys; /* scratch of barriers: uint8_t for each mip and layer */
+	gpu_array items;                                  /* gpu_item */
+	uint32_t item_count;
+	gpu_placement placements[GPU_PLACEMENTS];
+	uint32_t placement, next_placement; /* the one of this plan; the one that the next new one takes the place of */
+	gpu_array placing;                  /* scratch of gpu_place */
+	gpu_array keys;                     /* scratch of barriers: uint8_t for each mip and layer */
 };
 
 /* ---- small things that all files use ----------------------------------------------------------------------------- */
@@ -182,12 +218,17 @@ static inline stilb_gpu_placed *gpu_plan_placed(const stilb_gpu_plan *plan, uint
 	return (stilb_gpu_placed *)plan->placed.items + resource;
 }
 
+static inline gpu_life *gpu_plan_life(const stilb_gpu_plan *plan, uint32_t resource)
+{
+	return (gpu_life *)plan->lives.items + resource;
+}
+
 /* Touches of a row. */
 static inline const gpu_touch *gpu_plan_touches(const stilb_gpu_plan *plan, uint32_t row, uint32_t *count)
 {
-	const uint32_t *first = plan->first_touch.items;
-	*count = first[row + 1] - first[row];
-	return (const gpu_touch *)plan->touches.items + first[row];
+	const gpu_span *span = (const gpu_span *)plan->spans.items + row;
+	*count = span->count;
+	return (const gpu_touch *)plan->touches.items + span->first;
 }
 
 /* It stays from frame to frame, in memory of its own. */
@@ -231,8 +272,9 @@ stilb_result gpu_resource_check_buffer(gpu_resource *resource);
 /* "samples", "draws over", ...: what a pass does with what it touches. Static. */
 const char *gpu_touch_verb(const stilb_gpu_pass *pass, const gpu_touch *touch);
 
-/* Checks all passes, and fills plan->touches and first_touch. */
-stilb_result gpu_plan_check_passes(stilb_gpu_plan *plan);
+/* Checks the passes that have changed, or all if the resources have, and fills plan->touches and spans. *same: all
+ * touches are those of the table before. */
+stilb_result gpu_plan_check_passes(stilb_gpu_plan *plan, bool *same);
 
 bool gpu_sub_equal(const gpu_sub *a, const gpu_sub *b);
 

@@ -45,32 +45,31 @@ static bool is_uniform(const stilb_gpu_plan *plan, const gpu_record *record)
 	return true;
 }
 
+/* Which resources have a state for each mip and layer, and which count. */
 static stilb_result assign_subs(stilb_gpu_plan *plan)
 {
 	size_t sum = 0;
 	uint32_t hint = 0;
-	if (!gpu_array_reserve(&plan->placed, plan->resource_count + 1, sizeof(stilb_gpu_placed)))
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u resources", plan->resource_count);
+	plan->counted_count = 0;
 	for (uint32_t i = 1; i <= plan->resource_count; i++) {
 		gpu_resource *resource = gpu_plan_resource(plan, i);
+		gpu_life *life = gpu_plan_life(plan, i);
+		bool one = !life->partial;
 		resource->record = GPU_NO_RECORD;
-		if (gpu_resource_counts(resource) && plan->left.record_count > 0) {
-			resource->record = gpu_plan_find_record(plan, resource, hint);
+		if (gpu_resource_counts(resource)) {
+			((uint16_t *)plan->counted.items)[plan->counted_count++] = (uint16_t)i;
+			resource->record = plan->left.record_count > 0 ? gpu_plan_find_record(plan, resource, hint) : GPU_NO_RECORD;
 			if (resource->record != GPU_NO_RECORD)
 				hint = resource->record + 1 < plan->left.record_count ? resource->record + 1 : 0;
 		}
-		bool one = resource->whole;
 		if (one && resource->record != GPU_NO_RECORD)
 			one = is_uniform(plan, (const gpu_record *)plan->left.records.items + resource->record);
-		resource->first_sub = (uint32_t)sum;
+		resource->first_sub = life->first_sub = (uint32_t)sum;
 		resource->subs = one ? 1 : (uint32_t)resource->extent.layers * resource->extent.mips;
+		life->many = resource->subs > 1;
 		sum += resource->image.keep ? 2 * (size_t)resource->subs : resource->subs;
-		resource->first_write = resource->last_previous = UINT32_MAX;
-		resource->written = false;
-		*gpu_plan_placed(plan, i) = (stilb_gpu_placed){.extent = resource->extent,
-		                                               .bytes = resource->bytes,
-		                                               .owned = resource->image.owned,
-		                                               .first_step = UINT32_MAX};
+		if (sum >= UINT32_MAX)
+			break;
 	}
 	if (sum >= UINT32_MAX || !gpu_array_reserve(&plan->marks, sum, sizeof(gpu_mark)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan whose images have %zu mips and layers", sum);
@@ -79,25 +78,64 @@ static stilb_result assign_subs(stilb_gpu_plan *plan)
 	return STILB_OK;
 }
 
+/* Tells the touches which states are theirs. */
+static void find_states(stilb_gpu_plan *plan, gpu_touch *touches, uint32_t count)
+{
+	for (uint32_t i = 0; i < count; i++) {
+		gpu_touch *touch = &touches[i];
+		const gpu_life *life = gpu_plan_life(plan, touch->resource);
+		touch->many = life->many;
+		touch->first = life->first_sub;
+		if (touch->many)
+			touch->first +=
+				touch->range.layer * gpu_plan_resource(plan, touch->resource)->extent.mips + touch->range.mip;
+	}
+}
+
+static stilb_result find_subs(stilb_gpu_plan *plan)
+{
+	uint32_t count = plan->resource_count;
+	if (!gpu_array_reserve(&plan->placed, count + 1, sizeof(stilb_gpu_placed)) ||
+	    !gpu_array_reserve(&plan->lives, count + 1, sizeof(gpu_life)) ||
+	    !gpu_array_reserve(&plan->counted, count, sizeof(uint16_t)))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u resources", count);
+	memset(plan->lives.items, 0, (count + 1) * sizeof(gpu_life));
+	const gpu_span *spans = plan->spans.items;
+	gpu_touch *touches = plan->touches.items;
+	for (uint32_t row = 0; row < plan->row_count; row++)
+		for (uint32_t i = spans[row].first; i < spans[row].first + spans[row].count; i++)
+			if (touches[i].partial)
+				gpu_plan_life(plan, touches[i].resource)->partial = true;
+	stilb_result result = assign_subs(plan);
+	for (uint32_t row = 0; row < plan->row_count && result == STILB_OK; row++)
+		find_states(plan, touches + spans[row].first, spans[row].count);
+	return result;
+}
+
 /* ---- walks over the mips and layers of a touch ------------------------------------------------------------------- */
 
 typedef struct walk {
-	const gpu_resource *resource;
 	uint32_t mip, layer; /* of the range, from 0 */
 	uint32_t mips, layers, first, stride;
 } walk;
 
-static walk walk_begin(const gpu_resource *resource, const gpu_touch *touch)
+static inline walk walk_begin(const stilb_gpu_plan *plan, const gpu_touch *touch)
 {
-	uint32_t half = touch->previous ? resource->subs : 0;
-	walk w = {.resource = resource, .mips = 1, .layers = 1, .first = resource->first_sub + half};
-	if (resource->subs > 1) {
+	walk w = {.mips = 1, .layers = 1, .first = touch->first};
+	if (touch->many) {
 		w.mips = touch->range.mips;
 		w.layers = touch->range.layers;
-		w.stride = resource->extent.mips;
-		w.first += touch->range.layer * w.stride + touch->range.mip;
+		w.stride = gpu_plan_resource(plan, touch->resource)->extent.mips;
 	}
+	if (touch->previous)
+		w.first += gpu_plan_resource(plan, touch->resource)->subs;
 	return w;
+}
+
+/* It has one mark, touch->first. */
+static inline bool is_plain(const gpu_touch *touch)
+{
+	return !touch->many && !touch->previous;
 }
 
 /* Sets *index to the next mark; false: there is none. */
@@ -137,7 +175,7 @@ static uint32_t find_writer(const stilb_gpu_plan *plan, uint32_t row, const gpu_
 		for (uint32_t i = 0; i < count; i++) {
 			if (!touches[i].writes || gpu_plan_resource(plan, touches[i].resource) != resource)
 				continue;
-			walk w = walk_begin(resource, &touches[i]);
+			walk w = walk_begin(plan, &touches[i]);
 			for (uint32_t at; walk_next(&w, &at);)
 				if (at == index)
 					return row;
@@ -190,31 +228,39 @@ static stilb_result fail_twice(const stilb_gpu_plan *plan, uint32_t row, const g
 
 /* ---- reading what was written ------------------------------------------------------------------------------------ */
 
-static stilb_result check_touch(stilb_gpu_plan *plan, uint32_t row, const gpu_touch *touch)
+/* Looks at one mark of a touch, and marks it. */
+static inline stilb_result check_mark(const stilb_gpu_plan *plan, uint32_t row, const gpu_touch *touch, uint32_t at)
 {
-	const gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
-	bool must_be = touch->reads && resource->image.owned == 0;
-	gpu_mark *marks = plan->marks.items;
-	walk w = walk_begin(resource, touch);
-	for (uint32_t at; walk_next(&w, &at);) {
-		gpu_mark *mark = &marks[at];
-		if (mark->pass == row + 1 && (mark->wrote || touch->writes || mark->layout != touch->layout))
-			return fail_twice(plan, row, touch, at);
-		if (must_be && !mark->written)
-			return fail_unwritten(plan, row, touch, at);
-		mark->pass = row + 1;
-		mark->layout = touch->layout;
-		mark->wrote = touch->writes;
-	}
+	gpu_mark *mark = (gpu_mark *)plan->marks.items + at;
+	if (mark->pass == row + 1 && (mark->wrote || touch->writes || mark->layout != touch->layout))
+		return fail_twice(plan, row, touch, at);
+	if (touch->reads && !touch->owned && !mark->written)
+		return fail_unwritten(plan, row, touch, at);
+	mark->pass = row + 1;
+	mark->layout = touch->layout;
+	mark->wrote = touch->writes;
 	return STILB_OK;
 }
 
-static void mark_written(stilb_gpu_plan *plan, const gpu_touch *touch)
+static stilb_result check_touch(const stilb_gpu_plan *plan, uint32_t row, const gpu_touch *touch)
+{
+	if (is_plain(touch))
+		return check_mark(plan, row, touch, touch->first);
+	walk w = walk_begin(plan, touch);
+	stilb_result result = STILB_OK;
+	for (uint32_t at; result == STILB_OK && walk_next(&w, &at);)
+		result = check_mark(plan, row, touch, at);
+	return result;
+}
+
+static void mark_written(const stilb_gpu_plan *plan, const gpu_touch *touch)
 {
 	gpu_mark *marks = plan->marks.items;
-	gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
-	resource->written = true;
-	walk w = walk_begin(resource, touch);
+	gpu_plan_life(plan, touch->resource)->written = true;
+	marks[touch->first].written = true;
+	if (is_plain(touch))
+		return;
+	walk w = walk_begin(plan, touch);
 	for (uint32_t at; walk_next(&w, &at);)
 		marks[at].written = true;
 }
@@ -235,14 +281,16 @@ static stilb_result check_order(stilb_gpu_plan *plan)
 			if (touches[i].writes)
 				mark_written(plan, &touches[i]);
 	}
-	for (uint32_t i = 1; i <= plan->resource_count; i++) {
-		gpu_resource *resource = gpu_plan_resource(plan, i);
-		if ((resource->image.output || resource->shown) && resource->image.owned == 0 && !resource->written)
+	for (uint32_t c = 0; c < plan->counted_count; c++) {
+		uint32_t number = ((const uint16_t *)plan->counted.items)[c];
+		const gpu_resource *resource = gpu_plan_resource(plan, number);
+		gpu_life *life = gpu_plan_life(plan, number);
+		if ((resource->image.output || resource->shown) && resource->image.owned == 0 && !life->written)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "%s '%s' is %s, and no pass writes it: add one, or leave it out",
 			                  gpu_resource_word(resource), resource->name,
 			                  resource->image.output ? "an output" : "shown");
-		resource->written = false;
-		for (uint32_t s = 0; gpu_resource_counts(resource) && s < resource->subs; s++)
+		life->written = false;
+		for (uint32_t s = 0; s < resource->subs; s++)
 			marks[resource->first_sub + s].needed = true;
 	}
 	return STILB_OK;
@@ -250,50 +298,64 @@ static stilb_result check_order(stilb_gpu_plan *plan)
 
 /* ---- passes that count ------------------------------------------------------------------------------------------- */
 
+/* Somebody reads later what a touch writes. */
+static bool touch_needed(const stilb_gpu_plan *plan, const gpu_touch *touch)
+{
+	const gpu_mark *marks = plan->marks.items;
+	bool needed = marks[touch->first].needed;
+	if (is_plain(touch))
+		return needed;
+	walk w = walk_begin(plan, touch);
+	for (uint32_t at; !needed && walk_next(&w, &at);)
+		needed = marks[at].needed;
+	return needed;
+}
+
+/* What a pass that runs reads is needed before it; what it replaces is not. */
+static void touch_needs(const stilb_gpu_plan *plan, const gpu_touch *touch)
+{
+	gpu_mark *marks = plan->marks.items;
+	if (is_plain(touch)) {
+		marks[touch->first].needed = touch->reads;
+		return;
+	}
+	walk w = walk_begin(plan, touch);
+	for (uint32_t at; walk_next(&w, &at);)
+		marks[at].needed = touch->reads;
+}
+
 /* Goes back through the rows with the parts that somebody reads later. */
 static stilb_result find_needed(stilb_gpu_plan *plan)
 {
 	if (!gpu_array_reserve(&plan->live, plan->row_count, sizeof(bool)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
 	bool *live = plan->live.items;
-	gpu_mark *marks = plan->marks.items;
 	for (uint32_t row = plan->row_count; row-- > 0;) {
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
 		live[row] = false;
-		for (uint32_t i = 0; i < count; i++) {
-			walk w = walk_begin(gpu_plan_resource(plan, touches[i].resource), &touches[i]);
-			for (uint32_t at; touches[i].writes && walk_next(&w, &at);)
-				live[row] = live[row] || marks[at].needed;
-		}
-		for (uint32_t i = 0; live[row] && i < count; i++) {
-			if (touches[i].previous || (!touches[i].reads && !touches[i].replaces))
-				continue;
-			walk w = walk_begin(gpu_plan_resource(plan, touches[i].resource), &touches[i]);
-			for (uint32_t at; walk_next(&w, &at);)
-				marks[at].needed = touches[i].reads;
-		}
+		for (uint32_t i = 0; i < count && !live[row]; i++)
+			live[row] = touches[i].writes && touch_needed(plan, &touches[i]);
+		for (uint32_t i = 0; live[row] && i < count; i++)
+			if (!touches[i].previous && (touches[i].reads || touches[i].replaces))
+				touch_needs(plan, &touches[i]);
 	}
 	return STILB_OK;
 }
 
 /* ---- steps ------------------------------------------------------------------------------------------------------- */
 
-static void step_touch(stilb_gpu_plan *plan, uint32_t step, const stilb_gpu_pass *pass, const gpu_touch *touch)
+static void step_touch(const stilb_gpu_plan *plan, uint32_t step, const gpu_touch *touch)
 {
-	gpu_resource *resource = gpu_plan_resource(plan, touch->resource);
-	stilb_gpu_placed *placed = gpu_plan_placed(plan, touch->resource);
-	if (placed->first_step == UINT32_MAX)
-		placed->first_step = step;
-	placed->last_step = step;
-	placed->extent.uses |= touch->role >= GPU_ROLE_USE ? (uint16_t)(1u << pass->uses[touch->role - GPU_ROLE_USE].how)
-	                                                   : (uint16_t)STILB_GPU_EXTENT_ATTACHMENT;
+	gpu_life *life = gpu_plan_life(plan, touch->resource);
+	life->first = life->first > 0 ? life->first : step + 1;
+	life->last = step + 1;
+	life->uses |= touch->use;
 	if (touch->previous)
-		resource->last_previous = step;
+		life->last_previous = step + 1;
 	if (touch->writes) {
-		resource->written = true;
-		if (resource->first_write == UINT32_MAX)
-			resource->first_write = step;
+		life->written = true;
+		life->first_write = life->first_write > 0 ? life->first_write : step + 1;
 	}
 }
 
@@ -321,27 +383,33 @@ static stilb_result find_steps(stilb_gpu_plan *plan)
 			continue;
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
-		const stilb_gpu_pass *pass = gpu_plan_row(plan, row);
 		for (uint32_t i = 0; i < count; i++)
-			step_touch(plan, plan->step_count, pass, &touches[i]);
+			step_touch(plan, plan->step_count, &touches[i]);
 		steps[plan->step_count] = (stilb_gpu_step){.pass = row};
-		step_area(plan, pass, &steps[plan->step_count]);
+		step_area(plan, gpu_plan_row(plan, row), &steps[plan->step_count]);
 		plan->step_count++;
 	}
 	return STILB_OK;
 }
 
-/* What stays, and which of it are two. */
-static void find_staying(stilb_gpu_plan *plan)
+/* Lifetimes; what stays, and which of it are two. */
+static void find_places(stilb_gpu_plan *plan)
 {
 	for (uint32_t i = 1; i <= plan->resource_count; i++) {
 		const gpu_resource *resource = gpu_plan_resource(plan, i);
+		const gpu_life *life = gpu_plan_life(plan, i);
 		stilb_gpu_placed *placed = gpu_plan_placed(plan, i);
-		bool untouched = placed->first_step == UINT32_MAX;
-		placed->two = resource->last_previous != UINT32_MAX && resource->first_write <= resource->last_previous;
+		*placed = (stilb_gpu_placed){.extent = resource->extent,
+		                             .bytes = resource->bytes,
+		                             .owned = resource->image.owned,
+		                             .first_step = life->first - 1, /* UINT32_MAX: none */
+		                             .last_step = life->first > 0 ? life->last - 1 : 0};
+		placed->extent.uses = life->uses;
 		if ((resource->image.output || resource->shown) && !resource->buffer)
 			placed->extent.uses |= 1u << STILB_GPU_USE_COPY_FROM;
-		if (untouched || !gpu_resource_stays(resource))
+		/* Written, if at all, before the last of the reads of last frame's, or by the same step. */
+		placed->two = life->last_previous > 0 && life->first_write > 0 && life->first_write <= life->last_previous;
+		if (life->first == 0 || !gpu_resource_stays(resource))
 			continue;
 		if (resource->record != GPU_NO_RECORD)
 			placed->stay = ((const gpu_record *)plan->left.records.items)[resource->record].stay;
@@ -352,11 +420,11 @@ static void find_staying(stilb_gpu_plan *plan)
 
 stilb_result gpu_plan_find_live(stilb_gpu_plan *plan)
 {
-	stilb_result result = assign_subs(plan);
+	stilb_result result = find_subs(plan);
 	result = result == STILB_OK ? check_order(plan) : result;
 	result = result == STILB_OK ? find_needed(plan) : result;
 	result = result == STILB_OK ? find_steps(plan) : result;
 	if (result == STILB_OK)
-		find_staying(plan);
+		find_places(plan);
 	return result;
 }

@@ -175,11 +175,13 @@ uint64_t gpu_place(gpu_item *items, uint32_t count, gpu_array *scratch)
 /* ---- of a plan --------------------------------------------------------------------------------------------------- */
 
 /* What a resource needs; asked once for each description. */
-static stilb_result ask_needs(stilb_gpu_plan *plan, uint16_t number, gpu_item *known)
+static stilb_result ask_needs(stilb_gpu_plan *plan, uint16_t number)
 {
 	const stilb_gpu_placed *placed = gpu_plan_placed(plan, number);
-	const gpu_resource *resource = gpu_plan_resource(plan, number);
+	gpu_resource *resource = gpu_plan_resource(plan, number);
 	const stilb_gpu_planner *planner = &plan->planner;
+	if (resource->needs.bytes > 0 && resource->needs_uses == placed->extent.uses)
+		return STILB_OK;
 	stilb_gpu_needs needs = {.bytes = placed->bytes, .align = 256};
 	stilb_result result = STILB_OK;
 	if (resource->buffer && planner->buffer_needs)
@@ -190,12 +192,8 @@ static stilb_result ask_needs(stilb_gpu_plan *plan, uint16_t number, gpu_item *k
 		return result;
 	STILB_ASSERT(needs.bytes > 0 && needs.align > 0 && (needs.align & (needs.align - 1)) == 0 && "a device's answer");
 	STILB_ASSERT(needs.heap < GPU_MAX_HEAPS && "a device's answer");
-	*known = (gpu_item){.bytes = needs.bytes,
-	                    .align = needs.align,
-	                    .heap = needs.heap,
-	                    .resource = number,
-	                    .first = placed->first_step,
-	                    .last = placed->last_step};
+	resource->needs = needs;
+	resource->needs_uses = placed->extent.uses;
 	return STILB_OK;
 }
 
@@ -210,15 +208,22 @@ static stilb_result find_items(stilb_gpu_plan *plan)
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, steps[s].pass, &count);
 		for (uint32_t i = 0; i < count; i++) {
+			if (gpu_plan_life(plan, touches[i].resource)->first != s + 1)
+				continue;
 			stilb_gpu_placed *placed = gpu_plan_placed(plan, touches[i].resource);
-			if (placed->owned != 0 || placed->stay != 0 || placed->first_step != s || placed->shared)
+			if (placed->owned != 0 || placed->stay != 0 || placed->shared)
 				continue;
 			placed->shared = true;
-			stilb_result result =
-				ask_needs(plan, touches[i].resource, (gpu_item *)plan->items.items + plan->item_count);
+			stilb_result result = ask_needs(plan, touches[i].resource);
 			if (result != STILB_OK)
 				return result;
-			plan->item_count++;
+			const stilb_gpu_needs *needs = &gpu_plan_resource(plan, touches[i].resource)->needs;
+			((gpu_item *)plan->items.items)[plan->item_count++] = (gpu_item){.bytes = needs->bytes,
+			                                                                 .align = needs->align,
+			                                                                 .heap = needs->heap,
+			                                                                 .resource = touches[i].resource,
+			                                                                 .first = placed->first_step,
+			                                                                 .last = placed->last_step};
 		}
 	}
 	return STILB_OK;
@@ -240,16 +245,54 @@ static uint32_t sort_heaps(gpu_item *items, uint32_t count)
 	return heaps;
 }
 
-static bool same_items(const stilb_gpu_plan *plan)
+static bool same_items(const stilb_gpu_plan *plan, const gpu_placement *known)
 {
-	const gpu_item *a = plan->items.items, *b = plan->items_known.items;
-	if (plan->item_count != plan->items_known_count)
+	const gpu_item *a = plan->items.items, *b = known->items.items;
+	if (plan->item_count != known->count)
 		return false;
 	for (uint32_t i = 0; i < plan->item_count; i++)
 		if (a[i].bytes != b[i].bytes || a[i].align != b[i].align || a[i].first != b[i].first ||
 		    a[i].last != b[i].last || a[i].heap != b[i].heap)
 			return false;
 	return true;
+}
+
+/* The placement of these items, the last one's first; NULL: none. */
+static const gpu_placement *find_placement(stilb_gpu_plan *plan)
+{
+	for (uint32_t i = 0; i < GPU_PLACEMENTS; i++) {
+		uint32_t at = (plan->placement + i) % GPU_PLACEMENTS;
+		if (same_items(plan, &plan->placements[at])) {
+			plan->placement = at;
+			return &plan->placements[at];
+		}
+	}
+	return NULL;
+}
+
+/* Places the items anew, and remembers how. */
+static stilb_result place_items(stilb_gpu_plan *plan, uint32_t heaps)
+{
+	gpu_item *items = plan->items.items;
+	gpu_placement *made = &plan->placements[plan->next_placement];
+	plan->placement = plan->next_placement;
+	made->count = made->heap_count = 0;
+	memset(made->heap_bytes, 0, sizeof made->heap_bytes);
+	for (uint32_t i = 0, end; i < plan->item_count; i = end) {
+		for (end = i; end < plan->item_count && items[end].heap == items[i].heap; end++)
+			continue;
+		uint64_t bytes = gpu_place(items + i, end - i, &plan->placing);
+		if (bytes == UINT64_MAX)
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", end - i);
+		made->heap_bytes[items[i].heap] = bytes;
+	}
+	if (!gpu_array_reserve(&made->items, plan->item_count, sizeof(gpu_item)))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", plan->item_count);
+	memcpy(made->items.items, items, plan->item_count * sizeof *items);
+	made->count = plan->item_count;
+	made->heap_count = heaps;
+	plan->next_placement = (plan->next_placement + 1) % GPU_PLACEMENTS;
+	return STILB_OK;
 }
 
 stilb_result gpu_plan_place_memory(stilb_gpu_plan *plan)
@@ -259,32 +302,16 @@ stilb_result gpu_plan_place_memory(stilb_gpu_plan *plan)
 		return result;
 	gpu_item *items = plan->items.items;
 	uint32_t heaps = sort_heaps(items, plan->item_count);
-	if (same_items(plan)) {
-		const gpu_item *known = plan->items_known.items;
-		for (uint32_t i = 0; i < plan->item_count; i++)
-			items[i].offset = known[i].offset;
-	} else {
-		plan->items_known_count = 0;
-		plan->heap_count = heaps;
-		memset(plan->heap_bytes, 0, sizeof plan->heap_bytes);
-		for (uint32_t i = 0, end; i < plan->item_count; i = end) {
-			for (end = i; end < plan->item_count && items[end].heap == items[i].heap; end++)
-				continue;
-			uint64_t bytes = gpu_place(items + i, end - i, &plan->placing);
-			if (bytes == UINT64_MAX)
-				return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", end - i);
-			plan->heap_bytes[items[i].heap] = bytes;
-		}
-		if (!gpu_array_reserve(&plan->items_known, plan->item_count, sizeof(gpu_item)))
-			return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", plan->item_count);
-		memcpy(plan->items_known.items, items, plan->item_count * sizeof *items);
-		plan->items_known_count = plan->item_count;
-	}
-	for (uint32_t i = 0; i < plan->item_count; i++) {
+	const gpu_placement *known = find_placement(plan);
+	if (!known)
+		result = place_items(plan, heaps);
+	for (uint32_t i = 0; known && i < plan->item_count; i++)
+		items[i].offset = ((const gpu_item *)known->items.items)[i].offset;
+	for (uint32_t i = 0; i < plan->item_count && result == STILB_OK; i++) {
 		stilb_gpu_placed *placed = gpu_plan_placed(plan, items[i].resource);
 		placed->bytes = items[i].bytes;
 		placed->offset = items[i].offset;
 		placed->heap = items[i].heap;
 	}
-	return STILB_OK;
+	return result;
 }

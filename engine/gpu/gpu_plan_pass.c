@@ -63,14 +63,16 @@ static bool draws(const stilb_gpu_pass *pass)
 
 static void touch_add(checked *c, gpu_touch touch)
 {
-	gpu_resource *resource = gpu_plan_resource(c->plan, touch.resource);
+	const gpu_resource *resource = gpu_plan_resource(c->plan, touch.resource);
 	const stilb_gpu_extent *extent = &resource->extent;
 	touch.layout =
 		(uint8_t)(resource->buffer
 	                  ? STILB_GPU_LAYOUT_NONE
 	                  : stilb_gpu_access_layout(touch.access, stilb_gpu_format_describe(extent->format)->kind));
-	if (touch.range.mips != extent->mips || touch.range.layers != extent->layers)
-		resource->whole = false;
+	touch.use = touch.role >= GPU_ROLE_USE ? (uint16_t)(1u << c->pass->uses[touch.role - GPU_ROLE_USE].how)
+	                                       : (uint16_t)STILB_GPU_EXTENT_ATTACHMENT;
+	touch.owned = resource->image.owned != 0;
+	touch.partial = touch.range.mips != extent->mips || touch.range.layers != extent->layers;
 	c->touches[c->count] = touch;
 	c->count++;
 }
@@ -567,25 +569,63 @@ static stilb_result check_pass(checked *c)
 	return result;
 }
 
-stilb_result gpu_plan_check_passes(stilb_gpu_plan *plan)
+/* Member by member but for what gpu_plan_live.c fills in. */
+static bool same_touch(const gpu_touch *a, const gpu_touch *b)
 {
+	return a->resource == b->resource && a->access == b->access && a->layout == b->layout && a->reads == b->reads &&
+	       a->writes == b->writes && a->replaces == b->replaces && a->previous == b->previous && a->role == b->role &&
+	       a->use == b->use && a->range.mip == b->range.mip && a->range.mips == b->range.mips &&
+	       a->range.layer == b->range.layer && a->range.layers == b->range.layers;
+}
+
+/* Puts a row's touches where its span says, or at the end of all. *same: becomes false if they are others than before.
+ */
+static void set_touches(stilb_gpu_plan *plan, gpu_span *span, const gpu_touch *touches, uint32_t count, bool *same)
+{
+	gpu_touch *before = (gpu_touch *)plan->touches.items + span->first;
+	bool equal = span->count == count;
+	for (uint32_t i = 0; i < count && equal; i++)
+		equal = same_touch(&before[i], &touches[i]);
+	*same = *same && equal;
+	if (equal)
+		return;
+	*span = (gpu_span){.first = plan->touch_count, .count = count};
+	memcpy((gpu_touch *)plan->touches.items + span->first, touches, count * sizeof *touches);
+	plan->touch_count += count;
+}
+
+/* Forgets all touches: they are of other resources, or too many are of rows as they were. */
+static void forget_touches(stilb_gpu_plan *plan)
+{
+	gpu_span *spans = plan->spans.items;
+	uint32_t used = 0;
+	for (uint32_t row = 0; row < plan->row_count; row++)
+		used += spans[row].count;
+	if (!plan->changed && plan->touch_count <= 2 * used + 4096)
+		return;
 	plan->touch_count = 0;
-	if (!gpu_array_reserve(&plan->first_touch, plan->row_count + 1, sizeof(uint32_t)))
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
-	uint32_t *first = plan->first_touch.items;
+	memset(spans, 0, plan->row_count * sizeof *spans);
+}
+
+stilb_result gpu_plan_check_passes(stilb_gpu_plan *plan, bool *same)
+{
+	*same = !plan->changed && plan->row_count == plan->rows_known;
+	if (plan->row_count > 0)
+		forget_touches(plan);
+	gpu_span *spans = plan->spans.items;
 	for (uint32_t row = 0; row < plan->row_count; row++) {
+		if (spans[row].checked)
+			continue;
 		if (!gpu_array_reserve(&plan->touches, plan->touch_count + MOST_TOUCHES, sizeof(gpu_touch)))
 			return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
-		first[row] = plan->touch_count;
-		checked c = {.plan = plan,
-		             .pass = gpu_plan_row(plan, row),
-		             .row = row,
-		             .touches = (gpu_touch *)plan->touches.items + plan->touch_count};
+		gpu_touch touches[MOST_TOUCHES];
+		checked c = {.plan = plan, .pass = gpu_plan_row(plan, row), .row = row, .touches = touches};
 		stilb_result result = check_pass(&c);
 		if (result != STILB_OK)
 			return result;
-		plan->touch_count += c.count;
+		set_touches(plan, &spans[row], touches, c.count, same);
+		spans[row].checked = true;
+		spans[row].asked = false;
 	}
-	first[plan->row_count] = plan->touch_count;
 	return STILB_OK;
 }

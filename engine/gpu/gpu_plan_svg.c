@@ -177,12 +177,12 @@ static void draw_barriers(const drawing *d, uint32_t step, uint32_t first, uint3
 
 static void draw_heap(const drawing *d, uint32_t heap, double top)
 {
-	double scale = HEAP / (double)d->plan->heap_bytes[heap], bottom = top + HEAP;
+	double scale = HEAP / (double)stilb_gpu_plan_heap_bytes(d->plan, heap), bottom = top + HEAP;
 	fprintf(d->out,
 	        "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">heap %u</text>\n<text x=\"%.1f\" y=\"%.1f\" "
 	        "text-anchor=\"end\" fill=\"#555\">",
 	        LEFT - 10, top + 14, heap, LEFT - 10, top + 30);
-	gpu_print_bytes(d->out, d->plan->heap_bytes[heap]);
+	gpu_print_bytes(d->out, stilb_gpu_plan_heap_bytes(d->plan, heap));
 	fprintf(d->out,
 	        "</text>\n<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" fill=\"#fafafa\" stroke=\"#bbb\"/>\n",
 	        LEFT, top, d->column * d->plan->step_count, HEAP);
@@ -291,8 +291,8 @@ static void draw(drawing *d)
 	const stilb_gpu_step *steps = plan->steps.items;
 	double y = row_y(d, d->row_count) + 18;
 	uint32_t heaps = 0;
-	for (uint32_t heap = 0; heap < plan->heap_count; heap++)
-		heaps += plan->heap_bytes[heap] > 0;
+	for (uint32_t heap = 0; heap < stilb_gpu_plan_heaps(plan); heap++)
+		heaps += stilb_gpu_plan_heap_bytes(plan, heap) > 0;
 	d->height = y + heaps * (HEAP + 16) + LEGEND + 18.0 * (plan->row_count - plan->step_count);
 	fprintf(d->out,
 	        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\" "
@@ -309,8 +309,8 @@ static void draw(drawing *d)
 		draw_touches(d, s);
 	}
 	draw_barriers(d, plan->step_count, plan->last_barrier, plan->barrier_count - plan->last_barrier);
-	for (uint32_t heap = 0; heap < plan->heap_count; heap++)
-		if (plan->heap_bytes[heap] > 0) {
+	for (uint32_t heap = 0; heap < stilb_gpu_plan_heaps(plan); heap++)
+		if (stilb_gpu_plan_heap_bytes(plan, heap) > 0) {
 			draw_heap(d, heap, y);
 			y += HEAP + 16;
 		}

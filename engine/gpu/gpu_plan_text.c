@@ -209,8 +209,8 @@ static uint64_t alone_bytes(const stilb_gpu_plan *plan)
 void gpu_print_title(FILE *out, const stilb_gpu_plan *plan)
 {
 	uint64_t bytes = 0;
-	for (uint32_t i = 0; i < plan->heap_count; i++)
-		bytes += plan->heap_bytes[i];
+	for (uint32_t i = 0; i < stilb_gpu_plan_heaps(plan); i++)
+		bytes += stilb_gpu_plan_heap_bytes(plan, i);
 	fprintf(out, "picture %u x %u, ", plan->size[0], plan->size[1]);
 	print_number(out, plan->step_count, "pass", "es");
 	fprintf(out, ", ");

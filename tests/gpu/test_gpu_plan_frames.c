@@ -193,7 +193,7 @@ static void test_planner(void **state)
 		uint32_t device;
 		uint64_t version;
 		uint32_t wanted[2];
-	} frames[] = {{0, 0, {1, 0}}, {0, 0, {2, 0}}, {0, 0, {2, 0}}, {0, 1, {3, 0}}, {1, 1, {3, 1}}, {1, 1, {3, 1}}};
+	} frames[] = {{0, 0, {1, 0}}, {0, 0, {1, 0}}, {0, 0, {1, 0}}, {0, 1, {2, 0}}, {1, 1, {2, 1}}, {1, 1, {2, 1}}};
 	stilb_gpu_plan *plan = stilb_gpu_plan_create();
 	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
 		stilb_gpu_planner planner = {
@@ -203,6 +203,113 @@ static void test_planner(void **state)
 		assert_int_equal(stilb_gpu_plan_make(plan, &planner), STILB_OK);
 		assert_int_equal(asked[0], frames[i].wanted[0]);
 		assert_int_equal(asked[1], frames[i].wanted[1]);
+	}
+	stilb_gpu_plan_destroy(plan);
+}
+
+static const char *count_mistakes(void *user, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass)
+{
+	(void)plan;
+	(*(uint32_t *)user)++;
+	return pass->program == 13 ? "has the unlucky program" : NULL;
+}
+
+/* Two passes, and what they have besides images. */
+static stilb_result make_two(stilb_gpu_plan *plan, uint32_t *asked, uint32_t first, uint32_t second, bool sampled)
+{
+	stilb_gpu_planner planner = {.user = asked, .mistake = count_mistakes};
+	stilb_gpu_plan_begin(plan, 64, 64);
+	script_rows(plan, "image a rgba8_u\nimage b rgba8_u output");
+	stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){.name = "p",
+	                                            .kind = STILB_GPU_PASS_FULLSCREEN,
+	                                            .program = first,
+	                                            .color = {{.image = 1, .load = STILB_GPU_LOAD_CLEAR}},
+	                                            .color_count = 1});
+	stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){.name = "q",
+	                                            .kind = STILB_GPU_PASS_FULLSCREEN,
+	                                            .program = second,
+	                                            .color = {{.image = 2, .load = STILB_GPU_LOAD_CLEAR}},
+	                                            .color_count = 1,
+	                                            .uses = {{.resource = 1, .how = STILB_GPU_USE_SAMPLED}},
+	                                            .use_count = sampled});
+	return stilb_gpu_plan_make(plan, &planner);
+}
+
+/* A pass with another program has the same plan, and is asked about alone; the plan holds the new row. */
+static void test_programs(void **state)
+{
+	(void)state;
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	uint32_t asked = 0;
+	for (uint32_t frame = 0; frame < 3; frame++)
+		assert_int_equal(make_two(plan, &asked, 1, 2, true), STILB_OK);
+	assert_int_equal(asked, 2);
+	char *before = script_barriers(plan);
+	assert_int_equal(make_two(plan, &asked, 1, 3, true), STILB_OK);
+	assert_int_equal(asked, 3);
+	assert_int_equal(stilb_gpu_plan_row(plan, 1)->program, 3);
+	expect_barriers(plan, before);
+	free(before);
+	assert_int_equal(make_two(plan, &asked, 13, 3, true), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "pass 1 'p' has the unlucky program"));
+	const stilb_gpu_step *steps;
+	assert_int_equal(stilb_gpu_plan_steps(plan, &steps), 0);
+	assert_int_equal(make_two(plan, &asked, 1, 3, true), STILB_OK);
+	/* Without the sample nobody needs the first pass, whose program is then not asked about. */
+	assert_int_equal(make_two(plan, &asked, 13, 3, false), STILB_OK);
+	assert_int_equal(stilb_gpu_plan_steps(plan, &steps), 1);
+	assert_int_equal(make_two(plan, &asked, 13, 3, true), STILB_ERROR_ARGUMENT);
+	stilb_gpu_plan_destroy(plan);
+}
+
+/* Of many tables in turn, each has the plan that it had before, and no more memory is needed. */
+static void test_turns(void **state)
+{
+	(void)state;
+	static const char *const uses[] = {"sample:a", "sample:b", "sample:c", "sample:a sample:b", "sample:b sample:c"};
+	enum { TURNS = 5, FRAMES = 4000 };
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	char *barriers[TURNS] = {0};
+	uint32_t before = 0;
+	for (uint32_t frame = 0; frame < FRAMES; frame++) {
+		char rows[300];
+		snprintf(rows, sizeof rows,
+		         "image a rgba8_u\nimage b r8_u\nimage c rgba16_f\nimage d rgba8_u output\ndraws p clear:a\n"
+		         "draws q clear:b\ndraws r clear:c\nscreen s fresh:d %s\n",
+		         uses[frame % TURNS]);
+		script_make(plan, rows);
+		if (frame == FRAMES / 2)
+			before = reallocs;
+		if (frame < TURNS || frame >= FRAMES - TURNS) {
+			uint32_t taken = reallocs;
+			char *text = script_barriers(plan);
+			reallocs = taken;
+			if (frame >= FRAMES - TURNS && frame % TURNS > 0) /* the first table followed none */
+				assert_string_equal(text, barriers[frame % TURNS]);
+			free(barriers[frame % TURNS]);
+			barriers[frame % TURNS] = text;
+		}
+	}
+	assert_int_equal(reallocs, before);
+	for (uint32_t i = 0; i < TURNS; i++)
+		free(barriers[i]);
+	stilb_gpu_plan_destroy(plan);
+}
+
+/* Places are those of lifetimes, also where only the first step of one or only the last has changed. */
+static void test_lifetimes(void **state)
+{
+	(void)state;
+	static const char *const passes[3] = {
+		"draws p clear:a\nscreen q fresh:o sample:a\ndraws r clear:b\nscreen s over:o sample:b",
+		"draws p clear:a\nscreen q fresh:b sample:a\ndraws r clear:o\nscreen s over:o sample:b",
+		"draws p clear:a\nscreen q fresh:o sample:a\ndraws r clear:b sample:a\nscreen s over:o sample:b"};
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	for (uint32_t frame = 0; frame < 9; frame++) {
+		char rows[300];
+		snprintf(rows, sizeof rows, "image a rgba8_u\nimage b rgba8_u\nimage o rgba8_u output\n%s", passes[frame % 3]);
+		script_make(plan, rows);
+		assert_int_equal(place(plan, "a")->offset == place(plan, "b")->offset, frame % 3 == 0);
 	}
 	stilb_gpu_plan_destroy(plan);
 }
@@ -573,11 +680,12 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_two),     cmocka_unit_test(test_layout_between), cmocka_unit_test(test_planner),
-		cmocka_unit_test(test_shown),   cmocka_unit_test(test_resize),         cmocka_unit_test(test_kept),
-		cmocka_unit_test(test_dropped), test_one_thread(test_steady),          cmocka_unit_test(test_left_out),
-		cmocka_unit_test(test_hash),    cmocka_unit_test(test_hash_constants), cmocka_unit_test(test_text),
-		cmocka_unit_test(test_svg),     cmocka_unit_test(test_sizes),          cmocka_unit_test(test_no_memory),
+		cmocka_unit_test(test_two),      cmocka_unit_test(test_layout_between), cmocka_unit_test(test_planner),
+		cmocka_unit_test(test_programs), cmocka_unit_test(test_turns),          cmocka_unit_test(test_lifetimes),
+		cmocka_unit_test(test_shown),    cmocka_unit_test(test_resize),         cmocka_unit_test(test_kept),
+		cmocka_unit_test(test_dropped),  test_one_thread(test_steady),          cmocka_unit_test(test_left_out),
+		cmocka_unit_test(test_hash),     cmocka_unit_test(test_hash_constants), cmocka_unit_test(test_text),
+		cmocka_unit_test(test_svg),      cmocka_unit_test(test_sizes),          cmocka_unit_test(test_no_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
