@@ -13,11 +13,12 @@ endfunction()
 
 # stilb_shaders(TARGET "SOURCE [OUTPUT [DEFINITION ...]]"...): compiles shaders to C initialisers (words in braces), which the
 # target's sources include as OUTPUT.inc; OUTPUT is the name of the source unless it is given. Shaders may include others,
-# so glslc writes what they depend on.
+# so glslc writes what they depend on. What the preset release has compiled is copied (shader.sh).
 function(stilb_shaders target)
 	find_program(STILB_GLSLC glslc REQUIRED)
 	set(folder ${CMAKE_CURRENT_BINARY_DIR}/shaders)
 	file(MAKE_DIRECTORY ${folder})
+	cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_BINARY_DIR} OUTPUT_VARIABLE place)
 	foreach(line ${ARGN})
 		separate_arguments(words UNIX_COMMAND "${line}")
 		list(POP_FRONT words source output)
@@ -27,7 +28,8 @@ function(stilb_shaders target)
 		list(TRANSFORM words PREPEND -D)
 		add_custom_command(
 			OUTPUT ${folder}/${output}.inc
-			COMMAND ${STILB_GLSLC} --target-env=vulkan1.3 -O -Werror ${words} -mfmt=c -MD -MF ${folder}/${output}.d
+			COMMAND ${PROJECT_SOURCE_DIR}/cmake/shader.sh ${PROJECT_SOURCE_DIR}/build/release/${place}/${output}.inc
+				${folder}/${output}.inc ${STILB_GLSLC} --target-env=vulkan1.3 -O -Werror ${words} -mfmt=c -MD -MF ${folder}/${output}.d
 				-MT ${folder}/${output}.inc -o ${folder}/${output}.inc ${CMAKE_CURRENT_SOURCE_DIR}/${source}
 			DEPENDS ${source}
 			DEPFILE ${folder}/${output}.d
