@@ -101,9 +101,9 @@ typedef struct stilb_prof_ring {
 #else
 #define STILB_PROF_BOUND_ __attribute__((visibility("hidden")))
 #endif
-extern const stilb_prof_site __start_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
+extern const stilb_prof_site __start_stilb_prof_section[] /* NOLINT(clang-diagnostic-reserved-identifier) */
 	STILB_PROF_BOUND_;
-extern const stilb_prof_site __stop_stilb_prof_section[] /* NOLINT(bugprone-reserved-identifier,cert-dcl*) */
+extern const stilb_prof_site __stop_stilb_prof_section[] /* NOLINT(clang-diagnostic-reserved-identifier) */
 	STILB_PROF_BOUND_;
 
 /* A program, or a shared object of it, that records in the profiler of another: of libstilb.so. */

@@ -108,7 +108,7 @@ static int write_much(void)
 {
 	signal(SIGXFSZ, SIG_IGN);
 	int file = memfd_create("x", MFD_CLOEXEC);
-	return result_of(ftruncate(file, 1ll << 40));
+	return result_of(ftruncate(file, 1LL << 40));
 }
 
 enum { FREE, FILES = SCENE_PROTECTION_LANDLOCK, CALLS = SCENE_PROTECTION_SECCOMP, LIMITS = SCENE_PROTECTION_LIMITS };

@@ -33,7 +33,7 @@ gcc_options='-Og -S -fanalyzer -Wno-analyzer-use-of-uninitialized-value -Wno-ana
 tidy() {
 	local header="^$PWD/($modules)/"
 	(cd "$build" && eval "clang-tidy --quiet --header-filter='$header' '$1' -- ${2#* } \
-		-Xclang -analyzer-config -Xclang max-nodes=$steps" 2>/dev/null)
+		-Wreserved-identifier -Wreserved-macro-identifier -Xclang -analyzer-config -Xclang max-nodes=$steps" 2>/dev/null)
 }
 
 # analyze "FILE COMMAND": runs both, unless they have found nothing in the same text. What gcc writes is thrown away.

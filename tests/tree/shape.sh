@@ -64,6 +64,7 @@ dialect() {
 		/^[ \t]*\*( |$)/ { next }
 		{ code = $0; gsub(/"([^"\\]|\\.)*"/, "\"\"", code); sub(/\/\*.*/, "", code) }
 		code ~ /[!=]= NULL/ { bad("a pointer is tested by itself: p, !p") }
+		code ~ /[^A-Za-z0-9_.](0x[0-9a-fA-F]+|[0-9]+)l/ { bad("a suffix L is large: l looks like 1") }
 		code ~ /^[ \t]*(\+\+|--)/ || code ~ /; (\+\+|--)[^;]*\)/ { bad("a statement increments behind the name: i++") }
 		code ~ /^\t+const ((struct|enum|unsigned|signed|long) )*[a-z0-9_]+ [A-Za-z0-9_]+( =|[;,])/ { bad("a local goes without const") }'
 }

@@ -123,6 +123,8 @@ test_shape() {
 	dialect '++i;' 'a statement increments behind the name'
 	dialect 'for (int i = 0; i < 9; ++i)' 'a statement increments behind the name'
 	dialect 'const unsigned long n = 9;' 'a local goes without const'
+	dialect 'long n = 9l;' 'a suffix L is large'
+	dialect 'long n = -0x1fll;' 'a suffix L is large'
 	fresh_tree
 	printf '\tf(++i, "p == NULL"); /* p == NULL */\n\tconst char *name = "";\n\tstatic const int size = 9;\n' >>game/main.c
 	printf '\tconst flag flags[] = {{0}};\n/* If\n * p == NULL\n */\n' >>game/main.c
