@@ -2,7 +2,7 @@
  * every method, with every instruction set, on one thread and on several, sees what a plain loop sees. */
 #include "support/cull_reference.h"
 
-#define EDITS 100000u
+#define EDITS (TEST_ASAN ? 40000u : 100000u)
 #define MOST_MODELS 6000u
 #define MOST_EDITS 160u /* in a frame */
 

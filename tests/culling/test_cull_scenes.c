@@ -2,7 +2,7 @@
  * the result of a plain loop. Bounds and planes can have any values, also NaN and infinities. */
 #include "support/cull_reference.h"
 
-#define SCENES (TEST_ASAN ? 30000u : 100000u)
+#define SCENES (TEST_ASAN ? 12000u : 100000u)
 #define MOST_MODELS 160u
 #define FAR 1e6f /* metres from the origin */
 

@@ -12,6 +12,7 @@
 #include "tests/engine/pipeline_count.h"
 #endif
 
+#define SANITIZED (TEST_ASAN || TEST_TSAN) /* fewer rounds of the same */
 #define WIDTH 96
 #define HEIGHT 64
 #define SIDE 2100u /* of a texture, pixels: 16.8 MiB with four channels, which take more than one frame */
@@ -131,7 +132,7 @@ static void a_scene_is_made_ready(void **state)
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(stilb_engine_set_scene(engine, w->scenes[0]), STILB_OK);
 	assert_true(same(draw(engine), w->looks[0]));
-	for (int round = 0; round < (TEST_TSAN ? 2 : 4); round++) {
+	for (int round = 0; round < (SANITIZED ? 1 : 4); round++) {
 		int to = 1 - round % 2;
 		assert_int_equal(stilb_engine_prepare(engine, w->scenes[to]), STILB_OK);
 		int frames = draw_until_ready(engine, w->looks[1 - to]);
@@ -181,7 +182,7 @@ static void pipelines_are_made_ahead(void **state)
 static void at_any_moment(void **state)
 {
 	world *w = *state;
-	for (int frames = 0; frames < (TEST_TSAN ? 2 : 4); frames++) {
+	for (int frames = SANITIZED; frames < (SANITIZED ? 2 : 4); frames++) {
 		stilb_engine *engine = make_engine();
 		assert_int_equal(stilb_engine_set_scene(engine, w->scenes[0]), STILB_OK);
 		assert_int_equal(stilb_engine_prepare(engine, w->scenes[1]), STILB_OK);

@@ -66,8 +66,14 @@ static const char *const ways[] = {"--workers 0",
                                    "--workers 3 --validate"};
 #define WAYS (sizeof ways / sizeof *ways)
 
-/* With the address sanitizer, which sees no more in another way or name, every third way and sixth name is run. */
-enum { WAY_STEP = TEST_ASAN ? 3 : 1, NAME_STEP = TEST_ASAN ? 6 : 1 };
+/* With the address sanitizer, which sees no more in another way or name, every third way and sixth name is run, every
+ * second change of flags and route, and the windows of the profiler and of materials in a few ways. */
+enum {
+	WAY_STEP = TEST_ASAN ? 3 : 1,
+	NAME_STEP = TEST_ASAN ? 6 : 1,
+	FLAG_STEP = TEST_ASAN ? 2 : 1,
+	WINDOW_STEP = TEST_ASAN ? 5 : 1
+};
 
 static uint64_t null_hash(const char *what)
 {
@@ -123,7 +129,7 @@ static void test_flags_change_the_picture(void **state)
 	static const char *const changes[] = {"--seed 2", "--view half", "--view few", "--models 100", "--msaa 4"};
 	stilb_good(SMALL "--screenshot first.png");
 	read_picture("first.png");
-	for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+	for (size_t i = 0; i < sizeof changes / sizeof *changes; i += FLAG_STEP) {
 		stilb_good(SMALL "--screenshot other.png %s", changes[i]);
 		assert_false(same_picture("other.png"));
 	}
@@ -234,7 +240,7 @@ static void test_the_same_formulas_in_every_way(void **state)
 	assert_string_equal(stat_text("g", '"'), "schlick-ggx");
 	assert_string_equal(stat_text("f", '"'), "schlick");
 	read_picture("first.png");
-	for (size_t i = 0; i < sizeof routes / sizeof *routes; i++) {
+	for (size_t i = 0; i < sizeof routes / sizeof *routes; i += FLAG_STEP) {
 		stilb_good(SHADED
 		           "--ndf ggx-anisotropic --g schlick-ggx --light-model sphere --screenshot other.png --stats a.json "
 		           "--validate %s",
@@ -286,7 +292,7 @@ static void test_overlay(void **state)
 	                                    "--msaa 4",
 	                                    "--ui-aa off",
 	                                    "--ui-aa article"};
-	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++) {
+	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i += WINDOW_STEP) {
 		stilb_good(LARGE "%s --screenshot plain.png --stats a.json", drawn[i]);
 		uint64_t hash = stat_hash("a.json");
 		read_picture("plain.png");
@@ -316,8 +322,8 @@ static void test_inspector(void **state)
 	stilb_good(LARGE "--size 960x640 --screenshot plain.png --stats a.json");
 	uint64_t hash = stat_hash("a.json");
 	read_picture("plain.png");
-	static const char *const drawn[] = {"", "--overlay", "--replay secondary --workers 2"};
-	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++) {
+	static const char *const drawn[] = {"--replay secondary --workers 2", "--overlay", ""};
+	for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i += WINDOW_STEP) {
 		stilb_good(LARGE "--size 960x640 %s --inspector --validate --screenshot over.png --stats a.json", drawn[i]);
 		assert_true(stat_hash("a.json") == hash);
 		assert_in_range(same_rows("over.png"), 1, 40);

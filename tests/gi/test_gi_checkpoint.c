@@ -84,7 +84,7 @@ static void same_bits_in_parts(void **state)
 	stilb_gi_settings settings = render_fixture_settings(&fixture);
 	uint32_t stops = 0;
 	settings.samples = TEST_TSAN ? 6 : 16;
-	for (int variant = 0; variant < 6; variant++) {
+	for (int variant = TEST_TSAN ? 3 : 0; variant < 6; variant++) {
 		settings.progressive = variant % 2;
 		settings.firefly_weight = variant / 2 % 2;
 		settings.integrator = variant < 5 ? STILB_GI_INTEGRATOR_PATH : STILB_GI_INTEGRATOR_IRRADIANCE_CACHE;

@@ -16,6 +16,7 @@
 /* Root of the mean square of what pixels may differ by, of a brightest value of 1, over all directions. Boxes are the
  * hardest model: a face at a glance is in none of the next pictures. */
 #define BOUND 0.045
+#define STEP (TEST_ASAN ? 2 : 1) /* of the 26 directions */
 
 static stilb_job_pool *pool;
 
@@ -250,7 +251,7 @@ static void check_directions(const char *name, const stilb_mat4 *transform, floa
 	float center[3] = {at[0], at[1], at[2]};
 	double sum = 0.0;
 	s.walled = walled;
-	for (int i = 0; i < 26; i++) {
+	for (int i = 0; i < 26; i += STEP) {
 		stilb_render_view view = view_from(direction_of(i), center, impostor.radius * stretch);
 		view.both_sides = both_sides;
 		stilb_image a = stage_picture(&s, false, transform, &view), b = stage_picture(&s, true, transform, &view);
@@ -263,7 +264,7 @@ static void check_directions(const char *name, const stilb_mat4 *transform, floa
 			fail_msg("%s, direction %d: RMS %.4f, %.4f where both cover all, area %.4f", name, i, found.rms,
 			         found.middle, found.area);
 	}
-	double rms = sqrt(sum / 26.0);
+	double rms = sqrt(sum / (26 / STEP));
 	print_message("%s: RMS %.4f\n", name, rms);
 	assert_true(rms <= BOUND);
 	stage_close(&s);
@@ -353,7 +354,7 @@ static void test_samples(void **state)
 	for (int many = 0; many < 2; many++) {
 		stage s =
 			stage_open(&model, &impostor, (stilb_render_desc){.width = SIZE, .height = SIZE, .samples = many ? 4 : 1});
-		for (int i = 0; i < 26; i++) {
+		for (int i = 0; i < 26; i += STEP) {
 			stilb_render_view view = view_from(direction_of(i), impostor.center, impostor.radius);
 			stilb_image truth = stage_picture(&fine, false, &still, &view),
 						image = stage_picture(&s, true, &still, &view);

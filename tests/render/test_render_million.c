@@ -7,7 +7,7 @@
 #include <malloc.h>
 #include <stddef.h>
 
-#define MODELS 500000u
+#define MODELS (TEST_ASAN ? 200000u : 500000u)
 #define DRAWS (2 * MODELS)
 
 /* Allocations of more bytes fail. Relaxed: only the value matters. */

@@ -182,7 +182,7 @@ static void a_thousand_frames(void **state)
 	uint32_t *ids = all_ids(models);
 	stilb_job_pool *pool = make_pool(3);
 	stilb_render *render = make_render(scene, 4, STILB_RENDER_REPLAY_INDIRECT);
-	for (uint64_t frame = 0; frame < (TEST_TSAN ? 100 : 1000); frame++)
+	for (uint64_t frame = 0; frame < (TEST_TSAN ? 40 : 1000); frame++)
 		assert_frame(render, scene, ids, random_ids(ids, models, frame), pool);
 	stilb_render_destroy(render);
 	stilb_job_pool_destroy(pool);

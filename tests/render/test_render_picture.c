@@ -168,14 +168,16 @@ static void assert_traced(const stilb_scene *scene, const reference_camera *came
 {
 	stilb_image image = picture_make(scene, camera, linear);
 	uint32_t seen[2] = {0}, sky = 0, unsure = 0;
-	for (uint32_t y = 0; y < camera->height; y++)
+	uint32_t step = TEST_ASAN ? 4 : 1; /* rays are this test's own: with the address sanitizer in every fourth row */
+	for (uint32_t y = 0; y < camera->height; y += step)
 		for (uint32_t x = 0; x < camera->width; x++) {
 			traced_pixel want = trace_pixel(scene, camera, x, y);
 			if (want.sure)
 				assert_pixel_between(&image, x, y, want.low, want.high, tolerance);
 			*(!want.sure ? &unsure : want.part == REFERENCE_MISS ? &sky : &seen[want.part]) += 1;
 		}
-	assert_true(seen[0] > 200 && seen[1] > 200 && sky > 200 && unsure < camera->width * camera->height / 50);
+	assert_true(seen[0] > 200 / step && seen[1] > 200 / step && sky > 200 / step);
+	assert_true(unsure < camera->width * camera->height / step / 50);
 	stilb_image_finish(&image);
 }
 
@@ -428,8 +430,8 @@ static void the_same_however_it_was_drawn(void **state)
 	static const uint32_t workers[] = {0, 1, 3};
 	stilb_image first = picture_make(scene, &camera, (picture_desc){.replay = STILB_RENDER_REPLAY_DIRECT});
 	for (int way = 0; way < 27; way++) {
-		if (TEST_ASAN && way / 9 != (way + way / 3) % 3)
-			continue; /* all pairs of replay and materials are left, each with one number of workers */
+		if (TEST_ASAN && way % 13 != 0)
+			continue; /* each replay, each kind of materials and each number of workers once */
 		stilb_render_stats stats;
 		picture_desc how = {
 			.replay = (stilb_render_replay_mode)(way % 3),

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 
 /* Random arguments for each function. Where each takes ten times as long, their first ones. */
-#define SHADE_PROOF_COUNT (TEST_EMULATED ? 100000 : TEST_ASAN ? 250000 : 1000000)
+#define SHADE_PROOF_COUNT (TEST_EMULATED ? 100000 : TEST_ASAN ? 80000 : 1000000)
 
 static inline bool shade_proof_quick(void)
 {

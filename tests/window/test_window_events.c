@@ -157,7 +157,7 @@ static void test_resize_during_frames(void **state)
 	shaker s = {.window = f->window};
 	pthread_t thread;
 	assert_int_equal(pthread_create(&thread, NULL, shake, &s), 0);
-	for (int i = 0; i < 150; i++) {
+	for (int i = 0; i < (TEST_ASAN ? 60 : 150); i++) {
 		stilb_engine_report report;
 		if (stilb_engine_frame(f->engine, &report) != STILB_OK || stilb_engine_validation_messages(f->engine) > 0)
 			break;
