@@ -496,7 +496,10 @@ stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 	gpu->frames++;
 	if (gpu_fault_lost(gpu))
 		return stilb_fail(STILB_ERROR_DEVICE_LOST, "cannot give '%s' a frame: it was lost on purpose", gpu->name);
-	return gpu->functions->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
+	result = gpu->functions->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
+	if (result != STILB_OK)
+		gpu_ring_again(gpu);
+	return result;
 }
 
 stilb_result stilb_gpu_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t image)

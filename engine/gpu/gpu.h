@@ -305,7 +305,8 @@ stilb_gpu_planner stilb_gpu_planner_of(stilb_gpu *gpu);
 
 /* Hands a frame to the device: its uploads, then the plan's passes. lists: by stilb_gpu_pass.draws. Plan, lists and
  * what they point to are read during the call alone, but for the draws' buffers. STILB_ERROR_MEMORY,
- * STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
+ * STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn, and its uploads wait for the next one; tell the
+ * plan (stilb_gpu_plan_dropped). [main-thread] */
 stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
                                  uint32_t list_count, const stilb_gpu_threads *threads);
 

@@ -300,5 +300,7 @@ void gpu_ring_frame(stilb_gpu *gpu, uint64_t done);
 /* Takes the uploads that have ended and were not copied, up to `capacity`, for the frame that was begun last. Their
  * targets are there. */
 uint32_t gpu_ring_ready(stilb_gpu *gpu, gpu_upload_ready *items, uint32_t capacity);
+/* The frame that was begun last has not run: its uploads are for the next. */
+void gpu_ring_again(stilb_gpu *gpu);
 
 #endif

@@ -149,3 +149,13 @@ uint32_t gpu_ring_ready(stilb_gpu *gpu, gpu_upload_ready *items, uint32_t capaci
 	stilb_lock_give(&ring->lock);
 	return count;
 }
+
+void gpu_ring_again(stilb_gpu *gpu)
+{
+	gpu_ring *ring = &gpu->ring;
+	stilb_lock_take(&ring->lock);
+	for (uint32_t i = ring->first, end = ring_begun(ring); i != end; i++)
+		if (ring_item(ring, i)->frame == gpu->frame)
+			ring_item(ring, i)->frame = 0;
+	stilb_lock_give(&ring->lock);
+}
