@@ -131,8 +131,8 @@ typedef struct stilb_gpu_sampler_desc {
 stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc, stilb_gpu_sampler *out);
 
 /* ---- sets: sampled images that draws of a list bind together ------------------------------------------------------
- * Set 1 of draw lists; set 0 is the pass's uses. Their images are those of programs (stilb_gpu_image_create), which no
- * plan writes: what a plan writes is sampled by a use. */
+ * Set 1 of draw lists; set 0 is the pass's uses. Their images are those of programs (stilb_gpu_image_create). What a
+ * plan draws into, writes, copies or has as an output is sampled by a use: stilb_gpu_frame_run refuses it in a set. */
 
 typedef struct stilb_gpu_set {
 	uint32_t id; /* 0: none */

@@ -348,8 +348,37 @@ const char *gpu_check_pass(const stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 
 /* ---- lists of draws ---------------------------------------------------------------------------------------------- */
 
-static stilb_result check_run(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass,
-                              const stilb_gpu_run *run)
+/* The program's images with which a plan does more than to sample them: sets may not have them. */
+typedef struct written_images {
+	uint16_t resources[STILB_GPU_PLAN_MAX_RESOURCES];
+	uint32_t count;
+} written_images;
+
+static void find_written(const stilb_gpu_plan *plan, written_images *written)
+{
+	uint32_t count = stilb_gpu_plan_resources(plan);
+	for (uint32_t r = 1; r <= count; r++) {
+		const stilb_gpu_placed *placed = stilb_gpu_plan_place(plan, (uint16_t)r);
+		bool image = placed->owned != 0 && placed->extent.format != STILB_GPU_NONE;
+		if (image && (placed->extent.uses & ~(1u << STILB_GPU_USE_SAMPLED)) != 0)
+			written->resources[written->count++] = (uint16_t)r;
+	}
+}
+
+static stilb_result check_set(const stilb_gpu_plan *plan, const written_images *written, const stilb_gpu_pass *pass,
+                              const gpu_set *set)
+{
+	for (uint32_t w = 0; w < written->count; w++)
+		for (uint32_t i = 0; i < set->count; i++)
+			if (set->items[i].image.id == stilb_gpu_plan_place(plan, written->resources[w])->owned)
+				return FAIL("pass '%s': item %u of a run's set is image '%s', which the plan writes, copies or shows; "
+				            "sample it by a use of the pass",
+				            pass->name, i, stilb_gpu_plan_name(plan, written->resources[w]));
+	return STILB_OK;
+}
+
+static stilb_result check_run(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const written_images *written,
+                              const stilb_gpu_pass *pass, const stilb_gpu_run *run)
 {
 	const gpu_program *program = gpu_program_of(gpu, run->program ? run->program : pass->program);
 	if (!program || gpu_program_is_fullscreen(&program->desc) || program->desc.compute.words)
@@ -362,6 +391,9 @@ static stilb_result check_run(const stilb_gpu *gpu, const stilb_gpu_plan *plan, 
 	if ((desc->set_items > 0 || run->set) && (!set || set->count != desc->set_items))
 		return FAIL("pass '%s': a run's set is not there, or has not the %u items of program '%s'", pass->name,
 		            desc->set_items, program->name);
+	stilb_result result = set ? check_set(plan, written, pass, set) : STILB_OK;
+	if (result != STILB_OK)
+		return result;
 	const gpu_buffer *indices = gpu_buffer_of(gpu, run->indices);
 	const gpu_buffer *vertices = run->vertices ? gpu_buffer_of(gpu, run->vertices) : NULL;
 	if (!indices || !(indices->uses & STILB_GPU_BUFFER_INDICES) || (run->index_bytes != 2 && run->index_bytes != 4))
@@ -377,6 +409,10 @@ stilb_result gpu_check_lists(const stilb_gpu *gpu, const stilb_gpu_plan *plan, c
 	const stilb_gpu_step *steps;
 	uint32_t count = stilb_gpu_plan_steps(plan, &steps);
 	stilb_result result = STILB_OK;
+	written_images written;
+	written.count = 0;
+	if (list_count > 0)
+		find_written(plan, &written);
 	for (uint32_t s = 0; s < count && result == STILB_OK; s++) {
 		const stilb_gpu_pass *pass = stilb_gpu_plan_row(plan, steps[s].pass);
 		if (pass->kind != STILB_GPU_PASS_DRAWS)
@@ -396,7 +432,7 @@ stilb_result gpu_check_lists(const stilb_gpu *gpu, const stilb_gpu_plan *plan, c
 			if (indirect && end > commands->bytes)
 				return FAIL("pass '%s': run %u ends at byte %llu of a buffer of %llu", pass->name, r,
 				            (unsigned long long)end, (unsigned long long)commands->bytes);
-			result = check_run(gpu, plan, pass, run);
+			result = check_run(gpu, plan, &written, pass, run);
 		}
 	}
 	return result;

@@ -131,8 +131,10 @@ typedef struct stilb_gpu_attachment {
  * array, and all six of a cube a cube (as storage images an array). Each binding that its program has must have a
  * use. */
 typedef enum stilb_gpu_use_kind {
-	STILB_GPU_USE_SAMPLED,       /* image: sampled, at binding `slot` of set 0 */
-	STILB_GPU_USE_STORAGE_READ,  /* image: at binding `slot` of set 0; buffer: address at byte `slot` of constants */
+	STILB_GPU_USE_SAMPLED,       /* image: sampled, at binding `slot` of set 0: 0 .. the program's samplers - 1 */
+	STILB_GPU_USE_STORAGE_READ,  /* image: at binding `slot` of set 0, behind those of the program's samplers: the
+	                                first storage image has the slot `samplers` (stilb_gpu_program_desc), or 0 if none
+	                                is sampled. Buffer: its address at byte `slot` of constants */
 	STILB_GPU_USE_STORAGE_WRITE, /* likewise; what was there is lost, unless an earlier pass of the frame wrote it */
 	STILB_GPU_USE_STORAGE,       /* likewise, read and written */
 	STILB_GPU_USE_VERTICES,      /* buffer: vertices or indices of draws */

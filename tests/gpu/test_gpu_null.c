@@ -542,6 +542,90 @@ static void passes_that_do_not_fit(void **state)
 	stilb_gpu_plan_destroy(plan);
 }
 
+/* A set with an image with which the plan does more than to sample it, in some way or in none. */
+static void sets_of_what_plans_write(void **state)
+{
+	(void)state;
+	static const struct {
+		stilb_gpu_use_kind how;
+		bool output, refused;
+	} rows[] = {{STILB_GPU_USE_SAMPLED, false, false},
+	            {STILB_GPU_USE_SAMPLED, true, true},
+	            {STILB_GPU_USE_COPY_FROM, false, true},
+	            {STILB_GPU_USE_COPY_TO, false, true}};
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	stilb_gpu_planner planner = stilb_gpu_planner_of(gpu);
+	stilb_gpu_image image, other;
+	stilb_gpu_extent e = extent(STILB_GPU_RGBA8_U, 8, SAMPLED | COPY_TO | 1u << STILB_GPU_USE_COPY_FROM);
+	assert_int_equal(stilb_gpu_image_create(gpu, &(stilb_gpu_image_desc){.name = "i", .extent = e}, &image), STILB_OK);
+	assert_int_equal(stilb_gpu_image_create(gpu, &(stilb_gpu_image_desc){.name = "o", .extent = e}, &other), STILB_OK);
+	stilb_gpu_set set;
+	assert_int_equal(stilb_gpu_set_create(gpu, &(stilb_gpu_set_item){.image = image}, 1, &set), STILB_OK);
+	stilb_gpu_program program, shows;
+	stilb_gpu_program_desc desc = {.name = "textured",
+	                               .vertex = SHADER(scene_vert),
+	                               .fragment = SHADER(textured_frag),
+	                               .set_items = 1,
+	                               .vertex_bytes = 12,
+	                               .input_count = 2,
+	                               .inputs = {{.location = 0, .format = STILB_GPU_RG32_F},
+	                                          {.location = 1, .format = STILB_GPU_R32_F, .offset = 8}}};
+	assert_int_equal(stilb_gpu_program_create(gpu, &desc, &program), STILB_OK);
+	desc = (stilb_gpu_program_desc){.name = "shows", .fragment = SHADER(depth_frag), .samplers = 1};
+	assert_int_equal(stilb_gpu_program_create(gpu, &desc, &shows), STILB_OK);
+	stilb_gpu_buffer buffer;
+	stilb_gpu_buffer_desc bytes = {.name = "b",
+	                               .bytes = 64,
+	                               .memory = STILB_GPU_MEMORY_SHARED,
+	                               .uses = STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_VERTICES |
+	                                       STILB_GPU_BUFFER_INDIRECT};
+	assert_int_equal(stilb_gpu_buffer_create(gpu, &bytes, &buffer), STILB_OK);
+	stilb_gpu_run run = {.count = 1,
+	                     .program = program.id,
+	                     .set = set.id,
+	                     .indices = buffer.id,
+	                     .vertices = buffer.id,
+	                     .index_bytes = 2};
+	stilb_gpu_draws list = {.commands = buffer, .runs = &run, .run_count = 1};
+	for (uint32_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+		assert_int_equal(stilb_gpu_frame_begin(gpu), STILB_OK);
+		stilb_gpu_plan_begin(plan, 8, 8);
+		stilb_gpu_plan_image_row row = {.format = STILB_GPU_RGBA8_U, .width = 8, .height = 8};
+		row.name = "texture", row.owned = image.id, row.output = rows[r].output;
+		uint16_t texture = stilb_gpu_plan_image(plan, &row);
+		row.name = "other", row.owned = other.id, row.output = false;
+		uint16_t second = stilb_gpu_plan_image(plan, &row);
+		row.name = "out", row.owned = 0, row.output = true;
+		uint16_t out = stilb_gpu_plan_image(plan, &row);
+		stilb_gpu_pass first = {.name = "first", .kind = STILB_GPU_PASS_COPY, .use_count = 2};
+		bool to = rows[r].how == STILB_GPU_USE_COPY_TO;
+		first.uses[0] = (stilb_gpu_use){.resource = to ? second : texture, .how = STILB_GPU_USE_COPY_FROM};
+		first.uses[1] = (stilb_gpu_use){.resource = to ? texture : second, .how = STILB_GPU_USE_COPY_TO};
+		stilb_gpu_load load = rows[r].how == STILB_GPU_USE_SAMPLED ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR;
+		if (rows[r].how == STILB_GPU_USE_SAMPLED)
+			first = (stilb_gpu_pass){.name = "first",
+			                         .kind = STILB_GPU_PASS_FULLSCREEN,
+			                         .color = {{.image = out, .load = STILB_GPU_LOAD_CLEAR}},
+			                         .color_count = 1,
+			                         .uses = {{.resource = texture, .how = STILB_GPU_USE_SAMPLED}},
+			                         .use_count = 1,
+			                         .program = shows.id};
+		stilb_gpu_plan_pass(plan, &first);
+		stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){.name = "draw",
+		                                            .kind = STILB_GPU_PASS_DRAWS,
+		                                            .color = {{.image = out, .load = (uint8_t)load}},
+		                                            .color_count = 1});
+		if (stilb_gpu_plan_make(plan, &planner) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		stilb_result result = stilb_gpu_frame_run(gpu, plan, &list, 1, NULL);
+		if (rows[r].refused)
+			assert_says(result, "pass 'draw': item 0 of a run's set is image 'texture', which the plan writes");
+		else
+			assert_int_equal(result, STILB_OK);
+	}
+	stilb_gpu_plan_destroy(plan);
+}
+
 static void a_device_is_lost(void **state)
 {
 	(void)state;
@@ -575,6 +659,7 @@ int main(void)
 		NULL_TEST(uploads_of_a_frame),
 		NULL_TEST(many_uploads),
 		NULL_TEST(passes_that_do_not_fit),
+		NULL_TEST(sets_of_what_plans_write),
 		NULL_TEST(a_device_is_lost),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
