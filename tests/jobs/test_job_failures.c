@@ -325,7 +325,7 @@ static void test_submit_n_without_memory(void **state)
 	(void)state;
 	enum { JOBS = 1000 };
 	for (shape s = shape_first(); !shape_is_end(s); s = shape_next(s))
-		for (int64_t allocations = 0; allocations < 30; allocations += TEST_TSAN ? 3 : 1) {
+		for (int64_t allocations = 0; allocations < 30; allocations += TEST_TSAN || TEST_EMULATED ? 3 : 1) {
 			int64_t before = blocks;
 			stilb_job_hooks hooks = {.submit = allocations % 4 < 2 ? no_tag : NULL};
 			work w = {.pool = pool_with_hooks(s, hooks)};
@@ -380,7 +380,7 @@ static void test_thousand_pools(void **state)
 {
 	(void)state;
 	int64_t before = blocks;
-	for (uint32_t i = 0; i < (TEST_TSAN ? 240 : 1000); i++) {
+	for (uint32_t i = 0; i < (TEST_TSAN || TEST_EMULATED ? 240 : 1000); i++) {
 		shape s = {.workers = i % 4, .queue = (stilb_job_queue_kind)(i / 4 % 2)};
 		work w = {.pool = pool_with(s)};
 		uint32_t jobs = i % 3 * 20;

@@ -8,7 +8,7 @@
 #include "jobs/job.h"
 #include "support/test.h"
 
-enum { ROUNDS = TEST_TSAN ? 800 : 6000, FAN = 3, CELLS = 48 };
+enum { ROUNDS = TEST_TSAN ? 800 : TEST_EMULATED ? 2000 : 6000, FAN = 3, CELLS = 48 };
 
 /* A node of a random tree of work. All of its members are plain memory. */
 typedef struct task {

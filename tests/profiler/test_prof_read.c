@@ -127,7 +127,7 @@ static void what_was_written_comes_back(void **state)
 	(void)state;
 	char error[256];
 	stilb_prof_snapshot back = {0};
-	for (uint64_t seed = 0; seed < (TEST_ASAN ? 80 : 300); seed++) {
+	for (uint64_t seed = 0; seed < (TEST_ASAN || TEST_EMULATED ? 80 : 300); seed++) {
 		made m;
 		made_by_chance(&m, seed);
 		assert_true(made_holds(&m.snapshot));
@@ -665,7 +665,7 @@ static void speed(void **state)
 	stilb_prof_snapshot s = {0};
 	char error[256];
 	made_init(&m, 1);
-	for (uint64_t i = 0; i < (TEST_ASAN ? 50000 : 200000); i++) {
+	for (uint64_t i = 0; i < (TEST_ASAN || TEST_EMULATED ? 50000 : 200000); i++) {
 		made_push(&m, 0, i % 8, 3000 * i);
 		made_pop(&m, 0, 3000 * i + 2000);
 	}
