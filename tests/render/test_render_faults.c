@@ -332,15 +332,16 @@ static const stilb_render_desc ways[] = {
 
 /* Lets allocation 1 fail, in the next trial allocation 2, and so on until there are no more. Frames that outgrow their
  * memory need many draws, so they are tried only on the null device and in the cheapest mode of the GPU. The other
- * modes share nearly all allocations with that one: the sanitizer build, which sees what is lost, looks at every third
- * of theirs, and at every second of its. Other builds, where the validation layer checks calls, look at each eighth. */
+ * modes share nearly all allocations with that one: the sanitizer build, which sees what is lost, looks at every second
+ * of its, every sixth of the GPU's other modes, and every third of the null device's. Other builds, where the
+ * validation layer checks calls, look at each eighth. */
 static void every_device_allocation_fails_once(void **state)
 {
 	(void)state;
 	for (size_t w = 0; w < WAYS; w++) {
 		stilb_render_desc desc = ways[w];
 		uint32_t far_draws = w == 0 || desc.device == STILB_RENDER_DEVICE_NULL ? RENDER_FIRST_COMMANDS + 1000 : 10;
-		uint32_t n = TEST_ASAN ? 1 : 1 + (uint32_t)w, step = !TEST_ASAN ? 8 : w > 0 ? 3 : 2;
+		uint32_t n = TEST_ASAN ? 1 : 1 + (uint32_t)w, step = !TEST_ASAN ? 8 : w == 0 ? 2 : w < GPU_WAYS ? 6 : 3;
 		stilb_image want, got;
 		assert_int_equal(trial_run(desc, far_draws, &want), 0);
 		for (;; n += step) {
