@@ -387,6 +387,43 @@ static void uploads_of_several_threads(void **state)
 	stilb_gpu_plan_destroy(plan);
 }
 
+static void *end_upload(void *bytes)
+{
+	memset(bytes, 7, 64);
+	stilb_gpu_upload_end(gpu, bytes);
+	return NULL;
+}
+
+/* The end of an upload alone tells the frame that its bytes are written. */
+static void uploads_end_in_threads(void **state)
+{
+	(void)state;
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	stilb_gpu_buffer buffer;
+	stilb_gpu_buffer_desc desc = {
+		.name = "b", .bytes = 64, .memory = STILB_GPU_MEMORY_READ, .uses = STILB_GPU_BUFFER_COPY};
+	assert_int_equal(stilb_gpu_buffer_create(gpu, &desc, &buffer), STILB_OK);
+	for (uint32_t round = 0; round < 10; round++) {
+		pthread_t thread;
+		void *bytes = NULL;
+		while (!bytes) {
+			a_frame(plan);
+			stilb_gpu_upload upload = {.buffer = buffer, .bytes = 64};
+			assert_int_equal(stilb_gpu_upload_begin(gpu, &upload, &bytes), STILB_OK);
+		}
+		memset(stilb_gpu_buffer_mapped(gpu, buffer), 0, 64);
+		assert_int_equal(pthread_create(&thread, NULL, end_upload, bytes), 0);
+		do {
+			a_frame(plan);
+			sched_yield();
+		} while (stilb_gpu_stats_get(gpu).uploaded_bytes == 0);
+		for (uint32_t i = 0; i < 64; i++)
+			assert_int_equal(((uint8_t *)stilb_gpu_buffer_mapped(gpu, buffer))[i], 7);
+		pthread_join(thread, NULL);
+	}
+	stilb_gpu_plan_destroy(plan);
+}
+
 /* The ring gives no more than it has, begins again at its start, and an upload that has not ended keeps its place. */
 static void the_ring_is_full(void **state)
 {
@@ -655,6 +692,7 @@ int main(void)
 		NULL_TEST(each_allocation_fails),
 		NULL_TEST(uploads_that_cannot_be),
 		NULL_TEST(uploads_of_several_threads),
+		NULL_TEST(uploads_end_in_threads),
 		NULL_TEST(the_ring_is_full),
 		NULL_TEST(uploads_of_a_frame),
 		NULL_TEST(many_uploads),
