@@ -5,6 +5,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- arrays that grow -------------------------------------------------------------------------------------------- */
+
+bool gpu_array_reserve(gpu_array *array, size_t count, size_t size)
+{
+	if (array->items && count <= array->capacity)
+		return true;
+	size_t capacity = array->capacity < 16 ? 16 : array->capacity * 2;
+	capacity = capacity < count ? count : capacity;
+	void *items = capacity > SIZE_MAX / size ? NULL : realloc(array->items, capacity * size);
+	if (!items)
+		return false;
+	array->items = items;
+	array->capacity = capacity;
+	return true;
+}
+
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
 stilb_gpu_plan *stilb_gpu_plan_create(void)
@@ -21,7 +37,8 @@ void stilb_gpu_plan_destroy(stilb_gpu_plan *plan)
 		&plan->left.subs, &plan->left.regions, &plan->next.records, &plan->next.subs, &plan->next.regions,
 		&plan->touches,   &plan->spans,        &plan->marks,        &plan->subs,      &plan->live,
 		&plan->placed,    &plan->steps,        &plan->barriers,     &plan->items,     &plan->placing,
-		&plan->keys,      &plan->lives,        &plan->counted,
+		&plan->keys,      &plan->lives,        &plan->counted,      &plan->orders,    &plan->users,
+		&plan->clocks,    &plan->waits,
 	};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]->items);
@@ -389,11 +406,12 @@ static stilb_result make(stilb_gpu_plan *plan, bool stays)
 	if (result == STILB_OK && same && stays)
 		return ask_mistakes(plan);
 	plan->next_counts = true;
-	plan->step_count = plan->barrier_count = plan->last_barrier = 0;
+	plan->step_count = plan->barrier_count = plan->last_barrier = plan->wait_count = 0;
 	result = result == STILB_OK ? gpu_plan_find_live(plan) : result;
 	result = result == STILB_OK ? ask_mistakes(plan) : result;
 	result = result == STILB_OK ? gpu_plan_place_memory(plan) : result;
-	return result == STILB_OK ? gpu_plan_find_barriers(plan) : result;
+	result = result == STILB_OK ? gpu_plan_find_barriers(plan) : result;
+	return result == STILB_OK ? gpu_plan_find_waits(plan) : result;
 }
 
 static bool same_planner(const stilb_gpu_planner *a, const stilb_gpu_planner *b)
@@ -439,7 +457,7 @@ stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *
 	if (result == STILB_OK)
 		return STILB_OK;
 	plan->next_counts = false;
-	plan->step_count = plan->barrier_count = plan->last_barrier = 0;
+	plan->step_count = plan->barrier_count = plan->last_barrier = plan->wait_count = 0;
 	return result;
 }
 
@@ -464,6 +482,13 @@ uint32_t stilb_gpu_plan_last_barriers(const stilb_gpu_plan *plan, uint32_t *firs
 	STILB_ASSERT(plan && first);
 	*first = plan->last_barrier;
 	return plan->barrier_count - plan->last_barrier;
+}
+
+uint32_t stilb_gpu_plan_waits(const stilb_gpu_plan *plan, const stilb_gpu_queue_wait **waits)
+{
+	STILB_ASSERT(plan && waits);
+	*waits = plan->waits.items;
+	return plan->wait_count;
 }
 
 const stilb_gpu_pass *stilb_gpu_plan_row(const stilb_gpu_plan *plan, uint32_t pass)

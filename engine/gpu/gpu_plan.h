@@ -18,6 +18,8 @@
  *                two uses that need different layouts, or of which one writes, are a mistake.
  * Left out.      A pass whose results nobody reads does not run. Outputs, shown, kept and owned resources count as
  *                read.
+ * Queues.        A pass may ask for a queue beside the main one; the plan says which steps must then wait for which. On
+ *                a device with one queue, as Vulkan's is here, the table's order is all.
  * Threads.       A plan belongs to one thread at a time and needs no device.
  * Example.       A scene in half floats, and a fullscreen pass that tone maps it into the picture:
  *
@@ -165,6 +167,15 @@ typedef enum stilb_gpu_pass_kind {
 	STILB_GPU_PASS_KINDS,
 } stilb_gpu_pass_kind;
 
+/* Where a pass may run. A device with one queue runs all in the table's order, as Vulkan's does today; one with several
+ * does what stilb_gpu_plan_waits says. */
+typedef enum stilb_gpu_queue {
+	STILB_GPU_QUEUE_MAIN,    /* any pass */
+	STILB_GPU_QUEUE_COMPUTE, /* dispatches and copies */
+	STILB_GPU_QUEUE_COPY,    /* copies */
+	STILB_GPU_QUEUES,
+} stilb_gpu_queue;
+
 typedef struct stilb_gpu_pass {
 	const char *name; /* for messages, the profiler, debuggers; need not be unique; the text must stay until the next
 	                     plan begins */
@@ -175,6 +186,7 @@ typedef struct stilb_gpu_pass {
 	uint32_t program;       /* stilb_gpu_program.id; 0 for COPY, and for DRAWS whose runs name their programs */
 	uint32_t draws;         /* DRAWS: index of the list among those that come with the plan */
 	uint32_t groups[3];     /* DISPATCH */
+	uint32_t queue;         /* stilb_gpu_queue */
 	stilb_gpu_attachment color[STILB_GPU_MAX_COLORS];
 	stilb_gpu_attachment depth;
 	stilb_gpu_use uses[STILB_GPU_MAX_USES];
@@ -336,6 +348,12 @@ typedef struct stilb_gpu_step {
 	uint8_t samples;
 } stilb_gpu_step;
 
+/* A step waits until an earlier one of another queue is done, besides all earlier ones of its own queue. */
+typedef struct stilb_gpu_queue_wait {
+	uint32_t step;   /* the number of steps: the end of the frame, on the main queue */
+	uint32_t before; /* the step that it waits for */
+} stilb_gpu_queue_wait;
+
 /* Where a resource lies. */
 typedef struct stilb_gpu_placed {
 	stilb_gpu_extent extent; /* images; format NONE: a buffer. uses: those of this frame. Images that stay get all uses
@@ -347,6 +365,8 @@ typedef struct stilb_gpu_placed {
 	                            it, and has the same number in each plan. 0: shared, owned, or touched by no pass */
 	uint32_t heap;
 	uint32_t first_step, last_step; /* that touch it; first > last: none does */
+	uint32_t queues;                /* bit by stilb_gpu_queue: whose steps touch it; several: it belongs to none of them
+	                                   alone (VK_SHARING_MODE_CONCURRENT) */
 	bool shared;                    /* it lies in shared memory */
 	bool two; /* kept, and read as `previous` after this frame has begun to write it: the device has two, of which one
 	             holds what the last frame wrote and the other gets what this one writes. In a frame that needs but one
@@ -363,6 +383,9 @@ uint32_t stilb_gpu_plan_steps(const stilb_gpu_plan *plan, const stilb_gpu_step *
 uint32_t stilb_gpu_plan_barriers(const stilb_gpu_plan *plan, const stilb_gpu_barrier **barriers);
 /* Barriers after the last pass, which make outputs ready for whoever reads them: first .. count. */
 uint32_t stilb_gpu_plan_last_barriers(const stilb_gpu_plan *plan, uint32_t *first);
+/* The fewest waits between queues that order what must be, sorted by step; none if all passes are of one queue. The end
+ * of a frame comes after all of its steps, and the next frame after that end. */
+uint32_t stilb_gpu_plan_waits(const stilb_gpu_plan *plan, const stilb_gpu_queue_wait **waits);
 const stilb_gpu_pass *stilb_gpu_plan_row(const stilb_gpu_plan *plan, uint32_t pass);
 uint32_t stilb_gpu_plan_passes(const stilb_gpu_plan *plan);
 /* What a use of a row stands for, with 0 as all that there are. */

@@ -79,6 +79,8 @@ static uint64_t add_pass(uint64_t hash, const stilb_gpu_plan *plan, const stilb_
 	hash = add(add(hash, pass->color_count), pass->use_count);
 	if (pass->kind == STILB_GPU_PASS_DRAWS)
 		hash = add(hash, pass->draws);
+	if (pass->queue != STILB_GPU_QUEUE_MAIN)
+		hash = add(hash, 0x100 + pass->queue);
 	for (uint32_t i = 0; i < 3; i++)
 		hash = add(hash, pass->groups[i]);
 	for (uint32_t i = 0; i < pass->color_count; i++)

@@ -6,6 +6,7 @@
  *   gpu_plan_pass.c      rows of passes: checks; what each touches, as gpu_touch
  *   gpu_plan_live.c      who reads what was written; passes that are left out; lifetimes; which kept ones are two
  *   gpu_plan_memory.c    places in shared memory
+ *   gpu_plan_queue.c     waits between queues
  *   gpu_plan_barrier.c   barriers, and what the frame leaves for the next
  *   gpu_plan_hash.c, gpu_plan_text.c, gpu_plan_svg.c   results in other forms
  *
@@ -74,11 +75,12 @@ typedef struct gpu_touch {
 	bool writes;
 	bool replaces; /* all of what was there */
 	bool previous;
-	bool owned;   /* the resource is */
-	bool partial; /* not of all mips and layers */
-	bool many;    /* the resource has a state for each mip and layer */
-	uint8_t role; /* where the row says so: a colour attachment's index, or GPU_ROLE_... */
-	uint16_t use; /* bit of stilb_gpu_extent.uses */
+	bool owned;    /* the resource is */
+	bool partial;  /* not of all mips and layers */
+	bool many;     /* the resource has a state for each mip and layer */
+	uint8_t role;  /* where the row says so: a colour attachment's index, or GPU_ROLE_... */
+	uint8_t queue; /* stilb_gpu_queue */
+	uint16_t use;  /* bit of stilb_gpu_extent.uses */
 	stilb_gpu_range range;
 	uint32_t first; /* state of the range's first mip and layer, of this frame's content */
 } gpu_touch;
@@ -196,7 +198,11 @@ struct stilb_gpu_plan {
 	gpu_placement placements[GPU_PLACEMENTS];
 	uint32_t placement, next_placement; /* the one of this plan; the one that the next new one takes the place of */
 	gpu_array placing;                  /* scratch of gpu_place */
-	gpu_array keys;                     /* scratch of barriers: uint8_t for each mip and layer */
+	gpu_array orders, users, clocks;    /* of gpu_plan_queue.c: by state; by resource, twice; by step */
+	gpu_array waits;                    /* stilb_gpu_queue_wait */
+	uint32_t wait_count;
+	bool queued;    /* a step is on another queue than the main one */
+	gpu_array keys; /* scratch of barriers: uint8_t for each mip and layer */
 };
 
 /* ---- small things that all files use ----------------------------------------------------------------------------- */
@@ -289,6 +295,9 @@ stilb_result gpu_plan_place_memory(stilb_gpu_plan *plan);
 
 /* Fills plan->barriers and `next`, and sets `steady`. */
 stilb_result gpu_plan_find_barriers(stilb_gpu_plan *plan);
+
+/* Fills plan->waits, and queues of plan->placed if there are several. */
+stilb_result gpu_plan_find_waits(stilb_gpu_plan *plan);
 
 /* Sets the offsets of items of one heap, which are sorted by `first`; returns the bytes of them all. Items whose steps
  * overlap share no byte. scratch: grows. UINT64_MAX: no memory. */

@@ -378,6 +378,7 @@ static stilb_result find_steps(stilb_gpu_plan *plan)
 	stilb_gpu_step *steps = plan->steps.items;
 	const bool *live = plan->live.items;
 	plan->step_count = 0;
+	plan->queued = false;
 	for (uint32_t row = 0; row < plan->row_count; row++) {
 		if (!live[row])
 			continue;
@@ -387,6 +388,7 @@ static stilb_result find_steps(stilb_gpu_plan *plan)
 			step_touch(plan, plan->step_count, &touches[i]);
 		steps[plan->step_count] = (stilb_gpu_step){.pass = row};
 		step_area(plan, gpu_plan_row(plan, row), &steps[plan->step_count]);
+		plan->queued = plan->queued || gpu_plan_row(plan, row)->queue != STILB_GPU_QUEUE_MAIN;
 		plan->step_count++;
 	}
 	return STILB_OK;
@@ -402,6 +404,7 @@ static void find_places(stilb_gpu_plan *plan)
 		*placed = (stilb_gpu_placed){.extent = resource->extent,
 		                             .bytes = resource->bytes,
 		                             .owned = resource->image.owned,
+		                             .queues = life->first > 0 ? 1u << STILB_GPU_QUEUE_MAIN : 0,
 		                             .first_step = life->first - 1, /* UINT32_MAX: none */
 		                             .last_step = life->first > 0 ? life->last - 1 : 0};
 		placed->extent.uses = life->uses;

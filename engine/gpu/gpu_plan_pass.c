@@ -71,6 +71,7 @@ static void touch_add(checked *c, gpu_touch touch)
 	                  : stilb_gpu_access_layout(touch.access, stilb_gpu_format_describe(extent->format)->kind));
 	touch.use = touch.role >= GPU_ROLE_USE ? (uint16_t)(1u << c->pass->uses[touch.role - GPU_ROLE_USE].how)
 	                                       : (uint16_t)STILB_GPU_EXTENT_ATTACHMENT;
+	touch.queue = (uint8_t)c->pass->queue;
 	touch.owned = resource->image.owned != 0;
 	touch.partial = touch.range.mips != extent->mips || touch.range.layers != extent->layers;
 	c->touches[c->count] = touch;
@@ -136,6 +137,14 @@ static stilb_result check_kind(const checked *c)
 		return wrong(c, "is of kind %s and has no program", kind);
 	if (pass->kind == STILB_GPU_PASS_COPY && pass->constant_bytes > 0)
 		return wrong(c, "is a copy and has constants: leave them out");
+	static const char *const queues[STILB_GPU_QUEUES] = {"main", "compute", "copy"};
+	bool fits = pass->queue == STILB_GPU_QUEUE_MAIN || pass->kind == STILB_GPU_PASS_COPY ||
+	            (pass->queue == STILB_GPU_QUEUE_COMPUTE && pass->kind == STILB_GPU_PASS_DISPATCH);
+	if (pass->queue >= STILB_GPU_QUEUES)
+		return wrong(c, "has the queue %u: it is none of stilb_gpu_queue", pass->queue);
+	if (!fits)
+		return wrong(c, "is of kind %s and on the queue %s, which has none: leave it on the main queue", kind,
+		             queues[pass->queue]);
 	return check_groups(c);
 }
 
@@ -574,7 +583,7 @@ static bool same_touch(const gpu_touch *a, const gpu_touch *b)
 {
 	return a->resource == b->resource && a->access == b->access && a->layout == b->layout && a->reads == b->reads &&
 	       a->writes == b->writes && a->replaces == b->replaces && a->previous == b->previous && a->role == b->role &&
-	       a->use == b->use && a->range.mip == b->range.mip && a->range.mips == b->range.mips &&
+	       a->use == b->use && a->queue == b->queue && a->range.mip == b->range.mip && a->range.mips == b->range.mips &&
 	       a->range.layer == b->range.layer && a->range.layers == b->range.layers;
 }
 

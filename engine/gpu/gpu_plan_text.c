@@ -76,6 +76,17 @@ static void print_barriers(FILE *out, const stilb_gpu_plan *plan, uint32_t first
 	}
 }
 
+/* What a step waits for, of other queues; step_count: the frame's end. */
+static void print_waits(FILE *out, const stilb_gpu_plan *plan, uint32_t step)
+{
+	const stilb_gpu_step *steps = plan->steps.items;
+	const stilb_gpu_queue_wait *waits = plan->waits.items;
+	for (uint32_t i = 0; i < plan->wait_count; i++)
+		if (waits[i].step == step)
+			fprintf(out, "    waits for pass %u '%s'\n", steps[waits[i].before].pass + 1,
+			        gpu_plan_row(plan, steps[waits[i].before].pass)->name);
+}
+
 static void print_step(FILE *out, const stilb_gpu_plan *plan, const stilb_gpu_step *step)
 {
 	const stilb_gpu_pass *pass = gpu_plan_row(plan, step->pass);
@@ -86,7 +97,10 @@ static void print_step(FILE *out, const stilb_gpu_plan *plan, const stilb_gpu_st
 		fprintf(out, ", %u samples", step->samples);
 	if (pass->kind == STILB_GPU_PASS_DISPATCH && pass->groups[0] > 0)
 		fprintf(out, ", %u x %u x %u groups", pass->groups[0], pass->groups[1], pass->groups[2]);
+	if (pass->queue != STILB_GPU_QUEUE_MAIN)
+		fprintf(out, ", on the queue %s", pass->queue == STILB_GPU_QUEUE_COMPUTE ? "compute" : "copy");
 	fprintf(out, "\n");
+	print_waits(out, plan, (uint32_t)(step - (const stilb_gpu_step *)plan->steps.items));
 	print_barriers(out, plan, step->first_barrier, step->barrier_count);
 	uint32_t count;
 	const gpu_touch *touches = gpu_plan_touches(plan, step->pass, &count);
@@ -233,8 +247,11 @@ stilb_result stilb_gpu_plan_text(const stilb_gpu_plan *plan, char **text)
 	fprintf(out, "\n");
 	for (uint32_t i = 0; i < plan->step_count; i++)
 		print_step(out, plan, (const stilb_gpu_step *)plan->steps.items + i);
-	if (plan->last_barrier < plan->barrier_count)
+	const stilb_gpu_queue_wait *waits = plan->waits.items;
+	bool joins = plan->wait_count > 0 && waits[plan->wait_count - 1].step == plan->step_count;
+	if (plan->last_barrier < plan->barrier_count || joins)
 		fprintf(out, "    after the frame\n");
+	print_waits(out, plan, plan->step_count);
 	print_barriers(out, plan, plan->last_barrier, plan->barrier_count - plan->last_barrier);
 	print_left_outs(out, plan);
 	fprintf(out, "resources\n");

@@ -134,6 +134,10 @@ static void add_item(stilb_gpu_plan *plan, stilb_gpu_pass *pass, char *item)
 		pass->groups[0] = pass->groups[1] = pass->groups[2] = (uint32_t)strtoul(name, NULL, 10);
 		return;
 	}
+	if (strcmp(item, "queue") == 0) {
+		pass->queue = strcmp(name, "compute") == 0 ? STILB_GPU_QUEUE_COMPUTE : STILB_GPU_QUEUE_COPY;
+		return;
+	}
 	uint32_t range[4] = {0, 0, 0, 0};
 	char *resolve = strchr(name, '>');
 	if (resolve)
@@ -283,6 +287,23 @@ char *script_barriers(const stilb_gpu_plan *plan)
 	assert_int_equal(first + last, sum);
 	for (uint32_t b = first; b < sum; b++)
 		print_barrier(out, plan, "end", &barriers[b]);
+	fclose(out);
+	return text;
+}
+
+char *script_waits(const stilb_gpu_plan *plan)
+{
+	char *text = NULL;
+	size_t size = 0;
+	FILE *out = open_memstream(&text, &size);
+	assert_non_null(out);
+	const stilb_gpu_step *steps;
+	const stilb_gpu_queue_wait *waits;
+	uint32_t count = stilb_gpu_plan_steps(plan, &steps), sum = stilb_gpu_plan_waits(plan, &waits);
+	for (uint32_t i = 0; i < sum; i++)
+		fprintf(out, "%s waits for %s\n",
+		        waits[i].step == count ? "end" : stilb_gpu_plan_row(plan, steps[waits[i].step].pass)->name,
+		        stilb_gpu_plan_row(plan, steps[waits[i].before].pass)->name);
 	fclose(out);
 	return text;
 }

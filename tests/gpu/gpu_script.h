@@ -10,7 +10,8 @@
  * An item is WORD:NAME. Attachments, of colour or depth by the image's format: clear, over (kept), fresh (discarded),
  * test (read-only depth); clear:A>B resolves into B. Uses: sample, load, store, modify (storage: read, write, both),
  * vertices, indirect, from, to. NAME' reads last frame's. NAME[M], NAME[M-N], NAME[M/L], NAME[M-N/L-K], NAME[a/L]:
- * mips and layers, `a` for all mips. Dispatches have 1 x 1 x 1 groups unless an item is groups:0. Buffers' addresses
+ * mips and layers, `a` for all mips. Dispatches have 1 x 1 x 1 groups unless an item is groups:0. queue:compute and
+ * queue:copy say where a pass runs. Buffers' addresses
  * take the places 0, 8, 16, ... among the constants, sampled and storage images the slots 0, 1, 2, ....
  */
 #ifndef GPU_SCRIPT_H
@@ -27,5 +28,8 @@ void script_make(stilb_gpu_plan *plan, const char *script);
 /* The barriers, one a line: "PASS: RESOURCE[RANGE] FROM+FROM > TO+TO [discard] [zero] [previous] [memory]", ranges only
  * of resources with several mips or layers, `a` for all mips or layers, the pass "end" after the last. free() it. */
 char *script_barriers(const stilb_gpu_plan *plan);
+
+/* The waits between queues, one a line: "PASS waits for PASS", the pass "end" for the frame's end. free() it. */
+char *script_waits(const stilb_gpu_plan *plan);
 
 #endif
