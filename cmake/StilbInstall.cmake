@@ -37,7 +37,7 @@ set(headers
 	window/window.h
 	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
 	culling/cull.h
-	gpu/gpu_device.h
+	gpu/gpu.h gpu/gpu_device.h gpu/gpu_format.h gpu/gpu_plan.h
 	render/render.h
 	ui/ui_draw.h
 	engine.h

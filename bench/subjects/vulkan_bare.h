@@ -83,6 +83,7 @@ typedef struct bare_tone {
 	VkDescriptorSet set;
 	VkPipelineLayout layout;
 	VkPipeline pipeline;
+	VkSampler sampler;
 } bare_tone;
 
 typedef struct bare {

@@ -3,7 +3,7 @@
 
 /* The engine's shaders, compiled to SPIR-V by its build. */
 static const uint32_t tone_vertex_code[] =
-#include "screen.vert.inc"
+#include "fullscreen.vert.inc"
 	;
 static const uint32_t tone_fragment_code[] =
 #include "tone.frag.inc"
@@ -18,7 +18,7 @@ typedef struct tone_push {
 static void make_set(bare *b)
 {
 	VkDescriptorSetLayoutBinding binding = {
-		.descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+		.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
 		.descriptorCount = 1,
 		.stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT,
 	};
@@ -29,7 +29,7 @@ static void make_set(bare *b)
 	};
 	bare_check(vkCreateDescriptorSetLayout(b->device, &layout, NULL, &b->tone.set_layout),
 	           "vkCreateDescriptorSetLayout");
-	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1};
+	VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
 	VkDescriptorPoolCreateInfo pool = {
 		.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
 		.maxSets = 1,
@@ -44,12 +44,19 @@ static void make_set(bare *b)
 		.pSetLayouts = &b->tone.set_layout,
 	};
 	bare_check(vkAllocateDescriptorSets(b->device, &set, &b->tone.set), "vkAllocateDescriptorSets");
-	VkDescriptorImageInfo image = {.imageView = b->light.view, .imageLayout = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
+	VkSamplerCreateInfo nearest = {
+		.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+		.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+		.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+	};
+	bare_check(vkCreateSampler(b->device, &nearest, NULL, &b->tone.sampler), "vkCreateSampler");
+	VkDescriptorImageInfo image = {
+		.sampler = b->tone.sampler, .imageView = b->light.view, .imageLayout = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL};
 	VkWriteDescriptorSet write = {
 		.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
 		.dstSet = b->tone.set,
 		.descriptorCount = 1,
-		.descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+		.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
 		.pImageInfo = &image,
 	};
 	vkUpdateDescriptorSets(b->device, 1, &write, 0, NULL);
@@ -90,5 +97,6 @@ void bare_tone_free(bare *b)
 	vkDestroyPipeline(b->device, b->tone.pipeline, NULL);
 	vkDestroyPipelineLayout(b->device, b->tone.layout, NULL);
 	vkDestroyDescriptorPool(b->device, b->tone.pool, NULL);
+	vkDestroySampler(b->device, b->tone.sampler, NULL);
 	vkDestroyDescriptorSetLayout(b->device, b->tone.set_layout, NULL);
 }

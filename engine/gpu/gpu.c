@@ -82,7 +82,9 @@ void gpu_clear(stilb_gpu *gpu)
 void gpu_finish(stilb_gpu *gpu)
 {
 	free(gpu->retired);
+	free(gpu->sites);
 	gpu->retired = NULL;
+	gpu->sites = NULL;
 	if (gpu->lock_made)
 		stilb_lock_finish(&gpu->lock);
 	gpu->lock_made = false;
@@ -104,6 +106,22 @@ void stilb_gpu_own(stilb_gpu *gpu)
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu)
 {
 	return &gpu->limits;
+}
+
+const char *stilb_gpu_name(const stilb_gpu *gpu)
+{
+	return gpu->name;
+}
+
+bool stilb_gpu_is_software(const stilb_gpu *gpu)
+{
+	return gpu->software;
+}
+
+uint32_t stilb_gpu_validation_messages(const stilb_gpu *gpu)
+{
+	STILB_ASSERT_OWNER(gpu->owner);
+	return gpu->validation_messages;
 }
 
 stilb_gpu_memory_report stilb_gpu_memory_measure(stilb_gpu *gpu)
@@ -435,8 +453,6 @@ stilb_result stilb_gpu_frame_begin(stilb_gpu *gpu)
 	return STILB_OK;
 }
 
-#define FRAME_UPLOADS 1024u /* at once: more wait for the next frame */
-
 /* Owned resources of a plan are there, and are what their rows say. */
 static stilb_result check_owned(const stilb_gpu *gpu, const stilb_gpu_plan *plan)
 {
@@ -488,18 +504,49 @@ stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, con
 		.passes = stilb_gpu_plan_steps(plan, &steps),
 		.barriers = stilb_gpu_plan_barriers(plan, &barriers),
 	};
-	static_assert(FRAME_UPLOADS * sizeof(gpu_upload_ready) <= (size_t)128 * 1024, "on the stack");
-	gpu_upload_ready uploads[FRAME_UPLOADS];
-	uint32_t upload_count = gpu_ring_ready(gpu, uploads, FRAME_UPLOADS);
+	const gpu_upload_ready *uploads = gpu->ring.ready;
+	uint32_t upload_count = gpu_ring_ready(gpu, gpu->ring.frame_bytes);
 	for (uint32_t u = 0; u < upload_count; u++)
 		gpu->stats.uploaded_bytes += uploads[u].upload.bytes;
-	gpu->frames++;
-	if (gpu_fault_lost(gpu))
-		return stilb_fail(STILB_ERROR_DEVICE_LOST, "cannot give '%s' a frame: it was lost on purpose", gpu->name);
-	result = gpu->functions->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
-	if (result != STILB_OK)
-		gpu_ring_again(gpu);
+	gpu->frames += !gpu->keep_back;
+	result =
+		!gpu->keep_back && gpu_fault_lost(gpu)
+			? stilb_fail(STILB_ERROR_DEVICE_LOST,
+	                     "cannot give '%s' a frame: it was lost on purpose; choose another GPU with --gpu", gpu->name)
+			: gpu->functions->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
+	if (result != STILB_OK || gpu->keep_back)
+		gpu_ring_untake(gpu);
 	return result;
+}
+
+stilb_result stilb_gpu_upload_flush(stilb_gpu *gpu)
+{
+	STILB_ASSERT_OWNER(gpu->owner);
+	PROFILE("flush uploads");
+	uint32_t count = gpu_ring_ready(gpu, UINT64_MAX);
+	stilb_result result = gpu->functions->flush(gpu, gpu->ring.ready, count);
+	if (result == STILB_OK)
+		gpu_ring_frame(gpu, gpu->frame);
+	else
+		gpu_ring_untake(gpu);
+	return result;
+}
+
+const stilb_prof_site *gpu_step_site(stilb_gpu *gpu, uint32_t step, const char *name)
+{
+	name = name ? name : "pass";
+	if (step >= gpu->site_capacity) {
+		uint32_t larger = 2 * step + 16;
+		const stilb_prof_site **grown = realloc(gpu->sites, larger * sizeof(*grown));
+		if (!grown)
+			return stilb_prof_site_make(name, 0);
+		memset(grown + gpu->site_capacity, 0, (larger - gpu->site_capacity) * sizeof(*grown));
+		gpu->sites = grown;
+		gpu->site_capacity = larger;
+	}
+	if (!gpu->sites[step] || strcmp(gpu->sites[step]->name, name) != 0)
+		gpu->sites[step] = stilb_prof_site_make(name, 0);
+	return gpu->sites[step];
 }
 
 stilb_result stilb_gpu_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t image)
@@ -508,6 +555,25 @@ stilb_result stilb_gpu_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint1
 	if (!stilb_gpu_plan_ready(plan, image, 0, 0))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "image %u is no output of the last frame and cannot be shown", image);
 	return gpu->functions->present(gpu, plan, image);
+}
+
+stilb_result stilb_gpu_set_surface(stilb_gpu *gpu, const stilb_gpu_surface *surface)
+{
+	STILB_ASSERT_OWNER(gpu->owner);
+	STILB_ASSERT(!surface || (surface->extensions && surface->create));
+	return gpu->functions->set_surface(gpu, surface);
+}
+
+bool stilb_gpu_in_window(const stilb_gpu *gpu)
+{
+	STILB_ASSERT_OWNER(gpu->owner);
+	return gpu->in_window;
+}
+
+stilb_gpu_presentation stilb_gpu_presentation_used(const stilb_gpu *gpu)
+{
+	STILB_ASSERT_OWNER(gpu->owner);
+	return gpu->presentation;
 }
 
 stilb_result stilb_gpu_wait(stilb_gpu *gpu)

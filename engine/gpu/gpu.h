@@ -32,6 +32,7 @@ typedef struct stilb_gpu stilb_gpu;
 /* What the device can do and how much. */
 typedef struct stilb_gpu_limits {
 	uint32_t image_side, image_side_3d, image_layers;            /* largest */
+	uint32_t attachment_side;                                    /* of images that passes draw into */
 	uint32_t color_attachments;                                  /* at most STILB_GPU_MAX_COLORS are used */
 	uint32_t samplers_stage, images_stage, storage_images_stage; /* of one stage of a program */
 	uint32_t group_size[3], group_invocations;                   /* of a dispatch's work group */
@@ -45,6 +46,13 @@ typedef struct stilb_gpu_limits {
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
+
+/* The GPU's name, or "null". Valid as long as the device. [any-thread] */
+const char *stilb_gpu_name(const stilb_gpu *gpu);
+/* True if the device runs on the CPU. False for the null device. [any-thread] */
+bool stilb_gpu_is_software(const stilb_gpu *gpu);
+/* Messages of the validation layer so far. [main-thread] */
+uint32_t stilb_gpu_validation_messages(const stilb_gpu *gpu);
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
@@ -226,31 +234,41 @@ typedef struct stilb_gpu_upload {
 	uint64_t bytes;
 } stilb_gpu_upload;
 
-/* An upload waits for the frame that runs after its end; up to 1,024 are copied by one frame, or as many as
- * stilb_gpu_desc.upload_frame allows, in the order in which they were begun. That bound is for programs that stream
- * while they draw, and look themselves whether what they draw with has arrived. An image whose other mips and layers
- * nobody has written can be sampled; what is there is undefined.
+/* An upload waits for the frame that runs after its end; all are copied, or as many as stilb_gpu_desc.upload_frame
+ * allows, in the order in which they were begun. That bound is for programs that stream while they draw, and look
+ * themselves whether what they draw with has arrived. An image whose other mips and layers nobody has written can be
+ * sampled; what is there is undefined.
  * Memory to write the upload's bytes to, before stilb_gpu_upload_end; *bytes is NULL where the ring has no room now:
- * try again after the next frame. STILB_ERROR_ARGUMENT: outside of the target, or more than the ring holds at all
- * (stilb_gpu_upload_most). [any-thread] */
+ * try again after the next frame, or on the main thread after stilb_gpu_upload_flush. STILB_ERROR_ARGUMENT: outside of
+ * the target, or more than the ring holds at all (stilb_gpu_upload_most). [any-thread] */
 stilb_result stilb_gpu_upload_begin(stilb_gpu *gpu, const stilb_gpu_upload *upload, void **bytes);
 void stilb_gpu_upload_end(stilb_gpu *gpu, void *bytes);
 uint64_t stilb_gpu_upload_most(const stilb_gpu *gpu);
+/* Copies the uploads that have ended, now, and waits until the device is done with all that it was given: then the ring
+ * has room for all that no other thread is writing. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST:
+ * the uploads still wait. [main-thread] */
+stilb_result stilb_gpu_upload_flush(stilb_gpu *gpu);
 
 /* ---- draw lists ------------------------------------------------------------------------------------------------- */
 
 /* One draw: laid out as VkDrawIndexedIndirectCommand, 32 bytes apart; what follows its 20 bytes is the caller's. */
 #define STILB_GPU_DRAW_STRIDE 32u
 
+/* What many runs of a list have in common. */
+typedef struct stilb_gpu_binding {
+	uint32_t program;    /* stilb_gpu_program.id; 0: the pass's */
+	uint8_t index_bytes; /* 2, 4 */
+	uint64_t indices;    /* stilb_gpu_buffer.id */
+	uint64_t vertices;   /* or 0 */
+	uint32_t scissor[4]; /* x, y, width, height in texels; width 0: the whole area */
+} stilb_gpu_binding;
+
 /* Consecutive draws that need the same bindings. */
 typedef struct stilb_gpu_run {
 	uint32_t first, count; /* of the list's draws */
-	uint32_t program;      /* stilb_gpu_program.id */
+	uint32_t binding;      /* index into the list's bindings */
 	uint32_t set;          /* stilb_gpu_set.id, or 0 */
-	uint64_t indices;      /* stilb_gpu_buffer.id */
-	uint64_t vertices;     /* or 0 */
-	uint8_t index_bytes;   /* 2, 4 */
-	uint32_t scissor[4];   /* x, y, width, height in texels; width 0: the whole area */
+	uint64_t constant;     /* if the list has some: this run's */
 } stilb_gpu_run;
 
 typedef enum stilb_gpu_replay {
@@ -263,9 +281,12 @@ typedef struct stilb_gpu_draws {
 	const void *draws;         /* the CPU's pointer to draw 0, STILB_GPU_DRAW_STRIDE apart */
 	stilb_gpu_buffer commands; /* the buffer in which they lie, from its byte `offset` on */
 	uint64_t offset;
-	const stilb_gpu_run *runs;
-	uint32_t run_count;
+	const stilb_gpu_binding *bindings; /* [binding_count] few: the cost of one is that of a program's change */
+	const stilb_gpu_run *runs;         /* [run_count] */
+	uint32_t binding_count, run_count;
 	stilb_gpu_replay replay;
+	bool has_constants;     /* runs have 8 bytes each in place of those of the pass's constants */
+	uint8_t constant_place; /* at this byte of them, a multiple of 8 */
 } stilb_gpu_draws;
 
 /* Runs task(0 .. count - 1, context), maybe on several threads, and returns when all are done. */
@@ -282,9 +303,10 @@ typedef struct stilb_gpu_desc {
 	const char *name;                 /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	const stilb_gpu_surface *surface; /* NULL: no window */
 	stilb_gpu_presentation presentation;
-	bool validate;         /* the Vulkan validation layer, with synchronization checks */
-	uint64_t upload_bytes; /* of the ring; 0: 32 MiB */
-	uint64_t upload_frame; /* bytes of uploads that one frame copies, at least one upload; 0: all that have ended */
+	uint32_t width, height; /* of pictures in a window that says no size of its own, pixels; 0: 1280 x 720 */
+	bool validate;          /* the Vulkan validation layer, with synchronization checks */
+	uint64_t upload_bytes;  /* of the ring; 0: 32 MiB */
+	uint64_t upload_frame;  /* bytes of uploads that one frame copies, at least one upload; 0: all that have ended */
 	stilb_gpu_faults faults;
 } stilb_gpu_desc;
 
@@ -314,6 +336,12 @@ stilb_result stilb_gpu_frame_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, con
  * nothing. Errors as stilb_render_present. [main-thread] */
 stilb_result stilb_gpu_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t image);
 
+/* From now on pictures are shown in this window; NULL: in none. See stilb_render_set_surface. [main-thread] */
+stilb_result stilb_gpu_set_surface(stilb_gpu *gpu, const stilb_gpu_surface *surface);
+/* True if there is a window; and the presentation that it uses. [main-thread] */
+bool stilb_gpu_in_window(const stilb_gpu *gpu);
+stilb_gpu_presentation stilb_gpu_presentation_used(const stilb_gpu *gpu);
+
 /* Asks for a copy of an output of the last frame, mip and layer; nothing waits. *ticket names it.
  * STILB_ERROR_ARGUMENT: it is no output of the last frame. [main-thread] */
 stilb_result stilb_gpu_read_begin(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip,
@@ -334,9 +362,10 @@ typedef struct stilb_gpu_stats {
 	uint64_t draw_commands;     /* that make a single draw */
 	uint64_t indirect_commands; /* that make many */
 	uint64_t execute_commands;  /* secondary command buffers executed */
-	uint64_t binds;             /* programs, sets, buffers */
+	uint64_t binds;             /* of lists: a program, a run's set and constant, a buffer of indices */
 	uint64_t uploaded_bytes;
-	double gpu_ms; /* of the last frame whose time is known; 0 on the null device */
+	uint64_t submit_ns; /* that the driver took to be given the frame, once it was recorded; 0 on the null device */
+	double gpu_ms;      /* of the last frame whose time is known; 0 on the null device */
 } stilb_gpu_stats;
 stilb_gpu_stats stilb_gpu_stats_get(const stilb_gpu *gpu); /* [main-thread] */
 

@@ -60,13 +60,16 @@ static stilb_result check_sides(const stilb_gpu *gpu, const char *what, const st
 {
 	const stilb_gpu_limits *limits = &gpu->limits;
 	bool solid = e->shape == STILB_GPU_SHAPE_3D;
-	uint32_t most = solid ? limits->image_side_3d : limits->image_side;
+	uint32_t most = solid                                   ? limits->image_side_3d
+	                : e->uses & STILB_GPU_EXTENT_ATTACHMENT ? limits->attachment_side
+	                                                        : limits->image_side;
 	uint32_t side = e->width > e->height ? e->width : e->height;
 	side = side > e->depth ? side : e->depth;
 	if (e->width == 0 || e->height == 0 || e->depth == 0 || e->layers == 0 || e->mips == 0)
 		return FAIL("%s: %ux%ux%u texels, %u layers, %u mips: none of them may be 0", what, e->width, e->height,
 		            e->depth, e->layers, e->mips);
-	if (gpu->faults.image_side > 0 && gpu->faults.image_side < most)
+	bool drawn = (e->uses & STILB_GPU_EXTENT_ATTACHMENT) != 0;
+	if (!drawn && gpu->faults.image_side > 0 && gpu->faults.image_side < most)
 		most = gpu->faults.image_side;
 	if (side > most)
 		return FAIL("%s: %ux%ux%u texels: '%s' has up to %u a side; make it smaller", what, e->width, e->height,
@@ -136,6 +139,8 @@ static stilb_result check_shader(const stilb_gpu *gpu, const stilb_gpu_program_d
 	const char *name = desc->name ? desc->name : "";
 	if (!gpu_spirv_read(shader, &found))
 		return FAIL("program '%s': its %s shader is no SPIR-V; compile it with glslc", name, stage);
+	if (found.no_memory)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for reading the shaders of program '%s'", name);
 	if (found.wrong)
 		return FAIL("program '%s': its %s shader has %s", name, stage, found.wrong);
 	uint32_t both = (uint32_t)desc->samplers + desc->storage_images;
@@ -243,10 +248,9 @@ stilb_result gpu_check_upload(const stilb_gpu *gpu, const stilb_gpu_upload *uplo
 		return FAIL("an upload goes to a buffer or to an image that is there, and to one of them");
 	if (!(buffer->uses & STILB_GPU_BUFFER_COPY))
 		return FAIL("buffer '%s' was not made to be copied to; add STILB_GPU_BUFFER_COPY to its uses", buffer->name);
-	if (upload->bytes == 0 || upload->offset > buffer->bytes || upload->bytes > buffer->bytes - upload->offset ||
-	    upload->offset % 4 != 0)
-		return FAIL("buffer '%s' of %llu bytes: bytes %llu + %llu are not in it, or do not begin at a multiple of 4",
-		            buffer->name, (unsigned long long)buffer->bytes, (unsigned long long)upload->offset,
+	if (upload->bytes == 0 || upload->offset > buffer->bytes || upload->bytes > buffer->bytes - upload->offset)
+		return FAIL("buffer '%s' of %llu bytes: bytes %llu + %llu are not in it", buffer->name,
+		            (unsigned long long)buffer->bytes, (unsigned long long)upload->offset,
 		            (unsigned long long)upload->bytes);
 	return STILB_OK;
 }
@@ -377,29 +381,59 @@ static stilb_result check_set(const stilb_gpu_plan *plan, const written_images *
 	return STILB_OK;
 }
 
-static stilb_result check_run(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const written_images *written,
-                              const stilb_gpu_pass *pass, const stilb_gpu_run *run)
+static const gpu_program *binding_program(const stilb_gpu *gpu, const stilb_gpu_pass *pass,
+                                          const stilb_gpu_binding *binding)
 {
-	const gpu_program *program = gpu_program_of(gpu, run->program ? run->program : pass->program);
+	return gpu_program_of(gpu, binding->program ? binding->program : pass->program);
+}
+
+static stilb_result check_binding(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_pass *pass,
+                                  const stilb_gpu_binding *binding)
+{
+	const gpu_program *program = binding_program(gpu, pass, binding);
 	if (!program || gpu_program_is_fullscreen(&program->desc) || program->desc.compute.words)
-		return FAIL("pass '%s': a run's program is not there, or draws no lists", pass->name);
+		return FAIL("pass '%s': a binding's program is not there, or draws no lists", pass->name);
 	const stilb_gpu_program_desc *desc = &program->desc;
 	const char *wrong = check_bindings(gpu, plan, desc, pass);
 	if (wrong)
 		return FAIL("pass '%s' with program '%s': %s", pass->name, program->name, wrong);
-	const gpu_set *set = run->set ? gpu_set_of(gpu, run->set) : NULL;
-	if ((desc->set_items > 0 || run->set) && (!set || set->count != desc->set_items))
-		return FAIL("pass '%s': a run's set is not there, or has not the %u items of program '%s'", pass->name,
-		            desc->set_items, program->name);
-	stilb_result result = set ? check_set(plan, written, pass, set) : STILB_OK;
-	if (result != STILB_OK)
-		return result;
-	const gpu_buffer *indices = gpu_buffer_of(gpu, run->indices);
-	const gpu_buffer *vertices = run->vertices ? gpu_buffer_of(gpu, run->vertices) : NULL;
-	if (!indices || !(indices->uses & STILB_GPU_BUFFER_INDICES) || (run->index_bytes != 2 && run->index_bytes != 4))
-		return FAIL("pass '%s': a run has no buffer of indices of 2 or 4 bytes", pass->name);
+	const gpu_buffer *indices = gpu_buffer_of(gpu, binding->indices);
+	const gpu_buffer *vertices = binding->vertices ? gpu_buffer_of(gpu, binding->vertices) : NULL;
+	if (!indices || !(indices->uses & STILB_GPU_BUFFER_INDICES) ||
+	    (binding->index_bytes != 2 && binding->index_bytes != 4))
+		return FAIL("pass '%s': a binding has no buffer of indices of 2 or 4 bytes", pass->name);
 	if ((desc->vertex_bytes > 0) != (bool)vertices || (vertices && !(vertices->uses & STILB_GPU_BUFFER_VERTICES)))
-		return FAIL("pass '%s': a run's vertices are not what program '%s' reads", pass->name, program->name);
+		return FAIL("pass '%s': a binding's vertices are not what program '%s' reads", pass->name, program->name);
+	return STILB_OK;
+}
+
+static stilb_result check_runs(const stilb_gpu *gpu, const stilb_gpu_plan *plan, const written_images *written,
+                               const stilb_gpu_pass *pass, const stilb_gpu_draws *list)
+{
+	bool indirect = list->replay == STILB_GPU_REPLAY_INDIRECT;
+	if (list->run_count == 0)
+		return STILB_OK;
+	const gpu_buffer *commands = gpu_buffer_of(gpu, list->commands.id);
+	uint64_t most = indirect ? (commands->bytes - list->offset) / STILB_GPU_DRAW_STRIDE : UINT64_MAX;
+	const stilb_gpu_run *last = NULL;
+	for (uint32_t r = 0; r < list->run_count; last = &list->runs[r++]) {
+		const stilb_gpu_run *run = &list->runs[r];
+		if (run->binding >= list->binding_count)
+			return FAIL("pass '%s': run %u has binding %u of %u", pass->name, r, run->binding, list->binding_count);
+		if ((uint64_t)run->first + run->count > most)
+			return FAIL("pass '%s': run %u ends at draw %llu of a buffer of %llu", pass->name, r,
+			            (unsigned long long)run->first + run->count, (unsigned long long)most);
+		if (last && run->set == last->set && run->binding == last->binding)
+			continue;
+		const gpu_program *program = binding_program(gpu, pass, gpu_binding_of(list, run));
+		const gpu_set *set = run->set ? gpu_set_of(gpu, run->set) : NULL;
+		if ((program->desc.set_items > 0 || run->set) && (!set || set->count != program->desc.set_items))
+			return FAIL("pass '%s': a run's set is not there, or has not the %u items of program '%s'", pass->name,
+			            program->desc.set_items, program->name);
+		stilb_result result = set ? check_set(plan, written, pass, set) : STILB_OK;
+		if (result != STILB_OK)
+			return result;
+	}
 	return STILB_OK;
 }
 
@@ -423,17 +457,17 @@ stilb_result gpu_check_lists(const stilb_gpu *gpu, const stilb_gpu_plan *plan, c
 		const gpu_buffer *commands = gpu_buffer_of(gpu, list->commands.id);
 		bool indirect = list->replay == STILB_GPU_REPLAY_INDIRECT;
 		if (list->run_count > 0 &&
-		    (indirect ? !commands || !(commands->uses & STILB_GPU_BUFFER_INDIRECT) : !list->draws))
+		    (indirect ? !commands || !(commands->uses & STILB_GPU_BUFFER_INDIRECT) || list->offset > commands->bytes
+		              : !list->draws))
 			return FAIL("pass '%s': its list has no draws, or they are not where its mode of replay reads them",
 			            pass->name);
-		for (uint32_t r = 0; r < list->run_count && result == STILB_OK; r++) {
-			const stilb_gpu_run *run = &list->runs[r];
-			uint64_t end = list->offset + ((uint64_t)run->first + run->count) * STILB_GPU_DRAW_STRIDE;
-			if (indirect && end > commands->bytes)
-				return FAIL("pass '%s': run %u ends at byte %llu of a buffer of %llu", pass->name, r,
-				            (unsigned long long)end, (unsigned long long)commands->bytes);
-			result = check_run(gpu, plan, &written, pass, run);
-		}
+		if (list->has_constants && (list->constant_place % 8 != 0 || list->constant_place + 8 > pass->constant_bytes))
+			return FAIL("pass '%s': its runs' constants take bytes %u to %u of %u", pass->name, list->constant_place,
+			            list->constant_place + 7, pass->constant_bytes);
+		for (uint32_t b = 0; b < list->binding_count && result == STILB_OK; b++)
+			result = check_binding(gpu, plan, pass, &list->bindings[b]);
+		if (result == STILB_OK)
+			result = check_runs(gpu, plan, &written, pass, list);
 	}
 	return result;
 }

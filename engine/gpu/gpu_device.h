@@ -33,7 +33,7 @@ typedef struct stilb_gpu_faults {
 	uint32_t allocation;   /* the n-th allocation of device memory fails */
 	uint32_t lost_frame;   /* the device is lost when its n-th frame is submitted */
 	uint32_t surface_lost; /* the window's surface is lost when the n-th frame is shown */
-	uint32_t image_side;   /* no larger images; 0: the device's own limit */
+	uint32_t image_side;   /* no larger images, but for those that are drawn into; 0: the device's own limit */
 } stilb_gpu_faults;
 
 /* A GPU of this machine. */

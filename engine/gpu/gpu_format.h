@@ -13,7 +13,8 @@ extern "C" {
 
 /* A row for each format: X(ENUM, name for users, bytes of a block, texels along a block's side, kind). Names follow
  * Vulkan's: bits of each channel, then U unsigned and S signed integers that mean 0..1 and -1..1, UI and SI integers
- * that mean themselves, F floats, SRGB colours whose codes are sRGB. */
+ * that mean themselves, F floats, SRGB colours whose codes are sRGB. RGB32_F is of vertices alone: no device has images
+ * of it. */
 #define STILB_GPU_FORMATS(X)                                                                                           \
 	X(NONE, "none", 0, 1, COLOR)                                                                                       \
 	X(R8_U, "r8_u", 1, 1, COLOR)                                                                                       \
@@ -31,6 +32,7 @@ extern "C" {
 	X(R11G11B10_F, "r11g11b10_f", 4, 1, COLOR)                                                                         \
 	X(R32_F, "r32_f", 4, 1, COLOR)                                                                                     \
 	X(RG32_F, "rg32_f", 8, 1, COLOR)                                                                                   \
+	X(RGB32_F, "rgb32_f", 12, 1, COLOR)                                                                                \
 	X(RGBA32_F, "rgba32_f", 16, 1, COLOR)                                                                              \
 	X(R8_UI, "r8_ui", 1, 1, INTEGER)                                                                                   \
 	X(R16_UI, "r16_ui", 2, 1, INTEGER)                                                                                 \

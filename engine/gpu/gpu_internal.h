@@ -9,8 +9,10 @@
 #include "gpu/gpu.h"
 #include "gpu/gpu_memory_internal.h"
 #include "gpu/gpu_plan_internal.h"
+#include "profiler/prof.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
@@ -22,7 +24,7 @@
 typedef struct gpu_entry {
 	uint32_t generation; /* of the id that is valid, or was last */
 	uint32_t next;       /* of elements that are unused, index + 1 */
-	bool used;
+	bool used, hidden;   /* hidden: used, and no id names it any more */
 } gpu_entry;
 
 /* Elements with numbers, which never move: a valid id can be looked up without a lock. */
@@ -103,6 +105,7 @@ typedef struct gpu_retired {
 typedef struct gpu_upload_item {
 	stilb_gpu_upload upload;
 	uint64_t offset, end; /* bytes of the ring that it takes, counted on and on: modulo the ring's size */
+	uint64_t batch;       /* of gpu_ring_ready, that took it; 0: it waits */
 	uint64_t frame;       /* in which it was copied; 0: not yet */
 	_Atomic uint64_t
 		writing; /* the place of its bytes + 1 until its end, then 0. Release by stilb_gpu_upload_end, acquire
@@ -119,12 +122,14 @@ typedef struct gpu_ring {
 	gpu_buffer buffer;
 	stilb_lock lock; /* guards all below but for gpu_upload_item.writing */
 	bool lock_made;
-	gpu_upload_item *items; /* [GPU_UPLOADS], by number modulo that */
-	uint32_t first;         /* the oldest that is there; numbers are counted on and on */
+	gpu_upload_ready *ready; /* [GPU_UPLOADS] of the main thread: those that were taken last */
+	gpu_upload_item *items;  /* [GPU_UPLOADS], by number modulo that */
+	uint32_t first;          /* the oldest that is there; numbers are counted on and on */
 	_Atomic uint32_t
 		begun; /* the number of the next. Relaxed: the lock orders it, and stilb_gpu_upload_end needs a hint */
 	uint64_t frame_bytes; /* that one frame copies */
 	uint64_t head;        /* where the next one begins, counted on and on */
+	uint64_t batch;       /* the last one that was taken */
 } gpu_ring;
 
 /* ---- read-back --------------------------------------------------------------------------------------------------- */
@@ -170,6 +175,9 @@ typedef struct gpu_functions {
 	                     gpu_read *read);
 	/* True once the copy is there. wait: waits for it. */
 	stilb_result (*read_done)(stilb_gpu *gpu, const gpu_read *read, bool wait, bool *done);
+	/* Copies these now, and waits for all that the device was given. */
+	stilb_result (*flush)(stilb_gpu *gpu, const gpu_upload_ready *uploads, uint32_t upload_count);
+	stilb_result (*set_surface)(stilb_gpu *gpu, const stilb_gpu_surface *surface);
 	stilb_result (*wait)(stilb_gpu *gpu);
 	stilb_result (*image_needs)(stilb_gpu *gpu, const stilb_gpu_extent *extent, stilb_gpu_needs *needs);
 	stilb_result (*buffer_needs)(stilb_gpu *gpu, uint64_t bytes, stilb_gpu_needs *needs);
@@ -194,7 +202,10 @@ struct stilb_gpu {
 	uint32_t formats[STILB_GPU_FORMAT_COUNT]; /* what each can be: uses, GPU_FORMAT_... */
 	bool begun;                               /* a frame was begun and has not run */
 	uint64_t frame;                           /* the number of the frame that was begun last */
+	bool keep_back; /* for measurements: frames are recorded and not given to the device; the plan was dropped */
 	stilb_gpu_stats stats;
+	const stilb_prof_site **sites; /* [site_capacity] by step: names its pass in the profiler */
+	uint32_t site_capacity;
 
 	stilb_lock lock; /* guards all below but for elements of tables, which who has their id reads */
 	bool lock_made;
@@ -208,6 +219,62 @@ struct stilb_gpu {
 	uint32_t read_capacity;
 	uint64_t last_ticket;
 };
+
+/* The profiler's site of step number `step`, for its pass's name; looking a name up takes a lock. */
+const stilb_prof_site *gpu_step_site(stilb_gpu *gpu, uint32_t step, const char *name);
+
+/* Which of a list's bindings a run has to bind after another; NULL: after none. */
+typedef struct gpu_binds {
+	bool program, set, constant, indices, vertices, scissor;
+} gpu_binds;
+
+static inline const stilb_gpu_binding *gpu_binding_of(const stilb_gpu_draws *list, const stilb_gpu_run *run)
+{
+	return &list->bindings[run->binding];
+}
+
+static inline gpu_binds gpu_binds_between(const stilb_gpu_draws *list, const stilb_gpu_run *from,
+                                          const stilb_gpu_run *to)
+{
+	const stilb_gpu_binding *b = gpu_binding_of(list, to), *a = from ? gpu_binding_of(list, from) : NULL;
+	bool program = !a || a->program != b->program;
+	return (gpu_binds){
+		.program = program,
+		.set = to->set != 0 && (program || to->set != from->set),
+		.constant = list->has_constants && (program || to->constant != from->constant),
+		.indices = !a || a->indices != b->indices || a->index_bytes != b->index_bytes,
+		.vertices = b->vertices != 0 && (!a || a->vertices != b->vertices),
+		.scissor = a ? memcmp(a->scissor, b->scissor, sizeof a->scissor) != 0 : b->scissor[2] > 0,
+	};
+}
+
+/* Of stilb_gpu_stats.binds: a program with what it needs at once, a set or constant of a run, a buffer of indices. */
+static inline uint32_t gpu_binds_count(gpu_binds binds)
+{
+	return (uint32_t)binds.program + (uint32_t)(binds.set || binds.constant) + (uint32_t)binds.indices;
+}
+
+/* Draws of a list. */
+static inline uint64_t gpu_draws_count(const stilb_gpu_draws *list)
+{
+	uint64_t draws = 0;
+	for (uint32_t r = 0; r < list->run_count; r++)
+		draws += list->runs[r].count;
+	return draws;
+}
+
+/* How many parts a list is cut into for threads, and the first draw of a part, or where the last one ends. */
+#define GPU_MOST_PARTS 256u
+static inline uint32_t gpu_draws_parts(const stilb_gpu_threads *threads)
+{
+	uint32_t parts = threads && threads->run && threads->count > 0 ? threads->count : 1;
+	return parts < GPU_MOST_PARTS ? parts : GPU_MOST_PARTS;
+}
+
+static inline uint64_t gpu_draws_part(uint64_t draws, uint32_t parts, uint32_t part)
+{
+	return draws / parts * part + draws % parts * part / parts;
+}
 
 /* The parts of stilb_gpu_create that all devices share; destroy calls finish last but for its own memory. */
 stilb_result gpu_start(stilb_gpu *gpu, const stilb_gpu_desc *desc);
@@ -275,6 +342,7 @@ typedef struct gpu_spirv {
 	uint32_t sampled, storage; /* of set 0 */
 	uint32_t items;            /* sampled images of set 1 */
 	const char *wrong;         /* what Stilb does not have: a text; NULL: nothing */
+	bool no_memory;            /* to read it */
 	uint32_t group_size[3];    /* of compute shaders; 0: given by specialization constants */
 } gpu_spirv;
 
@@ -297,10 +365,10 @@ stilb_result gpu_ring_create(stilb_gpu *gpu, uint64_t bytes, uint64_t frame_byte
 void gpu_ring_destroy(stilb_gpu *gpu);
 /* Gives back the room of uploads whose frame is done. */
 void gpu_ring_frame(stilb_gpu *gpu, uint64_t done);
-/* Takes the uploads that have ended and were not copied, up to `capacity`, for the frame that was begun last. Their
- * targets are there. */
-uint32_t gpu_ring_ready(stilb_gpu *gpu, gpu_upload_ready *items, uint32_t capacity);
-/* The frame that was begun last has not run: its uploads are for the next. */
-void gpu_ring_again(stilb_gpu *gpu);
+/* Takes the uploads that have ended and were not copied, for the frame that was begun last, into gpu->ring.ready, and
+ * returns how many they are: up to `most` bytes, at least one. Their targets are there. */
+uint32_t gpu_ring_ready(stilb_gpu *gpu, uint64_t most);
+/* The uploads that were taken last were not copied: they wait again. */
+void gpu_ring_untake(stilb_gpu *gpu);
 
 #endif

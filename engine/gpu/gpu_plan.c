@@ -367,7 +367,7 @@ void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource)
 	uint16_t *shown = plan->shown.items;
 	bool same = !plan->changed && plan->shown_count < plan->shown_known && shown[plan->shown_count] == resource;
 	if (!same && (!change(plan) || !gpu_array_reserve(&plan->shown, plan->shown_count + 1, sizeof *shown))) {
-		remember_error(plan, stilb_fail(STILB_ERROR_MEMORY, "no memory to show a resource"));
+		remember_error(plan, stilb_fail(STILB_ERROR_MEMORY, "no memory for another resource that is shown"));
 		return;
 	}
 	shown = plan->shown.items;

@@ -283,11 +283,11 @@ static stilb_result place_items(stilb_gpu_plan *plan, uint32_t heaps)
 			continue;
 		uint64_t bytes = gpu_place(items + i, end - i, &plan->placing);
 		if (bytes == UINT64_MAX)
-			return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", end - i);
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the places of %u resources", end - i);
 		made->heap_bytes[items[i].heap] = bytes;
 	}
 	if (!gpu_array_reserve(&made->items, plan->item_count, sizeof(gpu_item)))
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory to place %u resources", plan->item_count);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the places of %u resources", plan->item_count);
 	memcpy(made->items.items, items, plan->item_count * sizeof *items);
 	made->count = plan->item_count;
 	made->heap_count = heaps;

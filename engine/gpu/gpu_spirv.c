@@ -128,7 +128,7 @@ bool gpu_spirv_read(const stilb_gpu_shader *shader, gpu_spirv *out)
 		return false;
 	spirv_id *ids = calloc(bound, sizeof *ids);
 	if (!ids) {
-		out->wrong = "more than there is memory to read";
+		out->no_memory = true;
 		return true;
 	}
 	bool good = true;

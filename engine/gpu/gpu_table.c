@@ -61,6 +61,7 @@ void gpu_table_hide(gpu_table *table, void *element)
 {
 	(void)table;
 	gpu_entry *entry = element;
+	entry->hidden = true;
 	entry->generation++; /* the id after this one skips a number, which harms nobody */
 }
 

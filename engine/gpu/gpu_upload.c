@@ -16,8 +16,9 @@ stilb_result gpu_ring_create(stilb_gpu *gpu, uint64_t bytes, uint64_t frame_byte
 	bytes = (bytes + GPU_UPLOAD_ALIGN - 1) / GPU_UPLOAD_ALIGN * GPU_UPLOAD_ALIGN;
 	ring->frame_bytes = frame_bytes > 0 ? frame_bytes : UINT64_MAX;
 	ring->items = calloc(GPU_UPLOADS, sizeof *ring->items);
+	ring->ready = calloc(GPU_UPLOADS, sizeof *ring->ready);
 	ring->lock_made = stilb_lock_init(&ring->lock);
-	if (!ring->items || !ring->lock_made)
+	if (!ring->items || !ring->ready || !ring->lock_made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of uploads");
 	ring->buffer = (gpu_buffer){
 		.name = "uploads", .bytes = bytes, .memory = STILB_GPU_MEMORY_WRITE, .uses = STILB_GPU_BUFFER_COPY};
@@ -34,6 +35,7 @@ void gpu_ring_destroy(stilb_gpu *gpu)
 	if (gpu->ring.lock_made)
 		stilb_lock_finish(&gpu->ring.lock);
 	free(gpu->ring.items);
+	free(gpu->ring.ready);
 	gpu->ring = (gpu_ring){0};
 }
 
@@ -63,7 +65,7 @@ static void *ring_take(gpu_ring *ring, const stilb_gpu_upload *upload)
 	item->upload = *upload;
 	item->offset = count == 0 ? place : begin;
 	item->end = end;
-	item->frame = 0;
+	item->frame = item->batch = 0;
 	/* Relaxed: the lock's end makes it known to the main thread, and this thread or one that it tells ends it. */
 	atomic_store_explicit(&item->writing, place % size + 1, memory_order_relaxed);
 	atomic_store_explicit(&ring->begun, next + 1, memory_order_relaxed); /* ring_begun */
@@ -119,43 +121,45 @@ void gpu_ring_frame(stilb_gpu *gpu, uint64_t done)
 {
 	gpu_ring *ring = &gpu->ring;
 	stilb_lock_take(&ring->lock);
-	while (ring->first != ring_begun(ring) && ring_item(ring, ring->first)->frame > 0 &&
+	while (ring->first != ring_begun(ring) && ring_item(ring, ring->first)->batch > 0 &&
 	       ring_item(ring, ring->first)->frame <= done)
 		ring->first++;
 	stilb_lock_give(&ring->lock);
 }
 
-uint32_t gpu_ring_ready(stilb_gpu *gpu, gpu_upload_ready *items, uint32_t capacity)
+uint32_t gpu_ring_ready(stilb_gpu *gpu, uint64_t most)
 {
 	gpu_ring *ring = &gpu->ring;
 	uint32_t count = 0;
 	uint64_t bytes = 0;
 	stilb_lock_take(&ring->lock);
-	for (uint32_t i = ring->first, end = ring_begun(ring); i != end && count < capacity; i++) {
+	ring->batch++;
+	for (uint32_t i = ring->first, end = ring_begun(ring); i != end; i++) {
 		gpu_upload_item *item = ring_item(ring, i);
 		/* Acquire: stilb_gpu_upload_end; the bytes are written. */
-		if (item->frame > 0 || atomic_load_explicit(&item->writing, memory_order_acquire) != 0)
+		if (item->batch > 0 || atomic_load_explicit(&item->writing, memory_order_acquire) != 0)
 			continue;
 		bytes += item->upload.bytes;
-		if (count > 0 && bytes > ring->frame_bytes)
+		if (count > 0 && bytes > most)
 			break;
 		item->frame = gpu->frame;
+		item->batch = ring->batch;
 		/* A target that was destroyed meanwhile needs nothing. */
 		if (item->upload.image.id ? !gpu_image_of(gpu, item->upload.image.id)
 		                          : !gpu_buffer_of(gpu, item->upload.buffer.id))
 			continue;
-		items[count++] = (gpu_upload_ready){item->upload, item_place(ring, item)};
+		ring->ready[count++] = (gpu_upload_ready){item->upload, item_place(ring, item)};
 	}
 	stilb_lock_give(&ring->lock);
 	return count;
 }
 
-void gpu_ring_again(stilb_gpu *gpu)
+void gpu_ring_untake(stilb_gpu *gpu)
 {
 	gpu_ring *ring = &gpu->ring;
 	stilb_lock_take(&ring->lock);
 	for (uint32_t i = ring->first, end = ring_begun(ring); i != end; i++)
-		if (ring_item(ring, i)->frame == gpu->frame)
-			ring_item(ring, i)->frame = 0;
+		if (ring_item(ring, i)->batch == ring->batch)
+			ring_item(ring, i)->batch = 0;
 	stilb_lock_give(&ring->lock);
 }

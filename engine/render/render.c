@@ -72,8 +72,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	if (result == STILB_OK && desc->faults.textures > 0) /* and one more, which stands for no texture */
 		render->resources.indices[RENDER_RESOURCE_TEXTURE].capacity = desc->faults.textures + 1;
 	if (result == STILB_OK)
-		result = desc->device == STILB_RENDER_DEVICE_NULL ? render_null_create(desc, &render->device)
-		                                                  : render_vulkan_create(desc, &render->device);
+		result = render_device_create(desc, &render->device);
 	if (result != STILB_OK) {
 		stilb_render_destroy(render);
 		return result;
@@ -85,6 +84,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 void stilb_render_own(stilb_render *render)
 {
 	stilb_owner_take(&render->owner);
+	stilb_gpu_own(render->device->gpu);
 }
 
 void stilb_render_destroy(stilb_render *render)
@@ -93,10 +93,10 @@ void stilb_render_destroy(stilb_render *render)
 		return;
 	STILB_ASSERT_OWNER(render->owner);
 	if (render->device) {
-		render->device->functions->wait(render->device); /* a device that is lost uses nothing any more */
+		stilb_gpu_wait(render->device->gpu); /* a device that is lost uses nothing any more */
 		render_places_finish(render, &render->scene.places, false);
 		render_rows_finish(render);
-		render->device->functions->destroy(render->device);
+		render_device_destroy(render->device);
 	}
 	render_contexts_destroy(render);
 	for (uint32_t p = 0; p < STILB_RENDER_MAX_PASSES; p++) {
@@ -114,12 +114,12 @@ void stilb_render_destroy(stilb_render *render)
 
 const char *stilb_render_device_name(const stilb_render *render)
 {
-	return render->device->gpu->name;
+	return stilb_gpu_name(render->device->gpu);
 }
 
 bool stilb_render_device_is_software(const stilb_render *render)
 {
-	return render->device->gpu->software;
+	return stilb_gpu_is_software(render->device->gpu);
 }
 
 uint32_t stilb_render_samples(const stilb_render *render)
@@ -130,13 +130,13 @@ uint32_t stilb_render_samples(const stilb_render *render)
 stilb_gpu_presentation stilb_render_presentation_used(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	return render->device->gpu->presentation;
+	return stilb_gpu_presentation_used(render->device->gpu);
 }
 
 uint32_t stilb_render_validation_messages(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	return render->device->gpu->validation_messages;
+	return stilb_gpu_validation_messages(render->device->gpu);
 }
 
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count)
@@ -155,7 +155,7 @@ stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t 
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render_size_is_valid(width, height) && "1..16384 pixels a side");
 	STILB_ASSERT(!render_is_recording(render) && "between frames");
-	return render->device->functions->resize(render->device, width, height);
+	return render_device_resize(render->device, width, height);
 }
 
 void stilb_render_size(const stilb_render *render, uint32_t *width, uint32_t *height)
@@ -176,11 +176,11 @@ stilb_result stilb_render_frame_begin(stilb_render *render)
 		wanted[kind] = atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed);
 	render_contexts_rewind(render);
 	render->state = RENDER_FRAME_NONE;
-	stilb_result result = render->device->functions->frame_begin(render->device, render->memory);
+	stilb_result result = render_device_frame_begin(render->device, render->memory);
 	for (int kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {
 		render_memory *memory = &render->memory[kind];
 		if (wanted[kind] > memory->capacity)
-			result = render->device->functions->grow(render->device, memory, (render_memory_kind)kind, wanted[kind], 0);
+			result = render_device_grow(render->device, memory, (uint32_t)kind, wanted[kind], 0);
 		result = result == STILB_ERROR_MEMORY ? STILB_OK : result;
 	}
 	if (result != STILB_OK)
@@ -195,7 +195,7 @@ stilb_result stilb_render_present(stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->state == RENDER_FRAME_REPLAYED);
-	return render->device->functions->present(render->device);
+	return render_device_present(render->device);
 }
 
 stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surface *surface)
@@ -203,27 +203,29 @@ stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surf
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(!surface || (surface->extensions && surface->create));
 	STILB_ASSERT(!render_is_recording(render) && "between frames");
-	return render->device->functions->set_surface(render->device, surface);
+	return stilb_gpu_set_surface(render->device->gpu, surface);
 }
 
 stilb_result stilb_render_wait(stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
-	return render->device->functions->wait(render->device);
+	stilb_result result = stilb_gpu_wait(render->device->gpu);
+	render->device->stats.gpu_ms = stilb_gpu_stats_get(render->device->gpu).gpu_ms;
+	return result;
 }
 
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(image && !render_is_recording(render) && "between frames");
-	return render->device->functions->read_image(render->device, image);
+	return render_device_read_picture(render->device, image);
 }
 
 stilb_result stilb_render_read_radiance(stilb_render *render, stilb_image *image)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(image && !render_is_recording(render) && "between frames");
-	return render->device->functions->read_light(render->device, image);
+	return render_device_read_light(render->device, image);
 }
 
 stilb_result stilb_render_read_for_file(stilb_render *render, const char *path, stilb_image *image)

@@ -80,7 +80,7 @@ typedef enum stilb_render_replay_mode {
 /* How a draw gets its material. All ways give the same pixels; the last two exist to measure what they cost. */
 typedef enum stilb_render_materials {
 	STILB_RENDER_MATERIALS_INDEX,    /* an index in the draw's row: no device command */
-	STILB_RENDER_MATERIALS_BIND,     /* a descriptor set for each change of material */
+	STILB_RENDER_MATERIALS_BIND,     /* its address as constants, for each change of material */
 	STILB_RENDER_MATERIALS_PIPELINE, /* two pipelines, for materials with even and with odd ids: the worst case */
 } stilb_render_materials;
 
@@ -384,8 +384,9 @@ typedef struct stilb_render_pass {
  * no longer be asked for. On STILB_ERROR_MEMORY everything is as before. [main-thread] */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
 
-/* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_MEMORY,
- * STILB_ERROR_DEVICE (larger than this GPU draws): no frame can begin until a resize succeeds. [main-thread] */
+/* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_DEVICE
+ * (larger than this GPU draws): no frame can begin until a resize succeeds. The images are made by the next frame's
+ * replay, which may have no memory for them. [main-thread] */
 stilb_result stilb_render_resize(stilb_render *render, uint32_t width, uint32_t height);
 
 /* The picture's size, pixels. [main-thread] */
@@ -434,8 +435,8 @@ stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surf
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
  * frames. If the backdrop of the frame's first pass is nothing there is alpha, too, the share of the pixel that models
  * cover; radiance is premultiplied by it, as EXR files have it, codes are not. stilb_image_finish it.
- * STILB_ERROR_DEVICE: no frame of this size has been drawn yet, or the null device. STILB_ERROR_MEMORY.
- * [main-thread] */
+ * STILB_ERROR_DEVICE: no frame of this size has been drawn yet, the last one failed, or the null device.
+ * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
 /* As stilb_render_read_image, but of what the scene passes alone have drawn: linear radiance, STILB_IMAGE_F16_LINEAR,
@@ -458,7 +459,7 @@ typedef struct stilb_render_stats {
 	uint64_t indirect_commands; /* device commands that make many: all consecutive draws with the same bindings */
 	uint64_t execute_commands;  /* secondary command buffers executed */
 	uint64_t binds_asked;       /* pipeline, buffers and material of every draw: three a draw */
-	uint64_t binds_sent;        /* of these, the ones that changed and so went to the device */
+	uint64_t binds_sent;        /* programs, indices, and textures or materials that went to the device */
 	double gpu_ms;              /* GPU time of the last frame whose time is known, ms; 0 on the null device */
 } stilb_render_stats;
 

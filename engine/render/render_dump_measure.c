@@ -110,14 +110,11 @@ static void measure_streams(measure_job *job, measure_variant variant, measure_f
 		render_stream *stream = &job->streams[p];
 		*stream = (render_stream){.pass = pass,
 		                          .view = &job->dump->view_table[pass->view],
-		                          .site = render->sites[job->order[p]],
 		                          .commands = render_commands(render),
 		                          .runs = runs,
 		                          .run_count = count,
 		                          .states = render->passes[job->order[p]].states,
-		                          .kinds = render->passes[job->order[p]].kinds,
-		                          .pool = job->pool,
-		                          .worker = job->worker};
+		                          .kinds = render->passes[job->order[p]].kinds};
 		for (uint32_t r = 0; r < count; r++)
 			stream->draws += runs[r].count;
 		measure_count(stream, render->device->materials, frame);
@@ -144,7 +141,7 @@ static stilb_result measure_order(measure_job *job)
 	return result;
 }
 
-/* Runs and times one frame. Commands that are not submitted are discarded when the next frame begins in their slot. */
+/* Runs and times one frame. Without `submit` its commands are recorded and not given to the device. */
 static stilb_result measure_frame_run(measure_job *job, measure_variant variant, bool submit, measure_frame *frame)
 {
 	render_device *device = job->render->device;
@@ -164,13 +161,15 @@ static stilb_result measure_frame_run(measure_job *job, measure_variant variant,
 	measure_streams(job, variant, frame);
 	clock = stilb_time_ns();
 	for (uint32_t p = 0; p < job->dump->header->passes && result == STILB_OK; p++)
-		result = device->functions->pass(device, &job->streams[p]);
-	frame->pass = measure_since(&clock);
-	if (result == STILB_OK && submit) {
-		device->gpu->frames++;
-		result = device->functions->submit(device);
-		frame->submit = measure_since(&clock);
-	}
+		result = render_device_pass(device, &job->streams[p]);
+	device->gpu->keep_back = !submit;
+	if (result == STILB_OK)
+		result = render_device_run(device, job->pool, job->worker);
+	device->gpu->keep_back = false;
+	double given = (double)stilb_gpu_stats_get(device->gpu).submit_ns;
+	frame->pass = measure_since(&clock) - given;
+	if (submit)
+		frame->submit = given;
 	return result;
 }
 

@@ -8,6 +8,7 @@
 #include "base/base_contract.h"
 #include "gpu/gpu_internal.h"
 #include "profiler/prof.h"
+#include "render/device/render_device.h"
 #include "render/render.h"
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
@@ -319,13 +320,10 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 
 /* ---- devices ----------------------------------------------------------------------------------------------------- */
 
-typedef struct render_device render_device;
-
 /* A stream: one pass as the device gets it, with its draws in their final order. */
 typedef struct render_stream {
 	const stilb_render_pass *pass;
 	const stilb_render_view *view;  /* NULL: a 2D pass */
-	const stilb_prof_site *site;    /* the pass's name in the profiler */
 	const render_command *commands; /* of the frame; runs index into them */
 	const render_run *runs;
 	uint32_t run_count;
@@ -337,68 +335,7 @@ typedef struct render_stream {
 	uint32_t light_count;
 	uint32_t light_bits;             /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
-	stilb_job_pool *pool;            /* records secondary command buffers, one a worker */
-	uint32_t worker;                 /* the caller's index in pool */
 } render_stream;
-
-/* Part of a stream: `count` consecutive draws; the first is draw number `offset`, from 0, of the stream's run `run`. */
-typedef struct render_part {
-	uint32_t run, offset;
-	uint64_t count;
-} render_part;
-
-/* What a device implements. [main-thread] but for texture_create. A frame calls frame_begin, update, pass for each
- * pass, submit, present; grow at any time between frame_begin and submit. */
-typedef struct render_device_functions {
-	void (*destroy)(render_device *device);
-	stilb_result (*resize)(render_device *device, uint32_t width, uint32_t height);
-	/* Takes the next of STILB_GPU_FRAMES frame slots in turn: waits until the device is done with the frame that
-	 * used it last, and fills in data and capacity of memory[RENDER_MEMORY_KINDS] with the slot's memory. */
-	stilb_result (*frame_begin)(render_device *device, render_memory *memory);
-	/* Replaces memory's data by an array of `capacity` elements that begins with the first `keep` of the old one. */
-	stilb_result (*grow)(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
-	                     uint32_t keep);
-	/* Memory for rows that the CPU writes at any time, and frames read. [any-thread] */
-	stilb_result (*rows_make)(render_device *device, uint32_t capacity, render_rows **rows);
-	/* Frees rows that no frame in flight uses. [any-thread] */
-	void (*rows_free)(render_device *device, render_rows *rows);
-	/* Makes texture number `texture` with the size and format of image; update copies the pixels. The caller holds the
-	 * lock of render_resources. [any-thread] */
-	stilb_result (*texture_create)(render_device *device, uint32_t texture, const stilb_image *image);
-	/* Frees a texture that no frame in flight uses. */
-	void (*texture_destroy)(render_device *device, uint32_t texture);
-	/* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device. The caller holds the
-	 * lock of resources. */
-	stilb_result (*update)(render_device *device, const render_resources *resources);
-	/* Makes the pipelines that draws of a scene pass with this view and light_bits need. [any-thread] */
-	stilb_result (*prepare)(render_device *device, const stilb_render_view *view, uint32_t light_bits);
-	/* Adds the commands of a pass to the frame. */
-	stilb_result (*pass)(render_device *device, const render_stream *stream);
-	/* Memory for a panorama that frames will show, RENDER_PANORAMA_BYTES. The one that is shown stays in place. NULL:
-	 * there is none, and the message says so. */
-	void *(*panorama_make)(render_device *device, size_t bytes);
-	/* From this frame on they show that one. */
-	void (*panorama_show)(render_device *device);
-	stilb_result (*submit)(render_device *device);
-	stilb_result (*present)(render_device *device);
-	/* See stilb_render_set_surface. */
-	stilb_result (*set_surface)(render_device *device, const stilb_gpu_surface *surface);
-	stilb_result (*wait)(render_device *device);
-	stilb_result (*read_image)(render_device *device, stilb_image *image);
-	stilb_result (*read_light)(render_device *device, stilb_image *image);
-} render_device_functions;
-
-struct render_device {
-	const render_device_functions *functions;
-	stilb_gpu *gpu; /* its name, what it counts, its faults */
-	uint32_t width, height, samples;
-	stilb_render_replay_mode replay;
-	stilb_render_materials materials;
-	stilb_render_stats stats;
-};
-
-stilb_result render_null_create(const stilb_render_desc *desc, render_device **device);
-stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device);
 
 /* The error of an image that is larger than the device's largest texture of its format, width x height. */
 stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
@@ -410,9 +347,6 @@ static inline stilb_render_replay_mode render_stream_mode(const render_device *d
 	bool few = stream->pass->kind == STILB_RENDER_PASS_2D;
 	return few && device->replay == STILB_RENDER_REPLAY_SECONDARY ? STILB_RENDER_REPLAY_DIRECT : device->replay;
 }
-
-/* Cuts a stream into parts[count] of equal size, give or take one draw. */
-void render_split(const render_stream *stream, uint32_t count, render_part *parts);
 
 /* ---- the module itself ------------------------------------------------------------------------------------------- */
 
@@ -487,8 +421,6 @@ struct stilb_render {
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
-	/* By pass: the profiler's site for its name, which names its zones; NULL: not looked up yet. */
-	const stilb_prof_site *sites[STILB_RENDER_MAX_PASSES];
 	render_frame_state state;
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;

@@ -165,7 +165,7 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 		for (uint32_t i = 0; i < lamps; i++)
 			known |= made[i] == made[lamps];
 		if (!known)
-			result = render->device->functions->prepare(render->device, view, made[lamps]);
+			result = render_device_prepare(render->device, view, made[lamps]);
 	}
 	return result;
 }

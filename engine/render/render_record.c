@@ -152,8 +152,7 @@ stilb_result render_memory_place(stilb_render *render)
 			continue;
 		uint64_t wanted = (uint64_t)claimed + claimed / 4;
 		uint32_t capacity = wanted < UINT32_MAX ? (uint32_t)wanted : UINT32_MAX;
-		stilb_result result = render->device->functions->grow(render->device, memory, (render_memory_kind)kind,
-		                                                      capacity, memory->capacity);
+		stilb_result result = render_device_grow(render->device, memory, (uint32_t)kind, capacity, memory->capacity);
 		if (result != STILB_OK)
 			return result;
 	}
@@ -987,7 +986,7 @@ static void record_reserve(const record_pass *recorded)
 		return;
 	parts = record_count_parts(recorded) + spare;
 	if (parts > memory->capacity && parts <= UINT32_MAX)
-		render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)parts, 0);
+		render_device_grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)parts, 0);
 }
 
 /* Brings the scene's rows up to date. levels: some may be drawn. */

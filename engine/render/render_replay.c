@@ -98,15 +98,6 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 	return result;
 }
 
-/* The profiler's site (what names a zone) for a pass's name, cached in *known: looking it up takes a lock. */
-static const stilb_prof_site *replay_site(const stilb_prof_site **known, const char *name)
-{
-	name = name ? name : "pass";
-	if (!*known || strcmp((*known)->name, name) != 0)
-		*known = stilb_prof_site_make(name, 0);
-	return *known;
-}
-
 /* Keeps what the stream hash covers of the view. */
 static void replay_keep_view(render_pass_lists *lists, const render_stream *stream)
 {
@@ -140,10 +131,7 @@ static stilb_result replay_pass(stilb_render *render, const stilb_render_pass *p
 	stats->draws += lists->draws;
 	stats->recorded_bytes += lists->draws * sizeof(render_command);
 	stats->binds_asked += lists->draws * 3;
-	stilb_prof_zone_begin(stream->site);
-	stilb_result result = render->device->functions->pass(render->device, stream);
-	stilb_prof_zone_end();
-	return result;
+	return render_device_pass(render->device, stream);
 }
 
 /* Bytes that were recorded in this frame besides commands: 2D geometry, and rows, of which contexts claim more than
@@ -264,14 +252,12 @@ static stilb_result replay_place_lights(stilb_render *render, const stilb_render
 
 static void *replay_make_panorama(void *user, size_t bytes)
 {
-	render_device *device = user;
-	return device->functions->panorama_make(device, bytes);
+	return render_device_panorama_make(user, bytes);
 }
 
 static void replay_show_panorama(void *user)
 {
-	render_device *device = user;
-	device->functions->panorama_show(device);
+	render_device_panorama_show(user);
 }
 
 /* Makes what frames need of the panorama of the first view that has one: in a window over several frames, so that it
@@ -283,7 +269,7 @@ static stilb_result replay_update_panorama(stilb_render *render, const stilb_ren
 	for (uint32_t v = 0; v < view_count; v++)
 		if (render_panorama_is_good(&views[v].surroundings.panorama))
 			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, memory,
-			                              render->device->gpu->in_window, pool, worker);
+			                              stilb_gpu_in_window(render->device->gpu), pool, worker);
 	render_panorama_leave(&render->panorama);
 	return STILB_OK;
 }
@@ -333,45 +319,19 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
 		uint32_t index = render->replayed[p];
 		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
-		                        .site = replay_site(&render->sites[index], pass->name),
 		                        .first_light = lights[index].first,
 		                        .light_count = lights[index].count,
 		                        .panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
 		                        .light_bits =
 		                            lights[index].bits |
-		                            (scene && views[pass->view].surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0),
-		                        .pool = pool,
-		                        .worker = worker};
+		                            (scene && views[pass->view].surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0)};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
-	if (result == STILB_OK) {
-		device->gpu->frames++;
-		result = device->functions->submit(device);
-	}
+	if (result == STILB_OK)
+		result = render_device_run(device, pool, worker);
 	if (updated)
 		render_resources_sent(render, result == STILB_OK);
 	return result;
-}
-
-void render_split(const render_stream *stream, uint32_t count, render_part *parts)
-{
-	uint32_t run = 0, offset = 0;
-	STILB_ASSERT(count > 0 && stream->draws > 0);
-	for (uint32_t p = 0; p < count; p++) {
-		uint64_t draws = stream->draws * (p + 1) / count - stream->draws * p / count;
-		parts[p] = (render_part){run, offset, draws};
-		while (draws > 0) {
-			STILB_ASSERT(run < stream->run_count && offset < stream->runs[run].count);
-			uint32_t left = stream->runs[run].count - offset;
-			if (draws < left) {
-				offset += (uint32_t)draws;
-				break;
-			}
-			draws -= left;
-			offset = 0;
-			run++;
-		}
-	}
 }
 
 /* ---- the hash of the stream -------------------------------------------------------------------------------------- */

@@ -562,14 +562,6 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	return result;
 }
 
-stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
-                                      const stilb_image *image)
-{
-	return stilb_fail(STILB_ERROR_ARGUMENT,
-	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->gpu->name,
-	                  width, height, image->width, image->height);
-}
-
 static stilb_result texture_create(stilb_render *render, const stilb_image *image, bool patient,
                                    stilb_render_texture *out)
 {
@@ -595,7 +587,7 @@ static stilb_result texture_create(stilb_render *render, const stilb_image *imag
 	if (!texture_add(resources, converted, patient, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
-		result = render->device->functions->texture_create(render->device, index, &converted);
+		result = render_device_texture_create(render->device, index, &converted);
 		if (result == STILB_OK)
 			out->id = handle_make(resources->textures[index], index);
 		else
@@ -799,7 +791,7 @@ static void resource_release(stilb_render *render, render_retired retired)
 		resources->levels[retired.index] = NULL;
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
 		upload_forget(resources, retired.index);
-		render->device->functions->texture_destroy(render->device, retired.index);
+		render_device_texture_destroy(render->device, retired.index);
 		if (resources->pictures)
 			stilb_image_finish(&resources->pictures[retired.index]);
 	}
@@ -867,7 +859,7 @@ stilb_result render_resources_update(stilb_render *render)
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
 	uploads_choose(resources);
-	stilb_result result = render->device->functions->update(render->device, resources);
+	stilb_result result = render_device_update(render->device, resources);
 	resources->sending = true;
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		resources->heaps[h].dirty.count = 0;

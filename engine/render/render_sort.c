@@ -89,8 +89,7 @@ static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *f
 	atomic_store_explicit(&memory->next, (uint32_t)wanted, memory_order_relaxed);
 	if (wanted <= memory->capacity)
 		return STILB_OK;
-	return render->device->functions->grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)wanted,
-	                                       (uint32_t)claimed);
+	return render_device_grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)wanted, (uint32_t)claimed);
 }
 
 /* Copies the pass's commands to the claim at `first` in their new order, and makes its runs anew. False: no memory. */

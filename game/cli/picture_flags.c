@@ -46,7 +46,7 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "indirect, direct (a command a draw) or secondary (those in parallel) (indirect)", 0, 0,
 	     picture_replay_choices},
 		{"--materials", FLAG_CHOICE, &p->materials, "MODE",
-	     "index, bind (a descriptor set each) or pipeline (two pipelines) (index)", 0, 0, picture_materials_choices},
+	     "index, bind (an address each) or pipeline (two pipelines) (index)", 0, 0, picture_materials_choices},
 	};
 	const flag device[] = {
 		{"--device", FLAG_CHOICE, &p->device, "vulkan|null", "null draws nothing: for the CPU's part alone (vulkan)", 0,

@@ -92,18 +92,25 @@ static void edits_do_not_depend_on_workers(void **state)
 
 /* ---- what is uploaded -------------------------------------------------------------------------------------------- */
 
-static const render_device_functions *real;
+static const gpu_functions *real;
+static const render_device *counted;
+static const uint32_t heap_elements[RENDER_HEAPS] = {24, sizeof(uint32_t), sizeof(uint16_t), sizeof(render_material)};
 static uint64_t uploaded[RENDER_HEAPS], uploaded_textures;
 
-static stilb_result count_update(render_device *device, const render_resources *resources)
+static stilb_result count_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
+                              uint32_t list_count, const stilb_gpu_threads *threads, const gpu_upload_ready *uploads,
+                              uint32_t upload_count)
 {
-	for (int kind = 0; kind < RENDER_HEAPS; kind++) {
-		uploaded[kind] = 0;
-		for (uint32_t r = 0; r < resources->heaps[kind].dirty.count; r++)
-			uploaded[kind] += resources->heaps[kind].dirty.items[r].count;
+	memset(uploaded, 0, sizeof uploaded);
+	uploaded_textures = 0;
+	for (uint32_t u = 0; u < upload_count; u++) {
+		const stilb_gpu_upload *upload = &uploads[u].upload;
+		uploaded_textures += upload->image.id != 0;
+		for (int kind = 0; kind < RENDER_HEAPS; kind++)
+			if (upload->buffer.id == counted->heaps[kind].buffer.id && upload->buffer.id != 0)
+				uploaded[kind] += upload->bytes / heap_elements[kind];
 	}
-	uploaded_textures = resources->upload_count;
-	return real->update(device, resources);
+	return real->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
 }
 
 /* The elements of each heap, and the textures, that the next frame uploads. */
@@ -124,8 +131,8 @@ static void only_changes_are_uploaded(void **state)
 	edit_script script;
 	stilb_scene *scene = script_begin(&script, 5);
 	stilb_engine *engine = make_engine(1, STILB_RENDER_REPLAY_INDIRECT, STILB_CULL_AUTO);
-	render_device *device = engine->render->device;
-	render_device_functions counting = *device->functions;
+	stilb_gpu *gpu = engine->render->device->gpu;
+	gpu_functions counting = *gpu->functions;
 	stilb_scene_vertex row[SCRIPT_GRID];
 	stilb_scene_material paint = script_paint(&script, 0);
 	stilb_mat4 place = script_place(&script);
@@ -134,9 +141,10 @@ static void only_changes_are_uploaded(void **state)
 	uint32_t indices = 0;
 	for (uint32_t m = 0; m < 2; m++)
 		indices += scene->meshes[m].index_count + scene->meshes[m].level_index_count;
-	real = device->functions;
-	counting.update = count_update;
-	device->functions = &counting;
+	real = gpu->functions;
+	counted = engine->render->device;
+	counting.run = count_run;
+	gpu->functions = &counting;
 	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
 	assert_uploads(engine, vertices, indices, 2, 1);
 	assert_uploads(engine, 0, 0, 0, 0);
@@ -161,7 +169,7 @@ static void only_changes_are_uploaded(void **state)
 	for (int f = 0; f < 3; f++)
 		assert_uploads(engine, 0, 0, 0, 0);
 	assert_int_equal(engine->render->resources.live, live); /* the old one is free again */
-	device->functions = real;
+	gpu->functions = real;
 	stilb_engine_destroy(engine);
 	stilb_scene_destroy(scene);
 }

@@ -56,6 +56,7 @@ typedef struct stage {
 	stilb_gpu_plan *plan;
 	stilb_gpu_buffer vertices, indices, commands;
 	stilb_gpu_program depth_only, colored, layered, textured, show_depth, sum, mix;
+	stilb_gpu_binding binding;
 	stilb_gpu_run run;
 	stilb_gpu_draws list;
 } stage;
@@ -112,10 +113,15 @@ static int stage_open(void **state)
 		program_make((stilb_gpu_program_desc){.name = "show depth", .fragment = SHADER(depth_frag), .samplers = 1});
 	s.sum = program_make((stilb_gpu_program_desc){.name = "sum", .compute = SHADER(sum_comp), .samplers = 1});
 	s.mix = program_make((stilb_gpu_program_desc){.name = "mix", .fragment = SHADER(mix_frag), .samplers = 2});
-	s.run = (stilb_gpu_run){
-		.count = 1, .program = s.depth_only.id, .indices = s.indices.id, .vertices = s.vertices.id, .index_bytes = 2};
-	s.list = (stilb_gpu_draws){
-		.draws = stilb_gpu_buffer_mapped(s.gpu, s.commands), .commands = s.commands, .runs = &s.run, .run_count = 1};
+	s.binding = (stilb_gpu_binding){
+		.program = s.depth_only.id, .indices = s.indices.id, .vertices = s.vertices.id, .index_bytes = 2};
+	s.run = (stilb_gpu_run){.count = 1};
+	s.list = (stilb_gpu_draws){.draws = stilb_gpu_buffer_mapped(s.gpu, s.commands),
+	                           .commands = s.commands,
+	                           .bindings = &s.binding,
+	                           .runs = &s.run,
+	                           .binding_count = 1,
+	                           .run_count = 1};
 	return 0;
 }
 
@@ -257,15 +263,14 @@ static void three_modes_of_replay(void **state)
 	stilb_gpu_threads threads = {&tasks, 3, run_backwards};
 	for (uint32_t mode = 0; mode < 3; mode++) {
 		stilb_gpu_draws list = s.list;
-		stilb_gpu_run runs[2] = {s.run, s.run};
+		stilb_gpu_binding bindings[2] = {s.binding, s.binding};
+		stilb_gpu_run runs[2] = {s.run, {.first = 1, .count = 3, .binding = 1}};
+		list.bindings = bindings;
 		list.runs = runs;
-		list.run_count = 2;
+		list.binding_count = list.run_count = 2;
 		list.replay = (stilb_gpu_replay)mode;
-		runs[0].program = 0; /* the pass's */
-		runs[1].first = 1;
-		runs[1].count = 3;
-		runs[1].scissor[0] = 0;
-		runs[1].scissor[2] = runs[1].scissor[3] = 2;
+		bindings[0].program = 0; /* the pass's */
+		bindings[1].scissor[2] = bindings[1].scissor[3] = 2;
 		plan_begin(8, 8);
 		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
 		stilb_gpu_pass pass = {.name = "draw",
@@ -274,7 +279,7 @@ static void three_modes_of_replay(void **state)
 		                       .color = {{.image = out, .load = STILB_GPU_LOAD_CLEAR, .clear = {0, 0, 1, 1}}},
 		                       .color_count = 1,
 		                       .constant_bytes = 16};
-		runs[1].program = s.colored.id;
+		bindings[1].program = s.colored.id;
 		memcpy(pass.constants, (float[4]){1.0f, 0.0f, 0.0f, 1.0f}, 16);
 		stilb_gpu_plan_pass(s.plan, &pass);
 		plan_run(&list, 1, &threads);
@@ -293,15 +298,86 @@ static void three_modes_of_replay(void **state)
 	assert_int_equal(tasks, 3);
 }
 
+/* Three runs draw the same square, each with a half of the colour that is its own: the last one is seen. */
+static void runs_have_constants(void **state)
+{
+	(void)state;
+	for (uint32_t mode = 0; mode < 3; mode++) {
+		stilb_gpu_binding binding = s.binding;
+		stilb_gpu_run runs[3] = {s.run, s.run, s.run};
+		stilb_gpu_draws list = s.list;
+		binding.program = s.colored.id;
+		list.bindings = &binding;
+		list.runs = runs;
+		list.run_count = 3;
+		list.replay = (stilb_gpu_replay)mode;
+		list.has_constants = true;
+		list.constant_place = 8;
+		for (uint32_t r = 0; r < 3; r++)
+			memcpy(&runs[r].constant, (float[2]){r == 2 ? 1.0f : 0.0f, 1.0f}, 8);
+		plan_begin(8, 8);
+		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
+		stilb_gpu_pass pass = {.name = "draw",
+		                       .kind = STILB_GPU_PASS_DRAWS,
+		                       .color = {{.image = out, .load = STILB_GPU_LOAD_CLEAR}},
+		                       .color_count = 1,
+		                       .constant_bytes = 16};
+		memcpy(pass.constants, (float[4]){1.0f, 0.0f, 0.0f, 0.0f}, 16);
+		stilb_gpu_plan_pass(s.plan, &pass);
+		plan_run(&list, 1, NULL);
+		assert_memory_equal(read_back(out, 0, 0), ((uint8_t[4]){255, 0, 255, 255}), 4);
+		assert_int_equal(stilb_gpu_stats_get(s.gpu).binds, 4); /* the program, indices, three constants at one */
+	}
+	assert_int_equal(stilb_gpu_frame_begin(s.gpu), STILB_OK);
+	stilb_gpu_draws list = s.list;
+	list.has_constants = true;
+	list.constant_place = 12;
+	assert_int_equal(stilb_gpu_frame_run(s.gpu, s.plan, &list, 1, NULL), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "bytes 12 to 19 of 16"));
+	assert_int_equal(stilb_gpu_frame_run(s.gpu, s.plan, &s.list, 1, NULL), STILB_OK);
+}
+
+/* More than the ring holds goes in parts, with the ring emptied in between; draws see all of it. */
+static void uploads_are_flushed(void **state)
+{
+	(void)state;
+	uint64_t most = stilb_gpu_upload_most(s.gpu), part = most / 3 / 16 * 16, count = 10;
+	stilb_gpu_buffer_desc desc = {
+		.name = "large", .bytes = part * count, .memory = STILB_GPU_MEMORY_SHARED, .uses = STILB_GPU_BUFFER_COPY};
+	stilb_gpu_buffer large;
+	uint32_t flushes = 0;
+	assert_int_equal(stilb_gpu_buffer_create(s.gpu, &desc, &large), STILB_OK);
+	for (uint64_t i = 0; i < count; i++) {
+		stilb_gpu_upload upload = {.buffer = large, .offset = i * part, .bytes = part};
+		void *bytes = NULL;
+		assert_int_equal(stilb_gpu_upload_begin(s.gpu, &upload, &bytes), STILB_OK);
+		if (!bytes) {
+			flushes++;
+			assert_int_equal(stilb_gpu_upload_flush(s.gpu), STILB_OK);
+			assert_int_equal(stilb_gpu_upload_begin(s.gpu, &upload, &bytes), STILB_OK);
+			assert_non_null(bytes);
+		}
+		memset(bytes, (int)i + 1, part);
+		stilb_gpu_upload_end(s.gpu, bytes);
+	}
+	assert_in_range(flushes, 3, 5);
+	assert_int_equal(stilb_gpu_upload_flush(s.gpu), STILB_OK);
+	const uint8_t *got = stilb_gpu_buffer_mapped(s.gpu, large);
+	for (uint64_t i = 0; i < count; i++)
+		assert_true(got[i * part] == i + 1 && got[(i + 1) * part - 1] == i + 1);
+	stilb_gpu_buffer_destroy(s.gpu, large);
+}
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static void layers_at_once(void **state)
 {
 	(void)state;
-	stilb_gpu_run run = s.run;
-	run.program = s.layered.id;
-	run.count = 4;
+	stilb_gpu_binding binding = s.binding;
+	binding.program = s.layered.id;
+	stilb_gpu_run run = {.count = 4};
 	stilb_gpu_draws list = s.list;
+	list.bindings = &binding;
 	list.runs = &run;
 	plan_begin(8, 8);
 	uint16_t out = stilb_gpu_plan_image(
@@ -325,10 +401,10 @@ static void layers_at_once(void **state)
 static void samples_are_resolved(void **state)
 {
 	(void)state;
-	stilb_gpu_run run = s.run;
-	run.program = s.colored.id;
+	stilb_gpu_binding binding = s.binding;
+	binding.program = s.colored.id;
 	stilb_gpu_draws list = s.list;
-	list.runs = &run;
+	list.bindings = &binding;
 	plan_begin(7, 4);
 	uint16_t samples = stilb_gpu_plan_image(
 		s.plan,
@@ -539,10 +615,11 @@ static void textures_of_draws(void **state)
 			upload_texels(own, 2, 2, texels, sizeof texels);
 		}
 		bool white = frame == 4;
-		stilb_gpu_run run = s.run;
-		run.program = s.textured.id;
-		run.set = sets[white].id;
+		stilb_gpu_binding binding = s.binding;
+		binding.program = s.textured.id;
+		stilb_gpu_run run = {.count = 1, .set = sets[white].id};
 		stilb_gpu_draws list = s.list;
+		list.bindings = &binding;
 		list.runs = &run;
 		plan_begin(4, 4);
 		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
@@ -632,10 +709,10 @@ static void ten_thousand_images(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		STAGE_TEST(four_kinds_of_passes), STAGE_TEST(three_modes_of_replay), STAGE_TEST(layers_at_once),
-		STAGE_TEST(samples_are_resolved), STAGE_TEST(one_layer_is_resolved), STAGE_TEST(uploads_in_order),
-		STAGE_TEST(mips_in_linear_light), STAGE_TEST(textures_of_draws),     STAGE_TEST(content_of_the_last_frame),
-		STAGE_TEST(ten_thousand_images),
+		STAGE_TEST(four_kinds_of_passes),  STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
+		STAGE_TEST(runs_have_constants),   STAGE_TEST(uploads_are_flushed),       STAGE_TEST(samples_are_resolved),
+		STAGE_TEST(one_layer_is_resolved), STAGE_TEST(uploads_in_order),          STAGE_TEST(mips_in_linear_light),
+		STAGE_TEST(textures_of_draws),     STAGE_TEST(content_of_the_last_frame), STAGE_TEST(ten_thousand_images),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

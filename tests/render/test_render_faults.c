@@ -1,6 +1,7 @@
 /* Every allocation fails once, and devices are lost, on the null device and on the GPU. Each fault ends in an error
  * that says what happened, the next frame is drawn completely, and nothing leaks. */
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
+#include "render/render_internal.h"
 #include "support/picture_reference.h"
 
 #include <dlfcn.h>

@@ -3,8 +3,9 @@
  * readings, and without the extension (VK_EXT_calibrated_timestamps). The linker sends the Vulkan loader's look-up of
  * functions here (--wrap), so that one can be hidden. */
 #include "base/base.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
 #include "profiler/prof_snapshot.h"
-#include "render/vulkan/vulkan_internal.h"
+#include "render/render_internal.h"
 #include "support/picture_reference.h"
 
 #define SIZE 96u
@@ -27,7 +28,7 @@ PFN_vkVoidFunction __wrap_vkGetInstanceProcAddr(VkInstance instance, const char 
 
 typedef struct stage {
 	stilb_render *render;
-	vulkan_device *device;
+	gpu_vulkan *gpu;
 	stilb_job_pool *pool;
 	stilb_scene *scene;
 	stilb_render_view view;
@@ -45,7 +46,7 @@ static stage stage_open(stilb_render_desc desc)
 	desc.validate = true;
 	if (stilb_render_create(&desc, &s.render) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
-	s.device = (vulkan_device *)s.render->device;
+	s.gpu = (gpu_vulkan *)s.render->device->gpu;
 	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 1}, &s.pool), 0);
 	reference_camera camera = reference_camera_at((dvec){0, 3, 2}, (dvec){0, 0, 0}, (dvec){0, 1, 0}, 2.0, SIZE, SIZE);
 	s.view = (stilb_render_view){.view_projection = reference_matrix(&camera)};
@@ -111,7 +112,7 @@ static const stilb_prof_lane *find_lane(const stilb_prof_snapshot *snapshot, con
 static uint32_t take_frames(stilb_prof_snapshot *snapshot, const char *name, uint64_t since, bool overlay,
                             stilb_prof_zone *frames)
 {
-	static const char *const passes[3] = {"near", "far", "overlay"};
+	static const char *const passes[4] = {"near", "far", "tone map", "overlay"};
 	assert_int_equal(stilb_prof_snapshot_take(snapshot, NULL), 0);
 	const stilb_prof_lane *lane = find_lane(snapshot, name);
 	uint32_t count = 0;
@@ -124,7 +125,7 @@ static uint32_t take_frames(stilb_prof_snapshot *snapshot, const char *name, uin
 		last_end = frame->end_ns;
 		if (snapshot->epoch_ns + frame->begin_ns + SLACK_NS < since)
 			continue;
-		assert_int_equal(frame->size, overlay ? 4 : 3);
+		assert_int_equal(frame->size, overlay ? 5 : 4);
 		uint64_t done = frame->begin_ns;
 		for (uint32_t p = 0; p + 1 < frame->size; p++) {
 			const stilb_prof_zone *pass = frame + 1 + p;
@@ -211,7 +212,7 @@ static void a_short_clock(void **state)
 {
 	(void)state;
 	stage s = stage_open((stilb_render_desc){0});
-	s.device->gpu->timestamp_mask = UINT64_MAX >> 32; /* wraps every 4.3 s */
+	s.gpu->timestamp_mask = UINT64_MAX >> 32; /* wraps every 4.3 s */
 	for (uint32_t f = 0; f < FRAMES; f++)
 		stage_timed_frame(&s, true);
 	assert_timed(&s, "GPU", true);
@@ -255,7 +256,7 @@ static void making_a_pipeline_is_a_zone(void **state)
 	for (uint32_t made = 1; made <= 2; made++) {
 		for (int again = 0; again < 2; again++) {
 			assert_int_equal(stage_frame(&s, false), STILB_OK);
-			assert_int_equal(count_zones("make a pipeline", since), made + 1); /* and the tone map's, once */
+			assert_int_equal(count_zones("make a pipeline", since), made + 4); /* once the tone map's and 2D ones */
 		}
 		s.view.shading.brdf++; /* other formulas */
 	}
@@ -283,9 +284,9 @@ static VKAPI_ATTR VkResult VKAPI_CALL interrupted_read(VkDevice device, uint32_t
 
 static void interrupt_reads(stage *s, uint32_t count, const uint64_t *values)
 {
-	if (s->device->gpu->times.read_clocks != interrupted_read)
-		real_read = s->device->gpu->times.read_clocks; /* of this device: the layer is loaded again for each device */
-	s->device->gpu->times.read_clocks = interrupted_read;
+	if (s->gpu->times.read_clocks != interrupted_read)
+		real_read = s->gpu->times.read_clocks; /* of this device: the layer is loaded again for each device */
+	s->gpu->times.read_clocks = interrupted_read;
 	memcpy(deviations, values, count * sizeof *values);
 	deviation_count = count;
 	reads = 0;
@@ -301,16 +302,16 @@ static void the_best_of_four_tries(void **state)
 	assert_int_equal(reads, 1);
 	/* No good reading: four tries, and the best is taken. */
 	interrupt_reads(&s, 4, (uint64_t[]){45000, 20000, 30000, 49000});
-	uint64_t before = s.device->gpu->times.moment.ns;
+	uint64_t before = s.gpu->times.moment.ns;
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 4);
-	assert_true(s.device->gpu->times.moment.ns > before);
+	assert_true(s.gpu->times.moment.ns > before);
 	/* Only unusable readings: four tries, and the last frame's reading stays. */
 	interrupt_reads(&s, 1, (uint64_t[]){1000000000});
-	gpu_vulkan_moment last = s.device->gpu->times.moment;
+	gpu_vulkan_moment last = s.gpu->times.moment;
 	stage_timed_frame(&s, true);
 	assert_int_equal(reads, 4);
-	assert_memory_equal(&s.device->gpu->times.moment, &last, sizeof last);
+	assert_memory_equal(&s.gpu->times.moment, &last, sizeof last);
 	assert_timed(&s, "GPU", true);
 	stage_close(&s);
 }

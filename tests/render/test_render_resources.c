@@ -272,7 +272,7 @@ static void assert_nothing_lives(const stilb_render *render)
 	assert_int_equal(render->resources.live, 0);
 	assert_int_equal(render->resources.retired_count, 0);
 	for (uint32_t t = 0; t < STILB_RENDER_MAX_TEXTURES; t++)
-		assert_false(gpu.made[t]);
+		assert_int_equal(render->device->textures[t].image.id, 0);
 }
 
 /* ---- ten thousand of each, from all workers --------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
 /* The formulas that a view chooses, on the GPU, compared with the same headers compiled as C: every model, every light,
  * the values added to materials, in every replay mode. Pipelines are created when they are first needed. */
-#include "render/vulkan/vulkan_internal.h"
+#include "render/render_internal.h"
 #include "shading/shade_energy.h"
 #include "shading/shade_surface.h"
 #include "support/picture_reference.h"
@@ -390,9 +390,9 @@ static void each_pass_has_its_views_formulas(void **state)
 
 /* ---- pipelines --------------------------------------------------------------------------------------------------- */
 
-static const vulkan_device *device_of(const stage *s)
+static const render_programs *programs_of(const stage *s)
 {
-	return (const vulkan_device *)s->render->device;
+	return &s->render->device->programs;
 }
 
 static void draw_and_drop(stage *s, const stilb_render_shading *shading)
@@ -406,24 +406,24 @@ static void pipelines_are_made_when_needed_and_kept(void **state)
 	(void)state;
 	stage s = stage_make(0);
 	stilb_render_shading shading = {.brdf = SHADE_BRDF_MINIMALIST};
-	assert_int_equal(device_of(&s)->shading_count, 0);
+	assert_int_equal(programs_of(&s)->choice_count, 0);
 	draw_and_drop(&s, &shading);
-	assert_int_equal(device_of(&s)->shading_count, 1);
-	VkPipeline made = device_of(&s)->shadings[0]->pipelines[0][0][VULKAN_PIPELINE_ANY].handle;
-	assert_true(made != VK_NULL_HANDLE);
+	assert_int_equal(programs_of(&s)->choice_count, 1);
+	uint32_t made = programs_of(&s)->choices[0]->programs[0][0][RENDER_DRAWN_ALL].id;
+	assert_true(made != 0);
 	/* There are no textures. */
-	assert_true(device_of(&s)->shadings[0]->pipelines[0][1][VULKAN_PIPELINE_ANY].handle == VK_NULL_HANDLE);
+	assert_int_equal(programs_of(&s)->choices[0]->programs[0][1][RENDER_DRAWN_ALL].id, 0);
 	shading.ndf = shading.g = shading.f = 1; /* not read: the model is no microfacet one */
 	shading.roughness = 0.5f;                /* not part of the pipeline */
 	draw_and_drop(&s, &shading);
-	assert_int_equal(device_of(&s)->shading_count, 1);
+	assert_int_equal(programs_of(&s)->choice_count, 1);
 	for (int round = 0; round < 2; round++)
 		for (uint32_t g = 0; g < SHADE_G_COUNT; g++) {
 			shading = microfacets(SHADE_NDF_GGX, g, SHADE_F_NONE);
 			draw_and_drop(&s, &shading);
 		}
-	assert_int_equal(device_of(&s)->shading_count, 1 + SHADE_G_COUNT);
-	assert_true(device_of(&s)->shadings[0]->pipelines[0][0][VULKAN_PIPELINE_ANY].handle == made);
+	assert_int_equal(programs_of(&s)->choice_count, 1 + SHADE_G_COUNT);
+	assert_int_equal(programs_of(&s)->choices[0]->programs[0][0][RENDER_DRAWN_ALL].id, made);
 	stage_finish(&s);
 }
 
@@ -454,8 +454,8 @@ static void textures_have_pipelines_of_their_own(void **state)
 	assert_int_equal(stilb_render_replay(s.render, &pass, 1, &s.view, 1, s.pool, 0), STILB_OK);
 	assert_int_equal(stilb_render_read_image(s.render, &image), STILB_OK);
 	assert_as_in_c(&image, &shading); /* white changes nothing */
-	assert_int_equal(device_of(&s)->shading_count, 1);
-	assert_true(device_of(&s)->shadings[0]->pipelines[0][1][VULKAN_PIPELINE_ANY].handle != VK_NULL_HANDLE);
+	assert_int_equal(programs_of(&s)->choice_count, 1);
+	assert_int_not_equal(programs_of(&s)->choices[0]->programs[0][1][RENDER_DRAWN_ALL].id, 0);
 	stilb_image_finish(&image);
 	stage_finish(&s);
 }

@@ -285,51 +285,37 @@ static const stilb_render_pass many_passes[MANY_PASSES] = {
 	{.name = "sorted between", .order = 4, .sort = true},
 };
 
-/* A device that stands between render and the null device, and counts in moved_late how often the frame's memory moves
- * after the first pass was given to it: never, since that pass points into it. */
+/* A device that stands between render and the null device, and counts in moved_late the lists that point into memory
+ * that the frame's commands have left: none. */
 static struct {
-	render_device_functions functions;
-	const render_device_functions *real;
+	gpu_functions functions;
+	const gpu_functions *real;
+	const stilb_render *render;
 	uint32_t passes, moved_late;
-	_Atomic bool updated; /* release: pairs with the acquire of destroy_materials */
+	_Atomic bool runs; /* release: pairs with the acquire of destroy_materials */
 } spy;
 
-static stilb_result spy_frame_begin(render_device *device, render_memory *memory)
+static stilb_result spy_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
+                            uint32_t list_count, const stilb_gpu_threads *threads, const gpu_upload_ready *uploads,
+                            uint32_t upload_count)
 {
-	spy.passes = 0;
-	return spy.real->frame_begin(device, memory);
-}
-
-static stilb_result spy_grow(render_device *device, render_memory *memory, render_memory_kind kind, uint32_t capacity,
-                             uint32_t keep)
-{
-	spy.moved_late += spy.passes > 0;
-	return spy.real->grow(device, memory, kind, capacity, keep);
-}
-
-static stilb_result spy_update(render_device *device, const render_resources *resources)
-{
-	atomic_store_explicit(&spy.updated, true, memory_order_release);
-	return spy.real->update(device, resources);
-}
-
-static stilb_result spy_pass(render_device *device, const render_stream *stream)
-{
-	spy.passes++;
-	return spy.real->pass(device, stream);
+	atomic_store_explicit(&spy.runs, true, memory_order_release); /* see runs */
+	spy.passes = list_count;
+	for (uint32_t l = 0; l < list_count; l++)
+		spy.moved_late += lists[l].draws != render_commands(spy.render) ||
+		                  stilb_gpu_buffer_mapped(gpu, lists[l].commands) != lists[l].draws;
+	return spy.real->run(gpu, plan, lists, list_count, threads, uploads, upload_count);
 }
 
 static void spy_on(stilb_render *render)
 {
-	spy.real = render->device->functions;
+	spy.real = render->device->gpu->functions;
 	spy.functions = *spy.real;
-	spy.functions.frame_begin = spy_frame_begin;
-	spy.functions.grow = spy_grow;
-	spy.functions.update = spy_update;
-	spy.functions.pass = spy_pass;
+	spy.functions.run = spy_run;
+	spy.render = render;
 	spy.passes = spy.moved_late = 0;
-	atomic_store_explicit(&spy.updated, false, memory_order_relaxed);
-	render->device->functions = &spy.functions;
+	atomic_store_explicit(&spy.runs, false, memory_order_relaxed);
+	render->device->gpu->functions = &spy.functions;
 }
 
 static void many_passes_that_grow(void **state)
@@ -353,11 +339,11 @@ static void many_passes_that_grow(void **state)
 
 /* ---- resources destroyed during a frame ------------------------------------------------------------------------- */
 
-/* Once the frame is being replayed, destroys the materials that it draws with. */
+/* Once the device is given the frame, destroys the materials that it draws with. */
 static void *destroy_materials(void *data)
 {
 	list *l = data;
-	while (!atomic_load_explicit(&spy.updated, memory_order_acquire))
+	while (!atomic_load_explicit(&spy.runs, memory_order_acquire))
 		sched_yield();
 	for (uint32_t m = 0; m < MATERIALS; m++)
 		stilb_render_material_destroy(l->render, l->materials[m]);

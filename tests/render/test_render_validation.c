@@ -1,7 +1,8 @@
 /* The validation layer with synchronization checks gives no message for any kind of frame; a message makes the program
  * fail; without the layer --validate is an error. The first argument is the stilb program. */
 #include "engine_internal.h"
-#include "render/vulkan/vulkan_internal.h"
+#include "gpu/vulkan/gpu_vulkan_internal.h"
+#include "render/render_internal.h"
 #include "support/picture_reference.h"
 #include "tests/engine/stress_engine.h"
 
@@ -176,14 +177,18 @@ static void a_picture_before_the_first_frame(void **state)
 
 /* ---- frames that fail -------------------------------------------------------------------------------------------- */
 
-static const render_device_functions *real_functions;
-static int good_passes; /* the number of passes that succeed before one fails */
+static const gpu_functions *real_functions;
+static bool recorded; /* the frame is recorded, and then not given to the GPU; else it is not even recorded */
 
-static stilb_result failing_pass(render_device *device, const render_stream *stream)
+static stilb_result failing_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
+                                uint32_t list_count, const stilb_gpu_threads *threads, const gpu_upload_ready *uploads,
+                                uint32_t upload_count)
 {
-	if (good_passes-- == 0)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for this pass");
-	return real_functions->pass(device, stream);
+	gpu->keep_back = true;
+	stilb_result result =
+		recorded ? real_functions->run(gpu, plan, lists, list_count, threads, uploads, upload_count) : STILB_OK;
+	gpu->keep_back = false;
+	return result == STILB_OK ? stilb_fail(STILB_ERROR_MEMORY, "no memory for this pass") : result;
 }
 
 static void frames_that_break_off_harm_no_other(void **state)
@@ -194,17 +199,18 @@ static void frames_that_break_off_harm_no_other(void **state)
 	stilb_engine *engine = start(&desc);
 	engine->passes[1] = (stilb_render_pass){.name = "again", .view = 0, .order = 1};
 	engine->pass_count = 2;
-	real_functions = engine->render->device->functions;
-	render_device_functions failing = *real_functions;
-	failing.pass = failing_pass;
+	stilb_gpu *gpu = engine->render->device->gpu;
+	real_functions = gpu->functions;
+	gpu_functions failing = *real_functions;
+	failing.run = failing_run;
 	frames(engine, 1);
 	for (int good = 0; good < 4; good++) {
-		good_passes = good % 2;
-		engine->render->device->functions = &failing;
+		stilb_image image = {0};
+		recorded = good % 2;
+		gpu->functions = &failing;
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_ERROR_MEMORY);
-		engine->render->device->functions = real_functions;
-		if (good >= 2)
-			read_twice(engine); /* the picture of the frame before */
+		gpu->functions = real_functions;
+		assert_int_equal(stilb_render_read_image(engine->render, &image), STILB_ERROR_DEVICE);
 		frames(engine, 1 + good);
 		read_twice(engine);
 	}
@@ -221,15 +227,14 @@ static void too_large_a_picture(void **state)
 	stilb_engine_report report;
 	stilb_engine *engine = start(&desc);
 	frames(engine, 1);
-	vulkan_device *device = (vulkan_device *)engine->render->device;
-	VkPhysicalDeviceLimits *limits = &device->gpu->properties.limits;
-	uint32_t real_width = limits->maxFramebufferWidth;
-	limits->maxFramebufferWidth = 4096; /* the limit of smaller GPUs */
+	stilb_gpu_limits *limits = &engine->render->device->gpu->limits;
+	uint32_t real_side = limits->attachment_side;
+	limits->attachment_side = 4096; /* the limit of smaller GPUs */
 	assert_int_equal(stilb_engine_resize(engine, 4097, 60), STILB_ERROR_DEVICE);
 	assert_non_null(strstr(stilb_error_message(), "4096x"));
 	assert_non_null(strstr(stilb_error_message(), "--size"));
-	assert_int_equal(stilb_engine_frame(engine, &report), STILB_ERROR_MEMORY); /* nothing to draw into */
-	limits->maxFramebufferWidth = real_width;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_ERROR_DEVICE); /* nothing to draw into */
+	limits->attachment_side = real_side;
 	assert_int_equal(stilb_engine_resize(engine, 90, 60), STILB_OK);
 	frames(engine, 3);
 	read_twice(engine);
@@ -249,7 +254,7 @@ static void few_draws_a_command(void **state)
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(report.render.indirect_commands, 1);
 	assert_int_equal(stilb_render_read_image(engine->render, &whole), STILB_OK);
-	((vulkan_device *)engine->render->device)->gpu->properties.limits.maxDrawIndirectCount = 7;
+	((gpu_vulkan *)engine->render->device->gpu)->properties.limits.maxDrawIndirectCount = 7;
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_int_equal(report.render.draws, 600);
 	assert_int_equal(report.render.indirect_commands, (600 + 6) / 7);
@@ -266,11 +271,11 @@ static void a_short_clock_wraps(void **state)
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine = start(&desc);
-	vulkan_device *device = (vulkan_device *)engine->render->device;
+	gpu_vulkan *gpu = (gpu_vulkan *)engine->render->device->gpu;
 	double gpu_ms;
-	assert_true(device->gpu->timestamp_mask != 0);
+	assert_true(gpu->timestamp_mask != 0);
 	for (uint32_t bits = 64; bits >= 36; bits -= 28) {
-		device->gpu->timestamp_mask = UINT64_MAX >> (64 - bits);
+		gpu->timestamp_mask = UINT64_MAX >> (64 - bits);
 		frames(engine, 3);
 		assert_int_equal(stilb_engine_wait(engine, &gpu_ms), STILB_OK);
 		assert_true(gpu_ms > 0.0 && gpu_ms < 60000.0);
@@ -285,11 +290,11 @@ static void a_bad_argument_is_seen(void **state)
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine = start(&desc);
-	vulkan_device *device = (vulkan_device *)engine->render->device;
+	gpu_vulkan *gpu = (gpu_vulkan *)engine->render->device->gpu;
 	VkBufferCreateInfo nothing = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 16, .usage = 0};
 	VkBuffer buffer = VK_NULL_HANDLE;
-	vkCreateBuffer(device->gpu->device, &nothing, NULL, &buffer);
-	vkDestroyBuffer(device->gpu->device, buffer, NULL);
+	vkCreateBuffer(gpu->device, &nothing, NULL, &buffer);
+	vkDestroyBuffer(gpu->device, buffer, NULL);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
 	assert_true(stilb_render_validation_messages(engine->render) > 0);
 	stress_engine_destroy(engine);
@@ -301,12 +306,12 @@ static void a_missing_barrier_is_seen(void **state)
 	(void)state;
 	stilb_engine_desc desc = validated();
 	stilb_engine *engine = start(&desc);
-	vulkan_device *device = (vulkan_device *)engine->render->device;
+	gpu_vulkan *gpu = (gpu_vulkan *)engine->render->device->gpu;
 	VkCommandBufferBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-	VkCommandBuffer commands = device->gpu->slots[0].show;
+	VkCommandBuffer commands = gpu->slots[0].show;
 	gpu_vulkan_buffer buffer;
 	assert_int_equal(
-		gpu_vulkan_buffer_create(device->gpu, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, STILB_GPU_MEMORY_DEVICE, &buffer),
+		gpu_vulkan_buffer_create(gpu, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, STILB_GPU_MEMORY_DEVICE, &buffer),
 		STILB_OK);
 	vkBeginCommandBuffer(commands, &begin);
 	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 1);
@@ -314,7 +319,7 @@ static void a_missing_barrier_is_seen(void **state)
 	vkCmdFillBuffer(commands, buffer.buffer, 0, 64, 2);
 	vkEndCommandBuffer(commands);
 	assert_true(stilb_engine_validation_messages(engine) > 0);
-	gpu_vulkan_buffer_destroy(device->gpu, &buffer);
+	gpu_vulkan_buffer_destroy(gpu, &buffer);
 	stress_engine_destroy(engine);
 }
 

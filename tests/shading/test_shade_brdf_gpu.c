@@ -32,12 +32,7 @@ static int start(void **state)
 
 static void specialise(combination c)
 {
-	static const VkSpecializationMapEntry entries[] = {
-		{0, offsetof(combination, ndf), sizeof(int32_t)},
-		{1, offsetof(combination, g), sizeof(int32_t)},
-		{2, offsetof(combination, f), sizeof(int32_t)},
-	};
-	shade_gpu_make_pipeline(&(VkSpecializationInfo){3, entries, sizeof c, &c});
+	shade_gpu_specialise((int32_t[3]){c.ndf, c.g, c.f}, 3);
 }
 
 /* Of the 96 combinations the worst is printed. */

@@ -25,7 +25,7 @@ static int start(void **state)
 {
 	(void)state;
 	shade_gpu_start(code, sizeof code);
-	shade_gpu_make_pipeline(NULL);
+	shade_gpu_specialise(NULL, 0);
 	return 0;
 }
 

@@ -3,16 +3,16 @@
  * device, so that no third-party library is there and the thread sanitizer sees all that runs. Each call fails as on a
  * bare machine.
  */
+#include "gpu/gpu_internal.h"
 #include "image/image_internal.h"
 #include "input/device/input_device_internal.h"
-#include "render/render_internal.h"
 #include "window/window.h"
 
 #include <string.h>
 
-stilb_result render_vulkan_create(const stilb_render_desc *desc, render_device **device)
+stilb_result gpu_vulkan_open(const stilb_gpu_desc *desc, stilb_gpu **gpu)
 {
-	(void)desc, (void)device;
+	(void)desc, (void)gpu;
 	return stilb_fail(STILB_ERROR_DEVICE, "no Vulkan in this test");
 }
 

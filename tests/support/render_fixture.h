@@ -133,16 +133,16 @@ static inline void fixture_sort(fixture_draw *draws, uint64_t count)
  * the pipeline if one of two draws has a texture and the other has not, and the material as --materials needs it. */
 static inline uint64_t fixture_binds(const fixture_draw *draws, uint64_t count, int materials)
 {
-	uint64_t binds = count > 0 ? 3 : 0;
+	bool bind = materials == STILB_RENDER_MATERIALS_BIND;
+	uint64_t binds = count > 0 ? 2 + (bind || draws[0].texture != 0) : 0;
 	for (uint64_t d = 1; d < count; d++) {
 		const fixture_draw *before = &draws[d - 1], *now = &draws[d];
 		uint32_t last_material = fixture_index(before->material.id), material = fixture_index(now->material.id);
-		bool set = now->texture != 0 && now->texture != before->texture;
 		bool pipeline = (now->texture != 0) != (before->texture != 0);
-		if (materials == STILB_RENDER_MATERIALS_BIND)
-			set |= material != last_material;
-		else if (materials == STILB_RENDER_MATERIALS_PIPELINE)
+		if (materials == STILB_RENDER_MATERIALS_PIPELINE)
 			pipeline |= material % 2 != last_material % 2;
+		bool set = now->texture != 0 && (pipeline || now->texture != before->texture);
+		set |= bind && (pipeline || material != last_material);
 		binds += (uint64_t)set + pipeline;
 	}
 	return binds;

@@ -21,7 +21,7 @@ typedef struct gpu_thing {
 /* A draw of a submitted frame. */
 typedef struct gpu_draw {
 	render_command command;
-	uint32_t texture;
+	uint64_t image; /* stilb_gpu_image.id of its texture */
 	uint32_t number;
 } gpu_draw;
 
@@ -30,18 +30,23 @@ typedef struct gpu_frame {
 	uint32_t count, capacity;
 } gpu_frame;
 
+#define GPU_IMAGES 65536u
+
 static struct {
-	render_device_functions functions;
-	const render_device_functions *real;
+	gpu_functions functions;
+	const gpu_functions *real;
 	const stilb_render *render;
+	stilb_gpu *device;
 	uint8_t *heaps[RENDER_HEAPS];
-	uint32_t heap_sizes[RENDER_HEAPS]; /* elements */
-	bool made[STILB_RENDER_MAX_TEXTURES];
-	uint32_t pixels[STILB_RENDER_MAX_TEXTURES]; /* the first pixel; 0: nothing has been uploaded */
+	uint64_t heap_bytes[RENDER_HEAPS];
+	struct {
+		uint64_t id;
+		uint32_t pixel; /* the first one */
+	} images[GPU_IMAGES];
 	gpu_frame frames[STILB_GPU_FRAMES];
 	uint32_t frame;
-	stilb_result texture_result; /* of the next texture_create */
-	bool losing;                 /* submit fails: the frame is lost */
+	stilb_result texture_result; /* of the next image that is made */
+	bool losing;                 /* the frame does not run */
 	uint64_t draws_seen;
 	uint32_t wrong; /* draws whose mesh, material or texture was not there */
 } gpu;
@@ -138,12 +143,13 @@ static inline bool gpu_draw_is_good(const gpu_draw *draw)
 	const uint16_t *index = (const uint16_t *)gpu.heaps[RENDER_HEAP_INDICES_16] + c->first_index;
 	const render_material *material = (const render_material *)gpu.heaps[RENDER_HEAP_MATERIALS] + c->material;
 	if (c->index_count != indices || c->instance_count != 1 ||
-	    (uint32_t)c->vertex_offset + vertices > gpu.heap_sizes[RENDER_HEAP_VERTICES] ||
-	    c->first_index + indices > gpu.heap_sizes[RENDER_HEAP_INDICES_16] ||
-	    c->material >= gpu.heap_sizes[RENDER_HEAP_MATERIALS])
+	    ((uint64_t)(uint32_t)c->vertex_offset + vertices) * GPU_VERTEX > gpu.heap_bytes[RENDER_HEAP_VERTICES] ||
+	    ((uint64_t)c->first_index + indices) * sizeof *index > gpu.heap_bytes[RENDER_HEAP_INDICES_16] ||
+	    ((uint64_t)c->material + 1) * sizeof *material > gpu.heap_bytes[RENDER_HEAP_MATERIALS])
 		return false;
-	bool good = material->diffuse[0] == (float)draw->number && gpu.made[draw->texture] &&
-	            gpu.pixels[draw->texture] == (draw->number | 0xff000000u);
+	bool good = material->diffuse[0] == (float)draw->number && gpu_image_of(gpu.device, draw->image) &&
+	            gpu.images[draw->image % GPU_IMAGES].id == draw->image &&
+	            gpu.images[draw->image % GPU_IMAGES].pixel == (draw->number | 0xff000000u);
 	for (uint32_t v = 0; v < vertices; v++, vertex += GPU_VERTEX) {
 		float position[2];
 		memcpy(position, vertex, sizeof position);
@@ -161,32 +167,19 @@ static inline void gpu_check_frames(void)
 			gpu.wrong += !gpu_draw_is_good(&gpu.frames[f].draws[d]);
 }
 
-static inline stilb_result gpu_frame_begin(render_device *device, render_memory *memory)
+static inline stilb_result gpu_begin(stilb_gpu *device)
 {
+	gpu_check_frames(); /* what was destroyed since the last frame is no longer in flight */
 	gpu.frame = (gpu.frame + 1) % STILB_GPU_FRAMES;
 	gpu.frames[gpu.frame].count = 0; /* the GPU is done with it */
-	return gpu.real->frame_begin(device, memory);
+	return gpu.real->begin(device);
 }
 
-static inline stilb_result gpu_texture_make(render_device *device, uint32_t texture, const stilb_image *image)
+static inline stilb_result gpu_image_make(stilb_gpu *device, gpu_image *image)
 {
 	stilb_result result = gpu.texture_result;
 	gpu.texture_result = STILB_OK;
-	if (result != STILB_OK)
-		return stilb_fail(result, "no such texture on this GPU");
-	assert_true(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && !gpu.made[texture]);
-	assert_true(image->channels == 4);
-	gpu.made[texture] = true;
-	gpu.pixels[texture] = 0;
-	return gpu.real->texture_create(device, texture, image);
-}
-
-static inline void gpu_texture_unmake(render_device *device, uint32_t texture)
-{
-	assert_true(gpu.made[texture]);
-	gpu.made[texture] = false;
-	gpu_check_frames(); /* no frame in flight may read it */
-	gpu.real->texture_destroy(device, texture);
+	return result == STILB_OK ? gpu.real->image_make(device, image) : stilb_fail(result, "no such texture on this GPU");
 }
 
 /* realloc for the tests alone, which may make realloc fail. */
@@ -200,33 +193,34 @@ static inline void *gpu_larger(void *memory, size_t old_size, size_t size)
 	return larger;
 }
 
-static inline void gpu_copy_heap(int kind, const render_heap *heap)
+/* Takes an upload's bytes as a device's copy would. */
+static inline void gpu_take(const gpu_upload_ready *ready)
 {
-	if (heap->size > gpu.heap_sizes[kind]) {
-		gpu.heaps[kind] = gpu_larger(gpu.heaps[kind], (size_t)gpu.heap_sizes[kind] * heap->element,
-		                             (size_t)heap->size * heap->element);
-		gpu.heap_sizes[kind] = heap->size;
+	const stilb_gpu_upload *upload = &ready->upload;
+	const uint8_t *bytes = (const uint8_t *)gpu.device->ring.buffer.mapped + ready->place;
+	if (upload->image.id) {
+		gpu.images[upload->image.id % GPU_IMAGES].id = upload->image.id;
+		memcpy(&gpu.images[upload->image.id % GPU_IMAGES].pixel, bytes, sizeof(uint32_t));
+		return;
 	}
-	for (uint32_t r = 0; r < heap->dirty.count; r++) {
-		render_range range = heap->dirty.items[r];
-		assert_true(range.count > 0 && range.first + range.count <= heap->size);
-		memcpy(gpu.heaps[kind] + (size_t)range.first * heap->element, heap->data + (size_t)range.first * heap->element,
-		       (size_t)range.count * heap->element);
+	for (int kind = 0; kind < RENDER_HEAPS; kind++) {
+		if (gpu.render->device->heaps[kind].buffer.id != upload->buffer.id)
+			continue;
+		uint64_t size = gpu.render->device->heaps[kind].bytes;
+		if (size > gpu.heap_bytes[kind]) {
+			gpu.heaps[kind] = gpu_larger(gpu.heaps[kind], gpu.heap_bytes[kind], size);
+			gpu.heap_bytes[kind] = size;
+		}
+		assert_true(upload->offset + upload->bytes <= size);
+		memcpy(gpu.heaps[kind] + upload->offset, bytes, upload->bytes);
 	}
 }
 
-static inline stilb_result gpu_update(render_device *device, const render_resources *resources)
+static inline stilb_result gpu_flush(stilb_gpu *device, const gpu_upload_ready *uploads, uint32_t count)
 {
-	for (int kind = 0; kind < RENDER_HEAPS && !gpu.losing; kind++)
-		gpu_copy_heap(kind, &resources->heaps[kind]);
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		const render_texture_upload *upload = &resources->uploads[u];
-		assert_true(gpu.made[upload->texture]);
-		if (!gpu.losing)
-			memcpy(&gpu.pixels[upload->texture], upload->image.pixels, sizeof *gpu.pixels);
-	}
-	gpu_check_frames();
-	return gpu.real->update(device, resources);
+	for (uint32_t u = 0; u < count; u++)
+		gpu_take(&uploads[u]);
+	return gpu.real->flush(device, uploads, count);
 }
 
 static inline void gpu_keep(gpu_frame *frame, gpu_draw draw)
@@ -240,47 +234,53 @@ static inline void gpu_keep(gpu_frame *frame, gpu_draw draw)
 	gpu.draws_seen++;
 }
 
-static inline stilb_result gpu_pass(render_device *device, const render_stream *stream)
+static inline void gpu_list(const stilb_gpu_draws *list)
 {
-	for (uint32_t r = 0; r < stream->run_count && !gpu.losing; r++) {
-		const render_run *run = &stream->runs[r];
+	for (uint32_t r = 0; r < list->run_count; r++) {
+		const stilb_gpu_run *run = &list->runs[r];
+		const gpu_set *set = gpu_set_of(gpu.device, run->set);
+		assert_non_null(set);
 		for (uint32_t c = run->first; c < run->first + run->count; c++) {
-			const render_command *command = &stream->commands[c];
+			const render_command *command = (const render_command *)list->draws + c;
 			const render_row *row = render_row_of(gpu.render, command);
-			gpu_keep(&gpu.frames[gpu.frame],
-			         (gpu_draw){*command, render_state_texture(run->state), (uint32_t)row->transform[3]});
+			gpu_keep(&gpu.frames[gpu.frame], (gpu_draw){*command, set->items[0].image.id, (uint32_t)row->transform[3]});
 		}
 	}
-	gpu_check_frames();
-	return gpu.real->pass(device, stream);
 }
 
-static inline stilb_result gpu_submit(render_device *device)
+static inline stilb_result gpu_run(stilb_gpu *device, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
+                                   uint32_t list_count, const stilb_gpu_threads *threads,
+                                   const gpu_upload_ready *uploads, uint32_t upload_count)
 {
-	if (!gpu.losing)
-		return gpu.real->submit(device);
-	gpu.losing = false;
-	return stilb_fail(STILB_ERROR_DEVICE, "this frame never arrives");
+	if (gpu.losing) {
+		gpu.losing = false;
+		return stilb_fail(STILB_ERROR_DEVICE, "this frame never arrives");
+	}
+	for (uint32_t u = 0; u < upload_count; u++)
+		gpu_take(&uploads[u]);
+	for (uint32_t l = 0; l < list_count; l++)
+		gpu_list(&lists[l]);
+	gpu_check_frames();
+	return gpu.real->run(device, plan, lists, list_count, threads, uploads, upload_count);
 }
 
 static inline void gpu_attach(stilb_render *render)
 {
 	memset(&gpu, 0, sizeof gpu);
 	gpu.render = render;
-	gpu.real = render->device->functions;
+	gpu.device = render->device->gpu;
+	gpu.real = gpu.device->functions;
 	gpu.functions = *gpu.real;
-	gpu.functions.frame_begin = gpu_frame_begin;
-	gpu.functions.texture_create = gpu_texture_make;
-	gpu.functions.texture_destroy = gpu_texture_unmake;
-	gpu.functions.update = gpu_update;
-	gpu.functions.pass = gpu_pass;
-	gpu.functions.submit = gpu_submit;
-	render->device->functions = &gpu.functions;
+	gpu.functions.begin = gpu_begin;
+	gpu.functions.image_make = gpu_image_make;
+	gpu.functions.flush = gpu_flush;
+	gpu.functions.run = gpu_run;
+	gpu.device->functions = &gpu.functions;
 }
 
 static inline void gpu_detach(stilb_render *render)
 {
-	render->device->functions = gpu.real;
+	render->device->gpu->functions = gpu.real;
 	for (int kind = 0; kind < RENDER_HEAPS; kind++)
 		free(gpu.heaps[kind]);
 	for (uint32_t f = 0; f < STILB_GPU_FRAMES; f++)

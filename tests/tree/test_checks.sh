@@ -9,7 +9,7 @@ failures=0
 # A tree that breaks no rule.
 fresh_tree() {
 	rm -rf "$scratch/tree"
-	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,render/vulkan},game,bench,tests}
+	mkdir -p "$scratch/tree"/{.ci,jobs,profiler,engine/{base,shading,scene,image,window,gpu/vulkan,render},game,bench,tests}
 	cd "$scratch/tree"
 	header jobs/job.h STILB_JOB_H '<stdint.h>'
 	header jobs/job_queue.h STILB_JOB_QUEUE_H '"job.h"'
@@ -21,7 +21,7 @@ fresh_tree() {
 	header engine/render/render.h STILB_RENDER_H '"scene/scene.h"' '"jobs/job.h"' '"jobs/job_queue.h"'
 	header engine/render/render_internal.h STILB_RENDER_INTERNAL_H '"render/render.h"'
 	header engine/engine.h STILB_ENGINE_H '"render/render.h"'
-	printf '#include "render/render.h"\n#include "triangle_spv.h"\n#include <vulkan/vulkan.h>\n' >engine/render/vulkan/vulkan.c
+	printf '#include "render/render.h"\n#include "triangle_spv.h"\n#include <vulkan/vulkan.h>\n' >engine/gpu/vulkan/vulkan.c
 	printf '#include <vector>\n#include <OpenImageIO/imageio.h>\n' >engine/image/oiio.cpp
 	printf '#include "engine.h"\n#include <sys/stat.h>\n' >game/main.c
 	header engine/shading/shade_sky.h SHADE_SKY_H '"base/base.h"'
@@ -83,7 +83,7 @@ test_layers() {
 	include engine/scene/scene.h '"../base/base.h"' 'name headers from the top'
 	include engine/render/sky.frag '"../engine.h"' 'render may not include engine'
 	include engine/scene/scene.h '"base/gone.h"' 'is not in the tree'
-	include engine/scene/scene.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to engine/gpu/vulkan engine/render/vulkan alone'
+	include engine/scene/scene.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to engine/gpu/vulkan alone'
 	include engine/render/render.h '<vulkan/vulkan.h>' '<vulkan/vulkan.h> belongs to'
 	include game/main.c '<GLFW/glfw3.h>' '<GLFW/glfw3.h> belongs to'
 	include game/main.c '<cmocka.h>' '<cmocka.h> belongs to'

@@ -10,8 +10,8 @@ typedef struct gpu_null {
 	gpu_memory blocks;
 	uint64_t next_block;
 	/* What a driver would be given of each draw of the last pass. */
-	uint8_t *draws;
-	uint64_t draw_capacity;
+	void *draws;
+	uint64_t draw_bytes;
 } gpu_null;
 
 #define NULL_NO_MEMORY (-1)
@@ -35,19 +35,21 @@ static void null_block_drop(void *user, gpu_memory_handle handle)
 /* A place, and for buffers bytes. */
 typedef struct null_thing {
 	gpu_memory_place place;
-	_Alignas(16) uint8_t bytes[];
+	uint8_t *bytes; /* or NULL */
 } null_thing;
 
 static null_thing *null_take(gpu_null *null, uint32_t pool, uint64_t bytes, uint64_t mapped)
 {
 	if (gpu_fault_allocation(&null->base))
 		return NULL;
-	null_thing *thing = mapped <= SIZE_MAX - sizeof *thing ? malloc(sizeof *thing + mapped) : NULL;
-	if (!thing)
-		return NULL;
-	memset(thing->bytes, 0, mapped);
-	if (gpu_memory_take(&null->blocks, pool, bytes, GPU_TLSF_UNIT, &thing->place) == 0)
+	null_thing *thing = calloc(1, sizeof *thing);
+	if (thing && mapped > 0)
+		thing->bytes = stilb_memory_alloc(1, mapped);
+	if (thing && (thing->bytes || mapped == 0) &&
+	    gpu_memory_take(&null->blocks, pool, bytes, GPU_TLSF_UNIT, &thing->place) == 0)
 		return thing;
+	if (thing)
+		free(thing->bytes);
 	free(thing);
 	return NULL;
 }
@@ -57,6 +59,7 @@ static void null_give(gpu_null *null, null_thing *thing)
 	if (!thing)
 		return;
 	gpu_memory_give(&null->blocks, &thing->place);
+	free(thing->bytes);
 	free(thing);
 }
 
@@ -148,37 +151,108 @@ static void null_upload(gpu_null *null, const gpu_upload_ready *ready)
 		       (const uint8_t *)null->base.ring.buffer.mapped + ready->place, ready->upload.bytes);
 }
 
-/* Writes a list's draws as a driver would, and counts the bindings that its runs need. */
-static stilb_result null_draws(gpu_null *null, const stilb_gpu_pass *pass, const stilb_gpu_draws *list)
+/* Makes null->draws hold so many elements of `size` bytes; what was there is lost. */
+static stilb_result null_reserve(gpu_null *null, const stilb_gpu_pass *pass, uint64_t count, size_t size)
 {
-	stilb_gpu_stats *stats = &null->base.stats;
+	if (count <= null->draw_bytes / size)
+		return STILB_OK;
+	free(null->draws);
+	null->draws = gpu_fault_allocation(&null->base) ? NULL : stilb_memory_alloc(count + count / 4, size);
+	null->draw_bytes = null->draws ? (count + count / 4) * size : 0;
+	return null->draws ? STILB_OK
+	                   : stilb_fail(STILB_ERROR_MEMORY, "no memory for the commands of pass '%s'; draw fewer models",
+	                                pass->name);
+}
+
+/* A part of a list. */
+typedef struct null_part {
+	_Alignas(STILB_CACHE_LINE) uint64_t binds;
+} null_part;
+
+typedef struct null_work {
+	const stilb_gpu_draws *list;
+	uint8_t *to;
+	uint64_t draws;
+	uint32_t parts;
+	null_part *part;
+} null_work;
+
+/* Writes draws first .. end - 1 of the list as a driver would, and counts the bindings that they need. */
+static uint64_t null_write(const null_work *work, uint64_t first, uint64_t end)
+{
+	const stilb_gpu_draws *list = work->list;
 	const stilb_gpu_run *last = NULL;
-	uint64_t draws = 0, at = 0;
+	uint64_t before = 0, binds = 0;
+	uint8_t *to = work->to + first * DRAW_BYTES;
+	for (uint32_t r = 0; r < list->run_count && before < end; before += list->runs[r++].count) {
+		const stilb_gpu_run *run = &list->runs[r];
+		uint64_t from = first > before ? first - before : 0, count = end - before;
+		count = count < run->count ? count : run->count;
+		if (from >= count)
+			continue;
+		binds += gpu_binds_count(gpu_binds_between(list, last, run));
+		last = run;
+		const uint8_t *draw = (const uint8_t *)list->draws + (run->first + from) * STILB_GPU_DRAW_STRIDE;
+		for (; from < count; from++, draw += STILB_GPU_DRAW_STRIDE, to += DRAW_BYTES)
+			memcpy(to, draw, DRAW_BYTES);
+	}
+	return binds;
+}
+
+static void null_task(uint32_t index, void *context)
+{
+	PROFILE("record secondary");
+	const null_work *work = context;
+	work->part[index].binds = null_write(work, gpu_draws_part(work->draws, work->parts, index),
+	                                     gpu_draws_part(work->draws, work->parts, index + 1));
+}
+
+/* What a driver is given of each run: where its draws lie, how far apart, and how many they are. */
+typedef struct null_indirect {
+	uint64_t offset;
+	uint32_t count, stride;
+} null_indirect;
+
+static stilb_result null_indirect_draws(gpu_null *null, const stilb_gpu_pass *pass, const stilb_gpu_draws *list)
+{
+	stilb_result result = null_reserve(null, pass, list->run_count, sizeof(null_indirect));
+	if (result != STILB_OK)
+		return result;
+	null_indirect *to = (null_indirect *)null->draws;
+	const stilb_gpu_run *last = NULL;
 	for (uint32_t r = 0; r < list->run_count; last = &list->runs[r++]) {
 		const stilb_gpu_run *run = &list->runs[r];
-		uint32_t program = run->program ? run->program : pass->program;
-		stats->binds += !last || program != (last->program ? last->program : pass->program);
-		stats->binds += run->set && (!last || run->set != last->set);
-		stats->binds += !last || run->indices != last->indices || run->vertices != last->vertices;
-		draws += run->count;
+		null->base.stats.binds += gpu_binds_count(gpu_binds_between(list, last, run));
+		to[r] = (null_indirect){list->offset + (uint64_t)run->first * STILB_GPU_DRAW_STRIDE, run->count,
+		                        STILB_GPU_DRAW_STRIDE};
 	}
-	if (list->replay == STILB_GPU_REPLAY_INDIRECT) {
-		stats->indirect_commands += list->run_count;
-		return STILB_OK;
-	}
-	stats->draw_commands += draws;
-	if (draws > null->draw_capacity) {
-		free(null->draws);
-		null->draws = stilb_memory_alloc(draws + draws / 4, DRAW_BYTES);
-		null->draw_capacity = null->draws ? draws + draws / 4 : 0;
-		if (!null->draws)
-			return stilb_fail(STILB_ERROR_MEMORY, "no memory for the commands of pass '%s'", pass->name);
-	}
-	for (uint32_t r = 0; r < list->run_count; r++)
-		for (uint32_t d = 0; d < list->runs[r].count; d++, at++)
-			memcpy(null->draws + at * DRAW_BYTES,
-			       (const uint8_t *)list->draws + (uint64_t)(list->runs[r].first + d) * STILB_GPU_DRAW_STRIDE,
-			       DRAW_BYTES);
+	null->base.stats.indirect_commands += list->run_count;
+	return STILB_OK;
+}
+
+/* A list, as a driver would write it. */
+static stilb_result null_draws(gpu_null *null, const stilb_gpu_pass *pass, const stilb_gpu_draws *list,
+                               const stilb_gpu_threads *threads)
+{
+	stilb_gpu_stats *stats = &null->base.stats;
+	if (list->replay == STILB_GPU_REPLAY_INDIRECT)
+		return null_indirect_draws(null, pass, list);
+	null_part part[GPU_MOST_PARTS];
+	bool secondary = list->replay == STILB_GPU_REPLAY_SECONDARY && list->run_count > 0;
+	null_work work = {
+		.list = list, .draws = gpu_draws_count(list), .parts = secondary ? gpu_draws_parts(threads) : 1, .part = part};
+	stilb_result result = null_reserve(null, pass, work.draws, DRAW_BYTES);
+	if (result != STILB_OK)
+		return result;
+	work.to = null->draws;
+	if (work.parts > 1)
+		threads->run(threads->user, work.parts, null_task, &work);
+	else
+		part[0].binds = null_write(&work, 0, work.draws);
+	for (uint32_t p = 0; p < work.parts; p++)
+		stats->binds += part[p].binds;
+	stats->draw_commands += work.draws;
+	stats->execute_commands += secondary ? work.parts : 0;
 	return STILB_OK;
 }
 
@@ -195,15 +269,25 @@ static stilb_result null_run(stilb_gpu *gpu, const stilb_gpu_plan *plan, const s
 	stilb_result result = STILB_OK;
 	for (uint32_t s = 0; s < count && result == STILB_OK; s++) {
 		const stilb_gpu_pass *pass = stilb_gpu_plan_row(plan, steps[s].pass);
-		if (pass->kind != STILB_GPU_PASS_DRAWS) {
-			gpu->stats.binds += pass->program != 0;
-			continue;
-		}
-		result = null_draws(null, pass, &lists[pass->draws]);
-		if (lists[pass->draws].replay == STILB_GPU_REPLAY_SECONDARY && threads)
-			gpu->stats.execute_commands += threads->count > 0 ? threads->count : 1;
+		stilb_prof_zone_begin(gpu_step_site(gpu, s, pass->name));
+		if (pass->kind == STILB_GPU_PASS_DRAWS)
+			result = null_draws(null, pass, &lists[pass->draws], threads);
+		stilb_prof_zone_end();
 	}
 	return result;
+}
+
+static stilb_result null_flush(stilb_gpu *gpu, const gpu_upload_ready *uploads, uint32_t upload_count)
+{
+	for (uint32_t u = 0; u < upload_count; u++)
+		null_upload((gpu_null *)gpu, &uploads[u]);
+	return STILB_OK;
+}
+
+static stilb_result null_set_surface(stilb_gpu *gpu, const stilb_gpu_surface *surface)
+{
+	(void)gpu, (void)surface;
+	return STILB_OK;
 }
 
 static stilb_result null_present(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t image)
@@ -264,6 +348,7 @@ static void null_destroy(stilb_gpu *gpu)
 /* Generous, but for counts that devices of today have: what passes here passes there. */
 static const stilb_gpu_limits null_limits = {
 	.image_side = 16384,
+	.attachment_side = 16384,
 	.image_side_3d = 2048,
 	.image_layers = 2048,
 	.color_attachments = STILB_GPU_MAX_COLORS,
@@ -313,6 +398,8 @@ stilb_result gpu_null_create(const stilb_gpu_desc *desc, stilb_gpu **out)
 		.present = null_present,
 		.read = null_read,
 		.read_done = null_read_done,
+		.flush = null_flush,
+		.set_surface = null_set_surface,
 		.wait = null_begin,
 		.image_needs = null_image_needs,
 		.buffer_needs = null_buffer_needs,
@@ -328,6 +415,7 @@ stilb_result gpu_null_create(const stilb_gpu_desc *desc, stilb_gpu **out)
 	null->base.limits = null_limits;
 	for (uint32_t f = STILB_GPU_NONE + 1; f < STILB_GPU_FORMAT_COUNT; f++)
 		null->base.formats[f] = null_format(stilb_gpu_format_describe((stilb_gpu_format)f));
+	null->base.formats[STILB_GPU_RGB32_F] = 0; /* see gpu_format.h */
 	stilb_result result = STILB_OK;
 	if (!gpu_memory_init(&null->blocks, (gpu_memory_source){null, null_block_make, null_block_drop, NULL_NO_MEMORY}))
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the null device");

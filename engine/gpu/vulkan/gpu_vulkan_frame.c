@@ -60,22 +60,22 @@ stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu)
 	gpu->slot = (gpu->slot + 1) % STILB_GPU_FRAMES;
 	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
 	stilb_result result = gpu_vulkan_timeline_wait(gpu, slot->done);
-	if (result == STILB_OK)
-		gpu_vulkan_times_read(gpu, slot);
-	return result;
+	if (result != STILB_OK)
+		return result;
+	gpu_vulkan_times_read(gpu, slot);
+	PROFILE("reset commands"); /* frees the commands of the slot's last frame */
+	VkResult reset = vkResetCommandPool(gpu->device, slot->pool, 0);
+	return reset == VK_SUCCESS ? STILB_OK : gpu_vulkan_fail(gpu, reset, "begin a frame");
 }
 
 stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes)
 {
-	PROFILE("reset commands"); /* frees the commands of the slot's last frame */
 	const gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
 	VkCommandBufferBeginInfo begin = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
 		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
 	};
-	VkResult result = vkResetCommandPool(gpu->device, slot->pool, 0);
-	if (result == VK_SUCCESS)
-		result = vkBeginCommandBuffer(slot->draw, &begin);
+	VkResult result = vkBeginCommandBuffer(slot->draw, &begin);
 	return result == VK_SUCCESS ? gpu_vulkan_times_begin(gpu, passes) : gpu_vulkan_fail(gpu, result, "begin a frame");
 }
 

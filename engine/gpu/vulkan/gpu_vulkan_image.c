@@ -23,6 +23,7 @@ static const VkFormat texel_formats[STILB_GPU_FORMAT_COUNT] = {
 	[STILB_GPU_R11G11B10_F] = VK_FORMAT_B10G11R11_UFLOAT_PACK32,
 	[STILB_GPU_R32_F] = VK_FORMAT_R32_SFLOAT,
 	[STILB_GPU_RG32_F] = VK_FORMAT_R32G32_SFLOAT,
+	[STILB_GPU_RGB32_F] = VK_FORMAT_R32G32B32_SFLOAT,
 	[STILB_GPU_RGBA32_F] = VK_FORMAT_R32G32B32A32_SFLOAT,
 	[STILB_GPU_R8_UI] = VK_FORMAT_R8_UINT,
 	[STILB_GPU_R16_UI] = VK_FORMAT_R16_UINT,
@@ -74,6 +75,7 @@ void gpu_vulkan_formats_find(gpu_vulkan *gpu)
 			if (properties.optimalTilingFeatures & meanings[m].feature)
 				gpu->base.formats[f] |= meanings[m].uses;
 	}
+	gpu->base.formats[STILB_GPU_RGB32_F] = 0; /* see gpu_format.h */
 }
 
 VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout)
@@ -291,7 +293,10 @@ stilb_result gpu_vulkan_image_make(stilb_gpu *base, gpu_image *image)
 	VkResult result = gpu_vulkan_texels_create(gpu, image->name, &image->extent, NULL, 0, texels);
 	if (result == VK_SUCCESS) {
 		image->own = texels;
-		return STILB_OK;
+		stilb_result noted = gpu_vulkan_rest_add(gpu, image);
+		if (noted != STILB_OK)
+			gpu_vulkan_image_free(base, image);
+		return noted;
 	}
 	free(texels);
 	if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
@@ -309,6 +314,7 @@ void gpu_vulkan_image_free(stilb_gpu *base, gpu_image *image)
 {
 	gpu_vulkan_texels_destroy((gpu_vulkan *)base, image->own);
 	free(image->own);
+	image->own = NULL;
 }
 
 /* ---- samplers ---------------------------------------------------------------------------------------------------- */

@@ -48,7 +48,7 @@ typedef struct gpu_vulkan_texels {
 	VkImageAspectFlags aspect;
 	gpu_vulkan_view *views; /* [view_capacity], guarded by gpu_vulkan.views_lock */
 	uint32_t view_count, view_capacity;
-	uint64_t rested; /* the frame that gave each part a layout which is not UNDEFINED; 0: none so far */
+	uint64_t rested; /* the value of gpu_vulkan.resting that gave each part a layout which is not UNDEFINED; 0: none */
 } gpu_vulkan_texels;
 
 /* Something that is destroyed when the slot's frame is done. */
@@ -197,7 +197,11 @@ typedef struct gpu_vulkan {
 	VkDescriptorPool item_pools[GPU_VULKAN_POOLS];
 	uint32_t item_pool_count;
 	gpu_vulkan_texels white; /* what stands for no image in sets */
-	bool white_ready;
+	uint64_t white_rested;   /* as of other images */
+	/* Images that no commands have given a layout yet, guarded by the device's lock. */
+	gpu_image **fresh;
+	uint32_t fresh_count, fresh_capacity;
+	uint64_t resting; /* number of the commands that are recorded, or were last, and give images their first layouts */
 	VkShaderModule fullscreen;
 	gpu_vulkan_stay *stays; /* [stay_capacity] by number */
 	uint32_t stay_capacity;
@@ -301,9 +305,10 @@ VkResult gpu_vulkan_pipeline_once(gpu_vulkan *gpu, gpu_vulkan_pipeline *pipeline
 /* gpu_vulkan_frame.c: slots and submission. */
 stilb_result gpu_vulkan_frames_create(gpu_vulkan *gpu);
 void gpu_vulkan_frames_destroy(gpu_vulkan *gpu);
-/* Makes the next slot the current one: waits until the GPU is done with it and reads its timestamps. */
+/* Makes the next slot the current one: waits until the GPU is done with it, reads its timestamps and empties its
+ * command buffers. */
 stilb_result gpu_vulkan_slot_take(gpu_vulkan *gpu);
-/* Empties the slot's command buffers and begins `draw`, with timestamps for up to `passes` passes. */
+/* Begins `draw`, with timestamps for up to `passes` passes. */
 stilb_result gpu_vulkan_slot_begin(gpu_vulkan *gpu, uint32_t passes);
 /* Ends and submits `draw`. */
 stilb_result gpu_vulkan_slot_submit(gpu_vulkan *gpu);
@@ -439,8 +444,15 @@ void gpu_vulkan_full_barrier(VkCommandBuffer commands);
 
 /* gpu_vulkan_upload.c: uploads, read-back. */
 void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count);
-/* Images of sets that no upload has written yet get a layout. */
-void gpu_vulkan_sets_ready(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_draws *lists, uint32_t count);
+/* Before commands are recorded that may give images their first layout. */
+void gpu_vulkan_rest_begin(gpu_vulkan *gpu);
+/* Those commands do not run. */
+void gpu_vulkan_rest_undo(gpu_vulkan *gpu);
+/* Notes a new image. */
+stilb_result gpu_vulkan_rest_add(gpu_vulkan *gpu, gpu_image *image);
+/* Images that no upload has written yet get a layout, so that draws may sample them. */
+void gpu_vulkan_images_ready(gpu_vulkan *gpu, VkCommandBuffer commands);
+stilb_result gpu_vulkan_flush(stilb_gpu *base, const gpu_upload_ready *uploads, uint32_t upload_count);
 stilb_result gpu_vulkan_read(stilb_gpu *gpu, const stilb_gpu_plan *plan, uint16_t resource, uint8_t mip, uint16_t layer,
                              gpu_read *read);
 stilb_result gpu_vulkan_read_done(stilb_gpu *gpu, const gpu_read *read, bool wait, bool *done);

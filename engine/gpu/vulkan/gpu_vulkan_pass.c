@@ -82,9 +82,10 @@ typedef struct pass_work {
 	const stilb_gpu_draws *list; /* DRAWS */
 	gpu_vulkan_variant variant;  /* the attachments */
 	uint8_t constants[STILB_GPU_MAX_CONSTANTS];
-	/* of DRAWS, by run */
+	/* of DRAWS, by binding of the list */
 	VkPipeline *pipelines;
 	VkDescriptorSet *sets;
+	gpu_program **programs;
 } pass_work;
 
 static const stilb_gpu_extent *extent_of(const pass_work *work, uint16_t resource)
@@ -265,30 +266,23 @@ static void pass_area(const pass_work *work, VkCommandBuffer commands)
 
 /* ---- lists of draws ---------------------------------------------------------------------------------------------- */
 
-static gpu_program *run_program(const pass_work *work, const stilb_gpu_run *run)
-{
-	return gpu_program_of(&work->gpu->base, run->program ? run->program : work->pass->program);
-}
-
-/* Finds pipelines and sets of all runs, before anything is recorded: threads only read them. */
+/* Finds programs, pipelines and sets of all bindings, before anything is recorded: threads only read them. */
 static stilb_result draws_prepare(pass_work *work)
 {
-	uint32_t count = work->list->run_count;
+	uint32_t count = work->list->binding_count;
 	work->pipelines = calloc(count + 1, sizeof *work->pipelines);
 	work->sets = calloc(count + 1, sizeof *work->sets);
-	if (!work->pipelines || !work->sets)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the %u runs of pass '%s'", count, work->pass->name);
-	for (uint32_t r = 0; r < count; r++) {
-		gpu_program *program = run_program(work, &work->list->runs[r]);
-		if (r > 0 && program == run_program(work, &work->list->runs[r - 1])) {
-			work->pipelines[r] = work->pipelines[r - 1];
-			work->sets[r] = work->sets[r - 1];
-			continue;
-		}
-		stilb_result result = gpu_vulkan_program_pipeline(work->gpu, program, &work->variant, &work->pipelines[r]);
+	work->programs = calloc(count + 1, sizeof(*work->programs));
+	if (!work->pipelines || !work->sets || !work->programs)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the %u bindings of pass '%s'", count, work->pass->name);
+	for (uint32_t b = 0; b < count; b++) {
+		uint32_t id = work->list->bindings[b].program;
+		gpu_program *program = gpu_program_of(&work->gpu->base, id ? id : work->pass->program);
+		work->programs[b] = program;
+		stilb_result result = gpu_vulkan_program_pipeline(work->gpu, program, &work->variant, &work->pipelines[b]);
 		if (result != STILB_OK)
 			return result;
-		VkResult set = pass_set(work, program, &work->sets[r]);
+		VkResult set = pass_set(work, program, &work->sets[b]);
 		if (set != VK_SUCCESS)
 			return gpu_vulkan_fail(work->gpu, set, "bind the images of a pass");
 	}
@@ -300,43 +294,55 @@ typedef struct draws_sent {
 	uint64_t draws, binds;
 } draws_sent;
 
-static void draws_bind(const pass_work *work, VkCommandBuffer commands, uint32_t r, const stilb_gpu_run *last,
-                       draws_sent *sent)
+static void draws_bind_program(const pass_work *work, VkCommandBuffer commands, uint32_t binding)
 {
-	const stilb_gpu_run *run = &work->list->runs[r];
-	const gpu_program *program = run_program(work, run);
-	const gpu_vulkan_program *own = program->own;
-	stilb_gpu *base = &work->gpu->base;
-	bool other = !last || run_program(work, last) != program;
-	if (other) {
-		vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, work->pipelines[r]);
-		if (work->sets[r])
-			vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, own->layout, 0, 1, &work->sets[r], 0,
-			                        NULL);
-		pass_push(work, commands, program);
-		sent->binds++;
-	}
-	if (run->set && (other || run->set != last->set)) {
+	const gpu_program *program = work->programs[binding];
+	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, work->pipelines[binding]);
+	if (work->sets[binding])
+		vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, ((gpu_vulkan_program *)program->own)->layout,
+		                        0, 1, &work->sets[binding], 0, NULL);
+	pass_push(work, commands, program);
+}
+
+static void draws_bind_scissor(const pass_work *work, VkCommandBuffer commands, const uint32_t s[4])
+{
+	VkRect2D scissor = {{(int32_t)s[0], (int32_t)s[1]}, {s[2], s[3]}};
+	if (s[2] == 0)
+		scissor = (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
+	vkCmdSetScissor(commands, 0, 1, &scissor);
+}
+
+/* last: the run before in this command buffer, or NULL. */
+static void draws_bind(const pass_work *work, VkCommandBuffer commands, const stilb_gpu_run *run,
+                       const stilb_gpu_run *last, draws_sent *sent)
+{
+	const stilb_gpu_draws *list = work->list;
+	const stilb_gpu_binding *binding = gpu_binding_of(list, run);
+	const gpu_program *program = work->programs[run->binding];
+	VkPipelineLayout layout = ((gpu_vulkan_program *)program->own)->layout;
+	const stilb_gpu *base = &work->gpu->base;
+	gpu_binds binds = gpu_binds_between(list, last, run);
+	if (binds.program)
+		draws_bind_program(work, commands, run->binding);
+	if (binds.set) {
 		VkDescriptorSet set = gpu_vulkan_set_handle(gpu_set_of(base, run->set));
-		vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, own->layout, 1, 1, &set, 0, NULL);
-		sent->binds++;
+		vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 1, 1, &set, 0, NULL);
 	}
-	if (!last || run->indices != last->indices || run->index_bytes != last->index_bytes) {
-		const gpu_vulkan_buffer *indices = gpu_buffer_of(base, run->indices)->own;
+	if (binds.constant)
+		vkCmdPushConstants(commands, layout, gpu_vulkan_program_stages(&program->desc), list->constant_place,
+		                   sizeof run->constant, &run->constant);
+	if (binds.indices) {
+		const gpu_vulkan_buffer *indices = gpu_buffer_of(base, binding->indices)->own;
 		vkCmdBindIndexBuffer(commands, indices->buffer, 0,
-		                     run->index_bytes == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
-		sent->binds++;
+		                     binding->index_bytes == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
 	}
-	if (run->vertices && (!last || run->vertices != last->vertices)) {
-		const gpu_vulkan_buffer *vertices = gpu_buffer_of(base, run->vertices)->own;
+	if (binds.vertices) {
+		const gpu_vulkan_buffer *vertices = gpu_buffer_of(base, binding->vertices)->own;
 		vkCmdBindVertexBuffers(commands, 0, 1, &vertices->buffer, &(VkDeviceSize){0});
 	}
-	if (run->scissor[2] > 0 || (last && last->scissor[2] > 0)) {
-		VkRect2D scissor = {{(int32_t)run->scissor[0], (int32_t)run->scissor[1]}, {run->scissor[2], run->scissor[3]}};
-		if (run->scissor[2] == 0)
-			scissor = (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
-		vkCmdSetScissor(commands, 0, 1, &scissor);
-	}
+	if (binds.scissor)
+		draws_bind_scissor(work, commands, binding->scissor);
+	sent->binds += gpu_binds_count(binds);
 }
 
 /* Records draws first .. first + count - 1 of the list, counted over all runs, one command each. */
@@ -351,7 +357,7 @@ static draws_sent draws_direct(const pass_work *work, VkCommandBuffer commands, 
 		before += run->count;
 		if (skip >= run->count)
 			continue;
-		draws_bind(work, commands, r, last, &sent);
+		draws_bind(work, commands, run, last, &sent);
 		last = run;
 		const uint8_t *at = (const uint8_t *)work->list->draws + (run->first + skip) * STILB_GPU_DRAW_STRIDE;
 		for (uint64_t d = skip; d < run->count && sent.draws < count; d++, at += STILB_GPU_DRAW_STRIDE) {
@@ -373,7 +379,7 @@ static draws_sent draws_indirect(const pass_work *work, VkCommandBuffer commands
 	const gpu_vulkan_buffer *buffer = gpu_buffer_of(&work->gpu->base, work->list->commands.id)->own;
 	for (uint32_t r = 0; r < work->list->run_count; last = &work->list->runs[r++]) {
 		const stilb_gpu_run *run = &work->list->runs[r];
-		draws_bind(work, commands, r, last, &sent);
+		draws_bind(work, commands, run, last, &sent);
 		for (uint32_t done = 0, count; done < run->count; done += count) {
 			count = run->count - done < most ? run->count - done : most;
 			vkCmdDrawIndexedIndirect(commands, buffer->buffer,
@@ -470,7 +476,8 @@ static void secondary_task(uint32_t index, void *context)
 	const secondary_work *work = context;
 	gpu_vulkan *gpu = work->pass->gpu;
 	gpu_vulkan_list *list = &gpu_vulkan_slot_now(gpu)->lists[index];
-	uint64_t first = work->draws * index / work->parts, end = work->draws * (index + 1) / work->parts;
+	uint64_t first = gpu_draws_part(work->draws, work->parts, index);
+	uint64_t end = gpu_draws_part(work->draws, work->parts, index + 1);
 	VkResult result = list_next(gpu, list, &work->commands[index]);
 	if (result == VK_SUCCESS)
 		result = list_begin(work->pass, work->commands[index]);
@@ -482,19 +489,19 @@ static void secondary_task(uint32_t index, void *context)
 	work->results[index] = result;
 }
 
-#define SECONDARY_MOST 256u
-
 /* Cuts the list into parts, has threads record them, and executes them in order. */
 static stilb_result draws_secondary(pass_work *work, VkCommandBuffer commands, const stilb_gpu_threads *threads)
 {
-	VkCommandBuffer buffers[SECONDARY_MOST];
-	VkResult results[SECONDARY_MOST];
-	draws_sent sent[SECONDARY_MOST] = {0};
-	uint32_t parts = threads && threads->run && threads->count > 0 ? threads->count : 1;
-	parts = parts < SECONDARY_MOST ? parts : SECONDARY_MOST;
-	secondary_work secondary = {.pass = work, .parts = parts, .commands = buffers, .results = results, .sent = sent};
-	for (uint32_t r = 0; r < work->list->run_count; r++)
-		secondary.draws += work->list->runs[r].count;
+	VkCommandBuffer buffers[GPU_MOST_PARTS];
+	VkResult results[GPU_MOST_PARTS];
+	draws_sent sent[GPU_MOST_PARTS] = {0};
+	uint32_t parts = gpu_draws_parts(threads);
+	secondary_work secondary = {.pass = work,
+	                            .draws = gpu_draws_count(work->list),
+	                            .parts = parts,
+	                            .commands = buffers,
+	                            .results = results,
+	                            .sent = sent};
 	VkResult result = lists_fit(work->gpu, gpu_vulkan_slot_now(work->gpu), parts);
 	if (result == VK_SUCCESS && parts > 1)
 		threads->run(threads->user, parts, secondary_task, &secondary);
@@ -559,7 +566,6 @@ static stilb_result pass_bind(pass_work *work, VkCommandBuffer commands, VkPipel
 	if (set)
 		vkCmdBindDescriptorSets(commands, point, ((gpu_vulkan_program *)program->own)->layout, 0, 1, &set, 0, NULL);
 	pass_push(work, commands, program);
-	work->gpu->base.stats.binds++;
 	return STILB_OK;
 }
 
@@ -629,5 +635,6 @@ stilb_result gpu_vulkan_plan_pass(gpu_vulkan *gpu, const stilb_gpu_plan *plan, c
 	stilb_result result = pass_run(&work, commands, threads);
 	free(work.pipelines);
 	free(work.sets);
+	free(work.programs);
 	return result;
 }

@@ -278,6 +278,8 @@ static stilb_result present_to_window(gpu_vulkan *gpu, VkImage picture, VkExtent
 stilb_result gpu_vulkan_present_image(gpu_vulkan *gpu, VkImage image, VkExtent2D size)
 {
 	STILB_ASSERT(gpu->surface && !gpu->surface_lost && image);
+	if (size.width != gpu->picture.width || size.height != gpu->picture.height)
+		gpu->swapchain.stale = true;
 	gpu->picture = size;
 	stilb_result result = present_to_window(gpu, image, size);
 	gpu->surface_lost = result == STILB_ERROR_WINDOW;

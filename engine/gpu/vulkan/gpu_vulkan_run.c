@@ -94,17 +94,16 @@ static stilb_result run_begin(stilb_gpu *base)
 }
 
 /* Records a pass with its barriers, its name and its time. */
-static stilb_result run_step(gpu_vulkan *gpu, const stilb_gpu_plan *plan, const stilb_gpu_step *step,
+static stilb_result run_step(gpu_vulkan *gpu, const stilb_gpu_plan *plan, uint32_t number, const stilb_gpu_step *step,
                              const stilb_gpu_draws *lists, const stilb_gpu_threads *threads)
 {
 	VkCommandBuffer commands = gpu_vulkan_slot_now(gpu)->draw;
 	const stilb_gpu_pass *pass = stilb_gpu_plan_row(plan, step->pass);
-	const char *name = pass->name ? pass->name : "pass";
+	const stilb_prof_site *site = gpu_step_site(&gpu->base, number, pass->name);
 	if (gpu->label_begin)
-		gpu->label_begin(commands,
-		                 &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = name});
+		gpu->label_begin(commands, &(VkDebugUtilsLabelEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+		                                                   .pLabelName = site->name});
 	gpu_vulkan_plan_barriers(gpu, commands, plan, step->first_barrier, step->barrier_count);
-	const stilb_prof_site *site = stilb_prof_site_make(name, 0);
 	gpu_vulkan_times_pass_begin(gpu, site);
 	stilb_prof_zone_begin(site);
 	stilb_result result = gpu_vulkan_plan_pass(gpu, plan, step, lists, threads);
@@ -116,8 +115,7 @@ static stilb_result run_step(gpu_vulkan *gpu, const stilb_gpu_plan *plan, const 
 }
 
 static stilb_result run_record(gpu_vulkan *gpu, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
-                               uint32_t list_count, const stilb_gpu_threads *threads, const gpu_upload_ready *uploads,
-                               uint32_t upload_count)
+                               const stilb_gpu_threads *threads, const gpu_upload_ready *uploads, uint32_t upload_count)
 {
 	const stilb_gpu_step *steps;
 	uint32_t count = stilb_gpu_plan_steps(plan, &steps), first;
@@ -126,15 +124,21 @@ static stilb_result run_record(gpu_vulkan *gpu, const stilb_gpu_plan *plan, cons
 		return result;
 	VkCommandBuffer commands = gpu_vulkan_slot_now(gpu)->draw;
 	gpu_vulkan_uploads(gpu, commands, uploads, upload_count);
-	gpu_vulkan_sets_ready(gpu, commands, lists, list_count);
+	gpu_vulkan_images_ready(gpu, commands);
 	result = gpu_vulkan_targets_take(gpu, plan);
 	for (uint32_t s = 0; s < count && result == STILB_OK; s++)
-		result = run_step(gpu, plan, &steps[s], lists, threads);
+		result = run_step(gpu, plan, s, &steps[s], lists, threads);
 	if (result != STILB_OK)
 		return result;
 	uint32_t last = stilb_gpu_plan_last_barriers(plan, &first);
 	gpu_vulkan_plan_barriers(gpu, commands, plan, first, last);
-	return gpu_vulkan_slot_submit(gpu);
+	if (gpu->base.keep_back)
+		return STILB_OK;
+	PROFILE("submit");
+	uint64_t begin = stilb_time_ns();
+	result = gpu_vulkan_slot_submit(gpu);
+	gpu->base.stats.submit_ns = stilb_time_ns() - begin;
+	return result;
 }
 
 static stilb_result run_run(stilb_gpu *base, const stilb_gpu_plan *plan, const stilb_gpu_draws *lists,
@@ -142,24 +146,13 @@ static stilb_result run_run(stilb_gpu *base, const stilb_gpu_plan *plan, const s
                             uint32_t upload_count)
 {
 	gpu_vulkan *gpu = (gpu_vulkan *)base;
-	stilb_result result = run_record(gpu, plan, lists, list_count, threads, uploads, upload_count);
-	if (result == STILB_OK) {
+	(void)list_count;
+	gpu_vulkan_rest_begin(gpu);
+	stilb_result result = run_record(gpu, plan, lists, threads, uploads, upload_count);
+	if (result == STILB_OK && !base->keep_back)
 		gpu_vulkan_targets_done(gpu, plan);
-		return STILB_OK;
-	}
-	/* Nothing of it happens, also not the first layouts of images. */
-	const gpu_table *images = &base->tables[GPU_IMAGE];
-	stilb_lock_take(&base->lock);
-	for (uint32_t i = 0; i < images->count; i++) {
-		gpu_image *image = gpu_table_at(images, i);
-		gpu_vulkan_texels *texels = image ? image->own : NULL;
-		if (!texels || texels->rested != base->frame)
-			continue;
-		memset(image->layouts, STILB_GPU_LAYOUT_NONE, (size_t)image->extent.layers * image->extent.mips);
-		texels->rested = 0;
-	}
-	stilb_lock_give(&base->lock);
-	gpu->white_ready = false;
+	else
+		gpu_vulkan_rest_undo(gpu);
 	return result;
 }
 
@@ -176,6 +169,11 @@ static stilb_result run_present(stilb_gpu *base, const stilb_gpu_plan *plan, uin
 	return gpu_vulkan_present_image(gpu, texels->image, (VkExtent2D){texels->extent.width, texels->extent.height});
 }
 
+static stilb_result run_set_surface(stilb_gpu *base, const stilb_gpu_surface *surface)
+{
+	return gpu_vulkan_set_surface((gpu_vulkan *)base, surface);
+}
+
 static stilb_result run_wait(stilb_gpu *base)
 {
 	return gpu_vulkan_wait((gpu_vulkan *)base);
@@ -186,9 +184,11 @@ static stilb_result run_wait(stilb_gpu *base)
 static void run_limits(gpu_vulkan *gpu)
 {
 	const VkPhysicalDeviceLimits *l = &gpu->properties.limits;
+	uint32_t wide = l->maxFramebufferWidth, high = l->maxFramebufferHeight, drawn = wide < high ? wide : high;
 	stilb_gpu_limits *out = &gpu->base.limits;
 	*out = (stilb_gpu_limits){
 		.image_side = l->maxImageDimension2D,
+		.attachment_side = drawn < l->maxImageDimension2D ? drawn : l->maxImageDimension2D,
 		.image_side_3d = l->maxImageDimension3D,
 		.image_layers = l->maxImageArrayLayers,
 		.color_attachments =
@@ -267,9 +267,13 @@ static void run_destroy(stilb_gpu *base)
 		vkDestroySampler(gpu->device, gpu->samplers[s], gpu->allocator);
 	if (gpu->views_lock_made)
 		stilb_lock_finish(&gpu->views_lock);
+	free(gpu->fresh);
 	gpu_finish(base);
 	gpu_vulkan_destroy(gpu);
 }
+
+/* Address space that compiling shaders may need in a driver that draws on the CPU. */
+#define SHADER_BYTES ((size_t)1 << 24)
 
 stilb_result gpu_vulkan_open(const stilb_gpu_desc *desc, stilb_gpu **out)
 {
@@ -290,20 +294,27 @@ stilb_result gpu_vulkan_open(const stilb_gpu_desc *desc, stilb_gpu **out)
 		.present = run_present,
 		.read = gpu_vulkan_read,
 		.read_done = gpu_vulkan_read_done,
+		.flush = gpu_vulkan_flush,
+		.set_surface = run_set_surface,
 		.wait = run_wait,
 		.image_needs = run_image_needs,
 		.buffer_needs = run_buffer_needs,
 		.measure = run_measure,
 	};
 	gpu_vulkan *gpu;
-	stilb_result result = gpu_vulkan_create(desc, (VkExtent2D){1280, 720}, &gpu);
+	VkExtent2D picture = {desc->width ? desc->width : 1280, desc->height ? desc->height : 720};
+	stilb_result result = gpu_vulkan_create(desc, picture, &gpu);
 	if (result != STILB_OK)
 		return result;
 	gpu->base.functions = &functions;
 	gpu_vulkan_formats_find(gpu);
 	run_limits(gpu);
-	VkResult error = run_things(gpu);
-	result = error == VK_SUCCESS ? gpu_start(&gpu->base, desc) : gpu_vulkan_fail(gpu, error, "open the GPU");
+	result = gpu_vulkan_check_memory(gpu, SHADER_BYTES);
+	VkResult error = result == STILB_OK ? run_things(gpu) : VK_SUCCESS;
+	if (error != VK_SUCCESS)
+		result = gpu_vulkan_fail(gpu, error, "open the GPU");
+	else if (result == STILB_OK)
+		result = gpu_start(&gpu->base, desc);
 	if (result == STILB_OK)
 		*out = &gpu->base;
 	else

@@ -9,6 +9,33 @@ static stilb_gpu_range part_of(uint32_t mip, uint32_t layer)
 	return (stilb_gpu_range){(uint8_t)mip, 1, (uint16_t)layer, 1};
 }
 
+/* A command buffer of the slot for copies, begun. */
+static VkResult extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
+{
+	if (slot->extra_used == slot->extra_count) {
+		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
+		if (!grown)
+			return VK_ERROR_OUT_OF_HOST_MEMORY;
+		slot->extra = grown;
+		VkCommandBufferAllocateInfo info = {
+			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+			.commandPool = slot->pool,
+			.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+			.commandBufferCount = 1,
+		};
+		VkResult result = vkAllocateCommandBuffers(gpu->device, &info, &slot->extra[slot->extra_count]);
+		if (result != VK_SUCCESS)
+			return result;
+		slot->extra_count++;
+	}
+	*commands = slot->extra[slot->extra_used++];
+	VkCommandBufferBeginInfo begin = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	return vkBeginCommandBuffer(*commands, &begin);
+}
+
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */
 
 /* Gives parts of an image that nobody has written a layout, all or none: so a set can sample all mips once some were
@@ -18,7 +45,7 @@ static void upload_rest(const gpu_vulkan *gpu, VkCommandBuffer commands, gpu_ima
 	gpu_vulkan_texels *texels = image->own;
 	if (texels->rested > 0)
 		return;
-	texels->rested = gpu->base.frame;
+	texels->rested = gpu->resting;
 	stilb_gpu_layout rest = gpu_vulkan_rest(&image->extent);
 	uint32_t parts = (uint32_t)image->extent.layers * image->extent.mips, written = 0;
 	for (uint32_t p = 0; p < parts; p++)
@@ -146,12 +173,12 @@ static void white_make(gpu_vulkan *gpu, VkCommandBuffer commands)
 	gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_NONE, STILB_GPU_LAYOUT_COPY_TO, all);
 	vkCmdClearColorImage(commands, gpu->white.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &one, 1, &range);
 	gpu_vulkan_relayout(commands, &gpu->white, STILB_GPU_LAYOUT_COPY_TO, STILB_GPU_LAYOUT_SAMPLED, all);
-	gpu->white_ready = true;
+	gpu->white_rested = gpu->resting;
 }
 
 void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upload_ready *uploads, uint32_t count)
 {
-	if (!gpu->white_ready)
+	if (gpu->white_rested == 0)
 		white_make(gpu, commands);
 	if (count == 0)
 		return;
@@ -169,50 +196,41 @@ void gpu_vulkan_uploads(gpu_vulkan *gpu, VkCommandBuffer commands, const gpu_upl
 	group_record(gpu, commands, &group);
 }
 
-void gpu_vulkan_sets_ready(gpu_vulkan *gpu, VkCommandBuffer commands, const stilb_gpu_draws *lists, uint32_t count)
+void gpu_vulkan_images_ready(gpu_vulkan *gpu, VkCommandBuffer commands)
 {
-	uint32_t last = 0;
-	for (uint32_t l = 0; l < count; l++)
-		for (uint32_t r = 0; r < lists[l].run_count; r++) {
-			uint32_t id = lists[l].runs[r].set;
-			const gpu_set *set = id && id != last ? gpu_set_of(&gpu->base, id) : NULL;
-			last = id;
-			for (uint32_t i = 0; set && i < set->count; i++) {
-				gpu_image *image = set->items[i].image.id ? gpu_image_of(&gpu->base, set->items[i].image.id) : NULL;
-				if (image)
-					upload_rest(gpu, commands, image);
-			}
-		}
+	stilb_lock_take(&gpu->base.lock);
+	for (uint32_t i = 0; i < gpu->fresh_count; i++)
+		if (gpu->fresh[i]->entry.used && !gpu->fresh[i]->entry.hidden &&
+		    gpu->fresh[i]->extent.uses & 1u << STILB_GPU_USE_SAMPLED)
+			upload_rest(gpu, commands, gpu->fresh[i]);
+	gpu->fresh_count = 0;
+	stilb_lock_give(&gpu->base.lock);
+}
+
+stilb_result gpu_vulkan_flush(stilb_gpu *base, const gpu_upload_ready *uploads, uint32_t upload_count)
+{
+	gpu_vulkan *gpu = (gpu_vulkan *)base;
+	gpu_vulkan_slot *slot = gpu_vulkan_slot_now(gpu);
+	VkCommandBuffer commands = VK_NULL_HANDLE;
+	if (upload_count == 0)
+		return gpu_vulkan_timeline_wait(gpu, gpu->timeline_value);
+	VkResult error = extra_begin(gpu, slot, &commands);
+	if (error != VK_SUCCESS)
+		return gpu_vulkan_fail(gpu, error, "upload");
+	gpu_vulkan_rest_begin(gpu);
+	gpu_vulkan_uploads(gpu, commands, uploads, upload_count);
+	error = vkEndCommandBuffer(commands);
+	stilb_result result = error == VK_SUCCESS ? gpu_vulkan_queue_submit(gpu, commands, VK_NULL_HANDLE, VK_NULL_HANDLE)
+	                                          : gpu_vulkan_fail(gpu, error, "upload");
+	if (result != STILB_OK) {
+		gpu_vulkan_rest_undo(gpu);
+		return result;
+	}
+	slot->done = gpu->timeline_value;
+	return gpu_vulkan_timeline_wait(gpu, gpu->timeline_value);
 }
 
 /* ---- read-back --------------------------------------------------------------------------------------------------- */
-
-/* A command buffer of the slot for copies, begun. */
-static VkResult extra_begin(gpu_vulkan *gpu, gpu_vulkan_slot *slot, VkCommandBuffer *commands)
-{
-	if (slot->extra_used == slot->extra_count) {
-		VkCommandBuffer *grown = realloc(slot->extra, (slot->extra_count + 1) * sizeof *grown);
-		if (!grown)
-			return VK_ERROR_OUT_OF_HOST_MEMORY;
-		slot->extra = grown;
-		VkCommandBufferAllocateInfo info = {
-			.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-			.commandPool = slot->pool,
-			.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-			.commandBufferCount = 1,
-		};
-		VkResult result = vkAllocateCommandBuffers(gpu->device, &info, &slot->extra[slot->extra_count]);
-		if (result != VK_SUCCESS)
-			return result;
-		slot->extra_count++;
-	}
-	*commands = slot->extra[slot->extra_used++];
-	VkCommandBufferBeginInfo begin = {
-		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-	};
-	return vkBeginCommandBuffer(*commands, &begin);
-}
 
 static void read_image(VkCommandBuffer commands, const gpu_vulkan_target *target, uint32_t mip, uint32_t layer,
                        VkBuffer to)

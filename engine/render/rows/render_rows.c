@@ -14,7 +14,7 @@
 static void rows_free(stilb_render *render, render_rows *rows)
 {
 	if (rows)
-		render->device->functions->rows_free(render->device, rows);
+		render_device_rows_free(render->device, rows);
 }
 
 /* Frees a table when the frames begun so far are done. */
@@ -87,7 +87,7 @@ static stilb_result rows_make(stilb_render *render, uint32_t count, uint32_t cap
 		return stilb_fail(STILB_ERROR_ARGUMENT, "%u parts; a scene that is drawn has at most %u", count,
 		                  RENDER_MAX_ROWS);
 	capacity = capacity < RENDER_MAX_ROWS ? capacity : RENDER_MAX_ROWS;
-	return render->device->functions->rows_make(render->device, capacity, rows);
+	return render_device_rows_make(render->device, capacity, rows);
 }
 
 stilb_result render_places_make(stilb_render *render, render_scene *tables, const stilb_scene *scene)

@@ -40,9 +40,10 @@ static_assert(sizeof(render_row) == 64, "a row is a cache line");
 #define RENDER_MAX_ROWS (1u << 25) /* of each */
 #define RENDER_ROW_FRAME RENDER_MAX_ROWS
 
-/* A table of rows in memory of the device. Devices make larger structs that begin with it. */
+/* A table of rows in memory of the device. */
 typedef struct render_rows {
 	render_row *data;         /* [capacity] written by the CPU alone */
+	uint64_t address, buffer; /* the device's; stilb_gpu_buffer.id */
 	uint32_t capacity;        /* > 0 */
 	uint64_t frame;           /* of a replaced one: the last frame that may use it, as render_resources.frame counts */
 	struct render_rows *next; /* of a replaced one */

@@ -11,7 +11,7 @@ const float SHADOW = 0.8; // how dark the floor is where nothing reaches it: som
 // Half floats, row after row.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Texels { uvec2 texels[]; };
 
-// As vulkan_backdrop.
+// As backdrop_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Backdrop {
 	vec4 ahead;          // direction at the picture's middle, and what a step of 1 in clip space adds to it
 	vec4 across;
@@ -32,7 +32,7 @@ layout(push_constant, std430) uniform Push {
 	Backdrop backdrop;
 } push;
 
-layout(location = 0) in vec2 clip;
+layout(location = 0) in vec2 uv; // of the picture, 0..1
 layout(location = 0) out vec4 color;
 
 vec3 texel(int x, int y)
@@ -94,6 +94,7 @@ float shadow_at(vec3 direction)
 void main()
 {
 	vec4 across = push.backdrop.across, down = push.backdrop.down;
+	vec2 clip = uv * 2.0 - 1.0;
 	vec3 direction = normalize(push.backdrop.ahead.xyz + clip.x * across.xyz + clip.y * down.xyz);
 	vec3 radiance;
 	if (push.backdrop.floor_radius.w > 0.0)

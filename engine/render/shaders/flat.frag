@@ -13,7 +13,7 @@ layout(location = 1) flat in vec4 clip; // left, top, right, bottom in pixels
 
 #ifdef FLAT_TEXTURE
 layout(location = 2) in vec2 surface_uv;
-layout(set = 0, binding = 0) uniform sampler2D picture;
+layout(set = 1, binding = 0) uniform sampler2D picture;
 #endif
 
 layout(location = 0) out vec4 color;

@@ -3,7 +3,7 @@
 #include "row.glsl"
 #include "../../shading/shade_srgb.h"
 
-// As vulkan_push_2d.
+// As render_push_2d.
 layout(push_constant, std430) uniform Push {
 	vec2 scale; // pixels to clip space
 	Rows rows;

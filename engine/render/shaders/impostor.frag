@@ -6,7 +6,7 @@
 
 IMPOSTOR_VARYINGS(in)
 
-layout(set = 0, binding = 0) uniform sampler2D maps; // stilb_scene_impostor.maps
+layout(set = 1, binding = 0) uniform sampler2D maps; // stilb_scene_impostor.maps
 
 layout(constant_id = 8) const uint samples = 1u; // of a pixel: 1 or 4
 

@@ -4,9 +4,10 @@
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_surface.h"
 
-// The materials that the pipeline draws: 0 all, 1 those with an even index, 2 those with an odd one. Others are black.
+// The materials that the program draws: 0 all, 1 those with an even index, 2 those with an odd one; others are black.
+// 3: the one whose address is bound.
 layout(constant_id = 1) const uint drawn = 0;
-// The formulas, in the order of vulkan_formula. They are compile-time constants: code of other formulas is removed.
+// The formulas, in the order of render_formula. They are compile-time constants: code of other formulas is removed.
 layout(constant_id = 2) const int brdf = SHADE_BRDF_BLINN_PHONG_MODIFIED;
 layout(constant_id = 3) const int ndf = SHADE_NDF_GGX;
 layout(constant_id = 4) const int g = SHADE_G_SMITH_GGX;
@@ -21,17 +22,9 @@ const bool lights_panorama = (lights & 256u) != 0; // its irradiance in place of
 const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 const bool lights_one = (lights & 1024u) != 0;  // the list has one light
 
-#ifdef MESH_BIND
-layout(set = 1, binding = 0, std430) readonly buffer Bound { Material material; } bound;
-#endif
-
 Material stored_material(uint index)
 {
-#ifdef MESH_BIND
-	return bound.material;
-#else
-	return push.materials.materials[index];
-#endif
+	return push.materials.materials[drawn == 3u ? 0u : index];
 }
 
 // A material with this diffuse reflectance and roughness plus the view's additions.
@@ -191,7 +184,7 @@ vec3 level_color(uint word, vec3 n, vec3 to_camera)
 // A draw's radiance as the picture has it. material: its index.
 vec4 picture_color(vec3 radiance, uint material)
 {
-	if (drawn != 0 && (material & 1) != drawn - 1)
+	if ((drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1)
 		radiance = vec3(0.0);
 	return vec4(radiance, 1.0);
 }

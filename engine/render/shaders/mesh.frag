@@ -8,7 +8,7 @@ layout(location = 2) flat in uint material_word; // the material's index, and ab
 
 #ifdef MESH_TEXTURE
 layout(location = 3) centroid in vec2 surface_uv;
-layout(set = 0, binding = 0) uniform sampler2D diffuse_texture;
+layout(set = 1, binding = 0) uniform sampler2D diffuse_texture;
 #endif
 
 layout(location = 0) out vec4 color;

@@ -1,5 +1,5 @@
 // Data that the mesh shaders share with the CPU: buffers by address, laid out as in render_internal.h and
-// vulkan_internal.h.
+// device/render_device.h.
 #include "row.glsl"
 
 // As render_material.
@@ -26,7 +26,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
-// As vulkan_view.
+// As render_view_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
 	vec4 camera_position;

@@ -1,14 +1,13 @@
 #version 460
-#extension GL_EXT_samplerless_texture_functions : require
 
 layout(constant_id = 0) const int samples = 4;
 
-// As vulkan_tone_push.
+// As render_tone_push.
 layout(push_constant, std430) uniform Push {
 	float exposure;
 } push;
 
-layout(set = 0, binding = 0) uniform texture2DMS light;
+layout(set = 0, binding = 0) uniform sampler2DMS light;
 layout(location = 0) out vec4 color;
 
 // The mean of a pixel's samples, each weighted by 1 / (1 + its largest channel as exposed): so that a pixel at the edge

@@ -1,19 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_samplerless_texture_functions : require
 #include "fade.glsl"
 #include "../../shading/shade_tonemap.h"
 
 layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
 layout(constant_id = 1) const bool display = true; // else the picture holds radiance, too
 
-// As vulkan_tone_push.
+// As render_tone_push.
 layout(push_constant, std430) uniform Push {
 	float exposure; // factor of radiance
 	uint dither;
 } push;
 
-layout(set = 0, binding = 0) uniform texture2D light;
+layout(set = 0, binding = 0) uniform sampler2D light;
 layout(location = 0) out vec4 color;
 
 // Half a code up or down at most, by the pixel: what lies between two codes becomes the share of pixels that have the

@@ -1,19 +1,12 @@
 /* What a frame shows where no model is: drawn before its first pass, by one triangle over the whole picture. A backdrop
- * of one colour needs none: the picture is cleared to it. */
-#include "render/vulkan/vulkan_internal.h"
+ * of one colour needs none: the light is cleared to it. */
+#include "render/render_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const uint32_t backdrop_vert[] =
-#include "backdrop.vert.inc"
-	;
-static const uint32_t backdrop_frag[] =
-#include "backdrop.frag.inc"
-	;
-
 /* As the shader's buffer. */
-typedef struct vulkan_backdrop {
+typedef struct backdrop_data {
 	float ahead[4], across[4], down[4];
 	float camera[4];
 	float color[4];
@@ -21,10 +14,10 @@ typedef struct vulkan_backdrop {
 	float sky[4], ground[4]; /* [3] of the sky: 1: these two are shown, else 0 */
 	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
-	uint32_t size[2];         /* of the panorama; 0: it is not shown */
-	float turn[2];            /* sine and cosine of its rotation */
-	VkDeviceAddress panorama; /* its texels */
-} vulkan_backdrop;
+	uint32_t size[2];  /* of the panorama; 0: it is not shown */
+	float turn[2];     /* sine and cosine of its rotation */
+	uint64_t panorama; /* its texels */
+} backdrop_data;
 
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
@@ -63,66 +56,36 @@ static backdrop_sides backdrop_sides_of(const stilb_render_view *view)
 	return sides;
 }
 
-bool vulkan_backdrop_is_drawn(const render_stream *stream)
+bool render_backdrop_is_drawn(const stilb_render_view *view, const render_panorama *panorama)
 {
-	const stilb_render_view *view = stream->view;
 	const stilb_scene_backdrop *backdrop = &view->backdrop;
 	if (backdrop->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
 		backdrop_sides sides = backdrop_sides_of(view);
 		bool differ = memcmp(view->surroundings.sky, view->surroundings.ground, sizeof view->surroundings.sky) != 0;
-		return stream->panorama || (differ && sides.sky && sides.ground);
+		return panorama || (differ && sides.sky && sides.ground);
 	}
 	return (backdrop->kind == STILB_SCENE_BACKDROP_MAP && backdrop->map) ||
 	       (backdrop->kind == STILB_SCENE_BACKDROP_COLOR && backdrop->floor);
 }
 
-VkClearColorValue vulkan_backdrop_clear(const stilb_render_view *view)
+void render_backdrop_clear(const stilb_render_view *view, float color[4])
 {
-	if (!view)
-		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 1.0f}};
 	const stilb_scene_backdrop *backdrop = &view->backdrop;
+	memset(color, 0, 4 * sizeof *color);
 	if (backdrop->kind == STILB_SCENE_BACKDROP_NOTHING)
-		return (VkClearColorValue){.float32 = {0.0f, 0.0f, 0.0f, 0.0f}};
+		return;
 	backdrop_sides sides = backdrop_sides_of(view);
 	const float *around = sides.ground && !sides.sky ? view->surroundings.ground : view->surroundings.sky;
 	const float *shown = backdrop->kind == STILB_SCENE_BACKDROP_COLOR ? backdrop->color : around;
-	return (VkClearColorValue){.float32 = {shown[0], shown[1], shown[2], 1.0f}};
-}
-
-/* ---- the pipeline ------------------------------------------------------------------------------------------------ */
-
-static VkResult backdrop_make(void *user, const void *nothing, VkPipeline *pipeline)
-{
-	const vulkan_device *device = user;
-	(void)nothing;
-	vulkan_screen screen = {.vertex = backdrop_vert,
-	                        .vertex_bytes = sizeof backdrop_vert,
-	                        .fragment = backdrop_frag,
-	                        .fragment_bytes = sizeof backdrop_frag,
-	                        .format = VULKAN_LIGHT_FORMAT,
-	                        .depth = VK_FORMAT_D32_SFLOAT,
-	                        .samples = device->base.samples,
-	                        .layout = device->pipeline_layout};
-	return vulkan_screen_make(device, &screen, pipeline);
-}
-
-stilb_result vulkan_backdrop_make(vulkan_device *device)
-{
-	VkResult result = gpu_vulkan_pipeline_once(device->gpu, &device->backdrop, backdrop_make, device, NULL);
-	return result == VK_SUCCESS ? STILB_OK
-	                            : gpu_vulkan_fail(device->gpu, result, "make the pipeline of the background");
-}
-
-void vulkan_backdrop_destroy(vulkan_device *device)
-{
-	vkDestroyPipeline(device->gpu->device, device->backdrop.handle, device->gpu->allocator);
+	memcpy(color, shown, 3 * sizeof *color);
+	color[3] = 1.0f;
 }
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
-static void backdrop_write(const vulkan_device *device, const render_stream *stream, vulkan_backdrop *out)
+static void backdrop_write(const render_device *device, const stilb_render_view *view, const render_panorama *panorama,
+                           backdrop_data *out)
 {
-	const stilb_render_view *view = stream->view;
 	const stilb_scene_backdrop *from = &view->backdrop;
 	backdrop_axis(view->view_projection.m, 3, out->ahead); /* a unit row: where the camera looks */
 	backdrop_axis(view->view_projection.m, 0, out->across);
@@ -139,13 +102,13 @@ static void backdrop_write(const vulkan_device *device, const render_stream *str
 	memset(out->size, 0, sizeof out->size);
 	memcpy(out->sky, view->surroundings.sky, sizeof view->surroundings.sky);
 	memcpy(out->ground, view->surroundings.ground, sizeof view->surroundings.ground);
-	out->sky[3] = from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS && !stream->panorama ? 1.0f : 0.0f;
+	out->sky[3] = from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS && !panorama ? 1.0f : 0.0f;
 	out->ground[3] = 0.0f;
 	if (out->sky[3] > 0.0f)
 		return;
 	if (from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
-		out->size[0] = stream->panorama->width;
-		out->size[1] = stream->panorama->height;
+		out->size[0] = panorama->width;
+		out->size[1] = panorama->height;
 		out->turn[0] = sinf(view->surroundings.rotation);
 		out->turn[1] = cosf(view->surroundings.rotation);
 		out->panorama = device->panorama.address + sizeof(render_panorama_table);
@@ -155,26 +118,16 @@ static void backdrop_write(const vulkan_device *device, const render_stream *str
 		memcpy(out->map[i], from->map + 3 * i, sizeof(float[3]));
 }
 
-stilb_result vulkan_backdrop_prepare(vulkan_device *device, vulkan_slot *slot, const render_stream *stream)
+stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
+                                   const render_panorama *panorama)
 {
-	STILB_ASSERT(vulkan_backdrop_is_drawn(stream));
-	stilb_result result = vulkan_backdrop_make(device);
-	if (result == STILB_OK && !slot->backdrop.buffer)
-		result =
-			gpu_vulkan_buffer_create(device->gpu, sizeof(vulkan_backdrop),
-		                             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-		                             STILB_GPU_MEMORY_WRITE, &slot->backdrop);
+	render_buffer *buffer = &render_slot_now(device)->backdrop;
+	STILB_ASSERT(render_backdrop_is_drawn(view, panorama));
+	stilb_result result = STILB_OK;
+	if (!buffer->mapped)
+		result = render_buffer_make(device, "backdrop", sizeof(backdrop_data), STILB_GPU_MEMORY_WRITE,
+		                            STILB_GPU_BUFFER_ADDRESS, buffer);
 	if (result == STILB_OK)
-		backdrop_write(device, stream, slot->backdrop.mapped);
+		backdrop_write(device, view, panorama, buffer->mapped);
 	return result;
-}
-
-void vulkan_backdrop_draw(const vulkan_device *device, const vulkan_slot *slot)
-{
-	STILB_ASSERT(device->backdrop.handle && slot->backdrop.address);
-	vkCmdBindPipeline(slot->gpu->draw, VK_PIPELINE_BIND_POINT_GRAPHICS, device->backdrop.handle);
-	vkCmdPushConstants(slot->gpu->draw, device->pipeline_layout,
-	                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof slot->backdrop.address,
-	                   &slot->backdrop.address);
-	vkCmdDraw(slot->gpu->draw, 3, 1, 0, 0);
 }

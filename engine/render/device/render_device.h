@@ -1,0 +1,270 @@
+/*
+ * What render has on a device of gpu, and how a frame becomes a plan there: one row for each pass, and rows of its own
+ * for the backdrop, the resolve and the tone map.
+ *
+ * Draws.     Vertices, indices, materials and rows are read by address or as vertex buffers, so that all draws of one
+ *            kind of surface need the same bindings. A texture is a set with one image.
+ * Images.    color gets the scene's linear radiance, picture what is shown; see device/render_images.h.
+ * Threads.   [main-thread] but where it says another.
+ */
+#ifndef STILB_RENDER_DEVICE_H
+#define STILB_RENDER_DEVICE_H
+
+#include "base/base_contract.h"
+#include "gpu/gpu_internal.h"
+#include "render/render.h"
+#include "render/render_panorama.h"
+#include "render/render_resources.h"
+#include "render/rows/render_rows.h"
+#include "shading/shade_tonemap.h"
+
+#include <pthread.h>
+
+struct render_stream;
+struct render_memory;
+
+/* A buffer with what is asked of it often. {0}: none. */
+typedef struct render_buffer {
+	stilb_gpu_buffer buffer;
+	uint64_t bytes, address;
+	void *mapped;
+} render_buffer;
+
+/* A view as the shaders read it (shaders/mesh.glsl). */
+typedef struct render_view_data {
+	float view_projection[16];
+	float camera_position[4];
+	float sky[4];
+	float ground[4];
+	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
+	uint64_t lights;
+	uint32_t light_count;
+	float unused;
+	uint64_t panorama; /* of device.panorama: its table */
+	float turn[2];     /* sine and cosine of its rotation */
+} render_view_data;
+
+static_assert(sizeof(render_view_data) == 160, "std430");
+
+/* Constants of scene passes (shaders/mesh.glsl). With STILB_RENDER_MATERIALS_BIND `materials` is that of one material,
+ * and each run has its own. */
+typedef struct render_push {
+	uint64_t view, rows, materials, vertices, frame_rows;
+} render_push;
+
+/* Constants of 2D passes (shaders/flat.vert). */
+typedef struct render_push_2d {
+	float scale[2]; /* pixels to clip space */
+	uint64_t rows;
+} render_push_2d;
+
+/* Constants of shaders/resolve.frag and tone.frag. */
+typedef struct render_tone_push {
+	float exposure;  /* factor of radiance */
+	uint32_t dither; /* 0, 1 */
+} render_tone_push;
+
+/* ---- programs ---------------------------------------------------------------------------------------------------- */
+
+/* What the draws of a mesh program show. */
+typedef enum render_surface {
+	RENDER_SURFACE_PLAIN,    /* meshes whose material has no texture */
+	RENDER_SURFACE_TEXTURE,  /* meshes with one */
+	RENDER_SURFACE_IMPOSTOR, /* impostors, which always have one */
+	RENDER_SURFACES,
+} render_surface;
+
+/* The materials that a mesh program draws (shaders/lit.glsl). */
+typedef enum render_drawn {
+	RENDER_DRAWN_ALL,
+	RENDER_DRAWN_EVEN, /* STILB_RENDER_MATERIALS_PIPELINE: those with an even index */
+	RENDER_DRAWN_ODD,
+	RENDER_DRAWN_BOUND, /* STILB_RENDER_MATERIALS_BIND: the one whose address is bound */
+	RENDER_DRAWN_KINDS,
+} render_drawn;
+
+/* Programs of 2D passes. */
+typedef enum render_flat {
+	RENDER_FLAT_PLAIN,
+	RENDER_FLAT_TEXTURE,
+	RENDER_FLAT_PICTURE, /* stilb_render_draw_picture */
+	RENDER_FLATS,
+} render_flat;
+
+/* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
+typedef enum render_formula {
+	RENDER_FORMULA_BRDF,
+	RENDER_FORMULA_NDF,
+	RENDER_FORMULA_G,
+	RENDER_FORMULA_F,
+	RENDER_FORMULA_LIGHTS, /* render_stream.light_bits */
+	RENDER_FORMULAS,
+} render_formula;
+
+#define RENDER_PROGRAM_KINDS 4u /* RENDER_DETAIL_KINDS */
+
+/* The mesh programs of one choice of formulas, by render_state_detail; {0}: not needed so far. */
+typedef struct render_formula_programs {
+	uint32_t formulas[RENDER_FORMULAS];
+	stilb_gpu_program programs[RENDER_PROGRAM_KINDS][RENDER_SURFACES][RENDER_DRAWN_KINDS];
+} render_formula_programs;
+
+typedef struct render_programs {
+	pthread_mutex_t lock; /* guards all below */
+	bool lock_made;
+	render_formula_programs **choices; /* [choice_count] each stays where it is */
+	uint32_t choice_count, choice_capacity;
+	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, tones[SHADE_TONE_COUNT];
+} render_programs;
+
+/* ---- the device -------------------------------------------------------------------------------------------------- */
+
+/* What a frame in flight has of its own. */
+typedef struct render_slot {
+	render_buffer memory[5]; /* by render_memory_kind */
+	render_buffer views;     /* render_view_data[STILB_RENDER_MAX_PASSES] */
+	render_buffer backdrop;  /* what shaders/backdrop.frag reads; {0}: not needed so far */
+} render_slot;
+
+typedef struct render_device_texture {
+	stilb_gpu_image image;
+	stilb_gpu_set set;
+} render_device_texture;
+
+/* Of a scene pass: all that a list can bind, by detail, surface, width of the indices and half of the materials. */
+#define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
+
+/* The draws of a pass. */
+typedef struct render_list {
+	stilb_gpu_binding bindings[RENDER_BINDINGS];
+	uint32_t first_run; /* of device.runs */
+	char name[64];      /* of its row */
+} render_list;
+
+/* The frame that is being made. */
+typedef struct render_frame {
+	uint16_t color, samples, depth, picture; /* resources of the plan; samples is 0 with one sample a pixel */
+	bool begun;                              /* the plan has been begun */
+	bool scene;                              /* a scene pass has drawn light */
+	bool shown;                              /* picture has content: of the light, or of 2D passes */
+	bool transparent;                        /* the backdrop is nothing, and the picture's alpha counts */
+	uint32_t views;                          /* of slot.views that are in use */
+	uint32_t tone;                           /* SHADE_TONE_... */
+	render_tone_push push;
+	uint32_t list_count, run_count;
+} render_frame;
+
+typedef struct render_device {
+	stilb_gpu *gpu;
+	stilb_gpu_plan *plan;
+	bool null;
+	uint32_t width, height, samples;
+	stilb_render_replay_mode replay;
+	stilb_render_materials materials;
+	stilb_render_output output;
+	stilb_render_stats stats;
+	bool packed;          /* vertices are: stilb_render_desc.float_vertices */
+	render_layout layout; /* of vertices */
+
+	render_slot slots[STILB_GPU_FRAMES];
+	uint32_t slot;
+	render_buffer heaps[RENDER_HEAPS];
+	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
+	render_device_texture *textures;       /* [STILB_RENDER_MAX_TEXTURES] */
+	stilb_gpu_sampler sampler;             /* of all textures: linear, repeated, no mip levels */
+	render_programs programs;
+
+	render_frame frame;
+	render_list lists[STILB_RENDER_MAX_PASSES];
+	stilb_gpu_draws draws[STILB_RENDER_MAX_PASSES]; /* of the lists */
+	stilb_gpu_run *runs;                            /* [run_capacity] of all lists */
+	uint32_t run_capacity;
+	bool drawn, lit; /* the last frame ran, and had light; the size is still its own */
+} render_device;
+
+static inline stilb_gpu_format render_picture_format(const render_device *device)
+{
+	return device->output == STILB_RENDER_OUTPUT_LINEAR ? STILB_GPU_RGBA16_F : STILB_GPU_RGBA8_SRGB;
+}
+
+static inline render_slot *render_slot_now(render_device *device)
+{
+	return &device->slots[device->slot];
+}
+
+/* ---- render_device.c: life, memory, results ---------------------------------------------------------------------- */
+
+stilb_result render_device_create(const stilb_render_desc *desc, render_device **device);
+/* Waits for the device. Accepts NULL. */
+void render_device_destroy(render_device *device);
+/* STILB_ERROR_DEVICE: the GPU draws no pictures of that size; it is kept all the same, and frames cannot begin. */
+stilb_result render_device_resize(render_device *device, uint32_t width, uint32_t height);
+/* Takes the next of STILB_GPU_FRAMES slots in turn: waits until the device is done with the frame that used it last,
+ * and fills in data and capacity of memory[RENDER_MEMORY_KINDS]. */
+stilb_result render_device_frame_begin(render_device *device, struct render_memory *memory);
+/* Replaces memory's data by an array of `capacity` elements that begins with the first `keep` of the old one. kind: a
+ * render_memory_kind. */
+stilb_result render_device_grow(render_device *device, struct render_memory *memory, uint32_t kind, uint32_t capacity,
+                                uint32_t keep);
+/* Shows the last frame's picture. */
+stilb_result render_device_present(render_device *device);
+stilb_result render_device_read_picture(render_device *device, stilb_image *image);
+stilb_result render_device_read_light(render_device *device, stilb_image *image);
+
+/* A buffer of that memory and these uses (STILB_GPU_BUFFER_...); on failure {0}. [any-thread] */
+stilb_result render_buffer_make(render_device *device, const char *name, uint64_t bytes, stilb_gpu_memory memory,
+                                uint32_t uses, render_buffer *buffer);
+/* Destroys it once no frame can use it; leaves {0}. [any-thread] */
+void render_buffer_drop(render_device *device, render_buffer *buffer);
+
+/* Memory for a panorama that frames will show. The one that is shown stays in place. NULL: there is none, and the
+ * message says so. */
+void *render_device_panorama_make(render_device *device, size_t bytes);
+/* From this frame on they show that one. */
+void render_device_panorama_show(render_device *device);
+
+/* ---- render_heaps.c: resources ----------------------------------------------------------------------------------- */
+
+/* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device, before the frame's passes.
+ * The caller holds the lock of resources. */
+stilb_result render_device_update(render_device *device, const render_resources *resources);
+/* Makes texture number `texture` with the size and format of image; update copies the pixels. The caller holds the lock
+ * of render_resources. [any-thread] */
+stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image);
+void render_device_texture_destroy(render_device *device, uint32_t texture);
+/* Memory for rows that the CPU writes at any time, and frames read; freed once no frame can use it. [any-thread] */
+stilb_result render_device_rows_make(render_device *device, uint32_t capacity, render_rows **rows);
+void render_device_rows_free(render_device *device, render_rows *rows);
+
+/* ---- render_programs.c ------------------------------------------------------------------------------------------- */
+
+stilb_result render_programs_create(render_device *device);
+void render_programs_destroy(render_device *device);
+/* The programs for a view's formulas, compiled for these kinds (render_stream.kinds) and surfaces, 1 << render_surface
+ * each. [any-thread] */
+stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
+                                    uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen);
+/* Compiles what turns light into the picture. [any-thread] */
+stilb_result render_programs_tone(render_device *device, uint32_t tone);
+stilb_result render_programs_backdrop(render_device *device);
+/* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */
+stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits);
+
+/* ---- render_frame.c: the plan ------------------------------------------------------------------------------------ */
+
+/* Adds a pass to the frame. */
+stilb_result render_device_pass(render_device *device, const struct render_stream *stream);
+/* Gives the frame to the device. pool: its threads record secondary command buffers; NULL: the caller does. */
+stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint32_t worker);
+
+/* ---- render_backdrop.c: what is seen where no model is ----------------------------------------------------------- */
+
+/* True if it is more than the colour that the picture is cleared to. */
+bool render_backdrop_is_drawn(const stilb_render_view *view, const render_panorama *panorama);
+/* The radiance that the light is cleared to: of the backdrop, or of the sky or the ground. */
+void render_backdrop_clear(const stilb_render_view *view, float color[4]);
+/* Writes it to the slot's memory. */
+stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
+                                   const render_panorama *panorama);
+
+#endif

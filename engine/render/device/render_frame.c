@@ -1,0 +1,374 @@
+/* A frame as a plan: its passes become rows, and a pass's draws a list. */
+#include "render/device/render_images.h"
+#include "render/render_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+static uint16_t frame_image(render_device *device, const char *name, stilb_gpu_format format, uint32_t samples,
+                            bool output)
+{
+	return stilb_gpu_plan_image(
+		device->plan,
+		&(stilb_gpu_plan_image_row){
+			.name = name, .format = format, .scale = 1.0f, .samples = (uint8_t)samples, .output = output});
+}
+
+static void frame_begin(render_device *device, bool scene)
+{
+	render_frame *frame = &device->frame;
+	stilb_gpu_plan_begin(device->plan, device->width, device->height);
+	frame->begun = true;
+	frame->picture = frame_image(device, STILB_RENDER_IMAGE_PICTURE, render_picture_format(device), 1, true);
+	if (!scene)
+		return;
+	frame->color = frame_image(device, STILB_RENDER_IMAGE_COLOR, STILB_GPU_RGBA16_F, 1, true);
+	frame->depth = frame_image(device, STILB_RENDER_IMAGE_DEPTH, STILB_GPU_D32_F, device->samples, false);
+	if (device->samples > 1)
+		frame->samples =
+			frame_image(device, STILB_RENDER_IMAGE_COLOR_SAMPLES, STILB_GPU_RGBA16_F, device->samples, false);
+}
+
+/* ---- views ------------------------------------------------------------------------------------------------------- */
+
+static void frame_copy3(float out[4], const float in[3])
+{
+	memcpy(out, in, 3 * sizeof *out);
+	out[3] = 0.0f;
+}
+
+/* Writes the stream's view to the slot's array; returns its address. */
+static uint64_t frame_write_view(render_device *device, const render_stream *stream)
+{
+	const render_slot *slot = render_slot_now(device);
+	const stilb_render_view *view = stream->view;
+	uint32_t index = device->frame.views++;
+	STILB_ASSERT(index < STILB_RENDER_MAX_PASSES);
+	render_view_data *out = (render_view_data *)slot->views.mapped + index;
+	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
+	frame_copy3(out->camera_position, view->camera_position);
+	frame_copy3(out->sky, view->surroundings.sky);
+	frame_copy3(out->ground, view->surroundings.ground);
+	out->added[0] = view->shading.roughness;
+	out->added[1] = view->shading.anisotropy;
+	out->added[2] = view->shading.wrap;
+	out->added[3] = view->shading.specular;
+	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
+	out->light_count = stream->light_count;
+	out->unused = 0.0f;
+	out->panorama = stream->panorama ? device->panorama.address : 0;
+	out->turn[0] = sinf(view->surroundings.rotation);
+	out->turn[1] = cosf(view->surroundings.rotation);
+	return slot->views.address + index * sizeof(render_view_data);
+}
+
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
+
+/* Which of a list's bindings a state needs. */
+static uint32_t list_binding(const render_device *device, uint64_t state)
+{
+	if (state & RENDER_STATE_2D)
+		return state & RENDER_STATE_PICTURE       ? RENDER_FLAT_PICTURE
+		       : render_state_texture(state) != 0 ? RENDER_FLAT_TEXTURE
+		                                          : RENDER_FLAT_PLAIN;
+	bool odd = device->materials == STILB_RENDER_MATERIALS_PIPELINE && render_state_material(state) != 0;
+	uint32_t surface = state & RENDER_STATE_IMPOSTOR      ? RENDER_SURFACE_IMPOSTOR
+	                   : render_state_texture(state) != 0 ? RENDER_SURFACE_TEXTURE
+	                                                      : RENDER_SURFACE_PLAIN;
+	uint32_t wide = (state & RENDER_STATE_WIDE) != 0;
+	return ((render_state_detail(state) * RENDER_SURFACES + surface) * 2 + wide) * 2 + odd;
+}
+
+/* The bindings that a scene pass's list may have, 0 where it has none: they are not checked. */
+static void list_bind_meshes(const render_device *device, const render_formula_programs *choice,
+                             stilb_gpu_binding bindings[RENDER_BINDINGS])
+{
+	for (uint32_t b = 0; b < RENDER_BINDINGS; b++) {
+		bool odd = b & 1, wide = b & 2;
+		uint32_t surface = b / 4 % RENDER_SURFACES, detail = b / 4 / RENDER_SURFACES;
+		render_drawn drawn = device->materials == STILB_RENDER_MATERIALS_BIND    ? RENDER_DRAWN_BOUND
+		                     : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
+		                     : odd                                               ? RENDER_DRAWN_ODD
+		                                                                         : RENDER_DRAWN_EVEN;
+		const render_buffer *indices = &device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16];
+		bindings[b] = (stilb_gpu_binding){
+			.program = choice->programs[detail][surface][drawn].id,
+			.index_bytes = wide ? 4 : 2,
+			.indices = indices->buffer.id,
+			.vertices = device->heaps[RENDER_HEAP_VERTICES].buffer.id,
+		};
+	}
+}
+
+static void list_bind_flats(render_device *device, stilb_gpu_binding bindings[RENDER_BINDINGS])
+{
+	const render_slot *slot = render_slot_now(device);
+	for (uint32_t kind = 0; kind < RENDER_FLATS; kind++)
+		bindings[kind] = (stilb_gpu_binding){
+			.program = device->programs.flats[kind].id,
+			.index_bytes = 4,
+			.indices = slot->memory[RENDER_MEMORY_INDICES_2D].buffer.id,
+			.vertices = slot->memory[RENDER_MEMORY_VERTICES_2D].buffer.id,
+		};
+}
+
+/* Makes the list of a stream's draws; returns its number among the frame's. choice: of scene passes. */
+static stilb_result frame_list(render_device *device, const render_stream *stream,
+                               const render_formula_programs *choice, uint32_t *number)
+{
+	render_frame *frame = &device->frame;
+	*number = frame->list_count;
+	STILB_ASSERT(*number < STILB_RENDER_MAX_PASSES);
+	if (!render_reserve((void **)&device->runs, &device->run_capacity, frame->run_count + stream->run_count,
+	                    sizeof *device->runs))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", stream->run_count);
+	render_list *list = &device->lists[frame->list_count++];
+	stilb_gpu_binding all[RENDER_BINDINGS];
+	uint8_t places[RENDER_BINDINGS] = {0}; /* 1 + where a binding is in the list */
+	uint32_t bindings = 0;
+	if (choice)
+		list_bind_meshes(device, choice, all);
+	else
+		list_bind_flats(device, all);
+	bool bind = choice && device->materials == STILB_RENDER_MATERIALS_BIND;
+	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
+	stilb_gpu_run *out = device->runs + frame->run_count;
+	for (uint32_t r = 0; r < stream->run_count; r++) {
+		uint64_t state = stream->runs[r].state;
+		uint32_t b = list_binding(device, state), texture = render_state_texture(state);
+		if (places[b] == 0) {
+			list->bindings[bindings] = all[b];
+			places[b] = (uint8_t)++bindings;
+		}
+		STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
+		out[r] = (stilb_gpu_run){
+			.first = stream->runs[r].first,
+			.count = stream->runs[r].count,
+			.binding = places[b] - 1u,
+			.set = texture ? device->textures[texture].set.id : 0,
+			.constant = bind ? materials + render_state_material(state) * sizeof(render_material) : 0,
+		};
+	}
+	list->first_run = frame->run_count;
+	frame->run_count += stream->run_count;
+	device->draws[*number] = (stilb_gpu_draws){
+		.draws = stream->commands,
+		.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer,
+		.bindings = list->bindings,
+		.binding_count = bindings,
+		.run_count = stream->run_count,
+		.replay = (stilb_gpu_replay)render_stream_mode(device, stream),
+		.has_constants = bind,
+		.constant_place = offsetof(render_push, materials),
+	};
+	return STILB_OK;
+}
+
+static_assert((int)STILB_GPU_REPLAY_INDIRECT == (int)STILB_RENDER_REPLAY_INDIRECT &&
+                  (int)STILB_GPU_REPLAY_DIRECT == (int)STILB_RENDER_REPLAY_DIRECT &&
+                  (int)STILB_GPU_REPLAY_SECONDARY == (int)STILB_RENDER_REPLAY_SECONDARY,
+              "the same modes");
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static void row_constants(stilb_gpu_pass *row, const void *constants, size_t bytes)
+{
+	STILB_ASSERT(bytes <= sizeof row->constants);
+	memcpy(row->constants, constants, bytes);
+	row->constant_bytes = (uint8_t)bytes;
+}
+
+/* A fullscreen pass that samples `from`, if that is not 0, and writes every pixel of `to`. */
+static void frame_screen(render_device *device, const char *name, stilb_gpu_program program, uint16_t from, uint16_t to,
+                         const render_tone_push *push)
+{
+	stilb_gpu_pass row = {
+		.name = name,
+		.kind = STILB_GPU_PASS_FULLSCREEN,
+		.color_count = 1,
+		.use_count = 1,
+		.program = program.id,
+		.color = {{.image = to, .load = STILB_GPU_LOAD_DISCARD}},
+		.uses = {{.resource = from, .how = STILB_GPU_USE_SAMPLED}},
+	};
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+}
+
+/* Makes the picture of the light that scene passes have drawn. */
+static void frame_tone(render_device *device)
+{
+	render_frame *frame = &device->frame;
+	if (!frame->scene || frame->shown)
+		return;
+	if (frame->samples)
+		frame_screen(device, "resolve", device->programs.resolve, frame->samples, frame->color, &frame->push);
+	frame_screen(device, "tone map", device->programs.tones[frame->tone], frame->color, frame->picture, &frame->push);
+	frame->shown = true;
+}
+
+/* What is seen where no model is. */
+static stilb_result frame_backdrop(render_device *device, const render_stream *stream)
+{
+	stilb_result result = render_programs_backdrop(device);
+	if (result == STILB_OK)
+		result = render_backdrop_write(device, stream->view, stream->panorama);
+	if (result != STILB_OK)
+		return result;
+	const render_frame *frame = &device->frame;
+	stilb_gpu_pass row = {
+		.name = "backdrop",
+		.kind = STILB_GPU_PASS_FULLSCREEN,
+		.color_count = 1,
+		.program = device->programs.backdrop.id,
+		.color = {{.image = frame->samples ? frame->samples : frame->color, .load = STILB_GPU_LOAD_DISCARD}},
+	};
+	row_constants(&row, &render_slot_now(device)->backdrop.address, sizeof(uint64_t));
+	stilb_gpu_plan_pass(device->plan, &row);
+	return STILB_OK;
+}
+
+/* The row of a pass that draws list number `list`. */
+static stilb_gpu_pass frame_row(render_device *device, const render_stream *stream, uint32_t list)
+{
+	char *name = device->lists[list].name;
+	snprintf(name, sizeof device->lists[list].name, "%s", stream->pass->name ? stream->pass->name : "pass");
+	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .color_count = 1, .draws = list};
+}
+
+static stilb_result frame_scene(render_device *device, const render_stream *stream)
+{
+	render_frame *frame = &device->frame;
+	const stilb_render_view *view = stream->view;
+	const render_formula_programs *choice;
+	bool first = !frame->scene, backdrop = first && render_backdrop_is_drawn(view, stream->panorama);
+	uint32_t surfaces = 1u << RENDER_SURFACE_PLAIN, list;
+	if (render_state_texture(stream->states) != 0)
+		surfaces |= 1u << RENDER_SURFACE_TEXTURE;
+	if (stream->states & RENDER_STATE_IMPOSTOR)
+		surfaces |= 1u << RENDER_SURFACE_IMPOSTOR;
+	stilb_result result =
+		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);
+	if (result == STILB_OK && first) {
+		frame->transparent = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
+		frame->push = (render_tone_push){exp2f(view->exposure), view->dither};
+		frame->tone = view->tone;
+		result = render_programs_tone(device, view->tone);
+	}
+	if (result == STILB_OK && backdrop)
+		result = frame_backdrop(device, stream);
+	if (result == STILB_OK)
+		result = frame_list(device, stream, choice, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list);
+	row.color[0] = (stilb_gpu_attachment){
+		.image = frame->samples ? frame->samples : frame->color,
+		.load = first && !backdrop ? STILB_GPU_LOAD_CLEAR : STILB_GPU_LOAD_KEEP,
+	};
+	render_backdrop_clear(view, row.color[0].clear);
+	row.depth = (stilb_gpu_attachment){.image = frame->depth,
+	                                   .load = first ? STILB_GPU_LOAD_CLEAR : STILB_GPU_LOAD_KEEP}; /* to 0: far away */
+	const render_slot *slot = render_slot_now(device);
+	render_push push = {
+		.view = frame_write_view(device, stream),
+		.rows = stream->rows ? stream->rows->address : 0,
+		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
+		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
+		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
+	};
+	row_constants(&row, &push, sizeof push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	frame->scene = true;
+	return STILB_OK;
+}
+
+static stilb_result frame_2d(render_device *device, const render_stream *stream)
+{
+	render_frame *frame = &device->frame;
+	uint32_t list;
+	frame_tone(device);
+	if (frame->shown && stream->draws == 0)
+		return STILB_OK;
+	stilb_result result = frame_list(device, stream, NULL, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list);
+	row.color[0] = (stilb_gpu_attachment){
+		.image = frame->picture,
+		.load = frame->shown ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
+		.clear = {0.0f, 0.0f, 0.0f, 1.0f},
+	};
+	render_push_2d push = {
+		.scale = {2.0f / (float)device->width, 2.0f / (float)device->height},
+		.rows = render_slot_now(device)->memory[RENDER_MEMORY_ROWS].address,
+	};
+	row_constants(&row, &push, sizeof push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	frame->shown = true;
+	return STILB_OK;
+}
+
+stilb_result render_device_pass(render_device *device, const render_stream *stream)
+{
+	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
+	STILB_ASSERT(scene == (bool)stream->view);
+	if (!device->frame.begun)
+		frame_begin(device, scene);
+	return scene ? frame_scene(device, stream) : frame_2d(device, stream);
+}
+
+/* ---- running ----------------------------------------------------------------------------------------------------- */
+
+typedef struct frame_threads {
+	stilb_job_pool *pool;
+	uint32_t worker;
+	void (*task)(uint32_t index, void *context);
+	void *context;
+} frame_threads;
+
+static void frame_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user)
+{
+	const frame_threads *threads = user;
+	(void)worker;
+	for (uint32_t i = begin; i < end; i++)
+		threads->task(i, threads->context);
+}
+
+static void frame_run_tasks(void *user, uint32_t count, void (*task)(uint32_t index, void *context), void *context)
+{
+	frame_threads *threads = user;
+	threads->task = task;
+	threads->context = context;
+	stilb_job_parallel_for(threads->pool, count, 1, frame_slice, threads, threads->worker);
+}
+
+stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint32_t worker)
+{
+	render_frame *frame = &device->frame;
+	STILB_ASSERT(frame->begun && "replay has at least one pass");
+	frame_tone(device);
+	for (uint32_t l = 0; l < frame->list_count; l++)
+		device->draws[l].runs = device->runs + device->lists[l].first_run;
+	device->drawn = device->lit = false;
+	frame_threads work = {.pool = pool, .worker = worker};
+	stilb_gpu_threads threads = {&work, pool ? stilb_job_pool_worker_count(pool) + 1 : 0, frame_run_tasks};
+	stilb_gpu_planner planner = stilb_gpu_planner_of(device->gpu);
+	stilb_result result = stilb_gpu_plan_make(device->plan, &planner);
+	if (result == STILB_OK) {
+		result = stilb_gpu_frame_run(device->gpu, device->plan, device->draws, frame->list_count, &threads);
+		if (result != STILB_OK || device->gpu->keep_back)
+			stilb_gpu_plan_dropped(device->plan);
+	}
+	stilb_gpu_stats stats = stilb_gpu_stats_get(device->gpu);
+	device->stats.draw_commands += stats.draw_commands;
+	device->stats.indirect_commands += stats.indirect_commands;
+	device->stats.execute_commands += stats.execute_commands;
+	device->stats.binds_sent += stats.binds;
+	device->drawn = result == STILB_OK && !device->gpu->keep_back;
+	device->lit = device->drawn && frame->scene;
+	return result;
+}

@@ -1,0 +1,220 @@
+/* Resources on the device: the heaps of vertices, indices and materials, buffers with the same contents at the same
+ * offsets; textures, an image and a set each; tables of rows. What has changed goes through the device's ring of
+ * uploads, at the start of a frame. Textures have one mip level, so distant ones may flicker. */
+#include "render/render_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+	const char *name;
+	uint32_t uses;
+} heap_buffers[RENDER_HEAPS] = {
+	[RENDER_HEAP_VERTICES] = {"vertices", STILB_GPU_BUFFER_VERTICES | STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_INDICES] = {"indices", STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_INDICES_16] = {"16-bit indices", STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_MATERIALS] = {"materials", STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
+};
+
+/* ---- uploads ----------------------------------------------------------------------------------------------------- */
+
+/* Copies bytes into the ring; empties it first where they do not fit. */
+static stilb_result heaps_send(render_device *device, const stilb_gpu_upload *upload, const uint8_t *from)
+{
+	void *bytes;
+	stilb_result result = stilb_gpu_upload_begin(device->gpu, upload, &bytes);
+	/* Other threads write into the ring, too: what is full once may be full again. */
+	while (result == STILB_OK && !bytes) {
+		result = stilb_gpu_upload_flush(device->gpu);
+		if (result == STILB_OK)
+			result = stilb_gpu_upload_begin(device->gpu, upload, &bytes);
+	}
+	if (result != STILB_OK)
+		return result;
+	memcpy(bytes, from, upload->bytes);
+	stilb_gpu_upload_end(device->gpu, bytes);
+	return STILB_OK;
+}
+
+/* Bytes that one upload has at most: so that parts of large ones are copied while the next ones are written. */
+static uint64_t heaps_part(const render_device *device)
+{
+	return stilb_gpu_upload_most(device->gpu) / 4;
+}
+
+/* ---- heaps ------------------------------------------------------------------------------------------------------- */
+
+/* Replaces the buffer of a heap that has outgrown it, or will; then *all is true: the whole heap must be copied. */
+static stilb_result heap_fit(render_device *device, const render_resources *resources, int kind, bool *all)
+{
+	const render_heap *heap = &resources->heaps[kind];
+	uint64_t size = (uint64_t)heap->size * heap->element;
+	uint64_t expected = (uint64_t)resources->expected[kind] * heap->element;
+	uint64_t wanted = size > expected ? size + size / 2 : expected;
+	render_buffer *buffer = &device->heaps[kind], larger;
+	*all = size > buffer->bytes || (heap->size > 0 && expected > buffer->bytes);
+	if (!*all)
+		return STILB_OK;
+	stilb_result result = render_buffer_make(device, heap_buffers[kind].name, wanted, STILB_GPU_MEMORY_DEVICE,
+	                                         heap_buffers[kind].uses, &larger);
+	if (result != STILB_OK)
+		return result;
+	render_buffer_drop(device, buffer);
+	*buffer = larger;
+	return STILB_OK;
+}
+
+static stilb_result heap_send(render_device *device, const render_heap *heap, int kind, render_range range)
+{
+	uint64_t part = heaps_part(device) / heap->element, end = (uint64_t)range.first + range.count;
+	stilb_result result = STILB_OK;
+	for (uint64_t first = range.first; first < end && result == STILB_OK; first += part) {
+		uint64_t count = end - first < part ? end - first : part;
+		stilb_gpu_upload upload = {
+			.buffer = device->heaps[kind].buffer, .offset = first * heap->element, .bytes = count * heap->element};
+		STILB_ASSERT(upload.offset + upload.bytes <= device->heaps[kind].bytes);
+		result = heaps_send(device, &upload, heap->data + first * heap->element);
+	}
+	return result;
+}
+
+/* Sends what has changed of a heap. */
+static stilb_result heap_update(render_device *device, const render_resources *resources, int kind)
+{
+	const render_heap *heap = &resources->heaps[kind];
+	bool all;
+	stilb_result result = heap_fit(device, resources, kind, &all);
+	if (result != STILB_OK || heap->size == 0)
+		return result;
+	if (all)
+		return heap_send(device, heap, kind, (render_range){0, heap->size});
+	for (uint32_t r = 0; r < heap->dirty.count && result == STILB_OK; r++)
+		result = heap_send(device, heap, kind, heap->dirty.items[r]);
+	return result;
+}
+
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+static const stilb_gpu_format texture_formats[] = {
+	[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,
+	[STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
+	[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F,
+};
+
+/* Sends rows upload->rows .. upload->sent - 1. */
+static stilb_result texture_update(render_device *device, const render_texture_upload *upload)
+{
+	const stilb_image *image = &upload->image;
+	uint64_t row = stilb_image_size(image) / image->height;
+	uint32_t part = (uint32_t)(heaps_part(device) / row);
+	stilb_result result = STILB_OK;
+	STILB_ASSERT(part > 0 && upload->sent <= image->height);
+	for (uint32_t first = upload->rows; first < upload->sent && result == STILB_OK; first += part) {
+		uint32_t count = upload->sent - first < part ? upload->sent - first : part;
+		stilb_gpu_upload to = {.image = device->textures[upload->texture].image,
+		                       .y = first,
+		                       .width = image->width,
+		                       .height = count,
+		                       .depth = 1,
+		                       .bytes = count * row};
+		result = heaps_send(device, &to, (const uint8_t *)image->pixels + first * row);
+	}
+	return result;
+}
+
+stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
+                                      const stilb_image *image)
+{
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->gpu->name,
+	                  width, height, image->width, image->height);
+}
+
+stilb_result render_device_texture_create(render_device *device, uint32_t index, const stilb_image *image)
+{
+	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
+	render_device_texture *texture = &device->textures[index];
+	STILB_ASSERT(texture->image.id == 0 && texture->set.id == 0 && "a released index");
+	stilb_gpu_format format = texture_formats[image->format];
+	const char *name = stilb_gpu_name(device->gpu);
+	uint32_t most = stilb_gpu_limits_get(device->gpu)->image_side;
+	if (!(device->gpu->formats[format] & GPU_FORMAT_LINEAR))
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats", name,
+		                  image->format == STILB_IMAGE_F32_LINEAR ? "32-bit floats" : "this format");
+	if (image->width > most || image->height > most)
+		return render_texture_too_large(device, most, most, image);
+	stilb_gpu_image_desc desc = {.name = "texture",
+	                             .extent = {.format = format,
+	                                        .width = image->width,
+	                                        .height = image->height,
+	                                        .depth = 1,
+	                                        .layers = 1,
+	                                        .mips = 1,
+	                                        .samples = 1,
+	                                        .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
+	stilb_result result = stilb_gpu_image_create(device->gpu, &desc, &texture->image);
+	if (result == STILB_ERROR_MEMORY)
+		return stilb_fail(result, "no memory for a texture of %ux%u pixels on '%s'", image->width, image->height, name);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_set_item item = {texture->image, device->sampler};
+	result = stilb_gpu_set_create(device->gpu, &item, 1, &texture->set);
+	if (result != STILB_OK) {
+		stilb_gpu_image_destroy(device->gpu, texture->image);
+		texture->image = (stilb_gpu_image){0};
+	}
+	return result;
+}
+
+void render_device_texture_destroy(render_device *device, uint32_t index)
+{
+	render_device_texture *texture = &device->textures[index];
+	STILB_ASSERT(texture->image.id != 0 && texture->set.id != 0);
+	stilb_gpu_set_destroy(device->gpu, texture->set);
+	stilb_gpu_image_destroy(device->gpu, texture->image);
+	*texture = (render_device_texture){0};
+}
+
+/* ---- all of them ------------------------------------------------------------------------------------------------- */
+
+stilb_result render_device_update(render_device *device, const render_resources *resources)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	stilb_result result = STILB_OK;
+	for (int kind = 0; kind < RENDER_HEAPS && result == STILB_OK; kind++)
+		result = heap_update(device, resources, kind);
+	for (uint32_t u = 0; u < resources->upload_count && result == STILB_OK; u++)
+		result = texture_update(device, &resources->uploads[u]);
+	return result;
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+/* Like a frame's rows the CPU writes them once, mostly, and the GPU reads them where they are. */
+stilb_result render_device_rows_make(render_device *device, uint32_t capacity, render_rows **out)
+{
+	STILB_ASSERT(capacity > 0);
+	*out = NULL;
+	render_buffer buffer;
+	render_rows *rows = calloc(1, sizeof *rows);
+	if (!rows)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a table of rows");
+	stilb_result result = render_buffer_make(device, "scene rows", (uint64_t)capacity * sizeof(render_row),
+	                                         STILB_GPU_MEMORY_WRITE, STILB_GPU_BUFFER_ADDRESS, &buffer);
+	if (result != STILB_OK) {
+		free(rows);
+		return result == STILB_ERROR_MEMORY ? stilb_fail(result, "no memory for the rows of %u parts", capacity)
+		                                    : result;
+	}
+	*rows = (render_rows){
+		.data = buffer.mapped, .address = buffer.address, .buffer = buffer.buffer.id, .capacity = capacity};
+	*out = rows;
+	return STILB_OK;
+}
+
+void render_device_rows_free(render_device *device, render_rows *rows)
+{
+	stilb_gpu_buffer_destroy(device->gpu, (stilb_gpu_buffer){rows->buffer});
+	free(rows);
+}

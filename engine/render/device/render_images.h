@@ -1,0 +1,32 @@
+/*
+ * The images that passes share, by name: what each holds, in which space and unit, and who writes it. Both C and GLSL
+ * include this file; a program's own passes find them by these names (stilb_gpu_plan_find).
+ *
+ * Sizes are the picture's unless a row says another. Positions and directions are in the world, distances in metres,
+ * radiance in W sr^-1 m^-2.
+ */
+#ifndef STILB_RENDER_IMAGES_H
+#define STILB_RENDER_IMAGES_H
+
+/* Linear radiance of the scene, premultiplied by alpha, the share of the pixel that something covers. rgba16_f, one
+ * sample a pixel. Written by scene passes, with several samples a pixel by the resolve. */
+#define STILB_RENDER_IMAGE_COLOR "color"
+/* The same, with the samples of the picture, where they are several. Written by scene passes. */
+#define STILB_RENDER_IMAGE_COLOR_SAMPLES "color samples"
+/* Depth in clip space, reversed: 1 at the near plane, 0 infinitely far away. d32_f, with the samples of the picture.
+ * Written by scene passes. */
+#define STILB_RENDER_IMAGE_DEPTH "depth"
+/* What is shown: rgba8_srgb, or with output linear rgba16_f. Written by the tone map and 2D passes. */
+#define STILB_RENDER_IMAGE_PICTURE "picture"
+
+/* Named by the passes that will write them. */
+#define STILB_RENDER_IMAGE_NORMAL "normal"         /* rg16_s: the shading normal, octahedral */
+#define STILB_RENDER_IMAGE_VELOCITY "velocity"     /* rg16_f: pixels from this frame's place to the last one's */
+#define STILB_RENDER_IMAGE_ID "id"                 /* r32_ui: model + 1; 0: none */
+#define STILB_RENDER_IMAGE_AMBIENT "ambient"       /* rgba16_f: radiance of light from all around */
+#define STILB_RENDER_IMAGE_REFLECTION "reflection" /* rgba16_f: radiance of mirrored light */
+#define STILB_RENDER_IMAGE_SHADOW "shadow"         /* d32_f, layers: depth as the lights see it */
+#define STILB_RENDER_IMAGE_MASK "mask"             /* r8_u, layers: the share of a light that reaches the pixel */
+#define STILB_RENDER_IMAGE_PROBES "probes"         /* rgba16_f, layers: irradiance at the places of probes */
+
+#endif

@@ -1,0 +1,347 @@
+/* Programs: for meshes one for each choice of formulas, surface and kind of detail, for 2D passes three, and those of
+ * the backdrop and the tone map. They are made when they are first needed, or before. */
+#include "render/render_internal.h"
+#include "shading/shade_brdf.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* SPIR-V that the build makes from shaders/. _texture: reads a texture; flat: for 2D passes. */
+static const uint32_t mesh_vert[] =
+#include "mesh.vert.inc"
+	;
+static const uint32_t mesh_texture_vert[] =
+#include "mesh_texture.vert.inc"
+	;
+static const uint32_t mesh_packed_vert[] =
+#include "mesh_packed.vert.inc"
+	;
+static const uint32_t mesh_packed_texture_vert[] =
+#include "mesh_packed_texture.vert.inc"
+	;
+static const uint32_t mesh_frag[] =
+#include "mesh.frag.inc"
+	;
+static const uint32_t mesh_texture_frag[] =
+#include "mesh_texture.frag.inc"
+	;
+
+static const uint32_t impostor_vert[] =
+#include "impostor.vert.inc"
+	;
+static const uint32_t impostor_packed_vert[] =
+#include "impostor_packed.vert.inc"
+	;
+static const uint32_t impostor_frag[] =
+#include "impostor.frag.inc"
+	;
+
+static const uint32_t flat_vert[] =
+#include "flat.vert.inc"
+	;
+static const uint32_t flat_texture_vert[] =
+#include "flat_texture.vert.inc"
+	;
+static const uint32_t flat_frag[] =
+#include "flat.frag.inc"
+	;
+static const uint32_t flat_texture_frag[] =
+#include "flat_texture.frag.inc"
+	;
+static const uint32_t flat_picture_vert[] =
+#include "flat_picture.vert.inc"
+	;
+static const uint32_t flat_picture_frag[] =
+#include "flat_picture.frag.inc"
+	;
+
+static const uint32_t backdrop_frag[] =
+#include "backdrop.frag.inc"
+	;
+static const uint32_t resolve_frag[] =
+#include "resolve.frag.inc"
+	;
+static const uint32_t tone_frag[] =
+#include "tone.frag.inc"
+	;
+
+#define PROGRAM_CODE(code)                                                                                             \
+	{                                                                                                                  \
+		code, sizeof code                                                                                              \
+	}
+
+/* [1: vertices are packed] */
+static const stilb_gpu_shader program_vertex_code[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_vert),
+		[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_texture_vert),
+		[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_vert),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_packed_vert),
+		[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_packed_texture_vert),
+		[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_packed_vert),
+	},
+};
+
+static const stilb_gpu_shader program_fragment_code[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_frag),
+	[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_texture_frag),
+	[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_frag),
+};
+
+/* [0: vertex shader, 1: fragment shader] */
+static const stilb_gpu_shader program_flat_code[RENDER_FLATS][2] = {
+	[RENDER_FLAT_PLAIN] = {PROGRAM_CODE(flat_vert), PROGRAM_CODE(flat_frag)},
+	[RENDER_FLAT_TEXTURE] = {PROGRAM_CODE(flat_texture_vert), PROGRAM_CODE(flat_texture_frag)},
+	[RENDER_FLAT_PICTURE] = {PROGRAM_CODE(flat_picture_vert), PROGRAM_CODE(flat_picture_frag)},
+};
+
+static const char *const surface_names[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = "mesh",
+	[RENDER_SURFACE_TEXTURE] = "mesh with a texture",
+	[RENDER_SURFACE_IMPOSTOR] = "impostor",
+};
+
+/* ---- making ------------------------------------------------------------------------------------------------------ */
+
+static_assert(RENDER_PROGRAM_KINDS == RENDER_DETAIL_KINDS, "render_device.h comes before render_detail's");
+
+static void program_constant(stilb_gpu_program_desc *desc, uint32_t id, uint32_t value)
+{
+	STILB_ASSERT(desc->constant_count < STILB_GPU_MAX_SPECIALIZATIONS);
+	desc->constants[desc->constant_count].id = id;
+	desc->constants[desc->constant_count++].value = value;
+}
+
+/* Makes a program unless it is there. The caller holds the lock of programs. */
+static stilb_result program_once(render_device *device, const stilb_gpu_program_desc *desc, stilb_gpu_program *program)
+{
+	return program->id != 0 ? STILB_OK : stilb_gpu_program_create(device->gpu, desc, program);
+}
+
+/* What a program reads of vertices: input number s is stream number s of the table. */
+static void program_vertices(const render_device *device, render_surface surface, stilb_gpu_program_desc *desc)
+{
+	static const stilb_gpu_format floats[] = {STILB_GPU_NONE, STILB_GPU_R32_F, STILB_GPU_RG32_F, STILB_GPU_RGB32_F,
+	                                          STILB_GPU_RGBA32_F};
+	/* Kinds of streams that no shader of a surface reads: fetching them costs a CPU time. */
+	static const uint32_t unread[RENDER_SURFACES] = {
+		[RENDER_SURFACE_PLAIN] = 1u << STILB_SCENE_STREAM_TEXTURE,
+		[RENDER_SURFACE_IMPOSTOR] = 1u << STILB_SCENE_STREAM_DIRECTION,
+	};
+	desc->vertex_bytes = (uint16_t)device->layout.size;
+	for (uint32_t s = 0; s < device->layout.count; s++) {
+		const render_attribute *a = &device->layout.attributes[s];
+		if (unread[surface] >> a->kind & 1u)
+			continue;
+		STILB_ASSERT(desc->input_count < STILB_GPU_MAX_VERTEX_INPUTS);
+		desc->inputs[desc->input_count++] = (stilb_gpu_vertex_input){
+			.location = (uint8_t)s,
+			.format = (uint8_t)(a->octahedral ? STILB_GPU_R32_UI : floats[a->components]),
+			.offset = (uint16_t)a->to,
+		};
+	}
+}
+
+static stilb_result program_mesh(render_device *device, render_formula_programs *choice, uint32_t detail,
+                                 render_surface surface, render_drawn drawn)
+{
+	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
+	stilb_gpu_program_desc desc = {
+		.name = surface_names[surface],
+		.vertex = program_vertex_code[device->packed][surface],
+		.fragment = program_fragment_code[surface],
+		.set_items = surface != RENDER_SURFACE_PLAIN,
+		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
+		.depth_write = true,
+		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
+	};
+	program_vertices(device, surface, &desc);
+	program_constant(&desc, 1, drawn);
+	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
+		program_constant(&desc, 2 + f, choice->formulas[f]);
+	program_constant(&desc, 7, detail);
+	program_constant(&desc, 8, device->samples);
+	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
+}
+
+static stilb_result program_flat(render_device *device, render_flat kind)
+{
+	bool textured = kind != RENDER_FLAT_PLAIN;
+	stilb_gpu_program_desc desc = {
+		.name = "flat",
+		.vertex = program_flat_code[kind][0],
+		.fragment = program_flat_code[kind][1],
+		.set_items = textured,
+		.blend = kind == RENDER_FLAT_PICTURE ? STILB_GPU_BLEND_NONE : STILB_GPU_BLEND_PREMULTIPLIED,
+		.vertex_bytes = sizeof(stilb_render_vertex_2d),
+		.input_count = textured ? 3 : 2,
+		.inputs = {{0, STILB_GPU_RG32_F, offsetof(stilb_render_vertex_2d, position)},
+	               {1, STILB_GPU_RGBA8_U, offsetof(stilb_render_vertex_2d, color)},
+	               {2, STILB_GPU_RG32_F, offsetof(stilb_render_vertex_2d, uv)}},
+	};
+	if (kind == RENDER_FLAT_PICTURE)
+		program_constant(&desc, 0, device->output == STILB_RENDER_OUTPUT_DISPLAY);
+	return program_once(device, &desc, &device->programs.flats[kind]);
+}
+
+/* A program of one triangle over the whole area. */
+static stilb_result program_screen(render_device *device, const char *name, stilb_gpu_shader fragment,
+                                   const uint32_t *constants, stilb_gpu_program *program)
+{
+	stilb_gpu_program_desc desc = {.name = name, .fragment = fragment, .samplers = constants ? 1 : 0};
+	for (uint32_t c = 0; constants && c < 2; c++)
+		program_constant(&desc, c, constants[c]);
+	return program_once(device, &desc, program);
+}
+
+/* ---- the backdrop, the tone map ---------------------------------------------------------------------------------- */
+
+stilb_result render_programs_backdrop(render_device *device)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_screen(device, "backdrop", (stilb_gpu_shader)PROGRAM_CODE(backdrop_frag), NULL,
+	                                     &device->programs.backdrop);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
+	                                                      STILB_GPU_NONE, device->samples)
+	                          : result;
+}
+
+stilb_result render_programs_tone(render_device *device, uint32_t tone)
+{
+	STILB_ASSERT(tone < SHADE_TONE_COUNT);
+	render_programs *programs = &device->programs;
+	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
+	uint32_t samples[2] = {device->samples, 0}, curve[2] = {tone, device->output == STILB_RENDER_OUTPUT_DISPLAY};
+	pthread_mutex_lock(&programs->lock);
+	stilb_result result =
+		program_screen(device, "tone", (stilb_gpu_shader)PROGRAM_CODE(tone_frag), curve, &programs->tones[tone]);
+	if (result == STILB_OK && device->samples > 1)
+		result = program_screen(device, "resolve", (stilb_gpu_shader)PROGRAM_CODE(resolve_frag), samples,
+		                        &programs->resolve);
+	pthread_mutex_unlock(&programs->lock);
+	if (result == STILB_OK)
+		result = stilb_gpu_program_prepare(device->gpu, programs->tones[tone], &picture, 1, STILB_GPU_NONE, 1);
+	if (result == STILB_OK && device->samples > 1)
+		result = stilb_gpu_program_prepare(device->gpu, programs->resolve, &color, 1, STILB_GPU_NONE, 1);
+	return result;
+}
+
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
+
+/* The entry for these formulas, which may be a new one without programs. NULL: no memory. The caller holds the lock. */
+static render_formula_programs *choice_find(render_programs *programs, const uint32_t formulas[RENDER_FORMULAS])
+{
+	for (uint32_t c = 0; c < programs->choice_count; c++)
+		if (memcmp(programs->choices[c]->formulas, formulas, sizeof programs->choices[c]->formulas) == 0)
+			return programs->choices[c];
+	if (!render_reserve((void **)&programs->choices, &programs->choice_capacity, programs->choice_count + 1,
+	                    sizeof(*programs->choices)))
+		return NULL;
+	render_formula_programs *choice = calloc(1, sizeof *choice);
+	if (!choice)
+		return NULL;
+	memcpy(choice->formulas, formulas, sizeof choice->formulas);
+	programs->choices[programs->choice_count++] = choice;
+	return choice;
+}
+
+/* Makes and compiles a program. */
+static stilb_result choice_make_one(render_device *device, render_formula_programs *choice, uint32_t detail,
+                                    render_surface surface, render_drawn drawn)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_mesh(device, choice, detail, surface, drawn);
+	stilb_gpu_program program = choice->programs[detail][surface][drawn];
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK
+	           ? stilb_gpu_program_prepare(device->gpu, program, &color, 1, STILB_GPU_D32_F, device->samples)
+	           : result;
+}
+
+static stilb_result choice_make(render_device *device, render_formula_programs *choice, uint32_t detail,
+                                render_surface surface)
+{
+	if (device->materials == STILB_RENDER_MATERIALS_INDEX)
+		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_ALL);
+	if (device->materials == STILB_RENDER_MATERIALS_BIND)
+		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_BOUND);
+	stilb_result result = choice_make_one(device, choice, detail, surface, RENDER_DRAWN_EVEN);
+	return result == STILB_OK ? choice_make_one(device, choice, detail, surface, RENDER_DRAWN_ODD) : result;
+}
+
+stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
+                                    uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen)
+{
+	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
+	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
+	STILB_ASSERT(!microfacet ||
+	             (wanted->ndf < SHADE_NDF_COUNT && wanted->g < SHADE_G_COUNT && wanted->f < SHADE_F_COUNT));
+	uint32_t formulas[RENDER_FORMULAS] = {
+		[RENDER_FORMULA_BRDF] = wanted->brdf,
+		[RENDER_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
+		[RENDER_FORMULA_G] = microfacet ? wanted->g : 0,
+		[RENDER_FORMULA_F] = microfacet ? wanted->f : 0,
+		[RENDER_FORMULA_LIGHTS] = light_bits,
+	};
+	pthread_mutex_lock(&device->programs.lock);
+	render_formula_programs *choice = choice_find(&device->programs, formulas);
+	pthread_mutex_unlock(&device->programs.lock);
+	*chosen = choice;
+	if (!choice)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
+	stilb_result result = STILB_OK;
+	for (uint32_t v = 0; v < RENDER_SURFACES * RENDER_DETAIL_KINDS && result == STILB_OK; v++)
+		if ((kinds >> v / RENDER_SURFACES & 1u) != 0 && (surfaces >> v % RENDER_SURFACES & 1u) != 0)
+			result = choice_make(device, choice, v / RENDER_SURFACES, (render_surface)(v % RENDER_SURFACES));
+	return result;
+}
+
+stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits)
+{
+	const render_formula_programs *choice;
+	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
+	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
+	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
+		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
+	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
+	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
+	if (result == STILB_OK && view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
+		result = render_programs_backdrop(device);
+	return result == STILB_OK ? render_programs_tone(device, view->tone) : result;
+}
+
+/* ---- life -------------------------------------------------------------------------------------------------------- */
+
+stilb_result render_programs_create(render_device *device)
+{
+	render_programs *programs = &device->programs;
+	programs->lock_made = pthread_mutex_init(&programs->lock, NULL) == 0;
+	if (!programs->lock_made)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the lock of programs");
+	stilb_gpu_format picture = render_picture_format(device);
+	stilb_result result = STILB_OK;
+	for (uint32_t kind = 0; kind < RENDER_FLATS && result == STILB_OK; kind++) {
+		pthread_mutex_lock(&programs->lock);
+		result = program_flat(device, (render_flat)kind);
+		pthread_mutex_unlock(&programs->lock);
+		if (result == STILB_OK)
+			result = stilb_gpu_program_prepare(device->gpu, programs->flats[kind], &picture, 1, STILB_GPU_NONE, 1);
+	}
+	return result;
+}
+
+void render_programs_destroy(render_device *device)
+{
+	render_programs *programs = &device->programs;
+	for (uint32_t c = 0; c < programs->choice_count; c++)
+		free(programs->choices[c]);
+	free(programs->choices);
+	if (programs->lock_made)
+		pthread_mutex_destroy(&programs->lock);
+}
