@@ -10,17 +10,15 @@ cd "${1:-$here/../..}"
 "$here/files.sh" "$PWD" | grep -E '^(jobs|profiler|engine|game)/.*\.[ch]$' | grep -v '/examples/' | xargs -d '\n' awk '
 	BEGIN {
 		split("jobs:job profiler:prof base:base shading:shade numeric:numeric image:image scene:scene window:window input:input " \
-			"culling:cull gpu:gpu render:render vulkan:vulkan gi:gi ui:ui engine:engine bench:bench", pairs, " ")
+			"culling:cull gpu:gpu render:render gi:gi ui:ui engine:engine bench:bench", pairs, " ")
 		for (i in pairs) { split(pairs[i], pair, ":"); prefix[pair[1]] = pair[2] }
 	}
 	FNR == 1 {
 		module = FILENAME
-		if (!sub(/^engine\/render\/vulkan\/.*/, "vulkan", module)) {
-			own = "" # a subcommand may use the name of its folder as prefix
-			if (module ~ /^game\/[a-z]+\//) { own = module; sub(/^game\//, "", own); sub(/\/.*/, "", own) }
-			sub(/^engine\//, "", module)
-			if (!sub(/\/.*/, "", module)) module = "engine"
-		}
+		own = "" # a subcommand may use the name of its folder as prefix
+		if (module ~ /^game\/[a-z]+\//) { own = module; sub(/^game\//, "", own); sub(/\/.*/, "", own) }
+		sub(/^engine\//, "", module)
+		if (!sub(/\/.*/, "", module)) module = "engine"
 	}
 	# The name of a static function, array or variable is the last word before the first of ( [ = ;
 	# A prototype is no second definition.

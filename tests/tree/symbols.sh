@@ -7,14 +7,13 @@ set -euo pipefail
 export LC_ALL=C
 build=$1
 
-# Prints the prefixes of a module. The devices of render have prefixes of their own.
+# Prints the prefixes of a module.
 prefixes_of() {
 	case $1 in
 	jobs) echo job ;;
 	profiler) echo prof ;;
 	shading) echo shade ;;
 	culling) echo cull ;;
-	render) echo render vulkan null ;;
 	bench-harness) echo bench gnuplot ;; # with a file of game/cli
 	*) echo "$1" ;;
 	esac
