@@ -2,6 +2,7 @@
 #include "engine_faults.h"
 #include "engine_internal.h"
 
+#include "base/base_file.h"
 #include "image/image.h"
 #include "job_prof/job_prof.h"
 #include "profiler/prof.h"
@@ -9,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
@@ -337,6 +339,48 @@ stilb_result stilb_engine_resize(stilb_engine *engine, uint32_t width, uint32_t 
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(!engine->window && "the picture follows the window");
 	return stilb_render_resize(engine->render, width, height);
+}
+
+stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_render_add_feature(engine->render, feature);
+}
+
+void stilb_engine_remove_feature(stilb_engine *engine, const void *user)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	stilb_render_remove_feature(engine->render, user);
+}
+
+stilb_gpu *stilb_engine_gpu(stilb_engine *engine)
+{
+	return stilb_render_gpu(engine->render);
+}
+
+const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return stilb_render_plan(engine->render);
+}
+
+stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(path);
+	const stilb_gpu_plan *plan = stilb_render_plan(engine->render);
+	const stilb_gpu_step *steps;
+	size_t length = strlen(path);
+	char *text = NULL;
+	if (stilb_gpu_plan_steps(plan, &steps) == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no plan to write to '%s': no frame has been drawn", path);
+	bool drawing = length >= 4 && strcasecmp(path + length - 4, ".svg") == 0;
+	stilb_result result = drawing ? stilb_gpu_plan_svg(plan, &text) : stilb_gpu_plan_text(plan, &text);
+	if (result != STILB_OK)
+		return result;
+	result = stilb_file_save(path, text, strlen(text));
+	free(text);
+	return result;
 }
 
 void stilb_engine_set_title(stilb_engine *engine, const char *title)

@@ -321,6 +321,18 @@ void stilb_engine_pictures_wait(stilb_engine *engine);
  * without keep_textures. STILB_ERROR_FILE. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
+/* Writes the plan of the last frame (gpu_plan.h): its passes, images, barriers and memory; as a drawing if the name ends
+ * in .svg, else as text. STILB_ERROR_ARGUMENT: no frame has been drawn. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
+
+/* Adds rows of the program's own to each frame's plan, and removes those with this user; what stilb_render_add_feature
+ * says. The device for programs, buffers and images of its own, which are destroyed before the engine; and the plan
+ * of the last frame, for stilb_gpu_read_begin. */
+stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature);
+void stilb_engine_remove_feature(stilb_engine *engine, const void *user);
+stilb_gpu *stilb_engine_gpu(stilb_engine *engine);
+const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine);
+
 /* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending
  * chooses the format (prof_trace.h). STILB_ERROR_FILE: also without memory. */
 stilb_result stilb_engine_trace(stilb_engine *engine, const char *path, uint32_t last_frames);

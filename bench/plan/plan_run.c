@@ -19,7 +19,7 @@ static const uint32_t none_comp[] =
 /* What changes from frame to frame, besides constants. */
 typedef enum change { CHANGE_NONE, CHANGE_PROGRAM, CHANGE_USE } change;
 
-static char names[MOST][8];
+static char names[MOST][12];
 static stilb_gpu *gpu;             /* the null device */
 static uint32_t programs[2][3][2]; /* by kind, by samplers; two that are alike */
 

@@ -235,6 +235,40 @@ stilb_result stilb_render_read_for_file(stilb_render *render, const char *path, 
 	return light ? stilb_render_read_radiance(render, image) : stilb_render_read_image(render, image);
 }
 
+stilb_gpu *stilb_render_gpu(stilb_render *render)
+{
+	return render->device->gpu;
+}
+
+const stilb_gpu_plan *stilb_render_plan(const stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	return render->device->plan;
+}
+
+stilb_result stilb_render_add_feature(stilb_render *render, const stilb_render_feature *feature)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(feature && feature->add && (uint32_t)feature->stage < STILB_RENDER_STAGES);
+	render_device *device = render->device;
+	if (device->feature_count == STILB_RENDER_MAX_FEATURES)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there are %u features already; remove some first",
+		                  STILB_RENDER_MAX_FEATURES);
+	device->features[device->feature_count++] = *feature;
+	return STILB_OK;
+}
+
+void stilb_render_remove_feature(stilb_render *render, const void *user)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render_device *device = render->device;
+	uint32_t kept = 0;
+	for (uint32_t f = 0; f < device->feature_count; f++)
+		if (device->features[f].user != user)
+			device->features[kept++] = device->features[f];
+	device->feature_count = kept;
+}
+
 stilb_render_stats stilb_render_stats_get(const stilb_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);

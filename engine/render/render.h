@@ -48,7 +48,7 @@
 
 #include "base/base.h"
 #include "base/base_math.h"
-#include "gpu/gpu_device.h"
+#include "gpu/gpu.h"
 #include "image/image.h"
 #include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
@@ -479,6 +479,43 @@ uint64_t stilb_render_triangles(const stilb_render *render);
  * Valid from stilb_render_replay until the next frame begins; without a replayed frame it is the hash of nothing.
  * [main-thread] */
 uint64_t stilb_render_stream_hash(const stilb_render *render);
+
+/* ---- rows of one's own --------------------------------------------------------------------------------------------
+ * Each frame is a plan (gpu_plan.h), to which a program may add images, buffers and passes of its own: at a stage, every
+ * frame, in the order in which features were added. Programs, buffers and what else they need is made with the device
+ * that stilb_render_gpu gives. The images that render has are named in render_images.h (stilb_gpu_plan_find). */
+
+typedef enum stilb_render_stage {
+	STILB_RENDER_STAGE_FIRST, /* before all other passes; image: 0 */
+	STILB_RENDER_STAGE_LIGHT, /* image: the scene's linear radiance, rgba16_f, one sample a pixel; the tone map follows */
+	STILB_RENDER_STAGE_PICTURE, /* image: the picture after the tone map; 2D passes follow */
+	STILB_RENDER_STAGE_LAST,    /* image: the picture with everything over it */
+	STILB_RENDER_STAGES,
+} stilb_render_stage;
+
+typedef struct stilb_render_feature {
+	stilb_render_stage stage;
+	/* Adds rows to the plan. *image may become another image of the same size and format, which then takes the place
+	 * of the one that was given; not in stages FIRST and LAST. An error, with its message, ends the frame. Called by
+	 * stilb_render_replay; frames without a scene pass have no stage LIGHT. */
+	stilb_result (*add)(void *user, stilb_gpu_plan *plan, uint16_t *image);
+	void *user;
+} stilb_render_feature;
+
+#define STILB_RENDER_MAX_FEATURES 32u
+
+/* From the next replay on frames have its rows. STILB_ERROR_ARGUMENT: there are STILB_RENDER_MAX_FEATURES already.
+ * [main-thread] */
+stilb_result stilb_render_add_feature(stilb_render *render, const stilb_render_feature *feature);
+/* Removes the features with this user. [main-thread] */
+void stilb_render_remove_feature(stilb_render *render, const void *user);
+
+/* The device, for programs, buffers and images of one's own: destroy them before the renderer. Frames are render's to
+ * begin and run. [any-thread] */
+stilb_gpu *stilb_render_gpu(stilb_render *render);
+/* The plan of the last replayed frame, for stilb_gpu_read_begin, stilb_gpu_plan_text and stilb_gpu_plan_svg, until the
+ * next replay. [main-thread] */
+const stilb_gpu_plan *stilb_render_plan(const stilb_render *render);
 
 /* ---- recording by hand -------------------------------------------------------------------------------------------
  * stilb_render_record does this for a scene. For own draws: pass_begin on the main thread; then each segment 0 ..

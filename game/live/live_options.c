@@ -91,6 +91,8 @@ static void live_add_output(live_options *o, flag_rows *table)
 	     0, 0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times and counts", 0, 0, NULL},
 		{"--track", FLAG_TEXT, &o->track, "FILE", "the camera's path, a line for each frame", 0, 0, NULL},
+		{"--plan", FLAG_TEXT, &o->plan, "FILE", "passes, images and barriers of the last frame: .svg, else text", 0, 0,
+	     NULL},
 		{"--dump", FLAG_TEXT, &o->dump, "FILE", "the commands of the last frame, for 'stilb replay'", 0, 0, NULL},
 		{"--trace", FLAG_TEXT, &o->trace, "FILE", "a trace of the last 1000 frames: .json, .folded or .csv", 0, 0,
 	     NULL},
@@ -127,10 +129,10 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	return result;
 }
 
-#define LIVE_OUTPUTS 6
+#define LIVE_OUTPUTS 7
 
-static const char *const live_output_flags[LIVE_OUTPUTS] = {"--screenshot", "--trace",   "--stats",
-                                                            "--dump",       "--capture", "--track"};
+static const char *const live_output_flags[LIVE_OUTPUTS] = {"--screenshot", "--trace", "--stats", "--dump",
+                                                            "--capture",    "--track", "--plan"};
 
 static void live_outputs(const live_options *o, const char *paths[LIVE_OUTPUTS])
 {
@@ -140,6 +142,7 @@ static void live_outputs(const live_options *o, const char *paths[LIVE_OUTPUTS])
 	paths[3] = o->dump;
 	paths[4] = o->capture;
 	paths[5] = o->track;
+	paths[6] = o->plan;
 }
 
 FILE *live_message_stream(const live_options *o)
@@ -326,7 +329,7 @@ bool live_options_check(const live_options *o)
 	stilb_result result = stilb_cpu_isa(&isa);
 	if (result == STILB_OK && o->screenshot)
 		result = stilb_image_path_check(o->screenshot);
-	const char *const files[] = {o->trace, o->stats, o->dump, o->capture, o->track};
+	const char *const files[] = {o->trace, o->stats, o->dump, o->capture, o->track, o->plan};
 	for (size_t i = 0; i < sizeof files / sizeof *files && result == STILB_OK; i++)
 		if (files[i])
 			result = stilb_file_check(files[i]);

@@ -324,6 +324,7 @@ static bool live_finish(live_run *run)
 	if (!good)
 		stilb_log("no memory to sort the stage times; they are reported as 0");
 	stilb_result picture = STILB_OK, trace = STILB_OK, stats = STILB_OK, dump = STILB_OK, track = STILB_OK;
+	stilb_result plan = STILB_OK;
 	if (o->screenshot && o->pictures == 0)
 		live_run_say(run, picture = stilb_engine_screenshot(run->engine, o->screenshot), "picture", o->screenshot);
 	if (o->trace)
@@ -332,6 +333,8 @@ static bool live_finish(live_run *run)
 		live_run_say(run, stats = live_report_save(&report), "stats", o->stats);
 	if (o->dump)
 		live_run_say(run, dump = stilb_engine_dump(run->engine, o->dump), "dump", o->dump);
+	if (o->plan)
+		live_run_say(run, plan = stilb_engine_save_plan(run->engine, o->plan), "plan", o->plan);
 	if (o->track)
 		live_run_say(run, track = live_track_save(&run->track), "track", o->track);
 	live_say_end(run);
@@ -340,7 +343,7 @@ static bool live_finish(live_run *run)
 	if (messages > 0)
 		stilb_log("the validation layer had %u message%s", messages, messages == 1 ? "" : "s");
 	return good && run->picture_result == STILB_OK && picture == STILB_OK && trace == STILB_OK && stats == STILB_OK &&
-	       dump == STILB_OK && track == STILB_OK && messages == 0;
+	       dump == STILB_OK && track == STILB_OK && plan == STILB_OK && messages == 0;
 }
 
 /* Says why the run ends; of memory also what helps, unless the message does so itself. */

@@ -337,7 +337,7 @@ static void test_refusals(void **state)
 static void test_an_output_never_replaces_the_recording(void **state)
 {
 	(void)state;
-	static const char *const flags[] = {"--trace", "--stats", "--dump", "--capture", "--track"};
+	static const char *const flags[] = {"--trace", "--stats", "--dump", "--capture", "--track", "--plan"};
 	record_flight("flight.json");
 	record_flight("same.rec");
 	assert_int_equal(symlink("flight.json", "other.rec"), 0);

@@ -217,6 +217,8 @@ if [ -e "$build/stilb" ]; then
 	says "2 of 2 models drawn: own_scene.png" own_scene
 	says "1[5-9][0-9] [5-9][0-9] [5-9][0-9]" middle own_scene.png # the ball's red
 	says "64 lights, 10 frames: many_lights.png" many_lights
+	says "[1-9]* of 300 models drawn as a photograph: own_pass.png" own_pass
+	says "frame 0: 0.[0-9]*W sr^-1 m^-2 in the mean" own_compute
 	says "[1-9]* of 1000 models in frame 60: together.json" together
 	grep -q '"place models"' together.json && grep -q '"mine 1"' together.json && grep -q '"worker 1"' together.json
 	says "cornell by 16 samples a pixel: raytrace.png" raytrace cornell raytrace.png
@@ -234,7 +236,7 @@ if [ -e "$build/stilb" ]; then
 		-DCMAKE_PREFIX_PATH="$whole" -DSTATIC_FIRST=ON
 	rm "$scratch/own_scene.png" "$scratch/together.json"
 	builds_examples
-	for program in own_scene file many_lights raytrace together window; do
+	for program in own_scene file many_lights raytrace together window own_pass own_compute; do
 		readelf --dynamic "$scratch/consumer/$program" | grep -q 'NEEDED.*libstilb\.so\.' || { echo "$program is not linked to it"; exit 1; }
 	done
 	says "2 of 2 models drawn: own_scene.png" own_scene

@@ -92,8 +92,8 @@ static inline void shade_gpu_run(int32_t row)
 	stilb_gpu_planner planner = stilb_gpu_planner_of(shade_gpu.gpu);
 	shade_gpu_push values = {
 		.inputs = stilb_gpu_buffer_address(shade_gpu.gpu, shade_gpu.inputs), .row = row, .count = SHADE_GPU_COUNT};
-	uint64_t ticket, frame;
-	const void *bytes;
+	uint64_t ticket = 0, frame;
+	const void *bytes = NULL;
 	assert_int_equal(stilb_gpu_frame_begin(shade_gpu.gpu), STILB_OK);
 	stilb_gpu_plan_begin(shade_gpu.plan, 1, 1);
 	stilb_gpu_plan_buffer_row results = {.name = "results", .bytes = SHADE_GPU_RESULTS, .output = true};

@@ -179,6 +179,8 @@ typedef struct render_device {
 	stilb_gpu_draws draws[STILB_RENDER_MAX_PASSES]; /* of the lists */
 	stilb_gpu_run *runs;                            /* [run_capacity] of all lists */
 	uint32_t run_capacity;
+	stilb_render_feature features[STILB_RENDER_MAX_FEATURES]; /* [feature_count] */
+	uint32_t feature_count;
 	bool drawn, lit; /* the last frame ran, and had light; the size is still its own */
 } render_device;
 

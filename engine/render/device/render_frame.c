@@ -17,19 +17,61 @@ static uint16_t frame_image(render_device *device, const char *name, stilb_gpu_f
 			.name = name, .format = format, .scale = 1.0f, .samples = (uint8_t)samples, .output = output});
 }
 
-static void frame_begin(render_device *device, bool scene)
+/* What a feature gives for an image must be like it. */
+static stilb_result frame_check_image(const render_device *device, uint16_t from, uint16_t to)
+{
+	const stilb_gpu_extent *a = stilb_gpu_plan_extent(device->plan, from);
+	stilb_gpu_extent wanted = *a, given = {0};
+	if (to > 0 && to <= stilb_gpu_plan_resources(device->plan))
+		given = *stilb_gpu_plan_extent(device->plan, to);
+	if (given.format == wanted.format && given.width == wanted.width && given.height == wanted.height &&
+	    given.samples == wanted.samples)
+		return STILB_OK;
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "a feature gives image %u in the place of '%s', which is %ux%u of format %s; give one like it",
+	                  to, stilb_gpu_plan_name(device->plan, from), wanted.width, wanted.height,
+	                  stilb_gpu_format_describe(wanted.format)->name);
+}
+
+/* Adds the rows of the features of a stage. *image: as stilb_render_feature.add has it. */
+static stilb_result frame_stage(render_device *device, stilb_render_stage stage, uint16_t *image)
+{
+	stilb_result result = STILB_OK;
+	for (uint32_t f = 0; f < device->feature_count && result == STILB_OK; f++) {
+		const stilb_render_feature *feature = &device->features[f];
+		if (feature->stage != stage)
+			continue;
+		uint16_t given = *image;
+		bool replaces = stage == STILB_RENDER_STAGE_LIGHT || stage == STILB_RENDER_STAGE_PICTURE;
+		result = feature->add(feature->user, device->plan, &given);
+		if (result != STILB_OK || !replaces || given == *image)
+			continue;
+		result = frame_check_image(device, *image, given);
+		if (result == STILB_OK && stage == STILB_RENDER_STAGE_PICTURE)
+			stilb_gpu_plan_show(device->plan, given); /* it is read after the frame */
+		*image = given;
+	}
+	return result;
+}
+
+static stilb_result frame_begin(render_device *device, bool scene)
 {
 	render_frame *frame = &device->frame;
+	uint16_t none = 0;
 	stilb_gpu_plan_begin(device->plan, device->width, device->height);
 	frame->begun = true;
+	stilb_result result = frame_stage(device, STILB_RENDER_STAGE_FIRST, &none);
+	if (result != STILB_OK)
+		return result;
 	frame->picture = frame_image(device, STILB_RENDER_IMAGE_PICTURE, render_picture_format(device), 1, true);
 	if (!scene)
-		return;
+		return STILB_OK;
 	frame->color = frame_image(device, STILB_RENDER_IMAGE_COLOR, STILB_GPU_RGBA16_F, 1, true);
 	frame->depth = frame_image(device, STILB_RENDER_IMAGE_DEPTH, STILB_GPU_D32_F, device->samples, false);
 	if (device->samples > 1)
 		frame->samples =
 			frame_image(device, STILB_RENDER_IMAGE_COLOR_SAMPLES, STILB_GPU_RGBA16_F, device->samples, false);
+	return STILB_OK;
 }
 
 /* ---- views ------------------------------------------------------------------------------------------------------- */
@@ -199,15 +241,20 @@ static void frame_screen(render_device *device, const char *name, stilb_gpu_prog
 }
 
 /* Makes the picture of the light that scene passes have drawn. */
-static void frame_tone(render_device *device)
+static stilb_result frame_tone(render_device *device)
 {
 	render_frame *frame = &device->frame;
+	uint16_t light = frame->color;
 	if (!frame->scene || frame->shown)
-		return;
+		return STILB_OK;
 	if (frame->samples)
 		frame_screen(device, "resolve", device->programs.resolve, frame->samples, frame->color, &frame->push);
-	frame_screen(device, "tone map", device->programs.tones[frame->tone], frame->color, frame->picture, &frame->push);
+	stilb_result result = frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light);
+	if (result != STILB_OK)
+		return result;
+	frame_screen(device, "tone map", device->programs.tones[frame->tone], light, frame->picture, &frame->push);
 	frame->shown = true;
+	return frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
 }
 
 /* What is seen where no model is. */
@@ -290,10 +337,10 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 {
 	render_frame *frame = &device->frame;
 	uint32_t list;
-	frame_tone(device);
-	if (frame->shown && stream->draws == 0)
-		return STILB_OK;
-	stilb_result result = frame_list(device, stream, NULL, &list);
+	stilb_result result = frame_tone(device);
+	if (result != STILB_OK || (frame->shown && stream->draws == 0))
+		return result;
+	result = frame_list(device, stream, NULL, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list);
@@ -316,8 +363,9 @@ stilb_result render_device_pass(render_device *device, const render_stream *stre
 {
 	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
 	STILB_ASSERT(scene == (bool)stream->view);
-	if (!device->frame.begun)
-		frame_begin(device, scene);
+	stilb_result result = device->frame.begun ? STILB_OK : frame_begin(device, scene);
+	if (result != STILB_OK)
+		return result;
 	return scene ? frame_scene(device, stream) : frame_2d(device, stream);
 }
 
@@ -350,14 +398,19 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 {
 	render_frame *frame = &device->frame;
 	STILB_ASSERT(frame->begun && "replay has at least one pass");
-	frame_tone(device);
+	device->drawn = device->lit = false;
+	stilb_result result = frame_tone(device);
+	uint16_t last = frame->picture;
+	if (result == STILB_OK)
+		result = frame_stage(device, STILB_RENDER_STAGE_LAST, &last);
+	if (result != STILB_OK)
+		return result;
 	for (uint32_t l = 0; l < frame->list_count; l++)
 		device->draws[l].runs = device->runs + device->lists[l].first_run;
-	device->drawn = device->lit = false;
 	frame_threads work = {.pool = pool, .worker = worker};
 	stilb_gpu_threads threads = {&work, pool ? stilb_job_pool_worker_count(pool) + 1 : 0, frame_run_tasks};
 	stilb_gpu_planner planner = stilb_gpu_planner_of(device->gpu);
-	stilb_result result = stilb_gpu_plan_make(device->plan, &planner);
+	result = stilb_gpu_plan_make(device->plan, &planner);
 	if (result == STILB_OK) {
 		result = stilb_gpu_frame_run(device->gpu, device->plan, device->draws, frame->list_count, &threads);
 		if (result != STILB_OK || device->gpu->keep_back)
