@@ -1,5 +1,5 @@
-/* Rows that a program adds to the plan of each frame: effects on light and picture, a dispatch, what is wrong with them,
- * and the plan as a file. With the shaders of the examples. */
+/* Rows that a program adds to the plan of each frame: effects on light and picture, a dispatch, what is wrong with
+ * them, and the plan as a file. With the shaders of the examples. */
 #include "engine.h"
 #include "support/folder.h"
 #include "support/test.h"

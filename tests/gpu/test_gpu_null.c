@@ -617,13 +617,9 @@ static void sets_of_what_plans_write(void **state)
 	                               .uses = STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_VERTICES |
 	                                       STILB_GPU_BUFFER_INDIRECT};
 	assert_int_equal(stilb_gpu_buffer_create(gpu, &bytes, &buffer), STILB_OK);
-	stilb_gpu_run run = {.count = 1,
-	                     .program = program.id,
-	                     .set = set.id,
-	                     .indices = buffer.id,
-	                     .vertices = buffer.id,
-	                     .index_bytes = 2};
-	stilb_gpu_draws list = {.commands = buffer, .runs = &run, .run_count = 1};
+	stilb_gpu_binding binding = {.program = program.id, .indices = buffer.id, .vertices = buffer.id, .index_bytes = 2};
+	stilb_gpu_run run = {.count = 1, .set = set.id};
+	stilb_gpu_draws list = {.commands = buffer, .bindings = &binding, .runs = &run, .binding_count = 1, .run_count = 1};
 	for (uint32_t r = 0; r < sizeof rows / sizeof *rows; r++) {
 		assert_int_equal(stilb_gpu_frame_begin(gpu), STILB_OK);
 		stilb_gpu_plan_begin(plan, 8, 8);

@@ -72,7 +72,7 @@ static void locks(void **state)
 {
 	(void)state;
 	stilb_render *render = fixture_render(1, STILB_RENDER_REPLAY_DIRECT, STILB_RENDER_MATERIALS_INDEX);
-	contract_breaks("the caller holds the lock", render->device->functions->update(render->device, &render->resources));
+	contract_breaks("the caller holds the lock", render_device_update(render->device, &render->resources));
 	stilb_render_destroy(render);
 }
 

@@ -177,7 +177,7 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 		list_bind_flats(device, all);
 	bool bind = choice && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
-	stilb_gpu_run *out = device->runs + frame->run_count;
+	stilb_gpu_run *out = stream->run_count > 0 ? device->runs + frame->run_count : NULL;
 	for (uint32_t r = 0; r < stream->run_count; r++) {
 		uint64_t state = stream->runs[r].state;
 		uint32_t b = list_binding(device, state), texture = render_state_texture(state);
@@ -406,7 +406,7 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t l = 0; l < frame->list_count; l++)
-		device->draws[l].runs = device->runs + device->lists[l].first_run;
+		device->draws[l].runs = device->draws[l].run_count > 0 ? device->runs + device->lists[l].first_run : NULL;
 	frame_threads work = {.pool = pool, .worker = worker};
 	stilb_gpu_threads threads = {&work, pool ? stilb_job_pool_worker_count(pool) + 1 : 0, frame_run_tasks};
 	stilb_gpu_planner planner = stilb_gpu_planner_of(device->gpu);
