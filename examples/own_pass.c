@@ -1,5 +1,5 @@
-/* own_pass [PICTURE.png]: a pass of one's own in every frame, between the scene's light and the tone map, with a shader of
- * one's own. Needs no window. */
+/* own_pass [PICTURE.png]: a pass of one's own in every frame, between the scene's light and the tone map, with its own
+ * shader. Needs no window. */
 #include <stdio.h>
 #include <stilb/engine.h>
 #include <string.h>

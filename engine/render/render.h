@@ -487,7 +487,7 @@ uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 typedef enum stilb_render_stage {
 	STILB_RENDER_STAGE_FIRST, /* before all other passes; image: 0 */
-	STILB_RENDER_STAGE_LIGHT, /* image: the scene's linear radiance, rgba16_f, one sample a pixel; the tone map follows */
+	STILB_RENDER_STAGE_LIGHT, /* image: the scene's linear radiance, rgba16_f, one sample a pixel; then the tone map */
 	STILB_RENDER_STAGE_PICTURE, /* image: the picture after the tone map; 2D passes follow */
 	STILB_RENDER_STAGE_LAST,    /* image: the picture with everything over it */
 	STILB_RENDER_STAGES,

@@ -241,6 +241,8 @@ static stilb_result null_draws(gpu_null *null, const stilb_gpu_pass *pass, const
 	bool secondary = list->replay == STILB_GPU_REPLAY_SECONDARY && list->run_count > 0;
 	null_work work = {
 		.list = list, .draws = gpu_draws_count(list), .parts = secondary ? gpu_draws_parts(threads) : 1, .part = part};
+	if (work.draws == 0)
+		return STILB_OK;
 	stilb_result result = null_reserve(null, pass, work.draws, DRAW_BYTES);
 	if (result != STILB_OK)
 		return result;
