@@ -7,20 +7,6 @@
 
 /* ---- arrays that grow -------------------------------------------------------------------------------------------- */
 
-bool gpu_array_reserve(gpu_array *array, size_t count, size_t size)
-{
-	if (array->items && count <= array->capacity)
-		return true;
-	size_t capacity = array->capacity < 16 ? 16 : array->capacity * 2;
-	capacity = capacity < count ? count : capacity;
-	void *items = capacity > SIZE_MAX / size ? NULL : realloc(array->items, capacity * size);
-	if (!items)
-		return false;
-	array->items = items;
-	array->capacity = capacity;
-	return true;
-}
-
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
 stilb_gpu_plan *stilb_gpu_plan_create(void)

@@ -81,3 +81,17 @@ void gpu_table_finish(gpu_table *table)
 		free(table->chunks[c]);
 	*table = (gpu_table){0};
 }
+
+bool gpu_array_reserve(gpu_array *array, size_t count, size_t size)
+{
+	if (array->items && count <= array->capacity)
+		return true;
+	size_t capacity = array->capacity < 16 ? 16 : array->capacity * 2;
+	capacity = capacity < count ? count : capacity;
+	void *items = capacity > SIZE_MAX / size ? NULL : realloc(array->items, capacity * size);
+	if (!items)
+		return false;
+	array->items = items;
+	array->capacity = capacity;
+	return true;
+}

@@ -481,9 +481,9 @@ uint64_t stilb_render_triangles(const stilb_render *render);
 uint64_t stilb_render_stream_hash(const stilb_render *render);
 
 /* ---- rows of one's own --------------------------------------------------------------------------------------------
- * Each frame is a plan (gpu_plan.h), to which a program may add images, buffers and passes of its own: at a stage, every
- * frame, in the order in which features were added. Programs, buffers and what else they need is made with the device
- * that stilb_render_gpu gives. The images that render has are named in render_images.h (stilb_gpu_plan_find). */
+ * Each frame is a plan (gpu_plan.h), to which a program may add images, buffers and passes of its own: at a stage,
+ * every frame, in the order in which features were added. Programs, buffers and what else they need is made with the
+ * device that stilb_render_gpu gives. stilb_gpu_plan_find finds render's own images: "color", "depth", "picture". */
 
 typedef enum stilb_render_stage {
 	STILB_RENDER_STAGE_FIRST, /* before all other passes; image: 0 */
