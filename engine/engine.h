@@ -321,8 +321,8 @@ void stilb_engine_pictures_wait(stilb_engine *engine);
  * without keep_textures. STILB_ERROR_FILE. */
 stilb_result stilb_engine_dump(stilb_engine *engine, const char *path);
 
-/* Writes the plan of the last frame (gpu_plan.h): its passes, images, barriers and memory; as a drawing if the name ends
- * in .svg, else as text. STILB_ERROR_ARGUMENT: no frame has been drawn. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+/* Writes the plan of the last frame (gpu_plan.h), its passes, images, barriers and memory: as a drawing if the name
+ * ends in .svg, else as text. STILB_ERROR_ARGUMENT: no frame has been drawn. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
 
 /* Adds rows of the program's own to each frame's plan, and removes those with this user; what stilb_render_add_feature
