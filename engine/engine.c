@@ -353,6 +353,12 @@ void stilb_engine_remove_feature(stilb_engine *engine, const void *user)
 	stilb_render_remove_feature(engine->render, user);
 }
 
+void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	stilb_render_show_image(engine->render, shown);
+}
+
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine)
 {
 	return stilb_render_gpu(engine->render);

@@ -331,6 +331,8 @@ stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path);
 stilb_result stilb_engine_add_feature(stilb_engine *engine, const stilb_render_feature *feature);
 void stilb_engine_remove_feature(stilb_engine *engine, const void *user);
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine);
+/* Frames show an image of the plan in the place of the picture; what stilb_render_show_image says. */
+void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown);
 const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine);
 
 /* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending

@@ -2,6 +2,7 @@
 #include "render/render_internal.h"
 #include "shading/shade_brdf.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -233,6 +234,18 @@ stilb_result stilb_render_read_for_file(stilb_render *render, const char *path, 
 	STILB_ASSERT(path);
 	bool light = stilb_image_path_is_light(path) && render->output == STILB_RENDER_OUTPUT_DISPLAY;
 	return light ? stilb_render_read_radiance(render, image) : stilb_render_read_image(render, image);
+}
+
+void stilb_render_show_image(stilb_render *render, const stilb_render_shown *shown)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(!shown || shown->name);
+	render_device *device = render->device;
+	device->shown = shown ? *shown : (stilb_render_shown){0};
+	if (!shown)
+		return;
+	snprintf(device->shown_name, sizeof device->shown_name, "%s", shown->name);
+	device->shown.name = device->shown_name;
 }
 
 stilb_gpu *stilb_render_gpu(stilb_render *render)

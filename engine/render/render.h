@@ -510,6 +510,19 @@ stilb_result stilb_render_add_feature(stilb_render *render, const stilb_render_f
 /* Removes the features with this user. [main-thread] */
 void stilb_render_remove_feature(stilb_render *render, const void *user);
 
+/* An image of the plan that frames show in the place of the picture, under the 2D passes: nearest texels, stretched
+ * over the picture; depth and images of one channel grey, of two red and green, numbers as colours. Of an image with
+ * several samples a pixel the first sample. */
+typedef struct stilb_render_shown {
+	const char *name; /* copied */
+	uint32_t mip, layer;
+	float low, high; /* the values that are black and white, linearly in between; both 0: 0 and 1 */
+} stilb_render_shown;
+
+/* From the next replay on; NULL: frames show the picture. An image that a frame has not, or has only later, or that is
+ * not 2D is an error of the frame, which names those that there are. [main-thread] */
+void stilb_render_show_image(stilb_render *render, const stilb_render_shown *shown);
+
 /* The device, for programs, buffers and images of one's own: destroy them before the renderer. Frames are render's to
  * begin and run. [any-thread] */
 stilb_gpu *stilb_render_gpu(stilb_render *render);

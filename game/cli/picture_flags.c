@@ -62,8 +62,10 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "coarser meshes far away: off, pop, fade (for 16 frames) or morph (morph)", 0, 0, stilb_render_detail_names},
 		{"--lod-error", FLAG_AMOUNT, &p->detail_error, "PIXELS", "by which they may differ at most, 0.01..1000 (0.5)",
 	     0, PICTURE_ERROR_MOST, NULL},
-		{"--show", FLAG_CHOICE, &p->show, "NAME", "shaded, or lod: a colour for each level of detail (shaded)", 0, 0,
-	     stilb_render_show_names},
+		{"--show", FLAG_TEXT, &p->show, "WHAT",
+	     "shaded, lod: a colour for each level, or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0, 0, NULL},
+		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
+	     0, NULL},
 	};
 	if (group == PICTURE_DETAIL)
 		flag_rows_add(table, detail, sizeof detail / sizeof *detail);
@@ -167,6 +169,52 @@ bool picture_flags_parts(const picture_flags *p)
 	return p->ndf != PICTURE_NOT_GIVEN || p->g != PICTURE_NOT_GIVEN || p->f != PICTURE_NOT_GIVEN;
 }
 
+bool picture_flags_show(const picture_flags *p, stilb_render_show *show, picture_shown *image)
+{
+	flag_list range;
+	*show = STILB_RENDER_SHOW_SHADED;
+	*image = (picture_shown){.high = 1.0f};
+	for (int s = 0; p->show && s < STILB_RENDER_SHOWS; s++)
+		if (strcmp(p->show, stilb_render_show_names[s]) == 0) {
+			*show = (stilb_render_show)s;
+			return false;
+		}
+	if (!p->show)
+		return false;
+	size_t length = strcspn(p->show, ":");
+	snprintf(image->name, sizeof image->name, "%.*s", (int)length, p->show);
+	if (p->show[length] == ':') /* picture_check_show has looked at these */
+		sscanf(p->show + length, ":%" SCNu32 ":%" SCNu32, &image->mip, &image->layer);
+	if (p->show_range && flags_numbers(p->show_range, 2, 2, &range)) {
+		image->low = range.numbers[0];
+		image->high = range.numbers[1];
+	}
+	return true;
+}
+
+static bool picture_check_show(const picture_flags *p)
+{
+	flag_list range;
+	const char *colon = p->show ? strchr(p->show, ':') : NULL;
+	uint32_t mip, layer;
+	int end = 0;
+	if (colon && !((sscanf(colon, ":%" SCNu32 "%n", &mip, &end) == 1 && colon[end] == '\0') ||
+	               (sscanf(colon, ":%" SCNu32 ":%" SCNu32 "%n", &mip, &layer, &end) == 2 && colon[end] == '\0'))) {
+		stilb_log("--show: '%s' is no IMAGE:MIP or IMAGE:MIP:LAYER; give numbers from 0 on", p->show);
+		return false;
+	}
+	if (p->show_range && !p->show) {
+		stilb_log("--show-range is of an image; name one with --show");
+		return false;
+	}
+	if (p->show_range && (!flags_numbers(p->show_range, 2, 2, &range) || range.numbers[0] == range.numbers[1] ||
+	                      !isfinite(range.numbers[0]) || !isfinite(range.numbers[1]))) {
+		stilb_log("--show-range: '%s' is not LOW,HIGH; give two different numbers separated by a comma", p->show_range);
+		return false;
+	}
+	return true;
+}
+
 #define PICTURE_CAMERA "X,Y,Z,YAW,PITCH[,FOV]"
 #define PICTURE_STOPS 32.0f   /* the largest --exposure, and the smallest is its negative */
 #define PICTURE_WHITE (-3.0f) /* a metered exposure below it: white would be shown as more than 8 */
@@ -268,7 +316,7 @@ bool picture_flags_check(const picture_flags *p)
 		          p->background);
 		return false;
 	}
-	return picture_check_camera(p->camera);
+	return picture_check_show(p) && picture_check_camera(p->camera);
 }
 
 void picture_flags_log_start(const picture_flags *p, stilb_result result)

@@ -33,16 +33,17 @@ typedef struct picture_flags {
 	bool validate, allow_outside, quiet;
 	const char *gpu, *environment, *camera, *exposure, *variant, *background; /* NULL if not given */
 	int studio;                                                               /* a picture_studio */
-	int tone;           /* a SHADE_TONE_..., or PICTURE_NOT_GIVEN: the scene's */
-	int detail, show;   /* stilb_render_detail_mode, _show */
-	float detail_error; /* pixels */
+	int tone;                      /* a SHADE_TONE_..., or PICTURE_NOT_GIVEN: the scene's */
+	int detail;                    /* stilb_render_detail_mode */
+	const char *show, *show_range; /* NULL if not given */
+	float detail_error;            /* pixels */
 } picture_flags;
 
 typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
-	PICTURE_DETAIL,   /* --lod, --lod-error, --show: what frames show, and how finely */
+	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_TONE,     /* --tone */
@@ -57,6 +58,16 @@ extern const char *const picture_materials_choices[];
 extern const char *const picture_device_choices[];
 
 picture_flags picture_flags_default(void);
+
+/* The image of the plan that --show names. */
+typedef struct picture_shown {
+	char name[64];
+	uint32_t mip, layer;
+	float low, high;
+} picture_shown;
+
+/* What --show says of a checked p: a kind, or true and an image. */
+bool picture_flags_show(const picture_flags *p, stilb_render_show *show, picture_shown *image);
 
 /* Appends the rows of a group; their values are those of *picture. */
 void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_rows *table);

@@ -366,7 +366,8 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.keep_textures = o->dump;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	desc.detail = picture_flags_detail(&o->picture);
-	desc.show = (stilb_render_show)o->picture.show;
+	picture_shown image;
+	picture_flags_show(&o->picture, &desc.show, &image);
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);
 	desc.control.invert_y = o->invert_y;
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;

@@ -153,6 +153,12 @@ static stilb_result live_start(live_run *run)
 		result = stilb_engine_create(&desc, &run->engine);
 	}
 	run->window = desc.window;
+	picture_shown image;
+	if (result == STILB_OK && picture_flags_show(&run->options->picture, &desc.show, &image))
+		stilb_engine_show_image(
+			run->engine,
+			&(stilb_render_shown){
+				.name = image.name, .mip = image.mip, .layer = image.layer, .low = image.low, .high = image.high});
 	return result == STILB_OK ? run->program->start(run->user, run) : result;
 }
 

@@ -325,6 +325,55 @@ static void what_is_wrong_is_said(void **state)
 	close_engine(engine);
 }
 
+/* What a frame shows of an image; to be freed. */
+static float *shown_pixels(stilb_engine *engine, const char *name, float low, float high)
+{
+	stilb_engine_show_image(engine, &(stilb_render_shown){.name = name, .low = low, .high = high});
+	if (draw(engine) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return pixels(engine, "shown.exr");
+}
+
+/* Any image of the plan in the place of the picture, its values from low to high. */
+static void images_are_shown(void **state)
+{
+	(void)state;
+	for (uint32_t samples = 1; samples <= 4; samples += 3) {
+		stilb_engine *engine = open_engine(samples, STILB_RENDER_OUTPUT_LINEAR);
+		assert_int_equal(draw(engine), STILB_OK);
+		float *plain = pixels(engine, "plain.exr");
+		float *color = shown_pixels(engine, "color", 0.1f, 0.6f);
+		for (uint32_t i = 0; i < 3 * WIDTH * HEIGHT; i++)
+			assert_true(fabsf(color[i] - fminf(fmaxf((plain[i] - 0.1f) / 0.5f, 0.0f), 1.0f)) < 2e-3f);
+		float *depth = shown_pixels(engine, "depth", 0.0f, 0.0f);
+		uint32_t far = 0, near = 0;
+		for (uint32_t p = 0; p < WIDTH * HEIGHT; p++) {
+			const float *d = depth + (size_t)3 * p;
+			assert_true(d[0] == d[1] && d[1] == d[2] && d[0] < 1.0f);
+			far += d[0] == 0.0f;
+			near += d[0] > 0.0f;
+		}
+		assert_true(far > 100 && near > 100);
+		float *same = shown_pixels(engine, "picture", 0.0f, 0.5f); /* is shown anyway */
+		assert_memory_equal(same, plain, sizeof *plain * 3 * WIDTH * HEIGHT);
+		if (samples > 1)
+			free(shown_pixels(engine, "color samples", 0.0f, 1.0f));
+		stilb_engine_show_image(engine, &(stilb_render_shown){.name = "bump"});
+		assert_int_equal(draw(engine), STILB_ERROR_ARGUMENT);
+		assert_non_null(strstr(stilb_error_message(), "no image 'bump' to show; this frame has picture, color, depth"));
+		stilb_engine_show_image(engine, &(stilb_render_shown){.name = "color", .mip = 3});
+		assert_int_equal(draw(engine), STILB_ERROR_ARGUMENT);
+		assert_non_null(strstr(stilb_error_message(), "has 1 mips and 1 layers; there is no mip 3, layer 0"));
+		stilb_engine_show_image(engine, NULL);
+		assert_int_equal(draw(engine), STILB_OK);
+		free(plain);
+		free(color);
+		free(depth);
+		free(same);
+		close_engine(engine);
+	}
+}
+
 static void the_plan_as_a_file(void **state)
 {
 	(void)state;
@@ -374,7 +423,7 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_effect_on_the_light),    cmocka_unit_test(stages_come_in_their_order),
 		cmocka_unit_test(a_dispatch_and_its_result), cmocka_unit_test(what_is_wrong_is_said),
-		cmocka_unit_test(the_plan_as_a_file),
+		cmocka_unit_test(images_are_shown),          cmocka_unit_test(the_plan_as_a_file),
 	};
 	return cmocka_run_group_tests(tests, make_scene, drop_scene);
 }

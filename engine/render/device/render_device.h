@@ -115,6 +115,7 @@ typedef struct render_programs {
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, tones[SHADE_TONE_COUNT];
+	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
 /* ---- the device -------------------------------------------------------------------------------------------------- */
@@ -181,6 +182,8 @@ typedef struct render_device {
 	uint32_t run_capacity;
 	stilb_render_feature features[STILB_RENDER_MAX_FEATURES]; /* [feature_count] */
 	uint32_t feature_count;
+	stilb_render_shown shown; /* its name is `shown_name`, or NULL */
+	char shown_name[STILB_GPU_MAX_NAME + 1];
 	bool drawn, lit; /* the last frame ran, and had light; the size is still its own */
 } render_device;
 
@@ -258,6 +261,11 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 stilb_result render_device_pass(render_device *device, const struct render_stream *stream);
 /* Gives the frame to the device. pool: its threads record secondary command buffers; NULL: the caller does. */
 stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint32_t worker);
+
+/* ---- render_show.c ----------------------------------------------------------------------------------------------- */
+
+/* Adds the pass that shows device->shown in the place of the picture, if there is one. */
+stilb_result render_show_image(render_device *device);
 
 /* ---- render_backdrop.c: what is seen where no model is ----------------------------------------------------------- */
 

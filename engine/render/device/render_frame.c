@@ -254,7 +254,8 @@ static stilb_result frame_tone(render_device *device)
 		return result;
 	frame_screen(device, "tone map", device->programs.tones[frame->tone], light, frame->picture, &frame->push);
 	frame->shown = true;
-	return frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
+	result = frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
+	return result == STILB_OK ? render_show_image(device) : result;
 }
 
 /* What is seen where no model is. */
