@@ -121,11 +121,15 @@ static void batch_record(access_batch *batch)
 {
 	if (batch->image_count == 0 && !batch->has_memory)
 		return;
-	vkCmdPipelineBarrier2(batch->commands, &(VkDependencyInfo){.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-	                                                           .memoryBarrierCount = batch->has_memory,
-	                                                           .pMemoryBarriers = &batch->memory,
-	                                                           .imageMemoryBarrierCount = batch->image_count,
-	                                                           .pImageMemoryBarriers = batch->images});
+	/* No pointers to nothing: Mesa's software driver copies them, and without memory for 0 bytes it frees ours. */
+	VkDependencyInfo info = {
+		.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+		.memoryBarrierCount = batch->has_memory,
+		.pMemoryBarriers = batch->has_memory ? &batch->memory : NULL,
+		.imageMemoryBarrierCount = batch->image_count,
+		.pImageMemoryBarriers = batch->image_count > 0 ? batch->images : NULL,
+	};
+	vkCmdPipelineBarrier2(batch->commands, &info);
 	batch->image_count = 0;
 	batch->has_memory = false;
 }

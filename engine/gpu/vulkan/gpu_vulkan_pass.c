@@ -249,7 +249,7 @@ static VkResult rendering_begin(pass_work *work, VkCommandBuffer commands, VkRen
 		.renderArea = {.extent = {work->step->area[0], work->step->area[1]}},
 		.layerCount = layers,
 		.colorAttachmentCount = pass->color_count,
-		.pColorAttachments = colors,
+		.pColorAttachments = pass->color_count > 0 ? colors : NULL, /* see batch_record in gpu_vulkan_access.c */
 		.pDepthAttachment = pass->depth.image ? &depth : NULL,
 	};
 	vkCmdBeginRendering(commands, &info);
