@@ -19,6 +19,7 @@
 #include "shading/shade_tonemap.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 struct render_stream;
 struct render_memory;
@@ -107,6 +108,9 @@ typedef enum render_formula {
 typedef struct render_formula_programs {
 	uint32_t formulas[RENDER_FORMULAS];
 	stilb_gpu_program programs[RENDER_PROGRAM_KINDS][RENDER_SURFACES][RENDER_DRAWN_KINDS];
+	_Atomic uint32_t
+		ready; /* bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire
+	                           by who then needs them */
 } render_formula_programs;
 
 typedef struct render_programs {

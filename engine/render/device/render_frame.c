@@ -3,7 +3,6 @@
 #include "render/render_internal.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
@@ -124,37 +123,33 @@ static uint32_t list_binding(const render_device *device, uint64_t state)
 	return ((render_state_detail(state) * RENDER_SURFACES + surface) * 2 + wide) * 2 + odd;
 }
 
-/* The bindings that a scene pass's list may have, 0 where it has none: they are not checked. */
-static void list_bind_meshes(const render_device *device, const render_formula_programs *choice,
-                             stilb_gpu_binding bindings[RENDER_BINDINGS])
+/* That binding of a scene pass, whose programs are choice. */
+static stilb_gpu_binding list_bind_meshes(const render_device *device, const render_formula_programs *choice,
+                                          uint32_t binding)
 {
-	for (uint32_t b = 0; b < RENDER_BINDINGS; b++) {
-		bool odd = b & 1, wide = b & 2;
-		uint32_t surface = b / 4 % RENDER_SURFACES, detail = b / 4 / RENDER_SURFACES;
-		render_drawn drawn = device->materials == STILB_RENDER_MATERIALS_BIND    ? RENDER_DRAWN_BOUND
-		                     : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
-		                     : odd                                               ? RENDER_DRAWN_ODD
-		                                                                         : RENDER_DRAWN_EVEN;
-		const render_buffer *indices = &device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16];
-		bindings[b] = (stilb_gpu_binding){
-			.program = choice->programs[detail][surface][drawn].id,
-			.index_bytes = wide ? 4 : 2,
-			.indices = indices->buffer.id,
-			.vertices = device->heaps[RENDER_HEAP_VERTICES].buffer.id,
-		};
-	}
+	bool odd = binding & 1, wide = binding & 2;
+	uint32_t surface = binding / 4 % RENDER_SURFACES, detail = binding / 4 / RENDER_SURFACES;
+	render_drawn drawn = device->materials == STILB_RENDER_MATERIALS_BIND    ? RENDER_DRAWN_BOUND
+	                     : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
+	                     : odd                                               ? RENDER_DRAWN_ODD
+	                                                                         : RENDER_DRAWN_EVEN;
+	return (stilb_gpu_binding){
+		.program = choice->programs[detail][surface][drawn].id,
+		.index_bytes = wide ? 4 : 2,
+		.indices = device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16].buffer.id,
+		.vertices = device->heaps[RENDER_HEAP_VERTICES].buffer.id,
+	};
 }
 
-static void list_bind_flats(render_device *device, stilb_gpu_binding bindings[RENDER_BINDINGS])
+static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding)
 {
 	const render_slot *slot = render_slot_now(device);
-	for (uint32_t kind = 0; kind < RENDER_FLATS; kind++)
-		bindings[kind] = (stilb_gpu_binding){
-			.program = device->programs.flats[kind].id,
-			.index_bytes = 4,
-			.indices = slot->memory[RENDER_MEMORY_INDICES_2D].buffer.id,
-			.vertices = slot->memory[RENDER_MEMORY_VERTICES_2D].buffer.id,
-		};
+	return (stilb_gpu_binding){
+		.program = device->programs.flats[binding].id,
+		.index_bytes = 4,
+		.indices = slot->memory[RENDER_MEMORY_INDICES_2D].buffer.id,
+		.vertices = slot->memory[RENDER_MEMORY_VERTICES_2D].buffer.id,
+	};
 }
 
 /* Makes the list of a stream's draws; returns its number among the frame's. choice: of scene passes. */
@@ -168,13 +163,8 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 	                    sizeof *device->runs))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", stream->run_count);
 	render_list *list = &device->lists[frame->list_count++];
-	stilb_gpu_binding all[RENDER_BINDINGS];
 	uint8_t places[RENDER_BINDINGS] = {0}; /* 1 + where a binding is in the list */
 	uint32_t bindings = 0;
-	if (choice)
-		list_bind_meshes(device, choice, all);
-	else
-		list_bind_flats(device, all);
 	bool bind = choice && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
 	stilb_gpu_run *out = stream->run_count > 0 ? device->runs + frame->run_count : NULL;
@@ -182,7 +172,7 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 		uint64_t state = stream->runs[r].state;
 		uint32_t b = list_binding(device, state), texture = render_state_texture(state);
 		if (places[b] == 0) {
-			list->bindings[bindings] = all[b];
+			list->bindings[bindings] = choice ? list_bind_meshes(device, choice, b) : list_bind_flats(device, b);
 			places[b] = (uint8_t)++bindings;
 		}
 		STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
@@ -283,7 +273,10 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 static stilb_gpu_pass frame_row(render_device *device, const render_stream *stream, uint32_t list)
 {
 	char *name = device->lists[list].name;
-	snprintf(name, sizeof device->lists[list].name, "%s", stream->pass->name ? stream->pass->name : "pass");
+	const char *given = stream->pass->name ? stream->pass->name : "pass";
+	size_t length = strnlen(given, sizeof device->lists[list].name - 1);
+	memcpy(name, given, length);
+	name[length] = '\0';
 	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .color_count = 1, .draws = list};
 }
 

@@ -296,9 +296,15 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 	if (!choice)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of shading");
 	stilb_result result = STILB_OK;
-	for (uint32_t v = 0; v < RENDER_SURFACES * RENDER_DETAIL_KINDS && result == STILB_OK; v++)
-		if ((kinds >> v / RENDER_SURFACES & 1u) != 0 && (surfaces >> v % RENDER_SURFACES & 1u) != 0)
-			result = choice_make(device, choice, v / RENDER_SURFACES, (render_surface)(v % RENDER_SURFACES));
+	uint32_t ready = atomic_load_explicit(&choice->ready, memory_order_acquire); /* see ready */
+	for (uint32_t v = 0; v < RENDER_SURFACES * RENDER_DETAIL_KINDS && result == STILB_OK; v++) {
+		bool wants = (kinds >> v / RENDER_SURFACES & 1u) != 0 && (surfaces >> v % RENDER_SURFACES & 1u) != 0;
+		if (!wants || (ready >> v & 1u) != 0)
+			continue;
+		result = choice_make(device, choice, v / RENDER_SURFACES, (render_surface)(v % RENDER_SURFACES));
+		if (result == STILB_OK)
+			atomic_fetch_or_explicit(&choice->ready, 1u << v, memory_order_release); /* see ready */
+	}
 	return result;
 }
 
