@@ -19,7 +19,7 @@ typedef enum record_kind {
 /* The way in which a draw refers to its material. */
 typedef enum record_materials {
 	RECORD_INDEX,    /* an index in the draw's row, the data of the draw that the shader reads */
-	RECORD_BIND,     /* a descriptor set bound for each draw */
+	RECORD_BIND,     /* a material bound for each draw */
 	RECORD_PIPELINE, /* two pipelines that alternate */
 } record_materials;
 
@@ -53,7 +53,7 @@ typedef struct record_case {
 	X("frame-2", "cull + record + replay of 20,000 draws, null device, 2 threads", FRAME, .models = RECORD_MODELS,     \
 	  .threads = 2)                                                                                                    \
 	X("picture", "frames of 20,000 draws on lavapipe, 640x360", PICTURE, .models = RECORD_MODELS, .threads = 2)        \
-	X("picture-bind", "frames of 20,000 draws on lavapipe, a descriptor set bound for each draw", PICTURE,             \
+	X("picture-bind", "frames of 20,000 draws on lavapipe, a material bound for each draw", PICTURE,                   \
 	  .models = RECORD_MODELS, .threads = 2, .materials = RECORD_BIND)                                                 \
 	X("picture-pipeline", "frames of 20,000 draws on lavapipe, two pipelines alternating", PICTURE,                    \
 	  .models = RECORD_MODELS, .threads = 2, .materials = RECORD_PIPELINE)

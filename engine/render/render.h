@@ -418,18 +418,18 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
                                  const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
                                  uint32_t worker);
 
-/* Shows the replayed picture in the window, or without one copies it to memory. An outdated or minimised window is no
- * error: the frame is then not shown. STILB_ERROR_WINDOW: the window or its display has gone; later pictures are copied
- * to memory until stilb_render_set_surface gives another one. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE,
- * STILB_ERROR_DEVICE_LOST. [main-thread] */
+/* Shows the replayed picture in the window; without one it does nothing. An outdated or minimised window is no error:
+ * the frame is then not shown. STILB_ERROR_WINDOW: the window or its display has gone; later pictures are not shown
+ * until stilb_render_set_surface gives another one. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST.
+ * [main-thread] */
 stilb_result stilb_render_present(stilb_render *render);
 
 /* From the next stilb_render_present on pictures are shown in this window instead of the one before, which may be lost,
- * have been closed or be the same; NULL: they are copied to memory. The old surface is destroyed, so call it with NULL
+ * have been closed or be the same; NULL: they are not shown. The old surface is destroyed, so call it with NULL
  * before the old window closes. The presentation that desc asks for is tried again. Scene and last picture stay.
  * Between frames. STILB_ERROR_WINDOW: the renderer was created without a surface, or this GPU cannot present to this
- * window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window cannot be used now. After these pictures are copied to
- * memory, and the call may be made again. STILB_ERROR_DEVICE_LOST. [main-thread] */
+ * window. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE: the window cannot be used now. After these pictures are not shown,
+ * and the call may be made again. STILB_ERROR_DEVICE_LOST. [main-thread] */
 stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surface *surface);
 
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
@@ -519,8 +519,8 @@ typedef struct stilb_render_shown {
 	float low, high; /* the values that are black and white, linearly in between; both 0: 0 and 1 */
 } stilb_render_shown;
 
-/* From the next replay on; NULL: frames show the picture. An image that a frame has not, or has only later, or that is
- * not 2D is an error of the frame, which names those that there are. [main-thread] */
+/* From the next replay on, in frames with a scene pass; NULL: frames show the picture. An image that a frame has not,
+ * or has only later, or that is not 2D is an error of the frame, which names those that there are. [main-thread] */
 void stilb_render_show_image(stilb_render *render, const stilb_render_shown *shown);
 
 /* The device, for programs, buffers and images of one's own: destroy them before the renderer. Frames are render's to

@@ -293,7 +293,7 @@ static inline uint64_t render_state_of_detail(uint32_t kind)
 typedef enum render_bind {
 	RENDER_BIND_PIPELINE = 1,
 	RENDER_BIND_BUFFERS = 2,
-	RENDER_BIND_MATERIAL = 4, /* the descriptor sets of the material and of its texture */
+	RENDER_BIND_MATERIAL = 4, /* the material, and its texture */
 	RENDER_BIND_INDICES = 8,  /* of a scene pass: the other heap of indices */
 } render_bind;
 

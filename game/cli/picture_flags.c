@@ -203,7 +203,9 @@ static bool picture_check_show(const picture_flags *p)
 		stilb_log("--show: '%s' is no IMAGE:MIP or IMAGE:MIP:LAYER; give numbers from 0 on", p->show);
 		return false;
 	}
-	if (p->show_range && !p->show) {
+	stilb_render_show kind;
+	picture_shown image;
+	if (p->show_range && !picture_flags_show(p, &kind, &image)) {
 		stilb_log("--show-range is of an image; name one with --show");
 		return false;
 	}

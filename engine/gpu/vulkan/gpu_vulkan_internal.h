@@ -2,8 +2,8 @@
  * The Vulkan device, version 1.3: dynamic rendering, synchronization2, timeline semaphores, buffer addresses.
  *
  * There are two frame slots. A slot owns the command buffers of a frame, and is reused when the timeline semaphore says
- * that the GPU is done with it. A frame makes two submissions: `draw` (what is drawn) and `show` (the picture to the
- * window or to memory). All frames follow each other on one queue, and barriers order them.
+ * that the GPU is done with it. A frame makes two submissions: `draw` (what is drawn) and, in a window, `show` (the
+ * picture to it). All frames follow each other on one queue, and barriers order them.
  */
 #ifndef STILB_GPU_VULKAN_INTERNAL_H
 #define STILB_GPU_VULKAN_INTERNAL_H
@@ -161,7 +161,7 @@ typedef struct gpu_vulkan {
 	bool presents;                       /* created with a surface: another one can take its place */
 	stilb_gpu_presentation presentation; /* of this surface; as asked for, or FIFO */
 	stilb_gpu_presentation asked;        /* as asked for */
-	bool surface_lost;                   /* the window or its display has gone: pictures are copied to memory */
+	bool surface_lost;                   /* the window or its display has gone: pictures are not shown */
 	VkPhysicalDevice physical;
 	VkPhysicalDeviceProperties properties;
 	VkPhysicalDeviceMemoryProperties memory;

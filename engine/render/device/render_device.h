@@ -108,9 +108,8 @@ typedef enum render_formula {
 typedef struct render_formula_programs {
 	uint32_t formulas[RENDER_FORMULAS];
 	stilb_gpu_program programs[RENDER_PROGRAM_KINDS][RENDER_SURFACES][RENDER_DRAWN_KINDS];
-	_Atomic uint32_t
-		ready; /* bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire
-	                           by who then needs them */
+	/* Bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire by who needs them. */
+	_Atomic uint32_t ready;
 } render_formula_programs;
 
 typedef struct render_programs {

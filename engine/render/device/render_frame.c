@@ -213,7 +213,7 @@ static void row_constants(stilb_gpu_pass *row, const void *constants, size_t byt
 	row->constant_bytes = (uint8_t)bytes;
 }
 
-/* A fullscreen pass that samples `from`, if that is not 0, and writes every pixel of `to`. */
+/* A fullscreen pass that samples `from` and writes every pixel of `to`. */
 static void frame_screen(render_device *device, const char *name, stilb_gpu_program program, uint16_t from, uint16_t to,
                          const render_tone_push *push)
 {
@@ -410,12 +410,14 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 		if (result != STILB_OK || device->gpu->keep_back)
 			stilb_gpu_plan_dropped(device->plan);
 	}
+	if (result != STILB_OK)
+		return result;
 	stilb_gpu_stats stats = stilb_gpu_stats_get(device->gpu);
 	device->stats.draw_commands += stats.draw_commands;
 	device->stats.indirect_commands += stats.indirect_commands;
 	device->stats.execute_commands += stats.execute_commands;
 	device->stats.binds_sent += stats.binds;
-	device->drawn = result == STILB_OK && !device->gpu->keep_back;
+	device->drawn = !device->gpu->keep_back;
 	device->lit = device->drawn && frame->scene;
-	return result;
+	return STILB_OK;
 }

@@ -1,6 +1,6 @@
 /*
- * The images that passes share, by name: what each holds, in which space and unit, and who writes it. Both C and GLSL
- * include this file; a program's own passes find them by these names (stilb_gpu_plan_find).
+ * The images that passes share, by name: what each holds, in which space and unit, and who writes it. A program's own
+ * passes find them by these names (stilb_gpu_plan_find).
  *
  * Sizes are the picture's unless a row says another. Positions and directions are in the world, distances in metres,
  * radiance in W sr^-1 m^-2.
@@ -19,7 +19,7 @@
 /* What is shown: rgba8_srgb, or with output linear rgba16_f. Written by the tone map and 2D passes. */
 #define STILB_RENDER_IMAGE_PICTURE "picture"
 
-/* Named by the passes that will write them. */
+/* Reserved: nothing writes these yet. */
 #define STILB_RENDER_IMAGE_NORMAL "normal"         /* rg16_s: the shading normal, octahedral */
 #define STILB_RENDER_IMAGE_VELOCITY "velocity"     /* rg16_f: pixels from this frame's place to the last one's */
 #define STILB_RENDER_IMAGE_ID "id"                 /* r32_ui: model + 1; 0: none */
