@@ -39,9 +39,9 @@ static void open_all(uint32_t count)
 		stilb_gpu_program program;
 		stilb_gpu_program_desc desc = {.name = "none", .samplers = (uint8_t)(p / 2 % 3), .storage_images = compute};
 		if (compute)
-			desc.compute = (stilb_gpu_shader){none_comp, sizeof none_comp};
+			desc.compute = (stilb_gpu_shader){.words = none_comp, .bytes = sizeof none_comp};
 		else
-			desc.fragment = (stilb_gpu_shader){none_frag, sizeof none_frag};
+			desc.fragment = (stilb_gpu_shader){.words = none_frag, .bytes = sizeof none_frag};
 		check(stilb_gpu_program_create(gpu, &desc, &program));
 		programs[compute][p / 2 % 3][p % 2] = program.id;
 	}

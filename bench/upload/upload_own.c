@@ -296,7 +296,9 @@ static void run_stream(double seconds, uint32_t bytes)
 	pthread_t thread;
 	stilb_gpu_program program;
 	check(stilb_gpu_program_create(
-		gpu, &(stilb_gpu_program_desc){.name = "blur", .fragment = {blur_frag, sizeof blur_frag}, .samplers = 1},
+		gpu,
+		&(stilb_gpu_program_desc){
+			.name = "blur", .fragment = {.words = blur_frag, .bytes = sizeof blur_frag}, .samplers = 1},
 		&program));
 	for (uint32_t i = 0; i < STREAM_IMAGES; i++)
 		s.images[i] = make_image(side_of(bytes));

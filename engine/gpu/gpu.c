@@ -20,6 +20,10 @@ stilb_result gpu_start(stilb_gpu *gpu, const stilb_gpu_desc *desc)
 	for (int kind = 0; kind < GPU_KINDS; kind++)
 		gpu->tables[kind].element = entry_sizes[kind];
 	gpu->lock_made = stilb_lock_init(&gpu->lock);
+	if (gpu->lock_made && !stilb_lock_init(&gpu->replacing)) {
+		stilb_lock_finish(&gpu->lock);
+		gpu->lock_made = false;
+	}
 	if (!gpu->lock_made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the device's lock");
 	stilb_result result =
@@ -31,32 +35,6 @@ stilb_result gpu_start(stilb_gpu *gpu, const stilb_gpu_desc *desc)
 	return result;
 }
 
-static void program_forget(gpu_program *program)
-{
-	for (int w = 0; w < 3; w++)
-		free(program->words[w]);
-}
-
-static void entry_free(stilb_gpu *gpu, gpu_kind kind, void *entry)
-{
-	switch (kind) {
-	case GPU_BUFFER:
-		gpu->functions->buffer_free(gpu, entry);
-		break;
-	case GPU_IMAGE:
-		gpu->functions->image_free(gpu, entry);
-		free(((gpu_image *)entry)->layouts);
-		break;
-	case GPU_SET:
-		gpu->functions->set_free(gpu, entry);
-		break;
-	default:
-		gpu->functions->program_free(gpu, entry);
-		program_forget(entry);
-		break;
-	}
-}
-
 void gpu_clear(stilb_gpu *gpu)
 {
 	/* Sets first: they hold views of images. */
@@ -66,7 +44,7 @@ void gpu_clear(stilb_gpu *gpu)
 		for (uint32_t i = 0; i < table->count; i++) {
 			void *entry = gpu_table_at(table, i);
 			if (entry)
-				entry_free(gpu, order[k], entry);
+				gpu_entry_free(gpu, order[k], entry);
 		}
 		gpu_table_finish(table);
 	}
@@ -81,12 +59,15 @@ void gpu_clear(stilb_gpu *gpu)
 
 void gpu_finish(stilb_gpu *gpu)
 {
+	gpu_sources_finish(gpu);
 	free(gpu->retired);
 	free(gpu->sites);
 	gpu->retired = NULL;
 	gpu->sites = NULL;
-	if (gpu->lock_made)
+	if (gpu->lock_made) {
 		stilb_lock_finish(&gpu->lock);
+		stilb_lock_finish(&gpu->replacing);
+	}
 	gpu->lock_made = false;
 }
 
@@ -131,77 +112,6 @@ stilb_gpu_memory_report stilb_gpu_memory_measure(stilb_gpu *gpu)
 
 /* ---- what is made and destroyed ---------------------------------------------------------------------------------- */
 
-static void name_copy(char to[GPU_NAME], const char *name)
-{
-	snprintf(to, GPU_NAME, "%s", name ? name : "");
-}
-
-static void *entry_add(stilb_gpu *gpu, gpu_kind kind, uint64_t *id)
-{
-	stilb_lock_take(&gpu->lock);
-	void *entry = gpu_table_add(&gpu->tables[kind], kind == GPU_SET || kind == GPU_PROGRAM ? 32 : 52, id);
-	stilb_lock_give(&gpu->lock);
-	if (!entry)
-		stilb_fail(STILB_ERROR_MEMORY, "no memory for one more resource of the device, or there are 2^20 already");
-	return entry;
-}
-
-static uint32_t id_index(uint64_t id)
-{
-	return (uint32_t)(id & ((1u << GPU_INDEX_BITS) - 1)) - 1;
-}
-
-/* Ends an entry that could not be made. */
-static void entry_drop(stilb_gpu *gpu, gpu_kind kind, void *entry, uint64_t id)
-{
-	stilb_lock_take(&gpu->lock);
-	gpu_table_drop(&gpu->tables[kind], entry, id_index(id));
-	stilb_lock_give(&gpu->lock);
-}
-
-/* Destroys what an id names once no frame can use it. Without memory for the list it stays until the device ends. */
-static void entry_retire(stilb_gpu *gpu, gpu_kind kind, uint64_t id)
-{
-	if (id == 0)
-		return;
-	stilb_lock_take(&gpu->lock);
-	void *entry = gpu_table_get(&gpu->tables[kind], id);
-	STILB_ASSERT(entry && "it was created and not destroyed");
-	if (entry && gpu->retired_count == gpu->retired_capacity) {
-		uint32_t larger = gpu->retired_capacity ? 2 * gpu->retired_capacity : 64;
-		gpu_retired *grown = realloc(gpu->retired, larger * sizeof *grown);
-		if (grown) {
-			gpu->retired = grown;
-			gpu->retired_capacity = larger;
-		}
-	}
-	if (entry) {
-		gpu_table_hide(&gpu->tables[kind], entry);
-		if (gpu->retired_count < gpu->retired_capacity)
-			gpu->retired[gpu->retired_count++] = (gpu_retired){kind, id_index(id), gpu->frame};
-	}
-	stilb_lock_give(&gpu->lock);
-}
-
-/* Frees what was destroyed before the frame `done` began. */
-static void retired_free(stilb_gpu *gpu, uint64_t done)
-{
-	stilb_lock_take(&gpu->lock);
-	uint32_t kept = 0;
-	for (uint32_t r = 0; r < gpu->retired_count; r++) {
-		gpu_retired item = gpu->retired[r];
-		if (item.frame > done) {
-			gpu->retired[kept++] = item;
-			continue;
-		}
-		void *entry = gpu_table_at(&gpu->tables[item.kind], item.index);
-		entry_free(gpu, item.kind, entry);
-		gpu_table_drop(&gpu->tables[item.kind], entry, item.index);
-	}
-	gpu->retired_count = kept;
-	stilb_lock_give(&gpu->lock);
-}
-
 stilb_result stilb_gpu_buffer_create(stilb_gpu *gpu, const stilb_gpu_buffer_desc *desc, stilb_gpu_buffer *out)
 {
 	STILB_ASSERT(gpu && desc && out);
@@ -210,10 +120,10 @@ stilb_result stilb_gpu_buffer_create(stilb_gpu *gpu, const stilb_gpu_buffer_desc
 	if (result != STILB_OK)
 		return result;
 	uint64_t id;
-	gpu_buffer *buffer = entry_add(gpu, GPU_BUFFER, &id);
+	gpu_buffer *buffer = gpu_entry_add(gpu, GPU_BUFFER, &id);
 	if (!buffer)
 		return STILB_ERROR_MEMORY;
-	name_copy(buffer->name, desc->name);
+	gpu_name_copy(buffer->name, desc->name);
 	buffer->bytes = desc->bytes;
 	buffer->memory = desc->memory;
 	buffer->uses = desc->uses;
@@ -221,13 +131,13 @@ stilb_result stilb_gpu_buffer_create(stilb_gpu *gpu, const stilb_gpu_buffer_desc
 	if (result == STILB_OK)
 		out->id = id;
 	else
-		entry_drop(gpu, GPU_BUFFER, buffer, id);
+		gpu_entry_drop(gpu, GPU_BUFFER, buffer, id);
 	return result;
 }
 
 void stilb_gpu_buffer_destroy(stilb_gpu *gpu, stilb_gpu_buffer buffer)
 {
-	entry_retire(gpu, GPU_BUFFER, buffer.id);
+	gpu_entry_retire(gpu, GPU_BUFFER, buffer.id);
 }
 
 void *stilb_gpu_buffer_mapped(stilb_gpu *gpu, stilb_gpu_buffer buffer)
@@ -252,10 +162,10 @@ stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *
 	if (result != STILB_OK)
 		return result;
 	uint64_t id;
-	gpu_image *image = entry_add(gpu, GPU_IMAGE, &id);
+	gpu_image *image = gpu_entry_add(gpu, GPU_IMAGE, &id);
 	if (!image)
 		return STILB_ERROR_MEMORY;
-	name_copy(image->name, desc->name);
+	gpu_name_copy(image->name, desc->name);
 	image->extent = desc->extent;
 	image->layouts = calloc((size_t)desc->extent.layers * desc->extent.mips, sizeof *image->layouts);
 	result = image->layouts ? gpu->functions->image_make(gpu, image)
@@ -264,14 +174,14 @@ stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *
 		out->id = id;
 	else {
 		free(image->layouts);
-		entry_drop(gpu, GPU_IMAGE, image, id);
+		gpu_entry_drop(gpu, GPU_IMAGE, image, id);
 	}
 	return result;
 }
 
 void stilb_gpu_image_destroy(stilb_gpu *gpu, stilb_gpu_image image)
 {
-	entry_retire(gpu, GPU_IMAGE, image.id);
+	gpu_entry_retire(gpu, GPU_IMAGE, image.id);
 }
 
 stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc, stilb_gpu_sampler *out)
@@ -330,7 +240,7 @@ stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *item
 			                  gpu->name, stilb_gpu_format_describe(image->extent.format)->name);
 	}
 	uint64_t id;
-	gpu_set *set = entry_add(gpu, GPU_SET, &id);
+	gpu_set *set = gpu_entry_add(gpu, GPU_SET, &id);
 	if (!set)
 		return STILB_ERROR_MEMORY;
 	set->count = count;
@@ -339,66 +249,13 @@ stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *item
 	if (result == STILB_OK)
 		out->id = (uint32_t)id;
 	else
-		entry_drop(gpu, GPU_SET, set, id);
+		gpu_entry_drop(gpu, GPU_SET, set, id);
 	return result;
 }
 
 void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set)
 {
-	entry_retire(gpu, GPU_SET, set.id);
-}
-
-/* Gives a shader words of its own. */
-static bool shader_copy(stilb_gpu_shader *shader, uint32_t **words)
-{
-	if (!shader->words)
-		return true;
-	*words = malloc(shader->bytes);
-	if (*words)
-		memcpy(*words, shader->words, shader->bytes);
-	shader->words = *words;
-	return *words;
-}
-
-stilb_result stilb_gpu_program_create(stilb_gpu *gpu, const stilb_gpu_program_desc *desc, stilb_gpu_program *out)
-{
-	STILB_ASSERT(gpu && desc && out);
-	*out = (stilb_gpu_program){0};
-	stilb_result result = gpu_check_program(gpu, desc);
-	if (result != STILB_OK)
-		return result;
-	uint64_t id;
-	gpu_program *program = entry_add(gpu, GPU_PROGRAM, &id);
-	if (!program)
-		return STILB_ERROR_MEMORY;
-	name_copy(program->name, desc->name);
-	program->desc = *desc;
-	program->desc.name = program->name;
-	bool copied = shader_copy(&program->desc.vertex, &program->words[0]);
-	copied &= shader_copy(&program->desc.fragment, &program->words[1]);
-	copied &= shader_copy(&program->desc.compute, &program->words[2]);
-	result = copied ? gpu->functions->program_make(gpu, program)
-	                : stilb_fail(STILB_ERROR_MEMORY, "no memory for the shaders of program '%s'", program->name);
-	if (result == STILB_OK)
-		out->id = (uint32_t)id;
-	else {
-		program_forget(program);
-		entry_drop(gpu, GPU_PROGRAM, program, id);
-	}
-	return result;
-}
-
-void stilb_gpu_program_destroy(stilb_gpu *gpu, stilb_gpu_program program)
-{
-	entry_retire(gpu, GPU_PROGRAM, program.id);
-}
-
-stilb_result stilb_gpu_program_prepare(stilb_gpu *gpu, stilb_gpu_program program, const stilb_gpu_format *colors,
-                                       uint32_t color_count, stilb_gpu_format depth, uint32_t samples)
-{
-	gpu_program *entry = gpu_program_of(gpu, program.id);
-	STILB_ASSERT(entry && color_count <= STILB_GPU_MAX_COLORS && (colors || color_count == 0) && samples > 0);
-	return gpu->functions->program_prepare(gpu, entry, colors, color_count, depth, samples);
+	gpu_entry_retire(gpu, GPU_SET, set.id);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
@@ -441,10 +298,11 @@ stilb_result stilb_gpu_frame_begin(stilb_gpu *gpu)
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&gpu->lock);
+	gpu_programs_swap(gpu);
 	gpu->frame++;
 	stilb_lock_give(&gpu->lock);
 	uint64_t done = gpu->frame > STILB_GPU_FRAMES ? gpu->frame - STILB_GPU_FRAMES : 0;
-	retired_free(gpu, done);
+	gpu_retired_free(gpu, done);
 	gpu_ring_frame(gpu, done);
 	for (uint32_t r = 0; r < gpu->read_capacity; r++)
 		if (gpu->reads[r].given_up && gpu->reads[r].frame <= done)

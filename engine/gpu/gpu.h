@@ -165,6 +165,8 @@ typedef struct stilb_gpu_program {
 typedef struct stilb_gpu_shader {
 	const uint32_t *words; /* SPIR-V; copied */
 	size_t bytes;
+	const char *source; /* what it was compiled of; copied. stilb_gpu_shaders_replace finds it by this text; NULL: it is
+	                       never replaced */
 } stilb_gpu_shader;
 
 typedef enum stilb_gpu_blend {
@@ -211,7 +213,8 @@ typedef struct stilb_gpu_program_desc {
 	} constants[STILB_GPU_MAX_SPECIALIZATIONS]; /* specialization constants, as bits */
 } stilb_gpu_program_desc;
 
-/* Checks the program against the device's limits and its SPIR-V's bindings against the counts. Pipelines, one for each
+/* Checks the program against the device's limits, and its SPIR-V against the rest of the description: bindings, vertex
+ * inputs, specialization constants, and what its stages hand on. Pipelines, one for each
  * combination of attachment formats and samples, are compiled when a pass first needs them, or by
  * stilb_gpu_program_prepare. [any-thread] */
 stilb_result stilb_gpu_program_create(stilb_gpu *gpu, const stilb_gpu_program_desc *desc, stilb_gpu_program *out);
@@ -219,6 +222,18 @@ void stilb_gpu_program_destroy(stilb_gpu *gpu, stilb_gpu_program program);
 /* Compiles what a pass with these attachments needs, unless it is there. [any-thread] */
 stilb_result stilb_gpu_program_prepare(stilb_gpu *gpu, stilb_gpu_program program, const stilb_gpu_format *colors,
                                        uint32_t color_count, stilb_gpu_format depth, uint32_t samples);
+
+/* Puts shaders in the place of those with the same `source`: in all programs that have one, and in those that will be
+ * created; all of them or none. Each program is checked as by stilb_gpu_program_create, and gets its pipelines here,
+ * one for each combination of attachments that it has been used with. Programs keep their ids. All have the new shaders
+ * from one frame on: the next that begins while no stilb_gpu_program_prepare of one of them runs. What they were is
+ * destroyed once no frame can use it. count > 0, and each shader has a source. *programs, unless NULL: how many have
+ * changed. Errors as of stilb_gpu_program_create; nothing has changed then. [any-thread] */
+stilb_result stilb_gpu_shaders_replace(stilb_gpu *gpu, const stilb_gpu_shader *shaders, uint32_t count,
+                                       uint32_t *programs);
+/* The sources of all programs so far, each once, in the order in which they came: number `index`; NULL: there are no
+ * more. Valid as long as the device. [any-thread] */
+const char *stilb_gpu_shader_source(stilb_gpu *gpu, uint32_t index);
 
 /* ---- uploads ------------------------------------------------------------------------------------------------------
  * From any thread into a ring of memory that the device can read, copied on to their places before the passes of the

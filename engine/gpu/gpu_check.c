@@ -132,11 +132,39 @@ stilb_result gpu_check_sampler(const stilb_gpu *gpu, const stilb_gpu_sampler_des
 
 /* ---- programs ---------------------------------------------------------------------------------------------------- */
 
+/* What a vertex shader reads lies in vertices, and what a fragment shader reads comes from the stage before it. */
+static stilb_result check_stages(const stilb_gpu_program_desc *desc, const gpu_spirv *vertex, const gpu_spirv *fragment)
+{
+	const char *name = desc->name ? desc->name : "";
+	uint32_t given = 0, integers = 0, written = desc->vertex.words ? vertex->outputs : 1; /* uv of FULLSCREEN passes */
+	for (uint32_t i = 0; i < desc->input_count; i++) {
+		stilb_gpu_format format = (stilb_gpu_format)desc->inputs[i].format;
+		uint32_t bit = desc->inputs[i].location < 32 ? 1u << desc->inputs[i].location : 0;
+		given |= bit;
+		integers |= stilb_gpu_format_describe(format)->kind == STILB_GPU_FORMAT_INTEGER ? bit : 0;
+	}
+	uint32_t missing = vertex->inputs & ~given, other = (vertex->integer_inputs ^ integers) & vertex->inputs;
+	if (missing != 0)
+		return FAIL("program '%s': its vertex shader reads location %u, which its vertices do not have", name,
+		            (unsigned)__builtin_ctz(missing));
+	if (other != 0)
+		return FAIL("program '%s': location %u is %s in its vertex shader, and not in its vertices", name,
+		            (unsigned)__builtin_ctz(other),
+		            vertex->integer_inputs >> __builtin_ctz(other) & 1 ? "an integer" : "a float");
+	missing = fragment->inputs & ~written;
+	if (missing != 0)
+		return FAIL("program '%s': its fragment shader reads location %u, which %s", name,
+		            (unsigned)__builtin_ctz(missing),
+		            desc->vertex.words ? "its vertex shader does not write" : "programs without a vertex shader lack");
+	return STILB_OK;
+}
+
 static stilb_result check_shader(const stilb_gpu *gpu, const stilb_gpu_program_desc *desc, const char *stage,
-                                 const stilb_gpu_shader *shader)
+                                 const stilb_gpu_shader *shader, gpu_spirv *out)
 {
 	gpu_spirv found;
 	const char *name = desc->name ? desc->name : "";
+	*out = (gpu_spirv){0};
 	if (!gpu_spirv_read(shader, &found))
 		return FAIL("program '%s': its %s shader is no SPIR-V; compile it with glslc", name, stage);
 	if (found.no_memory)
@@ -167,6 +195,11 @@ static stilb_result check_shader(const stilb_gpu *gpu, const stilb_gpu_program_d
 	if (invocations > gpu->limits.group_invocations)
 		return FAIL("program '%s': a work group of %llu invocations: '%s' has up to %u; make it smaller", name,
 		            (unsigned long long)invocations, gpu->name, gpu->limits.group_invocations);
+	for (uint32_t c = 0; c < desc->constant_count && found.wide_constant > 0; c++)
+		if (desc->constants[c].id == found.wide_constant - 1)
+			return FAIL("program '%s': specialization constant %u of its %s shader has not 32 bits", name,
+			            desc->constants[c].id, stage);
+	*out = found;
 	return STILB_OK;
 }
 
@@ -202,11 +235,14 @@ stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_des
 			return FAIL("program '%s': vertex input %u lies outside of the %u bytes of a vertex", name,
 			            desc->inputs[i].location, desc->vertex_bytes);
 	stilb_result result = STILB_OK;
+	gpu_spirv vertex = {0}, fragment = {0};
 	if (compute)
-		return check_shader(gpu, desc, "compute", &desc->compute);
+		return check_shader(gpu, desc, "compute", &desc->compute, &fragment);
 	if (desc->vertex.words)
-		result = check_shader(gpu, desc, "vertex", &desc->vertex);
-	return result == STILB_OK && desc->fragment.words ? check_shader(gpu, desc, "fragment", &desc->fragment) : result;
+		result = check_shader(gpu, desc, "vertex", &desc->vertex, &vertex);
+	if (result == STILB_OK && desc->fragment.words)
+		result = check_shader(gpu, desc, "fragment", &desc->fragment, &fragment);
+	return result == STILB_OK ? check_stages(desc, &vertex, &fragment) : result;
 }
 
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */

@@ -78,13 +78,32 @@ typedef struct gpu_set {
 	void *own;
 } gpu_set;
 
+/* The source of shaders (stilb_gpu_shader.source), known from the first program on that has one. Guarded by the
+ * lock. */
+typedef struct gpu_source {
+	char *text;
+	stilb_gpu_shader code; /* what took the place of the programs' own; words NULL: nothing did */
+	uint32_t version;      /* of it: how often it was replaced */
+} gpu_source;
+
+enum { GPU_STAGE_VERTEX, GPU_STAGE_FRAGMENT, GPU_STAGE_COMPUTE, GPU_STAGES };
+
 typedef struct gpu_program {
 	gpu_entry entry;
 	char name[GPU_NAME];
-	stilb_gpu_program_desc desc;
-	uint32_t *words[3]; /* those of its shaders: its own */
+	stilb_gpu_program_desc desc;       /* its shaders' words say only that there is one: `code` has them */
+	stilb_gpu_shader code[GPU_STAGES]; /* words are its own */
+	gpu_source *sources[GPU_STAGES];   /* NULL: it is never replaced */
+	uint32_t versions[GPU_STAGES];     /* of the sources, that it was made of */
+	/* Guarded by the lock: threads that compile its pipelines outside of frames, so that it is neither swapped nor
+	 * freed; and whether it is made and of a source, so that stilb_gpu_shaders_replace finds it. */
+	uint32_t pins;
+	bool named;
 	void *own;
 } gpu_program;
+
+/* A program that will take another's place: gpu_program.c. */
+typedef struct gpu_successor gpu_successor;
 
 typedef enum gpu_kind { GPU_BUFFER, GPU_IMAGE, GPU_SET, GPU_PROGRAM, GPU_KINDS } gpu_kind;
 
@@ -164,6 +183,9 @@ typedef struct gpu_functions {
 	void (*program_free)(stilb_gpu *gpu, gpu_program *program);
 	stilb_result (*program_prepare)(stilb_gpu *gpu, gpu_program *program, const stilb_gpu_format *colors,
 	                                uint32_t color_count, stilb_gpu_format depth, uint32_t samples);
+	/* `to` is to have each pipeline that `from` has; program_compile makes them. The caller holds the lock. */
+	stilb_result (*program_follow)(stilb_gpu *gpu, const gpu_program *from, gpu_program *to);
+	stilb_result (*program_compile)(stilb_gpu *gpu, gpu_program *program);
 	/* Waits for the frame before the last. */
 	stilb_result (*begin)(stilb_gpu *gpu);
 	/* uploads: those to copy first, in order. */
@@ -212,6 +234,10 @@ struct stilb_gpu {
 	gpu_table tables[GPU_KINDS];
 	gpu_retired *retired; /* [retired_capacity] */
 	uint32_t retired_count, retired_capacity;
+	gpu_source **sources;      /* [source_count] each stays where it is */
+	gpu_successor *successors; /* [successor_count] wait for the next frame */
+	uint32_t source_count, successor_count;
+	stilb_lock replacing; /* held by stilb_gpu_shaders_replace, and taken before `lock` */
 	stilb_gpu_sampler_desc samplers[GPU_MAX_SAMPLERS];
 	_Atomic uint32_t sampler_count; /* release with the sampler made, acquire by who looks one up without the lock */
 	gpu_ring ring;
@@ -219,6 +245,33 @@ struct stilb_gpu {
 	uint32_t read_capacity;
 	uint64_t last_ticket;
 };
+
+/* ---- entries/gpu_entry.c, gpu_program.c -------------------------------------------------------------------------- */
+
+/* Copies a name, cut to its place; NULL: "". */
+void gpu_name_copy(char to[GPU_NAME], const char *name);
+/* A new entry. NULL: an error of memory. */
+void *gpu_entry_add(stilb_gpu *gpu, gpu_kind kind, uint64_t *id);
+/* Ends an entry that could not be made. */
+void gpu_entry_drop(stilb_gpu *gpu, gpu_kind kind, void *entry, uint64_t id);
+/* Destroys what an id names, or 0, once no frame can use it. Without memory for the list it stays until the device
+ * ends. */
+void gpu_entry_retire(stilb_gpu *gpu, gpu_kind kind, uint64_t id);
+/* The same of an entry that is hidden already. The caller holds the lock. */
+void gpu_entry_retire_hidden(stilb_gpu *gpu, gpu_kind kind, uint32_t index);
+/* Frees what an entry has on the device. */
+void gpu_entry_free(stilb_gpu *gpu, gpu_kind kind, void *entry);
+/* Frees what was destroyed before the frame `done` began. */
+void gpu_retired_free(stilb_gpu *gpu, uint64_t done);
+static inline uint32_t gpu_entry_index(uint64_t id)
+{
+	return (uint32_t)(id & ((1u << GPU_INDEX_BITS) - 1)) - 1;
+}
+/* Frees the code of its shaders. */
+void gpu_program_forget(gpu_program *program);
+/* Puts programs with other shaders in their place, for the frame that begins. The caller holds the lock. */
+void gpu_programs_swap(stilb_gpu *gpu);
+void gpu_sources_finish(stilb_gpu *gpu);
 
 /* The profiler's site of step number `step`, for its pass's name; looking a name up takes a lock. */
 const stilb_prof_site *gpu_step_site(stilb_gpu *gpu, uint32_t step, const char *name);
@@ -337,13 +390,16 @@ uint64_t gpu_mip_bytes(const stilb_gpu_extent *extent, uint32_t mip);
 
 /* ---- gpu_spirv.c ------------------------------------------------------------------------------------------------- */
 
-/* Which bindings a shader has: bits of bindings 0..31. */
+/* Which bindings a shader has, and what it is given and hands on: bits of bindings and locations 0..31. */
 typedef struct gpu_spirv {
-	uint32_t sampled, storage; /* of set 0 */
-	uint32_t items;            /* sampled images of set 1 */
-	const char *wrong;         /* what Stilb does not have: a text; NULL: nothing */
-	bool no_memory;            /* to read it */
-	uint32_t group_size[3];    /* of compute shaders; 0: given by specialization constants */
+	uint32_t sampled, storage;       /* of set 0 */
+	uint32_t items;                  /* sampled images of set 1 */
+	uint32_t inputs, integer_inputs; /* what it reads of the stage before it, or of vertices */
+	uint32_t outputs;                /* what it writes for the stage behind it, or attachments */
+	uint32_t wide_constant; /* number + 1 of a specialization constant that has not 32 bits; 0: there is none */
+	const char *wrong;      /* what Stilb does not have: a text; NULL: nothing */
+	bool no_memory;         /* to read it */
+	uint32_t group_size[3]; /* of compute shaders; 0: given by specialization constants */
 } gpu_spirv;
 
 /* False: it is no SPIR-V. */

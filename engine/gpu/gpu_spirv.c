@@ -1,44 +1,112 @@
-/* gpu: what a shader's SPIR-V says of its bindings (Khronos, SPIR-V Specification 1.6, section 3: binary form). */
+/* gpu: what a shader's SPIR-V says of its bindings, of what its stage is given and hands on, and of its constants
+ * (Khronos, SPIR-V Specification 1.6, section 3: binary form). */
 #include "gpu/gpu_internal.h"
 
 #include <stdlib.h>
 
 #define SPIRV_MAGIC 0x07230203u
 #define SPIRV_MOST_IDS (1u << 20)
+#define SPIRV_ADDRESS 8u /* bytes of a buffer's address */
 
 enum {
 	OP_EXECUTION_MODE = 16,
+	OP_TYPE_BOOL = 20,
+	OP_TYPE_INT = 21,
+	OP_TYPE_FLOAT = 22,
+	OP_TYPE_VECTOR = 23,
+	OP_TYPE_MATRIX = 24,
 	OP_TYPE_IMAGE = 25,
 	OP_TYPE_SAMPLED_IMAGE = 27,
 	OP_TYPE_ARRAY = 28,
 	OP_TYPE_RUNTIME_ARRAY = 29,
+	OP_TYPE_STRUCT = 30,
 	OP_TYPE_POINTER = 32,
-	OP_VARIABLE = 59,
+	OP_TYPE_FORWARD_POINTER = 39,
 	OP_CONSTANT = 43,
+	OP_SPEC_CONSTANT_TRUE = 48,
+	OP_SPEC_CONSTANT_FALSE = 49,
+	OP_SPEC_CONSTANT = 50,
+	OP_VARIABLE = 59,
 	OP_DECORATE = 71,
+	OP_MEMBER_DECORATE = 72,
 	OP_EXECUTION_MODE_ID = 331,
 	MODE_LOCAL_SIZE_ID = 38,
 	MODE_LOCAL_SIZE = 17,
+	DECORATION_SPEC_ID = 1,
+	DECORATION_ARRAY_STRIDE = 6,
+	DECORATION_BUILT_IN = 11,
+	DECORATION_LOCATION = 30,
 	DECORATION_BINDING = 33,
 	DECORATION_SET = 34,
+	DECORATION_OFFSET = 35,
 	CLASS_UNIFORM_CONSTANT = 0,
+	CLASS_INPUT = 1,
 	CLASS_UNIFORM = 2,
+	CLASS_OUTPUT = 3,
+	CLASS_PUSH_CONSTANT = 9,
 	CLASS_STORAGE_BUFFER = 12,
 };
 
-typedef enum spirv_kind { SPIRV_OTHER, SPIRV_SAMPLED, SPIRV_STORAGE, SPIRV_ARRAY } spirv_kind;
+typedef enum spirv_kind { SPIRV_OTHER, SPIRV_SAMPLED, SPIRV_STORAGE, SPIRV_ARRAY, SPIRV_STRUCT } spirv_kind;
 
 typedef struct spirv_id {
-	uint8_t kind;     /* spirv_kind of a type */
-	uint32_t set;     /* + 1 of a variable; 0: none */
-	uint32_t binding; /* + 1 */
-	uint32_t points;  /* the type that a pointer points to */
-	uint32_t value;   /* of a constant that is no specialization constant */
+	uint8_t kind;            /* spirv_kind of a type */
+	bool integer;            /* of a type: its scalars are */
+	bool built_in;           /* of a struct: members are built-in variables */
+	uint16_t width;          /* bits of a type's scalars */
+	uint32_t set;            /* + 1 of a variable; 0: none */
+	uint32_t binding;        /* + 1 */
+	uint32_t location;       /* + 1 */
+	uint32_t constant;       /* its number + 1, of a specialization constant */
+	uint32_t points;         /* the type that a pointer points to */
+	uint32_t value;          /* of a constant that is no specialization constant */
+	uint32_t places;         /* locations that a value of the type takes */
+	uint32_t bytes;          /* that it takes in memory, at least */
+	uint32_t stride;         /* of an array */
+	uint32_t member, offset; /* of a struct: its last member in memory, and where that begins */
 } spirv_id;
+
+/* Bits of so many locations. */
+static uint32_t spirv_places(uint32_t first, uint32_t count)
+{
+	return count >= 32 ? UINT32_MAX << first : ((1u << count) - 1) << first;
+}
+
+/* A variable that a stage is given, or that it hands on. */
+static void spirv_interface(const spirv_id *ids, uint32_t type, uint32_t variable, uint32_t class, gpu_spirv *out)
+{
+	const spirv_id *value = &ids[ids[type].points];
+	bool in = class == CLASS_INPUT;
+	if (ids[variable].location == 0) {
+		if (!in && value->kind == SPIRV_STRUCT && !value->built_in)
+			out->outputs = UINT32_MAX; /* members have locations: they are not looked at */
+		return;
+	}
+	uint32_t first = ids[variable].location - 1;
+	if (first >= 32) {
+		out->wrong = "an input or output at a location above 31";
+		return;
+	}
+	uint32_t places = spirv_places(first, in && value->kind == SPIRV_STRUCT ? 0 : value->places);
+	if (in)
+		out->inputs |= places;
+	else
+		out->outputs |= value->kind == SPIRV_STRUCT ? UINT32_MAX : places;
+	if (in && value->integer)
+		out->integer_inputs |= places;
+}
 
 static void spirv_variable(const spirv_id *ids, uint32_t type, uint32_t variable, uint32_t class, gpu_spirv *out)
 {
 	uint32_t set = ids[variable].set, binding = ids[variable].binding;
+	if (class == CLASS_INPUT || class == CLASS_OUTPUT) {
+		spirv_interface(ids, type, variable, class, out);
+		return;
+	}
+	if (class == CLASS_PUSH_CONSTANT && ids[ids[type].points].bytes > STILB_GPU_MAX_CONSTANTS) {
+		out->wrong = "more than 128 bytes of push constants";
+		return;
+	}
 	if (class == CLASS_UNIFORM || class == CLASS_STORAGE_BUFFER) {
 		out->wrong = "a buffer in a set: buffers are read by their addresses";
 		return;
@@ -62,15 +130,139 @@ static void spirv_variable(const spirv_id *ids, uint32_t type, uint32_t variable
 		out->storage |= 1u << (binding - 1);
 }
 
+/* A type of so many of another, which lie this far apart. */
+static void spirv_repeat(spirv_id *ids, uint32_t type, uint32_t of, uint32_t count, uint32_t stride)
+{
+	uint64_t places = (uint64_t)ids[of].places * count,
+			 bytes = ids[of].bytes + (uint64_t)(count - (count > 0)) * stride;
+	ids[type].integer = ids[of].integer;
+	ids[type].width = ids[of].width;
+	ids[type].places = places < 32 ? (uint32_t)places : 32;
+	ids[type].bytes = bytes < UINT32_MAX ? (uint32_t)bytes : UINT32_MAX;
+}
+
+/* The instruction of a type; its words are there, and numbers of other types are below bound. */
+static void spirv_type(const uint32_t *words, uint32_t count, spirv_id *ids)
+{
+	spirv_id *type = &ids[words[1]];
+	switch (words[0] & 0xffffu) {
+	case OP_TYPE_BOOL:
+		type->width = 32;
+		break;
+	case OP_TYPE_INT:
+	case OP_TYPE_FLOAT:
+		type->integer = (words[0] & 0xffffu) == OP_TYPE_INT;
+		type->width = (uint16_t)words[2];
+		type->places = 1;
+		type->bytes = words[2] / 8;
+		break;
+	case OP_TYPE_VECTOR:
+		spirv_repeat(ids, words[1], words[2], words[3], ids[words[2]].bytes);
+		type->places = ids[words[2]].width > 32 && words[3] > 2 ? 2 : 1;
+		break;
+	case OP_TYPE_MATRIX:
+		spirv_repeat(ids, words[1], words[2], words[3], 16);
+		break;
+	case OP_TYPE_ARRAY:
+		spirv_repeat(ids, words[1], words[2], ids[words[3]].value, type->stride);
+		type->kind = SPIRV_ARRAY;
+		break;
+	case OP_TYPE_RUNTIME_ARRAY:
+		type->kind = SPIRV_ARRAY;
+		break;
+	case OP_TYPE_IMAGE:
+		type->kind = words[7] == 2 ? SPIRV_STORAGE : SPIRV_OTHER;
+		break;
+	case OP_TYPE_SAMPLED_IMAGE:
+		type->kind = SPIRV_SAMPLED;
+		break;
+	case OP_TYPE_STRUCT:
+		type->kind = SPIRV_STRUCT;
+		if (type->member + 2 < count)
+			type->bytes = type->offset + ids[words[2 + type->member]].bytes;
+		break;
+	case OP_TYPE_FORWARD_POINTER:
+		type->bytes = SPIRV_ADDRESS;
+		break;
+	default:
+		type->points = words[3];
+		type->bytes = SPIRV_ADDRESS;
+		break;
+	}
+}
+
+static void spirv_decorate(const uint32_t *words, uint32_t count, spirv_id *id)
+{
+	uint32_t value = count >= 4 ? words[3] : 0;
+	switch (count >= 4 ? words[2] : UINT32_MAX) {
+	case DECORATION_BINDING:
+		id->binding = value < 32 ? value + 1 : 33;
+		break;
+	case DECORATION_SET:
+		id->set = value < 2 ? value + 1 : 3;
+		break;
+	case DECORATION_LOCATION:
+		id->location = value < 32 ? value + 1 : 33;
+		break;
+	case DECORATION_SPEC_ID:
+		id->constant = value < UINT32_MAX ? value + 1 : 0;
+		break;
+	case DECORATION_ARRAY_STRIDE:
+		id->stride = value;
+		break;
+	default:
+		break;
+	}
+}
+
+static void spirv_member(const uint32_t *words, uint32_t count, spirv_id *id)
+{
+	id->built_in |= words[3] == DECORATION_BUILT_IN;
+	if (words[3] == DECORATION_OFFSET && count >= 5 && words[4] >= id->offset) {
+		id->offset = words[4] < UINT32_MAX / 2 ? words[4] : UINT32_MAX / 2;
+		id->member = words[2];
+	}
+}
+
+static void spirv_constant(const spirv_id *id, const spirv_id *type, gpu_spirv *out)
+{
+	if (id->constant > 0 && type->width != 32)
+		out->wide_constant = id->constant;
+}
+
+/* Numbers of types are below bound. */
+static bool spirv_types_are_below(const uint32_t *words, uint32_t count, uint32_t op, uint32_t bound)
+{
+	switch (op) {
+	case OP_TYPE_VECTOR:
+	case OP_TYPE_MATRIX:
+		return words[2] < bound;
+	case OP_TYPE_ARRAY:
+		return words[2] < bound && words[3] < bound;
+	case OP_TYPE_POINTER:
+		return words[3] < bound;
+	case OP_TYPE_STRUCT:
+		for (uint32_t m = 2; m < count; m++)
+			if (words[m] >= bound)
+				return false;
+		return true;
+	default:
+		return true;
+	}
+}
+
 /* One instruction of `count` words, at least 1. False: it is broken. */
 static bool spirv_instruction(const uint32_t *words, uint32_t count, spirv_id *ids, uint32_t bound,
                               uint32_t size_ids[3], gpu_spirv *out)
 {
 	uint32_t op = words[0] & 0xffffu;
 	static const uint8_t least[OP_EXECUTION_MODE_ID + 1] = {
-		[OP_EXECUTION_MODE] = 3,     [OP_TYPE_IMAGE] = 9,        [OP_TYPE_SAMPLED_IMAGE] = 3, [OP_TYPE_ARRAY] = 4,
-		[OP_TYPE_RUNTIME_ARRAY] = 3, [OP_TYPE_POINTER] = 4,      [OP_CONSTANT] = 4,           [OP_VARIABLE] = 4,
-		[OP_DECORATE] = 3,           [OP_EXECUTION_MODE_ID] = 3,
+		[OP_EXECUTION_MODE] = 3,       [OP_TYPE_BOOL] = 2,     [OP_TYPE_INT] = 4,           [OP_TYPE_FLOAT] = 3,
+		[OP_TYPE_VECTOR] = 4,          [OP_TYPE_MATRIX] = 4,   [OP_TYPE_IMAGE] = 9,         [OP_TYPE_SAMPLED_IMAGE] = 3,
+		[OP_TYPE_FORWARD_POINTER] = 3, [OP_TYPE_ARRAY] = 4,    [OP_TYPE_RUNTIME_ARRAY] = 3, [OP_TYPE_STRUCT] = 2,
+		[OP_TYPE_POINTER] = 4,         [OP_CONSTANT] = 4,      [OP_SPEC_CONSTANT_TRUE] = 3, [OP_VARIABLE] = 4,
+		[OP_SPEC_CONSTANT_FALSE] = 3,  [OP_SPEC_CONSTANT] = 4, [OP_DECORATE] = 3,           [OP_MEMBER_DECORATE] = 4,
+		[OP_EXECUTION_MODE_ID] = 3,
 	};
 	uint32_t needed = op < sizeof least ? least[op] : 0;
 	if (needed == 0)
@@ -90,29 +282,27 @@ static bool spirv_instruction(const uint32_t *words, uint32_t count, spirv_id *i
 		if (words[2] < bound)
 			ids[words[2]].value = words[3];
 		return words[2] < bound;
-	case OP_TYPE_IMAGE:
-		ids[words[1]].kind = words[7] == 2 ? SPIRV_STORAGE : SPIRV_OTHER;
-		return true;
-	case OP_TYPE_SAMPLED_IMAGE:
-		ids[words[1]].kind = SPIRV_SAMPLED;
-		return true;
-	case OP_TYPE_ARRAY:
-	case OP_TYPE_RUNTIME_ARRAY:
-		ids[words[1]].kind = SPIRV_ARRAY;
-		return true;
-	case OP_TYPE_POINTER:
-		ids[words[1]].points = words[3] < bound ? words[3] : 0;
-		return true;
+	case OP_SPEC_CONSTANT:
+	case OP_SPEC_CONSTANT_TRUE:
+	case OP_SPEC_CONSTANT_FALSE:
+		if (words[2] < bound)
+			spirv_constant(&ids[words[2]], &ids[words[1]], out);
+		return words[2] < bound;
 	case OP_DECORATE:
-		if (count >= 4 && words[2] == DECORATION_BINDING)
-			ids[words[1]].binding = words[3] < 32 ? words[3] + 1 : 33;
-		if (count >= 4 && words[2] == DECORATION_SET)
-			ids[words[1]].set = words[3] < 2 ? words[3] + 1 : 3;
+		spirv_decorate(words, count, &ids[words[1]]);
 		return true;
-	default:
+	case OP_MEMBER_DECORATE:
+		spirv_member(words, count, &ids[words[1]]);
+		return true;
+	case OP_VARIABLE:
 		if (words[2] >= bound)
 			return false;
 		spirv_variable(ids, words[1], words[2], words[3], out);
+		return true;
+	default:
+		if (!spirv_types_are_below(words, count, op, bound))
+			return false;
+		spirv_type(words, count, ids);
 		return true;
 	}
 }

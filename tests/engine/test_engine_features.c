@@ -146,10 +146,11 @@ static stilb_result add_meter(void *user, stilb_gpu_plan *plan, uint16_t *image)
 static void make_programs(stilb_engine *engine, stages *s)
 {
 	stilb_gpu *gpu = stilb_engine_gpu(engine);
-	stilb_gpu_program_desc photograph = {
-		.name = "photograph", .fragment = {photograph_shader, sizeof photograph_shader}, .samplers = 1};
+	stilb_gpu_program_desc photograph = {.name = "photograph",
+	                                     .fragment = {.words = photograph_shader, .bytes = sizeof photograph_shader},
+	                                     .samplers = 1};
 	stilb_gpu_program_desc meter = {
-		.name = "light meter", .compute = {meter_shader, sizeof meter_shader}, .samplers = 1};
+		.name = "light meter", .compute = {.words = meter_shader, .bytes = sizeof meter_shader}, .samplers = 1};
 	*s = (stages){.format = STILB_GPU_RGBA16_F};
 	if (stilb_gpu_program_create(gpu, &photograph, &s->photograph) != STILB_OK ||
 	    stilb_gpu_program_create(gpu, &meter, &s->meter) != STILB_OK)

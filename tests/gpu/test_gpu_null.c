@@ -26,9 +26,9 @@ static const uint32_t mix_comp[] =
 #include "mix.comp.inc"
 	;
 
-#define SHADER(words)                                                                                                  \
+#define SHADER(code)                                                                                                   \
 	{                                                                                                                  \
-		words, sizeof words                                                                                            \
+		.words = code, .bytes = sizeof code                                                                            \
 	}
 
 static stilb_gpu *gpu;
@@ -141,7 +141,7 @@ static void programs_that_cannot_be(void **state)
 		STILB_OK);
 	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(mix_comp), .samplers = 3}), "binding 2 of set 0");
 	assert_says(program_of((stilb_gpu_program_desc){.compute = SHADER(nonsense)}), "no SPIR-V");
-	stilb_gpu_shader broken = {cut, sizeof cut};
+	stilb_gpu_shader broken = {.words = cut, .bytes = sizeof cut};
 	cut[5] = 0; /* an instruction of no words */
 	assert_says(program_of((stilb_gpu_program_desc){.compute = broken, .samplers = 1}), "no SPIR-V");
 	assert_says(program_of((stilb_gpu_program_desc){0}), "no shader");
@@ -174,7 +174,7 @@ static void damaged_shaders(void **state)
 		memcpy(copy, mix_comp, words * sizeof *copy);
 		copy[stilb_random_u64(seed, 3 * round + 1) % words] =
 			(uint32_t)stilb_random_u64(seed, 3 * round + 2) & 0x1fffff;
-		stilb_gpu_shader shader = {copy, words * sizeof *copy};
+		stilb_gpu_shader shader = {.words = copy, .bytes = words * sizeof *copy};
 		gpu_spirv found;
 		refused += !gpu_spirv_read(&shader, &found);
 		free(copy);

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHADER(words)                                                                                                  \
+#define SHADER(code)                                                                                                   \
 	{                                                                                                                  \
-		words, sizeof words                                                                                            \
+		.words = code, .bytes = sizeof code                                                                            \
 	}
 
 static const uint32_t scene_vert[] =

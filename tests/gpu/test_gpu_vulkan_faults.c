@@ -88,7 +88,8 @@ static void open_all(stilb_gpu_faults faults)
 	}
 	w.plan = stilb_gpu_plan_create();
 	assert_non_null(w.plan);
-	stilb_gpu_program_desc program = {.name = "mix", .fragment = {mix_frag, sizeof mix_frag}, .samplers = 2};
+	stilb_gpu_program_desc program = {
+		.name = "mix", .fragment = {.words = mix_frag, .bytes = sizeof mix_frag}, .samplers = 2};
 	assert_int_equal(stilb_gpu_program_create(w.gpu, &program, &w.mix), STILB_OK);
 	stilb_gpu_image_desc image = {
 		.name = "own",

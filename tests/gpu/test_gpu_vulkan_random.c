@@ -11,9 +11,9 @@
 #include <string.h>
 #include <vulkan/vulkan.h>
 
-#define SHADER(words)                                                                                                  \
+#define SHADER(code)                                                                                                   \
 	{                                                                                                                  \
-		words, sizeof words                                                                                            \
+		.words = code, .bytes = sizeof code                                                                            \
 	}
 
 static const uint32_t flat_frag[] =

@@ -74,7 +74,7 @@ static inline void shade_gpu_start(const uint32_t *words, size_t size)
 		fail_msg("%s", stilb_error_message());
 	shade_gpu.plan = stilb_gpu_plan_create();
 	assert_non_null(shade_gpu.plan);
-	shade_gpu.code = (stilb_gpu_shader){words, size};
+	shade_gpu.code = (stilb_gpu_shader){.words = words, .bytes = size};
 	shade_gpu_fill_inputs();
 }
 

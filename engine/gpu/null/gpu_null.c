@@ -135,6 +135,18 @@ static stilb_result null_program_prepare(stilb_gpu *gpu, gpu_program *program, c
 	return STILB_OK;
 }
 
+static stilb_result null_program_follow(stilb_gpu *gpu, const gpu_program *from, gpu_program *to)
+{
+	(void)gpu, (void)from, (void)to;
+	return STILB_OK;
+}
+
+static stilb_result null_program_compile(stilb_gpu *gpu, gpu_program *program)
+{
+	(void)gpu, (void)program;
+	return STILB_OK;
+}
+
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static stilb_result null_begin(stilb_gpu *gpu)
@@ -395,6 +407,8 @@ stilb_result gpu_null_create(const stilb_gpu_desc *desc, stilb_gpu **out)
 		.program_make = null_program_make,
 		.program_free = null_program_free,
 		.program_prepare = null_program_prepare,
+		.program_follow = null_program_follow,
+		.program_compile = null_program_compile,
 		.begin = null_begin,
 		.run = null_run,
 		.present = null_present,

@@ -202,7 +202,6 @@ typedef struct gpu_vulkan {
 	gpu_image **fresh;
 	uint32_t fresh_count, fresh_capacity;
 	uint64_t resting; /* number of the commands that are recorded, or were last, and give images their first layouts */
-	VkShaderModule fullscreen;
 	gpu_vulkan_stay *stays; /* [stay_capacity] by number */
 	uint32_t stay_capacity;
 	gpu_vulkan_shared *shared; /* [shared_capacity] by resource of the plan */
@@ -414,6 +413,8 @@ stilb_result gpu_vulkan_program_make(stilb_gpu *gpu, gpu_program *program);
 void gpu_vulkan_program_free(stilb_gpu *gpu, gpu_program *program);
 stilb_result gpu_vulkan_program_prepare(stilb_gpu *gpu, gpu_program *program, const stilb_gpu_format *colors,
                                         uint32_t color_count, stilb_gpu_format depth, uint32_t samples);
+stilb_result gpu_vulkan_program_follow(stilb_gpu *gpu, const gpu_program *from, gpu_program *to);
+stilb_result gpu_vulkan_program_compile(stilb_gpu *gpu, gpu_program *program);
 /* The pipeline for these attachments, compiled unless it is there. [any-thread] */
 stilb_result gpu_vulkan_program_pipeline(gpu_vulkan *gpu, gpu_program *program, const gpu_vulkan_variant *wanted,
                                          VkPipeline *pipeline);

@@ -91,9 +91,10 @@ stilb_result gpu_vulkan_program_make(stilb_gpu *base, gpu_program *entry)
 	bool compute = desc->compute.words;
 	VkResult result = program_layout(gpu, desc, program);
 	if (result == VK_SUCCESS)
-		result = program_module(gpu, compute ? &desc->compute : &desc->vertex, &program->modules[0]);
+		result =
+			program_module(gpu, &entry->code[compute ? GPU_STAGE_COMPUTE : GPU_STAGE_VERTEX], &program->modules[0]);
 	if (result == VK_SUCCESS)
-		result = program_module(gpu, &desc->fragment, &program->modules[1]);
+		result = program_module(gpu, &entry->code[GPU_STAGE_FRAGMENT], &program->modules[1]);
 	if (result == VK_SUCCESS) {
 		gpu_vulkan_name(gpu, VK_OBJECT_TYPE_PIPELINE_LAYOUT, (uint64_t)program->layout, entry->name);
 		entry->own = program;
@@ -213,9 +214,8 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 	const gpu_vulkan_variant *variant = wanted->variant;
 	program_constants constants;
 	constants_make(desc, &constants);
-	VkShaderModule vertex = wanted->program->modules[0] ? wanted->program->modules[0] : gpu->fullscreen;
 	VkPipelineShaderStageCreateInfo stages[2] = {
-		stage_of(VK_SHADER_STAGE_VERTEX_BIT, vertex, wanted->program->modules[0] ? &constants.info : NULL),
+		stage_of(VK_SHADER_STAGE_VERTEX_BIT, wanted->program->modules[0], &constants.info),
 		stage_of(VK_SHADER_STAGE_FRAGMENT_BIT, wanted->program->modules[1], &constants.info),
 	};
 	VkVertexInputAttributeDescription attributes[STILB_GPU_MAX_VERTEX_INPUTS];
@@ -353,4 +353,32 @@ stilb_result gpu_vulkan_program_prepare(stilb_gpu *base, gpu_program *program, c
 		wanted = (gpu_vulkan_variant){.samples = 1};
 	VkPipeline pipeline;
 	return gpu_vulkan_program_pipeline((gpu_vulkan *)base, program, &wanted, &pipeline);
+}
+
+stilb_result gpu_vulkan_program_follow(stilb_gpu *base, const gpu_program *from, gpu_program *to)
+{
+	gpu_vulkan *gpu = (gpu_vulkan *)base;
+	const gpu_vulkan_program *program = from->own;
+	for (uint32_t v = 0;; v++) {
+		gpu_vulkan_variant wanted;
+		pthread_mutex_lock(&gpu->pipelines_lock);
+		bool more = v < program->variant_count;
+		if (more)
+			wanted = *program->variants[v]; /* its attachments */
+		pthread_mutex_unlock(&gpu->pipelines_lock);
+		if (!more)
+			return STILB_OK;
+		if (!variant_find(gpu, to->own, &wanted))
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for a pipeline of program '%s'", to->name);
+	}
+}
+
+stilb_result gpu_vulkan_program_compile(stilb_gpu *base, gpu_program *entry)
+{
+	const gpu_vulkan_program *program = entry->own;
+	stilb_result result = STILB_OK;
+	VkPipeline pipeline;
+	for (uint32_t v = 0; v < program->variant_count && result == STILB_OK; v++)
+		result = gpu_vulkan_program_pipeline((gpu_vulkan *)base, entry, program->variants[v], &pipeline);
+	return result;
 }

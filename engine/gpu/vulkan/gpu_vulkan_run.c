@@ -4,10 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t fullscreen_vert[] =
-#include "fullscreen.vert.inc"
-	;
-
 /* ---- buffers ----------------------------------------------------------------------------------------------------- */
 
 static stilb_result run_buffer_make(stilb_gpu *base, gpu_buffer *buffer)
@@ -232,19 +228,13 @@ static VkResult run_things(gpu_vulkan *gpu)
 		.samples = 1,
 		.uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO,
 	};
-	VkShaderModuleCreateInfo module = {
-		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-		.codeSize = sizeof fullscreen_vert,
-		.pCode = fullscreen_vert,
-	};
 	gpu->views_lock_made = stilb_lock_init(&gpu->views_lock);
 	if (!gpu->views_lock_made)
 		return VK_ERROR_OUT_OF_HOST_MEMORY;
 	if (gpu->messenger)
 		gpu->object_name =
 			(PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(gpu->instance, "vkSetDebugUtilsObjectNameEXT");
-	VkResult result = vkCreateShaderModule(gpu->device, &module, gpu->allocator, &gpu->fullscreen);
-	return result == VK_SUCCESS ? gpu_vulkan_texels_create(gpu, "white", &white, NULL, 0, &gpu->white) : result;
+	return gpu_vulkan_texels_create(gpu, "white", &white, NULL, 0, &gpu->white);
 }
 
 static void run_destroy(stilb_gpu *base)
@@ -258,7 +248,6 @@ static void run_destroy(stilb_gpu *base)
 	gpu_clear(base);
 	gpu_vulkan_targets_free(gpu);
 	gpu_vulkan_texels_destroy(gpu, &gpu->white);
-	vkDestroyShaderModule(gpu->device, gpu->fullscreen, gpu->allocator);
 	for (uint32_t p = 0; p < gpu->item_pool_count; p++)
 		vkDestroyDescriptorPool(gpu->device, gpu->item_pools[p], gpu->allocator);
 	for (uint32_t l = 0; l <= STILB_GPU_MAX_SET_ITEMS; l++)
@@ -289,6 +278,8 @@ stilb_result gpu_vulkan_open(const stilb_gpu_desc *desc, stilb_gpu **out)
 		.program_make = gpu_vulkan_program_make,
 		.program_free = gpu_vulkan_program_free,
 		.program_prepare = gpu_vulkan_program_prepare,
+		.program_follow = gpu_vulkan_program_follow,
+		.program_compile = gpu_vulkan_program_compile,
 		.begin = run_begin,
 		.run = run_run,
 		.present = run_present,

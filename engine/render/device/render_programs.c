@@ -1,6 +1,7 @@
 /* Programs: for meshes one for each choice of formulas, surface and kind of detail, for 2D passes three, and those of
  * the backdrop and the tone map. They are made when they are first needed, or before. */
 #include "render/render_internal.h"
+#include "shader_sources.h"
 #include "shading/shade_brdf.h"
 
 #include <stdio.h>
@@ -68,7 +69,7 @@ static const uint32_t tone_frag[] =
 
 #define PROGRAM_CODE(code)                                                                                             \
 	{                                                                                                                  \
-		code, sizeof code                                                                                              \
+		code, sizeof code, SOURCE_##code                                                                               \
 	}
 
 /* [1: vertices are packed] */

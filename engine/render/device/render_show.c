@@ -1,6 +1,7 @@
 /* An image of the plan in the place of the picture: for each kind of image a program. */
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
+#include "shader_sources.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -60,9 +61,10 @@ static stilb_result show_program(render_device *device, const stilb_gpu_extent *
 {
 	bool integers = stilb_gpu_format_describe(extent->format)->kind == STILB_GPU_FORMAT_INTEGER;
 	uint32_t kind = integers ? 2 : extent->samples > 1, channels = show_channels(extent->format);
-	static const stilb_gpu_shader shaders[3] = {{show_frag, sizeof show_frag},
-	                                            {show_samples_frag, sizeof show_samples_frag},
-	                                            {show_integers_frag, sizeof show_integers_frag}};
+	static const stilb_gpu_shader shaders[3] = {
+		{show_frag, sizeof show_frag, SOURCE_show_frag},
+		{show_samples_frag, sizeof show_samples_frag, SOURCE_show_samples_frag},
+		{show_integers_frag, sizeof show_integers_frag, SOURCE_show_integers_frag}};
 	stilb_gpu_program_desc desc = {.name = "show", .fragment = shaders[kind], .samplers = 1, .constant_count = 1};
 	desc.constants[0].value = channels;
 	stilb_gpu_program *made = &device->programs.shows[kind][channels - 1];
