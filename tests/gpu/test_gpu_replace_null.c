@@ -178,8 +178,8 @@ static void that_do_not_fit(void **state)
 	HAS(made(fullscreen()), GPU_STAGE_FRAGMENT, quarter_frag);
 }
 
-/* A thread compiles one of the programs: it and all that change with it stay until it is done; so does what is destroyed
- * meanwhile. */
+/* A thread compiles one of the programs: it and all that change with it stay until it is done; so does what is
+ * destroyed meanwhile. */
 static void pinned(void **state)
 {
 	(void)state;
