@@ -92,6 +92,12 @@ typedef enum render_flat {
 	RENDER_FLATS,
 } render_flat;
 
+/* render_shaders.c */
+extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: vertices are packed] */
+extern const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES];
+extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
+extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
+
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
 typedef enum render_formula {
 	RENDER_FORMULA_BRDF,

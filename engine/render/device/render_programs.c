@@ -1,103 +1,11 @@
 /* Programs: for meshes one for each choice of formulas, surface and kind of detail, for 2D passes three, and those of
  * the backdrop and the tone map. They are made when they are first needed, or before. */
 #include "render/render_internal.h"
-#include "shader_sources.h"
 #include "shading/shade_brdf.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* SPIR-V that the build makes from shaders/. _texture: reads a texture; flat: for 2D passes. */
-static const uint32_t mesh_vert[] =
-#include "mesh.vert.inc"
-	;
-static const uint32_t mesh_texture_vert[] =
-#include "mesh_texture.vert.inc"
-	;
-static const uint32_t mesh_packed_vert[] =
-#include "mesh_packed.vert.inc"
-	;
-static const uint32_t mesh_packed_texture_vert[] =
-#include "mesh_packed_texture.vert.inc"
-	;
-static const uint32_t mesh_frag[] =
-#include "mesh.frag.inc"
-	;
-static const uint32_t mesh_texture_frag[] =
-#include "mesh_texture.frag.inc"
-	;
-
-static const uint32_t impostor_vert[] =
-#include "impostor.vert.inc"
-	;
-static const uint32_t impostor_packed_vert[] =
-#include "impostor_packed.vert.inc"
-	;
-static const uint32_t impostor_frag[] =
-#include "impostor.frag.inc"
-	;
-
-static const uint32_t flat_vert[] =
-#include "flat.vert.inc"
-	;
-static const uint32_t flat_texture_vert[] =
-#include "flat_texture.vert.inc"
-	;
-static const uint32_t flat_frag[] =
-#include "flat.frag.inc"
-	;
-static const uint32_t flat_texture_frag[] =
-#include "flat_texture.frag.inc"
-	;
-static const uint32_t flat_picture_vert[] =
-#include "flat_picture.vert.inc"
-	;
-static const uint32_t flat_picture_frag[] =
-#include "flat_picture.frag.inc"
-	;
-
-static const uint32_t backdrop_frag[] =
-#include "backdrop.frag.inc"
-	;
-static const uint32_t resolve_frag[] =
-#include "resolve.frag.inc"
-	;
-static const uint32_t tone_frag[] =
-#include "tone.frag.inc"
-	;
-
-#define PROGRAM_CODE(code)                                                                                             \
-	{                                                                                                                  \
-		code, sizeof code, SOURCE_##code                                                                               \
-	}
-
-/* [1: vertices are packed] */
-static const stilb_gpu_shader program_vertex_code[2][RENDER_SURFACES] = {
-	{
-		[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_vert),
-		[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_texture_vert),
-		[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_vert),
-	},
-	{
-		[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_packed_vert),
-		[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_packed_texture_vert),
-		[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_packed_vert),
-	},
-};
-
-static const stilb_gpu_shader program_fragment_code[RENDER_SURFACES] = {
-	[RENDER_SURFACE_PLAIN] = PROGRAM_CODE(mesh_frag),
-	[RENDER_SURFACE_TEXTURE] = PROGRAM_CODE(mesh_texture_frag),
-	[RENDER_SURFACE_IMPOSTOR] = PROGRAM_CODE(impostor_frag),
-};
-
-/* [0: vertex shader, 1: fragment shader] */
-static const stilb_gpu_shader program_flat_code[RENDER_FLATS][2] = {
-	[RENDER_FLAT_PLAIN] = {PROGRAM_CODE(flat_vert), PROGRAM_CODE(flat_frag)},
-	[RENDER_FLAT_TEXTURE] = {PROGRAM_CODE(flat_texture_vert), PROGRAM_CODE(flat_texture_frag)},
-	[RENDER_FLAT_PICTURE] = {PROGRAM_CODE(flat_picture_vert), PROGRAM_CODE(flat_picture_frag)},
-};
 
 static const char *const surface_names[RENDER_SURFACES] = {
 	[RENDER_SURFACE_PLAIN] = "mesh",
@@ -152,8 +60,8 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
-		.vertex = program_vertex_code[device->packed][surface],
-		.fragment = program_fragment_code[surface],
+		.vertex = render_mesh_vertex[device->packed][surface],
+		.fragment = render_mesh_fragment[surface],
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
@@ -173,8 +81,8 @@ static stilb_result program_flat(render_device *device, render_flat kind)
 	bool textured = kind != RENDER_FLAT_PLAIN;
 	stilb_gpu_program_desc desc = {
 		.name = "flat",
-		.vertex = program_flat_code[kind][0],
-		.fragment = program_flat_code[kind][1],
+		.vertex = render_flat_shaders[kind][0],
+		.fragment = render_flat_shaders[kind][1],
 		.set_items = textured,
 		.blend = kind == RENDER_FLAT_PICTURE ? STILB_GPU_BLEND_NONE : STILB_GPU_BLEND_PREMULTIPLIED,
 		.vertex_bytes = sizeof(stilb_render_vertex_2d),
@@ -204,8 +112,8 @@ stilb_result render_programs_backdrop(render_device *device)
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
 	pthread_mutex_lock(&device->programs.lock);
-	stilb_result result = program_screen(device, "backdrop", (stilb_gpu_shader)PROGRAM_CODE(backdrop_frag), NULL,
-	                                     &device->programs.backdrop);
+	stilb_result result =
+		program_screen(device, "backdrop", render_backdrop_fragment, NULL, &device->programs.backdrop);
 	pthread_mutex_unlock(&device->programs.lock);
 	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
 	                                                      STILB_GPU_NONE, device->samples)
@@ -219,11 +127,9 @@ stilb_result render_programs_tone(render_device *device, uint32_t tone)
 	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
 	uint32_t samples[2] = {device->samples, 0}, curve[2] = {tone, device->output == STILB_RENDER_OUTPUT_DISPLAY};
 	pthread_mutex_lock(&programs->lock);
-	stilb_result result =
-		program_screen(device, "tone", (stilb_gpu_shader)PROGRAM_CODE(tone_frag), curve, &programs->tones[tone]);
+	stilb_result result = program_screen(device, "tone", render_tone_fragment, curve, &programs->tones[tone]);
 	if (result == STILB_OK && device->samples > 1)
-		result = program_screen(device, "resolve", (stilb_gpu_shader)PROGRAM_CODE(resolve_frag), samples,
-		                        &programs->resolve);
+		result = program_screen(device, "resolve", render_resolve_fragment, samples, &programs->resolve);
 	pthread_mutex_unlock(&programs->lock);
 	if (result == STILB_OK)
 		result = stilb_gpu_program_prepare(device->gpu, programs->tones[tone], &picture, 1, STILB_GPU_NONE, 1);

@@ -1,0 +1,97 @@
+/* SPIR-V that the build makes from shaders/. There is no function here: gcc's analyzer keeps the value of each word,
+ * and takes a minute for a file that has both. */
+#include "render/render_internal.h"
+#include "shader_sources.h"
+
+/* _texture: reads a texture; flat: for 2D passes. */
+static const uint32_t mesh_vert[] =
+#include "mesh.vert.inc"
+	;
+static const uint32_t mesh_texture_vert[] =
+#include "mesh_texture.vert.inc"
+	;
+static const uint32_t mesh_packed_vert[] =
+#include "mesh_packed.vert.inc"
+	;
+static const uint32_t mesh_packed_texture_vert[] =
+#include "mesh_packed_texture.vert.inc"
+	;
+static const uint32_t mesh_frag[] =
+#include "mesh.frag.inc"
+	;
+static const uint32_t mesh_texture_frag[] =
+#include "mesh_texture.frag.inc"
+	;
+
+static const uint32_t impostor_vert[] =
+#include "impostor.vert.inc"
+	;
+static const uint32_t impostor_packed_vert[] =
+#include "impostor_packed.vert.inc"
+	;
+static const uint32_t impostor_frag[] =
+#include "impostor.frag.inc"
+	;
+
+static const uint32_t flat_vert[] =
+#include "flat.vert.inc"
+	;
+static const uint32_t flat_texture_vert[] =
+#include "flat_texture.vert.inc"
+	;
+static const uint32_t flat_frag[] =
+#include "flat.frag.inc"
+	;
+static const uint32_t flat_texture_frag[] =
+#include "flat_texture.frag.inc"
+	;
+static const uint32_t flat_picture_vert[] =
+#include "flat_picture.vert.inc"
+	;
+static const uint32_t flat_picture_frag[] =
+#include "flat_picture.frag.inc"
+	;
+
+static const uint32_t backdrop_frag[] =
+#include "backdrop.frag.inc"
+	;
+static const uint32_t resolve_frag[] =
+#include "resolve.frag.inc"
+	;
+static const uint32_t tone_frag[] =
+#include "tone.frag.inc"
+	;
+
+#define SHADER(code)                                                                                                   \
+	{                                                                                                                  \
+		code, sizeof code, SOURCE_##code                                                                               \
+	}
+
+const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_vert),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_vert),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_vert),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_packed_vert),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_packed_texture_vert),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_packed_vert),
+	},
+};
+
+const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = SHADER(mesh_frag),
+	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_frag),
+	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_frag),
+};
+
+const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
+	[RENDER_FLAT_PLAIN] = {SHADER(flat_vert), SHADER(flat_frag)},
+	[RENDER_FLAT_TEXTURE] = {SHADER(flat_texture_vert), SHADER(flat_texture_frag)},
+	[RENDER_FLAT_PICTURE] = {SHADER(flat_picture_vert), SHADER(flat_picture_frag)},
+};
+
+const stilb_gpu_shader render_backdrop_fragment = SHADER(backdrop_frag);
+const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
+const stilb_gpu_shader render_tone_fragment = SHADER(tone_frag);
