@@ -3,7 +3,7 @@
 #
 # LIST is what mutants.sh made, PROGRAM the tests built with its headers. Every program first runs unchanged: it must pass,
 # and tells which literals it comes across. Then each literal is made larger, and made smaller, and those programs run one
-# after the other until one fails. A change that no program fails on is printed; exit 1 if there is any.
+# after the other, the fastest first, until one fails. A change that no program fails on is printed; exit 1 if there is any.
 set -u
 list=$1
 shift
@@ -13,16 +13,19 @@ trap 'rm -rf "$work"' EXIT
 export STILB_SHADE_QUICK=1
 
 for program in "$@"; do
+	began=$(date +%s%N)
 	if ! STILB_MUTANTS_SEEN="$work/$(basename "$program")" "$program" > "$work/output" 2>&1; then
 		cat "$work/output"
 		echo "$program fails with unchanged literals"
 		exit 1
 	fi
-	sed "s|\$| $program|" "$work/$(basename "$program")" >> "$work/seen"
+	took=$(($(date +%s%N) - began))
+	sed "s|\$| $took $program|" "$work/$(basename "$program")" >> "$work/each"
 done
+sort -n -k 2,2 "$work/each" > "$work/seen"
 
 # One line per literal: ID PLACE LITERAL PROGRAM...
-awk -v seen="$work/seen" 'BEGIN { while ((getline line < seen) > 0) { split(line, f, " "); programs[f[1]] = programs[f[1]] " " f[2] } }
+awk -v seen="$work/seen" 'BEGIN { while ((getline line < seen) > 0) { split(line, f, " "); programs[f[1]] = programs[f[1]] " " f[3] } }
 	{ print $0 programs[$1] }' "$list" > "$work/work"
 # A program that ends by a signal or runs for long (seconds of CPU time: on a busy machine all run for long) has noticed
 # too; the shell's word on it is not wanted.
