@@ -113,7 +113,7 @@ typedef struct stilb_gpu_plan_buffer_row {
 
 typedef enum stilb_gpu_load {
 	STILB_GPU_LOAD_KEEP,    /* what earlier passes have written stays and counts */
-	STILB_GPU_LOAD_CLEAR,   /* every texel of the mip and layer becomes `clear` first */
+	STILB_GPU_LOAD_CLEAR,   /* every texel of the mip and layer becomes `clear` first, whatever the pass's area */
 	STILB_GPU_LOAD_DISCARD, /* nobody needs what was there; the pass writes every texel that is read later */
 } stilb_gpu_load;
 
@@ -187,6 +187,8 @@ typedef struct stilb_gpu_pass {
 	uint32_t draws;         /* DRAWS: index of the list among those that come with the plan */
 	uint32_t groups[3];     /* DISPATCH */
 	uint32_t queue;         /* stilb_gpu_queue */
+	uint16_t area[4]; /* left, top, width, height in texels of the attachments: DRAWS and FULLSCREEN fill this rectangle
+	                     in place of all of them, and leave the rest as it is loaded; width and height 0: all */
 	stilb_gpu_attachment color[STILB_GPU_MAX_COLORS];
 	stilb_gpu_attachment depth;
 	stilb_gpu_use uses[STILB_GPU_MAX_USES];
@@ -344,7 +346,7 @@ typedef struct stilb_gpu_barrier {
 typedef struct stilb_gpu_step {
 	uint32_t pass; /* index of the row */
 	uint32_t first_barrier, barrier_count;
-	uint32_t area[2]; /* texels that its attachments have in common; 0: no attachments */
+	uint32_t area[2]; /* the size of its attachments, texels; 0: it has none */
 	uint8_t samples;
 } stilb_gpu_step;
 

@@ -83,6 +83,8 @@ static uint64_t add_pass(uint64_t hash, const stilb_gpu_plan *plan, const stilb_
 		hash = add(hash, 0x100 + pass->queue);
 	for (uint32_t i = 0; i < 3; i++)
 		hash = add(hash, pass->groups[i]);
+	for (uint32_t i = 0; i < 4 && gpu_pass_has_area(pass); i++)
+		hash = add(hash, 0x10000 + pass->area[i]);
 	for (uint32_t i = 0; i < pass->color_count; i++)
 		hash = add_attachment(hash, plan, &pass->color[i]);
 	hash = add(hash, pass->depth.image != 0);

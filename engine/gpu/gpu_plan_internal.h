@@ -249,6 +249,12 @@ static inline bool gpu_resource_counts(const gpu_resource *resource)
 	return resource->image.owned != 0 || resource->image.keep || resource->image.output || resource->shown;
 }
 
+/* It fills a part of its attachments. */
+static inline bool gpu_pass_has_area(const stilb_gpu_pass *pass)
+{
+	return (pass->area[2] | pass->area[3]) > 0;
+}
+
 /* Texels of a mip along a side. */
 static inline uint32_t gpu_mip_side(uint32_t side, uint32_t mip)
 {

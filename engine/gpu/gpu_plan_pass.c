@@ -307,6 +307,23 @@ static stilb_result check_depth(checked *c)
 	return STILB_OK;
 }
 
+static stilb_result check_area(const checked *c)
+{
+	const uint16_t *a = c->pass->area;
+	if ((a[0] | a[1] | a[2] | a[3]) == 0)
+		return STILB_OK;
+	if (!draws(c->pass))
+		return wrong(c, "is of kind %s and has an area: only draws and fullscreen passes have",
+		             kind_names[c->pass->kind]);
+	if (a[2] == 0 || a[3] == 0)
+		return wrong(c, "fills %u x %u texels at %u, %u: give it sides above 0, or four zeros for all", a[2], a[3],
+		             a[0], a[1]);
+	if ((uint32_t)a[0] + a[2] > c->width || (uint32_t)a[1] + a[3] > c->height)
+		return wrong(c, "fills %u x %u texels at %u, %u, and '%s' has %u x %u: make it smaller", a[2], a[3], a[0], a[1],
+		             c->sized_by, c->width, c->height);
+	return STILB_OK;
+}
+
 /* ---- uses -------------------------------------------------------------------------------------------------------- */
 
 /* Which kinds of pass can have a use: bit by stilb_gpu_pass_kind. */
@@ -572,6 +589,7 @@ static stilb_result check_pass(checked *c)
 	result = result == STILB_OK ? check_kind(c) : result;
 	result = result == STILB_OK ? check_colors(c) : result;
 	result = result == STILB_OK ? check_depth(c) : result;
+	result = result == STILB_OK ? check_area(c) : result;
 	result = result == STILB_OK ? check_uses(c) : result;
 	if (result == STILB_OK && c->pass->kind == STILB_GPU_PASS_COPY)
 		result = check_copy(c);

@@ -93,6 +93,8 @@ static void print_step(FILE *out, const stilb_gpu_plan *plan, const stilb_gpu_st
 	fprintf(out, "%3u %s, %s", step->pass + 1, pass->name, kinds[pass->kind]);
 	if (step->area[0] > 0)
 		fprintf(out, ", %u x %u", step->area[0], step->area[1]);
+	if (gpu_pass_has_area(pass))
+		fprintf(out, ", of it %u x %u at %u, %u", pass->area[2], pass->area[3], pass->area[0], pass->area[1]);
 	if (step->samples > 1)
 		fprintf(out, ", %u samples", step->samples);
 	if (pass->kind == STILB_GPU_PASS_DISPATCH && pass->groups[0] > 0)

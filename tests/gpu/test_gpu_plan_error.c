@@ -248,6 +248,44 @@ static void test_passes(void **state)
 	expect_pass(pass, "pass 1 'p' is a copy and has constants: leave them out");
 }
 
+static void test_areas(void **state)
+{
+	(void)state;
+	stilb_gpu_pass pass = good;
+	memcpy(pass.area, (uint16_t[4]){1, 2, 8, 6}, sizeof pass.area);
+	expect_pass(pass, "pass 1 'p' fills 8 x 6 texels at 1, 2, and 'a' has 8 x 8: make it smaller");
+	memcpy(pass.area, (uint16_t[4]){1, 3, 7, 6}, sizeof pass.area);
+	expect_pass(pass, "pass 1 'p' fills 7 x 6 texels at 1, 3, and 'a' has 8 x 8: make it smaller");
+	memcpy(pass.area, (uint16_t[4]){65535, 0, 65535, 1}, sizeof pass.area);
+	expect_pass(pass, "pass 1 'p' fills 65535 x 1 texels at 65535, 0, and 'a' has 8 x 8: make it smaller");
+	memcpy(pass.area, (uint16_t[4]){1, 2, 0, 6}, sizeof pass.area);
+	expect_pass(pass, "pass 1 'p' fills 0 x 6 texels at 1, 2: give it sides above 0, or four zeros for all");
+	pass = (stilb_gpu_pass){
+		.name = "p", .kind = STILB_GPU_PASS_DISPATCH, .program = 1, .groups = {1, 1, 1}, .area = {0, 0, 1, 1}};
+	expect_pass(pass, "pass 1 'p' is of kind dispatch and has an area: only draws and fullscreen passes have");
+}
+
+/* The whole image is a possible area, and the hash tells areas apart. */
+static void test_areas_that_fit(void **state)
+{
+	(void)state;
+	static const uint16_t areas[][4] = {{0, 0, 0, 0}, {0, 0, 8, 8}, {7, 7, 1, 1}, {0, 0, 1, 1}, {0, 1, 1, 1}};
+	uint64_t hashes[5];
+	for (uint32_t i = 0; i < 5; i++) {
+		stilb_gpu_plan *plan = begin();
+		stilb_gpu_pass pass = good;
+		memcpy(pass.area, areas[i], sizeof pass.area);
+		stilb_gpu_plan_show(plan, 3);
+		stilb_gpu_plan_pass(plan, &pass);
+		if (stilb_gpu_plan_make(plan, NULL) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		hashes[i] = stilb_gpu_plan_hash(plan);
+		for (uint32_t j = 0; j < i; j++)
+			assert_true(hashes[i] != hashes[j]);
+		stilb_gpu_plan_destroy(plan);
+	}
+}
+
 static void test_attachments(void **state)
 {
 	(void)state;
@@ -450,9 +488,10 @@ static void test_noise(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_scripts), cmocka_unit_test(test_passes),    cmocka_unit_test(test_attachments),
-		cmocka_unit_test(test_uses),    cmocka_unit_test(test_resources), cmocka_unit_test(test_counts),
-		cmocka_unit_test(test_device),  test_one_thread(test_noise),
+		cmocka_unit_test(test_scripts),   cmocka_unit_test(test_areas),       cmocka_unit_test(test_areas_that_fit),
+		cmocka_unit_test(test_passes),    cmocka_unit_test(test_attachments), cmocka_unit_test(test_uses),
+		cmocka_unit_test(test_resources), cmocka_unit_test(test_counts),      cmocka_unit_test(test_device),
+		test_one_thread(test_noise),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

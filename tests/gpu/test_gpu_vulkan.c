@@ -298,6 +298,51 @@ static void three_modes_of_replay(void **state)
 	assert_int_equal(tasks, 3);
 }
 
+/* Passes fill rectangles of one image, one after the other: a square over the left half of each, drawn in all modes, or
+ * a fullscreen triangle. What they do not fill stays as it was, or as the first one clears it. */
+static void passes_fill_areas(void **state)
+{
+	(void)state;
+	static const uint16_t areas[3][4] = {{5, 1, 4, 6}, {0, 0, 2, 2}, {8, 6, 1, 1}};
+	for (uint32_t mode = 0; mode < 3; mode++) {
+		stilb_gpu_binding binding = s.binding;
+		stilb_gpu_draws list = s.list;
+		binding.program = s.colored.id;
+		list.bindings = &binding;
+		list.replay = (stilb_gpu_replay)mode;
+		plan_begin(9, 7);
+		uint16_t out = image("out", STILB_GPU_RGBA8_U, true);
+		for (uint32_t a = 0; a < 3; a++) {
+			stilb_gpu_pass pass = {.name = "draw",
+			                       .kind = STILB_GPU_PASS_DRAWS,
+			                       .color = {{.image = out, .load = STILB_GPU_LOAD_KEEP}},
+			                       .color_count = 1,
+			                       .constant_bytes = 16};
+			if (a == 0)
+				pass.color[0] =
+					(stilb_gpu_attachment){.image = out, .load = STILB_GPU_LOAD_CLEAR, .clear = {0, 0, 1, 1}};
+			memcpy(pass.area, areas[a], sizeof pass.area);
+			memcpy(pass.constants, (float[4]){1.0f, (float)a / 2.0f, 0.0f, 1.0f}, 16);
+			stilb_gpu_plan_pass(s.plan, &pass);
+		}
+		plan_run(&list, 1, NULL);
+		const uint8_t *texels = read_back(out, 0, 0);
+		for (uint32_t y = 0; y < 7; y++)
+			for (uint32_t x = 0; x < 9; x++) {
+				const uint8_t *t = texels + 4 * (9 * y + x);
+				uint32_t by = 3;
+				for (uint32_t a = 0; a < 3; a++)
+					if (x >= areas[a][0] && x + 0.5f < areas[a][0] + 0.5f * areas[a][2] && y >= areas[a][1] &&
+					    y < areas[a][1] + areas[a][3])
+						by = a;
+				assert_int_equal(t[0], by < 3 ? 255 : 0);
+				assert_int_equal(t[1], by == 2 ? 255 : by == 1 ? 128 : 0);
+				assert_int_equal(t[2], by < 3 ? 0 : 255);
+			}
+		assert_int_equal(s.gpu->validation_messages, 0);
+	}
+}
+
 /* Three runs draw the same square, each with a half of the colour that is its own: the last one is seen. */
 static void runs_have_constants(void **state)
 {
@@ -709,10 +754,11 @@ static void ten_thousand_images(void **state)
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		STAGE_TEST(four_kinds_of_passes),  STAGE_TEST(three_modes_of_replay),     STAGE_TEST(layers_at_once),
-		STAGE_TEST(runs_have_constants),   STAGE_TEST(uploads_are_flushed),       STAGE_TEST(samples_are_resolved),
-		STAGE_TEST(one_layer_is_resolved), STAGE_TEST(uploads_in_order),          STAGE_TEST(mips_in_linear_light),
-		STAGE_TEST(textures_of_draws),     STAGE_TEST(content_of_the_last_frame), STAGE_TEST(ten_thousand_images),
+		STAGE_TEST(four_kinds_of_passes), STAGE_TEST(three_modes_of_replay), STAGE_TEST(layers_at_once),
+		STAGE_TEST(passes_fill_areas),    STAGE_TEST(runs_have_constants),   STAGE_TEST(uploads_are_flushed),
+		STAGE_TEST(samples_are_resolved), STAGE_TEST(one_layer_is_resolved), STAGE_TEST(uploads_in_order),
+		STAGE_TEST(mips_in_linear_light), STAGE_TEST(textures_of_draws),     STAGE_TEST(content_of_the_last_frame),
+		STAGE_TEST(ten_thousand_images),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

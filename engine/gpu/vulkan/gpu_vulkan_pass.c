@@ -256,10 +256,23 @@ static VkResult rendering_begin(pass_work *work, VkCommandBuffer commands, VkRen
 	return VK_SUCCESS;
 }
 
+/* What the pass fills: its area, or all of its attachments. */
+static VkRect2D pass_rectangle(const pass_work *work)
+{
+	const uint16_t *area = work->pass->area;
+	if (gpu_pass_has_area(work->pass))
+		return (VkRect2D){{area[0], area[1]}, {area[2], area[3]}};
+	return (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
+}
+
 static void pass_area(const pass_work *work, VkCommandBuffer commands)
 {
-	VkViewport viewport = {.width = (float)work->step->area[0], .height = (float)work->step->area[1], .maxDepth = 1.0f};
-	VkRect2D scissor = {.extent = {work->step->area[0], work->step->area[1]}};
+	VkRect2D scissor = pass_rectangle(work);
+	VkViewport viewport = {.x = (float)scissor.offset.x,
+	                       .y = (float)scissor.offset.y,
+	                       .width = (float)scissor.extent.width,
+	                       .height = (float)scissor.extent.height,
+	                       .maxDepth = 1.0f};
 	vkCmdSetViewport(commands, 0, 1, &viewport);
 	vkCmdSetScissor(commands, 0, 1, &scissor);
 }
@@ -308,7 +321,7 @@ static void draws_bind_scissor(const pass_work *work, VkCommandBuffer commands, 
 {
 	VkRect2D scissor = {{(int32_t)s[0], (int32_t)s[1]}, {s[2], s[3]}};
 	if (s[2] == 0)
-		scissor = (VkRect2D){.extent = {work->step->area[0], work->step->area[1]}};
+		scissor = pass_rectangle(work);
 	vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
