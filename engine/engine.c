@@ -110,7 +110,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 static void engine_fill_passes(stilb_engine *engine)
 {
 	engine->view_count = 1;
-	engine->passes[0] = (stilb_render_pass){.name = "scene", .view = 0, .target = STILB_RENDER_TARGET_MAIN, .order = 0};
+	engine->passes[0] = (stilb_render_pass){.name = "scene", .view = 0, .order = 0};
 	engine->pass_count = 1;
 }
 

@@ -126,7 +126,7 @@ void threads_hand_draw_model(const threads_hand *hand, stilb_render_context *con
 void threads_hand_replay(threads_hand *hand)
 {
 	PROFILE("replay");
-	stilb_render_pass pass = {.name = "main", .view = 0, .target = STILB_RENDER_TARGET_MAIN};
+	stilb_render_pass pass = {.name = "main", .view = 0};
 	must(stilb_render_pass_end(hand->render, PASS));
 	must(stilb_render_replay(hand->render, &pass, 1, &hand->view, 1, hand->pool, CALLER));
 	must(stilb_render_present(hand->render));

@@ -3,6 +3,7 @@
 #include "profiler/prof.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -194,6 +195,9 @@ void stilb_cull_visible_finish(stilb_cull_visible *visible)
 	free(visible->ids);
 	free(visible->bits);
 	free(visible->chunk_count);
+	if (visible->list)
+		cull_list_finish(visible->list);
+	free(visible->list);
 	*visible = (stilb_cull_visible){0};
 }
 
@@ -245,6 +249,8 @@ static stilb_result cull_visible_reserve(stilb_cull_visible *visible, uint32_t m
 	}
 	memset(grown.bits, 0, words * sizeof *grown.bits);
 	stilb_cull_visible outgrown = *visible;
+	grown.list = visible->list;
+	outgrown.list = NULL;
 	*visible = grown;
 	stilb_cull_visible_finish(&outgrown);
 	return STILB_OK;
@@ -284,7 +290,7 @@ static void cull_job_items(uint32_t begin, uint32_t end, uint32_t worker, void *
 	STILB_ASSERT(worker < run->visible->set_count);
 	const stilb_cull_octree *octree = run->cull->octree;
 	uint64_t *bits = run->visible->bits + worker * cull_set_stride(run->visible);
-	cull_octree_mark(octree, begin, end, run->frustum, bits);
+	cull_octree_mark(octree, run->visible->list, begin, end, run->frustum, bits);
 }
 
 /* Joins the bits of all threads' sets in the first set, and counts them for each chunk. */
@@ -382,11 +388,20 @@ static void cull_run_all(cull_run *run)
 	run->visible->count = run->cull->model_count;
 }
 
+static stilb_result cull_list_make(stilb_cull_visible *visible)
+{
+	if (!visible->list)
+		visible->list = calloc(1, sizeof *visible->list);
+	return visible->list ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "culling: no memory for a view's list of cells");
+}
+
 static stilb_result cull_run_octree(cull_run *run)
 {
 	stilb_cull_visible *visible = run->visible;
 	cull_walk_result walk;
-	stilb_result result = cull_octree_walk(run->cull->octree, run->frustum, &walk);
+	stilb_result result = cull_list_make(visible);
+	if (result == STILB_OK)
+		result = cull_octree_walk(run->cull->octree, visible->list, run->frustum, &walk);
 	if (result != STILB_OK)
 		return result;
 	uint32_t objects = walk.tested + walk.accepted;
@@ -414,13 +429,10 @@ static stilb_cull_method cull_choose(const stilb_cull *cull, const stilb_cull_vi
 	return (double)visible->count > CULL_OCTREE_SHARE * (double)cull->model_count ? STILB_CULL_FLAT : STILB_CULL_OCTREE;
 }
 
-stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
-                            const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
-                            stilb_cull_visible *visible)
+static stilb_result cull_run_view(const stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
+                                  const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
+                                  stilb_cull_visible *visible)
 {
-	STILB_ASSERT(scene->model_count == cull->model_count && "new models are told to stilb_cull_update");
-	STILB_ASSERT(frustum && visible && (uint32_t)method <= STILB_CULL_FLAT);
-	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
 	const stilb_scene_bounds *bounds = &scene->bounds;
 	cull_run run = {
 		.cull = cull,
@@ -430,7 +442,6 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 		.pool = pool,
 		.worker = worker,
 	};
-	cull_enter(cull);
 	bool all = method != STILB_CULL_FLAT && cull_sees_all(cull, frustum);
 	if (method == STILB_CULL_AUTO)
 		method = all ? STILB_CULL_OCTREE : cull_choose(cull, visible);
@@ -445,6 +456,60 @@ stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const st
 	else if (result == STILB_OK)
 		result = cull_run_octree(&run);
 	STILB_CHECK(cull_visible_is_sound(visible, cull->model_count));
+	return result;
+}
+
+/* Several views of a run, of which each thread takes one after the other. */
+typedef struct cull_views {
+	const stilb_cull *cull;
+	stilb_cull_method method;
+	const stilb_scene *scene;
+	const stilb_frustum *frusta;
+	stilb_cull_visible *visible;
+	atomic_bool failed; /* relaxed: read after the loop, which orders it */
+} cull_views;
+
+static void cull_job_views(uint32_t begin, uint32_t end, uint32_t worker, void *user)
+{
+	PROFILE("cull.view");
+	cull_views *views = user;
+	(void)worker;
+	for (uint32_t v = begin; v < end; v++)
+		if (cull_run_view(views->cull, views->method, views->scene, &views->frusta[v], NULL, 0, &views->visible[v]) !=
+		    STILB_OK)
+			atomic_store_explicit(&views->failed, true, memory_order_relaxed);
+}
+
+stilb_result stilb_cull_run_views(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
+                                  const stilb_frustum *frusta, uint32_t count, stilb_job_pool *pool, uint32_t worker,
+                                  stilb_cull_visible *visible)
+{
+	STILB_ASSERT(scene->model_count == cull->model_count && "new models are told to stilb_cull_update");
+	STILB_ASSERT((count == 0 || (frusta && visible)) && (uint32_t)method <= STILB_CULL_FLAT);
+	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
+	stilb_result result = STILB_OK;
+	uint32_t threads = pool ? stilb_job_pool_worker_count(pool) + 1 : 1;
+	bool apart = threads > 1 && count >= threads && (uint64_t)count * cull->model_count >= cull->serial_below;
+	cull_enter(cull);
+	if (apart) {
+		cull_views views = {cull, method, scene, frusta, visible, false};
+		stilb_job_parallel_for(pool, count, 1, cull_job_views, &views, worker);
+		if (atomic_load_explicit(&views.failed, memory_order_relaxed))
+			result = stilb_fail(STILB_ERROR_MEMORY, "culling: no memory for the visible lists of %u views", count);
+	} else {
+		for (uint32_t v = 0; v < count && result == STILB_OK; v++)
+			result = cull_run_view(cull, method, scene, &frusta[v], pool, worker, &visible[v]);
+	}
+	for (uint32_t v = 0; v < count && result != STILB_OK; v++)
+		visible[v].count = 0;
 	cull_leave(cull);
 	return result;
+}
+
+stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
+                            const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
+                            stilb_cull_visible *visible)
+{
+	STILB_ASSERT(frustum && visible);
+	return stilb_cull_run_views(cull, method, scene, frustum, 1, pool, worker, visible);
 }

@@ -13,7 +13,8 @@
  *              "Loose Octrees", Game Programming Gems, 2000, with his k = 2.
  * Code.        AVX-512, AVX2 or plain C, the widest that the CPU has, or the one that STILB_ISA names (stilb_cpu_isa).
  * Life cycle.  stilb_cull_create -> frames -> stilb_cull_destroy, and stilb_cull_visible_finish for each view.
- * Per frame.   stilb_cull_update once for all models whose bounds have changed, then stilb_cull_run for each view.
+ * Per frame.   stilb_cull_update once for all models whose bounds have changed, then stilb_cull_run for each view, or
+ *              stilb_cull_run_views for all.
  * Threads.     [one-writer]: any thread, but one call at a time for each stilb_cull, stilb_cull_octree and
  *              stilb_cull_visible. stilb_cull_run spreads its work over the job pool it is given, and stays on the
  *              caller alone if there is too little to be worth waking a thread.
@@ -63,11 +64,12 @@ typedef struct stilb_cull stilb_cull;
 typedef struct stilb_cull_visible {
 	uint32_t *ids; /* [count] ascending, which is scene order */
 	uint32_t count;
-	stilb_cull_method method; /* of the last run; never AUTO */
-	uint32_t capacity;        /* models, a multiple of 4096 */
-	uint32_t set_count;       /* sets of bits: one for each thread of the pool */
-	uint64_t *bits;           /* scratch: [set_count][capacity / 64], one bit a model; all zero between runs */
-	uint32_t *chunk_count;    /* scratch: [capacity / 4096] visible models in each 4096 */
+	stilb_cull_method method;     /* of the last run; never AUTO */
+	uint32_t capacity;            /* models, a multiple of 4096 */
+	uint32_t set_count;           /* sets of bits: one for each thread of the pool */
+	uint64_t *bits;               /* scratch: [set_count][capacity / 64], one bit a model; all zero between runs */
+	uint32_t *chunk_count;        /* scratch: [capacity / 4096] visible models in each 4096 */
+	struct stilb_cull_list *list; /* scratch: the cells to look into; NULL: not needed so far */
 } stilb_cull_visible;
 
 /* Builds the octree over all models of the scene. Its depth is chosen so that a cell holds some 64 to 256 models where
@@ -88,6 +90,12 @@ stilb_result stilb_cull_update(stilb_cull *cull, const stilb_scene *scene, const
 stilb_result stilb_cull_run(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
                             const stilb_frustum *frustum, stilb_job_pool *pool, uint32_t worker,
                             stilb_cull_visible *visible);
+
+/* stilb_cull_run of several views at once: frusta[count], visible[count]. Where there are at least as many as threads,
+ * and enough to do, each thread takes whole views. On STILB_ERROR_MEMORY all counts are 0. [one-writer] */
+stilb_result stilb_cull_run_views(stilb_cull *cull, stilb_cull_method method, const stilb_scene *scene,
+                                  const stilb_frustum *frusta, uint32_t count, stilb_job_pool *pool, uint32_t worker,
+                                  stilb_cull_visible *visible);
 
 /* Frees the arrays and leaves {0}. Accepts NULL and {0}. [one-writer] */
 void stilb_cull_visible_finish(stilb_cull_visible *visible);

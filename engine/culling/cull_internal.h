@@ -64,6 +64,17 @@ typedef struct cull_walk_result {
 	uint32_t tested, accepted; /* objects in the items with and without planes to test */
 } cull_walk_result;
 
+/* What a view must look into, made by a walk. Each view that is culled has its own. {0} is empty. */
+typedef struct stilb_cull_list {
+	cull_item *items; /* [item_capacity] */
+	uint32_t item_capacity;
+	cull_family *families; /* [families_capacity] */
+	uint32_t families_capacity;
+	uint32_t cell_tests; /* number of tests of a cell against a plane; for benches and tests */
+} cull_list;
+
+void cull_list_finish(cull_list *list);
+
 struct stilb_cull_octree {
 	const cull_kernels *kernels;
 	double low[3]; /* the root's low corner */
@@ -79,12 +90,7 @@ struct stilb_cull_octree {
 	cull_place *places; /* [place_capacity] by object id */
 	uint32_t place_capacity;
 
-	/* Made by the last cull_octree_walk. */
-	cull_item *items; /* [item_capacity] */
-	uint32_t item_capacity;
-	cull_family *families; /* [families_capacity] */
-	uint32_t families_capacity;
-	uint32_t cell_tests; /* number of tests of a cell against a plane; for benches and tests */
+	cull_list list; /* of stilb_cull_octree_mark */
 };
 
 struct stilb_cull {
@@ -120,12 +126,13 @@ void cull_octree_cell_center(const stilb_cull_octree *octree, cull_cell_name nam
 /* True if the root lies wholly inside all planes and has no objects of its own: then every object is visible. */
 bool cull_octree_inside(const stilb_cull_octree *octree, const stilb_frustum *frustum);
 
-/* Fills octree->items with all objects that the frustum may see. */
-stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *frustum, cull_walk_result *result);
+/* Fills list->items with all objects that the frustum may see. */
+stilb_result cull_octree_walk(const stilb_cull_octree *octree, cull_list *list, const stilb_frustum *frustum,
+                              cull_walk_result *result);
 
 /* Sets the bits of the visible objects of items begin .. end - 1, which the walk has made for the same frustum. */
-void cull_octree_mark(const stilb_cull_octree *octree, uint32_t begin, uint32_t end, const stilb_frustum *frustum,
-                      uint64_t *bits);
+void cull_octree_mark(const stilb_cull_octree *octree, const cull_list *list, uint32_t begin, uint32_t end,
+                      const stilb_frustum *frustum, uint64_t *bits);
 
 /* Checks the whole octree: every object is in the cell that its bounds name and inside that cell's loose bounds;
  * counts, reaches, places and the free list are right. NULL: it is sound; else the first fault found. */

@@ -363,8 +363,7 @@ void stilb_cull_octree_destroy(stilb_cull_octree *octree)
 	free(octree->cells);
 	free(octree->reach);
 	free(octree->places);
-	free(octree->items);
-	free(octree->families);
+	cull_list_finish(&octree->list);
 	free(octree);
 }
 

@@ -19,7 +19,8 @@ typedef struct cull_view {
 } cull_view;
 
 typedef struct cull_walk {
-	stilb_cull_octree *octree;
+	const stilb_cull_octree *octree;
+	cull_list *list;
 	cull_view view;
 	double half;           /* half the side of the cells that `level` is for */
 	uint32_t depth;        /* that `level` is for; 0: none yet */
@@ -120,8 +121,8 @@ static void cull_walk_push(cull_walk *walk, uint32_t index, uint32_t planes)
 	uint32_t count = walk->octree->cells[index].count;
 	for (uint32_t first = 0; first < count; first += CULL_CHUNK) {
 		uint32_t piece = count - first < CULL_CHUNK ? count - first : CULL_CHUNK;
-		STILB_ASSERT(walk->result.item_count < walk->octree->item_capacity);
-		walk->octree->items[walk->result.item_count++] = (cull_item){index, first, piece, planes};
+		STILB_ASSERT(walk->result.item_count < walk->list->item_capacity);
+		walk->list->items[walk->result.item_count++] = (cull_item){index, first, piece, planes};
 	}
 	*(planes ? &walk->result.tested : &walk->result.accepted) += count;
 }
@@ -130,8 +131,8 @@ static void cull_walk_push(cull_walk *walk, uint32_t index, uint32_t planes)
 static cull_family *cull_walk_add(cull_walk *walk, uint32_t index, uint32_t planes)
 {
 	const cull_cell *cell = &walk->octree->cells[index];
-	STILB_ASSERT(cell->children != CULL_NONE && walk->family_count < walk->octree->families_capacity);
-	cull_family *family = &walk->octree->families[walk->family_count++];
+	STILB_ASSERT(cell->children != CULL_NONE && walk->family_count < walk->list->families_capacity);
+	cull_family *family = &walk->list->families[walk->family_count++];
 	family->children = cell->children;
 	family->depth = cell->name.depth + 1;
 	family->planes = planes;
@@ -163,8 +164,8 @@ static void cull_walk_family(cull_walk *walk, const cull_family *family, const c
 /* Tests family `at`, and with it family at + 1 if that has the same depth; returns how many were tested. */
 static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 {
-	stilb_cull_octree *octree = walk->octree;
-	const cull_family *first = &octree->families[at];
+	const stilb_cull_octree *octree = walk->octree;
+	const cull_family *first = &walk->list->families[at];
 	bool pair = at + 1 < walk->family_count && first[1].depth == first->depth;
 	const cull_family *second = pair ? first + 1 : first;
 	uint32_t planes = (first->planes | second->planes) & walk->view.certain;
@@ -174,7 +175,7 @@ static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 	cull_walk_descend(walk, first->depth);
 	if (planes)
 		octree->kernels->sixteen(&cells, &walk->level, planes);
-	octree->cell_tests += (uint32_t)__builtin_popcount(planes) * (pair ? 16 : 8);
+	walk->list->cell_tests += (uint32_t)__builtin_popcount(planes) * (pair ? 16 : 8);
 	cull_walk_family(walk, first, &cells, 0);
 	if (pair)
 		cull_walk_family(walk, second, &cells, CULL_CHILDREN);
@@ -183,41 +184,50 @@ static uint32_t cull_walk_step(cull_walk *walk, uint32_t at)
 
 /* Makes space for the greatest possible number of items and families, so that the walk itself cannot fail. False: no
  * memory. */
-static bool cull_walk_reserve(stilb_cull_octree *octree)
+static bool cull_walk_reserve(const stilb_cull_octree *octree, cull_list *list)
 {
 	uint32_t needed = octree->family_count * CULL_CHILDREN + octree->cells[CULL_ROOT].subtree_count / CULL_CHUNK;
-	if (needed > octree->item_capacity) {
-		cull_item *items = cull_grow(octree->items, 0, (size_t)needed * 2, sizeof *items);
+	if (needed > list->item_capacity) {
+		cull_item *items = cull_grow(list->items, 0, (size_t)needed * 2, sizeof *items);
 		if (!items)
 			return false;
-		octree->items = items;
-		octree->item_capacity = needed * 2;
+		list->items = items;
+		list->item_capacity = needed * 2;
 	}
-	if (octree->family_count > octree->families_capacity) {
+	if (octree->family_count > list->families_capacity) {
 		uint32_t capacity = octree->family_count * 2;
-		cull_family *families = cull_grow(octree->families, 0, capacity, sizeof *families);
+		cull_family *families = cull_grow(list->families, 0, capacity, sizeof *families);
 		if (!families)
 			return false;
-		octree->families = families;
-		octree->families_capacity = capacity;
+		list->families = families;
+		list->families_capacity = capacity;
 	}
 	return true;
 }
 
-stilb_result cull_octree_walk(stilb_cull_octree *octree, const stilb_frustum *frustum, cull_walk_result *result)
+void cull_list_finish(cull_list *list)
+{
+	free(list->items);
+	free(list->families);
+	*list = (cull_list){0};
+}
+
+stilb_result cull_octree_walk(const stilb_cull_octree *octree, cull_list *list, const stilb_frustum *frustum,
+                              cull_walk_result *result)
 {
 	PROFILE("cull.walk");
 	STILB_ASSERT(frustum && result);
 	*result = (cull_walk_result){0};
-	if (!cull_walk_reserve(octree))
+	if (!cull_walk_reserve(octree, list))
 		return stilb_fail(STILB_ERROR_MEMORY, "octree: no memory for the list of its cells");
 	cull_walk walk;
 	uint32_t planes;
 	walk.octree = octree;
+	walk.list = list;
 	walk.depth = 0;
 	walk.family_count = 0;
 	walk.result = (cull_walk_result){0};
-	octree->cell_tests = 0;
+	list->cell_tests = 0;
 	cull_walk_push(&walk, CULL_ROOT, CULL_ALL_PLANES); /* the root's own objects may lie anywhere */
 	cull_view_init(&walk.view, octree, frustum);
 	if (cull_view_root(&walk.view, octree, &planes) && octree->cells[CULL_ROOT].children != CULL_NONE) {
@@ -258,19 +268,19 @@ static void cull_mark_item(const stilb_cull_octree *octree, const cull_item *ite
 			cull_set_bit(bits, id[first + (uint32_t)__builtin_ctzll(left)]);
 }
 
-void cull_octree_mark(const stilb_cull_octree *octree, uint32_t begin, uint32_t end, const stilb_frustum *frustum,
-                      uint64_t *bits)
+void cull_octree_mark(const stilb_cull_octree *octree, const cull_list *list, uint32_t begin, uint32_t end,
+                      const stilb_frustum *frustum, uint64_t *bits)
 {
-	STILB_ASSERT(begin <= end && end <= octree->item_capacity);
+	STILB_ASSERT(begin <= end && end <= list->item_capacity);
 	for (uint32_t i = begin; i < end; i++)
-		cull_mark_item(octree, &octree->items[i], frustum, bits);
+		cull_mark_item(octree, &list->items[i], frustum, bits);
 }
 
 stilb_result stilb_cull_octree_mark(stilb_cull_octree *octree, const stilb_frustum *frustum, uint64_t *bits)
 {
 	STILB_ASSERT(bits || octree->cells[CULL_ROOT].subtree_count == 0);
 	cull_walk_result walk;
-	stilb_result result = cull_octree_walk(octree, frustum, &walk);
-	cull_octree_mark(octree, 0, walk.item_count, frustum, bits);
+	stilb_result result = cull_octree_walk(octree, &octree->list, frustum, &walk);
+	cull_octree_mark(octree, &octree->list, 0, walk.item_count, frustum, bits);
 	return result;
 }

@@ -327,11 +327,33 @@ extern const char *const stilb_render_show_names[];
 /* The identifiers of stilb_render_detail_mode, NULL-terminated. */
 extern const char *const stilb_render_detail_names[];
 
+/* What scene passes draw into, in place of the picture's own images: for a second camera, or for what a light sees. Its
+ * images are the frame's, in its plan, where features find them by name. Passes whose views point to the same target
+ * draw into the same images; of these the first pass says exposure, tone map and backdrop. */
+typedef enum stilb_render_target_kind {
+	STILB_RENDER_TARGET_LIGHT, /* linear radiance NAME, rgba16_f; its depth NAME " depth", d32_f; like the picture's */
+	STILB_RENDER_TARGET_DEPTH, /* depth alone, NAME, d32_f, one sample a pixel: nothing is lit */
+} stilb_render_target_kind;
+
+#define STILB_RENDER_TARGET_NAME 48u /* bytes of a target's name at most */
+
+typedef struct stilb_render_target {
+	const char *name; /* no other image's; "color": these are the main images, in another size: features of the stage
+	                     LIGHT get them, and stilb_render_read_radiance reads them; their depth is called "depth" */
+	stilb_render_target_kind kind;
+	uint32_t width, height; /* pixels, 1..16384 */
+	bool output;            /* it is read after the frame (stilb_gpu_read_begin); else only if a pass reads it */
+	uint16_t place[4];      /* of LIGHT: left, top, width, height of the rectangle of the picture that shows it, tone
+	                           mapped, filtered if its size is another one; width 0: none. Later targets lie over earlier
+	                           ones. What no target covers is black */
+} stilb_render_target;
+
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
  * are compiled during stilb_render_replay, which then takes some milliseconds, and kept. */
 typedef struct stilb_render_view {
-	stilb_mat4 view_projection; /* world to clip space: depth 1 is near, 0 is far, y points down */
-	float camera_position[3];   /* world space, metres */
+	const stilb_render_target *target; /* NULL: the main images, as large as the picture, which show in all of it */
+	stilb_mat4 view_projection;        /* world to clip space: depth 1 is near, 0 is far, y points down */
+	float camera_position[3];          /* world space, metres */
 	const stilb_scene_light
 		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); none casts a shadow;
 	                                  BAKED ones are left out. Read during stilb_render_replay. */
@@ -340,13 +362,13 @@ typedef struct stilb_render_view {
 	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
 	 * may go unnoticed. One panorama a frame, that of the first view with one. */
 	stilb_scene_surroundings surroundings;
-	stilb_scene_backdrop backdrop; /* of the frame's first pass; SURROUNDINGS: the panorama, or the sky's radiance */
+	stilb_scene_backdrop backdrop; /* of the target's first pass; SURROUNDINGS: the panorama, or the sky's radiance */
 	stilb_render_shading shading;
 	bool both_sides;            /* triangles are seen from behind, too: see stilb_scene.both_sides */
 	bool impostors;             /* the scene has some: stilb_render_prepare_view compiles what draws them, too */
 	stilb_render_detail detail; /* of stilb_render_record_view; {0}: everything is drawn in full */
 	stilb_render_show show;
-	/* How the picture shows radiance with output DISPLAY; those of the frame's first scene pass count. */
+	/* How the picture shows radiance with output DISPLAY; those of the target's first pass count. */
 	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
 	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tonemap.h */
 	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
@@ -357,26 +379,20 @@ typedef struct stilb_render_view {
  * sides, shading, detail and impostors. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
-/* The image that a pass draws into. */
-typedef enum stilb_render_target {
-	STILB_RENDER_TARGET_MAIN, /* the picture */
-} stilb_render_target;
-
 typedef enum stilb_render_pass_kind {
-	STILB_RENDER_PASS_SCENE, /* meshes, seen from a view */
+	STILB_RENDER_PASS_SCENE, /* meshes, seen from a view, into its target */
 	STILB_RENDER_PASS_2D,    /* triangles over the finished picture, in the order of their recording */
 } stilb_render_pass_kind;
 
 typedef struct stilb_render_pass {
 	const char *name; /* for the profiler, the validation layer and dumps; NULL: "pass" */
 	stilb_render_pass_kind kind;
-	uint32_t view; /* index into the frame's views; not read for 2D passes */
-	stilb_render_target target;
+	uint32_t view;  /* index into the frame's views; not read for 2D passes */
 	uint32_t order; /* passes are replayed by ascending order, 2D passes after all scene passes; ties by table index */
 	bool sort;      /* true: draws by ascending key, equal keys as recorded; false: as recorded. Not for 2D passes */
 } stilb_render_pass;
 
-#define STILB_RENDER_MAX_PASSES 16
+#define STILB_RENDER_MAX_PASSES 64
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
 
@@ -411,8 +427,24 @@ stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const
                                       const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
                                       stilb_job_pool *pool, uint32_t worker);
 
-/* Turns the lists of passes 0 .. pass_count - 1 (1..16, each recorded) into device commands and submits them; once a
+/* A pass of stilb_render_record_views: the members are as the arguments of stilb_render_record_view; view NULL: as
+ * stilb_render_record. */
+typedef struct stilb_render_recording {
+	uint32_t pass;
+	uint32_t visible_count;
+	const uint32_t *visible; /* [visible_count] */
+	const stilb_render_view *view;
+} stilb_render_recording;
+
+/* Records several passes of different numbers at once, their work spread over the pool as if they were one.
+ * STILB_ERROR_MEMORY. [main-thread] */
+stilb_result stilb_render_record_views(stilb_render *render, const stilb_scene *scene,
+                                       const stilb_render_recording *passes, uint32_t count, stilb_job_pool *pool,
+                                       uint32_t worker);
+
+/* Turns the lists of passes 0 .. pass_count - 1 (1..STILB_RENDER_MAX_PASSES, each recorded) into device commands and submits them; once a
  * frame. Passes and views are read during the call only. The pool records secondary command buffers.
+ * STILB_ERROR_ARGUMENT: a target has the name of another image, or its place lies outside the picture.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                  const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
@@ -439,7 +471,7 @@ stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surf
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
-/* As stilb_render_read_image, but of what the scene passes alone have drawn: linear radiance, STILB_IMAGE_F16_LINEAR,
+/* As stilb_render_read_image, but of the main images, what scene passes alone have drawn: linear radiance, STILB_IMAGE_F16_LINEAR,
  * without exposure, tone map and 2D passes, whatever desc.output is. STILB_ERROR_DEVICE also if the last frame had no
  * scene pass. [main-thread] */
 stilb_result stilb_render_read_radiance(stilb_render *render, stilb_image *image);
@@ -486,8 +518,8 @@ uint64_t stilb_render_stream_hash(const stilb_render *render);
  * device that stilb_render_gpu gives. stilb_gpu_plan_find finds render's own images: "color", "depth", "picture". */
 
 typedef enum stilb_render_stage {
-	STILB_RENDER_STAGE_FIRST, /* before all other passes; image: 0 */
-	STILB_RENDER_STAGE_LIGHT, /* image: the scene's linear radiance, rgba16_f, one sample a pixel; then the tone map */
+	STILB_RENDER_STAGE_FIRST,   /* before all other passes; image: 0 */
+	STILB_RENDER_STAGE_LIGHT,   /* image: the main linear radiance, rgba16_f, one sample a pixel; then the tone map */
 	STILB_RENDER_STAGE_PICTURE, /* image: the picture after the tone map; 2D passes follow */
 	STILB_RENDER_STAGE_LAST,    /* image: the picture with everything over it */
 	STILB_RENDER_STAGES,
@@ -497,7 +529,7 @@ typedef struct stilb_render_feature {
 	stilb_render_stage stage;
 	/* Adds rows to the plan. *image may become another image of the same size and format, which then takes the place
 	 * of the one that was given; not in stages FIRST and LAST. An error, with its message, ends the frame. Called by
-	 * stilb_render_replay; frames without a scene pass have no stage LIGHT. */
+	 * stilb_render_replay; frames without a scene pass into the main images have no stage LIGHT. */
 	stilb_result (*add)(void *user, stilb_gpu_plan *plan, uint16_t *image);
 	void *user;
 } stilb_render_feature;

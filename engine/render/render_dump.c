@@ -172,11 +172,18 @@ static void upload_tables(stilb_render_dump *dump)
 		dump->light_table[i] = render_dump_light_get(&dump->lights[i]);
 	for (uint32_t p = 0; p < dump->header->passes; p++) {
 		const render_dump_pass *pass = &dump->passes[p];
-		dump->pass_table[p] = (stilb_render_pass){.name = pass->name,
-		                                          .view = pass->view,
-		                                          .target = (stilb_render_target)pass->target,
-		                                          .order = pass->order,
-		                                          .sort = pass->sort};
+		dump->pass_table[p] =
+			(stilb_render_pass){.name = pass->name, .view = pass->view, .order = pass->order, .sort = pass->sort};
+	}
+	for (uint32_t t = 0; t < dump->header->targets; t++) {
+		const render_dump_target *from = &dump->targets[t];
+		stilb_render_target *target = &dump->target_table[t];
+		*target = (stilb_render_target){.name = from->name,
+		                                .kind = (stilb_render_target_kind)from->kind,
+		                                .width = from->width,
+		                                .height = from->height,
+		                                .output = from->output};
+		memcpy(target->place, from->place, sizeof target->place);
 	}
 	for (uint32_t v = 0; v < dump->header->views; v++) {
 		const render_dump_view *from = &dump->views[v];
@@ -194,6 +201,7 @@ static void upload_tables(stilb_render_dump *dump)
 		view->exposure = from->exposure;
 		view->tone = from->tone;
 		view->dither = from->dither;
+		view->target = from->target > 0 ? &dump->target_table[from->target - 1] : NULL;
 		render_dump_backdrop_get(dump, v, view);
 	}
 	uint32_t draws = 0; /* fits: the header's count is at most UINT32_MAX */

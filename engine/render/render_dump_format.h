@@ -1,15 +1,16 @@
 /*
- * The bytes of a frame dump, version 7. Inside render/.
+ * The bytes of a frame dump, version 8. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
  * Each part is padded with zeros to a multiple of 8 bytes.
  *
  *   part       bytes each  how many              contents
- *   header            120  1                     render_dump_header
- *   views             160  header.views, 1..16   render_dump_view
+ *   header            128  1                     render_dump_header
+ *   views             160  header.views, 1..64   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
- *   passes             96  header.passes, 1..16  render_dump_pass, in the order of the pass table
+ *   passes             88  header.passes, 1..64  render_dump_pass, in the order of the pass table
+ *   targets            80  header.targets, 0..64 render_dump_target
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
@@ -38,9 +39,9 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 7u
+#define RENDER_DUMP_VERSION 8u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
-#define RENDER_DUMP_MAX_VIEWS 16u
+#define RENDER_DUMP_MAX_VIEWS 64u
 
 typedef struct render_dump_header {
 	char magic[8];
@@ -53,6 +54,7 @@ typedef struct render_dump_header {
 	uint64_t draws, vertices, indices, pixel_bytes;
 	uint32_t lights, backdrop_bytes, levels;
 	uint32_t streams; /* render_dump_streams of the vertices' table */
+	uint32_t targets, unused;
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -66,7 +68,7 @@ typedef struct render_dump_view {
 	uint32_t both_sides;                         /* 0 or 1: stilb_render_view.both_sides */
 	float exposure;                              /* stops, -100..100 */
 	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
-	uint32_t unused;
+	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */
@@ -86,10 +88,17 @@ typedef struct render_dump_backdrop {
 
 typedef struct render_dump_pass {
 	char name[64]; /* at most 63 bytes, padded with zeros */
-	uint32_t view, target, order, sort;
-	uint32_t segments, unused;
+	uint32_t view, order, sort;
+	uint32_t segments;
 	uint64_t draws;
 } render_dump_pass;
+
+/* The members of stilb_render_target. */
+typedef struct render_dump_target {
+	char name[56]; /* at most STILB_RENDER_TARGET_NAME bytes, padded with zeros */
+	uint32_t kind, width, height, output;
+	uint16_t place[4];
+} render_dump_target;
 
 typedef struct render_dump_texture {
 	uint32_t id, width, height;
@@ -155,10 +164,10 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 	return draw->mesh >> 20 & 63u;
 }
 
-static_assert(sizeof(render_dump_header) == 120 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
-                  sizeof(render_dump_pass) == 96 && sizeof(render_dump_texture) == 16 &&
-                  sizeof(render_dump_material) == 64 && sizeof(render_dump_mesh) == 24 &&
-                  sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
+static_assert(sizeof(render_dump_header) == 128 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
+                  sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 80 &&
+                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 64 &&
+                  sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
@@ -167,6 +176,7 @@ typedef enum render_dump_part {
 	RENDER_DUMP_VIEWS,
 	RENDER_DUMP_LIGHTS,
 	RENDER_DUMP_PASSES,
+	RENDER_DUMP_TARGETS,
 	RENDER_DUMP_TEXTURES,
 	RENDER_DUMP_MATERIALS,
 	RENDER_DUMP_MESHES,
@@ -215,6 +225,7 @@ struct stilb_render_dump {
 	const render_dump_view *views;
 	const render_dump_light *lights;
 	const render_dump_pass *passes;
+	const render_dump_target *targets;
 	const render_dump_texture *textures;
 	const render_dump_material *materials;
 	const render_dump_mesh *meshes;
@@ -229,6 +240,7 @@ struct stilb_render_dump {
 	/* Made by stilb_render_dump_upload; NULL before. */
 	stilb_render_pass pass_table[STILB_RENDER_MAX_PASSES];
 	stilb_render_view view_table[RENDER_DUMP_MAX_VIEWS];
+	stilb_render_target target_table[STILB_RENDER_MAX_PASSES];
 	stilb_scene_light *light_table; /* [header->lights] */
 	render_dump_ready *ready;       /* [header->draws] */
 	uint32_t *first_draw; /* [header->segments + 1]: segment s has draws first_draw[s] .. first_draw[s + 1] - 1 */

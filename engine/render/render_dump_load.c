@@ -35,6 +35,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_VIEWS] = {header->views, sizeof(render_dump_view)},
 		[RENDER_DUMP_LIGHTS] = {header->lights, sizeof(render_dump_light)},
 		[RENDER_DUMP_PASSES] = {header->passes, sizeof(render_dump_pass)},
+		[RENDER_DUMP_TARGETS] = {header->targets, sizeof(render_dump_target)},
 		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
 		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
 		[RENDER_DUMP_MESHES] = {header->meshes, sizeof(render_dump_mesh)},
@@ -160,6 +161,9 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
 	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
+	if (h->targets > STILB_RENDER_MAX_PASSES || h->unused != 0)
+		return load_refuse(name, "header: %u targets, flags %u; there are 0..%u, no flags", h->targets, h->unused,
+		                   STILB_RENDER_MAX_PASSES);
 	if (h->backdrop_bytes % 8 != 0)
 		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
 	if (h->streams != render_dump_streams(&stilb_scene_vertex_streams))
@@ -183,8 +187,8 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 			return load_refuse(name, "view %u: its exposure is not within 100 stops", v);
 		if (view->tone >= SHADE_TONE_COUNT || view->dither > 1)
 			return load_refuse(name, "view %u: unknown tone map %u, dither %u", v, view->tone, view->dither);
-		if (view->unused != 0)
-			return load_refuse(name, "view %u: its unused bytes are not zero", v);
+		if (view->target > dump->header->targets)
+			return load_refuse(name, "view %u: target %u, but there are %u", v, view->target, dump->header->targets);
 		if (view->brdf >= SHADE_BRDF_COUNT || view->ndf >= SHADE_NDF_COUNT || view->g >= SHADE_G_COUNT ||
 		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",
@@ -231,17 +235,40 @@ static stilb_result load_check_lights(const stilb_render_dump *dump, const char 
 	return STILB_OK;
 }
 
-/* True for at most 63 bytes without control characters, padded with zeros. */
-static bool load_check_name(const char name[64])
+/* True for less than `size` bytes without control characters, padded with zeros. */
+static bool load_check_name(const char *name, size_t size)
 {
-	size_t length = strnlen(name, 64);
+	size_t length = strnlen(name, size);
 	for (size_t i = 0; i < length; i++)
 		if (iscntrl((unsigned char)name[i]))
 			return false;
-	for (size_t i = length; i < 64; i++)
+	for (size_t i = length; i < size; i++)
 		if (name[i] != '\0')
 			return false;
-	return length < 64;
+	return length < size;
+}
+
+static stilb_result load_check_targets(const stilb_render_dump *dump, const char *name)
+{
+	const render_dump_header *h = dump->header;
+	for (uint32_t t = 0; t < h->targets; t++) {
+		const render_dump_target *target = &dump->targets[t];
+		if (!load_check_name(target->name, sizeof target->name) || target->name[0] == '\0' ||
+		    strlen(target->name) > STILB_RENDER_TARGET_NAME)
+			return load_refuse(name, "target %u: its name has not 1..%u bytes, or has a control character", t,
+			                   STILB_RENDER_TARGET_NAME);
+		if (target->width < 1 || target->width > 16384 || target->height < 1 || target->height > 16384)
+			return load_refuse(name, "target %u: %ux%u pixels; a side has 1..16384", t, target->width, target->height);
+		const uint16_t *place = target->place;
+		bool none = !(place[0] | place[1] | place[2] | place[3]);
+		bool inside = place[2] > 0 && place[3] > 0 && place[0] + place[2] <= (int)h->width &&
+		              place[1] + place[3] <= (int)h->height && target->kind == STILB_RENDER_TARGET_LIGHT;
+		if (target->kind > STILB_RENDER_TARGET_DEPTH || target->output > 1 || !(none || inside))
+			return load_refuse(name,
+			                   "target %u: unknown kind %u, output %u, or a place outside the picture: %ux%u at %u, %u",
+			                   t, target->kind, target->output, place[2], place[3], place[0], place[1]);
+	}
+	return STILB_OK;
 }
 
 static stilb_result load_check_passes(const stilb_render_dump *dump, const char *name)
@@ -251,13 +278,12 @@ static stilb_result load_check_passes(const stilb_render_dump *dump, const char 
 	uint64_t segments = 0, draws = 0;
 	for (uint32_t p = 0; p < h->passes; p++) {
 		const render_dump_pass *pass = &dump->passes[p];
-		if (!load_check_name(pass->name))
+		if (!load_check_name(pass->name, sizeof pass->name))
 			return load_refuse(name, "pass %u: its name does not end with a zero, or has a control character", p);
 		if (pass->view >= h->views)
 			return load_refuse(name, "pass %u: view %u, but there are %u", p, pass->view, h->views);
-		if (pass->target > STILB_RENDER_TARGET_MAIN || pass->sort > 1 || pass->unused != 0)
-			return load_refuse(name, "pass %u: unknown target %u, sort %u or flags %u", p, pass->target, pass->sort,
-			                   pass->unused);
+		if (pass->sort > 1)
+			return load_refuse(name, "pass %u: unknown sort %u", p, pass->sort);
 		segments += pass->segments;
 		if (segments > h->segments)
 			return load_refuse(name, "pass %u: its %u segments go beyond all %u", p, pass->segments, h->segments);
@@ -483,6 +509,7 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->views = (const render_dump_view *)(dump->bytes + begin[RENDER_DUMP_VIEWS]);
 	dump->lights = (const render_dump_light *)(dump->bytes + begin[RENDER_DUMP_LIGHTS]);
 	dump->passes = (const render_dump_pass *)(dump->bytes + begin[RENDER_DUMP_PASSES]);
+	dump->targets = (const render_dump_target *)(dump->bytes + begin[RENDER_DUMP_TARGETS]);
 	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
 	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
 	dump->meshes = (const render_dump_mesh *)(dump->bytes + begin[RENDER_DUMP_MESHES]);
@@ -498,8 +525,8 @@ static void load_find_parts(stilb_render_dump *dump)
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **out)
 {
 	stilb_result (*const checks[])(const stilb_render_dump *, const char *) = {
-		load_check_header,    load_check_views,  load_check_lights, load_check_passes,    load_check_textures,
-		load_check_materials, load_check_meshes, load_check_draws,  load_check_backdrops,
+		load_check_header,   load_check_views,     load_check_lights, load_check_passes, load_check_targets,
+		load_check_textures, load_check_materials, load_check_meshes, load_check_draws,  load_check_backdrops,
 	};
 	*out = NULL;
 	stilb_result result = load_check_size(bytes, size, name);

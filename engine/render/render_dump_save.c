@@ -31,7 +31,8 @@ typedef struct save_job {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
 	save_table meshes, materials, textures;
-	render_dump_backdrop backdrops[RENDER_DUMP_MAX_VIEWS]; /* [header.views] */
+	render_dump_backdrop backdrops[RENDER_DUMP_MAX_VIEWS];     /* [header.views] */
+	const stilb_render_target *targets[RENDER_DUMP_MAX_VIEWS]; /* [header.targets] of the views */
 } save_job;
 
 /* ---- draws in recorded order ------------------------------------------------------------------------------------- */
@@ -265,6 +266,25 @@ static void save_put_shading(render_dump_view *out, const stilb_render_shading *
 	out->specular = shading->specular;
 }
 
+/* Position of a view's target among those that are saved. */
+static uint32_t save_target(const save_job *job, const stilb_render_target *target)
+{
+	uint32_t t = 0;
+	while (t < job->header.targets && job->targets[t] != target)
+		t++;
+	return t;
+}
+
+/* Finds the targets of the views, each once. */
+static void save_find_targets(save_job *job)
+{
+	for (uint32_t v = 0; v < job->header.views; v++) {
+		const stilb_render_target *target = job->views[v].target;
+		if (target && save_target(job, target) == job->header.targets)
+			job->targets[job->header.targets++] = target;
+	}
+}
+
 static void save_put_views(const save_job *job)
 {
 	render_dump_view *out = save_part(job, RENDER_DUMP_VIEWS);
@@ -280,7 +300,22 @@ static void save_put_views(const save_job *job)
 		out->exposure = view->exposure;
 		out->tone = view->tone;
 		out->dither = view->dither;
+		out->target = view->target ? 1 + save_target(job, view->target) : 0;
 		save_put_shading(out, &view->shading);
+	}
+}
+
+static void save_put_targets(const save_job *job)
+{
+	render_dump_target *out = save_part(job, RENDER_DUMP_TARGETS);
+	for (uint32_t t = 0; t < job->header.targets; t++, out++) {
+		const stilb_render_target *target = job->targets[t];
+		memcpy(out->name, target->name, strnlen(target->name, STILB_RENDER_TARGET_NAME));
+		out->kind = target->kind;
+		out->width = target->width;
+		out->height = target->height;
+		out->output = target->output;
+		memcpy(out->place, target->place, sizeof out->place);
 	}
 }
 
@@ -316,7 +351,6 @@ static void save_put_passes(const save_job *job)
 		for (size_t c = 0; pass->name && pass->name[c] && c < sizeof out->name - 1; c++)
 			out->name[c] = iscntrl((unsigned char)pass->name[c]) ? '?' : pass->name[c];
 		out->view = pass->view;
-		out->target = pass->target;
 		out->order = pass->order;
 		out->sort = pass->sort;
 		out->segments = lists->segment_count;
@@ -475,6 +509,7 @@ static stilb_result save_put(save_job *job, const char *path)
 	save_put_views(job);
 	save_put_lights(job);
 	save_put_passes(job);
+	save_put_targets(job);
 	if (job->header.backdrop_bytes > 0)
 		render_dump_backdrops_put(job->backdrops, job->views, job->header.views, save_part(job, RENDER_DUMP_BACKDROPS));
 	save_each_draw(job, save_put_draw, &draws);
@@ -549,6 +584,7 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 			job.pass[job.header.passes++] = p;
 	if (job.header.passes == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has 2D passes alone");
+	save_find_targets(&job);
 	bool without_panorama;
 	stilb_result result = save_backdrops(&job, &without_panorama);
 	if (result == STILB_OK)

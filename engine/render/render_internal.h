@@ -70,6 +70,7 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_PANORAMA 256u /* the panorama's irradiance in place of sky and ground */
 #define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
+#define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -401,6 +402,12 @@ stilb_result render_scene_material(stilb_render *render, render_scene *tables, c
 stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, const stilb_scene *scene);
 /* Shows this scene in place of the one before, which is destroyed. [main-thread] */
 void render_scene_replace(stilb_render *render, render_scene *next);
+
+/* True if its passes draw depth alone. */
+static inline bool render_view_is_depth(const stilb_render_view *view)
+{
+	return view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
+}
 
 /* render_stream.light_bits of a view but for RENDER_LIGHTS_GLOSS is what replay finds; here with it. *count: the lights
  * that frames show, the panorama's lamps included. */

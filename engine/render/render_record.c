@@ -595,13 +595,6 @@ static void record_segment(const record_pass *recorded, stilb_render_context *co
 	stilb_render_segment_end(context);
 }
 
-static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	const record_pass *recorded = context;
-	for (uint32_t segment = begin; segment < end; segment++)
-		record_segment(recorded, &recorded->render->contexts[worker], segment);
-}
-
 /* ---- recording a scene as a view sees it ------------------------------------------------------------------------- */
 
 /* A pass with the levels that its view asks for. */
@@ -932,13 +925,6 @@ static void record_segment_seen(const record_pass_view *recorded, stilb_render_c
 	stilb_render_segment_end(context);
 }
 
-static void record_slice_seen(uint32_t begin, uint32_t end, uint32_t worker, void *context)
-{
-	const record_pass_view *recorded = context;
-	for (uint32_t segment = begin; segment < end; segment++)
-		record_segment_seen(recorded, &recorded->pass.render->contexts[worker], segment);
-}
-
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
 
 /* Makes the pass's history as long as the scene's list of parts; new parts were never drawn. */
@@ -973,94 +959,155 @@ static uint64_t record_count_parts(const record_pass *recorded)
 	return parts;
 }
 
+/* Passes that are recorded together. */
+typedef struct record_passes {
+	record_pass_view passes[STILB_RENDER_MAX_PASSES]; /* [count] */
+	uint32_t first_segment[STILB_RENDER_MAX_PASSES + 1];
+	uint32_t count;
+} record_passes;
+
 /* Before the frame's first commands: makes room for one a part, so that a frame that draws far more than the last one
  * neither writes to the heap first nor grows by a quarter more than it needs. Without memory for it the frame goes on:
  * it may need less. */
-static void record_reserve(const record_pass *recorded)
+static void record_reserve(stilb_render *render, const record_passes *all)
 {
-	stilb_render *render = recorded->render;
 	render_memory *memory = &render->memory[RENDER_MEMORY_COMMANDS];
-	uint64_t spare = (uint64_t)render->context_count * RENDER_COMMAND_CHUNK, parts = recorded->scene->part_count;
+	uint64_t spare = (uint64_t)render->context_count * RENDER_COMMAND_CHUNK, parts = spare;
+	for (uint32_t p = 0; p < all->count; p++)
+		parts += all->passes[p].pass.visible_count > 0 ? all->passes[p].pass.scene->part_count : 0;
 	/* Relaxed: no thread claims memory now. */
-	if (atomic_load_explicit(&memory->next, memory_order_relaxed) > 0 || parts + spare <= memory->capacity)
+	if (atomic_load_explicit(&memory->next, memory_order_relaxed) > 0 || parts <= memory->capacity)
 		return;
-	parts = record_count_parts(recorded) + spare;
+	parts = spare;
+	for (uint32_t p = 0; p < all->count; p++)
+		parts += record_count_parts(&all->passes[p].pass);
 	if (parts > memory->capacity && parts <= UINT32_MAX)
 		render_device_grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)parts, 0);
 }
 
 /* Brings the scene's rows up to date. levels: some may be drawn. */
-static stilb_result record_rows(const record_pass *recorded, bool levels, stilb_job_pool *pool, uint32_t worker)
+static stilb_result record_rows(stilb_render *render, const stilb_scene *scene, bool levels, stilb_job_pool *pool,
+                                uint32_t worker)
 {
 	PROFILE("rows");
-	stilb_render *render = recorded->render;
 	uint32_t count, first;
-	stilb_result result = render_places_frame(render, recorded->scene, levels, &count);
+	stilb_result result = render_places_frame(render, scene, levels, &count);
 	if (result != STILB_OK || count == 0)
 		return result;
 	render_row *rows = render_claim(render, RENDER_MEMORY_ROWS, count, &first);
 	if (!rows || first > RENDER_MAX_ROWS - count)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the rows of %u parts that move", count);
-	render_places_move(render, recorded->scene, rows, first, pool, worker);
+	render_places_move(render, scene, rows, first, pool, worker);
 	return STILB_OK;
 }
 
-/* levels: it may draw some. */
-static stilb_result record_begin(const record_pass *recorded, bool levels, stilb_job_pool *pool, uint32_t worker)
+/* What a pass is recorded with: its levels' history, if it may draw some. */
+static stilb_result record_prepare(stilb_render *render, const stilb_scene *scene, const stilb_render_recording *asked,
+                                   record_pass_view *recorded)
 {
-	stilb_render *render = recorded->render;
-	const stilb_scene *scene = recorded->scene;
-	uint32_t segments = (recorded->visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
-	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
-	STILB_ASSERT(recorded->visible_count == 0 || (scene && render->scene.mesh_count == scene->mesh_count &&
-	                                              render->scene.material_count == scene->material_count));
-	STILB_ASSERT_OWNER(render->owner);
-	STILB_ASSERT(render->state == RENDER_FRAME_BEGUN);
-	stilb_result result = STILB_OK;
-	if (recorded->visible_count > 0) {
-		record_reserve(recorded);
-		result = record_rows(recorded, levels, pool, worker);
-	}
-	return result == STILB_OK ? stilb_render_pass_begin(render, recorded->pass, segments) : result;
-}
-
-stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
-                                 uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
-{
-	record_pass recorded = {render, scene, visible, visible_count, pass};
-	stilb_result result = record_begin(&recorded, false, pool, worker);
-	if (result != STILB_OK)
-		return result;
-	stilb_job_parallel_for(pool, render->passes[pass].segment_count, 1, record_slice, &recorded, worker);
-	return stilb_render_pass_end(render, pass);
-}
-
-stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
-                                      const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
-                                      stilb_job_pool *pool, uint32_t worker)
-{
-	STILB_ASSERT_OWNER(render->owner);
-	STILB_ASSERT(view && (uint32_t)view->detail.mode <= STILB_RENDER_DETAIL_MORPH && view->show < STILB_RENDER_SHOWS);
-	STILB_ASSERT(pass < STILB_RENDER_MAX_PASSES);
-	render_detail_view detail = render_detail_view_make(view, render->device->width, render->device->height);
-	render_pass_lists *lists = &render->passes[pass];
-	if (detail.mode == STILB_RENDER_DETAIL_OFF || visible_count == 0)
-		return stilb_render_record(render, pass, scene, visible, visible_count, pool, worker);
+	STILB_ASSERT(asked->pass < STILB_RENDER_MAX_PASSES);
+	*recorded = (record_pass_view){.pass = {render, scene, asked->visible, asked->visible_count, asked->pass}};
+	const stilb_render_view *view = asked->view;
+	if (!view || asked->visible_count == 0)
+		return STILB_OK;
+	STILB_ASSERT((uint32_t)view->detail.mode <= STILB_RENDER_DETAIL_MORPH && view->show < STILB_RENDER_SHOWS);
+	const stilb_render_target *target = view->target;
+	recorded->view = render_detail_view_make(view, target ? target->width : render->device->width,
+	                                         target ? target->height : render->device->height);
+	if (recorded->view.mode == STILB_RENDER_DETAIL_OFF)
+		return STILB_OK;
+	render_pass_lists *lists = &render->passes[asked->pass];
 	bool impostors = scene->impostor_model_count > 0 && render->scene.impostor_count == scene->impostor_count &&
 	                 render->scene.impostors_removed == scene->impostors_removed &&
 	                 stilb_scene_impostors_are_current(scene);
 	if (!record_history_fit(lists, scene->part_count) ||
 	    (impostors && !record_impostors_fit(lists, scene->impostor_model_count)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u parts", scene->part_count);
-	record_pass_view recorded = {.pass = {render, scene, visible, visible_count, pass},
-	                             .view = detail,
-	                             .seen = view,
-	                             .history = lists->history,
-	                             .impostors = impostors ? lists->impostors : NULL};
-	stilb_result result = record_begin(&recorded.pass, true, pool, worker);
+	recorded->seen = view;
+	recorded->history = lists->history;
+	recorded->impostors = impostors ? lists->impostors : NULL;
+	return STILB_OK;
+}
+
+/* Begins all passes, with the scene's rows. */
+static stilb_result record_begin(stilb_render *render, const stilb_scene *scene, record_passes *all,
+                                 stilb_job_pool *pool, uint32_t worker)
+{
+	bool any = false, levels = false;
+	for (uint32_t p = 0; p < all->count; p++) {
+		any |= all->passes[p].pass.visible_count > 0;
+		levels |= all->passes[p].seen != NULL;
+	}
+	STILB_ASSERT(!any || (scene && render->scene.mesh_count == scene->mesh_count &&
+	                      render->scene.material_count == scene->material_count));
+	stilb_result result = STILB_OK;
+	if (any) {
+		record_reserve(render, all);
+		result = record_rows(render, scene, levels, pool, worker);
+	}
+	all->first_segment[0] = 0;
+	for (uint32_t p = 0; p < all->count && result == STILB_OK; p++) {
+		const record_pass *pass = &all->passes[p].pass;
+		uint32_t segments = (pass->visible_count + RECORD_SEGMENT_MODELS - 1) / RECORD_SEGMENT_MODELS;
+		all->first_segment[p + 1] = all->first_segment[p] + segments;
+		result = stilb_render_pass_begin(render, pass->pass, segments);
+		if (all->passes[p].seen)
+			render->passes[pass->pass].detail = all->passes[p].view.mode;
+	}
+	return result;
+}
+
+/* Records segments of the passes, which are numbered through. */
+static void record_slice(uint32_t begin, uint32_t end, uint32_t worker, void *user)
+{
+	const record_passes *all = user;
+	uint32_t p = 0;
+	for (uint32_t s = begin; s < end; s++) {
+		while (s >= all->first_segment[p + 1])
+			p++;
+		const record_pass_view *recorded = &all->passes[p];
+		stilb_render_context *context = &recorded->pass.render->contexts[worker];
+		if (recorded->seen)
+			record_segment_seen(recorded, context, s - all->first_segment[p]);
+		else
+			record_segment(&recorded->pass, context, s - all->first_segment[p]);
+	}
+}
+
+stilb_result stilb_render_record_views(stilb_render *render, const stilb_scene *scene,
+                                       const stilb_render_recording *passes, uint32_t count, stilb_job_pool *pool,
+                                       uint32_t worker)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->state == RENDER_FRAME_BEGUN && count <= STILB_RENDER_MAX_PASSES && (passes || count == 0));
+	STILB_ASSERT(stilb_job_pool_worker_count(pool) < render->context_count && "a context for each worker");
+	record_passes all;
+	all.count = count;
+	stilb_result result = STILB_OK;
+	for (uint32_t p = 0; p < count && result == STILB_OK; p++)
+		result = record_prepare(render, scene, &passes[p], &all.passes[p]);
+	if (result == STILB_OK)
+		result = record_begin(render, scene, &all, pool, worker);
 	if (result != STILB_OK)
 		return result;
-	lists->detail = detail.mode;
-	stilb_job_parallel_for(pool, lists->segment_count, 1, record_slice_seen, &recorded, worker);
-	return stilb_render_pass_end(render, pass);
+	stilb_job_parallel_for(pool, all.first_segment[count], 1, record_slice, &all, worker);
+	for (uint32_t p = 0; p < count && result == STILB_OK; p++)
+		result = stilb_render_pass_end(render, passes[p].pass);
+	return result;
+}
+
+stilb_result stilb_render_record_view(stilb_render *render, uint32_t pass, const stilb_scene *scene,
+                                      const uint32_t *visible, uint32_t visible_count, const stilb_render_view *view,
+                                      stilb_job_pool *pool, uint32_t worker)
+{
+	STILB_ASSERT(view);
+	return stilb_render_record_views(render, scene, &(stilb_render_recording){pass, visible_count, visible, view}, 1,
+	                                 pool, worker);
+}
+
+stilb_result stilb_render_record(stilb_render *render, uint32_t pass, const stilb_scene *scene, const uint32_t *visible,
+                                 uint32_t visible_count, stilb_job_pool *pool, uint32_t worker)
+{
+	return stilb_render_record_views(render, scene, &(stilb_render_recording){pass, visible_count, visible, NULL}, 1,
+	                                 pool, worker);
 }

@@ -88,7 +88,7 @@ static bool replay_lists_is_sound(const stilb_render *render, const render_pass_
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists)
 {
 	STILB_ASSERT(lists->state == RENDER_LIST_CLOSED && "every replayed pass is recorded");
-	STILB_ASSERT((uint32_t)pass->kind <= STILB_RENDER_PASS_2D && pass->target == STILB_RENDER_TARGET_MAIN);
+	STILB_ASSERT((uint32_t)pass->kind <= STILB_RENDER_PASS_2D);
 	STILB_ASSERT(pass->kind == STILB_RENDER_PASS_SCENE || !pass->sort);
 	lists->kind = pass->kind;
 	stilb_result result = replay_order(pass, lists);
@@ -173,6 +173,10 @@ typedef struct replay_lights {
 
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
 {
+	if (render_view_is_depth(view)) {
+		*count = 0;
+		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
 	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |
 	                (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
@@ -209,7 +213,8 @@ static void replay_write_lights(render_light *out, const stilb_render_view *view
 /* True if both views have the same lights. */
 static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
-	return a->lights == b->lights && a->light_count == b->light_count &&
+	return a->lights == b->lights && a->light_count == b->light_count && a->both_sides == b->both_sides &&
+	       render_view_is_depth(a) == render_view_is_depth(b) &&
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }
@@ -217,7 +222,8 @@ static bool replay_lights_are_same(const stilb_render_view *a, const stilb_rende
 /* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
 static const render_panorama *replay_panorama(const stilb_render *render, const stilb_render_view *view)
 {
-	return render_panorama_shows(&render->panorama, &view->surroundings.panorama) ? &render->panorama : NULL;
+	bool shows = !render_view_is_depth(view) && render_panorama_shows(&render->panorama, &view->surroundings.panorama);
+	return shows ? &render->panorama : NULL;
 }
 
 /* Copies the lights of the views that passes show, without those that are only baked, to the frame's memory, before it
@@ -267,7 +273,7 @@ static stilb_result replay_update_panorama(stilb_render *render, const stilb_ren
 {
 	render_panorama_memory memory = {replay_make_panorama, replay_show_panorama, render->device};
 	for (uint32_t v = 0; v < view_count; v++)
-		if (render_panorama_is_good(&views[v].surroundings.panorama))
+		if (!render_view_is_depth(&views[v]) && render_panorama_is_good(&views[v].surroundings.panorama))
 			return render_panorama_update(&render->panorama, &views[v].surroundings.panorama, memory,
 			                              stilb_gpu_in_window(render->device->gpu), pool, worker);
 	render_panorama_leave(&render->panorama);
@@ -290,6 +296,17 @@ static stilb_result replay_order_passes(stilb_render *render, const stilb_render
 	return result;
 }
 
+static bool replay_target_is_sound(const stilb_render_target *target)
+{
+	if (!target)
+		return true;
+	size_t length = target->name ? strnlen(target->name, STILB_RENDER_TARGET_NAME + 1) : 0;
+	bool placed = target->place[2] > 0 && target->place[3] > 0;
+	return length > 0 && length <= STILB_RENDER_TARGET_NAME && (uint32_t)target->kind <= STILB_RENDER_TARGET_DEPTH &&
+	       target->width >= 1 && target->width <= 16384 && target->height >= 1 && target->height <= 16384 &&
+	       (!placed || target->kind == STILB_RENDER_TARGET_LIGHT);
+}
+
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                  const stilb_render_view *views, uint32_t view_count, stilb_job_pool *pool,
                                  uint32_t worker)
@@ -299,7 +316,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	STILB_ASSERT(passes && (views || view_count == 0));
 	STILB_ASSERT(pass_count >= 1 && pass_count <= STILB_RENDER_MAX_PASSES && render->state == RENDER_FRAME_BEGUN);
 	for (const stilb_render_pass *pass = passes; pass < passes + pass_count; pass++)
-		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE || pass->view < view_count);
+		STILB_ASSERT(pass->kind != STILB_RENDER_PASS_SCENE ||
+		             (pass->view < view_count && replay_target_is_sound(views[pass->view].target)));
 	render_device *device = render->device;
 	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_other_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
@@ -318,13 +336,15 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		const stilb_render_pass *pass = &passes[render->replayed[p]];
 		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
 		uint32_t index = render->replayed[p];
-		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
-		                        .first_light = lights[index].first,
-		                        .light_count = lights[index].count,
-		                        .panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
-		                        .light_bits =
-		                            lights[index].bits |
-		                            (scene && views[pass->view].surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0)};
+		render_stream stream = {
+			.view = scene ? &views[pass->view] : NULL,
+			.first_light = lights[index].first,
+			.light_count = lights[index].count,
+			.panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
+			.light_bits = lights[index].bits |
+		                  (scene && !render_view_is_depth(&views[pass->view]) && views[pass->view].surroundings.glossy
+		                       ? RENDER_LIGHTS_GLOSS
+		                       : 0)};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)

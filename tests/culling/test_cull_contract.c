@@ -124,7 +124,7 @@ static void octrees(void **state)
 	double center[3];
 	cull_cell_name outside = {.depth = 1, .position = {2, 0, 0}};
 	contract_breaks(">> name.depth == 0", cull_octree_cell_center(octree, outside, center));
-	contract_breaks("begin <= end", cull_octree_mark(octree, 2, 1, &l.everything, NULL));
+	contract_breaks("begin <= end", cull_octree_mark(octree, &octree->list, 2, 1, &l.everything, NULL));
 	contract_breaks("count <= capacity", cull_grow(NULL, 2, 1, 4));
 	stilb_cull_octree *out;
 	contract_breaks("desc && out", stilb_cull_octree_create(NULL, &out));

@@ -256,9 +256,9 @@ static cull_walk_result walk_octree(stilb_cull_octree *octree, const stilb_frust
 {
 	cull_walk_result walk;
 	uint32_t tested = 0, accepted = 0;
-	assert_int_equal(cull_octree_walk(octree, frustum, &walk), STILB_OK);
+	assert_int_equal(cull_octree_walk(octree, &octree->list, frustum, &walk), STILB_OK);
 	for (uint32_t i = 0; i < walk.item_count; i++)
-		*(octree->items[i].planes ? &tested : &accepted) += octree->items[i].count;
+		*(octree->list.items[i].planes ? &tested : &accepted) += octree->list.items[i].count;
 	assert_int_equal(tested, walk.tested);
 	assert_int_equal(accepted, walk.accepted);
 	return walk;
@@ -309,13 +309,13 @@ static void test_planes_are_masked(void **state)
 	uint32_t cut = 0;
 	cull_walk_result walk = walk_octree(twin.octree, &frustum);
 	for (uint32_t i = 0; i < walk.item_count; i++) {
-		assert_int_equal(twin.octree->items[i].planes & ~2u, 0);
-		cut += twin.octree->items[i].planes;
+		assert_int_equal(twin.octree->list.items[i].planes & ~2u, 0);
+		cut += twin.octree->list.items[i].planes;
 	}
 	assert_true(cut > 0);
 	/* Below the root each cell is tested once, against plane 1 alone. */
-	assert_true(twin.octree->cell_tests > 0);
-	assert_true(twin.octree->cell_tests <= CULL_CHILDREN * (twin.octree->family_count - 1));
+	assert_true(twin.octree->list.cell_tests > 0);
+	assert_true(twin.octree->list.cell_tests <= CULL_CHILDREN * (twin.octree->family_count - 1));
 	assert_true(assert_same(&twin, &frustum) > 0);
 	stilb_cull_octree_destroy(twin.octree);
 }

@@ -189,6 +189,9 @@ static const stilb_scene_light lights[3] = {
      .use = STILB_SCENE_LIGHT_LIVE},
 };
 
+static const stilb_render_target inset = {
+	.name = "inset", .width = 30, .height = 20, .output = true, .place = {2, 3, 16, 8}};
+
 static void fill_views(stilb_render_view views[2])
 {
 	for (int v = 0; v < 2; v++) {
@@ -200,6 +203,7 @@ static void fill_views(stilb_render_view views[2])
 		views[v].lights = v ? &lights[2] : lights;
 		views[v].light_count = v ? 1 : 2;
 		views[v].both_sides = v == 0;
+		views[v].target = v ? NULL : &inset;
 	}
 }
 
@@ -495,6 +499,7 @@ static void every_signed_change_is_refused_or_plays(void **state)
 
 #define HEADER(field) offsetof(render_dump_header, field)
 #define VIEW(field) offsetof(render_dump_view, field)
+#define TARGET(field) offsetof(render_dump_target, field)
 
 /* Offset from the beginning of a part, the 32 bits to write there, and a part of the message to expect. */
 static const struct damage {
@@ -504,7 +509,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 7"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 8"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -535,7 +540,7 @@ static const struct damage {
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x43000000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(tone), 4, "view 0: unknown tone map 4, dither 0"},
 	{RENDER_DUMP_VIEWS, VIEW(dither), 2, "view 0: unknown tone map 0, dither 2"},
-	{RENDER_DUMP_VIEWS, VIEW(unused), 1, "view 0: its unused bytes are not zero"},
+	{RENDER_DUMP_VIEWS, VIEW(target), 2, "view 0: target 2, but there are 1"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
 	{RENDER_DUMP_LIGHTS, offsetof(render_dump_light, unused), 1, "light 0: its unused bytes are not zero"},
@@ -544,10 +549,21 @@ static const struct damage {
 	{RENDER_DUMP_PASSES, 0, 0x41410a41, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, 60, 0x41414141, "pass 0: its name"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, view), 2, "pass 0: view 2, but there are 2"},
-	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, target), 1, "pass 0: unknown target 1"},
-	{RENDER_DUMP_PASSES, 96 + offsetof(render_dump_pass, sort), 2, "pass 1: unknown target 0, sort 2"},
+	{RENDER_DUMP_PASSES, 88 + offsetof(render_dump_pass, sort), 2, "pass 1: unknown sort 2"},
+	{RENDER_DUMP_HEADER, HEADER(targets), 2, "do not add up"},
+	{RENDER_DUMP_HEADER, HEADER(unused), 2, "header: 1 targets, flags 2"},
+	{RENDER_DUMP_TARGETS, 0, 0, "target 0: its name"},
+	{RENDER_DUMP_TARGETS, 52, 1, "target 0: its name"},
+	{RENDER_DUMP_TARGETS, TARGET(kind), 2, "target 0: unknown kind 2"},
+	{RENDER_DUMP_TARGETS, TARGET(kind), 1, "target 0: unknown kind 1, output 1, or a place"}, /* depth has none */
+	{RENDER_DUMP_TARGETS, TARGET(width), 16385, "target 0: 16385x20 pixels"},
+	{RENDER_DUMP_TARGETS, TARGET(height), 0, "target 0: 30x0 pixels"},
+	{RENDER_DUMP_TARGETS, TARGET(output), 2, "target 0: unknown kind 0, output 2"},
+	{RENDER_DUMP_TARGETS, TARGET(place), 3 << 16 | 49, "or a place outside the picture: 16x8 at 49, 3"},
+	{RENDER_DUMP_TARGETS, TARGET(place), 25 << 16 | 2, "or a place outside the picture: 16x8 at 2, 25"},
+	{RENDER_DUMP_TARGETS, TARGET(place) + 4, 8 << 16, "or a place outside the picture: 0x8 at 2, 3"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, segments), 8, "pass 0: its 8 segments go beyond all 7"},
-	{RENDER_DUMP_PASSES, 96 + offsetof(render_dump_pass, segments), 2, "pass 1: 16 draws, but its segments have 7"},
+	{RENDER_DUMP_PASSES, 88 + offsetof(render_dump_pass, segments), 2, "pass 1: 16 draws, but its segments have 7"},
 	{RENDER_DUMP_PASSES, offsetof(render_dump_pass, draws), 9, "pass 0: 9 draws, but its segments have 26"},
 	{RENDER_DUMP_SEGMENTS, 0, 8, "pass 0: 26 draws, but its segments have 27"},
 	{RENDER_DUMP_SEGMENTS, 28, 1, "behind the segments"},

@@ -119,15 +119,16 @@ static void backdrop_write(const render_device *device, const stilb_render_view 
 }
 
 stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
-                                   const render_panorama *panorama)
+                                   const render_panorama *panorama, uint64_t *address)
 {
-	render_buffer *buffer = &render_slot_now(device)->backdrop;
-	STILB_ASSERT(render_backdrop_is_drawn(view, panorama));
+	render_buffer *buffer = &render_slot_now(device)->backdrops[device->frame.backdrops++];
+	STILB_ASSERT(device->frame.backdrops <= STILB_RENDER_MAX_PASSES && render_backdrop_is_drawn(view, panorama));
 	stilb_result result = STILB_OK;
 	if (!buffer->mapped)
 		result = render_buffer_make(device, "backdrop", sizeof(backdrop_data), STILB_GPU_MEMORY_WRITE,
 		                            STILB_GPU_BUFFER_ADDRESS, buffer);
 	if (result == STILB_OK)
 		backdrop_write(device, view, panorama, buffer->mapped);
+	*address = buffer->address;
 	return result;
 }

@@ -80,6 +80,7 @@ static stilb_result device_open(render_device *device, const stilb_render_desc *
 	               desc->faults.texture_side},
 	};
 	stilb_gpu_sampler_desc sampler = {.linear = true, .wrap = {STILB_GPU_WRAP_REPEAT, STILB_GPU_WRAP_REPEAT}};
+	stilb_gpu_sampler_desc linear = {.linear = true, .wrap = {STILB_GPU_WRAP_CLAMP, STILB_GPU_WRAP_CLAMP}};
 	stilb_result result = stilb_gpu_create(&gpu, &device->gpu);
 	if (result == STILB_OK)
 		result = device_choose_samples(device, desc->samples);
@@ -87,6 +88,8 @@ static stilb_result device_open(render_device *device, const stilb_render_desc *
 		result = device_check_size(device);
 	if (result == STILB_OK)
 		result = stilb_gpu_sampler_get(device->gpu, &sampler, &device->sampler);
+	if (result == STILB_OK)
+		result = stilb_gpu_sampler_get(device->gpu, &linear, &device->linear);
 	if (result == STILB_OK)
 		result = render_programs_create(device);
 	for (uint32_t i = 0; i < STILB_GPU_FRAMES && result == STILB_OK; i++)
@@ -243,17 +246,20 @@ static void read_divide(stilb_image *image)
 		}
 }
 
-/* Makes an image of an output of the last frame. */
+/* Makes an image of an output of the last frame: of the picture or the main light. */
 static stilb_result device_read(render_device *device, uint16_t resource, stilb_image_format format, stilb_image *image)
 {
 	uint64_t ticket, frame;
 	const void *bytes;
+	const render_frame_target *main = render_target_main(device);
+	stilb_gpu_extent extent = *stilb_gpu_plan_extent(device->plan, resource);
+	uint32_t channels = main && main->transparent ? 4 : 3;
 	stilb_result result = stilb_gpu_read_begin(device->gpu, device->plan, resource, 0, 0, &ticket);
 	if (result != STILB_OK)
 		return result;
 	result = stilb_gpu_read_get(device->gpu, ticket, true, &bytes, &frame);
 	if (result == STILB_OK)
-		result = stilb_image_create(image, device->width, device->height, device->frame.transparent ? 4 : 3, format);
+		result = stilb_image_create(image, extent.width, extent.height, channels, format);
 	if (result == STILB_OK)
 		read_take(image, bytes, format == STILB_IMAGE_F16_LINEAR ? 2 : 1);
 	stilb_gpu_read_end(device->gpu, ticket);
@@ -282,5 +288,6 @@ stilb_result render_device_read_picture(render_device *device, stilb_image *imag
 stilb_result render_device_read_light(render_device *device, stilb_image *image)
 {
 	stilb_result result = read_check(device, device->drawn && device->lit, "with a scene ");
-	return result == STILB_OK ? device_read(device, device->frame.color, STILB_IMAGE_F16_LINEAR, image) : result;
+	return result == STILB_OK ? device_read(device, render_target_main(device)->color, STILB_IMAGE_F16_LINEAR, image)
+	                          : result;
 }

@@ -61,8 +61,9 @@ typedef struct render_push_2d {
 
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
-	float exposure;  /* factor of radiance */
-	uint32_t dither; /* 0, 1 */
+	float exposure;    /* factor of radiance */
+	uint32_t dither;   /* 0, 1 */
+	int32_t left, top; /* of the rectangle of the picture that is filled */
 } render_tone_push;
 
 /* ---- programs ---------------------------------------------------------------------------------------------------- */
@@ -96,6 +97,7 @@ typedef enum render_flat {
 extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: vertices are packed] */
 extern const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES];
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
+extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
 extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
 
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
@@ -118,12 +120,16 @@ typedef struct render_formula_programs {
 	_Atomic uint32_t ready;
 } render_formula_programs;
 
+/* True if they draw depth alone. */
+bool render_formulas_are_depth(const render_formula_programs *programs);
+
 typedef struct render_programs {
 	pthread_mutex_t lock; /* guards all below */
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
-	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, tones[SHADE_TONE_COUNT];
+	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve;
+	stilb_gpu_program tones[2][SHADE_TONE_COUNT]; /* [1: of an image of another size than its place in the picture] */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -131,9 +137,9 @@ typedef struct render_programs {
 
 /* What a frame in flight has of its own. */
 typedef struct render_slot {
-	render_buffer memory[5]; /* by render_memory_kind */
-	render_buffer views;     /* render_view_data[STILB_RENDER_MAX_PASSES] */
-	render_buffer backdrop;  /* what shaders/backdrop.frag reads; {0}: not needed so far */
+	render_buffer memory[5];                          /* by render_memory_kind */
+	render_buffer views;                              /* render_view_data[STILB_RENDER_MAX_PASSES] */
+	render_buffer backdrops[STILB_RENDER_MAX_PASSES]; /* what shaders/backdrop.frag reads; {0}: not needed so far */
 } render_slot;
 
 typedef struct render_device_texture {
@@ -144,6 +150,8 @@ typedef struct render_device_texture {
 /* Of a scene pass: all that a list can bind, by detail, surface, width of the indices and half of the materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
+#define RENDER_MAX_LISTS (STILB_RENDER_MAX_PASSES + 1u) /* and one for a frame that shows nothing */
+
 /* The draws of a pass. */
 typedef struct render_list {
 	stilb_gpu_binding bindings[RENDER_BINDINGS];
@@ -151,17 +159,29 @@ typedef struct render_list {
 	char name[64];      /* of its row */
 } render_list;
 
+/* The images of a stilb_render_target in a frame. */
+typedef struct render_frame_target {
+	const stilb_render_target *from; /* NULL: the main images in the picture's size */
+	uint16_t color, samples, depth;  /* resources of the plan; 0: it has none. samples: with several a pixel */
+	bool drawn;                      /* a pass has drawn into it */
+	bool transparent;                /* the backdrop is nothing, and alpha counts */
+	uint32_t width, height;
+	uint32_t tone; /* SHADE_TONE_... */
+	float exposure;
+	bool dither;
+} render_frame_target;
+
 /* The frame that is being made. */
 typedef struct render_frame {
-	uint16_t color, samples, depth, picture; /* resources of the plan; samples is 0 with one sample a pixel */
-	bool begun;                              /* the plan has been begun */
-	bool scene;                              /* a scene pass has drawn light */
-	bool shown;                              /* picture has content: of the light, or of 2D passes */
-	bool transparent;                        /* the backdrop is nothing, and the picture's alpha counts */
-	uint32_t views;                          /* of slot.views that are in use */
-	uint32_t tone;                           /* SHADE_TONE_... */
-	render_tone_push push;
+	uint16_t picture; /* resource of the plan */
+	bool begun;       /* the plan has been begun */
+	bool ended;       /* all scene passes are there, and what makes the picture of them */
+	bool shown;       /* picture has content: of targets, or of 2D passes */
+	uint32_t views;   /* of slot.views that are in use */
+	uint32_t backdrops;
 	uint32_t list_count, run_count;
+	uint32_t target_count;
+	render_frame_target targets[STILB_RENDER_MAX_PASSES];
 } render_frame;
 
 typedef struct render_device {
@@ -182,12 +202,13 @@ typedef struct render_device {
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
 	render_device_texture *textures;       /* [STILB_RENDER_MAX_TEXTURES] */
 	stilb_gpu_sampler sampler;             /* of all textures: linear, repeated, no mip levels */
+	stilb_gpu_sampler linear;              /* clamped */
 	render_programs programs;
 
 	render_frame frame;
-	render_list lists[STILB_RENDER_MAX_PASSES];
-	stilb_gpu_draws draws[STILB_RENDER_MAX_PASSES]; /* of the lists */
-	stilb_gpu_run *runs;                            /* [run_capacity] of all lists */
+	render_list lists[RENDER_MAX_LISTS];
+	stilb_gpu_draws draws[RENDER_MAX_LISTS]; /* of the lists */
+	stilb_gpu_run *runs;                     /* [run_capacity] of all lists */
 	uint32_t run_capacity;
 	stilb_render_feature features[STILB_RENDER_MAX_FEATURES]; /* [feature_count] */
 	uint32_t feature_count;
@@ -254,12 +275,13 @@ void render_device_rows_free(render_device *device, render_rows *rows);
 
 stilb_result render_programs_create(render_device *device);
 void render_programs_destroy(render_device *device);
-/* The programs for a view's formulas, compiled for these kinds (render_stream.kinds) and surfaces, 1 << render_surface
+/* The programs for a view's formulas and light_bits, or, with RENDER_LIGHTS_DEPTH in these, for depth alone, compiled
+ * for these kinds (render_stream.kinds) and surfaces, 1 << render_surface
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen);
-/* Compiles what turns light into the picture. [any-thread] */
-stilb_result render_programs_tone(render_device *device, uint32_t tone);
+/* Compiles what turns light into the picture. scaled: of an image of another size. [any-thread] */
+stilb_result render_programs_tone(render_device *device, uint32_t tone, bool scaled);
 stilb_result render_programs_backdrop(render_device *device);
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits);
@@ -270,6 +292,19 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 stilb_result render_device_pass(render_device *device, const struct render_stream *stream);
 /* Gives the frame to the device. pool: its threads record secondary command buffers; NULL: the caller does. */
 stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint32_t worker);
+
+/* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */
+
+/* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for. */
+render_frame_target *render_target_get(render_device *device, const stilb_render_target *target);
+/* The main images; NULL: the frame has none. */
+render_frame_target *render_target_main(render_device *device);
+/* Adds the passes that make light of samples. */
+void render_targets_resolve(render_device *device);
+/* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
+void render_targets_show(render_device *device, uint16_t main_light);
+/* True if it is as large as its place in the picture is not. */
+bool render_target_is_scaled(const stilb_render_target *target);
 
 /* ---- render_show.c ----------------------------------------------------------------------------------------------- */
 
@@ -282,8 +317,8 @@ stilb_result render_show_image(render_device *device);
 bool render_backdrop_is_drawn(const stilb_render_view *view, const render_panorama *panorama);
 /* The radiance that the light is cleared to: of the backdrop, or of the sky or the ground. */
 void render_backdrop_clear(const stilb_render_view *view, float color[4]);
-/* Writes it to the slot's memory. */
+/* Writes it to the slot's memory; *address: where. */
 stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
-                                   const render_panorama *panorama);
+                                   const render_panorama *panorama, uint64_t *address);
 
 #endif

@@ -5,16 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- images ------------------------------------------------------------------------------------------------------ */
-
-static uint16_t frame_image(render_device *device, const char *name, stilb_gpu_format format, uint32_t samples,
-                            bool output)
-{
-	return stilb_gpu_plan_image(
-		device->plan,
-		&(stilb_gpu_plan_image_row){
-			.name = name, .format = format, .scale = 1.0f, .samples = (uint8_t)samples, .output = output});
-}
+/* ---- features ---------------------------------------------------------------------------------------------------- */
 
 /* What a feature gives for an image must be like it. */
 static stilb_result frame_check_image(const render_device *device, uint16_t from, uint16_t to)
@@ -53,24 +44,20 @@ static stilb_result frame_stage(render_device *device, stilb_render_stage stage,
 	return result;
 }
 
-static stilb_result frame_begin(render_device *device, bool scene)
+static stilb_result frame_begin(render_device *device)
 {
 	render_frame *frame = &device->frame;
 	uint16_t none = 0;
 	stilb_gpu_plan_begin(device->plan, device->width, device->height);
 	frame->begun = true;
 	stilb_result result = frame_stage(device, STILB_RENDER_STAGE_FIRST, &none);
-	if (result != STILB_OK)
-		return result;
-	frame->picture = frame_image(device, STILB_RENDER_IMAGE_PICTURE, render_picture_format(device), 1, true);
-	if (!scene)
-		return STILB_OK;
-	frame->color = frame_image(device, STILB_RENDER_IMAGE_COLOR, STILB_GPU_RGBA16_F, 1, true);
-	frame->depth = frame_image(device, STILB_RENDER_IMAGE_DEPTH, STILB_GPU_D32_F, device->samples, false);
-	if (device->samples > 1)
-		frame->samples =
-			frame_image(device, STILB_RENDER_IMAGE_COLOR_SAMPLES, STILB_GPU_RGBA16_F, device->samples, false);
-	return STILB_OK;
+	if (result == STILB_OK)
+		frame->picture =
+			stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){.name = STILB_RENDER_IMAGE_PICTURE,
+		                                                                   .format = render_picture_format(device),
+		                                                                   .scale = 1.0f,
+		                                                                   .output = true});
+	return result;
 }
 
 /* ---- views ------------------------------------------------------------------------------------------------------- */
@@ -129,7 +116,8 @@ static stilb_gpu_binding list_bind_meshes(const render_device *device, const ren
 {
 	bool odd = binding & 1, wide = binding & 2;
 	uint32_t surface = binding / 4 % RENDER_SURFACES, detail = binding / 4 / RENDER_SURFACES;
-	render_drawn drawn = device->materials == STILB_RENDER_MATERIALS_BIND    ? RENDER_DRAWN_BOUND
+	render_drawn drawn = render_formulas_are_depth(choice)                   ? RENDER_DRAWN_ALL
+	                     : device->materials == STILB_RENDER_MATERIALS_BIND  ? RENDER_DRAWN_BOUND
 	                     : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
 	                     : odd                                               ? RENDER_DRAWN_ODD
 	                                                                         : RENDER_DRAWN_EVEN;
@@ -152,46 +140,67 @@ static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding
 	};
 }
 
+/* The state of a draw into depth alone: of materials and textures it needs those of impostors, which have their depth
+ * in them. */
+static uint64_t list_depth_state(uint64_t state)
+{
+	uint64_t shape = RENDER_STATE_DETAIL | RENDER_STATE_WIDE | RENDER_STATE_IMPOSTOR;
+	return state & RENDER_STATE_IMPOSTOR ? state & (shape | (RENDER_STATE_IMPOSTOR - 1)) : state & shape;
+}
+
+/* Makes one run of two if the second goes on where the first ends. */
+static bool list_join(stilb_gpu_run *run, const stilb_gpu_run *next)
+{
+	if (run->first + run->count != next->first || run->binding != next->binding || run->set != next->set)
+		return false;
+	run->count += next->count;
+	return true;
+}
+
 /* Makes the list of a stream's draws; returns its number among the frame's. choice: of scene passes. */
 static stilb_result frame_list(render_device *device, const render_stream *stream,
                                const render_formula_programs *choice, uint32_t *number)
 {
 	render_frame *frame = &device->frame;
 	*number = frame->list_count;
-	STILB_ASSERT(*number < STILB_RENDER_MAX_PASSES);
+	STILB_ASSERT(*number < RENDER_MAX_LISTS);
 	if (!render_reserve((void **)&device->runs, &device->run_capacity, frame->run_count + stream->run_count,
 	                    sizeof *device->runs))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", stream->run_count);
 	render_list *list = &device->lists[frame->list_count++];
 	uint8_t places[RENDER_BINDINGS] = {0}; /* 1 + where a binding is in the list */
-	uint32_t bindings = 0;
-	bool bind = choice && device->materials == STILB_RENDER_MATERIALS_BIND;
+	uint32_t bindings = 0, made = 0;
+	bool depth = stream->light_bits & RENDER_LIGHTS_DEPTH;
+	bool bind = choice && !depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
 	stilb_gpu_run *out = stream->run_count > 0 ? device->runs + frame->run_count : NULL;
 	for (uint32_t r = 0; r < stream->run_count; r++) {
-		uint64_t state = stream->runs[r].state;
+		uint64_t state = depth ? list_depth_state(stream->runs[r].state) : stream->runs[r].state;
 		uint32_t b = list_binding(device, state), texture = render_state_texture(state);
 		if (places[b] == 0) {
 			list->bindings[bindings] = choice ? list_bind_meshes(device, choice, b) : list_bind_flats(device, b);
 			places[b] = (uint8_t)++bindings;
 		}
 		STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
-		out[r] = (stilb_gpu_run){
+		stilb_gpu_run run = {
 			.first = stream->runs[r].first,
 			.count = stream->runs[r].count,
 			.binding = places[b] - 1u,
 			.set = texture ? device->textures[texture].set.id : 0,
 			.constant = bind ? materials + render_state_material(state) * sizeof(render_material) : 0,
 		};
+		if (depth && made > 0 && list_join(&out[made - 1], &run))
+			continue;
+		out[made++] = run;
 	}
 	list->first_run = frame->run_count;
-	frame->run_count += stream->run_count;
+	frame->run_count += made;
 	device->draws[*number] = (stilb_gpu_draws){
 		.draws = stream->commands,
 		.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer,
 		.bindings = list->bindings,
 		.binding_count = bindings,
-		.run_count = stream->run_count,
+		.run_count = made,
 		.replay = (stilb_gpu_replay)render_stream_mode(device, stream),
 		.has_constants = bind,
 		.constant_place = offsetof(render_push, materials),
@@ -213,58 +222,43 @@ static void row_constants(stilb_gpu_pass *row, const void *constants, size_t byt
 	row->constant_bytes = (uint8_t)bytes;
 }
 
-/* A fullscreen pass that samples `from` and writes every pixel of `to`. */
-static void frame_screen(render_device *device, const char *name, stilb_gpu_program program, uint16_t from, uint16_t to,
-                         const render_tone_push *push)
-{
-	stilb_gpu_pass row = {
-		.name = name,
-		.kind = STILB_GPU_PASS_FULLSCREEN,
-		.color_count = 1,
-		.use_count = 1,
-		.program = program.id,
-		.color = {{.image = to, .load = STILB_GPU_LOAD_DISCARD}},
-		.uses = {{.resource = from, .how = STILB_GPU_USE_SAMPLED}},
-	};
-	row_constants(&row, push, sizeof *push);
-	stilb_gpu_plan_pass(device->plan, &row);
-}
-
-/* Makes the picture of the light that scene passes have drawn. */
-static stilb_result frame_tone(render_device *device)
+/* Ends the scene: makes the picture of what its passes have drawn. */
+static stilb_result frame_end_scene(render_device *device)
 {
 	render_frame *frame = &device->frame;
-	uint16_t light = frame->color;
-	if (!frame->scene || frame->shown)
+	if (frame->ended || frame->target_count == 0)
 		return STILB_OK;
-	if (frame->samples)
-		frame_screen(device, "resolve", device->programs.resolve, frame->samples, frame->color, &frame->push);
-	stilb_result result = frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light);
+	frame->ended = true;
+	render_targets_resolve(device);
+	const render_frame_target *main = render_target_main(device);
+	uint16_t light = main ? main->color : 0;
+	stilb_result result = main ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
 	if (result != STILB_OK)
 		return result;
-	frame_screen(device, "tone map", device->programs.tones[frame->tone], light, frame->picture, &frame->push);
-	frame->shown = true;
-	result = frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
+	render_targets_show(device, light);
+	if (frame->shown)
+		result = frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
 	return result == STILB_OK ? render_show_image(device) : result;
 }
 
 /* What is seen where no model is. */
-static stilb_result frame_backdrop(render_device *device, const render_stream *stream)
+static stilb_result frame_backdrop(render_device *device, const render_stream *stream,
+                                   const render_frame_target *target)
 {
+	uint64_t address;
 	stilb_result result = render_programs_backdrop(device);
 	if (result == STILB_OK)
-		result = render_backdrop_write(device, stream->view, stream->panorama);
+		result = render_backdrop_write(device, stream->view, stream->panorama, &address);
 	if (result != STILB_OK)
 		return result;
-	const render_frame *frame = &device->frame;
 	stilb_gpu_pass row = {
 		.name = "backdrop",
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.color_count = 1,
 		.program = device->programs.backdrop.id,
-		.color = {{.image = frame->samples ? frame->samples : frame->color, .load = STILB_GPU_LOAD_DISCARD}},
+		.color = {{.image = target->samples ? target->samples : target->color, .load = STILB_GPU_LOAD_DISCARD}},
 	};
-	row_constants(&row, &render_slot_now(device)->backdrop.address, sizeof(uint64_t));
+	row_constants(&row, &address, sizeof address);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
 }
@@ -277,15 +271,47 @@ static stilb_gpu_pass frame_row(render_device *device, const render_stream *stre
 	size_t length = strnlen(given, sizeof device->lists[list].name - 1);
 	memcpy(name, given, length);
 	name[length] = '\0';
-	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .color_count = 1, .draws = list};
+	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .draws = list};
+}
+
+/* The first pass into a target says how the picture shows it. */
+static stilb_result frame_first(render_device *device, const render_stream *stream, render_frame_target *target,
+                                bool backdrop)
+{
+	const stilb_render_view *view = stream->view;
+	if (target->color == 0)
+		return STILB_OK;
+	target->transparent = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
+	target->exposure = exp2f(view->exposure);
+	target->dither = view->dither;
+	target->tone = view->tone;
+	stilb_result result = render_programs_tone(device, view->tone, render_target_is_scaled(target->from));
+	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
+}
+
+/* What a scene pass draws into. */
+static void frame_attach(const render_stream *stream, const render_frame_target *target, bool backdrop,
+                         stilb_gpu_pass *row)
+{
+	row->depth = (stilb_gpu_attachment){
+		.image = target->depth, .load = target->drawn ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR, /* to 0: far away */
+	};
+	if (target->color == 0)
+		return;
+	row->color_count = 1;
+	row->color[0] = (stilb_gpu_attachment){
+		.image = target->samples ? target->samples : target->color,
+		.load = target->drawn || backdrop ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
+	};
+	render_backdrop_clear(stream->view, row->color[0].clear);
 }
 
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
 {
-	render_frame *frame = &device->frame;
 	const stilb_render_view *view = stream->view;
 	const render_formula_programs *choice;
-	bool first = !frame->scene, backdrop = first && render_backdrop_is_drawn(view, stream->panorama);
+	render_frame_target *target = render_target_get(device, view->target);
+	bool backdrop = !target->drawn && target->color != 0 && render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = 1u << RENDER_SURFACE_PLAIN, list;
 	if (render_state_texture(stream->states) != 0)
 		surfaces |= 1u << RENDER_SURFACE_TEXTURE;
@@ -293,26 +319,14 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		surfaces |= 1u << RENDER_SURFACE_IMPOSTOR;
 	stilb_result result =
 		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);
-	if (result == STILB_OK && first) {
-		frame->transparent = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
-		frame->push = (render_tone_push){exp2f(view->exposure), view->dither};
-		frame->tone = view->tone;
-		result = render_programs_tone(device, view->tone);
-	}
-	if (result == STILB_OK && backdrop)
-		result = frame_backdrop(device, stream);
+	if (result == STILB_OK && !target->drawn)
+		result = frame_first(device, stream, target, backdrop);
 	if (result == STILB_OK)
 		result = frame_list(device, stream, choice, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list);
-	row.color[0] = (stilb_gpu_attachment){
-		.image = frame->samples ? frame->samples : frame->color,
-		.load = first && !backdrop ? STILB_GPU_LOAD_CLEAR : STILB_GPU_LOAD_KEEP,
-	};
-	render_backdrop_clear(view, row.color[0].clear);
-	row.depth = (stilb_gpu_attachment){.image = frame->depth,
-	                                   .load = first ? STILB_GPU_LOAD_CLEAR : STILB_GPU_LOAD_KEEP}; /* to 0: far away */
+	frame_attach(stream, target, backdrop, &row);
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
 		.view = frame_write_view(device, stream),
@@ -323,7 +337,7 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	};
 	row_constants(&row, &push, sizeof push);
 	stilb_gpu_plan_pass(device->plan, &row);
-	frame->scene = true;
+	target->drawn = true;
 	return STILB_OK;
 }
 
@@ -331,13 +345,14 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 {
 	render_frame *frame = &device->frame;
 	uint32_t list;
-	stilb_result result = frame_tone(device);
+	stilb_result result = frame_end_scene(device);
 	if (result != STILB_OK || (frame->shown && stream->draws == 0))
 		return result;
 	result = frame_list(device, stream, NULL, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list);
+	row.color_count = 1;
 	row.color[0] = (stilb_gpu_attachment){
 		.image = frame->picture,
 		.load = frame->shown ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
@@ -353,11 +368,32 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 	return STILB_OK;
 }
 
+/* The picture of a frame that shows nothing. */
+static void frame_black(render_device *device)
+{
+	render_frame *frame = &device->frame;
+	uint32_t number = frame->list_count++;
+	STILB_ASSERT(number < RENDER_MAX_LISTS);
+	device->lists[number].first_run = frame->run_count;
+	device->draws[number] =
+		(stilb_gpu_draws){.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer};
+	stilb_gpu_plan_pass(
+		device->plan,
+		&(stilb_gpu_pass){
+			.name = "black",
+			.kind = STILB_GPU_PASS_DRAWS,
+			.color_count = 1,
+			.color = {{.image = frame->picture, .load = STILB_GPU_LOAD_CLEAR, .clear = {0.0f, 0.0f, 0.0f, 1.0f}}},
+			.draws = number,
+		});
+	frame->shown = true;
+}
+
 stilb_result render_device_pass(render_device *device, const render_stream *stream)
 {
 	bool scene = stream->pass->kind == STILB_RENDER_PASS_SCENE;
 	STILB_ASSERT(scene == (bool)stream->view);
-	stilb_result result = device->frame.begun ? STILB_OK : frame_begin(device, scene);
+	stilb_result result = device->frame.begun ? STILB_OK : frame_begin(device);
 	if (result != STILB_OK)
 		return result;
 	return scene ? frame_scene(device, stream) : frame_2d(device, stream);
@@ -393,7 +429,9 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	render_frame *frame = &device->frame;
 	STILB_ASSERT(frame->begun && "replay has at least one pass");
 	device->drawn = device->lit = false;
-	stilb_result result = frame_tone(device);
+	stilb_result result = frame_end_scene(device);
+	if (result == STILB_OK && !frame->shown)
+		frame_black(device);
 	uint16_t last = frame->picture;
 	if (result == STILB_OK)
 		result = frame_stage(device, STILB_RENDER_STAGE_LAST, &last);
@@ -418,6 +456,6 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	device->stats.execute_commands += stats.execute_commands;
 	device->stats.binds_sent += stats.binds;
 	device->drawn = !device->gpu->keep_back;
-	device->lit = device->drawn && frame->scene;
+	device->lit = device->drawn && render_target_main(device);
 	return STILB_OK;
 }

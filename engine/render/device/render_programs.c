@@ -54,14 +54,29 @@ static void program_vertices(const render_device *device, render_surface surface
 	}
 }
 
+bool render_formulas_are_depth(const render_formula_programs *programs)
+{
+	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_DEPTH;
+}
+
+/* The shader of draws into depth alone: most need none. */
+static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface)
+{
+	if (surface == RENDER_SURFACE_IMPOSTOR)
+		return render_impostor_depth_fragment;
+	bool fades = render_state_of_detail(detail) == RENDER_STATE_FADE;
+	return fades ? render_depth_fragment : (stilb_gpu_shader){0};
+}
+
 static stilb_result program_mesh(render_device *device, render_formula_programs *choice, uint32_t detail,
                                  render_surface surface, render_drawn drawn)
 {
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
+	bool depth = render_formulas_are_depth(choice);
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
-		.fragment = render_mesh_fragment[surface],
+		.fragment = depth ? program_depth_code(detail, surface) : render_mesh_fragment[surface],
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
@@ -72,7 +87,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
 		program_constant(&desc, 2 + f, choice->formulas[f]);
 	program_constant(&desc, 7, detail);
-	program_constant(&desc, 8, device->samples);
+	program_constant(&desc, 8, depth ? 1 : device->samples);
 	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
 }
 
@@ -96,12 +111,12 @@ static stilb_result program_flat(render_device *device, render_flat kind)
 	return program_once(device, &desc, &device->programs.flats[kind]);
 }
 
-/* A program of one triangle over the whole area. */
+/* A program of one triangle over the whole area, which samples an image if it has constants. */
 static stilb_result program_screen(render_device *device, const char *name, stilb_gpu_shader fragment,
-                                   const uint32_t *constants, stilb_gpu_program *program)
+                                   const uint32_t *constants, uint32_t count, stilb_gpu_program *program)
 {
-	stilb_gpu_program_desc desc = {.name = name, .fragment = fragment, .samplers = constants ? 1 : 0};
-	for (uint32_t c = 0; constants && c < 2; c++)
+	stilb_gpu_program_desc desc = {.name = name, .fragment = fragment, .samplers = count > 0 ? 1 : 0};
+	for (uint32_t c = 0; c < count; c++)
 		program_constant(&desc, c, constants[c]);
 	return program_once(device, &desc, program);
 }
@@ -113,26 +128,28 @@ stilb_result render_programs_backdrop(render_device *device)
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result =
-		program_screen(device, "backdrop", render_backdrop_fragment, NULL, &device->programs.backdrop);
+		program_screen(device, "backdrop", render_backdrop_fragment, NULL, 0, &device->programs.backdrop);
 	pthread_mutex_unlock(&device->programs.lock);
 	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
 	                                                      STILB_GPU_NONE, device->samples)
 	                          : result;
 }
 
-stilb_result render_programs_tone(render_device *device, uint32_t tone)
+stilb_result render_programs_tone(render_device *device, uint32_t tone, bool scaled)
 {
 	STILB_ASSERT(tone < SHADE_TONE_COUNT);
 	render_programs *programs = &device->programs;
 	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
-	uint32_t samples[2] = {device->samples, 0}, curve[2] = {tone, device->output == STILB_RENDER_OUTPUT_DISPLAY};
+	bool display = device->output == STILB_RENDER_OUTPUT_DISPLAY;
+	uint32_t samples[1] = {device->samples}, curve[3] = {tone, display, scaled};
+	stilb_gpu_program *toned = &programs->tones[scaled][tone];
 	pthread_mutex_lock(&programs->lock);
-	stilb_result result = program_screen(device, "tone", render_tone_fragment, curve, &programs->tones[tone]);
+	stilb_result result = program_screen(device, "tone", render_tone_fragment, curve, 3, toned);
 	if (result == STILB_OK && device->samples > 1)
-		result = program_screen(device, "resolve", render_resolve_fragment, samples, &programs->resolve);
+		result = program_screen(device, "resolve", render_resolve_fragment, samples, 1, &programs->resolve);
 	pthread_mutex_unlock(&programs->lock);
 	if (result == STILB_OK)
-		result = stilb_gpu_program_prepare(device->gpu, programs->tones[tone], &picture, 1, STILB_GPU_NONE, 1);
+		result = stilb_gpu_program_prepare(device->gpu, *toned, &picture, 1, STILB_GPU_NONE, 1);
 	if (result == STILB_OK && device->samples > 1)
 		result = stilb_gpu_program_prepare(device->gpu, programs->resolve, &color, 1, STILB_GPU_NONE, 1);
 	return result;
@@ -162,19 +179,20 @@ static stilb_result choice_make_one(render_device *device, render_formula_progra
                                     render_surface surface, render_drawn drawn)
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	bool depth = render_formulas_are_depth(choice);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_mesh(device, choice, detail, surface, drawn);
 	stilb_gpu_program program = choice->programs[detail][surface][drawn];
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK
-	           ? stilb_gpu_program_prepare(device->gpu, program, &color, 1, STILB_GPU_D32_F, device->samples)
-	           : result;
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
+	                                                      depth ? 1 : device->samples)
+	                          : result;
 }
 
 static stilb_result choice_make(render_device *device, render_formula_programs *choice, uint32_t detail,
                                 render_surface surface)
 {
-	if (device->materials == STILB_RENDER_MATERIALS_INDEX)
+	if (device->materials == STILB_RENDER_MATERIALS_INDEX || render_formulas_are_depth(choice))
 		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_ALL);
 	if (device->materials == STILB_RENDER_MATERIALS_BIND)
 		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_BOUND);
@@ -185,12 +203,13 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen)
 {
-	bool microfacet = wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
+	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH);
+	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
 	STILB_ASSERT(!microfacet ||
 	             (wanted->ndf < SHADE_NDF_COUNT && wanted->g < SHADE_G_COUNT && wanted->f < SHADE_F_COUNT));
 	uint32_t formulas[RENDER_FORMULAS] = {
-		[RENDER_FORMULA_BRDF] = wanted->brdf,
+		[RENDER_FORMULA_BRDF] = lit ? wanted->brdf : 0,
 		[RENDER_FORMULA_NDF] = microfacet ? wanted->ndf : 0,
 		[RENDER_FORMULA_G] = microfacet ? wanted->g : 0,
 		[RENDER_FORMULA_F] = microfacet ? wanted->f : 0,
@@ -219,14 +238,18 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 {
 	const render_formula_programs *choice;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
+	bool depth = view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
 	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
 	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
 		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
 	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
 	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
-	if (result == STILB_OK && view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
+	if (result != STILB_OK || depth)
+		return result;
+	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
 		result = render_programs_backdrop(device);
-	return result == STILB_OK ? render_programs_tone(device, view->tone) : result;
+	return result == STILB_OK ? render_programs_tone(device, view->tone, render_target_is_scaled(view->target))
+	                          : result;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */

@@ -33,6 +33,13 @@ static const uint32_t impostor_frag[] =
 #include "impostor.frag.inc"
 	;
 
+static const uint32_t depth_frag[] =
+#include "depth.frag.inc"
+	;
+static const uint32_t impostor_depth_frag[] =
+#include "impostor_depth.frag.inc"
+	;
+
 static const uint32_t flat_vert[] =
 #include "flat.vert.inc"
 	;
@@ -92,6 +99,8 @@ const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
 	[RENDER_FLAT_PICTURE] = {SHADER(flat_picture_vert), SHADER(flat_picture_frag)},
 };
 
+const stilb_gpu_shader render_depth_fragment = SHADER(depth_frag);
+const stilb_gpu_shader render_impostor_depth_fragment = SHADER(impostor_depth_frag);
 const stilb_gpu_shader render_backdrop_fragment = SHADER(backdrop_frag);
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
 const stilb_gpu_shader render_tone_fragment = SHADER(tone_frag);

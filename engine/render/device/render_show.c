@@ -107,5 +107,6 @@ stilb_result render_show_image(render_device *device)
 	};
 	memcpy(pass.constants, &push, sizeof push);
 	stilb_gpu_plan_pass(device->plan, &pass);
+	device->frame.shown = true;
 	return STILB_OK;
 }

@@ -1,14 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "mesh.glsl"
-#include "impostor.glsl"
-#include "../../shading/shade_impostor.h"
-
-IMPOSTOR_VARYINGS(in)
-
-layout(set = 1, binding = 0) uniform sampler2D maps; // stilb_scene_impostor.maps
-
-layout(constant_id = 8) const uint samples = 1u; // of a pixel: 1 or 4
+#include "impostor_seen.glsl"
 
 layout(location = 0) out vec4 color;
 
@@ -16,78 +9,26 @@ vec3 world_position;
 
 #include "lit.glsl"
 
-// Steps by which the ray approaches the surface that a picture's heights describe.
-const int STEPS = 2;
-
-// What a picture has of the point that a pixel shows.
-struct Seen {
-	vec4 color;     // diffuse reflectance; the share of the texel that the model covers
-	vec3 normal;    // in the model's space, unit
-	float roughness;
-	float along;    // how far the point lies from the camera, as a share of the way to the plate
-};
-
-// Texels of a picture from its top left corner, half a texel inside at least.
-vec2 texel_of(vec2 at)
-{
-	return clamp(shade_impostor_texel(at, sides.x), vec2(0.5), vec2(sides.x - 0.5));
-}
-
-// The picture's surface where the ray from the camera through the plate's point meets it.
-Seen look(vec3 plate, vec3 camera, vec3 direction, vec2 tile)
-{
-	vec3 ray = plate - camera;
-	vec2 lower = tile + vec2(0.0, sides.y);
-	vec2 at = plate.xy;
-	ivec2 last = textureSize(maps, 0) - 1; // whatever a damaged dump says, no texel beyond it is read
-	for (int i = 0; i < STEPS; i++) {
-		float height = texelFetch(maps, clamp(ivec2(lower + texel_of(at)), ivec2(0), last), 0).z;
-		at = camera.xy + ray.xy * ((height - camera.z) / ray.z);
-	}
-	vec2 texel = texel_of(at);
-	vec2 scale = vec2(1.0, 0.5) / sides.y;
-	vec4 shape = textureLod(maps, (lower + texel) * scale, 0.0);
-	Seen seen;
-	seen.color = textureLod(maps, (tile + texel) * scale, 0.0);
-	seen.normal = shade_frame_to_world(shade_frame_from_normal(direction), shade_direction_from_octahedral(shape.xy));
-	seen.roughness = shape.w;
-	seen.along = (shape.z - camera.z) / ray.z;
-	return seen;
-}
-
 void main()
 {
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
 		discard;
-	Seen a = look(plate_a, camera_a, direction_a, tile_a.xy);
-	Seen b = look(plate_b, camera_b, direction_b, tile_b.xy);
-	Seen c = look(plate_c, camera_c, direction_c, tile_c.xy);
-	vec3 weights = vec3(tile_a.z, tile_b.z, tile_c.z) * vec3(a.color.a, b.color.a, c.color.a);
-	float coverage = weights.x + weights.y + weights.z;
-	// The pixel's samples that the model covers: of one all from a half on, of four as many as its share.
-	const int masks[5] = int[5](0, 1, 9, 11, 15);
-	int covered = samples == 1u ? int(coverage >= 0.5) : masks[clamp(int(coverage * 4.0 + 0.5), 0, 4)];
-	if (covered == 0)
-		discard;
-	gl_SampleMask[0] = samples == 1u ? ~0 : covered;
-	weights /= coverage;
-	vec3 camera = push.view.camera_position.xyz;
-	float along = dot(weights, vec3(a.along, b.along, c.along));
-	world_position = camera + (world_plate - camera) * along;
-	vec3 model_normal = a.normal * weights.x + b.normal * weights.y + c.normal * weights.z;
+	Pictures p = look_at_pictures();
+	world_position = place_of(p);
+	vec3 weights = p.weights;
+	vec3 model_normal = p.a.normal * weights.x + p.b.normal * weights.y + p.c.normal * weights.z;
 	vec3 n = normalize(vec3(dot(normal_x, model_normal), dot(normal_y, model_normal), dot(normal_z, model_normal)));
-	vec3 to_camera = normalize(camera - world_position);
+	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	if (both_sides)
 		n = bent_normal(n, to_camera);
 
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
-	vec3 diffuse = a.color.rgb * weights.x + b.color.rgb * weights.y + c.color.rgb * weights.z;
-	float roughness = dot(weights, vec3(a.roughness, b.roughness, c.roughness));
+	vec3 diffuse = p.a.color.rgb * weights.x + p.b.color.rgb * weights.y + p.c.color.rgb * weights.z;
+	float roughness = dot(weights, vec3(p.a.roughness, p.b.roughness, p.c.roughness));
 	vec3 radiance = lit_radiance(material_here(stored, diffuse, roughness), vec3(0.0), n, to_camera);
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, n, to_camera);
-	vec4 clip = push.view.view_projection * vec4(world_position, 1.0);
-	gl_FragDepth = clip.z / clip.w;
+	gl_FragDepth = depth_of(world_position);
 	color = picture_color(radiance, index);
 }

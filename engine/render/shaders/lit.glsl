@@ -1,6 +1,6 @@
 // What the fragment shaders of meshes and impostors share: a surface's material, and the light that it sends to the
 // viewer. Who includes it has declared `vec3 world_position`, the point that is lit.
-#include "fade.glsl"
+#include "faded.glsl"
 #include "../../shading/shade_energy.h"
 #include "../../shading/shade_surface.h"
 
@@ -160,15 +160,6 @@ uint material_of_word(uint word)
 {
 	bool both = detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW;
 	return both ? word & ((1u << DETAIL_MATERIAL_SHIFT) - 1u) : word;
-}
-
-// Of 32 draws' fades the pixel shows those from a threshold on, and else what gives way to them.
-bool is_faded_out(uint word)
-{
-	uint detail = word >> DETAIL_MATERIAL_SHIFT;
-	uint shown = detail & 31u;
-	bool there = fade_threshold(uvec2(gl_FragCoord.xy)) < 2u * shown;
-	return there == (detail >= 32u);
 }
 
 // A colour for each level of detail, lit from the viewer.

@@ -5,14 +5,17 @@
 
 layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
 layout(constant_id = 1) const bool display = true; // else the picture holds radiance, too
+layout(constant_id = 2) const bool scaled = false; // light has another size than the rectangle that is filled
 
 // As render_tone_push.
 layout(push_constant, std430) uniform Push {
 	float exposure; // factor of radiance
 	uint dither;
+	ivec2 corner; // of the rectangle of the picture that is filled
 } push;
 
 layout(set = 0, binding = 0) uniform sampler2D light;
+layout(location = 0) in vec2 uv; // of the rectangle, 0..1
 layout(location = 0) out vec4 color;
 
 // Half a code up or down at most, by the pixel: what lies between two codes becomes the share of pixels that have the
@@ -28,7 +31,7 @@ vec3 dithered(vec3 shown)
 
 void main()
 {
-	vec4 texel = texelFetch(light, ivec2(gl_FragCoord.xy), 0);
+	vec4 texel = scaled ? textureLod(light, uv, 0.0) : texelFetch(light, ivec2(gl_FragCoord.xy) - push.corner, 0);
 	if (!display) {
 		color = texel;
 		return;

@@ -1,0 +1,140 @@
+/* What scene passes draw into: the images of a frame's targets, and how they come into the picture. */
+#include "render/device/render_images.h"
+#include "render/render_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+static bool target_is_main(const stilb_render_target *target)
+{
+	return !target ||
+	       (target->kind == STILB_RENDER_TARGET_LIGHT && strcmp(target->name, STILB_RENDER_IMAGE_COLOR) == 0);
+}
+
+/* An image of a target. what: what it is, behind the target's name; "": nothing. */
+static uint16_t target_image(render_device *device, const render_frame_target *target, const char *name,
+                             const char *what, stilb_gpu_format format, uint32_t samples, bool output)
+{
+	char whole[STILB_GPU_MAX_NAME + 1];
+	if (what[0] != '\0') {
+		snprintf(whole, sizeof whole, "%s %s", name, what);
+		name = whole;
+	}
+	return stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){.name = name,
+	                                                                      .format = format,
+	                                                                      .width = target->width,
+	                                                                      .height = target->height,
+	                                                                      .samples = (uint8_t)samples,
+	                                                                      .output = output});
+}
+
+static void target_images(render_device *device, render_frame_target *target)
+{
+	const stilb_render_target *from = target->from;
+	if (from && from->kind == STILB_RENDER_TARGET_DEPTH) {
+		target->depth = target_image(device, target, from->name, "", STILB_GPU_D32_F, 1, from->output);
+		return;
+	}
+	bool main = target_is_main(from);
+	const char *name = main ? STILB_RENDER_IMAGE_COLOR : from->name;
+	const char *depth = main ? STILB_RENDER_IMAGE_DEPTH : from->name;
+	target->color = target_image(device, target, name, "", STILB_GPU_RGBA16_F, 1, main || from->output);
+	target->depth = target_image(device, target, depth, main ? "" : "depth", STILB_GPU_D32_F, device->samples, false);
+	if (device->samples > 1)
+		target->samples = target_image(device, target, name, "samples", STILB_GPU_RGBA16_F, device->samples, false);
+}
+
+static_assert(STILB_RENDER_TARGET_NAME + sizeof " samples" <= STILB_GPU_MAX_NAME, "names of a target's images fit");
+
+render_frame_target *render_target_get(render_device *device, const stilb_render_target *from)
+{
+	render_frame *frame = &device->frame;
+	for (uint32_t t = 0; t < frame->target_count; t++)
+		if (frame->targets[t].from == from)
+			return &frame->targets[t];
+	STILB_ASSERT(frame->target_count < STILB_RENDER_MAX_PASSES);
+	render_frame_target *target = &frame->targets[frame->target_count++];
+	*target = (render_frame_target){
+		.from = from, .width = from ? from->width : device->width, .height = from ? from->height : device->height};
+	target_images(device, target);
+	return target;
+}
+
+render_frame_target *render_target_main(render_device *device)
+{
+	for (uint32_t t = 0; t < device->frame.target_count; t++)
+		if (target_is_main(device->frame.targets[t].from))
+			return &device->frame.targets[t];
+	return NULL;
+}
+
+/* ---- the picture ------------------------------------------------------------------------------------------------- */
+
+/* The rectangle of the picture that shows the target. False: none does. */
+static bool target_place(const render_device *device, const render_frame_target *target, uint16_t place[4])
+{
+	memcpy(place, (uint16_t[4]){0, 0, (uint16_t)device->width, (uint16_t)device->height}, 4 * sizeof *place);
+	if (!target->from)
+		return true;
+	memcpy(place, target->from->place, 4 * sizeof *place);
+	return target->color != 0 && place[2] > 0;
+}
+
+bool render_target_is_scaled(const stilb_render_target *target)
+{
+	return target && (target->width != target->place[2] || target->height != target->place[3]);
+}
+
+/* A fullscreen pass that samples `from` and fills an area of `to`, all zeros: all of it. */
+static void target_screen(render_device *device, stilb_gpu_pass row, uint16_t from, stilb_gpu_attachment to,
+                          stilb_gpu_sampler sampler, render_tone_push push)
+{
+	row.kind = STILB_GPU_PASS_FULLSCREEN;
+	row.color[0] = to;
+	row.color_count = 1;
+	row.uses[0] = (stilb_gpu_use){.resource = from, .how = STILB_GPU_USE_SAMPLED, .sampler = (uint8_t)sampler.id};
+	row.use_count = 1;
+	memcpy(row.constants, &push, sizeof push);
+	row.constant_bytes = sizeof push;
+	stilb_gpu_plan_pass(device->plan, &row);
+}
+
+void render_targets_resolve(render_device *device)
+{
+	const render_frame *frame = &device->frame;
+	for (uint32_t t = 0; t < frame->target_count; t++) {
+		const render_frame_target *target = &frame->targets[t];
+		stilb_gpu_pass row = {.name = "resolve", .program = device->programs.resolve.id};
+		if (target->samples)
+			target_screen(device, row, target->samples,
+			              (stilb_gpu_attachment){.image = target->color, .load = STILB_GPU_LOAD_DISCARD},
+			              (stilb_gpu_sampler){0}, (render_tone_push){.exposure = target->exposure});
+	}
+}
+
+void render_targets_show(render_device *device, uint16_t main_light)
+{
+	render_frame *frame = &device->frame;
+	const render_frame_target *main = render_target_main(device);
+	for (uint32_t t = 0; t < frame->target_count; t++) {
+		const render_frame_target *target = &frame->targets[t];
+		stilb_gpu_pass row = {.name = "tone map"};
+		if (!target_place(device, target, row.area))
+			continue;
+		bool scaled = render_target_is_scaled(target->from);
+		bool all = row.area[2] == device->width && row.area[3] == device->height;
+		stilb_gpu_attachment to = {.image = frame->picture,
+		                           .load = (uint8_t)(all            ? STILB_GPU_LOAD_DISCARD
+		                                             : frame->shown ? STILB_GPU_LOAD_KEEP
+		                                                            : STILB_GPU_LOAD_CLEAR),
+		                           .clear = {0.0f, 0.0f, 0.0f, 1.0f}};
+		row.program = device->programs.tones[scaled][target->tone].id;
+		target_screen(device, row, target == main ? main_light : target->color, to,
+		              scaled ? device->linear : (stilb_gpu_sampler){0},
+		              (render_tone_push){target->exposure, target->dither, row.area[0], row.area[1]});
+		frame->shown = true;
+	}
+}

@@ -1,0 +1,533 @@
+/* Scene passes into images of their own: second cameras within the picture, main images of another size, depth alone.
+ * Each is compared with the same view drawn as a picture of its own, bit for bit where sizes agree. */
+#include "geometry/geometry_impostor.h"
+#include "gpu/gpu_internal.h"
+#include "render/render_dump.h"
+#include "render/render_internal.h"
+#include "support/picture_reference.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define WIDTH 99u /* odd, and the insets too */
+#define HEIGHT 67u
+
+static bool null_device;
+
+/* ---- a renderer with something of every kind --------------------------------------------------------------------- */
+
+typedef struct stage {
+	stilb_render *render;
+	stilb_job_pool *pool;
+	stilb_render_mesh ball, tile;
+	stilb_render_texture textures[2];
+	stilb_render_material plain, checked[2];
+	stilb_render_impostor impostor;
+	stilb_gpu_plan *seen; /* of the last frame, by a feature that marks `shown` as read */
+	const char *shown;
+} stage;
+
+static stilb_result mark_shown(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	const stage *s = user;
+	(void)image;
+	uint16_t found = s->shown ? stilb_gpu_plan_find(plan, s->shown) : 0;
+	if (found)
+		stilb_gpu_plan_show(plan, found);
+	return STILB_OK;
+}
+
+static stilb_render_texture make_texture(stilb_render *render, uint8_t bright)
+{
+	stilb_image image;
+	stilb_render_texture texture;
+	assert_int_equal(stilb_image_create(&image, 4, 4, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
+	for (size_t i = 0; i < stilb_image_size(&image); i++)
+		((uint8_t *)image.pixels)[i] = (uint8_t)((i / 3 + i / 12) % 2 ? bright : 40);
+	assert_int_equal(stilb_render_texture_create(render, &image, &texture), STILB_OK);
+	stilb_image_finish(&image);
+	return texture;
+}
+
+static void make_impostor(stage *s, const stilb_scene_mesh *mesh)
+{
+	static const stilb_scene_material material = {.diffuse = {0.2f, 0.6f, 0.3f}, .roughness = 1.0f};
+	stilb_geometry_impostor_part part = {.mesh = mesh, .material = &material};
+	stilb_geometry_impostor_desc desc = {.grid = 5, .side = 24, .samples = 2};
+	stilb_scene_impostor impostor;
+	assert_int_equal(stilb_geometry_impostor_bake(&part, 1, &desc, s->pool, 0, &impostor), STILB_OK);
+	assert_int_equal(stilb_render_impostor_create(s->render, &impostor, &s->impostor), STILB_OK);
+	stilb_scene_impostor_finish(&impostor);
+}
+
+static stage stage_open(stilb_render_desc desc, uint32_t workers)
+{
+	stage s = {0};
+	static const stilb_scene_material white = {
+		.diffuse = {0.7f, 0.6f, 0.5f}, .specular = {0.1f, 0.1f, 0.1f}, .roughness = 0.4f};
+	stilb_scene_mesh ball, tile;
+	desc.device = null_device ? STILB_RENDER_DEVICE_NULL : STILB_RENDER_DEVICE_VULKAN;
+	desc.width = desc.width ? desc.width : WIDTH;
+	desc.height = desc.height ? desc.height : HEIGHT;
+	desc.samples = desc.samples ? desc.samples : 1;
+	desc.context_count = workers + 1;
+	desc.keep_textures = true;
+	desc.validate = true;
+	if (stilb_render_create(&desc, &s.render) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = workers}, &s.pool), 0);
+	assert_int_equal(stilb_scene_mesh_sphere(2, &ball), STILB_OK);
+	assert_int_equal(stilb_scene_mesh_plane(&tile), STILB_OK);
+	assert_int_equal(stilb_render_mesh_create(s.render, &ball, &s.ball), STILB_OK);
+	assert_int_equal(stilb_render_mesh_create(s.render, &tile, &s.tile), STILB_OK);
+	assert_int_equal(stilb_render_material_create(s.render, &white, (stilb_render_texture){0}, &s.plain), STILB_OK);
+	for (uint32_t t = 0; t < 2; t++) {
+		s.textures[t] = make_texture(s.render, t ? 250 : 140);
+		assert_int_equal(stilb_render_material_create(s.render, &white, s.textures[t], &s.checked[t]), STILB_OK);
+	}
+	make_impostor(&s, &ball);
+	stilb_scene_mesh_finish(&ball);
+	stilb_scene_mesh_finish(&tile);
+	return s;
+}
+
+static void stage_close(stage *s)
+{
+	assert_int_equal(stilb_render_wait(s->render), STILB_OK);
+	assert_int_equal(stilb_render_validation_messages(s->render), 0);
+	stilb_render_destroy(s->render);
+	stilb_job_pool_destroy(s->pool);
+}
+
+/* Plain and textured meshes that overlap, one that fades, and an impostor; in one segment or two. */
+static void record(stage *s, uint32_t pass)
+{
+	assert_int_equal(stilb_render_pass_begin(s->render, pass, 2), STILB_OK);
+	for (uint32_t segment = 0; segment < 2; segment++) {
+		stilb_render_context *context =
+			stilb_render_context_get(s->render, segment % (stilb_job_pool_worker_count(s->pool) + 1));
+		stilb_render_segment_begin(context, pass, segment);
+		for (uint32_t i = 0; i < 6; i++) {
+			stilb_mat4 m = stilb_mat4_scale_translate(0.5f, -1.5f + 0.6f * (float)i, segment ? 0.4f : 0.0f,
+			                                          -0.7f + 0.3f * (float)(i % 4));
+			stilb_render_material material = i % 3 == 0 ? s->plain : s->checked[i % 3 - 1];
+			stilb_render_draw(context, i % 2 ? s->tile : s->ball, material, &m);
+		}
+		stilb_mat4 fading = stilb_mat4_scale_translate(0.6f, segment ? 1.2f : -1.1f, 0.7f, 0.4f);
+		render_draw_level(context, 0, s->ball, s->checked[1], &fading, 0, segment ? 9u : 32u + 20u, 1);
+		stilb_mat4 far = stilb_mat4_scale_translate(0.5f, segment ? -0.4f : 0.5f, 0.8f, -0.6f);
+		stilb_render_draw(context, s->impostor.mesh, s->impostor.material, &far);
+		stilb_render_segment_end(context);
+	}
+	assert_int_equal(stilb_render_pass_end(s->render, pass), STILB_OK);
+}
+
+/* Camera number `which`, for a picture of this size. */
+static stilb_render_view view_of(uint32_t which, uint32_t width, uint32_t height)
+{
+	static const dvec places[3] = {{1.7, 2.6, 3.1}, {-2.0, 1.2, 2.2}, {0.3, 3.5, -1.0}};
+	static const stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {-0.6f, -0.8f, 0.0f}, .intensity = {2.0f, 2.0f, 2.0f}};
+	reference_camera camera =
+		reference_camera_at(places[which], (dvec){0.0, 0.3, 0.0}, (dvec){0, 1, 0}, 1.4, width, height);
+	stilb_render_view view = {
+		.view_projection = reference_matrix(&camera),
+		.lights = &sun,
+		.light_count = 1,
+		.surroundings = {.sky = {0.2f, 0.3f, 0.5f}, .ground = {0.3f, 0.2f, 0.1f}},
+		.backdrop = {.kind = STILB_SCENE_BACKDROP_SURROUNDINGS}, /* both are seen: drawn by a pass */
+		.shading = stilb_render_shading_default(),
+		.exposure = (float)which,
+		.tone = which,
+	};
+	reference_set3(view.camera_position, (float)places[which].x, (float)places[which].y, (float)places[which].z);
+	return view;
+}
+
+/* Draws the views, each as one pass. */
+static stilb_result draw(stage *s, const stilb_render_view *views, uint32_t count)
+{
+	stilb_render_pass passes[STILB_RENDER_MAX_PASSES] = {0};
+	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
+	for (uint32_t p = 0; p < count; p++) {
+		record(s, p);
+		passes[p] = (stilb_render_pass){.name = "scene", .view = p, .order = p};
+	}
+	return stilb_render_replay(s->render, passes, count, views, count, s->pool, 0);
+}
+
+static void draw_well(stage *s, const stilb_render_view *views, uint32_t count)
+{
+	if (draw(s, views, count) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+}
+
+static stilb_image picture(stage *s)
+{
+	stilb_image image;
+	if (stilb_render_read_image(s->render, &image) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	return image;
+}
+
+/* The picture of a view alone, by a renderer of its size. */
+static stilb_image picture_alone(uint32_t which, uint32_t width, uint32_t height, uint32_t samples)
+{
+	stage s = stage_open((stilb_render_desc){.width = width, .height = height, .samples = samples}, 0);
+	stilb_render_view view = view_of(which, width, height);
+	draw_well(&s, &view, 1);
+	stilb_image image = picture(&s);
+	stage_close(&s);
+	return image;
+}
+
+/* A copy of an image of the last frame's plan: marked by stage.shown, or an output. */
+static float *read_floats(stage *s, const char *name, uint32_t count)
+{
+	const stilb_gpu_plan *plan = stilb_render_plan(s->render);
+	uint64_t ticket, frame;
+	const void *bytes = NULL;
+	if (stilb_gpu_read_begin(stilb_render_gpu(s->render), plan, stilb_gpu_plan_find(plan, name), 0, 0, &ticket) !=
+	        STILB_OK ||
+	    stilb_gpu_read_get(stilb_render_gpu(s->render), ticket, true, &bytes, &frame) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	float *floats = malloc(count * sizeof *floats);
+	assert_non_null(floats);
+	memcpy(floats, bytes, count * sizeof *floats);
+	stilb_gpu_read_end(stilb_render_gpu(s->render), ticket);
+	return floats;
+}
+
+/* True if a rectangle of the picture shows the other one. */
+static bool shows(const stilb_image *image, const uint16_t place[4], const stilb_image *other)
+{
+	assert_int_equal(place[2], other->width);
+	assert_int_equal(place[3], other->height);
+	for (uint32_t y = 0; y < place[3]; y++)
+		if (memcmp((uint8_t *)image->pixels + 3 * ((size_t)(place[1] + y) * image->width + place[0]),
+		           (uint8_t *)other->pixels + 3 * (size_t)y * other->width, (size_t)3 * other->width) != 0)
+			return false;
+	return true;
+}
+
+/* ---- second cameras ---------------------------------------------------------------------------------------------- */
+
+/* Two insets over the picture, the second one over a corner of the first. */
+static void insets_are_pictures_of_their_own(void **state)
+{
+	(void)state;
+	static const stilb_render_target first = {.name = "left", .width = 31, .height = 23, .place = {3, 5, 31, 23}};
+	static const stilb_render_target second = {.name = "right", .width = 40, .height = 20, .place = {59, 47, 40, 20}};
+	for (uint32_t samples = 1; samples <= 4; samples += 3) {
+		stage s = stage_open((stilb_render_desc){.samples = samples}, 0);
+		stilb_image alone[3] = {picture_alone(0, WIDTH, HEIGHT, samples), picture_alone(1, 31, 23, samples),
+		                        picture_alone(2, 40, 20, samples)};
+		stilb_render_view views[3] = {view_of(0, WIDTH, HEIGHT), view_of(1, 31, 23), view_of(2, 40, 20)};
+		views[1].target = &first;
+		views[2].target = &second;
+		for (uint32_t frame = 0; frame < 3; frame++) {
+			draw_well(&s, views, 3);
+			stilb_image image = picture(&s);
+			assert_true(shows(&image, first.place, &alone[1]));
+			assert_true(shows(&image, second.place, &alone[2]));
+			uint32_t same = 0;
+			for (uint32_t p = 0; p < WIDTH * HEIGHT; p++)
+				same += memcmp((uint8_t *)image.pixels + 3 * p, (uint8_t *)alone[0].pixels + 3 * p, 3) == 0;
+			assert_true(same >= WIDTH * HEIGHT - 31 * 23 - 40 * 20);
+			stilb_image_finish(&image);
+		}
+		for (uint32_t i = 0; i < 3; i++)
+			stilb_image_finish(&alone[i]);
+		stage_close(&s);
+	}
+}
+
+/* Tiles that leave a stripe of the picture free, and no main images at all. */
+static void tiles_without_a_main_picture(void **state)
+{
+	(void)state;
+	static const stilb_render_target tiles[2] = {
+		{.name = "a", .width = 50, .height = 67, .place = {0, 0, 50, 67}},
+		{.name = "b", .width = 40, .height = 67, .place = {50, 0, 40, 67}},
+	};
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_image alone[2] = {picture_alone(1, 50, 67, 1), picture_alone(2, 40, 67, 1)};
+	stilb_render_view views[2] = {view_of(1, 50, 67), view_of(2, 40, 67)};
+	views[0].target = &tiles[0];
+	views[1].target = &tiles[1];
+	draw_well(&s, views, 2);
+	stilb_image image = picture(&s);
+	assert_true(shows(&image, tiles[0].place, &alone[0]));
+	assert_true(shows(&image, tiles[1].place, &alone[1]));
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 3 * 90; x < 3 * WIDTH; x++)
+			assert_int_equal(((uint8_t *)image.pixels)[3 * y * WIDTH + x], 0);
+	stilb_image none;
+	assert_int_equal(stilb_render_read_radiance(s.render, &none), STILB_ERROR_DEVICE);
+	stilb_image_finish(&image);
+	stilb_image_finish(&alone[0]);
+	stilb_image_finish(&alone[1]);
+	stage_close(&s);
+}
+
+/* Main images of half and of one and a half times the picture's size: their radiance is that of a picture of that size,
+ * and the picture is that radiance, filtered linearly and tone mapped. */
+static void main_images_of_another_size(void **state)
+{
+	(void)state;
+	static const uint32_t sizes[2][2] = {{50, 34}, {148, 100}};
+	for (uint32_t i = 0; i < 2; i++) {
+		uint32_t w = sizes[i][0], h = sizes[i][1];
+		stilb_render_target scaled = {.name = "color", .width = w, .height = h, .place = {0, 0, WIDTH, HEIGHT}};
+		stage s = stage_open((stilb_render_desc){.output = STILB_RENDER_OUTPUT_LINEAR}, 0);
+		stage other = stage_open((stilb_render_desc){.width = w, .height = h, .output = STILB_RENDER_OUTPUT_LINEAR}, 0);
+		stilb_render_view view = view_of(0, w, h);
+		draw_well(&other, &view, 1);
+		view.target = &scaled;
+		draw_well(&s, &view, 1);
+		stilb_image light, alone = picture(&other), image = picture(&s);
+		assert_int_equal(stilb_render_read_radiance(s.render, &light), STILB_OK);
+		assert_int_equal(light.width, w);
+		assert_int_equal(light.height, h);
+		assert_memory_equal(light.pixels, alone.pixels, stilb_image_size(&alone));
+		double worst = 0.0;
+		for (uint32_t y = 0; y < HEIGHT; y++)
+			for (uint32_t x = 0; x < WIDTH; x++)
+				for (int c = 0; c < 3; c++) {
+					double u = fmax((x + 0.5) / WIDTH * w - 0.5, 0.0), v = fmax((y + 0.5) / HEIGHT * h - 0.5, 0.0);
+					uint32_t left = (uint32_t)u, top = (uint32_t)v;
+					uint32_t right = left + 1 < w ? left + 1 : left, below = top + 1 < h ? top + 1 : top;
+					double a = u - left, b = v - top;
+					double want =
+						(picture_value(&light, left, top, c) * (1 - a) + picture_value(&light, right, top, c) * a) *
+							(1 - b) +
+						(picture_value(&light, left, below, c) * (1 - a) + picture_value(&light, right, below, c) * a) *
+							b;
+					worst = fmax(worst, fabs(picture_value(&image, x, y, c) - want) / (0.05 + want));
+				}
+		if (worst > 0.02) /* the filter's weights have 8 bits */
+			fail_msg("%u x %u: off by %.3f", w, h, worst);
+		stilb_image_finish(&light);
+		stilb_image_finish(&alone);
+		stilb_image_finish(&image);
+		stage_close(&s);
+		stage_close(&other);
+	}
+}
+
+/* ---- depth alone ------------------------------------------------------------------------------------------------- */
+
+/* The depth of a view with lights is that of the same view of depth alone, bit for bit, in all modes and ways to have
+ * materials, also of what fades and of impostors; textures break no runs of it. */
+static void depth_alone_is_the_depth(void **state)
+{
+	(void)state;
+	static const stilb_render_target shadow = {
+		.name = "shadow", .kind = STILB_RENDER_TARGET_DEPTH, .width = WIDTH, .height = HEIGHT, .output = true};
+	for (uint32_t mode = 0; mode < 3; mode++)
+		for (uint32_t materials = 0; materials < (mode == 1 ? 3 : 1); materials++) {
+			stilb_render_desc desc = {.replay = (stilb_render_replay_mode)mode,
+			                          .materials = (stilb_render_materials)materials};
+			stage s = stage_open(desc, mode == 2 ? 2 : 0);
+			s.shown = "depth";
+			stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, mark_shown, &s};
+			assert_int_equal(stilb_render_add_feature(s.render, &feature), STILB_OK);
+			stilb_render_view views[2] = {view_of(0, WIDTH, HEIGHT), view_of(0, WIDTH, HEIGHT)};
+			views[0].target = &shadow;
+			draw_well(&s, views, 2);
+			float *got = read_floats(&s, "shadow", WIDTH * HEIGHT), *want = read_floats(&s, "depth", WIDTH * HEIGHT);
+			uint32_t covered = 0;
+			for (uint32_t p = 0; p < WIDTH * HEIGHT; p++)
+				covered += want[p] > 0.0f;
+			assert_in_range(covered, 500, WIDTH * HEIGHT - 500);
+			assert_memory_equal(got, want, WIDTH * HEIGHT * sizeof *got);
+			free(got);
+			free(want);
+			stage_close(&s);
+		}
+}
+
+/* A frame of depth alone: the picture is black, and commands are fewer than where surfaces are seen. */
+static void depth_without_a_picture(void **state)
+{
+	(void)state;
+	static const stilb_render_target shadow = {
+		.name = "shadow", .kind = STILB_RENDER_TARGET_DEPTH, .width = 200, .height = 31, .output = true};
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view view = view_of(0, 200, 31);
+	draw_well(&s, &view, 1);
+	uint64_t lit = stilb_render_stats_get(s.render).indirect_commands;
+	view.target = &shadow;
+	draw_well(&s, &view, 1);
+	uint64_t alone = stilb_render_stats_get(s.render).indirect_commands;
+	assert_true(alone < lit);
+	if (!null_device) {
+		stilb_image image = picture(&s);
+		for (size_t i = 0; i < stilb_image_size(&image); i++)
+			assert_int_equal(((uint8_t *)image.pixels)[i], 0);
+		stilb_image_finish(&image);
+	}
+	stage_close(&s);
+}
+
+/* What nobody reads is not drawn: the plan leaves the target's pass out. */
+static void targets_that_nobody_reads(void **state)
+{
+	(void)state;
+	static const stilb_render_target unread = {.name = "unread", .width = 20, .height = 20};
+	stage s = stage_open((stilb_render_desc){.samples = 4}, 0);
+	stilb_render_view views[2] = {view_of(0, WIDTH, HEIGHT), view_of(1, 20, 20)};
+	views[1].target = &unread;
+	draw_well(&s, views, 2);
+	const stilb_gpu_plan *plan = stilb_render_plan(s.render);
+	const stilb_gpu_step *steps;
+	uint32_t count = stilb_gpu_plan_steps(plan, &steps), resolves = 0;
+	for (uint32_t i = 0; i < count; i++)
+		resolves += strcmp(stilb_gpu_plan_row(plan, steps[i].pass)->name, "resolve") == 0;
+	assert_int_equal(resolves, 1);
+	assert_int_equal(stilb_gpu_plan_passes(plan) - count, 3); /* its backdrop, its pass, its resolve */
+	stage_close(&s);
+}
+
+/* ---- mistakes, dumps, threads ------------------------------------------------------------------------------------ */
+
+static void mistakes_are_errors(void **state)
+{
+	(void)state;
+	static const stilb_render_target wide = {.name = "wide", .width = 10, .height = 10, .place = {90, 0, 10, 10}};
+	static const stilb_render_target twice[2] = {{.name = "twice", .width = 10, .height = 10, .place = {0, 0, 10, 10}},
+	                                             {.name = "twice", .width = 10, .height = 10, .place = {9, 9, 10, 10}}};
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view views[2] = {view_of(0, WIDTH, HEIGHT), view_of(1, 10, 10)};
+	views[1].target = &wide;
+	assert_int_equal(draw(&s, views, 2), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "fills 10 x 10 texels at 90, 0, and 'picture' has 99 x 67"));
+	views[0].target = &twice[0];
+	views[1].target = &twice[1];
+	assert_int_equal(draw(&s, views, 2), STILB_ERROR_ARGUMENT);
+	assert_non_null(strstr(stilb_error_message(), "have the name 'twice'"));
+	views[0].target = views[1].target = NULL;
+	draw_well(&s, views, 2);
+	stage_close(&s);
+}
+
+#define PATH "targets.dump"
+
+/* A frame with an inset and a shadow, saved and played: the same stream, picture and depth. */
+static void dumps_hold_targets(void **state)
+{
+	(void)state;
+	static const stilb_render_target inset = {.name = "left", .width = 31, .height = 23, .place = {3, 5, 31, 23}};
+	static const stilb_render_target shadow = {
+		.name = "shadow", .kind = STILB_RENDER_TARGET_DEPTH, .width = 64, .height = 48, .output = true};
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view views[3] = {view_of(2, 64, 48), view_of(0, WIDTH, HEIGHT), view_of(1, 31, 23)};
+	views[0].target = &shadow;
+	views[2].target = &inset;
+	draw_well(&s, views, 3);
+	stilb_render_pass passes[3] = {
+		{.name = "scene"}, {.name = "scene", .view = 1, .order = 1}, {.name = "scene", .view = 2, .order = 2}};
+	assert_int_equal(stilb_render_dump_save(s.render, passes, 3, views, 3, PATH), STILB_OK);
+	stilb_render_dump *dump;
+	if (stilb_render_dump_load(PATH, &dump) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_render_desc desc = {.device = null_device ? STILB_RENDER_DEVICE_NULL : STILB_RENDER_DEVICE_VULKAN,
+	                          .width = WIDTH,
+	                          .height = HEIGHT,
+	                          .samples = 1,
+	                          .context_count = 1,
+	                          .validate = true};
+	stage played = {.pool = s.pool};
+	assert_int_equal(stilb_render_create(&desc, &played.render), STILB_OK);
+	assert_int_equal(stilb_render_dump_upload(dump, played.render), STILB_OK);
+	assert_int_equal(stilb_render_frame_begin(played.render), STILB_OK);
+	assert_int_equal(stilb_render_dump_record(dump, played.render, s.pool, 0), STILB_OK);
+	assert_int_equal(stilb_render_dump_replay(dump, played.render, s.pool, 0), STILB_OK);
+	assert_true(stilb_render_stream_hash(played.render) == stilb_render_stream_hash(s.render));
+	if (!null_device) {
+		stilb_image want = picture(&s), got = picture(&played);
+		assert_memory_equal(got.pixels, want.pixels, stilb_image_size(&want));
+		float *depths = read_floats(&s, "shadow", 64 * 48), *again = read_floats(&played, "shadow", 64 * 48);
+		assert_memory_equal(depths, again, 64 * 48 * sizeof *depths);
+		free(depths);
+		free(again);
+		stilb_image_finish(&want);
+		stilb_image_finish(&got);
+	}
+	stilb_render_dump_destroy(dump);
+	assert_int_equal(stilb_render_validation_messages(played.render), 0);
+	stilb_render_destroy(played.render);
+	stage_close(&s);
+	remove(PATH);
+}
+
+/* Many views of one scene, recorded together by several threads, are the views recorded one by one. */
+static void views_recorded_together(void **state)
+{
+	(void)state;
+	enum { VIEWS = 6, MODELS = 700 };
+	stilb_scene *scene;
+	assert_int_equal(scene_create(MODELS, MODELS, 2, 1, &scene), STILB_OK);
+	assert_int_equal(stilb_scene_mesh_sphere(2, &scene->meshes[0]), STILB_OK);
+	assert_int_equal(stilb_scene_mesh_plane(&scene->meshes[1]), STILB_OK);
+	uint32_t ids[MODELS], together = 0;
+	stilb_render_target targets[VIEWS];
+	stilb_render_view views[VIEWS];
+	stilb_render_pass passes[VIEWS];
+	char names[VIEWS][8];
+	for (uint32_t m = 0; m < MODELS; m++) {
+		ids[m] = scene->first_part[m] = m;
+		scene->first_part[m + 1] = m + 1;
+		scene->bounds.radius[m] = 0.1f;
+		scene->part_mesh[m] = m % 2;
+		scene->part_transform[m] =
+			stilb_mat4_scale_translate(0.1f, (float)(m % 26) - 13.0f, 0.0f, (float)(m / 26) - 13.0f);
+	}
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		snprintf(names[v], sizeof names[v], "v%u", v);
+		targets[v] = (stilb_render_target){.name = names[v], .width = 16, .height = 16, .output = true};
+		views[v] = view_of(v % 3, 16, 16);
+		views[v].target = &targets[v];
+		views[v].detail = (stilb_render_detail){v % 2 ? STILB_RENDER_DETAIL_POP : STILB_RENDER_DETAIL_OFF, 1.0f};
+		passes[v] = (stilb_render_pass){.name = names[v], .view = v, .order = v};
+	}
+	uint64_t hashes[3];
+	for (uint32_t way = 0; way < 3; way++) {
+		stage s = stage_open((stilb_render_desc){0}, way == 2 ? 3 : 0);
+		assert_int_equal(stilb_render_set_scene(s.render, scene), STILB_OK);
+		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+		stilb_render_recording recordings[VIEWS];
+		for (uint32_t v = 0; v < VIEWS; v++) {
+			recordings[v] = (stilb_render_recording){v, v == 3 ? 0 : MODELS - 100 * v, ids, &views[v]};
+			if (way == 0)
+				assert_int_equal(stilb_render_record_view(s.render, v, scene, ids, recordings[v].visible_count,
+				                                          &views[v], s.pool, 0),
+				                 STILB_OK);
+		}
+		if (way > 0)
+			assert_int_equal(stilb_render_record_views(s.render, scene, recordings, VIEWS, s.pool, 0), STILB_OK);
+		if (stilb_render_replay(s.render, passes, VIEWS, views, VIEWS, s.pool, 0) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		hashes[way] = stilb_render_stream_hash(s.render);
+		together += (uint32_t)stilb_render_stats_get(s.render).draws;
+		stage_close(&s);
+	}
+	assert_int_equal(together, 3 * (5 * MODELS - 100 * (1 + 2 + 4 + 5)));
+	assert_true(hashes[0] == hashes[1] && hashes[0] == hashes[2]);
+	stilb_scene_destroy(scene);
+}
+
+int main(int argc, char **argv)
+{
+	static const struct CMUnitTest any[] = {cmocka_unit_test(depth_without_a_picture),
+	                                        cmocka_unit_test(targets_that_nobody_reads),
+	                                        cmocka_unit_test(mistakes_are_errors), cmocka_unit_test(dumps_hold_targets),
+	                                        cmocka_unit_test(views_recorded_together)};
+	static const struct CMUnitTest pictures[] = {
+		cmocka_unit_test(insets_are_pictures_of_their_own), cmocka_unit_test(tiles_without_a_main_picture),
+		cmocka_unit_test(main_images_of_another_size), cmocka_unit_test(depth_alone_is_the_depth)};
+	null_device = argc > 1 && strcmp(argv[1], "null") == 0;
+	int failed = cmocka_run_group_tests(any, NULL, NULL);
+	return null_device ? failed : failed + cmocka_run_group_tests(pictures, NULL, NULL);
+}
