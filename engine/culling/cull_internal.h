@@ -7,6 +7,8 @@
 #include "culling/cull.h"
 #include "culling/cull_kernels.h"
 
+#include <stdlib.h>
+
 #define CULL_MAX_DEPTH 20u
 #define CULL_CHUNK 4096u                           /* most objects that one piece of work tests or writes */
 #define CULL_CHUNK_WORDS ((size_t)CULL_CHUNK / 64) /* words of a chunk's bits */
@@ -73,7 +75,12 @@ typedef struct stilb_cull_list {
 	uint32_t cell_tests; /* number of tests of a cell against a plane; for benches and tests */
 } cull_list;
 
-void cull_list_finish(cull_list *list);
+static inline void cull_list_finish(cull_list *list)
+{
+	free(list->items);
+	free(list->families);
+	*list = (cull_list){0};
+}
 
 struct stilb_cull_octree {
 	const cull_kernels *kernels;

@@ -205,13 +205,6 @@ static bool cull_walk_reserve(const stilb_cull_octree *octree, cull_list *list)
 	return true;
 }
 
-void cull_list_finish(cull_list *list)
-{
-	free(list->items);
-	free(list->families);
-	*list = (cull_list){0};
-}
-
 stilb_result cull_octree_walk(const stilb_cull_octree *octree, cull_list *list, const stilb_frustum *frustum,
                               cull_walk_result *result)
 {

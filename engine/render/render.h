@@ -344,8 +344,8 @@ typedef struct stilb_render_target {
 	uint32_t width, height; /* pixels, 1..16384 */
 	bool output;            /* it is read after the frame (stilb_gpu_read_begin); else only if a pass reads it */
 	uint16_t place[4];      /* of LIGHT: left, top, width, height of the rectangle of the picture that shows it, tone
-	                           mapped, filtered if its size is another one; width 0: none. Later targets lie over earlier
-	                           ones. What no target covers is black */
+	                           mapped, filtered if its size is another one; width 0: none. Later targets lie over
+	                           earlier ones. What no target covers is black */
 } stilb_render_target;
 
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before
@@ -442,8 +442,9 @@ stilb_result stilb_render_record_views(stilb_render *render, const stilb_scene *
                                        const stilb_render_recording *passes, uint32_t count, stilb_job_pool *pool,
                                        uint32_t worker);
 
-/* Turns the lists of passes 0 .. pass_count - 1 (1..STILB_RENDER_MAX_PASSES, each recorded) into device commands and submits them; once a
- * frame. Passes and views are read during the call only. The pool records secondary command buffers.
+/* Turns the lists of passes 0 .. pass_count - 1 (1..STILB_RENDER_MAX_PASSES, each recorded) into device commands and
+ * submits them; once a frame. Passes and views are read during the call only. The pool records secondary command
+ * buffers.
  * STILB_ERROR_ARGUMENT: a target has the name of another image, or its place lies outside the picture.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST: the frame is not drawn. [main-thread] */
 stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
@@ -471,9 +472,9 @@ stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surf
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
 
-/* As stilb_render_read_image, but of the main images, what scene passes alone have drawn: linear radiance, STILB_IMAGE_F16_LINEAR,
- * without exposure, tone map and 2D passes, whatever desc.output is. STILB_ERROR_DEVICE also if the last frame had no
- * scene pass. [main-thread] */
+/* As stilb_render_read_image, but of the main images, what scene passes alone have drawn: linear radiance,
+ * STILB_IMAGE_F16_LINEAR, without exposure, tone map and 2D passes, whatever desc.output is. STILB_ERROR_DEVICE also if
+ * the last frame had no scene pass into them. [main-thread] */
 stilb_result stilb_render_read_radiance(stilb_render *render, stilb_image *image);
 
 /* What belongs into a file of this name: with output DISPLAY stilb_render_read_radiance for .exr and .hdr, else

@@ -1036,7 +1036,7 @@ static stilb_result record_begin(stilb_render *render, const stilb_scene *scene,
 	bool any = false, levels = false;
 	for (uint32_t p = 0; p < all->count; p++) {
 		any |= all->passes[p].pass.visible_count > 0;
-		levels |= all->passes[p].seen != NULL;
+		levels |= (bool)all->passes[p].seen;
 	}
 	STILB_ASSERT(!any || (scene && render->scene.mesh_count == scene->mesh_count &&
 	                      render->scene.material_count == scene->material_count));
