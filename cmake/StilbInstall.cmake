@@ -40,6 +40,7 @@ set(headers
 	gpu/gpu.h gpu/gpu_device.h gpu/gpu_format.h gpu/gpu_plan.h
 	render/render.h
 	ui/ui_draw.h
+	debug/debug_draw.h
 	engine.h
 	gi/gi_scene.h gi/gi_render.h)
 set(elsewhere jobs/job.h profiler/prof_capture.h) # public headers of the libraries that install themselves
@@ -98,7 +99,7 @@ stilb_component(geometry "Coarser levels and impostors of meshes"
 	MODULES geometry
 	REQUIRES stilb-scene stilb-jobs stilb-profiler)
 stilb_component(engine "${PROJECT_DESCRIPTION}"
-	MODULES engine ui render gpu culling input window
+	MODULES engine debug ui render gpu culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
 	MODULES gi numeric
@@ -121,7 +122,7 @@ set(shared_definitions STILB_PROF_SHARED)
 if(NOT STILB_PROFILE)
 	list(APPEND shared_definitions STILB_PROFILE_OFF)
 endif()
-set(modules engine ui render gpu culling input window gi numeric geometry scene image base jobs profiler-shared)
+set(modules engine debug ui render gpu culling input window gi numeric geometry scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
 target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-geometry stilb-flags # for the libraries of others that these need

@@ -123,6 +123,8 @@ static stilb_result engine_start(stilb_engine *engine)
 	if (result == STILB_OK)
 		result = engine_create_render(engine);
 	if (result == STILB_OK)
+		result = stilb_debug_create(engine->render, &engine->debug);
+	if (result == STILB_OK)
 		result = engine_start_workers(engine, desc->workers);
 	engine_fill_passes(engine);
 	if (result == STILB_OK)
@@ -177,6 +179,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_picture_finish(engine);
 	engine_overlay_finish(&engine->overlay);
+	stilb_debug_destroy(engine->debug);
 	stilb_render_destroy(engine->render);
 	stilb_window_destroy(engine->window);
 	engine_profile_stop(engine);
@@ -362,6 +365,11 @@ void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *sho
 stilb_gpu *stilb_engine_gpu(stilb_engine *engine)
 {
 	return stilb_render_gpu(engine->render);
+}
+
+stilb_debug *stilb_engine_debug(const stilb_engine *engine)
+{
+	return engine->debug;
 }
 
 const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine)

@@ -44,6 +44,7 @@
 
 #include "base/base.h"
 #include "culling/cull.h"
+#include "debug/debug_draw.h"
 #include "input/input.h"
 #include "input/input_control.h"
 #include "jobs/job.h"
@@ -334,6 +335,10 @@ stilb_gpu *stilb_engine_gpu(stilb_engine *engine);
 /* Frames show an image of the plan in the place of the picture; what stilb_render_show_image says. */
 void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown);
 const stilb_gpu_plan *stilb_engine_plan(const stilb_engine *engine);
+
+/* Draws lines, shapes and text in the scene's world, from any thread; see debug_draw.h. What desc.update and its jobs
+ * draw is seen in that frame. Valid as long as the engine. [any-thread] */
+stilb_debug *stilb_engine_debug(const stilb_engine *engine);
 
 /* Writes the newest frames that the profiler still holds, at most last_frames (0: all), as a trace; the name's ending
  * chooses the format (prof_trace.h). STILB_ERROR_FILE: also without memory. */

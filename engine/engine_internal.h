@@ -140,6 +140,7 @@ struct stilb_engine {
 	stilb_cull *cull;     /* of the scene; NULL: there is none */
 	stilb_window *window; /* NULL when headless */
 	stilb_render *render;
+	stilb_debug *debug;
 	engine_input input;
 
 	/* The frame as data: frame.c culls once for each view, records each pass and replays all of them. */

@@ -1,5 +1,5 @@
 /*
- * One frame: seven stages, called in the order of the table. Each has one owner and one output and reads only what a
+ * One frame: eight stages, called in the order of the table. Each has one owner and one output and reads only what a
  * stage above it wrote. GPU times and a new size of the window are known only later and enter with the next frame's
  * input.
  *
@@ -12,6 +12,8 @@
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
  *   ui             input, profiler snapshots,  the lists of the open overlay and of    main
  *                  the program's picture       that picture
+ *   debug          what threads have drawn     its records, sorted                     main, jobs
+ *                  into the world
  *   replay         the lists                   device commands, in number order        main (jobs: secondary lists)
  *   present        the device's picture        the window, or an image in memory       main
  */
@@ -211,6 +213,13 @@ static stilb_result ui(stilb_engine *engine)
 	return engine_overlay_record(engine, pass, FRAME_OWNER);
 }
 
+/* Gathers what threads have drawn into the world; without a scene there is no camera to see it. */
+static stilb_result debug(stilb_engine *engine)
+{
+	return stilb_debug_frame(engine->debug, engine->scene ? &engine->views[0].view_projection : NULL, engine->seconds,
+	                         engine->pool, FRAME_OWNER);
+}
+
 static stilb_result replay(stilb_engine *engine)
 {
 	PROFILE("replay");
@@ -269,6 +278,8 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 		result = picture(engine);
 	frame_clock(&clock, &times->ui);
 	if (result == STILB_OK)
+		result = debug(engine);
+	if (result == STILB_OK)
 		result = replay(engine);
 	frame_clock(&clock, &times->replay);
 	times->pad = engine_input_latency(engine);
@@ -290,6 +301,8 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	stilb_result result = frame_window(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)
 		frame_input(engine, &engine->report);
+	if (result == STILB_OK && !engine->report.drawn)
+		result = stilb_debug_frame(engine->debug, NULL, engine->seconds, engine->pool, FRAME_OWNER);
 	if (result == STILB_OK && engine->report.drawn) {
 		engine_profile_frame(engine);
 		if (engine_picture_wants_scene(engine))

@@ -1,5 +1,7 @@
 #include "live_options.h"
 
+#include "live_draw.h"
+
 #include "base/base_file.h"
 #include "game/cli/trace_path.h"
 #include "image/image.h"
@@ -63,6 +65,9 @@ static void live_add_windows(live_options *o, flag_rows *table)
 {
 	const flag windows[] = {
 		{"Windows over the picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--draw", FLAG_TEXT, &o->draw, "WHAT,...",
+	     "draw into the world, also in saved pictures: bounds (of models in view), lights, axes (with a grid)", 0, 0,
+	     NULL},
 		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, also in saved pictures", 0, 0,
 	     NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",
@@ -311,6 +316,10 @@ bool live_options_check(const live_options *o)
 		return false;
 	if (!live_parse_fault(o->fault, &(live_faults){0})) {
 		stilb_log("--fault: '%s' is not known; give memory:N, lost:N, surface:N or slow:N with N from 1 on", o->fault);
+		return false;
+	}
+	if (!live_draw_parse(o->draw, &(live_draw){0})) {
+		stilb_log("--draw: '%s' is not known; give bounds, lights and axes, each once, separated by commas", o->draw);
 		return false;
 	}
 	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {

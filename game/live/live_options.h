@@ -31,7 +31,7 @@ typedef struct live_options {
 	float sensitivity; /* of the right stick */
 	const char *frames_help;
 	/* NULL if not given: */
-	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track, *plan;
+	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track, *plan, *draw;
 } live_options;
 
 /* The words that --cull accepts, in the order of stilb_cull_method; NULL-terminated. */

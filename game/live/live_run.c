@@ -74,6 +74,7 @@ static void live_update(void *user, const stilb_engine_update *update)
 	if (update->frame == run->slow_frame)
 		live_stall();
 	run->program->update(run->user, update);
+	live_draw_frame(&run->draw, run->engine);
 }
 
 uint32_t live_run_asked(const live_run *run, const stilb_engine_report *report, live_key key)
@@ -137,6 +138,8 @@ static stilb_result live_start(live_run *run)
 	desc.capture.done = live_on_captured;
 	desc.capture.user = run;
 	live_faults faults = live_options_faults(run->options);
+	bool known = live_draw_parse(run->options->draw, &run->draw);
+	STILB_ASSERT(known && "live_options_check accepted the options");
 	run->slow_frame = faults.slow_frame;
 	desc.actions = run->rows;
 	desc.action_count = live_keys_rows(run->program->keys, run->rows);

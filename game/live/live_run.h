@@ -11,6 +11,7 @@
 #define STILB_LIVE_RUN_H
 
 #include "game/cli/stage_times.h"
+#include "live_draw.h"
 #include "live_gamepads.h"
 #include "live_options.h"
 #include "live_track.h"
@@ -52,6 +53,7 @@ struct live_run {
 	stage_times times;
 	live_track track;
 	live_gamepads gamepads;
+	live_draw draw;              /* what --draw names */
 	char *series;                /* --screenshot's name for a series of pictures (live_picture.h); NULL: none yet */
 	stilb_result picture_result; /* of the first picture of a series that could not be written */
 	/* Both are written on the profiler's capturing thread. The main thread reads them after it has destroyed the

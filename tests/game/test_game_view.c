@@ -394,6 +394,29 @@ static void shows_backgrounds(void **state)
 	assert_said(run.err, "--background: 'green' is not known");
 }
 
+/* Axes, lights and bounds are drawn over the scene, each in pixels of its own. */
+static void draws_into_the_world(void **state)
+{
+	(void)state;
+	static const char *const what[] = {"axes", "lights", "bounds", "bounds,lights,axes"};
+	uint32_t changed[4] = {0};
+	stilb_image plain, drawn;
+	stilb_good("view cornell --headless --size 96x64 --screenshot plain.png");
+	assert_int_equal(stilb_image_load("plain.png", &plain), STILB_OK);
+	for (size_t i = 0; i < 4; i++) {
+		char line[128];
+		snprintf(line, sizeof line, "view cornell --headless --size 96x64 --screenshot drawn.png --draw %s", what[i]);
+		stilb_good(line);
+		assert_int_equal(stilb_image_load("drawn.png", &drawn), STILB_OK);
+		for (uint32_t p = 0; p < 96 * 64; p++)
+			changed[i] += memcmp((uint8_t *)plain.pixels + 3 * p, (uint8_t *)drawn.pixels + 3 * p, 3) != 0;
+		stilb_image_finish(&drawn);
+	}
+	stilb_image_finish(&plain);
+	for (size_t i = 0; i < 3; i++)
+		assert_true(changed[i] > 20 && changed[3] > changed[i]);
+}
+
 static void refuses(void **state)
 {
 	(void)state;
@@ -420,6 +443,8 @@ static void refuses(void **state)
 		{"view cornell --headless --show lod --show-range 0,1", "name one with --show"},
 		{"view cornell --headless --show depth --show-range 1,1", "is not LOW,HIGH"},
 		{"view cornell --headless --show depth --show-range 1", "is not LOW,HIGH"},
+		{"view cornell --headless --draw lights,none", "give bounds, lights and axes, each once"},
+		{"view cornell --headless --draw axes,axes", "give bounds, lights and axes, each once"},
 		{"view cornell --headless --environment -1,0,0", "out of range"},
 		{"view cornell --headless --environment none.hdr", "none.hdr"},
 		{"view cornell --headless --spp 4", "only --split"},
@@ -449,6 +474,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),
 		cmocka_unit_test_setup(lights_what_has_no_light, folder_fresh),
 		cmocka_unit_test_setup(shows_backgrounds, folder_fresh),
+		cmocka_unit_test_setup(draws_into_the_world, folder_fresh),
 		cmocka_unit_test_setup(refuses, folder_fresh),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_view")) {

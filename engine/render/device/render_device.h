@@ -150,7 +150,8 @@ typedef struct render_device_texture {
 /* Of a scene pass: all that a list can bind, by detail, surface, width of the indices and half of the materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-#define RENDER_MAX_LISTS (STILB_RENDER_MAX_PASSES + 1u) /* and one for a frame that shows nothing */
+/* Of a frame: one for each pass, one that shows nothing, and those of features. */
+#define RENDER_MAX_LISTS (STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
@@ -179,7 +180,7 @@ typedef struct render_frame {
 	bool shown;       /* picture has content: of targets, or of 2D passes */
 	uint32_t views;   /* of slot.views that are in use */
 	uint32_t backdrops;
-	uint32_t list_count, run_count;
+	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
 	uint32_t target_count;
 	render_frame_target targets[STILB_RENDER_MAX_PASSES];
 } render_frame;
@@ -207,8 +208,8 @@ typedef struct render_device {
 
 	render_frame frame;
 	render_list lists[RENDER_MAX_LISTS];
-	stilb_gpu_draws draws[RENDER_MAX_LISTS]; /* of the lists */
-	stilb_gpu_run *runs;                     /* [run_capacity] of all lists */
+	stilb_gpu_draws draws[RENDER_MAX_LISTS]; /* of the lists; those of features have no other member */
+	stilb_gpu_run *runs;                     /* [run_capacity] of all lists but those of features */
 	uint32_t run_capacity;
 	stilb_render_feature features[STILB_RENDER_MAX_FEATURES]; /* [feature_count] */
 	uint32_t feature_count;

@@ -438,7 +438,8 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t l = 0; l < frame->list_count; l++)
-		device->draws[l].runs = device->draws[l].run_count > 0 ? device->runs + device->lists[l].first_run : NULL;
+		if (!device->draws[l].runs && device->draws[l].run_count > 0) /* features' have their own */
+			device->draws[l].runs = device->runs + device->lists[l].first_run;
 	frame_threads work = {.pool = pool, .worker = worker};
 	stilb_gpu_threads threads = {&work, pool ? stilb_job_pool_worker_count(pool) + 1 : 0, frame_run_tasks};
 	stilb_gpu_planner planner = stilb_gpu_planner_of(device->gpu);
