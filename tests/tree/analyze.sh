@@ -41,8 +41,8 @@ analyze() {
 	local file=${1%% *} compile text
 	[ ! -e "$yields" ] || renice -n 19 "$BASHPID" >/dev/null
 	compile=$(sed -E 's/^([^ ]* )?[^ ]*ccache //; s/ -M[DTF]( [^ -][^ ]*)?//g; s/ -o [^ ]*//' <<<"${1#* } -UNDEBUG")
-	# With comments, which may hold NOLINT, and with the definitions of macros.
-	text=$(echo "$about $compile"; cd "$build" && eval "$compile -E -CC -dD")
+	# With comments, which may hold NOLINT, and with the definitions of macros, which need not be expanded for that.
+	text=$(echo "$about $compile"; cd "$build" && eval "$compile -E -CC -fdirectives-only")
 	text=$(sha256sum <<<"$text")
 	[ ! -e "$build/analyzed/${text%% *}" ] || return 0
 	tidy "$file" "$compile" && (cd "$build" && eval "$compile $gcc_options -o /dev/null" 2>&1) && : >"$build/analyzed/${text%% *}"
