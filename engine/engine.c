@@ -112,6 +112,7 @@ static void engine_fill_passes(stilb_engine *engine)
 	engine->view_count = 1;
 	engine->passes[0] = (stilb_render_pass){.name = "scene", .view = 0, .order = 0};
 	engine->pass_count = 1;
+	engine->place[2] = engine->place[3] = 1.0f;
 }
 
 static stilb_result engine_start(stilb_engine *engine)
@@ -312,15 +313,13 @@ bool stilb_engine_pick(stilb_engine *engine, double x, double y, stilb_engine_hi
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(hit);
-	uint32_t width, height;
-	if (!engine->scene)
+	stilb_scene_ray ray;
+	if (!engine->scene || !engine_cameras_ray(engine, x, y, &ray))
 		return false;
 	if (!engine->pick_index)
 		engine->pick_index = stilb_scene_pick_index_create();              /* without memory it is slower */
 	stilb_scene_changes changes = stilb_scene_changes_read(engine->scene); /* bounds, and what no frame has seen yet */
 	engine_pick_forget(engine, &changes);
-	stilb_render_size(engine->render, &width, &height);
-	stilb_scene_ray ray = stilb_scene_camera_ray(&engine->scene->camera, width, height, x, y);
 	return stilb_scene_pick_indexed(engine->scene, &ray, engine->pick_index, hit);
 }
 

@@ -156,8 +156,11 @@ typedef struct stilb_engine_desc {
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height; /* of the picture, pixels, 1..16384 */
 	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
-	bool window;            /* true: in a window of the engine's; false: to `surface`, or headless, to memory */
-	bool present;           /* false: pictures are drawn, but not shown in the window */
+	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE ..
+	 * STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */
+	float scale;
+	bool window;  /* true: in a window of the engine's; false: to `surface`, or headless, to memory */
+	bool present; /* false: pictures are drawn, but not shown in the window */
 	/* A window of the program's own, if `window` is false; NULL: none. Needed only during stilb_engine_create; the
 	 * window lives until the engine is destroyed or stilb_engine_set_surface takes another one. The program handles its
 	 * events and tells its size by stilb_engine_resize. */
@@ -190,6 +193,8 @@ typedef struct stilb_engine_desc {
 } stilb_engine_desc;
 
 #define STILB_ENGINE_PROFILE_RING_MAX 1024u
+#define STILB_ENGINE_MIN_SCALE 0.1f
+#define STILB_ENGINE_MAX_SCALE 4.0f
 
 /* CPUs - 1 workers (at least 1), automatic culling, Vulkan, indirect draws, 1280 x 720, headless; profiled with rings
  * of 64 MiB, no captures; gamepads AUTO. [any-thread] */
@@ -229,6 +234,30 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene);
  * at any time: set_scene then makes haste with what is left. An error of the scene's is set_scene's to return.
  * STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
 stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene);
+
+/* A camera beside the scene's own, culled, recorded and drawn in the same frames, into an image of its own of linear
+ * radiance, which the frame's plan has under its name (render.h, targets). */
+typedef struct stilb_engine_camera {
+	const char *name; /* 1..STILB_RENDER_TARGET_NAME bytes, no other image's; copied */
+	stilb_scene_camera camera;
+	/* Left, top, right and bottom of the part of the picture that shows it, as shares of the picture's sides, 0..1, over
+	 * what cameras before it show; all 0: none does, and the image is an output of the plan (stilb_gpu_read_begin). */
+	float place[4];
+	uint8_t border;         /* pixels at the edges of its place that are black */
+	uint32_t width, height; /* of its image, pixels, 0..16384; 0: those of its place, times desc.scale */
+} stilb_engine_camera;
+
+#define STILB_ENGINE_MAX_CAMERAS 15u
+
+/* From the next frame on, or with this one in desc.update, these are drawn in place of those of the call before. */
+void stilb_engine_set_cameras(stilb_engine *engine, const stilb_engine_camera *cameras, uint32_t count);
+
+/* Likewise the part of the picture that the scene's own camera fills, as in stilb_engine_camera; at first 0, 0, 1, 1:
+ * all of it. What no camera covers is black. */
+void stilb_engine_set_place(stilb_engine *engine, const float place[4]);
+
+/* Likewise desc.scale, not 0. */
+void stilb_engine_set_scale(stilb_engine *engine, float scale);
 
 /* The share of the prepared scene that is on the device, below 1 until it is ready; 1: set_scene does not wait, for it
  * is ready, has an error, or there is none. Frames must be drawn meanwhile. */

@@ -14,7 +14,7 @@
 
 #include <pthread.h>
 
-#define ENGINE_MAX_VIEWS 4u
+#define ENGINE_MAX_VIEWS 16u
 
 /* The materials' window, in which shading models are chosen; {0} at first. */
 typedef struct engine_inspector {
@@ -130,6 +130,12 @@ typedef struct engine_surface {
 	uint64_t tried_ns; /* the clock when another one was tried last; 0: not yet */
 } engine_surface;
 
+/* A camera of stilb_engine_set_cameras. */
+typedef struct engine_camera {
+	stilb_engine_camera asked; /* but for its name */
+	char name[STILB_RENDER_TARGET_NAME + 1];
+} engine_camera;
+
 struct stilb_engine {
 	engine_press press;
 	stilb_owner owner; /* the main thread: the one that created it */
@@ -144,12 +150,17 @@ struct stilb_engine {
 	engine_input input;
 
 	/* The frame as data: frame.c culls once for each view, records each pass and replays all of them. */
-	stilb_render_view views[ENGINE_MAX_VIEWS];
+	stilb_render_view views[ENGINE_MAX_VIEWS]; /* [view_count] of the scene's own camera, then of the others */
+	stilb_render_target targets[ENGINE_MAX_VIEWS];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
 	uint32_t pass_count;
-	uint32_t frame_passes; /* in this frame: pass_count, or one more for the overlay */
+	uint32_t frame_passes;                           /* in this frame: pass_count, or one more for the overlay */
+	engine_camera cameras[STILB_ENGINE_MAX_CAMERAS]; /* [camera_count] */
+	uint32_t camera_count;
+	float place[4];                     /* of the scene's own camera in the picture */
+	stilb_render_shading frame_shading; /* of this frame's views */
 	engine_overlay overlay;
 	engine_pictures *pictures; /* NULL: none has been taken yet */
 	engine_shown picture;
@@ -176,6 +187,14 @@ struct stilb_engine {
 
 /* Forgets what the index of stilb_engine_pick knows of meshes that have changed. */
 void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *changes);
+
+/* engine_cameras.c */
+
+/* Fills the tables of views, targets and passes for this frame, which has a scene. */
+void engine_cameras_frame(stilb_engine *engine);
+
+/* The ray through a point of the picture, pixels, from the camera that is shown there. False: none is. */
+bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray);
 
 /* engine_prepare.c */
 

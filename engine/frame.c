@@ -136,20 +136,16 @@ static stilb_result update_scene(stilb_engine *engine)
 		engine->desc.update(engine->desc.user,
 		                    &(stilb_engine_update){engine->frame + 1, engine->seconds, &engine->report.input});
 	engine_picture_decide(engine);
-	stilb_render_view *view = &engine->views[0];
 	const stilb_scene *scene = engine->scene;
 	if (!scene) {
-		*view = (stilb_render_view){.shading = engine->shading};
+		engine->views[0] = (stilb_render_view){.shading = engine->shading};
+		engine->view_count = engine->pass_count = 1;
 		return STILB_OK;
 	}
 	stilb_scene_update_nodes(engine->scene, engine->pool, FRAME_OWNER);
 	STILB_ASSERT(scene->moved_count <= scene->model_count);
-	uint32_t width, height;
-	stilb_render_size(engine->render, &width, &height);
-	stilb_render_shading shading = engine_prepare_shading(engine);
-	*view = engine_view_of(engine, scene);
-	view->view_projection = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
-	view->shading = shading;
+	engine->frame_shading = engine_prepare_shading(engine);
+	engine_cameras_frame(engine);
 	return update_render(engine);
 }
 
@@ -167,27 +163,31 @@ static stilb_result cull(stilb_engine *engine)
 	stilb_scene_changes_clear(scene); /* the program's lists for the next frame begin */
 	if (engine->picture.hides_scene)
 		return result; /* what was visible is so still */
-	for (uint32_t v = 0; v < engine->view_count && result == STILB_OK; v++) {
-		stilb_frustum frustum = stilb_frustum_from_matrix(&engine->views[v].view_projection);
-		result = stilb_cull_run(engine->cull, engine->desc.cull, scene, &frustum, engine->pool, FRAME_OWNER,
-		                        &engine->visible[v]);
-	}
+	stilb_frustum frusta[ENGINE_MAX_VIEWS];
+	for (uint32_t v = 0; v < engine->view_count; v++)
+		frusta[v] = stilb_frustum_from_matrix(&engine->views[v].view_projection);
+	if (result == STILB_OK)
+		result = stilb_cull_run_views(engine->cull, engine->desc.cull, scene, frusta, engine->view_count, engine->pool,
+		                              FRAME_OWNER, engine->visible);
 	return result;
 }
 
 static stilb_result record(stilb_engine *engine)
 {
 	PROFILE("record");
-	stilb_result result = STILB_OK;
 	bool hidden = engine->picture.hides_scene;
-	for (uint32_t p = 0; p < engine->pass_count && result == STILB_OK; p++) {
-		STILB_ASSERT(engine->passes[p].view < engine->view_count);
-		const stilb_cull_visible *visible = &engine->visible[engine->passes[p].view];
-		result = stilb_render_record_view(engine->render, p, engine->scene, visible->ids, hidden ? 0 : visible->count,
-		                                  &engine->views[engine->passes[p].view], engine->pool, FRAME_OWNER);
+	stilb_render_recording recordings[ENGINE_MAX_VIEWS];
+	for (uint32_t p = 0; p < engine->pass_count; p++) {
+		uint32_t v = engine->passes[p].view;
+		STILB_ASSERT(v < engine->view_count);
+		recordings[p] = (stilb_render_recording){.pass = p,
+		                                         .visible = engine->visible[v].ids,
+		                                         .visible_count = hidden ? 0 : engine->visible[v].count,
+		                                         .view = &engine->views[v]};
 	}
 	engine->frame_passes = engine->pass_count;
-	return result;
+	return stilb_render_record_views(engine->render, engine->scene, recordings, engine->pass_count, engine->pool,
+	                                 FRAME_OWNER);
 }
 
 /* Records the program's picture, if one is shown: after ui, in which the user drags its edge. */

@@ -346,6 +346,7 @@ typedef struct stilb_render_target {
 	uint16_t place[4];      /* of LIGHT: left, top, width, height of the rectangle of the picture that shows it, tone
 	                           mapped, filtered if its size is another one; width 0: none. Later targets lie over
 	                           earlier ones. What no target covers is black */
+	uint8_t border;         /* pixels at the edges of its place that are black */
 } stilb_render_target;
 
 /* A camera, its lights and its formulas. A pass names its view by index. Formulas that the device has not used before

@@ -182,7 +182,8 @@ static void upload_tables(stilb_render_dump *dump)
 		                                .kind = (stilb_render_target_kind)from->kind,
 		                                .width = from->width,
 		                                .height = from->height,
-		                                .output = from->output};
+		                                .output = from->output,
+		                                .border = (uint8_t)from->border};
 		memcpy(target->place, from->place, sizeof target->place);
 	}
 	for (uint32_t v = 0; v < dump->header->views; v++) {

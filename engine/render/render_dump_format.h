@@ -10,7 +10,7 @@
  *   views             160  header.views, 1..64   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             88  header.passes, 1..64  render_dump_pass, in the order of the pass table
- *   targets            80  header.targets, 0..64 render_dump_target
+ *   targets            88  header.targets, 0..64 render_dump_target
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
  *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
@@ -98,6 +98,7 @@ typedef struct render_dump_target {
 	char name[56]; /* at most STILB_RENDER_TARGET_NAME bytes, padded with zeros */
 	uint32_t kind, width, height, output;
 	uint16_t place[4];
+	uint32_t border, unused;
 } render_dump_target;
 
 typedef struct render_dump_texture {
@@ -165,7 +166,7 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 }
 
 static_assert(sizeof(render_dump_header) == 128 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
-                  sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 80 &&
+                  sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 88 &&
                   sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 64 &&
                   sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,

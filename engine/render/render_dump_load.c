@@ -259,6 +259,9 @@ static stilb_result load_check_targets(const stilb_render_dump *dump, const char
 			                   STILB_RENDER_TARGET_NAME);
 		if (target->width < 1 || target->width > 16384 || target->height < 1 || target->height > 16384)
 			return load_refuse(name, "target %u: %ux%u pixels; a side has 1..16384", t, target->width, target->height);
+		if (target->border > UINT8_MAX || target->unused != 0)
+			return load_refuse(name, "target %u: a border of %u pixels, unused bytes %u; 0..255, 0", t, target->border,
+			                   target->unused);
 		const uint16_t *place = target->place;
 		bool none = !(place[0] | place[1] | place[2] | place[3]);
 		bool inside = place[2] > 0 && place[3] > 0 && place[0] + place[2] <= (int)h->width &&

@@ -315,6 +315,7 @@ static void save_put_targets(const save_job *job)
 		out->width = target->width;
 		out->height = target->height;
 		out->output = target->output;
+		out->border = target->border;
 		memcpy(out->place, target->place, sizeof out->place);
 	}
 }

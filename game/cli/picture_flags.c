@@ -227,23 +227,23 @@ static bool picture_is_list(const char *text)
 	return strchr(text, ',') && strspn(text, "+-.,0123456789eE ") == strlen(text);
 }
 
-static bool picture_check_camera(const char *text)
+bool picture_flags_check_camera(const char *name, const char *text)
 {
 	flag_list list;
 	if (!text || !picture_is_list(text))
 		return true;
 	if (!flags_numbers(text, 5, 6, &list)) {
-		stilb_log("--camera: '%s' is not " PICTURE_CAMERA "; give numbers separated by commas", text);
+		stilb_log("%s: '%s' is not " PICTURE_CAMERA "; give numbers separated by commas", name, text);
 		return false;
 	}
 	for (uint32_t i = 0; i < list.count; i++)
 		if (!isfinite(list.numbers[i])) {
-			stilb_log("--camera: '%s' is out of range in number %" PRIu32 "; give numbers in -%.2g..%.2g", text, i + 1,
+			stilb_log("%s: '%s' is out of range in number %" PRIu32 "; give numbers in -%.2g..%.2g", name, text, i + 1,
 			          (double)FLT_MAX, (double)FLT_MAX);
 			return false;
 		}
 	if (list.count == 6 && !(list.numbers[5] > 0.0f && list.numbers[5] < 180.0f)) {
-		stilb_log("--camera: '%g' is not a field of view; give degrees between 0 and 180", (double)list.numbers[5]);
+		stilb_log("%s: '%g' is not a field of view; give degrees between 0 and 180", name, (double)list.numbers[5]);
 		return false;
 	}
 	return true;
@@ -318,7 +318,7 @@ bool picture_flags_check(const picture_flags *p)
 		          p->background);
 		return false;
 	}
-	return picture_check_show(p) && picture_check_camera(p->camera);
+	return picture_check_show(p) && picture_flags_check_camera("--camera", p->camera);
 }
 
 void picture_flags_log_start(const picture_flags *p, stilb_result result)
@@ -368,9 +368,10 @@ static void picture_list_cameras(const stilb_scene *scene, char *text, size_t si
 			(size_t)snprintf(text + used, size - used, "%s%u '%s'", i > 0 ? ", " : "", i + 1, scene->cameras[i].name);
 }
 
-stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, uint32_t *index)
+stilb_result picture_flags_camera(const char *name, const char *text, const stilb_scene *scene, uint32_t *index)
 {
-	STILB_ASSERT(text && scene && index);
+	STILB_ASSERT(name && text && scene && index);
+	*index = 0;
 	char list[256], *end;
 	unsigned long number = strtoul(text, &end, 10);
 	for (uint32_t i = 0; i < scene->camera_count; i++)
@@ -385,8 +386,8 @@ stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, ui
 	picture_list_cameras(scene, list, sizeof list);
 	if (scene->camera_count == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT,
-		                  "--camera: there is no camera '%s', since the scene has none; give " PICTURE_CAMERA, text);
-	return stilb_fail(STILB_ERROR_ARGUMENT, "--camera: there is no camera '%s'; the scene has %s", text, list);
+		                  "%s: there is no camera '%s', since the scene has none; give " PICTURE_CAMERA, name, text);
+	return stilb_fail(STILB_ERROR_ARGUMENT, "%s: there is no camera '%s'; the scene has %s", name, text, list);
 }
 
 static void picture_place_numbers(const flag_list *list, stilb_scene_camera *camera)
@@ -400,24 +401,32 @@ static void picture_place_numbers(const flag_list *list, stilb_scene_camera *cam
 		camera->fov_y = picture_radians(list->numbers[5]);
 }
 
-stilb_result picture_flags_place(const picture_flags *p, float aspect, stilb_scene *scene)
+stilb_result picture_flags_look(const char *name, const char *text, const stilb_scene *scene,
+                                stilb_scene_camera *camera)
 {
 	flag_list list;
 	uint32_t index;
+	STILB_ASSERT(camera);
+	if (flags_numbers(text, 5, 6, &list)) {
+		*camera = scene->camera;
+		picture_place_numbers(&list, camera);
+		return STILB_OK;
+	}
+	stilb_result result = picture_flags_camera(name, text, scene, &index);
+	if (result == STILB_OK)
+		*camera = scene->cameras[index].camera;
+	return result;
+}
+
+stilb_result picture_flags_place(const picture_flags *p, float aspect, stilb_scene *scene)
+{
 	if (scene->framed)
 		scene->camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, aspect);
 	if (!p->camera)
 		return STILB_OK;
-	if (flags_numbers(p->camera, 5, 6, &list)) {
-		picture_place_numbers(&list, &scene->camera);
-	} else {
-		stilb_result result = picture_flags_camera(p->camera, scene, &index);
-		if (result != STILB_OK)
-			return result;
-		scene->camera = scene->cameras[index].camera;
-	}
-	scene->framed = false;
-	return STILB_OK;
+	stilb_result result = picture_flags_look("--camera", p->camera, scene, &scene->camera);
+	scene->framed = scene->framed && result != STILB_OK;
+	return result;
 }
 
 static bool picture_has_photometric(const stilb_scene *scene)
@@ -510,7 +519,7 @@ static float picture_yaw(const picture_flags *p, const stilb_scene *scene)
 	uint32_t index;
 	if (p->camera && flags_numbers(p->camera, 5, 6, &list))
 		return picture_radians(list.numbers[3]);
-	if (p->camera && picture_flags_camera(p->camera, scene, &index) == STILB_OK)
+	if (p->camera && picture_flags_camera("--camera", p->camera, scene, &index) == STILB_OK)
 		return scene->cameras[index].camera.yaw;
 	return scene->camera.yaw;
 }

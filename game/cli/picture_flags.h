@@ -92,9 +92,16 @@ stilb_render_shading picture_flags_shading(const picture_flags *picture, uint32_
  * camera. */
 stilb_result picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
 
-/* The camera of the file that text names, by its number from 1 on or its name. STILB_ERROR_ARGUMENT: there is none; the
- * message lists those that there are. */
-stilb_result picture_flags_camera(const char *text, const stilb_scene *scene, uint32_t *index);
+/* The camera of the file that the text of a flag names, by its number from 1 on or its name. STILB_ERROR_ARGUMENT: there
+ * is none; the message lists those that there are. */
+stilb_result picture_flags_camera(const char *name, const char *text, const stilb_scene *scene, uint32_t *index);
+
+/* The camera that a text like --camera's stands for: one of the file's, or the scene's in another place. Errors as
+ * picture_flags_camera. */
+stilb_result picture_flags_look(const char *name, const char *text, const stilb_scene *scene,
+                                stilb_scene_camera *camera);
+/* False, after a line, if the text is meant as numbers and they are wrong. NULL is right. */
+bool picture_flags_check_camera(const char *name, const char *text);
 
 /* Sets the exposure of the scene's camera to that of --exposure; call after picture_flags_place. Without the flag it is
  * 0, and metered (stilb_scene_meter) if the scene has photometric lights, as glTF's, or lights that would show a white

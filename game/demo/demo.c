@@ -3,18 +3,20 @@
 #include "game/live/live_run.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 #define DEMO_VIEWS 3u /* number of values of stilb_scene_stress_view */
 
 typedef struct demo {
 	live_options options;
-	uint64_t models, seed;
+	uint64_t models, seed, cameras;
 	bool animate;               /* a tenth of the models moves */
 	int view;                   /* a stilb_scene_stress_view */
 	int light;                  /* a stilb_scene_stress_light, as the flag chose it */
 	stilb_engine_choice lights; /* and as the user chooses it in the materials' window */
 	stilb_scene *scene;
+	live_run *run;
 } demo;
 
 /* Rows of the table of actions. */
@@ -30,18 +32,63 @@ static const live_keys demo_keys = {demo_rows, sizeof demo_rows / sizeof *demo_r
 
 static const char *const demo_views[] = {"all", "half", "few", NULL};
 
+/* Tiles of the picture, one for each camera. */
+static void demo_tiles(const demo *d, uint32_t *columns, uint32_t *rows)
+{
+	*columns = 1;
+	while (*columns * *columns < d->cameras)
+		++*columns;
+	*rows = ((uint32_t)d->cameras + *columns - 1) / *columns;
+}
+
+/* The part of the picture that shows camera number `camera`. */
+static void demo_place(const demo *d, uint32_t camera, float place[4])
+{
+	uint32_t columns, rows;
+	demo_tiles(d, &columns, &rows);
+	place[0] = (float)(camera % columns) / (float)columns;
+	place[1] = (float)(camera / columns) / (float)rows;
+	place[2] = (float)(camera % columns + 1) / (float)columns;
+	place[3] = (float)(camera / columns + 1) / (float)rows;
+}
+
 /* Moves the camera to the place of the view in the engine's picture. */
 static void demo_look(const demo *d, const stilb_engine *engine)
 {
-	uint32_t width, height;
+	uint32_t width, height, columns, rows;
 	stilb_engine_size(engine, &width, &height);
-	d->scene->camera =
-		stilb_scene_stress_camera(d->scene, (stilb_scene_stress_view)d->view, (float)width / (float)height);
+	demo_tiles(d, &columns, &rows);
+	float aspect = (float)width * (float)rows / ((float)height * (float)columns);
+	d->scene->camera = stilb_scene_stress_camera(d->scene, (stilb_scene_stress_view)d->view, aspect);
+}
+
+/* The other cameras stand around the scene's middle, each turned on by the same angle. */
+static void demo_turn_cameras(const demo *d)
+{
+	stilb_engine_camera cameras[STILB_ENGINE_MAX_CAMERAS] = {0};
+	char names[STILB_ENGINE_MAX_CAMERAS][16];
+	for (uint32_t c = 1; c < d->cameras; c++) {
+		stilb_engine_camera *camera = &cameras[c - 1];
+		const float *from = d->scene->camera.position;
+		float angle = 6.2831853f * (float)c / (float)d->cameras;
+		snprintf(names[c - 1], sizeof names[c - 1], "camera %u", c + 1);
+		camera->name = names[c - 1];
+		camera->camera = d->scene->camera;
+		camera->camera.position[0] = from[0] * cosf(angle) + from[2] * sinf(angle);
+		camera->camera.position[2] = from[2] * cosf(angle) - from[0] * sinf(angle);
+		camera->camera.yaw = remainderf(d->scene->camera.yaw + angle, 6.2831853f);
+		demo_place(d, c, camera->place);
+	}
+	stilb_engine_set_cameras(d->run->engine, cameras, (uint32_t)d->cameras - 1);
 }
 
 static stilb_result demo_start(void *user, live_run *run)
 {
 	demo *d = user;
+	float place[4];
+	d->run = run;
+	demo_place(d, 0, place);
+	stilb_engine_set_place(run->engine, place);
 	stilb_result result = stilb_scene_create_stress((uint32_t)d->models, d->seed, &d->scene);
 	if (result != STILB_OK)
 		return result;
@@ -56,6 +103,8 @@ static void demo_update(void *user, const stilb_engine_update *update)
 	stilb_scene_stress_set_light(d->scene, (stilb_scene_stress_light)d->lights.chosen);
 	if (d->animate)
 		stilb_scene_animate(d->scene, update->seconds);
+	if (d->cameras > 1)
+		demo_turn_cameras(d);
 }
 
 static stilb_result demo_act(void *user, live_run *run, const stilb_engine_report *report)
@@ -94,13 +143,15 @@ int demo_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 120, in software 30; in a window endless)",
 		&demo_keys,
 	};
-	demo d = {.options = live_options_default(), .models = 10000, .seed = 1};
+	demo d = {.options = live_options_default(), .models = 10000, .seed = 1, .cameras = 1};
 	const flag own[] = {
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--models", FLAG_NUMBER, &d.models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
 		{"--seed", FLAG_NUMBER, &d.seed, "N", "of the random sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
 		{"--animate", FLAG_SWITCH, &d.animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
 		{"--view", FLAG_CHOICE, &d.view, "all|half|few", "how many models the camera sees (all)", 0, 0, demo_views},
+		{"--cameras", FLAG_NUMBER, &d.cameras, "N",
+	     "cameras around the scene, each in a tile of the picture, 1..16 (1)", 1, STILB_ENGINE_MAX_CAMERAS + 1, NULL},
 		{"--light-model", FLAG_CHOICE, &d.light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
 	     stilb_scene_stress_light_names},
 	};

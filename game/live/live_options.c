@@ -28,6 +28,7 @@ live_options live_options_default(void)
 		.workers = FLAG_WORKERS_AUTO,
 		.profile_ring = 64,
 		.sensitivity = 1.0f,
+		.scale = 1.0f,
 	};
 }
 
@@ -47,12 +48,15 @@ static void live_add_run(live_options *o, flag_rows *table)
 	const flag device[] = {{"The device and its pictures", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag size[] = {
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, 1x1..16384x16384 (1280x720)", 1, 16384, NULL}};
+	const flag scale[] = {{"--render-scale", FLAG_AMOUNT, &o->scale, "X",
+	                       "draw the scene in X times the picture's width and height, 0.1..4 (1)", 0, 4, NULL}};
 	const flag materials[] = {{"Materials and light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	flag_rows_add(table, run, sizeof run / sizeof *run);
 	picture_flags_add(&o->picture, PICTURE_COMMANDS, table);
 	flag_rows_add(table, device, 1);
 	picture_flags_add(&o->picture, PICTURE_DEVICE, table);
 	flag_rows_add(table, size, 1);
+	flag_rows_add(table, scale, 1);
 	picture_flags_add(&o->picture, PICTURE_SAMPLES, table);
 	picture_flags_add(&o->picture, PICTURE_DETAIL, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
@@ -322,6 +326,10 @@ bool live_options_check(const live_options *o)
 		stilb_log("--draw: '%s' is not known; give bounds, lights and axes, each once, separated by commas", o->draw);
 		return false;
 	}
+	if (o->scale < STILB_ENGINE_MIN_SCALE) {
+		stilb_log("--render-scale: %g is too small; give 0.1..4", (double)o->scale);
+		return false;
+	}
 	if (o->screenshot && picture->device == STILB_RENDER_DEVICE_NULL) {
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
@@ -368,6 +376,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.width = o->size[0];
 	desc.height = o->size[1];
 	desc.samples = (uint32_t)o->picture.samples;
+	desc.scale = o->scale;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
 	desc.presentation = (stilb_gpu_presentation)o->present;

@@ -29,6 +29,7 @@ typedef struct live_options {
 	int cull, ui_aa, present; /* values of the engine's enumerations */
 	bool headless, no_present, overlay, inspector, keys, times, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
+	float scale;       /* stilb_engine_desc.scale */
 	const char *frames_help;
 	/* NULL if not given: */
 	const char *screenshot, *trace, *stats, *dump, *capture, *spike, *fault, *gamepad, *track, *plan, *draw;

@@ -268,6 +268,7 @@ static void view_update(void *user, const stilb_engine_update *update)
 {
 	view *v = user;
 	view_move(v, update);
+	view_show_inset(v);
 	if (v->detail && stilb_geometry_detail_give(v->detail, v->scene))
 		view_end_detail(v);
 	for (uint8_t i = 0; v->scene && i < update->input->actions[VIEW_VARIANT]; i++)
@@ -398,7 +399,7 @@ static bool view_check(view *v)
 	}
 	v->options.pictures = v->turntable;
 	v->options.headless |= v->turntable > 0;
-	return live_options_check(&v->options) && view_rays_check(v);
+	return picture_flags_check_camera("--inset", v->inset) && live_options_check(&v->options) && view_rays_check(v);
 }
 
 int view_command(int argc, char **argv)
@@ -432,6 +433,8 @@ int view_command(int argc, char **argv)
 	const flag title[] = {{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag rows[] = {
 		{"scene", FLAG_WORD, &name, NULL, NULL, 0, 0, NULL},
+		{"--inset", FLAG_TEXT, &v.inset, "CAMERA", "show another camera, as --camera names one, in a corner", 0, 0,
+	     NULL},
 		{"--turntable", FLAG_NUMBER, &v.turntable, "N", "N pictures of a whole turn, --screenshot FILE with numbers", 1,
 	     100000, NULL},
 	};

@@ -46,6 +46,9 @@ struct view {
 	char *dropped;                 /* the panorama that takes its place since it was dropped; NULL: none was */
 	char *dropping;                /* the one that is being read; NULL: none is */
 	uint64_t turntable;            /* pictures of a whole turn; 0: none */
+	const char *inset;             /* of --inset; NULL: none */
+	stilb_scene_camera inset_camera;
+	bool has_inset; /* the scene has that camera */
 	live_run *run;
 	stilb_scene *scene;
 	float distance;          /* of the point that the camera orbits */
@@ -78,6 +81,9 @@ void view_choose_camera(view *v, uint32_t index);
 
 /* Says what the picture shows at a point, pixels from its upper left corner: part and material. */
 void view_choose_part(const view *v, float x, float y);
+
+/* Shows the camera of --inset, if the scene has it, in this frame. */
+void view_show_inset(const view *v);
 
 /* Moves the camera as the user asks for in this frame. */
 void view_move(view *v, const stilb_engine_update *update);

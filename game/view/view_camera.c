@@ -76,6 +76,41 @@ static stilb_result view_place(view *v, stilb_scene *scene, bool *metered)
 	return result == STILB_OK ? picture_flags_expose(&flags, scene, metered) : result;
 }
 
+/* Finds the camera of --inset in a scene, as view_place does that of --camera. */
+static stilb_result view_find_inset(view *v, const stilb_scene *scene)
+{
+	if (!v->inset)
+		return STILB_OK;
+	stilb_result result = picture_flags_look("--inset", v->inset, scene, &v->inset_camera);
+	v->has_inset = result == STILB_OK;
+	if (result == STILB_OK || !v->scene)
+		return result;
+	live_run_warn(v->run, stilb_error_message());
+	return STILB_OK;
+}
+
+#define VIEW_INSET_SIDE 0.3f  /* share of the picture's sides, */
+#define VIEW_INSET_EDGE 0.02f /* and of what is left beside it */
+
+void view_show_inset(const view *v)
+{
+	stilb_engine_camera inset = {
+		.name = "inset",
+		.camera = v->inset_camera,
+		.place = {1.0f - VIEW_INSET_EDGE - VIEW_INSET_SIDE, 1.0f - VIEW_INSET_EDGE - VIEW_INSET_SIDE,
+	              1.0f - VIEW_INSET_EDGE, 1.0f - VIEW_INSET_EDGE},
+		.border = 1,
+	};
+	bool shown = v->has_inset && v->scene;
+	if (shown) {
+		inset.camera.near_z = v->scene->camera.near_z;
+		inset.camera.far_z = v->scene->camera.far_z;
+		inset.camera.exposure = v->exposure;
+		inset.camera.tone = v->tone;
+	}
+	stilb_engine_set_cameras(v->run->engine, &inset, shown ? 1 : 0);
+}
+
 static void view_tell_exposure(const view *v)
 {
 	char text[96];
@@ -89,6 +124,8 @@ stilb_result view_ready(view *v, stilb_scene *scene, bool again, bool *metered)
 	*metered = false;
 	v->aspect = view_aspect(v);
 	stilb_result result = view_variant_begin(v, scene, again && v->scene);
+	if (result == STILB_OK)
+		result = view_find_inset(v, scene);
 	return result == STILB_OK ? view_place(v, scene, metered) : result;
 }
 

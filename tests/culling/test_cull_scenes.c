@@ -82,10 +82,13 @@ static stilb_frustum world_view(world kind, reference_random *random)
 	return view;
 }
 
+#define VIEWS 5u /* that are culled together, more than threads */
+
 typedef struct fixture {
 	stilb_scene scene;
 	stilb_cull *cull;
 	stilb_cull_visible visible;
+	stilb_cull_visible together[VIEWS];
 	stilb_job_pool *pool;
 	uint32_t expected[MOST_MODELS], expected_count;
 	uint64_t seen, all; /* models that are seen, and that there are, added up over all views */
@@ -110,6 +113,23 @@ static void assert_run(fixture *f, stilb_cull_method method, const stilb_frustum
 		         f->scene.model_count, f->expected_count);
 }
 
+/* Five views together, one like the other but the second, which sees nothing. */
+static void assert_views(fixture *f, stilb_cull_method method, const stilb_frustum *view)
+{
+	stilb_frustum frusta[VIEWS] = {*view, *view, *view, *view, *view};
+	frusta[1].planes[0] = (stilb_plane){0.0f, 0.0f, 0.0f, -INFINITY};
+	assert_int_equal(stilb_cull_run_views(f->cull, method, &f->scene, frusta, VIEWS, f->pool, 0, f->together),
+	                 STILB_OK);
+	for (uint32_t v = 0; v < VIEWS; v++) {
+		const stilb_cull_visible *seen = &f->together[v];
+		uint32_t count = v == 1 ? seen->count : f->expected_count;
+		assert_int_equal(seen->count, count);
+		assert_memory_equal(seen->ids, f->expected, v == 1 ? 0 : count * sizeof *seen->ids);
+		for (uint32_t i = 0; v == 1 && i < seen->count; i++)
+			assert_true(isinf(f->scene.bounds.radius[seen->ids[i]]));
+	}
+}
+
 static void assert_view(fixture *f, const stilb_frustum *view, bool parallel)
 {
 	expect(f, view);
@@ -118,6 +138,8 @@ static void assert_view(fixture *f, const stilb_frustum *view, bool parallel)
 		f->cull->kernels = f->cull->octree->kernels = cull_kernels_for(isa);
 		for (stilb_cull_method method = STILB_CULL_AUTO; method <= STILB_CULL_FLAT; method++)
 			assert_run(f, method, view, parallel ? f->pool : NULL);
+		if (parallel)
+			assert_views(f, (stilb_cull_method)(isa % 3), view);
 	}
 }
 
@@ -171,6 +193,8 @@ static void test_random_scenes(void **state)
 		run_scene(&f, seed);
 	assert_true(f.seen > f.all / 20 && f.seen < f.all / 2); /* the views see some models and not all */
 	stilb_job_pool_destroy(f.pool);
+	for (uint32_t v = 0; v < VIEWS; v++)
+		stilb_cull_visible_finish(&f.together[v]);
 	stilb_cull_visible_finish(&f.visible);
 	scene_free(&f.scene);
 }

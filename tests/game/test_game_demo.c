@@ -126,7 +126,8 @@ static void test_same_picture_and_draws_with_samples(void **state)
 static void test_flags_change_the_picture(void **state)
 {
 	(void)state;
-	static const char *const changes[] = {"--seed 2", "--view half", "--view few", "--models 100", "--msaa 4"};
+	static const char *const changes[] = {"--seed 2", "--view half", "--view few",        "--models 100",
+	                                      "--msaa 4", "--cameras 2", "--render-scale 0.5"};
 	stilb_good(SMALL "--screenshot first.png");
 	read_picture("first.png");
 	for (size_t i = 0; i < sizeof changes / sizeof *changes; i += FLAG_STEP) {

@@ -417,6 +417,38 @@ static void draws_into_the_world(void **state)
 		assert_true(changed[i] > 20 && changed[3] > changed[i]);
 }
 
+/* The square's middle is white in the picture and, seen from behind, not in the corner's; twice as large the scene is the
+ * same picture. */
+static void insets_and_scales(void **state)
+{
+	(void)state;
+	write_text("square.obj", SQUARE);
+	stilb_image plain, inset, scaled;
+	stilb_good("view square.obj --headless --size 100x100 --screenshot p.png --studio off --background #000000");
+	stilb_good("view square.obj --headless --size 100x100 --screenshot i.png --studio off --background #000000 "
+	           "--inset 0,0,50,180,0");
+	stilb_good("view square.obj --headless --size 100x100 --screenshot s.png --studio off --background #000000 "
+	           "--render-scale 2");
+	assert_int_equal(stilb_image_load("p.png", &plain), STILB_OK);
+	assert_int_equal(stilb_image_load("i.png", &inset), STILB_OK);
+	assert_int_equal(stilb_image_load("s.png", &scaled), STILB_OK);
+	uint32_t changed = 0, outside = 0, far = 0;
+	for (uint32_t i = 0; i < 100 * 100; i++) {
+		const uint8_t *a = (uint8_t *)plain.pixels + 3 * i, *b = (uint8_t *)inset.pixels + 3 * i;
+		const uint8_t *c = (uint8_t *)scaled.pixels + 3 * i;
+		bool in = i % 100 >= 68 && i % 100 < 98 && i / 100 >= 68 && i / 100 < 98;
+		outside += !in && memcmp(a, b, 3) != 0;
+		changed += in && memcmp(a, b, 3) != 0;
+		far += abs(a[1] - c[1]) > 3;
+	}
+	assert_int_equal(outside, 0);
+	assert_true(changed > 100);
+	assert_in_range(far, 1, 500); /* the square's edges are smooth */
+	stilb_image_finish(&plain);
+	stilb_image_finish(&inset);
+	stilb_image_finish(&scaled);
+}
+
 static void refuses(void **state)
 {
 	(void)state;
@@ -431,6 +463,10 @@ static void refuses(void **state)
 		{"view furnace:2 --headless", "furnace:2"},
 		{"view a.obj b.obj", "one word too many"},
 		{"view --turntable 3", "--turntable needs --screenshot"},
+		{"view cornell --headless --inset 1,2,3", "--inset: '1,2,3' is not X,Y,Z,YAW,PITCH[,FOV]"},
+		{"view cornell --headless --inset nobody", "--inset: there is no camera 'nobody'"},
+		{"view cornell --headless --render-scale 0.05", "--render-scale: 0.05 is too small; give 0.1..4"},
+		{"view cornell --headless --render-scale 5", "--render-scale"},
 		{"view --turntable 3 --frames 2 --screenshot a.png", "leave --frames out"},
 		{"view --camera 1,2,3,4,5,180 --headless", "field of view"},
 		{"view --camera 1,2,3 --headless", "is not X,Y,Z,YAW,PITCH[,FOV]"},
@@ -475,6 +511,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(lights_what_has_no_light, folder_fresh),
 		cmocka_unit_test_setup(shows_backgrounds, folder_fresh),
 		cmocka_unit_test_setup(draws_into_the_world, folder_fresh),
+		cmocka_unit_test_setup(insets_and_scales, folder_fresh),
 		cmocka_unit_test_setup(refuses, folder_fresh),
 	};
 	if (argc != 2 || !folder_enter(argv[1], "test_game_view")) {

@@ -190,7 +190,7 @@ static const stilb_scene_light lights[3] = {
 };
 
 static const stilb_render_target inset = {
-	.name = "inset", .width = 30, .height = 20, .output = true, .place = {2, 3, 16, 8}};
+	.name = "inset", .width = 30, .height = 20, .output = true, .place = {2, 3, 16, 8}, .border = 4};
 
 static void fill_views(stilb_render_view views[2])
 {
@@ -556,6 +556,8 @@ static const struct damage {
 	{RENDER_DUMP_TARGETS, 52, 1, "target 0: its name"},
 	{RENDER_DUMP_TARGETS, TARGET(kind), 2, "target 0: unknown kind 2"},
 	{RENDER_DUMP_TARGETS, TARGET(kind), 1, "target 0: unknown kind 1, output 1, or a place"}, /* depth has none */
+	{RENDER_DUMP_TARGETS, TARGET(border), 256, "target 0: a border of 256 pixels"},
+	{RENDER_DUMP_TARGETS, TARGET(unused), 3, "target 0: a border of 4 pixels, unused bytes 3"},
 	{RENDER_DUMP_TARGETS, TARGET(width), 16385, "target 0: 16385x20 pixels"},
 	{RENDER_DUMP_TARGETS, TARGET(height), 0, "target 0: 30x0 pixels"},
 	{RENDER_DUMP_TARGETS, TARGET(output), 2, "target 0: unknown kind 0, output 2"},

@@ -61,9 +61,10 @@ typedef struct render_push_2d {
 
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
-	float exposure;    /* factor of radiance */
-	uint32_t dither;   /* 0, 1 */
-	int32_t left, top; /* of the rectangle of the picture that is filled */
+	float exposure;                   /* factor of radiance */
+	uint32_t dither;                  /* 0, 1 */
+	int32_t left, top, width, height; /* of the rectangle of the picture that is filled */
+	int32_t border;
 } render_tone_push;
 
 /* ---- programs ---------------------------------------------------------------------------------------------------- */
@@ -129,7 +130,7 @@ typedef struct render_programs {
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve;
-	stilb_gpu_program tones[2][SHADE_TONE_COUNT]; /* [1: of an image of another size than its place in the picture] */
+	stilb_gpu_program tones[2][SHADE_TONE_COUNT]; /* [1: of an image with a place in the picture] */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -281,8 +282,8 @@ void render_programs_destroy(render_device *device);
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen);
-/* Compiles what turns light into the picture. scaled: of an image of another size. [any-thread] */
-stilb_result render_programs_tone(render_device *device, uint32_t tone, bool scaled);
+/* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
+stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits);
@@ -304,8 +305,6 @@ render_frame_target *render_target_main(render_device *device);
 void render_targets_resolve(render_device *device);
 /* Adds the passes that show targets in the picture, main_light in the place of the main one's light. */
 void render_targets_show(render_device *device, uint16_t main_light);
-/* True if it is as large as its place in the picture is not. */
-bool render_target_is_scaled(const stilb_render_target *target);
 
 /* ---- render_show.c ----------------------------------------------------------------------------------------------- */
 

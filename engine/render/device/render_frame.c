@@ -285,7 +285,7 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	target->exposure = exp2f(view->exposure);
 	target->dither = view->dither;
 	target->tone = view->tone;
-	stilb_result result = render_programs_tone(device, view->tone, render_target_is_scaled(target->from));
+	stilb_result result = render_programs_tone(device, view->tone, target->from);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
 }
 

@@ -135,14 +135,14 @@ stilb_result render_programs_backdrop(render_device *device)
 	                          : result;
 }
 
-stilb_result render_programs_tone(render_device *device, uint32_t tone, bool scaled)
+stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
 {
 	STILB_ASSERT(tone < SHADE_TONE_COUNT);
 	render_programs *programs = &device->programs;
 	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
 	bool display = device->output == STILB_RENDER_OUTPUT_DISPLAY;
-	uint32_t samples[1] = {device->samples}, curve[3] = {tone, display, scaled};
-	stilb_gpu_program *toned = &programs->tones[scaled][tone];
+	uint32_t samples[1] = {device->samples}, curve[3] = {tone, display, placed};
+	stilb_gpu_program *toned = &programs->tones[placed][tone];
 	pthread_mutex_lock(&programs->lock);
 	stilb_result result = program_screen(device, "tone", render_tone_fragment, curve, 3, toned);
 	if (result == STILB_OK && device->samples > 1)
@@ -248,8 +248,7 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		return result;
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
 		result = render_programs_backdrop(device);
-	return result == STILB_OK ? render_programs_tone(device, view->tone, render_target_is_scaled(view->target))
-	                          : result;
+	return result == STILB_OK ? render_programs_tone(device, view->tone, view->target) : result;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */

@@ -83,11 +83,6 @@ static bool target_place(const render_device *device, const render_frame_target 
 	return target->color != 0 && place[2] > 0;
 }
 
-bool render_target_is_scaled(const stilb_render_target *target)
-{
-	return target && (target->width != target->place[2] || target->height != target->place[3]);
-}
-
 /* A fullscreen pass that samples `from` and fills an area of `to`, all zeros: all of it. */
 static void target_screen(render_device *device, stilb_gpu_pass row, uint16_t from, stilb_gpu_attachment to,
                           stilb_gpu_sampler sampler, render_tone_push push)
@@ -124,17 +119,18 @@ void render_targets_show(render_device *device, uint16_t main_light)
 		stilb_gpu_pass row = {.name = "tone map"};
 		if (!target_place(device, target, row.area))
 			continue;
-		bool scaled = render_target_is_scaled(target->from);
+		bool scaled = target->width != row.area[2] || target->height != row.area[3];
 		bool all = row.area[2] == device->width && row.area[3] == device->height;
 		stilb_gpu_attachment to = {.image = frame->picture,
 		                           .load = (uint8_t)(all            ? STILB_GPU_LOAD_DISCARD
 		                                             : frame->shown ? STILB_GPU_LOAD_KEEP
 		                                                            : STILB_GPU_LOAD_CLEAR),
 		                           .clear = {0.0f, 0.0f, 0.0f, 1.0f}};
-		row.program = device->programs.tones[scaled][target->tone].id;
+		row.program = device->programs.tones[(bool)target->from][target->tone].id;
 		target_screen(device, row, target == main ? main_light : target->color, to,
 		              scaled ? device->linear : (stilb_gpu_sampler){0},
-		              (render_tone_push){target->exposure, target->dither, row.area[0], row.area[1]});
+		              (render_tone_push){target->exposure, target->dither, row.area[0], row.area[1], row.area[2],
+		                                 row.area[3], target->from ? target->from->border : 0});
 		frame->shown = true;
 	}
 }

@@ -5,13 +5,15 @@
 
 layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
 layout(constant_id = 1) const bool display = true; // else the picture holds radiance, too
-layout(constant_id = 2) const bool scaled = false; // light has another size than the rectangle that is filled
+layout(constant_id = 2) const bool placed = false; // light is shown in a rectangle of the picture, of any size
 
 // As render_tone_push.
 layout(push_constant, std430) uniform Push {
 	float exposure; // factor of radiance
 	uint dither;
-	ivec2 corner; // of the rectangle of the picture that is filled
+	ivec2 corner; // of the rectangle
+	ivec2 size;
+	int border; // pixels at its edges that are black
 } push;
 
 layout(set = 0, binding = 0) uniform sampler2D light;
@@ -31,7 +33,17 @@ vec3 dithered(vec3 shown)
 
 void main()
 {
-	vec4 texel = scaled ? textureLod(light, uv, 0.0) : texelFetch(light, ivec2(gl_FragCoord.xy) - push.corner, 0);
+	ivec2 at = ivec2(gl_FragCoord.xy);
+	vec4 texel;
+	if (placed) {
+		at -= push.corner;
+		texel = textureSize(light, 0) == push.size ? texelFetch(light, at, 0) : textureLod(light, uv, 0.0);
+		ivec2 inside = min(at, push.size - 1 - at);
+		if (min(inside.x, inside.y) < push.border)
+			texel = vec4(0.0, 0.0, 0.0, 1.0);
+	} else {
+		texel = texelFetch(light, at, 0);
+	}
 	if (!display) {
 		color = texel;
 		return;

@@ -247,7 +247,7 @@ static void insets_are_pictures_of_their_own(void **state)
 static void tiles_without_a_main_picture(void **state)
 {
 	(void)state;
-	static const stilb_render_target tiles[2] = {
+	stilb_render_target tiles[2] = {
 		{.name = "a", .width = 50, .height = 67, .place = {0, 0, 50, 67}},
 		{.name = "b", .width = 40, .height = 67, .place = {50, 0, 40, 67}},
 	};
@@ -260,6 +260,17 @@ static void tiles_without_a_main_picture(void **state)
 	stilb_image image = picture(&s);
 	assert_true(shows(&image, tiles[0].place, &alone[0]));
 	assert_true(shows(&image, tiles[1].place, &alone[1]));
+	tiles[1].border = 2;
+	draw_well(&s, views, 2);
+	stilb_image framed = picture(&s);
+	for (uint32_t y = 0; y < 67; y++)
+		for (uint32_t x = 0; x < 40; x++) {
+			bool edge = x < 2 || x >= 38 || y < 2 || y >= 65;
+			const uint8_t *got = (uint8_t *)framed.pixels + 3 * ((size_t)y * WIDTH + 50 + x);
+			const uint8_t *want = (uint8_t *)alone[1].pixels + 3 * ((size_t)y * 40 + x);
+			assert_memory_equal(got, edge ? (const uint8_t[3]){0} : want, 3);
+		}
+	stilb_image_finish(&framed);
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 3 * 90; x < 3 * WIDTH; x++)
 			assert_int_equal(((uint8_t *)image.pixels)[3 * y * WIDTH + x], 0);

@@ -1,0 +1,153 @@
+/* The cameras of a frame: the scene's own and those beside it, each a view with a target. */
+#include "engine_internal.h"
+
+#include "profiler/prof.h"
+
+#include <math.h>
+#include <string.h>
+
+static_assert(STILB_ENGINE_MAX_CAMERAS + 1 <= ENGINE_MAX_VIEWS && ENGINE_MAX_VIEWS + 2 <= STILB_RENDER_MAX_PASSES,
+              "a view and a pass for each, and passes for picture and overlay");
+
+/* ---- what the program asks for ----------------------------------------------------------------------------------- */
+
+static bool camera_place_is_sound(const float place[4])
+{
+	bool none = place[0] == 0.0f && place[1] == 0.0f && place[2] == 0.0f && place[3] == 0.0f;
+	return none || (place[0] >= 0.0f && place[0] < place[2] && place[2] <= 1.0f && place[1] >= 0.0f &&
+	                place[1] < place[3] && place[3] <= 1.0f);
+}
+
+void stilb_engine_set_cameras(stilb_engine *engine, const stilb_engine_camera *cameras, uint32_t count)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(count <= STILB_ENGINE_MAX_CAMERAS && (cameras || count == 0));
+	for (uint32_t c = 0; c < count; c++) {
+		engine_camera *to = &engine->cameras[c];
+		size_t length = cameras[c].name ? strnlen(cameras[c].name, STILB_RENDER_TARGET_NAME + 1) : 0;
+		STILB_ASSERT(length > 0 && length <= STILB_RENDER_TARGET_NAME && camera_place_is_sound(cameras[c].place));
+		STILB_ASSERT(cameras[c].width <= 16384 && cameras[c].height <= 16384);
+		STILB_ASSERT(cameras[c].place[2] > 0.0f || (cameras[c].width > 0 && cameras[c].height > 0));
+		to->asked = cameras[c];
+		memcpy(to->name, cameras[c].name, length);
+		to->name[length] = '\0';
+	}
+	engine->camera_count = count;
+}
+
+void stilb_engine_set_place(stilb_engine *engine, const float place[4])
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(place && place[2] > 0.0f && camera_place_is_sound(place));
+	memcpy(engine->place, place, sizeof engine->place);
+}
+
+void stilb_engine_set_scale(stilb_engine *engine, float scale)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(scale >= STILB_ENGINE_MIN_SCALE && scale <= STILB_ENGINE_MAX_SCALE);
+	engine->desc.scale = scale;
+}
+
+/* ---- a frame ----------------------------------------------------------------------------------------------------- */
+
+/* Pixels first .. first + count - 1 that a part of a side covers; at least one. */
+static void camera_pixels(float from, float to, uint32_t side, uint16_t *first, uint16_t *count)
+{
+	float begin = floorf(from * (float)side + 0.5f), end = floorf(to * (float)side + 0.5f);
+	begin = fminf(begin, (float)side - 1.0f);
+	*first = (uint16_t)begin;
+	*count = (uint16_t)fmaxf(end - begin, 1.0f);
+}
+
+static uint32_t camera_scaled(uint32_t side, float scale)
+{
+	float scaled = floorf((float)side * scale + 0.5f);
+	return (uint32_t)fminf(fmaxf(scaled, 1.0f), 16384.0f);
+}
+
+/* The target of a camera that is shown in a part of the picture; place all 0: in none. */
+static stilb_render_target camera_target(const stilb_engine *engine, const char *name, const float place[4],
+                                         uint32_t width, uint32_t height)
+{
+	float scale = engine->desc.scale > 0.0f ? engine->desc.scale : 1.0f;
+	stilb_render_target target = {.name = name, .width = width, .height = height, .output = place[2] == 0.0f};
+	if (place[2] > 0.0f) {
+		uint32_t side[2];
+		stilb_render_size(engine->render, &side[0], &side[1]);
+		camera_pixels(place[0], place[2], side[0], &target.place[0], &target.place[2]);
+		camera_pixels(place[1], place[3], side[1], &target.place[1], &target.place[3]);
+	}
+	if (width == 0)
+		target.width = camera_scaled(target.place[2], scale);
+	if (height == 0)
+		target.height = camera_scaled(target.place[3], scale);
+	return target;
+}
+
+/* The view of a camera; its target is that of the view's number. */
+static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene_camera *camera)
+{
+	stilb_render_view *view = &engine->views[number];
+	const stilb_render_target *target = &engine->targets[number];
+	*view = engine_view_of(engine, engine->scene);
+	view->shading = engine->frame_shading;
+	view->view_projection = stilb_scene_camera_matrix(camera, (float)target->width / (float)target->height);
+	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
+	view->exposure = camera->exposure;
+	view->tone = camera->tone;
+	view->target = target;
+}
+
+void engine_cameras_frame(stilb_engine *engine)
+{
+	uint32_t width, height;
+	stilb_render_size(engine->render, &width, &height);
+	engine->targets[0] = camera_target(engine, "color", engine->place, 0, 0);
+	camera_view(engine, 0, &engine->scene->camera);
+	const stilb_render_target *main = &engine->targets[0];
+	if (main->width == width && main->height == height && main->place[2] == width && main->place[3] == height)
+		engine->views[0].target = NULL; /* as large as the picture and in all of it */
+	engine->passes[0] = (stilb_render_pass){.name = "scene"};
+	for (uint32_t c = 0; c < engine->camera_count; c++) {
+		const engine_camera *camera = &engine->cameras[c];
+		engine->targets[c + 1] =
+			camera_target(engine, camera->name, camera->asked.place, camera->asked.width, camera->asked.height);
+		engine->targets[c + 1].border = camera->asked.border;
+		camera_view(engine, c + 1, &camera->asked.camera);
+		engine->passes[c + 1] = (stilb_render_pass){.name = camera->name, .view = c + 1, .order = c + 1};
+	}
+	engine->view_count = engine->pass_count = engine->camera_count + 1;
+}
+
+/* ---- what lies under a point ------------------------------------------------------------------------------------- */
+
+/* True if the point of the picture, pixels, lies in the part; *x, *y: then as pixels of a picture of its own, of
+ * size[2] pixels. */
+static bool camera_covers(const stilb_engine *engine, const float place[4], double *x, double *y, uint32_t size[2])
+{
+	stilb_render_target target = camera_target(engine, "", place, 0, 0);
+	double left = *x - target.place[0], top = *y - target.place[1];
+	if (target.place[2] == 0 || left < 0.0 || top < 0.0 || left >= target.place[2] || top >= target.place[3])
+		return false;
+	*x = left;
+	*y = top;
+	size[0] = target.place[2];
+	size[1] = target.place[3];
+	return true;
+}
+
+bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray)
+{
+	const stilb_scene_camera *camera = NULL;
+	uint32_t size[2];
+	for (uint32_t c = engine->camera_count; c-- > 0 && !camera;) /* later ones lie over earlier ones */
+		if (camera_covers(engine, engine->cameras[c].asked.place, &x, &y, size))
+			camera = &engine->cameras[c].asked.camera;
+	if (!camera && camera_covers(engine, engine->place, &x, &y, size))
+		camera = &engine->scene->camera;
+	if (!camera)
+		return false;
+	*ray = stilb_scene_camera_ray(camera, size[0], size[1], x, y);
+	return true;
+}
