@@ -156,8 +156,8 @@ typedef struct stilb_engine_desc {
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height; /* of the picture, pixels, 1..16384 */
 	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
-	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE ..
-	 * STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */
+	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE
+	 * .. STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */
 	float scale;
 	bool window;  /* true: in a window of the engine's; false: to `surface`, or headless, to memory */
 	bool present; /* false: pictures are drawn, but not shown in the window */
@@ -240,8 +240,9 @@ stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene);
 typedef struct stilb_engine_camera {
 	const char *name; /* 1..STILB_RENDER_TARGET_NAME bytes, no other image's; copied */
 	stilb_scene_camera camera;
-	/* Left, top, right and bottom of the part of the picture that shows it, as shares of the picture's sides, 0..1, over
-	 * what cameras before it show; all 0: none does, and the image is an output of the plan (stilb_gpu_read_begin). */
+	/* Left, top, right and bottom of the part of the picture that shows it, as shares of the picture's sides, 0..1,
+	 * over what cameras before it show; all 0: none does, and the image is an output of the plan
+	 * (stilb_gpu_read_begin). */
 	float place[4];
 	uint8_t border;         /* pixels at the edges of its place that are black */
 	uint32_t width, height; /* of its image, pixels, 0..16384; 0: those of its place, times desc.scale */

@@ -92,8 +92,8 @@ stilb_render_shading picture_flags_shading(const picture_flags *picture, uint32_
  * camera. */
 stilb_result picture_flags_place(const picture_flags *picture, float aspect, stilb_scene *scene);
 
-/* The camera of the file that the text of a flag names, by its number from 1 on or its name. STILB_ERROR_ARGUMENT: there
- * is none; the message lists those that there are. */
+/* The camera of the file that the text of a flag names, by its number from 1 on or its name. STILB_ERROR_ARGUMENT:
+ * there is none; the message lists those that there are. */
 stilb_result picture_flags_camera(const char *name, const char *text, const stilb_scene *scene, uint32_t *index);
 
 /* The camera that a text like --camera's stands for: one of the file's, or the scene's in another place. Errors as

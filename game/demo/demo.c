@@ -37,7 +37,7 @@ static void demo_tiles(const demo *d, uint32_t *columns, uint32_t *rows)
 {
 	*columns = 1;
 	while (*columns * *columns < d->cameras)
-		++*columns;
+		*columns += 1;
 	*rows = ((uint32_t)d->cameras + *columns - 1) / *columns;
 }
 

@@ -1,5 +1,5 @@
-/* Cameras beside the scene's own: each shows in its part of the picture what an engine of its own would show in a picture
- * of that size; the scene drawn larger or smaller; what lies under a point. */
+/* Cameras beside the scene's own: each shows in its part of the picture what an engine of its own would show in a
+ * picture of that size; the scene drawn larger or smaller; what lies under a point. */
 #include "engine.h"
 #include "support/test.h"
 

@@ -417,17 +417,16 @@ static void draws_into_the_world(void **state)
 		assert_true(changed[i] > 20 && changed[3] > changed[i]);
 }
 
-/* The square's middle is white in the picture and, seen from behind, not in the corner's; twice as large the scene is the
- * same picture. */
+/* An inset changes its corner alone; drawn twice as large the scene gives the same picture, with smooth edges. */
 static void insets_and_scales(void **state)
 {
 	(void)state;
 	write_text("square.obj", SQUARE);
 	stilb_image plain, inset, scaled;
-	stilb_good("view square.obj --headless --size 100x100 --screenshot p.png --studio off --background #000000");
-	stilb_good("view square.obj --headless --size 100x100 --screenshot i.png --studio off --background #000000 "
+	stilb_good("view square.obj --headless --size 100x100 --screenshot p.png --environment 1,1,1 --background #000000");
+	stilb_good("view square.obj --headless --size 100x100 --screenshot i.png --environment 1,1,1 --background #000000 "
 	           "--inset 0,0,50,180,0");
-	stilb_good("view square.obj --headless --size 100x100 --screenshot s.png --studio off --background #000000 "
+	stilb_good("view square.obj --headless --size 100x100 --screenshot s.png --environment 1,1,1 --background #000000 "
 	           "--render-scale 2");
 	assert_int_equal(stilb_image_load("p.png", &plain), STILB_OK);
 	assert_int_equal(stilb_image_load("i.png", &inset), STILB_OK);
