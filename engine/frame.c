@@ -213,10 +213,10 @@ static stilb_result ui(stilb_engine *engine)
 	return engine_overlay_record(engine, pass, FRAME_OWNER);
 }
 
-/* Gathers what threads have drawn into the world; without a scene there is no camera to see it. */
+/* Gathers what threads have drawn into the world; without a scene there are no cameras to see it. */
 static stilb_result debug(stilb_engine *engine)
 {
-	return stilb_debug_frame(engine->debug, engine->scene ? &engine->views[0].view_projection : NULL, engine->seconds,
+	return stilb_debug_frame(engine->debug, engine->views, engine->scene ? engine->view_count : 0, engine->seconds,
 	                         engine->pool, FRAME_OWNER);
 }
 
@@ -302,7 +302,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	if (result == STILB_OK && !engine->report.drawn)
 		frame_input(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)
-		result = stilb_debug_frame(engine->debug, NULL, engine->seconds, engine->pool, FRAME_OWNER);
+		result = stilb_debug_frame(engine->debug, NULL, 0, engine->seconds, engine->pool, FRAME_OWNER);
 	if (result == STILB_OK && engine->report.drawn) {
 		engine_profile_frame(engine);
 		if (engine_picture_wants_scene(engine))

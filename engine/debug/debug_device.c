@@ -1,6 +1,5 @@
 /* The device's part: a quadrilateral for each record, in one pass over the picture. */
 #include "debug/debug_internal.h"
-#include "render/device/render_images.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,8 +7,9 @@
 /* As the shaders have it. */
 typedef struct device_push {
 	float view_projection[16];
-	uint64_t records;
-	float size[2];
+	uint64_t records, places;
+	float origin[2], size[2]; /* of the view's part of the picture, pixels */
+	uint32_t view, views;
 } device_push;
 
 #define DEVICE_RECORDS 16384u /* of one draw: four vertices each, which 16-bit indices can name */
@@ -28,6 +28,12 @@ static_assert(sizeof(device_command) == STILB_GPU_DRAW_STRIDE, "commands and rec
 static uint32_t device_count(uint32_t records)
 {
 	return records / DEVICE_RECORDS + (records % DEVICE_RECORDS > 0);
+}
+
+/* Elements of a buffer before its records. */
+static uint64_t device_before(uint32_t capacity)
+{
+	return STILB_RENDER_MAX_PASSES + (uint64_t)device_count(capacity);
 }
 
 static stilb_gpu *device_gpu(const stilb_debug *debug)
@@ -144,50 +150,75 @@ static stilb_result device_program(stilb_debug *debug, uint32_t samples, stilb_g
 
 /* ---- the plan's row ---------------------------------------------------------------------------------------------- */
 
-static stilb_result device_add(void *user, stilb_gpu_plan *plan, uint16_t *image)
+/* The frame's list of draws, which all views share. */
+static stilb_result device_list(stilb_debug *debug, uint32_t *number)
 {
-	stilb_debug *debug = user;
-	if (!debug->ready)
-		return STILB_OK; /* a frame without stilb_debug_frame, or with nothing to draw */
-	debug->ready = false;
-	uint16_t depth = stilb_gpu_plan_find(plan, STILB_RENDER_IMAGE_DEPTH);
-	if (depth == 0)
-		return STILB_OK; /* no pass has drawn into the main images */
-	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, *image);
-	device_push push = {.size = {(float)extent->width, (float)extent->height}};
-	debug_buffer *buffer = &debug->buffers[debug->buffer];
-	stilb_gpu_program program;
-	stilb_result result = device_program(debug, stilb_gpu_plan_extent(plan, depth)->samples, &program);
-	if (result != STILB_OK)
-		return result;
-	uint32_t draws = device_count(debug->count);
-	memcpy(push.view_projection, debug->view_projection.m, sizeof push.view_projection);
-	push.records = stilb_gpu_buffer_address(device_gpu(debug), buffer->buffer) +
-	               (uint64_t)device_count(buffer->capacity) * STILB_GPU_DRAW_STRIDE;
+	const debug_buffer *buffer = &debug->buffers[debug->buffer];
+	uint64_t offset = STILB_RENDER_MAX_PASSES * sizeof(debug_place);
 	debug->binding = (stilb_gpu_binding){.index_bytes = 2, .indices = debug->indices.id};
-	debug->run = (stilb_gpu_run){.count = draws, .set = debug->set.id};
+	debug->run = (stilb_gpu_run){.count = device_count(debug->count), .set = debug->set.id};
 	stilb_gpu_draws list = {
-		.draws = stilb_gpu_buffer_mapped(device_gpu(debug), buffer->buffer),
+		.draws = (const uint8_t *)stilb_gpu_buffer_mapped(device_gpu(debug), buffer->buffer) + offset,
 		.commands = buffer->buffer,
+		.offset = offset,
 		.bindings = &debug->binding,
 		.binding_count = 1,
 		.runs = &debug->run,
 		.run_count = 1,
 	};
+	return stilb_render_add_draws(debug->render, &list, number);
+}
+
+/* Adds the pass of a view. */
+static stilb_result device_add_view(stilb_debug *debug, stilb_gpu_plan *plan, uint32_t number, uint16_t picture,
+                                    uint32_t list)
+{
+	const debug_view *view = &debug->views[number];
+	const debug_buffer *buffer = &debug->buffers[debug->buffer];
+	uint16_t depth = stilb_gpu_plan_find(plan, view->depth);
+	stilb_gpu_program program;
+	if (depth == 0)
+		return STILB_OK; /* no pass has this view */
+	stilb_result result = device_program(debug, stilb_gpu_plan_extent(plan, depth)->samples, &program);
+	if (result != STILB_OK)
+		return result;
+	uint64_t address = stilb_gpu_buffer_address(device_gpu(debug), buffer->buffer);
+	device_push push = {
+		.records = address + device_before(buffer->capacity) * sizeof(debug_record),
+		.places = address,
+		.origin = {(float)view->place[0], (float)view->place[1]},
+		.size = {(float)view->place[2], (float)view->place[3]},
+		.view = number,
+		.views = debug->view_count,
+	};
+	memcpy(push.view_projection, view->view_projection.m, sizeof push.view_projection);
 	stilb_gpu_pass pass = {
 		.name = "debug drawing",
 		.kind = STILB_GPU_PASS_DRAWS,
-		.color = {{.image = *image, .load = STILB_GPU_LOAD_KEEP}},
+		.color = {{.image = picture, .load = STILB_GPU_LOAD_KEEP}},
 		.color_count = 1,
 		.uses = {{.resource = depth, .how = STILB_GPU_USE_SAMPLED}},
 		.use_count = 1,
 		.program = program.id,
+		.draws = list,
 		.constant_bytes = sizeof push,
 	};
+	memcpy(pass.area, view->place, sizeof pass.area);
 	memcpy(pass.constants, &push, sizeof push);
-	result = stilb_render_add_draws(debug->render, &list, &pass.draws);
-	if (result == STILB_OK)
-		stilb_gpu_plan_pass(plan, &pass);
+	stilb_gpu_plan_pass(plan, &pass);
+	return STILB_OK;
+}
+
+static stilb_result device_add(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	stilb_debug *debug = user;
+	uint32_t list;
+	if (!debug->ready)
+		return STILB_OK; /* a frame without stilb_debug_frame, or with nothing to draw */
+	debug->ready = false;
+	stilb_result result = device_list(debug, &list);
+	for (uint32_t v = 0; v < debug->view_count && result == STILB_OK; v++)
+		result = device_add_view(debug, plan, v, *image, list);
 	return result;
 }
 
@@ -200,7 +231,7 @@ static stilb_result device_fit(stilb_debug *debug, debug_buffer *buffer, uint32_
 		return STILB_OK;
 	uint32_t capacity = count + count / 2 + 1024;
 	stilb_gpu_buffer_desc desc = {.name = "debug records",
-	                              .bytes = ((uint64_t)capacity + device_count(capacity)) * sizeof(debug_record),
+	                              .bytes = (capacity + device_before(capacity)) * sizeof(debug_record),
 	                              .memory = STILB_GPU_MEMORY_WRITE,
 	                              .uses = STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_INDIRECT};
 	stilb_gpu_buffer larger;
@@ -233,14 +264,30 @@ stilb_result debug_device_begin(stilb_debug *debug, uint32_t count, debug_record
 		debug->added = result == STILB_OK;
 	}
 	if (result == STILB_OK)
-		*records =
-			(debug_record *)stilb_gpu_buffer_mapped(device_gpu(debug), buffer->buffer) + device_count(buffer->capacity);
+		*records = (debug_record *)stilb_gpu_buffer_mapped(device_gpu(debug), buffer->buffer) +
+		           device_before(buffer->capacity);
 	return result;
+}
+
+/* Writes where the views are seen. */
+static void device_places(const stilb_debug *debug, debug_place *out)
+{
+	for (uint32_t v = 0; v < debug->view_count; v++) {
+		const uint16_t *p = debug->views[v].place;
+		uint32_t border = debug->views[v].border, right = p[0] + (uint32_t)p[2], bottom = p[1] + (uint32_t)p[3];
+		out[v] = (debug_place){
+			.place = {p[0], p[1], right, bottom},
+			.inner = {p[0] + border, p[1] + border, right > border ? right - border : 0,
+		              bottom > border ? bottom - border : 0},
+		};
+	}
 }
 
 void debug_device_end(stilb_debug *debug, uint32_t count)
 {
-	device_command *commands = stilb_gpu_buffer_mapped(device_gpu(debug), debug->buffers[debug->buffer].buffer);
+	uint8_t *bytes = stilb_gpu_buffer_mapped(device_gpu(debug), debug->buffers[debug->buffer].buffer);
+	device_command *commands = (device_command *)(bytes + STILB_RENDER_MAX_PASSES * sizeof(debug_place));
+	device_places(debug, (debug_place *)bytes);
 	for (uint32_t first = 0; first < count; first += DEVICE_RECORDS) {
 		uint32_t some = count - first < DEVICE_RECORDS ? count - first : DEVICE_RECORDS;
 		*commands++ = (device_command){

@@ -17,9 +17,9 @@
  *                and by what the surface rises within a pixel. A text is hidden or seen as a whole, by the pixel of its
  *                place. style.on_top: nothing hides it.
  * Order.         What can be hidden comes first, then what is on top; in each lines before texts, and far ones before
- *                near ones, by the middle of a line. What is equally far is ordered by its content. So the picture is
- *                the same, bit for bit, whichever threads drew in whichever order, also of overlapping and transparent
- *                things.
+ *                near ones, by the middle of a line, as the first camera sees it. What is equally far is ordered by its
+ *                content. So the picture is the same, bit for bit, whichever threads drew in whichever order, also of
+ *                overlapping and transparent things.
  * Cost.          On the calling thread some 10 ns a line; it takes no lock but for each 1024th. On the frame's thread,
  *                and its pool, some 60 ns a line.
  * Limits.        Memory grows; without memory the frame fails, and nothing is left out without a word. What is drawn
@@ -103,12 +103,13 @@ stilb_result stilb_debug_create(stilb_render *render, stilb_debug **debug);
 void stilb_debug_destroy(stilb_debug *debug);
 
 /* Gathers what has been drawn, for this frame: to be called between stilb_render_frame_begin and stilb_render_replay.
- * view_projection: the camera's whose passes draw into the main images, which show in all of the picture; NULL: there
- * is none, and what was drawn for one frame is seen in none. seconds: the program's time, which does not go back.
- * worker: the caller's index in the pool. From the first frame on that shows something the renderer has a feature more,
- * in its stage PICTURE. STILB_ERROR_MEMORY: of the frame, or of a call before; STILB_ERROR_THREAD: more than
- * STILB_DEBUG_THREADS threads; STILB_ERROR_DEVICE; STILB_ERROR_ARGUMENT as stilb_render_add_feature. [main-thread] */
-stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_mat4 *view_projection, double seconds,
+ * views: those of the frame's scene passes, of which view_projection and target are read; each shows what was drawn in
+ * its part of the picture, as far as no later one lies over it. view_count: 0..STILB_RENDER_MAX_PASSES; 0: what was
+ * drawn for one frame is seen in none. seconds: the program's time, which does not go back. worker: the caller's index
+ * in the pool. From the first frame on that shows something the renderer has a feature more, in its stage PICTURE.
+ * STILB_ERROR_MEMORY: of the frame, or of a call before; STILB_ERROR_THREAD: more than STILB_DEBUG_THREADS threads;
+ * STILB_ERROR_DEVICE; STILB_ERROR_ARGUMENT as stilb_render_add_feature. [main-thread] */
+stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_render_view *views, uint32_t view_count, double seconds,
                                stilb_job_pool *pool, uint32_t worker);
 
 /* What the last stilb_debug_frame has gathered: 1 a line, 2 a letter. [main-thread] */

@@ -3,8 +3,9 @@
 #include "debug/debug_internal.h"
 #include "jobs/range/job_sort.h"
 #include "profiler/prof.h"
+#include "render/device/render_images.h"
 
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 #define FRAME_SLICE 16384u                   /* records that a job copies */
@@ -99,7 +100,7 @@ static uint32_t frame_key(const float depth[4], const debug_record *record)
 static void frame_slice_keys(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	stilb_debug *debug = context;
-	const float *m = debug->view_projection.m;
+	const float *m = debug->views[0].view_projection.m;
 	const float depth[4] = {m[3], m[7], m[11], m[15]};
 	(void)worker;
 	for (uint32_t b = begin; b < end; b++) {
@@ -233,16 +234,39 @@ static stilb_result frame_write(stilb_debug *debug, stilb_job_pool *pool, uint32
 	return STILB_OK;
 }
 
-stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_mat4 *view_projection, double seconds,
+/* Notes the view, if the picture shows it. */
+static void frame_view(stilb_debug *debug, const stilb_render_view *view)
+{
+	const stilb_render_target *target = view->target;
+	if (target && (target->kind != STILB_RENDER_TARGET_LIGHT || target->place[2] == 0))
+		return;
+	debug_view *out = &debug->views[debug->view_count++];
+	uint32_t width, height;
+	stilb_render_size(debug->render, &width, &height);
+	*out = (debug_view){.view_projection = view->view_projection,
+	                    .depth = STILB_RENDER_IMAGE_DEPTH,
+	                    .place = {0, 0, (uint16_t)width, (uint16_t)height}};
+	if (!target)
+		return;
+	memcpy(out->place, target->place, sizeof out->place);
+	out->border = target->border;
+	if (strcmp(target->name, STILB_RENDER_IMAGE_COLOR) != 0)
+		snprintf(out->depth, sizeof out->depth, "%s depth", target->name);
+}
+
+stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_render_view *views, uint32_t view_count, double seconds,
                                stilb_job_pool *pool, uint32_t worker)
 {
 	STILB_ASSERT_OWNER(debug->owner);
-	STILB_ASSERT(pool);
+	STILB_ASSERT(pool && view_count <= STILB_RENDER_MAX_PASSES && (views || view_count == 0));
 	PROFILE("debug drawing");
+	debug->view_count = 0;
+	for (uint32_t v = 0; v < view_count; v++)
+		frame_view(debug, &views[v]);
 	debug->ready = false;
 	debug->count = 0;
 	frame_expire(debug, seconds);
-	bool done = debug_take(debug) && frame_keep(debug, seconds) && (!view_projection || frame_count(debug));
+	bool done = debug_take(debug) && frame_keep(debug, seconds) && (debug->view_count == 0 || frame_count(debug));
 	/* Relaxed: see their declaration. */
 	done &= !atomic_exchange_explicit(&debug->failed, false, memory_order_relaxed);
 	bool too_many = atomic_exchange_explicit(&debug->too_many, false, memory_order_relaxed);
@@ -252,10 +276,8 @@ stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_mat4 *view_projec
 		                    STILB_DEBUG_THREADS);
 	else if (!done)
 		result = frame_no_memory();
-	else if (debug->count > 0) {
-		debug->view_projection = *view_projection;
+	else if (debug->count > 0)
 		result = frame_write(debug, pool, worker);
-	}
 	debug_give(debug);
 	return result;
 }

@@ -90,11 +90,26 @@ typedef struct debug_blocks {
 	uint32_t count, capacity;
 } debug_blocks;
 
-/* What a frame in flight reads: the draws' commands, and behind them the records. */
+/* What a frame in flight reads: a debug_place for each view, the draws' commands, and behind them the records. */
 typedef struct debug_buffer {
 	stilb_gpu_buffer buffer;
 	uint32_t capacity; /* records */
 } debug_buffer;
+
+/* A view of the frame and the part of the picture that shows it. */
+typedef struct debug_view {
+	stilb_mat4 view_projection;
+	char depth[STILB_GPU_MAX_NAME + 1]; /* the plan's image of its depth */
+	uint16_t place[4];                  /* left, top, width, height, pixels */
+	uint16_t border;                    /* pixels at its edges in which nothing is drawn */
+} debug_view;
+
+/* The same as the fragment shader reads it (shaders/cover.glsl): pixels left, top, right, bottom. */
+typedef struct debug_place {
+	uint32_t place[4], inner[4];
+} debug_place;
+
+static_assert(sizeof(debug_place) == sizeof(debug_record), "all in one buffer");
 
 /* A record's place in the frame's order: (key << 32 | index), see debug_frame.c. */
 typedef uint64_t debug_item;
@@ -122,7 +137,8 @@ struct stilb_debug {
 	debug_item *items, *spare; /* [count] */
 	uint32_t item_capacity, spare_capacity;
 	uint32_t count;
-	stilb_mat4 view_projection;
+	debug_view views[STILB_RENDER_MAX_PASSES]; /* [view_count] */
+	uint32_t view_count;
 
 	/* The device's. */
 	debug_buffer buffers[STILB_GPU_FRAMES];

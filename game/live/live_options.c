@@ -70,8 +70,7 @@ static void live_add_windows(live_options *o, flag_rows *table)
 	const flag windows[] = {
 		{"Windows over the picture", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--draw", FLAG_TEXT, &o->draw, "WHAT,...",
-	     "draw into the world, also in saved pictures: bounds (of models in view), lights, axes (with a grid)", 0, 0,
-	     NULL},
+	     "bounds (of models in view), lights, axes (with a grid), also in saved pictures", 0, 0, NULL},
 		{"--overlay", FLAG_SWITCH, &o->overlay, NULL, "show the profiler from the start, also in saved pictures", 0, 0,
 	     NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",

@@ -35,7 +35,7 @@ static void broken_contracts(void **state)
 	contract_breaks("points || count == 0", stilb_debug_lines(w.debug, NULL, 1, style));
 	contract_breaks("transform", stilb_debug_axes(w.debug, NULL, 1.0f, style));
 	contract_breaks("owner's thread", on_another_thread(w.debug));
-	contract_breaks("pool", stilb_debug_frame(w.debug, NULL, 0.0, NULL, 0));
+	contract_breaks("pool", stilb_debug_frame(w.debug, NULL, 0, 0.0, NULL, 0));
 	world_close(&w);
 }
 

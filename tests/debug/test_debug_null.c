@@ -206,7 +206,7 @@ static void the_order_is_that_of_the_content(void **state)
 		const debug_buffer *buffer = &w.debug->buffers[w.debug->buffer];
 		const debug_record *records =
 			(const debug_record *)stilb_gpu_buffer_mapped(stilb_engine_gpu(w.engine), buffer->buffer) +
-			(buffer->capacity + 16383) / 16384;
+			STILB_RENDER_MAX_PASSES + (buffer->capacity + 16383) / 16384;
 		if (!backwards)
 			memcpy(first, records, sizeof first);
 		assert_memory_equal(first, records, sizeof first);
@@ -246,7 +246,9 @@ static void a_million_lines(void **state)
 		       (double)(end - drawn) / COUNT);
 		uint64_t vertices = 0;
 		const debug_buffer *buffer = &w.debug->buffers[w.debug->buffer];
-		const uint32_t *commands = stilb_gpu_buffer_mapped(stilb_engine_gpu(w.engine), buffer->buffer);
+		const uint32_t *commands =
+			(const uint32_t *)stilb_gpu_buffer_mapped(stilb_engine_gpu(w.engine), buffer->buffer) +
+			8 * STILB_RENDER_MAX_PASSES;
 		for (uint32_t c = 0; c < w.debug->run.count; c++) {
 			assert_int_equal(commands[8 * c + 3], 4 * 16384 * c);
 			vertices += commands[8 * c];

@@ -386,6 +386,46 @@ static void lines_lie_on_floors(void **state)
 	}
 }
 
+/* Each camera shows what is drawn in its own part of the picture, which hides that of those below it, but for its
+ * border; in a scene drawn coarser, too. */
+static void cameras_show_it_each(void **state)
+{
+	(void)state;
+	for (int coarse = 0; coarse < 2; coarse++) {
+		stilb_engine_desc desc = device_desc(coarse ? 4 : 1, STILB_RENDER_OUTPUT_LINEAR);
+		desc.scale = coarse ? 0.5f : 1.0f;
+		world w = world_open(desc);
+		picture p;
+		/* Columns 34..66 and rows 0..20 of the picture are another camera's, turned by a half: it looks along +Z. */
+		stilb_engine_camera back = {.name = "back",
+		                            .camera = w.scene->camera,
+		                            .place = {33.6f / (float)W, 0.0f, 1.0f, 20.6f / (float)H},
+		                            .border = 2};
+		back.camera.yaw = 3.14159265f;
+		stilb_engine_set_cameras(w.engine, &back, 1);
+		/* In front, hidden in the middle by the square; behind, at a quarter of its height. */
+		world_line(&w, -50.0f, 20.5f, 200.0f, 20.5f, 6.0f, (stilb_debug_style){.rgba = 0xff0000ff});
+		world_line(&w, -50.0f, 5.5f, 200.0f, 5.5f, 2.0f, (stilb_debug_style){.rgba = 0x00ff00ff});
+		stilb_debug_line(w.debug, (float[3]){-30, 1, 2}, (float[3]){30, 1, 2}, (stilb_debug_style){.rgba = 0x0000ffff});
+		frame(&w, &p);
+		/* Its row: 21 rows high, 1 m of 2 above the middle. */
+		float row = 10.5f * (1.0f - 0.5f);
+		for (uint32_t x = 0; x < W; x++) {
+			bool other = x >= 34, inner = x >= 36 && x < W - 2;
+			assert_near(&p, x, 5, 1, other ? 0.0f : 1.0f, 2e-3f);
+			float blue = p.pixels[4][x][2] + p.pixels[5][x][2] + p.pixels[6][x][2];
+			assert_true(fabsf(blue - (inner ? 1.0f : 0.0f)) < 5e-3f);
+			if (inner)
+				assert_true(p.pixels[(int)row][x][2] > 0.4f);
+			if (x < 28)
+				assert_near(&p, x, 20, 0, 1.0f, 2e-3f);
+			if (x > 31)
+				assert_near(&p, x, 20, 0, 0.0f, 2e-3f);
+		}
+		world_close(&w);
+	}
+}
+
 /* 22,000 dots, eight to a pixel, each layer nearer and in another colour: the nearest is seen. More than one command's,
  * in any order. */
 static void near_lies_over_far(void **state)
@@ -513,6 +553,7 @@ int main(void)
 		cmocka_unit_test(spheres_have_their_radius),
 		cmocka_unit_test(letters_are_glyphs),
 		cmocka_unit_test(letters_stand_out),
+		cmocka_unit_test(cameras_show_it_each),
 		cmocka_unit_test(lines_lie_on_floors),
 		cmocka_unit_test(near_lies_over_far),
 		cmocka_unit_test(threads_do_not_matter),

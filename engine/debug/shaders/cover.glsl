@@ -43,7 +43,8 @@ float glyph_share(ivec2 texel, ivec2 size)
 // The letter, or a halo of one pixel around it.
 float letter_share()
 {
-	ivec2 texel = ivec2(floor(gl_FragCoord.xy) - place.xy), size = ivec2(int(depth.w) & 1023, int(depth.w) >> 10);
+	ivec2 texel = ivec2(floor(gl_FragCoord.xy - push.origin) - place.xy);
+	ivec2 size = ivec2(int(depth.w) & 1023, int(depth.w) >> 10);
 	if ((word & HALO) == 0u)
 		return glyph_share(texel, size);
 	float most = 0.0;
@@ -53,8 +54,25 @@ float letter_share()
 	return most;
 }
 
+bool lies_in(uvec2 pixel, uvec4 place)
+{
+	return all(greaterThanEqual(pixel, place.xy)) && all(lessThan(pixel, place.zw));
+}
+
+// The picture shows the view in this pixel, and none that lies over it.
+bool shows_view()
+{
+	uvec2 pixel = uvec2(gl_FragCoord.xy);
+	bool shows = lies_in(pixel, push.places.places[push.view].inner);
+	for (uint v = push.view + 1; v < push.views; v++)
+		shows = shows && !lies_in(pixel, push.places.places[v].place);
+	return shows;
+}
+
 void main()
 {
+	if (!shows_view())
+		discard;
 	float share, far;
 	vec2 pixel;
 	if ((word & LETTER) != 0u) {
@@ -62,7 +80,7 @@ void main()
 		pixel = depth.xy;
 		far = depth.z;
 	} else {
-		vec2 along = place.zw - place.xy, from = gl_FragCoord.xy - place.xy;
+		vec2 along = place.zw - place.xy, from = gl_FragCoord.xy - push.origin - place.xy;
 		float t = clamp(dot(from, along) / max(dot(along, along), 1e-12), 0.0, 1.0);
 		share = clamp(depth.z + 0.5 - length(from - t * along), 0.0, min(2.0 * depth.z, 1.0));
 		pixel = place.xy + t * along; // the line's middle
