@@ -32,6 +32,99 @@ static uint64_t passes(const world *w)
 	return stilb_gpu_stats_get(stilb_engine_gpu(w->engine)).passes;
 }
 
+/* What the device would read of the frame. */
+static const debug_record *records_of(const world *w)
+{
+	const debug_buffer *buffer = &w->debug->buffers[w->debug->buffer];
+	return (const debug_record *)stilb_gpu_buffer_mapped(stilb_engine_gpu(w->engine), buffer->buffer) +
+	       STILB_RENDER_MAX_PASSES + (buffer->capacity + 16383) / 16384;
+}
+
+static void assert_at(const float got[3], float x, float y, float z)
+{
+	if (!(fabsf(got[0] - x) < 1e-4f && fabsf(got[1] - y) < 1e-4f && fabsf(got[2] - z) < 1e-4f))
+		fail_msg("%g %g %g, not %g %g %g", (double)got[0], (double)got[1], (double)got[2], (double)x, (double)y,
+		         (double)z);
+}
+
+/* Which corner of the box from -1, -1, near to 1, 1, 1 a place is after a matrix: a bit for each axis. */
+static uint32_t corner_of(const stilb_mat4 *matrix, const float place[3], float near)
+{
+	uint32_t corner = 0;
+	float h[4];
+	for (int r = 0; r < 4; r++)
+		h[r] = matrix->m[r] * place[0] + matrix->m[4 + r] * place[1] + matrix->m[8 + r] * place[2] + matrix->m[12 + r];
+	for (uint32_t a = 0; a < 3; a++) {
+		float value = h[a] / h[3], low = a < 2 ? -1.0f : near;
+		assert_true(fabsf(value - low) < 1e-3f || fabsf(value - 1.0f) < 1e-3f);
+		corner |= (uint32_t)(fabsf(value - 1.0f) < 1e-3f) << a;
+	}
+	return corner;
+}
+
+/* Twelve edges, each once. */
+static void assert_box(const world *w, const stilb_mat4 *matrix, float near)
+{
+	bool seen[8][8] = {{false}};
+	assert_int_equal(stilb_debug_count(w->debug), 12);
+	for (uint32_t i = 0; i < 12; i++) {
+		const debug_record *r = &records_of(w)[i];
+		uint32_t from = corner_of(matrix, r->from, near), to = corner_of(matrix, r->to, near);
+		assert_int_equal(__builtin_popcount(from ^ to), 1);
+		assert_true(!seen[from][to] && !seen[to][from]);
+		seen[from][to] = true;
+	}
+}
+
+/* Boxes by their corners, also what a camera sees; axes by their ends. */
+static void shapes_are_where_they_belong(void **state)
+{
+	(void)state;
+	world w = world_open(null_desc(0));
+	stilb_mat4 identity = stilb_mat4_identity(), place = stilb_mat4_scale_translate(2.0f, 1.0f, 2.0f, -9.0f);
+	static const float low[3] = {-1, -1, 0.25f}, high[3] = {1, 1, 1};
+	stilb_debug_box(w.debug, low, high, NULL, plain);
+	frame(&w);
+	assert_box(&w, &identity, 0.25f);
+	stilb_debug_box(w.debug, low, high, &place, plain);
+	stilb_mat4 back = stilb_mat4_scale_translate(0.5f, -0.5f, -1.0f, 4.5f);
+	frame(&w);
+	assert_box(&w, &back, 0.25f);
+	/* The inverse of x / -z, y / -z, 1 / -z is itself but for signs: w = z' of what went in. */
+	stilb_mat4 camera = {.m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0}};
+	stilb_mat4 inverse = {.m = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0}};
+	stilb_debug_box(w.debug, low, high, &inverse, plain);
+	frame(&w);
+	assert_box(&w, &camera, 0.25f);
+	stilb_debug_axes(w.debug, &place, 3.0f, (stilb_debug_style){.rgba = 0x80});
+	assert_int_equal(frame(&w), 3);
+	for (uint32_t i = 0; i < 3; i++) {
+		const debug_record *r = &records_of(&w)[i];
+		assert_at(r->from, 1, 2, -9);
+		assert_int_equal(r->rgba & 0xff, 0x80);
+		uint32_t axis = r->rgba >> 24 == 0xff ? 0 : (r->rgba >> 16 & 0xff) == 0xc0 ? 1 : 2;
+		assert_at(r->to, axis == 0 ? 7 : 1, axis == 1 ? 8 : 2, axis == 2 ? -3 : -9);
+	}
+	/* A circle lies in its plane, at its radius, and closes. */
+	static const float center[3] = {1, 2, -5}, axis[3] = {0.3f, -2, 0.9f};
+	stilb_debug_circle(w.debug, center, axis, 1.5f, plain);
+	assert_int_equal(frame(&w), 48);
+	float sum[3] = {0};
+	for (uint32_t i = 0; i < 48; i++) {
+		const debug_record *r = &records_of(&w)[i];
+		float along = 0.0f, square = 0.0f;
+		for (int a = 0; a < 3; a++) {
+			float d = r->from[a] - center[a];
+			along += d * axis[a];
+			square += d * d;
+			sum[a] += r->to[a] - r->from[a];
+		}
+		assert_true(fabsf(along) < 1e-4f && fabsf(square - 2.25f) < 1e-4f);
+	}
+	assert_at(sum, 0, 0, 0);
+	world_close(&w);
+}
+
 static void what_shapes_are_made_of(void **state)
 {
 	(void)state;
@@ -203,10 +296,7 @@ static void the_order_is_that_of_the_content(void **state)
 			stilb_debug_line(w.debug, at, to, style);
 		}
 		assert_int_equal(frame(&w), COUNT);
-		const debug_buffer *buffer = &w.debug->buffers[w.debug->buffer];
-		const debug_record *records =
-			(const debug_record *)stilb_gpu_buffer_mapped(stilb_engine_gpu(w.engine), buffer->buffer) +
-			STILB_RENDER_MAX_PASSES + (buffer->capacity + 16383) / 16384;
+		const debug_record *records = records_of(&w);
 		if (!backwards)
 			memcpy(first, records, sizeof first);
 		assert_memory_equal(first, records, sizeof first);
@@ -262,6 +352,7 @@ int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_shapes_are_made_of),
+		test_one_thread(shapes_are_where_they_belong),
 		cmocka_unit_test(some_stay),
 		cmocka_unit_test(no_line_is_lost),
 		test_one_thread(threads_are_counted_at_a_time),

@@ -233,6 +233,16 @@ static void planes_cut_lines(void **state)
 			assert_true(sum > 5.0f);
 		}
 	}
+	/* Lines that go on for ten thousand kilometres are as exact as short ones. */
+	for (int i = 0; i < 12; i++) {
+		float angle = 0.5236f * (float)i + 0.2f, x = cosf(angle), y = sinf(angle), start[3] = {0.01f, 0.02f, -2.0f};
+		stilb_debug_line(w.debug, start, (float[3]){0.01f + 1e7f * x, 0.02f + 1e7f * y, -2.0f}, style);
+		frame(&w, &p);
+		stilb_debug_line(w.debug, start, (float[3]){0.01f + 8.0f * x, 0.02f + 8.0f * y, -2.0f}, style);
+		frame(&w, &cut);
+		for (uint32_t n = 0; n < W * H; n++)
+			assert_near(&p, n % W, n / W, 0, cut.pixels[n / W][n % W][0], 4e-3f);
+	}
 	static const float behind[2][3] = {{-1, 0, 1}, {1, 0, 0.5f}}, at[3] = {0, 0, 0}, nearer[3] = {0, 0, -0.05f};
 	static const float far[2][3] = {{-50, 1, -101}, {50, 1, -101}};
 	stilb_debug_line(w.debug, behind[0], behind[1], style);
