@@ -177,8 +177,10 @@ static stilb_result device_add_view(stilb_debug *debug, stilb_gpu_plan *plan, ui
 	const debug_buffer *buffer = &debug->buffers[debug->buffer];
 	uint16_t depth = stilb_gpu_plan_find(plan, view->depth);
 	stilb_gpu_program program;
-	if (depth == 0)
-		return STILB_OK; /* no pass has this view */
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, picture);
+	if (depth == 0 || view->place[0] + (uint32_t)view->place[2] > extent->width ||
+	    view->place[1] + (uint32_t)view->place[3] > extent->height)
+		return STILB_OK; /* no pass of this frame has the view, which is that of an earlier one */
 	stilb_result result = device_program(debug, stilb_gpu_plan_extent(plan, depth)->samples, &program);
 	if (result != STILB_OK)
 		return result;
@@ -214,8 +216,7 @@ static stilb_result device_add(void *user, stilb_gpu_plan *plan, uint16_t *image
 	stilb_debug *debug = user;
 	uint32_t list;
 	if (!debug->ready)
-		return STILB_OK; /* a frame without stilb_debug_frame, or with nothing to draw */
-	debug->ready = false;
+		return STILB_OK; /* there is nothing to draw */
 	stilb_result result = device_list(debug, &list);
 	for (uint32_t v = 0; v < debug->view_count && result == STILB_OK; v++)
 		result = device_add_view(debug, plan, v, *image, list);

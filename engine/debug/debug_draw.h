@@ -102,13 +102,14 @@ stilb_result stilb_debug_create(stilb_render *render, stilb_debug **debug);
 /* No thread draws any more. Accepts NULL. [main-thread] */
 void stilb_debug_destroy(stilb_debug *debug);
 
-/* Gathers what has been drawn, for this frame: to be called between stilb_render_frame_begin and stilb_render_replay.
- * views: those of the frame's scene passes, of which view_projection and target are read; each shows what was drawn in
- * its part of the picture, as far as no later one lies over it. view_count: 0..STILB_RENDER_MAX_PASSES; 0: what was
- * drawn for one frame is seen in none. seconds: the program's time, which does not go back. worker: the caller's index
- * in the pool. From the first frame on that shows something the renderer has a feature more, in its stage PICTURE.
- * STILB_ERROR_MEMORY: of the frame, or of a call before; STILB_ERROR_THREAD: more than STILB_DEBUG_THREADS threads;
- * STILB_ERROR_DEVICE; STILB_ERROR_ARGUMENT as stilb_render_add_feature. [main-thread] */
+/* Gathers what has been drawn, for this frame: to be called between stilb_render_frame_begin and stilb_render_replay;
+ * frames without this call show what the last one has gathered. views: those of the frame's scene passes, of which
+ * view_projection and target are read; each shows what was drawn in its part of the picture, as far as no later one
+ * lies over it. view_count: 0..STILB_RENDER_MAX_PASSES; 0: what was drawn for one frame is seen in none. seconds: the
+ * program's time, which does not go back. worker: the caller's index in the pool. From the first frame on that shows
+ * something the renderer has a feature more, in its stage PICTURE. STILB_ERROR_MEMORY: of the frame, or of a call
+ * before; STILB_ERROR_THREAD: more than STILB_DEBUG_THREADS threads; STILB_ERROR_DEVICE; STILB_ERROR_ARGUMENT as
+ * stilb_render_add_feature. [main-thread] */
 stilb_result stilb_debug_frame(stilb_debug *debug, const stilb_render_view *views, uint32_t view_count, double seconds,
                                stilb_job_pool *pool, uint32_t worker);
 

@@ -143,7 +143,7 @@ struct stilb_debug {
 	/* The device's. */
 	debug_buffer buffers[STILB_GPU_FRAMES];
 	uint32_t buffer; /* of this frame */
-	bool ready;      /* this frame's records wait for the plan */
+	bool ready;      /* the last stilb_debug_frame has records for the plan */
 	bool added;      /* as a feature of the renderer */
 	stilb_gpu_buffer indices;
 	stilb_gpu_program programs[2]; /* of a depth image with one sample, with several */

@@ -71,10 +71,9 @@ void stilb_debug_circle(stilb_debug *debug, const float center[3], const float a
                         stilb_debug_style style)
 {
 	stilb_vec3 n = stilb_vec3_normalize(stilb_vec3_make(axis[0], axis[1], axis[2]));
-	/* The axis of the world that is farthest from it. */
-	int least =
-		fabsf(n[0]) <= fabsf(n[1]) ? (fabsf(n[0]) <= fabsf(n[2]) ? 0 : 2) : (fabsf(n[1]) <= fabsf(n[2]) ? 1 : 2);
-	stilb_vec3 other = stilb_vec3_make(least == 0, least == 1, least == 2);
+	stilb_vec3 other = {0}; /* the axis of the world that is farthest from it */
+	int least = fabsf(n[0]) <= fabsf(n[1]) ? 0 : 1;
+	other[fabsf(n[2]) < fabsf(n[least]) ? 2 : least] = 1.0f;
 	stilb_vec3 u = stilb_vec3_normalize(stilb_vec3_cross(n, other));
 	shape_circle(debug, center, u, stilb_vec3_cross(n, u), radius, style);
 }

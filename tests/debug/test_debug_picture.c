@@ -436,6 +436,33 @@ static void cameras_show_it_each(void **state)
 	}
 }
 
+/* A picture of the program's beside a still scene, which is not drawn again: what was drawn into it stays. */
+static void still_scenes_keep_it(void **state)
+{
+	(void)state;
+	static float light[H][W][3];
+	world w = world_open(device_desc(1, STILB_RENDER_OUTPUT_LINEAR));
+	picture p;
+	float from = 0.5f;
+	stilb_engine_shown shown = {.radiance = &light[0][0][0], .width = W, .height = H, .from = &from, .still = true};
+	for (int f = 0; f < 5; f++) {
+		if (f == 2)
+			assert_int_equal(stilb_engine_show(w.engine, &shown), STILB_OK);
+		if (f == 4) /* smaller than what was gathered last */
+			assert_int_equal(stilb_engine_resize(w.engine, W - 20, H - 10), STILB_OK);
+		world_line(&w, -9.0f, 5.5f, 99.0f, 5.5f, 3.0f, (stilb_debug_style){.rgba = 0xffffffff});
+		stilb_engine_report report;
+		if (stilb_engine_frame(w.engine, &report) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		if (f == 4)
+			break;
+		read_picture(&w, &p);
+		for (uint32_t x = 0; x < W; x++)
+			assert_near(&p, x, 5, 0, f < 2 || x < W / 2 ? 1.0f : 0.0f, x == W / 2 ? 1.0f : 2e-3f);
+	}
+	world_close(&w);
+}
+
 /* 22,000 dots, eight to a pixel, each layer nearer and in another colour: the nearest is seen. More than one command's,
  * in any order. */
 static void near_lies_over_far(void **state)
@@ -564,6 +591,7 @@ int main(void)
 		cmocka_unit_test(letters_are_glyphs),
 		cmocka_unit_test(letters_stand_out),
 		cmocka_unit_test(cameras_show_it_each),
+		cmocka_unit_test(still_scenes_keep_it),
 		cmocka_unit_test(lines_lie_on_floors),
 		cmocka_unit_test(near_lies_over_far),
 		cmocka_unit_test(threads_do_not_matter),
