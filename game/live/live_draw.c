@@ -7,6 +7,7 @@
 
 #define DRAW_GRID 10     /* cells from the origin to the grid's side */
 #define DRAW_SLICE 1024u /* models that a job looks at */
+#define DRAW_DOT 3.0f    /* pixels: bounds of a smaller radius are dots */
 #define DRAW_RAYS 4      /* lines along a cone */
 
 bool live_draw_parse(const char *text, live_draw *draw)
@@ -34,6 +35,7 @@ typedef struct draw_bounds {
 	stilb_debug *debug;
 	const stilb_scene *scene;
 	stilb_frustum frustum;
+	float pixels; /* of a metre, 1 m in front of the camera */
 } draw_bounds;
 
 /* As culling does it (cull.h). */
@@ -60,6 +62,12 @@ static void draw_slice_bounds(uint32_t begin, uint32_t end, uint32_t worker, voi
 		float square = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
 		if (!draw_sees(&work->frustum, center, radius) || !isfinite(radius) || !(square > radius * radius))
 			continue;
+		float pixels = work->pixels * radius / sqrtf(square);
+		if (pixels < DRAW_DOT) { /* a circle would be a blot of 48 lines */
+			stilb_debug_style dot = {.rgba = green.rgba, .width = fmaxf(2.0f * pixels, 1.0f)};
+			stilb_debug_line(work->debug, center, center, dot);
+			continue;
+		}
 		/* The outline of a sphere is the circle in which the lines of sight touch it. */
 		float nearer = radius * radius / square, outline = radius * sqrtf(1.0f - nearer), at[3];
 		for (int a = 0; a < 3; a++)
@@ -74,7 +82,11 @@ static void draw_all_bounds(stilb_engine *engine, const stilb_scene *scene)
 	stilb_engine_size(engine, &width, &height);
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)width / (float)height);
 	draw_bounds work = {
-		.debug = stilb_engine_debug(engine), .scene = scene, .frustum = stilb_frustum_from_matrix(&matrix)};
+		.debug = stilb_engine_debug(engine),
+		.scene = scene,
+		.frustum = stilb_frustum_from_matrix(&matrix),
+		.pixels = 0.5f * (float)height / tanf(0.5f * scene->camera.fov_y),
+	};
 	stilb_job_parallel_for(stilb_engine_pool(engine), scene->model_count, DRAW_SLICE, draw_slice_bounds, &work, 0);
 }
 

@@ -13,7 +13,7 @@
 #include "engine.h"
 
 typedef struct live_draw {
-	bool bounds; /* of each model in view: the outline of its bounding sphere, by which it is culled */
+	bool bounds; /* of each model in view: the outline of its bounding sphere, by which it is culled, or a dot */
 	bool lights; /* their shapes, and how far they reach if that ends somewhere */
 	bool axes;   /* x, y and z at the origin, and a grid of y = 0 */
 } live_draw;
