@@ -22,6 +22,10 @@ static const bench_metric parked_metrics[] = {
 	{"one", "us", true, NULL},       {"two", "us", true, NULL},    {"wake", "us", true, NULL},
 	{"wake-cost", "us", true, NULL}, {"of-best", "x", true, NULL},
 };
+static const bench_metric views_metrics[] = {
+	{"one", "us", true, NULL},   {"two", "us", true, NULL},       {"speed-up", "x", false, NULL},
+	{"of-sum", "x", true, NULL}, {"bytes", "B/draw", true, NULL},
+};
 static const bench_metric replay_metrics[] = {
 	{"replay", "ns/draw", true, NULL},
 };
@@ -45,6 +49,7 @@ static const bench_metric picture_metrics[] = {
 #define METRICS_DRAWS draws_metrics
 #define METRICS_PHASE phase_metrics
 #define METRICS_PARKED parked_metrics
+#define METRICS_VIEWS views_metrics
 #define METRICS_REPLAY replay_metrics
 #define METRICS_SORT sort_metrics
 #define METRICS_FRAME frame_metrics
@@ -83,7 +88,7 @@ static const bench_subject subjects[] = {
 	{.name = "stilb-scene",
      .program = OWN,
      .note = "stilb_render_record, which draws a scene's visible models",
-     .abilities = CAN_RECORD},
+     .abilities = CAN_RECORD | CAN(VIEWS)},
 	{.name = "stilb-indirect", .program = OWN, .note = "replay as multi-draw-indirect", .abilities = CAN_REPLAY},
 	{.name = "stilb-direct", .program = OWN, .note = "replay as one command for each draw", .abilities = CAN_REPLAY},
 	{.name = "stilb-secondary",

@@ -10,6 +10,7 @@ typedef enum record_kind {
 	RECORD_DRAWS,   /* recording on one thread */
 	RECORD_PHASE,   /* recording on two threads and on one; workers are awake */
 	RECORD_PARKED,  /* the same, but workers are asleep when recording begins */
+	RECORD_VIEWS,   /* six views of the scene recorded together, on one thread and on two that are awake */
 	RECORD_REPLAY,  /* converting recorded lists to device commands, on the null device */
 	RECORD_SORT,    /* sorting recorded draws by their keys */
 	RECORD_FRAME,   /* cull + record + replay, on the null device */
@@ -43,6 +44,9 @@ typedef struct record_case {
 	X("phase", "20,000 draws recorded on two threads that are awake", PHASE, .models = RECORD_MODELS, .threads = 2)    \
 	X("parked", "20,000 draws recorded on two threads, one of them asleep at the start", PARKED,                       \
 	  .models = RECORD_MODELS, .threads = 2)                                                                           \
+	X("views", "six views of 20,000 draws recorded together, on one thread and on two", VIEWS,                         \
+	  .models = RECORD_MODELS, .threads = 2)                                                                           \
+	X("views-small", "six views of 1,000 draws, the same", VIEWS, .models = RECORD_MODELS / 20, .threads = 2)          \
 	X("replay-1", "ordering and replay of 20,000 draws, null device, 1 thread", REPLAY, .models = RECORD_MODELS,       \
 	  .threads = 1)                                                                                                    \
 	X("replay-2", "ordering and replay of 20,000 draws, null device, 2 threads", REPLAY, .models = RECORD_MODELS,      \

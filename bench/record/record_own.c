@@ -242,6 +242,60 @@ static void measure_parked(run *r)
 	bench_child_metric("of-best", two / ((one + wake + cost) / 2.0));
 }
 
+#define VIEWS 6u
+
+/* Draws a frame of so many views, each of the whole scene; returns the time of their recording, ns. */
+static uint64_t frame_views(run *r, uint32_t count, stilb_job_pool *pool)
+{
+	static const char *const names[VIEWS] = {"v1", "v2", "v3", "v4", "v5", "v6"};
+	stilb_render_target targets[VIEWS];
+	stilb_render_view views[VIEWS];
+	stilb_render_pass passes[VIEWS];
+	stilb_render_recording recordings[VIEWS];
+	for (uint32_t v = 0; v < count; v++) {
+		targets[v] = (stilb_render_target){.name = names[v], .width = 64, .height = 64, .output = true};
+		views[v] = r->view;
+		views[v].target = &targets[v];
+		passes[v] = (stilb_render_pass){.name = names[v], .view = v, .order = v};
+		recordings[v] = (stilb_render_recording){v, r->scene->model_count, r->models, &views[v]};
+	}
+	expect(stilb_render_frame_begin(r->render));
+	uint64_t begin = bench_child_now_ns();
+	expect(stilb_render_record_views(r->render, r->scene, recordings, count, pool, OWNER));
+	uint64_t end = bench_child_now_ns();
+	expect(stilb_render_replay(r->render, passes, count, views, count, r->alone, OWNER));
+	return end - begin;
+}
+
+/* One view and six on one thread, then six on two; and what each view more writes for a draw. The last frame is one of
+ * the scene alone, for the check. */
+static void measure_views(run *r)
+{
+	while (time_left(r, &third)) {
+		for (int i = 0; i < WARM_UP_FRAMES; i++)
+			frame_views(r, VIEWS, r->alone);
+		for (int i = 0; i < BLOCK_FRAMES; i++) {
+			record_samples_add(&first, frame_views(r, 1, r->alone));
+			record_samples_add(&second, frame_views(r, VIEWS, r->alone));
+		}
+		stilb_job_phase_begin(r->pool);
+		for (int i = 0; i < WARM_UP_FRAMES; i++)
+			frame_views(r, VIEWS, r->pool);
+		for (int i = 0; i < BLOCK_FRAMES; i++)
+			record_samples_add(&third, frame_views(r, VIEWS, r->pool));
+		stilb_job_phase_end(r->pool);
+	}
+	stilb_render_stats stats = stilb_render_stats_get(r->render);
+	double single = record_samples_median(&first), one = record_samples_median(&second);
+	double two = record_samples_median(&third);
+	bench_child_metric("one", one * 1e-3);
+	bench_child_metric("two", two * 1e-3);
+	bench_child_metric("speed-up", one / two);
+	bench_child_metric("of-sum", one / (VIEWS * single));
+	bench_child_metric("bytes", (double)stats.recorded_bytes / (double)stats.draws);
+	frame_recording(r, r->alone);
+}
+
 static void measure_replay(run *r)
 {
 	stilb_job_phase_begin(r->pool);
@@ -334,7 +388,7 @@ static void measure_picture(run *r)
 static void (*const measures[])(run *r) = {
 	[RECORD_DRAWS] = measure_draws,     [RECORD_PHASE] = measure_phase, [RECORD_PARKED] = measure_parked,
 	[RECORD_REPLAY] = measure_replay,   [RECORD_SORT] = measure_sort,   [RECORD_FRAME] = measure_frame,
-	[RECORD_PICTURE] = measure_picture,
+	[RECORD_PICTURE] = measure_picture, [RECORD_VIEWS] = measure_views,
 };
 
 /* ---- verification ------------------------------------------------------------------------------------------------ */
