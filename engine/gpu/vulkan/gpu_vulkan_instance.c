@@ -112,14 +112,31 @@ static bool has_layer(const char *name)
 	return false;
 }
 
+/* True if RenderDoc captures frames of this process: it sets this variable, by which the loader finds its layer. */
+static bool is_captured(void)
+{
+	const char *set = getenv("ENABLE_VULKAN_RENDERDOC_CAPTURE");
+	return set && strcmp(set, "1") == 0;
+}
+
+/* Finds the functions that give names to objects and passes. */
+static void names_create(gpu_vulkan *gpu)
+{
+	gpu->object_name =
+		(PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(gpu->instance, "vkSetDebugUtilsObjectNameEXT");
+	gpu->label_begin =
+		(PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdBeginDebugUtilsLabelEXT");
+	gpu->label_end = (PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdEndDebugUtilsLabelEXT");
+	if (is_captured())
+		gpu->label_insert =
+			(PFN_vkCmdInsertDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdInsertDebugUtilsLabelEXT");
+}
+
 static VkResult messenger_create(gpu_vulkan *gpu)
 {
 	PFN_vkCreateDebugUtilsMessengerEXT create =
 		(PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(gpu->instance, "vkCreateDebugUtilsMessengerEXT");
 	VkDebugUtilsMessengerCreateInfoEXT info = messenger_info(gpu);
-	gpu->label_begin =
-		(PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdBeginDebugUtilsLabelEXT");
-	gpu->label_end = (PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(gpu->instance, "vkCmdEndDebugUtilsLabelEXT");
 	return create ? create(gpu->instance, &info, NULL, &gpu->messenger) : VK_ERROR_EXTENSION_NOT_PRESENT;
 }
 
@@ -164,7 +181,8 @@ stilb_result gpu_vulkan_instance_create(gpu_vulkan *gpu, const stilb_gpu_desc *d
 		                  wanted_count, VULKAN_MAX_EXTENSIONS - 1u);
 	for (uint32_t i = 0; i < wanted_count; i++)
 		extensions[extension_count++] = wanted[i];
-	if (desc->validate)
+	bool named = desc->validate || is_captured();
+	if (named)
 		extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
 	if (desc->validate && !has_layer(layer))
 		return stilb_fail(STILB_ERROR_DEVICE,
@@ -190,6 +208,8 @@ stilb_result gpu_vulkan_instance_create(gpu_vulkan *gpu, const stilb_gpu_desc *d
 	VkResult result = vkCreateInstance(&info, NULL, &gpu->instance);
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
 		return fail_no_driver("vkCreateInstance", result);
+	if (result == VK_SUCCESS && named)
+		names_create(gpu);
 	if (result == VK_SUCCESS && desc->validate)
 		result = messenger_create(gpu);
 	if (result != VK_SUCCESS)
@@ -324,6 +344,11 @@ stilb_result gpu_vulkan_gpu_select(gpu_vulkan *gpu, const char *wanted)
 	vkGetPhysicalDeviceProperties(gpu->physical, &gpu->properties);
 	vkGetPhysicalDeviceMemoryProperties(gpu->physical, &gpu->memory);
 	const char *missing = gpu_missing(gpu->physical);
+	if (missing && is_captured())
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "GPU '%s' under RenderDoc lacks %s: RenderDoc hides buffer addresses if the driver cannot "
+		                  "give a buffer the same one again; capture on another GPU",
+		                  gpu->properties.deviceName, missing);
 	if (missing)
 		return stilb_fail(STILB_ERROR_DEVICE, "GPU '%s' cannot run Stilb: it lacks %s; 'stilb info' lists the others",
 		                  gpu->properties.deviceName, missing);

@@ -155,13 +155,14 @@ typedef struct gpu_vulkan {
 
 	VkInstance instance;
 	VkDebugUtilsMessengerEXT messenger;
-	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate */
+	PFN_vkCmdBeginDebugUtilsLabelEXT label_begin; /* NULL without desc.validate, and nobody captures */
 	PFN_vkCmdEndDebugUtilsLabelEXT label_end;
-	VkSurfaceKHR surface;                /* null without a window */
-	bool presents;                       /* created with a surface: another one can take its place */
-	stilb_gpu_presentation presentation; /* of this surface; as asked for, or FIFO */
-	stilb_gpu_presentation asked;        /* as asked for */
-	bool surface_lost;                   /* the window or its display has gone: pictures are not shown */
+	PFN_vkCmdInsertDebugUtilsLabelEXT label_insert; /* NULL unless RenderDoc captures */
+	VkSurfaceKHR surface;                           /* null without a window */
+	bool presents;                                  /* created with a surface: another one can take its place */
+	stilb_gpu_presentation presentation;            /* of this surface; as asked for, or FIFO */
+	stilb_gpu_presentation asked;                   /* as asked for */
+	bool surface_lost;                              /* the window or its display has gone: pictures are not shown */
 	VkPhysicalDevice physical;
 	VkPhysicalDeviceProperties properties;
 	VkPhysicalDeviceMemoryProperties memory;
@@ -189,7 +190,7 @@ typedef struct gpu_vulkan {
 	gpu_vulkan_swapchain swapchain;
 
 	/* what gpu.h's functions need */
-	PFN_vkSetDebugUtilsObjectNameEXT object_name; /* NULL without desc.validate */
+	PFN_vkSetDebugUtilsObjectNameEXT object_name; /* as label_begin */
 	stilb_lock views_lock;                        /* views of images, sets of draw lists */
 	bool views_lock_made;
 	VkSampler samplers[GPU_MAX_SAMPLERS];
