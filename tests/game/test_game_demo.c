@@ -121,6 +121,14 @@ static void test_same_picture_and_draws_with_samples(void **state)
 	assert_false(same_picture("one.png"));
 }
 
+static void test_same_picture_and_draws_of_several_cameras(void **state)
+{
+	(void)state;
+	same_for_all_ways("--cameras 3 --render-scale 0.7", 2, 3);
+	stilb_good(SMALL "--cameras 3 --screenshot fine.png");
+	assert_false(same_picture("fine.png"));
+}
+
 /* ---- flags that change the picture ------------------------------------------------------------------------------- */
 
 static void test_flags_change_the_picture(void **state)

@@ -172,6 +172,15 @@ static void sorted_2d_pass(stilb_render *render)
 	replay(render, (stilb_render_pass){.kind = STILB_RENDER_PASS_2D, .sort = true}, 1);
 }
 
+static void replay_with_target(stilb_render *render, stilb_render_target target)
+{
+	stilb_render_pass pass = {0};
+	stilb_render_view view = {.view_projection = stilb_mat4_identity(), .target = &target};
+	stilb_render_pass_begin(render, 0, 0);
+	stilb_render_pass_end(render, 0);
+	stilb_render_replay(render, &pass, 1, &view, 1, NULL, 0);
+}
+
 static void order(void **state)
 {
 	(void)state;
@@ -180,7 +189,7 @@ static void order(void **state)
 	contract_breaks("render->state == RENDER_FRAME_REPLAYED", stilb_render_present(render));
 	assert_int_equal(stilb_render_frame_begin(render), STILB_OK);
 	contract_breaks("a pass is recorded once a frame", begin_twice(render, 3));
-	contract_breaks("pass < 16", begin_twice(render, STILB_RENDER_MAX_PASSES));
+	contract_breaks("pass < 64", begin_twice(render, STILB_RENDER_MAX_PASSES));
 	contract_breaks("every pass that was begun has ended", frame_inside_a_pass(render));
 	contract_breaks("a segment is recorded once", same_segment_twice(render));
 	contract_breaks("segment < lists->segment_count", segment_of_no_pass(render));
@@ -188,6 +197,21 @@ static void order(void **state)
 	contract_breaks("every segment is recorded", replay_without_segment(render));
 	contract_breaks("every replayed pass is recorded", replay(render, (stilb_render_pass){0}, 1));
 	contract_breaks("pass->view < view_count", replay_with_wrong_view(render));
+	static const stilb_render_target wrong[] = {
+		{.name = NULL, .width = 8, .height = 8},
+		{.name = "", .width = 8, .height = 8},
+		{.name = "a name of forty-nine bytes, which is one too many", .width = 8, .height = 8},
+		{.name = "wide", .width = 16385, .height = 8},
+		{.name = "flat", .width = 8},
+		{.name = "odd", .kind = (stilb_render_target_kind)2, .width = 8, .height = 8},
+		{.name = "depth in the picture",
+	     .kind = STILB_RENDER_TARGET_DEPTH,
+	     .width = 8,
+	     .height = 8,
+	     .place = {0, 0, 8, 8}},
+	};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+		contract_breaks("replay_target_is_sound", replay_with_target(render, wrong[i]));
 	contract_breaks("replay_lists_is_sound", replay_a_damaged_run(render));
 	contract_breaks("!pass->sort", sorted_2d_pass(render));
 	contract_breaks("worker < render->context_count", stilb_render_context_get(render, 1));

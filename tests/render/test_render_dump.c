@@ -476,6 +476,8 @@ static void every_signed_change_is_refused_or_plays(void **state)
 	for (size_t i = 0; i < size - 8; i++) {
 		static const uint8_t changes[] = {0x01, 0x80, 0xff};
 		for (size_t c = 0; c < sizeof changes; c++) {
+			if (TEST_ASAN && i % 3 != c)
+				continue; /* each byte in one of the three ways there, in all of them here */
 			stilb_render_dump *dump;
 			bytes[i] ^= changes[c];
 			sign(bytes, size);
