@@ -465,6 +465,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_same_picture_and_draws),
 		FRESH_TEST(test_same_picture_and_draws_while_models_move),
 		FRESH_TEST(test_same_picture_and_draws_with_samples),
+		FRESH_TEST(test_same_picture_and_draws_of_several_cameras),
 		FRESH_TEST(test_flags_change_the_picture),
 		FRESH_TEST(test_each_name_is_another_picture),
 		FRESH_TEST(test_numbers_added_to_materials),
