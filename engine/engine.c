@@ -132,6 +132,8 @@ static stilb_result engine_start(stilb_engine *engine)
 		result = engine_overlay_start(engine);
 	if (result == STILB_OK)
 		result = engine_input_start(engine);
+	if (result == STILB_OK)
+		engine_watch_start(engine);
 	return result;
 }
 
@@ -142,6 +144,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
 	STILB_ASSERT((unsigned)desc->presentation <= STILB_GPU_PRESENT_IMMEDIATE);
+	STILB_ASSERT((unsigned)desc->watch_shaders <= STILB_ENGINE_WATCH_AUTO);
 	*out = NULL;
 	stilb_engine *engine = calloc(1, sizeof *engine);
 	if (!engine)
@@ -169,6 +172,7 @@ void stilb_engine_destroy(stilb_engine *engine)
 	STILB_ASSERT_OWNER(engine->owner);
 	stilb_engine_pictures_wait(engine);
 	engine_pictures_destroy(engine->pictures); /* their thread ends while the profiler is there, as the workers do */
+	engine_watch_finish(engine);
 	engine_prepare_drop(&engine->prepare);
 	engine_prepare_drop(&engine->compiling);
 	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */

@@ -73,6 +73,13 @@ typedef enum stilb_engine_gamepad {
 	STILB_ENGINE_GAMEPAD_REPLAY  /* a recorded file, which moves the camera the same way in every run */
 } stilb_engine_gamepad;
 
+/* Whether shaders whose files change are compiled again and shown at once (stilb_engine_desc.watch_shaders). */
+typedef enum stilb_engine_watch {
+	STILB_ENGINE_WATCH_OFF,
+	STILB_ENGINE_WATCH_ON,   /* where that is impossible a line says why, and frames go on without */
+	STILB_ENGINE_WATCH_AUTO, /* likewise, without the line */
+} stilb_engine_watch;
+
 /* The rows of the engine's table of actions that follow those of the camera (input_actions.h); then come the program's,
  * the first with the number STILB_ENGINE_ACTIONS. */
 enum {
@@ -185,6 +192,14 @@ typedef struct stilb_engine_desc {
 	const char *gamepad_recording;         /* for REPLAY: the file, see input_recording.h */
 	const char *gamepad_sys, *gamepad_dev; /* folders to look in for gamepads, for tests; NULL: /sys and /dev */
 	stilb_input_control_settings control;  /* how gamepads and keys move the camera; but its table is the engine's */
+
+	/* For work on shaders: when a GLSL file, or one that it includes, is written, a thread of the engine's compiles it
+	 * with glslc, and frames go on with the new shader; or with the old one, if it is wrong: then a panel in the window
+	 * shows what glslc says, and stilb_log has all of it. Which shaders: the engine's own, and those of programs with
+	 * stilb_gpu_shader.source, a file below `shaders` or with its whole path, and behind it " -DNAME" for
+	 * definitions. */
+	stilb_engine_watch watch_shaders;
+	const char *shaders; /* the folder `engine` of Stilb's sources; NULL: where Stilb was built */
 
 	const stilb_input_action *actions; /* [action_count] the program's rows of the table; copied, but for the strings */
 	uint32_t action_count;

@@ -76,6 +76,7 @@ typedef struct engine_overlay {
 	engine_keys keys;
 	engine_rate rate;
 	stilb_ui_input input; /* of this frame; {0} but for its size when headless */
+	char *shader_error;   /* what a panel shows of shaders that could not be replaced; NULL: there is none */
 	bool profiler_open, inspector_open;
 	bool divider_open, caption_open; /* of the program's picture; hidden with the toasts */
 } engine_overlay;
@@ -162,7 +163,8 @@ struct stilb_engine {
 	float place[4];                     /* of the scene's own camera in the picture */
 	stilb_render_shading frame_shading; /* of this frame's views */
 	engine_overlay overlay;
-	engine_pictures *pictures; /* NULL: none has been taken yet */
+	engine_pictures *pictures;  /* NULL: none has been taken yet */
+	struct engine_watch *watch; /* NULL: shaders are not watched */
 	engine_shown picture;
 	char caption[128];
 	stilb_render_shading shading;  /* of the next frame */
@@ -243,8 +245,9 @@ stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspe
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
 	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 || overlay->keys.open ||
-	       (!overlay->toasts.hidden && (overlay->toasts.count > 0 || overlay->keys.hint_seconds > 0.0f ||
-	                                    overlay->rate.open || overlay->divider_open || overlay->caption_open));
+	       (!overlay->toasts.hidden &&
+	        (overlay->toasts.count > 0 || overlay->shader_error || overlay->keys.hint_seconds > 0.0f ||
+	         overlay->rate.open || overlay->divider_open || overlay->caption_open));
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -331,6 +334,11 @@ void engine_notice_remove(engine_notice *notice, uint32_t pad);
  * if possible. */
 size_t engine_notice_line(const stilb_ui_font *font, const char *text, float width);
 
+/* Draws the text in as many lines as it needs and cuts them off the area's top, as many as it has room for. ui NULL:
+ * only measures. */
+void engine_notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *area, stilb_ui_color color,
+                        const char *text);
+
 /* Draws the notice, between stilb_ui_begin and stilb_ui_end, and counts its time down. */
 void engine_notice_draw(engine_notice *notice, stilb_ui *ui);
 
@@ -392,6 +400,20 @@ stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, 
 
 /* Tells the program of pictures that have been written since the last call. */
 void engine_pictures_tell(stilb_engine *engine);
+
+/* watch/engine_watch_show.c */
+
+/* Starts to watch shaders if the description says so; the renderer exists. */
+void engine_watch_start(stilb_engine *engine);
+void engine_watch_finish(stilb_engine *engine);
+/* Tells the user of shaders that have changed since the last call. */
+void engine_watch_tell(stilb_engine *engine);
+
+/* watch/engine_watch_panel.c */
+
+/* Draws the panel with what is wrong with shaders, between stilb_ui_begin and stilb_ui_end. False: the user has closed
+ * it. */
+bool engine_watch_draw(const char *text, stilb_ui *ui);
 
 /* engine_inspector.c */
 

@@ -54,11 +54,10 @@ size_t engine_notice_line(const stilb_ui_font *font, const char *text, float wid
 	return length;
 }
 
-/* Draws the text in as many lines as it needs and cuts them off the area's top. ui NULL: only measures. */
-static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *area, stilb_ui_color color,
+void engine_notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *area, stilb_ui_color color,
                         const char *text)
 {
-	while (*text) {
+	while (*text && area->y1 - area->y0 > 0.5f * stilb_ui_font_line(font)) {
 		char line[512];
 		size_t length = engine_notice_line(font, text, area->x1 - area->x0);
 		stilb_ui_rect row = stilb_ui_cut_top(area, stilb_ui_font_line(font));
@@ -73,13 +72,13 @@ static void notice_text(stilb_ui *ui, const stilb_ui_font *font, stilb_ui_rect *
 static void notice_help(const engine_notice *notice, const stilb_ui_style *style, stilb_ui *ui,
                         const stilb_ui_font *font, stilb_ui_rect *area)
 {
-	notice_text(ui, font, area, style->text,
-	            "may not be opened by this user. As root put this line into " ENGINE_NOTICE_FILE
-	            ", run 'udevadm control --reload', and plug it in again:");
+	engine_notice_text(ui, font, area, style->text,
+	                   "may not be opened by this user. As root put this line into " ENGINE_NOTICE_FILE
+	                   ", run 'udevadm control --reload', and plug it in again:");
 	for (uint32_t i = 0; i < notice->pad_count; i++)
 		if (i == 0 || strcmp(notice->pads[i].rule, notice->pads[i - 1].rule) != 0) {
 			stilb_ui_cut_top(area, style->gap);
-			notice_text(ui, font, area, style->accent, notice->pads[i].rule);
+			engine_notice_text(ui, font, area, style->accent, notice->pads[i].rule);
 		}
 }
 
@@ -91,11 +90,12 @@ static void notice_content(const engine_notice *notice, stilb_ui *ui, bool draw,
 	const stilb_ui_font *font = stilb_ui_font_get(ui, STILB_UI_TEXT_NORMAL);
 	stilb_ui *out = draw ? ui : NULL;
 	for (uint32_t i = 0; i < notice->pad_count; i++)
-		notice_text(out, font, area, style->text_strong, notice->pads[i].who);
+		engine_notice_text(out, font, area, style->text_strong, notice->pads[i].who);
 	stilb_ui_cut_top(area, style->gap);
 	if (brief)
-		notice_text(out, font, area, style->text,
-		            "may not be opened by this user. The terminal says what to do, and so does a larger window.");
+		engine_notice_text(
+			out, font, area, style->text,
+			"may not be opened by this user. The terminal says what to do, and so does a larger window.");
 	else
 		notice_help(notice, style, out, font, area);
 }

@@ -7,6 +7,8 @@
 
 #include "profiler/prof.h"
 
+#include <stdlib.h>
+
 #define OVERLAY_HINT_SECONDS 10.0f
 #define OVERLAY_BELOW 16.0f /* pixels from the picture's lower edge to the lowest line */
 
@@ -181,6 +183,10 @@ static void engine_overlay_build(stilb_engine *engine)
 		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)
 		engine_notice_draw(&overlay->notice, overlay->ui);
+	if (overlay->shader_error && !overlay->toasts.hidden && !engine_watch_draw(overlay->shader_error, overlay->ui)) {
+		free(overlay->shader_error);
+		overlay->shader_error = NULL;
+	}
 	if (!overlay->toasts.hidden)
 		engine_toasts_draw(&overlay->toasts, overlay->ui, below);
 	stilb_ui_end(overlay->ui);

@@ -297,6 +297,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(report);
 	engine_pictures_tell(engine);
+	engine_watch_tell(engine);
 	engine->report = (stilb_engine_report){.frame = engine->frame};
 	stilb_result result = frame_window(engine, &engine->report);
 	if (result == STILB_OK && !engine->report.drawn)

@@ -44,6 +44,11 @@ static void live_add_run(live_options *o, flag_rows *table)
 	     "how frames get to the window: fifo, mailbox (the newest) or immediate (fifo)", 0, 0, live_present_choices},
 		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
 		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, live_cull_choices},
+		{"--watch-shaders", FLAG_SWITCH, &o->watch_shaders, NULL, "show shaders anew as soon as their files change", 0,
+	     0, NULL},
+		{"--no-watch-shaders", FLAG_SWITCH, &o->no_watch_shaders, NULL,
+	     "do not, which a debug build does in a window by itself", 0, 0, NULL},
+		{"--shaders", FLAG_TEXT, &o->shaders, "DIR", "watch these: the folder 'engine' of Stilb's sources", 0, 0, NULL},
 	};
 	const flag device[] = {{"The device and its pictures", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag size[] = {
@@ -339,6 +344,11 @@ bool live_options_check(const live_options *o)
 		          flags_choice(brdf, stilb_engine_brdf_names[picture->brdf]));
 		return false;
 	}
+	if (o->no_watch_shaders && (o->watch_shaders || o->shaders)) {
+		stilb_log("%s watches shaders, which --no-watch-shaders switches off; leave one of them out",
+		          o->shaders ? "--shaders" : "--watch-shaders");
+		return false;
+	}
 	if (!live_check_profile(o) || !live_outputs_differ(o) || !live_check_recording(o))
 		return false;
 	stilb_isa isa;
@@ -352,6 +362,18 @@ bool live_options_check(const live_options *o)
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;
+}
+
+/* Debug builds are for those who change the sources, in a window. */
+static stilb_engine_watch live_watch(const live_options *o, bool window)
+{
+	bool debug = false;
+#ifndef NDEBUG
+	debug = true;
+#endif
+	if (o->watch_shaders || o->shaders)
+		return STILB_ENGINE_WATCH_ON;
+	return debug && window && !o->no_watch_shaders ? STILB_ENGINE_WATCH_AUTO : STILB_ENGINE_WATCH_OFF;
 }
 
 live_faults live_options_faults(const live_options *o)
@@ -381,6 +403,8 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.presentation = (stilb_gpu_presentation)o->present;
 	desc.validate = o->picture.validate;
 	desc.keep_textures = o->dump;
+	desc.watch_shaders = live_watch(o, desc.window);
+	desc.shaders = o->shaders;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	desc.detail = picture_flags_detail(&o->picture);
 	picture_shown image;
