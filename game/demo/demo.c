@@ -36,7 +36,7 @@ static const char *const demo_views[] = {"all", "half", "few", NULL};
 static void demo_tiles(const demo *d, uint32_t *columns, uint32_t *rows)
 {
 	*columns = 1;
-	while (*columns * *columns < d->cameras)
+	while ((uint64_t)*columns * *columns < d->cameras)
 		*columns += 1;
 	*rows = ((uint32_t)d->cameras + *columns - 1) / *columns;
 }
@@ -46,10 +46,11 @@ static void demo_place(const demo *d, uint32_t camera, float place[4])
 {
 	uint32_t columns, rows;
 	demo_tiles(d, &columns, &rows);
-	place[0] = (float)(camera % columns) / (float)columns;
-	place[1] = (float)(camera / columns) / (float)rows;
-	place[2] = (float)(camera % columns + 1) / (float)columns;
-	place[3] = (float)(camera / columns + 1) / (float)rows;
+	uint32_t column = camera % columns, row = camera / columns;
+	place[0] = (float)column / (float)columns;
+	place[1] = (float)row / (float)rows;
+	place[2] = (float)(column + 1) / (float)columns;
+	place[3] = (float)(row + 1) / (float)rows;
 }
 
 /* Moves the camera to the place of the view in the engine's picture. */
