@@ -321,6 +321,21 @@ void stilb_gpu_plan_pass(stilb_gpu_plan *plan, const stilb_gpu_pass *row)
 	plan->row_count++;
 }
 
+uint32_t stilb_gpu_plan_mips(stilb_gpu_plan *plan, uint16_t image, uint16_t first_layer, uint16_t layers)
+{
+	STILB_ASSERT(plan && plan->begun);
+	uint32_t mips = image > 0 && image <= plan->resource_count ? gpu_plan_resource(plan, image)->extent.mips : 0;
+	for (uint32_t mip = 1; mip < mips; mip++) {
+		stilb_gpu_use use = {.resource = image, .mip = (uint8_t)mip, .mips = 1, .layer = first_layer, .layers = layers};
+		stilb_gpu_pass pass = {.name = "mips", .kind = STILB_GPU_PASS_COPY, .uses = {use, use}, .use_count = 2};
+		pass.uses[0].how = STILB_GPU_USE_COPY_FROM;
+		pass.uses[0].mip--;
+		pass.uses[1].how = STILB_GPU_USE_COPY_TO;
+		stilb_gpu_plan_pass(plan, &pass);
+	}
+	return mips > 0 ? mips - 1 : 0;
+}
+
 uint16_t stilb_gpu_plan_find(const stilb_gpu_plan *plan, const char *name)
 {
 	STILB_ASSERT(plan && name);

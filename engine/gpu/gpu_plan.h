@@ -214,6 +214,13 @@ uint16_t stilb_gpu_plan_image(stilb_gpu_plan *plan, const stilb_gpu_plan_image_r
 uint16_t stilb_gpu_plan_buffer(stilb_gpu_plan *plan, const stilb_gpu_plan_buffer_row *row);
 void stilb_gpu_plan_pass(stilb_gpu_plan *plan, const stilb_gpu_pass *row);
 
+/* Adds the rows that fill an image's mips from its first one on, each from the one before: copies named "mips", one a
+ * mip, for layers first_layer .. first_layer + layers - 1, 0: all from first_layer on; a cube has six. Returns how
+ * many. Where a side is even, each texel is the mean of the two it lies over, so of four in 2D; where it is odd, it
+ * lies over two and a half or so, and is the linear interpolation at its middle, which leaves the outer ones out in
+ * part. sRGB is filtered as light. For formats that the device filters: neither depth nor integers nor compressed. */
+uint32_t stilb_gpu_plan_mips(stilb_gpu_plan *plan, uint16_t image, uint16_t first_layer, uint16_t layers);
+
 /* The number of the resource with this name among those added so far; 0: there is none. For features that read what
  * others write. */
 uint16_t stilb_gpu_plan_find(const stilb_gpu_plan *plan, const char *name);
