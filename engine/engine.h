@@ -90,6 +90,8 @@ enum {
 	STILB_ENGINE_MATERIALS,                  /* open or close the materials' window */
 	STILB_ENGINE_CAPTURE,                    /* asked for: a trace of the frames around this moment */
 	STILB_ENGINE_PICTURE,                    /* asked for: a picture; its frame has no toasts, first line and times */
+	STILB_ENGINE_IMAGE,                      /* show the next image of the frame's plan in the picture's place */
+	STILB_ENGINE_IMAGE_BACK,                 /* the one before */
 	STILB_ENGINE_ACTIONS
 };
 

@@ -55,6 +55,12 @@ static const stilb_input_action engine_actions[] = {
                                                     .pad = STILB_INPUT_PAD(BACK),
                                                     .main = true,
                                                     .help = "save a picture"},
+	[STILB_ENGINE_IMAGE - STILB_INPUT_ACTIONS] = {.name = "next image",
+                                                  .typed = "i",
+                                                  .help = "the next image of the frame, the one before"},
+	[STILB_ENGINE_IMAGE_BACK - STILB_INPUT_ACTIONS] = {.name = "image before",
+                                                       .typed = "I",
+                                                       .help = "the next image of the frame, the one before"},
 };
 static_assert(sizeof engine_actions / sizeof *engine_actions == STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS, "all rows");
 

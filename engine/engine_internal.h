@@ -167,6 +167,8 @@ struct stilb_engine {
 	struct engine_watch *watch; /* NULL: shaders are not watched */
 	engine_shown picture;
 	char caption[128];
+	char image[STILB_GPU_MAX_NAME +
+	           1];                 /* of the plan, that keys have chosen; "": the picture, or the program's choice */
 	stilb_render_shading shading;  /* of the next frame */
 	engine_prepare *prepare;       /* the scene that stilb_engine_prepare was given; NULL: none */
 	engine_prepare *compiling;     /* pipelines for other formulas; NULL: none */
@@ -352,6 +354,11 @@ stilb_result engine_surface_present(engine_surface *surface, stilb_render *rende
 
 /* True if the surface is lost and `window` has given no other for a while, or is NULL. */
 bool engine_surface_is_gone(const engine_surface *surface, const stilb_window *window);
+
+/* engine_images.c */
+
+/* Shows another image of the last frame's plan, the next or the one before, if keys have asked for it. */
+void engine_images_act(stilb_engine *engine, const stilb_input_state *input);
 
 /* engine_toasts.c */
 

@@ -112,6 +112,7 @@ static void frame_input(stilb_engine *engine, stilb_engine_report *report)
 	report->time_us = engine_input_frame(engine, &report->input);
 	report->replayed = engine->input.replayed;
 	engine_overlay_act(engine, &report->input);
+	engine_images_act(engine, &report->input);
 }
 
 static stilb_result frame_begin(stilb_engine *engine)

@@ -557,6 +557,7 @@ typedef struct stilb_render_shown {
 	const char *name; /* copied */
 	uint32_t mip, layer;
 	float low, high; /* the values that are black and white, linearly in between; both 0: 0 and 1 */
+	bool optional;   /* a frame that has no such image shows the picture */
 } stilb_render_shown;
 
 /* From the next replay on, in frames with a scene pass; NULL: frames show the picture. An image that a frame has not,

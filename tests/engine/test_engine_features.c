@@ -1,6 +1,6 @@
 /* Rows that a program adds to the plan of each frame: effects on light and picture, a dispatch, what is wrong with
  * them, and the plan as a file. With the shaders of the examples. */
-#include "engine.h"
+#include "engine_internal.h"
 #include "support/folder.h"
 #include "support/test.h"
 
@@ -362,6 +362,7 @@ static void images_are_shown(void **state)
 		stilb_engine_show_image(engine, &(stilb_render_shown){.name = "bump"});
 		assert_int_equal(draw(engine), STILB_ERROR_ARGUMENT);
 		assert_non_null(strstr(stilb_error_message(), "no image 'bump' to show; this frame has picture, color, depth"));
+		assert_non_null(strstr(stilb_error_message(), ", shaded, lod"));
 		stilb_engine_show_image(engine, &(stilb_render_shown){.name = "color", .mip = 3});
 		assert_int_equal(draw(engine), STILB_ERROR_ARGUMENT);
 		assert_non_null(strstr(stilb_error_message(), "has 1 mips and 1 layers; there is no mip 3, layer 0"));
@@ -373,6 +374,52 @@ static void images_are_shown(void **state)
 		free(same);
 		close_engine(engine);
 	}
+}
+
+/* Draws a frame in which this was typed. */
+static void type(stilb_engine *engine, uint32_t character)
+{
+	stilb_window_state state = {.width = WIDTH, .height = HEIGHT, .typed = {character}, .typed_count = 1};
+	assert_int_equal(stilb_engine_input(engine, &state), STILB_OK);
+	assert_int_equal(draw(engine), STILB_OK);
+}
+
+/* i and I go through the images of the plan, around its end; a line tells which is shown. */
+static void keys_show_images(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"color", "depth", "", "color", "", "depth", "color", ""};
+	static const char typed[] = "iiiiIIII"; /* after "color" back to the picture, and around */
+	stilb_engine *engine = open_engine(1, STILB_RENDER_OUTPUT_DISPLAY);
+	assert_int_equal(draw(engine), STILB_OK);
+	stilb_image plain = {0}, shown = {0};
+	assert_int_equal(stilb_render_read_image(engine->render, &plain), STILB_OK);
+	for (size_t k = 0; typed[k]; k++) {
+		type(engine, (uint32_t)typed[k]);
+		assert_string_equal(engine->image, names[k]);
+		assert_int_equal(engine->overlay.caption_open, names[k][0] != '\0');
+		assert_int_equal(stilb_render_read_image(engine->render, &shown), STILB_OK);
+		bool same = memcmp(plain.pixels, shown.pixels, stilb_image_size(&plain)) == 0;
+		assert_int_equal(same, names[k][0] == '\0');
+		stilb_image_finish(&shown);
+	}
+	char line[128];
+	type(engine, 'I');
+	snprintf(line, sizeof line, "depth, %u x %u d32_f, mip 0 of 1, layer 0 of 1, 0..1", (uint32_t)WIDTH,
+	         (uint32_t)HEIGHT);
+	assert_string_equal(engine->caption, line);
+	stilb_image_finish(&plain);
+	close_engine(engine);
+}
+
+/* What keys have chosen may be missing in a later frame: that shows the picture. */
+static void an_optional_image(void **state)
+{
+	(void)state;
+	stilb_engine *engine = open_engine(1, STILB_RENDER_OUTPUT_DISPLAY);
+	stilb_engine_show_image(engine, &(stilb_render_shown){.name = "bump", .optional = true});
+	assert_int_equal(draw(engine), STILB_OK);
+	close_engine(engine);
 }
 
 static void the_plan_as_a_file(void **state)
@@ -424,7 +471,8 @@ int main(void)
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_effect_on_the_light),    cmocka_unit_test(stages_come_in_their_order),
 		cmocka_unit_test(a_dispatch_and_its_result), cmocka_unit_test(what_is_wrong_is_said),
-		cmocka_unit_test(images_are_shown),          cmocka_unit_test(the_plan_as_a_file),
+		cmocka_unit_test(images_are_shown),          cmocka_unit_test(keys_show_images),
+		cmocka_unit_test(an_optional_image),         cmocka_unit_test(the_plan_as_a_file),
 	};
 	return cmocka_run_group_tests(tests, make_scene, drop_scene);
 }

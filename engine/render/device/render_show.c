@@ -40,6 +40,8 @@ static stilb_result show_unknown(const render_device *device)
 		if (image && used + strlen(name) + 3 < sizeof names)
 			used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", name);
 	}
+	for (const char *const *kind = stilb_render_show_names; *kind && used + strlen(*kind) + 3 < sizeof names; kind++)
+		used += (size_t)snprintf(names + used, sizeof names - used, ", %s", *kind);
 	return stilb_fail(STILB_ERROR_ARGUMENT, "there is no image '%s' to show; this frame has %s", device->shown.name,
 	                  names);
 }
@@ -80,7 +82,7 @@ stilb_result render_show_image(render_device *device)
 		return STILB_OK;
 	uint16_t image = stilb_gpu_plan_find(device->plan, shown->name);
 	if (image == 0)
-		return show_unknown(device);
+		return shown->optional ? STILB_OK : show_unknown(device);
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(device->plan, image);
 	stilb_gpu_program program;
 	stilb_result result = show_check(device, &extent);
