@@ -2,7 +2,6 @@
 #include "engine_faults.h"
 #include "engine_internal.h"
 
-#include "base/base_file.h"
 #include "image/image.h"
 #include "job_prof/job_prof.h"
 #include "profiler/prof.h"
@@ -10,7 +9,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* ---- workers ----------------------------------------------------------------------------------------------------- */
 
@@ -385,19 +383,7 @@ stilb_result stilb_engine_save_plan(stilb_engine *engine, const char *path)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(path);
-	const stilb_gpu_plan *plan = stilb_render_plan(engine->render);
-	const stilb_gpu_step *steps;
-	size_t length = strlen(path);
-	char *text = NULL;
-	if (stilb_gpu_plan_steps(plan, &steps) == 0)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no plan to write to '%s': no frame has been drawn", path);
-	bool drawing = length >= 4 && strcasecmp(path + length - 4, ".svg") == 0;
-	stilb_result result = drawing ? stilb_gpu_plan_svg(plan, &text) : stilb_gpu_plan_text(plan, &text);
-	if (result != STILB_OK)
-		return result;
-	result = stilb_file_save(path, text, strlen(text));
-	free(text);
-	return result;
+	return stilb_gpu_plan_save(stilb_render_plan(engine->render), path);
 }
 
 void stilb_engine_set_title(stilb_engine *engine, const char *title)

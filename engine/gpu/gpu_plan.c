@@ -54,6 +54,8 @@ void stilb_gpu_plan_begin(stilb_gpu_plan *plan, uint32_t width, uint32_t height)
 	plan->resources_known = same ? plan->resource_count : 0;
 	plan->rows_known = same ? plan->row_count : 0;
 	plan->shown_known = same ? plan->shown_count : 0;
+	memcpy(plan->cut_known, plan->cut, sizeof plan->cut_known);
+	plan->cut[0] = plan->cut[1] = 0;
 	plan->size[0] = width;
 	plan->size[1] = height;
 	plan->resource_count = plan->row_count = plan->shown_count = 0;
@@ -376,6 +378,15 @@ void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource)
 	plan->shown_count++;
 }
 
+void stilb_gpu_plan_cut(stilb_gpu_plan *plan, uint32_t pass)
+{
+	STILB_ASSERT(plan && plan->begun);
+	STILB_ASSERT(pass < plan->row_count);
+	STILB_ASSERT(plan->cut[0] == 0 && "once a frame");
+	plan->cut[0] = pass + 1;
+	plan->cut[1] = plan->row_count;
+}
+
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
 /* Asks for mistakes of the rows that run and have changed. */
@@ -435,7 +446,8 @@ stilb_result stilb_gpu_plan_make(stilb_gpu_plan *plan, const stilb_gpu_planner *
 	STILB_ASSERT(plan && plan->begun);
 	static const stilb_gpu_planner nobody = {0};
 	planner = planner ? planner : &nobody;
-	if (plan->resource_count != plan->resources_known || plan->shown_count != plan->shown_known)
+	if (plan->resource_count != plan->resources_known || plan->shown_count != plan->shown_known ||
+	    memcmp(plan->cut, plan->cut_known, sizeof plan->cut) != 0)
 		plan->changed = true;
 	if (plan->row_count != plan->rows_known)
 		plan->rows_changed = true;

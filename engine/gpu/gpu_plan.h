@@ -17,7 +17,7 @@
  * Barriers.      The fewest that do, each before the pass that needs it. A pass touches a part of an image in one way:
  *                two uses that need different layouts, or of which one writes, are a mistake.
  * Left out.      A pass whose results nobody reads does not run. Outputs, shown, kept and owned resources count as
- *                read.
+ *                read. A frame can be cut after a pass, to see what there is by then (stilb_gpu_plan_cut).
  * Queues.        A pass may ask for a queue beside the main one; the plan says which steps must then wait for which. On
  *                a device with one queue, as Vulkan's is here, the table's order is all.
  * Threads.       A plan belongs to one thread at a time and needs no device.
@@ -233,6 +233,12 @@ bool stilb_gpu_plan_kept(const stilb_gpu_plan *plan, uint16_t resource);
 /* Marks a resource as read after the frame, as row.output does: to show an image live, or to read it back. */
 void stilb_gpu_plan_show(stilb_gpu_plan *plan, uint16_t resource);
 
+/* Ends the frame with pass `pass`, the index of a row among those added so far: the rows behind it do not run, but
+ * those that are added after this call do. The pass runs even if nobody reads what it writes, and so do the passes
+ * before it that the frame would run without the cut. An output that only passes behind it write has no content in
+ * this frame, and what they would have kept the next frame does not find. At most once a frame. */
+void stilb_gpu_plan_cut(stilb_gpu_plan *plan, uint32_t pass);
+
 /* What memory an image needs on a device. */
 typedef struct stilb_gpu_needs {
 	uint64_t bytes, align; /* align: a power of two */
@@ -415,6 +421,9 @@ uint64_t stilb_gpu_plan_heap_bytes(const stilb_gpu_plan *plan, uint32_t heap);
 stilb_result stilb_gpu_plan_text(const stilb_gpu_plan *plan, char **text);
 /* The same as a drawing, SVG. */
 stilb_result stilb_gpu_plan_svg(const stilb_gpu_plan *plan, char **text);
+/* Writes the drawing to a path that ends in .svg, the text to any other, as base_file.h says: whole or not at all.
+ * STILB_ERROR_ARGUMENT: there is no plan with a pass that runs. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
+stilb_result stilb_gpu_plan_save(const stilb_gpu_plan *plan, const char *path);
 
 #pragma GCC visibility pop
 #ifdef __cplusplus

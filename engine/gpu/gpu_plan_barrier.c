@@ -455,6 +455,8 @@ static bool touch_one(stilb_gpu_plan *plan, const gpu_touch *touch)
 		t.subs -= touch->range.layer * t.stride + touch->range.mip;
 		return touch_parts(&t);
 	}
+	if (t.content_alone && !t.subs->now)
+		return true; /* an output without content, in a frame that is cut */
 	if (!gpu_array_reserve(&plan->barriers, (size_t)plan->barrier_count + 1, sizeof(stilb_gpu_barrier)))
 		return false;
 	uint8_t key = sub_key(&t, t.subs);

@@ -115,6 +115,7 @@ typedef struct gpu_mark {
 	bool wrote; /* that pass */
 	bool written;
 	bool needed; /* by a pass or somebody after the point at which the search is */
+	bool later;  /* likewise, by one of the rows behind a cut frame's */
 } gpu_mark;
 
 /* What a frame leaves of a resource that stays. */
@@ -168,8 +169,9 @@ struct stilb_gpu_plan {
 	uint32_t shown_count, shown_known;
 	gpu_array names; /* uint16_t: resources by name and by `owned`; open addressing, 0: empty */
 	uint32_t name_mask;
-	bool changed;      /* the images, buffers or what is shown are not those of the table before */
-	bool rows_changed; /* passes are not */
+	uint32_t cut[2], cut_known[2]; /* rows cut[0] .. cut[1] - 1 do not run; both 0: the frame is not cut */
+	bool changed;                  /* the images, buffers, what is shown or the cut are not those of the table before */
+	bool rows_changed;             /* passes are not */
 	bool begun;
 	bool made;    /* there is a plan of the rows */
 	bool planned; /* in this frame */
@@ -247,6 +249,12 @@ static inline bool gpu_resource_stays(const gpu_resource *resource)
 static inline bool gpu_resource_counts(const gpu_resource *resource)
 {
 	return resource->image.owned != 0 || resource->image.keep || resource->image.output || resource->shown;
+}
+
+/* The frame ends before this row. */
+static inline bool gpu_plan_cuts(const stilb_gpu_plan *plan, uint32_t row)
+{
+	return row >= plan->cut[0] && row < plan->cut[1];
 }
 
 /* It fills a part of its attachments. */

@@ -166,10 +166,11 @@ static const char *part_text(const gpu_resource *resource, uint32_t index, char 
 	return text;
 }
 
-/* The first row from `row` on that writes a part; row_count: none. */
-static uint32_t find_writer(const stilb_gpu_plan *plan, uint32_t row, const gpu_resource *resource, uint32_t index)
+/* The first of the rows from `row` to before `end` that writes a part; row_count: none. */
+static uint32_t find_writer(const stilb_gpu_plan *plan, uint32_t row, uint32_t end, const gpu_resource *resource,
+                            uint32_t index)
 {
-	for (; row < plan->row_count; row++) {
+	for (; row < end; row++) {
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
 		for (uint32_t i = 0; i < count; i++) {
@@ -191,7 +192,12 @@ static stilb_result fail_unwritten(const stilb_gpu_plan *plan, uint32_t row, con
 	const char *verb = gpu_touch_verb(pass, touch);
 	char part[STILB_GPU_MAX_NAME + 64];
 	part_text(resource, index, part, sizeof part);
-	uint32_t writer = find_writer(plan, row, resource, index);
+	uint32_t writer = find_writer(plan, row, plan->row_count, resource, index);
+	uint32_t behind = find_writer(plan, plan->cut[0], plan->cut[1], resource, index);
+	if (row >= plan->cut[1] && behind < plan->row_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "pass %u '%s' %s %s, which pass %u '%s' writes, and the frame is cut before it: cut it later",
+		                  row + 1, pass->name, verb, part, behind + 1, gpu_plan_row(plan, behind)->name);
 	if (writer == row) /* reads and writes it, as nobody before has */
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "pass %u '%s' %s %s, which no earlier pass writes: clear or discard it first, or own it",
@@ -265,11 +271,31 @@ static void mark_written(const stilb_gpu_plan *plan, const gpu_touch *touch)
 		marks[at].written = true;
 }
 
-/* Also marks what somebody reads after the frame. */
-static stilb_result check_order(stilb_gpu_plan *plan)
+/* Marks what somebody reads after the frame. */
+static void mark_counted(const stilb_gpu_plan *plan)
 {
 	gpu_mark *marks = plan->marks.items;
+	for (uint32_t c = 0; c < plan->counted_count; c++) {
+		const gpu_resource *resource = gpu_plan_resource(plan, ((const uint16_t *)plan->counted.items)[c]);
+		for (uint32_t s = 0; s < resource->subs; s++)
+			marks[resource->first_sub + s].needed = true;
+	}
+}
+
+/* A row behind the cut writes the resource. */
+static bool cut_writes(const stilb_gpu_plan *plan, const gpu_resource *resource)
+{
+	for (uint32_t s = 0; s < resource->subs; s++)
+		if (find_writer(plan, plan->cut[0], plan->cut[1], resource, resource->first_sub + s) < plan->row_count)
+			return true;
+	return false;
+}
+
+static stilb_result check_order(stilb_gpu_plan *plan)
+{
 	for (uint32_t row = 0; row < plan->row_count; row++) {
+		if (gpu_plan_cuts(plan, row))
+			continue;
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
 		for (uint32_t i = 0; i < count; i++) {
@@ -285,13 +311,12 @@ static stilb_result check_order(stilb_gpu_plan *plan)
 		uint32_t number = ((const uint16_t *)plan->counted.items)[c];
 		const gpu_resource *resource = gpu_plan_resource(plan, number);
 		gpu_life *life = gpu_plan_life(plan, number);
-		if ((resource->image.output || resource->shown) && resource->image.owned == 0 && !life->written)
+		if ((resource->image.output || resource->shown) && resource->image.owned == 0 && !life->written &&
+		    !cut_writes(plan, resource))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "%s '%s' is %s, and no pass writes it: add one, or leave it out",
 			                  gpu_resource_word(resource), resource->name,
 			                  resource->image.output ? "an output" : "shown");
 		life->written = false;
-		for (uint32_t s = 0; s < resource->subs; s++)
-			marks[resource->first_sub + s].needed = true;
 	}
 	return STILB_OK;
 }
@@ -324,22 +349,48 @@ static void touch_needs(const stilb_gpu_plan *plan, const gpu_touch *touch)
 		marks[at].needed = touch->reads;
 }
 
-/* Goes back through the rows with the parts that somebody reads later. */
-static stilb_result find_needed(stilb_gpu_plan *plan)
+/* Goes back through the rows from before `end` to `first` with the parts that somebody reads later. */
+static void walk_back(stilb_gpu_plan *plan, uint32_t first, uint32_t end)
 {
-	if (!gpu_array_reserve(&plan->live, plan->row_count, sizeof(bool)))
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
 	bool *live = plan->live.items;
-	for (uint32_t row = plan->row_count; row-- > 0;) {
+	for (uint32_t row = end; row-- > first;) {
 		uint32_t count;
 		const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
-		live[row] = false;
+		live[row] = row + 1 == plan->cut[0];
 		for (uint32_t i = 0; i < count && !live[row]; i++)
 			live[row] = touches[i].writes && touch_needed(plan, &touches[i]);
 		for (uint32_t i = 0; live[row] && i < count; i++)
 			if (!touches[i].previous && (touches[i].reads || touches[i].replaces))
 				touch_needs(plan, &touches[i]);
 	}
+}
+
+/* Rows that are cut out do not run, but what they need of the rows before them counts as read, as if nothing had been
+ * added behind them: so the rows before them are those that run without the cut, and what the rows behind need. */
+static void walk_back_cut(stilb_gpu_plan *plan)
+{
+	gpu_mark *marks = plan->marks.items;
+	for (uint32_t s = 0; s < plan->sub_count; s++) {
+		marks[s].later = marks[s].needed;
+		marks[s].needed = false;
+	}
+	mark_counted(plan);
+	walk_back(plan, plan->cut[0], plan->cut[1]);
+	memset((bool *)plan->live.items + plan->cut[0], 0, plan->cut[1] - plan->cut[0]);
+	for (uint32_t s = 0; s < plan->sub_count; s++)
+		marks[s].needed |= marks[s].later;
+}
+
+static stilb_result find_needed(stilb_gpu_plan *plan)
+{
+	if (!gpu_array_reserve(&plan->live, plan->row_count, sizeof(bool)))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a plan of %u passes", plan->row_count);
+	mark_counted(plan);
+	walk_back(plan, plan->cut[1], plan->row_count);
+	if (plan->cut[0] == 0)
+		return STILB_OK;
+	walk_back_cut(plan);
+	walk_back(plan, 0, plan->cut[0]);
 	return STILB_OK;
 }
 

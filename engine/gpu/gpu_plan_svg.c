@@ -2,13 +2,16 @@
  * gpu_plan: a plan as a drawing. Passes are columns in their order, resources are rows: a bar from the first pass that
  * touches one to the last, a disc where it is written, a ring where it is read, a stroke before the column where a
  * barrier stands. Below, shared memory: time to the right, offsets downwards. What has no room as text is shown by
- * viewers when the pointer rests on it.
+ * viewers when the pointer rests on it. At the end: a plan as a file.
  */
 #include "gpu/gpu_plan_internal.h"
+
+#include "base/base_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define ROW 22.0        /* height of a resource's row, pixels */
 #define LEFT 190.0      /* where the columns begin */
@@ -340,4 +343,20 @@ stilb_result stilb_gpu_plan_svg(const stilb_gpu_plan *plan, char **text)
 	free(*text);
 	*text = NULL;
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the drawing of a plan");
+}
+
+stilb_result stilb_gpu_plan_save(const stilb_gpu_plan *plan, const char *path)
+{
+	STILB_ASSERT(plan && path);
+	size_t length = strlen(path);
+	char *text = NULL;
+	if (plan->step_count == 0)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no plan to write to '%s': no frame has been drawn", path);
+	bool draws = length >= 4 && strcasecmp(path + length - 4, ".svg") == 0;
+	stilb_result result = draws ? stilb_gpu_plan_svg(plan, &text) : stilb_gpu_plan_text(plan, &text);
+	if (result != STILB_OK)
+		return result;
+	result = stilb_file_save(path, text, strlen(text));
+	free(text);
+	return result;
 }

@@ -142,6 +142,10 @@ void gpu_print_left_out(FILE *out, const stilb_gpu_plan *plan, uint32_t row)
 	uint32_t count, i = 0;
 	const gpu_touch *touches = gpu_plan_touches(plan, row, &count);
 	fprintf(out, "%s: ", gpu_plan_row(plan, row)->name);
+	if (gpu_plan_cuts(plan, row)) {
+		fprintf(out, "the frame is cut after pass %u, %s", plan->cut[0], gpu_plan_row(plan, plan->cut[0] - 1)->name);
+		return;
+	}
 	while (i < count && !touches[i].writes)
 		i++;
 	if (i == count) {

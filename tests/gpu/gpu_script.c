@@ -194,6 +194,14 @@ static void add_pass(stilb_gpu_plan *plan, stilb_gpu_pass_kind kind, char **rest
 	stilb_gpu_plan_pass(plan, &pass);
 }
 
+static void cut(stilb_gpu_plan *plan, const char *name)
+{
+	uint32_t row = 0;
+	while (strcmp(stilb_gpu_plan_row(plan, row)->name, name) != 0)
+		row++;
+	stilb_gpu_plan_cut(plan, row);
+}
+
 void script_rows(stilb_gpu_plan *plan, const char *script)
 {
 	static const char *const kinds[STILB_GPU_PASS_KINDS] = {"draws", "screen", "dispatch", "copy"};
@@ -211,6 +219,8 @@ void script_rows(stilb_gpu_plan *plan, const char *script)
 			add_buffer(plan, &rest);
 		else if (strcmp(word, "show") == 0)
 			stilb_gpu_plan_show(plan, find(plan, strtok_r(NULL, " ", &rest)));
+		else if (strcmp(word, "cut") == 0)
+			cut(plan, strtok_r(NULL, " ", &rest));
 		for (uint32_t kind = 0; kind < STILB_GPU_PASS_KINDS; kind++)
 			if (strcmp(word, kinds[kind]) == 0)
 				add_pass(plan, (stilb_gpu_pass_kind)kind, &rest);

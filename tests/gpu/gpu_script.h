@@ -6,6 +6,7 @@
  *   buffer NAME BYTES [keep] [output] [owned N]
  *   draws | screen | dispatch | copy NAME ITEM...
  *   show NAME
+ *   cut NAME          the frame ends with this pass
  *
  * An item is WORD:NAME. Attachments, of colour or depth by the image's format: clear, over (kept), fresh (discarded),
  * test (read-only depth); clear:A>B resolves into B. Uses: sample, load, store, modify (storage: read, write, both),

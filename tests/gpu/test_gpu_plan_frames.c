@@ -412,6 +412,126 @@ static uint64_t hash_of(const char *rows)
 	return hash;
 }
 
+/* ---- frames that are cut ----------------------------------------------------------------------------------------- */
+
+#define CUT_FRAME                                                                                                      \
+	"image light rgba16_f samples 4\n"                                                                                 \
+	"image color rgba16_f output\n"                                                                                    \
+	"image depth d32_f samples 4\n"                                                                                    \
+	"image picture rgba8_u output\n"                                                                                   \
+	"screen sky fresh:light\n"                                                                                         \
+	"draws scene over:light clear:depth\n"                                                                             \
+	"screen resolve fresh:color sample:light\n"                                                                        \
+	"screen tone fresh:picture sample:color\n"
+
+static void test_cut(void **state)
+{
+	(void)state;
+	/* the pass runs though nobody reads it; outputs that only passes behind it write are none */
+	expect_steps(CUT_FRAME "cut sky\n", "sky");
+	expect_steps(CUT_FRAME "cut scene\n", "sky scene");
+	expect_steps(CUT_FRAME "cut resolve\n", "sky scene resolve");
+	expect_steps(CUT_FRAME "cut tone\n", "sky scene resolve tone");
+	expect_steps(CUT_FRAME "cut scene\nscreen show fresh:picture sample:depth\n", "sky scene show");
+	/* what the frame runs without the cut runs with it, read or not; what it leaves out stays out */
+	expect_steps("image a rgba8_u output\nimage b rgba8_u\nimage c rgba8_u\nimage d rgba8_u\ndraws p clear:b\n"
+	             "draws q clear:c\ndraws out clear:d\ndraws r clear:c\nscreen s fresh:a sample:b sample:c\ncut r\n"
+	             "screen show fresh:a sample:c\n",
+	             "p r show");
+	/* but what the last pass, or one that is added, needs */
+	expect_steps(
+		"image a rgba8_u output\nimage b rgba8_u\nimage c rgba8_u\ndraws p clear:b\nscreen q fresh:c sample:b\n"
+		"draws r clear:a\ncut q\n",
+		"p q");
+	expect_steps("image a rgba8_u output\nimage b rgba8_u\ndraws p clear:b\ndraws q clear:a\ndraws r clear:a\ncut q\n"
+	             "screen show fresh:a sample:b\n",
+	             "p q show");
+	expect_steps("image a rgba8_u output\ndraws p clear:a\ndraws q clear:a\ncut p\n", "p");
+	/* parts */
+	expect_steps("image a rgba8_u 8x8 mips 2 output\ndraws p clear:a[0]\ndraws q clear:a[1]\ncut p\n", "p");
+}
+
+static void expect_error(const char *rows, const char *wanted)
+{
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	stilb_gpu_plan_begin(plan, 64, 64);
+	script_rows(plan, rows);
+	assert_int_equal(stilb_gpu_plan_make(plan, NULL), STILB_ERROR_ARGUMENT);
+	assert_string_equal(stilb_error_message(), wanted);
+	stilb_gpu_plan_destroy(plan);
+}
+
+static void test_cut_mistakes(void **state)
+{
+	(void)state;
+	expect_error(CUT_FRAME "cut sky\nscreen show fresh:picture sample:depth\n",
+	             "pass 5 'show' samples 'depth', which pass 2 'scene' writes, and the frame is cut before it: cut it "
+	             "later");
+	expect_error("image a rgba8_u output\nimage b rgba8_u\nimage c rgba8_u output\ndraws p clear:b\ndraws q clear:c\n"
+	             "cut p\n",
+	             "image 'a' is an output, and no pass writes it: add one, or leave it out");
+	expect_error(
+		"image a rgba8_u output\nimage b rgba8_u\nscreen p fresh:a sample:b\ndraws q clear:b\ndraws r clear:b\n"
+		"cut q\n",
+		"pass 1 'p' samples 'b', which only a later row writes, pass 2 'q': change their order, or keep it and "
+		"read last frame's (previous)");
+}
+
+/* Whatever the frames before were cut after, a frame has the barriers of one that comes first. */
+static void test_cut_frames(void **state)
+{
+	(void)state;
+	static const char *const frames[] = {
+		CUT_FRAME,
+		CUT_FRAME "cut sky\nscreen show fresh:picture sample:light\n",
+		CUT_FRAME "cut scene\nscreen show fresh:picture sample:light\n",
+		CUT_FRAME "cut scene\nscreen show fresh:picture sample:depth\n",
+		CUT_FRAME "screen show fresh:picture sample:depth\n",
+		CUT_FRAME "cut tone\n",
+	};
+	stilb_gpu_plan *plan = stilb_gpu_plan_create();
+	for (uint32_t i = 0; i < 60; i++) {
+		const char *rows = frames[stilb_random_u64(3, i) % 6];
+		script_make(plan, rows);
+		const stilb_gpu_step *steps, *wanted;
+		stilb_gpu_plan *alone = stilb_gpu_plan_create();
+		script_make(alone, rows);
+		uint32_t count = stilb_gpu_plan_steps(plan, &steps);
+		assert_int_equal(count, stilb_gpu_plan_steps(alone, &wanted));
+		for (uint32_t s = 0; s < count; s++)
+			assert_int_equal(steps[s].pass, wanted[s].pass);
+		assert_true(stilb_gpu_plan_hash(plan) == stilb_gpu_plan_hash(alone));
+		stilb_gpu_plan_destroy(alone);
+	}
+	script_make(plan, frames[1]);
+	script_make(plan, frames[1]);
+	expect_barriers(plan, "sky: light sampled_fragment > color discard memory\n"
+	                      "show: picture output > color discard\n"
+	                      "show: light color > sampled_fragment\n"
+	                      "end: picture color > output\n");
+	assert_true(stilb_gpu_plan_ready(plan, stilb_gpu_plan_find(plan, "picture"), 0, 0));
+	assert_false(stilb_gpu_plan_ready(plan, stilb_gpu_plan_find(plan, "color"), 0, 0));
+	char *text;
+	assert_int_equal(stilb_gpu_plan_text(plan, &text), STILB_OK);
+	assert_non_null(strstr(text, "  5 show, fullscreen"));
+	assert_non_null(strstr(text, "left out\n  2 scene: the frame is cut after pass 1, sky\n"
+	                             "  3 resolve: the frame is cut after pass 1, sky\n"
+	                             "  4 tone: the frame is cut after pass 1, sky\n"));
+	free(text);
+	stilb_gpu_plan_destroy(plan);
+	/* what a pass behind the cut would have kept, the next frame does not find */
+	plan = stilb_gpu_plan_create();
+	script_make(plan, temporal);
+	script_make(plan, temporal);
+	assert_true(kept(plan, "mixed"));
+	char cut_frame[400];
+	snprintf(cut_frame, sizeof cut_frame, "%scut scene\n", temporal);
+	script_make(plan, cut_frame);
+	script_make(plan, temporal);
+	assert_false(kept(plan, "mixed"));
+	stilb_gpu_plan_destroy(plan);
+}
+
 static void test_hash(void **state)
 {
 	(void)state;
@@ -686,6 +806,7 @@ int main(void)
 		cmocka_unit_test(test_dropped),  test_one_thread(test_steady),          cmocka_unit_test(test_left_out),
 		cmocka_unit_test(test_hash),     cmocka_unit_test(test_hash_constants), cmocka_unit_test(test_text),
 		cmocka_unit_test(test_svg),      cmocka_unit_test(test_sizes),          cmocka_unit_test(test_no_memory),
+		cmocka_unit_test(test_cut),      cmocka_unit_test(test_cut_mistakes),   cmocka_unit_test(test_cut_frames),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -49,6 +49,7 @@ typedef struct frame {
 	const random_table *table;
 	const stilb_gpu_plan *plan;
 	device *device;
+	uint32_t cut[2]; /* passes cut[0] .. cut[1] - 1 do not run; both 0: all do */
 	uint32_t current[RANDOM_RESOURCES + 1], other[RANDOM_RESOURCES + 1]; /* instances; other: last frame's of two */
 	uint64_t number;
 	/* what contents should be, as if nothing overlapped; 0: not written in this frame, or zeros */
@@ -242,19 +243,24 @@ static void run_frame(frame *f, uint32_t without)
 
 /* ---- what the plan must be like besides -------------------------------------------------------------------------- */
 
-/* The passes that went into what somebody keeps, owns or reads after the frame. */
-static uint64_t passes_that_count(const random_table *table)
+/* Of the passes whose bits are in `rows`: those that went into what somebody keeps, owns or reads after the frame, and
+ * into pass `last` (UINT32_MAX: none), itself included. */
+static uint64_t passes_that_count(const random_table *table, uint64_t rows, uint32_t last)
 {
+	uint64_t all = 0;
 	static uint64_t made_by[RANDOM_RESOURCES + 1][RANDOM_SUBS];
 	memset(made_by, 0, sizeof made_by);
 	random_access accesses[RANDOM_ACCESSES];
 	for (uint32_t i = 0; i < table->pass_count; i++) {
+		if (!(rows & 1ull << i))
+			continue;
 		uint32_t count = random_accesses(table, &table->passes[i], accesses);
 		uint64_t read = 1ull << i;
 		for (uint32_t k = 0; k < count; k++)
 			if (accesses[k].reads && !accesses[k].previous)
 				read |= made_by[accesses[k].resource]
 							   [sub_of(table, accesses[k].resource, accesses[k].mip, accesses[k].layer)];
+		all |= i == last ? read : 0;
 		for (uint32_t k = 0; k < count; k++) {
 			uint64_t *by =
 				&made_by[accesses[k].resource][sub_of(table, accesses[k].resource, accesses[k].mip, accesses[k].layer)];
@@ -262,7 +268,6 @@ static uint64_t passes_that_count(const random_table *table)
 				*by = accesses[k].replaces ? read : *by | read;
 		}
 	}
-	uint64_t all = 0;
 	for (uint32_t r = 1; r <= table->resource_count; r++)
 		for (uint32_t s = 0; s < RANDOM_SUBS; s++)
 			if (random_keeps(table, r) || random_outputs(table, r) || random_owned(table, r) != 0)
@@ -279,7 +284,11 @@ static void check_steps(const frame *f)
 		assert_true(s == 0 || steps[s].pass > steps[s - 1].pass);
 		all |= 1ull << steps[s].pass;
 	}
-	assert_int_equal(all, passes_that_count(f->table));
+	uint64_t before = (1ull << f->cut[0]) - 1, not_behind = (1ull << f->cut[1]) - 1;
+	uint64_t wanted = passes_that_count(f->table, ~(not_behind & ~before), f->cut[0] - 1);
+	if (f->cut[0] > 0) /* and what runs before the cut if nothing is cut or added */
+		wanted |= passes_that_count(f->table, not_behind, UINT32_MAX) & before;
+	assert_int_equal(all, wanted);
 }
 
 /* Lifetimes are those of the steps, and what lives at the same time shares no memory. */
@@ -449,7 +458,7 @@ static void remember(const frame *f, history *left)
 }
 
 typedef struct totals {
-	uint64_t plans, barriers, left_out, dropped, removed, previous, zero, memory, two;
+	uint64_t plans, barriers, left_out, dropped, removed, previous, zero, memory, two, cut, added;
 } totals;
 
 static void count_barriers(const frame *f, totals *sum)
@@ -493,6 +502,33 @@ static void check_needed(const frame *f, const device *start, totals *sum)
 	}
 }
 
+/* Adds the rows of a frame that is cut by chance, and makes the plan. Rows that are added behind the cut may need what
+ * is cut out: then nothing is added. */
+static void make_cut(frame *f, stilb_gpu_plan *plan, uint64_t dice, totals *sum)
+{
+	random_table first = *f->table;
+	uint32_t count = f->table->pass_count, pass = (uint32_t)(dice % count);
+	uint32_t end = pass + 1 + (uint32_t)(dice / 64 % (count - pass));
+	for (;; end = count) {
+		stilb_gpu_plan_begin(plan, 100, 50);
+		first.pass_count = end;
+		random_add(&first, plan);
+		stilb_gpu_plan_cut(plan, pass);
+		for (uint32_t i = end; i < count; i++)
+			stilb_gpu_plan_pass(plan, &f->table->passes[i]);
+		stilb_result result = stilb_gpu_plan_make(plan, NULL);
+		bool needs = result != STILB_OK && end < count && strstr(stilb_error_message(), "is cut before it");
+		if (result == STILB_OK)
+			break;
+		if (!needs)
+			fail_msg("%s", stilb_error_message());
+	}
+	f->cut[0] = pass + 1;
+	f->cut[1] = end;
+	sum->cut++;
+	sum->added += end < count;
+}
+
 /* One frame. dropped: it does not count. */
 static void play(stilb_gpu_plan *plan, const random_table *table, history *before, bool needed, bool dropped,
                  uint64_t number, totals *sum)
@@ -505,10 +541,15 @@ static void play(stilb_gpu_plan *plan, const random_table *table, history *befor
 	f.plan = plan;
 	f.number = number;
 	f.wrong = text;
-	stilb_gpu_plan_begin(plan, 100, 50);
-	random_add(table, plan);
-	if (stilb_gpu_plan_make(plan, NULL) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
+	uint64_t dice = stilb_random_u64(78, sum->plans);
+	if (dice % 4 == 0 && table->pass_count > 0) {
+		make_cut(&f, plan, dice / 4, sum);
+	} else {
+		stilb_gpu_plan_begin(plan, 100, 50);
+		random_add(table, plan);
+		if (stilb_gpu_plan_make(plan, NULL) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+	}
 	check_steps(&f);
 	check_places(&f);
 	check_ranges(&f);
@@ -561,10 +602,12 @@ static void test_random(void **state)
 	}
 	print_message(
 		"%llu plans, %llu barriers (%llu of memory, %llu of last frame's, %llu with zeros), %llu removed to see; "
-		"%llu passes left out, %llu resources twice, %llu frames dropped\n",
+		"%llu passes left out, %llu resources twice, %llu frames dropped, %llu cut, %llu of them with passes behind\n",
 		(unsigned long long)sum.plans, (unsigned long long)sum.barriers, (unsigned long long)sum.memory,
 		(unsigned long long)sum.previous, (unsigned long long)sum.zero, (unsigned long long)sum.removed,
-		(unsigned long long)sum.left_out, (unsigned long long)sum.two, (unsigned long long)sum.dropped);
+		(unsigned long long)sum.left_out, (unsigned long long)sum.two, (unsigned long long)sum.dropped,
+		(unsigned long long)sum.cut, (unsigned long long)sum.added);
+	assert_true(sum.cut > sum.plans / 5 && sum.added > sum.plans / 40);
 	assert_true(sum.memory > sum.plans / 10 && sum.previous > 0 && sum.zero > 0 && sum.left_out > 0 && sum.two > 0);
 }
 
