@@ -248,6 +248,13 @@ void stilb_render_show_image(stilb_render *render, const stilb_render_shown *sho
 	device->shown.name = device->shown_name;
 }
 
+void stilb_render_until(stilb_render *render, const char *pass)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render_device *device = render->device;
+	snprintf(device->until, sizeof device->until, "%s", pass ? pass : "");
+}
+
 stilb_gpu *stilb_render_gpu(stilb_render *render)
 {
 	return render->device->gpu;

@@ -564,6 +564,14 @@ typedef struct stilb_render_shown {
  * or has only later, or that is not 2D is an error of the frame, which names those that there are. [main-thread] */
 void stilb_render_show_image(stilb_render *render, const stilb_render_shown *shown);
 
+/* From the next replay on frames end with this pass of their plan: the rows behind it are left out
+ * (stilb_gpu_plan_cut). The picture then shows the image of stilb_render_show_image, or else the one that the pass has
+ * drawn into, its first one if there are several. pass: copied, 63 bytes at most; a name, of which the frame's last row
+ * with that name counts, or a number as stilb_gpu_plan_text prints it. NULL or "": frames are whole. Errors of the
+ * frame, STILB_ERROR_ARGUMENT: it has no such pass, the message names those that there are; the image has no content by
+ * then; the pass draws into none, and no other is shown. [main-thread] */
+void stilb_render_until(stilb_render *render, const char *pass);
+
 /* The device, for programs, buffers and images of one's own: destroy them before the renderer. Frames are render's to
  * begin and run. [any-thread] */
 stilb_gpu *stilb_render_gpu(stilb_render *render);

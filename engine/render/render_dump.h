@@ -1,11 +1,12 @@
 /*
  * render_dump: a frame's command stream as a file, and playing such a file without the scene that it came from.
  *
- * Contents.    The views with their backdrops and panorama, the scene passes (2D passes are left out), every draw
- *              (mesh, level, material, key, transform) in the order and the segments of its recording, and the meshes,
- *              materials and textures that the draws use, with their ids. So the file needs nothing else, and playing
- *              it gives the frame's stilb_render_stream_hash, which the file also holds. render_dump_format.h describes
- *              the bytes. A panorama that was still being made, or was not the frame's first, is left out with a line.
+ * Contents.    The views with their backdrops and panorama, the scene passes, every draw (mesh, level, material, key,
+ *              transform) in the order and the segments of its recording, and the meshes, materials and textures that
+ *              the draws use, with their ids. So the file needs nothing else, and playing it gives the frame's
+ *              stilb_render_stream_hash, which the file also holds. render_dump_format.h describes the bytes.
+ * Left out.    2D passes, passes of features, and a panorama that was still being made or was not the frame's first:
+ *              saving says so, in a line each that names them.
  * Life cycle.  Saving: stilb_render_dump_save after a frame's replay. Playing: stilb_render_dump_load ->
  *              stilb_render_dump_upload into a new renderer -> frames -> stilb_render_dump_destroy, before or after the
  *              renderer.

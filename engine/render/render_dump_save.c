@@ -558,6 +558,52 @@ static stilb_result save_backdrops(save_job *job, bool *without_panorama)
 	return STILB_OK;
 }
 
+/* ---- what is left out -------------------------------------------------------------------------------------------- */
+
+/* Names for a message: "a, b, c", each once. */
+typedef struct save_names {
+	char text[512];
+	size_t used;
+	uint32_t more; /* names for which there was no room */
+} save_names;
+
+static void save_name(save_names *names, const char *name)
+{
+	size_t length = strnlen(name, sizeof names->text);
+	for (const char *at = names->text; (at = strstr(at, name)); at++)
+		if ((at == names->text || at[-1] == ' ') && (at[length] == '\0' || at[length] == ','))
+			return;
+	if (names->used + length + 3 > sizeof names->text) {
+		names->more++;
+		return;
+	}
+	names->used += (size_t)snprintf(names->text + names->used, sizeof names->text - names->used, "%s%s",
+	                                names->used > 0 ? ", " : "", name);
+}
+
+static void save_say_names(const char *path, const char *what, const save_names *names)
+{
+	if (names->used > 0 && names->more > 0)
+		stilb_log("'%s': without %s: %s and %u more", path, what, names->text, names->more);
+	else if (names->used > 0)
+		stilb_log("'%s': without %s: %s", path, what, names->text);
+}
+
+/* Says which passes of the frame are not in the file. */
+static void save_say_left_out(const save_job *job, uint32_t pass_count, const char *path)
+{
+	const render_device *device = job->render->device;
+	save_names flat = {0}, added = {0};
+	for (uint32_t p = 0; p < pass_count; p++)
+		if (job->passes[p].kind == STILB_RENDER_PASS_2D && job->render->passes[p].draws > 0)
+			save_name(&flat, job->passes[p].name ? job->passes[p].name : "pass");
+	for (uint32_t f = 0; f < STILB_RENDER_MAX_FEATURES; f++)
+		for (uint32_t row = device->frame.added[f].first; row < device->frame.added[f].end; row++)
+			save_name(&added, stilb_gpu_plan_row(device->plan, row)->name);
+	save_say_names(path, "the frame's 2D passes", &flat);
+	save_say_names(path, "the program's own passes", &added);
+}
+
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path)
 {
@@ -596,6 +642,8 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 		result = save_put(&job, path);
 	if (result == STILB_OK && without_panorama)
 		stilb_log("'%s': without a panorama that the frame did not show yet, or that was not its first", path);
+	if (result == STILB_OK)
+		save_say_left_out(&job, pass_count, path);
 	free(job.bytes);
 	save_table_finish(&job.meshes);
 	save_table_finish(&job.materials);

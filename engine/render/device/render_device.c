@@ -287,6 +287,11 @@ stilb_result render_device_read_picture(render_device *device, stilb_image *imag
 
 stilb_result render_device_read_light(render_device *device, stilb_image *image)
 {
+	if (device->drawn && !device->lit && device->until[0] != '\0')
+		return stilb_fail(STILB_ERROR_DEVICE,
+		                  "'" STILB_RENDER_IMAGE_COLOR "' has no light yet where frames end, after pass '%s'; save the "
+		                  "picture, as .png, or end them later",
+		                  device->until);
 	stilb_result result = read_check(device, device->drawn && device->lit, "with a scene ");
 	return result == STILB_OK ? device_read(device, render_target_main(device)->color, STILB_IMAGE_F16_LINEAR, image)
 	                          : result;

@@ -184,6 +184,9 @@ typedef struct render_frame {
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
 	uint32_t target_count;
 	render_frame_target targets[STILB_RENDER_MAX_PASSES];
+	struct {
+		uint32_t first, end;
+	} added[STILB_RENDER_MAX_FEATURES]; /* by feature: its rows first .. end - 1 */
 } render_frame;
 
 typedef struct render_device {
@@ -216,7 +219,8 @@ typedef struct render_device {
 	uint32_t feature_count;
 	stilb_render_shown shown; /* its name is `shown_name`, or NULL */
 	char shown_name[STILB_GPU_MAX_NAME + 1];
-	bool drawn, lit; /* the last frame ran, and had light; the size is still its own */
+	char until[STILB_GPU_MAX_NAME + 1]; /* the pass that frames end with; "": the last */
+	bool drawn, lit;                    /* the last frame ran, and had light; the size is still its own */
 } render_device;
 
 static inline stilb_gpu_format render_picture_format(const render_device *device)
@@ -308,8 +312,13 @@ void render_targets_show(render_device *device, uint16_t main_light);
 
 /* ---- render_show.c ----------------------------------------------------------------------------------------------- */
 
-/* Adds the pass that shows device->shown in the place of the picture, if there is one. */
-stilb_result render_show_image(render_device *device);
+/* Adds the pass that shows an image in the place of the picture. */
+stilb_result render_show_image(render_device *device, const stilb_render_shown *shown);
+
+/* ---- render_until.c ---------------------------------------------------------------------------------------------- */
+
+/* Ends the frame with the pass that device->until names, and shows device->shown, or what that pass has drawn into. */
+stilb_result render_until(render_device *device);
 
 /* ---- render_backdrop.c: what is seen where no model is ----------------------------------------------------------- */
 

@@ -33,7 +33,9 @@ static stilb_result frame_stage(render_device *device, stilb_render_stage stage,
 			continue;
 		uint16_t given = *image;
 		bool replaces = stage == STILB_RENDER_STAGE_LIGHT || stage == STILB_RENDER_STAGE_PICTURE;
+		device->frame.added[f].first = stilb_gpu_plan_passes(device->plan);
 		result = feature->add(feature->user, device->plan, &given);
+		device->frame.added[f].end = stilb_gpu_plan_passes(device->plan);
 		if (result != STILB_OK || !replaces || given == *image)
 			continue;
 		result = frame_check_image(device, *image, given);
@@ -238,7 +240,8 @@ static stilb_result frame_end_scene(render_device *device)
 	render_targets_show(device, light);
 	if (frame->shown)
 		result = frame_stage(device, STILB_RENDER_STAGE_PICTURE, &frame->picture);
-	return result == STILB_OK ? render_show_image(device) : result;
+	bool shows = device->shown.name && strcmp(device->shown.name, STILB_RENDER_IMAGE_PICTURE) != 0;
+	return result == STILB_OK && shows && device->until[0] == '\0' ? render_show_image(device, &device->shown) : result;
 }
 
 /* What is seen where no model is. */
@@ -435,6 +438,8 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	uint16_t last = frame->picture;
 	if (result == STILB_OK)
 		result = frame_stage(device, STILB_RENDER_STAGE_LAST, &last);
+	if (result == STILB_OK && device->until[0] != '\0')
+		result = render_until(device);
 	if (result != STILB_OK)
 		return result;
 	for (uint32_t l = 0; l < frame->list_count; l++)
@@ -457,6 +462,7 @@ stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint
 	device->stats.execute_commands += stats.execute_commands;
 	device->stats.binds_sent += stats.binds;
 	device->drawn = !device->gpu->keep_back;
-	device->lit = device->drawn && render_target_main(device);
+	const render_frame_target *main = render_target_main(device);
+	device->lit = device->drawn && main && stilb_gpu_plan_ready(device->plan, main->color, 0, 0);
 	return STILB_OK;
 }

@@ -30,7 +30,7 @@ static uint32_t show_channels(stilb_gpu_format format)
 }
 
 /* Sets a message that names the images of the frame so far. */
-static stilb_result show_unknown(const render_device *device)
+static stilb_result show_unknown(const render_device *device, const stilb_render_shown *shown)
 {
 	char names[512] = "";
 	size_t used = 0;
@@ -42,13 +42,11 @@ static stilb_result show_unknown(const render_device *device)
 	}
 	for (const char *const *kind = stilb_render_show_names; *kind && used + strlen(*kind) + 3 < sizeof names; kind++)
 		used += (size_t)snprintf(names + used, sizeof names - used, ", %s", *kind);
-	return stilb_fail(STILB_ERROR_ARGUMENT, "there is no image '%s' to show; this frame has %s", device->shown.name,
-	                  names);
+	return stilb_fail(STILB_ERROR_ARGUMENT, "there is no image '%s' to show; this frame has %s", shown->name, names);
 }
 
-static stilb_result show_check(const render_device *device, const stilb_gpu_extent *extent)
+static stilb_result show_check(const stilb_render_shown *shown, const stilb_gpu_extent *extent)
 {
-	const stilb_render_shown *shown = &device->shown;
 	if (extent->shape == STILB_GPU_SHAPE_3D || extent->shape == STILB_GPU_SHAPE_1D)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "image '%s' is 3D or 1D and cannot be shown; show one that is 2D",
 		                  shown->name);
@@ -75,17 +73,14 @@ static stilb_result show_program(render_device *device, const stilb_gpu_extent *
 	return result;
 }
 
-stilb_result render_show_image(render_device *device)
+stilb_result render_show_image(render_device *device, const stilb_render_shown *shown)
 {
-	const stilb_render_shown *shown = &device->shown;
-	if (!shown->name || strcmp(shown->name, STILB_RENDER_IMAGE_PICTURE) == 0)
-		return STILB_OK;
 	uint16_t image = stilb_gpu_plan_find(device->plan, shown->name);
 	if (image == 0)
-		return shown->optional ? STILB_OK : show_unknown(device);
+		return shown->optional ? STILB_OK : show_unknown(device, shown);
 	stilb_gpu_extent extent = *stilb_gpu_plan_extent(device->plan, image);
 	stilb_gpu_program program;
-	stilb_result result = show_check(device, &extent);
+	stilb_result result = show_check(shown, &extent);
 	if (result == STILB_OK)
 		result = show_program(device, &extent, &program);
 	if (result != STILB_OK)

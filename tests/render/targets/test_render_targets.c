@@ -474,6 +474,284 @@ static void dumps_hold_targets(void **state)
 	remove(PATH);
 }
 
+static void take_line(void *user, const char *line)
+{
+	char *lines = user;
+	strncat(strncat(lines, line, 400 - strlen(lines)), "\n", 400 - strlen(lines));
+}
+
+static stilb_result add_rows(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)user;
+	static const char *const names[] = {"fill", "add", "fill"};
+	uint16_t own = stilb_gpu_plan_buffer(
+		plan, &(stilb_gpu_plan_buffer_row){.name = "own", .bytes = WIDTH * HEIGHT * 8, .output = true});
+	for (int i = 0; i < 3; i++)
+		stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){.name = names[i],
+		                                            .kind = STILB_GPU_PASS_COPY,
+		                                            .uses = {{.resource = *image, .how = STILB_GPU_USE_COPY_FROM},
+		                                                     {.resource = own, .how = STILB_GPU_USE_COPY_TO}},
+		                                            .use_count = 2});
+	return STILB_OK;
+}
+
+/* What a dump leaves out is named, each name once: 2D passes that draw, and passes of features. */
+static void dumps_name_what_they_leave_out(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view view = view_of(0, WIDTH, HEIGHT);
+	stilb_render_pass passes[4] = {{.name = "scene"},
+	                               {.name = "words", .kind = STILB_RENDER_PASS_2D},
+	                               {.name = "empty", .kind = STILB_RENDER_PASS_2D, .order = 1},
+	                               {.name = "word", .kind = STILB_RENDER_PASS_2D, .order = 2}};
+	static const stilb_render_vertex_2d corners[3] = {
+		{{0, 0}, {0, 0}, {255}}, {{9, 0}, {0, 0}, {255}}, {{0, 9}, {0, 0}, {255}}};
+	stilb_render_feature feature = {STILB_RENDER_STAGE_LAST, add_rows, &s};
+	for (int way = 0; way < 3; way++) {
+		if (way == 2)
+			assert_int_equal(stilb_render_add_feature(s.render, &feature), STILB_OK);
+		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+		record(&s, 0);
+		for (uint32_t p = 1; p < 4; p++) {
+			assert_int_equal(stilb_render_pass_begin(s.render, p, 1), STILB_OK);
+			stilb_render_context *context = stilb_render_context_get(s.render, 0);
+			stilb_render_segment_begin(context, p, 0);
+			uint32_t first = stilb_render_geometry_2d(context, corners, 3, (uint32_t[]){0, 1, 2}, 3);
+			if (way > 0 && p != 2)
+				stilb_render_draw_2d(context, first, 3, (float[]){0, 0, 9, 9}, (stilb_render_texture){0});
+			stilb_render_segment_end(context);
+			assert_int_equal(stilb_render_pass_end(s.render, p), STILB_OK);
+		}
+		stilb_result result = stilb_render_replay(s.render, passes, 4, &view, 1, s.pool, 0);
+		if (result != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+		char lines[401] = "";
+		stilb_log_set(take_line, lines);
+		assert_int_equal(stilb_render_dump_save(s.render, passes, 4, &view, 1, PATH), STILB_OK);
+		stilb_log_set(NULL, NULL);
+		static const char flat[] = "'targets.dump': without the frame's 2D passes: words, word\n";
+		static const char own[] = "'targets.dump': without the program's own passes: fill, add\n";
+		char wanted[200];
+		snprintf(wanted, sizeof wanted, "%s%s", way > 0 ? flat : "", way > 1 ? own : "");
+		assert_string_equal(lines, wanted);
+	}
+	stage_close(&s);
+	remove(PATH);
+}
+
+/* ---- frames that end with one of their passes -------------------------------------------------------------------- */
+
+#define MOST_ROWS 24u
+
+/* The image that a row of the last plan draws into, and its rectangle of it. */
+static uint16_t row_draws(const stilb_gpu_plan *plan, uint32_t row, uint16_t area[4])
+{
+	const stilb_gpu_pass *pass = stilb_gpu_plan_row(plan, row);
+	memcpy(area, pass->area, 4 * sizeof *area);
+	return pass->color_count > 0 ? pass->color[0].image : pass->depth.image;
+}
+
+static void until(stage *s, const char *pass, const char *image)
+{
+	stilb_render_until(s->render, pass);
+	stilb_render_show_image(s->render, image ? &(stilb_render_shown){.name = image} : NULL);
+}
+
+/* The picture of a frame without models, which shows an image. */
+static stilb_image picture_empty(stage *s, const stilb_render_view *views, uint32_t count, const char *image)
+{
+	stilb_render_pass passes[STILB_RENDER_MAX_PASSES] = {0};
+	until(s, NULL, image);
+	assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
+	for (uint32_t p = 0; p < count; p++) {
+		assert_int_equal(stilb_render_pass_begin(s->render, p, 0), STILB_OK);
+		assert_int_equal(stilb_render_pass_end(s->render, p), STILB_OK);
+		passes[p] = (stilb_render_pass){.name = "scene", .view = p, .order = p};
+	}
+	assert_int_equal(stilb_render_replay(s->render, passes, count, views, count, s->pool, 0), STILB_OK);
+	return picture(s);
+}
+
+static bool is_inside(uint32_t x, uint32_t y, const uint16_t area[4])
+{
+	return x >= area[0] && y >= area[1] && x < (uint32_t)area[0] + area[2] && y < (uint32_t)area[1] + area[3];
+}
+
+/* The picture of a frame that ends with a tone map is the whole one but for the places of later ones. */
+static void check_tones(const stilb_image *got, const stilb_image *whole, const uint16_t later[][4], uint32_t count)
+{
+	uint32_t differ = 0;
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++) {
+			bool open = false;
+			for (uint32_t i = 0; i < count; i++)
+				open |= is_inside(x, y, later[i]);
+			size_t at = 3 * ((size_t)y * WIDTH + x);
+			bool same = memcmp((uint8_t *)got->pixels + at, (uint8_t *)whole->pixels + at, 3) == 0;
+			assert_true(open || same);
+			differ += !same;
+		}
+	assert_true((differ > 0) == (count > 0));
+}
+
+/* Each pass of a frame with two insets and a shadow in turn: the picture shows what is in its image then. That is what
+ * the whole frame leaves there if no later pass draws into it, and the backdrop, as a frame without models has it, if
+ * the next one draws models over it. */
+static void frames_end_with_each_pass(void **state)
+{
+	(void)state;
+	static const stilb_render_target first = {.name = "left", .width = 31, .height = 23, .place = {3, 5, 31, 23}};
+	static const stilb_render_target second = {.name = "right", .width = 40, .height = 20, .place = {59, 47, 40, 20}};
+	static const stilb_render_target shadow = {
+		.name = "shadow", .kind = STILB_RENDER_TARGET_DEPTH, .width = 64, .height = 48, .output = true};
+	for (uint32_t samples = 1; samples <= 4; samples += 3) {
+		stage s = stage_open((stilb_render_desc){.samples = samples}, 0);
+		stilb_render_view views[4] = {view_of(2, 64, 48), view_of(0, WIDTH, HEIGHT), view_of(1, 31, 23),
+		                              view_of(2, 40, 20)};
+		views[0].target = &shadow;
+		views[2].target = &first;
+		views[3].target = &second;
+		draw_well(&s, views, 4);
+		const stilb_gpu_plan *plan = stilb_render_plan(s.render);
+		uint32_t rows = stilb_gpu_plan_passes(plan), kinds[3] = {0};
+		uint16_t images[MOST_ROWS], areas[MOST_ROWS][4], shown = stilb_gpu_plan_find(plan, "picture");
+		assert_int_equal(rows, samples > 1 ? 12 : 9);
+		for (uint32_t row = 0; row < rows; row++)
+			images[row] = row_draws(plan, row, areas[row]);
+		stilb_image whole = picture(&s);
+		for (uint32_t row = 0; row < rows; row++) {
+			char number[16], name[64];
+			snprintf(number, sizeof number, "%u", row + 1);
+			snprintf(name, sizeof name, "%s", stilb_gpu_plan_name(plan, images[row]));
+			until(&s, number, NULL);
+			draw_well(&s, views, 4);
+			stilb_image got = picture(&s), want;
+			uint32_t later = row + 1;
+			while (later < rows && images[later] != images[row])
+				later++;
+			if (images[row] == shown) {
+				check_tones(&got, &whole, (const uint16_t(*)[4])(areas + row + 1), rows - row - 1);
+				kinds[0]++;
+			} else {
+				if (later == rows) {
+					until(&s, NULL, name);
+					draw_well(&s, views, 4);
+					want = picture(&s);
+				} else {
+					want = picture_empty(&s, views, 4, name);
+				}
+				assert_memory_equal(got.pixels, want.pixels, stilb_image_size(&want));
+				kinds[later == rows ? 1 : 2]++;
+				stilb_image_finish(&want);
+			}
+			stilb_image_finish(&got);
+		}
+		assert_true(kinds[0] == 3 && kinds[1] == (samples > 1 ? 7 : 4) && kinds[2] == 2);
+		until(&s, NULL, NULL);
+		draw_well(&s, views, 4);
+		stilb_image again = picture(&s);
+		assert_memory_equal(again.pixels, whole.pixels, stilb_image_size(&whole));
+		stilb_image_finish(&again);
+		stilb_image_finish(&whole);
+		stage_close(&s);
+	}
+}
+
+/* Radiance is that of "color" where the frame ends, once there is any. */
+static void radiance_of_a_frame_that_ends(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.samples = 4}, 0);
+	stilb_render_view view = view_of(0, WIDTH, HEIGHT);
+	stilb_image whole, got;
+	draw_well(&s, &view, 1);
+	assert_int_equal(stilb_render_read_radiance(s.render, &whole), STILB_OK);
+	until(&s, "scene", NULL);
+	draw_well(&s, &view, 1);
+	assert_int_equal(stilb_render_read_radiance(s.render, &got), STILB_ERROR_DEVICE);
+	assert_non_null(strstr(stilb_error_message(), "'color' has no light yet where frames end, after pass 'scene'"));
+	until(&s, "resolve", "depth");
+	draw_well(&s, &view, 1);
+	assert_int_equal(stilb_render_read_radiance(s.render, &got), STILB_OK);
+	assert_memory_equal(got.pixels, whole.pixels, stilb_image_size(&whole));
+	stilb_image_finish(&whole);
+	stilb_image_finish(&got);
+	stage_close(&s);
+}
+
+static void assert_steps(stage *s, const stilb_render_view *views, uint32_t count, const char *wanted)
+{
+	draw_well(s, views, count);
+	const stilb_gpu_plan *plan = stilb_render_plan(s->render);
+	const stilb_gpu_step *steps;
+	uint32_t ran = stilb_gpu_plan_steps(plan, &steps);
+	char found[200] = "";
+	for (uint32_t i = 0; i < ran; i++)
+		strcat(strcat(found, i > 0 ? "," : ""), stilb_gpu_plan_row(plan, steps[i].pass)->name);
+	assert_string_equal(found, wanted);
+}
+
+static void assert_refused(stage *s, const stilb_render_view *views, uint32_t count, const char *wanted)
+{
+	assert_int_equal(draw(s, views, count), STILB_ERROR_ARGUMENT);
+	if (!strstr(stilb_error_message(), wanted))
+		fail_msg("'%s' is not in: %s", wanted, stilb_error_message());
+}
+
+/* Names and numbers; of passes with one name the last. What is wrong is said, and the next frame is whole again. */
+static void frames_end_by_name(void **state)
+{
+	(void)state;
+	static const stilb_render_target inset = {.name = "left", .width = 31, .height = 23, .place = {3, 5, 31, 23}};
+	stage s = stage_open((stilb_render_desc){.samples = 4}, 0);
+	stilb_render_view views[2] = {view_of(0, WIDTH, HEIGHT), view_of(1, 31, 23)};
+	views[1].target = &inset;
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,resolve,resolve,tone map,tone map");
+	uint64_t hash = stilb_render_stream_hash(s.render);
+	until(&s, "backdrop", NULL);
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,show");
+	assert_true(stilb_render_stream_hash(s.render) == hash); /* of what is recorded, whatever is drawn of it */
+	until(&s, "scene", "depth");
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,show");
+	until(&s, "2", "depth");
+	assert_steps(&s, views, 2, "backdrop,scene,show");
+	until(&s, "tone map", NULL);
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,resolve,resolve,tone map,tone map");
+	until(&s, "tone map", "picture");
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,resolve,resolve,tone map,tone map");
+	until(&s, "7", "left");
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,resolve,resolve,tone map,show");
+	static const char *const wrong[] = {"tone", "0", "9", "1x", "-1", "Scene", "99999999999999999999"};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		char text[200];
+		until(&s, wrong[i], NULL);
+		snprintf(
+			text, sizeof text,
+			"there is no pass '%s' for the frame to end with; this frame has 1 backdrop, 2 scene, 3 backdrop, 4 scene, "
+			"5 resolve, 6 resolve, 7 tone map, 8 tone map",
+			wrong[i]);
+		assert_refused(&s, views, 2, text);
+	}
+	until(&s, "1", "depth");
+	assert_refused(&s, views, 2, "image 'depth' has no content yet after pass 1 'backdrop'");
+	until(&s, "resolve", "picture");
+	assert_refused(&s, views, 2, "image 'picture' has no content yet after pass 6 'resolve'");
+	until(&s, "scene", "nothing");
+	assert_refused(&s, views, 2, "there is no image 'nothing' to show");
+	until(&s, "scene", NULL);
+	stilb_render_show_image(s.render, &(stilb_render_shown){.name = "color samples", .mip = 1});
+	assert_refused(&s, views, 2, "has 1 mips and 1 layers; there is no mip 1, layer 0");
+	stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, add_rows, &s};
+	assert_int_equal(stilb_render_add_feature(s.render, &feature), STILB_OK);
+	until(&s, "add", NULL);
+	assert_refused(&s, views, 2, "'add', which the frame ends with, draws into no image; show one by its name");
+	stilb_render_remove_feature(s.render, &s);
+	until(&s, "", NULL);
+	assert_steps(&s, views, 2, "backdrop,scene,backdrop,scene,resolve,resolve,tone map,tone map");
+	stage_close(&s);
+}
+
 /* Many views of one scene, recorded together by several threads, are the views recorded one by one. */
 static void views_recorded_together(void **state)
 {
@@ -534,11 +812,15 @@ int main(int argc, char **argv)
 {
 	static const struct CMUnitTest any[] = {cmocka_unit_test(depth_without_a_picture),
 	                                        cmocka_unit_test(targets_that_nobody_reads),
-	                                        cmocka_unit_test(mistakes_are_errors), cmocka_unit_test(dumps_hold_targets),
+	                                        cmocka_unit_test(mistakes_are_errors),
+	                                        cmocka_unit_test(dumps_hold_targets),
+	                                        cmocka_unit_test(dumps_name_what_they_leave_out),
+	                                        cmocka_unit_test(frames_end_by_name),
 	                                        cmocka_unit_test(views_recorded_together)};
 	static const struct CMUnitTest pictures[] = {
 		cmocka_unit_test(insets_are_pictures_of_their_own), cmocka_unit_test(tiles_without_a_main_picture),
-		cmocka_unit_test(main_images_of_another_size), cmocka_unit_test(depth_alone_is_the_depth)};
+		cmocka_unit_test(main_images_of_another_size),      cmocka_unit_test(depth_alone_is_the_depth),
+		cmocka_unit_test(frames_end_with_each_pass),        cmocka_unit_test(radiance_of_a_frame_that_ends)};
 	null_device = argc > 1 && strcmp(argv[1], "null") == 0;
 	int failed = cmocka_run_group_tests(any, NULL, NULL);
 	return null_device ? failed : failed + cmocka_run_group_tests(pictures, NULL, NULL);
