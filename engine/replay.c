@@ -45,6 +45,8 @@ static stilb_result replay_start(stilb_engine_replay *replay, const stilb_engine
 	int error = stilb_job_pool_create(&pool, &replay->pool);
 	if (error != 0)
 		return stilb_fail_threads(desc->workers, -error);
+	stilb_render_show_image(replay->render, desc->shown);
+	stilb_render_until(replay->render, desc->until);
 	return stilb_render_dump_upload(replay->dump, replay->render);
 }
 
@@ -140,10 +142,19 @@ stilb_result stilb_engine_replay_screenshot(stilb_engine_replay *replay, const c
 	return result;
 }
 
+stilb_result stilb_engine_replay_save_plan(stilb_engine_replay *replay, const char *path)
+{
+	STILB_ASSERT_OWNER(replay->owner);
+	STILB_ASSERT(path);
+	return stilb_gpu_plan_save(stilb_render_plan(replay->render), path);
+}
+
 stilb_result stilb_engine_replay_measure(stilb_engine_replay *replay, double seconds, stilb_render_dump_costs *costs)
 {
 	STILB_ASSERT_OWNER(replay->owner);
 	STILB_ASSERT(seconds > 0.0 && costs);
+	stilb_render_show_image(replay->render, NULL);
+	stilb_render_until(replay->render, NULL);
 	return stilb_render_dump_measure(replay->dump, replay->render, replay->pool, REPLAY_OWNER, seconds, costs);
 }
 

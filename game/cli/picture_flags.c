@@ -57,6 +57,14 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	const flag samples[] = {
 		{"--msaa", FLAG_NUMBER, &p->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
 	};
+	const flag range[] = {
+		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
+	     0, NULL},
+	};
+	const flag image[] = {
+		{"--show", FLAG_TEXT, &p->show, "IMAGE[:MIP[:LAYER]]", "an image of --plan in the place of the picture", 0, 0,
+	     NULL},
+	};
 	const flag detail[] = {
 		{"--lod", FLAG_CHOICE, &p->detail, "MODE",
 	     "coarser meshes far away: off, pop, fade (for 16 frames) or morph (morph)", 0, 0, stilb_render_detail_names},
@@ -64,11 +72,13 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     0, PICTURE_ERROR_MOST, NULL},
 		{"--show", FLAG_TEXT, &p->show, "WHAT",
 	     "shaded, lod: a colour for each level, or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0, 0, NULL},
-		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
-	     0, NULL},
 	};
 	if (group == PICTURE_DETAIL)
 		flag_rows_add(table, detail, sizeof detail / sizeof *detail);
+	if (group == PICTURE_IMAGE)
+		flag_rows_add(table, image, sizeof image / sizeof *image);
+	if (group == PICTURE_DETAIL || group == PICTURE_IMAGE)
+		flag_rows_add(table, range, sizeof range / sizeof *range);
 	if (group == PICTURE_COMMANDS)
 		flag_rows_add(table, commands, sizeof commands / sizeof *commands);
 	if (group == PICTURE_DEVICE)

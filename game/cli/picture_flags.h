@@ -44,6 +44,7 @@ typedef enum picture_flags_group {
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa */
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
+	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_TONE,     /* --tone */

@@ -24,7 +24,7 @@ typedef struct replay_options {
 	uint32_t workers, size[2];
 	picture_flags picture;
 	bool headless; /* headless has no effect: there never is a window */
-	const char *file, *screenshot, *stats;
+	const char *file, *until, *screenshot, *stats, *plan;
 } replay_options;
 
 typedef struct replay_run {
@@ -44,6 +44,10 @@ static flags_result replay_parse(replay_options *o, int argc, char **argv)
 		{"--workers", FLAG_WORKERS, &o->workers, "N", "threads beside the main one, 0..256 or auto (CPUs - 1)", 0, 256,
 	     NULL},
 	};
+	const flag until[] = {
+		{"--until", FLAG_TEXT, &o->until, "PASS",
+	     "end frames with this pass, a name or number of --plan, and show its image", 0, 0, NULL},
+	};
 	const flag output[] = {
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size (the file's); other proportions stretch the picture", 1,
 	     16384, NULL},
@@ -51,12 +55,16 @@ static flags_result replay_parse(replay_options *o, int argc, char **argv)
 	     0, NULL},
 		{"--stats", FLAG_TEXT, &o->stats, "FILE.json", "stage times, counts, and the cost of each kind of command", 0,
 	     0, NULL},
+		{"--plan", FLAG_TEXT, &o->plan, "FILE", "passes, images and barriers of the last frame: .svg, else text", 0, 0,
+	     NULL},
 		{"--headless", FLAG_SWITCH, &o->headless, NULL, "accepted for scripts; there never is a window", 0, 0, NULL},
 	};
 	flag_rows table = {0};
 	flag_rows_add(&table, run, sizeof run / sizeof *run);
 	picture_flags_add(&o->picture, PICTURE_COMMANDS, &table);
 	picture_flags_add(&o->picture, PICTURE_DEVICE, &table);
+	flag_rows_add(&table, until, sizeof until / sizeof *until);
+	picture_flags_add(&o->picture, PICTURE_IMAGE, &table);
 	flag_rows_add(&table, output, sizeof output / sizeof *output);
 	flags_result result = flags_parse(table.rows, table.count, argc, argv);
 	if (result == FLAGS_HELP) {
@@ -79,6 +87,29 @@ static bool replay_check_file(const char *path)
 	return error == 0;
 }
 
+/* --show: a dump has draws of whatever its frame showed, so there are images of the plan alone to choose from. */
+static bool replay_check_show(const replay_options *o)
+{
+	stilb_render_show show;
+	picture_shown image;
+	if (!o->picture.show || picture_flags_show(&o->picture, &show, &image))
+		return true;
+	stilb_log("--show: '%s' is chosen when a frame is dumped; name an image of --plan, such as depth", o->picture.show);
+	return false;
+}
+
+static bool replay_outputs_differ(const replay_options *o)
+{
+	const char *const paths[] = {o->screenshot, o->stats, o->plan};
+	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+		for (size_t j = 0; j < i; j++)
+			if (paths[i] && paths[j] && stilb_file_same(paths[i], paths[j])) {
+				stilb_log("two outputs would go to '%s'; give each a name of its own", paths[i]);
+				return false;
+			}
+	return true;
+}
+
 /* Checks what the table of flags cannot express: the files, and flags that contradict each other. Writes nothing.
  * Returns false after one line on stderr. */
 static bool replay_check(const replay_options *o)
@@ -89,13 +120,13 @@ static bool replay_check(const replay_options *o)
 		stilb_log("--screenshot: the null device draws no picture; use --device vulkan");
 		return false;
 	}
-	if (o->screenshot && o->stats && stilb_file_same(o->screenshot, o->stats)) {
-		stilb_log("two outputs would go to '%s'; give each a name of its own", o->stats);
+	if (!picture_flags_check(&o->picture) || !replay_check_show(o) || !replay_outputs_differ(o))
 		return false;
-	}
 	stilb_result result = o->screenshot ? stilb_image_path_check(o->screenshot) : STILB_OK;
 	if (result == STILB_OK && o->stats)
 		result = stilb_file_check(o->stats);
+	if (result == STILB_OK && o->plan)
+		result = stilb_file_check(o->plan);
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;
@@ -104,8 +135,11 @@ static bool replay_check(const replay_options *o)
 /* The stream for messages: stderr if an output file is standard output, else stdout. */
 static FILE *replay_message_stream(const replay_options *o)
 {
-	bool taken = (o->stats && stilb_file_is_stdout(o->stats)) || (o->screenshot && stilb_file_is_stdout(o->screenshot));
-	return taken ? stderr : stdout;
+	const char *const paths[] = {o->screenshot, o->stats, o->plan};
+	for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
+		if (paths[i] && stilb_file_is_stdout(paths[i]))
+			return stderr;
+	return stdout;
 }
 
 /* ---- run --------------------------------------------------------------------------------------------------------- */
@@ -113,7 +147,13 @@ static FILE *replay_message_stream(const replay_options *o)
 static stilb_result replay_start(replay_run *run)
 {
 	const replay_options *o = &run->options;
-	static const stilb_render_output output = STILB_RENDER_OUTPUT_DISPLAY;
+	bool light = o->screenshot && stilb_image_path_is_light(o->screenshot); /* of the whole picture, insets too */
+	stilb_render_output output = light ? STILB_RENDER_OUTPUT_LINEAR : STILB_RENDER_OUTPUT_DISPLAY;
+	stilb_render_show show;
+	picture_shown image;
+	bool shows = picture_flags_show(&o->picture, &show, &image);
+	stilb_render_shown shown = {
+		.name = image.name, .mip = image.mip, .layer = image.layer, .low = image.low, .high = image.high};
 	stilb_engine_replay_desc desc = {
 		.path = o->file,
 		.workers = o->workers == FLAG_WORKERS_AUTO ? stilb_engine_default_workers() : o->workers,
@@ -125,6 +165,8 @@ static stilb_result replay_start(replay_run *run)
 		.width = o->size[0],
 		.height = o->size[1],
 		.validate = o->picture.validate,
+		.shown = shows ? &shown : NULL,
+		.until = o->until,
 	};
 	run->options.workers = desc.workers;
 	return stilb_engine_replay_create(&desc, &run->replay);
@@ -194,6 +236,8 @@ static void replay_print(const replay_run *run, const stage_summary *summary, ui
 	fprintf(out, "%s, %ux%u; %s replay, materials by %s, %u worker%s; stream hash %016" PRIx64 ", as in the file\n",
 	        stilb_render_device_name(render), width, height, picture_replay_choices[o->picture.replay],
 	        picture_materials_choices[o->picture.materials], o->workers, o->workers == 1 ? "" : "s", run->hash);
+	if (o->until)
+		fprintf(out, "frames end with the pass '%s'; the costs of commands are those of whole frames\n", o->until);
 	fprintf(out, "%" PRIu64 " frame%s, the first %" PRIu64 " not counted; milliseconds:\n", o->frames,
 	        o->frames == 1 ? "" : "s", warmup);
 	fprintf(out, "  %-8s %9s %9s %9s\n", "stage", "median", "p99", "min");
@@ -290,6 +334,8 @@ static bool replay_finish(replay_run *run)
 	if (o->screenshot)
 		good &= replay_say_result(run, stilb_engine_replay_screenshot(run->replay, o->screenshot), "picture",
 		                          o->screenshot);
+	if (o->plan)
+		good &= replay_say_result(run, stilb_engine_replay_save_plan(run->replay, o->plan), "plan", o->plan);
 	if (stilb_engine_replay_measure(run->replay, REPLAY_MEASURE_SECONDS, &costs) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return false;
@@ -309,8 +355,9 @@ static int replay_main(replay_run *run)
 	if (played != STILB_OK) {
 		picture_flags_log_start(&run->options.picture, played);
 		/* Damage to a file may be noticed only in the first frame, when the hash of its draws differs from the
-		 * file's. */
-		return started != STILB_OK || played == STILB_ERROR_FILE ? exit_code_of(played) : EXIT_FAILED;
+		 * file's; and only a frame has the passes and images that --until and --show name. */
+		bool refused = started != STILB_OK || played == STILB_ERROR_FILE || played == STILB_ERROR_ARGUMENT;
+		return refused ? exit_code_of(played) : EXIT_FAILED;
 	}
 	return replay_finish(run) ? EXIT_DONE : EXIT_FAILED;
 }

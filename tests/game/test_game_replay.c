@@ -99,8 +99,9 @@ static void test_through_a_pipe(void **state)
 static void test_help(void **state)
 {
 	(void)state;
-	static const char *const flags[] = {"--device",   "--frames", "--workers",    "--replay", "--materials", "--size",
-	                                    "--validate", "--gpu",    "--screenshot", "--stats",  "--headless"};
+	static const char *const flags[] = {"--device",   "--frames", "--workers",    "--replay", "--materials",
+	                                    "--size",     "--gpu",    "--screenshot", "--stats",  "--headless",
+	                                    "--validate", "--until",  "--show",       "--plan",   "--show-range"};
 	stilb_good("replay --help");
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
@@ -133,6 +134,20 @@ static const char *const refusals[][2] = {
 	{"replay a.dump --device null --screenshot a.png", "null device"},
 	{"replay a.dump --screenshot a.bmp", ".png, .exr or .hdr"},
 	{"replay a.dump --stats missing/a.json", "does not exist"},
+	{"replay a.dump --plan missing/a.svg", "does not exist"},
+	{"replay a.dump --plan a.json --stats a.json", "two outputs"},
+	{"replay a.dump --show lod", "'lod' is chosen when a frame is dumped"},
+	{"replay a.dump --show depth:x", "'depth:x' is no IMAGE:MIP"},
+	{"replay a.dump --show-range 0,1", "name one with --show"},
+	{"replay a.dump --show depth --show-range 1,1", "'1,1' is not LOW,HIGH"},
+	{"replay a.dump --device null --show nothing",
+     "there is no image 'nothing' to show; this frame has picture, color"},
+	{"replay a.dump --device null --show depth:1", "there is no mip 1"},
+	{"replay a.dump --device null --until nothing",
+     "there is no pass 'nothing' for the frame to end with; this frame has 1 scene, 2 tone map"},
+	{"replay a.dump --device null --until 3", "there is no pass '3'"},
+	{"replay a.dump --device null --until scene --show picture",
+     "image 'picture' has no content yet after pass 1 'scene'"},
 	{"replay a.dump --stats a.png --screenshot a.png", "two outputs"},
 	{NULL_DEMO "--dump missing/a.dump", "does not exist"},
 	{NULL_DEMO "--dump folder", "folder"},
@@ -194,12 +209,12 @@ static void test_bad_files(void **state)
 	(void)state;
 	stilb_good(NULL_DEMO "--models 3 --dump good.dump");
 	long size = file_bytes("good.dump");
-	const long sizes[] = {1, 8, 50, 120, 1000, size / 2, size - 8, size - 1};
+	const long sizes[] = {1, 8, 50, 128, 1000, size / 2, size - 8, size - 1};
 	copy_file("good.dump", "bad.dump", 0);
 	assert_bad("bad.dump", "empty");
 	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 		copy_file("good.dump", "bad.dump", sizes[i]);
-		assert_bad("bad.dump", sizes[i] < 120 ? "header" : "truncated");
+		assert_bad("bad.dump", sizes[i] < 128 ? "header" : "truncated");
 	}
 	assert_int_equal(system("cat good.dump good.dump > bad.dump"), 0);
 	assert_bad("bad.dump", "continues after its last byte");
@@ -210,6 +225,15 @@ static void test_bad_files(void **state)
 	copy_file("good.dump", "bad.dump", size);
 	forge("bad.dump", 24, 0x12345678);
 	assert_bad("bad.dump", "stream hash");
+	for (uint32_t version = 0; version <= 9; version++) {
+		char reason[80];
+		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 8; 'stilb demo --dump",
+		         version);
+		copy_file("good.dump", "bad.dump", size);
+		forge("bad.dump", 8, version);
+		if (version != 8)
+			assert_bad("bad.dump", reason);
+	}
 	copy_file("good.dump", "bad.dump", size);
 	forge("bad.dump", 32, 20000);
 	assert_bad("bad.dump", "header: a picture of 20000x180");
