@@ -752,6 +752,67 @@ static void frames_end_by_name(void **state)
 	stage_close(&s);
 }
 
+/* Clears a mip and layer of an image, and copies it to those of another. */
+static stilb_result add_parts(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	stage *s = user;
+	stilb_gpu_plan_image_row row = {
+		.name = "from", .format = STILB_GPU_RGBA16_F, .width = 8, .height = 8, .layers = 3, .mips = 2};
+	uint16_t from = stilb_gpu_plan_image(plan, &row);
+	row.name = "to";
+	uint16_t to = stilb_gpu_plan_image(plan, &row);
+	stilb_gpu_pass pass = {
+		.name = "clear",
+		.kind = STILB_GPU_PASS_DRAWS,
+		.color = {{.image = from, .mip = 1, .layer = 2, .load = STILB_GPU_LOAD_CLEAR, .clear = {0, 1, 0, 1}}},
+		.color_count = 1};
+	(void)image;
+	stilb_result result = stilb_render_add_draws(s->render, &(stilb_gpu_draws){0}, &pass.draws);
+	stilb_gpu_plan_pass(plan, &pass);
+	stilb_gpu_plan_pass(
+		plan, &(stilb_gpu_pass){.name = "copy",
+	                            .kind = STILB_GPU_PASS_COPY,
+	                            .uses = {{from, STILB_GPU_USE_COPY_FROM, .mip = 1, .mips = 1, .layer = 2, .layers = 1},
+	                                     {to, STILB_GPU_USE_COPY_TO, .mip = 1, .mips = 1, .layer = 1, .layers = 1}},
+	                            .use_count = 2});
+	return result;
+}
+
+/* Passes of features that fill one mip and layer of an image: these are shown, and no others have content. */
+static void frames_end_with_a_part_of_an_image(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view view = view_of(0, WIDTH, HEIGHT);
+	stilb_render_feature feature = {STILB_RENDER_STAGE_LIGHT, add_parts, &s};
+	assert_int_equal(stilb_render_add_feature(s.render, &feature), STILB_OK);
+	static const uint16_t layers[2] = {2, 1};
+	for (uint32_t i = 0; i < 2; i++) {
+		until(&s, i ? "copy" : "clear", NULL);
+		draw_well(&s, &view, 1);
+		const stilb_gpu_plan *plan = stilb_render_plan(s.render);
+		const stilb_gpu_pass *row = stilb_gpu_plan_row(plan, stilb_gpu_plan_passes(plan) - 1);
+		assert_string_equal(row->name, "show");
+		assert_string_equal(stilb_gpu_plan_name(plan, row->uses[0].resource), i ? "to" : "from");
+		assert_int_equal(row->uses[0].mip, 1);
+		assert_int_equal(row->uses[0].layer, layers[i]);
+		if (!null_device) {
+			stilb_image image = picture(&s);
+			for (size_t p = 0; p < stilb_image_size(&image); p++)
+				assert_int_equal(((uint8_t *)image.pixels)[p], p % 3 == 1 ? 255 : 0);
+			stilb_image_finish(&image);
+		}
+		for (uint32_t part = 0; part < 6; part++) {
+			stilb_render_show_image(s.render,
+			                        &(stilb_render_shown){i ? "to" : "from", part % 2, part / 2, 0, 0, false});
+			bool there = part % 2 == 1 && part / 2 == layers[i];
+			assert_int_equal(draw(&s, &view, 1), there ? STILB_OK : STILB_ERROR_ARGUMENT);
+			assert_true(there || strstr(stilb_error_message(), "has no content yet after pass"));
+		}
+	}
+	stage_close(&s);
+}
+
 /* Many views of one scene, recorded together by several threads, are the views recorded one by one. */
 static void views_recorded_together(void **state)
 {
@@ -816,6 +877,7 @@ int main(int argc, char **argv)
 	                                        cmocka_unit_test(dumps_hold_targets),
 	                                        cmocka_unit_test(dumps_name_what_they_leave_out),
 	                                        cmocka_unit_test(frames_end_by_name),
+	                                        cmocka_unit_test(frames_end_with_a_part_of_an_image),
 	                                        cmocka_unit_test(views_recorded_together)};
 	static const struct CMUnitTest pictures[] = {
 		cmocka_unit_test(insets_are_pictures_of_their_own), cmocka_unit_test(tiles_without_a_main_picture),
