@@ -163,10 +163,12 @@ typedef struct render_list {
 
 /* The images of a stilb_render_target in a frame. */
 typedef struct render_frame_target {
-	const stilb_render_target *from; /* NULL: the main images in the picture's size */
-	uint16_t color, samples, depth;  /* resources of the plan; 0: it has none. samples: with several a pixel */
-	bool drawn;                      /* a pass has drawn into it */
-	bool transparent;                /* the backdrop is nothing, and alpha counts */
+	const stilb_render_target
+		*from;                      /* NULL: the main images in the picture's size. The caller's, during replay alone */
+	bool main;                      /* these are the main images */
+	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
+	bool drawn;                     /* a pass has drawn into it */
+	bool transparent;               /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
 	uint32_t tone; /* SHADE_TONE_... */
 	float exposure;

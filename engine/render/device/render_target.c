@@ -39,6 +39,7 @@ static void target_images(render_device *device, render_frame_target *target)
 		return;
 	}
 	bool main = target_is_main(from);
+	target->main = main;
 	const char *name = main ? STILB_RENDER_IMAGE_COLOR : from->name;
 	const char *depth = main ? STILB_RENDER_IMAGE_DEPTH : from->name;
 	target->color = target_image(device, target, name, "", STILB_GPU_RGBA16_F, 1, main || from->output);
@@ -66,7 +67,7 @@ render_frame_target *render_target_get(render_device *device, const stilb_render
 render_frame_target *render_target_main(render_device *device)
 {
 	for (uint32_t t = 0; t < device->frame.target_count; t++)
-		if (target_is_main(device->frame.targets[t].from))
+		if (device->frame.targets[t].main)
 			return &device->frame.targets[t];
 	return NULL;
 }
