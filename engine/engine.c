@@ -138,6 +138,8 @@ static stilb_result engine_start(stilb_engine *engine)
 stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **out)
 {
 	STILB_ASSERT(desc && out);
+	STILB_ASSERT(desc->scale == 0.0f ||
+	             (desc->scale >= STILB_ENGINE_MIN_SCALE && desc->scale <= STILB_ENGINE_MAX_SCALE));
 	STILB_ASSERT((unsigned)desc->gamepad <= STILB_ENGINE_GAMEPAD_REPLAY);
 	STILB_ASSERT(desc->gamepad != STILB_ENGINE_GAMEPAD_REPLAY || desc->gamepad_recording);
 	STILB_ASSERT(!(desc->window && desc->surface) && "one window");
@@ -231,6 +233,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		engine_picture_finish(engine);
 	engine_picture_forget_scene(engine);
 	engine->culled_size[0] = 0;
+	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
+		engine->visible[v].count = 0; /* they are of the scene before */
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;

@@ -267,7 +267,8 @@ typedef struct stilb_engine_camera {
 
 #define STILB_ENGINE_MAX_CAMERAS 15u
 
-/* From the next frame on, or with this one in desc.update, these are drawn in place of those of the call before. */
+/* From the next frame on, or with this one in desc.update, these are drawn in place of those of the call before;
+ * stilb_engine_pick asks them at once. While the program's picture hides a still scene, none is drawn. */
 void stilb_engine_set_cameras(stilb_engine *engine, const stilb_engine_camera *cameras, uint32_t count);
 
 /* Likewise the part of the picture that the scene's own camera fills, as in stilb_engine_camera; at first 0, 0, 1, 1:
@@ -298,7 +299,7 @@ typedef struct stilb_engine_times {
 typedef struct stilb_engine_report {
 	uint64_t frame; /* frames drawn so far, this one included */
 	stilb_engine_times times;
-	uint32_t visible;       /* number of models that the camera sees */
+	uint32_t visible;       /* number of models that the scene's own camera sees; render.draws are of all cameras */
 	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;
 	stilb_input_state input; /* {0} without a window and gamepads */
@@ -350,7 +351,8 @@ stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine);
 /* The hash of the last frame's command stream (render.h): equal for every number of workers. */
 uint64_t stilb_engine_stream_hash(const stilb_engine *engine);
 
-/* Writes the last frame's picture as .png, or its radiance, without windows over it, as .exr or .hdr. Fails as
+/* Writes the last frame's picture as .png, or the radiance of the scene's own camera, in the size that it was drawn in,
+ * without windows and other cameras over it, as .exr or .hdr. Fails as
  * stilb_render_read_image and stilb_image_save do. */
 stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path);
 

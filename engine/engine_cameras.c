@@ -18,27 +18,48 @@ static bool camera_place_is_sound(const float place[4])
 	                place[1] < place[3] && place[3] <= 1.0f);
 }
 
+/* What the still scene looks like is not known any more. */
+static void cameras_changed(stilb_engine *engine)
+{
+	engine_picture_forget_scene(engine);
+	engine->culled_size[0] = 0;
+}
+
+static bool camera_is(const engine_camera *camera, const stilb_engine_camera *other)
+{
+	const stilb_engine_camera *asked = &camera->asked;
+	return strcmp(camera->name, other->name) == 0 && asked->border == other->border && asked->width == other->width &&
+	       asked->height == other->height && memcmp(asked->place, other->place, sizeof asked->place) == 0 &&
+	       memcmp(&asked->camera, &other->camera, sizeof asked->camera) == 0;
+}
+
 void stilb_engine_set_cameras(stilb_engine *engine, const stilb_engine_camera *cameras, uint32_t count)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(count <= STILB_ENGINE_MAX_CAMERAS && (cameras || count == 0));
+	bool same = count == engine->camera_count;
 	for (uint32_t c = 0; c < count; c++) {
 		engine_camera *to = &engine->cameras[c];
 		size_t length = cameras[c].name ? strnlen(cameras[c].name, STILB_RENDER_TARGET_NAME + 1) : 0;
 		STILB_ASSERT(length > 0 && length <= STILB_RENDER_TARGET_NAME && camera_place_is_sound(cameras[c].place));
 		STILB_ASSERT(cameras[c].width <= 16384 && cameras[c].height <= 16384);
 		STILB_ASSERT(cameras[c].place[2] > 0.0f || (cameras[c].width > 0 && cameras[c].height > 0));
+		same = same && camera_is(to, &cameras[c]);
 		to->asked = cameras[c];
 		memcpy(to->name, cameras[c].name, length);
 		to->name[length] = '\0';
 	}
 	engine->camera_count = count;
+	if (!same)
+		cameras_changed(engine);
 }
 
 void stilb_engine_set_place(stilb_engine *engine, const float place[4])
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(place && place[2] > 0.0f && camera_place_is_sound(place));
+	if (memcmp(engine->place, place, sizeof engine->place) != 0)
+		cameras_changed(engine);
 	memcpy(engine->place, place, sizeof engine->place);
 }
 
@@ -46,6 +67,8 @@ void stilb_engine_set_scale(stilb_engine *engine, float scale)
 {
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(scale >= STILB_ENGINE_MIN_SCALE && scale <= STILB_ENGINE_MAX_SCALE);
+	if (engine->desc.scale != scale)
+		cameras_changed(engine);
 	engine->desc.scale = scale;
 }
 
@@ -92,7 +115,9 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	const stilb_render_target *target = &engine->targets[number];
 	*view = engine_view_of(engine, engine->scene);
 	view->shading = engine->frame_shading;
-	view->view_projection = stilb_scene_camera_matrix(camera, (float)target->width / (float)target->height);
+	const uint16_t *place = target->place; /* it is seen in these proportions, whatever the image's are */
+	float aspect = place[3] > 0 ? (float)place[2] / (float)place[3] : (float)target->width / (float)target->height;
+	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
 	view->exposure = camera->exposure;
 	view->tone = camera->tone;
@@ -111,11 +136,13 @@ void engine_cameras_frame(stilb_engine *engine)
 	engine->passes[0] = (stilb_render_pass){.name = "scene"};
 	for (uint32_t c = 0; c < engine->camera_count; c++) {
 		const engine_camera *camera = &engine->cameras[c];
+		char *name = engine->target_names[c + 1];
+		memcpy(name, camera->name, sizeof camera->name);
 		engine->targets[c + 1] =
-			camera_target(engine, camera->name, camera->asked.place, camera->asked.width, camera->asked.height);
+			camera_target(engine, name, camera->asked.place, camera->asked.width, camera->asked.height);
 		engine->targets[c + 1].border = camera->asked.border;
 		camera_view(engine, c + 1, &camera->asked.camera);
-		engine->passes[c + 1] = (stilb_render_pass){.name = camera->name, .view = c + 1, .order = c + 1};
+		engine->passes[c + 1] = (stilb_render_pass){.name = name, .view = c + 1, .order = c + 1};
 	}
 	engine->view_count = engine->pass_count = engine->camera_count + 1;
 }
@@ -141,6 +168,11 @@ bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_sc
 {
 	const stilb_scene_camera *camera = NULL;
 	uint32_t size[2];
+	if (engine_picture_covers(engine, x)) {
+		stilb_render_size(engine->render, &size[0], &size[1]);
+		*ray = stilb_scene_camera_ray(&engine->scene->camera, size[0], size[1], x, y);
+		return true;
+	}
 	for (uint32_t c = engine->camera_count; c-- > 0 && !camera;) /* later ones lie over earlier ones */
 		if (camera_covers(engine, engine->cameras[c].asked.place, &x, &y, size))
 			camera = &engine->cameras[c].asked.camera;

@@ -153,6 +153,7 @@ struct stilb_engine {
 	/* The frame as data: frame.c culls once for each view, records each pass and replays all of them. */
 	stilb_render_view views[ENGINE_MAX_VIEWS]; /* [view_count] of the scene's own camera, then of the others */
 	stilb_render_target targets[ENGINE_MAX_VIEWS];
+	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
@@ -285,6 +286,9 @@ bool engine_picture_wants_scene(const stilb_engine *engine);
 
 /* Takes that frame's picture. Fails as stilb_render_texture_create does. */
 stilb_result engine_picture_keep_scene(stilb_engine *engine, const stilb_image *image);
+
+/* True if the program's picture, of the scene's own camera, is shown in this column of the picture. */
+bool engine_picture_covers(const stilb_engine *engine, double x);
 
 /* Forgets what the scene looks like. */
 void engine_picture_forget_scene(stilb_engine *engine);

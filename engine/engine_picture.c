@@ -47,6 +47,13 @@ static float picture_edge(const engine_shown *picture, uint32_t width)
 	return share > 0.0f ? roundf(fminf(share, 1.0f) * (float)width) : 0.0f;
 }
 
+bool engine_picture_covers(const stilb_engine *engine, double x)
+{
+	uint32_t width, height;
+	stilb_render_size(engine->render, &width, &height);
+	return engine->picture.shown && x >= (double)picture_edge(&engine->picture, width);
+}
+
 static bool picture_size_is(const stilb_engine *engine, const uint32_t size[2])
 {
 	uint32_t width, height;

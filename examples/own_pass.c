@@ -18,7 +18,10 @@ static stilb_result photograph(void *user, stilb_gpu_plan *plan, uint16_t *image
 {
 	const stilb_gpu_program *program = user;
 	photograph_push push = {.hue = {1.15f, 1.0f, 0.75f, 1.0f}, .dark = 0.8f};
-	stilb_gpu_plan_image_row row = {.name = "photograph", .format = STILB_GPU_RGBA16_F, .scale = 1.0f};
+	const stilb_gpu_extent *light =
+		stilb_gpu_plan_extent(plan, *image); /* which may have another size than the picture */
+	stilb_gpu_plan_image_row row = {
+		.name = "photograph", .format = STILB_GPU_RGBA16_F, .width = light->width, .height = light->height};
 	uint16_t out = stilb_gpu_plan_image(plan, &row);
 	stilb_gpu_pass pass = {
 		.name = "photograph",

@@ -275,7 +275,7 @@ typedef struct stilb_gpu_binding {
 	uint8_t index_bytes; /* 2, 4 */
 	uint64_t indices;    /* stilb_gpu_buffer.id */
 	uint64_t vertices;   /* or 0 */
-	uint32_t scissor[4]; /* x, y, width, height in texels; width 0: all that the pass fills */
+	uint32_t scissor[4]; /* x, y, width, height in texels; width 0: all that the pass fills, as it is cut to that */
 } stilb_gpu_binding;
 
 /* Consecutive draws that need the same bindings. */

@@ -377,7 +377,8 @@ typedef struct stilb_render_view {
 
 /* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
  * and one that needs what is being compiled waits for it. Read are the lights' kinds, surroundings, backdrop's kind,
- * sides, shading, detail and impostors. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE. [any-thread] */
+ * sides, shading, detail, impostors, tone and the target's kind. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
+ * [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);
 
 typedef enum stilb_render_pass_kind {
@@ -467,8 +468,8 @@ stilb_result stilb_render_present(stilb_render *render);
 stilb_result stilb_render_set_surface(stilb_render *render, const stilb_gpu_surface *surface);
 
 /* A copy of the last replayed picture, RGB, top row first, in the format of desc.output; waits for the device; between
- * frames. If the backdrop of the frame's first pass is nothing there is alpha, too, the share of the pixel that models
- * cover; radiance is premultiplied by it, as EXR files have it, codes are not. stilb_image_finish it.
+ * frames. If the backdrop of the first pass into the main images is nothing there is alpha, too, the share of the pixel
+ * that models cover; radiance is premultiplied by it, as EXR files have it, codes are not. stilb_image_finish it.
  * STILB_ERROR_DEVICE: no frame of this size has been drawn yet, the last one failed, or the null device.
  * STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_render_read_image(stilb_render *render, stilb_image *image);
@@ -531,7 +532,8 @@ typedef struct stilb_render_feature {
 	stilb_render_stage stage;
 	/* Adds rows to the plan. *image may become another image of the same size and format, which then takes the place
 	 * of the one that was given; not in stages FIRST and LAST. An error, with its message, ends the frame. Called by
-	 * stilb_render_replay; frames without a scene pass into the main images have no stage LIGHT. */
+	 * stilb_render_replay; frames without a scene pass into the main images have no stage LIGHT, frames that show no
+	 * target no stage PICTURE. The main images, and so that of stage LIGHT, may have another size than the picture. */
 	stilb_result (*add)(void *user, stilb_gpu_plan *plan, uint16_t *image);
 	void *user;
 } stilb_render_feature;

@@ -165,7 +165,28 @@ static stilb_render_shading upload_shading(const render_dump_view *from)
 	};
 }
 
-static void upload_tables(stilb_render_dump *dump)
+/* Where an edge of the file's picture lies in one of another size. */
+static uint32_t upload_edge(uint32_t edge, uint32_t from, uint32_t to)
+{
+	return (uint32_t)(((uint64_t)edge * to + from / 2) / from);
+}
+
+/* A target's place, in the file's picture and in one of width x height pixels. */
+static void upload_place(const render_dump_header *header, const uint16_t from[4], uint32_t width, uint32_t height,
+                         uint16_t to[4])
+{
+	const uint32_t old[2] = {header->width, header->height}, now[2] = {width, height};
+	memset(to, 0, 4 * sizeof *to);
+	for (uint32_t axis = 0; axis < 2 && from[2] > 0; axis++) {
+		uint32_t begin = upload_edge(from[axis], old[axis], now[axis]);
+		uint32_t end = upload_edge((uint32_t)from[axis] + from[2 + axis], old[axis], now[axis]);
+		begin = begin < now[axis] ? begin : now[axis] - 1;
+		to[axis] = (uint16_t)begin;
+		to[2 + axis] = (uint16_t)(end > begin ? end - begin : 1);
+	}
+}
+
+static void upload_tables(stilb_render_dump *dump, uint32_t width, uint32_t height)
 {
 	const stilb_scene_light *lights = dump->light_table;
 	for (uint32_t i = 0; i < dump->header->lights; i++)
@@ -184,7 +205,7 @@ static void upload_tables(stilb_render_dump *dump)
 		                                .height = from->height,
 		                                .output = from->output,
 		                                .border = (uint8_t)from->border};
-		memcpy(target->place, from->place, sizeof target->place);
+		upload_place(dump->header, from->place, width, height, target->place);
 	}
 	for (uint32_t v = 0; v < dump->header->views; v++) {
 		const render_dump_view *from = &dump->views[v];
@@ -259,7 +280,7 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 	if (result == STILB_OK)
 		result = upload_meshes(dump, render, meshes);
 	if (result == STILB_OK) {
-		upload_tables(dump);
+		upload_tables(dump, render->device->width, render->device->height);
 		upload_draws(dump, meshes, materials);
 	}
 	free(textures);

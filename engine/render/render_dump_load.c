@@ -257,6 +257,9 @@ static stilb_result load_check_targets(const stilb_render_dump *dump, const char
 		    strlen(target->name) > STILB_RENDER_TARGET_NAME)
 			return load_refuse(name, "target %u: its name has not 1..%u bytes, or has a control character", t,
 			                   STILB_RENDER_TARGET_NAME);
+		for (uint32_t other = 0; other < t; other++)
+			if (strcmp(dump->targets[other].name, target->name) == 0)
+				return load_refuse(name, "targets %u and %u have the same name", other, t);
 		if (target->width < 1 || target->width > 16384 || target->height < 1 || target->height > 16384)
 			return load_refuse(name, "target %u: %ux%u pixels; a side has 1..16384", t, target->width, target->height);
 		if (target->border > UINT8_MAX || target->unused != 0)

@@ -266,7 +266,7 @@ static void save_put_shading(render_dump_view *out, const stilb_render_shading *
 	out->specular = shading->specular;
 }
 
-/* Position of a view's target among those that are saved. */
+/* Position of a target among those that are saved, their number if it is not: of views that no pass shows. */
 static uint32_t save_target(const save_job *job, const stilb_render_target *target)
 {
 	uint32_t t = 0;
@@ -275,11 +275,11 @@ static uint32_t save_target(const save_job *job, const stilb_render_target *targ
 	return t;
 }
 
-/* Finds the targets of the views, each once. */
+/* Finds the targets of the passes, each once. */
 static void save_find_targets(save_job *job)
 {
-	for (uint32_t v = 0; v < job->header.views; v++) {
-		const stilb_render_target *target = job->views[v].target;
+	for (uint32_t p = 0; p < job->header.passes; p++) {
+		const stilb_render_target *target = job->views[job->passes[job->pass[p]].view].target;
 		if (target && save_target(job, target) == job->header.targets)
 			job->targets[job->header.targets++] = target;
 	}
@@ -300,7 +300,8 @@ static void save_put_views(const save_job *job)
 		out->exposure = view->exposure;
 		out->tone = view->tone;
 		out->dither = view->dither;
-		out->target = view->target ? 1 + save_target(job, view->target) : 0;
+		uint32_t target = view->target ? save_target(job, view->target) : job->header.targets;
+		out->target = target < job->header.targets ? 1 + target : 0;
 		save_put_shading(out, &view->shading);
 	}
 }
@@ -310,13 +311,15 @@ static void save_put_targets(const save_job *job)
 	render_dump_target *out = save_part(job, RENDER_DUMP_TARGETS);
 	for (uint32_t t = 0; t < job->header.targets; t++, out++) {
 		const stilb_render_target *target = job->targets[t];
-		memcpy(out->name, target->name, strnlen(target->name, STILB_RENDER_TARGET_NAME));
+		for (size_t c = 0; target->name[c] && c < STILB_RENDER_TARGET_NAME; c++)
+			out->name[c] = iscntrl((unsigned char)target->name[c]) ? '?' : target->name[c];
 		out->kind = target->kind;
 		out->width = target->width;
 		out->height = target->height;
 		out->output = target->output;
 		out->border = target->border;
-		memcpy(out->place, target->place, sizeof out->place);
+		if (target->place[2] > 0)
+			memcpy(out->place, target->place, sizeof out->place);
 	}
 }
 

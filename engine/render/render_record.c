@@ -1054,6 +1054,8 @@ static stilb_result record_begin(stilb_render *render, const stilb_scene *scene,
 		if (all->passes[p].seen)
 			render->passes[pass->pass].detail = all->passes[p].view.mode;
 	}
+	for (uint32_t p = 0; p < all->count && result != STILB_OK; p++) /* no pass is left half recorded */
+		render->passes[all->passes[p].pass.pass].state = RENDER_LIST_EMPTY;
 	return result;
 }
 
@@ -1091,8 +1093,10 @@ stilb_result stilb_render_record_views(stilb_render *render, const stilb_scene *
 	if (result != STILB_OK)
 		return result;
 	stilb_job_parallel_for(pool, all.first_segment[count], 1, record_slice, &all, worker);
-	for (uint32_t p = 0; p < count && result == STILB_OK; p++)
-		result = stilb_render_pass_end(render, passes[p].pass);
+	for (uint32_t p = 0; p < count; p++) { /* all end, whatever has failed */
+		stilb_result ended = stilb_render_pass_end(render, passes[p].pass);
+		result = result == STILB_OK ? ended : result;
+	}
 	return result;
 }
 

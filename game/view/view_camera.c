@@ -76,17 +76,17 @@ static stilb_result view_place(view *v, stilb_scene *scene, bool *metered)
 	return result == STILB_OK ? picture_flags_expose(&flags, scene, metered) : result;
 }
 
-/* Finds the camera of --inset in a scene, as view_place does that of --camera. */
-static stilb_result view_find_inset(view *v, const stilb_scene *scene)
+/* Takes the camera of --inset in the scene that is shown now; one that it lacks is said. */
+static void view_find_inset(view *v)
 {
-	if (!v->inset)
-		return STILB_OK;
-	stilb_result result = picture_flags_look("--inset", v->inset, scene, &v->inset_camera);
-	v->has_inset = result == STILB_OK;
-	if (result == STILB_OK || !v->scene)
-		return result;
-	live_run_warn(v->run, stilb_error_message());
-	return STILB_OK;
+	v->has_inset = v->inset && picture_flags_look("--inset", v->inset, v->scene, &v->inset_camera) == STILB_OK;
+	if (v->inset && !v->has_inset)
+		live_run_warn(v->run, stilb_error_message());
+	if (!v->has_inset)
+		return;
+	float distance = stilb_scene_camera_distance(v->scene, &v->inset_camera);
+	v->inset_camera.near_z = VIEW_NEAR * distance;
+	v->inset_camera.far_z = VIEW_FAR * distance;
 }
 
 #define VIEW_INSET_SIDE 0.3f  /* share of the picture's sides, */
@@ -103,8 +103,6 @@ void view_show_inset(const view *v)
 	};
 	bool shown = v->has_inset && v->scene;
 	if (shown) {
-		inset.camera.near_z = v->scene->camera.near_z;
-		inset.camera.far_z = v->scene->camera.far_z;
 		inset.camera.exposure = v->exposure;
 		inset.camera.tone = v->tone;
 	}
@@ -124,8 +122,8 @@ stilb_result view_ready(view *v, stilb_scene *scene, bool again, bool *metered)
 	*metered = false;
 	v->aspect = view_aspect(v);
 	stilb_result result = view_variant_begin(v, scene, again && v->scene);
-	if (result == STILB_OK)
-		result = view_find_inset(v, scene);
+	if (result == STILB_OK && v->inset && !v->scene) /* of the first scene it is an error if it has no such camera */
+		result = picture_flags_look("--inset", v->inset, scene, &v->inset_camera);
 	return result == STILB_OK ? view_place(v, scene, metered) : result;
 }
 
@@ -155,6 +153,7 @@ stilb_result view_show(view *v, stilb_scene *scene, bool again, bool metered)
 	}
 	stilb_engine_set_speed(v->run->engine, VIEW_SPEED * v->distance);
 	view_settle(v);
+	view_find_inset(v);
 	if (metered)
 		view_tell_exposure(v);
 	return STILB_OK;

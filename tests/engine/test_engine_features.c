@@ -90,7 +90,12 @@ static stilb_result add_last(void *user, stilb_gpu_plan *plan, uint16_t *image)
 
 static void add_photograph(stages *s, stilb_gpu_plan *plan, const char *name, uint16_t *image)
 {
-	stilb_gpu_plan_image_row row = {.name = name, .format = s->format, .scale = s->small ? 0.5f : 1.0f};
+	const stilb_gpu_extent *from = stilb_gpu_plan_extent(plan, *image);
+	uint32_t less = s->small ? 2 : 1;
+	stilb_gpu_plan_image_row row = {.name = name,
+	                                .format = s->format,
+	                                .width = (from->width + less - 1) / less,
+	                                .height = (from->height + less - 1) / less};
 	uint16_t out = stilb_gpu_plan_image(plan, &row);
 	stilb_gpu_pass pass = {.name = name,
 	                       .kind = STILB_GPU_PASS_FULLSCREEN,
@@ -217,6 +222,23 @@ static void an_effect_on_the_light(void **state)
 		assert_int_equal(stilb_gpu_stats_get(stilb_engine_gpu(engine)).passes, samples > 1 ? 3 : 2);
 		close_engine(engine);
 	}
+}
+
+/* An effect that goes by the light's own size works whatever that is. */
+static void an_effect_on_light_of_another_size(void **state)
+{
+	(void)state;
+	stages s;
+	stilb_engine *engine = open_engine(1, STILB_RENDER_OUTPUT_DISPLAY);
+	stilb_engine_set_scale(engine, 0.5f);
+	make_programs(engine, &s);
+	add(engine, &s, STILB_RENDER_STAGE_LIGHT, add_light);
+	assert_int_equal(draw(engine), STILB_OK);
+	const stilb_gpu_plan *plan = stilb_engine_plan(engine);
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, stilb_gpu_plan_find(plan, "photograph"));
+	assert_int_equal(extent->width, (WIDTH + 1) / 2);
+	assert_int_equal(extent->height, (HEIGHT + 1) / 2);
+	close_engine(engine);
 }
 
 static void stages_come_in_their_order(void **state)
@@ -469,10 +491,15 @@ int main(void)
 		return 77;
 	}
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(an_effect_on_the_light),    cmocka_unit_test(stages_come_in_their_order),
-		cmocka_unit_test(a_dispatch_and_its_result), cmocka_unit_test(what_is_wrong_is_said),
-		cmocka_unit_test(images_are_shown),          cmocka_unit_test(keys_show_images),
-		cmocka_unit_test(an_optional_image),         cmocka_unit_test(the_plan_as_a_file),
+		cmocka_unit_test(an_effect_on_the_light),
+		cmocka_unit_test(stages_come_in_their_order),
+		cmocka_unit_test(an_effect_on_light_of_another_size),
+		cmocka_unit_test(a_dispatch_and_its_result),
+		cmocka_unit_test(what_is_wrong_is_said),
+		cmocka_unit_test(images_are_shown),
+		cmocka_unit_test(keys_show_images),
+		cmocka_unit_test(an_optional_image),
+		cmocka_unit_test(the_plan_as_a_file),
 	};
 	return cmocka_run_group_tests(tests, make_scene, drop_scene);
 }

@@ -256,31 +256,29 @@ static void formulas_are_part_of_the_stream(void **state)
 
 /* ---- the tables -------------------------------------------------------------------------------------------------- */
 
-/* A frame draws what the engine's tables of views and passes say: here a second view from another place first, then the
- * first view in two passes. */
-static void the_tables_drive_the_frame(void **state)
+/* A frame draws the scene's own view, then those of the cameras beside it, each with what it sees. */
+static void each_camera_has_a_pass(void **state)
 {
 	(void)state;
 	stilb_engine_desc desc = null_desc(2);
 	stilb_engine *engine = make_engine(&desc);
 	const stilb_scene *scene = stilb_engine_scene(engine);
-	stilb_scene_camera camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_FEW, 1.0f);
-	engine->views[1].view_projection = stilb_scene_camera_matrix(&camera, 1.0f);
-	engine->view_count = 2;
-	engine->passes[1] = (stilb_render_pass){.name = "elsewhere", .view = 1, .order = 0};
-	engine->passes[2] = (stilb_render_pass){.name = "again", .view = 0, .order = 7};
-	engine->passes[0].order = 3;
-	engine->pass_count = 3;
+	stilb_engine_camera cameras[2] = {{.name = "elsewhere", .width = 64, .height = 64},
+	                                  {.name = "again", .place = {0.5f, 0.5f, 1.0f, 1.0f}}};
+	cameras[0].camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_FEW, 1.0f);
+	cameras[1].camera = scene->camera;
+	stilb_engine_set_cameras(engine, cameras, 2);
 	for (int f = 0; f < 3; f++) {
 		stilb_engine_report report;
-		uint32_t visible[2];
+		uint32_t visible[3];
 		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
-		uint64_t hash = scene_hash(REFERENCE_HASH_PASS, scene, &engine->views[1].view_projection, &visible[1]);
-		for (int twice = 0; twice < 2; twice++)
-			hash = scene_hash(reference_hash_pass(hash, &engine->views[0]), scene, &engine->views[0].view_projection,
-			                  &visible[0]);
+		uint64_t hash = STILB_FNV1A64_START;
+		for (int v = 0; v < 3; v++)
+			hash = scene_hash(reference_hash_pass(hash, &engine->views[v]), scene, &engine->views[v].view_projection,
+			                  &visible[v]);
 		assert_true(visible[0] != visible[1] && visible[1] > 0);
-		assert_true(report.render.draws == 2 * (2 * visible[0] + visible[1]));
+		assert_int_equal(visible[0], report.visible);
+		assert_true(report.render.draws == 2 * (visible[0] + visible[1] + visible[2]));
 		assert_true(report.render.indirect_commands >= 3);
 		assert_true(stilb_engine_stream_hash(engine) == hash);
 	}
@@ -457,7 +455,7 @@ int main(void)
 		cmocka_unit_test(reports_say_what_happened),
 		cmocka_unit_test(another_size_is_another_view),
 		cmocka_unit_test(formulas_are_part_of_the_stream),
-		cmocka_unit_test(the_tables_drive_the_frame),
+		cmocka_unit_test(each_camera_has_a_pass),
 		cmocka_unit_test(destroy_at_any_time),
 		cmocka_unit_test(what_cannot_start_says_why),
 		cmocka_unit_test(no_memory_anywhere),

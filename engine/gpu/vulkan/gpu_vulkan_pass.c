@@ -319,9 +319,17 @@ static void draws_bind_program(const pass_work *work, VkCommandBuffer commands, 
 
 static void draws_bind_scissor(const pass_work *work, VkCommandBuffer commands, const uint32_t s[4])
 {
-	VkRect2D scissor = {{(int32_t)s[0], (int32_t)s[1]}, {s[2], s[3]}};
-	if (s[2] == 0)
-		scissor = pass_rectangle(work);
+	VkRect2D scissor = pass_rectangle(work);
+	if (s[2] > 0) { /* what both have in common */
+		uint32_t left = (uint32_t)scissor.offset.x, top = (uint32_t)scissor.offset.y;
+		uint32_t right = left + scissor.extent.width, bottom = top + scissor.extent.height;
+		left = s[0] > left ? s[0] : left;
+		top = s[1] > top ? s[1] : top;
+		right = s[0] + s[2] < right ? s[0] + s[2] : right;
+		bottom = s[1] + s[3] < bottom ? s[1] + s[3] : bottom;
+		scissor = (VkRect2D){{(int32_t)left, (int32_t)top},
+		                     {right > left ? right - left : 0, bottom > top ? bottom - top : 0}};
+	}
 	vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 

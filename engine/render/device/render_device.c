@@ -147,6 +147,7 @@ stilb_result render_device_frame_begin(render_device *device, render_memory *mem
 		return result;
 	device->slot = (device->slot + 1) % STILB_GPU_FRAMES;
 	device->frame = (render_frame){0};
+	device->drawn = device->lit = false; /* what there was is in the plan that this frame makes anew */
 	device->stats.gpu_ms = stilb_gpu_stats_get(device->gpu).gpu_ms;
 	const render_slot *slot = render_slot_now(device);
 	for (uint32_t kind = 0; kind < RENDER_MEMORY_KINDS && result == STILB_OK; kind++) {

@@ -234,7 +234,8 @@ static stilb_result frame_end_scene(render_device *device)
 	render_targets_resolve(device);
 	const render_frame_target *main = render_target_main(device);
 	uint16_t light = main ? main->color : 0;
-	stilb_result result = main ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
+	/* Without a number its row is wrong, which the plan will say. */
+	stilb_result result = light != 0 ? frame_stage(device, STILB_RENDER_STAGE_LIGHT, &light) : STILB_OK;
 	if (result != STILB_OK)
 		return result;
 	render_targets_show(device, light);

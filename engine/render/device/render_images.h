@@ -2,7 +2,8 @@
  * The images that passes share, by name: what each holds, in which space and unit, and who writes it. A program's own
  * passes find them by these names (stilb_gpu_plan_find).
  *
- * Sizes are the picture's unless a row says another. Positions and directions are in the world, distances in metres,
+ * Sizes are the picture's unless a row says another; of the main images (color, color samples, depth) those of their
+ * target, which may be another (render.h). Positions and directions are in the world, distances in metres,
  * radiance in W sr^-1 m^-2.
  */
 #ifndef STILB_RENDER_IMAGES_H

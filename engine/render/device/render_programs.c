@@ -248,7 +248,10 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		return result;
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
 		result = render_programs_backdrop(device);
-	return result == STILB_OK ? render_programs_tone(device, view->tone, view->target) : result;
+	/* Both: which one frames need may change with the size and the cameras beside. */
+	if (result == STILB_OK)
+		result = render_programs_tone(device, view->tone, false);
+	return result == STILB_OK ? render_programs_tone(device, view->tone, true) : result;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */

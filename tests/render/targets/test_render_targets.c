@@ -452,6 +452,25 @@ static void dumps_hold_targets(void **state)
 	                          .context_count = 1,
 	                          .validate = true};
 	stage played = {.pool = s.pool};
+	/* In a picture of another size places are as large a part of it; the largest sides that there are do fit. */
+	desc.width = 200;
+	desc.height = null_device ? 16384 : 40;
+	assert_int_equal(stilb_render_create(&desc, &played.render), STILB_OK);
+	assert_int_equal(stilb_render_dump_upload(dump, played.render), STILB_OK);
+	assert_int_equal(stilb_render_frame_begin(played.render), STILB_OK);
+	assert_int_equal(stilb_render_dump_record(dump, played.render, s.pool, 0), STILB_OK);
+	if (stilb_render_dump_replay(dump, played.render, s.pool, 0) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	const stilb_gpu_plan *plan = stilb_render_plan(played.render);
+	uint32_t placed = 0;
+	for (uint32_t p = 0; p < stilb_gpu_plan_passes(plan); p++) {
+		const uint16_t *area = stilb_gpu_plan_row(plan, p)->area;
+		placed += area[0] == 6 && area[2] == 63 && area[3] == (23 * desc.height + 33) / 67; /* 3 and 34 of 99 */
+	}
+	assert_int_equal(placed, 1);
+	stilb_render_destroy(played.render);
+	desc.width = WIDTH;
+	desc.height = HEIGHT;
 	assert_int_equal(stilb_render_create(&desc, &played.render), STILB_OK);
 	assert_int_equal(stilb_render_dump_upload(dump, played.render), STILB_OK);
 	assert_int_equal(stilb_render_frame_begin(played.render), STILB_OK);
@@ -814,6 +833,30 @@ static void frames_end_with_a_part_of_an_image(void **state)
 	stage_close(&s);
 }
 
+static stilb_result fail_first(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)user, (void)plan, (void)image;
+	return stilb_fail(STILB_ERROR_DEVICE, "not this time");
+}
+
+/* After a frame that failed before it had any images there is nothing to read, and that is said. */
+static void nothing_is_read_of_a_failed_frame(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	stilb_render_view view = view_of(0, WIDTH, HEIGHT);
+	stilb_render_feature feature = {STILB_RENDER_STAGE_FIRST, fail_first, &s};
+	stilb_image image;
+	draw_well(&s, &view, 1);
+	assert_int_equal(stilb_render_add_feature(s.render, &feature), STILB_OK);
+	assert_int_equal(draw(&s, &view, 1), STILB_ERROR_DEVICE);
+	assert_int_equal(stilb_render_read_image(s.render, &image), STILB_ERROR_DEVICE);
+	assert_int_equal(stilb_render_read_radiance(s.render, &image), STILB_ERROR_DEVICE);
+	stilb_render_remove_feature(s.render, &s);
+	draw_well(&s, &view, 1);
+	stage_close(&s);
+}
+
 /* Many views of one scene, recorded together by several threads, are the views recorded one by one. */
 static void views_recorded_together(void **state)
 {
@@ -872,14 +915,12 @@ static void views_recorded_together(void **state)
 
 int main(int argc, char **argv)
 {
-	static const struct CMUnitTest any[] = {cmocka_unit_test(depth_without_a_picture),
-	                                        cmocka_unit_test(targets_that_nobody_reads),
-	                                        cmocka_unit_test(mistakes_are_errors),
-	                                        cmocka_unit_test(dumps_hold_targets),
-	                                        cmocka_unit_test(dumps_name_what_they_leave_out),
-	                                        cmocka_unit_test(frames_end_by_name),
-	                                        cmocka_unit_test(frames_end_with_a_part_of_an_image),
-	                                        cmocka_unit_test(views_recorded_together)};
+	static const struct CMUnitTest any[] = {
+		cmocka_unit_test(depth_without_a_picture), cmocka_unit_test(targets_that_nobody_reads),
+		cmocka_unit_test(mistakes_are_errors),     cmocka_unit_test(nothing_is_read_of_a_failed_frame),
+		cmocka_unit_test(dumps_hold_targets),      cmocka_unit_test(dumps_name_what_they_leave_out),
+		cmocka_unit_test(frames_end_by_name),      cmocka_unit_test(frames_end_with_a_part_of_an_image),
+		cmocka_unit_test(views_recorded_together)};
 	static const struct CMUnitTest pictures[] = {
 		cmocka_unit_test(insets_are_pictures_of_their_own), cmocka_unit_test(tiles_without_a_main_picture),
 		cmocka_unit_test(main_images_of_another_size),      cmocka_unit_test(depth_alone_is_the_depth),
