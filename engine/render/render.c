@@ -283,7 +283,7 @@ stilb_result stilb_render_add_draws(stilb_render *render, const stilb_gpu_draws 
 	STILB_ASSERT_OWNER(render->owner);
 	render_device *device = render->device;
 	render_frame *frame = &device->frame;
-	STILB_ASSERT(frame->begun && draws && draws->runs && draws->run_count > 0 && number);
+	STILB_ASSERT(frame->begun && draws && !draws->runs == (draws->run_count == 0) && number);
 	if (frame->own_lists == STILB_RENDER_MAX_FEATURES)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a frame has %u lists of features already; draw more with each",
 		                  STILB_RENDER_MAX_FEATURES);

@@ -540,8 +540,8 @@ typedef struct stilb_render_feature {
 
 #define STILB_RENDER_MAX_FEATURES 32u
 
-/* Adds a list of draws to the frame, for a row of kind DRAWS that a feature adds; *number is for its
- * stilb_gpu_pass.draws. What the list points to stays until stilb_render_replay returns. Within
+/* Adds a list of draws, which may be empty, to the frame, for a row of kind DRAWS that a feature adds; *number is for
+ * its stilb_gpu_pass.draws. What the list points to stays until stilb_render_replay returns. Within
  * stilb_render_feature.add. STILB_ERROR_ARGUMENT: the frame has STILB_RENDER_MAX_FEATURES of them already.
  * [main-thread] */
 stilb_result stilb_render_add_draws(stilb_render *render, const stilb_gpu_draws *draws, uint32_t *number);

@@ -406,7 +406,7 @@ static void draws_into_the_world(void **state)
 	for (size_t i = 0; i < 4; i++) {
 		char line[128];
 		snprintf(line, sizeof line, "view cornell --headless --size 96x64 --screenshot drawn.png --draw %s", what[i]);
-		stilb_good(line);
+		stilb_good("%s", line);
 		assert_int_equal(stilb_image_load("drawn.png", &drawn), STILB_OK);
 		for (uint32_t p = 0; p < 96 * 64; p++)
 			changed[i] += memcmp((uint8_t *)plain.pixels + 3 * p, (uint8_t *)drawn.pixels + 3 * p, 3) != 0;
