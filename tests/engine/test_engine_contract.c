@@ -169,39 +169,33 @@ static void what_programs_give(void **state)
 	stress_engine_destroy(engine);
 }
 
-static void break_pass(stilb_engine *engine)
-{
-	engine->passes[0].view = engine->view_count;
-	frame(engine);
-}
-
 static void break_moved(stilb_engine *engine)
 {
 	engine->scene->model_count = 0;
 	frame(engine);
 }
 
-static void break_views(stilb_engine *engine)
+static void one_camera(stilb_engine *engine, stilb_engine_camera camera)
 {
-	engine->view_count = ENGINE_MAX_VIEWS + 1;
-	frame(engine);
-}
-
-static void break_pass_count(stilb_engine *engine)
-{
-	engine->overlay.profiler_open = true;
-	engine->pass_count = STILB_RENDER_MAX_PASSES;
-	frame(engine);
+	stilb_engine_set_cameras(engine, &camera, 1);
 }
 
 static void stages(void **state)
 {
 	(void)state;
 	stilb_engine *engine = make();
-	contract_breaks("engine->passes[p].view < engine->view_count", break_pass(engine));
 	contract_breaks("models are removed by their bounds", break_moved(engine));
-	contract_breaks("engine->view_count >= 1", break_views(engine));
-	contract_breaks("engine->frame_passes < ", break_pass_count(engine));
+	static const stilb_engine_camera cameras[STILB_ENGINE_MAX_CAMERAS + 1];
+	contract_breaks("count <= 15", stilb_engine_set_cameras(engine, cameras, STILB_ENGINE_MAX_CAMERAS + 1));
+	contract_breaks("cameras || count == 0", stilb_engine_set_cameras(engine, NULL, 1));
+	contract_breaks("length > 0", one_camera(engine, (stilb_engine_camera){.width = 8, .height = 8}));
+	contract_breaks("cameras[c].width > 0", one_camera(engine, (stilb_engine_camera){.name = "a"}));
+	contract_breaks("camera_place_is_sound",
+	                one_camera(engine, (stilb_engine_camera){.name = "a", .place = {0.5f, 0.0f, 1.1f, 1.0f}}));
+	contract_breaks("camera_place_is_sound", stilb_engine_set_place(engine, (const float[4]){0.5f, 0.5f, 0.4f, 1.0f}));
+	contract_breaks("place[2] > 0.0f", stilb_engine_set_place(engine, (const float[4]){0.0f, 0.0f, 0.0f, 0.0f}));
+	contract_breaks("scale >= 0.1f", stilb_engine_set_scale(engine, 0.05f));
+	contract_breaks("scale <= 4.0f", stilb_engine_set_scale(engine, 4.1f));
 	contract_breaks("engine_overlay_is_open", engine_overlay_record(engine, 1, 0));
 	stress_engine_destroy(engine);
 }
