@@ -1,8 +1,6 @@
 /* The cameras of a frame: the scene's own and those beside it, each a view with a target. */
 #include "engine_internal.h"
 
-#include "profiler/prof.h"
-
 #include <math.h>
 #include <string.h>
 
