@@ -44,7 +44,7 @@ struct engine_watch {
 	char *folder;
 	pthread_t thread;
 	int notify, wake, end; /* inotify; events: there are new sources; the thread is to end */
-	struct timespec began; /* by the clock of files */
+	struct timespec began; /* by the clock of files, whose times may be a tick of the kernel older, never newer */
 	uint32_t seen;         /* of the main thread: sources of the device that the thread was told of */
 
 	/* Of the thread alone. */
@@ -408,7 +408,7 @@ engine_watch *engine_watch_create(stilb_gpu *gpu, const char *folder)
 		return NULL;
 	}
 	*watch = (engine_watch){.gpu = gpu, .folder = whole, .lock = PTHREAD_MUTEX_INITIALIZER};
-	clock_gettime(CLOCK_REALTIME_COARSE, &watch->began);
+	clock_gettime(CLOCK_REALTIME, &watch->began);
 	watch->notify = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
 	watch->wake = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
 	watch->end = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);

@@ -74,6 +74,7 @@ static stilb_engine *make_engine(stilb_engine_watch watch, const char *shaders)
 	logged[0] = '\0';
 	if (stress_engine_create(&desc, &(stress_engine){.models = 50, .seed = 5}, &engine) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
+	nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL); /* times of files may be a tick of the kernel old */
 	return engine;
 }
 
