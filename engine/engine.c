@@ -267,7 +267,8 @@ stilb_result stilb_engine_screenshot(stilb_engine *engine, const char *path)
 	}
 	if (result == STILB_OK) {
 		PROFILE("write the picture");
-		result = stilb_image_save(&image, path);
+		stilb_scene_look look = engine_look(&engine->views[0]);
+		result = stilb_scene_look_save(&look, &image, path);
 	}
 	stilb_image_finish(&image);
 	return result;

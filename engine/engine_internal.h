@@ -8,6 +8,7 @@
 #include "input/input_recording.h"
 #include "input/input_window.h"
 #include "jobs/job.h"
+#include "scene/scene_look.h"
 #include "ui/ui.h"
 #include "ui/ui_profiler.h"
 #include "window/window.h"
@@ -399,15 +400,22 @@ void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, stilb_ui_rect capti
  * faults. Returns 0 or an errno. */
 int engine_thread_start(pthread_t *thread, void *(*run)(void *user), void *user);
 
-/* `save` writes a picture, as stilb_image_save does, on the thread of pictures. NULL: no memory. */
-engine_pictures *engine_pictures_create(stilb_result (*save)(const stilb_image *image, const char *path));
+/* Writes a picture, as stilb_scene_look_save does. */
+typedef stilb_result engine_picture_save(const stilb_scene_look *look, const stilb_image *image, const char *path);
+
+/* `save` is called on the thread of pictures. NULL: no memory. */
+engine_pictures *engine_pictures_create(engine_picture_save *save);
 
 /* Waits for pictures that are being written, and ends their thread. NULL is accepted. */
 void engine_pictures_destroy(engine_pictures *pictures);
 
 /* Hands over the image, which is {0} afterwards, to be written as stilb_engine_picture describes.
  * STILB_ERROR_MEMORY. */
-stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, const char *path, bool created);
+stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, const stilb_scene_look *look,
+                                 const char *path, bool created);
+
+/* How this view is shown. */
+stilb_scene_look engine_look(const stilb_render_view *view);
 
 /* Tells the program of pictures that have been written since the last call. */
 void engine_pictures_tell(stilb_engine *engine);

@@ -17,6 +17,7 @@
 typedef struct picture {
 	struct picture *next;
 	stilb_image image;
+	stilb_scene_look look;
 	char *path;
 	bool created; /* an empty file of the path's name is there, and goes if the picture cannot be written */
 	stilb_result result;
@@ -24,7 +25,7 @@ typedef struct picture {
 } picture;
 
 struct engine_pictures {
-	stilb_result (*save)(const stilb_image *image, const char *path);
+	engine_picture_save *save;
 	pthread_t thread;
 	bool running; /* the thread; only the main thread looks */
 	pthread_mutex_t lock;
@@ -64,7 +65,7 @@ static void picture_free(picture *one)
 static void picture_write(const engine_pictures *pictures, picture *one)
 {
 	PROFILE("write the picture");
-	one->result = pictures->save(&one->image, one->path);
+	one->result = pictures->save(&one->look, &one->image, one->path);
 	if (one->result != STILB_OK)
 		snprintf(one->message, sizeof one->message, "%s", stilb_error_message());
 	if (one->result != STILB_OK && one->created)
@@ -114,7 +115,7 @@ static void pictures_start(engine_pictures *pictures)
 	pictures->running = engine_thread_start(&pictures->thread, pictures_run, pictures) == 0;
 }
 
-engine_pictures *engine_pictures_create(stilb_result (*save)(const stilb_image *image, const char *path))
+engine_pictures *engine_pictures_create(engine_picture_save *save)
 {
 	engine_pictures *pictures = calloc(1, sizeof *pictures);
 	if (!pictures)
@@ -155,7 +156,15 @@ static void pictures_wait(engine_pictures *pictures, uint32_t most)
 	pthread_mutex_unlock(&pictures->lock);
 }
 
-stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, const char *path, bool created)
+stilb_scene_look engine_look(const stilb_render_view *view)
+{
+	stilb_scene_look look = {.exposure = view->exposure, .tone = view->tone};
+	stilb_scene_environment_words(&view->surroundings, look.environment, sizeof look.environment);
+	return look;
+}
+
+stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, const stilb_scene_look *look,
+                                 const char *path, bool created)
 {
 	picture *one = calloc(1, sizeof *one);
 	char *copy = strdup(path);
@@ -167,7 +176,7 @@ stilb_result engine_pictures_add(engine_pictures *pictures, stilb_image *image, 
 			unlink(path);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to write '%s'", path);
 	}
-	*one = (picture){.image = *image, .path = copy, .created = created};
+	*one = (picture){.image = *image, .look = *look, .path = copy, .created = created};
 	*image = (stilb_image){0};
 	if (!pictures->running)
 		pictures_start(pictures);
@@ -215,14 +224,15 @@ stilb_result stilb_engine_picture(stilb_engine *engine, const char *path, bool c
 	PROFILE("take the picture");
 	stilb_image image = {0};
 	if (!engine->pictures)
-		engine->pictures = engine_pictures_create(stilb_image_save);
+		engine->pictures = engine_pictures_create(stilb_scene_look_save);
 	stilb_result result = engine->pictures ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory to write '%s'", path);
 	if (result == STILB_OK) {
 		PROFILE("read the picture back");
 		result = stilb_render_read_for_file(engine->render, path, &image);
 	}
+	stilb_scene_look look = engine_look(&engine->views[0]);
 	if (result == STILB_OK)
-		return engine_pictures_add(engine->pictures, &image, path, created);
+		return engine_pictures_add(engine->pictures, &image, &look, path, created);
 	stilb_image_finish(&image);
 	if (created)
 		unlink(path);

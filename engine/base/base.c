@@ -141,6 +141,15 @@ uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size)
 	return hash;
 }
 
+void stilb_float_text(float value, char text[STILB_FLOAT_TEXT])
+{
+	for (int digits = 6; digits <= 9; digits++) {
+		snprintf(text, STILB_FLOAT_TEXT, "%.*g", digits, (double)value);
+		if (strtof(text, NULL) == value)
+			break;
+	}
+}
+
 uint64_t stilb_random_u64(uint64_t seed, uint64_t index)
 {
 	uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15u;

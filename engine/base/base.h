@@ -158,6 +158,13 @@ stilb_result stilb_fail_threads(uint32_t count, int error);
  * size is 0. Not for untrusted keys. Source: Fowler, Noll, Vo; draft-eastlake-fnv. */
 uint64_t stilb_hash_fnv1a64(uint64_t hash, const void *data, size_t size);
 
+/* ---- numbers as text --------------------------------------------------------------------------------------------- */
+
+#define STILB_FLOAT_TEXT 24
+
+/* The shortest text, of 6 digits at least, that reads back as this float: "0.1", "1e-10", "nan". */
+void stilb_float_text(float value, char text[STILB_FLOAT_TEXT]);
+
 /* ---- random numbers ---------------------------------------------------------------------------------------------- */
 
 /* A value for every (seed, index): the finaliser of splitmix64 over seed + (index + 1) * golden gamma. Counter-based:

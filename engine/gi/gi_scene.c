@@ -10,6 +10,7 @@
 #include "gi/integrate/gi_backdrop.h"
 
 #include "profiler/prof.h"
+#include "scene/scene_look.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -397,6 +398,7 @@ static void lights_finish(stilb_gi_scene *gi)
 static stilb_result lights_update(stilb_gi_scene *gi, const stilb_scene *scene, const gi_emitter *emitters)
 {
 	uint64_t hash = lights_hash(scene, emitters, gi->info.lights);
+	stilb_scene_environment_words(&scene->surroundings, gi->surroundings, sizeof gi->surroundings);
 	if (gi->lights.environment && gi->lights_hash == hash)
 		return STILB_OK;
 	lights_finish(gi);

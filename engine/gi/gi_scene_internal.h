@@ -45,6 +45,8 @@ typedef struct gi_part {
 	float normal_to_world[9]; /* transposed inverse of to_world, column by column */
 } gi_part;
 
+#define GI_SURROUNDINGS_TEXT 160
+
 typedef struct gi_backdrop gi_backdrop; /* integrate/gi_backdrop.h */
 
 struct stilb_gi_scene {
@@ -57,8 +59,9 @@ struct stilb_gi_scene {
 	stilb_scene_material *materials;
 	const stilb_image *textures;
 	gi_lights lights;
-	gi_lights open_lights; /* of settings.no_shadows */
-	gi_backdrop *backdrop; /* never NULL */
+	gi_lights open_lights;                   /* of settings.no_shadows */
+	gi_backdrop *backdrop;                   /* never NULL */
+	char surroundings[GI_SURROUNDINGS_TEXT]; /* in words, for files */
 	stilb_gi_scene_info info;
 	stilb_scene_vertex *vertices; /* of all meshes, in their order */
 	gi_triangle *triangles;       /* likewise */

@@ -183,7 +183,10 @@ gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index)
 		snprintf(setting.value, sizeof setting.value, "%s", number != 0.0 ? "yes" : "no");
 		break;
 	default:
-		snprintf(setting.value, sizeof setting.value, f->kind == FIELD_DOUBLE ? "%.17g" : "%.9g", number);
+		if (f->kind == FIELD_FLOAT)
+			stilb_float_text((float)number, setting.value);
+		else
+			snprintf(setting.value, sizeof setting.value, "%.17g", number);
 		break;
 	}
 	return setting;

@@ -54,6 +54,11 @@ typedef struct stilb_image {
 	uint32_t storage; /* how finish frees pixels: 0 for memory of stilb_memory_alloc; other values are private */
 } stilb_image;
 
+/* What a file says of its picture, as text of UTF-8: of the exposure, the camera, ... */
+typedef struct stilb_image_attribute {
+	const char *name, *text;
+} stilb_image_attribute;
+
 /* A black picture, alpha 0. Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, at most STILB_IMAGE_MAX_BYTES.
  * [any-thread] STILB_ERROR_ARGUMENT for any other shape, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
@@ -113,6 +118,12 @@ bool stilb_image_path_is_light(const char *path);
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check and for an empty picture, STILB_ERROR_FILE (disk full),
  * STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
+
+/* As stilb_image_save, with texts in the file's header: iTXt chunks of .png, attributes of .exr, variables of .hdr,
+ * where a line's end becomes a space. Names have 1..79 characters of ASCII, no '=', no spaces at their ends.
+ * [any-thread] */
+stilb_result stilb_image_save_with(const stilb_image *image, const char *path, const stilb_image_attribute *attributes,
+                                   uint32_t attribute_count);
 
 /* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .hdr and .exr into F32_LINEAR; of an .exr the first
  * part, up to 4 channels, or R G B (A) of one with more (image_layers.h reads all).

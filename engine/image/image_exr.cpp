@@ -144,17 +144,17 @@ image_outcome encode(const image_exr_file &from, image_bytes *file)
 	return IMAGE_OUTCOME_DONE;
 }
 
-image_outcome encode_picture(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
-                             image_message *message)
+image_outcome encode_picture(const image_input *input, image_bytes *file, image_message *message)
 {
+	const image_shape *shape = &input->shape;
 	static const char *const names[5][4] = {{}, {"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
 	const size_t scalar = image_scalar_bytes[shape->scalar], step = shape->channels * scalar;
 	image_exr_channel channels[4];
 	for (uint32_t c = 0; c < shape->channels; c++)
-		channels[c] = {names[shape->channels][c], static_cast<const char *>(pixels) + c * scalar, step,
+		channels[c] = {names[shape->channels][c], static_cast<const char *>(input->pixels) + c * scalar, step,
 		               step * shape->width};
-	const image_exr_file from = {shape->width, shape->height, shape->channels, 0,
-	                             channels,     nullptr,       shape->scalar,   stored};
+	const image_exr_file from = {shape->width, shape->height,     shape->channels, input->attribute_count,
+	                             channels,     input->attributes, shape->scalar,   input->stored};
 	return image_exr_encode(&from, file, message);
 }
 

@@ -9,8 +9,6 @@
 extern "C" {
 #endif
 
-struct stilb_image_attribute;
-
 /* A channel to be written. */
 typedef struct image_exr_channel {
 	const char *name;
@@ -21,7 +19,7 @@ typedef struct image_exr_channel {
 typedef struct image_exr_file {
 	uint32_t width, height, channel_count, attribute_count;
 	const image_exr_channel *channels; /* [channel_count], of different names, in any order */
-	const struct stilb_image_attribute *attributes;
+	const stilb_image_attribute *attributes;
 	image_scalar scalar, stored; /* type of the values in memory, and in the file: F16 or F32 */
 } image_exr_file;
 

@@ -143,10 +143,8 @@ void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light
 
 /* The input of an encoder. */
 typedef struct image_source {
-	image_shape shape;
-	image_scalar stored; /* the type of the values in the file, if it holds linear light */
-	const void *pixels;  /* the picture's own, or converted */
-	void *converted;     /* to be freed; NULL if no conversion was needed */
+	image_input input; /* its pixels are the picture's own, or converted */
+	void *converted;   /* to be freed; NULL if no conversion was needed */
 } image_source;
 
 /* PNG takes U8, EXR takes F16 and F32, HDR takes F32; others are converted. False: out of memory. */
@@ -154,22 +152,22 @@ static bool image_source_make(const stilb_image *image, const image_codec *codec
 {
 	STILB_ASSERT(image_is_sound(image));
 	image_scalar own = image_format_scalars[image->format];
-	*source = (image_source){.shape = {image->width, image->height, image->channels, own}, .stored = own};
-	source->pixels = image->pixels;
+	image_input *input = &source->input;
+	*source = (image_source){{{image->width, image->height, image->channels, own}, own, image->pixels, 0, NULL}, NULL};
 	bool floats = own == IMAGE_SCALAR_F32 || (own == IMAGE_SCALAR_F16 && codec == &image_codec_exr);
 	if (codec->codes ? own == IMAGE_SCALAR_U8 : floats)
 		return true;
-	source->shape.scalar = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32;
-	source->stored = own == IMAGE_SCALAR_U16 ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_F16; /* a half holds 8 bits of sRGB */
+	input->shape.scalar = codec->codes ? IMAGE_SCALAR_U8 : IMAGE_SCALAR_F32;
+	input->stored = own == IMAGE_SCALAR_U16 ? IMAGE_SCALAR_F32 : IMAGE_SCALAR_F16; /* a half holds 8 bits of sRGB */
 	size_t count = (size_t)image->width * image->height * image->channels;
-	source->converted = stilb_memory_alloc(count, image_scalar_bytes[source->shape.scalar]);
+	source->converted = stilb_memory_alloc(count, image_scalar_bytes[input->shape.scalar]);
 	if (!source->converted)
 		return false;
 	if (codec->codes)
 		image_convert_to_codes(image, source->converted);
 	else
 		image_convert_to_light(image, 0, count, source->converted);
-	source->pixels = source->converted;
+	input->pixels = source->converted;
 	return true;
 }
 
@@ -183,7 +181,27 @@ stilb_result image_fail(image_outcome outcome, const char *verb, const char *pat
 
 stilb_result stilb_image_save(const stilb_image *image, const char *path)
 {
-	STILB_ASSERT(image && path);
+	return stilb_image_save_with(image, path, NULL, 0);
+}
+
+/* True if every format can hold a text of this name. */
+static bool image_name_is_sound(const char *name)
+{
+	size_t length = name ? strlen(name) : 0;
+	if (length < 1 || length > 79 || name[0] == ' ' || name[length - 1] == ' ')
+		return false;
+	for (const char *c = name; *c; c++)
+		if (*c < ' ' || *c > '~' || *c == '=')
+			return false;
+	return true;
+}
+
+stilb_result stilb_image_save_with(const stilb_image *image, const char *path, const stilb_image_attribute *attributes,
+                                   uint32_t attribute_count)
+{
+	STILB_ASSERT(image && path && (attributes || attribute_count == 0));
+	for (uint32_t i = 0; i < attribute_count; i++)
+		STILB_ASSERT(image_name_is_sound(attributes[i].name) && attributes[i].text);
 	const image_codec *codec = image_codec_of(path, "write");
 	if (!codec)
 		return STILB_ERROR_ARGUMENT;
@@ -198,7 +216,9 @@ stilb_result stilb_image_save(const stilb_image *image, const char *path)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	image_bytes file = {0};
 	image_message message = {0};
-	image_outcome outcome = codec->encode(&source.shape, source.pixels, source.stored, &file, &message);
+	source.input.attribute_count = attribute_count;
+	source.input.attributes = attributes;
+	image_outcome outcome = codec->encode(&source.input, &file, &message);
 	free(source.converted);
 	if (outcome == IMAGE_OUTCOME_DONE)
 		result = stilb_file_save(path, file.data, file.size);

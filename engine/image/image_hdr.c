@@ -95,23 +95,41 @@ static bool hdr_put_scanline(const unsigned char *pixels, uint32_t width, unsign
 	return image_bytes_write(file, file->size, out, size);
 }
 
-static image_outcome hdr_encode(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
-                                image_message *message)
+/* Writes "name=text" lines, each on one line. */
+static bool hdr_put_attributes(const image_input *input, image_bytes *file)
 {
-	(void)stored;
+	bool good = true;
+	for (uint32_t i = 0; i < input->attribute_count && good; i++) {
+		char *line;
+		int length = asprintf(&line, "%s=%s\n", input->attributes[i].name, input->attributes[i].text);
+		good = length >= 0;
+		for (int c = 0; good && c < length - 1; c++)
+			if ((unsigned char)line[c] < ' ')
+				line[c] = ' ';
+		good = good && image_bytes_write(file, file->size, line, (size_t)length);
+		if (length >= 0)
+			free(line);
+	}
+	return good;
+}
+
+static image_outcome hdr_encode(const image_input *input, image_bytes *file, image_message *message)
+{
+	const image_shape *shape = &input->shape;
 	STILB_ASSERT(shape->scalar == IMAGE_SCALAR_F32);
-	STILB_ASSERT(pixels && file && message);
+	STILB_ASSERT(input->pixels && file && message);
 	if (shape->channels % 2 == 0) {
 		image_message_set(message, "a .hdr file holds no alpha; use .exr");
 		return IMAGE_OUTCOME_CODEC;
 	}
 	char header[128];
-	int length = snprintf(header, sizeof header,
-	                      "#?RADIANCE\nSOFTWARE=Stilb " STILB_VERSION "\nFORMAT=32-bit_rle_rgbe\n\n-Y %u +X %u\n",
-	                      shape->height, shape->width);
+	static const char software[] = "#?RADIANCE\nSOFTWARE=Stilb " STILB_VERSION "\n";
+	int length =
+		snprintf(header, sizeof header, "FORMAT=32-bit_rle_rgbe\n\n-Y %u +X %u\n", shape->height, shape->width);
 	unsigned char *coded = malloc((size_t)shape->width * 4), *scratch = malloc(HDR_SCRATCH(shape->width));
-	bool good = coded && scratch && image_bytes_write(file, file->size, header, (size_t)length);
-	const float *light = pixels;
+	bool good = coded && scratch && image_bytes_write(file, file->size, software, sizeof software - 1) &&
+	            hdr_put_attributes(input, file) && image_bytes_write(file, file->size, header, (size_t)length);
+	const float *light = input->pixels;
 	for (uint32_t y = 0; y < shape->height && good; y++) {
 		for (uint32_t x = 0; x < shape->width; x++, light += shape->channels) {
 			const float grey[3] = {light[0], light[0], light[0]};

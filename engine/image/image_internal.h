@@ -28,6 +28,15 @@ typedef struct image_shape {
 	image_scalar scalar;
 } image_shape;
 
+/* What a codec encodes. */
+typedef struct image_input {
+	image_shape shape;
+	image_scalar stored; /* F16 or F32: the type of light in the file; ignored by formats without a choice */
+	const void *pixels;  /* U8 if the codec has codes, else F16 or F32 */
+	uint32_t attribute_count;
+	const stilb_image_attribute *attributes;
+} image_input;
+
 typedef struct image_message {
 	char text[512]; /* one line, without the file's name */
 } image_message;
@@ -59,10 +68,8 @@ typedef struct image_codec {
 	const char *extension; /* ".png" */
 	bool codes;            /* holds sRGB codes (scalar U8), not linear light (F32) */
 
-	/* Appends the encoded pixels, U8 if codes is set, else F16 or F32, to file. stored: F16 or F32, the type of light
-	 * in the file; ignored by formats without a choice. */
-	image_outcome (*encode)(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
-	                        image_message *message);
+	/* Appends the encoded picture to file. */
+	image_outcome (*encode)(const image_input *input, image_bytes *file, image_message *message);
 
 	/* Decodes a file of size bytes into the memory that allocate returns: U8 or U16 if codes is set, else F16 or
 	 * F32. */

@@ -27,10 +27,6 @@ typedef struct stilb_image_channel {
 	size_t stride;       /* floats from one pixel to the next, >= 1; rows follow one another without gaps */
 } stilb_image_channel;
 
-typedef struct stilb_image_attribute {
-	const char *name, *text;
-} stilb_image_attribute;
-
 typedef struct stilb_image_layers {
 	uint32_t width, height, channel_count, attribute_count;
 	const stilb_image_channel *channels;

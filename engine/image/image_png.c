@@ -44,18 +44,33 @@ static void png_flush_nothing(png_structp png)
 	(void)png;
 }
 
-/* Encodes the picture. A failure of libpng leaves the function by png_longjmp. */
-static void png_write_all(png_structp png, png_infop info, const image_shape *shape, const unsigned char *pixels)
+static void png_put_text(png_structp png, png_infop info, const char *name, const char *text)
 {
+	bool ascii = true;
+	for (const char *c = text; *c; c++)
+		ascii = ascii && *c > 0;
+	/* libpng takes what it only reads without const */
+	png_text entry = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
+	                  .key = (char *)(uintptr_t)name,
+	                  .text = (char *)(uintptr_t)text};
+	png_set_text(png, info, &entry, 1);
+}
+
+/* Encodes the picture. A failure of libpng leaves the function by png_longjmp. */
+static void png_write_all(png_structp png, png_infop info, const image_input *input)
+{
+	const image_shape *shape = &input->shape;
+	const unsigned char *pixels = input->pixels;
 	static const int colors[5] = {[1] = PNG_COLOR_TYPE_GRAY,
 	                              [2] = PNG_COLOR_TYPE_GRAY_ALPHA,
 	                              [3] = PNG_COLOR_TYPE_RGB,
 	                              [4] = PNG_COLOR_TYPE_RGB_ALPHA};
-	png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = "Software", .text = "Stilb " STILB_VERSION};
 	png_set_IHDR(png, info, shape->width, shape->height, 8, colors[shape->channels], PNG_INTERLACE_NONE,
 	             PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-	png_set_text(png, info, &text, 1);
+	png_put_text(png, info, "Software", "Stilb " STILB_VERSION);
+	for (uint32_t i = 0; i < input->attribute_count; i++)
+		png_put_text(png, info, input->attributes[i].name, input->attributes[i].text);
 	png_set_compression_level(png, 3); /* three times as fast as level 6, and a tenth larger */
 	png_write_info(png, info);
 	for (uint32_t y = 0; y < shape->height; y++)
@@ -63,13 +78,11 @@ static void png_write_all(png_structp png, png_infop info, const image_shape *sh
 	png_write_end(png, NULL);
 }
 
-static image_outcome png_encode(const image_shape *shape, const void *pixels, image_scalar stored, image_bytes *file,
-                                image_message *message)
+static image_outcome png_encode(const image_input *input, image_bytes *file, image_message *message)
 {
-	(void)stored;
-	STILB_ASSERT(shape->channels >= 1 && shape->channels <= 4);
-	STILB_ASSERT(shape->scalar == IMAGE_SCALAR_U8);
-	STILB_ASSERT(pixels && file && message);
+	STILB_ASSERT(input->shape.channels >= 1 && input->shape.channels <= 4);
+	STILB_ASSERT(input->shape.scalar == IMAGE_SCALAR_U8);
+	STILB_ASSERT(input->pixels && file && message);
 	png_job job = {.message = message, .file = file};
 	png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &job, png_on_error, png_on_warning);
 	png_infop info = png ? png_create_info_struct(png) : NULL;
@@ -77,7 +90,7 @@ static image_outcome png_encode(const image_shape *shape, const void *pixels, im
 	if (info) {
 		if (setjmp(png_jmpbuf(png)) == 0) {
 			png_set_write_fn(png, &job, png_put, png_flush_nothing);
-			png_write_all(png, info, shape, pixels);
+			png_write_all(png, info, input);
 			outcome = IMAGE_OUTCOME_DONE;
 		} else {
 			outcome = job.out_of_memory ? IMAGE_OUTCOME_MEMORY : IMAGE_OUTCOME_CODEC;

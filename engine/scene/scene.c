@@ -63,6 +63,7 @@ void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 		STILB_ASSERT(radiance[i] >= 0.0f && isfinite(radiance[i]));
 	for (int i = 0; i < 3; i++)
 		scene->surroundings.sky[i] = scene->surroundings.ground[i] = radiance[i];
+	scene->surroundings.name[0] = '\0';
 	scene->revisions.surroundings++; /* the next panorama may lie where the last one did */
 }
 

@@ -187,6 +187,7 @@ typedef struct stilb_scene_surroundings {
 		panorama;   /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
 	                       none. Highlights in frames do not mirror it */
 	float rotation; /* of the panorama about +Y, radians, finite; positive to the left, as a camera's yaw */
+	char name[64];  /* what they are called, UTF-8: the panorama's file without its folder, "studio", or "" */
 	/* Frames: highlights mirror sky and ground, too, by an approximation (shade_hemisphere_radiance). Without it frames
 	 * reflect them evenly alone. Traced pictures always do both. */
 	bool glossy;
@@ -536,7 +537,8 @@ void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
 /* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
  * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
- * on both sides. What has no size is 1 m away. Its angle is 0.7 radians. The direction of STILB_SCENE_FRAME_YAW and
+ * on both sides. What has no size is 1 m away. Its angle is 0.7 radians, its exposure
+ * and its tone are those of scene->camera. The direction of STILB_SCENE_FRAME_YAW and
  * _PITCH is from the front, a little from the right and above. Takes time proportional to the number of triangles.
  * [any-thread] */
 #define STILB_SCENE_FRAME_YAW 0.42f

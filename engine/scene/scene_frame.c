@@ -155,6 +155,8 @@ stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float 
 	stilb_scene_camera camera = scene_camera_along(position, ahead * (middle - at[2]), FRAME_FOV);
 	camera.yaw = yaw; /* exactly, also straight up and down */
 	camera.pitch = pitch;
+	camera.exposure = scene->camera.exposure;
+	camera.tone = scene->camera.tone;
 	return camera;
 }
 

@@ -53,6 +53,21 @@ void stilb_scene_set_backdrop(stilb_scene *scene, const float color[3]);
  * [one-writer] */
 stilb_result stilb_scene_show_surroundings(stilb_scene *scene, bool blurred);
 
+/* How a picture for display shows a scene, as its file says. */
+typedef struct stilb_scene_look {
+	float exposure;        /* stops */
+	uint32_t tone;         /* SHADE_TONE_... */
+	char environment[160]; /* in words: see stilb_scene_environment_words */
+} stilb_scene_look;
+
+/* The surroundings in words: "meadow.hdr", "meadow.hdr turned by 90 degrees", "studio", "1,1,1" of one radiance, "1,1,1
+ * over 0.4,0.4,0.4" of two. words: [size], with its end. [any-thread] */
+void stilb_scene_environment_words(const stilb_scene_surroundings *surroundings, char *words, size_t size);
+
+/* stilb_image_save with these texts in the file: "stilb:exposure" ("1.5"), "stilb:tone" ("neutral") and
+ * "stilb:environment". [any-thread] Its errors. */
+stilb_result stilb_scene_look_save(const stilb_scene_look *look, const stilb_image *image, const char *path);
+
 #pragma GCC visibility pop
 #ifdef __cplusplus
 }

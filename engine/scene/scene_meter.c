@@ -273,7 +273,8 @@ stilb_result stilb_scene_meter(const stilb_scene *scene, const stilb_scene_camer
 		meter_draw_scene(&m);
 		float radiance = meter_radiance(&m, camera->position);
 		if (radiance > 0.0f)
-			*exposure = fminf(fmaxf(-rintf(100.0f * log2f(radiance)) * 0.01f, -METER_STOPS), METER_STOPS);
+			*exposure =
+				fminf(fmaxf((float)(-rint(100.0 * (double)log2f(radiance)) / 100.0), -METER_STOPS), METER_STOPS);
 	}
 	free(m.pixels);
 	free(m.values);

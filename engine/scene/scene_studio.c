@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -126,21 +127,21 @@ static bool studio_emits(const stilb_scene *scene)
 /* ---- the lights -------------------------------------------------------------------------------------------------- */
 
 /* Irradiances at the model's middle, directions as seen from the camera, radians: to the right of it and above. With
- * the surroundings they give a white ball (reflectance 0.8) a mean of half the display's range, and about 3 : 1 between
- * its bright and its dark side. */
+ * the surroundings they give a white ball (reflectance 0.8), shown by the neutral tone map, which takes 0.04 from it, a
+ * mean of half the display's range, and about 3 : 1 between its bright and its dark side. */
 static const struct studio_light {
 	float irradiance, right, up;
 } studio_lights[] = {
-	{3.0f, -0.70f, 0.73f}, /* key, from the left and above */
-	{0.45f, 0.96f, 0.21f}, /* fill, from the right */
+	{3.1f, -0.70f, 0.73f}, /* key, from the left and above */
+	{0.55f, 0.96f, 0.21f}, /* fill, from the right */
 	{1.0f, 2.88f, 0.70f},  /* rim, from behind */
 };
 
 #define STUDIO_LIGHTS (sizeof studio_lights / sizeof *studio_lights)
-#define STUDIO_AROUND 0.21f  /* radiance of the surroundings */
-#define STUDIO_BACKDROP 0.3f /* of what is seen behind the model */
-#define STUDIO_AWAY 8.0f     /* distance of the lights, in radii of the model */
-#define STUDIO_WIDE 2.4f     /* their radius likewise: 17 degrees, for soft shadows */
+#define STUDIO_AROUND 0.27f   /* radiance of the surroundings */
+#define STUDIO_BACKDROP 0.34f /* of what is seen behind the model, shown as 0.3 */
+#define STUDIO_AWAY 8.0f      /* distance of the lights, in radii of the model */
+#define STUDIO_WIDE 2.4f      /* their radius likewise: 17 degrees, for soft shadows */
 
 bool scene_is_lit(const stilb_scene *scene)
 {
@@ -194,6 +195,7 @@ stilb_result stilb_scene_set_studio(stilb_scene *scene, float yaw)
 	scene->studio = true;
 	stilb_scene_set_sky(scene, (const float[3]){STUDIO_AROUND, STUDIO_AROUND, STUDIO_AROUND});
 	scene->surroundings.glossy = true;
+	snprintf(scene->surroundings.name, sizeof scene->surroundings.name, "studio");
 	scene_backdrop_finish(&scene->backdrop);
 	scene->backdrop = (stilb_scene_backdrop){.kind = STILB_SCENE_BACKDROP_COLOR, .floor = floor};
 	for (int i = 0; i < 3; i++)

@@ -450,15 +450,48 @@ static bool picture_has_photometric(const stilb_scene *scene)
 /* The largest light of a background: shown as code 255, while the tone map's inverse is still far from infinite. */
 #define PICTURE_BRIGHTEST 0.998f
 
+/* True if the tone map shows some radiance, *light, as this color, within half a code. */
+static bool picture_shows(uint32_t tone, stilb_vec3 color, stilb_vec3 *light)
+{
+	*light = shade_tone_inverse((int)tone, color);
+	stilb_vec3 error = shade_tone((int)tone, *light) - color;
+	for (int i = 0; i < 3; i++)
+		if (!(fabsf(error[i]) < 1.0f / 512.0f))
+			return false;
+	return true;
+}
+
+/* The radiance that is shown as this color. NEUTRAL whitens what is bright: instead of a color that it shows nothing
+ * as, it is the most saturated one of the same largest channel; false then. */
+static bool picture_light_shown_as(uint32_t tone, stilb_vec3 color, stilb_vec3 *light)
+{
+	float largest = fmaxf(fmaxf(color[0], color[1]), color[2]), low = 0.0f, high = 1.0f; /* shares of white */
+	if (picture_shows(tone, color, light))
+		return true;
+	for (int i = 0; i < 20; i++) {
+		float white = 0.5f * (low + high);
+		if (picture_shows(tone, color + (largest - color) * white, light))
+			high = white;
+		else
+			low = white;
+	}
+	picture_shows(tone, color + (largest - color) * high, light);
+	return false;
+}
+
 /* Sets a color of --background to the radiance that is shown as this color. */
 static void picture_color_background(const picture_flags *p, stilb_scene *scene)
 {
 	float color[3];
+	stilb_vec3 radiance;
 	if (!p->background || !picture_parse_color(p->background, color))
 		return;
 	stilb_vec3 shown = stilb_vec3_make(fminf(color[0], PICTURE_BRIGHTEST), fminf(color[1], PICTURE_BRIGHTEST),
 	                                   fminf(color[2], PICTURE_BRIGHTEST));
-	stilb_vec3 radiance = shade_tone_inverse((int)scene->camera.tone, shown) * exp2f(-scene->camera.exposure);
+	if (!picture_light_shown_as(scene->camera.tone, shown, &radiance))
+		stilb_log("--background: the tone map '%s' whitens what is as bright as '%s'; --tone knee shows it as it is",
+		          stilb_scene_tone_names[scene->camera.tone], p->background);
+	radiance *= exp2f(-scene->camera.exposure);
 	stilb_scene_set_backdrop(scene, (const float[3]){radiance[0], radiance[1], radiance[2]});
 }
 

@@ -3,6 +3,7 @@
 #include "support/test.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,6 +222,31 @@ static void test_memory_alloc_refuses_overflow(void **state)
 
 /* ---- hash and random numbers ------------------------------------------------------------------------------------- */
 
+static void floats_as_text(void **state)
+{
+	(void)state;
+	static const struct {
+		float value;
+		const char *text;
+	} rows[] = {{0.1f, "0.1"},
+	            {-13.22f, "-13.22"},
+	            {0.0f, "0"},
+	            {1.0f / 3.0f, "0.33333334"},
+	            {16777217.0f, "16777216"},
+	            {1e-45f, "1.4013e-45"},
+	            {INFINITY, "inf"},
+	            {-1e30f, "-1e+30"},
+	            {0.100000024f, "0.100000024"}};
+	char text[STILB_FLOAT_TEXT];
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		stilb_float_text(rows[i].value, text);
+		assert_string_equal(text, rows[i].text);
+		assert_true(strtof(text, NULL) == rows[i].value);
+	}
+	stilb_float_text(NAN, text);
+	assert_non_null(strstr(text, "nan"));
+}
+
 /* The vectors are those of the FNV reference: draft-eastlake-fnv, appendix C. */
 static void test_hash_known_values(void **state)
 {
@@ -324,6 +350,7 @@ static void test_cpu_isa(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(floats_as_text),
 		cmocka_unit_test(test_fail_keeps_result_and_line),
 		cmocka_unit_test(test_fail_cuts_long_lines),
 		cmocka_unit_test(test_message_is_the_threads_own),

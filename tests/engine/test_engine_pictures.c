@@ -26,8 +26,9 @@ static void on_pictured(void *user, const stilb_engine_pictured *pictured)
 }
 
 /* Writes the picture's one code of grey as text; one of 13 is too many for the disk. */
-static stilb_result save(const stilb_image *image, const char *path)
+static stilb_result save(const stilb_scene_look *look, const stilb_image *image, const char *path)
 {
+	(void)look;
 	sem_wait(&gate);
 	uint8_t code = *(const uint8_t *)image->pixels;
 	FILE *file = code == 13 ? NULL : fopen(path, "w");
@@ -91,7 +92,7 @@ static void add(const char *path, uint8_t code, bool created)
 	*(uint8_t *)image.pixels = code;
 	if (created)
 		fclose(fopen(path, "w"));
-	assert_int_equal(engine_pictures_add(engine->pictures, &image, path, created), STILB_OK);
+	assert_int_equal(engine_pictures_add(engine->pictures, &image, &(stilb_scene_look){0}, path, created), STILB_OK);
 	assert_null(image.pixels);
 }
 

@@ -34,6 +34,18 @@ static void drawn_box(const char *path, int box[4])
 	stilb_image_finish(&image);
 }
 
+/* True if the file holds a text chunk of this name and text. */
+static bool says_in_png(const char *path, const char *name, const char *text)
+{
+	static char data[1 << 20], chunk[256];
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t size = fread(data, 1, sizeof data, file);
+	fclose(file);
+	int length = snprintf(chunk, sizeof chunk, "tEXt%s%c%s", name, '\0', text);
+	return memmem(data, size, chunk, (size_t)length);
+}
+
 /* The model fills nine tenths of the picture and is in its middle. */
 static void frames_a_file(void **state)
 {
@@ -53,6 +65,8 @@ static void frames_a_file(void **state)
 	                            "view square.obj --headless --size 100x300 --workers 3 --screenshot b.png --studio off "
 	                            "--background #000000"),
 	                 0);
+	assert_true(says_in_png("b.png", "stilb:tone", "neutral"));
+	assert_true(says_in_png("b.png", "stilb:environment", "1,1,1 over 0.4,0.4,0.4"));
 	drawn_box("b.png", box);
 	assert_in_range(box[1] - box[0], 86, 93);
 }
@@ -139,6 +153,14 @@ static void rays_beside_frames(void **state)
 	stilb_good("view spheres --headless --size 48x30 --screenshot d.exr --split 0 --spp 2" DIRECT);
 	assert_traced("d.exr", "direct.exr", "direct.exr", 0);
 	assert_said(run.out, "picture: d.exr");
+	/* Both say how they show it. */
+	stilb_good("view spheres --headless --size 48x30 --screenshot a.png --tone filmic --exposure -1.5");
+	stilb_good("render spheres --size 48x30 --spp 1 -o b.png --tone filmic --exposure -1.5");
+	for (int i = 0; i < 2; i++) {
+		assert_true(says_in_png(i ? "b.png" : "a.png", "stilb:tone", "filmic"));
+		assert_true(says_in_png(i ? "b.png" : "a.png", "stilb:exposure", "-1.5"));
+		assert_true(says_in_png(i ? "b.png" : "a.png", "stilb:environment", "0.35,0.48,0.7 over 0.12,0.1,0.08"));
+	}
 }
 
 /* Ctrl-C while frames wait for rays, which say on a terminal how far they are: the picture is written as it is then. */
@@ -371,10 +393,17 @@ static void shows_backgrounds(void **state)
 {
 	(void)state;
 	write_ball();
-	stilb_good("view ball.obj --headless --screenshot a.png --background #4080fe --exposure 2 " SMALL);
+	stilb_good("view ball.obj --headless --screenshot a.png --background #4080c0 --exposure 2 " SMALL);
 	assert_in_range(green_at("a.png", 1, 94), 0x80 - 1, 0x80 + 1);
-	stilb_good("render ball.obj -o b.png --spp 1 --background #4080fe --exposure 2 " SMALL);
+	stilb_good("render ball.obj -o b.png --spp 1 --background #4080c0 --exposure 2 " SMALL);
 	assert_in_range(green_at("b.png", 1, 94), 0x80 - 1, 0x80 + 1);
+	stilb_good("view ball.obj --headless --screenshot a.png --background #4080fe --tone knee " SMALL);
+	assert_in_range(green_at("a.png", 1, 94), 0x80 - 1, 0x80 + 1);
+	/* The neutral tone map shows no blue that is as bright. */
+	assert_int_equal(stilb_code(no_display, "view ball.obj --headless --screenshot a.png --background #4080fe " SMALL),
+	                 0);
+	assert_said(run.err, "the tone map 'neutral' whitens what is as bright as '#4080fe'; --tone knee shows it");
+	assert_in_range(green_at("a.png", 1, 94), 0x80 + 30, 0xfe - 30);
 	stilb_good("view ball.obj --headless --screenshot a.png --background 1,1,1 --replay secondary " SMALL);
 	assert_int_equal(green_at("a.png", 1, 94), 255);
 	/* The sky is 1 above and .4 below; the camera looks down, and its upper edge is at the horizon. */

@@ -107,6 +107,8 @@ static void every_setting(void **state)
 	says(layers, "stilb:isa", stilb_gi_scene_info_of(fixture.gi)->isa);
 	assert_true(strtof(stilb_image_layers_attribute(layers, "stilb:lens.radius"), NULL) == 0.1f);
 	assert_null(stilb_image_layers_attribute(layers, "stilb:progressive"));
+	assert_null(stilb_image_layers_attribute(layers, "stilb:exposure")); /* the light is the same with any */
+	says(layers, "stilb:environment", "0,0,0");
 	assert_non_null(stilb_image_layers_attribute(layers, "Software"));
 	stilb_image_layers_finish(layers);
 	stilb_gi_render_destroy(render);

@@ -1,6 +1,7 @@
 /* Pictures are written to files and read back: bits, conversions, and refused paths. */
 
 #include "image/image.h"
+#include "image/image_layers.h"
 #include "support/test.h"
 
 #include <dirent.h>
@@ -642,6 +643,50 @@ static void libraries_print_nothing(void **state)
 	stilb_image_finish(&image);
 }
 
+/* The number of times that a file holds these bytes. */
+static int times_in(const char *path, const void *bytes, size_t size)
+{
+	static char data[1 << 16];
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t got = fread(data, 1, sizeof data, file);
+	fclose(file);
+	int times = 0;
+	for (size_t i = 0; i + size <= got; i++)
+		times += memcmp(data + i, bytes, size) == 0;
+	return times;
+}
+
+/* The texts are in the file, one of other letters than ASCII too, and a text is one line of an .hdr. */
+static void files_hold_texts(void **state)
+{
+	(void)state;
+	static const stilb_image_attribute texts[] = {
+		{"stilb:tone", "filmic"}, {"stilb:environment", "caf\u00e9.hdr"}, {"stilb:note", "two\nlines"}};
+	stilb_image image, back;
+	assert_int_equal(stilb_image_create(&image, 5, 3, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	assert_int_equal(stilb_image_save_with(&image, in_folder("t.png"), texts, 3), STILB_OK);
+	static const char png[] = "tEXtstilb:tone\0filmic", other[] = "iTXtstilb:environment\0\0\0\0\0caf\u00e9.hdr";
+	assert_int_equal(times_in(in_folder("t.png"), png, sizeof png - 1), 1);
+	assert_int_equal(times_in(in_folder("t.png"), other, sizeof other - 1), 1);
+	assert_int_equal(stilb_image_save_with(&image, in_folder("t.hdr"), texts, 3), STILB_OK);
+	static const char hdr[] = "\nstilb:tone=filmic\nstilb:environment=caf\u00e9.hdr\nstilb:note=two lines\nFORMAT";
+	assert_int_equal(times_in(in_folder("t.hdr"), hdr, sizeof hdr - 1), 1);
+	assert_int_equal(stilb_image_save_with(&image, in_folder("t.exr"), texts, 3), STILB_OK);
+	stilb_image_layers *layers;
+	assert_int_equal(stilb_image_layers_load(in_folder("t.exr"), &layers), STILB_OK);
+	for (size_t i = 0; i < 3; i++)
+		assert_string_equal(stilb_image_layers_attribute(layers, texts[i].name), texts[i].text);
+	stilb_image_layers_finish(layers);
+	static const char *const names[] = {"t.png", "t.hdr", "t.exr"};
+	for (size_t i = 0; i < 3; i++) {
+		assert_int_equal(stilb_image_load(in_folder(names[i]), &back), STILB_OK);
+		assert_int_equal(back.width, 5);
+		stilb_image_finish(&back);
+	}
+	stilb_image_finish(&image);
+}
+
 #define IMAGE_TEST(name) cmocka_unit_test_teardown(name, each_end)
 
 int main(void)
@@ -668,6 +713,7 @@ int main(void)
 		IMAGE_TEST(huge_claims_are_refused),
 		IMAGE_TEST(hdr_keeps_eight_bits_of_the_largest),
 		IMAGE_TEST(hdr_holds_no_alpha_and_nothing_odd),
+		IMAGE_TEST(files_hold_texts),
 		IMAGE_TEST(libraries_print_nothing),
 		IMAGE_TEST(no_large_library_is_loaded),
 	};

@@ -6,6 +6,7 @@
 #include "support/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* A rectangle from its centre and halves of its sides; it faces along cross(half_x, half_y). */
@@ -52,12 +53,12 @@ static bool lit_across(float emission, float turned)
 }
 
 /* The other square gets L A / d^2 = L / 100, the mean of both is half of that. The studio gives a convex body a quarter
- * of its lights' 4.45 and all of its surroundings, pi 0.21: 1.772, a hundredth of which is reached with L = 3.54. */
+ * of its lights' 4.65 and all of its surroundings, pi 0.27: 2.011, a hundredth of which is reached with L = 4.02. */
 static void emission_that_counts(void **state)
 {
 	(void)state;
-	assert_false(lit_across(3.48f, 1));
-	assert_true(lit_across(3.60f, 1));
+	assert_false(lit_across(3.96f, 1));
+	assert_true(lit_across(4.08f, 1));
 	assert_false(lit_across(100.0f, -1)); /* it shines the other way */
 	assert_false(lit_across(0.0f, 1));
 	/* Light that goes another way does not count against what arrives: 8 x 4 x 4 / 400 / 3 / 4 on three squares. */
@@ -158,6 +159,41 @@ static const float *map_at(const stilb_scene *scene, int x, int y)
 	return scene->backdrop.map + 3 * (size_t)(y * STILB_SCENE_BACKDROP_WIDTH + x);
 }
 
+static void says_surroundings(const stilb_scene_surroundings *surroundings, const char *words)
+{
+	char said[160];
+	stilb_scene_environment_words(surroundings, said, sizeof said);
+	assert_string_equal(said, words);
+}
+
+static void surroundings_in_words(void **state)
+{
+	(void)state;
+	static const rectangle mat = {{0, 0, 0}, {4, 0, 0}, {0, 0, -4}, 0};
+	stilb_scene *scene = scene_of(&mat, 1);
+	scene->surroundings = (stilb_scene_surroundings){.sky = {1, 0.5f, 2}, .ground = {1, 0.5f, 2}};
+	says_surroundings(&scene->surroundings, "1,0.5,2");
+	scene->surroundings.ground[2] = 0.1f;
+	says_surroundings(&scene->surroundings, "1,0.5,2 over 1,0.5,0.1");
+	assert_int_equal(stilb_scene_set_studio(scene, 0.0f), STILB_OK);
+	says_surroundings(&scene->surroundings, "studio");
+	stilb_image *panorama = &scene->surroundings.panorama, map;
+	assert_int_equal(stilb_image_create(&map, 8, 4, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	assert_int_equal(stilb_image_save(&map, "look \x01.hdr"), STILB_OK);
+	stilb_image_finish(&map);
+	assert_int_equal(stilb_scene_set_environment(scene, "./look \x01.hdr"), STILB_OK);
+	remove("look \x01.hdr");
+	says_surroundings(&scene->surroundings, "look  .hdr");
+	scene->surroundings.rotation = -1.5707963f;
+	says_surroundings(&scene->surroundings, "look  .hdr turned by -90 degrees");
+	scene->surroundings.name[0] = '\0';
+	says_surroundings(&scene->surroundings, "a panorama turned by -90 degrees");
+	stilb_image_finish(panorama);
+	stilb_scene_set_sky(scene, (const float[3]){2, 2, 2});
+	says_surroundings(&scene->surroundings, "2,2,2");
+	stilb_scene_destroy(scene);
+}
+
 static void surroundings_out_of_focus(void **state)
 {
 	(void)state;
@@ -204,9 +240,8 @@ static void surroundings_out_of_focus(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(emission_that_counts),
-		cmocka_unit_test(a_wall_darkens_the_floor),
-		cmocka_unit_test(a_board_darkens_the_floor),
+		cmocka_unit_test(emission_that_counts),      cmocka_unit_test(a_wall_darkens_the_floor),
+		cmocka_unit_test(a_board_darkens_the_floor), cmocka_unit_test(surroundings_in_words),
 		cmocka_unit_test(surroundings_out_of_focus),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

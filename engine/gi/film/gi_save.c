@@ -13,6 +13,42 @@
 #include <string.h>
 #include <strings.h>
 
+/* ---- texts ------------------------------------------------------------------------------------------------------ */
+
+#define SAVE_MAX_ATTRIBUTES 64u
+#define SAVE_PREFIX "stilb:"
+
+typedef struct save_attributes {
+	uint32_t count;
+	stilb_image_attribute list[SAVE_MAX_ATTRIBUTES];
+	struct {
+		char name[GI_SETTING_TEXT], text[GI_SURROUNDINGS_TEXT];
+	} texts[SAVE_MAX_ATTRIBUTES];
+} save_attributes;
+
+static void save_attribute(save_attributes *attributes, const char *name, const char *text)
+{
+	uint32_t i = attributes->count++;
+	STILB_ASSERT(i < SAVE_MAX_ATTRIBUTES);
+	snprintf(attributes->texts[i].name, GI_SETTING_TEXT, SAVE_PREFIX "%s", name);
+	snprintf(attributes->texts[i].text, GI_SURROUNDINGS_TEXT, "%s", text);
+	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
+}
+
+/* Writes all settings, those of the display (GI_SETTING_VIEW) only if the file is for display, and nothing about the run
+ * itself, so that a picture is the same file whether its render ran through or was stopped and continued. */
+static void save_settings(const stilb_gi_render *render, bool display, save_attributes *attributes)
+{
+	attributes->count = 0;
+	for (uint32_t i = 0; i < gi_settings_count(); i++) {
+		gi_setting setting = gi_settings_get(&render->view.settings, i);
+		if (display || setting.role != GI_SETTING_VIEW)
+			save_attribute(attributes, setting.name, setting.value);
+	}
+	save_attribute(attributes, "environment", render->view.scene->surroundings);
+	save_attribute(attributes, "isa", render->view.scene->info.isa);
+}
+
 /* ---- .png -------------------------------------------------------------------------------------------------------- */
 
 #define DISPLAY_BRIGHTEST 1e30f /* largest radiance that the tone map accepts */
@@ -83,7 +119,9 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 		good = save_with_alpha(render, rgb, image.pixels);
 	else if (good)
 		stilb_gi_display(rgb, pixels, render->view.settings.exposure, render->view.settings.tone, image.pixels);
-	result = good ? stilb_image_save(&image, path)
+	save_attributes attributes;
+	save_settings(render, true, &attributes);
+	result = good ? stilb_image_save_with(&image, path, attributes.list, attributes.count)
 	              : stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	free(rgb);
 	stilb_image_finish(&image);
@@ -118,39 +156,6 @@ static void save_channels(const stilb_gi_film *film, float *counts, const float 
 	channels[14] = (stilb_image_channel){.name = "A", .values = share, .stride = 1};
 }
 
-#define SAVE_MAX_ATTRIBUTES 64u
-#define SAVE_PREFIX "stilb:"
-
-typedef struct save_attributes {
-	uint32_t count;
-	stilb_image_attribute list[SAVE_MAX_ATTRIBUTES];
-	struct {
-		char name[GI_SETTING_TEXT], text[GI_SETTING_TEXT];
-	} texts[SAVE_MAX_ATTRIBUTES];
-} save_attributes;
-
-static void save_attribute(save_attributes *attributes, const char *name, const char *text)
-{
-	uint32_t i = attributes->count++;
-	STILB_ASSERT(i < SAVE_MAX_ATTRIBUTES);
-	snprintf(attributes->texts[i].name, GI_SETTING_TEXT, SAVE_PREFIX "%s", name);
-	snprintf(attributes->texts[i].text, GI_SETTING_TEXT, "%s", text);
-	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
-}
-
-/* Writes all settings but those of the display (GI_SETTING_VIEW) and nothing about the run itself, so that a picture is
- * the same file whether its render ran through or was stopped and continued. */
-static void save_settings(const stilb_gi_render *render, save_attributes *attributes)
-{
-	attributes->count = 0;
-	for (uint32_t i = 0; i < gi_settings_count(); i++) {
-		gi_setting setting = gi_settings_get(&render->view.settings, i);
-		if (setting.role != GI_SETTING_VIEW)
-			save_attribute(attributes, setting.name, setting.value);
-	}
-	save_attribute(attributes, "isa", render->view.scene->info.isa);
-}
-
 static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 {
 	stilb_gi_film film = stilb_gi_render_film(render);
@@ -165,7 +170,7 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 	stilb_image_channel channels[SAVE_CHANNELS];
 	save_attributes attributes;
 	save_channels(&film, counts, share, channels);
-	save_settings(render, &attributes);
+	save_settings(render, false, &attributes);
 	stilb_image_layers layers = {.width = film.width,
 	                             .height = film.height,
 	                             .channel_count = SAVE_CHANNELS - !alpha,
@@ -187,7 +192,9 @@ static stilb_result save_light(const stilb_gi_render *render, const char *path)
 	                     .channels = 3,
 	                     .format = STILB_IMAGE_F32_LINEAR,
 	                     .pixels = (float *)film.radiance}; /* is only read */
-	return stilb_image_save(&image, path);
+	save_attributes attributes;
+	save_settings(render, false, &attributes);
+	return stilb_image_save_with(&image, path, attributes.list, attributes.count);
 }
 
 stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)

@@ -3,6 +3,7 @@
 #include "base/base_file.h"
 #include "scene/open/scene_files.h"
 #include "scene/open/scene_stream.h"
+#include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
 
 #include <errno.h>
@@ -548,6 +549,9 @@ stilb_result stilb_scene_set_environment(stilb_scene *scene, const char *path)
 	}
 	stilb_image_finish(&around->panorama);
 	around->panorama = map;
+	const char *slash = strrchr(path, '/');
+	snprintf(around->name, sizeof around->name, "%.*s", (int)sizeof around->name - 1, slash ? slash + 1 : path);
+	scene_stream_clean_name(around->name, sizeof around->name);
 	scene->revisions.surroundings++; /* also if the new pixels lie where the old ones did */
 	return STILB_OK;
 }
