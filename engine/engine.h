@@ -92,6 +92,8 @@ enum {
 	STILB_ENGINE_PICTURE,                    /* asked for: a picture; its frame has no toasts, first line and times */
 	STILB_ENGINE_IMAGE,                      /* show the next image of the frame's plan in the picture's place */
 	STILB_ENGINE_IMAGE_BACK,                 /* the one before */
+	STILB_ENGINE_IMAGE_PART,                 /* show that image's next mip, or the first mip of its next layer */
+	STILB_ENGINE_IMAGE_PART_BACK,            /* the one before */
 	STILB_ENGINE_ACTIONS
 };
 

@@ -33,29 +33,62 @@ static void images_caption(stilb_engine *engine, const char *text)
 		engine->overlay.caption_open = snprintf(engine->caption, sizeof engine->caption, "%s", text) > 0;
 }
 
+/* Shows a mip of a layer of an image of the plan: part = mip + layer * mips. */
+static void images_show(stilb_engine *engine, const stilb_gpu_plan *plan, uint16_t image, uint32_t part)
+{
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, image);
+	uint32_t mip = part % extent->mips, layer = part / extent->mips;
+	char text[sizeof engine->caption];
+	snprintf(engine->image, sizeof engine->image, "%s", stilb_gpu_plan_name(plan, image));
+	engine->image_part = part;
+	stilb_render_shown shown = {.name = engine->image, .mip = mip, .layer = layer, .optional = true};
+	stilb_render_show_image(engine->render, &shown);
+	snprintf(text, sizeof text, "%s, %u x %u %s, mip %u of %u, layer %u of %u, 0..1", engine->image, extent->width,
+	         extent->height, stilb_gpu_format_describe(extent->format)->name, mip, extent->mips, layer, extent->layers);
+	images_caption(engine, text);
+}
+
+/* The image `step` places on takes the place of the one that is shown. */
+static void images_step(stilb_engine *engine, const stilb_gpu_plan *plan, int step)
+{
+	const char *shown = engine->image[0] ? engine->image : STILB_RENDER_IMAGE_PICTURE;
+	uint16_t image = images_after(plan, shown, step);
+	if (image != 0 && strcmp(stilb_gpu_plan_name(plan, image), STILB_RENDER_IMAGE_PICTURE) != 0) {
+		images_show(engine, plan, image, 0);
+	} else if (image != 0) {
+		engine->image[0] = '\0';
+		stilb_render_show_image(engine->render, NULL);
+		images_caption(engine, NULL);
+	}
+}
+
+/* The mip or layer `step` places on of the image that is shown, around its end. */
+static void images_step_part(stilb_engine *engine, const stilb_gpu_plan *plan, int step)
+{
+	uint16_t image = engine->image[0] ? stilb_gpu_plan_find(plan, engine->image) : 0;
+	if (image == 0 || !images_can_show(plan, image))
+		return;
+	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, image);
+	uint32_t parts = extent->mips * extent->layers;
+	images_show(engine, plan, image, (engine->image_part + (step > 0 ? 1 : parts - 1)) % parts);
+}
+
+static int images_direction(const stilb_input_state *input, int forward, int back)
+{
+	int step = (int)input->actions[forward] - (int)input->actions[back];
+	return (step > 0) - (step < 0);
+}
+
 void engine_images_act(stilb_engine *engine, const stilb_input_state *input)
 {
 	const stilb_gpu_plan *plan = stilb_render_plan(engine->render);
 	const stilb_gpu_step *steps;
-	int step = (int)input->actions[STILB_ENGINE_IMAGE] - (int)input->actions[STILB_ENGINE_IMAGE_BACK];
-	if (step == 0 || stilb_gpu_plan_steps(plan, &steps) == 0)
+	int step = images_direction(input, STILB_ENGINE_IMAGE, STILB_ENGINE_IMAGE_BACK);
+	int part = images_direction(input, STILB_ENGINE_IMAGE_PART, STILB_ENGINE_IMAGE_PART_BACK);
+	if ((step == 0 && part == 0) || stilb_gpu_plan_steps(plan, &steps) == 0)
 		return;
-	const char *shown = engine->image[0] ? engine->image : STILB_RENDER_IMAGE_PICTURE;
-	uint16_t image = images_after(plan, shown, step > 0 ? 1 : -1);
-	if (image == 0)
-		return;
-	const char *name = stilb_gpu_plan_name(plan, image);
-	if (strcmp(name, STILB_RENDER_IMAGE_PICTURE) == 0) {
-		engine->image[0] = '\0';
-		stilb_render_show_image(engine->render, NULL);
-		images_caption(engine, NULL);
-		return;
-	}
-	snprintf(engine->image, sizeof engine->image, "%s", name);
-	stilb_render_show_image(engine->render, &(stilb_render_shown){.name = engine->image, .optional = true});
-	const stilb_gpu_extent *extent = stilb_gpu_plan_extent(plan, image);
-	char text[sizeof engine->caption];
-	snprintf(text, sizeof text, "%s, %u x %u %s, mip 0 of %u, layer 0 of %u, 0..1", name, extent->width, extent->height,
-	         stilb_gpu_format_describe(extent->format)->name, extent->mips, extent->layers);
-	images_caption(engine, text);
+	if (step != 0)
+		images_step(engine, plan, step);
+	if (part != 0)
+		images_step_part(engine, plan, part);
 }

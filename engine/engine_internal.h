@@ -169,8 +169,9 @@ struct stilb_engine {
 	struct engine_watch *watch; /* NULL: shaders are not watched */
 	engine_shown picture;
 	char caption[128];
-	char image[STILB_GPU_MAX_NAME +
-	           1];                 /* of the plan, that keys have chosen; "": the picture, or the program's choice */
+	/* Of the plan, that keys have chosen; "": the picture, or the program's choice. */
+	char image[STILB_GPU_MAX_NAME + 1];
+	uint32_t image_part;           /* of that image: its mip + layer * mips */
 	stilb_render_shading shading;  /* of the next frame */
 	engine_prepare *prepare;       /* the scene that stilb_engine_prepare was given; NULL: none */
 	engine_prepare *compiling;     /* pipelines for other formulas; NULL: none */

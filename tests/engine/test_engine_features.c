@@ -434,6 +434,60 @@ static void keys_show_images(void **state)
 	close_engine(engine);
 }
 
+/* Two mips and two layers, each of one red: .2, .4, .6, .8 by mip, then by layer. */
+static stilb_result add_quarters(void *user, stilb_gpu_plan *plan, uint16_t *image)
+{
+	(void)image;
+	uint32_t draws;
+	stilb_engine *engine = user;
+	stilb_result result = stilb_render_add_draws(engine->render, &(stilb_gpu_draws){0}, &draws);
+	stilb_gpu_plan_image_row row = {.name = "a quarter",
+	                                .format = STILB_GPU_R32_F,
+	                                .width = 8,
+	                                .height = 8,
+	                                .mips = 2,
+	                                .layers = 2,
+	                                .output = true};
+	uint16_t made = stilb_gpu_plan_image(plan, &row);
+	for (uint32_t part = 0; part < 4; part++)
+		stilb_gpu_plan_pass(plan, &(stilb_gpu_pass){.name = "paint",
+		                                            .kind = STILB_GPU_PASS_DRAWS,
+		                                            .draws = draws,
+		                                            .color = {{.image = made,
+		                                                       .mip = (uint8_t)(part % 2),
+		                                                       .layer = (uint16_t)(part / 2),
+		                                                       .load = STILB_GPU_LOAD_CLEAR,
+		                                                       .clear = {0.2f * (float)(part + 1)}}},
+		                                            .color_count = 1});
+	return result;
+}
+
+/* u and U go through the mips and layers of the image that is shown, and nothing else. */
+static void keys_show_mips(void **state)
+{
+	(void)state;
+	static const char typed[] = "uUIuuuuUU"; /* of the picture there is no part; "a quarter" is the last image */
+	static const int parts[] = {-1, -1, 0, 1, 2, 3, 0, 3, 2};
+	stilb_engine *engine = open_engine(1, STILB_RENDER_OUTPUT_LINEAR);
+	stilb_render_feature feature = {STILB_RENDER_STAGE_FIRST, add_quarters, engine};
+	assert_int_equal(stilb_engine_add_feature(engine, &feature), STILB_OK);
+	assert_int_equal(draw(engine), STILB_OK);
+	for (size_t k = 0; typed[k]; k++) {
+		type(engine, (uint32_t)typed[k]);
+		assert_string_equal(engine->image, parts[k] < 0 ? "" : "a quarter");
+		if (parts[k] < 0)
+			continue;
+		char line[128];
+		snprintf(line, sizeof line, "a quarter, 8 x 8 r32_f, mip %d of 2, layer %d of 2, 0..1", parts[k] % 2,
+		         parts[k] / 2);
+		assert_string_equal(engine->caption, line);
+		float *shown = pixels(engine, "shown.exr"); /* the line stands in the middle of so small a picture */
+		assert_true(fabsf(shown[3 * (HEIGHT - 1) * WIDTH] - 0.2f * (float)(parts[k] + 1)) < 1e-3f);
+		free(shown);
+	}
+	close_engine(engine);
+}
+
 /* What keys have chosen may be missing in a later frame: that shows the picture. */
 static void an_optional_image(void **state)
 {
@@ -498,6 +552,7 @@ int main(void)
 		cmocka_unit_test(what_is_wrong_is_said),
 		cmocka_unit_test(images_are_shown),
 		cmocka_unit_test(keys_show_images),
+		cmocka_unit_test(keys_show_mips),
 		cmocka_unit_test(an_optional_image),
 		cmocka_unit_test(the_plan_as_a_file),
 	};

@@ -35,8 +35,8 @@ static void save_attribute(save_attributes *attributes, const char *name, const 
 	attributes->list[i] = (stilb_image_attribute){attributes->texts[i].name, attributes->texts[i].text};
 }
 
-/* Writes all settings, those of the display (GI_SETTING_VIEW) only if the file is for display, and nothing about the run
- * itself, so that a picture is the same file whether its render ran through or was stopped and continued. */
+/* Writes all settings, those of the display (GI_SETTING_VIEW) only if the file is for display, and nothing about the
+ * run itself, so that a picture is the same file whether its render ran through or was stopped and continued. */
 static void save_settings(const stilb_gi_render *render, bool display, save_attributes *attributes)
 {
 	attributes->count = 0;
