@@ -309,22 +309,6 @@ static void draw_spread(const draw_picture *picture)
 
 /* ---- the maps ---------------------------------------------------------------------------------------------------- */
 
-/* To IEEE binary16, nearest, ties to even; |x| <= 1. */
-static uint16_t draw_half(float x)
-{
-	uint32_t bits;
-	STILB_ASSERT(fabsf(x) <= 1.0f);
-	memcpy(&bits, &x, sizeof bits);
-	uint32_t sign = bits >> 16 & 0x8000u, exponent = bits >> 23 & 0xffu;
-	if (exponent < 102) /* below half of the smallest half, 2^-25 */
-		return (uint16_t)sign;
-	uint32_t mantissa = (bits & 0x7fffffu) | 0x800000u;
-	uint32_t shift = exponent < 113 ? 126 - exponent : 13; /* smaller than 2^-14: denormal */
-	uint32_t kept = mantissa >> shift, rest = mantissa & ((1u << shift) - 1), tie = 1u << (shift - 1);
-	kept += rest > tie || (rest == tie && (kept & 1u));
-	return (uint16_t)(sign | (exponent < 113 ? kept : kept + ((exponent - 113) << 10)));
-}
-
 static void draw_store(const draw_picture *picture, uint32_t grid_x, uint32_t grid_y, const stilb_image *maps)
 {
 	uint32_t side = picture->side;
@@ -335,12 +319,12 @@ static void draw_store(const draw_picture *picture, uint32_t grid_x, uint32_t gr
 			uint16_t *upper = (uint16_t *)maps->pixels + at;
 			uint16_t *lower = upper + 4 * (size_t)maps->width * (maps->height / 2);
 			for (int c = 0; c < 3; c++)
-				upper[c] = draw_half(texel->color[c]);
-			upper[3] = draw_half(texel->coverage);
-			lower[0] = draw_half(texel->normal[0]);
-			lower[1] = draw_half(texel->normal[1]);
-			lower[2] = draw_half(texel->height);
-			lower[3] = draw_half(texel->roughness);
+				upper[c] = stilb_image_half_from_float(texel->color[c]);
+			upper[3] = stilb_image_half_from_float(texel->coverage);
+			lower[0] = stilb_image_half_from_float(texel->normal[0]);
+			lower[1] = stilb_image_half_from_float(texel->normal[1]);
+			lower[2] = stilb_image_half_from_float(texel->height);
+			lower[3] = stilb_image_half_from_float(texel->roughness);
 		}
 }
 

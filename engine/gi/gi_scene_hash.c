@@ -25,6 +25,7 @@ static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
 	for (uint32_t i = 0; i < scene->texture_count; i++) {
 		const stilb_image *texture = &scene->textures[i];
 		hash = hash_u32(hash_u32(hash, texture->width), texture->height);
+		hash = hash_u32(hash_u32(hash, texture->channels), texture->format);
 		hash = stilb_hash_fnv1a64(hash, texture->pixels, stilb_image_size(texture));
 	}
 	return hash;

@@ -25,6 +25,10 @@ static float texture_scalar(const stilb_image *image, size_t at)
 		return texture_half(((const uint16_t *)image->pixels)[at]);
 	case STILB_IMAGE_U16_SRGB:
 		return shade_srgb_to_linear((float)((const uint16_t *)image->pixels)[at] * (1.0f / 65535.0f));
+	case STILB_IMAGE_U8_LINEAR:
+		return (float)((const uint8_t *)image->pixels)[at] * (1.0f / 255.0f);
+	case STILB_IMAGE_U16_LINEAR:
+		return (float)((const uint16_t *)image->pixels)[at] * (1.0f / 65535.0f);
 	default:
 		return ((const float *)image->pixels)[at];
 	}

@@ -17,18 +17,31 @@ enum { IMAGE_STORAGE_MEMORY, IMAGE_STORAGE_MAPPED, IMAGE_STORAGE_SHARED };
 
 const size_t image_scalar_bytes[] = {
 	[IMAGE_SCALAR_U8] = 1, [IMAGE_SCALAR_F16] = 2, [IMAGE_SCALAR_F32] = 4, [IMAGE_SCALAR_U16] = 2};
-const image_scalar image_format_scalars[] = {[STILB_IMAGE_U8_SRGB] = IMAGE_SCALAR_U8,
-                                             [STILB_IMAGE_F16_LINEAR] = IMAGE_SCALAR_F16,
-                                             [STILB_IMAGE_F32_LINEAR] = IMAGE_SCALAR_F32,
-                                             [STILB_IMAGE_U16_SRGB] = IMAGE_SCALAR_U16};
+const image_scalar image_format_scalars[] = {
+	[STILB_IMAGE_U8_SRGB] = IMAGE_SCALAR_U8,     [STILB_IMAGE_F16_LINEAR] = IMAGE_SCALAR_F16,
+	[STILB_IMAGE_F32_LINEAR] = IMAGE_SCALAR_F32, [STILB_IMAGE_U16_SRGB] = IMAGE_SCALAR_U16,
+	[STILB_IMAGE_U8_LINEAR] = IMAGE_SCALAR_U8,   [STILB_IMAGE_U16_LINEAR] = IMAGE_SCALAR_U16};
 
 size_t stilb_image_size(const stilb_image *image)
 {
 	STILB_ASSERT(image->width <= STILB_IMAGE_MAX_SIDE && image->height <= STILB_IMAGE_MAX_SIDE);
 	STILB_ASSERT(image->channels <= 4);
-	STILB_ASSERT((unsigned)image->format <= STILB_IMAGE_U16_SRGB);
+	STILB_ASSERT((unsigned)image->format < STILB_IMAGE_FORMAT_COUNT);
 	return (size_t)image->width * image->height * image->channels *
 	       image_scalar_bytes[image_format_scalars[image->format]];
+}
+
+stilb_image_format stilb_image_format_as_data(stilb_image_format format)
+{
+	STILB_ASSERT((unsigned)format < STILB_IMAGE_FORMAT_COUNT);
+	switch (format) {
+	case STILB_IMAGE_U8_SRGB:
+		return STILB_IMAGE_U8_LINEAR;
+	case STILB_IMAGE_U16_SRGB:
+		return STILB_IMAGE_U16_LINEAR;
+	default:
+		return format;
+	}
 }
 
 bool image_is_sound(const stilb_image *image)
@@ -44,7 +57,7 @@ const char *image_refusal(const stilb_image *image)
 		return "width and height must be 1 to 65536";
 	if (image->channels < 1 || image->channels > 4)
 		return "1 to 4 channels are supported";
-	if ((unsigned)image->format > STILB_IMAGE_U16_SRGB)
+	if ((unsigned)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return "unknown pixel format";
 	if (stilb_image_size(image) > STILB_IMAGE_MAX_BYTES)
 		return "its pixels would take more than 4 GiB";

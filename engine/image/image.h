@@ -5,6 +5,10 @@
  * Channels: 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha. Alpha is linear in every format, and colour is
  * not premultiplied: nothing here multiplies or divides by alpha.
  *
+ * A picture of codes is colour or data: U8_SRGB holds codes of colour, U8_LINEAR numbers such as normals, roughness and
+ * masks, which no transfer touches. Floats are what they are. No file tells which it holds, so reading takes codes for
+ * colour; who knows better uses stilb_image_format_as_data.
+ *
  * PNG is 8 bits of sRGB; EXR and HDR are linear Rec.709 and never tone mapped; saving converts between the two. Files
  * are written whole or not at all, and the same picture gives the same bytes (no date, no host name). PNG goes through
  * libpng, EXR through OpenEXR, HDR through code of our own. Other formats, and files of unknown origin, are read by the
@@ -39,12 +43,16 @@ extern "C" {
 #define STILB_IMAGE_MAX_SIDE 65536u        /* pixels */
 #define STILB_IMAGE_MAX_BYTES (1ull << 32) /* 16384 x 16384 x 4 floats */
 
-/* Codes follow the sRGB transfer of IEC 61966-2-1; alpha is linear in all formats. */
+/* SRGB: colour in codes that follow the sRGB transfer of IEC 61966-2-1; alpha is linear in all formats. Frame dumps
+ * hold these numbers, so new ones come last. */
 typedef enum stilb_image_format {
 	STILB_IMAGE_U8_SRGB,    /* uint8_t codes, 255 is 1 */
 	STILB_IMAGE_F16_LINEAR, /* IEEE binary16 in uint16_t */
 	STILB_IMAGE_F32_LINEAR, /* float */
 	STILB_IMAGE_U16_SRGB,   /* uint16_t codes, 65535 is 1 */
+	STILB_IMAGE_U8_LINEAR,  /* data: uint8_t, code / 255 is the value */
+	STILB_IMAGE_U16_LINEAR, /* data: uint16_t, code / 65535 is the value */
+	STILB_IMAGE_FORMAT_COUNT
 } stilb_image_format;
 
 typedef struct stilb_image {
@@ -97,9 +105,18 @@ int stilb_image_lend(const stilb_image *image);
 stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
                                  stilb_image_format format, stilb_image *image);
 
-/* Converts row y, 0 <= y < height, to linear floats in light, [width][channels]: colour by the sRGB transfer from
- * codes, alpha / 255 or / 65535. [any-thread] */
+/* The format of the same bytes when they are data and not colour: U8_LINEAR for U8_SRGB, U16_LINEAR for U16_SRGB, any
+ * other format itself. For a picture that was read from a file:
+ * image.format = stilb_image_format_as_data(image.format). [any-thread] */
+stilb_image_format stilb_image_format_as_data(stilb_image_format format);
+
+/* Converts row y, 0 <= y < height, to linear floats in light, [width][channels]: codes of colour by the sRGB transfer,
+ * data and alpha / 255 or / 65535. [any-thread] */
 void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light);
+
+/* The nearest half (IEEE binary16), ties to even; values beyond 65504 become infinite from 65520 on, and NaN stays NaN.
+ * [any-thread] */
+uint16_t stilb_image_half_from_float(float value);
 
 /* Bytes of all pixels; 0 for {0}. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);
@@ -112,9 +129,11 @@ stilb_result stilb_image_path_check(const char *path);
  * extension cannot be saved. [any-thread] */
 bool stilb_image_path_is_light(const char *path);
 
-/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and U16_SRGB and as 16-bit floats from the
- * others, .hdr as three 8-bit mantissas with one exponent (grey becomes RGB; alpha is STILB_ERROR_FILE).
- * Linear values become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN becomes 0.
+/* Writes path: .png as 8 bits of sRGB, .exr as 32-bit floats from F32_LINEAR and pictures of 16-bit codes and as 16-bit
+ * floats from the others, .hdr as three 8-bit mantissas with one exponent (grey becomes RGB; alpha is
+ * STILB_ERROR_FILE). Floats become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN
+ * becomes 0. Codes go into a .png as they are, data without a transfer, of 16 bits rounded to 8; the file says sRGB of
+ * data, too. A .exr and a .hdr get data as values, 0 to 1.
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check and for an empty picture, STILB_ERROR_FILE (disk full),
  * STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);

@@ -84,6 +84,22 @@ static float image_half_to_float(uint16_t half)
 	return half & 0x8000 ? -magnitude : magnitude;
 }
 
+uint16_t stilb_image_half_from_float(float value)
+{
+	uint32_t bits;
+	memcpy(&bits, &value, sizeof bits);
+	uint32_t sign = bits >> 16 & 0x8000u, exponent = bits >> 23 & 0xffu;
+	if (exponent < 102) /* below half of the smallest half, 2^-25 */
+		return (uint16_t)sign;
+	if (exponent > 142) /* at least 65536, or NaN */
+		return (uint16_t)(sign | (isnan(value) ? 0x7e00u : 0x7c00u));
+	uint32_t mantissa = (bits & 0x7fffffu) | 0x800000u;
+	uint32_t shift = exponent < 113 ? 126 - exponent : 13; /* smaller than 2^-14: denormal */
+	uint32_t kept = mantissa >> shift, rest = mantissa & ((1u << shift) - 1), tie = 1u << (shift - 1);
+	kept += rest > tie || (rest == tie && (kept & 1u)); /* a carry goes on into the exponent, up to infinity */
+	return (uint16_t)(sign | (exponent < 113 ? kept : kept + ((exponent - 113) << 10)));
+}
+
 static uint8_t image_code(float light, bool alpha)
 {
 	if (!(light > 0.0f))
@@ -95,17 +111,32 @@ static uint8_t image_code(float light, bool alpha)
 
 static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 {
-	STILB_ASSERT(image->format != STILB_IMAGE_U8_SRGB && "codes need no conversion");
+	image_scalar scalar = image_format_scalars[image->format];
+	STILB_ASSERT(scalar != IMAGE_SCALAR_U8 && "codes need no conversion");
 	const float *floats = image->pixels;
-	const uint16_t *halves = image->pixels;
+	const uint16_t *words = image->pixels;
 	size_t count = (size_t)image->width * image->height * image->channels;
 	for (size_t i = 0; i < count; i++) {
-		if (image->format == STILB_IMAGE_U16_SRGB) {
-			codes[i] = (uint8_t)((halves[i] * 255u + 32767u) / 65535u);
+		if (scalar == IMAGE_SCALAR_U16) {
+			codes[i] = (uint8_t)((words[i] * 255u + 32767u) / 65535u);
 			continue;
 		}
-		float light = image->format == STILB_IMAGE_F32_LINEAR ? floats[i] : image_half_to_float(halves[i]);
+		float light = scalar == IMAGE_SCALAR_F32 ? floats[i] : image_half_to_float(words[i]);
 		codes[i] = image_code(light, image_channel_is_alpha(image, i));
+	}
+}
+
+/* Codes of 8 bits to linear floats; first as image_convert_to_light has it. */
+static void image_bytes_to_light(const stilb_image *image, size_t first, size_t count, float *light)
+{
+	const uint8_t *codes = (const uint8_t *)image->pixels + first;
+	bool srgb = image->format == STILB_IMAGE_U8_SRGB;
+	float table[256];
+	for (int code = 0; srgb && code < 256; code++)
+		table[code] = shade_srgb_to_linear((float)code / 255.0f);
+	for (size_t i = 0; i < count; i++) {
+		bool linear = !srgb || image_channel_is_alpha(image, first + i);
+		light[i] = linear ? (float)codes[i] / 255.0f : table[codes[i]];
 	}
 }
 
@@ -113,20 +144,25 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 static void image_convert_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {
 	STILB_ASSERT(first + count <= (size_t)image->width * image->height * image->channels);
-	float table[256];
-	const uint8_t *codes = (const uint8_t *)image->pixels + first;
 	const uint16_t *words = (const uint16_t *)image->pixels + first;
-	if (image->format == STILB_IMAGE_F32_LINEAR)
+	switch (image_format_scalars[image->format]) {
+	case IMAGE_SCALAR_F32:
 		memcpy(light, (const float *)image->pixels + first, count * sizeof *light);
-	for (int code = 0; image->format == STILB_IMAGE_U8_SRGB && code < 256; code++)
-		table[code] = shade_srgb_to_linear((float)code / 255.0f);
-	for (size_t i = 0; image->format == STILB_IMAGE_U8_SRGB && i < count; i++)
-		light[i] = image_channel_is_alpha(image, first + i) ? (float)codes[i] / 255.0f : table[codes[i]];
-	for (size_t i = 0; image->format == STILB_IMAGE_F16_LINEAR && i < count; i++)
-		light[i] = image_half_to_float(words[i]);
-	for (size_t i = 0; image->format == STILB_IMAGE_U16_SRGB && i < count; i++) {
-		float code = (float)words[i] / 65535.0f;
-		light[i] = image_channel_is_alpha(image, first + i) ? code : shade_srgb_to_linear(code);
+		return;
+	case IMAGE_SCALAR_U8:
+		image_bytes_to_light(image, first, count, light);
+		return;
+	case IMAGE_SCALAR_F16:
+		for (size_t i = 0; i < count; i++)
+			light[i] = image_half_to_float(words[i]);
+		return;
+	case IMAGE_SCALAR_U16:
+		for (size_t i = 0; i < count; i++) {
+			bool linear = image->format == STILB_IMAGE_U16_LINEAR || image_channel_is_alpha(image, first + i);
+			float code = (float)words[i] / 65535.0f;
+			light[i] = linear ? code : shade_srgb_to_linear(code);
+		}
+		return;
 	}
 }
 

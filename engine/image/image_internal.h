@@ -16,10 +16,10 @@ extern "C" {
 #endif
 
 typedef enum image_scalar {
-	IMAGE_SCALAR_U8, /* sRGB codes, alpha linear */
+	IMAGE_SCALAR_U8, /* codes of colour or data; a file's are taken for sRGB, alpha linear */
 	IMAGE_SCALAR_F16,
 	IMAGE_SCALAR_F32,
-	IMAGE_SCALAR_U16, /* sRGB codes, alpha linear */
+	IMAGE_SCALAR_U16, /* as U8 */
 } image_scalar;
 
 /* Pixels without gaps: [height][width][channels], the top row first. */

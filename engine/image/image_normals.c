@@ -155,7 +155,7 @@ static void level_make(const normals_source *source, stilb_image *level, normals
 
 static bool format_is_read(const stilb_image *image)
 {
-	return image->format == STILB_IMAGE_U8_SRGB || image->format == STILB_IMAGE_F32_LINEAR;
+	return (unsigned)image->format < STILB_IMAGE_FORMAT_COUNT && image->format != STILB_IMAGE_F16_LINEAR;
 }
 
 static stilb_result desc_check(const stilb_image_normals_desc *desc)
@@ -165,7 +165,7 @@ static stilb_result desc_check(const stilb_image_normals_desc *desc)
 	if (!n || !n->pixels || (r && !r->pixels))
 		why = "a picture is empty";
 	else if (!format_is_read(n) || (r && !format_is_read(r)))
-		why = "pictures of 16 bits are not supported; load them from .png or .exr";
+		why = "pictures of halves are not supported; load them by stilb_image_load, which gives floats";
 	else if (n->channels < 2)
 		why = "they have one channel; 2 to 4 are needed";
 	else if (n->channels == 2 && desc->space == STILB_NORMAL_SPACE_OBJECT)
@@ -187,15 +187,20 @@ static stilb_result desc_check(const stilb_image_normals_desc *desc)
 	return STILB_OK;
 }
 
-/* One value of a picture: a code / 255, or a float. */
+/* One value of a picture: a code / 255 or / 65535, or a float. */
 static float value(const stilb_image *image, size_t pixel, uint32_t channel)
 {
 	STILB_ASSERT(format_is_read(image));
 	STILB_ASSERT(channel < image->channels && pixel < (size_t)image->width * image->height);
 	size_t index = pixel * image->channels + channel;
-	if (image->format == STILB_IMAGE_U8_SRGB)
+	switch (stilb_image_format_as_data(image->format)) {
+	case STILB_IMAGE_U8_LINEAR:
 		return (float)((const uint8_t *)image->pixels)[index] / 255.0f;
-	return ((const float *)image->pixels)[index];
+	case STILB_IMAGE_U16_LINEAR:
+		return (float)((const uint16_t *)image->pixels)[index] / 65535.0f;
+	default:
+		return ((const float *)image->pixels)[index];
+	}
 }
 
 /* The normal of a pixel, not normalised. */
@@ -204,7 +209,7 @@ static stilb_vec3 given_normal(const stilb_image *normals, size_t pixel)
 	stilb_vec3 n = {0};
 	for (uint32_t k = 0; k < 3 && k < normals->channels; k++) {
 		n[k] = value(normals, pixel, k);
-		if (normals->format == STILB_IMAGE_U8_SRGB)
+		if (normals->format != STILB_IMAGE_F32_LINEAR)
 			n[k] = 2.0f * n[k] - 1.0f;
 	}
 	if (normals->channels == 2)

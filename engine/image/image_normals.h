@@ -6,9 +6,9 @@
  * for sides of any length, and the last level, one pixel, stands for the whole map.
  *
  * Input.       Normals with 2 channels (x, y; tangent space, z = sqrt(1 - x^2 - y^2)), 3, or 4 (the last is ignored),
- *              of any length but 0; roughness with any number of channels (the first counts). 8-bit codes are numbers,
- *              not light: normal = 2 code / 255 - 1, roughness = code / 255; floats are taken as they are. Maps with +Y
- *              down keep +Y down.
+ *              of any length but 0; roughness with any number of channels (the first counts). Codes are numbers, not
+ *              light, also those that a file's reader took for colour: normal = 2 code / 255 - 1, roughness = code /
+ *              255, of 16 bits / 65535; floats are taken as they are. Maps with +Y down keep +Y down.
  * Output.      Levels of four floats: a unit normal x, y, z, and a roughness in [sqrt(SHADE_ALPHA_MIN), 1]. Level 0 is
  *              the input; each further level has half the sides of the one before, rounded down, at least 1; the last
  *              is one pixel.
@@ -45,8 +45,8 @@ typedef enum stilb_normal_space {
 } stilb_normal_space;
 
 typedef struct stilb_image_normals_desc {
-	const stilb_image *normals;   /* U8_SRGB or F32_LINEAR */
-	const stilb_image *roughness; /* U8_SRGB or F32_LINEAR, as large as normals; NULL: constant_roughness everywhere */
+	const stilb_image *normals;   /* any format but F16_LINEAR */
+	const stilb_image *roughness; /* any but F16_LINEAR, as large as normals; NULL: constant_roughness everywhere */
 	float constant_roughness;     /* [0, 1] */
 	stilb_normal_filter filter;
 	stilb_normal_space space;

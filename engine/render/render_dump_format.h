@@ -103,7 +103,7 @@ typedef struct render_dump_target {
 
 typedef struct render_dump_texture {
 	uint32_t id, width, height;
-	uint32_t format; /* stilb_image_format */
+	uint32_t format; /* stilb_image_format, but U16_SRGB: 0, 1, 2, 4 or 5 */
 } render_dump_texture;
 
 typedef struct render_dump_material {

@@ -473,16 +473,37 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
+/* 16-bit codes of sRGB as halves of light, `to` of the same size and channels: no GPU has such codes. A half's step is
+ * finer than a quarter of an 8-bit code's. */
+static stilb_result texture_codes_to_halves(const stilb_image *from, stilb_image *to)
+{
+	size_t row = (size_t)from->width * from->channels;
+	float *light = stilb_memory_alloc(row, sizeof *light);
+	stilb_result result = stilb_image_create(to, from->width, from->height, from->channels, STILB_IMAGE_F16_LINEAR);
+	if (result == STILB_OK && !light) {
+		stilb_image_finish(to);
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
+	}
+	uint16_t *halves = to->pixels;
+	for (uint32_t y = 0; y < from->height && result == STILB_OK; y++) {
+		stilb_image_row_to_light(from, y, light);
+		for (size_t i = 0; i < row; i++)
+			*halves++ = stilb_image_half_from_float(light[i]);
+	}
+	free(light);
+	return result;
+}
+
 /* A copy of the picture with four channels: grey becomes three equal channels, and a missing alpha becomes 1. */
-static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
+static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 {
 	/* [channels of `from`][channel of `to`]: the channel to copy; 4: write 1 */
 	static const uint8_t channel_of[5][4] = {{0}, {0, 0, 0, 4}, {0, 0, 0, 1}, {0, 1, 2, 4}, {0, 1, 2, 3}};
 	static const uint8_t one_u8 = 255;
-	static const uint16_t one_f16 = 0x3c00;
+	static const uint16_t one_f16 = 0x3c00, one_u16 = 65535;
 	static const float one_f32 = 1.0f;
-	const void *const ones[] = {&one_u8, &one_f16, &one_f32};
-	static const size_t sizes[] = {sizeof one_u8, sizeof one_f16, sizeof one_f32};
+	static const void *const ones[] = {&one_u8, &one_f16, &one_f32, &one_u16, &one_u8, &one_u16};
+	static_assert(sizeof ones / sizeof *ones == STILB_IMAGE_FORMAT_COUNT, "one for each format");
 	stilb_result result = stilb_image_create(to, from->width, from->height, 4, from->format);
 	if (result != STILB_OK)
 		return result;
@@ -490,7 +511,7 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 		memcpy(to->pixels, from->pixels, stilb_image_size(from));
 		return STILB_OK;
 	}
-	size_t size = sizes[from->format], pixels = (size_t)from->width * from->height;
+	size_t pixels = (size_t)from->width * from->height, size = stilb_image_size(to) / pixels / 4;
 	const uint8_t *in = from->pixels;
 	uint8_t *out = to->pixels;
 	for (size_t p = 0; p < pixels; p++, in += from->channels * size)
@@ -499,6 +520,19 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 			memcpy(out, channel < 4 ? in + channel * size : ones[from->format], size);
 		}
 	return STILB_OK;
+}
+
+/* A copy of the picture as the device takes it: texture_widen, and no U16_SRGB. */
+static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
+{
+	if (from->format != STILB_IMAGE_U16_SRGB)
+		return texture_widen(from, to);
+	stilb_image halves;
+	stilb_result result = texture_codes_to_halves(from, &halves);
+	if (result == STILB_OK)
+		result = texture_widen(&halves, to);
+	stilb_image_finish(&halves);
+	return result;
 }
 
 /* Takes an index and queues the pixels. False: no memory or no id; then nothing has changed. */
@@ -570,9 +604,9 @@ static stilb_result texture_create(stilb_render *render, const stilb_image *imag
 	stilb_image converted;
 	uint32_t index;
 	*out = (stilb_render_texture){0};
-	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format > STILB_IMAGE_F32_LINEAR)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %u channels in format %u: there are 1..4 and 0..2",
-		                  image->channels, (unsigned)image->format);
+	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %u channels in format %u: there are 1..4 and 0..%d",
+		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
 	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
 		                  image->height);

@@ -311,6 +311,10 @@ static void textures(void **state)
 	stilb_image linear = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels, 0}, srgb = {2, 2, 1, STILB_IMAGE_U8_SRGB, codes, 0};
 	static uint16_t halves[2][2][1] = {{{0x3c00}, {0x0001}}, {{0xb800}, {0x7bff}}};
 	stilb_image half = {2, 2, 1, STILB_IMAGE_F16_LINEAR, halves, 0};
+	stilb_image data = {2, 2, 1, STILB_IMAGE_U8_LINEAR, codes, 0};
+	static uint16_t words[2][2][1] = {{{65535}, {0}}, {{48316}, {13107}}};
+	stilb_image fine = {2, 2, 1, STILB_IMAGE_U16_SRGB, words, 0},
+				fine_data = {2, 2, 1, STILB_IMAGE_U16_LINEAR, words, 0};
 	for (float turn = -2.0f; turn < 3.0f; turn += 1.0f) {
 		SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){0.25f + turn, 0.25f}), 1.0, 0.0, 0.0, 0.0, 1e-6);
 		SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){0.75f, 0.25f + turn}), 0.0, 1.0, 0.0, 0.0, 1e-6);
@@ -320,6 +324,10 @@ static void textures(void **state)
 	SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){0.0f, 0.5f}), 0.5, 0.5, 0.5, 0.0, 1e-6);
 	SHADE_PROOF_NEAR3(gi_texture_at(&linear, (stilb_vec2){NAN, INFINITY}), 0.5, 0.5, 0.5, 0.0, 1e-6);
 	SHADE_PROOF_NEAR3(gi_texture_at(&srgb, (stilb_vec2){0.25f, 0.75f}), 0.5029, 0.5029, 0.5029, 0.0, 1e-4);
+	SHADE_PROOF_NEAR3(gi_texture_at(&fine, (stilb_vec2){0.25f, 0.75f}), 0.5029, 0.5029, 0.5029, 0.0, 1e-4);
+	SHADE_PROOF_NEAR(gi_texture_at(&data, (stilb_vec2){0.25f, 0.75f})[0], 188.0 / 255.0, 0.0, 1e-6);
+	SHADE_PROOF_NEAR(gi_texture_at(&fine_data, (stilb_vec2){0.75f, 0.75f})[0], 0.2, 0.0, 1e-6);
+	SHADE_PROOF_NEAR(gi_texture_at(&fine_data, (stilb_vec2){0.25f, 0.25f})[0], 1.0, 0.0, 1e-6);
 	SHADE_PROOF_NEAR3(gi_texture_at(&half, (stilb_vec2){0.25f, 0.25f}), 1.0, 1.0, 1.0, 0.0, 0.0);
 	SHADE_PROOF_NEAR(gi_texture_at(&half, (stilb_vec2){0.75f, 0.25f})[0], ldexp(1.0, -24), 0.0, 1e-12);
 	SHADE_PROOF_NEAR(gi_texture_at(&half, (stilb_vec2){0.25f, 0.75f})[0], -0.5, 0.0, 0.0);

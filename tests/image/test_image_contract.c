@@ -31,8 +31,9 @@ static void pictures(void **state)
 	contract_breaks("image_is_sound(image)", stilb_image_row_to_light(&empty, 0, row));
 	damaged.channels = 5;
 	contract_breaks("image->channels <= 4", stilb_image_size(&damaged));
-	damaged = image, damaged.format = (stilb_image_format)4;
-	contract_breaks("image->format <=", stilb_image_size(&damaged));
+	damaged = image, damaged.format = STILB_IMAGE_FORMAT_COUNT;
+	contract_breaks("image->format <", stilb_image_size(&damaged));
+	contract_breaks("format <", stilb_image_format_as_data(STILB_IMAGE_FORMAT_COUNT));
 	damaged = image, damaged.pixels = NULL, damaged.storage = 1;
 	contract_breaks("mapped memory has an address", stilb_image_finish(&damaged));
 	contract_breaks("`image'", stilb_image_create(NULL, 1, 1, 1, STILB_IMAGE_U8_SRGB));

@@ -134,7 +134,7 @@ static void make_resources(frame *f)
 		stilb_scene_mesh_finish(&mesh);
 	}
 	make_texture(f, 0, 4, STILB_IMAGE_U8_SRGB);
-	make_texture(f, 1, 1, STILB_IMAGE_U8_SRGB);
+	make_texture(f, 1, 1, STILB_IMAGE_U16_LINEAR);
 	make_texture(f, 2, 3, STILB_IMAGE_F16_LINEAR);
 	for (uint32_t m = 0; m < 50; m++) {
 		stilb_scene_material material = {.diffuse = {0.5f, 0.25f, (float)m},
@@ -574,7 +574,8 @@ static const struct damage {
 	{RENDER_DUMP_TEXTURES, 0, 0, "texture 0: id 0, not in 1..4095"},
 	{RENDER_DUMP_TEXTURES, 16, 2, "texture 1: id 2, not in 3..4095"},
 	{RENDER_DUMP_TEXTURES, 4, 16385, "texture 0: 16385x2 pixels"},
-	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3"},
+	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3; a side has 1..16384, and formats are 0, 1, 2, 4 and 5"},
+	{RENDER_DUMP_TEXTURES, 12, 6, "of format 6"},
 	{RENDER_DUMP_TEXTURES, 4, 16384, "texture 0: its pixels go beyond"},
 	{RENDER_DUMP_TEXTURES, 20, 1, "bytes of pixels, but textures have"},
 	{RENDER_DUMP_MATERIALS, 64, 0, "material 1: id 0, not in "},

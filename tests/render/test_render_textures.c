@@ -114,8 +114,10 @@ static stilb_image texel_image(stilb_image_format format, uint32_t channels)
 	assert_int_equal(stilb_image_create(&image, TEXELS, TEXELS, channels, format), STILB_OK);
 	for (uint32_t i = 0; i < TEXELS * TEXELS * channels; i++) {
 		uint32_t pixel = i / channels, code = texel_code(pixel % TEXELS, pixel / TEXELS, i % channels);
-		if (format == STILB_IMAGE_U8_SRGB)
+		if (format == STILB_IMAGE_U8_SRGB || format == STILB_IMAGE_U8_LINEAR)
 			((uint8_t *)image.pixels)[i] = (uint8_t)code;
+		else if (format == STILB_IMAGE_U16_SRGB || format == STILB_IMAGE_U16_LINEAR)
+			((uint16_t *)image.pixels)[i] = (uint16_t)(code * 257);
 		else if (format == STILB_IMAGE_F16_LINEAR)
 			((uint16_t *)image.pixels)[i] = half_of_256th(code);
 		else
@@ -130,9 +132,11 @@ static double texel_value(stilb_image_format format, uint32_t channels, int64_t 
 	int64_t n = TEXELS;
 	uint32_t code =
 		texel_code((uint32_t)((x % n + n) % n), (uint32_t)((y % n + n) % n), channels < 3 ? 0 : (uint32_t)c);
-	if (format != STILB_IMAGE_U8_SRGB)
+	if (format == STILB_IMAGE_F16_LINEAR || format == STILB_IMAGE_F32_LINEAR)
 		return code / 256.0;
 	double v = code / 255.0; /* the sRGB transfer, IEC 61966-2-1 */
+	if (format == STILB_IMAGE_U8_LINEAR || format == STILB_IMAGE_U16_LINEAR)
+		return v;
 	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
@@ -170,10 +174,10 @@ static void texels_of_every_format(void **state)
 	(void)state;
 	static const float spans[][2] = {{0.0f, 1.0f}, {-1.0f, 2.0f}};
 	stage s = stage_open((stilb_render_desc){.validate = true}, 0);
-	for (int kind = 0; kind < 24; kind++) {
-		stilb_image_format format = (stilb_image_format)(kind % 3);
-		uint32_t channels = 1 + (uint32_t)kind / 3 % 4;
-		const float *span = spans[kind / 12];
+	for (int kind = 0; kind < 8 * STILB_IMAGE_FORMAT_COUNT; kind++) {
+		stilb_image_format format = (stilb_image_format)(kind % STILB_IMAGE_FORMAT_COUNT);
+		uint32_t channels = 1 + (uint32_t)kind / STILB_IMAGE_FORMAT_COUNT % 4;
+		const float *span = spans[kind / (4 * STILB_IMAGE_FORMAT_COUNT)];
 		stilb_image image = texel_image(format, channels);
 		stilb_render_texture texture;
 		assert_int_equal(stilb_render_texture_create(s.render, &image, &texture), STILB_OK);

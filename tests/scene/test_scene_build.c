@@ -205,6 +205,12 @@ static void mistakes_in_meshes(void **state)
 	assert_refused(build, "texture 1: 16385x2 pixels");
 	build = begin();
 	image.width = 2;
+	image.format = STILB_IMAGE_FORMAT_COUNT;
+	stilb_scene_build_texture(build, &image);
+	assert_refused(build, "texture 0: 1 channels in format 6; there are 1..4 and 0..5");
+	image.format = STILB_IMAGE_U8_SRGB;
+	build = begin();
+	image.width = 2;
 	image.channels = 5;
 	stilb_scene_build_texture(build, &image);
 	assert_refused(build, "texture 0: 5 channels in format 0");

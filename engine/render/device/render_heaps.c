@@ -99,6 +99,9 @@ static const stilb_gpu_format texture_formats[] = {
 	[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,
 	[STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
 	[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F,
+	[STILB_IMAGE_U16_SRGB] = STILB_GPU_NONE, /* no GPU has it: it is converted to halves before */
+	[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,
+	[STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
 };
 
 /* Sends rows upload->rows .. upload->sent - 1. */
@@ -136,6 +139,7 @@ stilb_result render_device_texture_create(render_device *device, uint32_t index,
 	render_device_texture *texture = &device->textures[index];
 	STILB_ASSERT(texture->image.id == 0 && texture->set.id == 0 && "a released index");
 	stilb_gpu_format format = texture_formats[image->format];
+	STILB_ASSERT(format != STILB_GPU_NONE);
 	const char *name = stilb_gpu_name(device->gpu);
 	uint32_t most = stilb_gpu_limits_get(device->gpu)->image_side;
 	if (!(device->gpu->formats[format] & GPU_FORMAT_LINEAR))

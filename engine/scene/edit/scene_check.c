@@ -132,9 +132,9 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
 	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384 || !image->pixels)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %ux%u pixels; a side has 1..16384", id, image->width,
 		                  image->height);
-	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format > STILB_IMAGE_F32_LINEAR)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in format %u; there are 1..4 and 0..2", id,
-		                  image->channels, (unsigned)image->format);
+	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in format %u; there are 1..4 and 0..%d", id,
+		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
 	return STILB_OK;
 }
 
