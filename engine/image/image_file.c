@@ -126,6 +126,18 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 	}
 }
 
+const uint8_t *image_codes(const stilb_image *image, void **made)
+{
+	STILB_ASSERT(image_is_sound(image));
+	*made = NULL;
+	if (image_format_scalars[image->format] == IMAGE_SCALAR_U8)
+		return image->pixels;
+	*made = stilb_memory_alloc((size_t)image->width * image->height, image->channels);
+	if (*made)
+		image_convert_to_codes(image, *made);
+	return *made;
+}
+
 /* Codes of 8 bits to linear floats; first as image_convert_to_light has it. */
 static void image_bytes_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {

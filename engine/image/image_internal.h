@@ -93,6 +93,10 @@ const char *image_refusal(const stilb_image *image);
 /* True if image has pixels and a shape that is not refused. For asserts. */
 bool image_is_sound(const stilb_image *image);
 
+/* The picture as 8-bit codes, as stilb_image_save writes them into a .png: its own pixels, or new ones, which *made, to
+ * be freed, points to; else *made is NULL. NULL: out of memory. */
+const uint8_t *image_codes(const stilb_image *image, void **made);
+
 /* ---- files (image_file.c) ---------------------------------------------------------------------------------------- */
 
 /* Reads a whole regular file into *data, to be freed by the caller also after a failure; *data is NULL before. Returns

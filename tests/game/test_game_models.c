@@ -4,6 +4,7 @@
  * give it. What does not open is refused by both with the same line. One file; with STILB_MODELS=all in the environment
  * every file of Debian's package assimp-testmodels, and with STILB_MODELS=FOLDER every one below that folder, a line
  * for each. */
+#include "image/image_compare.h"
 #include "image/image_layers.h"
 #include "support/stilb_program.h"
 
@@ -120,27 +121,40 @@ static double mean_around(const picture *of, uint32_t x, uint32_t y, int c)
 	return sum;
 }
 
+static stilb_image made(uint32_t channels, stilb_image_format format)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, WIDTH, HEIGHT, channels, format), STILB_OK);
+	return image;
+}
+
 static void compare(outcome *result)
 {
+	stilb_image means[2] = {made(3, STILB_IMAGE_F32_LINEAR), made(3, STILB_IMAGE_F32_LINEAR)};
+	stilb_image mask = made(1, STILB_IMAGE_U8_LINEAR);
+	stilb_image_comparison apart;
 	float most = 0.0f;
-	double sum = 0.0;
-	result->inside = 0;
 	for (uint32_t y = 0; y < HEIGHT; y++)
 		for (uint32_t x = 0; x < WIDTH; x++)
 			for (int c = 0; rendered.solid[y][x] && c < 3; c++)
 				most = fmaxf(most, rendered.value[y][x][c]);
-	for (uint32_t y = 0; y < HEIGHT; y++)
-		for (uint32_t x = 0; x < WIDTH; x++) {
-			if (!is_inside(x, y, most))
-				continue;
-			result->inside++;
-			for (int c = 0; c < 3; c++) {
-				double difference = mean_around(&viewed, x, y, c) - mean_around(&rendered, x, y, c);
-				sum += difference * difference / 3.0;
-			}
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+		uint32_t x = i % WIDTH, y = i / WIDTH;
+		if (!is_inside(x, y, most))
+			continue;
+		((uint8_t *)mask.pixels)[i] = 255;
+		for (int c = 0; c < 3; c++) {
+			((float *)means[0].pixels)[3 * i + (uint32_t)c] = (float)mean_around(&viewed, x, y, c);
+			((float *)means[1].pixels)[3 * i + (uint32_t)c] = (float)mean_around(&rendered, x, y, c);
 		}
+	}
+	assert_int_equal(stilb_image_compare(&means[0], &means[1], &mask, 0.0, &apart), STILB_OK);
+	result->inside = (uint32_t)apart.pixels;
 	result->most = (double)most;
-	result->rms = most > 0.0f && result->inside > 0 ? sqrt(sum / result->inside) / result->most : 0.0;
+	result->rms = most > 0.0f ? apart.rms_all / result->most : 0.0;
+	stilb_image_finish(&means[0]);
+	stilb_image_finish(&means[1]);
+	stilb_image_finish(&mask);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */

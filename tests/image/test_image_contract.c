@@ -1,5 +1,6 @@
 /* The contracts of image, each broken on purpose. */
 #include "image/image.h"
+#include "image/image_compare.h"
 #include "image/image_import.h"
 #include "image/image_internal.h"
 #include "image/image_layers.h"
@@ -57,6 +58,7 @@ static void files(void **state)
 	(void)state;
 	stilb_image image = made(3, STILB_IMAGE_F32_LINEAR), empty = {0};
 	image_shape shape = {3, 2, 3, IMAGE_SCALAR_F32};
+	image_input input = {.shape = shape, .stored = IMAGE_SCALAR_F32, .pixels = image.pixels};
 	image_bytes file = {0};
 	image_message message = {0};
 	void *data = NULL;
@@ -69,11 +71,11 @@ static void files(void **state)
 	contract_breaks("path && size && data", image_file_read(NULL, &data, &size));
 	contract_breaks("no gap", image_bytes_write(&file, 1, "x", 1));
 	contract_breaks("message && text", image_message_set(&message, NULL));
-	contract_breaks("shape->scalar ==", image_codec_png.encode(&shape, image.pixels, 0, &file, &message));
+	contract_breaks("shape->scalar ==", image_codec_png.encode(&input, &file, &message));
 	contract_breaks("data && allocate", image_codec_png.decode(NULL, 0, allocate_nothing, NULL, &message));
 	contract_breaks("data && allocate", image_codec_hdr.decode("", 0, NULL, NULL, &message));
-	shape.scalar = IMAGE_SCALAR_F16;
-	contract_breaks("shape->scalar ==", image_codec_hdr.encode(&shape, image.pixels, 0, &file, &message));
+	input.shape.scalar = IMAGE_SCALAR_F16;
+	contract_breaks("shape->scalar ==", image_codec_hdr.encode(&input, &file, &message));
 	image_load load = {.path = "a.png", .image = &image};
 	contract_breaks("a codec allocates once", image_load_allocate(&load, &shape));
 	load.image = &empty;
@@ -118,13 +120,31 @@ static void normals(void **state)
 	stilb_image_finish(&image);
 }
 
+static void comparisons(void **state)
+{
+	(void)state;
+	stilb_image image = made(3, STILB_IMAGE_F32_LINEAR), empty = {0}, mask = {0};
+	stilb_image_comparison out;
+	double db;
+	contract_breaks("`out'", stilb_image_compare(&image, &image, NULL, 0.0, NULL));
+	contract_breaks("bound >=", stilb_image_compare(&image, &image, NULL, -1.0, &out));
+	contract_breaks("image_is_sound(a)", stilb_image_compare(&empty, &image, NULL, 0.0, &out));
+	contract_breaks("image_is_sound(b)", stilb_image_compare(&image, &empty, NULL, 0.0, &out));
+	contract_breaks("!mask ||", stilb_image_compare(&image, &image, &empty, 0.0, &out));
+	contract_breaks("`db'", stilb_image_fidelity(&image, &image, NULL, NULL));
+	contract_breaks("image_is_sound(a)", stilb_image_fidelity(&empty, &image, NULL, &db));
+	contract_breaks("`mask'", stilb_image_mask_edges(&image, 0.0f, 0.0f, 0, NULL));
+	contract_breaks("image_is_sound(picture)", stilb_image_mask_edges(&empty, 0.0f, 0.0f, 0, &mask));
+	contract_breaks("step >=", stilb_image_mask_edges(&image, -1.0f, 0.0f, 0, &mask));
+	contract_breaks("distance <=", stilb_image_mask_edges(&image, 0.0f, 0.0f, UINT32_MAX, &mask));
+	stilb_image_finish(&image);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
-		cmocka_unit_test(pictures),
-		cmocka_unit_test(files),
-		cmocka_unit_test(layers),
-		cmocka_unit_test(normals),
+		cmocka_unit_test(comparisons), cmocka_unit_test(pictures), cmocka_unit_test(files),
+		cmocka_unit_test(layers),      cmocka_unit_test(normals),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

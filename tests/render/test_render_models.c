@@ -4,6 +4,7 @@
  * assimp-testmodels that opens, and with STILB_MODELS=FOLDER every one below that folder, a line for each. With
  * STILB_TRUTH_PICTURES=FOLDER the pictures and their difference, times 10, are written there. */
 #include "gi/gi_render.h"
+#include "image/image_compare.h"
 #include "render/render.h"
 #include "scene/scene.h"
 #include "support/test.h"
@@ -179,23 +180,36 @@ static double mean_around(const picture *of, uint32_t x, uint32_t y, int c)
 	return sum;
 }
 
+static stilb_image made(uint32_t channels, stilb_image_format format)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, WIDTH, HEIGHT, channels, format), STILB_OK);
+	return image;
+}
+
 static void compare(const picture *live, const picture *traced, model_result *result)
 {
-	double sum = 0.0;
-	result->inside = 0;
+	stilb_image means[2] = {made(3, STILB_IMAGE_F32_LINEAR), made(3, STILB_IMAGE_F32_LINEAR)};
+	stilb_image mask = made(1, STILB_IMAGE_U8_LINEAR);
+	stilb_image_comparison apart;
 	for (uint32_t i = 0; i < WIDTH * HEIGHT * 3; i++)
 		result->most = fmax(result->most, ((const double *)traced->value)[i]);
-	for (uint32_t y = 0; y < HEIGHT; y++)
-		for (uint32_t x = 0; x < WIDTH; x++) {
-			if (!is_inside(live, traced, x, y, result->most))
-				continue;
-			result->inside++;
-			for (int c = 0; c < 3; c++) {
-				double difference = mean_around(live, x, y, c) - mean_around(traced, x, y, c);
-				sum += difference * difference / 3.0;
-			}
+	for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
+		uint32_t x = i % WIDTH, y = i / WIDTH;
+		if (!is_inside(live, traced, x, y, result->most))
+			continue;
+		((uint8_t *)mask.pixels)[i] = 255;
+		for (int c = 0; c < 3; c++) {
+			((float *)means[0].pixels)[3 * i + (uint32_t)c] = (float)mean_around(live, x, y, c);
+			((float *)means[1].pixels)[3 * i + (uint32_t)c] = (float)mean_around(traced, x, y, c);
 		}
-	result->rms = result->most > 0.0 && result->inside > 0 ? sqrt(sum / result->inside) / result->most : 0.0;
+	}
+	assert_int_equal(stilb_image_compare(&means[0], &means[1], &mask, 0.0, &apart), STILB_OK);
+	result->inside = (uint32_t)apart.pixels;
+	result->rms = result->most > 0.0 ? apart.rms_all / result->most : 0.0;
+	stilb_image_finish(&means[0]);
+	stilb_image_finish(&means[1]);
+	stilb_image_finish(&mask);
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
