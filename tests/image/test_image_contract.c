@@ -7,7 +7,6 @@
 #include "image/image_normals.h"
 #include "support/contract.h"
 #include "support/test.h"
-
 static stilb_image made(uint32_t channels, stilb_image_format format)
 {
 	stilb_image image;
@@ -71,7 +70,7 @@ static void files(void **state)
 	contract_breaks("path && size && data", image_file_read(NULL, &data, &size));
 	contract_breaks("no gap", image_bytes_write(&file, 1, "x", 1));
 	contract_breaks("message && text", image_message_set(&message, NULL));
-	contract_breaks("shape->scalar ==", image_codec_png.encode(&input, &file, &message));
+	contract_breaks("shape.scalar ==", image_codec_png.encode(&input, &file, &message));
 	contract_breaks("data && allocate", image_codec_png.decode(NULL, 0, allocate_nothing, NULL, &message));
 	contract_breaks("data && allocate", image_codec_hdr.decode("", 0, NULL, NULL, &message));
 	input.shape.scalar = IMAGE_SCALAR_F16;
