@@ -59,13 +59,17 @@ stilb_result geometry_plan_apply(geometry_plan *plan, stilb_scene_mesh *mesh)
 	out.vertices = stilb_memory_alloc(out.vertex_count, sizeof *out.vertices);
 	if (plan->to)
 		out.morph = stilb_memory_alloc(out.vertex_count, sizeof *out.morph);
-	if (!out.vertices || (plan->to && !out.morph)) {
+	if (mesh->extras)
+		out.extras = stilb_memory_alloc(out.vertex_count, sizeof *out.extras);
+	if (!out.vertices || (plan->to && !out.morph) || (mesh->extras && !out.extras)) {
 		stilb_scene_mesh_finish(&out);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u triangles",
 		                  mesh->index_count / 3);
 	}
 	for (uint32_t v = 0; v < out.vertex_count; v++) {
 		out.vertices[v] = mesh->vertices[plan->order[v]];
+		if (out.extras)
+			out.extras[v] = mesh->extras[plan->order[v]];
 		if (out.morph)
 			out.morph[v] = mesh->vertices[plan->to[v]];
 	}

@@ -67,6 +67,17 @@ void stilb_scene_set_sky(stilb_scene *scene, const float radiance[3])
 	scene->revisions.surroundings++; /* the next panorama may lie where the last one did */
 }
 
+stilb_result scene_add_surfaces(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(!scene->surfaces && "surfaces are added once");
+	scene->surfaces = scene_array(&failed, count, sizeof *scene->surfaces);
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u surfaces", count);
+	scene->surface_count = count;
+	return STILB_OK;
+}
+
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count)
 {
 	bool failed = false;
@@ -170,6 +181,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->part_transform);
 	free(scene->meshes);
 	free(scene->materials);
+	free(scene->surfaces);
 	free(scene->textures);
 	free(scene->lights);
 	free(scene->light_mounts);
@@ -254,7 +266,10 @@ bool scene_is_sound(const stilb_scene *scene)
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		sound = sound && scene_mesh_is_sound(&scene->meshes[m]);
 	for (uint32_t m = 0; m < scene->material_count; m++)
-		sound = sound && scene->materials[m].diffuse_texture <= scene->texture_count;
+		sound = sound && scene->materials[m].diffuse_texture <= scene->texture_count &&
+		        scene->materials[m].surface <= scene->surface_count;
+	for (uint32_t s = 0; s < scene->surface_count; s++)
+		sound = sound && scene_check_surface(&scene->surfaces[s], scene->texture_count, s) == STILB_OK;
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		sound = sound && scene->lights[i].face <= scene->part_count && !stilb_scene_light_mistake(&scene->lights[i]);
 	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&

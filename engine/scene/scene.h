@@ -31,6 +31,7 @@
 #include "base/base.h"
 #include "base/base_math.h"
 #include "image/image.h"
+#include "scene/scene_surface.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -43,6 +44,16 @@ typedef struct stilb_scene_vertex {
 	float normal[3];
 	float uv[2];
 } stilb_scene_vertex;
+
+/* What vertices have besides, where something needs it. */
+typedef struct stilb_scene_vertex_extra {
+	/* Unit, in the triangle's plane or near it, as MikkTSpace has it; the fourth is 1 or -1: the bitangent is that
+	 * times cross(normal, tangent). Along it u of the map of normals grows, along the bitangent v decreases. All 0:
+	 * there is none. */
+	float tangent[4];
+	float uv[2];    /* the second one */
+	float color[4]; /* linear; multiplies the color and alpha of surfaces. 1, 1, 1, 1: it has none */
+} stilb_scene_vertex_extra;
 
 #define STILB_SCENE_MAX_LEVELS 32
 
@@ -80,8 +91,9 @@ typedef struct stilb_scene_cluster_group {
 /* Triangles, counter-clockwise seen from the front, and coarser versions of them to draw where the difference is not
  * seen. Rays, bounds and all else that does not say so go by the mesh itself. */
 typedef struct stilb_scene_mesh {
-	stilb_scene_vertex *vertices; /* [vertex_count] */
-	uint32_t *indices;            /* [index_count], three for each triangle, each < vertex_count */
+	stilb_scene_vertex *vertices;     /* [vertex_count] */
+	stilb_scene_vertex_extra *extras; /* [vertex_count]; NULL: there are none */
+	uint32_t *indices;                /* [index_count], three for each triangle, each < vertex_count */
 	uint32_t vertex_count, index_count;
 	uint32_t level_count, level_index_count; /* 0: there is no coarser version */
 	stilb_scene_level *levels; /* [level_count] from finer to coarser; the mesh itself comes before them */
@@ -112,6 +124,8 @@ typedef struct stilb_scene_material {
 	float wrap;        /* [0, 1]: how far diffuse light reaches past the border of light and shade; 0: Lambert */
 	float emission[3]; /* radiance from the front in all directions; frames show it, but are not lit by it */
 	uint32_t diffuse_texture; /* 1 + the index in textures of the one that multiplies diffuse; 0: none */
+	uint32_t surface; /* 1 + the index in surfaces of what it has beyond constants, whose means these are then, with
+	                     diffuse_texture 0; 0: nothing */
 } stilb_scene_material;
 
 /* ---- light: one list and one surroundings ---------------------------------------------------------------------------
@@ -318,6 +332,8 @@ typedef struct stilb_scene {
 	stilb_scene_mesh *meshes; /* [mesh_count]; {0}: a removed one */
 	uint32_t material_count;
 	stilb_scene_material *materials; /* [material_count] */
+	uint32_t surface_count;
+	stilb_scene_surface *surfaces; /* [surface_count] */
 
 	stilb_scene_nodes nodes;
 

@@ -39,6 +39,7 @@ typedef struct build_camera {
 struct stilb_scene_build {
 	build_list meshes;    /* of build_mesh */
 	build_list textures;  /* of stilb_image */
+	build_list surfaces;  /* of stilb_scene_surface */
 	build_list materials; /* of stilb_scene_material */
 	build_list nodes;     /* of build_node */
 	build_list models;    /* of build_model */
@@ -127,6 +128,7 @@ static void build_free(stilb_scene_build *build)
 	stilb_image_finish(&build->surroundings.panorama);
 	free(build->meshes.items);
 	free(build->textures.items);
+	free(build->surfaces.items);
 	free(build->materials.items);
 	free(build->nodes.items);
 	free(build->models.items);
@@ -184,6 +186,15 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
+uint32_t stilb_scene_build_surface(stilb_scene_build *build, const stilb_scene_surface *surface)
+{
+	STILB_ASSERT(surface);
+	if (!build_goes_on(build) ||
+	    !build_accept(build, scene_check_surface(surface, build->textures.count, build->surfaces.count)))
+		return 0;
+	return build_add(build, &build->surfaces, surface, sizeof *surface, "surface");
+}
+
 static bool build_material_check(stilb_scene_build *build, const stilb_scene_material *m)
 {
 	uint32_t id = build->materials.count;
@@ -191,6 +202,10 @@ static bool build_material_check(stilb_scene_build *build, const stilb_scene_mat
 		return false;
 	if (m->diffuse_texture > build->textures.count)
 		return build_refuse(build, "material %u: there is no texture %u", id, m->diffuse_texture - 1);
+	if (m->surface > build->surfaces.count)
+		return build_refuse(build, "material %u: there is no surface %u", id, m->surface - 1);
+	if (m->surface && m->diffuse_texture)
+		return build_refuse(build, "material %u: it has both a surface and a diffuse_texture", id);
 	return true;
 }
 
@@ -472,6 +487,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 		const build_list *from;
 		size_t size;
 	} arrays[] = {{scene->textures, &build->textures, sizeof *scene->textures},
+	              {scene->surfaces, &build->surfaces, sizeof *scene->surfaces},
 	              {scene->materials, &build->materials, sizeof *scene->materials},
 	              {scene->lights, &build->lights, sizeof *scene->lights}};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -522,6 +538,8 @@ static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
 		scene_create(build->models.count, build->parts.count, build->meshes.count, build->materials.count, &scene);
 	if (result == STILB_OK && build->textures.count > 0)
 		result = scene_add_textures(scene, build->textures.count);
+	if (result == STILB_OK && build->surfaces.count > 0)
+		result = scene_add_surfaces(scene, build->surfaces.count);
 	if (result == STILB_OK && build->lights.count > 0)
 		result = scene_add_lights(scene, build->lights.count);
 	if (result == STILB_OK && build->cameras.count > 0)

@@ -44,15 +44,20 @@ typedef struct stilb_scene_build stilb_scene_build;
 stilb_scene_build *stilb_scene_build_begin(void);
 
 /* Adds a mesh: triangles of at least one vertex, each index below vertex_count. Positions are finite and within 1e18 m;
- * normals are unit, to 1 %; uv are finite. Levels, if there are any, are as stilb_scene_level says, at most
+ * normals are unit, to 1 %; uv are finite. Tangents are unit, or
+ * all 0. Levels, if there are any, are as stilb_scene_level says, at most
  * STILB_SCENE_MAX_LEVELS. */
 uint32_t stilb_scene_build_mesh(stilb_scene_build *build, const stilb_scene_mesh *mesh);
 
 /* Adds a texture: 1..16384 pixels a side, 1..4 channels, any stilb_image_format. */
 uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *image);
 
+/* Adds a surface, with which stilb_scene_surface_mistake finds nothing wrong and whose textures were added. */
+uint32_t stilb_scene_build_surface(stilb_scene_build *build, const stilb_scene_surface *surface);
+
 /* Adds a material, each member in the range that stilb_scene_material says, diffuse + specular at most 1 a channel
- * (stilb_scene_material_make). diffuse_texture is 1 + the id of a texture, or 0. */
+ * (stilb_scene_material_make). diffuse_texture is 1 + the id of a texture, or 0, and surface 1 + the id of a surface,
+ * or 0, not both. */
 uint32_t stilb_scene_build_material(stilb_scene_build *build, const stilb_scene_material *material);
 
 /* Adds a node: a place in its parent's space, or in the world's if parent is STILB_SCENE_NO_PARENT. local: node to

@@ -11,6 +11,7 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 
 /* Arrays for textures, cameras and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
+stilb_result scene_add_surfaces(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
 
 /* Room for the names of the scene's models and materials, all "", unless they are more than SCENE_NAMES: it has none
@@ -54,8 +55,9 @@ bool scene_mount_camera(const stilb_scene_mount *mount, const stilb_mat4 *to_wor
  * that were edited. */
 bool scene_nodes_are_sound(const stilb_scene *scene);
 
-/* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' textures.
- * Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has been made. */
+/* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' surfaces
+ * and textures. Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has
+ * been made. */
 bool scene_is_sound(const stilb_scene *scene);
 
 /* True if the mesh and its levels hold whole triangles whose vertices exist. */
@@ -100,6 +102,10 @@ stilb_scene_camera scene_camera_look(stilb_vec3 position, stilb_vec3 target, flo
 /* A mesh with arrays for these counts, not initialised, and without levels; index_count is a multiple of 3.
  * STILB_ERROR_MEMORY; mesh is {0} then. */
 stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, uint32_t index_count);
+
+/* Extras in a mesh that has none yet, without tangents, of white. After STILB_ERROR_MEMORY stilb_scene_mesh_finish
+ * frees what was made. */
+stilb_result scene_mesh_add_extras(stilb_scene_mesh *mesh);
 
 /* Arrays for level_count > 0 levels in a mesh that has none yet, not initialised, and morph of zeros if asked for.
  * After STILB_ERROR_MEMORY stilb_scene_mesh_finish frees what was made. */

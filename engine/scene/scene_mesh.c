@@ -19,6 +19,17 @@ stilb_result scene_mesh_create(stilb_scene_mesh *mesh, uint32_t vertex_count, ui
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for a mesh of %u vertices", vertex_count);
 }
 
+stilb_result scene_mesh_add_extras(stilb_scene_mesh *mesh)
+{
+	STILB_ASSERT(mesh && !mesh->extras);
+	mesh->extras = stilb_memory_alloc(mesh->vertex_count, sizeof *mesh->extras);
+	if (!mesh->extras)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for tangents of a mesh of %u vertices", mesh->vertex_count);
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		mesh->extras[v] = (stilb_scene_vertex_extra){.color = {1, 1, 1, 1}};
+	return STILB_OK;
+}
+
 stilb_result scene_mesh_add_levels(stilb_scene_mesh *mesh, uint32_t level_count, uint32_t level_index_count, bool morph)
 {
 	STILB_ASSERT(mesh && mesh->level_count == 0 && level_count > 0 && level_index_count > 0);
@@ -72,6 +83,7 @@ void stilb_scene_mesh_finish(stilb_scene_mesh *mesh)
 	STILB_ASSERT(mesh);
 	stilb_scene_mesh_drop_levels(mesh);
 	free(mesh->vertices);
+	free(mesh->extras);
 	free(mesh->indices);
 	*mesh = (stilb_scene_mesh){0};
 }

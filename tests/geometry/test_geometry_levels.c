@@ -192,6 +192,23 @@ static void check_shape(const stilb_scene_mesh *mesh, int euler, double border_l
 
 /* ---- good meshes ------------------------------------------------------------------------------------------------- */
 
+/* Tangents and the rest stay with their vertices. */
+static void test_extras(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh = bumpy_torus(40, 20);
+	mesh.extras = stilb_memory_alloc(mesh.vertex_count, sizeof *mesh.extras);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++)
+		mesh.extras[v] = (stilb_scene_vertex_extra){.uv = {mesh.vertices[v].position[0], mesh.vertices[v].uv[1]}};
+	make_levels(&mesh);
+	assert_true(mesh.level_count > 0);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++) {
+		assert_true(mesh.extras[v].uv[0] == mesh.vertices[v].position[0]);
+		assert_true(mesh.extras[v].uv[1] == mesh.vertices[v].uv[1]);
+	}
+	stilb_scene_mesh_finish(&mesh);
+}
+
 static void test_sphere(void **state)
 {
 	(void)state;
@@ -532,10 +549,11 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		test_one_thread(test_sphere),     test_one_thread(test_torus),    test_one_thread(test_hills),
-		test_one_thread(test_facets),     test_one_thread(test_pieces),   test_one_thread(test_locks),
-		cmocka_unit_test(test_same_bits), test_one_thread(test_empty),    test_one_thread(test_damaged),
-		test_one_thread(test_touching),   test_one_thread(test_refusals), test_one_thread(test_no_memory),
+		test_one_thread(test_extras),    test_one_thread(test_sphere),     test_one_thread(test_torus),
+		test_one_thread(test_hills),     test_one_thread(test_facets),     test_one_thread(test_pieces),
+		test_one_thread(test_locks),     cmocka_unit_test(test_same_bits), test_one_thread(test_empty),
+		test_one_thread(test_damaged),   test_one_thread(test_touching),   test_one_thread(test_refusals),
+		test_one_thread(test_no_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -237,6 +237,87 @@ static void mistakes_in_materials(void **state)
 	refuses_material((stilb_scene_material){.diffuse_texture = 1}, "there is no texture 0");
 }
 
+/* One member of a surface is out of its range. */
+#define REFUSES_SURFACE(change, words)                                                                                 \
+	do {                                                                                                               \
+		stilb_scene_surface s = stilb_scene_surface_make();                                                            \
+		change;                                                                                                        \
+		stilb_scene_build *build = begin();                                                                            \
+		assert_int_equal(stilb_scene_build_surface(build, &s), 0);                                                     \
+		assert_refused(build, words);                                                                                  \
+	} while (0)
+
+static void mistakes_in_surfaces(void **state)
+{
+	(void)state;
+	REFUSES_SURFACE(s.maps[STILB_SCENE_MAP_NORMAL].texture = 1, "surface 0: there is no texture 0 for its map normal");
+	REFUSES_SURFACE(s.maps[3].set = 2, "neither of the two uv");
+	REFUSES_SURFACE(s.maps[4].wrap_v = STILB_SCENE_WRAPS, "a map's wrap");
+	REFUSES_SURFACE(s.maps[14].to_v[2] = 2e6f, "a map's transform");
+	REFUSES_SURFACE(s.workflow = STILB_SCENE_WORKFLOWS, "workflow");
+	REFUSES_SURFACE(s.alpha = STILB_SCENE_ALPHAS, "alpha is unknown");
+	REFUSES_SURFACE(s.color[3] = 1.5f, "a colour");
+	REFUSES_SURFACE(s.sheen_color[1] = -1, "a colour");
+	REFUSES_SURFACE((s.workflow = STILB_SCENE_SPECULAR, s.specular[0] = 1.5f), "specular colour");
+	REFUSES_SURFACE(s.metalness = NAN, "a factor");
+	REFUSES_SURFACE(s.transmission = 2, "a factor");
+	REFUSES_SURFACE(s.normal_scale = INFINITY, "a scale");
+	REFUSES_SURFACE(s.emission[2] = -1, "emission");
+	REFUSES_SURFACE(s.ior = 0.5f, "index of refraction");
+	REFUSES_SURFACE(s.cutoff = -1, "cutoff");
+	REFUSES_SURFACE(s.thickness = -1, "thickness");
+	REFUSES_SURFACE(s.attenuation[0] = 0, "attenuation");
+	REFUSES_SURFACE(s.attenuation_distance = 0, "attenuation");
+	refuses_material((stilb_scene_material){.surface = 1}, "material 1: there is no surface 0");
+	stilb_scene_surface mirror = stilb_scene_surface_make();
+	mirror.ior = 0.0f;
+	mirror.specular[0] = 7.0f; /* of METALLIC it is a tint */
+	assert_null(stilb_scene_surface_mistake(&mirror));
+}
+
+/* Extras and surfaces are copied; tangents are unit, or none. */
+static void meshes_have_extras(void **state)
+{
+	(void)state;
+	stilb_scene_vertex vertices[3] = {{{0}, {0, 1, 0}, {0}}, {{1, 0, 0}, {0, 1, 0}, {0}}, {{0, 0, 1}, {0, 1, 0}, {0}}};
+	stilb_scene_vertex_extra extras[3] = {
+		{{1, 0, 0, -1}, {0.5f, 2}, {1, 0, 0, 0.5f}}, {{0}, {0}, {1, 1, 1, 1}}, {{0}, {0}, {0}}};
+	uint32_t indices[3] = {0, 1, 2}, texture = 0;
+	stilb_scene_mesh mesh = {
+		.vertices = vertices, .extras = extras, .indices = indices, .vertex_count = 3, .index_count = 3};
+	uint8_t grey[4] = {0};
+	stilb_image image = {.width = 2, .height = 2, .channels = 1, .format = STILB_IMAGE_U8_LINEAR, .pixels = grey};
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	stilb_scene_material paint = {.roughness = 0.5f, .surface = 1};
+	stilb_scene_build *build = begin();
+	texture = stilb_scene_build_texture(build, &image);
+	surface.maps[STILB_SCENE_MAP_OCCLUSION].texture = 1 + texture;
+	assert_int_equal(stilb_scene_build_surface(build, &surface), 0);
+	uint32_t id = stilb_scene_build_mesh(build, &mesh);
+	stilb_scene_build_part part = {id, stilb_scene_build_material(build, &paint)};
+	stilb_mat4 here = moved(0, 0, 0);
+	stilb_scene_build_model(build, stilb_scene_build_node(build, STILB_SCENE_NO_PARENT, &here), &part, 1);
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	assert_memory_equal(scene->meshes[id].extras, extras, sizeof extras);
+	assert_int_equal(scene->surface_count, 1);
+	assert_memory_equal(scene->surfaces, &surface, sizeof surface);
+	assert_int_equal(scene->materials[part.material].surface, 1);
+	stilb_scene_destroy(scene);
+	static const float wrong[][4] = {{1, 0, 0, 0}, {1, 1, 0, 1}, {0, 0, 0, 1}, {NAN, 0, 0, 1}, {1, 0, 0, 2}};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		memcpy(extras[1].tangent, wrong[i], sizeof wrong[i]);
+		build = begin();
+		assert_int_equal(stilb_scene_build_mesh(build, &mesh), 0);
+		assert_refused(build, "mesh 1: vertex 1 has a tangent that is not unit");
+	}
+	memset(extras[1].tangent, 0, sizeof extras[1].tangent);
+	extras[2].uv[1] = NAN;
+	build = begin();
+	assert_int_equal(stilb_scene_build_mesh(build, &mesh), 0);
+	assert_refused(build, "mesh 1: vertex 2 has");
+}
+
 static void mistakes_in_places(void **state)
 {
 	(void)state;
@@ -401,6 +482,8 @@ int main(void)
 		cmocka_unit_test(a_camera_sees_it_all),
 		cmocka_unit_test(mistakes_in_meshes),
 		cmocka_unit_test(mistakes_in_materials),
+		cmocka_unit_test(mistakes_in_surfaces),
+		cmocka_unit_test(meshes_have_extras),
 		cmocka_unit_test(mistakes_in_places),
 		cmocka_unit_test(mistakes_in_lights_and_cameras),
 		cmocka_unit_test(a_mesh_is_placed_often),

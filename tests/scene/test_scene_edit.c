@@ -539,7 +539,7 @@ static void mistakes_are_told(void **state)
 	REFUSED(stilb_scene_show_model(scene, 4, true), "there is no model 4");
 	REFUSED(stilb_scene_remove_mesh(scene, 0), "mesh 0 is in use by 1 part;");
 	REFUSED(stilb_scene_remove_material(scene, 0), "material 0 is in use by 1 part;");
-	REFUSED(stilb_scene_remove_texture(scene, 0), "texture 0 is in use by 1 material;");
+	REFUSED(stilb_scene_remove_texture(scene, 0), "texture 0 is in use by 1 material or surface;");
 	REFUSED(stilb_scene_set_vertices(scene, 0, scene->meshes[0].vertex_count, 1, &vertex), "mesh 0: it has ");
 	REFUSED(stilb_scene_set_vertices(scene, 0, UINT32_MAX, UINT32_MAX, &vertex), "not 8589934590");
 	REFUSED(stilb_scene_set_vertices(scene, 0, 0, 1, &wrong), "normal 0, 2, 0 of vertex 0 is not unit");
@@ -592,6 +592,50 @@ static uint64_t scene_hash(const stilb_scene *scene)
 	for (uint32_t t = 0; t < scene->texture_count; t++)
 		hash += texture_hash(&scene->textures[t]);
 	return hash;
+}
+
+/* Surfaces come, change, name textures and go; who names a changed one has changed. */
+static void surfaces_are_edited(void **state)
+{
+	(void)state;
+	stilb_scene *scene = small_scene();
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	stilb_image image = random_image();
+	uint32_t texture, id, again, paint;
+	assert_int_equal(stilb_scene_add_texture(scene, &image, &texture), STILB_OK);
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = 2 + texture;
+	REFUSED(stilb_scene_add_surface(scene, &surface, &id), "surface 0: there is no texture");
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = 1 + texture;
+	surface.maps[STILB_SCENE_MAP_EMISSION].texture = 1 + texture;
+	assert_int_equal(stilb_scene_add_surface(scene, &surface, &id), STILB_OK);
+	REFUSED(stilb_scene_remove_texture(scene, texture), "is in use by 2 material or surfaces;");
+	stilb_scene_material material = {.roughness = 0.5f, .surface = 2 + id};
+	REFUSED(stilb_scene_add_material(scene, &material, &paint), "there is no surface 1");
+	material.surface = 1 + id;
+	material.diffuse_texture = 1 + texture;
+	REFUSED(stilb_scene_add_material(scene, &material, &paint), "both a surface and a diffuse_texture");
+	material.diffuse_texture = 0;
+	assert_int_equal(stilb_scene_add_material(scene, &material, &paint), STILB_OK);
+	REFUSED(stilb_scene_remove_surface(scene, id), "surface 0 is in use by 1 material;");
+	stilb_scene_changes_clear(scene);
+	stilb_scene_revisions last = stilb_scene_revisions_read(scene);
+	surface.maps[STILB_SCENE_MAP_EMISSION].texture = 0;
+	surface.unlit = true;
+	assert_int_equal(stilb_scene_set_surface(scene, id, &surface), STILB_OK);
+	assert_true(scene->surfaces[id].unlit);
+	assert_int_equal(stilb_scene_changes_read(scene).material_count, 1);
+	assert_int_equal(stilb_scene_changes_read(scene).materials[0], paint);
+	assert_true(stilb_scene_revisions_read(scene).materials != last.materials);
+	surface.cutoff = -1.0f;
+	REFUSED(stilb_scene_set_surface(scene, id, &surface), "surface 0: its cutoff");
+	assert_int_equal(stilb_scene_remove_material(scene, paint), STILB_OK);
+	assert_int_equal(stilb_scene_remove_surface(scene, id), STILB_OK);
+	REFUSED(stilb_scene_set_surface(scene, id, &surface), "there is no surface 0");
+	assert_int_equal(stilb_scene_remove_texture(scene, texture), STILB_OK);
+	surface = stilb_scene_surface_make();
+	assert_int_equal(stilb_scene_add_surface(scene, &surface, &again), STILB_OK);
+	assert_int_equal(again, id);
+	stilb_scene_destroy(scene);
 }
 
 /* Edit number `edit` of a scene; its random numbers are the same each time. */
@@ -665,6 +709,7 @@ int main(void)
 		cmocka_unit_test(assigned_values_are_noticed),
 		cmocka_unit_test(lights_lose_their_faces),
 		cmocka_unit_test(ranges_are_bounded),
+		cmocka_unit_test(surfaces_are_edited),
 		cmocka_unit_test(mistakes_are_told),
 		cmocka_unit_test(without_memory_nothing_changes),
 	};

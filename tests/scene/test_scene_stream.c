@@ -60,6 +60,11 @@ static stilb_scene *make(void)
 	((uint8_t *)scene->textures[0].pixels)[7] = 99;
 	scene->materials[0].diffuse_texture = 1;
 	scene->surroundings.ground[1] = 0.25f;
+	assert_int_equal(scene_add_surfaces(scene, 1), STILB_OK);
+	scene->surfaces[0] = stilb_scene_surface_make();
+	scene->surfaces[0].maps[STILB_SCENE_MAP_NORMAL].texture = 1;
+	assert_int_equal(scene_mesh_add_extras(&scene->meshes[0]), STILB_OK);
+	scene->meshes[0].extras[1].uv[1] = 0.375f;
 	assert_int_equal(scene_add_variants(scene, 2), STILB_OK);
 	strcpy(scene->variants->names[1], "blue");
 	assert_int_equal(scene_add_nodes(scene, 3), STILB_OK);
@@ -86,6 +91,9 @@ static void a_scene_comes_back_the_same(void **state)
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
 	assert_memory_equal(back->meshes[0].vertices, scene->meshes[0].vertices,
 	                    scene->meshes[0].vertex_count * sizeof *scene->meshes[0].vertices);
+	assert_memory_equal(back->meshes[0].extras, scene->meshes[0].extras,
+	                    scene->meshes[0].vertex_count * sizeof *scene->meshes[0].extras);
+	assert_memory_equal(back->surfaces, scene->surfaces, sizeof *scene->surfaces);
 	assert_memory_equal(back->lights, scene->lights, sizeof *scene->lights);
 	assert_memory_equal(back->materials, scene->materials, sizeof *scene->materials);
 	assert_memory_equal(back->cameras, scene->cameras, sizeof *scene->cameras);
@@ -123,6 +131,10 @@ static void assert_usable(const stilb_scene *scene)
 			assert_true(scene->meshes[m].indices[i] < scene->meshes[m].vertex_count);
 	for (uint32_t m = 0; m < scene->material_count; m++)
 		assert_true(scene->materials[m].diffuse_texture <= scene->texture_count);
+	for (uint32_t s = 0; s < scene->surface_count; s++) {
+		assert_null(stilb_scene_surface_mistake(&scene->surfaces[s]));
+		assert_true(scene->surfaces[s].maps[STILB_SCENE_MAP_NORMAL].texture <= scene->texture_count);
+	}
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		assert_null(stilb_scene_light_mistake(&scene->lights[i]));
 	assert_true(scene_nodes_are_sound(scene));

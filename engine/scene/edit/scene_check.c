@@ -111,6 +111,24 @@ static stilb_result check_levels(const stilb_scene_mesh *mesh, uint32_t id)
 	return mesh->morph ? check_morph(mesh, id) : STILB_OK;
 }
 
+static bool extra_is_good(const stilb_scene_vertex_extra *extra)
+{
+	const float *t = extra->tangent;
+	bool none = t[0] == 0.0f && t[1] == 0.0f && t[2] == 0.0f && t[3] == 0.0f;
+	return (none || (scene_is_unit(t) && fabsf(t[3]) == 1.0f)) && scene_is_within(extra->uv, 2, -FLT_MAX, FLT_MAX) &&
+	       scene_is_within(extra->color, 4, 0.0f, FLT_MAX);
+}
+
+static stilb_result check_extras(const stilb_scene_mesh *mesh, uint32_t id)
+{
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		if (!extra_is_good(&mesh->extras[v]))
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "mesh %u: vertex %u has a tangent that is not unit, or a uv or colour that is not finite",
+			                  id, v);
+	return STILB_OK;
+}
+
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 {
 	if (mesh->vertex_count == 0 || mesh->index_count == 0 || !mesh->vertices || !mesh->indices)
@@ -122,6 +140,8 @@ stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "mesh %u: index %u is vertex %u, but it has %u vertices", id, i,
 			                  mesh->indices[i], mesh->vertex_count);
 	stilb_result result = scene_check_vertices(mesh->vertices, 0, mesh->vertex_count, id);
+	if (result == STILB_OK && mesh->extras)
+		result = check_extras(mesh, id);
 	if (result == STILB_OK)
 		result = check_levels(mesh, id);
 	return result == STILB_OK ? scene_check_clusters(mesh, id) : result;
@@ -135,6 +155,18 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
 	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in format %u; there are 1..4 and 0..%d", id,
 		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
+	return STILB_OK;
+}
+
+stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id)
+{
+	const char *mistake = stilb_scene_surface_mistake(surface);
+	if (mistake)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: %s", id, mistake);
+	for (int i = 0; i < STILB_SCENE_MAPS; i++)
+		if (surface->maps[i].texture > texture_count)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
+			                  surface->maps[i].texture - 1, stilb_scene_map_names[i]);
 	return STILB_OK;
 }
 
@@ -168,6 +200,8 @@ static void copy_values(void *to, const void *from, size_t bytes)
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to)
 {
 	stilb_result result = scene_mesh_create(to, from->vertex_count, from->index_count);
+	if (result == STILB_OK && from->extras)
+		result = scene_mesh_add_extras(to);
 	if (result == STILB_OK && from->level_count > 0)
 		result = scene_mesh_add_levels(to, from->level_count, from->level_index_count, from->morph);
 	if (result == STILB_OK && from->cluster_count > 0)
@@ -177,6 +211,7 @@ stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to)
 		return result;
 	}
 	memcpy(to->vertices, from->vertices, from->vertex_count * sizeof *to->vertices);
+	copy_values(to->extras, from->extras, from->extras ? from->vertex_count * sizeof *to->extras : 0);
 	memcpy(to->indices, from->indices, from->index_count * sizeof *to->indices);
 	copy_values(to->levels, from->levels, from->level_count * sizeof *to->levels);
 	copy_values(to->level_indices, from->level_indices, from->level_index_count * sizeof *to->level_indices);

@@ -31,8 +31,11 @@ stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);
 /* Its clusters, if it has some. */
 stilb_result scene_check_clusters(const stilb_scene_mesh *mesh, uint32_t id);
 stilb_result scene_check_texture(const stilb_image *image, uint32_t id);
-/* Does not look at diffuse_texture. */
+/* Does not look at diffuse_texture and surface. */
 stilb_result scene_check_material(const stilb_scene_material *material, uint32_t id);
+
+/* Its textures are below texture_count. */
+stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id);
 
 /* Copies. STILB_ERROR_MEMORY; *to is {0} then. */
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to);

@@ -75,8 +75,8 @@ stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_s
 
 /* Replaces vertices first .. first + count - 1 of a mesh. Only they go to the device: frames that are still drawn keep
  * the ones they had. Bounds of the models that show the mesh follow when the scene is read
- * (stilb_scene_changes_read). The mesh loses its levels, whose errors hold no longer; if it has some, all of it goes to
- * the device this once. */
+ * (stilb_scene_changes_read). Its extras stay. The mesh loses its levels, whose errors hold no longer; if it has some,
+ * all of it goes to the device this once. */
 stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t first, uint32_t count,
                                       const stilb_scene_vertex *vertices);
 
@@ -89,12 +89,19 @@ stilb_result stilb_scene_set_material(stilb_scene *scene, uint32_t id, const sti
 /* STILB_ERROR_ARGUMENT also if a part names it. */
 stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id);
 
+/* What materials name as their surface. The materials that name one which is replaced are listed as changed. */
+stilb_result stilb_scene_add_surface(stilb_scene *scene, const stilb_scene_surface *surface, uint32_t *id);
+stilb_result stilb_scene_set_surface(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface);
+
+/* STILB_ERROR_ARGUMENT also if a material names it. */
+stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id);
+
 stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *image, uint32_t *id);
 
 /* Replaces a texture by one of any size; one of the same size and format takes its place on the device. */
 stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stilb_image *image);
 
-/* STILB_ERROR_ARGUMENT also if a material names it. */
+/* STILB_ERROR_ARGUMENT also if a material or a surface names it. */
 stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id);
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */

@@ -228,10 +228,15 @@ static stilb_result edit_material_check(const stilb_scene *scene, const stilb_sc
 	uint32_t texture = material->diffuse_texture;
 	if (result == STILB_OK && texture && !scene_edit_has(&scene->edits->textures, scene->texture_count, texture - 1))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: there is no texture %u", id, texture - 1);
+	if (result == STILB_OK && material->surface &&
+	    !scene_edit_has(&scene->edits->surfaces, scene->surface_count, material->surface - 1))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: there is no surface %u", id, material->surface - 1);
+	if (result == STILB_OK && material->surface && texture)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: it has both a surface and a diffuse_texture", id);
 	return result;
 }
 
-/* Replaces a material, and counts who names which texture. */
+/* Replaces a material, and counts who names which texture and surface. */
 static void edit_material_put(stilb_scene *scene, uint32_t id, stilb_scene_material material)
 {
 	uint32_t *users = scene->edits->textures.users, was = scene->materials[id].diffuse_texture;
@@ -239,6 +244,11 @@ static void edit_material_put(stilb_scene *scene, uint32_t id, stilb_scene_mater
 		users[was - 1]--;
 	if (material.diffuse_texture)
 		users[material.diffuse_texture - 1]++;
+	users = scene->edits->surfaces.users;
+	if (scene->materials[id].surface)
+		users[scene->materials[id].surface - 1]--;
+	if (material.surface)
+		users[material.surface - 1]++;
 	scene->materials[id] = material;
 	scene->revisions.materials++;
 	scene_edit_changed(&scene->edits->materials, id);
@@ -281,6 +291,79 @@ stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id)
 		result = edit_give_back(&scene->edits->materials, scene->material_count, id, "part");
 	if (result == STILB_OK)
 		edit_material_put(scene, id, (stilb_scene_material){0});
+	return result;
+}
+
+/* ---- surfaces ---------------------------------------------------------------------------------------------------- */
+
+static stilb_result edit_surface_check(const stilb_scene *scene, const stilb_scene_surface *surface, uint32_t id)
+{
+	stilb_result result = scene_check_surface(surface, scene->texture_count, id);
+	for (int i = 0; result == STILB_OK && i < STILB_SCENE_MAPS; i++) {
+		uint32_t texture = surface->maps[i].texture;
+		if (texture && !scene_edit_has(&scene->edits->textures, scene->texture_count, texture - 1))
+			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
+			                  texture - 1, stilb_scene_map_names[i]);
+	}
+	return result;
+}
+
+/* Replaces a surface, and counts who names which texture. NULL: by one that is all zeros. */
+static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface)
+{
+	stilb_scene_surface *at = &scene->surfaces[id];
+	uint32_t *users = scene->edits->textures.users;
+	for (int i = 0; i < STILB_SCENE_MAPS; i++) {
+		if (at->maps[i].texture)
+			users[at->maps[i].texture - 1]--;
+		if (surface && surface->maps[i].texture)
+			users[surface->maps[i].texture - 1]++;
+	}
+	*at = surface ? *surface : (stilb_scene_surface){0};
+	for (uint32_t m = 0; scene->edits->surfaces.users[id] > 0 && m < scene->material_count; m++)
+		if (scene->materials[m].surface == id + 1)
+			scene_edit_changed(&scene->edits->materials, m);
+	scene->revisions.materials++;
+}
+
+stilb_result stilb_scene_add_surface(stilb_scene *scene, const stilb_scene_surface *surface, uint32_t *id)
+{
+	STILB_ASSERT(surface && id);
+	stilb_result result = scene_edit_begin(scene);
+	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
+		[EDIT_IDS_ARRAYS] = {(void **)&scene->surfaces, sizeof *scene->surfaces, 0}};
+	if (result == STILB_OK)
+		result = edit_surface_check(scene, surface, edit_next(&scene->edits->surfaces, scene->surface_count));
+	if (result == STILB_OK)
+		result = edit_reserve(&scene->edits->surfaces, arrays, 1, scene->surface_count);
+	if (result != STILB_OK)
+		return result;
+	*id = edit_take(&scene->edits->surfaces, &scene->surface_count);
+	edit_surface_put(scene, *id, surface);
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_set_surface(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface)
+{
+	STILB_ASSERT(surface);
+	stilb_scene_surface copy = *surface;
+	stilb_result result = scene_edit_begin(scene);
+	if (result == STILB_OK)
+		result = edit_find(&scene->edits->surfaces, scene->surface_count, id);
+	if (result == STILB_OK)
+		result = edit_surface_check(scene, &copy, id);
+	if (result == STILB_OK)
+		edit_surface_put(scene, id, &copy);
+	return result;
+}
+
+stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id)
+{
+	stilb_result result = scene_edit_begin(scene);
+	if (result == STILB_OK)
+		result = edit_give_back(&scene->edits->surfaces, scene->surface_count, id, "material");
+	if (result == STILB_OK)
+		edit_surface_put(scene, id, NULL);
 	return result;
 }
 
@@ -364,7 +447,7 @@ stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id)
 {
 	stilb_result result = scene_edit_begin(scene);
 	if (result == STILB_OK)
-		result = edit_give_back(&scene->edits->textures, scene->texture_count, id, "material");
+		result = edit_give_back(&scene->edits->textures, scene->texture_count, id, "material or surface");
 	if (result != STILB_OK)
 		return result;
 	stilb_image_finish(&scene->textures[id]);

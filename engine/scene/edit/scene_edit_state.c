@@ -106,6 +106,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 		return;
 	edit_ids_finish(&edits->meshes);
 	edit_ids_finish(&edits->materials);
+	edit_ids_finish(&edits->surfaces);
 	edit_ids_finish(&edits->textures);
 	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
@@ -125,6 +126,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 		return NULL;
 	edit_ids_make(&edits->meshes, "mesh", scene->mesh_count, &failed);
 	edit_ids_make(&edits->materials, "material", scene->material_count, &failed);
+	edit_ids_make(&edits->surfaces, "surface", scene->surface_count, &failed);
 	edit_ids_make(&edits->textures, "texture", scene->texture_count, &failed);
 	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
@@ -171,9 +173,16 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 		edits->meshes.users[scene->part_mesh[p]]++;
 		edits->materials.users[scene->part_material[p]]++;
 	}
-	for (uint32_t m = 0; m < scene->material_count; m++)
+	for (uint32_t m = 0; m < scene->material_count; m++) {
 		if (scene->materials[m].diffuse_texture)
 			edits->textures.users[scene->materials[m].diffuse_texture - 1]++;
+		if (scene->materials[m].surface)
+			edits->surfaces.users[scene->materials[m].surface - 1]++;
+	}
+	for (uint32_t s = 0; s < scene->surface_count; s++)
+		for (int i = 0; i < STILB_SCENE_MAPS; i++)
+			if (scene->surfaces[s].maps[i].texture)
+				edits->textures.users[scene->surfaces[s].maps[i].texture - 1]++;
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_sphere[m].radius = (float)NAN;
 	for (uint32_t m = 0; m < scene->model_count; m++)
@@ -214,5 +223,6 @@ void stilb_scene_changes_clear(stilb_scene *scene)
 	if (!edits)
 		return;
 	edits->meshes.changed_count = edits->materials.changed_count = edits->textures.changed_count = 0;
+	edits->surfaces.changed_count = 0;
 	edits->range_count = 0;
 }

@@ -17,8 +17,9 @@
 
 void scene_stream_version(char text[static 64])
 {
-	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
-	         sizeof(stilb_scene_material), sizeof(stilb_scene_vertex), sizeof(scene_message));
+	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
+	         sizeof(stilb_scene_material), sizeof(stilb_scene_surface), sizeof(stilb_scene_vertex),
+	         sizeof(stilb_scene_vertex_extra), sizeof(scene_message));
 }
 
 /* A buffer for the one descriptor of a message, aligned as its header needs. */
@@ -112,7 +113,7 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 typedef struct stream_counts {
-	uint32_t models, parts, meshes, materials, textures, lights, cameras;
+	uint32_t models, parts, meshes, materials, surfaces, textures, lights, cameras;
 } stream_counts;
 
 typedef struct stream_array {
@@ -127,10 +128,10 @@ static bool stream_counts_are_possible(const stream_counts *counts)
 {
 	uint32_t most = STILB_SCENE_MAX_MODELS;
 	return counts->models <= most && counts->parts <= most && counts->meshes <= most && counts->materials <= most &&
-	       counts->textures <= most && counts->lights <= most && counts->cameras <= most;
+	       counts->surfaces <= most && counts->textures <= most && counts->lights <= most && counts->cameras <= most;
 }
 
-#define STREAM_ARRAYS 11
+#define STREAM_ARRAYS 12
 
 /* The arrays of a scene in the order of the stream, without those inside meshes and textures. */
 static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_ARRAYS])
@@ -146,6 +147,7 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 		{scene->part_material, parts * sizeof(uint32_t)},
 		{scene->part_transform, parts * sizeof(stilb_mat4)},
 		{scene->materials, scene->material_count * sizeof(stilb_scene_material)},
+		{scene->surfaces, scene->surface_count * sizeof(stilb_scene_surface)},
 		{scene->lights, scene->light_count * sizeof(stilb_scene_light)},
 		{scene->cameras, scene->camera_count * sizeof(stilb_scene_named_camera)},
 	};
@@ -156,8 +158,8 @@ static void stream_arrays(const stilb_scene *scene, stream_array arrays[STREAM_A
 bool scene_stream_write(int file, const stilb_scene *scene)
 {
 	STILB_ASSERT(file >= 0 && scene);
-	stream_counts counts = {scene->model_count,   scene->part_count,  scene->mesh_count,  scene->material_count,
-	                        scene->texture_count, scene->light_count, scene->camera_count};
+	stream_counts counts = {scene->model_count,   scene->part_count,    scene->mesh_count,  scene->material_count,
+	                        scene->surface_count, scene->texture_count, scene->light_count, scene->camera_count};
 	stream_array arrays[STREAM_ARRAYS];
 	stream_arrays(scene, arrays);
 	const stilb_scene_surroundings *around = &scene->surroundings;
@@ -168,10 +170,11 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 		good = scene_stream_put(file, arrays[i].data, arrays[i].size);
 	for (uint32_t i = 0; good && i < scene->mesh_count; i++) {
 		const stilb_scene_mesh *mesh = &scene->meshes[i];
-		const uint32_t sizes[2] = {mesh->vertex_count, mesh->index_count};
+		const uint32_t sizes[3] = {mesh->vertex_count, mesh->index_count, mesh->extras ? mesh->vertex_count : 0};
 		good = scene_stream_put(file, sizes, sizeof sizes) &&
 		       scene_stream_put(file, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices) &&
-		       scene_stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+		       scene_stream_put(file, mesh->indices, mesh->index_count * sizeof *mesh->indices) &&
+		       scene_stream_put(file, mesh->extras, sizes[2] * sizeof *mesh->extras);
 	}
 	return good && scene_stream_write_rest(file, scene);
 }
@@ -180,16 +183,20 @@ bool scene_stream_write(int file, const stilb_scene *scene)
 
 static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mesh)
 {
-	uint32_t sizes[2];
+	uint32_t sizes[3];
 	if (!scene_stream_get(stream, sizes, sizeof sizes))
 		return scene_stream_broken(stream);
-	if (sizes[1] % 3 != 0 || sizes[0] > STREAM_MAX_VERTICES || sizes[1] > 3 * STREAM_MAX_VERTICES)
+	if (sizes[1] % 3 != 0 || (sizes[2] != 0 && sizes[2] != sizes[0]) || sizes[0] > STREAM_MAX_VERTICES ||
+	    sizes[1] > 3 * STREAM_MAX_VERTICES)
 		return scene_stream_wrong("triangles");
 	stilb_result result = scene_mesh_create(mesh, sizes[0], sizes[1]);
+	if (result == STILB_OK && sizes[2] > 0)
+		result = scene_mesh_add_extras(mesh);
 	if (result != STILB_OK)
 		return result;
 	if (!scene_stream_get(stream, mesh->vertices, sizes[0] * sizeof *mesh->vertices) ||
-	    !scene_stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices))
+	    !scene_stream_get(stream, mesh->indices, sizes[1] * sizeof *mesh->indices) ||
+	    !scene_stream_get(stream, mesh->extras, sizes[2] * sizeof *mesh->extras))
 		return scene_stream_broken(stream);
 	return STILB_OK;
 }
@@ -252,6 +259,8 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 		result = scene_stream_wrong("textures");
 	if (result == STILB_OK)
 		result = scene_add_textures(scene, count);
+	if (result == STILB_OK)
+		result = scene_add_surfaces(scene, counts.surfaces);
 	if (result == STILB_OK)
 		result = scene_add_lights(scene, counts.lights);
 	if (result == STILB_OK)

@@ -1,0 +1,102 @@
+/*
+ * shade_gltf: from the factors and texels of a material as glTF 2.0 has it to what is shaded. Both renderers include
+ * it. [any-thread]
+ *
+ * Every texel is linear: colours were decoded from sRGB, data are codes in [0, 1]. Factors and texels are multiplied
+ * before they come here, by the colours of vertices too.
+ * Sources: Khronos, "glTF 2.0 specification" (2021), 3.9 and appendix B; KHR_materials_ior, _specular,
+ * _pbrSpecularGlossiness, _anisotropy.
+ */
+#ifndef SHADE_GLTF_H
+#define SHADE_GLTF_H
+
+#include "shade_energy.h"
+#include "shade_frame.h"
+
+#include "glsl_begin.h"
+
+/* diffuse + specular <= 1 per channel; specular is the reflectance at normal incidence. roughness: [0, 1], its square
+ * is alpha. */
+SHADE_STRUCT(shade_gltf_base)
+{
+	vec3 diffuse;
+	vec3 specular;
+	float roughness;
+};
+
+/* Reflectance at normal incidence of a dielectric in air: ((n - 1) / (n + 1))^2. ior: 0, which stands for a mirror, or
+ * at least 1. */
+SHADE_FN float shade_gltf_reflectance(float ior)
+{
+	float root = select(ior > 0.0f, (ior - 1.0f) / (ior + 1.0f), 1.0f);
+	return root * root;
+}
+
+/* The same with KHR_materials_specular: tinted, >= 0, at most 1 a channel, then weighted, [0, 1]. */
+SHADE_FN vec3 shade_gltf_dielectric(float ior, vec3 tint, float weight)
+{
+	return min(tint * shade_gltf_reflectance(ior), 1.0f) * weight;
+}
+
+/* Metal reflects its colour as highlight and nothing as diffuse light; a dielectric its colour as diffuse light and
+ * `dielectric` (shade_gltf_dielectric) as highlight. color, metalness, roughness: [0, 1]. What the highlight takes at
+ * normal incidence is missing in the diffuse light, by its strongest channel, so that the surface keeps its hue. */
+SHADE_FN shade_gltf_base shade_gltf_metallic(vec3 color, float metalness, float roughness, vec3 dielectric)
+{
+	float strongest = max(dielectric[0], max(dielectric[1], dielectric[2]));
+	vec3 diffuse = color * ((1.0f - metalness) * (1.0f - strongest));
+	vec3 specular = dielectric * (1.0f - metalness) + color * metalness;
+	shade_gltf_base base = {diffuse, specular, roughness};
+	return base;
+}
+
+/* KHR_materials_pbrSpecularGlossiness: the diffuse light is what the strongest channel of the highlight leaves of it.
+ * All [0, 1]. */
+SHADE_FN shade_gltf_base shade_gltf_specular(vec3 diffuse, vec3 specular, float gloss)
+{
+	float strongest = max(specular[0], max(specular[1], specular[2]));
+	shade_gltf_base base = {diffuse * (1.0f - strongest), specular, 1.0f - gloss};
+	return base;
+}
+
+/* ---- normals ----------------------------------------------------------------------------------------------------- */
+
+#define SHADE_GLTF_NORMAL_NONE 1e-12f /* square of a length: shorter vectors have no direction */
+
+/* A map's normal in the frame of tangent, bitangent and normal, unit: (2 texel - 1) with x and y times scale. Black,
+ * which has no direction that is in front, and what is behind the surface count as they stand. */
+SHADE_FN vec3 shade_gltf_normal(vec3 texel, float scale)
+{
+	vec3 n = texel * 2.0f - 1.0f;
+	n = vec3(n[0] * scale, n[1] * scale, n[2]);
+	float square = dot(n, n);
+	return select(square > SHADE_GLTF_NORMAL_NONE, n / sqrt(max(square, SHADE_GLTF_NORMAL_NONE)),
+	              vec3(0.0f, 0.0f, 1.0f));
+}
+
+/* The third channel of a map of two, [0, 1] each, which holds unit vectors in front of the surface. */
+SHADE_FN float shade_gltf_normal_z(float x, float y)
+{
+	float a = 2.0f * x - 1.0f, b = 2.0f * y - 1.0f;
+	return 0.5f * sqrt(max(1.0f - a * a - b * b, 0.0f)) + 0.5f;
+}
+
+/* The map's normal in the space of tangent and normal, unit. These are interpolated, of any length, as MikkTSpace wants
+ * it; sign: 1 or -1, of the bitangent. The normal itself where the sum has no length. */
+SHADE_FN vec3 shade_gltf_turned(vec3 local, vec3 tangent, float sign, vec3 normal)
+{
+	vec3 n = tangent * local[0] + cross(normal, tangent) * (local[1] * sign) + normal * local[2];
+	float square = dot(n, n);
+	return select(square > SHADE_GLTF_NORMAL_NONE, n / sqrt(max(square, SHADE_GLTF_NORMAL_NONE)), normal);
+}
+
+/* ---- the rest ---------------------------------------------------------------------------------------------------- */
+
+/* The share of even light that arrives. texel, strength: [0, 1]. */
+SHADE_FN float shade_gltf_occlusion(float texel, float strength)
+{
+	return 1.0f + strength * (texel - 1.0f);
+}
+
+#include "glsl_end.h"
+#endif
