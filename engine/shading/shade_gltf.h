@@ -61,7 +61,7 @@ SHADE_FN shade_gltf_base shade_gltf_specular(vec3 diffuse, vec3 specular, float 
 
 /* ---- normals ----------------------------------------------------------------------------------------------------- */
 
-#define SHADE_GLTF_NORMAL_NONE 1e-12f /* square of a length: shorter vectors have no direction */
+#define SHADE_GLTF_NORMAL_MIN 1e-12f /* square of a length: shorter vectors have no direction */
 
 /* A map's normal in the frame of tangent, bitangent and normal, unit: (2 texel - 1) with x and y times scale. Black,
  * which has no direction that is in front, and what is behind the surface count as they stand. */
@@ -70,8 +70,7 @@ SHADE_FN vec3 shade_gltf_normal(vec3 texel, float scale)
 	vec3 n = texel * 2.0f - 1.0f;
 	n = vec3(n[0] * scale, n[1] * scale, n[2]);
 	float square = dot(n, n);
-	return select(square > SHADE_GLTF_NORMAL_NONE, n / sqrt(max(square, SHADE_GLTF_NORMAL_NONE)),
-	              vec3(0.0f, 0.0f, 1.0f));
+	return select(square > SHADE_GLTF_NORMAL_MIN, n / sqrt(max(square, SHADE_GLTF_NORMAL_MIN)), vec3(0.0f, 0.0f, 1.0f));
 }
 
 /* The third channel of a map of two, [0, 1] each, which holds unit vectors in front of the surface. */
@@ -87,7 +86,7 @@ SHADE_FN vec3 shade_gltf_turned(vec3 local, vec3 tangent, float sign, vec3 norma
 {
 	vec3 n = tangent * local[0] + cross(normal, tangent) * (local[1] * sign) + normal * local[2];
 	float square = dot(n, n);
-	return select(square > SHADE_GLTF_NORMAL_NONE, n / sqrt(max(square, SHADE_GLTF_NORMAL_NONE)), normal);
+	return select(square > SHADE_GLTF_NORMAL_MIN, n / sqrt(max(square, SHADE_GLTF_NORMAL_MIN)), normal);
 }
 
 /* ---- the rest ---------------------------------------------------------------------------------------------------- */
