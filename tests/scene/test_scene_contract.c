@@ -10,6 +10,7 @@
 #include "scene/scene_internal.h"
 #include "scene/scene_look.h"
 #include "scene/scene_pick.h"
+#include "scene/tangents/scene_tangents.h"
 #include "support/contract.h"
 #include "support/test.h"
 
@@ -166,12 +167,50 @@ static void builds(void **state)
 	stilb_scene_destroy(scene);
 }
 
+static void tangents(void **state)
+{
+	(void)state;
+	static const float numbers[9] = {0};
+	static const uint32_t indices[3] = {0, 1, 2};
+	float made[4][4] = {{0}};
+	const float(*given)[4] = (const float(*)[4])made;
+	scene_tangents_split split;
+	scene_tangents_mesh good = {
+		.positions = numbers,
+		.normals = numbers,
+		.uvs = numbers,
+		.indices = indices,
+		.vertex_count = 3,
+		.index_count = 3,
+	};
+	scene_tangents_mesh mesh = good;
+	assert_int_equal(scene_tangents_make(&mesh, made), STILB_OK);
+	contract_breaks("mesh && (tangents || ", scene_tangents_make(NULL, made));
+	contract_breaks("mesh && (tangents || ", scene_tangents_make(&mesh, NULL));
+	contract_breaks("mesh && split && ", scene_tangents_split_make(NULL, given, &split));
+	contract_breaks("mesh && split && ", scene_tangents_split_make(&mesh, NULL, &split));
+	contract_breaks("mesh && split && ", scene_tangents_split_make(&mesh, given, NULL));
+	contract_breaks("`split'", (scene_tangents_split_finish(NULL), 0));
+	mesh.index_count = 2;
+	contract_breaks("a list of triangles", scene_tangents_make(&mesh, made));
+	mesh = good;
+	mesh.vertex_count = 2;
+	contract_breaks("index < mesh->vertex_count", scene_tangents_make(&mesh, made));
+	contract_breaks("index < mesh->vertex_count", scene_tangents_split_make(&mesh, given, &split));
+	mesh = good;
+	mesh.normal_stride = 6;
+	contract_breaks("mesh->normal_stride % 4 == 0", scene_tangents_make(&mesh, made));
+	mesh = good;
+	mesh.uvs = NULL;
+	contract_breaks("mesh->normals && mesh->uvs", scene_tangents_make(&mesh, made));
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(meshes),          cmocka_unit_test(scenes),    cmocka_unit_test(builds),
 		cmocka_unit_test(looks),           cmocka_unit_test(nodes),     cmocka_unit_test(cameras),
-		cmocka_unit_test(the_stress_test), cmocka_unit_test(importing),
+		cmocka_unit_test(the_stress_test), cmocka_unit_test(importing), cmocka_unit_test(tangents),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
