@@ -30,6 +30,7 @@ static float texture_scalar(const stilb_image *image, size_t at)
 	case STILB_IMAGE_U16_LINEAR:
 		return (float)((const uint16_t *)image->pixels)[at] * (1.0f / 65535.0f);
 	default:
+		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "scenes have no textures of blocks");
 		return ((const float *)image->pixels)[at];
 	}
 }

@@ -1,5 +1,6 @@
 #include "image/image.h"
 
+#include "image/image_blocks.h"
 #include "image/image_internal.h"
 
 #include <errno.h>
@@ -15,33 +16,74 @@
  * IMAGE_STORAGE_SHARED plus the descriptor of the memory file that the pixels are in. */
 enum { IMAGE_STORAGE_MEMORY, IMAGE_STORAGE_MAPPED, IMAGE_STORAGE_SHARED };
 
+/* Of a picture in memory of its own, storage counts above that the levels behind the largest one. */
+#define IMAGE_LEVEL_SHIFT 24
+
 const size_t image_scalar_bytes[] = {
 	[IMAGE_SCALAR_U8] = 1, [IMAGE_SCALAR_F16] = 2, [IMAGE_SCALAR_F32] = 4, [IMAGE_SCALAR_U16] = 2};
 const image_scalar image_format_scalars[] = {
 	[STILB_IMAGE_U8_SRGB] = IMAGE_SCALAR_U8,     [STILB_IMAGE_F16_LINEAR] = IMAGE_SCALAR_F16,
 	[STILB_IMAGE_F32_LINEAR] = IMAGE_SCALAR_F32, [STILB_IMAGE_U16_SRGB] = IMAGE_SCALAR_U16,
-	[STILB_IMAGE_U8_LINEAR] = IMAGE_SCALAR_U8,   [STILB_IMAGE_U16_LINEAR] = IMAGE_SCALAR_U16};
+	[STILB_IMAGE_U8_LINEAR] = IMAGE_SCALAR_U8,   [STILB_IMAGE_U16_LINEAR] = IMAGE_SCALAR_U16,
+	[STILB_IMAGE_BC1_SRGB] = IMAGE_SCALAR_U8,    [STILB_IMAGE_BC1_LINEAR] = IMAGE_SCALAR_U8,
+	[STILB_IMAGE_BC3_SRGB] = IMAGE_SCALAR_U8,    [STILB_IMAGE_BC3_LINEAR] = IMAGE_SCALAR_U8,
+	[STILB_IMAGE_BC4_LINEAR] = IMAGE_SCALAR_U16, [STILB_IMAGE_BC5_LINEAR] = IMAGE_SCALAR_U16,
+	[STILB_IMAGE_BC7_SRGB] = IMAGE_SCALAR_U8,    [STILB_IMAGE_BC7_LINEAR] = IMAGE_SCALAR_U8};
+
+const image_block_format image_block_formats[STILB_IMAGE_FORMAT_COUNT] = {
+	[STILB_IMAGE_BC1_SRGB] = {8, 4, STILB_IMAGE_U8_SRGB},
+	[STILB_IMAGE_BC1_LINEAR] = {8, 4, STILB_IMAGE_U8_LINEAR},
+	[STILB_IMAGE_BC3_SRGB] = {16, 4, STILB_IMAGE_U8_SRGB},
+	[STILB_IMAGE_BC3_LINEAR] = {16, 4, STILB_IMAGE_U8_LINEAR},
+	[STILB_IMAGE_BC4_LINEAR] = {8, 1, STILB_IMAGE_U16_LINEAR},
+	[STILB_IMAGE_BC5_LINEAR] = {16, 2, STILB_IMAGE_U16_LINEAR},
+	[STILB_IMAGE_BC7_SRGB] = {16, 4, STILB_IMAGE_U8_SRGB},
+	[STILB_IMAGE_BC7_LINEAR] = {16, 4, STILB_IMAGE_U8_LINEAR},
+};
 
 size_t stilb_image_size(const stilb_image *image)
 {
 	STILB_ASSERT(image->width <= STILB_IMAGE_MAX_SIDE && image->height <= STILB_IMAGE_MAX_SIDE);
 	STILB_ASSERT(image->channels <= 4);
 	STILB_ASSERT((unsigned)image->format < STILB_IMAGE_FORMAT_COUNT);
+	size_t block = image_block_formats[image->format].bytes;
+	if (block > 0)
+		return (size_t)((image->width + 3) / 4) * ((image->height + 3) / 4) * block;
 	return (size_t)image->width * image->height * image->channels *
 	       image_scalar_bytes[image_format_scalars[image->format]];
 }
 
-stilb_image_format stilb_image_format_as_data(stilb_image_format format)
+bool stilb_image_format_is_blocks(stilb_image_format format)
 {
 	STILB_ASSERT((unsigned)format < STILB_IMAGE_FORMAT_COUNT);
-	switch (format) {
-	case STILB_IMAGE_U8_SRGB:
-		return STILB_IMAGE_U8_LINEAR;
-	case STILB_IMAGE_U16_SRGB:
-		return STILB_IMAGE_U16_LINEAR;
-	default:
-		return format;
-	}
+	return image_block_formats[format].bytes > 0;
+}
+
+/* Codes of colour, and the same bytes as data. */
+static const stilb_image_format image_pairs[][2] = {{STILB_IMAGE_U8_SRGB, STILB_IMAGE_U8_LINEAR},
+                                                    {STILB_IMAGE_U16_SRGB, STILB_IMAGE_U16_LINEAR},
+                                                    {STILB_IMAGE_BC1_SRGB, STILB_IMAGE_BC1_LINEAR},
+                                                    {STILB_IMAGE_BC3_SRGB, STILB_IMAGE_BC3_LINEAR},
+                                                    {STILB_IMAGE_BC7_SRGB, STILB_IMAGE_BC7_LINEAR}};
+
+/* The other one of the format's pair, if it is its number `from`; else the format itself. */
+static stilb_image_format image_other(stilb_image_format format, int from)
+{
+	STILB_ASSERT((unsigned)format < STILB_IMAGE_FORMAT_COUNT);
+	for (size_t i = 0; i < sizeof image_pairs / sizeof *image_pairs; i++)
+		if (image_pairs[i][from] == format)
+			return image_pairs[i][1 - from];
+	return format;
+}
+
+stilb_image_format stilb_image_format_as_data(stilb_image_format format)
+{
+	return image_other(format, 0);
+}
+
+stilb_image_format stilb_image_format_as_color(stilb_image_format format)
+{
+	return image_other(format, 1);
 }
 
 bool image_is_sound(const stilb_image *image)
@@ -59,6 +101,9 @@ const char *image_refusal(const stilb_image *image)
 		return "1 to 4 channels are supported";
 	if ((unsigned)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return "unknown pixel format";
+	uint32_t channels = image_block_formats[image->format].channels;
+	if (channels > 0 && image->channels != channels)
+		return "its blocks have another number of channels";
 	if (stilb_image_size(image) > STILB_IMAGE_MAX_BYTES)
 		return "its pixels would take more than 4 GiB";
 	return NULL;
@@ -101,6 +146,60 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 	return STILB_OK;
 }
 
+/* ---- levels ------------------------------------------------------------------------------------------------------ */
+
+uint32_t stilb_image_level_count(const stilb_image *image)
+{
+	return 1 + (image->storage >> IMAGE_LEVEL_SHIFT);
+}
+
+/* Gives a level the sides of the next one. */
+static void image_level_halve(stilb_image *level)
+{
+	level->width = level->width > 1 ? level->width / 2 : 1;
+	level->height = level->height > 1 ? level->height / 2 : 1;
+}
+
+stilb_image stilb_image_level(const stilb_image *image, uint32_t level)
+{
+	STILB_ASSERT(image_is_sound(image));
+	STILB_ASSERT(level < stilb_image_level_count(image));
+	stilb_image view = *image;
+	view.storage = IMAGE_STORAGE_MEMORY;
+	for (uint32_t l = 0; l < level; l++) {
+		view.pixels = (uint8_t *)view.pixels + stilb_image_size(&view);
+		image_level_halve(&view);
+	}
+	return view;
+}
+
+uint64_t image_levels_size(const stilb_image *image, uint32_t levels)
+{
+	stilb_image level = *image;
+	uint64_t size = 0;
+	for (uint32_t l = 0; l < levels; l++) {
+		size += stilb_image_size(&level);
+		image_level_halve(&level);
+	}
+	return size;
+}
+
+bool image_levels_allocate(stilb_image *image, uint32_t levels)
+{
+	STILB_ASSERT(levels >= 1 && levels <= IMAGE_MAX_LEVELS);
+	image->pixels = stilb_memory_alloc(image_levels_size(image, levels), 1);
+	image->storage = image->pixels ? (levels - 1) << IMAGE_LEVEL_SHIFT : IMAGE_STORAGE_MEMORY;
+	return image->pixels;
+}
+
+/* ---- the end ----------------------------------------------------------------------------------------------------- */
+
+/* Where the pixels are: storage without its count of levels. */
+static uint32_t image_place(const stilb_image *image)
+{
+	return image->storage & ((1u << IMAGE_LEVEL_SHIFT) - 1);
+}
+
 /* The descriptor of the memory file that the picture is in. */
 static int image_memory_file(const stilb_image *image)
 {
@@ -122,13 +221,13 @@ void stilb_image_finish(stilb_image *image)
 	if (!image)
 		return;
 	STILB_ASSERT((image->pixels || image->storage == IMAGE_STORAGE_MEMORY) && "mapped memory has an address");
-	if (image->storage == IMAGE_STORAGE_MEMORY)
+	if (image_place(image) == IMAGE_STORAGE_MEMORY)
 		free(image->pixels);
 	else if (image->storage == IMAGE_STORAGE_MAPPED)
 		munmap(image->pixels, stilb_image_size(image));
 	else
 		munmap(image->pixels, image_memory_size(image));
-	if (image->storage >= IMAGE_STORAGE_SHARED)
+	if (image_place(image) >= IMAGE_STORAGE_SHARED)
 		close(image_memory_file(image));
 	*image = (stilb_image){0};
 }
@@ -254,6 +353,33 @@ void image_message_set(image_message *message, const char *text)
 {
 	STILB_ASSERT(message && text);
 	snprintf(message->text, sizeof message->text, "%.*s", (int)strcspn(text, "\n"), text);
+}
+
+void *image_load_make(image_load *load, stilb_image made, uint32_t levels)
+{
+	STILB_ASSERT(!load->image->pixels && "a codec allocates once");
+	STILB_ASSERT(levels == 1 || !load->shared);
+	stilb_image light = {made.width, made.height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
+	const char *refusal = image_refusal(&made);
+	if (!refusal && load->for_light)
+		refusal = image_refusal(&light);
+	if (refusal) {
+		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels; %s", load->path,
+		                          made.width, made.height, refusal);
+		return NULL;
+	}
+	if (load->shared) {
+		stilb_image_reshape_shared(&load->memory, made.width, made.height, made.channels, made.format);
+		made = load->memory;
+		load->memory = (stilb_image){0};
+	} else {
+		image_levels_allocate(&made, levels);
+	}
+	if (!made.pixels)
+		load->result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", load->path);
+	else
+		*load->image = made;
+	return made.pixels;
 }
 
 bool image_bytes_write(image_bytes *bytes, size_t offset, const void *data, size_t size)

@@ -9,6 +9,10 @@
  * masks, which no transfer touches. Floats are what they are. No file tells which it holds, so reading takes codes for
  * colour; who knows better uses stilb_image_format_as_data.
  *
+ * A picture may be made of compressed blocks of 4 x 4 texels, as GPUs read them, and have mip levels: pixels then holds
+ * the rows of blocks of the largest level, behind them those of the next one, and so on (stilb_image_level).
+ * stilb_image_decode makes texels of blocks; functions that take any format say so.
+ *
  * PNG is 8 bits of sRGB; EXR and HDR are linear Rec.709 and never tone mapped; saving converts between the two. Files
  * are written whole or not at all, and the same picture gives the same bytes (no date, no host name). PNG goes through
  * libpng, EXR through OpenEXR, HDR through code of our own. Other formats, and files of unknown origin, are read by the
@@ -52,14 +56,23 @@ typedef enum stilb_image_format {
 	STILB_IMAGE_U16_SRGB,   /* uint16_t codes, 65535 is 1 */
 	STILB_IMAGE_U8_LINEAR,  /* data: uint8_t, code / 255 is the value */
 	STILB_IMAGE_U16_LINEAR, /* data: uint16_t, code / 65535 is the value */
+	STILB_IMAGE_BC1_SRGB,   /* blocks of 8 bytes, 4 channels, alpha 0 or 1; 8-bit codes */
+	STILB_IMAGE_BC1_LINEAR,
+	STILB_IMAGE_BC3_SRGB, /* blocks of 16 bytes, 4 channels, 8-bit codes */
+	STILB_IMAGE_BC3_LINEAR,
+	STILB_IMAGE_BC4_LINEAR, /* blocks of 8 bytes, 1 channel, data: finer than 8 bits */
+	STILB_IMAGE_BC5_LINEAR, /* blocks of 16 bytes, 2 channels, data: finer than 8 bits */
+	STILB_IMAGE_BC7_SRGB,   /* blocks of 16 bytes, 4 channels, 8-bit codes */
+	STILB_IMAGE_BC7_LINEAR,
 	STILB_IMAGE_FORMAT_COUNT
 } stilb_image_format;
 
 typedef struct stilb_image {
 	uint32_t width, height, channels;
 	stilb_image_format format;
-	void *pixels;     /* [height][width][channels]; 64-byte aligned if allocated here */
-	uint32_t storage; /* how finish frees pixels: 0 for memory of stilb_memory_alloc; other values are private */
+	void *pixels; /* [height][width][channels], or rows of blocks; 64-byte aligned if allocated here */
+	uint32_t
+		storage; /* how finish frees pixels: 0 for memory of stilb_memory_alloc, of one level; others are private */
 } stilb_image;
 
 /* What a file says of its picture, as text of UTF-8: of the exposure, the camera, ... */
@@ -67,7 +80,8 @@ typedef struct stilb_image_attribute {
 	const char *name, *text;
 } stilb_image_attribute;
 
-/* A black picture, alpha 0. Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, at most STILB_IMAGE_MAX_BYTES.
+/* A black picture, alpha 0. Width and height 1..STILB_IMAGE_MAX_SIDE, channels 1..4, of blocks those of the format; at
+ * most STILB_IMAGE_MAX_BYTES.
  * [any-thread] STILB_ERROR_ARGUMENT for any other shape, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                 stilb_image_format format);
@@ -105,20 +119,40 @@ int stilb_image_lend(const stilb_image *image);
 stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
                                  stilb_image_format format, stilb_image *image);
 
-/* The format of the same bytes when they are data and not colour: U8_LINEAR for U8_SRGB, U16_LINEAR for U16_SRGB, any
- * other format itself. For a picture that was read from a file:
+/* The format of the same bytes when they are data and not colour: U8_LINEAR for U8_SRGB, BC7_LINEAR for BC7_SRGB, ...;
+ * any other format itself. For a picture that was read from a file:
  * image.format = stilb_image_format_as_data(image.format). [any-thread] */
 stilb_image_format stilb_image_format_as_data(stilb_image_format format);
 
+/* The other way round: the format of the same bytes when they are colour. BC4 and BC5 have none. [any-thread] */
+stilb_image_format stilb_image_format_as_color(stilb_image_format format);
+
+/* True for BC1 to BC7. [any-thread] */
+bool stilb_image_format_is_blocks(stilb_image_format format);
+
+/* How many mip levels the picture has, 1 or more; only reading a DDS file makes more. [any-thread] */
+uint32_t stilb_image_level_count(const stilb_image *image);
+
+/* Mip level `level`, below stilb_image_level_count: a view of image's pixels, not to be finished. Each level has half
+ * the sides of the one before, rounded down, at least 1. [any-thread] */
+stilb_image stilb_image_level(const stilb_image *image, uint32_t level);
+
+/* Makes texels, to be finished, of the largest level: of blocks U8_SRGB or U8_LINEAR, of BC4 and BC5 U16_LINEAR, each
+ * value rounded to the nearest code, halves up; other formats are copied. [any-thread] STILB_ERROR_ARGUMENT for an
+ * empty picture, a shape that is refused, and texels that would take more than STILB_IMAGE_MAX_BYTES;
+ * STILB_ERROR_MEMORY. Then texels is {0}. */
+stilb_result stilb_image_decode(const stilb_image *image, stilb_image *texels);
+
 /* Converts row y, 0 <= y < height, to linear floats in light, [width][channels]: codes of colour by the sRGB transfer,
- * data and alpha / 255 or / 65535. [any-thread] */
+ * data and alpha / 255 or / 65535. Of blocks the texels of stilb_image_decode, in about four times the time of that.
+ * [any-thread] */
 void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light);
 
 /* The nearest half (IEEE binary16), ties to even; values beyond 65504 become infinite from 65520 on, and NaN stays NaN.
  * [any-thread] */
 uint16_t stilb_image_half_from_float(float value);
 
-/* Bytes of all pixels; 0 for {0}. [any-thread] */
+/* Bytes of all pixels of the largest level; 0 for {0}. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);
 
 /* STILB_ERROR_ARGUMENT if no picture can be saved as path: an extension other than .png, .exr and .hdr (in any case), a
@@ -133,7 +167,8 @@ bool stilb_image_path_is_light(const char *path);
  * floats from the others, .hdr as three 8-bit mantissas with one exponent (grey becomes RGB; alpha is
  * STILB_ERROR_FILE). Floats become codes by the sRGB transfer, clamped to [0, 1] and rounded to the nearest; NaN
  * becomes 0. Codes go into a .png as they are, data without a transfer, of 16 bits rounded to 8; the file says sRGB of
- * data, too. A .exr and a .hdr get data as values, 0 to 1.
+ * data, too. A .exr and a .hdr get data as values, 0 to 1. Blocks are decoded before, and levels but the largest are
+ * left out.
  * [any-thread] STILB_ERROR_ARGUMENT as stilb_image_path_check and for an empty picture, STILB_ERROR_FILE (disk full),
  * STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
@@ -145,7 +180,9 @@ stilb_result stilb_image_save_with(const stilb_image *image, const char *path, c
                                    uint32_t attribute_count);
 
 /* Reads path: .png into U8_SRGB (16-bit files are rounded to 8), .hdr and .exr into F32_LINEAR; of an .exr the first
- * part, up to 4 channels, or R G B (A) of one with more (image_layers.h reads all).
+ * part, up to 4 channels, or R G B (A) of one with more (image_layers.h reads all). .dds with all its levels, as it is:
+ * BC1, BC3, BC4, BC5 and BC7, and plain pixels of 24 and 32 bits as U8; data if the file says UNORM, colour if it says
+ * SRGB or, as old files do, nothing. No cube maps, arrays and volumes.
  * [any-thread] STILB_ERROR_ARGUMENT for an unknown extension, STILB_ERROR_FILE for a file that is missing, damaged or
  * of a kind or size that is not supported, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_load(const char *path, stilb_image *image);

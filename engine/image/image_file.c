@@ -2,6 +2,7 @@
 #include "image/image.h"
 
 #include "base/base_file.h"
+#include "image/image_blocks.h"
 #include "image/image_internal.h"
 #include "shading/shade_srgb.h"
 
@@ -16,6 +17,7 @@
 static const image_codec *const image_codecs[] = {&image_codec_png, &image_codec_exr, &image_codec_hdr};
 
 #define IMAGE_EXTENSIONS ".png, .exr or .hdr"
+#define IMAGE_EXTENSIONS_READ ".png, .exr, .hdr or .dds"
 
 /* The part of the last name from its last dot on, or NULL if there is none. A leading dot marks a hidden file, not an
  * extension. */
@@ -38,15 +40,14 @@ static const image_codec *image_codec_find(const char *extension)
 /* The codec for path's extension; NULL with a message ("cannot <verb> ...") if there is none. */
 static const image_codec *image_codec_of(const char *path, const char *verb)
 {
+	const char *names = strcmp(verb, "read") == 0 ? IMAGE_EXTENSIONS_READ : IMAGE_EXTENSIONS;
 	const char *extension = image_extension(path);
 	const image_codec *codec = extension ? image_codec_find(extension) : NULL;
 	if (!extension)
-		stilb_fail(STILB_ERROR_ARGUMENT, "cannot %s '%s': it has no extension; pictures are " IMAGE_EXTENSIONS, verb,
-		           path);
+		stilb_fail(STILB_ERROR_ARGUMENT, "cannot %s '%s': it has no extension; pictures are %s", verb, path, names);
 	else if (!codec)
-		stilb_fail(STILB_ERROR_ARGUMENT,
-		           "cannot %s '%s': pictures of type '%s' are not supported; use " IMAGE_EXTENSIONS, verb, path,
-		           extension);
+		stilb_fail(STILB_ERROR_ARGUMENT, "cannot %s '%s': pictures of type '%s' are not supported; use %s", verb, path,
+		           extension, names);
 	return codec;
 }
 
@@ -130,6 +131,16 @@ const uint8_t *image_codes(const stilb_image *image, void **made)
 {
 	STILB_ASSERT(image_is_sound(image));
 	*made = NULL;
+	if (stilb_image_format_is_blocks(image->format)) {
+		stilb_image texels;
+		stilb_image_decode(image, &texels);
+		const uint8_t *codes = texels.pixels ? image_codes(&texels, made) : NULL;
+		if (codes != texels.pixels)
+			stilb_image_finish(&texels);
+		else
+			*made = texels.pixels;
+		return codes;
+	}
 	if (image_format_scalars[image->format] == IMAGE_SCALAR_U8)
 		return image->pixels;
 	*made = stilb_memory_alloc((size_t)image->width * image->height, image->channels);
@@ -156,6 +167,7 @@ static void image_bytes_to_light(const stilb_image *image, size_t first, size_t 
 static void image_convert_to_light(const stilb_image *image, size_t first, size_t count, float *light)
 {
 	STILB_ASSERT(first + count <= (size_t)image->width * image->height * image->channels);
+	STILB_ASSERT(!stilb_image_format_is_blocks(image->format));
 	const uint16_t *words = (const uint16_t *)image->pixels + first;
 	switch (image_format_scalars[image->format]) {
 	case IMAGE_SCALAR_F32:
@@ -178,13 +190,33 @@ static void image_convert_to_light(const stilb_image *image, size_t first, size_
 	}
 }
 
+#define IMAGE_BLOCK_PART 256u /* texels of a row of blocks that are converted together; a multiple of 4 */
+
+static void image_blocks_to_light(const stilb_image *image, uint32_t y, float *light)
+{
+	union {
+		uint8_t bytes[4 * IMAGE_BLOCK_PART];
+		uint16_t words[2 * IMAGE_BLOCK_PART];
+	} texels;
+	for (uint32_t x = 0; x < image->width; x += IMAGE_BLOCK_PART) {
+		uint32_t count = image->width - x < IMAGE_BLOCK_PART ? image->width - x : IMAGE_BLOCK_PART;
+		stilb_image part = {.width = count, .height = 1, .channels = image->channels, .pixels = &texels};
+		part.format = image_block_formats[image->format].texels;
+		image_block_row(image, y, x, count, &texels);
+		image_convert_to_light(&part, 0, (size_t)count * part.channels, light + (size_t)x * part.channels);
+	}
+}
+
 void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light)
 {
 	size_t row = (size_t)image->width * image->channels;
 	STILB_ASSERT(image_is_sound(image));
 	STILB_ASSERT(y < image->height);
 	STILB_ASSERT(light);
-	image_convert_to_light(image, y * row, row, light);
+	if (stilb_image_format_is_blocks(image->format))
+		image_blocks_to_light(image, y, light);
+	else
+		image_convert_to_light(image, y * row, row, light);
 }
 
 /* ---- saving ------------------------------------------------------------------------------------------------------ */
@@ -244,6 +276,18 @@ static bool image_name_is_sound(const char *name)
 	return true;
 }
 
+/* stilb_image_save_with of the largest level of a picture of blocks. */
+static stilb_result image_save_blocks(const stilb_image *image, const char *path,
+                                      const stilb_image_attribute *attributes, uint32_t attribute_count)
+{
+	stilb_image texels;
+	stilb_result result = stilb_image_decode(image, &texels);
+	if (result == STILB_OK)
+		result = stilb_image_save_with(&texels, path, attributes, attribute_count);
+	stilb_image_finish(&texels);
+	return result;
+}
+
 stilb_result stilb_image_save_with(const stilb_image *image, const char *path, const stilb_image_attribute *attributes,
                                    uint32_t attribute_count)
 {
@@ -256,6 +300,8 @@ stilb_result stilb_image_save_with(const stilb_image *image, const char *path, c
 	const char *refusal = image->pixels ? image_refusal(image) : "the picture is empty";
 	if (refusal)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot write '%s': %s", path, refusal);
+	if (stilb_image_format_is_blocks(image->format))
+		return image_save_blocks(image, path, attributes, attribute_count);
 	stilb_result result = stilb_file_check(path); /* before the work of encoding */
 	if (result != STILB_OK)
 		return result;
@@ -285,7 +331,6 @@ void *image_load_allocate(void *context, image_shape *shape)
 	                                             [IMAGE_SCALAR_F16] = STILB_IMAGE_F16_LINEAR,
 	                                             [IMAGE_SCALAR_F32] = STILB_IMAGE_F32_LINEAR};
 	image_load *load = context;
-	STILB_ASSERT(!load->image->pixels && "a codec allocates once");
 	STILB_ASSERT((unsigned)shape->scalar <= IMAGE_SCALAR_U16);
 	if (!load->exact && shape->scalar == IMAGE_SCALAR_U16)
 		shape->scalar = IMAGE_SCALAR_U8;
@@ -293,27 +338,7 @@ void *image_load_allocate(void *context, image_shape *shape)
 		shape->scalar = IMAGE_SCALAR_F32;
 	stilb_image made = {.width = shape->width, .height = shape->height, .channels = shape->channels};
 	made.format = formats[shape->scalar];
-	stilb_image light = {shape->width, shape->height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
-	const char *refusal = image_refusal(&made);
-	if (!refusal && load->for_light)
-		refusal = image_refusal(&light);
-	if (refusal) {
-		load->result = stilb_fail(STILB_ERROR_FILE, "cannot read '%s': it has %u x %u pixels; %s", load->path,
-		                          made.width, made.height, refusal);
-		return NULL;
-	}
-	if (load->shared) {
-		stilb_image_reshape_shared(&load->memory, made.width, made.height, made.channels, made.format);
-		made = load->memory;
-		load->memory = (stilb_image){0};
-	} else {
-		made.pixels = stilb_memory_alloc(stilb_image_size(&made), 1);
-	}
-	if (!made.pixels)
-		load->result = stilb_fail(STILB_ERROR_MEMORY, "cannot read '%s': out of memory", load->path);
-	else
-		*load->image = made;
-	return made.pixels;
+	return image_load_make(load, made, 1);
 }
 
 /* Reads exactly size bytes. Returns NULL, or the reason of the failure. */
@@ -367,10 +392,12 @@ stilb_result stilb_image_load(const char *path, stilb_image *image)
 {
 	STILB_ASSERT(path && image);
 	*image = (stilb_image){0};
-	const image_codec *codec = image_codec_of(path, "read");
-	if (!codec)
+	const char *extension = image_extension(path);
+	bool dds = extension && strcasecmp(extension, ".dds") == 0;
+	const image_codec *codec = dds ? NULL : image_codec_of(path, "read");
+	if (!codec && !dds)
 		return STILB_ERROR_ARGUMENT;
-	image_load load = {.path = path, .image = image};
+	image_load load = {.path = path, .image = image, .blocks = true};
 	image_message message = {0};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	void *data = NULL;
@@ -378,6 +405,8 @@ stilb_result stilb_image_load(const char *path, stilb_image *image)
 	const char *trouble = image_file_read(path, &data, &size);
 	if (trouble)
 		image_message_set(&message, trouble);
+	else if (dds)
+		outcome = image_dds_decode(data, size, &load, &message);
 	else
 		outcome = codec->decode(data, size, image_load_allocate, &load, &message);
 	free(data);

@@ -1,4 +1,4 @@
-/* Pictures of unknown origin: PNG, EXR and HDR by our own codecs, every other format by OpenImageIO. */
+/* Pictures of unknown origin: PNG, EXR, HDR and most DDS by our own codecs, every other format by OpenImageIO. */
 #include "image/image_import.h"
 
 #include "image/image_internal.h"
@@ -54,7 +54,8 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 {
 	STILB_ASSERT(name && image);
 	STILB_ASSERT(data || size == 0);
-	STILB_ASSERT(flags <= (STILB_IMAGE_IMPORT_SHARED | STILB_IMAGE_IMPORT_FOR_LIGHT | STILB_IMAGE_IMPORT_AGAIN));
+	STILB_ASSERT(flags <= (STILB_IMAGE_IMPORT_SHARED | STILB_IMAGE_IMPORT_FOR_LIGHT | STILB_IMAGE_IMPORT_AGAIN |
+	                       STILB_IMAGE_IMPORT_BLOCKS));
 	STILB_ASSERT(!(flags & STILB_IMAGE_IMPORT_AGAIN) || flags & STILB_IMAGE_IMPORT_SHARED);
 	stilb_image memory = flags & STILB_IMAGE_IMPORT_AGAIN ? *image : (stilb_image){0};
 	*image = (stilb_image){0};
@@ -63,11 +64,15 @@ stilb_result stilb_image_import_memory(const char *name, const void *data, size_
 	                   .memory = memory,
 	                   .exact = true,
 	                   .shared = flags & STILB_IMAGE_IMPORT_SHARED,
+	                   .blocks = flags & STILB_IMAGE_IMPORT_BLOCKS,
 	                   .for_light = flags & STILB_IMAGE_IMPORT_FOR_LIGHT};
 	image_message message = {.text = "it is not a picture of a supported format"};
 	image_outcome outcome = IMAGE_OUTCOME_CODEC;
 	const struct image_signature *signature = image_signature_of(name, data, size);
-	if (signature && signature->codec)
+	bool dds = signature && signature->foreign && strcmp(signature->foreign, "dds") == 0;
+	if (dds && image_dds_is_known(data, size))
+		outcome = image_dds_decode(data, size, &load, &message);
+	else if (signature && signature->codec)
 		outcome = signature->codec->decode(data, size, image_load_allocate, &load, &message);
 	else if (signature)
 		outcome = image_decode_foreign(signature->foreign, data, size, &load, &message);

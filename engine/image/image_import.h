@@ -1,7 +1,7 @@
 /*
  * image_import: pictures of unknown origin, of many formats. Decoders may crash on files that were crafted for it, so
  * only the import process (engine/scene/importer) and tests call this. OpenImageIO is loaded with the first picture
- * that is neither PNG nor EXR nor HDR.
+ * that is neither PNG nor EXR nor HDR nor a DDS file of the formats that stilb_image_load reads.
  *
  * Life cycle.  stilb_image_import -> the picture is used -> stilb_image_finish, or stilb_image_share for another
  *              process.
@@ -17,10 +17,13 @@ typedef enum stilb_image_import_flags {
 	STILB_IMAGE_IMPORT_SHARED = 1,    /* allocates by stilb_image_create_shared */
 	STILB_IMAGE_IMPORT_FOR_LIGHT = 2, /* also refuses a picture that would exceed STILB_IMAGE_MAX_BYTES as RGB floats */
 	STILB_IMAGE_IMPORT_AGAIN = 4,     /* with SHARED: by stilb_image_reshape_shared of image */
+	STILB_IMAGE_IMPORT_BLOCKS = 8,    /* DDS as stilb_image_load reads it; with SHARED the largest level alone */
 } stilb_image_import_flags;
 
 /* Reads PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP, EXR and Radiance HDR with the precision and the channels of the
- * file: U8_SRGB or U16_SRGB for codes, F16_LINEAR or F32_LINEAR for floats; other precisions become the next larger.
+ * file: U8_SRGB or U16_SRGB for codes, F16_LINEAR or F32_LINEAR for floats; other precisions become the next larger. Of
+ * DDS, unless BLOCKS is set, the largest level is decoded: BC1, BC3 and BC7 to U8_SRGB, as what a picture is used for
+ * says whether it is colour, BC4 and BC5 to U16_LINEAR. Cube maps, arrays and volumes are refused.
  * The format is recognised by the first bytes, TGA by its extension; of several pictures in a file the first is read. A
  * picture that is too large is refused by its header, before it is decoded.
  * flags: stilb_image_import_flags but AGAIN, or 0. [any-thread] STILB_ERROR_FILE, STILB_ERROR_MEMORY; then image is

@@ -1,10 +1,10 @@
 /*
  * image_internal: shared by the files of image/: codecs of file formats, and the module with OpenImageIO.
  *
- * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library. Every other
- * format is read by OpenImageIO, which loads some 260 shared libraries and needs 0.5 GB of address space. So it is
- * linked into a module of its own (image_oiio.cpp), which image_foreign.c loads with the first picture of such a
- * format.
+ * PNG (libpng), EXR (OpenEXR) and Radiance HDR (our own reader and writer) are codecs of this library, and most DDS
+ * files are read by it (image_dds.c). Every other format is read by OpenImageIO, which loads some 260 shared libraries
+ * and needs 0.5 GB of address space. So it is linked into a module of its own (image_oiio.cpp), which image_foreign.c
+ * loads with the first picture of such a format.
  */
 #ifndef STILB_IMAGE_INTERNAL_H
 #define STILB_IMAGE_INTERNAL_H
@@ -93,6 +93,14 @@ const char *image_refusal(const stilb_image *image);
 /* True if image has pixels and a shape that is not refused. For asserts. */
 bool image_is_sound(const stilb_image *image);
 
+#define IMAGE_MAX_LEVELS 17u /* of a picture of STILB_IMAGE_MAX_SIDE */
+
+/* Bytes of so many levels of a picture of image's shape, which is not refused. */
+uint64_t image_levels_size(const stilb_image *image, uint32_t levels);
+
+/* Allocates pixels for image, which has a shape that is not refused, with so many levels. False: out of memory. */
+bool image_levels_allocate(stilb_image *image, uint32_t levels);
+
 /* The picture as 8-bit codes, as stilb_image_save writes them into a .png: its own pixels, or new ones, which *made, to
  * be freed, points to; else *made is NULL. NULL: out of memory. */
 const uint8_t *image_codes(const stilb_image *image, void **made);
@@ -112,7 +120,12 @@ typedef struct image_load {
 	bool exact;          /* keep 16-bit codes and halves; else they become 8 bits and floats */
 	bool shared;         /* allocate by stilb_image_create_shared */
 	bool for_light;      /* also refuse a picture that would be too large as three floats a pixel */
+	bool blocks; /* of DDS keep the format, and the levels unless shared is set; else decode to codes of colour */
 } image_load;
+
+/* image.c: allocates the picture, which has a shape and no pixels, with so many levels, 1 if shared is set, into
+ * load->image. NULL with load->result: refused. A codec calls it once. */
+void *image_load_make(image_load *load, stilb_image made, uint32_t levels);
 
 /* An image_allocate. Does not touch the pixels: a short file that claims to be huge costs address space only. */
 void *image_load_allocate(void *context, image_shape *shape);
@@ -123,6 +136,14 @@ stilb_result image_load_end(image_load *load, image_outcome outcome, const image
 /* Fails with "cannot <verb> '<path>': <reason>": STILB_ERROR_MEMORY for outcome MEMORY, STILB_ERROR_FILE with the
  * message for outcome CODEC; there are no others. */
 stilb_result image_fail(image_outcome outcome, const char *verb, const char *path, const image_message *message);
+
+/* ---- DDS (image_dds.c) ------------------------------------------------------------------------------------------- */
+
+/* False for a DDS file with pixels of a kind that image_dds_decode does not know, as BC2 and floats. */
+bool image_dds_is_known(const void *data, size_t size);
+
+/* Decodes a DDS file of size bytes into load->image; as image_codec.decode. */
+image_outcome image_dds_decode(const void *data, size_t size, image_load *load, image_message *message);
 
 /* ---- other formats ----------------------------------------------------------------------------------------------- */
 

@@ -155,7 +155,8 @@ static void level_make(const normals_source *source, stilb_image *level, normals
 
 static bool format_is_read(const stilb_image *image)
 {
-	return (unsigned)image->format < STILB_IMAGE_FORMAT_COUNT && image->format != STILB_IMAGE_F16_LINEAR;
+	return (unsigned)image->format < STILB_IMAGE_FORMAT_COUNT && image->format != STILB_IMAGE_F16_LINEAR &&
+	       !stilb_image_format_is_blocks(image->format);
 }
 
 static stilb_result desc_check(const stilb_image_normals_desc *desc)
@@ -165,7 +166,8 @@ static stilb_result desc_check(const stilb_image_normals_desc *desc)
 	if (!n || !n->pixels || (r && !r->pixels))
 		why = "a picture is empty";
 	else if (!format_is_read(n) || (r && !format_is_read(r)))
-		why = "pictures of halves are not supported; load them by stilb_image_load, which gives floats";
+		why =
+			"pictures of halves and blocks are not supported; stilb_image_load gives floats, stilb_image_decode texels";
 	else if (n->channels < 2)
 		why = "they have one channel; 2 to 4 are needed";
 	else if (n->channels == 2 && desc->space == STILB_NORMAL_SPACE_OBJECT)

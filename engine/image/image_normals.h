@@ -45,8 +45,8 @@ typedef enum stilb_normal_space {
 } stilb_normal_space;
 
 typedef struct stilb_image_normals_desc {
-	const stilb_image *normals;   /* any format but F16_LINEAR */
-	const stilb_image *roughness; /* any but F16_LINEAR, as large as normals; NULL: constant_roughness everywhere */
+	const stilb_image *normals;   /* any format but F16_LINEAR and blocks */
+	const stilb_image *roughness; /* of such a format, as large as normals; NULL: constant_roughness everywhere */
 	float constant_roughness;     /* [0, 1] */
 	stilb_normal_filter filter;
 	stilb_normal_space space;

@@ -195,9 +195,9 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh);
 
 /* Copies the pixels: 1..16384 a side, 1..4 channels (grey, grey and alpha, RGB, RGBA), any stilb_image_format;
- * U16_SRGB becomes halves of light. Sampled with linear filtering, repeated in both directions, without mip levels.
- * STILB_ERROR_ARGUMENT: out of these ranges, larger than this GPU's textures, a format that it cannot filter, or there
- * are as many as can exist. [any-thread] */
+ * U16_SRGB becomes halves of light, and blocks are decoded. Sampled with linear filtering, repeated in both directions,
+ * without mip levels. STILB_ERROR_ARGUMENT: out of these ranges, larger than this GPU's textures, a format that it
+ * cannot filter, or there are as many as can exist. [any-thread] */
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
 
 /* Destroy the materials that use it first. [any-thread] */

@@ -503,7 +503,7 @@ static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 	static const uint16_t one_f16 = 0x3c00, one_u16 = 65535;
 	static const float one_f32 = 1.0f;
 	static const void *const ones[] = {&one_u8, &one_f16, &one_f32, &one_u16, &one_u8, &one_u16};
-	static_assert(sizeof ones / sizeof *ones == STILB_IMAGE_FORMAT_COUNT, "one for each format");
+	STILB_ASSERT((size_t)from->format < sizeof ones / sizeof *ones && "no blocks");
 	stilb_result result = stilb_image_create(to, from->width, from->height, 4, from->format);
 	if (result != STILB_OK)
 		return result;
@@ -522,16 +522,17 @@ static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 	return STILB_OK;
 }
 
-/* A copy of the picture as the device takes it: texture_widen, and no U16_SRGB. */
+/* A copy of the picture as the device takes it: texture_widen, no U16_SRGB, and no blocks. */
 static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 {
-	if (from->format != STILB_IMAGE_U16_SRGB)
+	bool blocks = stilb_image_format_is_blocks(from->format);
+	if (from->format != STILB_IMAGE_U16_SRGB && !blocks)
 		return texture_widen(from, to);
-	stilb_image halves;
-	stilb_result result = texture_codes_to_halves(from, &halves);
+	stilb_image texels;
+	stilb_result result = blocks ? stilb_image_decode(from, &texels) : texture_codes_to_halves(from, &texels);
 	if (result == STILB_OK)
-		result = texture_widen(&halves, to);
-	stilb_image_finish(&halves);
+		result = texture_widen(&texels, to);
+	stilb_image_finish(&texels);
 	return result;
 }
 

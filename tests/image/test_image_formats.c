@@ -68,19 +68,44 @@ static void codes_become_light(void **state)
 static void every_format_has_its_data(void **state)
 {
 	(void)state;
-	static const stilb_image_format data[] = {
-		[STILB_IMAGE_U8_SRGB] = STILB_IMAGE_U8_LINEAR,     [STILB_IMAGE_F16_LINEAR] = STILB_IMAGE_F16_LINEAR,
-		[STILB_IMAGE_F32_LINEAR] = STILB_IMAGE_F32_LINEAR, [STILB_IMAGE_U16_SRGB] = STILB_IMAGE_U16_LINEAR,
-		[STILB_IMAGE_U8_LINEAR] = STILB_IMAGE_U8_LINEAR,   [STILB_IMAGE_U16_LINEAR] = STILB_IMAGE_U16_LINEAR};
-	static_assert(sizeof data / sizeof *data == STILB_IMAGE_FORMAT_COUNT, "all formats");
+	static const struct {
+		stilb_image_format data, color;
+		uint8_t channels; /* of blocks */
+	} others[] = {
+		[STILB_IMAGE_U8_SRGB] = {STILB_IMAGE_U8_LINEAR, STILB_IMAGE_U8_SRGB, 0},
+		[STILB_IMAGE_F16_LINEAR] = {STILB_IMAGE_F16_LINEAR, STILB_IMAGE_F16_LINEAR, 0},
+		[STILB_IMAGE_F32_LINEAR] = {STILB_IMAGE_F32_LINEAR, STILB_IMAGE_F32_LINEAR, 0},
+		[STILB_IMAGE_U16_SRGB] = {STILB_IMAGE_U16_LINEAR, STILB_IMAGE_U16_SRGB, 0},
+		[STILB_IMAGE_U8_LINEAR] = {STILB_IMAGE_U8_LINEAR, STILB_IMAGE_U8_SRGB, 0},
+		[STILB_IMAGE_U16_LINEAR] = {STILB_IMAGE_U16_LINEAR, STILB_IMAGE_U16_SRGB, 0},
+		[STILB_IMAGE_BC1_SRGB] = {STILB_IMAGE_BC1_LINEAR, STILB_IMAGE_BC1_SRGB, 4},
+		[STILB_IMAGE_BC1_LINEAR] = {STILB_IMAGE_BC1_LINEAR, STILB_IMAGE_BC1_SRGB, 4},
+		[STILB_IMAGE_BC3_SRGB] = {STILB_IMAGE_BC3_LINEAR, STILB_IMAGE_BC3_SRGB, 4},
+		[STILB_IMAGE_BC3_LINEAR] = {STILB_IMAGE_BC3_LINEAR, STILB_IMAGE_BC3_SRGB, 4},
+		[STILB_IMAGE_BC4_LINEAR] = {STILB_IMAGE_BC4_LINEAR, STILB_IMAGE_BC4_LINEAR, 1},
+		[STILB_IMAGE_BC5_LINEAR] = {STILB_IMAGE_BC5_LINEAR, STILB_IMAGE_BC5_LINEAR, 2},
+		[STILB_IMAGE_BC7_SRGB] = {STILB_IMAGE_BC7_LINEAR, STILB_IMAGE_BC7_SRGB, 4},
+		[STILB_IMAGE_BC7_LINEAR] = {STILB_IMAGE_BC7_LINEAR, STILB_IMAGE_BC7_SRGB, 4},
+	};
+	static_assert(sizeof others / sizeof *others == STILB_IMAGE_FORMAT_COUNT, "all formats");
+	stilb_image image;
 	for (int f = 0; f < STILB_IMAGE_FORMAT_COUNT; f++) {
-		assert_int_equal(stilb_image_format_as_data((stilb_image_format)f), data[f]);
-		stilb_image from = made(3, 2, 4, (stilb_image_format)f), to = made(3, 2, 4, data[f]);
+		stilb_image_format format = (stilb_image_format)f;
+		uint32_t channels = others[f].channels;
+		assert_int_equal(stilb_image_format_as_data(format), others[f].data);
+		assert_int_equal(stilb_image_format_as_color(format), others[f].color);
+		assert_int_equal(stilb_image_format_is_blocks(format), channels > 0);
+		stilb_image from = made(3, 2, channels ? channels : 4, format);
+		stilb_image to = made(3, 2, channels ? channels : 4, others[f].data);
 		assert_int_equal(stilb_image_size(&from), stilb_image_size(&to)); /* the same bytes */
+		assert_int_equal(stilb_image_level_count(&from), 1);
 		stilb_image_finish(&from);
 		stilb_image_finish(&to);
+		if (channels > 0) {
+			assert_int_equal(stilb_image_create(&image, 3, 2, channels % 4 + 1, format), STILB_ERROR_ARGUMENT);
+			assert_non_null(strstr(stilb_error_message(), "its blocks have another number"));
+		}
 	}
-	stilb_image image;
 	assert_int_equal(stilb_image_create(&image, 1, 1, 1, STILB_IMAGE_FORMAT_COUNT), STILB_ERROR_ARGUMENT);
 	assert_non_null(strstr(stilb_error_message(), "unknown pixel format"));
 }

@@ -334,6 +334,7 @@ static void bad_input_is_refused(void **state)
 	(void)state;
 	maps m = maps_random(4, 3, STILB_NORMAL_SPACE_TANGENT, 1);
 	stilb_image other = made(4, 4, 1, STILB_IMAGE_F32_LINEAR), half = made(4, 3, 3, STILB_IMAGE_F16_LINEAR);
+	stilb_image blocks = made(4, 3, 4, STILB_IMAGE_BC7_LINEAR);
 	stilb_image empty = {.width = 0}, two = made(4, 3, 2, STILB_IMAGE_F32_LINEAR);
 	stilb_image_normals_desc good = stilb_image_normals_desc_default(&m.normals);
 	stilb_image_normals_desc bad = good;
@@ -344,6 +345,7 @@ static void bad_input_is_refused(void **state)
 	REFUSED(roughness, &empty, STILB_ERROR_ARGUMENT, "a picture is empty");
 	REFUSED(normals, &half, STILB_ERROR_ARGUMENT, "halves");
 	REFUSED(roughness, &half, STILB_ERROR_ARGUMENT, "halves");
+	REFUSED(normals, &blocks, STILB_ERROR_ARGUMENT, "blocks");
 	REFUSED(normals, &other, STILB_ERROR_ARGUMENT, "one channel");
 	REFUSED(roughness, &other, STILB_ERROR_ARGUMENT, "4 x 3 pixels, the roughness has 4 x 4");
 	REFUSED(constant_roughness, 1.5f, STILB_ERROR_ARGUMENT, "constant_roughness");
@@ -362,6 +364,7 @@ static void bad_input_is_refused(void **state)
 	refused(good, STILB_ERROR_ARGUMENT, "pixel (1, 0)");
 	stilb_image_finish(&other);
 	stilb_image_finish(&half);
+	stilb_image_finish(&blocks);
 	stilb_image_finish(&two);
 	maps_finish(&m);
 }

@@ -576,6 +576,7 @@ static const struct damage {
 	{RENDER_DUMP_TEXTURES, 4, 16385, "texture 0: 16385x2 pixels"},
 	{RENDER_DUMP_TEXTURES, 12, 3, "of format 3; a side has 1..16384, and formats are 0, 1, 2, 4 and 5"},
 	{RENDER_DUMP_TEXTURES, 12, 6, "of format 6"},
+	{RENDER_DUMP_TEXTURES, 12, 14, "of format 14"},
 	{RENDER_DUMP_TEXTURES, 4, 16384, "texture 0: its pixels go beyond"},
 	{RENDER_DUMP_TEXTURES, 20, 1, "bytes of pixels, but textures have"},
 	{RENDER_DUMP_MATERIALS, 64, 0, "material 1: id 0, not in "},

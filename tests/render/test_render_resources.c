@@ -788,7 +788,7 @@ static void bad_textures(void **state)
 		{{1, 16385, 4, STILB_IMAGE_U8_SRGB, NULL, 0}, "1x16385"},
 		{{4, 4, 0, STILB_IMAGE_U8_SRGB, NULL, 0}, "0 channels"},
 		{{4, 4, 5, STILB_IMAGE_U8_SRGB, NULL, 0}, "5 channels"},
-		{{4, 4, 4, STILB_IMAGE_FORMAT_COUNT, NULL, 0}, "format 6: there are 1..4 and 0..5"},
+		{{4, 4, 4, STILB_IMAGE_FORMAT_COUNT, NULL, 0}, "format 14: there are 1..4 and 0..13"},
 	};
 	stilb_render *render = fixture_render(1, 0, 0);
 	for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
@@ -807,7 +807,7 @@ static void pictures_get_four_channels(void **state)
 	static const uint8_t to[5][4] = {{0}, {10, 10, 10, 255}, {10, 10, 10, 20}, {10, 20, 30, 255}, {10, 20, 30, 40}};
 	stilb_render *render = fixture_render(1, 0, 0);
 	for (uint32_t channels = 1; channels <= 4; channels++)
-		for (uint32_t format = 0; format < STILB_IMAGE_FORMAT_COUNT; format++) {
+		for (uint32_t format = 0; format <= STILB_IMAGE_U16_LINEAR; format++) {
 			uint8_t u8[4];
 			uint16_t u16[4];
 			float f32[4];
@@ -840,6 +840,15 @@ static void pictures_get_four_channels(void **state)
 					assert_int_equal(((const uint16_t *)got->pixels)[c], one ? half : word);
 			}
 		}
+	static uint8_t block[8] = {51, 0}; /* BC4: all 51 / 255 */
+	stilb_image blocks = {1, 1, 1, STILB_IMAGE_BC4_LINEAR, block, 0};
+	stilb_render_texture decoded;
+	assert_int_equal(stilb_render_texture_create(render, &blocks, &decoded), STILB_OK);
+	const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].image;
+	assert_int_equal(got->format, STILB_IMAGE_U16_LINEAR);
+	assert_memory_equal(got->pixels, ((uint16_t[]){13107, 13107, 13107, 65535}), 8);
+	blocks.channels = 2;
+	assert_int_equal(stilb_render_texture_create(render, &blocks, &decoded), STILB_ERROR_ARGUMENT);
 	stilb_render_destroy(render);
 }
 

@@ -169,15 +169,17 @@ static void assert_texels(const stilb_image *image, stilb_image_format format, u
 			}
 }
 
+#define TEXEL_FORMATS 6 /* those that are not blocks come first */
+
 static void texels_of_every_format(void **state)
 {
 	(void)state;
 	static const float spans[][2] = {{0.0f, 1.0f}, {-1.0f, 2.0f}};
 	stage s = stage_open((stilb_render_desc){.validate = true}, 0);
-	for (int kind = 0; kind < 8 * STILB_IMAGE_FORMAT_COUNT; kind++) {
-		stilb_image_format format = (stilb_image_format)(kind % STILB_IMAGE_FORMAT_COUNT);
-		uint32_t channels = 1 + (uint32_t)kind / STILB_IMAGE_FORMAT_COUNT % 4;
-		const float *span = spans[kind / (4 * STILB_IMAGE_FORMAT_COUNT)];
+	for (int kind = 0; kind < 8 * TEXEL_FORMATS; kind++) {
+		stilb_image_format format = (stilb_image_format)(kind % TEXEL_FORMATS);
+		uint32_t channels = 1 + (uint32_t)(kind / TEXEL_FORMATS) % 4;
+		const float *span = spans[kind / (4 * TEXEL_FORMATS)];
 		stilb_image image = texel_image(format, channels);
 		stilb_render_texture texture;
 		assert_int_equal(stilb_render_texture_create(s.render, &image, &texture), STILB_OK);

@@ -207,7 +207,11 @@ static void mistakes_in_meshes(void **state)
 	image.width = 2;
 	image.format = STILB_IMAGE_FORMAT_COUNT;
 	stilb_scene_build_texture(build, &image);
-	assert_refused(build, "texture 0: 1 channels in format 6; there are 1..4 and 0..5");
+	assert_refused(build, "texture 0: 1 channels in format 14; there are 1..4 and 0..13");
+	build = begin();
+	image.format = STILB_IMAGE_BC4_LINEAR;
+	stilb_scene_build_texture(build, &image);
+	assert_refused(build, "texture 0: it is made of blocks; decode it");
 	image.format = STILB_IMAGE_U8_SRGB;
 	build = begin();
 	image.width = 2;

@@ -499,10 +499,21 @@ static void pictures_are_sealed(void **state)
 		}
 		stilb_image_finish(&back);
 	}
-	stream.limit = stream.taken + sizeof sent + 79;
 	stilb_image image, back;
-	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_BC5_LINEAR), STILB_OK);
 	int file = stilb_image_share(&image);
+	sent = (scene_message){
+		.kind = SCENE_MESSAGE_PICTURE, .width = 5, .height = 4, .channels = 2, .format = STILB_IMAGE_BC5_LINEAR};
+	assert_true(scene_stream_write_message(ends[1], &sent, file));
+	close(file);
+	assert_true(scene_stream_read_message(&stream, &got, &passed));
+	assert_int_equal(scene_stream_take_picture(&stream, &got, passed, &back), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "in blocks"));
+	assert_null(back.pixels);
+	sent.format = STILB_IMAGE_U16_SRGB;
+	stream.limit = stream.taken + sizeof sent + 79;
+	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
+	file = stilb_image_share(&image);
 	sent.width = 5, sent.height = 4;
 	assert_true(scene_stream_write_message(ends[1], &sent, file));
 	close(file);

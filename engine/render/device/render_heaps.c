@@ -95,11 +95,11 @@ static stilb_result heap_update(render_device *device, const render_resources *r
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-static const stilb_gpu_format texture_formats[] = {
+static const stilb_gpu_format texture_formats[STILB_IMAGE_FORMAT_COUNT] = {
 	[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,
 	[STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
 	[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F,
-	[STILB_IMAGE_U16_SRGB] = STILB_GPU_NONE, /* no GPU has it: it is converted to halves before */
+	[STILB_IMAGE_U16_SRGB] = STILB_GPU_NONE, /* no GPU has it: it is converted before, as blocks are */
 	[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,
 	[STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
 };

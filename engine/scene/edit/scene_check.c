@@ -155,6 +155,9 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
 	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in format %u; there are 1..4 and 0..%d", id,
 		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
+	if (stilb_image_format_is_blocks(image->format))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: it is made of blocks; decode it by stilb_image_decode",
+		                  id);
 	return STILB_OK;
 }
 
