@@ -35,7 +35,8 @@
  *     proportion to the square of their number.
  *
  * Cost.     About 100 ns a corner on one core, four times that if the triangles are in random order; in proportion to
- *           the number of corners. 30 to 70 bytes of memory a corner meanwhile.
+ *           the number of corners. In a group whose directions differ by more than 75 degrees 2 to 4 ns more for each
+ *           pair of its triangles: 60 ms for 4,096 (AMD EPYC). 30 to 70 bytes of memory a corner meanwhile.
  * Threads.  [any-thread]; nothing is shared.
  * Example.
  *
