@@ -6,6 +6,7 @@
  * triangles stay in the mesh's space, and rays are transformed to it. In a scene whose models will move (desc.movable)
  * all parts are instances that can be, so that what moves is only their transforms.
  */
+#include "gi/gi_maps.h"
 #include "gi/gi_surface.h"
 #include "gi/integrate/gi_backdrop.h"
 
@@ -86,7 +87,15 @@ static bool is_mirrored(const stilb_mat4 *m)
 	return cofactors_of(m, cofactors) < 0.0;
 }
 
-/* The normal n in world space, unit; 0 if n is 0 or not finite, or if matrix (of normal_matrix_of) is all 0. */
+/* The upper 3x3, column by column, which takes tangents to world space. */
+static void tangent_matrix_of(const stilb_mat4 *m, float out[9])
+{
+	for (int column = 0; column < 3; column++)
+		memcpy(out + 3 * column, m->m + 4 * column, 3 * sizeof *out);
+}
+
+/* The normal n in world space, unit; 0 if n is 0 or not finite, or if matrix (of normal_matrix_of) is all 0. Of a
+ * tangent with tangent_matrix_of. */
 static void normal_to_world(const float matrix[9], const float n[3], float out[3])
 {
 	double world[3], square = 0.0;
@@ -115,19 +124,24 @@ typedef struct mesh_plan {
 	/* [mesh_count] 1 + the mesh's index in the result if instances share it; 0: each part has a copy */
 	uint32_t *shared;
 	part_plan *parts; /* [part_count] */
-	uint64_t vertices, triangles;
+	uint64_t vertices, extras, triangles;
 	uint32_t meshes;
 } mesh_plan;
 
-static bool material_emits(const stilb_scene_material *material)
+static bool is_bright(const float emission[3])
 {
-	return material->emission[0] > 0.0f || material->emission[1] > 0.0f || material->emission[2] > 0.0f;
+	return emission[0] > 0.0f || emission[1] > 0.0f || emission[2] > 0.0f;
 }
 
+/* True if the part's triangles are lights. */
 static bool part_emits(const stilb_scene *scene, uint32_t part)
 {
 	STILB_ASSERT(scene->part_material[part] < scene->material_count);
-	return material_emits(&scene->materials[scene->part_material[part]]);
+	const stilb_scene_material *material = &scene->materials[scene->part_material[part]];
+	if (!material->surface)
+		return is_bright(material->emission);
+	const stilb_scene_surface *surface = &scene->surfaces[material->surface - 1];
+	return !surface->unlit && is_bright(surface->emission) && !surface->maps[STILB_SCENE_MAP_EMISSION].texture;
 }
 
 static bool part_may_share(const stilb_scene *scene, uint32_t part)
@@ -154,6 +168,7 @@ static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
 {
 	STILB_ASSERT(mesh->indices || mesh->index_count == 0);
 	plan->vertices += mesh->vertex_count;
+	plan->extras += mesh->extras ? mesh->vertex_count : 0;
 	plan->triangles += mesh->index_count / 3;
 	plan->meshes++;
 }
@@ -255,6 +270,21 @@ static void mesh_box(gi_mesh *mesh)
 			box_add(mesh->low, mesh->high, mesh->vertices[mesh->triangles[k].vertex[corner]].position);
 }
 
+static void mesh_fill_extras(gi_mesh *out, const stilb_scene_mesh *mesh, const stilb_mat4 *transform, bool mirrored)
+{
+	stilb_scene_vertex_extra *extras = (stilb_scene_vertex_extra *)out->extras;
+	float matrix[9];
+	tangent_matrix_of(transform, matrix);
+	out->colored = false;
+	for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+		extras[i] = mesh->extras[i];
+		normal_to_world(matrix, mesh->extras[i].tangent, extras[i].tangent);
+		extras[i].tangent[3] = mirrored ? -extras[i].tangent[3] : extras[i].tangent[3];
+		for (int channel = 0; channel < 4; channel++)
+			out->colored |= extras[i].color[channel] != 1.0f;
+	}
+}
+
 /* Fills the mesh's arrays with a copy of another one, transformed, without the triangles that cannot be hit. */
 static void mesh_fill(gi_mesh *out, const stilb_scene_mesh *mesh, const stilb_mat4 *transform)
 {
@@ -271,6 +301,8 @@ static void mesh_fill(gi_mesh *out, const stilb_scene_mesh *mesh, const stilb_ma
 		normal_to_world(normal_matrix, vertex->normal, vertices[i].normal);
 	}
 	bool mirrored = is_mirrored(transform);
+	if (out->extras)
+		mesh_fill_extras(out, mesh, transform, mirrored);
 	uint32_t count = 0, invalid = 0;
 	for (uint32_t i = 0; i + 2 < mesh->index_count; i += 3) {
 		uint32_t a = mesh->indices[i], b = mesh->indices[i + 1 + mirrored], c = mesh->indices[i + 2 - mirrored];
@@ -308,11 +340,24 @@ static void mesh_add(stilb_gi_scene *gi, const stilb_scene_mesh *mesh, uint32_t 
 		out->vertices = last->vertices + last->vertex_count;
 		out->triangles = last->triangles + last->triangle_room;
 	}
+	if (mesh->extras) {
+		out->extras = gi->extras + gi->extra_count;
+		gi->extra_count += mesh->vertex_count;
+	}
 	mesh_fill(out, mesh, transform);
 	gi->mesh_count++;
 }
 
 /* ---- parts ------------------------------------------------------------------------------------------------------- */
+
+/* gi_part.surface of a part of this material and mesh: that of a material whose surface is not the same all over. */
+static uint32_t surface_read(const stilb_gi_scene *gi, const stilb_scene_material *material, const gi_mesh *mesh)
+{
+	if (!material->surface)
+		return 0;
+	const stilb_scene_surface *surface = &gi->surfaces[material->surface - 1];
+	return surface->unlit || mesh->colored || gi_maps_vary(surface) ? material->surface : 0;
+}
 
 /* Fills in a part whose mesh is there, and counts what it shows. */
 static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t index)
@@ -322,6 +367,7 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	gi_part *part = &gi->parts[index];
 	*part = (gi_part){.mesh = plan->mesh,
 	                  .vertices = mesh->vertices,
+	                  .extras = mesh->extras,
 	                  .triangles = mesh->triangles,
 	                  .first_light = GI_NO_LIGHT,
 	                  .instance = plan->instance,
@@ -333,7 +379,9 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	normal_matrix_of(&part->to_world, part->normal_to_world);
 	part->stretch = stretch_of(&part->to_world);
 	const stilb_scene_material *material = &gi->materials[part->material];
-	part->plain = !part->instance && !material->diffuse_texture;
+	part->mirrored = part->instance && is_mirrored(&part->to_world);
+	part->surface = surface_read(gi, material, mesh);
+	part->plain = !part->instance && !material->diffuse_texture && !part->surface;
 	for (int i = 0; i < 3; i++)
 		part->albedo[i] = material->diffuse[i] + material->specular[i];
 	if (part_emits(scene, index)) {
@@ -455,13 +503,15 @@ static stilb_result gi_scene_allocate(stilb_gi_scene *gi, const stilb_scene *sce
 	gi->meshes = calloc(meshes, sizeof *gi->meshes);
 	gi->parts = calloc(parts, sizeof *gi->parts);
 	gi->materials = calloc((size_t)scene->material_count + 1, sizeof *gi->materials);
+	gi->surfaces = calloc((size_t)scene->surface_count + 1, sizeof *gi->surfaces);
 	gi->vertices = stilb_memory_alloc(vertices, sizeof *gi->vertices);
+	gi->extras = stilb_memory_alloc((size_t)plan->extras, sizeof *gi->extras);
 	gi->triangles = stilb_memory_alloc(triangles, sizeof *gi->triangles);
-	if (!gi->meshes || !gi->parts || !gi->materials || !gi->vertices || !gi->triangles)
+	if (!gi->meshes || !gi->parts || !gi->materials || !gi->surfaces || !gi->vertices || !gi->extras || !gi->triangles)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %llu triangles",
 		                  (unsigned long long)plan->triangles);
-	gi->own_bytes = vertices * sizeof *gi->vertices + triangles * sizeof *gi->triangles + parts * sizeof *gi->parts +
-	                meshes * sizeof *gi->meshes;
+	gi->own_bytes = vertices * sizeof *gi->vertices + plan->extras * sizeof *gi->extras +
+	                triangles * sizeof *gi->triangles + parts * sizeof *gi->parts + meshes * sizeof *gi->meshes;
 	return STILB_OK;
 }
 
@@ -475,12 +525,37 @@ static stilb_result fail_given_up(void)
 	return stilb_fail(STILB_ERROR_GIVEN_UP, "the scene was given up while it was made ready for rays");
 }
 
-/* Copies what may change at no cost. There is room for the materials. */
+/* Replaces the constants of a material, which are means, by those of its surface. */
+static void material_from_surface(stilb_scene_material *material, const stilb_scene_surface *surface)
+{
+	gi_maps maps = {.surface = surface};
+	gi_place place = {.color = {1.0f, 1.0f, 1.0f, 1.0f}};
+	shade_gltf_base base = gi_maps_base(&maps, &place, gi_maps_color(&maps, &place));
+	stilb_vec3 emission = gi_maps_emission(&maps, &place);
+	for (int i = 0; i < 3; i++) {
+		material->diffuse[i] = base.diffuse[i];
+		material->specular[i] = base.specular[i];
+		material->emission[i] = emission[i];
+	}
+	material->roughness = base.roughness;
+	material->anisotropy = 0.0f;
+	material->diffuse_texture = 0;
+}
+
+/* Copies what may change at no cost. There is room for the materials and surfaces. */
 static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 {
 	if (scene->material_count > 0)
 		memcpy(gi->materials, scene->materials, scene->material_count * sizeof *gi->materials);
+	if (scene->surface_count > 0)
+		memcpy(gi->surfaces, scene->surfaces, scene->surface_count * sizeof *gi->surfaces);
 	gi->material_count = scene->material_count;
+	gi->surface_count = scene->surface_count;
+	for (uint32_t i = 0; i < gi->material_count; i++) {
+		STILB_ASSERT(gi->materials[i].surface <= gi->surface_count);
+		if (gi->materials[i].surface)
+			material_from_surface(&gi->materials[i], &gi->surfaces[gi->materials[i].surface - 1]);
+	}
 	gi->textures = scene->textures;
 	gi->texture_count = scene->texture_count;
 	gi->info = (stilb_gi_scene_info){.isa = gi->info.isa, .bytes = gi->own_bytes};
@@ -540,7 +615,9 @@ static void gi_scene_clear(stilb_gi_scene *gi)
 	free(gi->meshes);
 	free(gi->parts);
 	free(gi->materials);
+	free(gi->surfaces);
 	free(gi->vertices);
+	free(gi->extras);
 	free(gi->triangles);
 	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector};
 }
@@ -570,7 +647,8 @@ static bool part_is_sound(const stilb_gi_scene *gi, const gi_part *part)
 		return false;
 	bool lights = part->first_light == GI_NO_LIGHT ||
 	              (!part->instance && part->first_light + mesh->triangle_count <= gi->lights.emitter_count);
-	return lights && part->vertices == mesh->vertices && part->triangles == mesh->triangles;
+	return lights && part->surface <= gi->surface_count && part->vertices == mesh->vertices &&
+	       part->extras == mesh->extras && part->triangles == mesh->triangles;
 }
 
 static bool gi_scene_is_sound(const stilb_gi_scene *gi)
@@ -664,6 +742,10 @@ static stilb_result update_room(stilb_gi_scene *gi, const stilb_scene *scene)
 	if (!materials)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u materials", scene->material_count);
 	gi->materials = materials;
+	stilb_scene_surface *surfaces = realloc(gi->surfaces, ((size_t)scene->surface_count + 1) * sizeof *gi->surfaces);
+	if (!surfaces)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u surfaces", scene->surface_count);
+	gi->surfaces = surfaces;
 	return STILB_OK;
 }
 

@@ -4,17 +4,36 @@
 #include "gi/light/gi_environment.h"
 #include "gi/light/gi_light_listed.h"
 
+#include <assert.h>
+#include <stddef.h>
+
+static_assert(sizeof(stilb_scene_map) == 32 && offsetof(stilb_scene_surface, workflow) == 32 * STILB_SCENE_MAPS,
+              "maps have no bytes between their members");
+
 static uint64_t hash_u32(uint64_t hash, uint32_t value)
 {
 	return stilb_hash_fnv1a64(hash, &value, sizeof value);
 }
 
+/* A surface but for the bytes between its members, which are anything. */
+static uint64_t hash_surface(uint64_t hash, const stilb_scene_surface *surface)
+{
+	size_t flags = offsetof(stilb_scene_surface, one_sided), rest = offsetof(stilb_scene_surface, anisotropy);
+	const char *bytes = (const char *)surface;
+	hash = stilb_hash_fnv1a64(hash, bytes, flags);
+	hash = hash_u32(hash, surface->one_sided | (uint32_t)surface->unlit << 1);
+	return stilb_hash_fnv1a64(hash, bytes + rest, sizeof *surface - rest);
+}
+
+/* Triangles, and how they look. */
 static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
 {
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
 		const gi_mesh *mesh = &scene->meshes[i];
 		hash = stilb_hash_fnv1a64(hash, mesh->vertices, mesh->vertex_count * sizeof *mesh->vertices);
 		hash = stilb_hash_fnv1a64(hash, mesh->triangles, mesh->triangle_count * sizeof *mesh->triangles);
+		if (mesh->extras)
+			hash = stilb_hash_fnv1a64(hash, mesh->extras, mesh->vertex_count * sizeof *mesh->extras);
 	}
 	for (uint32_t i = 0; i < scene->part_count; i++) {
 		const gi_part *part = &scene->parts[i];
@@ -22,6 +41,8 @@ static uint64_t hash_surfaces(uint64_t hash, const stilb_gi_scene *scene)
 		hash = stilb_hash_fnv1a64(hash, &part->to_world, sizeof part->to_world);
 	}
 	hash = stilb_hash_fnv1a64(hash, scene->materials, scene->material_count * sizeof *scene->materials);
+	for (uint32_t i = 0; i < scene->surface_count; i++)
+		hash = hash_surface(hash, &scene->surfaces[i]);
 	for (uint32_t i = 0; i < scene->texture_count; i++) {
 		const stilb_image *texture = &scene->textures[i];
 		hash = hash_u32(hash_u32(hash, texture->width), texture->height);

@@ -21,23 +21,29 @@ typedef struct gi_triangle {
  * bytes and aligned to 32. Its normal is unit, or 0 if the file has none: then the triangle's normal is used. */
 typedef struct gi_mesh {
 	const stilb_scene_vertex *vertices;
+	/* [vertex_count] in the same space; a tangent is unit, or 0 if there is none. NULL: the mesh has none. */
+	const stilb_scene_vertex_extra *extras;
 	const gi_triangle *triangles;
 	uint32_t vertex_count, triangle_count;
 	uint32_t triangle_room; /* triangles that its array has room for: those that it was made of */
 	uint32_t invalid_count; /* triangles left out because a corner is NaN, infinite, too far away or missing */
 	uint32_t source;        /* index in the scene of the mesh that it was made of; STILB_SCENE_NONE: of none */
+	bool colored;           /* the vertices have colours */
 	float low[3], high[3];  /* box around its triangles; low > high: there are none */
 } gi_mesh;
 
 #define GI_NO_LIGHT UINT32_MAX
 
 typedef struct gi_part {
-	const stilb_scene_vertex *vertices; /* those of its mesh */
+	const stilb_scene_vertex *vertices; /* those of its mesh, as extras and triangles are */
+	const stilb_scene_vertex_extra *extras;
 	const gi_triangle *triangles;
 	uint32_t mesh, material;
+	uint32_t surface;     /* 1 + the index in surfaces of what is read at each point; 0: the material is all */
 	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
 	bool instance;        /* triangles are in the mesh's space, not in the world's; false for all emitting parts */
 	bool hidden;          /* rays do not see it */
+	bool mirrored;        /* an instance whose to_world turns right hands into left ones */
 	bool plain;           /* neither an instance nor textured: gi_primary shades it without calling gi_surface_at */
 	float albedo[4];      /* of a plain part: diffuse + specular */
 	float stretch;        /* of an instance: upper bound of the factor by which to_world lengthens a vector */
@@ -53,19 +59,22 @@ struct stilb_gi_scene {
 	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
 	gi_tracer tracer;
-	uint32_t mesh_count, part_count, material_count, texture_count;
+	uint32_t mesh_count, part_count, material_count, surface_count, texture_count;
 	gi_mesh *meshes;
 	gi_part *parts;
-	stilb_scene_material *materials;
+	stilb_scene_material *materials; /* of one that has a surface the constants are the surface's, without its maps */
+	stilb_scene_surface *surfaces;
 	const stilb_image *textures;
 	gi_lights lights;
 	gi_lights open_lights;                   /* of settings.no_shadows */
 	gi_backdrop *backdrop;                   /* never NULL */
 	char surroundings[GI_SURROUNDINGS_TEXT]; /* in words, for files */
 	stilb_gi_scene_info info;
-	stilb_scene_vertex *vertices; /* of all meshes, in their order */
-	gi_triangle *triangles;       /* likewise */
-	uint64_t own_bytes;           /* of these arrays, meshes and parts */
+	stilb_scene_vertex *vertices;     /* of all meshes, in their order */
+	stilb_scene_vertex_extra *extras; /* of those that have them */
+	uint64_t extra_count;
+	gi_triangle *triangles; /* likewise of all */
+	uint64_t own_bytes;     /* of these arrays, meshes and parts */
 	/* What it was made of, and how, for updates. */
 	bool movable, broken; /* broken: the last update failed */
 	uint64_t geometry;    /* the scene's count of changes of its meshes */

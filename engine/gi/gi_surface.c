@@ -1,7 +1,9 @@
 #include "gi/gi_surface.h"
 
+#include "gi/gi_maps.h"
 #include "gi/gi_texture.h"
 #include "gi/gi_vector.h"
+#include "gi/trace/gi_ray.h"
 
 #include <float.h>
 #include <string.h>
@@ -105,6 +107,15 @@ float gi_triangle_error(const float v0[3], const float v1[3], const float v2[3])
 	return place_error(largest, unit_of(stilb_vec3_cross(e1, e2))) + gi_triangle_shape_error(v0, v1, v2);
 }
 
+/* A unit normal that faces away from the viewer, bent towards it. */
+static stilb_vec3 towards_viewer(stilb_vec3 normal, stilb_vec3 to_viewer)
+{
+	float seen = stilb_vec3_dot(normal, to_viewer);
+	if (seen < GI_NORMAL_LOWEST)
+		normal = stilb_vec3_normalize(normal + to_viewer * (GI_NORMAL_LOWEST - seen));
+	return normal;
+}
+
 /* The interpolated normal, made unit and flipped to the side of the geometric normal (some files have it wrong). Where
  * the viewer sees the triangle's front but would be below the plane of the interpolated normal, that normal is bent
  * towards the viewer. */
@@ -116,10 +127,7 @@ static stilb_vec3 shading_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_
 	normal *= 1.0f / sqrtf(square);
 	if (stilb_vec3_dot(normal, geometric) < 0.0f)
 		normal = -normal;
-	float seen = stilb_vec3_dot(normal, to_viewer);
-	if (seen < GI_NORMAL_LOWEST)
-		normal = stilb_vec3_normalize(normal + to_viewer * (GI_NORMAL_LOWEST - seen));
-	return normal;
+	return towards_viewer(normal, to_viewer);
 }
 
 static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_surface *surface)
@@ -128,7 +136,7 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 	const stilb_scene_material *material = &scene->materials[part->material];
 	surface->diffuse = stilb_vec3_make(material->diffuse[0], material->diffuse[1], material->diffuse[2]);
 	surface->specular = stilb_vec3_make(material->specular[0], material->specular[1], material->specular[2]);
-	surface->emission = stilb_vec3_make(0.0f, 0.0f, 0.0f);
+	surface->emission = surface->unlit = stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	if (surface->front)
 		surface->emission = stilb_vec3_make(material->emission[0], material->emission[1], material->emission[2]);
 	surface->roughness = material->roughness;
@@ -136,6 +144,99 @@ static void material_at(const stilb_gi_scene *scene, const gi_part *part, gi_sur
 	if (material->diffuse_texture && material->diffuse_texture <= scene->texture_count)
 		surface->diffuse *= gi_texture_at(&scene->textures[material->diffuse_texture - 1], surface->uv);
 }
+
+gi_place gi_place_at(const gi_part *part, uint32_t triangle, float u, float v)
+{
+	const uint32_t *index = part->triangles[triangle].vertex;
+	gi_place corners[3];
+	for (int i = 0; i < 3; i++)
+		corners[i] = gi_place_of(&part->vertices[index[i]], part->extras ? &part->extras[index[i]] : NULL);
+	return gi_place_between(corners, u, v);
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
+/* A vector turned by an instance's transform, as long as it was. */
+static stilb_vec3 turned_alike(const float matrix[9], stilb_vec3 v)
+{
+	stilb_vec3 turned = rotate(matrix, v);
+	float square = stilb_vec3_dot(turned, turned);
+	return square > GI_NORMAL_NONE ? turned * sqrtf(stilb_vec3_dot(v, v) / square) : turned;
+}
+
+/* The interpolated tangent in world space, of any length; 0: there is none. sign: of the bitangent. */
+static stilb_vec3 tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign)
+{
+	const uint32_t *index = part->triangles[ray->hit.triangle].vertex;
+	const float *a = part->extras[index[0]].tangent, *b = part->extras[index[1]].tangent,
+				*c = part->extras[index[2]].tangent;
+	stilb_vec3 first = gi_vector(a),
+			   tangent = first + ((gi_vector(b) - first) * ray->hit.u + (gi_vector(c) - first) * ray->hit.v);
+	*sign = part->mirrored ? -a[3] : a[3];
+	if (!part->instance)
+		return tangent;
+	const float *m = part->to_world.m;
+	const float matrix[9] = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
+	return turned_alike(matrix, tangent);
+}
+
+/* Keeps light where a map turns the normal so far that the viewer, mirrored by it, is below the triangle: there a
+ * highlight would be black, as at the rims of bumpy balls. The mirrored direction is lifted to just above the triangle,
+ * and the normal is the one that mirrors to there. Source: Keller et al., "The Iray Light Transport Simulation and
+ * Rendering System" (2017), A.3. */
+static stilb_vec3 lifted_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_vec3 to_viewer)
+{
+	stilb_vec3 mirrored = normal * (2.0f * stilb_vec3_dot(normal, to_viewer)) - to_viewer;
+	float above = stilb_vec3_dot(mirrored, geometric);
+	if (above >= GI_NORMAL_LOWEST)
+		return normal;
+	mirrored = unit_of(mirrored + geometric * (GI_NORMAL_LOWEST - above));
+	return unit_of(mirrored + to_viewer);
+}
+
+/* The normal of the map; normal: interpolated. */
+static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stilb_vec3 local, stilb_vec3 normal,
+                                const gi_surface *surface)
+{
+	stilb_vec3 geometric = surface->geometric;
+	float sign;
+	stilb_vec3 tangent = tangent_at(part, ray, &sign);
+	if (!(stilb_vec3_dot(tangent, tangent) > GI_NORMAL_NONE))
+		return surface->normal;
+	if (!(stilb_vec3_dot(normal, normal) > GI_NORMAL_NONE))
+		normal = surface->front ? geometric : -geometric;
+	stilb_vec3 mapped = shade_gltf_turned(local, tangent, sign, normal);
+	if (stilb_vec3_dot(normal, geometric) < 0.0f)
+		mapped = -mapped; /* seen from behind all of it is turned over, with tangent and bitangent */
+	stilb_vec3 to_viewer = -gi_ray_direction(&ray->ray);
+	return lifted_normal(towards_viewer(mapped, to_viewer), geometric, to_viewer);
+}
+
+/* What the part's surface says of the hit, in place of material_at. normal: interpolated, of any length, in world
+ * space. Not inlined, so that gi_surface_at keeps its registers where there are no maps. */
+static __attribute__((noinline)) void maps_at(const stilb_gi_scene *scene, const gi_part *part, const gi_ray_hit *ray,
+                                              stilb_vec3 normal, gi_surface *surface)
+{
+	STILB_ASSERT(part->surface <= scene->surface_count);
+	gi_maps maps = {&scene->surfaces[part->surface - 1], scene->textures, scene->texture_count};
+	gi_place place = gi_place_at(part, ray->hit.triangle, ray->hit.u, ray->hit.v);
+	stilb_vec4 color = gi_maps_color(&maps, &place);
+	if (maps.surface->unlit) {
+		surface->unlit = stilb_vec3_make(color[0], color[1], color[2]);
+		surface->diffuse = surface->specular = surface->emission = (stilb_vec3){0};
+		return;
+	}
+	shade_gltf_base base = gi_maps_base(&maps, &place, color);
+	surface->diffuse = stilb_vec3_make(base.diffuse[0], base.diffuse[1], base.diffuse[2]);
+	surface->specular = stilb_vec3_make(base.specular[0], base.specular[1], base.specular[2]);
+	surface->roughness = base.roughness;
+	if (surface->front)
+		surface->emission = gi_maps_emission(&maps, &place);
+	if (part->extras && gi_maps_have(&maps, STILB_SCENE_MAP_NORMAL))
+		surface->normal = mapped_normal(part, ray, gi_maps_normal(&maps, &place), normal, surface);
+}
+
+/* ---- places ------------------------------------------------------------------------------------------------------ */
 
 /* The rounding error, metres, of two transforms: the point of an instance to world space, and, in the intersector, the
  * ray to mesh space. Each number of a transformed point is a sum of three products and a translation. */
@@ -182,7 +283,7 @@ void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surfac
 	if (part->instance) {
 		surface->position = transform_point(&part->to_world, first);
 		surface->error = surface->error * part->stretch + transform_error(part, surface->position);
-		normal = rotate(part->normal_to_world, normal);
+		normal = part->surface ? turned_alike(part->normal_to_world, normal) : rotate(part->normal_to_world, normal);
 	}
 	surface->error += place_error(surface->position, geometric);
 	if (smaller(smaller(u, v), 1.0f - u - v) < NEAR_EDGE)
@@ -194,6 +295,8 @@ void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surfac
 	surface->part = ray->hit.part;
 	surface->triangle = ray->hit.triangle;
 	material_at(scene, part, surface);
+	if (part->surface)
+		maps_at(scene, part, ray, normal, surface);
 }
 
 stilb_vec3 gi_surface_ray_origin(const gi_surface *surface, stilb_vec3 direction)

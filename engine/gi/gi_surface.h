@@ -4,6 +4,7 @@
 #ifndef STILB_GI_SURFACE_H
 #define STILB_GI_SURFACE_H
 
+#include "gi/gi_maps.h"
 #include "gi/gi_scene_internal.h"
 
 /* The point where a ray hit. */
@@ -13,6 +14,7 @@ typedef struct gi_surface {
 	stilb_vec3 normal;            /* shading normal, unit, on the same side */
 	stilb_vec3 diffuse, specular; /* reflectance, textures included */
 	stilb_vec3 emission;          /* towards the ray's origin; 0 on the back */
+	stilb_vec3 unlit;             /* radiance that camera rays see, and no others: it lights nothing */
 	float roughness, anisotropy;
 	float
 		error; /* metres: a ray that starts farther than this from the triangle, along geometric, cannot hit it again */
@@ -23,10 +25,15 @@ typedef struct gi_surface {
 
 /* Square of a length: an interpolated normal that is not longer has no direction, and the triangle's own is used. */
 #define GI_NORMAL_NONE 1e-12f
-#define GI_NORMAL_LOWEST 1e-3f /* smallest cosine between the shading normal and the direction to the viewer */
+/* Smallest cosine between the shading normal and the direction to the viewer, and, where maps turn normals, between the
+ * viewer's mirrored direction and the triangle's normal. */
+#define GI_NORMAL_LOWEST 1e-3f
 
 /* Fills surface for a ray that hit something: gi_is_hit(ray). */
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);
+
+/* A point of a part's triangle, as maps see it; u and v: barycentric. */
+gi_place gi_place_at(const gi_part *part, uint32_t triangle, float u, float v);
 
 /* The origin of a ray that leaves the surface in this direction: surface->position, moved along the triangle's normal
  * (surface->geometric), to the side where the direction points, by surface->error and no more. From there the ray's

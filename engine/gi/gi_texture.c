@@ -2,73 +2,158 @@
 
 #include "shading/shade_srgb.h"
 
+#include <string.h>
+
+/* ---- texels ------------------------------------------------------------------------------------------------------ */
+
 /* A float from the bits of a half (IEEE binary16). */
 static float texture_half(uint16_t half)
 {
-	uint32_t exponent = half >> 10 & 31, mantissa = half & 1023;
-	float value;
-	if (exponent == 31)
-		value = mantissa ? NAN : INFINITY;
-	else if (exponent == 0)
-		value = ldexpf((float)mantissa, -24);
-	else
-		value = ldexpf((float)(mantissa + 1024), (int)exponent - 25);
+	uint32_t exponent = half >> 10 & 31, mantissa = half & 1023, bits;
+	float value = (float)mantissa * 0x1p-24f;
+	if (exponent > 0) {
+		bits = (exponent == 31 ? 255 : exponent + 112) << 23 | mantissa << 13;
+		memcpy(&value, &bits, sizeof value);
+	}
 	return half & 0x8000 ? -value : value;
 }
 
-static float texture_scalar(const stilb_image *image, size_t at)
+static float code_of_u8_srgb(const void *pixels, size_t at)
 {
-	switch (image->format) {
-	case STILB_IMAGE_U8_SRGB:
-		return shade_srgb_to_linear((float)((const uint8_t *)image->pixels)[at] * (1.0f / 255.0f));
-	case STILB_IMAGE_F16_LINEAR:
-		return texture_half(((const uint16_t *)image->pixels)[at]);
-	case STILB_IMAGE_U16_SRGB:
-		return shade_srgb_to_linear((float)((const uint16_t *)image->pixels)[at] * (1.0f / 65535.0f));
-	case STILB_IMAGE_U8_LINEAR:
-		return (float)((const uint8_t *)image->pixels)[at] * (1.0f / 255.0f);
-	case STILB_IMAGE_U16_LINEAR:
-		return (float)((const uint16_t *)image->pixels)[at] * (1.0f / 65535.0f);
-	default:
-		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "scenes have no textures of blocks");
-		return ((const float *)image->pixels)[at];
-	}
+	return gi_srgb_to_linear[((const uint8_t *)pixels)[at]];
 }
 
-static stilb_vec3 texture_texel(const stilb_image *image, uint32_t x, uint32_t y)
+static float code_of_u16_srgb(const void *pixels, size_t at)
+{
+	return shade_srgb_to_linear((float)((const uint16_t *)pixels)[at] * (1.0f / 65535.0f));
+}
+
+static float code_of_u8(const void *pixels, size_t at)
+{
+	return (float)((const uint8_t *)pixels)[at] * (1.0f / 255.0f);
+}
+
+static float code_of_u16(const void *pixels, size_t at)
+{
+	return (float)((const uint16_t *)pixels)[at] * (1.0f / 65535.0f);
+}
+
+static float code_of_f16(const void *pixels, size_t at)
+{
+	return texture_half(((const uint16_t *)pixels)[at]);
+}
+
+static float code_of_f32(const void *pixels, size_t at)
+{
+	return ((const float *)pixels)[at];
+}
+
+typedef float texture_code(const void *pixels, size_t at);
+
+/* color and alpha: the two transfers of a format; inlined, so that each format has a loop of its own. */
+static inline __attribute__((always_inline)) stilb_vec4 texture_texel(const stilb_image *image, uint32_t x, uint32_t y,
+                                                                      texture_code *color, texture_code *alpha)
 {
 	STILB_ASSERT(x < image->width && y < image->height);
 	size_t at = ((size_t)y * image->width + x) * image->channels;
-	float red = texture_scalar(image, at);
+	float red = color(image->pixels, at);
 	if (image->channels < 3)
-		return stilb_vec3_make(red, red, red);
-	return stilb_vec3_make(red, texture_scalar(image, at + 1), texture_scalar(image, at + 2));
+		return (stilb_vec4){red, red, red, image->channels == 2 ? alpha(image->pixels, at + 1) : 1.0f};
+	return (stilb_vec4){red, color(image->pixels, at + 1), color(image->pixels, at + 2),
+	                    image->channels == 4 ? alpha(image->pixels, at + 3) : 1.0f};
 }
 
-/* For linear interpolation along one side of `size` texels: returns the index of the last texel whose centre is not
- * beyond the coordinate (0 to 1 is the whole side; it repeats), and in *fraction how far beyond it is, in texels,
- * [0, 1). */
-static uint32_t texture_place(float coordinate, uint32_t size, float *fraction)
+/* ---- places ------------------------------------------------------------------------------------------------------ */
+
+/* Two neighbouring texels of one side of a texture, and how far from the first one's middle to the second's, [0, 1). */
+typedef struct texture_place {
+	uint32_t first, second;
+	float fraction;
+} texture_place;
+
+/* From 0 to 1 along one side: repeated, or turned over every second time, or cut off. */
+static float texture_wrap(float coordinate, uint32_t wrap)
+{
+	if (wrap == STILB_SCENE_CLAMP)
+		return coordinate >= 1.0f ? 1.0f : coordinate > 0.0f ? coordinate : 0.0f;
+	if (wrap == STILB_SCENE_MIRROR) {
+		coordinate -= 2.0f * floorf(0.5f * coordinate);
+		coordinate = coordinate > 1.0f ? 2.0f - coordinate : coordinate;
+		return coordinate >= 0.0f ? coordinate : 0.0f;
+	}
+	coordinate -= floorf(coordinate);
+	return coordinate >= 0.0f && coordinate < 1.0f ? coordinate : 0.0f;
+}
+
+static texture_place texture_nearest(float coordinate, uint32_t size, uint32_t wrap)
+{
+	uint32_t texel = (uint32_t)(texture_wrap(coordinate, wrap) * (float)size);
+	texel = texel < size ? texel : size - 1;
+	return (texture_place){texel, texel, 0.0f};
+}
+
+/* Beyond the outermost middles a texture that repeats goes on with its other end, any other with the same texel. */
+static texture_place texture_between(float coordinate, uint32_t size, uint32_t wrap)
 {
 	STILB_ASSERT(size > 0);
-	coordinate -= floorf(coordinate);
-	if (!(coordinate >= 0.0f && coordinate < 1.0f))
-		coordinate = 0.0f;
-	float place = coordinate * (float)size - 0.5f, whole = floorf(place);
-	*fraction = place - whole;
-	return whole < 0.0f ? size - 1 : (uint32_t)whole % size;
+	float place = texture_wrap(coordinate, wrap) * (float)size - 0.5f, whole = floorf(place);
+	bool repeats = wrap == STILB_SCENE_REPEAT;
+	uint32_t last = size - 1, first = whole < 0.0f ? (repeats ? last : 0) : (uint32_t)whole;
+	first = first < last ? first : last;
+	uint32_t second = whole < 0.0f ? 0 : first < last ? first + 1 : repeats ? 0 : last;
+	return (texture_place){first, second, place - whole};
 }
+
+static inline __attribute__((always_inline)) stilb_vec4
+texture_mix(const stilb_image *image, texture_place x, texture_place y, texture_code *color, texture_code *alpha)
+{
+	stilb_vec4 above = texture_texel(image, x.first, y.first, color, alpha) * (1.0f - x.fraction) +
+	                   texture_texel(image, x.second, y.first, color, alpha) * x.fraction;
+	stilb_vec4 below = texture_texel(image, x.first, y.second, color, alpha) * (1.0f - x.fraction) +
+	                   texture_texel(image, x.second, y.second, color, alpha) * x.fraction;
+	return above * (1.0f - y.fraction) + below * y.fraction;
+}
+
+static stilb_vec4 texture_at(const stilb_image *image, texture_place x, texture_place y)
+{
+	STILB_ASSERT(image->channels >= 1 && image->channels <= 4);
+	switch (image->format) {
+	case STILB_IMAGE_U8_SRGB:
+		return texture_mix(image, x, y, code_of_u8_srgb, code_of_u8);
+	case STILB_IMAGE_F16_LINEAR:
+		return texture_mix(image, x, y, code_of_f16, code_of_f16);
+	case STILB_IMAGE_U16_SRGB:
+		return texture_mix(image, x, y, code_of_u16_srgb, code_of_u16);
+	case STILB_IMAGE_U8_LINEAR:
+		return texture_mix(image, x, y, code_of_u8, code_of_u8);
+	case STILB_IMAGE_U16_LINEAR:
+		return texture_mix(image, x, y, code_of_u16, code_of_u16);
+	default:
+		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "scenes have no textures of blocks");
+		return texture_mix(image, x, y, code_of_f32, code_of_f32);
+	}
+}
+
+/* ---- the interface ----------------------------------------------------------------------------------------------- */
 
 stilb_vec3 gi_texture_at(const stilb_image *image, stilb_vec2 uv)
 {
 	if (!image->pixels)
 		return stilb_vec3_make(1.0f, 1.0f, 1.0f);
-	STILB_ASSERT(image->channels >= 1 && image->channels <= 4);
-	float across, down;
-	uint32_t x = texture_place(uv[0], image->width, &across), y = texture_place(uv[1], image->height, &down);
-	uint32_t next_x = (x + 1) % image->width, next_y = (y + 1) % image->height;
-	stilb_vec3 above = texture_texel(image, x, y) * (1.0f - across) + texture_texel(image, next_x, y) * across;
-	stilb_vec3 below =
-		texture_texel(image, x, next_y) * (1.0f - across) + texture_texel(image, next_x, next_y) * across;
-	return above * (1.0f - down) + below * down;
+	stilb_vec4 texel = texture_at(image, texture_between(uv[0], image->width, STILB_SCENE_REPEAT),
+	                              texture_between(uv[1], image->height, STILB_SCENE_REPEAT));
+	return stilb_vec3_make(texel[0], texel[1], texel[2]);
+}
+
+stilb_vec4 gi_texture_map(const stilb_image *image, const stilb_scene_map *map, stilb_vec2 place)
+{
+	if (!image->pixels)
+		return (stilb_vec4){1.0f, 1.0f, 1.0f, 1.0f};
+	float u = map->to_u[0] * place[0] + map->to_u[1] * place[1] + map->to_u[2];
+	float v = map->to_v[0] * place[0] + map->to_v[1] * place[1] + map->to_v[2];
+	if (map->nearest)
+		return texture_at(image, texture_nearest(u, image->width, map->wrap_u),
+		                  texture_nearest(v, image->height, map->wrap_v));
+	return texture_at(image, texture_between(u, image->width, map->wrap_u),
+	                  texture_between(v, image->height, map->wrap_v));
 }

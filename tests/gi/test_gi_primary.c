@@ -12,13 +12,13 @@ static gi_primary scalar, wide;
 static uint16_t xs[GI_BATCH], ys[GI_BATCH];
 static gi_point points[GI_BATCH];
 
-/* A smooth ball, one without normals, one whose normals point inwards, a textured one and instances; and nothing
- * behind. */
+/* A smooth ball, one without normals, one whose normals point inwards, and whose surface has a map, a textured one and
+ * instances; and nothing behind. */
 static stilb_scene *all_kinds(void)
 {
 	static float texels[2][2][3] = {{{1.0f, 0.0f, 0.5f}, {0.0f, 1.0f, 0.2f}}, {{0.3f, 0.1f, 1.0f}, {0.9f, 1.0f, 1.0f}}};
 	static stilb_image image = {2, 2, 3, STILB_IMAGE_F32_LINEAR, texels, 0};
-	stilb_scene *scene = world_scene(84, 4, 2);
+	stilb_scene *scene = world_scene(84, 4, 3);
 	for (uint32_t mesh = 0; mesh < 4; mesh++)
 		assert_int_equal(stilb_scene_mesh_sphere(mesh == 3 ? 3 : 2, &scene->meshes[mesh]), STILB_OK);
 	for (uint32_t i = 0; i < scene->meshes[1].vertex_count; i++)
@@ -36,6 +36,11 @@ static stilb_scene *all_kinds(void)
 	scene->part_material[3] = 1;
 	scene->materials[0].specular[1] = 0.25f;
 	scene->materials[1].diffuse_texture = 1;
+	assert_int_equal(scene_add_surfaces(scene, 1), STILB_OK);
+	scene->surfaces[0] = stilb_scene_surface_make();
+	scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR].texture = 1;
+	scene->part_material[2] = 2;
+	scene->materials[2].surface = 1;
 	scene->texture_count = 1;
 	scene->textures = &image;
 	scene->camera =

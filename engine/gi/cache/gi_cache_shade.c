@@ -116,7 +116,7 @@ static void sample_surface(gi_batch *batch, uint32_t sample, const gi_surface *s
 	const gi_view *view = batch->view;
 	bool indirect_only = view->settings.only == STILB_GI_ONLY_INDIRECT;
 	if (!indirect_only)
-		batch->radiance[sample] = surface->emission;
+		batch->radiance[sample] = surface->emission + surface->unlit;
 	if (view->settings.depth == 0)
 		return;
 	float numbers[8];

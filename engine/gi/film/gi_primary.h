@@ -13,7 +13,7 @@
 
 typedef struct gi_primary {
 	gi_ray_hit rays[GI_BATCH]; /* the directions are unit */
-	float albedo[GI_BATCH][4]; /* diffuse + specular reflectance, [3] is unused; 0 for a miss */
+	float albedo[GI_BATCH][4]; /* diffuse + specular reflectance, or what is unlit; [3] is unused; 0 for a miss */
 	float normal[GI_BATCH][4]; /* shading normal in world space, [3] is unused; 0 for a miss */
 	float depth[GI_BATCH];     /* along the view axis, metres; +infinity for a miss */
 } gi_primary;

@@ -88,6 +88,8 @@ static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_poin
 	gi_surface_at(view->scene, ray, &at.surface);
 	if (!indirect || vertex > 1)
 		radiance += at.surface.emission;
+	if (!indirect && vertex == 0)
+		radiance += at.surface.unlit;
 	if (vertex == view->settings.depth)
 		return radiance;
 	at.bsdf = gi_bsdf_make(&view->settings.model, &at.surface, -direction);

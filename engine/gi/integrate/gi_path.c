@@ -96,6 +96,8 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 	if (wave->bounce >= wave->emission_from)
 		wave->radiance[path->slot] +=
 			path->throughput * gi_direct_found(wave->view, path->pdf, path->normal, ray, hit ? surface : NULL);
+	if (hit && wave->vertex == 0 && wave->emission_from == 0)
+		wave->radiance[path->slot] += surface->unlit;
 	return hit && wave->bounce < wave->depth && reflects(surface);
 }
 

@@ -8,7 +8,7 @@
 
 /* ---- color ------------------------------------------------------------------------------------------------------- */
 
-/* Diffuse + specular reflectance; 0 for a miss. */
+/* Diffuse + specular reflectance, or what is unlit; 0 for a miss. */
 static void color_shade(gi_batch *batch)
 {
 	for (uint32_t i = 0; i < batch->count; i++) {
@@ -17,7 +17,7 @@ static void color_shade(gi_batch *batch)
 			continue;
 		gi_surface surface;
 		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
-		batch->radiance[i] = surface.diffuse + surface.specular;
+		batch->radiance[i] = surface.diffuse + surface.specular + surface.unlit;
 	}
 }
 
@@ -76,7 +76,8 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 		shadow->id = i;
 		scratch->count++;
 	}
-	return highlight ? surface.emission + direct_in_highlight(batch, &bsdf, &surface, numbers) : surface.emission;
+	stilb_vec3 seen = surface.emission + surface.unlit;
+	return highlight ? seen + direct_in_highlight(batch, &bsdf, &surface, numbers) : seen;
 }
 
 static void direct_flush(gi_batch *batch, direct_scratch *scratch)

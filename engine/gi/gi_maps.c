@@ -1,0 +1,113 @@
+#include "gi/gi_maps.h"
+
+#include "gi/gi_texture.h"
+#include "gi/gi_vector.h"
+
+static const stilb_scene_map_kind maps_of_rays[] = {
+	STILB_SCENE_MAP_COLOR,    STILB_SCENE_MAP_REFLECTION, STILB_SCENE_MAP_NORMAL,
+	STILB_SCENE_MAP_EMISSION, STILB_SCENE_MAP_SPECULAR,   STILB_SCENE_MAP_SPECULAR_COLOR,
+};
+
+/* ---- places ------------------------------------------------------------------------------------------------------ */
+
+gi_place gi_place_of(const stilb_scene_vertex *vertex, const stilb_scene_vertex_extra *extra)
+{
+	gi_place place = {.uv = {{vertex->uv[0], vertex->uv[1]}}, .color = {1.0f, 1.0f, 1.0f, 1.0f}};
+	if (extra) {
+		place.uv[1] = (stilb_vec2){extra->uv[0], extra->uv[1]};
+		place.color = (stilb_vec4){extra->color[0], extra->color[1], extra->color[2], extra->color[3]};
+	}
+	return place;
+}
+
+gi_place gi_place_between(const gi_place corners[3], float u, float v)
+{
+	const gi_place *a = &corners[0], *b = &corners[1], *c = &corners[2];
+	gi_place place;
+	for (int set = 0; set < 2; set++)
+		place.uv[set] = a->uv[set] + ((b->uv[set] - a->uv[set]) * u + (c->uv[set] - a->uv[set]) * v);
+	place.color = a->color + ((b->color - a->color) * u + (c->color - a->color) * v);
+	return place;
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
+bool gi_maps_vary(const stilb_scene_surface *surface)
+{
+	uint32_t any = 0;
+	for (size_t i = 0; i < sizeof maps_of_rays / sizeof *maps_of_rays; i++)
+		any |= surface->maps[maps_of_rays[i]].texture;
+	return any > 0;
+}
+
+/* All four channels of a map's texel, 1 where there is none. */
+static stilb_vec4 maps_texel(const gi_maps *maps, stilb_scene_map_kind kind, const gi_place *place)
+{
+	if (!gi_maps_have(maps, kind))
+		return (stilb_vec4){1.0f, 1.0f, 1.0f, 1.0f};
+	const stilb_scene_map *map = &maps->surface->maps[kind];
+	STILB_ASSERT(map->set < 2);
+	return gi_texture_map(&maps->textures[map->texture - 1], map, place->uv[map->set]);
+}
+
+static stilb_vec4 maps_limited(stilb_vec4 x)
+{
+	for (int i = 0; i < 4; i++)
+		x[i] = fminf(fmaxf(x[i], 0.0f), 1.0f);
+	return x;
+}
+
+/* Textures of floats and vertices may hold anything; what reflects more than it gets would make light. */
+stilb_vec4 gi_maps_color(const gi_maps *maps, const gi_place *place)
+{
+	const float *c = maps->surface->color;
+	stilb_vec4 factor = {c[0], c[1], c[2], c[3]};
+	return maps_limited(factor * place->color * maps_texel(maps, STILB_SCENE_MAP_COLOR, place));
+}
+
+shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_vec4 color)
+{
+	const stilb_scene_surface *surface = maps->surface;
+	stilb_vec4 texel = maps_limited(maps_texel(maps, STILB_SCENE_MAP_REFLECTION, place));
+	if (surface->workflow == STILB_SCENE_SPECULAR)
+		return shade_gltf_specular(color, gi_vector(surface->specular) * texel, (1.0f - surface->roughness) * texel[3]);
+	stilb_vec4 tint = maps_texel(maps, STILB_SCENE_MAP_SPECULAR_COLOR, place);
+	float weight = maps_texel(maps, STILB_SCENE_MAP_SPECULAR, place)[3];
+	stilb_vec3 dielectric =
+		shade_gltf_dielectric(surface->ior, gi_vector(surface->specular) * tint, surface->specular_weight * weight);
+	return shade_gltf_metallic(color, surface->metalness * texel[2], surface->roughness * texel[1],
+	                           maps_limited(dielectric));
+}
+
+stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
+{
+	stilb_vec3 emission = gi_vector(maps->surface->emission);
+	if (!gi_maps_have(maps, STILB_SCENE_MAP_EMISSION))
+		return emission;
+	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_EMISSION, place);
+	for (int i = 0; i < 3; i++)
+		emission[i] *= fmaxf(texel[i], 0.0f); /* of NaN, too */
+	return emission;
+}
+
+float gi_maps_alpha(const gi_maps *maps, const gi_place *place)
+{
+	if (maps->surface->alpha == STILB_SCENE_OPAQUE)
+		return 1.0f;
+	float alpha = maps->surface->color[3] * place->color[3];
+	if (gi_maps_have(maps, STILB_SCENE_MAP_COLOR))
+		alpha *= maps_texel(maps, STILB_SCENE_MAP_COLOR, place)[3];
+	if (maps->surface->alpha == STILB_SCENE_MASK)
+		return alpha < maps->surface->cutoff ? 0.0f : 1.0f;
+	return fminf(fmaxf(alpha, 0.0f), 1.0f);
+}
+
+/* A picture of two channels has x as grey and y as alpha. */
+stilb_vec3 gi_maps_normal(const gi_maps *maps, const gi_place *place)
+{
+	STILB_ASSERT(gi_maps_have(maps, STILB_SCENE_MAP_NORMAL));
+	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_NORMAL, place);
+	if (maps->textures[maps->surface->maps[STILB_SCENE_MAP_NORMAL].texture - 1].channels == 2)
+		texel = stilb_vec3_make(texel[0], texel[3], shade_gltf_normal_z(texel[0], texel[3]));
+	return shade_gltf_normal(texel, maps->surface->normal_scale);
+}

@@ -1,0 +1,55 @@
+/*
+ * gi_maps: what a surface (scene_surface.h) says of one of its points: factors times texels times the colours of
+ * vertices. Occlusion, clear coat, sheen, anisotropy and transmission are not for rays yet. [any-thread]
+ */
+#ifndef STILB_GI_MAPS_H
+#define STILB_GI_MAPS_H
+
+#include "base/base_math.h"
+#include "scene/scene.h"
+#include "shading/shade_gltf.h"
+
+/* A surface and the textures that its maps name. */
+typedef struct gi_maps {
+	const stilb_scene_surface *surface;
+	const stilb_image *textures; /* [texture_count] */
+	uint32_t texture_count;
+} gi_maps;
+
+/* A point of a surface, as maps see it. */
+typedef struct gi_place {
+	stilb_vec2 uv[2]; /* both sets */
+	stilb_vec4 color; /* of the vertices, with alpha; 1 without */
+} gi_place;
+
+/* The place of a vertex; extra: NULL if the mesh has none. */
+gi_place gi_place_of(const stilb_scene_vertex *vertex, const stilb_scene_vertex_extra *extra);
+
+/* Between three places; u and v: barycentric, of the second and of the third. */
+gi_place gi_place_between(const gi_place corners[3], float u, float v);
+
+/* True if the surface has a map that rays read, so that it is not the same all over. */
+bool gi_maps_vary(const stilb_scene_surface *surface);
+
+/* Linear base colour (SPECULAR: diffuse colour) and alpha, [0, 1]. */
+stilb_vec4 gi_maps_color(const gi_maps *maps, const gi_place *place);
+
+/* What is shaded. color: of gi_maps_color. */
+shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_vec4 color);
+
+/* Radiance; not of a surface that is unlit. */
+stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place);
+
+/* Share of the point that is there, [0, 1]: 1 or 0 of MASK. */
+float gi_maps_alpha(const gi_maps *maps, const gi_place *place);
+
+static inline bool gi_maps_have(const gi_maps *maps, stilb_scene_map_kind kind)
+{
+	uint32_t texture = maps->surface->maps[kind].texture;
+	return texture > 0 && texture <= maps->texture_count;
+}
+
+/* Along tangent, bitangent and normal, unit; of a surface that has a map of normals. */
+stilb_vec3 gi_maps_normal(const gi_maps *maps, const gi_place *place);
+
+#endif
