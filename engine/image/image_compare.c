@@ -62,21 +62,19 @@ static double compare_apart(float a, float b)
 
 /* Adds the pixel x, y to the sums, which rms holds until all pixels are there. */
 static void compare_pixel(const float *a, const float *b, uint32_t x, uint32_t y, double bound,
-                          stilb_image_comparison *out, const uint32_t alphas[2])
+                          stilb_image_comparison *out)
 {
 	bool above = false;
-	uint32_t colors = out->channels == 2 || out->channels == 4 ? out->channels - 1 : out->channels;
 	for (uint32_t c = 0; c < out->channels; c++) {
-		float of_a = a[c < colors ? c : alphas[0]], of_b = b[c < colors ? c : alphas[1]];
-		double apart = compare_apart(of_a, of_b);
+		double apart = compare_apart(a[c], b[c]);
 		out->rms[c] += apart * apart;
 		if (apart > out->worst) {
 			out->worst = apart;
 			out->worst_x = x, out->worst_y = y, out->worst_channel = c;
 		}
 		above |= apart > bound;
-		if (isfinite(of_b) && (double)of_b > out->largest)
-			out->largest = (double)of_b;
+		if (isfinite(b[c]) && (double)b[c] > out->largest)
+			out->largest = (double)b[c];
 	}
 	out->above += above;
 	out->pixels++;
@@ -108,15 +106,13 @@ stilb_result stilb_image_compare(const stilb_image *a, const stilb_image *b, con
 	float *of_a = stilb_memory_alloc((size_t)a->width * a->channels, sizeof *of_a);
 	float *of_b = stilb_memory_alloc((size_t)b->width * b->channels, sizeof *of_b);
 	if (of_a && of_b) {
-		const uint32_t alphas[2] = {a->channels - 1, b->channels - 1};
 		out->channels = compare_colors(a) + (compare_has_alpha(a) && compare_has_alpha(b));
 		for (uint32_t y = 0; y < a->height; y++) {
 			stilb_image_row_to_light(a, y, of_a);
 			stilb_image_row_to_light(b, y, of_b);
 			for (uint32_t x = 0; x < a->width; x++)
 				if (compare_counts(mask, x, y))
-					compare_pixel(of_a + (size_t)x * a->channels, of_b + (size_t)x * b->channels, x, y, bound, out,
-					              alphas);
+					compare_pixel(of_a + (size_t)x * a->channels, of_b + (size_t)x * b->channels, x, y, bound, out);
 		}
 		compare_finish(out);
 	} else {
