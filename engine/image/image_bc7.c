@@ -95,7 +95,7 @@ static void bc7_take_ends(bc7_bits *bits, const bc7_mode *mode, bc7_ends *ends)
 			ends->values[e][c] = bc7_take(bits, sizes[c]);
 	for (uint32_t e = 0; e < count && mode->own_p; e++)
 		p[e] = bc7_take(bits, 1);
-	for (uint32_t s = 0; s < mode->subsets && mode->shared_p; s++)
+	for (size_t s = 0; s < mode->subsets && mode->shared_p; s++)
 		p[2 * s] = p[2 * s + 1] = bc7_take(bits, 1);
 	uint32_t extra = mode->own_p | mode->shared_p;
 	for (uint32_t e = 0; e < count; e++)
@@ -167,7 +167,8 @@ void image_block_bc7(const uint8_t block[16], uint8_t texels[16][4])
 	uint32_t color_bits = two && swapped ? mode->second_bits : mode->index_bits;
 	uint32_t alpha_bits = two && !swapped ? mode->second_bits : mode->index_bits;
 	for (uint32_t t = 0; t < 16; t++) {
-		const uint32_t *from = ends.values[2 * partition.subset[t]], *to = ends.values[2 * partition.subset[t] + 1];
+		size_t pair = 2 * (size_t)partition.subset[t];
+		const uint32_t *from = ends.values[pair], *to = ends.values[pair + 1];
 		for (uint32_t c = 0; c < 3; c++)
 			texels[t][c] = bc7_mix(from[c], to[c], color[t], color_bits);
 		texels[t][3] = bc7_mix(from[3], to[3], alpha[t], alpha_bits);

@@ -56,7 +56,7 @@ static void block_words(const uint8_t *block, uint32_t channels, uint16_t *words
 {
 	uint32_t values[16], most = block_values(block, values);
 	for (uint32_t t = 0; t < 16; t++)
-		words[t * channels] = (uint16_t)((2 * 65535 * values[t] + most) / (2 * most));
+		words[(size_t)t * channels] = (uint16_t)((2 * 65535 * values[t] + most) / (2 * most));
 }
 
 void image_block_decode(stilb_image_format format, const uint8_t *block, void *texels)
@@ -90,22 +90,23 @@ void image_block_decode(stilb_image_format format, const uint8_t *block, void *t
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-void image_block_row(const stilb_image *image, uint32_t y, uint32_t first, uint32_t count, void *texels)
+void image_block_row(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t first, uint32_t count,
+                     void *texels)
 {
-	const image_block_format *format = &image_block_formats[image->format];
+	const image_block_format *format = &image_block_formats[shape->format];
 	STILB_ASSERT(format->bytes > 0);
-	STILB_ASSERT(first % 4 == 0 && first + count <= image->width && y < image->height);
+	STILB_ASSERT(first % 4 == 0 && first + count <= shape->width && y < shape->height);
 	size_t texel = format->channels * image_scalar_bytes[image_format_scalars[format->texels]];
 	const uint8_t *block =
-		(const uint8_t *)image->pixels + ((size_t)(y / 4) * ((image->width + 3) / 4) + first / 4) * format->bytes;
+		(const uint8_t *)blocks + ((size_t)(y / 4) * ((shape->width + 3) / 4) + first / 4) * format->bytes;
 	union {
 		uint8_t bytes[16][4];
 		uint16_t words[16][2];
 	} decoded;
 	for (uint32_t x = 0; x < count; x += 4, block += format->bytes) {
 		size_t width = count - x < 4 ? count - x : 4;
-		image_block_decode(image->format, block, &decoded);
-		memcpy((uint8_t *)texels + x * texel, (const uint8_t *)&decoded + y % 4 * 4 * texel, width * texel);
+		image_block_decode(shape->format, block, &decoded);
+		memcpy((uint8_t *)texels + x * texel, (const uint8_t *)&decoded + (size_t)(y % 4) * 4 * texel, width * texel);
 	}
 }
 
@@ -126,6 +127,6 @@ stilb_result stilb_image_decode(const stilb_image *image, stilb_image *texels)
 	if (!blocks)
 		memcpy(texels->pixels, image->pixels, stilb_image_size(image));
 	for (uint32_t y = 0; y < image->height && blocks; y++)
-		image_block_row(image, y, 0, image->width, (uint8_t *)texels->pixels + y * row);
+		image_block_row(image, image->pixels, y, 0, image->width, (uint8_t *)texels->pixels + y * row);
 	return STILB_OK;
 }

@@ -21,8 +21,10 @@ extern const image_block_format image_block_formats[STILB_IMAGE_FORMAT_COUNT]; /
  * specification, rounded to the nearest code, halves up. BC7 is defined in 8 bits and exact. [any-thread] */
 void image_block_decode(stilb_image_format format, const uint8_t *block, void *texels);
 
-/* Decodes row y, texels first .. first + count - 1, where first is a multiple of 4, into [count][channels]. */
-void image_block_row(const stilb_image *image, uint32_t y, uint32_t first, uint32_t count, void *texels);
+/* Decodes row y, texels first .. first + count - 1, where first is a multiple of 4, into [count][channels]. blocks: of
+ * a picture of this shape, whose own pixels are not read. */
+void image_block_row(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t first, uint32_t count,
+                     void *texels);
 
 /* image_bc7.c: red, green, blue and alpha of a block of BC7. */
 void image_block_bc7(const uint8_t block[16], uint8_t texels[16][4]);

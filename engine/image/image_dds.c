@@ -167,8 +167,11 @@ static void dds_read_pixels(dds_input *input, char text[static 200])
 	if (!input->unknown)
 		return;
 	char shown[5] = "none";
-	for (int i = 0; i < 4 && flags & DDS_PIXEL_FOUR_CC; i++)
-		shown[i] = name[i] > ' ' && name[i] < 127 ? (char)name[i] : '?';
+	if (flags & DDS_PIXEL_FOUR_CC)
+		memcpy(shown, name, 4);
+	for (int i = 0; i < 4; i++)
+		if (shown[i] <= ' ' || shown[i] > '~')
+			shown[i] = '?';
 	snprintf(text, 200,
 	         "its pixels have %u bits and the code '%s'; save it as BC1, BC3, BC4, BC5, BC7 or RGBA of 8 bits",
 	         dds_number(input, DDS_PIXEL_BITS), shown);
@@ -275,10 +278,9 @@ static void *dds_decode(const dds_input *input, image_load *load)
 		dds_copy(input, 1, pixels);
 		return pixels;
 	}
-	blocks.pixels = (void *)(uintptr_t)(input->data + input->begin); /* only read */
 	size_t row = stilb_image_size(load->image) / shape.height;
 	for (uint32_t y = 0; y < shape.height; y++)
-		image_block_row(&blocks, y, 0, shape.width, pixels + y * row);
+		image_block_row(&blocks, input->data + input->begin, y, 0, shape.width, pixels + y * row);
 	return pixels;
 }
 

@@ -202,7 +202,7 @@ static void image_blocks_to_light(const stilb_image *image, uint32_t y, float *l
 		uint32_t count = image->width - x < IMAGE_BLOCK_PART ? image->width - x : IMAGE_BLOCK_PART;
 		stilb_image part = {.width = count, .height = 1, .channels = image->channels, .pixels = &texels};
 		part.format = image_block_formats[image->format].texels;
-		image_block_row(image, y, x, count, &texels);
+		image_block_row(image, image->pixels, y, x, count, &texels);
 		image_convert_to_light(&part, 0, (size_t)count * part.channels, light + (size_t)x * part.channels);
 	}
 }
@@ -405,10 +405,10 @@ stilb_result stilb_image_load(const char *path, stilb_image *image)
 	const char *trouble = image_file_read(path, &data, &size);
 	if (trouble)
 		image_message_set(&message, trouble);
-	else if (dds)
-		outcome = image_dds_decode(data, size, &load, &message);
-	else
+	else if (codec)
 		outcome = codec->decode(data, size, image_load_allocate, &load, &message);
+	else
+		outcome = image_dds_decode(data, size, &load, &message);
 	free(data);
 	return image_load_end(&load, outcome, &message);
 }

@@ -1,6 +1,7 @@
 /* Where rays go on after a hit: none is lost in a closed sphere of any size anywhere, none meets the triangle it starts
  * on, shadow rays end at the light and not before; and what a surface says about itself. */
 
+#include "gi/gi_scene_hash.h"
 #include "gi/gi_texture.h"
 #include "gi/light/gi_light_shape.h"
 #include "gi_world_fixture.h"
@@ -352,6 +353,33 @@ static void textures_colour_the_surface(void **state)
 	world_finish(&world);
 }
 
+/* The same codes as colour and as data, and as other channels, are other scenes: no checkpoint of one is another's. */
+static void the_hash_knows_formats(void **state)
+{
+	(void)state;
+	static uint8_t codes[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+	static const stilb_image images[] = {{2, 1, 2, STILB_IMAGE_U8_SRGB, codes, 0},
+	                                     {2, 1, 2, STILB_IMAGE_U8_LINEAR, codes, 0},
+	                                     {2, 1, 1, STILB_IMAGE_U16_SRGB, codes, 0},
+	                                     {2, 1, 1, STILB_IMAGE_F16_LINEAR, codes, 0}};
+	uint64_t hashes[4];
+	for (int i = 0; i < 4; i++) {
+		stilb_scene *scene = world_scene(1, 1, 1);
+		stilb_image image = images[i];
+		world_triangle(&scene->meshes[0], unit_corners);
+		scene->materials[0].diffuse_texture = 1;
+		scene->texture_count = 1;
+		scene->textures = &image;
+		world_fixture world = world_trace(scene, &stilb_gi_embree, 0);
+		hashes[i] = gi_scene_hash(world.gi);
+		for (int k = 0; k < i; k++)
+			assert_true(hashes[k] != hashes[i]);
+		scene->texture_count = 0;
+		scene->textures = NULL;
+		world_finish(&world);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -366,6 +394,7 @@ int main(void)
 		cmocka_unit_test(shading_normals_see_the_viewer),
 		cmocka_unit_test(textures),
 		cmocka_unit_test(textures_colour_the_surface),
+		cmocka_unit_test(the_hash_knows_formats),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -105,6 +105,8 @@ static void formats_and_channels_may_differ(void **state)
 		memcpy(at(&colors, x, 0), at(&light, x, 0), 3 * sizeof(float));
 	out = compared(&colors, &light, NULL, 0.0);
 	assert_true(out.channels == 3 && out.worst == 0.0);
+	out = compared(&light, &colors, NULL, 0.0);
+	assert_true(out.channels == 3 && out.worst == 0.0 && out.above == 0);
 	stilb_image one = codes, two = made(256, 1, 4, STILB_IMAGE_U8_SRGB);
 	memcpy(two.pixels, codes.pixels, 1024);
 	((uint8_t *)two.pixels)[40] += 2;
