@@ -29,7 +29,6 @@
 
 #include "shade_constants.h"
 #include "shade_luminance.h"
-#include "shade_series.h"
 
 #include "glsl_begin.h"
 

@@ -24,9 +24,9 @@
 #ifndef SHADE_LIGHT_CONE_H
 #define SHADE_LIGHT_CONE_H
 
+#include "shade_constants.h"
 #include "shade_frame.h"
 #include "shade_phong.h"
-#include "shade_series.h"
 #include "shade_specular.h"
 
 #include "glsl_begin.h"

@@ -24,7 +24,6 @@
 #define SHADE_PHONG_H
 
 #include "shade_constants.h"
-#include "shade_series.h"
 
 #include "glsl_begin.h"
 

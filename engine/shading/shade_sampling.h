@@ -16,7 +16,6 @@
 
 #include "shade_constants.h"
 #include "shade_frame.h"
-#include "shade_series.h"
 #include "shade_specular.h"
 #include "shade_vmf.h"
 
