@@ -29,6 +29,21 @@ double stilb_numeric_integrate(stilb_numeric_function *f, const void *context, d
 	return sum * half;
 }
 
+void stilb_numeric_points(double low, double high, int panels, stilb_numeric_point *points)
+{
+	STILB_ASSERT(points && panels >= 1);
+	STILB_ASSERT(isfinite(low) && isfinite(high));
+	double half = 0.5 * (high - low) / panels;
+	for (int panel = 0; panel < panels; panel++) {
+		double middle = low + (2 * panel + 1) * half;
+		for (int i = 0; i < 2 * HALF_POINTS; i++) {
+			int k = i < HALF_POINTS ? HALF_POINTS - 1 - i : i - HALF_POINTS;
+			double x = i < HALF_POINTS ? middle - half * nodes[k] : middle + half * nodes[k];
+			*points++ = (stilb_numeric_point){x, half * weights[k]};
+		}
+	}
+}
+
 typedef struct ring {
 	stilb_numeric_direction_function *f;
 	const void *context;

@@ -23,6 +23,14 @@ typedef double stilb_numeric_direction_function(const double direction[3], const
  * 4.6. */
 double stilb_numeric_integrate(stilb_numeric_function *f, const void *context, double low, double high, int panels);
 
+/* A point and what a function's value there counts in the rule above. */
+typedef struct stilb_numeric_point {
+	double x, weight;
+} stilb_numeric_point;
+
+/* The 16 x panels points of the rule above between low and high, in rising order: for several functions at once. */
+void stilb_numeric_points(double low, double high, int panels, stilb_numeric_point *points);
+
 /* Integral of f(w) dw over the directions whose z is in [low, high], within [-1, 1]: [-1, 1] is the sphere, [0, 1] the
  * upper hemisphere. In z the rule above with `panels` >= 1 panels; in the azimuth the rectangle rule with 32 x panels
  * points, exact for harmonics of lower order. */

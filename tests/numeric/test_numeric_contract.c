@@ -1,6 +1,8 @@
 /* The contracts of engine/numeric (what its asserts demand of a caller), each broken on purpose: the program must abort
  * with that assert. */
 #include "numeric/numeric_catalog.h"
+#include "numeric/numeric_dfg.h"
+#include "numeric/numeric_prefilter.h"
 #include "numeric/numeric_quadrature.h"
 #include "numeric/numeric_sh.h"
 #include "numeric/numeric_vmf.h"
@@ -50,6 +52,30 @@ static void albedos(void **state)
 	contract_breaks("shape->anisotropy < 1.0f", stilb_numeric_measure_of(row, &shape));
 }
 
+static void gloss(void **state)
+{
+	(void)state;
+	float values[6] = {0.0f};
+	stilb_image map = {.width = 2, .height = 1, .channels = 3, .format = STILB_IMAGE_F32_LINEAR, .pixels = values};
+	stilb_numeric_prefilter_source source = {.panorama = &map}, both = {.panorama = &map, .faces = &map};
+	stilb_numeric_prefilter_settings good = {.face = 8, .mips = 2}, odd = {.face = 12, .mips = 2},
+									 deep = {8, 5, false, 0};
+	contract_breaks("settings_are_valid", stilb_numeric_prefilter_offset(&odd, 0, 0));
+	contract_breaks("settings_are_valid", stilb_numeric_prefilter_offset(&deep, 0, 0));
+	contract_breaks("face < 6", stilb_numeric_prefilter_offset(&good, 0, 6));
+	contract_breaks("!source->panorama != !source->faces", stilb_numeric_prefilter_key(&both, &good));
+	stilb_vec4 cube[6 * (64 + 16)];
+	stilb_numeric_prefilter *work;
+	assert_int_equal(stilb_numeric_prefilter_create(&source, &good, cube, &work), STILB_OK);
+	contract_breaks("stage < 6", stilb_numeric_prefilter_rows(work, 6));
+	contract_breaks("begin <= end", (stilb_numeric_prefilter_run(work, 0, 1, 0), 0));
+	stilb_numeric_prefilter_destroy(work);
+	contract_breaks("n_dot_v <= 1.0", (stilb_numeric_dfg_of(1.5, 0.5), 0));
+	contract_breaks("side >= 2", (stilb_numeric_dfg_rows(values, 1, 0, 1), 0));
+	stilb_numeric_point points[16];
+	contract_breaks("panels >= 1", (stilb_numeric_points(0.0, 1.0, 0, points), 0));
+}
+
 static void light(void **state)
 {
 	(void)state;
@@ -64,6 +90,7 @@ static void light(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(integrals), cmocka_unit_test(albedos), cmocka_unit_test(light)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(integrals), cmocka_unit_test(albedos), cmocka_unit_test(gloss),
+	                                   cmocka_unit_test(light)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

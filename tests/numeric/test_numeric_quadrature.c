@@ -22,6 +22,23 @@ static void gauss_is_exact_for_polynomials(void **state)
 	}
 }
 
+/* The rule's points, summed by hand, give its integral; they rise from one end to the other. */
+static void points_are_those_of_the_rule(void **state)
+{
+	(void)state;
+	int degree = 31;
+	stilb_numeric_point points[48];
+	stilb_numeric_points(-1.0, 2.0, 3, points);
+	double sum = 0.0, length = 0.0;
+	for (int i = 0; i < 48; i++) {
+		assert_true(points[i].x > (i > 0 ? points[i - 1].x : -1.0) && points[i].x < 2.0);
+		sum += points[i].weight * power_of(points[i].x, &degree);
+		length += points[i].weight;
+	}
+	SHADE_PROOF_NEAR(sum, stilb_numeric_integrate(power_of, &degree, -1.0, 2.0, 3), 1e-13, 0.0);
+	SHADE_PROOF_NEAR(length, 3.0, 1e-14, 0.0);
+}
+
 /* x^2 y^4 z^2 */
 static double monomial(const double w[3], const void *context)
 {
@@ -139,11 +156,9 @@ static void smooth_surfaces_reflect_fresnel(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(gauss_is_exact_for_polynomials),
-		cmocka_unit_test(sphere_is_exact_for_polynomials),
-		cmocka_unit_test(lobes_of_any_width),
-		cmocka_unit_test(albedo_of_every_model),
-		cmocka_unit_test(smooth_surfaces_reflect_fresnel),
+		cmocka_unit_test(gauss_is_exact_for_polynomials),  cmocka_unit_test(points_are_those_of_the_rule),
+		cmocka_unit_test(sphere_is_exact_for_polynomials), cmocka_unit_test(lobes_of_any_width),
+		cmocka_unit_test(albedo_of_every_model),           cmocka_unit_test(smooth_surfaces_reflect_fresnel),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
