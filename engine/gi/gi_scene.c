@@ -359,6 +359,34 @@ static uint32_t surface_read(const stilb_gi_scene *gi, const stilb_scene_materia
 	return surface->unlit || mesh->colored || gi_maps_vary(surface) ? material->surface : 0;
 }
 
+/* True if alpha is 1 all over. */
+static bool is_opaque(const stilb_gi_scene *gi, const stilb_scene_surface *surface, bool colored)
+{
+	uint32_t texture = surface->maps[STILB_SCENE_MAP_COLOR].texture;
+	uint32_t channels = texture > 0 && texture <= gi->texture_count ? gi->textures[texture - 1].channels : 3;
+	bool varies = colored || channels == 2 || channels == 4;
+	float least = surface->alpha == STILB_SCENE_MASK ? surface->cutoff : 1.0f;
+	return surface->alpha == STILB_SCENE_OPAQUE || (!varies && surface->color[3] >= least);
+}
+
+/* gi_part.sieve of a part of this material and mesh. */
+static uint32_t sieve_of(const stilb_gi_scene *gi, const stilb_scene_material *material, bool colored)
+{
+	if (!material->surface)
+		return 0;
+	const stilb_scene_surface *surface = &gi->surfaces[material->surface - 1];
+	return surface->one_sided || !is_opaque(gi, surface, colored) ? material->surface : 0;
+}
+
+/* Decides whether rays go through a part, hidden ones that may be shown again included. */
+static void part_sieve(stilb_gi_scene *gi, gi_part *part, const stilb_scene_material *material)
+{
+	gi_mesh *mesh = &gi->meshes[part->mesh];
+	part->sieve = sieve_of(gi, material, mesh->colored);
+	mesh->sieved |= part->sieve > 0;
+	gi->blends |= part->sieve > 0 && gi->surfaces[part->sieve - 1].alpha == STILB_SCENE_BLEND;
+}
+
 /* Fills in a part whose mesh is there, and counts what it shows. */
 static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t index)
 {
@@ -373,6 +401,8 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	                  .instance = plan->instance,
 	                  .hidden = !plan->shown,
 	                  .to_world = plan->shown || plan->instance ? scene->part_transform[index] : stilb_mat4_identity()};
+	if (plan->shown || plan->instance)
+		part_sieve(gi, part, &gi->materials[scene->part_material[index]]);
 	if (!plan->shown)
 		return;
 	part->material = scene->part_material[index];
@@ -556,6 +586,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 		if (gi->materials[i].surface)
 			material_from_surface(&gi->materials[i], &gi->surfaces[gi->materials[i].surface - 1]);
 	}
+	gi->blends = false;
 	gi->textures = scene->textures;
 	gi->texture_count = scene->texture_count;
 	gi->info = (stilb_gi_scene_info){.isa = gi->info.isa, .bytes = gi->own_bytes};
@@ -647,8 +678,8 @@ static bool part_is_sound(const stilb_gi_scene *gi, const gi_part *part)
 		return false;
 	bool lights = part->first_light == GI_NO_LIGHT ||
 	              (!part->instance && part->first_light + mesh->triangle_count <= gi->lights.emitter_count);
-	return lights && part->surface <= gi->surface_count && part->vertices == mesh->vertices &&
-	       part->extras == mesh->extras && part->triangles == mesh->triangles;
+	return lights && part->surface <= gi->surface_count && part->sieve <= gi->surface_count &&
+	       part->vertices == mesh->vertices && part->extras == mesh->extras && part->triangles == mesh->triangles;
 }
 
 static bool gi_scene_is_sound(const stilb_gi_scene *gi)
@@ -694,6 +725,15 @@ static bool is_same_place(const stilb_mat4 *a, const stilb_mat4 *b)
 	return memcmp(a, b, sizeof *a) == 0;
 }
 
+/* True if rays will go through a part that is there; its mesh is as it was. */
+static bool update_sieve(const stilb_gi_scene *gi, const stilb_scene *scene, uint32_t part)
+{
+	stilb_gi_scene next = {
+		.surfaces = scene->surfaces, .textures = scene->textures, .texture_count = scene->texture_count};
+	const stilb_scene_material *material = &scene->materials[scene->part_material[part]];
+	return sieve_of(&next, material, gi->meshes[gi->parts[part].mesh].colored) > 0;
+}
+
 /* True if all parts keep their meshes, so that these need not be made anew; of a scene that is not movable also if no
  * part has moved. */
 static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
@@ -708,6 +748,8 @@ static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, cons
 		uint32_t source = to->shown || to->instance ? scene->part_mesh[i] : STILB_SCENE_NONE;
 		if (part->mesh != to->mesh || part->instance != to->instance || gi->meshes[to->mesh].source != source)
 			return false;
+		if (source != STILB_SCENE_NONE && update_sieve(gi, scene, i) != (part->sieve > 0))
+			return false; /* trees know which parts rays go through */
 		bool moved = source != STILB_SCENE_NONE && !is_same_place(&part->to_world, &scene->part_transform[i]);
 		if (!gi->movable && moved)
 			return false;

@@ -29,6 +29,7 @@ typedef struct gi_mesh {
 	uint32_t invalid_count; /* triangles left out because a corner is NaN, infinite, too far away or missing */
 	uint32_t source;        /* index in the scene of the mesh that it was made of; STILB_SCENE_NONE: of none */
 	bool colored;           /* the vertices have colours */
+	bool sieved;            /* some part of it has gi_part.sieve */
 	float low[3], high[3];  /* box around its triangles; low > high: there are none */
 } gi_mesh;
 
@@ -40,6 +41,7 @@ typedef struct gi_part {
 	const gi_triangle *triangles;
 	uint32_t mesh, material;
 	uint32_t surface;     /* 1 + the index in surfaces of what is read at each point; 0: the material is all */
+	uint32_t sieve;       /* the same of one that rays may go through: gi_cover.h; 0: rays end at the part */
 	uint32_t first_light; /* of an emitting part: its triangle k is emitter first_light + k; else GI_NO_LIGHT */
 	bool instance;        /* triangles are in the mesh's space, not in the world's; false for all emitting parts */
 	bool hidden;          /* rays do not see it */
@@ -59,6 +61,7 @@ struct stilb_gi_scene {
 	stilb_owner owner; /* the thread that created it */
 	const stilb_gi_intersector *intersector;
 	gi_tracer tracer;
+	bool blends; /* some part lets rays through by chance, so that they need a number: gi_ray.time */
 	uint32_t mesh_count, part_count, material_count, surface_count, texture_count;
 	gi_mesh *meshes;
 	gi_part *parts;

@@ -85,6 +85,8 @@ static void any_place_is_a_texel(void **state)
 		map.nearest = i / 9 % 2;
 		map.to_u[0] = i / 18 % 2 ? 1e6f : 1.0f;
 		stilb_vec4 got = gi_texture_map(&image, &map, (stilb_vec2){hostile[i / 36 % places], hostile[i / 36 / places]});
+		assert_true(gi_texture_alpha(&image, &map, (stilb_vec2){hostile[i / 36 % places], hostile[i / 36 / places]}) ==
+		            got[3]);
 		for (int c = 0; c < 4; c++)
 			assert_true(got[c] >= 0.2499f && got[c] <= 1.0f);
 	}
@@ -115,6 +117,7 @@ static void formats_and_channels(void **state)
 			                  0.0, 3e-4);
 			double alpha = channels == 4 ? rows[i].alpha : channels == 2 ? 0.2 : 1.0;
 			SHADE_PROOF_NEAR(got[3], alpha, 0.0, 3e-4);
+			assert_true(gi_texture_alpha(&image, &map, (stilb_vec2){0.3f, 0.7f}) == got[3]);
 		}
 	SHADE_PROOF_NEAR(gi_texture_map(&(stilb_image){0}, &map, (stilb_vec2){0})[3], 1.0, 0.0, 0.0);
 	for (int code = 0; code < 256; code++)

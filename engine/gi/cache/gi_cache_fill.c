@@ -159,6 +159,9 @@ static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 	const gi_view *view = fill->cache->view;
 	gi_ray_hit ray;
 	gi_camera_ray(&fill->camera, (float)pixel->x + 0.5f, (float)pixel->y + 0.5f, (stilb_vec2){0.5f, 0.5f}, &ray);
+	gi_point point = gi_sampler_point(&view->sampler, pixel->x, pixel->y, 0);
+	if (view->scene->blends)
+		ray.ray.time = gi_sample_2d(&view->sampler, point, GI_DIMENSION_SEEN)[0];
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	if (!gi_is_hit(&ray))
 		return false;

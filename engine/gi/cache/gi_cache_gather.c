@@ -31,7 +31,10 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 		stilb_vec3 local = gi_cache_strata_direction(&cache->strata, first + i, u);
 		stilb_vec3 direction = shade_frame_to_world(frame, local);
 		worker->points[i] = branch;
-		worker->rays[i] = gi_ray_hit_make(origin, direction);
+		float chance = 0.0f;
+		if (view->scene->blends)
+			chance = gi_sample_2d(&view->sampler, branch, GI_DIMENSION_OF(0) + GI_DIMENSION_ROULETTE)[1];
+		worker->rays[i] = gi_ray_hit_make_by(origin, direction, chance);
 		/* A direction may be above the plane of the shading normal but below the triangle's: no light comes from there,
 		 * so the ray is not traced and stays a miss. */
 		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)

@@ -37,7 +37,7 @@ typedef struct cache_scratch {
 
 /* ---- one sample -------------------------------------------------------------------------------------------------- */
 
-static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, stilb_vec3 direction,
+static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, stilb_vec3 direction, float chance,
                         const cache_branch *wanted)
 {
 	STILB_ASSERT(sample < batch->count);
@@ -46,7 +46,7 @@ static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, sti
 	uint32_t i = scratch->branch_count++;
 	scratch->branches[i] = *wanted;
 	scratch->branches[i].target = sample;
-	scratch->rays[i] = gi_ray_hit_make(origin, direction);
+	scratch->rays[i] = gi_ray_hit_make_by(origin, direction, chance);
 	scratch->points[i] = batch->points[sample];
 }
 
@@ -59,7 +59,8 @@ static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *sur
 	if (stilb_vec3_dot(direction, surface->geometric) <= 0.0f)
 		return;
 	cache_branch wanted = {.weight = surface->diffuse};
-	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), direction, &wanted);
+	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), direction,
+	            numbers[GI_DIMENSION_CHANCE], &wanted);
 }
 
 static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
@@ -94,7 +95,8 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = bsdf->frame.n, .pdf = chosen.pdf};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;
-	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), chosen.direction, &wanted);
+	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), chosen.direction,
+	            numbers[GI_DIMENSION_CHANCE], &wanted);
 }
 
 static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,

@@ -1,5 +1,7 @@
 #include "gi/film/gi_primary.h"
 
+#include <string.h>
+
 const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa)
 {
 	STILB_ASSERT(isa < STILB_ISA_COUNT && isa <= stilb_cpu_widest_isa());
@@ -41,6 +43,10 @@ static void primary_places(const gi_primary_kernels *kernels, const gi_view *vie
 	primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_PIXEL, places->x, places->y);
 	if (lens)
 		primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_LENS, places->lens_u, places->lens_v);
+	if (view->scene->blends) {
+		float unused[GI_BATCH];
+		primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_SEEN, places->chance, unused);
+	}
 	if (view->settings.filter != STILB_GI_FILTER_BOX)
 		for (uint32_t i = 0; i < count; i++) {
 			stilb_vec2 offset = gi_filter_offset(view->settings.filter, (stilb_vec2){places->x[i], places->y[i]});
@@ -52,7 +58,7 @@ static void primary_places(const gi_primary_kernels *kernels, const gi_view *vie
 		places->y[i] += (float)samples->y[i];
 	}
 	for (uint32_t i = count; i % 16; i++)
-		places->x[i] = places->y[i] = places->lens_u[i] = places->lens_v[i] = 0.0f;
+		places->x[i] = places->y[i] = places->lens_u[i] = places->lens_v[i] = places->chance[i] = 0.0f;
 }
 
 static void primary_fetch_triangles(const stilb_gi_scene *scene, gi_primary_packet *packet)
@@ -86,6 +92,8 @@ static void primary_hits(const gi_primary_kernels *kernels, const stilb_gi_scene
 	for (uint32_t lane = 0; lane < 16; lane++)
 		valid[lane] = lane < lanes ? -1 : 0;
 	kernels->rays(camera, places, first, &packet->rays);
+	if (scene->blends)
+		memcpy(packet->rays.ray.time, places->chance + first, sizeof packet->rays.ray.time);
 	tracer->intersect16(tracer, valid, &packet->rays);
 	primary_fetch_triangles(scene, packet);
 }

@@ -41,6 +41,7 @@ void gi_primary_trace(const gi_primary_kernels *kernels, const gi_view *view, co
  * the lens. */
 typedef struct gi_primary_places {
 	float x[GI_BATCH], y[GI_BATCH], lens_u[GI_BATCH], lens_v[GI_BATCH];
+	float chance[GI_BATCH]; /* gi_ray.time; of scenes in which something blends, else unset */
 } gi_primary_places;
 
 typedef struct gi_primary_packet {

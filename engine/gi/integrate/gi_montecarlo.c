@@ -42,7 +42,7 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	    !light.delta || stilb_vec3_dot(at->surface.geometric, light.direction) <= 0.0f)
 		return none;
 	stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
-	gi_ray shadow = gi_ray_make(origin, light.direction, light.distance);
+	gi_ray shadow = gi_ray_make_by(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
 	batch->rays_traced++;
 	batch->shadow_rays++;
@@ -68,7 +68,8 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(&at->bsdf, numbers[GI_DIMENSION_LOBE], place, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	gi_ray_hit ray = gi_ray_hit_make(gi_surface_ray_origin(&at->surface, chosen.direction), chosen.direction);
+	gi_ray_hit ray = gi_ray_hit_make_by(gi_surface_ray_origin(&at->surface, chosen.direction), chosen.direction,
+	                                    numbers[GI_DIMENSION_CHANCE]);
 	view->scene->tracer.intersect(&view->scene->tracer, &ray);
 	batch->rays_traced++;
 	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);

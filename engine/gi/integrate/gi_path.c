@@ -128,7 +128,7 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 		return false;
 	path->pdf = next.pdf;
 	path->normal = vertex->bsdf.frame.n;
-	*ray = gi_ray_hit_make(vertex->origin, next.direction);
+	*ray = gi_ray_hit_make_by(vertex->origin, next.direction, numbers[GI_DIMENSION_CHANCE]);
 	return true;
 }
 

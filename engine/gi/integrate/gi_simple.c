@@ -41,7 +41,8 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	gi_bsdf_sample chosen;
 	if (!gi_bsdf_sample_direction(bsdf, numbers[GI_DIMENSION_LOBE], u, &chosen))
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
-	gi_ray_hit ray = gi_ray_hit_make(gi_surface_ray_origin(surface, chosen.direction), chosen.direction);
+	gi_ray_hit ray = gi_ray_hit_make_by(gi_surface_ray_origin(surface, chosen.direction), chosen.direction,
+	                                    numbers[GI_DIMENSION_CHANCE]);
 	gi_surface found;
 	if (!view->settings.no_shadows) {
 		view->scene->tracer.intersect(&view->scene->tracer, &ray);
@@ -126,8 +127,10 @@ static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t 
 	shade_sample chosen = shade_sample_cosine(gi_sample_2d(&view->sampler, branch, dimension));
 	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
 	float distance = view->settings.ao_distance;
-	gi_ray ray =
-		gi_ray_make(gi_surface_ray_origin(surface, direction), direction, distance > 0.0f ? distance : INFINITY);
+	float chance =
+		view->scene->blends ? gi_sample_2d(&view->sampler, branch, dimension + GI_DIMENSION_ROULETTE)[1] : 0.0f;
+	gi_ray ray = gi_ray_make_by(gi_surface_ray_origin(surface, direction), direction,
+	                            distance > 0.0f ? distance : INFINITY, chance);
 	ray.id = i;
 	return ray;
 }
@@ -159,7 +162,7 @@ static float ao_reach(gi_batch *batch, const gi_ray *ray)
 {
 	STILB_ASSERT(batch->view->settings.ao_distance > 0.0f);
 	const gi_tracer *tracer = &batch->view->scene->tracer;
-	gi_ray_hit hit = gi_ray_hit_make(gi_ray_origin(ray), gi_ray_direction(ray));
+	gi_ray_hit hit = gi_ray_hit_make_by(gi_ray_origin(ray), gi_ray_direction(ray), ray->time);
 	hit.ray.t_max = ray->t_max;
 	tracer->intersect(tracer, &hit);
 	batch->rays_traced++;

@@ -14,6 +14,7 @@
 /* Dimensions: first the camera's, then eight for every vertex of the path; vertex 0 is the first hit. */
 #define GI_DIMENSION_PIXEL 0 /* 2 numbers: position in the filter */
 #define GI_DIMENSION_LENS 2  /* 2 numbers: position on the lens */
+#define GI_DIMENSION_SEEN 4  /* 2 numbers, of which the first is the camera ray's own: gi_ray.time */
 #define GI_DIMENSIONS_CAMERA 8
 #define GI_DIMENSIONS_VERTEX 8
 #define GI_DIMENSION_DIRECTION 0 /* 2 numbers: direction of the next ray */
@@ -21,6 +22,7 @@
 #define GI_DIMENSION_CHOICE 4    /* choice of the light */
 #define GI_DIMENSION_LOBE 5      /* choice between diffuse and highlight */
 #define GI_DIMENSION_ROULETTE 6
+#define GI_DIMENSION_CHANCE 7 /* gi_ray.time of the rays that leave the vertex */
 #define GI_DIMENSION_OF(vertex) (GI_DIMENSIONS_CAMERA + GI_DIMENSIONS_VERTEX * (vertex))
 
 struct gi_sampler_kernels;

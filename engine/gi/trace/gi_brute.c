@@ -1,15 +1,18 @@
 /* gi_brute: every ray against every triangle, in double: the reference that Embree is tested against, and the
  * intersector in tests of concurrency, since the thread sanitizer cannot see into Embree. */
 #include "gi/gi_scene_internal.h"
+#include "gi/trace/gi_cover.h"
 
 #include <stdlib.h>
 
 typedef struct brute_triangle {
 	double v0[3], e1[3], e2[3];
+	double side; /* -1 where cross(e1, e2) points to the back: of mirrored instances */
 	uint32_t part, triangle;
 } brute_triangle;
 
 typedef struct brute {
+	const stilb_gi_scene *gi;
 	uint64_t count;
 	brute_triangle triangles[];
 } brute;
@@ -48,6 +51,22 @@ static bool brute_meet(const brute_triangle *triangle, const gi_ray *ray, double
 	       tuv[0] <= (double)ray->t_max;
 }
 
+/* True if the ray, which crosses the triangle at tuv, ends there. */
+static bool brute_ends(const brute *state, const brute_triangle *triangle, const gi_ray *ray, const double tuv[3])
+{
+	if (!state->gi->parts[triangle->part].sieve)
+		return true;
+	double normal[3], direction[3] = {(double)ray->direction[0], (double)ray->direction[1], (double)ray->direction[2]};
+	brute_cross(triangle->e1, triangle->e2, normal);
+	gi_crossing crossing = {.part = triangle->part,
+	                        .triangle = triangle->triangle,
+	                        .u = (float)tuv[1],
+	                        .v = (float)tuv[2],
+	                        .chance = ray->time,
+	                        .front = triangle->side * brute_dot(normal, direction) <= 0.0};
+	return gi_cover_meets(state->gi, &crossing);
+}
+
 static void brute_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 {
 	STILB_ASSERT(!gi_is_hit(ray) && "nothing hit before");
@@ -55,14 +74,14 @@ static void brute_intersect(const gi_tracer *tracer, gi_ray_hit *ray)
 	for (uint64_t i = 0; i < state->count; i++) {
 		const brute_triangle *triangle = &state->triangles[i];
 		double tuv[3], normal[3];
-		if (!brute_meet(triangle, &ray->ray, tuv))
+		if (!brute_meet(triangle, &ray->ray, tuv) || !brute_ends(state, triangle, &ray->ray, tuv))
 			continue;
 		brute_cross(triangle->e1, triangle->e2, normal);
 		ray->ray.t_max = (float)tuv[0];
 		ray->hit.u = (float)tuv[1];
 		ray->hit.v = (float)tuv[2];
 		for (int k = 0; k < 3; k++)
-			ray->hit.normal[k] = (float)normal[k];
+			ray->hit.normal[k] = (float)(triangle->side * normal[k]);
 		ray->hit.part = triangle->part;
 		ray->hit.triangle = triangle->triangle;
 	}
@@ -91,7 +110,7 @@ static bool brute_meets_any(const brute *state, const gi_ray *ray)
 {
 	double tuv[3];
 	for (uint64_t i = 0; i < state->count; i++)
-		if (brute_meet(&state->triangles[i], ray, tuv))
+		if (brute_meet(&state->triangles[i], ray, tuv) && brute_ends(state, &state->triangles[i], ray, tuv))
 			return true;
 	return false;
 }
@@ -132,6 +151,7 @@ static void brute_part(const stilb_gi_scene *gi, uint32_t index, brute *state)
 			triangle->e1[i] = v1[i] - triangle->v0[i];
 			triangle->e2[i] = v2[i] - triangle->v0[i];
 		}
+		triangle->side = part->mirrored ? -1.0 : 1.0;
 		triangle->part = index;
 		triangle->triangle = k;
 	}
@@ -145,6 +165,7 @@ static stilb_result brute_create(const stilb_gi_scene *gi, const stilb_gi_scene_
 	brute *state = stilb_memory_alloc(1, sizeof *state + info->triangles * sizeof *state->triangles);
 	if (!state)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %llu triangles", (unsigned long long)info->triangles);
+	state->gi = gi;
 	state->count = 0;
 	for (uint32_t part = 0; part < gi->part_count; part++)
 		brute_part(gi, part, state);

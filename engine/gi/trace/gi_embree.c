@@ -11,6 +11,7 @@
  */
 #include "gi/trace/gi_embree.h"
 #include "gi/gi_scene_internal.h"
+#include "gi/trace/gi_cover.h"
 #include "gi/trace/gi_embree_team.h"
 #include "gi/trace/gi_packet.h"
 
@@ -29,6 +30,7 @@ typedef struct embree {
 	RTCScene scene;
 	RTCScene *shared; /* [mesh_count] tree of a mesh that instances show, else NULL */
 	uint32_t mesh_count;
+	const stilb_gi_scene *gi;
 	const gi_part *parts;
 	bool *attached; /* [part_count] rays see it: the scene's tree has a geometry of the part's index */
 	uint32_t part_count;
@@ -149,6 +151,37 @@ static void embree_occluded(const gi_tracer *tracer, gi_ray *rays, uint32_t coun
 		rtcOccluded16(valid, state->scene, &context, gi_embree_ray16(&packet));
 		for (uint32_t lane = 0; lane < lanes; lane++)
 			rays[first + lane].t_max = packet.t_max[lane];
+	}
+}
+
+/* Where a member of a ray or a hit is in the rows of N lanes that a filter gets. */
+#define EMBREE_ROW(type, member) (offsetof(type, member) / sizeof(float))
+
+/* Lane i of what a filter gets. All of it is in the space of the mesh, where front and back are as in the world. */
+static gi_crossing embree_crossing(const struct RTCFilterFunctionNArguments *args, uint32_t i)
+{
+	const float *direction = (const float *)args->ray + EMBREE_ROW(gi_ray, direction) * args->N + i;
+	const float *normal = (const float *)args->hit + EMBREE_ROW(gi_hit, normal) * args->N + i;
+	const uint32_t *ids = (const uint32_t *)args->hit + i;
+	uint32_t lanes = args->N, instance = ids[EMBREE_ROW(gi_hit, instance) * lanes];
+	float into = normal[0] * direction[0] + normal[lanes] * direction[lanes] + normal[2 * lanes] * direction[2 * lanes];
+	return (gi_crossing){.part = instance != GI_NO_PART ? instance : ids[EMBREE_ROW(gi_hit, part) * lanes],
+	                     .triangle = ids[EMBREE_ROW(gi_hit, triangle) * lanes],
+	                     .u = ((const float *)args->hit)[EMBREE_ROW(gi_hit, u) * lanes + i],
+	                     .v = ((const float *)args->hit)[EMBREE_ROW(gi_hit, v) * lanes + i],
+	                     .chance = ((const float *)args->ray)[EMBREE_ROW(gi_ray, time) * lanes + i],
+	                     .front = into <= 0.0f};
+}
+
+/* Embree asks it for each triangle of a sieved mesh that a ray crosses. */
+static void embree_filter(const struct RTCFilterFunctionNArguments *args)
+{
+	for (uint32_t i = 0; i < args->N; i++) {
+		if (args->valid[i] != -1)
+			continue;
+		gi_crossing crossing = embree_crossing(args, i);
+		if (!gi_cover_meets(args->geometryUserPtr, &crossing))
+			args->valid[i] = 0;
 	}
 }
 
@@ -376,6 +409,11 @@ static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mes
 	                           sizeof *mesh->vertices, mesh->vertex_count);
 	rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
 	                           sizeof *mesh->triangles, mesh->triangle_count);
+	if (mesh->sieved) {
+		rtcSetGeometryUserData(geometry, (void *)state->gi);
+		rtcSetGeometryIntersectFilterFunction(geometry, embree_filter);
+		rtcSetGeometryOccludedFilterFunction(geometry, embree_filter);
+	}
 	embree_attach(scene, geometry, id);
 }
 
@@ -471,6 +509,7 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 	}
 	*state = (embree){.shared = shared,
 	                  .mesh_count = gi->mesh_count,
+	                  .gi = gi,
 	                  .parts = gi->parts,
 	                  .attached = attached,
 	                  .part_count = gi->part_count,

@@ -40,14 +40,15 @@ static inline stilb_vec3 gi_ray_direction(const gi_ray *ray)
 /* The last four 4-byte words of a gi_ray or of a gi_hit. */
 typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
-/* A ray from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id is 0. */
-static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
+/* A ray from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id is 0. chance: gi_ray.time,
+ * [0, 1). */
+static inline gi_ray gi_ray_make_by(stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
 {
 	stilb_vec4 tail = {length};
 	gi_ray_words words;
 	gi_ray ray;
 	origin[3] = 0.0f;
-	direction[3] = 0.0f;
+	direction[3] = chance;
 	memcpy(&words, &tail, sizeof words);
 	words[1] = -1; /* mask */
 	memcpy((char *)&ray, &origin, sizeof origin);
@@ -56,15 +57,26 @@ static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float 
 	return ray;
 }
 
+/* gi_ray_make_by for scenes in which nothing is half there. */
+static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
+{
+	return gi_ray_make_by(origin, direction, length, 0.0f);
+}
+
 /* A ray from origin to infinity, with room for its nearest hit, which is "none" until it is traced. */
-static inline gi_ray_hit gi_ray_hit_make(stilb_vec3 origin, stilb_vec3 direction)
+static inline gi_ray_hit gi_ray_hit_make_by(stilb_vec3 origin, stilb_vec3 direction, float chance)
 {
 	gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
 	gi_ray_hit ray;
-	ray.ray = gi_ray_make(origin, direction, INFINITY);
+	ray.ray = gi_ray_make_by(origin, direction, INFINITY, chance);
 	memcpy((char *)&ray.hit, &zero, sizeof zero);
 	memcpy((char *)&ray.hit + 16, &nothing, sizeof nothing);
 	return ray;
+}
+
+static inline gi_ray_hit gi_ray_hit_make(stilb_vec3 origin, stilb_vec3 direction)
+{
+	return gi_ray_hit_make_by(origin, direction, 0.0f);
 }
 
 #endif

@@ -27,11 +27,13 @@
 /* The segment origin + t direction, t_min < t <= t_max. direction need not be unit; t counts in its length. */
 typedef struct gi_ray {
 	float origin[3], t_min;
-	float direction[3], time; /* time: 0, nothing moves */
-	float t_max;              /* out: where the hit is; of an occluded shadow ray -infinity */
-	uint32_t mask;            /* all bits set: the ray meets everything */
-	uint32_t id;              /* for the caller, kept as it is */
-	uint32_t flags;           /* 0 */
+	float direction[3];
+	float time;     /* Embree's name: nothing moves. [0, 1), the number by which the ray goes through what is
+	                             half there (gi_cover.h): of the ray's own, if that is to be right on average */
+	float t_max;    /* out: where the hit is; of an occluded shadow ray -infinity */
+	uint32_t mask;  /* all bits set: the ray meets everything */
+	uint32_t id;    /* for the caller, kept as it is */
+	uint32_t flags; /* 0 */
 } __attribute__((aligned(16))) gi_ray;
 
 typedef struct gi_hit {
