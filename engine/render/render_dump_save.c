@@ -74,12 +74,13 @@ static uint32_t save_segment_draws(const render_segment *segment)
 typedef struct save_most {
 	uint32_t mesh, material;
 	uint64_t draws;
+	bool maps; /* some have a surface */
 } save_most;
 
 static void save_find_most(void *user, const render_command *command, const render_row *row, uint64_t state)
 {
-	(void)state;
 	save_most *most = user;
+	most->maps |= (state & RENDER_STATE_MAPS) != 0;
 	most->mesh = row->mesh >= most->mesh ? row->mesh + 1 : most->mesh;
 	most->material = command->material >= most->material ? command->material + 1 : most->material;
 	most->draws++;
@@ -182,6 +183,8 @@ static stilb_result save_find_used(save_job *job)
 {
 	save_most most = {0};
 	save_each_draw(job, save_find_most, &most);
+	if (most.maps)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot dump a frame that shows surfaces; dumps hold none so far");
 	job->header.draws = most.draws;
 	if (!save_table_create(&job->meshes, most.mesh) || !save_table_create(&job->materials, most.material) ||
 	    !save_table_create(&job->textures, STILB_RENDER_MAX_TEXTURES))

@@ -203,13 +203,15 @@ struct stilb_render_context {
 #define RENDER_NO_STATE UINT64_MAX
 
 /* ---- the state of a draw --------------------------------------------------------------------------------------------
- * One number that tells which bindings a draw needs. Bits 0..22: index of its texture, 0 for none. Bit 23: it is an
+ * One number that tells which bindings a draw needs. Bits 0..21: index of its texture, 0 for none. Bit 22: its material
+ * has a surface, and they are the index of its maps. Bit 23: it is an
  * impostor, and the texture has its maps. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
  * has no material. Bit 57: one of these that shows a picture pixel by pixel. Bits 58..60, of a scene pass: what the
  * shaders do with RENDER_DETAIL_SHIFT; at most one of them, none: nothing, and it is 0. Bit 61, of a scene pass: its
- * indices have 32 bits. */
+ * indices have 32 bits. Bit 62, of a scene pass: its vertices have extras, which matter with bit 22 alone. */
 
+#define RENDER_STATE_MAPS UINT64_C(0x400000)
 #define RENDER_STATE_IMPOSTOR UINT64_C(0x800000)
 #define RENDER_STATE_2D (UINT64_C(1) << 56)
 #define RENDER_STATE_PICTURE (UINT64_C(1) << 57)
@@ -217,17 +219,19 @@ struct stilb_render_context {
 #define RENDER_STATE_MORPH (UINT64_C(1) << 59)
 #define RENDER_STATE_SHOW (UINT64_C(1) << 60)
 #define RENDER_STATE_WIDE (UINT64_C(1) << 61)
+#define RENDER_STATE_EXTRAS (UINT64_C(1) << 62)
 #define RENDER_STATE_DETAIL (RENDER_STATE_FADE | RENDER_STATE_MORPH | RENDER_STATE_SHOW)
-#define RENDER_STATE_MESH RENDER_STATE_WIDE /* what depends on the mesh and its level */
+#define RENDER_STATE_MESH (RENDER_STATE_WIDE | RENDER_STATE_EXTRAS) /* what depends on the mesh and its level */
 
 /* The bits RENDER_STATE_MESH of a mesh in full. */
 static inline uint64_t render_state_of_mesh(const render_mesh_slot *slot)
 {
-	static_assert((RENDER_STATE_MESH >> 60) == RENDER_MESH_WIDE, "a shift makes bits of the state of flags");
-	return (uint64_t)(slot->flags & RENDER_MESH_WIDE) << 60;
+	static_assert((RENDER_STATE_MESH >> 60) == (RENDER_MESH_WIDE | RENDER_MESH_EXTRAS),
+	              "a shift makes bits of the state of flags");
+	return (uint64_t)(slot->flags & (RENDER_MESH_WIDE | RENDER_MESH_EXTRAS)) << 60;
 }
 
-/* The same of a level, 0: the mesh in full. */
+/* The bit RENDER_STATE_WIDE of a level, 0: the mesh in full. */
 static inline uint64_t render_state_of_level(const render_levels *levels, uint32_t level)
 {
 	return (uint64_t)(level < levels->wide) * RENDER_STATE_WIDE;
@@ -251,7 +255,14 @@ static inline uint32_t render_material_mask(stilb_render_materials materials)
 /* Index of the texture that a draw with this state needs; 0: none. */
 static inline uint32_t render_state_texture(uint64_t state)
 {
-	return (uint32_t)(state & (RENDER_STATE_IMPOSTOR - 1));
+	return state & RENDER_STATE_MAPS ? 0 : (uint32_t)(state & (RENDER_STATE_MAPS - 1));
+}
+
+/* Index of the maps of a draw whose state has RENDER_STATE_MAPS. */
+static inline uint32_t render_state_maps(uint64_t state)
+{
+	STILB_ASSERT(state & RENDER_STATE_MAPS);
+	return (uint32_t)(state & (RENDER_STATE_MAPS - 1));
 }
 
 /* The bits that the state has of its material's entry in render_resources.materials. */
@@ -306,12 +317,14 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 		return 0;
 	if (from == RENDER_NO_STATE) /* which binds indices, too */
 		return RENDER_BIND_PIPELINE | RENDER_BIND_BUFFERS | RENDER_BIND_MATERIAL;
-	uint32_t from_texture = render_state_texture(from), to_texture = render_state_texture(to);
+	uint32_t from_texture = render_state_entry(from), to_texture = render_state_entry(to);
 	uint32_t binds = to_texture && to_texture != from_texture ? RENDER_BIND_MATERIAL : 0;
-	if (!from_texture != !to_texture ||
-	    ((from ^ to) & (RENDER_STATE_PICTURE | RENDER_STATE_DETAIL | RENDER_STATE_IMPOSTOR)))
-		binds |=
-			RENDER_BIND_PIPELINE; /* pipelines with and without a texture, of pictures, fades and impostors differ */
+	uint64_t kinds = RENDER_STATE_PICTURE | RENDER_STATE_DETAIL | RENDER_STATE_IMPOSTOR | RENDER_STATE_MAPS;
+	/* Pipelines with and without a texture, of pictures, fades, impostors and surfaces differ. */
+	if (!from_texture != !to_texture || ((from ^ to) & kinds))
+		binds |= RENDER_BIND_PIPELINE;
+	if (to & RENDER_STATE_MAPS && (from ^ to) & RENDER_STATE_EXTRAS)
+		binds |= RENDER_BIND_PIPELINE;
 	if ((from ^ to) & RENDER_STATE_WIDE)
 		binds |= RENDER_BIND_INDICES;
 	if (render_state_material(from) != render_state_material(to))
@@ -363,6 +376,7 @@ typedef struct render_scene_texture {
 	stilb_render_texture texture;
 	uint32_t width, height;
 	stilb_image_format format;
+	bool mapped, mips;   /* a surface has named it; so it was made with mips */
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
@@ -389,6 +403,8 @@ void render_scene_finish(render_scene *scene);
 void render_scene_destroy(stilb_render *render, render_scene *tables);
 /* Makes the tables as long as the scene's. */
 stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene);
+/* Textures that surfaces name get mips when they are made. */
+void render_scene_mark(render_scene *tables, const stilb_scene *scene);
 /* Replaces a mesh; one without vertices is no mesh. On failure the one before stays. */
 stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 /* A part may not name a mesh that was removed. */
@@ -466,6 +482,13 @@ void render_draw_clusters(stilb_render_context *context, uint64_t key, stilb_ren
 
 /* Joins the runs of a recorded pass in replay order, and sorts them if the pass asks for it. */
 stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, render_pass_lists *lists);
+
+/* Claims count commands behind the frame's commands; *first is the index of the first. */
+stilb_result render_sort_claim(stilb_render *render, uint32_t count, uint32_t *first);
+
+/* Moves the draws of an ordered pass that blend behind the others, from the farthest to the nearest as the view sees
+ * the middle of their meshes. */
+stilb_result render_blend_order(stilb_render *render, const stilb_render_view *view, render_pass_lists *lists);
 
 /* Replaces a pass's runs by runs in ascending order of key; stable. */
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists);

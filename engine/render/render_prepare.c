@@ -83,6 +83,8 @@ static stilb_result prepare_fill(prepare *p)
 {
 	const stilb_scene *scene = p->scene;
 	stilb_result result = render_scene_fit(p->tables, scene);
+	if (result == STILB_OK)
+		render_scene_mark(p->tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
 		result = render_scene_mesh(p->render, p->tables, scene, i);
 		p->made += prepare_mesh_bytes(p->render, &scene->meshes[i]);
@@ -117,7 +119,7 @@ stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene 
 	if (!prepared)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
 	prepare p = {.render = render, .scene = scene, .tables = &prepared->tables, .pace = pace, .user = user};
-	uint32_t more[RENDER_HEAPS];
+	uint32_t more[RENDER_HEAPS] = {0};
 	p.total = prepare_count(render, scene, more);
 	render_resources_expect(&render->resources, more);
 	stilb_result result = prepare_fill(&p);

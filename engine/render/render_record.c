@@ -435,7 +435,7 @@ void render_draw_level(stilb_render_context *context, uint64_t key, stilb_render
 	STILB_ASSERT(!moves || (levels && levels->morphs && level < levels->count));
 	if (levels) {
 		what.level = &render_levels_level(levels)[moves ? levels->count + 1 + level : level];
-		what.state = render_state_of_level(levels, level);
+		what.state = (what.state & RENDER_STATE_EXTRAS) | render_state_of_level(levels, level);
 	}
 	record_put_by_hand(context, what, transform, render_state_of_detail(kind));
 }
@@ -610,7 +610,7 @@ typedef struct record_pass_view {
 static inline void record_set_state(const render_levels *levels, uint32_t level, record_what *what)
 {
 	if (__builtin_expect((what->state & RENDER_STATE_WIDE) != 0, 0))
-		what->state = render_state_of_level(levels, level);
+		what->state = (what->state & RENDER_STATE_EXTRAS) | render_state_of_level(levels, level);
 }
 
 static inline void record_set_level(const render_levels *levels, uint32_t level, record_what *what)

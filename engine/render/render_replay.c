@@ -282,7 +282,8 @@ static stilb_result replay_update_panorama(stilb_render *render, const stilb_ren
 
 /* Orders the draws of every pass, and the passes themselves. All of it before the device gets the first pass, because
  * sorting may move the memory that holds the commands. */
-static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count)
+static stilb_result replay_order_passes(stilb_render *render, const stilb_render_pass *passes, uint32_t count,
+                                        const stilb_render_view *views)
 {
 	PROFILE("order");
 	const stilb_render_pass *pass = NULL;
@@ -290,6 +291,8 @@ static stilb_result replay_order_passes(stilb_render *render, const stilb_render
 	while (result == STILB_OK && (pass = replay_next_pass(passes, count, pass))) {
 		uint32_t index = (uint32_t)(pass - passes);
 		result = render_order(render, pass, &render->passes[index]);
+		if (result == STILB_OK && pass->kind == STILB_RENDER_PASS_SCENE && !render_view_is_depth(&views[pass->view]))
+			result = render_blend_order(render, &views[pass->view], &render->passes[index]);
 		if (result == STILB_OK)
 			render->replayed[render->replayed_count++] = index;
 	}
@@ -328,7 +331,7 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	if (result == STILB_OK)
 		result = render_memory_place(render);
 	if (result == STILB_OK)
-		result = replay_order_passes(render, passes, pass_count);
+		result = replay_order_passes(render, passes, pass_count, views);
 	bool updated = result == STILB_OK;
 	if (updated)
 		result = render_resources_update(render);
@@ -369,6 +372,10 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 	hash = stilb_hash_fnv1a64(hash, ids, sizeof ids);
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	hash = stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
+	if (state & RENDER_STATE_MAPS) {
+		uint64_t maps[2] = {resources->maps[render_state_maps(state)].hash, state & RENDER_STATE_EXTRAS};
+		hash = stilb_hash_fnv1a64(hash, maps, sizeof maps);
+	}
 	if (state & RENDER_STATE_WIDE && render_levels_have_clusters(resources->levels[row->mesh])) {
 		uint32_t from = command->first_index - resources->meshes[row->mesh].first_index;
 		hash = stilb_hash_fnv1a64(hash, &from, sizeof from);

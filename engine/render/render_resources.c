@@ -170,18 +170,26 @@ static uint32_t handle_make(uint32_t generation, uint32_t index)
 	return generation << RENDER_GENERATION_SHIFT | index;
 }
 
-/* Makes space in the list of retired resources for one resource more than there are, so that destroying it cannot fail.
- * False: no memory. */
-static bool resource_reserve(render_resources *resources)
+/* Makes space in the list of retired resources for `more` resources more than there are, so that destroying them cannot
+ * fail. False: no memory. */
+static bool resource_reserve(render_resources *resources, uint32_t more)
 {
 	STILB_ASSERT_LOCKED(&resources->lock);
-	return render_reserve((void **)&resources->retired, &resources->retired_capacity, resources->live + 1,
+	return render_reserve((void **)&resources->retired, &resources->retired_capacity, resources->live + more,
 	                      sizeof *resources->retired);
+}
+
+static void resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
+	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
+	resources->retired_now += kind == RENDER_RESOURCE_MESH || kind == RENDER_RESOURCE_TEXTURE;
 }
 
 static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
 {
-	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh", "texture", "material"};
+	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh", "texture", "material", "surface"};
 	STILB_ASSERT_LOCKED(&resources->lock);
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t most = indices->capacity - (kind == RENDER_RESOURCE_TEXTURE); /* index 0 is no texture */
@@ -203,6 +211,8 @@ static void *table_reserve(size_t size)
 #define TABLE_MESHES (STILB_RENDER_MAX_MESHES * sizeof(render_mesh_slot))
 #define TABLE_LEVELS (STILB_RENDER_MAX_MESHES * sizeof(render_levels *))
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
+#define TABLE_CENTERS (STILB_RENDER_MAX_MESHES * 3 * sizeof(float))
+#define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed)
@@ -213,20 +223,26 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 		.levels = table_reserve(TABLE_LEVELS),
 		.materials = table_reserve(TABLE_MATERIALS),
 		.textures = table_reserve(TABLE_TEXTURES),
+		.maps = table_reserve(TABLE_MAPS),
+		.centers = table_reserve(TABLE_CENTERS),
 		.layout = layout,
 		.indices = {[RENDER_RESOURCE_MESH] = {.capacity = STILB_RENDER_MAX_MESHES},
 	                [RENDER_RESOURCE_TEXTURE] = {.next_unused = 1, .capacity = STILB_RENDER_MAX_TEXTURES}, /* 0: none */
-	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS}},
+	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS},
+	                [RENDER_RESOURCE_MAPS] = {.capacity = RENDER_MAX_MAPS}},
 		.heaps = {[RENDER_HEAP_VERTICES] = {.element = layout.size},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
-	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)}},
+	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)},
+	              [RENDER_HEAP_MAPS] = {.element = sizeof(render_maps_record)},
+	              [RENDER_HEAP_EXTRAS] = {.element = sizeof(render_extra)},
+	              [RENDER_HEAP_EXTRA_PLACES] = {.element = sizeof(render_extra_place)}},
 	};
 	resources->lock_made = stilb_lock_init(&resources->lock);
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
-	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures ||
-	    !resources->lock_made || (keep_pictures && !resources->pictures))
+	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
+	    !resources->centers || !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -237,6 +253,13 @@ static void table_free(void *table, size_t size)
 		munmap(table, size);
 }
 
+static void upload_finish(render_texture_upload *upload)
+{
+	stilb_image_finish(&upload->image);
+	free(upload->mips);
+	upload->mips = NULL;
+}
+
 void render_resources_destroy(render_resources *resources)
 {
 	for (uint32_t m = 0; resources->levels && m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++)
@@ -245,6 +268,8 @@ void render_resources_destroy(render_resources *resources)
 	table_free(resources->levels, TABLE_LEVELS);
 	table_free(resources->materials, TABLE_MATERIALS);
 	table_free(resources->textures, TABLE_TEXTURES);
+	table_free(resources->maps, TABLE_MAPS);
+	table_free(resources->centers, TABLE_CENTERS);
 	for (int h = 0; h < RENDER_HEAPS; h++) {
 		free(resources->heaps[h].data);
 		free(resources->heaps[h].free.items);
@@ -253,7 +278,7 @@ void render_resources_destroy(render_resources *resources)
 	for (int k = 0; k < RENDER_RESOURCE_KINDS; k++)
 		free(resources->indices[k].free);
 	for (uint32_t u = 0; u < resources->upload_count; u++)
-		stilb_image_finish(&resources->uploads[u].image);
+		upload_finish(&resources->uploads[u]);
 	free(resources->uploads);
 	for (uint32_t t = 0; resources->pictures && t < STILB_RENDER_MAX_TEXTURES; t++)
 		stilb_image_finish(&resources->pictures[t]);
@@ -318,12 +343,22 @@ static bool mesh_take(render_resources *resources, mesh_ranges *ranges)
 	return true;
 }
 
+/* The range of its extras. */
+static render_range mesh_extras(const render_resources *resources, uint32_t index)
+{
+	const render_mesh_slot *mesh = &resources->meshes[index];
+	if (!(mesh->flags & RENDER_MESH_EXTRAS))
+		return (render_range){0};
+	const render_extra_place *places = (const render_extra_place *)resources->heaps[RENDER_HEAP_EXTRA_PLACES].data;
+	return (render_range){places[index].extra_pairs & ~RENDER_EXTRA_PAIRS, mesh->vertex_count};
+}
+
 /* The ranges of a mesh that exists. */
 static mesh_ranges mesh_ranges_of(const render_resources *resources, uint32_t index)
 {
 	const render_mesh_slot *mesh = &resources->meshes[index];
 	const render_levels *levels = resources->levels[index];
-	mesh_ranges ranges = {0};
+	mesh_ranges ranges = {.heap = {[RENDER_HEAP_EXTRAS] = mesh_extras(resources, index)}};
 	if (levels) {
 		ranges.heap[RENDER_HEAP_VERTICES] = (render_range){levels->first_vertex, levels->heap_vertices};
 		for (int narrow = 0; narrow < 2; narrow++)
@@ -392,6 +427,48 @@ static bool mesh_place(render_resources *resources, const stilb_scene_mesh *mesh
 	return true;
 }
 
+/* Makes room for the extras of a mesh that gets this index, if it has some. False: no memory. */
+static bool mesh_take_extras(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t index,
+                             mesh_ranges *ranges)
+{
+	render_heap *places = &resources->heaps[RENDER_HEAP_EXTRA_PLACES];
+	*ranges = (mesh_ranges){0};
+	if (!mesh->extras)
+		return true;
+	ranges->heap[RENDER_HEAP_EXTRAS].count = mesh->vertex_count;
+	return heap_extend(places, (uint64_t)index + 1) && render_ranges_add(&places->dirty, (render_range){index, 1}) &&
+	       mesh_take(resources, ranges);
+}
+
+/* Puts them there. vertex, pairs: where the mesh's vertices begin, and whether they lie in pairs. */
+static void mesh_put_extras(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t index,
+                            const mesh_ranges *ranges, uint32_t vertex, bool pairs)
+{
+	render_range range = ranges->heap[RENDER_HEAP_EXTRAS];
+	if (range.count == 0)
+		return;
+	render_extra *extras = (render_extra *)resources->heaps[RENDER_HEAP_EXTRAS].data;
+	render_extra_place *places = (render_extra_place *)resources->heaps[RENDER_HEAP_EXTRA_PLACES].data;
+	render_extras_pack(mesh->extras, range.count, extras + range.first);
+	places[index] =
+		(render_extra_place){.vertex = vertex, .extra_pairs = range.first | (pairs ? RENDER_EXTRA_PAIRS : 0)};
+}
+
+static void mesh_find_center(const stilb_scene_mesh *mesh, float center[3])
+{
+	float low[3], high[3];
+	memcpy(low, mesh->vertices[0].position, sizeof low);
+	memcpy(high, low, sizeof high);
+	for (uint32_t v = 1; v < mesh->vertex_count; v++)
+		for (int c = 0; c < 3; c++) {
+			float x = mesh->vertices[v].position[c];
+			low[c] = x < low[c] ? x : low[c];
+			high[c] = x > high[c] ? x : high[c];
+		}
+	for (int c = 0; c < 3; c++)
+		center[c] = 0.5f * low[c] + 0.5f * high[c];
+}
+
 /* data: of a mesh with levels, which it takes over, else NULL. False: no memory or no id; then nothing has changed. */
 static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, const render_levels_data *data,
                      uint32_t *handle)
@@ -399,16 +476,24 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t index;
 	render_level full;
-	if (!resource_reserve(resources) || !index_take(ids, &index))
+	mesh_ranges extras;
+	if (!resource_reserve(resources, 1) || !index_take(ids, &index))
 		return false;
+	if (!mesh_take_extras(resources, mesh, index, &extras)) {
+		index_give_back(ids, index);
+		return false;
+	}
 	if (data ? !mesh_place_levels(resources, data) : !mesh_place(resources, mesh, &full)) {
+		mesh_give_back(resources, &extras);
 		index_give_back(ids, index);
 		return false;
 	}
 	if (data)
 		full = *render_levels_level(data->levels);
+	mesh_put_extras(resources, mesh, index, &extras, (uint32_t)full.vertex_offset, data && data->levels->morphs);
 	bool wide = data ? data->levels->wide > 0 : mesh->vertex_count > RENDER_NARROW_VERTICES;
 	resources->levels[index] = data ? data->levels : NULL;
+	mesh_find_center(mesh, resources->centers[index]);
 	render_mesh_slot *slot = &resources->meshes[index];
 	*slot = (render_mesh_slot){
 		.first_index = full.first_index,
@@ -418,7 +503,8 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 		.vertex_count = mesh->vertex_count,
 		.generation = slot->generation ? slot->generation : 1,
 		.name = index,
-		.flags = (data ? RENDER_MESH_LEVELS : 0) | (wide ? RENDER_MESH_WIDE : 0),
+		.flags =
+			(data ? RENDER_MESH_LEVELS : 0) | (wide ? RENDER_MESH_WIDE : 0) | (mesh->extras ? RENDER_MESH_EXTRAS : 0),
 	};
 	resources->live++;
 	*handle = handle_make(slot->generation, index);
@@ -536,10 +622,38 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 	return result;
 }
 
-/* Takes an index and queues the pixels. False: no memory or no id; then nothing has changed. */
-static bool texture_add(render_resources *resources, stilb_image image, bool patient, uint32_t *index)
+/* A texture's pixels as the device takes them. */
+typedef struct texture_pixels {
+	stilb_image image;
+	void *mips; /* NULL: none */
+} texture_pixels;
+
+static void texture_pixels_finish(texture_pixels *pixels)
 {
-	if (!resource_reserve(resources) ||
+	stilb_image_finish(&pixels->image);
+	free(pixels->mips);
+}
+
+/* mips: it shall have some, if it has more than one texel. */
+static stilb_result texture_pixels_make(const stilb_image *image, bool mips, texture_pixels *pixels)
+{
+	size_t bytes = 0;
+	*pixels = (texture_pixels){0};
+	stilb_result result = texture_convert(image, &pixels->image);
+	if (result != STILB_OK || !mips)
+		return result;
+	pixels->mips = render_mips_make(&pixels->image, &bytes);
+	if (pixels->mips || bytes == 0)
+		return STILB_OK;
+	texture_pixels_finish(pixels);
+	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the mips of a texture of %ux%u pixels", image->width,
+	                  image->height);
+}
+
+/* Takes an index and queues the pixels. False: no memory or no id; then nothing has changed. */
+static bool texture_add(render_resources *resources, texture_pixels pixels, bool patient, uint32_t *index)
+{
+	if (!resource_reserve(resources, 1) ||
 	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                    sizeof *resources->uploads) ||
 	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], index))
@@ -548,7 +662,7 @@ static bool texture_add(render_resources *resources, stilb_image image, bool pat
 	uint32_t *generation = &resources->textures[*index];
 	*generation = *generation ? *generation : 1;
 	resources->uploads[resources->upload_count++] =
-		(render_texture_upload){.texture = *index, .image = image, .patient = patient};
+		(render_texture_upload){.texture = *index, .image = pixels.image, .mips = pixels.mips, .patient = patient};
 	return true;
 }
 
@@ -575,34 +689,36 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 {
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
-	stilb_image converted;
-	stilb_result result = texture_convert(image, &converted);
+	texture_pixels pixels;
+	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture_is_valid(resources, texture.id));
 	render_texture_upload *queued = texture_queued(resources, index);
 	if (queued) {
-		stilb_image_finish(&queued->image);
-		queued->image = converted;
+		upload_finish(queued);
+		queued->image = pixels.image;
+		queued->mips = pixels.mips;
 		queued->rows = 0;
 	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                          sizeof *resources->uploads)) {
-		resources->uploads[resources->upload_count++] = (render_texture_upload){.texture = index, .image = converted};
+		resources->uploads[resources->upload_count++] =
+			(render_texture_upload){.texture = index, .image = pixels.image, .mips = pixels.mips};
 	} else {
-		stilb_image_finish(&converted);
+		texture_pixels_finish(&pixels);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
 	}
 	stilb_lock_give(&resources->lock);
 	return result;
 }
 
-static stilb_result texture_create(stilb_render *render, const stilb_image *image, bool patient,
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
                                    stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
 	render_resources *resources = &render->resources;
-	stilb_image converted;
+	texture_pixels pixels;
 	uint32_t index;
 	*out = (stilb_render_texture){0};
 	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
@@ -615,14 +731,14 @@ static stilb_result texture_create(stilb_render *render, const stilb_image *imag
 	uint32_t side = render->device->gpu->faults.image_side;
 	if (side > 0 && (image->width > side || image->height > side))
 		return render_texture_too_large(render->device, side, side, image);
-	stilb_result result = texture_convert(image, &converted);
+	stilb_result result = texture_pixels_make(image, mips, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, converted, patient, &index))
+	if (!texture_add(resources, pixels, patient, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
-		result = render_device_texture_create(render->device, index, &converted);
+		result = render_device_texture_create(render->device, index, &pixels.image, pixels.mips);
 		if (result == STILB_OK)
 			out->id = handle_make(resources->textures[index], index);
 		else
@@ -630,50 +746,110 @@ static stilb_result texture_create(stilb_render *render, const stilb_image *imag
 	}
 	stilb_lock_give(&resources->lock);
 	if (result != STILB_OK)
-		stilb_image_finish(&converted);
+		texture_pixels_finish(&pixels);
 	return result;
 }
 
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
 {
-	return texture_create(render, image, false, out);
+	return render_texture_create(render, image, false, false, out);
 }
 
-stilb_result render_texture_create_patient(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
+/* ---- maps of materials ------------------------------------------------------------------------------------------- */
+
+/* Puts maps at an index that is taken, whose record's range is in the list of what has changed. */
+static stilb_result maps_put(stilb_render *render, uint32_t index, const render_maps *maps)
 {
-	return texture_create(render, image, true, out);
+	render_resources *resources = &render->resources;
+	stilb_result result = render_device_maps_set(render->device, index, maps);
+	if (result != STILB_OK)
+		return result;
+	((render_maps_record *)resources->heaps[RENDER_HEAP_MAPS].data)[index] = maps->record;
+	render_maps_slot *slot = &resources->maps[index];
+	slot->hash = render_maps_hash(maps);
+	slot->bits = maps->bits;
+	memcpy(slot->textures, maps->textures, sizeof slot->textures);
+	memcpy(slot->samplers, maps->samplers, sizeof slot->samplers);
+	return STILB_OK;
+}
+
+static stilb_result maps_add(stilb_render *render, const render_maps *maps, uint32_t *index)
+{
+	render_resources *resources = &render->resources;
+	render_heap *heap = &resources->heaps[RENDER_HEAP_MAPS];
+	render_indices *ids = &resources->indices[RENDER_RESOURCE_MAPS];
+	STILB_ASSERT_LOCKED(&resources->lock);
+	if (!resource_reserve(resources, 2) || !index_take(ids, index))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the surface of a material, of which %u can have one",
+		                  RENDER_MAX_MAPS);
+	stilb_result result = STILB_OK;
+	if (!heap_extend(heap, (uint64_t)*index + 1) || !render_ranges_add(&heap->dirty, (render_range){*index, 1}))
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the surface of a material");
+	if (result == STILB_OK)
+		result = maps_put(render, *index, maps);
+	if (result != STILB_OK)
+		index_give_back(ids, *index);
+	else
+		resources->live++;
+	return result;
+}
+
+static stilb_result maps_set(stilb_render *render, uint32_t index, const render_maps *maps)
+{
+	render_resources *resources = &render->resources;
+	STILB_ASSERT_LOCKED(&resources->lock);
+	if (!render_ranges_add(&resources->heaps[RENDER_HEAP_MAPS].dirty, (render_range){index, 1}))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed surfaces");
+	return maps_put(render, index, maps);
+}
+
+static void maps_release(stilb_render *render, uint32_t index)
+{
+	STILB_ASSERT_LOCKED(&render->resources.lock);
+	render_device_maps_drop(render->device, index);
+	render->resources.maps[index] = (render_maps_slot){0};
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
-static render_material material_make(const stilb_scene_material *material, uint32_t name)
+/* Index of the maps of a material with this entry; without maps 0. */
+static uint32_t material_maps(uint32_t entry)
 {
-	render_material out = {
-		.roughness = material->roughness, .anisotropy = material->anisotropy, .wrap = material->wrap, .name = name};
+	return entry & RENDER_STATE_MAPS ? entry & (RENDER_STATE_MAPS - 1) : 0;
+}
+
+/* entry: as of material_add. */
+static render_material material_make(const stilb_scene_material *material, uint32_t name, uint32_t entry)
+{
+	render_material out = {.roughness = material->roughness,
+	                       .anisotropy = material->anisotropy,
+	                       .wrap = material->wrap,
+	                       .name = name,
+	                       .maps = material_maps(entry)};
 	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
 	memcpy(out.specular, material->specular, sizeof out.specular);
 	memcpy(out.emission, material->emission, sizeof out.emission);
 	return out;
 }
 
-/* texture: index, 0: none, and further bits of its draws' state. False: no memory or no id; then nothing has
+/* entry: of render_resources.materials, without the generation. False: no memory or no id; then nothing has
  * changed. */
-static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t texture,
+static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t entry,
                          uint32_t *handle)
 {
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
 	uint32_t index;
-	if (!resource_reserve(resources) || !index_take(ids, &index))
+	if (!resource_reserve(resources, 1) || !index_take(ids, &index))
 		return false;
 	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
 		index_give_back(ids, index);
 		return false;
 	}
-	((render_material *)heap->data)[index] = material_make(material, index);
+	((render_material *)heap->data)[index] = material_make(material, index, entry);
 	uint32_t generation = resources->materials[index] >> RENDER_GENERATION_SHIFT;
 	generation = generation ? generation : 1;
-	resources->materials[index] = handle_make(generation, texture);
+	resources->materials[index] = handle_make(generation, entry);
 	resources->live++;
 	*handle = handle_make(generation, index);
 	return true;
@@ -709,6 +885,23 @@ stilb_result render_material_create_impostor(stilb_render *render, const stilb_s
 	return material_create(render, material, texture, RENDER_STATE_IMPOSTOR, out);
 }
 
+stilb_result render_material_create_maps(stilb_render *render, const stilb_scene_material *material,
+                                         const render_maps *maps, stilb_render_material *out)
+{
+	STILB_ASSERT(material && maps && out);
+	render_resources *resources = &render->resources;
+	uint32_t index = 0;
+	*out = (stilb_render_material){0};
+	stilb_lock_take(&resources->lock);
+	stilb_result result = maps_add(render, maps, &index);
+	if (result == STILB_OK && !material_add(resources, material, index | RENDER_STATE_MAPS, &out->id)) {
+		resource_retire(resources, RENDER_RESOURCE_MAPS, index); /* no frame has them, but may not free them now */
+		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+	}
+	stilb_lock_give(&resources->lock);
+	return result;
+}
+
 void render_material_name(stilb_render *render, stilb_render_material material, uint32_t name)
 {
 	render_resources *resources = &render->resources;
@@ -717,34 +910,45 @@ void render_material_name(stilb_render *render, stilb_render_material material, 
 	stilb_lock_give(&resources->lock);
 }
 
+/* Writes a material's record and entry; the range is in the list of what has changed. */
+static void material_put(render_resources *resources, uint32_t index, const stilb_scene_material *from, uint32_t entry)
+{
+	render_material *to = (render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data + index;
+	uint32_t *now = &resources->materials[index], old = *now & RENDER_INDEX_MASK;
+	*to = material_make(from, to->name, entry);
+	*now = handle_make(*now >> RENDER_GENERATION_SHIFT, entry);
+	if (old & RENDER_STATE_MAPS && !(entry & RENDER_STATE_MAPS))
+		resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps(old));
+}
+
+stilb_result render_material_write_maps(stilb_render *render, stilb_render_material material,
+                                        const stilb_scene_material *from, stilb_render_texture texture,
+                                        const render_maps *maps)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index = material.id & RENDER_INDEX_MASK, now = resources->materials[index];
+	uint32_t entry = texture.id & RENDER_INDEX_MASK, made = material_maps(now);
+	STILB_ASSERT(now >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
+	stilb_lock_take(&resources->lock);
+	STILB_ASSERT(texture.id == 0 || (texture_is_valid(resources, texture.id) && !maps));
+	stilb_result result = STILB_OK;
+	if (!render_ranges_add(&resources->heaps[RENDER_HEAP_MATERIALS].dirty, (render_range){index, 1}))
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed materials");
+	else if (maps)
+		result = now & RENDER_STATE_MAPS ? maps_set(render, made, maps) : maps_add(render, maps, &made);
+	if (result == STILB_OK)
+		material_put(resources, index, from, maps ? made | RENDER_STATE_MAPS : entry);
+	stilb_lock_give(&resources->lock);
+	return result;
+}
+
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture)
 {
-	render_resources *resources = &render->resources;
-	uint32_t index = material.id & RENDER_INDEX_MASK, *entry = &resources->materials[index];
-	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
-	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
-	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
-	bool listed = render_ranges_add(&heap->dirty, (render_range){index, 1});
-	if (listed) {
-		render_material *to = (render_material *)heap->data + index;
-		*to = material_make(from, to->name);
-		*entry = handle_make(*entry >> RENDER_GENERATION_SHIFT, texture.id & RENDER_INDEX_MASK);
-	}
-	stilb_lock_give(&resources->lock);
-	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed materials");
+	return render_material_write_maps(render, material, from, texture, NULL);
 }
 
 /* ---- destruction ------------------------------------------------------------------------------------------------- */
-
-static void resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
-{
-	STILB_ASSERT_LOCKED(&resources->lock);
-	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
-	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
-	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
-}
 
 static void mesh_retire(render_resources *resources, uint32_t handle)
 {
@@ -761,6 +965,8 @@ static void material_retire(render_resources *resources, uint32_t handle)
 	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT && "a material that exists");
 	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
 	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
+	if (*entry & RENDER_STATE_MAPS)
+		resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps(*entry));
 	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
 }
 
@@ -807,7 +1013,7 @@ static void upload_forget(render_resources *resources, uint32_t texture)
 	uint32_t kept = 0;
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		if (resources->uploads[u].texture == texture)
-			stilb_image_finish(&resources->uploads[u].image);
+			upload_finish(&resources->uploads[u]);
 		else
 			resources->uploads[kept++] = resources->uploads[u];
 	}
@@ -829,6 +1035,8 @@ static void resource_release(stilb_render *render, render_retired retired)
 		render_device_texture_destroy(render->device, retired.index);
 		if (resources->pictures)
 			stilb_image_finish(&resources->pictures[retired.index]);
+	} else if (retired.kind == RENDER_RESOURCE_MAPS) {
+		maps_release(render, retired.index);
 	}
 	index_give_back(&resources->indices[retired.kind], retired.index);
 	resources->live--;
@@ -858,7 +1066,7 @@ void render_resources_frame(stilb_render *render)
 		render_retired retired = resources->retired[i];
 		bool due = retired.frame + STILB_GPU_FRAMES <= frame && released < limit;
 		if (due) {
-			released += retired.kind != RENDER_RESOURCE_MATERIAL;
+			released += retired.kind == RENDER_RESOURCE_MESH || retired.kind == RENDER_RESOURCE_TEXTURE;
 			resource_release(render, retired);
 		} else {
 			resources->retired[kept++] = retired;
@@ -911,7 +1119,10 @@ static void uploads_sent(render_resources *resources)
 		upload->rows = upload->sent > upload->rows ? upload->sent : upload->rows;
 		if (upload->rows < upload->image.height) {
 			resources->uploads[kept++] = *upload;
-		} else if (resources->pictures) {
+			continue;
+		}
+		free(upload->mips);
+		if (resources->pictures) {
 			stilb_image_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
 			resources->pictures[upload->texture] = upload->image;
 		} else {

@@ -15,6 +15,7 @@
 #define STILB_RENDER_RESOURCES_H
 
 #include "base/base_contract.h"
+#include "render/maps/render_maps.h"
 #include "render/render.h"
 #include "render/render_vertex.h"
 
@@ -43,6 +44,7 @@ typedef struct render_mesh_slot {
 
 #define RENDER_MESH_LEVELS 1u /* render_resources.levels has an entry for it */
 #define RENDER_MESH_WIDE 2u   /* its indices have 32 bits; of one with levels: those of the mesh in full */
+#define RENDER_MESH_EXTRAS 4u /* its vertices have extras */
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
@@ -112,7 +114,8 @@ typedef struct render_material {
 	float specular[3], anisotropy;
 	float emission[3], wrap;
 	uint32_t name; /* as a mesh's; no shader reads it */
-	uint32_t unused[3];
+	uint32_t maps; /* of one that has some: their index */
+	uint32_t unused[2];
 } render_material;
 
 static_assert(sizeof(render_material) == 64, "std430: four vec4");
@@ -133,6 +136,9 @@ typedef enum render_heap_kind {
 	RENDER_HEAP_INDICES,    /* of 32 bits */
 	RENDER_HEAP_INDICES_16, /* of 16 bits */
 	RENDER_HEAP_MATERIALS,
+	RENDER_HEAP_MAPS,         /* render_maps_record, by index */
+	RENDER_HEAP_EXTRAS,       /* render_extra */
+	RENDER_HEAP_EXTRA_PLACES, /* render_extra_place, by mesh; as long as the last mesh with extras needs it */
 	RENDER_HEAPS,
 } render_heap_kind;
 
@@ -148,6 +154,7 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_MESH,
 	RENDER_RESOURCE_TEXTURE,
 	RENDER_RESOURCE_MATERIAL,
+	RENDER_RESOURCE_MAPS, /* of materials */
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 
@@ -163,6 +170,7 @@ typedef struct render_indices {
 typedef struct render_texture_upload {
 	uint32_t texture;
 	stilb_image image;
+	void *mips;          /* as of render_mips_make; the frame that copies the last row copies them; NULL: none */
 	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
 	bool patient;
 	uint64_t end_frame; /* the texture was destroyed: this frame and later ones copy no more of it; 0: it was not */
@@ -181,10 +189,12 @@ typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
+	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] the middle of the box around a mesh's vertices */
 	bool morph;               /* stilb_render_desc.morph */
 	render_layout layout;     /* of the heap of vertices */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 23 texture, 0: none; bit 23:
-	                             RENDER_STATE_IMPOSTOR */
+	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
+	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its maps */
+	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	stilb_lock lock; /* guards everything below */
@@ -238,8 +248,9 @@ stilb_result render_resources_update(stilb_render *render);
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
 
-/* stilb_render_texture_create with a patient upload. */
-stilb_result render_texture_create_patient(stilb_render *render, const stilb_image *image, stilb_render_texture *out);
+/* stilb_render_texture_create with a patient upload, and with mips, which samplers of maps read. */
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
+                                   stilb_render_texture *out);
 
 /* Bytes that frames have yet to copy. [any-thread] */
 uint64_t render_resources_pending(render_resources *resources);
@@ -265,6 +276,15 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
+
+/* stilb_render_material_create for a material with a surface. STILB_ERROR_MEMORY, also if there are RENDER_MAX_MAPS.
+ * [any-thread] */
+stilb_result render_material_create_maps(stilb_render *render, const stilb_scene_material *material,
+                                         const render_maps *maps, stilb_render_material *out);
+/* render_material_write of a material that has or gets maps; NULL: it loses them. [main-thread] */
+stilb_result render_material_write_maps(stilb_render *render, stilb_render_material material,
+                                        const stilb_scene_material *from, stilb_render_texture texture,
+                                        const render_maps *maps);
 
 /* stilb_render_material_create for an impostor, whose maps are the texture. [any-thread] */
 stilb_result render_material_create_impostor(stilb_render *render, const stilb_scene_material *material,

@@ -55,6 +55,20 @@ stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene)
 	return STILB_OK;
 }
 
+/* Textures that the surface names get mips when they are next made. */
+static void shown_mark_textures(render_scene *tables, const stilb_scene_surface *surface)
+{
+	for (uint32_t i = 0; i < RENDER_MAPS; i++)
+		if (surface->maps[i].texture)
+			tables->textures[surface->maps[i].texture - 1].mapped = true;
+}
+
+void render_scene_mark(render_scene *tables, const stilb_scene *scene)
+{
+	for (uint32_t s = 0; s < scene->surface_count; s++)
+		shown_mark_textures(tables, &scene->surfaces[s]);
+}
+
 /* ---- one thing --------------------------------------------------------------------------------------------------- */
 
 stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
@@ -79,13 +93,42 @@ static stilb_render_texture shown_material_texture(const render_scene *tables, c
 	return texture ? tables->textures[texture - 1].texture : (stilb_render_texture){0};
 }
 
+/* The surface of a material; NULL: it has none. */
+static const stilb_scene_surface *shown_material_surface(const stilb_scene *scene, uint32_t id)
+{
+	uint32_t surface = scene->materials[id].surface;
+	STILB_ASSERT(surface <= scene->surface_count);
+	return surface ? &scene->surfaces[surface - 1] : NULL;
+}
+
+/* The surface as the device has it; a map whose texture the device does not take is left out. */
+static render_maps shown_maps(const render_scene *tables, const stilb_scene *scene, const stilb_scene_surface *surface)
+{
+	uint32_t normals = surface->maps[STILB_SCENE_MAP_NORMAL].texture;
+	render_maps maps = render_maps_make(surface, normals ? scene->textures[normals - 1].channels : 0);
+	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
+		uint32_t texture = surface->maps[i].texture;
+		STILB_ASSERT(texture <= scene->texture_count);
+		maps.textures[i] = texture ? tables->textures[texture - 1].texture.id : 0;
+		if (maps.textures[i] == 0)
+			maps.bits &= ~(1u << i);
+	}
+	return maps;
+}
+
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
 {
 	stilb_render_material *material = &tables->materials[id];
+	const stilb_scene_material *from = &scene->materials[id];
 	stilb_render_texture texture = shown_material_texture(tables, scene, id);
+	const stilb_scene_surface *surface = shown_material_surface(scene, id);
+	render_maps maps = {0};
+	if (surface)
+		maps = shown_maps(tables, scene, surface);
 	if (material->id)
-		return render_material_write(render, *material, &scene->materials[id], texture);
-	stilb_result result = stilb_render_material_create(render, &scene->materials[id], texture, material);
+		return render_material_write_maps(render, *material, from, texture, surface ? &maps : NULL);
+	stilb_result result = surface ? render_material_create_maps(render, from, &maps, material)
+	                              : stilb_render_material_create(render, from, texture, material);
 	if (result == STILB_OK)
 		render_material_name(render, *material, id);
 	return result;
@@ -116,11 +159,11 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	    image->height == now->refused.height)
 		return STILB_OK;
 	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
-	    now->format == next.format)
+	    now->format == next.format && (now->mips || !now->mapped))
 		return render_texture_write(render, now->texture, image);
+	next.mips = next.mapped = now->mapped;
 	if (image->pixels)
-		result = patient ? render_texture_create_patient(render, image, &next.texture)
-		                 : stilb_render_texture_create(render, image, &next.texture);
+		result = render_texture_create(render, image, patient, next.mips, &next.texture);
 	if (result == STILB_ERROR_ARGUMENT)
 		return shown_texture_refuse(tables, image, id);
 	if (result != STILB_OK)
@@ -177,6 +220,8 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 {
 	bool replaced;
 	stilb_result result = render_scene_fit(tables, scene);
+	if (result == STILB_OK)
+		render_scene_mark(tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
 		result = render_scene_mesh(render, tables, scene, i);
 	if (result == STILB_OK)
@@ -219,24 +264,57 @@ void render_scene_replace(stilb_render *render, render_scene *next)
 
 /* ---- what has changed in it -------------------------------------------------------------------------------------- */
 
+/* True if the material shows the texture. */
+static bool shown_material_names(const stilb_scene *scene, uint32_t id, uint32_t texture)
+{
+	const stilb_scene_surface *surface = shown_material_surface(scene, id);
+	bool names = scene->materials[id].diffuse_texture == texture + 1;
+	for (uint32_t i = 0; surface && i < RENDER_MAPS; i++)
+		names |= surface->maps[i].texture == texture + 1;
+	return names;
+}
+
+/* Brings a texture up to date, and the materials that show it if there is another one in its place. */
+static stilb_result shown_update_texture(stilb_render *render, const stilb_scene *scene, uint32_t texture)
+{
+	render_scene *tables = &render->scene;
+	bool replaced;
+	stilb_result result = shown_texture_set(render, tables, scene, texture, false, &replaced);
+	for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
+		if (shown_material_names(scene, m, texture))
+			result = render_scene_material(render, tables, scene, m);
+	return result;
+}
+
+/* Gives the textures that a changed material's surface names mips, if they have none. */
+static stilb_result shown_update_mips(stilb_render *render, const stilb_scene *scene, uint32_t material)
+{
+	render_scene *tables = &render->scene;
+	const stilb_scene_surface *surface = shown_material_surface(scene, material);
+	stilb_result result = STILB_OK;
+	if (!surface)
+		return STILB_OK;
+	shown_mark_textures(tables, surface);
+	for (uint32_t i = 0; i < RENDER_MAPS && result == STILB_OK; i++) {
+		uint32_t texture = surface->maps[i].texture;
+		if (texture && tables->textures[texture - 1].texture.id && !tables->textures[texture - 1].mips)
+			result = shown_update_texture(render, scene, texture - 1);
+	}
+	return result;
+}
+
 /* Textures come before the materials that name them. One that the device does not take is an error when the others are
  * done. */
 static stilb_result shown_update_textures(stilb_render *render, const stilb_scene *scene,
                                           const stilb_scene_changes *changes)
 {
-	render_scene *tables = &render->scene;
 	stilb_result result = STILB_OK, refused = STILB_OK;
 	for (uint32_t i = 0; i < changes->texture_count && result == STILB_OK; i++) {
-		uint32_t texture = changes->textures[i];
-		bool replaced;
-		result = shown_texture_set(render, tables, scene, texture, false, &replaced);
+		result = shown_update_texture(render, scene, changes->textures[i]);
 		if (result == STILB_ERROR_ARGUMENT) {
 			refused = result;
 			result = STILB_OK;
 		}
-		for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
-			if (scene->materials[m].diffuse_texture == texture + 1)
-				result = render_scene_material(render, tables, scene, m);
 	}
 	return result == STILB_OK ? refused : result;
 }
@@ -273,6 +351,8 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 		result = shown_update_meshes(render, scene, changes);
 	stilb_result textures = result == STILB_OK ? shown_update_textures(render, scene, changes) : result;
 	result = textures == STILB_ERROR_ARGUMENT ? STILB_OK : textures;
+	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
+		result = shown_update_mips(render, scene, changes->materials[i]);
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, &render->scene, scene, changes->materials[i]);
 	if (result == STILB_OK)

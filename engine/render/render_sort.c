@@ -77,8 +77,7 @@ static void sort_gather(const render_command *commands, const render_pass_lists 
 			                       render_state_entry(run->state) | sort_detail(run->state) << SORT_DETAIL_SHIFT};
 }
 
-/* Claims count commands behind the frame's commands; *first is the index of the first. */
-static stilb_result sort_claim(stilb_render *render, uint32_t count, uint32_t *first)
+stilb_result render_sort_claim(stilb_render *render, uint32_t count, uint32_t *first)
 {
 	render_memory *memory = &render->memory[RENDER_MEMORY_COMMANDS];
 	/* Relaxed: no worker records any more. */
@@ -134,7 +133,7 @@ stilb_result render_sort(stilb_render *render, render_pass_lists *lists)
 	if (lists->draws == 0)
 		return STILB_OK;
 	uint32_t first = 0;
-	stilb_result result = sort_claim(render, (uint32_t)lists->draws, &first);
+	stilb_result result = render_sort_claim(render, (uint32_t)lists->draws, &first);
 	if (result != STILB_OK)
 		return result;
 	sort_item *items = sort_scratch(render, 2 * lists->draws);

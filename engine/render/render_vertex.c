@@ -38,23 +38,22 @@ static float vertex_number(uint32_t code, uint32_t shift, uint32_t bits, float m
 	return (float)((int32_t)(code << (32 - bits - shift)) >> (32 - bits)) / most;
 }
 
+uint32_t render_direction_pack(const float n[3])
+{
+	stilb_vec2 e = shade_octahedral_from_direction(stilb_vec3_make(n[0], n[1], n[2]));
+	return (vertex_code(e[0], 32767.0f) & 0xffffu) | vertex_code(e[1], 32767.0f) << 16;
+}
+
 static uint32_t vertex_encode(const float n[3], bool morph)
 {
 	if (morph)
 		return (vertex_code(n[0], 1023.0f) & 0x7ffu) | (vertex_code(n[1], 1023.0f) & 0x7ffu) << 11 |
 		       vertex_code(n[2], 511.0f) << 22;
-	stilb_vec2 e = shade_octahedral_from_direction(stilb_vec3_make(n[0], n[1], n[2]));
-	return (vertex_code(e[0], 32767.0f) & 0xffffu) | vertex_code(e[1], 32767.0f) << 16;
+	return render_direction_pack(n);
 }
 
-static void vertex_decode(uint32_t code, bool morph, float n[3])
+void render_direction_unpack(uint32_t code, float n[3])
 {
-	if (morph) {
-		n[0] = vertex_number(code, 0, 11, 1023.0f);
-		n[1] = vertex_number(code, 11, 11, 1023.0f);
-		n[2] = vertex_number(code, 22, 10, 511.0f);
-		return;
-	}
 	/* shade_direction_from_octahedral of 32767 times the numbers: whole ones, so that what is 0 comes out as 0,
 	 * although two codes may stand for it. */
 	float x = vertex_number(code, 0, 16, 1.0f), y = vertex_number(code, 16, 16, 1.0f);
@@ -65,6 +64,17 @@ static void vertex_decode(uint32_t code, bool morph, float n[3])
 	n[0] = x / length;
 	n[1] = y / length;
 	n[2] = z / length;
+}
+
+static void vertex_decode(uint32_t code, bool morph, float n[3])
+{
+	if (!morph) {
+		render_direction_unpack(code, n);
+		return;
+	}
+	n[0] = vertex_number(code, 0, 11, 1023.0f);
+	n[1] = vertex_number(code, 11, 11, 1023.0f);
+	n[2] = vertex_number(code, 22, 10, 511.0f);
 }
 
 /* Copies a stream of so many floats; a constant, so that each number has a loop of its own. */

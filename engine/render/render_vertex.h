@@ -47,4 +47,8 @@ void render_vertices_pack(const render_layout *layout, const void *vertices, siz
 /* The inverse, but for what packing rounds; packing the result again gives the same bytes. [any-thread] */
 void render_vertices_unpack(const render_layout *layout, const void *packed, size_t count, bool pairs, void *out);
 
+/* A direction of any length in 32 bits, and back as a unit vector: see Packed. [any-thread] */
+uint32_t render_direction_pack(const float n[3]);
+void render_direction_unpack(uint32_t code, float n[3]);
+
 #endif

@@ -401,7 +401,7 @@ static void assert_no_growth(const stilb_render *render)
 {
 	const render_resources *resources = &render->resources;
 	uint32_t frames = CHURN_STAYS + 1 + STILB_GPU_FRAMES, things = CHURN_SEGMENTS * CHURN_EACH * frames;
-	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++)
+	for (int kind = 0; kind < RENDER_RESOURCE_MAPS; kind++)
 		assert_in_range(resources->indices[kind].next_unused, things / 2, 2 * things);
 	assert_in_range(resources->heaps[RENDER_HEAP_VERTICES].size, 1, 2 * things * GPU_THING_MOST_VERTICES / 2);
 	assert_in_range(resources->heaps[RENDER_HEAP_INDICES_16].size, 1, 2 * things * 30);
@@ -561,7 +561,7 @@ static void scenes_replace_one_another(void **state)
 		assert_scene_is_set(render, scenes[turn % 2]);
 		frames_pass(render);
 	}
-	for (int kind = 0; kind < RENDER_RESOURCE_KINDS; kind++) /* no more than two scenes ever needed */
+	for (int kind = 0; kind < RENDER_RESOURCE_MAPS; kind++) /* no more than two scenes ever needed */
 		assert_in_range(render->resources.indices[kind].next_unused, 1, 16 + 2 * 80 + 2 * 14);
 	assert_int_equal(stilb_render_set_scene(render, NULL), STILB_OK);
 	frames_pass(render);

@@ -113,9 +113,11 @@ stilb_result render_device_create(const stilb_render_desc *desc, render_device *
 	device->packed = !desc->float_vertices;
 	device->layout = render_layout_make(&stilb_scene_vertex_streams, device->packed);
 	device->textures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *device->textures);
+	device->maps = calloc(RENDER_MAX_MAPS, sizeof *device->maps);
 	device->plan = stilb_gpu_plan_create();
-	stilb_result result = device->textures && device->plan ? device_open(device, desc)
-	                                                       : stilb_fail(STILB_ERROR_MEMORY, "no memory for the device");
+	stilb_result result = device->textures && device->maps && device->plan
+	                          ? device_open(device, desc)
+	                          : stilb_fail(STILB_ERROR_MEMORY, "no memory for the device");
 	if (result != STILB_OK) {
 		render_device_destroy(device);
 		*out = NULL;
@@ -131,6 +133,11 @@ void render_device_destroy(render_device *device)
 	render_programs_destroy(device);
 	stilb_gpu_destroy(device->gpu); /* and all that is there */
 	free(device->textures);
+	free(device->maps);
+	for (uint32_t l = 0; l < RENDER_MAX_LISTS; l++) {
+		free(device->lists[l].bindings);
+		free(device->lists[l].maps);
+	}
 	free(device->runs);
 	free(device);
 }

@@ -41,11 +41,12 @@ typedef struct render_view_data {
 	uint64_t lights;
 	uint32_t light_count;
 	float unused;
-	uint64_t panorama; /* of device.panorama: its table */
-	float turn[2];     /* sine and cosine of its rotation */
+	uint64_t panorama;                            /* of device.panorama: its table */
+	float turn[2];                                /* sine and cosine of its rotation */
+	uint64_t maps, extras, extra_places, padding; /* of the heaps of these */
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 160, "std430");
+static_assert(sizeof(render_view_data) == 192, "std430");
 
 /* Constants of scene passes (shaders/mesh.glsl). With STILB_RENDER_MATERIALS_BIND `materials` is that of one material,
  * and each run has its own. */
@@ -97,6 +98,10 @@ typedef enum render_flat {
 /* render_shaders.c */
 extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: vertices are packed] */
 extern const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES];
+/* Of meshes with maps: [1: vertices have extras]. Where depth alone is drawn those with a mask have _depth. */
+extern const stilb_gpu_shader render_maps_vertex[2][2];   /* [1: vertices are packed] */
+extern const stilb_gpu_shader render_maps_fragment[2][2]; /* [1: a mask, and several samples a pixel] */
+extern const stilb_gpu_shader render_maps_depth[2];
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
 extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
@@ -113,12 +118,26 @@ typedef enum render_formula {
 
 #define RENDER_PROGRAM_KINDS 4u /* RENDER_DETAIL_KINDS */
 
+/* A program of meshes whose material has maps. */
+typedef struct render_maps_program {
+	uint32_t key; /* render_maps_key */
+	stilb_gpu_program program;
+} render_maps_program;
+
+/* bits: RENDER_MAPS_...; detail: render_state_detail. */
+static inline uint32_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
+{
+	return (bits << 2 | detail) << 3 | drawn;
+}
+
 /* The mesh programs of one choice of formulas, by render_state_detail; {0}: not needed so far. */
 typedef struct render_formula_programs {
 	uint32_t formulas[RENDER_FORMULAS];
 	stilb_gpu_program programs[RENDER_PROGRAM_KINDS][RENDER_SURFACES][RENDER_DRAWN_KINDS];
 	/* Bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire by who needs them. */
 	_Atomic uint32_t ready;
+	render_maps_program *maps; /* [map_count] under the lock of programs */
+	uint32_t map_count, map_capacity;
 } render_formula_programs;
 
 /* True if they draw depth alone. */
@@ -146,9 +165,17 @@ typedef struct render_slot {
 typedef struct render_device_texture {
 	stilb_gpu_image image;
 	stilb_gpu_set set;
+	uint32_t mips; /* at least 1 */
 } render_device_texture;
 
-/* Of a scene pass: all that a list can bind, by detail, surface, width of the indices and half of the materials. */
+/* A material's maps. */
+typedef struct render_device_maps {
+	stilb_gpu_set set;
+	uint32_t bits; /* RENDER_MAPS_... without _EXTRAS */
+} render_device_maps;
+
+/* Of a scene pass: all that a list can bind but maps, by detail, surface, width of the indices and half of the
+ * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
 /* Of a frame: one for each pass, one that shows nothing, and those of features. */
@@ -156,7 +183,9 @@ typedef struct render_device_texture {
 
 /* The draws of a pass. */
 typedef struct render_list {
-	stilb_gpu_binding bindings[RENDER_BINDINGS];
+	stilb_gpu_binding *bindings; /* [binding_capacity] */
+	uint32_t *maps;              /* [map_capacity] by binding: of maps, 1 + its key; else 0 */
+	uint32_t binding_capacity, map_capacity;
 	uint32_t first_run; /* of device.runs */
 	char name[64];      /* of its row */
 } render_list;
@@ -208,6 +237,7 @@ typedef struct render_device {
 	render_buffer heaps[RENDER_HEAPS];
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
 	render_device_texture *textures;       /* [STILB_RENDER_MAX_TEXTURES] */
+	render_device_maps *maps;              /* [RENDER_MAX_MAPS] */
 	stilb_gpu_sampler sampler;             /* of all textures: linear, repeated, no mip levels */
 	stilb_gpu_sampler linear;              /* clamped */
 	render_programs programs;
@@ -271,10 +301,14 @@ void render_device_panorama_show(render_device *device);
 /* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device, before the frame's passes.
  * The caller holds the lock of resources. */
 stilb_result render_device_update(render_device *device, const render_resources *resources);
-/* Makes texture number `texture` with the size and format of image; update copies the pixels. The caller holds the lock
- * of render_resources. [any-thread] */
-stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image);
+/* Makes texture number `texture` with the size and format of image, with all mips or one; update copies the pixels. The
+ * caller holds the lock of render_resources. [any-thread] */
+stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);
 void render_device_texture_destroy(render_device *device, uint32_t texture);
+/* Makes maps number `index`, in the place of what was there: frames from the next replay on have the new ones. The
+ * caller holds the lock of render_resources. [any-thread] */
+stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps);
+void render_device_maps_drop(render_device *device, uint32_t index);
 /* Memory for rows that the CPU writes at any time, and frames read; freed once no frame can use it. [any-thread] */
 stilb_result render_device_rows_make(render_device *device, uint32_t capacity, render_rows **rows);
 void render_device_rows_free(render_device *device, render_rows *rows);
@@ -287,7 +321,10 @@ void render_programs_destroy(render_device *device);
  * for these kinds (render_stream.kinds) and surfaces, 1 << render_surface
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                    uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen);
+                                    uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
+/* The program of that choice and key; made and compiled unless it is there. [any-thread] */
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+                                  stilb_gpu_program *program);
 /* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);

@@ -92,12 +92,16 @@ static uint64_t frame_write_view(render_device *device, const render_stream *str
 	out->panorama = stream->panorama ? device->panorama.address : 0;
 	out->turn[0] = sinf(view->surroundings.rotation);
 	out->turn[1] = cosf(view->surroundings.rotation);
+	out->maps = device->heaps[RENDER_HEAP_MAPS].address;
+	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
+	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
+	out->padding = 0;
 	return slot->views.address + index * sizeof(render_view_data);
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-/* Which of a list's bindings a state needs. */
+/* Which of a list's bindings a state needs, but for maps. */
 static uint32_t list_binding(const render_device *device, uint64_t state)
 {
 	if (state & RENDER_STATE_2D)
@@ -112,23 +116,34 @@ static uint32_t list_binding(const render_device *device, uint64_t state)
 	return ((render_state_detail(state) * RENDER_SURFACES + surface) * 2 + wide) * 2 + odd;
 }
 
+/* The materials that a scene pass's program draws. */
+static render_drawn list_drawn(const render_device *device, const render_formula_programs *choice, bool odd)
+{
+	return render_formulas_are_depth(choice)                   ? RENDER_DRAWN_ALL
+	       : device->materials == STILB_RENDER_MATERIALS_BIND  ? RENDER_DRAWN_BOUND
+	       : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
+	       : odd                                               ? RENDER_DRAWN_ODD
+	                                                           : RENDER_DRAWN_EVEN;
+}
+
+static stilb_gpu_binding list_bind_program(const render_device *device, stilb_gpu_program program, bool wide)
+{
+	return (stilb_gpu_binding){
+		.program = program.id,
+		.index_bytes = wide ? 4 : 2,
+		.indices = device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16].buffer.id,
+		.vertices = device->heaps[RENDER_HEAP_VERTICES].buffer.id,
+	};
+}
+
 /* That binding of a scene pass, whose programs are choice. */
 static stilb_gpu_binding list_bind_meshes(const render_device *device, const render_formula_programs *choice,
                                           uint32_t binding)
 {
 	bool odd = binding & 1, wide = binding & 2;
 	uint32_t surface = binding / 4 % RENDER_SURFACES, detail = binding / 4 / RENDER_SURFACES;
-	render_drawn drawn = render_formulas_are_depth(choice)                   ? RENDER_DRAWN_ALL
-	                     : device->materials == STILB_RENDER_MATERIALS_BIND  ? RENDER_DRAWN_BOUND
-	                     : device->materials == STILB_RENDER_MATERIALS_INDEX ? RENDER_DRAWN_ALL
-	                     : odd                                               ? RENDER_DRAWN_ODD
-	                                                                         : RENDER_DRAWN_EVEN;
-	return (stilb_gpu_binding){
-		.program = choice->programs[detail][surface][drawn].id,
-		.index_bytes = wide ? 4 : 2,
-		.indices = device->heaps[wide ? RENDER_HEAP_INDICES : RENDER_HEAP_INDICES_16].buffer.id,
-		.vertices = device->heaps[RENDER_HEAP_VERTICES].buffer.id,
-	};
+	render_drawn drawn = list_drawn(device, choice, odd);
+	return list_bind_program(device, choice->programs[detail][surface][drawn], wide);
 }
 
 static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding)
@@ -142,12 +157,109 @@ static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding
 	};
 }
 
+/* A list that is being made. */
+typedef struct list_maker {
+	render_device *device;
+	render_list *list;
+	render_formula_programs *choice;  /* NULL: of a 2D pass */
+	uint16_t places[RENDER_BINDINGS]; /* 1 + where a binding is in the list */
+	uint32_t count;                   /* of its bindings */
+	bool depth;                       /* depth alone is drawn */
+} list_maker;
+
+/* maps: as of render_list.maps. */
+static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint32_t maps)
+{
+	render_list *list = maker->list;
+	uint32_t count = maker->count + 1;
+	if (!render_reserve((void **)&list->bindings, &list->binding_capacity, count, sizeof *list->bindings) ||
+	    !render_reserve((void **)&list->maps, &list->map_capacity, count, sizeof *list->maps))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the programs of a pass");
+	list->bindings[maker->count] = binding;
+	list->maps[maker->count++] = maps;
+	return STILB_OK;
+}
+
+/* Finds the binding of a draw with maps, whose programs are for these bits; adds it if it is new. */
+static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint32_t bits, uint32_t *place)
+{
+	render_device *device = maker->device;
+	bool odd = device->materials == STILB_RENDER_MATERIALS_PIPELINE && render_state_material(state) != 0;
+	bool wide = (state & RENDER_STATE_WIDE) != 0;
+	uint32_t key = render_maps_key(bits, render_state_detail(state), list_drawn(device, maker->choice, odd));
+	for (*place = 0; *place < maker->count; *place += 1)
+		if (maker->list->maps[*place] == 1 + (key << 1 | wide))
+			return STILB_OK;
+	stilb_gpu_program program;
+	stilb_result result = render_programs_maps(device, maker->choice, key, &program);
+	return result == STILB_OK ? list_add(maker, list_bind_program(device, program, wide), 1 + (key << 1 | wide))
+	                          : result;
+}
+
+static stilb_result list_find(list_maker *maker, uint64_t state, uint32_t *place)
+{
+	render_device *device = maker->device;
+	uint32_t b = list_binding(device, state);
+	if (maker->places[b] == 0) {
+		stilb_gpu_binding binding =
+			maker->choice ? list_bind_meshes(device, maker->choice, b) : list_bind_flats(device, b);
+		stilb_result result = list_add(maker, binding, 0);
+		if (result != STILB_OK)
+			return result;
+		maker->places[b] = (uint16_t)maker->count;
+	}
+	*place = maker->places[b] - 1u;
+	return STILB_OK;
+}
+
 /* The state of a draw into depth alone: of materials and textures it needs those of impostors, which have their depth
  * in them. */
 static uint64_t list_depth_state(uint64_t state)
 {
 	uint64_t shape = RENDER_STATE_DETAIL | RENDER_STATE_WIDE | RENDER_STATE_IMPOSTOR;
 	return state & RENDER_STATE_IMPOSTOR ? state & (shape | (RENDER_STATE_IMPOSTOR - 1)) : state & shape;
+}
+
+/* What the program of a draw with maps is compiled for. */
+static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
+{
+	uint32_t bits = maker->device->maps[render_state_maps(state)].bits;
+	if (state & RENDER_STATE_EXTRAS)
+		bits |= RENDER_MAPS_EXTRAS;
+	else
+		bits &= ~(RENDER_MAPS_TWO | 1u << STILB_SCENE_MAP_NORMAL); /* there are no tangents */
+	if (!(maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES))
+		bits &= ~RENDER_MAPS_ONE_SIDED; /* everything is */
+	if (!maker->depth)
+		return bits;
+	/* What blends has no depth. */
+	uint32_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
+	if (bits & RENDER_MAPS_MASK)
+		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | 1u << STILB_SCENE_MAP_COLOR;
+	return bits & kept;
+}
+
+/* Fills in what a run binds. *drawn: false if it is not drawn. */
+static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gpu_run *run, bool *drawn)
+{
+	const render_device *device = maker->device;
+	uint32_t texture = 0,
+			 bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
+	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
+	*drawn = true;
+	if (maker->depth && bits & RENDER_MAPS_BLEND) {
+		*drawn = false;
+		return STILB_OK;
+	}
+	if (from->state & RENDER_STATE_MAPS && (!maker->depth || bits != 0)) {
+		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_maps(from->state)].set.id : 0;
+		return list_find_maps(maker, from->state, bits, &run->binding);
+	}
+	uint64_t state = maker->depth ? list_depth_state(from->state) : from->state;
+	texture = render_state_texture(state);
+	STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
+	run->set = texture ? device->textures[texture].set.id : 0;
+	return list_find(maker, state, &run->binding);
 }
 
 /* Makes one run of two if the second goes on where the first ends. */
@@ -160,8 +272,8 @@ static bool list_join(stilb_gpu_run *run, const stilb_gpu_run *next)
 }
 
 /* Makes the list of a stream's draws; returns its number among the frame's. choice: of scene passes. */
-static stilb_result frame_list(render_device *device, const render_stream *stream,
-                               const render_formula_programs *choice, uint32_t *number)
+static stilb_result frame_list(render_device *device, const render_stream *stream, render_formula_programs *choice,
+                               uint32_t *number)
 {
 	render_frame *frame = &device->frame;
 	*number = frame->list_count;
@@ -170,28 +282,20 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 	                    sizeof *device->runs))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", stream->run_count);
 	render_list *list = &device->lists[frame->list_count++];
-	uint8_t places[RENDER_BINDINGS] = {0}; /* 1 + where a binding is in the list */
-	uint32_t bindings = 0, made = 0;
-	bool depth = stream->light_bits & RENDER_LIGHTS_DEPTH;
-	bool bind = choice && !depth && device->materials == STILB_RENDER_MATERIALS_BIND;
+	uint32_t made = 0;
+	list_maker maker = {
+		.device = device, .list = list, .choice = choice, .depth = stream->light_bits & RENDER_LIGHTS_DEPTH};
+	bool bind = choice && !maker.depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
 	stilb_gpu_run *out = stream->run_count > 0 ? device->runs + frame->run_count : NULL;
 	for (uint32_t r = 0; r < stream->run_count; r++) {
-		uint64_t state = depth ? list_depth_state(stream->runs[r].state) : stream->runs[r].state;
-		uint32_t b = list_binding(device, state), texture = render_state_texture(state);
-		if (places[b] == 0) {
-			list->bindings[bindings] = choice ? list_bind_meshes(device, choice, b) : list_bind_flats(device, b);
-			places[b] = (uint8_t)++bindings;
-		}
-		STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
-		stilb_gpu_run run = {
-			.first = stream->runs[r].first,
-			.count = stream->runs[r].count,
-			.binding = places[b] - 1u,
-			.set = texture ? device->textures[texture].set.id : 0,
-			.constant = bind ? materials + render_state_material(state) * sizeof(render_material) : 0,
-		};
-		if (depth && made > 0 && list_join(&out[made - 1], &run))
+		stilb_gpu_run run;
+		bool drawn;
+		stilb_result result = list_run(&maker, &stream->runs[r], &run, &drawn);
+		if (result != STILB_OK)
+			return result;
+		run.constant = bind ? materials + render_state_material(stream->runs[r].state) * sizeof(render_material) : 0;
+		if (!drawn || (maker.depth && made > 0 && list_join(&out[made - 1], &run)))
 			continue;
 		out[made++] = run;
 	}
@@ -201,7 +305,7 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 		.draws = stream->commands,
 		.commands = render_slot_now(device)->memory[RENDER_MEMORY_COMMANDS].buffer,
 		.bindings = list->bindings,
-		.binding_count = bindings,
+		.binding_count = maker.count,
 		.run_count = made,
 		.replay = (stilb_gpu_replay)render_stream_mode(device, stream),
 		.has_constants = bind,
@@ -310,17 +414,26 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 	render_backdrop_clear(stream->view, row->color[0].clear);
 }
 
+/* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */
+static uint32_t frame_surfaces(const render_stream *stream)
+{
+	uint64_t states = stream->states & ~RENDER_STATE_MAPS;
+	if (stream->states & RENDER_STATE_MAPS) {
+		states = 0;
+		for (uint32_t r = 0; r < stream->run_count; r++)
+			states |= stream->runs[r].state & RENDER_STATE_MAPS ? 0 : stream->runs[r].state;
+	}
+	return 1u << RENDER_SURFACE_PLAIN | (render_state_texture(states) != 0 ? 1u << RENDER_SURFACE_TEXTURE : 0) |
+	       (states & RENDER_STATE_IMPOSTOR ? 1u << RENDER_SURFACE_IMPOSTOR : 0);
+}
+
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
 {
 	const stilb_render_view *view = stream->view;
-	const render_formula_programs *choice;
+	render_formula_programs *choice;
 	render_frame_target *target = render_target_get(device, view->target);
 	bool backdrop = !target->drawn && target->color != 0 && render_backdrop_is_drawn(view, stream->panorama);
-	uint32_t surfaces = 1u << RENDER_SURFACE_PLAIN, list;
-	if (render_state_texture(stream->states) != 0)
-		surfaces |= 1u << RENDER_SURFACE_TEXTURE;
-	if (stream->states & RENDER_STATE_IMPOSTOR)
-		surfaces |= 1u << RENDER_SURFACE_IMPOSTOR;
+	uint32_t surfaces = frame_surfaces(stream), list;
 	stilb_result result =
 		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);
 	if (result == STILB_OK && !target->drawn)

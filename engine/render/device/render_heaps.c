@@ -1,6 +1,7 @@
 /* Resources on the device: the heaps of vertices, indices and materials, buffers with the same contents at the same
- * offsets; textures, an image and a set each; tables of rows. What has changed goes through the device's ring of
- * uploads, at the start of a frame. Textures have one mip level, so distant ones may flicker. */
+ * offsets; textures, an image and a set each; the sets of maps; tables of rows. What has changed goes through the
+ * device's ring of uploads, at the start of a frame. Textures that no surface names have one mip level, so distant ones
+ * may flicker. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -14,6 +15,9 @@ static const struct {
 	[RENDER_HEAP_INDICES] = {"indices", STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_COPY},
 	[RENDER_HEAP_INDICES_16] = {"16-bit indices", STILB_GPU_BUFFER_INDICES | STILB_GPU_BUFFER_COPY},
 	[RENDER_HEAP_MATERIALS] = {"materials", STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_MAPS] = {"surfaces", STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_EXTRAS] = {"extras of vertices", STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
+	[RENDER_HEAP_EXTRA_PLACES] = {"places of extras", STILB_GPU_BUFFER_ADDRESS | STILB_GPU_BUFFER_COPY},
 };
 
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */
@@ -104,23 +108,42 @@ static const stilb_gpu_format texture_formats[STILB_IMAGE_FORMAT_COUNT] = {
 	[STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
 };
 
-/* Sends rows upload->rows .. upload->sent - 1. */
-static stilb_result texture_update(render_device *device, const render_texture_upload *upload)
+/* Sends rows first .. end - 1 of a mip. */
+static stilb_result texture_send(render_device *device, uint32_t texture, uint32_t mip, const stilb_image *image,
+                                 uint32_t first, uint32_t end)
 {
-	const stilb_image *image = &upload->image;
 	uint64_t row = stilb_image_size(image) / image->height;
 	uint32_t part = (uint32_t)(heaps_part(device) / row);
 	stilb_result result = STILB_OK;
-	STILB_ASSERT(part > 0 && upload->sent <= image->height);
-	for (uint32_t first = upload->rows; first < upload->sent && result == STILB_OK; first += part) {
-		uint32_t count = upload->sent - first < part ? upload->sent - first : part;
-		stilb_gpu_upload to = {.image = device->textures[upload->texture].image,
+	STILB_ASSERT(part > 0 && end <= image->height);
+	for (; first < end && result == STILB_OK; first += part) {
+		uint32_t count = end - first < part ? end - first : part;
+		stilb_gpu_upload to = {.image = device->textures[texture].image,
+		                       .mip = (uint16_t)mip,
 		                       .y = first,
 		                       .width = image->width,
 		                       .height = count,
 		                       .depth = 1,
 		                       .bytes = count * row};
 		result = heaps_send(device, &to, (const uint8_t *)image->pixels + first * row);
+	}
+	return result;
+}
+
+/* Sends rows upload->rows .. upload->sent - 1, and the mips with the last row. */
+static stilb_result texture_update(render_device *device, const render_texture_upload *upload)
+{
+	stilb_result result = texture_send(device, upload->texture, 0, &upload->image, upload->rows, upload->sent);
+	bool last = upload->sent == upload->image.height && upload->sent > upload->rows;
+	uint32_t mips = last && upload->mips ? device->textures[upload->texture].mips : 1;
+	stilb_image mip = upload->image;
+	uint8_t *pixels = upload->mips;
+	for (uint32_t m = 1; m < mips && result == STILB_OK; m++) {
+		mip.width = mip.width > 1 ? mip.width / 2 : 1;
+		mip.height = mip.height > 1 ? mip.height / 2 : 1;
+		mip.pixels = pixels;
+		pixels += stilb_image_size(&mip);
+		result = texture_send(device, upload->texture, m, &mip, 0, mip.height);
 	}
 	return result;
 }
@@ -133,7 +156,7 @@ stilb_result render_texture_too_large(const render_device *device, uint32_t widt
 	                  width, height, image->width, image->height);
 }
 
-stilb_result render_device_texture_create(render_device *device, uint32_t index, const stilb_image *image)
+stilb_result render_device_texture_create(render_device *device, uint32_t index, const stilb_image *image, bool mips)
 {
 	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
 	render_device_texture *texture = &device->textures[index];
@@ -148,13 +171,14 @@ stilb_result render_device_texture_create(render_device *device, uint32_t index,
 		                  image->format == STILB_IMAGE_F32_LINEAR ? "32-bit floats" : "this format");
 	if (image->width > most || image->height > most)
 		return render_texture_too_large(device, most, most, image);
+	texture->mips = mips ? render_mip_count(image->width, image->height) : 1;
 	stilb_gpu_image_desc desc = {.name = "texture",
 	                             .extent = {.format = format,
 	                                        .width = image->width,
 	                                        .height = image->height,
 	                                        .depth = 1,
 	                                        .layers = 1,
-	                                        .mips = 1,
+	                                        .mips = (uint16_t)texture->mips,
 	                                        .samples = 1,
 	                                        .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
 	stilb_result result = stilb_gpu_image_create(device->gpu, &desc, &texture->image);
@@ -178,6 +202,51 @@ void render_device_texture_destroy(render_device *device, uint32_t index)
 	stilb_gpu_set_destroy(device->gpu, texture->set);
 	stilb_gpu_image_destroy(device->gpu, texture->image);
 	*texture = (render_device_texture){0};
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
+/* The sampler of that number (render_maps.samplers). */
+static stilb_result maps_sampler(render_device *device, uint32_t number, stilb_gpu_sampler *sampler)
+{
+	static const uint8_t wraps[STILB_SCENE_WRAPS] = {[STILB_SCENE_REPEAT] = STILB_GPU_WRAP_REPEAT,
+	                                                 [STILB_SCENE_MIRROR] = STILB_GPU_WRAP_MIRROR,
+	                                                 [STILB_SCENE_CLAMP] = STILB_GPU_WRAP_CLAMP};
+	STILB_ASSERT(number < RENDER_MAPS_SAMPLERS);
+	stilb_gpu_sampler_desc desc = {
+		.linear = number < 9, .mips = true, .mip_linear = true, .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
+	return stilb_gpu_sampler_get(device->gpu, &desc, sampler);
+}
+
+stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps)
+{
+	STILB_ASSERT(index < RENDER_MAX_MAPS);
+	stilb_gpu_set_item items[RENDER_MAPS] = {0};
+	stilb_gpu_set set;
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < RENDER_MAPS && result == STILB_OK; i++) {
+		uint32_t texture = maps->textures[i] & RENDER_INDEX_MASK;
+		if (!(maps->bits >> i & 1u))
+			continue;
+		STILB_ASSERT(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && device->textures[texture].image.id != 0);
+		items[i].image = device->textures[texture].image;
+		result = maps_sampler(device, maps->samplers[i], &items[i].sampler);
+	}
+	if (result == STILB_OK)
+		result = stilb_gpu_set_create(device->gpu, items, RENDER_MAPS, &set);
+	if (result != STILB_OK)
+		return result;
+	if (device->maps[index].set.id != 0)
+		stilb_gpu_set_destroy(device->gpu, device->maps[index].set);
+	device->maps[index] = (render_device_maps){set, maps->bits};
+	return STILB_OK;
+}
+
+void render_device_maps_drop(render_device *device, uint32_t index)
+{
+	STILB_ASSERT(device->maps[index].set.id != 0);
+	stilb_gpu_set_destroy(device->gpu, device->maps[index].set);
+	device->maps[index] = (render_device_maps){0};
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------------- */

@@ -91,6 +91,38 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
 }
 
+/* The program of meshes with maps that a key stands for. */
+static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+                                 stilb_gpu_program *program)
+{
+	uint32_t bits = key >> 5, detail = key >> 3 & 3u, drawn = key & 7u;
+	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
+	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
+	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
+	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1;
+	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
+	stilb_gpu_program_desc desc = {
+		.name = "mesh with maps",
+		.vertex = reads ? render_maps_vertex[device->packed][extras] : render_mesh_vertex[device->packed][inputs],
+		.fragment = !depth   ? render_maps_fragment[coverage][extras]
+	                : !reads ? program_depth_code(detail, inputs)
+	                         : render_maps_depth[extras],
+		.set_items = reads ? RENDER_MAPS : 0,
+		.depth = STILB_GPU_COMPARE_GREATER,
+		.depth_write = !blends,
+		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
+		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
+	};
+	program_vertices(device, inputs, &desc);
+	program_constant(&desc, 1, drawn);
+	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
+		program_constant(&desc, 2 + f, choice->formulas[f]);
+	program_constant(&desc, 7, detail);
+	program_constant(&desc, 8, depth ? 1 : device->samples);
+	program_constant(&desc, 9, bits);
+	return stilb_gpu_program_create(device->gpu, &desc, program);
+}
+
 static stilb_result program_flat(render_device *device, render_flat kind)
 {
 	bool textured = kind != RENDER_FLAT_PLAIN;
@@ -201,7 +233,7 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 }
 
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
-                                    uint32_t kinds, uint32_t surfaces, const render_formula_programs **chosen)
+                                    uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen)
 {
 	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH);
 	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
@@ -234,9 +266,39 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 	return result;
 }
 
+/* Finds the program of a key among the choice's, or makes it. */
+static stilb_result choice_find_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+                                     stilb_gpu_program *program)
+{
+	for (uint32_t m = 0; m < choice->map_count; m++)
+		if (choice->maps[m].key == key) {
+			*program = choice->maps[m].program;
+			return STILB_OK;
+		}
+	if (!render_reserve((void **)&choice->maps, &choice->map_capacity, choice->map_count + 1, sizeof *choice->maps))
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of surface");
+	stilb_result result = program_maps(device, choice, key, program);
+	if (result == STILB_OK)
+		choice->maps[choice->map_count++] = (render_maps_program){key, *program};
+	return result;
+}
+
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+                                  stilb_gpu_program *program)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	bool depth = render_formulas_are_depth(choice);
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = choice_find_maps(device, choice, key, program);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
+	                                                      depth ? 1 : device->samples)
+	                          : result;
+}
+
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits)
 {
-	const render_formula_programs *choice;
+	render_formula_programs *choice;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
 	bool depth = view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
 	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
@@ -277,8 +339,10 @@ stilb_result render_programs_create(render_device *device)
 void render_programs_destroy(render_device *device)
 {
 	render_programs *programs = &device->programs;
-	for (uint32_t c = 0; c < programs->choice_count; c++)
+	for (uint32_t c = 0; c < programs->choice_count; c++) {
+		free(programs->choices[c]->maps);
 		free(programs->choices[c]);
+	}
 	free(programs->choices);
 	if (programs->lock_made)
 		pthread_mutex_destroy(&programs->lock);

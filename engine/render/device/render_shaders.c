@@ -23,6 +23,37 @@ static const uint32_t mesh_texture_frag[] =
 #include "mesh_texture.frag.inc"
 	;
 
+static const uint32_t maps_vert[] =
+#include "maps.vert.inc"
+	;
+static const uint32_t maps_extras_vert[] =
+#include "maps_extras.vert.inc"
+	;
+static const uint32_t maps_packed_vert[] =
+#include "maps_packed.vert.inc"
+	;
+static const uint32_t maps_packed_extras_vert[] =
+#include "maps_packed_extras.vert.inc"
+	;
+static const uint32_t maps_frag[] =
+#include "maps.frag.inc"
+	;
+static const uint32_t maps_extras_frag[] =
+#include "maps_extras.frag.inc"
+	;
+static const uint32_t maps_coverage_frag[] =
+#include "maps_coverage.frag.inc"
+	;
+static const uint32_t maps_coverage_extras_frag[] =
+#include "maps_coverage_extras.frag.inc"
+	;
+static const uint32_t maps_depth_frag[] =
+#include "maps_depth.frag.inc"
+	;
+static const uint32_t maps_depth_extras_frag[] =
+#include "maps_depth_extras.frag.inc"
+	;
+
 static const uint32_t impostor_vert[] =
 #include "impostor.vert.inc"
 	;
@@ -92,6 +123,16 @@ const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES] = {
 	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_frag),
 	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_frag),
 };
+
+const stilb_gpu_shader render_maps_vertex[2][2] = {
+	{SHADER(maps_vert), SHADER(maps_extras_vert)},
+	{SHADER(maps_packed_vert), SHADER(maps_packed_extras_vert)},
+};
+const stilb_gpu_shader render_maps_fragment[2][2] = {
+	{SHADER(maps_frag), SHADER(maps_extras_frag)},
+	{SHADER(maps_coverage_frag), SHADER(maps_coverage_extras_frag)},
+};
+const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
 
 const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
 	[RENDER_FLAT_PLAIN] = {SHADER(flat_vert), SHADER(flat_frag)},

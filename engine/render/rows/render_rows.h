@@ -29,7 +29,7 @@
 typedef struct render_row {
 	float transform[12];
 	uint32_t material;
-	uint32_t mesh; /* index; for the stream hash and dumps, no shader reads it */
+	uint32_t mesh; /* index; for the stream hash, dumps and the extras of vertices */
 	uint32_t unused[2];
 } render_row;
 

@@ -27,17 +27,23 @@ Material stored_material(uint index)
 	return push.materials.materials[drawn == 3u ? 0u : index];
 }
 
-// A material with this diffuse reflectance and roughness plus the view's additions.
-shade_material material_here(Material m, vec3 diffuse, float roughness)
+// A material with these reflectances and roughness plus the view's additions.
+shade_material material_with(Material m, vec3 diffuse, vec3 specular, float roughness)
 {
 	vec4 added = push.view.added;
-	shade_reflectance reflectance = {diffuse, m.specular_anisotropy.xyz};
+	shade_reflectance reflectance = {diffuse, specular};
 	if (added.w != 0.0)
 		reflectance = shade_limit_to_one(diffuse, reflectance.specular + added.w);
 	return shade_material(reflectance.diffuse, reflectance.specular,
 		clamp(roughness + added.x, 0.0, 1.0),
 		clamp(m.specular_anisotropy.w + added.y, -1.0, 1.0),
 		clamp(m.emission_wrap.w + added.z, 0.0, 1.0));
+}
+
+// The same with the material's own specular reflectance.
+shade_material material_here(Material m, vec3 diffuse, float roughness)
+{
+	return material_with(m, diffuse, m.specular_anisotropy.xyz, roughness);
 }
 
 // Meshes have no tangents: anisotropic materials are brushed around the vertical axis, as if turned on a lathe.
@@ -132,20 +138,26 @@ vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 		shade_hemisphere_radiance(reflect(-v, n).y, shade_exponent_about_r(exponent), sky.sky, sky.ground);
 }
 
-// What a surface with the unit normal n sends to the viewer.
-vec3 lit_radiance(shade_material material, vec3 emission, vec3 n, vec3 to_camera)
+// What a surface with the unit normal n sends to the viewer. open: the share of the surroundings' even light that
+// arrives.
+vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 n, vec3 to_camera)
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 	if (lights_panorama)
-		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n);
+		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
 	else
-		radiance += shade_surface_sky(material, sky, n);
+		radiance += shade_surface_sky(material, sky, n) * open;
 	radiance += emission;
 	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
 	return radiance;
+}
+
+vec3 lit_radiance(shade_material material, vec3 emission, vec3 n, vec3 to_camera)
+{
+	return lit_radiance_open(material, emission, 1.0, n, to_camera);
 }
 
 // The normal bent towards the viewer if it faces away, as rays have it (gi_surface.c).
@@ -153,6 +165,17 @@ vec3 bent_normal(vec3 n, vec3 to_camera)
 {
 	float lacking = 1e-3 - dot(n, to_camera);
 	return lacking > 0.0 ? normalize(n + to_camera * lacking) : n;
+}
+
+// True if the interpolated normal n is on the other side than the one of the triangle that is seen. flat_normal: the
+// triangle's, on any side.
+bool is_turned_over(vec3 n, vec3 flat_normal, vec3 to_camera)
+{
+	if (dot(flat_normal, to_camera) < 0.0)
+		flat_normal = -flat_normal;
+	float along = dot(n, flat_normal);
+	bool clear = abs(along) > 1e-3 * length(flat_normal); // else the derivatives' rounding would choose, pixel by pixel
+	return clear ? along < 0.0 : !gl_FrontFacing;
 }
 
 // The material's index and how the draw fades, which the vertex shader packs into one word.

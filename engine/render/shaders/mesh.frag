@@ -18,13 +18,7 @@ layout(location = 0) out vec4 color;
 // The interpolated normal on the side of the triangle that is seen, and bent towards the viewer.
 vec3 seen_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
 {
-	if (dot(flat_normal, to_camera) < 0.0)
-		flat_normal = -flat_normal;
-	float along = dot(n, flat_normal);
-	bool clear = abs(along) > 1e-3 * length(flat_normal); // else the derivatives' rounding would choose, pixel by pixel
-	if (clear ? along < 0.0 : !gl_FrontFacing)
-		n = -n;
-	return bent_normal(n, to_camera);
+	return bent_normal(is_turned_over(n, flat_normal, to_camera) ? -n : n, to_camera);
 }
 
 void main()

@@ -7,7 +7,7 @@ struct Material {
 	vec4 diffuse_roughness;
 	vec4 specular_anisotropy;
 	vec4 emission_wrap;
-	uvec4 unused;
+	uvec4 ids; // the second: index of its maps
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Materials { Material materials[]; };
@@ -26,6 +26,15 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
+// As render_maps_record, of which each has 14: color; specular, roughness; emission, metalness; scale of normals,
+// occlusion, cutoff; for each map two rows of its transform, behind the first which uv it lies on.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Maps { vec4 parts[]; };
+#define MAPS_PARTS 14u
+
+// As render_extra, of which each has three: tangent, sign; uv; colour. As render_extra_place.
+layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };
+layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer ExtraPlaces { uvec2 places[]; };
+
 // As render_view_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
 	mat4 view_projection;
@@ -38,6 +47,10 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	float unused;
 	Panorama panorama;
 	vec2 turn; // sine and cosine of its rotation
+	Maps maps;
+	Extras extras;
+	ExtraPlaces extra_places;
+	uvec2 padding;
 };
 
 // The heap of vertices (render_vertex.h). Packed, three of these for each: position's x and y; its z, the normal; uv.

@@ -17,7 +17,63 @@ layout(location = 2) flat out uint material;
 
 #ifdef MESH_TEXTURE
 layout(location = 2) in vec2 uv;
+#ifndef MESH_MAPS
 layout(location = 3) centroid out vec2 surface_uv;
+#endif
+#endif
+
+#ifdef MESH_MAPS
+#include "maps.glsl"
+layout(constant_id = 1) const uint drawn = 0;
+MAPS_PLACES(out)
+
+// Where map number `map` lies. second: the other uv.
+vec2 map_place(uint record, uint map, vec2 uv, vec2 second)
+{
+	vec4 u = record_part(record, 4u + 2u * map), v = record_part(record, 5u + 2u * map);
+	vec3 place = vec3(u.w != 0.0 ? second : uv, 1.0);
+	return vec2(dot(u.xyz, place), dot(v.xyz, place));
+}
+
+void write_places(uint index, vec2 uv, vec2 second)
+{
+	uint record = push.materials.materials[drawn == 3u ? 0u : index].ids.y;
+	uint first = map_color ? 0u : map_reflection ? 1u : map_normal ? 2u : map_occlusion ? 3u : 4u;
+	first_place = map_place(record, together ? first : 0u, uv, second);
+	reflection_place = !together && map_reflection ? map_place(record, 1u, uv, second) : vec2(0.0);
+	normal_place = !together && map_normal ? map_place(record, 2u, uv, second) : vec2(0.0);
+	occlusion_place = !together && map_occlusion ? map_place(record, 3u, uv, second) : vec2(0.0);
+	emission_place = !together && map_emission ? map_place(record, 4u, uv, second) : vec2(0.0);
+}
+#endif
+
+#ifdef MESH_EXTRAS
+layout(location = 5) centroid out vec4 surface_color;
+layout(location = 6) centroid out vec3 world_tangent; // on the side of the normal that winding makes, as world_normal
+layout(location = 7) flat out float tangent_sign;     // of the bitangent; 0: there is no tangent
+
+vec3 unit_or_zero(vec3 v)
+{
+	float square = dot(v, v);
+	return square > 0.0 ? v * inversesqrt(square) : vec3(0.0);
+}
+
+// Hands on the vertex's extra, which does not morph, but for the second uv, which it returns. x, y, z: rows of the
+// matrix of the model.
+vec2 write_extra(uint mesh, vec3 x, vec3 y, vec3 z)
+{
+	uvec2 place = push.view.extra_places.places[mesh];
+	uint at = (place.y & 0x7fffffffu) + ((uint(gl_VertexIndex) - place.x) >> (place.y >> 31));
+	uvec2 tangent = push.view.extras.parts[3u * at], uv_bits = push.view.extras.parts[3u * at + 1u];
+	uvec2 halves = push.view.extras.parts[3u * at + 2u];
+	vec3 t = shade_direction_from_octahedral(unpackSnorm2x16(tangent.x));
+	// Where the transform mirrors, the normal below points to the other side: so does what is beside it.
+	float side = dot(cross(x, y), z) < 0.0 ? -1.0 : 1.0;
+	world_tangent = unit_or_zero(vec3(dot(x, t), dot(y, t), dot(z, t))) * side;
+	tangent_sign = uintBitsToFloat(tangent.y);
+	surface_color = vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
+	return uintBitsToFloat(uv_bits);
+}
 #endif
 
 #ifdef MESH_PACKED
@@ -78,11 +134,19 @@ void main()
 	// Normals are transformed by the cofactor matrix, which is right also for nonuniform scale.
 	vec3 x = row.transform[0].xyz, y = row.transform[1].xyz, z = row.transform[2].xyz;
 	world_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+#ifdef MESH_EXTRAS
+	world_normal = unit_or_zero(world_normal); // of the length of the tangent, as MikkTSpace interpolates them
+	vec2 second = write_extra(row.mesh, x, y, z);
+#elif defined(MESH_MAPS)
+	vec2 second = vec2(0.0);
+#endif
 
 	material = row.material;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material |= detail << DETAIL_MATERIAL_SHIFT;
-#ifdef MESH_TEXTURE
+#ifdef MESH_MAPS
+	write_places(row.material, t, second);
+#elif defined(MESH_TEXTURE)
 	surface_uv = t;
 #endif
 	gl_Position = push.view.view_projection * vec4(world_position, 1.0);

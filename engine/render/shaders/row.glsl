@@ -5,7 +5,7 @@
 struct Row {
 	vec4 transform[3]; // rows of the affine transform, model to world; a 2D draw has its clip rectangle in the first
 	uint material;
-	uint mesh; // read by the CPU alone
+	uint mesh; // where the vertices have extras
 	uint unused[2];
 };
 

@@ -1,0 +1,119 @@
+#include "render/maps/render_maps.h"
+
+#include "base/base_contract.h"
+#include "image/image.h"
+#include "render/render_vertex.h"
+#include "shading/shade_gltf.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+/* ---- surfaces ---------------------------------------------------------------------------------------------------- */
+
+static uint32_t maps_bits(const stilb_scene_surface *surface, uint32_t channels)
+{
+	uint32_t bits = 0;
+	for (uint32_t i = 0; i < RENDER_MAPS; i++)
+		bits |= surface->maps[i].texture ? 1u << i : 0;
+	if (surface->unlit)
+		bits = (bits & 1u << STILB_SCENE_MAP_COLOR) | RENDER_MAPS_UNLIT;
+	if (bits >> STILB_SCENE_MAP_NORMAL & 1u && channels == 2)
+		bits |= RENDER_MAPS_TWO;
+	return bits | (surface->alpha == STILB_SCENE_MASK ? RENDER_MAPS_MASK : 0) |
+	       (surface->alpha == STILB_SCENE_BLEND ? RENDER_MAPS_BLEND : 0) |
+	       (surface->one_sided ? RENDER_MAPS_ONE_SIDED : 0) |
+	       (surface->workflow == STILB_SCENE_SPECULAR && !surface->unlit ? RENDER_MAPS_SPECULAR : 0);
+}
+
+/* True if all maps that there are lie in one way. */
+static bool maps_lie_together(const render_maps *maps)
+{
+	const render_maps_place *first = NULL;
+	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
+		const render_maps_place *place = &maps->record.places[i];
+		if (!(maps->bits >> i & 1u))
+			continue;
+		first = first ? first : place;
+		if (memcmp(place, first, offsetof(render_maps_place, name)) != 0)
+			return false;
+	}
+	return true;
+}
+
+render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels)
+{
+	STILB_ASSERT(surface && !stilb_scene_surface_mistake(surface));
+	const float *s = surface->specular;
+	render_maps maps = {.bits = maps_bits(surface, channels),
+	                    .record = {.roughness = surface->roughness,
+	                               .metalness = surface->metalness,
+	                               .normal_scale = surface->normal_scale,
+	                               .occlusion = surface->occlusion,
+	                               .cutoff = surface->cutoff}};
+	render_maps_record *record = &maps.record;
+	memcpy(record->color, surface->color, sizeof record->color);
+	memcpy(record->specular, surface->specular, sizeof record->specular);
+	memcpy(record->emission, surface->emission, sizeof record->emission);
+	stilb_vec3 dielectric =
+		shade_gltf_dielectric(surface->ior, stilb_vec3_make(s[0], s[1], s[2]), surface->specular_weight);
+	for (int c = 0; c < 3 && surface->workflow == STILB_SCENE_METALLIC; c++)
+		record->specular[c] = dielectric[c];
+	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
+		const stilb_scene_map *map = &surface->maps[i];
+		render_maps_place *place = &record->places[i];
+		if (!(maps.bits >> i & 1u))
+			continue;
+		memcpy(place->to_u, map->to_u, sizeof place->to_u);
+		memcpy(place->to_v, map->to_v, sizeof place->to_v);
+		place->set = (float)map->set;
+		place->name = map->texture;
+		maps.samplers[i] = (uint8_t)(map->wrap_u + 3 * map->wrap_v + 9 * map->nearest);
+	}
+	maps.bits |= maps_lie_together(&maps) ? RENDER_MAPS_TOGETHER : 0;
+	return maps;
+}
+
+uint64_t render_maps_hash(const render_maps *maps)
+{
+	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &maps->record, sizeof maps->record);
+	hash = stilb_hash_fnv1a64(hash, &maps->bits, sizeof maps->bits);
+	return stilb_hash_fnv1a64(hash, maps->samplers, sizeof maps->samplers);
+}
+
+/* ---- extras ------------------------------------------------------------------------------------------------------ */
+
+void render_extras_pack(const stilb_scene_vertex_extra *extras, size_t count, render_extra *out)
+{
+	for (size_t v = 0; v < count; v++, extras++, out++) {
+		const float *t = extras->tangent;
+		bool there = t[0] != 0.0f || t[1] != 0.0f || t[2] != 0.0f;
+		*out = (render_extra){.tangent = there ? render_direction_pack(t) : 0,
+		                      .sign = !there        ? 0.0f
+		                              : t[3] < 0.0f ? -1.0f
+		                                            : 1.0f,
+		                      .uv = {extras->uv[0], extras->uv[1]}};
+		for (int c = 0; c < 4; c++)
+			out->color[c] = stilb_image_half_from_float(extras->color[c]);
+	}
+}
+
+/* Of a half that is finite. */
+static float extras_from_half(uint16_t half)
+{
+	int exponent = half >> 10 & 31;
+	float mantissa = (float)(half & 1023);
+	float value = exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(mantissa + 1024.0f, exponent - 25);
+	return half >> 15 ? -value : value;
+}
+
+void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_vertex_extra *out)
+{
+	for (size_t v = 0; v < count; v++, packed++, out++) {
+		*out = (stilb_scene_vertex_extra){.tangent = {[3] = packed->sign}, .uv = {packed->uv[0], packed->uv[1]}};
+		if (packed->sign != 0.0f)
+			render_direction_unpack(packed->tangent, out->tangent);
+		for (int c = 0; c < 4; c++)
+			out->color[c] = extras_from_half(packed->color[c]);
+	}
+}

@@ -1,0 +1,115 @@
+/*
+ * Surfaces of a scene (scene/scene_surface.h) as the device has them. Inside render/.
+ *
+ * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and a
+ *            set of RENDER_MAPS images, in the order of stilb_scene_map_kind. A map that is missing is a white texel
+ *            that no shader reads: what a program reads is compiled into it (RENDER_MAPS_...).
+ * Owner.     Each material owns its maps; they come, change and go with it.
+ * Extras.    Tangents, second uv and colours of vertices lie in a heap of their own, in the order of the vertices. A
+ *            table by mesh says where a mesh's begin. Meshes without extras have nothing there.
+ * Left out.  Clear coat, specular weight and tint as maps, sheen, anisotropy and transmission: rays alone show them.
+ */
+#ifndef RENDER_MAPS_H
+#define RENDER_MAPS_H
+
+#include "gpu/gpu.h"
+#include "render/render.h"
+#include "scene/scene_surface.h"
+
+#define RENDER_MAPS 5u /* color, reflection, normal, occlusion, emission */
+
+static_assert(STILB_SCENE_MAP_EMISSION + 1 == RENDER_MAPS, "the first maps of a surface");
+
+/* A material's maps at most. */
+#define RENDER_MAX_MAPS (1u << 20)
+
+/* What a program is compiled for. Bits 0 .. RENDER_MAPS - 1: 1 << stilb_scene_map_kind of each map that there is. */
+#define RENDER_MAPS_MASK (1u << 5)
+#define RENDER_MAPS_BLEND (1u << 6)
+#define RENDER_MAPS_ONE_SIDED (1u << 7)
+#define RENDER_MAPS_UNLIT (1u << 8)
+#define RENDER_MAPS_SPECULAR (1u << 9)  /* STILB_SCENE_SPECULAR */
+#define RENDER_MAPS_TWO (1u << 10)      /* the map of normals has two channels: red, and what is alpha on the device */
+#define RENDER_MAPS_TOGETHER (1u << 11) /* all maps lie in one way: one place is enough */
+#define RENDER_MAPS_EXTRAS (1u << 12)   /* of the mesh: its vertices have extras */
+
+/* How a map lies on the surface. */
+typedef struct render_maps_place {
+	float to_u[3], set; /* set: 0 or 1 */
+	float to_v[3];
+	uint32_t name; /* 1 + the texture's id in the scene; 0: it has none. No shader reads it */
+} render_maps_place;
+
+/* As shaders read it (shaders/maps.glsl). */
+typedef struct render_maps_record {
+	float color[4];
+	float specular[3]; /* METALLIC: the dielectric's reflectance at normal incidence */
+	float roughness;
+	float emission[3], metalness;
+	float normal_scale, occlusion, cutoff, unused;
+	render_maps_place places[RENDER_MAPS];
+} render_maps_record;
+
+static_assert(sizeof(render_maps_record) == 64 + 32 * RENDER_MAPS, "std430: vec4s");
+
+/* What is made of a surface. */
+typedef struct render_maps {
+	render_maps_record record;
+	uint32_t bits;                  /* RENDER_MAPS_... */
+	uint32_t textures[RENDER_MAPS]; /* stilb_render_texture.id; 0: none */
+	uint8_t samplers[RENDER_MAPS];  /* wrap_u + 3 wrap_v + 9 nearest: below RENDER_MAPS_SAMPLERS */
+} render_maps;
+
+#define RENDER_MAPS_SAMPLERS 18u
+
+/* Without textures. channels: of the texture of normals. [any-thread] */
+render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels);
+
+/* What the stream hash has of them. [any-thread] */
+uint64_t render_maps_hash(const render_maps *maps);
+
+/* The entry of a material's maps. */
+typedef struct render_maps_slot {
+	uint64_t hash;
+	uint32_t bits;
+	uint32_t textures[RENDER_MAPS];
+	uint8_t samplers[RENDER_MAPS];
+} render_maps_slot;
+
+/* ---- extras of vertices ------------------------------------------------------------------------------------------ */
+
+/* A vertex's extra as shaders read it. */
+typedef struct render_extra {
+	uint32_t tangent; /* as packed normals have it (render_vertex.h) */
+	float sign;       /* 1, -1; 0: there is no tangent */
+	float uv[2];
+	uint16_t color[4]; /* halves */
+} render_extra;
+
+static_assert(sizeof(render_extra) == 24, "std430: three uvec2");
+
+/* Where a mesh's extras are: that of vertex number v of the heap is number extra + ((v - vertex) >> pairs). */
+typedef struct render_extra_place {
+	uint32_t vertex;
+	uint32_t extra_pairs; /* bit 31: pairs, 1 for a mesh whose vertices lie in pairs */
+} render_extra_place;
+
+#define RENDER_EXTRA_PAIRS (1u << 31)
+
+/* [any-thread] */
+void render_extras_pack(const stilb_scene_vertex_extra *extras, size_t count, render_extra *out);
+/* The inverse, but for what packing rounds; packing the result again gives the same bytes. [any-thread] */
+void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_vertex_extra *out);
+
+/* ---- mips -------------------------------------------------------------------------------------------------------- */
+
+/* How many mips a picture of that size has, down to one texel. */
+uint32_t render_mip_count(uint32_t width, uint32_t height);
+
+/* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
+ * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
+ * three in a row by how much of each. *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0.
+ * [any-thread] */
+void *render_mips_make(const stilb_image *image, size_t *bytes);
+
+#endif

@@ -1,0 +1,31 @@
+// What the shaders of meshes with maps share. Who includes it has included mesh.glsl.
+
+// RENDER_MAPS_...: what there is. What is not there is no code, since software devices compute every branch.
+layout(constant_id = 9) const uint maps = 0u;
+const bool map_color = (maps & 1u) != 0;
+const bool map_reflection = (maps & 2u) != 0;
+const bool map_normal = (maps & 4u) != 0;
+const bool map_occlusion = (maps & 8u) != 0;
+const bool map_emission = (maps & 16u) != 0;
+const bool masked = (maps & 32u) != 0;
+const bool blends = (maps & 64u) != 0;
+const bool unlit = (maps & 256u) != 0;
+const bool specular_workflow = (maps & 512u) != 0;
+const bool two_channels = (maps & 1024u) != 0;
+const bool together = (maps & 2048u) != 0; // all lie at the first one's place
+
+// Part `part` of a record.
+vec4 record_part(uint record, uint part)
+{
+	return push.view.maps.parts[record * MAPS_PARTS + part];
+}
+
+// Where the maps lie here; as MAPS_PLACES(out) of a vertex and MAPS_PLACES(in) of a pixel. The vertex shader makes
+// them: the transform is affine, and what a pixel's shader reads from memory has no derivatives, because software
+// devices read nothing for the pixels beside a triangle. Not centroid: derivatives would jump at edges.
+#define MAPS_PLACES(way) \
+	layout(location = 3) way vec2 first_place; \
+	layout(location = 8) way vec2 reflection_place; \
+	layout(location = 9) way vec2 normal_place; \
+	layout(location = 10) way vec2 occlusion_place; \
+	layout(location = 11) way vec2 emission_place;
