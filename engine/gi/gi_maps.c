@@ -3,6 +3,8 @@
 #include "gi/gi_texture.h"
 #include "gi/gi_vector.h"
 
+#include <float.h>
+
 static const stilb_scene_map_kind maps_of_rays[] = {
 	STILB_SCENE_MAP_COLOR,    STILB_SCENE_MAP_REFLECTION, STILB_SCENE_MAP_NORMAL,
 	STILB_SCENE_MAP_EMISSION, STILB_SCENE_MAP_SPECULAR,   STILB_SCENE_MAP_SPECULAR_COLOR,
@@ -86,7 +88,7 @@ stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
 		return emission;
 	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_EMISSION, place);
 	for (int i = 0; i < 3; i++)
-		emission[i] *= fmaxf(texel[i], 0.0f); /* of NaN, too */
+		emission[i] *= fminf(fmaxf(texel[i], 0.0f), FLT_MAX); /* of NaN and infinity, too */
 	return emission;
 }
 

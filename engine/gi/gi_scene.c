@@ -6,12 +6,11 @@
  * triangles stay in the mesh's space, and rays are transformed to it. In a scene whose models will move (desc.movable)
  * all parts are instances that can be, so that what moves is only their transforms.
  */
-#include "gi/gi_maps.h"
+#include "gi/gi_scene_lights.h"
 #include "gi/gi_surface.h"
 #include "gi/integrate/gi_backdrop.h"
 
 #include "profiler/prof.h"
-#include "scene/scene_look.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -115,6 +114,7 @@ static void normal_to_world(const float matrix[9], const float n[3], float out[3
 typedef struct part_plan {
 	uint32_t mesh;        /* index of its mesh in the result */
 	bool shown, instance; /* shown: rays see it; a hidden model's parts, or a removed one's, are not */
+	bool emits;           /* its triangles are lights */
 } part_plan;
 
 /* Decided before anything is copied: which meshes are shared by instances, and how many vertices, triangles and meshes
@@ -128,30 +128,14 @@ typedef struct mesh_plan {
 	uint32_t meshes;
 } mesh_plan;
 
-static bool is_bright(const float emission[3])
-{
-	return emission[0] > 0.0f || emission[1] > 0.0f || emission[2] > 0.0f;
-}
-
-/* True if the part's triangles are lights. */
-static bool part_emits(const stilb_scene *scene, uint32_t part)
-{
-	STILB_ASSERT(scene->part_material[part] < scene->material_count);
-	const stilb_scene_material *material = &scene->materials[scene->part_material[part]];
-	if (!material->surface)
-		return is_bright(material->emission);
-	const stilb_scene_surface *surface = &scene->surfaces[material->surface - 1];
-	return !surface->unlit && is_bright(surface->emission) && !surface->maps[STILB_SCENE_MAP_EMISSION].texture;
-}
-
-static bool part_may_share(const stilb_scene *scene, uint32_t part)
+static bool part_may_share(const stilb_scene *scene, uint32_t part, bool emits)
 {
 	STILB_ASSERT(part < scene->part_count);
 	const stilb_mat4 *to_world = &scene->part_transform[part];
 	for (int i = 12; i < 15; i++)
 		if (!(fabsf(to_world->m[i]) <= COORDINATE_MAX))
 			return false; /* copied instead: a copy's corners are checked in world space, an instance's are not */
-	return !part_emits(scene, part) && is_near_similarity(to_world);
+	return !emits && is_near_similarity(to_world);
 }
 
 /* The mesh of parts that are not shown: they keep their place, since parts have the same ids here as in the scene. */
@@ -175,14 +159,15 @@ static void plan_mesh(mesh_plan *plan, const stilb_scene_mesh *mesh)
 
 /* Which parts are shown, and which of them may be instances: of a scene that is movable hidden ones, too, since they
  * may be shown again. */
-static void plan_parts(const stilb_scene *scene, bool movable, mesh_plan *plan)
+static void plan_parts(stilb_gi_scene *gi, const stilb_scene *scene, bool movable, mesh_plan *plan)
 {
 	for (uint32_t model = 0; model < scene->model_count; model++)
 		for (uint32_t part = scene->first_part[model]; part < scene->first_part[model + 1]; part++) {
 			part_plan *to = &plan->parts[part];
 			to->shown = !isnan(scene->bounds.radius[model]);
 			bool kept = movable && scene->part_mesh[part] != STILB_SCENE_NONE;
-			to->instance = (to->shown || kept) && part_may_share(scene, part);
+			to->emits = (to->shown || kept) && gi_scene_emits(gi, scene, scene->part_material[part]);
+			to->instance = (to->shown || kept) && part_may_share(scene, part, to->emits);
 			if (to->instance)
 				plan->uses[scene->part_mesh[part]]++;
 		}
@@ -209,15 +194,18 @@ static void plan_meshes(const stilb_scene *scene, bool movable, mesh_plan *plan)
 	}
 }
 
-static stilb_result plan_make(const stilb_scene *scene, bool movable, mesh_plan *plan)
+static stilb_result plan_make(stilb_gi_scene *gi, const stilb_scene *scene, bool movable, mesh_plan *plan)
 {
 	*plan = (mesh_plan){0};
+	stilb_result result = gi_scene_ask_darkness(gi, scene);
+	if (result != STILB_OK)
+		return result;
 	plan->uses = calloc((size_t)scene->mesh_count + 1, sizeof *plan->uses);
 	plan->shared = calloc((size_t)scene->mesh_count + 1, sizeof *plan->shared);
 	plan->parts = calloc((size_t)scene->part_count + 1, sizeof *plan->parts);
 	if (!plan->uses || !plan->shared || !plan->parts)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", scene->mesh_count);
-	plan_parts(scene, movable, plan);
+	plan_parts(gi, scene, movable, plan);
 	plan_meshes(scene, movable, plan);
 	if (plan->triangles > TRIANGLES_MAX)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "the scene has %llu triangles; at most %u can be traced",
@@ -414,9 +402,9 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	part->plain = !part->instance && !material->diffuse_texture && !part->surface;
 	for (int i = 0; i < 3; i++)
 		part->albedo[i] = material->diffuse[i] + material->specular[i];
-	if (part_emits(scene, index)) {
-		part->first_light = gi->info.lights;
-		gi->info.lights += mesh->triangle_count;
+	if (plan->emits) {
+		part->first_light = gi->emitter_count;
+		gi->emitter_count += mesh->triangle_count;
 	}
 	gi->info.triangles += mesh->triangle_count;
 	gi->info.invalid += mesh->invalid_count;
@@ -448,68 +436,6 @@ static void box_of_parts(stilb_gi_scene *gi)
 			box_add(gi->info.low, gi->info.high, (float[3]){placed[0], placed[1], placed[2]});
 		}
 	}
-}
-
-/* A hash of all that lights are made of. Lights and surroundings are hashed as scene_revision.c hashes them: by their
- * bytes, and a panorama by where its pixels are and by the count of its changes. */
-static uint64_t lights_hash(const stilb_scene *scene, const gi_emitter *emitters, uint32_t count)
-{
-	const stilb_scene_surroundings *around = &scene->surroundings;
-	const uint64_t numbers[] = {(uintptr_t)around->panorama.pixels, around->panorama.width, around->panorama.height,
-	                            scene->revisions.surroundings, scene->light_count};
-	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, emitters, count * sizeof *emitters);
-	hash = stilb_hash_fnv1a64(hash, scene->lights, scene->light_count * sizeof *scene->lights);
-	hash = stilb_hash_fnv1a64(hash, around->sky, sizeof around->sky);
-	hash = stilb_hash_fnv1a64(hash, around->ground, sizeof around->ground);
-	hash = stilb_hash_fnv1a64(hash, &around->rotation, sizeof around->rotation);
-	return stilb_hash_fnv1a64(hash, numbers, sizeof numbers);
-}
-
-static void lights_finish(stilb_gi_scene *gi)
-{
-	gi_lights_destroy(&gi->open_lights);
-	gi_lights_destroy(&gi->lights);
-	gi->lights_hash = 0;
-}
-
-/* Makes the tables of lights, unless they are there and as they would become. */
-static stilb_result lights_update(stilb_gi_scene *gi, const stilb_scene *scene, const gi_emitter *emitters)
-{
-	uint64_t hash = lights_hash(scene, emitters, gi->info.lights);
-	stilb_scene_environment_words(&scene->surroundings, gi->surroundings, sizeof gi->surroundings);
-	if (gi->lights.environment && gi->lights_hash == hash)
-		return STILB_OK;
-	lights_finish(gi);
-	stilb_result result = gi_lights_create(scene, emitters, gi->info.lights, &gi->lights);
-	if (result == STILB_OK)
-		result = gi_lights_create_open(scene, &gi->lights, &gi->open_lights);
-	gi->lights_hash = hash;
-	return result;
-}
-
-/* The list of emitting triangles, and what is made of it and of the scene's lights. */
-static stilb_result lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
-{
-	PROFILE("gi.lights");
-	gi_emitter *emitters = stilb_memory_alloc((size_t)gi->info.lights + 1, sizeof *emitters);
-	if (!emitters)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", gi->info.lights);
-	for (uint32_t i = 0; i < gi->part_count; i++) {
-		const gi_part *part = &gi->parts[i];
-		const gi_mesh *mesh = &gi->meshes[part->mesh];
-		for (uint32_t k = 0; part->first_light != GI_NO_LIGHT && k < mesh->triangle_count; k++) {
-			STILB_ASSERT(part->first_light + k < gi->info.lights && !part->instance);
-			gi_emitter *emitter = &emitters[part->first_light + k];
-			for (int corner = 0; corner < 3; corner++)
-				memcpy(emitter->position[corner], mesh->vertices[mesh->triangles[k].vertex[corner]].position,
-				       sizeof emitter->position[corner]);
-			memcpy(emitter->emission, gi->materials[part->material].emission, sizeof emitter->emission);
-		}
-	}
-	stilb_result result = lights_update(gi, scene, emitters);
-	free(emitters);
-	gi->info.lights += gi->lights.listed_count;
-	return result;
 }
 
 /* What is behind everything, in place of what was. */
@@ -587,6 +513,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 			material_from_surface(&gi->materials[i], &gi->surfaces[gi->materials[i].surface - 1]);
 	}
 	gi->blends = false;
+	gi->emitter_count = 0;
 	gi->textures = scene->textures;
 	gi->texture_count = scene->texture_count;
 	gi->info = (stilb_gi_scene_info){.isa = gi->info.isa, .bytes = gi->own_bytes};
@@ -627,7 +554,7 @@ static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	gi->geometry = scene->revisions.geometry;
 	stilb_result result = gi_scene_fill(gi, scene, desc, plan);
 	if (result == STILB_OK)
-		result = lights_make(gi, scene);
+		result = gi_scene_lights_make(gi, scene);
 	if (result == STILB_OK)
 		result = backdrop_make(gi, scene);
 	if (result == STILB_OK && is_given_up(desc))
@@ -642,7 +569,7 @@ static void gi_scene_clear(stilb_gi_scene *gi)
 {
 	gi->intersector->destroy(&gi->tracer);
 	gi_backdrop_destroy(gi->backdrop);
-	lights_finish(gi);
+	gi_scene_lights_finish(gi);
 	free(gi->meshes);
 	free(gi->parts);
 	free(gi->materials);
@@ -705,7 +632,7 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 	stilb_owner_take(&gi->owner);
 	gi->intersector = desc->intersector;
 	mesh_plan plan;
-	stilb_result result = plan_make(scene, desc->movable, &plan);
+	stilb_result result = plan_make(gi, scene, desc->movable, &plan);
 	if (result == STILB_OK)
 		result = gi_scene_make(gi, scene, desc, &plan);
 	plan_finish(&plan);
@@ -803,7 +730,7 @@ static stilb_result update_in_place(stilb_gi_scene *gi, const stilb_scene *scene
 	if (result == STILB_OK) {
 		gi_scene_copy(gi, scene);
 		uint32_t count = update_parts(gi, scene, plan, moved);
-		result = lights_make(gi, scene);
+		result = gi_scene_lights_make(gi, scene);
 		if (result == STILB_OK)
 			result = backdrop_make(gi, scene);
 		if (result == STILB_OK && count > 0)
@@ -822,7 +749,7 @@ stilb_result stilb_gi_scene_update(stilb_gi_scene *gi, const stilb_scene *scene,
 	STILB_ASSERT_OWNER(gi->owner);
 	PROFILE("gi.update");
 	mesh_plan plan;
-	stilb_result result = plan_make(scene, desc->movable, &plan);
+	stilb_result result = plan_make(gi, scene, desc->movable, &plan);
 	if (result == STILB_OK && update_fits(gi, scene, desc, &plan)) {
 		result = update_in_place(gi, scene, desc, &plan);
 	} else if (result == STILB_OK) {

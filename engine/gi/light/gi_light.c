@@ -30,6 +30,7 @@ static void copy_listed(const stilb_scene *scene, bool faces, gi_lights *lights)
 
 static void make_shapes(const gi_emitter *emitters, uint32_t count, gi_lights *lights)
 {
+	uint32_t glow_count = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		gi_light_shape *shape = &lights->shapes[lights->shape_count];
 		lights->shape_of[i] = lights->shape_count++;
@@ -38,6 +39,10 @@ static void make_shapes(const gi_emitter *emitters, uint32_t count, gi_lights *l
 			i++;
 		} else {
 			*shape = gi_light_shape_make(&emitters[i]);
+			if (emitters[i].glow.maps.surface) {
+				shape->glow = &lights->glows[glow_count];
+				lights->glows[glow_count++] = emitters[i].glow;
+			}
 		}
 	}
 }
@@ -117,12 +122,16 @@ static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emit
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
 	lights->listed = stilb_memory_alloc(listed, sizeof *lights->listed);
 	lights->distant = stilb_memory_alloc(listed + 1, sizeof *lights->distant);
+	size_t glows = 0;
+	for (uint32_t i = 0; i < emitter_count; i++)
+		glows += emitters[i].glow.maps.surface ? 1 : 0;
+	lights->glows = stilb_memory_alloc(glows, sizeof *lights->glows);
 	lights->shapes = stilb_memory_alloc(emitter_count, sizeof *lights->shapes);
 	lights->shape_of = stilb_memory_alloc(emitter_count, sizeof *lights->shape_of);
 	lights->leaf_of = stilb_memory_alloc(emitter_count, sizeof *lights->leaf_of);
 	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
-	if (leaves && lights->listed && lights->distant && lights->shapes && lights->shape_of && lights->leaf_of &&
-	    lights->nodes) {
+	if (leaves && lights->listed && lights->distant && lights->glows && lights->shapes && lights->shape_of &&
+	    lights->leaf_of && lights->nodes) {
 		copy_listed(scene, faces, lights);
 		make_shapes(emitters, emitter_count, lights);
 		make_choice(lights, leaves);
@@ -161,6 +170,7 @@ void gi_lights_destroy(gi_lights *lights)
 		gi_environment_destroy(lights->environment);
 	free(lights->listed);
 	free(lights->distant);
+	free(lights->glows);
 	free(lights->shapes);
 	free(lights->shape_of);
 	free(lights->leaf_of);

@@ -10,12 +10,14 @@
 
 #include "base/base.h"
 #include "base/base_math.h"
+#include "gi/light/gi_glow.h"
 #include "scene/scene.h"
 
 /* An emitting triangle in world space; it emits from its front. */
 typedef struct gi_emitter {
 	float position[3][3];
-	float emission[3];
+	float emission[3]; /* radiance, the mean of the glow if there is one; 0: it is never sampled */
+	gi_glow glow;
 } gi_emitter;
 
 #define GI_LIGHT_ENVIRONMENT UINT32_MAX
@@ -23,6 +25,7 @@ typedef struct gi_emitter {
 typedef struct gi_lights {
 	struct gi_light_shape *shapes; /* one for each emitting triangle, or for two that make a rectangle */
 	uint32_t shape_count, emitter_count;
+	gi_glow *glows;                 /* of those shapes that have one, in their order */
 	uint32_t *shape_of;             /* [emitter_count] index in shapes of each emitting triangle's shape */
 	struct gi_light_listed *listed; /* the lights of the scene's list that shine and have no face */
 	uint32_t listed_count;

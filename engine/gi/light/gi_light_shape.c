@@ -54,7 +54,8 @@ static int lonely_corner(const gi_emitter *one, const gi_emitter *other)
 bool gi_light_shape_join(const gi_emitter *first, const gi_emitter *second, gi_light_shape *shape)
 {
 	int a = lonely_corner(first, second), b = lonely_corner(second, first);
-	if (a == 3 || b == 3 || memcmp(first->emission, second->emission, sizeof first->emission) != 0)
+	if (a == 3 || b == 3 || first->glow.maps.surface || second->glow.maps.surface ||
+	    memcmp(first->emission, second->emission, sizeof first->emission) != 0)
 		return false;
 	gi_light_shape one = gi_light_shape_make(first), two = gi_light_shape_make(second);
 	one.corner = gi_vector(first->position[a]);
@@ -244,6 +245,15 @@ static float density_by_area(const gi_light_shape *shape, float height, float di
 	return distance * distance * distance / (height * shape->area);
 }
 
+/* What a point of the triangle emits. from_corner: the point. */
+static stilb_vec3 point_emission(const gi_light_shape *shape, stilb_vec3 from_corner)
+{
+	float scale = 0.5f / shape->area;
+	float u = stilb_vec3_dot(stilb_vec3_cross(from_corner, shape->edge_2), shape->normal) * scale;
+	float v = stilb_vec3_dot(stilb_vec3_cross(shape->edge_1, from_corner), shape->normal) * scale;
+	return gi_glow_at(shape->glow, u, v);
+}
+
 bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, stilb_vec2 u, gi_light_sample *sample)
 {
 	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
@@ -259,7 +269,7 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	float scale = 1.0f / distance;
 	sample->direction = to_light * scale;
 	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);
-	sample->radiance = shape->emission;
+	sample->radiance = shape->glow ? point_emission(shape, to_light - to_corner) : shape->emission;
 	sample->pdf = angle > 0.0f ? 1.0f / angle : density_by_area(shape, height, distance);
 	sample->delta = false;
 	return sample->pdf < INFINITY;

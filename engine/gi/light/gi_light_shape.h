@@ -17,7 +17,8 @@ typedef struct gi_light_shape {
 	stilb_vec3 corner, edge_1, edge_2; /* counter-clockwise as seen from the front */
 	stilb_vec3 normal;                 /* unit, towards the front */
 	stilb_vec3 center;
-	stilb_vec3 emission;
+	stilb_vec3 emission;       /* the mean, if there is a glow */
+	const gi_glow *glow;       /* what its points emit; NULL: emission. A triangle's alone */
 	stilb_vec3 unit_1, unit_2; /* directions of the edges of a rectangle, unit, */
 	float length_1, length_2;  /* and their lengths */
 	float area;                /* m^2; 0: it is never sampled */

@@ -1,9 +1,9 @@
 /* What rays go through: texels that a mask cuts out, a share of what blends, the backs of what is one-sided; by single
  * rays, packets and shadow rays, of copies and instances, the same by Embree and by brute force. */
 
+#include "gi/gi_path_fixture.h"
+#include "gi/gi_render_fixture.h"
 #include "gi_maps_fixture.h"
-#include "gi_path_fixture.h"
-#include "gi_render_fixture.h"
 
 static const stilb_mat4 here = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
 static const stilb_mat4 elsewhere = {{-1.5f, 0.5f, 0, 0, 0.5f, 1.5f, 0, 0, 0, 0, 2, 0, 0.3f, -0.2f, 1, 1}};

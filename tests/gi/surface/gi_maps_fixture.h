@@ -2,7 +2,7 @@
 #ifndef GI_MAPS_FIXTURE_H
 #define GI_MAPS_FIXTURE_H
 
-#include "gi_world_fixture.h"
+#include "gi/gi_world_fixture.h"
 
 #include "scene/scene_build.h"
 

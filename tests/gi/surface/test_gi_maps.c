@@ -1,9 +1,9 @@
 /* Surfaces with maps: textures at places against tables and closed forms, what is shaded from factors and texels,
  * normals against geometry that is turned alike, and what files of results know of all that. */
 
+#include "gi/gi_path_fixture.h"
+#include "gi/gi_render_fixture.h"
 #include "gi_maps_fixture.h"
-#include "gi_path_fixture.h"
-#include "gi_render_fixture.h"
 
 #include "gi/gi_scene_hash.h"
 #include "gi/gi_texture.h"
