@@ -8,7 +8,9 @@
 #include "gi/film/gi_primary.h"
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
+#include "gi/gi_texture.h"
 #include "gi/light/gi_light_tree.h"
+#include "gi/trace/gi_cover.h"
 #include "gi/trace/gi_ray.h"
 #include "support/contract.h"
 
@@ -229,11 +231,28 @@ static void structures(void **state)
 	contract_breaks("gi_scene_is_sound(gi)", scene_damaged());
 }
 
+static void surfaces(void **state)
+{
+	(void)state;
+	static uint8_t block[16];
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	gi_maps maps = {.surface = &surface};
+	gi_place place = {.color = {1.0f, 1.0f, 1.0f, 1.0f}};
+	gi_glow same = {.maps = {.surface = NULL}};
+	stilb_image blocks = {4, 4, 4, STILB_IMAGE_BC7_SRGB, block, 0}, wide = {1, 1, 5, STILB_IMAGE_U8_SRGB, block, 0};
+	gi_crossing nowhere = {.part = fixture.gi->part_count};
+	contract_breaks("scenes have no textures of blocks", gi_texture_at(&blocks, (stilb_vec2){0})[0] > 0.0f);
+	contract_breaks("image->channels <= 4", gi_texture_at(&wide, (stilb_vec2){0})[0] > 0.0f);
+	contract_breaks("STILB_SCENE_MAP_NORMAL", gi_maps_normal(&maps, &place)[0] > 0.0f);
+	contract_breaks("glow->maps.surface", gi_glow_at(&same, 0.0f, 0.0f)[0] > 0.0f);
+	contract_breaks("crossing->part < scene->part_count", gi_cover_meets(fixture.gi, &nowhere));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(threads), cmocka_unit_test(pictures), cmocka_unit_test(rays),
-		cmocka_unit_test(samples), cmocka_unit_test(cache),    cmocka_unit_test(structures),
+		cmocka_unit_test(threads), cmocka_unit_test(pictures),   cmocka_unit_test(rays),     cmocka_unit_test(samples),
+		cmocka_unit_test(cache),   cmocka_unit_test(structures), cmocka_unit_test(surfaces),
 	};
 	return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }
