@@ -8,6 +8,8 @@
 static const stilb_mat4 here = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
 static const stilb_mat4 elsewhere = {{-1.5f, 0.5f, 0, 0, 0.5f, 1.5f, 0, 0, 0, 0, 2, 0, 0.3f, -0.2f, 1, 1}};
 
+static const stilb_mat4 far_away = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 500, 0, 0, 1}};
+
 #define CHECKS 8
 
 static uint8_t check_texels[CHECKS][CHECKS][4];
@@ -106,7 +108,12 @@ static void masks_cut_texels_out(void **state)
 		bool brute = i & 1, movable = i & 2, behind = i & 4;
 		const stilb_mat4 *place = i & 8 ? &elsewhere : &here;
 		const stilb_gi_intersector *intersector = brute ? &stilb_gi_brute : &stilb_gi_embree;
-		world_fixture world = cover_trace(maps_scene(&square, &surface, &image, 1, place), intersector, movable);
+		stilb_scene_surface solid = stilb_scene_surface_make(); /* the first part, far behind */
+		stilb_scene_build *build = stilb_scene_build_begin();
+		stilb_scene_build_texture(build, &image);
+		maps_add(build, &square.mesh, &solid, &far_away);
+		maps_add(build, &square.mesh, &surface, place);
+		world_fixture world = cover_trace(maps_end(build), intersector, movable);
 		shade_proof_random random = {.seed = 4};
 		uint32_t there = 0, count = 0;
 		for (int batch = 0; batch < 64; batch++) {
@@ -145,14 +152,14 @@ static void masks_multiply(void **state)
 	            {0.0f, 0.0f, 1.0f, true},  {0.6f, 1.0f, 1.0f, false},    {0.5f, 1.0f, 1.0f, true},
 	            {2.0f, 1.0f, 1.0f, false}};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		for (int plain = 0; plain < 2; plain++) { /* plain: the factor alone */
+		for (int kind = 0; kind < 3; kind++) { /* all three, the factor alone, factor and vertices */
 			maps_square square;
 			maps_square_make(&square, 1.0f);
 			stilb_scene_surface surface = checked(STILB_SCENE_MASK);
 			surface.cutoff = rows[i].cutoff;
-			surface.color[3] = plain ? 0.5f * rows[i].factor * rows[i].vertex : rows[i].factor;
-			surface.maps[STILB_SCENE_MAP_COLOR].texture = !plain;
-			for (int k = 0; k < 4 && !plain; k++)
+			surface.color[3] = rows[i].factor * (kind > 0 ? 0.5f : 1.0f) * (kind == 1 ? rows[i].vertex : 1.0f);
+			surface.maps[STILB_SCENE_MAP_COLOR].texture = kind == 0;
+			for (int k = 0; k < 4 && kind != 1; k++)
 				square.extras[k].color[3] = rows[i].vertex;
 			world_fixture world = maps_trace(maps_scene(&square, &surface, &image, 1, &here), false);
 			gi_ray_hit ray = gi_ray_hit_make(stilb_vec3_make(0.1f, 0.2f, 1.0f), stilb_vec3_make(0.0f, 0.0f, -1.0f));
@@ -296,6 +303,85 @@ static void furnaces_with_alpha(void **state)
 	}
 }
 
+/* ---- integrators ------------------------------------------------------------------------------------------------- */
+
+/* The mean radiance of a floor below a black roof of this alpha, which covers all that the floor sees: an open sky, or,
+ * for indirect light, a ceiling with a lamp below it. */
+static double floor_below_a_roof(float alpha, stilb_gi_integrator integrator, stilb_gi_only only)
+{
+	static const stilb_mat4 roof = {{90, 0, 0, 0, 0, 90, 0, 0, 0, 0, -1, 0, 0, 0, 0.5f, 1}};
+	static const stilb_mat4 ceiling = {{3, 0, 0, 0, 0, 3, 0, 0, 0, 0, -1, 0, 0, 0, 2, 1}};
+	maps_square square;
+	maps_square_make(&square, 1.0f);
+	stilb_scene_surface black = stilb_scene_surface_make(), floor = black;
+	black.color[0] = black.color[1] = black.color[2] = 0.0f;
+	black.ior = 1.0f;
+	black.alpha = STILB_SCENE_BLEND;
+	black.color[3] = alpha;
+	floor.metalness = only == STILB_GI_ONLY_INDIRECT ? 0.0f : 0.5f;
+	floor.roughness = 0.5f;
+	floor.ior = only == STILB_GI_ONLY_INDIRECT ? 1.0f : 1.5f;
+	stilb_scene_build *build = stilb_scene_build_begin();
+	maps_add(build, &square.mesh, &floor, &here);
+	maps_add(build, &square.mesh, &black, &roof);
+	stilb_scene_surroundings sky = {.sky = {1, 1, 1}, .ground = {1, 1, 1}};
+	stilb_scene_light lamp = {.kind = STILB_SCENE_LIGHT_POINT, .position = {0.2f, 0.1f, 1.5f}, .intensity = {1, 1, 1}};
+	if (only == STILB_GI_ONLY_INDIRECT) {
+		maps_add(build, &square.mesh, &floor, &ceiling);
+		stilb_scene_build_light(build, &lamp);
+	} else {
+		stilb_scene_build_surroundings(build, &sky);
+	}
+	stilb_scene_camera camera = {.position = {0, 0, 0.4f}, .fov_y = 0.8f, .near_z = 0.01f, .far_z = 10};
+	stilb_scene_build_camera(build, &camera);
+	world_fixture world = cover_trace(maps_end(build), &stilb_gi_embree, false);
+	render_fixture fixture = {.pool = world.pool, .scene = world.scene, .gi = world.gi};
+	stilb_gi_settings settings = render_fixture_settings(&fixture);
+	settings.width = settings.height = 16;
+	settings.samples = 128;
+	settings.integrator = integrator;
+	settings.only = only;
+	settings.depth = 2;
+	settings.ao_distance = 0.0f;
+	settings.cache.rays = 4096;
+	settings.cache.error = 0.05f;
+	settings.cache.gradients = false; /* of records of so few rays they are noise */
+	stilb_gi_render *render = render_fixture_create(&fixture, &settings);
+	assert_int_equal(stilb_gi_render_run(render), STILB_OK);
+	stilb_gi_film film = stilb_gi_render_film(render);
+	double sum = 0.0;
+	for (uint32_t p = 0; p < 256; p++)
+		sum += (double)film.radiance[3 * p] / 256.0;
+	stilb_gi_render_destroy(render);
+	world_finish(&world);
+	return sum;
+}
+
+/* A roof of 0.3 lets 0.7 of the light through, for every integrator. Not a half: one of its two triangles would be
+ * that. */
+static void roofs_let_their_share_through(void **state)
+{
+	(void)state;
+	static const struct {
+		stilb_gi_integrator integrator;
+		stilb_gi_only only;
+		double bound;
+	} rows[] = {{STILB_GI_INTEGRATOR_PATH, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_DIRECT, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_AO, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_MONTECARLO, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_SPLIT, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_IRRADIANCE_CACHE, STILB_GI_ALL_LIGHT, 0.01},
+	            {STILB_GI_INTEGRATOR_PATH, STILB_GI_ONLY_INDIRECT, 0.02},
+	            {STILB_GI_INTEGRATOR_IRRADIANCE_CACHE, STILB_GI_ONLY_INDIRECT, 0.04}};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		double open = floor_below_a_roof(0.0f, rows[i].integrator, rows[i].only);
+		double less = floor_below_a_roof(0.3f, rows[i].integrator, rows[i].only);
+		assert_true(open > 0.01);
+		SHADE_PROOF_NEAR((float)(less / open), 0.7, rows[i].bound, 0.0);
+	}
+}
+
 /* ---- backs ------------------------------------------------------------------------------------------------------- */
 
 static void backs_are_not_there(void **state)
@@ -391,13 +477,10 @@ static void same_bits_for_workers(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(masks_cut_texels_out),
-		cmocka_unit_test(masks_multiply),
-		cmocka_unit_test(blends_let_shares_through),
-		cmocka_unit_test(blends_mix_pictures),
-		cmocka_unit_test(furnaces_with_alpha),
-		cmocka_unit_test(backs_are_not_there),
-		cmocka_unit_test(updates_change_what_rays_go_through),
+		cmocka_unit_test(masks_cut_texels_out),      cmocka_unit_test(masks_multiply),
+		cmocka_unit_test(blends_let_shares_through), cmocka_unit_test(blends_mix_pictures),
+		cmocka_unit_test(furnaces_with_alpha),       cmocka_unit_test(roofs_let_their_share_through),
+		cmocka_unit_test(backs_are_not_there),       cmocka_unit_test(updates_change_what_rays_go_through),
 		cmocka_unit_test(same_bits_for_workers),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

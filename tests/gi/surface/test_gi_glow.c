@@ -268,6 +268,7 @@ static void updates_change_lights(void **state)
 		}
 		assert_int_equal(stilb_gi_scene_update(world.gi, world.scene, &desc), STILB_OK);
 		assert_int_equal(stilb_gi_scene_info_of(world.gi)->lights, step < 2 ? 1 : step == 2 ? 0 : 2);
+		assert_int_equal(world.gi->parts[0].instance, step == 2);
 		for (uint32_t k = 0; k < 2 && step < 2; k++)
 			assert_int_equal(gi_light_pdf(&world.gi->lights, from, normal, k, 2.0f) > 0.0f, k == (step == 1));
 	}

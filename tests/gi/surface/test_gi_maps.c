@@ -327,6 +327,29 @@ static void tilted_normals_are_tilted_geometry(void **state)
 	}
 }
 
+/* Where a place is sheared, the tangent goes with the triangle's points and the normal stays across it; the map is in
+ * the frame of both. */
+static void sheared_frames(void **state)
+{
+	(void)state;
+	static float texel[3] = {0.5f + 0.5f * 0.36f, 0.5f + 0.5f * 0.48f, 0.9f};
+	static const stilb_mat4 sheared = {{1, 0.5f, 0, 0, 0.25f, 1, 0, 0, 0.1f, 0, 1, 0, 0, 0, 0, 1}};
+	stilb_image image = {1, 1, 3, STILB_IMAGE_F32_LINEAR, texel, 0};
+	maps_square square;
+	maps_square_make(&square, 1.0f);
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	surface.maps[STILB_SCENE_MAP_NORMAL].texture = 1;
+	for (int movable = 0; movable < 2; movable++) {
+		world_fixture world = maps_trace(maps_scene(&square, &surface, &image, 1, &sheared), movable);
+		assert_int_equal(world.gi->parts[0].instance, movable);
+		stilb_vec3 t = stilb_vec3_normalize(stilb_vec3_make(1.0f, 0.5f, 0.0f)), n = stilb_vec3_make(0.0f, 0.0f, 1.0f);
+		stilb_vec3 want = t * 0.36f + stilb_vec3_cross(n, t) * 0.48f + n * 0.8f;
+		stilb_vec3 got = maps_at_point(world.gi, 0.1f, 0.1f).normal;
+		SHADE_PROOF_NEAR3(got, (double)want[0], (double)want[1], (double)want[2], 0.0, 2e-6);
+		world_finish(&world);
+	}
+}
+
 /* The strength of a map; without a tangent it is left out. */
 static void normals_scaled_or_without_tangent(void **state)
 {
@@ -565,6 +588,7 @@ int main(void)
 		cmocka_unit_test(workflows),
 		cmocka_unit_test(constants_are_the_surface),
 		cmocka_unit_test(tilted_normals_are_tilted_geometry),
+		cmocka_unit_test(sheared_frames),
 		cmocka_unit_test(normals_scaled_or_without_tangent),
 		cmocka_unit_test(mirrored_views_stay_above),
 		cmocka_unit_test(unlit_is_seen_and_lights_nothing),
