@@ -34,10 +34,10 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
  * smallest possible resource is created, so that the others get the ids of the file. */
 
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
-                                   stilb_render_texture *out)
+                                   bool mips, stilb_render_texture *out)
 {
 	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels, 0};
-	return stilb_render_texture_create(render, &image, out);
+	return render_texture_create(render, &image, false, mips, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
@@ -50,9 +50,9 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 	for (uint32_t t = 0; t < dump->header->textures && result == STILB_OK; t++) {
 		const render_dump_texture *texture = &dump->textures[t];
 		for (; next < texture->id && result == STILB_OK; next++)
-			result = upload_texture(render, &none, white, &textures[t]);
+			result = upload_texture(render, &none, white, false, &textures[t]);
 		if (result == STILB_OK)
-			result = upload_texture(render, texture, pixels, &textures[t]);
+			result = upload_texture(render, texture, pixels, render_dump_texture_is_mapped(dump, t), &textures[t]);
 		STILB_ASSERT(result != STILB_OK || ((textures[t].id & RENDER_INDEX_MASK) == texture->id && "a new renderer"));
 		next++;
 		pixels += render_dump_fill(render_dump_pixel_bytes(texture));
@@ -77,7 +77,12 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 		memcpy(material.specular, from->specular, sizeof material.specular);
 		memcpy(material.emission, from->emission, sizeof material.emission);
 		stilb_render_texture texture = from->texture ? textures[from->texture - 1] : no_texture;
-		if (result == STILB_OK && from->impostor)
+		render_maps maps;
+		if (from->surface)
+			maps = render_dump_surface_get(&dump->surfaces[from->surface - 1], textures);
+		if (result == STILB_OK && from->surface)
+			result = render_material_create_maps(render, &material, &maps, &materials[m]);
+		else if (result == STILB_OK && from->impostor)
 			result = render_material_create_impostor(render, &material, texture, &materials[m]);
 		else if (result == STILB_OK)
 			result = stilb_render_material_create(render, &material, texture, &materials[m]);
@@ -89,7 +94,8 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 
 /* The casts drop const only because the scene's struct has no const pointers: the mesh is read, not written. */
 static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *from, const render_dump_level *levels,
-                                const stilb_scene_vertex *vertices, const uint32_t *indices, stilb_render_mesh *out)
+                                const stilb_scene_vertex *vertices, const render_extra *extras, const uint32_t *indices,
+                                stilb_render_mesh *out)
 {
 	stilb_scene_level level[STILB_SCENE_MAX_LEVELS];
 	/* The file does not say which clusters there are: one of the mesh itself, and one of all their coarser versions. */
@@ -119,7 +125,15 @@ static stilb_result upload_mesh(stilb_render *render, const render_dump_mesh *fr
 		mesh.cluster_indices = mesh.level_indices + mesh.level_index_count;
 		mesh.cluster_index_count = from->clusters;
 	}
-	return stilb_render_mesh_create(render, &mesh, out);
+	if (from->extras)
+		mesh.extras = stilb_memory_alloc(from->vertices, sizeof *mesh.extras);
+	if (from->extras && !mesh.extras)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the extras of %u vertices", from->vertices);
+	if (mesh.extras)
+		render_extras_unpack(extras, from->vertices, mesh.extras);
+	stilb_result result = stilb_render_mesh_create(render, &mesh, out);
+	free(mesh.extras);
+	return result;
 }
 
 static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *render, stilb_render_mesh *meshes)
@@ -130,17 +144,19 @@ static stilb_result upload_meshes(const stilb_render_dump *dump, stilb_render *r
 	const stilb_scene_vertex *vertices = dump->vertices;
 	const render_dump_level *levels = dump->levels;
 	const uint32_t *indices = dump->indices;
+	const render_extra *extras = dump->extras;
 	uint32_t next = 0;
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < dump->header->meshes && result == STILB_OK; m++) {
 		const render_dump_mesh *mesh = &dump->meshes[m];
 		for (; next < mesh->id && result == STILB_OK; next++)
-			result = upload_mesh(render, &none, NULL, no_vertex, zero, &meshes[m]);
+			result = upload_mesh(render, &none, NULL, no_vertex, NULL, zero, &meshes[m]);
 		if (result == STILB_OK)
-			result = upload_mesh(render, mesh, levels, vertices, indices, &meshes[m]);
+			result = upload_mesh(render, mesh, levels, vertices, extras, indices, &meshes[m]);
 		STILB_ASSERT(result != STILB_OK || ((meshes[m].id & RENDER_INDEX_MASK) == mesh->id && "a new renderer"));
 		next++;
 		vertices += mesh->vertices * (mesh->levels & RENDER_DUMP_MORPHS ? (size_t)2 : 1);
+		extras += mesh->extras ? mesh->vertices : 0;
 		indices += mesh->indices;
 		for (uint32_t l = 0; l < render_dump_mesh_levels(mesh); l++)
 			indices += levels++->indices;

@@ -1,18 +1,20 @@
 /*
- * The bytes of a frame dump, version 8. Inside render/.
+ * The bytes of a frame dump, version 9. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
  * Each part is padded with zeros to a multiple of 8 bytes.
  *
  *   part       bytes each  how many              contents
- *   header            128  1                     render_dump_header
+ *   header            144  1                     render_dump_header
  *   views             160  header.views, 1..64   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             88  header.passes, 1..64  render_dump_pass, in the order of the pass table
  *   targets            88  header.targets, 0..64 render_dump_target
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
+ *   surfaces          256  header.surfaces       render_dump_surface, of the first material that has one, then of the
+ *                                                next, ...
  *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
@@ -20,6 +22,7 @@
  *   vertices           32  header.vertices       the floats of stilb_scene_vertex_streams of mesh 0, then of 1, ...;
  *                                                of a mesh that morphs as many again: where they morph to. Normals as
  *                                                the device has them
+ *   extras             24  header.extras         render_extra, of the vertices of the first mesh that has some, ...
  *   indices             4  header.indices        of mesh 0, of its levels, of its clusters' coarser versions, then of
  *                                                mesh 1, ...; below the number of vertices of the mesh or level
  *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
@@ -36,10 +39,11 @@
 #define STILB_RENDER_DUMP_FORMAT_H
 
 #include "render/render_dump.h"
+#include "render/render_resources.h"
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 8u
+#define RENDER_DUMP_VERSION 9u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -55,6 +59,7 @@ typedef struct render_dump_header {
 	uint32_t lights, backdrop_bytes, levels;
 	uint32_t streams; /* render_dump_streams of the vertices' table */
 	uint32_t targets, unused;
+	uint64_t surfaces, extras;
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -112,14 +117,23 @@ typedef struct render_dump_material {
 	float diffuse[3], specular[3];
 	float roughness, anisotropy, wrap, emission[3];
 	uint32_t impostor; /* 1: of an impostor, and the texture has its maps */
-	uint32_t unused;
+	uint32_t surface;  /* 0: none, else 1 + its position in the table of surfaces, and there is no texture */
 } render_dump_material;
+
+/* What a material has of its surface (maps/render_maps.h). */
+typedef struct render_dump_surface {
+	render_maps_record record;
+	uint32_t bits;                  /* RENDER_MAPS_... but _EXTRAS */
+	uint32_t textures[RENDER_MAPS]; /* 0: none, else 1 + its position in the table of textures */
+	uint8_t samplers[RENDER_MAPS];  /* below RENDER_MAPS_SAMPLERS */
+	uint8_t unused[3];
+} render_dump_surface;
 
 typedef struct render_dump_mesh {
 	uint32_t id, vertices, indices; /* of the mesh itself */
 	uint32_t levels;   /* so many of the file's levels are this mesh's; bit 31: it morphs; bit 30: it has clusters */
 	uint32_t clusters; /* indices of their coarser versions */
-	uint32_t unused;
+	uint32_t extras;   /* 1: its vertices have extras */
 } render_dump_mesh;
 
 #define RENDER_DUMP_MORPHS (1u << 31)
@@ -165,12 +179,14 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 	return draw->mesh >> 20 & 63u;
 }
 
-static_assert(sizeof(render_dump_header) == 128 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
+static_assert(sizeof(render_dump_header) == 144 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 88 &&
                   sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 64 &&
                   sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
+
+static_assert(sizeof(render_dump_surface) == 256, "no padding");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,
@@ -180,11 +196,13 @@ typedef enum render_dump_part {
 	RENDER_DUMP_TARGETS,
 	RENDER_DUMP_TEXTURES,
 	RENDER_DUMP_MATERIALS,
+	RENDER_DUMP_SURFACES,
 	RENDER_DUMP_MESHES,
 	RENDER_DUMP_LEVELS,
 	RENDER_DUMP_SEGMENTS,
 	RENDER_DUMP_DRAWS,
 	RENDER_DUMP_VERTICES,
+	RENDER_DUMP_EXTRAS,
 	RENDER_DUMP_INDICES,
 	RENDER_DUMP_PIXELS,
 	RENDER_DUMP_BACKDROPS,
@@ -229,11 +247,13 @@ struct stilb_render_dump {
 	const render_dump_target *targets;
 	const render_dump_texture *textures;
 	const render_dump_material *materials;
+	const render_dump_surface *surfaces;
 	const render_dump_mesh *meshes;
 	const render_dump_level *levels;
 	const uint32_t *segments;
 	const render_dump_draw *draws;
 	const stilb_scene_vertex *vertices;
+	const render_extra *extras;
 	const uint32_t *indices;
 	const uint8_t *pixels;
 	const render_dump_backdrop *backdrops; /* [header->views] if header->backdrop_bytes > 0 */
@@ -267,6 +287,23 @@ stilb_result render_dump_check_backdrops(const stilb_render_dump *dump);
 
 /* Sets backdrop and panorama of a view, which point into the file's bytes. */
 void render_dump_backdrop_get(const stilb_render_dump *dump, uint32_t view, stilb_render_view *out);
+
+/* render_dump_surfaces.c; saving, under the lock of resources: the indices of the textures of a material's maps, 0:
+ * none; false: it has no surface. */
+bool render_dump_surface_textures(const render_resources *resources, uint32_t material, uint32_t textures[RENDER_MAPS]);
+/* Writes the surface of a material that has one; places: of textures in the file, by index. */
+void render_dump_surface_put(const render_resources *resources, uint32_t material, const uint32_t *places,
+                             render_dump_surface *out);
+/* Writes the extras of a mesh, if it has some. Returns the end. */
+render_extra *render_dump_extras_put(const render_resources *resources, uint32_t mesh, render_extra *out);
+
+/* Checks surfaces and extras of a file whose other parts are sound. STILB_ERROR_FILE; the message is the reason alone.
+ */
+stilb_result render_dump_check_surfaces(const stilb_render_dump *dump);
+/* True if a surface names the texture at this position of the table. */
+bool render_dump_texture_is_mapped(const stilb_render_dump *dump, uint32_t texture);
+/* The surface in a renderer whose textures are these, by position. */
+render_maps render_dump_surface_get(const render_dump_surface *from, const stilb_render_texture *textures);
 
 /* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **dump);

@@ -38,11 +38,13 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_TARGETS] = {header->targets, sizeof(render_dump_target)},
 		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
 		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
+		[RENDER_DUMP_SURFACES] = {header->surfaces, sizeof(render_dump_surface)},
 		[RENDER_DUMP_MESHES] = {header->meshes, sizeof(render_dump_mesh)},
 		[RENDER_DUMP_LEVELS] = {header->levels, sizeof(render_dump_level)},
 		[RENDER_DUMP_SEGMENTS] = {header->segments, sizeof(uint32_t)},
 		[RENDER_DUMP_DRAWS] = {header->draws, sizeof(render_dump_draw)},
 		[RENDER_DUMP_VERTICES] = {header->vertices, stilb_scene_vertex_streams.size},
+		[RENDER_DUMP_EXTRAS] = {header->extras, sizeof(render_extra)},
 		[RENDER_DUMP_INDICES] = {header->indices, sizeof(uint32_t)},
 		[RENDER_DUMP_PIXELS] = {header->pixel_bytes, 1},
 		[RENDER_DUMP_BACKDROPS] = {header->backdrop_bytes, 1},
@@ -369,8 +371,6 @@ static stilb_result load_check_materials(const stilb_render_dump *dump, const ch
 		if (material->impostor > 1 || (material->impostor == 1 && material->texture == 0))
 			return load_refuse(name, "material %u: it is of an impostor (%u) and its texture is %u", m,
 			                   material->impostor, material->texture);
-		if (material->unused != 0)
-			return load_refuse(name, "material %u: its unused bytes are not zero", m);
 	}
 	return STILB_OK;
 }
@@ -408,9 +408,8 @@ static stilb_result load_check_levels(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "mesh %u: %u levels%s%s; there are 0..%u, and %u in the file", m, count,
 		                   morphs ? " that morph" : "", clusters ? " and clusters" : "", STILB_SCENE_MAX_LEVELS,
 		                   dump->header->levels);
-	if (mesh->unused != 0 || (mesh->clusters > 0 && !clusters))
-		return load_refuse(name, "mesh %u: %u indices of clusters that it does not have, or unused bytes %u", m,
-		                   mesh->clusters, mesh->unused);
+	if (mesh->clusters > 0 && !clusters)
+		return load_refuse(name, "mesh %u: %u indices of clusters that it does not have", m, mesh->clusters);
 	for (uint32_t l = 0; l < count; l++) {
 		const render_dump_level *level = &dump->levels[at->levels++];
 		if (level->indices == 0 || level->vertices > mesh->vertices || level->unused != 0 || !(level->error >= error) ||
@@ -516,6 +515,15 @@ static stilb_result load_check_backdrops(const stilb_render_dump *dump, const ch
 	return load_refuse(name, "%s", reason);
 }
 
+static stilb_result load_check_surfaces(const stilb_render_dump *dump, const char *name)
+{
+	char reason[256];
+	if (render_dump_check_surfaces(dump) == STILB_OK)
+		return STILB_OK;
+	snprintf(reason, sizeof reason, "%s", stilb_error_message());
+	return load_refuse(name, "%s", reason);
+}
+
 static void load_find_parts(stilb_render_dump *dump)
 {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
@@ -527,6 +535,8 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->targets = (const render_dump_target *)(dump->bytes + begin[RENDER_DUMP_TARGETS]);
 	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
 	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
+	dump->surfaces = (const render_dump_surface *)(dump->bytes + begin[RENDER_DUMP_SURFACES]);
+	dump->extras = (const render_extra *)(dump->bytes + begin[RENDER_DUMP_EXTRAS]);
 	dump->meshes = (const render_dump_mesh *)(dump->bytes + begin[RENDER_DUMP_MESHES]);
 	dump->levels = (const render_dump_level *)(dump->bytes + begin[RENDER_DUMP_LEVELS]);
 	dump->segments = (const uint32_t *)(dump->bytes + begin[RENDER_DUMP_SEGMENTS]);
@@ -540,8 +550,9 @@ static void load_find_parts(stilb_render_dump *dump)
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **out)
 {
 	stilb_result (*const checks[])(const stilb_render_dump *, const char *) = {
-		load_check_header,   load_check_views,     load_check_lights, load_check_passes, load_check_targets,
-		load_check_textures, load_check_materials, load_check_meshes, load_check_draws,  load_check_backdrops,
+		load_check_header,  load_check_views,     load_check_lights,    load_check_passes,
+		load_check_targets, load_check_textures,  load_check_materials, load_check_meshes,
+		load_check_draws,   load_check_backdrops, load_check_surfaces,
 	};
 	*out = NULL;
 	stilb_result result = load_check_size(bytes, size, name);

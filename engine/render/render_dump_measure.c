@@ -133,11 +133,21 @@ static double measure_since(uint64_t *start)
 	return (double)(now - before);
 }
 
+static stilb_result measure_order_pass(const measure_job *job, uint32_t index)
+{
+	const stilb_render_pass *pass = &job->dump->pass_table[index];
+	const stilb_render_view *view = &job->dump->view_table[pass->view];
+	stilb_result result = render_order(job->render, pass, &job->render->passes[index]);
+	return result == STILB_OK && !render_view_is_depth(view)
+	           ? render_blend_order(job->render, view, &job->render->passes[index])
+	           : result;
+}
+
 static stilb_result measure_order(measure_job *job)
 {
 	stilb_result result = render_memory_place(job->render);
 	for (uint32_t p = 0; p < job->dump->header->passes && result == STILB_OK; p++)
-		result = render_order(job->render, &job->dump->pass_table[job->order[p]], &job->render->passes[job->order[p]]);
+		result = measure_order_pass(job, job->order[p]);
 	return result;
 }
 

@@ -74,13 +74,12 @@ static uint32_t save_segment_draws(const render_segment *segment)
 typedef struct save_most {
 	uint32_t mesh, material;
 	uint64_t draws;
-	bool maps; /* some have a surface */
 } save_most;
 
 static void save_find_most(void *user, const render_command *command, const render_row *row, uint64_t state)
 {
+	(void)state;
 	save_most *most = user;
-	most->maps |= (state & RENDER_STATE_MAPS) != 0;
 	most->mesh = row->mesh >= most->mesh ? row->mesh + 1 : most->mesh;
 	most->material = command->material >= most->material ? command->material + 1 : most->material;
 	most->draws++;
@@ -172,9 +171,13 @@ static stilb_result save_order_used(save_job *job)
 	if (result == STILB_OK)
 		result = save_table_close(job, &job->materials, save_material_id);
 	for (uint32_t m = 0; m < job->materials.count && result == STILB_OK; m++) {
-		uint32_t texture = save_texture_of(job, job->materials.indices[m]);
+		uint32_t material = job->materials.indices[m], texture = save_texture_of(job, material), maps[RENDER_MAPS];
+		job->header.surfaces += render_dump_surface_textures(&job->render->resources, material, maps);
 		if (texture != 0)
 			job->textures.place[texture] = 0;
+		for (uint32_t i = 0; i < RENDER_MAPS; i++)
+			if (maps[i] != 0)
+				job->textures.place[maps[i]] = 0;
 	}
 	return result == STILB_OK ? save_table_close(job, &job->textures, save_texture_id) : result;
 }
@@ -183,8 +186,6 @@ static stilb_result save_find_used(save_job *job)
 {
 	save_most most = {0};
 	save_each_draw(job, save_find_most, &most);
-	if (most.maps)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot dump a frame that shows surfaces; dumps hold none so far");
 	job->header.draws = most.draws;
 	if (!save_table_create(&job->meshes, most.mesh) || !save_table_create(&job->materials, most.material) ||
 	    !save_table_create(&job->textures, STILB_RENDER_MAX_TEXTURES))
@@ -228,6 +229,7 @@ static stilb_result save_size(save_job *job)
 		const render_mesh_slot *slot = &job->render->resources.meshes[job->meshes.indices[m]];
 		const render_levels *levels = job->render->resources.levels[job->meshes.indices[m]];
 		header->vertices += levels && levels->morphs ? 2 * (uint64_t)slot->vertex_count : slot->vertex_count;
+		header->extras += slot->flags & RENDER_MESH_EXTRAS ? slot->vertex_count : 0;
 		header->indices += slot->index_count;
 		header->levels += levels ? levels->count : 0;
 		header->indices += save_cluster_indices(levels);
@@ -386,8 +388,14 @@ static void save_put_materials(const save_job *job)
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
+	render_dump_surface *surfaces = save_part(job, RENDER_DUMP_SURFACES);
+	uint32_t made = 0;
 	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
 		uint32_t index = job->materials.indices[m], texture = save_texture_of(job, index);
+		if (job->render->resources.materials[index] & RENDER_STATE_MAPS) {
+			render_dump_surface_put(&job->render->resources, index, job->textures.place, &surfaces[made]);
+			out->surface = ++made;
+		}
 		out->id = heap[index].name;
 		out->texture = texture ? job->textures.place[texture] + 1 : 0;
 		out->impostor = (job->render->resources.materials[index] & RENDER_STATE_IMPOSTOR) != 0;
@@ -437,6 +445,7 @@ static void save_put_meshes(const save_job *job)
 	render_dump_level *level = save_part(job, RENDER_DUMP_LEVELS);
 	stilb_scene_vertex *vertices = save_part(job, RENDER_DUMP_VERTICES);
 	uint32_t *indices = save_part(job, RENDER_DUMP_INDICES);
+	render_extra *extras = save_part(job, RENDER_DUMP_EXTRAS);
 	for (uint32_t m = 0; m < job->header.meshes; m++, out++) {
 		const render_mesh_slot *slot = &resources->meshes[job->meshes.indices[m]];
 		const render_levels *levels = resources->levels[job->meshes.indices[m]];
@@ -448,6 +457,8 @@ static void save_put_meshes(const save_job *job)
 		out->levels =
 			(levels ? levels->count : 0) | (pairs ? RENDER_DUMP_MORPHS : 0) | (clusters ? RENDER_DUMP_CLUSTERS : 0);
 		out->clusters = save_cluster_indices(levels);
+		out->extras = slot->flags & RENDER_MESH_EXTRAS ? 1 : 0;
+		extras = render_dump_extras_put(resources, job->meshes.indices[m], extras);
 		vertices = save_put_vertices(resources, vertices, slot, pairs);
 		indices =
 			save_put_indices(resources, indices, (const render_level *)slot, slot->flags & RENDER_MESH_WIDE, pairs);

@@ -511,7 +511,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 8"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 9"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -586,7 +586,7 @@ static const struct damage {
 	{RENDER_DUMP_MATERIALS, 40, 0xff800000, "material 0: a number is not finite"},
 	{RENDER_DUMP_MATERIALS, 52, 0x7fc00000, "material 0: a number is not finite"},
 	{RENDER_DUMP_MATERIALS, 56, 5, "material 0: it is of an impostor (5)"},
-	{RENDER_DUMP_MATERIALS, 60, 5, "material 0: its unused"},
+	{RENDER_DUMP_MATERIALS, 60, 5, "material 0: surface 5, not 1"},
 	{RENDER_DUMP_MESHES, 24, 1, "mesh 1: id 1, not in 2.."},
 	{RENDER_DUMP_MESHES, 4, 0, "mesh 0: 0 vertices"},
 	{RENDER_DUMP_MESHES, 8, 0, "0 indices"},
@@ -598,7 +598,7 @@ static const struct damage {
 	{RENDER_DUMP_MESHES, 32, 3, "mesh 1: index 0 of level 1 is vertex"},
 	{RENDER_DUMP_MESHES, 12, 0xc0000001, "mesh 0: 1 levels that morph and clusters"}, /* no mesh morphs from clusters */
 	{RENDER_DUMP_MESHES, 16, 3, "mesh 0: 3 indices of clusters that it does not have"},
-	{RENDER_DUMP_MESHES, 20, 7, "unused bytes 7"},
+	{RENDER_DUMP_MESHES, 20, 7, "mesh 0: 7 kinds of extras"},
 	{RENDER_DUMP_DRAWS, 8, 63 << 20, "draw 0: 0 indices from 0 on of the clusters of mesh 0"},
 	{RENDER_DUMP_DRAWS, 64, 3, "draw 0: 0 indices from 3 on of the clusters of mesh 0"},
 	{RENDER_DUMP_DRAWS, 72 + 68, 3, "draw 1: 3 indices from 0 on of the clusters of mesh 1"},
