@@ -89,7 +89,7 @@ static bool is_mirrored(const stilb_mat4 *m)
 /* The upper 3x3, column by column, which takes tangents to world space. */
 static void tangent_matrix_of(const stilb_mat4 *m, float out[9])
 {
-	for (int column = 0; column < 3; column++)
+	for (size_t column = 0; column < 3; column++)
 		memcpy(out + 3 * column, m->m + 4 * column, 3 * sizeof *out);
 }
 

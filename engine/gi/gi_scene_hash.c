@@ -7,7 +7,8 @@
 #include <assert.h>
 #include <stddef.h>
 
-static_assert(sizeof(stilb_scene_map) == 32 && offsetof(stilb_scene_surface, workflow) == 32 * STILB_SCENE_MAPS,
+static_assert(sizeof(stilb_scene_map) == 32 &&
+                  offsetof(stilb_scene_surface, workflow) == sizeof(stilb_scene_map) * STILB_SCENE_MAPS,
               "maps have no bytes between their members");
 
 static uint64_t hash_u32(uint64_t hash, uint32_t value)

@@ -117,6 +117,7 @@ static bool lights_are_sound(const gi_lights *lights)
 static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emitters, bool faces, gi_lights *lights)
 {
 	uint32_t emitter_count = lights->emitter_count;
+	STILB_ASSERT(emitters || emitter_count == 0);
 	stilb_result result = STILB_OK;
 	size_t listed = scene->light_count, placed = listed + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);

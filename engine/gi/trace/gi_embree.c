@@ -163,7 +163,8 @@ static gi_crossing embree_crossing(const struct RTCFilterFunctionNArguments *arg
 	const float *direction = (const float *)args->ray + EMBREE_ROW(gi_ray, direction) * args->N + i;
 	const float *normal = (const float *)args->hit + EMBREE_ROW(gi_hit, normal) * args->N + i;
 	const uint32_t *ids = (const uint32_t *)args->hit + i;
-	uint32_t lanes = args->N, instance = ids[EMBREE_ROW(gi_hit, instance) * lanes];
+	size_t lanes = args->N;
+	uint32_t instance = ids[EMBREE_ROW(gi_hit, instance) * lanes];
 	float into = normal[0] * direction[0] + normal[lanes] * direction[lanes] + normal[2 * lanes] * direction[2 * lanes];
 	return (gi_crossing){.part = instance != GI_NO_PART ? instance : ids[EMBREE_ROW(gi_hit, part) * lanes],
 	                     .triangle = ids[EMBREE_ROW(gi_hit, triangle) * lanes],
