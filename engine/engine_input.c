@@ -61,13 +61,10 @@ static const stilb_input_action engine_actions[] = {
 	[STILB_ENGINE_IMAGE_BACK - STILB_INPUT_ACTIONS] = {.name = "image before",
                                                        .typed = "I",
                                                        .help = "the next image of the frame, the one before"},
-	[STILB_ENGINE_IMAGE_PART - STILB_INPUT_ACTIONS] = {.name = "next mip",
-                                                       .typed = "u",
-                                                       .help = "the next mip or layer of that image, the one before"},
-	[STILB_ENGINE_IMAGE_PART_BACK - STILB_INPUT_ACTIONS] = {.name = "mip before",
-                                                            .typed = "U",
-                                                            .help = "the next mip or layer of that image, the one "
-                                                                    "before"},
+	[STILB_ENGINE_IMAGE_PART -
+		STILB_INPUT_ACTIONS] = {.name = "next mip", .typed = "u", .help = "its next mip or layer, the one before"},
+	[STILB_ENGINE_IMAGE_PART_BACK -
+		STILB_INPUT_ACTIONS] = {.name = "mip before", .typed = "U", .help = "its next mip or layer, the one before"},
 };
 static_assert(sizeof engine_actions / sizeof *engine_actions == STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS, "all rows");
 

@@ -51,8 +51,8 @@ static void png_put_text(png_structp png, png_infop info, const char *name, cons
 		ascii = ascii && *c > 0;
 	/* libpng takes what it only reads without const */
 	png_text entry = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
-	                  .key = (char *)(uintptr_t)name,
-	                  .text = (char *)(uintptr_t)text};
+	                  .key = (char *)name,
+	                  .text = (char *)text};
 	png_set_text(png, info, &entry, 1);
 }
 

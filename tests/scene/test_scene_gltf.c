@@ -396,9 +396,17 @@ static void texture_transforms(void **state)
 		float c = cosf(rows[r].angle), s = sinf(rows[r].angle);
 		for (uint32_t v = 0; v < 3; v++) {
 			float u = sets[1][2 * v] * rows[r].scale[0], w = sets[1][2 * v + 1] * rows[r].scale[1];
+			const stilb_scene_map *map = &scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR];
+			const float *place = scene->meshes[0].extras[v].uv;
+			float lies[2];
+			for (int i = 0; i < 2; i++) {
+				const float *row = i == 0 ? map->to_u : map->to_v;
+				lies[i] = row[0] * place[0] + row[1] * place[1] + row[2];
+			}
+			assert_int_equal(map->set, 1);
 			/* Counter-clockwise where v points down. */
-			assert_numbers(scene->meshes[0].vertices[v].uv,
-			               (const float[]){c * u + s * w + rows[r].offset[0], -s * u + c * w + rows[r].offset[1]}, 2);
+			assert_numbers(lies, (const float[]){c * u + s * w + rows[r].offset[0], -s * u + c * w + rows[r].offset[1]},
+			               2);
 		}
 		stilb_scene_destroy(scene);
 	}
@@ -579,10 +587,84 @@ static void materials(void **state)
 	assert_numbers(m[0].diffuse, (const float[]){0.375f, 0.375f, 0.375f}, 3);
 	assert_numbers(m[1].emission, (const float[]){4, 8, 0}, 3);
 	assert_numbers(m[1].specular, (const float[]){0.02f, 0, 0.02f}, 3);
-	assert_numbers(m[2].diffuse, (const float[]){0.25f, 0.5f, 0.125f}, 3);
+	assert_numbers(m[2].diffuse, (const float[]){0.125f, 0.25f, 0.0625f}, 3); /* what the highlight leaves */
 	assert_numbers(m[2].specular, (const float[]){0.5f, 0.25f, 0.25f}, 3);
 	assert_numbers(&m[2].roughness, (const float[]){0.25f}, 1);
 	stilb_scene_destroy(scene);
+}
+
+static void assert_numbers_of(const stilb_scene_surface *s)
+{
+	assert_numbers(s->color, (const float[]){0.25f, 0.5f, 0.75f, 0.125f}, 4);
+	assert_numbers(s->specular, (const float[]){2, 1, 0.5f}, 3);
+	const float got[] = {s->metalness,
+	                     s->roughness,
+	                     s->specular_weight,
+	                     s->ior,
+	                     s->normal_scale,
+	                     s->occlusion,
+	                     s->cutoff,
+	                     s->clearcoat,
+	                     s->sheen_roughness,
+	                     s->sheen_color[1],
+	                     s->clearcoat_roughness,
+	                     s->transmission};
+	assert_numbers(got, (const float[]){0.25f, 0.75f, 0.5f, 1.25f, -2, 0.375f, 0.875f, 1, 0.25f, 0.5f, 0.625f, 0.0625f},
+	               12);
+	assert_numbers(s->emission, (const float[]){4, 0, 2}, 3);
+	assert_true(s->alpha == STILB_SCENE_MASK && !s->one_sided && s->unlit);
+}
+
+/* Every factor; what is out of its range is brought into it. Vertices' colours, tangents of the file and made ones. */
+static void surfaces(void **state)
+{
+	(void)state;
+	static const char json[] = NODE ",\"accessors\":[" VEC3(
+		0) ","
+		   "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
+		   "{\"bufferView\":2,\"componentType\":5121,\"normalized\":true,\"count\":3,\"type\":\"VEC4\"},"
+		   "{\"bufferView\":3,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}," VEC3(
+			   4) "],"
+				  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TEXCOORD_0\":1,\"COLOR_"
+				  "0\":2,"
+				  "\"TANGENT\":3},\"material\":0},{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TEXCOORD_0\":1},"
+				  "\"material\":0},"
+				  "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":2}}]}],"
+				  "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"bump.png\"}],\"materials\":[{"
+				  "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.75,0.125],\"metallicFactor\":0.25,"
+				  "\"roughnessFactor\":0.75},\"normalTexture\":{\"index\":0,\"scale\":-2},\"occlusionTexture\":{"
+				  "\"index\":0,"
+				  "\"strength\":0.375},\"emissiveFactor\":[1,-3,0.5],\"alphaMode\":\"MASK\",\"alphaCutoff\":0.875,"
+				  "\"doubleSided\":true,\"extensions\":{\"KHR_materials_unlit\":{},\"KHR_materials_emissive_strength\":"
+				  "{"
+				  "\"emissiveStrength\":4},\"KHR_materials_ior\":{\"ior\":1.25},\"KHR_materials_specular\":{"
+				  "\"specularFactor\":0.5,\"specularColorFactor\":[2,1,0.5]},\"KHR_materials_clearcoat\":{"
+				  "\"clearcoatFactor\":7,\"clearcoatRoughnessFactor\":0.625},\"KHR_materials_sheen\":{"
+				  "\"sheenColorFactor\":[0,0.5,0],\"sheenRoughnessFactor\":0.25},\"KHR_materials_transmission\":{"
+				  "\"transmissionFactor\":0.0625}}}]";
+	begin();
+	put(triangle, sizeof triangle);
+	put((const float[]){0, 0, -1, 0, 0, 1}, 24); /* mirrored: u goes along -x */
+	put((const uint8_t[]){255, 0, 51, 255, 0, 0, 0, 0, 255, 255, 255, 255}, 12);
+	put((const float[]){0, 3, 0, 1, 0, 0, 0, 1, 1, 0, 0, -1}, 48);
+	put((const float[]){0, 0, 1, 0, 0, 1, 0, 0, 1}, 36);
+	write_picture("bump.png");
+	stilb_scene *scene = open_glb(json);
+	assert_int_equal(scene->surface_count, 2); /* of the default material, too, for its colours */
+	assert_numbers_of(&scene->surfaces[0]);
+	assert_true(scene->materials[1].surface == 2 && scene->surfaces[1].metalness == 1.0f);
+	const stilb_scene_vertex_extra *given = scene->meshes[0].extras, *made = scene->meshes[1].extras;
+	assert_numbers(given[0].tangent, (const float[]){0, 1, 0, 1}, 4);
+	assert_numbers(given[1].tangent, (const float[]){0, 0, 0, 0}, 4);
+	assert_numbers(given[2].tangent, (const float[]){1, 0, 0, -1}, 4);
+	assert_numbers(given[0].color, (const float[]){1, 0, 0.2f, 1}, 4);
+	assert_numbers(given[1].color, (const float[]){0, 0, 0, 0}, 4);
+	for (uint32_t v = 0; v < 3; v++)
+		assert_numbers(made[v].tangent, (const float[]){-1, 0, 0, 1}, 4);
+	assert_numbers(made[1].color, (const float[]){1, 1, 1, 1}, 4);
+	assert_numbers(scene->meshes[2].extras[0].color, (const float[]){1, 0, 0.2f, 1}, 4);
+	stilb_scene_destroy(scene);
+	remove("bump.png");
 }
 
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
@@ -736,8 +818,18 @@ static void variants_share_their_coordinates(void **state)
 	put((const float[]){0, 0, 0, 0, 0, 0, 0.25f, 0.5f, 1, 0, 0, 1}, 48);
 	write_picture("paint.png");
 	stilb_scene *scene = open_glb(json);
-	assert_numbers(scene->meshes[0].vertices[0].uv, (const float[]){0.25f, 0.5f}, 2);
-	assert_said("textures of variants lie as that of the first: 1 mesh ('shoe')");
+	assert_numbers(scene->meshes[0].vertices[0].uv, (const float[]){0, 0}, 2);
+	assert_numbers(scene->meshes[0].extras[0].uv, (const float[]){0.25f, 0.5f}, 2);
+	assert_int_equal(scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR].set, 1);
+	assert_int_equal(scene->surfaces[1].maps[STILB_SCENE_MAP_COLOR].set, 0);
+	assert_null(strstr(said, "textures of variants"));
+	stilb_scene_destroy(scene);
+	/* A third uv: vertices have two. */
+	char third[2048];
+	const char *at = strstr(json, "\"texCoord\":1");
+	snprintf(third, sizeof third, "%.*s\"texCoord\":2%s", (int)(at - json), json, at + strlen("\"texCoord\":1"));
+	scene = open_glb(third);
+	assert_said("textures of variants lie on the uv of the first: 1 mesh ('shoe')");
 	stilb_scene_destroy(scene);
 	remove("paint.png");
 }
@@ -952,15 +1044,6 @@ static void what_is_not_shown_is_named(void **state)
 		"it requires extensions that are not shown, so it looks other than it should: ACME_fur\n",
 		"it uses extensions that are not shown: KHR_materials_sheen, ACME_fur\n",
 		"its materials have variants: red, green\n",
-		"surfaces cut out by alpha are shown whole: 1 material ('leaf')\n",
-		"transparent surfaces are shown opaque: 2 materials ('glass', ...)\n",
-		"normal maps and bump maps are not shown: 1 material ('leaf')\n",
-		"occlusion maps are not shown: 1 material ('leaf')\n",
-		"maps of metalness and roughness count by their mean: 1 material ('leaf')\n",
-		"maps of emission count by their mean: 1 material ('leaf')\n",
-		"textures that are clamped or mirrored are repeated: 1 material ('leaf')\n",
-		"textures of hard texels are shown smooth: 1 material ('leaf')\n",
-		"colours of vertices are not shown: 1 mesh ('card')\n",
 		"morph targets are not shown: 1 mesh ('card')\n",
 		"animations are not played: 1 animation ('walk')\n",
 		"skins are shown in their rest pose: 1 skin ('number 0')\n",
@@ -972,6 +1055,26 @@ static void what_is_not_shown_is_named(void **state)
 	stilb_scene *scene = open_glb(EVERYTHING);
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
 		assert_said(lines[i]);
+	/* The same picture is there twice, as a colour and as data. */
+	assert_int_equal(scene->texture_count, 2);
+	assert_int_equal(scene->surface_count, 3);
+	const stilb_scene_surface *leaf = &scene->surfaces[scene->materials[0].surface - 1];
+	for (int kind = 0; kind < STILB_SCENE_MAPS; kind++) {
+		uint32_t texture = leaf->maps[kind].texture;
+		assert_int_equal(texture > 0, kind <= STILB_SCENE_MAP_EMISSION);
+		if (texture == 0)
+			continue;
+		bool color = kind == STILB_SCENE_MAP_COLOR || kind == STILB_SCENE_MAP_EMISSION;
+		assert_int_equal(scene->textures[texture - 1].format, color ? STILB_IMAGE_U8_SRGB : STILB_IMAGE_U8_LINEAR);
+		assert_int_equal(leaf->maps[kind].wrap_u, STILB_SCENE_CLAMP);
+		assert_int_equal(leaf->maps[kind].wrap_v, STILB_SCENE_REPEAT);
+		assert_true(leaf->maps[kind].nearest);
+	}
+	assert_memory_equal(scene->textures[0].pixels, scene->textures[1].pixels, stilb_image_size(scene->textures));
+	assert_true(leaf->alpha == STILB_SCENE_MASK && leaf->cutoff == 0.5f && leaf->one_sided);
+	assert_numbers(leaf->emission, (const float[]){1, 1, 1}, 3);
+	assert_int_equal(scene->surfaces[1].alpha, STILB_SCENE_BLEND);
+	assert_non_null(scene->meshes[0].extras);
 	stilb_scene_destroy(scene);
 	assert_int_equal(open_file("test.glb", true, &scene), STILB_OK);
 	assert_string_equal(said, "");
@@ -1136,6 +1239,7 @@ int main(void)
 		cmocka_unit_test(meshopt),
 		cmocka_unit_test(draco),
 		cmocka_unit_test(materials),
+		cmocka_unit_test(surfaces),
 		cmocka_unit_test(lights),
 		cmocka_unit_test(lights_and_cameras_hang_on_their_nodes),
 		cmocka_unit_test(variants),

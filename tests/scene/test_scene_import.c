@@ -260,7 +260,10 @@ static void gltf_texture_in_the_file(void **state)
 	assert_int_equal(scene->textures[0].channels, 3);
 	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){255, 0, 128}), 3);
 	const stilb_scene_material *paint = &scene->materials[scene->part_material[0]];
-	assert_int_equal(paint->diffuse_texture, 1);
+	assert_int_equal(paint->diffuse_texture, 0);
+	assert_int_equal(paint->surface, 1);
+	assert_int_equal(scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR].texture, 1);
+	assert_int_equal(scene->textures[0].format, STILB_IMAGE_U8_SRGB);
 	assert_three(paint->diffuse, 0, 0, 0);            /* metal */
 	assert_three(paint->specular, 1, 0, 0.21586051f); /* in the texture's mean colour */
 	stilb_scene_destroy(scene);
@@ -284,17 +287,21 @@ static void obj_material_and_texture(void **state)
 	for (uint32_t v = 0; v < mesh->vertex_count; v++) /* OBJ's (0, 0) is the bottom left */
 		assert_true(near(mesh->vertices[v].uv[1], 1.0f - mesh->vertices[v].position[1]));
 	const stilb_scene_material *one = &scene->materials[scene->part_material[0]];
-	assert_three(one->diffuse, 0.5f, 0.25f, 1.0f / 1.04f); /* at most 1 with its highlight */
-	assert_three(one->specular, 0.04f, 0.04f, 0.04f / 1.04f);
-	assert_true(near(one->roughness, powf(2.0f / 32.0f, 0.25f)));
-	assert_int_equal(one->diffuse_texture, 1);
+	const stilb_scene_surface *shown = &scene->surfaces[one->surface - 1];
+	float left = 1.0f - 0.04f;                                   /* of the highlight */
+	assert_three(shown->color, 0.5f / left, 0.25f / left, 1.0f); /* at most 1 with its highlight */
+	assert_three(shown->specular, 0.04f, 0.04f, 0.04f / 1.04f);
+	assert_true(near(one->roughness, powf(2.0f / 32.0f, 0.25f)) && near(shown->roughness, one->roughness));
+	assert_int_equal(shown->maps[STILB_SCENE_MAP_COLOR].texture, 1);
+	assert_three(one->diffuse, 0.5f * 0.0030353f, 0.25f * 0.0069954f, 0.96f * 0.0129830f); /* the mean */
 	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){10, 20, 30}), 3);
 	assert_true(scene->surroundings.sky[0] > 0.0f); /* added, since there is no other light */
 	stilb_scene_destroy(scene);
 	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 1 1 1\nNs 30\nmap_Kd Sub/paint.png\n");
 	scene = open_scene(in_folder("square.obj"));
 	one = &scene->materials[scene->part_material[0]];
-	assert_three(one->diffuse, 1 / 1.08f, 1 / 1.08f, 1 / 1.08f); /* black with a texture becomes white with a texture */
+	shown = &scene->surfaces[one->surface - 1];
+	assert_three(shown->color, 1, 1, 1); /* black with a texture becomes white with a texture */
 	stilb_scene_destroy(scene);
 	write_text("square.mtl", "newmtl one\nKd 0 0 0\nKs 0.9 0.8 0.7\nNs 30\n");
 	scene = open_scene(in_folder("square.obj"));
@@ -486,12 +493,42 @@ static void losses_of_other_formats_are_named(void **state)
 	mkdir(in_folder("deep/scene"), 0700);
 	write_text("deep/scene/square.obj", SQUARE);
 	write_picture("deep/scene/bump.png", 128, 128, 255);
-	textures_of("bump.png\nd 0.5\nmap_Bump bump.png\nmap_d bump.png\nmap_Ks bump.png", false, said);
-	if (!strstr(said, "transparent surfaces are shown opaque: 1 material ('one')\n") ||
-	    !strstr(said, "normal maps and bump maps are not shown: 1 material ('one')\n") ||
-	    !strstr(said, "surfaces cut out by alpha are shown whole: 1 material ('one')\n") ||
+	textures_of("bump.png\nd 0.5\nmap_Bump bump.png\nmap_d other.png\nmap_Ks bump.png", false, said);
+	if (!strstr(said, "bump maps of heights are not shown: 1 material ('one')\n") ||
+	    !strstr(said, "surfaces cut out by a picture of their own are shown whole: 1 material ('one')\n") ||
 	    !strstr(said, "maps of specular reflection count by their mean or not at all: 1 material ('one')\n"))
 		fail_msg("'%s'", said);
+}
+
+/* Opacity, a mask by the colour's own picture, a map of normals with tangents for it, an emission's picture. */
+static void surfaces_of_other_formats(void **state)
+{
+	(void)state;
+	char material[512];
+	write_picture("paint.png", 200, 100, 50);
+	snprintf(material, sizeof material,
+	         "newmtl one\nKd 1 1 1\nKe 1 0.5 0\nmap_Kd paint.png\nmap_d paint.png\nnorm paint.png\nmap_Ke paint.png\n");
+	write_text("square.mtl", material);
+	stilb_scene *scene = open_scene(write_text("square.obj", SQUARE));
+	const stilb_scene_surface *s = &scene->surfaces[scene->materials[scene->part_material[0]].surface - 1];
+	assert_int_equal(s->alpha, STILB_SCENE_MASK);
+	assert_three(s->emission, 1, 0.5f, 0);
+	assert_true(s->maps[STILB_SCENE_MAP_EMISSION].texture == s->maps[STILB_SCENE_MAP_COLOR].texture);
+	uint32_t normals = s->maps[STILB_SCENE_MAP_NORMAL].texture;
+	assert_true(normals > 0 && normals != s->maps[STILB_SCENE_MAP_COLOR].texture);
+	assert_int_equal(scene->textures[normals - 1].format, STILB_IMAGE_U8_LINEAR);
+	assert_three(scene->meshes[0].extras[0].tangent, 1, 0, 0);
+	assert_true(scene->meshes[0].extras[0].tangent[3] == 1.0f);
+	stilb_scene_destroy(scene);
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\nd 0.25\n");
+	scene = open_scene(in_folder("square.obj"));
+	s = &scene->surfaces[scene->materials[scene->part_material[0]].surface - 1];
+	assert_true(s->alpha == STILB_SCENE_BLEND && s->color[3] == 0.25f);
+	stilb_scene_destroy(scene);
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\n");
+	scene = open_scene(in_folder("square.obj"));
+	assert_int_equal(scene->surface_count, 0);
+	stilb_scene_destroy(scene);
 }
 
 static void files_stay_in_their_folder(void **state)
@@ -938,6 +975,7 @@ int main(void)
 		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
 		cmocka_unit_test(the_library_has_a_version),
 		cmocka_unit_test(losses_of_other_formats_are_named),
+		cmocka_unit_test(surfaces_of_other_formats),
 		cmocka_unit_test(files_stay_in_their_folder),
 		cmocka_unit_test(no_descriptor_stays_open),
 		cmocka_unit_test(numbers_may_begin_with_a_point),

@@ -107,7 +107,7 @@ static const struct {
 	{"glTF2/RecursiveNodes/RecursiveNodes.gltf", "recursive"},
 	{"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
 	{"glTF2/wrongTypes/badArray.gltf", "not of type"},
-	{"glTF2/wrongTypes/badNumber.gltf", NULL},
+	{"glTF2/wrongTypes/badNumber.gltf", "'scale' is not of type number"},
 	{"glTF2/wrongTypes/badUint.gltf", "not of type"},
 	{"invalid/OutOfMemory.off", "memory"},
 	{"invalid/malformed.obj", "index"},
@@ -209,6 +209,25 @@ static void collect(void *user, const char *line)
 		snprintf(said + size, 4096 - size, "%s\n", line);
 }
 
+/* A scan's colours are those of displays, and its material shows them. */
+static void colours_of_vertices_are_kept(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_open(MODELS "/PLY/float-color.ply", &scene), STILB_OK);
+	const stilb_scene_mesh *mesh = &scene->meshes[0];
+	assert_non_null(mesh->extras);
+	assert_int_equal(scene->materials[scene->part_material[0]].surface, 1);
+	bool colored = false;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+		const float *color = mesh->extras[v].color;
+		colored |= color[0] != color[1] || color[1] != color[2];
+		assert_true(color[0] >= 0.0f && color[0] <= 1.0f && color[3] == 1.0f);
+	}
+	assert_true(colored);
+	stilb_scene_destroy(scene);
+}
+
 static void what_assimp_gives_and_is_not_shown_is_named(void **state)
 {
 	(void)state;
@@ -217,7 +236,6 @@ static void what_assimp_gives_and_is_not_shown_is_named(void **state)
 	} rows[] = {
 		{"ASE/anim.ASE", "animations are not played: 1 animation\n"},
 		{"FBX/huesitos.fbx", "skins are shown in their rest pose: 1 skin ('Cylinder')\n"},
-		{"PLY/float-color.ply", "colours of vertices are not shown: 1 mesh\n"},
 		{"LWS/move_x.lws", "lights fade with the square of the distance, not as the file says: 1 light"},
 		{"OpenGEX/camera.ogex", "lights without brightness, or too far away, are left out: 2 lights ('Lamp', ...)\n"},
 		{"BLEND/BlenderMaterial_269.blend", "mirrors beside a highlight"},
@@ -289,6 +307,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(named_files_end_as_they_should),
 		cmocka_unit_test(cameras_and_lights_stand_where_they_should),
+		cmocka_unit_test(colours_of_vertices_are_kept),
 		cmocka_unit_test(what_assimp_gives_and_is_not_shown_is_named),
 		cmocka_unit_test(every_file_ends_in_a_scene_or_a_message),
 	};

@@ -30,9 +30,12 @@ typedef struct importer_texture {
 	char name[MAXLEN];    /* as materials name it, or of glTF as its user knows it */
 	stilb_image image;    /* {0}: it could not be loaded */
 	float mean[3];        /* mean of its texels as linear light */
-	float stored_mean[3]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours */
+	float stored_mean[4]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours.
+	                         The fourth is alpha's */
 	char trouble[256];    /* why it could not be loaded */
 	bool warned;          /* the user was warned of the trouble */
+	stilb_image_format format; /* of its image, once that is taken */
+	uint32_t taken[2];         /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
 
 	int file;                       /* the descriptor of its file until it is read, or -1 */
 	importer_bytes inside;          /* its file inside of the scene's file, not owned, or {0} */
@@ -43,16 +46,12 @@ typedef struct importer_texture {
 /* What of a file is not shown. The words are in importer_loss.c. */
 typedef enum importer_loss {
 	IMPORTER_LOSS_CUTOUTS,
-	IMPORTER_LOSS_BLENDING,
 	IMPORTER_LOSS_NORMAL_MAPS,
 	IMPORTER_LOSS_OCCLUSION_MAPS,
 	IMPORTER_LOSS_METAL_MAPS,
 	IMPORTER_LOSS_SPECULAR_MAPS,
-	IMPORTER_LOSS_EMISSION_MAPS,
-	IMPORTER_LOSS_WRAPPING,
-	IMPORTER_LOSS_NEAREST,
 	IMPORTER_LOSS_VARIANT_MAPPINGS,
-	IMPORTER_LOSS_VERTEX_COLORS,
+	IMPORTER_LOSS_SETS,
 	IMPORTER_LOSS_LINES,
 	IMPORTER_LOSS_POSITIONS,
 	IMPORTER_LOSS_TRIANGLES,
@@ -93,6 +92,7 @@ typedef struct importer {
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
 	uint32_t texture_count;
 
+	bool *colored; /* [materials of Assimp's + 1]: a mesh with colours of vertices shows it */
 	importer_lost lost[IMPORTER_LOSSES];
 	stilb_scene *scene; /* the result; from importer_add_meshes or gltf_add_meshes on */
 } importer;
@@ -157,10 +157,18 @@ stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p);
  * node with such meshes. STILB_ERROR_FILE: there are no triangles, or too many parts; STILB_ERROR_MEMORY. */
 stilb_result importer_add_meshes(importer *import);
 
+/* importer_tangents.c: gives a mesh with extras tangents for a map of normals that lies so (MikkTSpace); vertices that
+ * need more than one are there once for each. sources: [vertex_count] which vertex of before each one is, of malloc,
+ * for the caller to free; NULL: nobody asks. STILB_ERROR_MEMORY; then the mesh is as it was. */
+stilb_result importer_make_tangents(stilb_scene_mesh *mesh, const stilb_scene_map *map, uint32_t **sources);
+
 /* importer_texture.c: lists the textures of all materials and loads them in several threads. One that cannot be loaded
  * has no pixels. */
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
+
+/* importer_material.c: true if the material of Assimp's has a map of normals that is shown. */
+bool importer_material_has_normals(const struct aiMaterial *material);
 
 /* False for no name, and for the one that Assimp gives where a format has textures and the file names none (MD2, MDL):
  * such a material has the colour that Assimp gives it. */
@@ -170,12 +178,19 @@ bool importer_texture_is_named(const struct aiString *path);
 void importer_decode_textures(importer *import);
 
 /* True if the texture of this index could be loaded; if not, warns of it the first time. material: the name of the
- * material that uses it. */
-bool importer_texture_is_there(importer *import, uint32_t index, const char *material);
+ * material that uses it. color: without it, the material becomes magenta. */
+bool importer_texture_is_there(importer *import, uint32_t index, const char *material, bool color);
+
+/* In place of a texture's number in a material or a surface until importer_take_textures: the texture of this index, as
+ * colours or as data. */
+static inline uint32_t importer_texture_number(uint32_t index, bool color)
+{
+	return 1 + 2 * index + color;
+}
 
 /* The index of the texture of this name; UINT32_MAX, and a warning the first time, if it could not be loaded. material:
  * the name of the material that uses it. */
-uint32_t importer_texture_of(importer *import, const char *name, const char *material);
+uint32_t importer_texture_of(importer *import, const char *name, const char *material, bool color);
 
 /* importer_picture.c: decodes the file in bytes into a picture of stilb_image_create_shared. name tells TGA files;
  * flags: of stilb_image_import_flags. STILB_ERROR_FILE, STILB_ERROR_MEMORY; image is {0} then. [any-thread] */
@@ -191,17 +206,8 @@ stilb_result importer_add_materials(importer *import);
 
 #define IMPORTER_DIELECTRIC 0.04f /* reflectance of glass and plastic at normal incidence, an index of 1.5 */
 
-/* A material of metalness and roughness. */
-typedef struct importer_metallic {
-	float color[3], metal, roughness;
-	float dielectric[3];                /* reflectance at normal incidence where it is no metal */
-	const importer_texture *base, *map; /* of the colour; of roughness (green) and metalness (blue); or NULL */
-} importer_metallic;
-
-/* Converts it to diffuse, specular and roughness. */
-void importer_material_metallic(const importer_metallic *from, stilb_scene_material *material);
-
-/* Moves the textures that the scene's materials refer to into the scene and renumbers them. STILB_ERROR_MEMORY. */
+/* Moves the textures that the scene's materials and surfaces refer to by importer_texture_number into the scene and
+ * renumbers them. STILB_ERROR_MEMORY. */
 stilb_result importer_take_textures(importer *import);
 
 /* importer_view.c: adds lights, ambient light and cameras. Needs meshes.

@@ -33,8 +33,6 @@ static void assimp_lose_mesh(importer *import, const struct aiMesh *mesh)
 		lines = mesh->mFaces[f].mNumIndices < 3;
 	if (lines)
 		importer_lose(import, IMPORTER_LOSS_LINES, mesh->mName.data);
-	if (mesh->mColors[0])
-		importer_lose(import, IMPORTER_LOSS_VERTEX_COLORS, mesh->mName.data);
 	if (mesh->mNumBones > 0)
 		importer_lose(import, IMPORTER_LOSS_SKINS, mesh->mName.data);
 	if (mesh->mNumAnimMeshes > 0)
@@ -75,8 +73,7 @@ stilb_result importer_read(importer *import)
 	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
 	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
 	/* These parts of a file are dropped: Stilb does not use them, they take time, and they may be damaged. */
-	int dropped =
-		aiComponent_COLORS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TANGENTS_AND_BITANGENTS;
+	int dropped = aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TANGENTS_AND_BITANGENTS;
 	const char *dot = strrchr(import->path, '.');
 	/* Assimp gives Blender's meshes smooth normals, also those that are flat: made anew, edges of a box are sharp. */
 	if (dot && strcasecmp(dot, ".blend") == 0)

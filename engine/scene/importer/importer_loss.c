@@ -7,17 +7,13 @@ static const struct importer_loss_words {
 	const char *what; /* "<what>: 3 <of>s ('<first>', ...)" */
 	const char *of;
 } importer_loss_words[IMPORTER_LOSSES] = {
-	[IMPORTER_LOSS_CUTOUTS] = {"surfaces cut out by alpha are shown whole", "material"},
-	[IMPORTER_LOSS_BLENDING] = {"transparent surfaces are shown opaque", "material"},
-	[IMPORTER_LOSS_NORMAL_MAPS] = {"normal maps and bump maps are not shown", "material"},
+	[IMPORTER_LOSS_CUTOUTS] = {"surfaces cut out by a picture of their own are shown whole", "material"},
+	[IMPORTER_LOSS_NORMAL_MAPS] = {"bump maps of heights are not shown", "material"},
 	[IMPORTER_LOSS_OCCLUSION_MAPS] = {"occlusion maps are not shown", "material"},
 	[IMPORTER_LOSS_METAL_MAPS] = {"maps of metalness and roughness count by their mean", "material"},
 	[IMPORTER_LOSS_SPECULAR_MAPS] = {"maps of specular reflection count by their mean or not at all", "material"},
-	[IMPORTER_LOSS_EMISSION_MAPS] = {"maps of emission count by their mean", "material"},
-	[IMPORTER_LOSS_WRAPPING] = {"textures that are clamped or mirrored are repeated", "material"},
-	[IMPORTER_LOSS_NEAREST] = {"textures of hard texels are shown smooth", "material"},
-	[IMPORTER_LOSS_VARIANT_MAPPINGS] = {"textures of variants lie as that of the first", "mesh"},
-	[IMPORTER_LOSS_VERTEX_COLORS] = {"colours of vertices are not shown", "mesh"},
+	[IMPORTER_LOSS_VARIANT_MAPPINGS] = {"textures of variants lie on the uv of the first", "mesh"},
+	[IMPORTER_LOSS_SETS] = {"of maps on three and more uv, those on the highest are left out", "material"},
 	[IMPORTER_LOSS_LINES] = {"points and lines are not drawn", "mesh"},
 	[IMPORTER_LOSS_POSITIONS] = {"what has no positions is not drawn", "mesh"},
 	[IMPORTER_LOSS_TRIANGLES] = {"triangles whose vertices do not exist are left out", "mesh"},

@@ -116,6 +116,7 @@ static stilb_result importer_convert(importer *import, const char *path)
 static void importer_finish(importer *import)
 {
 	importer_free_textures(import);
+	free(import->colored);
 	free(import->nodes);
 	stilb_scene_destroy(import->scene);
 	if (import->from)

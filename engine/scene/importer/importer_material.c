@@ -1,5 +1,6 @@
 /* Converts materials, metallic-roughness, specular-glossiness or Phong's, to diffuse, specular and roughness. */
 #include "scene/importer/importer.h"
+#include "shading/shade_gltf.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
@@ -13,6 +14,8 @@ typedef struct material_reader {
 	const struct aiMaterial *from;
 	struct aiString name;
 	bool missing_texture; /* a texture of its colour could not be loaded: the material becomes magenta */
+	stilb_scene_surface surface;
+	bool needs_surface;
 } material_reader;
 
 /* Reads a colour, >= 0; false: the material has none of this key. */
@@ -38,9 +41,10 @@ static bool material_number(const material_reader *reader, const char *key, unsi
 	return true;
 }
 
-/* The texture of the first of two kinds that the material has and that could be loaded; NULL: none. */
-static const importer_texture *material_texture(material_reader *reader, enum aiTextureType first,
-                                                enum aiTextureType second)
+/* The texture of the first of two kinds that the material has and that could be loaded, *kind then says which; NULL:
+ * none. */
+static const importer_texture *material_texture_of(material_reader *reader, enum aiTextureType first,
+                                                   enum aiTextureType second, bool color, enum aiTextureType *kind)
 {
 	const enum aiTextureType kinds[2] = {first, second};
 	struct aiString path;
@@ -49,66 +53,87 @@ static const importer_texture *material_texture(material_reader *reader, enum ai
 		        aiReturn_SUCCESS ||
 		    !importer_texture_is_named(&path))
 			continue;
-		uint32_t texture = importer_texture_of(reader->import, path.data, reader->name.data);
-		reader->missing_texture |= texture == UINT32_MAX;
+		uint32_t texture = importer_texture_of(reader->import, path.data, reader->name.data, color);
+		reader->missing_texture |= color && texture == UINT32_MAX;
 		STILB_ASSERT(texture == UINT32_MAX || texture < reader->import->texture_count);
+		*kind = kinds[i];
 		if (texture != UINT32_MAX)
 			return &reader->import->textures[texture];
 	}
 	return NULL;
 }
 
+static uint8_t material_wrap(const material_reader *reader, const char *key, unsigned type)
+{
+	float mode = (float)aiTextureMapMode_Wrap;
+	material_number(reader, key, type, 0, &mode);
+	return mode == (float)aiTextureMapMode_Clamp || mode == (float)aiTextureMapMode_Decal ? STILB_SCENE_CLAMP
+	       : mode == (float)aiTextureMapMode_Mirror                                       ? STILB_SCENE_MIRROR
+	                                                                                      : STILB_SCENE_REPEAT;
+}
+
+/* Makes a texture of one of two kinds a map of the surface; NULL: the material has none. Its transform is in the uv
+ * already. */
+static const importer_texture *foreign_map(material_reader *reader, stilb_scene_map_kind to, enum aiTextureType first,
+                                           enum aiTextureType second)
+{
+	enum aiTextureType kind = first;
+	bool color = to == STILB_SCENE_MAP_COLOR;
+	const importer_texture *texture = material_texture_of(reader, first, second, color, &kind);
+	if (!texture)
+		return NULL;
+	stilb_scene_map *map = &reader->surface.maps[to];
+	map->texture = importer_texture_number((uint32_t)(texture - reader->import->textures),
+	                                       stilb_scene_map_is_color(to, STILB_SCENE_METALLIC));
+	map->wrap_u = material_wrap(reader, _AI_MATKEY_MAPPINGMODE_U_BASE, kind);
+	map->wrap_v = material_wrap(reader, _AI_MATKEY_MAPPINGMODE_V_BASE, kind);
+	reader->needs_surface = true;
+	return texture;
+}
+
 /* ---- kinds ------------------------------------------------------------------------------------------------------- */
 
-/* Metals reflect their colour as specular and nothing as diffuse, non-metals their colour as diffuse and `dielectric`
- * as specular. A stilb_scene_material has one roughness for the whole surface, so a map of roughness and metalness
- * counts by its mean. Source: glTF 2.0, appendix B, simplified. */
-void importer_material_metallic(const importer_metallic *from, stilb_scene_material *material)
+/* Reads a material of metalness and roughness. A map of both, of files in which green is roughness and blue metalness,
+ * counts by its mean. */
+static void material_metallic(material_reader *reader)
 {
-	float metal = from->metal * (from->map ? from->map->stored_mean[2] : 1.0f);
-	metal = importer_clamp(metal, 0.0f, 1.0f);
-	for (int i = 0; i < 3; i++) {
-		float mean = importer_clamp(from->color[i] * (from->base ? from->base->mean[i] : 1.0f), 0.0f, 1.0f);
-		float dielectric = from->dielectric[i];
-		float strongest = fmaxf(fmaxf(from->dielectric[0], from->dielectric[1]), from->dielectric[2]);
-		material->diffuse[i] = from->color[i] * (1.0f - metal) * (1.0f - strongest);
-		material->specular[i] = dielectric * (1.0f - metal) + mean * metal;
-	}
-	material->roughness = from->roughness * (from->map ? from->map->stored_mean[1] : 1.0f);
-}
-
-/* Reads a material of metalness and roughness. base: the colour's texture or NULL. */
-static void material_metallic(material_reader *reader, const importer_texture *base, stilb_scene_material *material)
-{
-	importer_metallic read = {.color = {1, 1, 1},
-	                          .metal = 1.0f,
-	                          .roughness = 1.0f,
-	                          .dielectric = {IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC},
-	                          .base = base};
-	if (!material_color(reader, AI_MATKEY_BASE_COLOR, read.color))
-		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, read.color);
-	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &read.metal);
-	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &read.roughness);
-	/* material_texture sets missing_texture, which makes the material magenta; for a missing map of roughness that is
-	 * undone, since without it the material's colour is still right. */
-	bool missing = reader->missing_texture;
-	read.map = material_texture(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS);
-	reader->missing_texture = missing;
-	if (read.map)
+	stilb_scene_surface *s = &reader->surface;
+	float color[3] = {1, 1, 1}, metal = 1.0f, rough = 1.0f;
+	enum aiTextureType kind;
+	if (!material_color(reader, AI_MATKEY_BASE_COLOR, color))
+		material_color(reader, AI_MATKEY_COLOR_DIFFUSE, color);
+	material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal);
+	material_number(reader, AI_MATKEY_ROUGHNESS_FACTOR, &rough);
+	const importer_texture *map =
+		material_texture_of(reader, aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS, false, &kind);
+	if (map)
 		importer_lose(reader->import, IMPORTER_LOSS_METAL_MAPS, reader->name.data);
-	importer_material_metallic(&read, material);
+	for (int i = 0; i < 3; i++)
+		s->color[i] = importer_clamp(color[i], 0.0f, 1.0f);
+	s->metalness = importer_clamp(metal * (map ? map->stored_mean[2] : 1.0f), 0.0f, 1.0f);
+	s->roughness = importer_clamp(rough * (map ? map->stored_mean[1] : 1.0f), 0.0f, 1.0f);
 }
 
-static void material_glossy(const material_reader *reader, float gloss, stilb_scene_material *material)
+/* Makes the surface one of these reflectances: as a material whose constants they are, within what it may have. */
+static void material_reflect(material_reader *reader, const float diffuse[3], const float specular[3], float roughness)
+{
+	stilb_scene_surface *s = &reader->surface;
+	stilb_scene_material fit = stilb_scene_material_make(diffuse, specular, importer_clamp(roughness, 0.0f, 1.0f));
+	float left = 1.0f - fmaxf(fmaxf(fit.specular[0], fit.specular[1]), fit.specular[2]);
+	s->workflow = STILB_SCENE_SPECULAR;
+	s->roughness = fit.roughness;
+	for (int i = 0; i < 3; i++) {
+		s->specular[i] = fit.specular[i];
+		s->color[i] = left > 0.0f ? fminf(fit.diffuse[i] / left, 1.0f) : 0.0f;
+	}
+}
+
+static void material_glossy(material_reader *reader, float gloss)
 {
 	float diffuse[3] = {1, 1, 1}, specular[3] = {1, 1, 1};
 	material_color(reader, AI_MATKEY_COLOR_DIFFUSE, diffuse);
 	material_color(reader, AI_MATKEY_COLOR_SPECULAR, specular);
-	for (int i = 0; i < 3; i++) {
-		material->diffuse[i] = diffuse[i];
-		material->specular[i] = specular[i];
-	}
-	material->roughness = 1.0f - gloss;
+	material_reflect(reader, diffuse, specular, 1.0f - gloss);
 }
 
 /* Converts a Phong material, whose specular colour was chosen by eye and conserves no energy. A heuristic: white counts
@@ -116,7 +141,7 @@ static void material_glossy(const material_reader *reader, float gloss, stilb_sc
  * a mirror or metal, and the specular colour is taken as it is.
  * The exponent n is that of Blinn and Phong: n = 2 / alpha^2 - 2, alpha = roughness^2 (Karis, "Specular BRDF
  * Reference", 2013). */
-static void material_classic(const material_reader *reader, bool textured, stilb_scene_material *material)
+static void material_classic(material_reader *reader, bool textured)
 {
 	float diffuse[3] = {0.6f, 0.6f, 0.6f}, specular[3] = {0}, exponent = 0.0f, strength = 1.0f;
 	material_color(reader, AI_MATKEY_COLOR_DIFFUSE, diffuse);
@@ -129,29 +154,44 @@ static void material_classic(const material_reader *reader, bool textured, stilb
 		diffuse[0] = diffuse[1] = diffuse[2] = 1.0f;
 	exponent = importer_clamp(exponent, 0.0f, 1e6f);
 	strength = exponent > 0.0f ? importer_clamp(strength, 0.0f, 1.0f) : 0.0f;
-	for (int i = 0; i < 3; i++) {
-		material->diffuse[i] = diffuse[i];
-		material->specular[i] = strength * fminf(specular[i], 1.0f) * (black ? 1.0f : 2.0f * IMPORTER_DIELECTRIC);
-	}
-	material->roughness = sqrtf(sqrtf(2.0f / (exponent + 2.0f)));
+	for (int i = 0; i < 3; i++)
+		specular[i] = strength * fminf(specular[i], 1.0f) * (black ? 1.0f : 2.0f * IMPORTER_DIELECTRIC);
+	material_reflect(reader, diffuse, specular, sqrtf(sqrtf(2.0f / (exponent + 2.0f))));
 }
 
-/* Emitted radiance, constant over the surface: a texture counts by its mean. */
-static void material_emission(material_reader *reader, stilb_scene_material *material)
+static void material_emission(material_reader *reader)
 {
 	float color[3] = {0}, intensity = 1.0f;
 	if (!material_color(reader, AI_MATKEY_COLOR_EMISSIVE, color))
 		return;
 	material_number(reader, AI_MATKEY_EMISSIVE_INTENSITY, &intensity);
-	bool missing = reader->missing_texture;
-	const importer_texture *map = fmaxf(fmaxf(color[0], color[1]), color[2]) > 0.0f
-	                                  ? material_texture(reader, aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE)
-	                                  : NULL;
-	reader->missing_texture = missing;
-	if (map)
-		importer_lose(reader->import, IMPORTER_LOSS_EMISSION_MAPS, reader->name.data);
 	for (int i = 0; i < 3; i++)
-		material->emission[i] = importer_clamp(color[i] * intensity * (map ? map->mean[i] : 1.0f), 0.0f, 1e9f);
+		reader->surface.emission[i] = importer_clamp(color[i] * intensity, 0.0f, 1e9f);
+	if (fmaxf(fmaxf(color[0], color[1]), color[2]) > 0.0f)
+		foreign_map(reader, STILB_SCENE_MAP_EMISSION, aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE);
+}
+
+/* Opacity is that of all of the surface, or of the colour's picture if that is named as the picture of it, too. */
+static void material_opacity(material_reader *reader)
+{
+	float opacity = 1.0f;
+	struct aiString path, of_color;
+	stilb_scene_surface *s = &reader->surface;
+	material_number(reader, AI_MATKEY_OPACITY, &opacity);
+	s->color[3] = importer_clamp(opacity, 0.0f, 1.0f);
+	if (s->color[3] < 1.0f)
+		s->alpha = STILB_SCENE_BLEND;
+	if (aiGetMaterialTexture(reader->from, aiTextureType_OPACITY, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL) ==
+	    aiReturn_SUCCESS) {
+		bool same = aiGetMaterialTexture(reader->from, aiTextureType_DIFFUSE, 0, &of_color, NULL, NULL, NULL, NULL,
+		                                 NULL, NULL) == aiReturn_SUCCESS &&
+		            strcmp(path.data, of_color.data) == 0;
+		if (same && s->alpha == STILB_SCENE_OPAQUE)
+			s->alpha = STILB_SCENE_MASK;
+		if (!same)
+			importer_lose(reader->import, IMPORTER_LOSS_CUTOUTS, reader->name.data);
+	}
+	reader->needs_surface |= s->alpha != STILB_SCENE_OPAQUE;
 }
 
 /* ---- losses ------------------------------------------------------------------------------------------------------ */
@@ -161,30 +201,11 @@ static bool material_has(const material_reader *reader, enum aiTextureType kind)
 	return aiGetMaterialTextureCount(reader->from, kind) > 0;
 }
 
-/* True if the texture of the colour is clamped or mirrored where it ends. */
-static bool material_clamps(const material_reader *reader)
-{
-	static const enum aiTextureType kinds[2] = {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE};
-	for (int i = 0; i < 2; i++) {
-		float u = (float)aiTextureMapMode_Wrap, v = u;
-		material_number(reader, AI_MATKEY_MAPPINGMODE_U(kinds[i], 0), &u);
-		material_number(reader, AI_MATKEY_MAPPINGMODE_V(kinds[i], 0), &v);
-		if (material_has(reader, kinds[i]) && (u != (float)aiTextureMapMode_Wrap || v != (float)aiTextureMapMode_Wrap))
-			return true;
-	}
-	return false;
-}
-
 /* Counts what of the material is not shown. */
-static void material_lose(const material_reader *reader)
+static void foreign_lose(const material_reader *reader)
 {
 	importer *import = reader->import;
 	const char *name = reader->name.data;
-	float opacity = 1.0f;
-	if (material_number(reader, AI_MATKEY_OPACITY, &opacity) && opacity < 1.0f)
-		importer_lose(import, IMPORTER_LOSS_BLENDING, name);
-	if (material_has(reader, aiTextureType_OPACITY))
-		importer_lose(import, IMPORTER_LOSS_CUTOUTS, name);
 	float factor = 0.0f, mirrored[3] = {0}, seen[3] = {0};
 	if ((material_number(reader, AI_MATKEY_CLEARCOAT_FACTOR, &factor) && factor > 0.0f) ||
 	    (material_color(reader, AI_MATKEY_SHEEN_COLOR_FACTOR, seen) && seen[0] + seen[1] + seen[2] > 0.0f))
@@ -201,10 +222,7 @@ static void material_lose(const material_reader *reader)
 		importer_lose(import, IMPORTER_LOSS_LAYERS, name);
 	if (material_number(reader, AI_MATKEY_ENABLE_WIREFRAME, &factor) && factor > 0.0f)
 		importer_lose(import, IMPORTER_LOSS_WIRES, name);
-	if (material_clamps(reader))
-		importer_lose(import, IMPORTER_LOSS_WRAPPING, name);
-	if (material_has(reader, aiTextureType_NORMALS) || material_has(reader, aiTextureType_HEIGHT) ||
-	    material_has(reader, aiTextureType_NORMAL_CAMERA))
+	if (material_has(reader, aiTextureType_HEIGHT) || material_has(reader, aiTextureType_NORMAL_CAMERA))
 		importer_lose(import, IMPORTER_LOSS_NORMAL_MAPS, name);
 	if (material_has(reader, aiTextureType_SPECULAR) || material_has(reader, aiTextureType_SHININESS))
 		importer_lose(import, IMPORTER_LOSS_SPECULAR_MAPS, name);
@@ -214,64 +232,93 @@ static void material_lose(const material_reader *reader)
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-static void material_convert(importer *import, const struct aiMaterial *from, stilb_scene_material *material)
+/* The material's constants: means over its maps. */
+static void foreign_constants(const material_reader *reader, const importer_texture *base, const importer_texture *glow,
+                              stilb_scene_material *material)
 {
-	material_reader reader = {.import = import, .from = from};
-	float metal, gloss;
-	stilb_scene_material read = {0};
-	STILB_ASSERT(from);
-	if (aiGetMaterialString(from, AI_MATKEY_NAME, &reader.name) != aiReturn_SUCCESS)
-		strcpy(reader.name.data, "without a name");
-	const importer_texture *base = material_texture(&reader, aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE);
-	uint32_t texture = base ? 1 + (uint32_t)(base - import->textures) : 0;
-	if (material_number(&reader, AI_MATKEY_GLOSSINESS_FACTOR, &gloss))
-		material_glossy(&reader, gloss, &read);
-	else if (material_number(&reader, AI_MATKEY_METALLIC_FACTOR, &metal))
-		material_metallic(&reader, base, &read);
-	else
-		material_classic(&reader, texture > 0, &read);
-	*material = stilb_scene_material_make(read.diffuse, read.specular, read.roughness);
-	material->diffuse_texture = texture;
-	if (reader.missing_texture && !texture)
-		*material = stilb_scene_material_make((float[3]){1, 0, 1}, (float[3]){0}, 1.0f);
-	material_emission(&reader, material);
-	material_lose(&reader);
+	const stilb_scene_surface *s = &reader->surface;
+	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
+	for (int i = 0; i < 3; i++)
+		color[i] = s->color[i] * importer_clamp(base ? base->mean[i] : 1.0f, 0.0f, 1.0f);
+	shade_gltf_base mean = s->workflow == STILB_SCENE_METALLIC
+	                           ? shade_gltf_metallic(color, s->metalness, s->roughness,
+	                                                 shade_gltf_dielectric(s->ior, specular, s->specular_weight))
+	                           : shade_gltf_specular(color, specular, 1.0f - s->roughness);
+	const float diffuse[3] = {mean.diffuse[0], mean.diffuse[1], mean.diffuse[2]};
+	const float reflected[3] = {mean.specular[0], mean.specular[1], mean.specular[2]};
+	*material = stilb_scene_material_make(diffuse, reflected, mean.roughness);
+	for (int i = 0; i < 3; i++)
+		material->emission[i] = importer_clamp(s->emission[i] * (glow ? glow->mean[i] : 1.0f), 0.0f, 1e9f);
 }
 
-/* The textures that are not moved, such as maps of roughness, were needed for their means only. */
-stilb_result importer_take_textures(importer *import)
+static const importer_texture *material_picture(const material_reader *reader, stilb_scene_map_kind kind)
+{
+	uint32_t number = reader->surface.maps[kind].texture;
+	return number ? &reader->import->textures[(number - 1) / 2] : NULL;
+}
+
+/* Reads a material, and its surface into reader->surface. */
+static void material_convert(material_reader *reader, stilb_scene_material *material)
+{
+	float metal, gloss;
+	STILB_ASSERT(reader->from);
+	if (aiGetMaterialString(reader->from, AI_MATKEY_NAME, &reader->name) != aiReturn_SUCCESS)
+		strcpy(reader->name.data, "without a name");
+	reader->surface = stilb_scene_surface_make();
+	const importer_texture *base =
+		foreign_map(reader, STILB_SCENE_MAP_COLOR, aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE);
+	if (material_number(reader, AI_MATKEY_GLOSSINESS_FACTOR, &gloss))
+		material_glossy(reader, gloss);
+	else if (material_number(reader, AI_MATKEY_METALLIC_FACTOR, &metal))
+		material_metallic(reader);
+	else
+		material_classic(reader, base);
+	if (reader->missing_texture && !base) {
+		reader->surface = stilb_scene_surface_make();
+		reader->surface.color[1] = 0.0f;
+		reader->surface.specular_weight = 0.0f;
+	}
+	foreign_map(reader, STILB_SCENE_MAP_NORMAL, aiTextureType_NORMALS, aiTextureType_NORMALS);
+	material_opacity(reader);
+	material_emission(reader);
+	foreign_constants(reader, base, material_picture(reader, STILB_SCENE_MAP_EMISSION), material);
+	foreign_lose(reader);
+}
+
+bool importer_material_has_normals(const struct aiMaterial *material)
+{
+	return aiGetMaterialTextureCount(material, aiTextureType_NORMALS) > 0;
+}
+
+/* Reads material m, and adds its surface if it needs one, for which there is room. */
+static void material_add(importer *import, uint32_t m)
 {
 	stilb_scene *scene = import->scene;
-	uint32_t used = 0;
-	stilb_result result = scene_add_textures(scene, import->texture_count);
-	for (uint32_t t = 0; result == STILB_OK && t < import->texture_count; t++) {
-		uint32_t first = used;
-		for (uint32_t m = 0; m < scene->material_count; m++)
-			if (scene->materials[m].diffuse_texture == 1 + t) {
-				scene->materials[m].diffuse_texture = 1 + first; /* <= 1 + t, so no later t matches it */
-				used = first + 1;
-			}
-		STILB_ASSERT(used <= t + 1);
-		if (used > first) {
-			scene->textures[first] = import->textures[t].image;
-			import->textures[t].image = (stilb_image){0};
-		}
+	material_reader reader = {.import = import, .from = import->from->mMaterials[m]};
+	material_convert(&reader, &scene->materials[m]);
+	if (reader.needs_surface || import->colored[m]) {
+		scene->surfaces[scene->surface_count++] = reader.surface;
+		scene->materials[m].surface = scene->surface_count;
 	}
-	scene->texture_count = used;
-	return result;
+	if (scene->names.materials)
+		snprintf(scene->names.materials[m], STILB_SCENE_NAME, "%.*s", STILB_SCENE_NAME - 1, reader.name.data);
 }
 
 stilb_result importer_add_materials(importer *import)
 {
-	const struct aiScene *from = import->from;
-	STILB_ASSERT(import->scene->material_count == (from->mNumMaterials ? from->mNumMaterials : 1));
-	import->scene->materials[0] = stilb_scene_material_make((float[3]){0.6f, 0.6f, 0.6f}, (float[3]){0}, 1.0f);
-	for (uint32_t m = 0; m < from->mNumMaterials; m++) {
-		struct aiString name = {0};
-		material_convert(import, from->mMaterials[m], &import->scene->materials[m]);
-		if (import->scene->names.materials &&
-		    aiGetMaterialString(from->mMaterials[m], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS)
-			snprintf(import->scene->names.materials[m], STILB_SCENE_NAME, "%.*s", STILB_SCENE_NAME - 1, name.data);
+	stilb_scene *scene = import->scene;
+	uint32_t count = import->from->mNumMaterials;
+	STILB_ASSERT(scene->material_count == (count ? count : 1));
+	stilb_result result = scene_add_surfaces(scene, scene->material_count);
+	if (result != STILB_OK)
+		return result;
+	scene->surface_count = 0;
+	scene->materials[0] = stilb_scene_material_make((float[3]){0.6f, 0.6f, 0.6f}, (float[3]){0}, 1.0f);
+	if (count == 0 && import->colored[0]) {
+		scene->surfaces[scene->surface_count++] = stilb_scene_surface_make();
+		scene->materials[0].surface = 1;
 	}
+	for (uint32_t m = 0; m < count; m++)
+		material_add(import, m);
 	return importer_take_textures(import);
 }

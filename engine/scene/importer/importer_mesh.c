@@ -1,4 +1,5 @@
 #include "scene/importer/importer.h"
+#include "shading/shade_srgb.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -73,6 +74,7 @@ typedef struct mesh_fans {
 	uint32_t *first;             /* [vertices + 1]: around[first[v]] .. around[first[v + 1] - 1] */
 	uint32_t *around;            /* [3 * triangles] */
 	uint32_t *made;              /* [3 * triangles] of each place in around: the vertex that was made for it */
+	uint32_t *source;            /* [3 * triangles] of each vertex that was made: the file's */
 } mesh_fans;
 
 static void mesh_fans_finish(mesh_fans *fans)
@@ -83,6 +85,7 @@ static void mesh_fans_finish(mesh_fans *fans)
 	free(fans->first);
 	free(fans->around);
 	free(fans->made);
+	free(fans->source);
 }
 
 /* False: no memory. */
@@ -95,8 +98,9 @@ static bool mesh_fans_make(const struct aiMesh *from, uint32_t triangles, mesh_f
 	                    .areas = malloc(triangles * sizeof *fans->areas),
 	                    .first = calloc(vertices + 2, sizeof *fans->first),
 	                    .around = malloc(corners * sizeof *fans->around),
-	                    .made = malloc(corners * sizeof *fans->made)};
-	if (!fans->faces || !fans->normals || !fans->areas || !fans->first || !fans->around || !fans->made)
+	                    .made = malloc(corners * sizeof *fans->made),
+	                    .source = malloc(corners * sizeof *fans->source)};
+	if (!fans->faces || !fans->normals || !fans->areas || !fans->first || !fans->around || !fans->made || !fans->source)
 		return false;
 	uint32_t used = 0;
 	for (uint32_t f = 0; f < from->mNumFaces; f++) {
@@ -151,12 +155,14 @@ static uint32_t mesh_fans_vertex(const mesh_fans *fans, uint32_t v, uint32_t t, 
 	*vertex = mesh_vertex(fans->from, v);
 	for (int k = 0; k < 3; k++)
 		vertex->normal[k] = normal[k];
+	fans->source[mesh->vertex_count] = v;
 	return mesh->vertex_count++;
 }
 
 /* Converts a mesh whose triangles share vertices, and which has no normals: edges are sharp from 60 degrees on.
- * triangles: of mesh_triangles, > 0. */
-static stilb_result mesh_convert_shared(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+ * triangles: of mesh_triangles, > 0. *source: for each vertex that of the file, of malloc. */
+static stilb_result mesh_convert_shared(const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh,
+                                        uint32_t **source)
 {
 	mesh_fans fans;
 	stilb_result result = scene_mesh_create(mesh, 3 * triangles, 3 * triangles);
@@ -177,6 +183,8 @@ static stilb_result mesh_convert_shared(const struct aiMesh *from, uint32_t tria
 				if (fans.faces[t]->mIndices[i] == v)
 					corner_of[3 * t + i] = made;
 		}
+	*source = fans.source;
+	fans.source = NULL;
 	mesh_fans_finish(&fans);
 	return STILB_OK;
 }
@@ -255,6 +263,51 @@ static stilb_result mesh_convert(const struct aiMesh *from, uint32_t triangles, 
 	return STILB_OK;
 }
 
+/* ---- colours and tangents ---------------------------------------------------------------------------------------- */
+
+/* Colours of vertices are those of displays, sRGB, but for glTF 1.0. */
+static void mesh_read_color(const importer *import, const struct aiColor4D *from, float out[4])
+{
+	const float values[4] = {from->r, from->g, from->b, from->a};
+	for (int i = 0; i < 4; i++) {
+		float value = importer_clamp(values[i], 0.0f, 1.0f);
+		out[i] = i == 3 || import->gltf ? value : shade_srgb_to_linear(value);
+	}
+}
+
+/* Adds what the mesh's material needs of vertices. source: for each vertex that of the file; NULL: it is the same. */
+static stilb_result mesh_add_extras(importer *import, const struct aiMesh *from, const uint32_t *source,
+                                    stilb_scene_mesh *mesh)
+{
+	uint32_t materials = import->from->mNumMaterials;
+	uint32_t material = from->mMaterialIndex < materials ? from->mMaterialIndex : 0;
+	bool colors = from->mColors[0];
+	bool normals =
+		materials > 0 && from->mTextureCoords[0] && importer_material_has_normals(import->from->mMaterials[material]);
+	if (!colors && !normals)
+		return STILB_OK;
+	stilb_result result = scene_mesh_add_extras(mesh);
+	for (uint32_t v = 0; result == STILB_OK && colors && v < mesh->vertex_count; v++)
+		mesh_read_color(import, &from->mColors[0][source ? source[v] : v], mesh->extras[v].color);
+	import->colored[material] |= colors;
+	stilb_scene_map as_it_is = {.to_u = {1, 0, 0}, .to_v = {0, 1, 0}};
+	return result == STILB_OK && normals ? importer_make_tangents(mesh, &as_it_is, NULL) : result;
+}
+
+/* Converts one of Assimp's meshes, with triangles > 0 of mesh_triangles. */
+static stilb_result mesh_add(importer *import, const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+{
+	uint32_t *source = NULL;
+	stilb_result result =
+		import->shares ? mesh_convert_shared(from, triangles, mesh, &source) : mesh_convert(from, triangles, mesh);
+	if (result == STILB_OK)
+		mesh_settle_sides(mesh);
+	if (result == STILB_OK)
+		result = mesh_add_extras(import, from, source, mesh);
+	free(source);
+	return result;
+}
+
 /* What the scene will have. The two arrays are indexed by the number of Assimp's mesh. */
 typedef struct mesh_plan {
 	uint32_t *place;                /* the mesh's index in the scene; IMPORTER_NO_MESH: it has no triangles */
@@ -330,19 +383,17 @@ stilb_result importer_add_meshes(importer *import)
 	mesh_plan plan = {0};
 	const struct aiScene *from = import->from;
 	stilb_result result = mesh_plan_make(import, &plan);
+	import->colored = calloc(from->mNumMaterials + 1ull, sizeof *import->colored);
+	if (result == STILB_OK && !import->colored)
+		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for its materials");
 	uint32_t materials = from->mNumMaterials ? from->mNumMaterials : 1;
 	if (result == STILB_OK)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
 	if (result == STILB_OK)
 		result = scene_add_names(import->scene);
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++) {
-		if (plan.place[m] != IMPORTER_NO_MESH) {
-			stilb_scene_mesh *mesh = &import->scene->meshes[plan.place[m]];
-			result = import->shares ? mesh_convert_shared(from->mMeshes[m], plan.triangles[m], mesh)
-			                        : mesh_convert(from->mMeshes[m], plan.triangles[m], mesh);
-			if (result == STILB_OK)
-				mesh_settle_sides(mesh);
-		}
+		if (plan.place[m] != IMPORTER_NO_MESH)
+			result = mesh_add(import, from->mMeshes[m], plan.triangles[m], &import->scene->meshes[plan.place[m]]);
 		importer_advance_meshes(import, m + 1, from->mNumMeshes);
 	}
 	if (result == STILB_OK)

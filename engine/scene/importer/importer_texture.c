@@ -57,10 +57,12 @@ static stilb_result texture_from_inside(importer_texture *texture)
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
 
-/* The channel of red, green or blue, i = 0..2: of one or two channels the first is grey. */
-static uint32_t texture_channel(const stilb_image *image, uint32_t i)
+/* The channel of red, green, blue or alpha, i = 0..3: of one or two channels the first is grey. -1: it has no alpha. */
+static int texture_channel(const stilb_image *image, int i)
 {
-	STILB_ASSERT(i < 3);
+	STILB_ASSERT(i < 4);
+	if (i == 3)
+		return image->channels % 2 == 0 ? (int)image->channels - 1 : -1;
 	return image->channels < 3 ? 0 : i;
 }
 
@@ -69,21 +71,38 @@ static void texture_average_codes(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
 	STILB_ASSERT(image->format == STILB_IMAGE_U8_SRGB && image->pixels);
-	const uint8_t *codes = image->pixels;
 	size_t count = (size_t)image->width * image->height;
-	for (uint32_t i = 0; i < 3; i++) {
+	for (int i = 0; i < 4; i++) {
 		uint64_t times[256] = {0};
 		double sum = 0, stored = 0;
-		const uint8_t *code = codes + texture_channel(image, i);
-		for (size_t p = 0; p < count; p++, code += image->channels)
+		int channel = texture_channel(image, i);
+		const uint8_t *code = (const uint8_t *)image->pixels + (channel < 0 ? 0 : channel);
+		for (size_t p = 0; channel >= 0 && p < count; p++, code += image->channels)
 			times[*code]++;
 		for (int c = 0; c < 256; c++) {
 			sum += (double)times[c] * (double)shade_srgb_to_linear((float)c / 255.0f);
 			stored += (double)times[c] * c / 255.0;
 		}
-		texture->mean[i] = (float)(sum / (double)count);
-		texture->stored_mean[i] = (float)(stored / (double)count);
+		if (i < 3)
+			texture->mean[i] = (float)(sum / (double)count);
+		texture->stored_mean[i] = channel < 0 ? 1.0f : (float)(stored / (double)count);
 	}
+}
+
+/* Adds a row's values to the sums. light: of the row. */
+static void texture_add_row(const stilb_image *image, uint32_t y, const float *light, double sum[4], double stored[4])
+{
+	size_t row = (size_t)image->width * image->channels;
+	for (size_t x = 0; x < image->width; x++)
+		for (int i = 0; i < 4; i++) {
+			int channel = texture_channel(image, i);
+			size_t at = x * image->channels + (size_t)(channel < 0 ? 0 : channel);
+			sum[i] += (double)light[at];
+			stored[i] += channel < 0 ? 1.0
+			             : image->format == STILB_IMAGE_U16_SRGB
+			                 ? ((const uint16_t *)image->pixels)[y * row + at] / 65535.0
+			                 : (double)light[at];
+		}
 }
 
 /* Sets the means of a loaded texture. STILB_ERROR_MEMORY. */
@@ -94,26 +113,18 @@ static stilb_result texture_average(importer_texture *texture)
 		texture_average_codes(texture);
 		return STILB_OK;
 	}
-	size_t row = (size_t)image->width * image->channels;
-	double count = (double)image->width * (double)image->height;
-	double sum[3] = {0}, stored[3] = {0};
-	float *light = malloc(row * sizeof *light);
+	double count = (double)image->width * (double)image->height, sum[4] = {0}, stored[4] = {0};
+	float *light = malloc((size_t)image->width * image->channels * sizeof *light);
 	if (!light)
 		return stilb_fail(STILB_ERROR_MEMORY, "out of memory");
 	for (uint32_t y = 0; y < image->height; y++) {
 		stilb_image_row_to_light(image, y, light);
-		for (size_t x = 0; x < image->width; x++)
-			for (uint32_t i = 0; i < 3; i++) {
-				size_t at = x * image->channels + texture_channel(image, i);
-				sum[i] += (double)light[at];
-				stored[i] += image->format == STILB_IMAGE_U16_SRGB
-				                 ? ((const uint16_t *)image->pixels)[y * row + at] / 65535.0
-				                 : (double)light[at];
-			}
+		texture_add_row(image, y, light, sum, stored);
 	}
 	free(light);
-	for (int i = 0; i < 3; i++) {
-		texture->mean[i] = (float)(sum[i] / count);
+	for (int i = 0; i < 4; i++) {
+		if (i < 3)
+			texture->mean[i] = (float)(sum[i] / count);
 		texture->stored_mean[i] = (float)(stored[i] / count);
 	}
 	return STILB_OK;
@@ -208,9 +219,9 @@ static void texture_list(importer *import, const struct aiMaterial *material, en
 void importer_load_textures(importer *import)
 {
 	/* The kinds that importer_material.c reads. */
-	static const enum aiTextureType kinds[] = {aiTextureType_BASE_COLOR,     aiTextureType_DIFFUSE,
-	                                           aiTextureType_UNKNOWN,        aiTextureType_DIFFUSE_ROUGHNESS,
-	                                           aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE};
+	static const enum aiTextureType kinds[] = {
+		aiTextureType_BASE_COLOR,     aiTextureType_DIFFUSE,  aiTextureType_UNKNOWN, aiTextureType_DIFFUSE_ROUGHNESS,
+		aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE, aiTextureType_NORMALS};
 	size_t most = sizeof kinds / sizeof *kinds * import->from->mNumMaterials;
 	import->textures = calloc(most + 1, sizeof *import->textures);
 	for (unsigned m = 0; import->textures && m < import->from->mNumMaterials; m++)
@@ -241,23 +252,77 @@ void importer_free_textures(importer *import)
 	free(import->textures);
 }
 
-bool importer_texture_is_there(importer *import, uint32_t index, const char *material)
+bool importer_texture_is_there(importer *import, uint32_t index, const char *material, bool color)
 {
 	STILB_ASSERT(index < import->texture_count);
 	importer_texture *texture = &import->textures[index];
 	if (!texture->image.pixels && !texture->warned)
-		importer_warn("material '%s': texture '%s': %s; the material becomes magenta", material, texture->name,
-		              texture->trouble);
+		importer_warn("material '%s': texture '%s': %s; %s", material, texture->name, texture->trouble,
+		              color ? "the material becomes magenta" : "it is left out");
 	texture->warned |= !texture->image.pixels;
 	return texture->image.pixels;
 }
 
-uint32_t importer_texture_of(importer *import, const char *name, const char *material)
+uint32_t importer_texture_of(importer *import, const char *name, const char *material, bool color)
 {
 	uint32_t i = 0;
 	while (i < import->texture_count && strcmp(import->textures[i].name, name) != 0)
 		i++;
 	if (i == import->texture_count)
 		return UINT32_MAX;
-	return importer_texture_is_there(import, i, material) ? i : UINT32_MAX;
+	return importer_texture_is_there(import, i, material, color) ? i : UINT32_MAX;
+}
+
+/* ---- into the scene ---------------------------------------------------------------------------------------------- */
+
+/* The format of the same codes as data. */
+static stilb_image_format texture_data_format(stilb_image_format format)
+{
+	return format == STILB_IMAGE_U8_SRGB    ? STILB_IMAGE_U8_LINEAR
+	       : format == STILB_IMAGE_U16_SRGB ? STILB_IMAGE_U16_LINEAR
+	                                        : format;
+}
+
+/* Moves the picture of a number of importer_texture_number into the scene, or copies it if it is there with the other
+ * meaning, and puts the scene's number in its place. */
+static stilb_result texture_take(importer *import, uint32_t *number)
+{
+	if (*number == 0)
+		return STILB_OK;
+	stilb_scene *scene = import->scene;
+	importer_texture *texture = &import->textures[(*number - 1) / 2];
+	bool color = (*number - 1) % 2;
+	stilb_image made = texture->image;
+	stilb_result result = STILB_OK;
+	STILB_ASSERT((*number - 1) / 2 < import->texture_count);
+	if (texture->taken[color] == 0 && texture->taken[!color] > 0) {
+		const stilb_image *other = &scene->textures[texture->taken[!color] - 1];
+		result = stilb_image_create_shared(&made, other->width, other->height, other->channels, texture->format);
+		if (result == STILB_OK)
+			memcpy(made.pixels, other->pixels, stilb_image_size(other));
+	}
+	if (result == STILB_OK && texture->taken[color] == 0) {
+		texture->format = made.format;
+		made.format = color ? made.format : texture_data_format(made.format);
+		scene->textures[scene->texture_count++] = made;
+		texture->image = (stilb_image){0};
+		texture->taken[color] = scene->texture_count;
+	}
+	*number = texture->taken[color];
+	return result;
+}
+
+stilb_result importer_take_textures(importer *import)
+{
+	stilb_scene *scene = import->scene;
+	stilb_result result = scene_add_textures(scene, 2 * import->texture_count);
+	if (result != STILB_OK)
+		return result;
+	scene->texture_count = 0;
+	for (uint32_t m = 0; result == STILB_OK && m < scene->material_count; m++)
+		result = texture_take(import, &scene->materials[m].diffuse_texture);
+	for (uint32_t s = 0; result == STILB_OK && s < scene->surface_count; s++)
+		for (int kind = 0; result == STILB_OK && kind < STILB_SCENE_MAPS; kind++)
+			result = texture_take(import, &scene->surfaces[s].maps[kind].texture);
+	return result;
 }

@@ -103,6 +103,7 @@ typedef struct gltf {
 	gltf_parts parts;
 	uint64_t moving;             /* numbers of all deforms and clips so far */
 	bool needs_default_material; /* a part has no material: the scene's last one is for these */
+	uint8_t *shown;              /* [materials + 1]: how parts show the material: GLTF_SHOWN_... */
 } gltf;
 
 /* ---- gltf_open.c: the file and its buffers ----------------------------------------------------------------------- */
@@ -185,19 +186,42 @@ stilb_result gltf_load_textures(gltf *from);
  * is none. */
 uint32_t gltf_texture_picture(gltf *from, uint32_t info);
 
-/* How a material's drawn texture takes its coordinates. */
-typedef struct gltf_mapping {
-	bool drawn;         /* the material has a texture that is drawn */
-	uint32_t set;       /* TEXCOORD_<set> */
-	float matrix[2][3]; /* from the file's coordinates to those that are drawn */
-} gltf_mapping;
+#define GLTF_SETS_MOST 1000u /* uv of higher numbers count as of this one */
 
-/* material: of the file; GLTF_NONE: the default one. */
-gltf_mapping gltf_material_mapping(gltf *from, uint32_t material);
+/* What a material needs of vertices. */
+typedef struct gltf_sets {
+	uint32_t set[2];        /* the attributes TEXCOORD_<n> of the two uv that vertices have; GLTF_NONE: none */
+	bool normals;           /* it has a map of normals, */
+	stilb_scene_map normal; /* which lies so */
+	bool second;            /* a map lies on the second uv */
+} gltf_sets;
 
-/* gltf_variant.c: the mapping of a primitive, on which its material and those of its variants must agree; material: its
- * own or GLTF_NONE. What disagrees is counted as lost. name: of the mesh. */
-gltf_mapping gltf_variant_mapping(gltf *from, uint32_t primitive, uint32_t material, const char *name);
+/* gltf_surface.c: 0 and 1 if maps lie on these alone, else the lowest two of those that its maps lie on. material: of
+ * the file; GLTF_NONE: the default one. */
+gltf_sets gltf_material_sets(gltf *from, uint32_t material);
+
+/* The token of the texture info of a material's map; GLTF_NONE: there is none, or it is of a kind that is not shown.
+ * item: the material's token. */
+uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind);
+
+/* Reads how a map lies, but not its texture. False: it lies on a uv that vertices do not have. */
+bool gltf_map_read(gltf *from, uint32_t info, const gltf_sets *sets, stilb_scene_map *map);
+
+/* Reads all of a surface but its maps. item: the material's token. */
+void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surface);
+
+/* True if the material, of the scene, has more than constants. */
+bool gltf_material_needs_surface(gltf *from, uint32_t material);
+
+/* gltf_variant.c: what a primitive's material and those of its variants need together; material: its own or GLTF_NONE.
+ * If they disagree on the sets, that is counted as lost. name: of the mesh. */
+gltf_sets gltf_variant_sets(gltf *from, uint32_t primitive, uint32_t material, const char *name);
+
+#define GLTF_SHOWN_COLORED 1u  /* with colours of vertices */
+#define GLTF_SHOWN_MIRRORED 2u /* by a node that mirrors it */
+
+/* Notes how a primitive's material, one of the scene, and those of its variants are shown. */
+void gltf_show_materials(gltf *from, uint32_t primitive, uint32_t material, uint8_t how);
 
 /* Adds the variants of the materials of the scene's parts. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result gltf_add_variants(gltf *from);

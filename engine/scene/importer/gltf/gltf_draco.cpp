@@ -47,6 +47,8 @@ static const char *draco_take_values(const draco::Mesh &from, gltf_draco_values 
 		    !attribute->ConvertValue<float>(index, static_cast<int8_t>(components),
 		                                    values->data + p.value() * components))
 			return "the values of a point do not exist";
+		for (size_t c = size_t(attribute->num_components()); c < components; c++)
+			values->data[p.value() * components + c] = 1.0f; // alpha, which colours may lack
 	}
 	return nullptr;
 }

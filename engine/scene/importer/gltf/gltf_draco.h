@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-#define GLTF_DRACO_VALUES 5
+#define GLTF_DRACO_VALUES 8
 
 /* The values of one attribute of all points, to be decoded. */
 typedef struct gltf_draco_values {

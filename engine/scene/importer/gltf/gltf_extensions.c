@@ -10,9 +10,9 @@ static const char *const extensions_read[] = {
 	"EXT_texture_webp",        "KHR_draco_mesh_compression",
 	"KHR_lights_punctual",     "KHR_materials_emissive_strength",
 	"KHR_materials_ior",       "KHR_materials_pbrSpecularGlossiness",
-	"KHR_materials_specular",  "KHR_materials_variants",
-	"KHR_mesh_quantization",   "KHR_meshopt_compression",
-	"KHR_texture_basisu", /* each of its pictures is named where it is missed */
+	"KHR_materials_specular",  "KHR_materials_unlit",
+	"KHR_materials_variants",  "KHR_mesh_quantization",
+	"KHR_meshopt_compression", "KHR_texture_basisu", /* each of its pictures is named where it is missed */
 	"KHR_texture_transform",   "MSFT_texture_dds",
 };
 

@@ -1,5 +1,6 @@
 /* Materials of glTF: metallic-roughness, or the extension specular-glossiness of older files. */
 #include "scene/importer/gltf/gltf.h"
+#include "shading/shade_gltf.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,166 +8,123 @@
 /* A material while it is read. */
 typedef struct gltf_reader {
 	gltf *from;
-	uint32_t item;
+	uint32_t item; /* GLTF_NONE: the default one */
 	char name[96];
-	bool missing_texture; /* that of its colour could not be loaded: it becomes magenta */
+	bool missing_color; /* the map of its colour could not be loaded: it becomes magenta */
+	const importer_texture *pictures[STILB_SCENE_MAPS]; /* NULL: it has no such map */
+	stilb_scene_surface surface;
 } gltf_reader;
 
-/* The texture of an info; NULL: there is none, or it could not be loaded, which sets *missing. */
-static const importer_texture *material_picture(gltf_reader *reader, uint32_t info, bool *missing)
-{
-	importer *import = reader->from->import;
-	uint32_t picture = gltf_texture_picture(reader->from, info);
-	if (picture == GLTF_NONE)
-		return NULL;
-	*missing |= !importer_texture_is_there(import, picture, reader->name);
-	return import->textures[picture].image.pixels ? &import->textures[picture] : NULL;
-}
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
 
-/* Reads a colour, >= 0, if there is one. */
-static void material_factor(gltf *from, uint32_t object, const char *key, float rgb[3], uint32_t count)
-{
-	float values[4];
-	if (!gltf_json_numbers(&from->json, object, key, values, count))
-		return;
-	for (int i = 0; i < 3; i++)
-		rgb[i] = importer_clamp(values[i], 0.0f, 1e9f);
-}
-
-/* The reflectance of the surface at normal incidence: KHR_materials_ior and KHR_materials_specular. */
-static void material_dielectric(gltf_reader *reader, float reflectance[3])
+/* Reads a map, unless it lies on a third uv or its picture could not be loaded. */
+static void material_map(gltf_reader *reader, const gltf_sets *sets, stilb_scene_map_kind kind)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	uint32_t specular = gltf_extension(from, reader->item, "KHR_materials_specular");
-	uint32_t ior = gltf_extension(from, reader->item, "KHR_materials_ior");
-	float index = (float)gltf_json_number(json, ior, "ior", 1.5), color[3] = {1, 1, 1};
-	float strength = importer_clamp((float)gltf_json_number(json, specular, "specularFactor", 1.0), 0.0f, 1.0f);
-	material_factor(from, specular, "specularColorFactor", color, 3);
-	float root = index > 0.0f ? (index - 1.0f) / (index + 1.0f) : 1.0f; /* ior 0 stands for a mirror */
-	float at_normal = ior == GLTF_NONE ? IMPORTER_DIELECTRIC : root * root;
-	for (int i = 0; i < 3; i++)
-		reflectance[i] = fminf(at_normal * color[i], 1.0f) * strength;
-	if (gltf_json_member(json, specular, "specularTexture") != GLTF_NONE ||
-	    gltf_json_member(json, specular, "specularColorTexture") != GLTF_NONE)
-		importer_lose(from->import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
-}
-
-static const importer_texture *material_metallic_roughness(gltf_reader *reader, stilb_scene_material *material)
-{
-	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	uint32_t pbr = gltf_json_member(json, reader->item, "pbrMetallicRoughness");
-	importer_metallic read = {.color = {1, 1, 1}};
-	bool missing_map = false;
-	material_factor(from, pbr, "baseColorFactor", read.color, 4);
-	read.metal = (float)gltf_json_number(json, pbr, "metallicFactor", 1.0);
-	read.roughness = (float)gltf_json_number(json, pbr, "roughnessFactor", 1.0);
-	read.base = material_picture(reader, gltf_json_member(json, pbr, "baseColorTexture"), &reader->missing_texture);
-	read.map = material_picture(reader, gltf_json_member(json, pbr, "metallicRoughnessTexture"), &missing_map);
-	material_dielectric(reader, read.dielectric);
-	if (read.map)
-		importer_lose(from->import, IMPORTER_LOSS_METAL_MAPS, reader->name);
-	importer_material_metallic(&read, material);
-	return read.base;
-}
-
-static const importer_texture *material_specular_glossiness(gltf_reader *reader, uint32_t gloss,
-                                                            stilb_scene_material *material)
-{
-	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	bool missing_map = false;
-	float diffuse[3] = {1, 1, 1}, specular[3] = {1, 1, 1};
-	material_factor(from, gloss, "diffuseFactor", diffuse, 4);
-	material_factor(from, gloss, "specularFactor", specular, 3);
-	const importer_texture *map =
-		material_picture(reader, gltf_json_member(json, gloss, "specularGlossinessTexture"), &missing_map);
-	if (map)
-		importer_lose(from->import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
-	for (int i = 0; i < 3; i++) {
-		material->diffuse[i] = diffuse[i];
-		material->specular[i] = specular[i] * (map ? map->mean[i] : 1.0f);
-	}
-	material->roughness = 1.0f - (float)gltf_json_number(json, gloss, "glossinessFactor", 1.0);
-	return material_picture(reader, gltf_json_member(json, gloss, "diffuseTexture"), &reader->missing_texture);
-}
-
-/* Emitted radiance, constant over the surface: a texture counts by its mean. */
-static void material_emit(gltf_reader *reader, stilb_scene_material *material)
-{
-	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	uint32_t extension = gltf_extension(from, reader->item, "KHR_materials_emissive_strength");
-	float color[3] = {0}, strength = (float)gltf_json_number(json, extension, "emissiveStrength", 1.0);
-	bool missing = false;
-	material_factor(from, reader->item, "emissiveFactor", color, 3);
-	if (fmaxf(fmaxf(color[0], color[1]), color[2]) <= 0.0f)
-		return;
-	const importer_texture *map =
-		material_picture(reader, gltf_json_member(json, reader->item, "emissiveTexture"), &missing);
-	if (map)
-		importer_lose(from->import, IMPORTER_LOSS_EMISSION_MAPS, reader->name);
-	for (int i = 0; i < 3; i++)
-		material->emission[i] = importer_clamp(color[i] * strength * (map ? map->mean[i] : 1.0f), 0.0f, 1e9f);
-}
-
-/* Counts what of the material is not shown, besides its maps. */
-static void material_lose_rest(gltf_reader *reader)
-{
-	gltf *from = reader->from;
-	gltf_json *json = &from->json;
 	importer *import = from->import;
-	uint32_t alpha = gltf_json_member(json, reader->item, "alphaMode");
-	if (gltf_json_is(json, alpha, "MASK"))
-		importer_lose(import, IMPORTER_LOSS_CUTOUTS, reader->name);
-	if (gltf_json_is(json, alpha, "BLEND"))
-		importer_lose(import, IMPORTER_LOSS_BLENDING, reader->name);
-	if (gltf_json_member(json, reader->item, "normalTexture") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_NORMAL_MAPS, reader->name);
-	if (gltf_json_member(json, reader->item, "occlusionTexture") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_OCCLUSION_MAPS, reader->name);
+	stilb_scene_map *map = &reader->surface.maps[kind];
+	uint32_t info = gltf_map_info(from, reader->item, kind), picture = gltf_texture_picture(from, info);
+	bool color = kind == STILB_SCENE_MAP_COLOR;
+	if (picture == GLTF_NONE)
+		return;
+	if (!importer_texture_is_there(import, picture, reader->name, color)) {
+		reader->missing_color |= color;
+		return;
+	}
+	if (!gltf_map_read(from, info, sets, map)) {
+		importer_lose(import, IMPORTER_LOSS_SETS, reader->name);
+		return;
+	}
+	reader->pictures[kind] = &import->textures[picture];
+	map->texture = importer_texture_number(picture, stilb_scene_map_is_color(kind, reader->surface.workflow));
 }
 
-/* The values of a sampler's wrapS, wrapT and magFilter. */
-enum { GLTF_REPEAT = 10497, GLTF_NEAREST = 9728 };
+/* ---- constants --------------------------------------------------------------------------------------------------- */
 
-/* Counts what of the sampler of a drawn texture is not shown. */
-static void material_lose_sampler(gltf_reader *reader, uint32_t info)
+/* The mean of a map's channel, 1 if there is none. stored: of codes as they are, not of the light that they mean. */
+static float material_mean(const gltf_reader *reader, stilb_scene_map_kind kind, int channel, bool stored)
+{
+	const importer_texture *picture = reader->pictures[kind];
+	if (!picture)
+		return 1.0f;
+	return stored || channel == 3 ? picture->stored_mean[channel] : picture->mean[channel];
+}
+
+/* The material's constants: means over its maps. */
+static void material_constants(const gltf_reader *reader, stilb_scene_material *material)
+{
+	const stilb_scene_surface *s = &reader->surface;
+	stilb_scene_map_kind other = STILB_SCENE_MAP_REFLECTION;
+	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
+	shade_gltf_base base;
+	for (int i = 0; i < 3; i++)
+		color[i] = s->color[i] * importer_clamp(material_mean(reader, STILB_SCENE_MAP_COLOR, i, false), 0.0f, 1.0f);
+	if (s->workflow == STILB_SCENE_METALLIC) {
+		float metalness = s->metalness * importer_clamp(material_mean(reader, other, 2, true), 0.0f, 1.0f);
+		float roughness = s->roughness * importer_clamp(material_mean(reader, other, 1, true), 0.0f, 1.0f);
+		base = shade_gltf_metallic(color, metalness, roughness,
+		                           shade_gltf_dielectric(s->ior, specular, s->specular_weight));
+	} else {
+		for (int i = 0; i < 3; i++)
+			specular[i] *= importer_clamp(material_mean(reader, other, i, false), 0.0f, 1.0f);
+		base = shade_gltf_specular(
+			color, specular, (1.0f - s->roughness) * importer_clamp(material_mean(reader, other, 3, true), 0.0f, 1.0f));
+	}
+	const float diffuse[3] = {base.diffuse[0], base.diffuse[1], base.diffuse[2]};
+	const float reflected[3] = {base.specular[0], base.specular[1], base.specular[2]};
+	*material = stilb_scene_material_make(diffuse, reflected, base.roughness);
+	for (int i = 0; i < 3; i++)
+		material->emission[i] =
+			importer_clamp(s->emission[i] * material_mean(reader, STILB_SCENE_MAP_EMISSION, i, false), 0.0f, 1e9f);
+}
+
+/* ---- losses ------------------------------------------------------------------------------------------------------ */
+
+/* Counts what of the material is not shown. */
+static void material_lose(gltf_reader *reader)
 {
 	gltf *from = reader->from;
-	gltf_json *json = &from->json;
-	uint32_t texture = gltf_reference(from, info, "index", GLTF_TEXTURES);
-	if (texture == GLTF_NONE)
-		return;
-	uint32_t sampler = gltf_reference(from, from->lists[GLTF_TEXTURES].items[texture], "sampler", GLTF_SAMPLERS);
-	uint32_t item = sampler == GLTF_NONE ? GLTF_NONE : from->lists[GLTF_SAMPLERS].items[sampler];
-	if (gltf_json_size(json, item, "wrapS", GLTF_REPEAT) != GLTF_REPEAT ||
-	    gltf_json_size(json, item, "wrapT", GLTF_REPEAT) != GLTF_REPEAT)
-		importer_lose(from->import, IMPORTER_LOSS_WRAPPING, reader->name);
-	if (gltf_json_size(json, item, "magFilter", 0) == GLTF_NEAREST)
-		importer_lose(from->import, IMPORTER_LOSS_NEAREST, reader->name);
+	importer *import = from->import;
+	const stilb_scene_surface *s = &reader->surface;
+	uint32_t specular = gltf_extension(from, reader->item, "KHR_materials_specular");
+	if (gltf_json_member(&from->json, specular, "specularTexture") != GLTF_NONE ||
+	    gltf_json_member(&from->json, specular, "specularColorTexture") != GLTF_NONE)
+		importer_lose(import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
+	if (s->clearcoat > 0.0f || s->sheen_color[0] + s->sheen_color[1] + s->sheen_color[2] > 0.0f)
+		importer_lose(import, IMPORTER_LOSS_COATS, reader->name);
+	if (s->transmission > 0.0f)
+		importer_lose(import, IMPORTER_LOSS_TRANSMISSION, reader->name);
 }
 
-static void material_read(gltf *from, uint32_t index, stilb_scene_material *material)
+/* ---- all --------------------------------------------------------------------------------------------------------- */
+
+/* Reads material m of the scene, the default one behind those of the file, with its surface if it needs one. */
+static void material_read(gltf *from, uint32_t m, stilb_scene_material *material, stilb_scene_surface *surface)
 {
-	gltf_reader reader = {.from = from, .item = from->lists[GLTF_MATERIALS].items[index]};
-	gltf_json *json = &from->json;
-	stilb_scene_material read = {0};
-	uint32_t gloss = gltf_extension(from, reader.item, "KHR_materials_pbrSpecularGlossiness");
-	uint32_t pbr = gltf_json_member(json, reader.item, "pbrMetallicRoughness");
-	gltf_name(from, GLTF_MATERIALS, index, reader.name);
-	const importer_texture *base = gloss == GLTF_NONE ? material_metallic_roughness(&reader, &read)
-	                                                  : material_specular_glossiness(&reader, gloss, &read);
-	*material = stilb_scene_material_make(read.diffuse, read.specular, read.roughness);
-	material->diffuse_texture = base ? 1 + (uint32_t)(base - from->import->textures) : 0;
-	if (reader.missing_texture && !base)
+	const gltf_list *materials = &from->lists[GLTF_MATERIALS];
+	gltf_reader reader = {.from = from, .item = m < materials->count ? materials->items[m] : GLTF_NONE};
+	reader.surface = stilb_scene_surface_make();
+	reader.surface.metalness = 1.0f; /* the default material is white metal, glTF 2.0, 3.9.6: rough, without maps */
+	if (reader.item != GLTF_NONE) {
+		gltf_sets sets = gltf_material_sets(from, m);
+		gltf_name(from, GLTF_MATERIALS, m, reader.name);
+		gltf_surface_factors(from, reader.item, &reader.surface);
+		for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
+			material_map(&reader, &sets, (stilb_scene_map_kind)kind);
+		material_lose(&reader);
+	}
+	material_constants(&reader, material);
+	if (reader.missing_color) {
 		*material = stilb_scene_material_make((float[3]){1, 0, 1}, (float[3]){0}, 1.0f);
-	material_emit(&reader, material);
-	material_lose_rest(&reader);
-	if (base)
-		material_lose_sampler(&reader, gloss == GLTF_NONE ? gltf_json_member(json, pbr, "baseColorTexture")
-		                                                  : gltf_json_member(json, gloss, "diffuseTexture"));
+		reader.surface = stilb_scene_surface_make();
+		reader.surface.color[1] = 0.0f;
+		reader.surface.specular_weight = 0.0f;
+	}
+	/* A material has one state of what is culled, and a mirror turns triangles over. */
+	if (from->shown[m] & GLTF_SHOWN_MIRRORED)
+		reader.surface.one_sided = false;
+	if (surface)
+		*surface = reader.surface;
 }
 
 stilb_result gltf_add_materials(gltf *from)
@@ -174,20 +132,18 @@ stilb_result gltf_add_materials(gltf *from)
 	stilb_scene *scene = from->import->scene;
 	const gltf_list *materials = &from->lists[GLTF_MATERIALS];
 	STILB_ASSERT(scene->material_count >= materials->count);
-	for (uint32_t m = 0; m < materials->count; m++) {
-		material_read(from, m, &scene->materials[m]);
-		if (scene->names.materials)
+	uint32_t surfaces = 0;
+	for (uint32_t m = 0; m < scene->material_count; m++)
+		surfaces += gltf_material_needs_surface(from, m);
+	stilb_result result = scene_add_surfaces(scene, surfaces);
+	surfaces = 0;
+	for (uint32_t m = 0; result == STILB_OK && m < scene->material_count; m++) {
+		bool needs = gltf_material_needs_surface(from, m);
+		material_read(from, m, &scene->materials[m], needs ? &scene->surfaces[surfaces] : NULL);
+		surfaces += needs;
+		scene->materials[m].surface = needs ? surfaces : 0;
+		if (m < materials->count && scene->names.materials)
 			gltf_json_string(&from->json, materials->items[m], "name", scene->names.materials[m], STILB_SCENE_NAME);
 	}
-	/* The default material is white metal, glTF 2.0, 3.9.6: rough, without maps. */
-	for (uint32_t m = materials->count; m < scene->material_count; m++) {
-		importer_metallic plain = {.color = {1, 1, 1},
-		                           .metal = 1.0f,
-		                           .roughness = 1.0f,
-		                           .dielectric = {IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC, IMPORTER_DIELECTRIC}};
-		stilb_scene_material read = {0};
-		importer_material_metallic(&plain, &read);
-		scene->materials[m] = stilb_scene_material_make(read.diffuse, read.specular, read.roughness);
-	}
-	return importer_take_textures(from->import);
+	return result == STILB_OK ? importer_take_textures(from->import) : result;
 }

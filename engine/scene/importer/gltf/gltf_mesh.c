@@ -148,6 +148,13 @@ static uint32_t mesh_add_instance(stilb_scene_nodes *nodes, uint32_t parent, con
 	return node;
 }
 
+static bool mesh_mirrors(const stilb_mat4 *to_world)
+{
+	const float *m = to_world->m;
+	stilb_vec3 x = stilb_vec3_make(m[0], m[1], m[2]), y = stilb_vec3_make(m[4], m[5], m[6]);
+	return stilb_vec3_dot(stilb_vec3_cross(x, y), stilb_vec3_make(m[8], m[9], m[10])) < 0.0f;
+}
+
 /* Counts a model for each instance of a node or, if there is a scene, fills it. */
 static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made)
 {
@@ -164,6 +171,8 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 	for (uint64_t i = 0; result == STILB_OK && i < instances.count; i++) {
 		bool finite = mesh_instance(&instances, i, &own, &to_world);
 		from->import->bad_nodes += !finite && !scene;
+		for (uint32_t p = first; scene && finite && mesh_mirrors(&to_world) && p < end; p++)
+			gltf_show_materials(from, from->parts.parts[p].item, from->parts.parts[p].material, GLTF_SHOWN_MIRRORED);
 		for (uint32_t p = first; scene && finite && p < end; p++) {
 			scene->part_mesh[made->parts + p - first] = p;
 			scene->part_material[made->parts + p - first] = from->parts.parts[p].material;

@@ -314,7 +314,8 @@ stilb_result gltf_open(gltf *from, const importer_bytes *bytes)
 		return result;
 	from->buffers = calloc(from->lists[GLTF_BUFFERS].count + 1ull, sizeof *from->buffers);
 	from->views = calloc(from->lists[GLTF_VIEWS].count + 1ull, sizeof *from->views);
-	if (!from->buffers || !from->views)
+	from->shown = calloc(from->lists[GLTF_MATERIALS].count + 1ull, sizeof *from->shown);
+	if (!from->buffers || !from->views || !from->shown)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for its buffers");
 	for (uint32_t i = 0; result == STILB_OK && i < from->lists[GLTF_BUFFERS].count; i++)
 		result = gltf_buffer_open(from, i);
@@ -337,6 +338,7 @@ void gltf_close(gltf *from)
 		free(from->lists[kind].items);
 	free(from->buffers);
 	free(from->views);
+	free(from->shown);
 	free(from->nodes);
 	free(from->picture);
 	free(from->unpacked);

@@ -10,15 +10,23 @@
 /* The values of glTF's mode; 0 to 3 are points and lines. */
 enum { PRIMITIVE_TRIANGLES = 4, PRIMITIVE_STRIP, PRIMITIVE_FAN };
 
-enum { PRIMITIVE_POSITIONS, PRIMITIVE_NORMALS, PRIMITIVE_UVS, PRIMITIVE_ATTRIBUTES };
+enum {
+	PRIMITIVE_POSITIONS,
+	PRIMITIVE_NORMALS,
+	PRIMITIVE_UVS,
+	PRIMITIVE_SECOND_UVS,
+	PRIMITIVE_TANGENTS,
+	PRIMITIVE_COLORS,
+	PRIMITIVE_ATTRIBUTES
+};
 
 /* A primitive while it is read. */
 typedef struct primitive_reader {
 	gltf *from;
 	uint32_t item; /* its token */
 	uint32_t mode;
-	gltf_mapping mapping;
-	char uvs[24]; /* the name of the attribute with the texture coordinates: TEXCOORD_0, ... */
+	gltf_sets sets;
+	char uvs[2][24]; /* the names of the attributes with the texture coordinates: TEXCOORD_0, ...; "": none */
 	gltf_accessor attributes[PRIMITIVE_ATTRIBUTES]; /* {0}: the primitive has none */
 	gltf_accessor indices;                          /* {0}: its vertices follow one another */
 	gltf_accessor packed[2]; /* joints and weights that were compressed with the others; {0}: there are none */
@@ -31,11 +39,24 @@ typedef struct primitive_reader {
 } primitive_reader;
 
 /* The numbers that an attribute's elements must have. */
-static const uint32_t primitive_components[PRIMITIVE_ATTRIBUTES] = {3, 3, 2};
+static const uint32_t primitive_components[PRIMITIVE_ATTRIBUTES] = {3, 3, 2, 2, 4, 4};
 
+/* The name of an attribute; "": it is not needed. */
 static const char *primitive_attribute(const primitive_reader *reader, int i)
 {
-	return i == PRIMITIVE_POSITIONS ? "POSITION" : i == PRIMITIVE_NORMALS ? "NORMAL" : reader->uvs;
+	static const char *const names[PRIMITIVE_ATTRIBUTES] = {
+		[PRIMITIVE_POSITIONS] = "POSITION", [PRIMITIVE_NORMALS] = "NORMAL", [PRIMITIVE_COLORS] = "COLOR_0"};
+	if (i == PRIMITIVE_UVS || i == PRIMITIVE_SECOND_UVS)
+		return reader->uvs[i - PRIMITIVE_UVS];
+	if (i == PRIMITIVE_TANGENTS)
+		return reader->sets.normals ? "TANGENT" : "";
+	return names[i];
+}
+
+/* Colours may lack alpha. */
+static uint32_t primitive_mask(int i)
+{
+	return 1u << (primitive_components[i] - 1) | (i == PRIMITIVE_COLORS ? 1u << 2 : 0u);
 }
 
 /* ---- what the file holds ----------------------------------------------------------------------------------------- */
@@ -60,7 +81,8 @@ static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extensio
 	if (number == GLTF_NONE && !json->fault[0])
 		return stilb_fail(STILB_ERROR_FILE, "a mesh compressed by Draco names no buffer view");
 	for (int i = 0; i < PRIMITIVE_ATTRIBUTES; i++) {
-		uint64_t id = gltf_json_size(json, names, primitive_attribute(reader, i), UINT32_MAX);
+		const char *name = primitive_attribute(reader, i);
+		uint64_t id = name[0] ? gltf_json_size(json, names, name, UINT32_MAX) : UINT32_MAX;
 		mesh.values[i] = (gltf_draco_values){id < UINT32_MAX, (uint32_t)id, primitive_components[i], NULL};
 	}
 	for (int i = 0; i < 2 && from->lists[GLTF_SKINS].count > 0; i++) {
@@ -96,9 +118,10 @@ static stilb_result primitive_open(primitive_reader *reader)
 	uint32_t indices = gltf_reference(from, reader->item, "indices", GLTF_ACCESSORS);
 	stilb_result result = STILB_OK;
 	for (int i = 0; result == STILB_OK && i < PRIMITIVE_ATTRIBUTES; i++) {
-		uint32_t number = gltf_reference(from, names, primitive_attribute(reader, i), GLTF_ACCESSORS);
+		const char *name = primitive_attribute(reader, i);
+		uint32_t number = name[0] ? gltf_reference(from, names, name, GLTF_ACCESSORS) : GLTF_NONE;
 		if (number != GLTF_NONE)
-			result = gltf_accessor_open(from, number, 1u << (primitive_components[i] - 1), &reader->attributes[i]);
+			result = gltf_accessor_open(from, number, primitive_mask(i), &reader->attributes[i]);
 		if (result == STILB_OK && number != GLTF_NONE &&
 		    reader->attributes[i].count < reader->attributes[PRIMITIVE_POSITIONS].count)
 			result = stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu elements for %llu vertices", number,
@@ -174,6 +197,14 @@ static float primitive_uv(float value)
 	return fabsf(value) < 1e6f ? value : 0.0f;
 }
 
+static void primitive_read_uv(const gltf_accessor *uvs, uint32_t v, float out[2])
+{
+	float uv[2];
+	gltf_accessor_read(uvs, v, uv);
+	out[0] = primitive_uv(uv[0]);
+	out[1] = primitive_uv(uv[1]);
+}
+
 /* Vertex v of the file. The normal is 0 if the file has none, or one that has no length. */
 static stilb_scene_vertex primitive_vertex(const primitive_reader *reader, uint32_t v)
 {
@@ -187,15 +218,50 @@ static stilb_scene_vertex primitive_vertex(const primitive_reader *reader, uint3
 		for (int i = 0; length > 1e-18f && length < 1e18f && i < 3; i++)
 			vertex.normal[i] = n[i] / length;
 	}
-	if (uvs->components) {
-		float uv[2];
-		gltf_accessor_read(uvs, v, uv);
-		for (int i = 0; i < 2; i++) {
-			const float *row = reader->mapping.matrix[i];
-			vertex.uv[i] = primitive_uv(row[0] * uv[0] + row[1] * uv[1] + row[2]);
-		}
-	}
+	if (uvs->components)
+		primitive_read_uv(uvs, v, vertex.uv);
 	return vertex;
+}
+
+/* A tangent of the file, made unit; none if it has no direction. */
+static void primitive_read_tangent(const gltf_accessor *tangents, uint32_t v, float out[4])
+{
+	float t[4];
+	gltf_accessor_read(tangents, v, t);
+	float length = sqrtf(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+	if (!(length > 1e-18f && length < 1e18f))
+		return;
+	for (int i = 0; i < 3; i++)
+		out[i] = t[i] / length;
+	out[3] = t[3] < 0.0f ? -1.0f : 1.0f;
+}
+
+static stilb_scene_vertex_extra primitive_extra(const primitive_reader *reader, uint32_t v)
+{
+	stilb_scene_vertex_extra extra = {.color = {1, 1, 1, 1}};
+	const gltf_accessor *attributes = reader->attributes, *colors = &attributes[PRIMITIVE_COLORS];
+	if (attributes[PRIMITIVE_TANGENTS].components)
+		primitive_read_tangent(&attributes[PRIMITIVE_TANGENTS], v, extra.tangent);
+	if (attributes[PRIMITIVE_SECOND_UVS].components)
+		primitive_read_uv(&attributes[PRIMITIVE_SECOND_UVS], v, extra.uv);
+	if (colors->components) {
+		gltf_accessor_read(colors, v, extra.color);
+		for (int i = 0; i < 4; i++)
+			extra.color[i] = importer_clamp(extra.color[i], 0.0f, 1e6f);
+	}
+	return extra;
+}
+
+/* Fills in the mesh's extras, if it needs some. */
+static stilb_result primitive_add_extras(const primitive_reader *reader, stilb_scene_mesh *mesh)
+{
+	if (!reader->sets.normals && !reader->attributes[PRIMITIVE_SECOND_UVS].components &&
+	    !reader->attributes[PRIMITIVE_COLORS].components)
+		return STILB_OK;
+	stilb_result result = scene_mesh_add_extras(mesh);
+	for (uint32_t v = 0; result == STILB_OK && v < mesh->vertex_count; v++)
+		mesh->extras[v] = primitive_extra(reader, reader->source[v]);
+	return result;
 }
 
 /* Vertices without a normal get that of their triangle; +Y if its area is 0. */
@@ -266,6 +332,20 @@ static stilb_result primitive_share(primitive_reader *reader, stilb_scene_mesh *
 	return result;
 }
 
+/* Makes tangents where the file has none for its map of normals. glTF 2.0, 3.7.2.1: by MikkTSpace. */
+static stilb_result primitive_make_tangents(primitive_reader *reader, stilb_scene_mesh *mesh)
+{
+	uint32_t *sources = NULL;
+	stilb_result result = importer_make_tangents(mesh, &reader->sets.normal, &sources);
+	if (result != STILB_OK)
+		return result;
+	for (uint32_t v = 0; v < mesh->vertex_count; v++)
+		sources[v] = reader->source[sources[v]];
+	free(reader->shared);
+	reader->source = reader->shared = sources;
+	return STILB_OK;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 static stilb_result primitive_convert(primitive_reader *reader, stilb_scene_mesh *mesh)
@@ -283,6 +363,11 @@ static stilb_result primitive_convert(primitive_reader *reader, stilb_scene_mesh
 	result = flat ? primitive_split(reader, mesh) : primitive_share(reader, mesh);
 	if (result == STILB_OK)
 		primitive_complete_normals(mesh);
+	if (result == STILB_OK)
+		result = primitive_add_extras(reader, mesh);
+	bool tangents = reader->attributes[PRIMITIVE_TANGENTS].components > 0 && !flat;
+	if (result == STILB_OK && reader->sets.normals && !tangents)
+		result = primitive_make_tangents(reader, mesh);
 	return result;
 }
 
@@ -296,8 +381,10 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 	uint64_t mode = gltf_json_size(json, primitive, "mode", PRIMITIVE_TRIANGLES);
 	primitive_reader reader = {.from = from, .item = primitive, .mode = (uint32_t)mode};
 	gltf_name(from, GLTF_MESHES, mesh, name);
-	reader.mapping = gltf_variant_mapping(from, primitive, material, name);
-	snprintf(reader.uvs, sizeof reader.uvs, "TEXCOORD_%u", reader.mapping.set);
+	reader.sets = gltf_variant_sets(from, primitive, material, name);
+	snprintf(reader.uvs[0], sizeof *reader.uvs, "TEXCOORD_%u", reader.sets.set[0]);
+	if (reader.sets.second)
+		snprintf(reader.uvs[1], sizeof *reader.uvs, "TEXCOORD_%u", reader.sets.set[1]);
 	*part = (gltf_part){.item = primitive,
 	                    .material = material == GLTF_NONE ? from->lists[GLTF_MATERIALS].count : material};
 	if (mode > PRIMITIVE_FAN)
@@ -315,8 +402,8 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 		result = gltf_deform_read(from, reader.source, reader.packed, name, part);
 	if (reader.leaves_triangles)
 		importer_lose(import, IMPORTER_LOSS_TRIANGLES, name);
-	if (gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_VERTEX_COLORS, name);
+	if (part->mesh.index_count > 0 && gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
+		gltf_show_materials(from, primitive, part->material, GLTF_SHOWN_COLORED);
 	if (gltf_json_member(json, primitive, "targets") != GLTF_NONE)
 		importer_lose(import, IMPORTER_LOSS_MORPHS, name);
 	primitive_finish(&reader);

@@ -1,7 +1,6 @@
-/* The pictures that materials need, and how a material's texture lies on its surfaces. */
+/* The pictures that materials need. */
 #include "scene/importer/gltf/gltf.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,25 +68,12 @@ static stilb_result texture_list_info(gltf *from, uint32_t info)
 	return texture_find(from, image, made);
 }
 
-/* Lists the pictures of those of a material's textures that count. */
+/* Lists the pictures of a material's maps. */
 static stilb_result texture_list_material(gltf *from, uint32_t item)
 {
-	gltf_json *json = &from->json;
-	uint32_t metal = gltf_json_member(json, item, "pbrMetallicRoughness");
-	uint32_t gloss = gltf_extension(from, item, "KHR_materials_pbrSpecularGlossiness");
-	float emission[3] = {0};
-	gltf_json_numbers(json, item, "emissiveFactor", emission, 3);
-	bool emits = emission[0] > 0.0f || emission[1] > 0.0f || emission[2] > 0.0f;
-	const uint32_t infos[] = {
-		gltf_json_member(json, metal, "baseColorTexture"),
-		gltf_json_member(json, metal, "metallicRoughnessTexture"),
-		gltf_json_member(json, gloss, "diffuseTexture"),
-		gltf_json_member(json, gloss, "specularGlossinessTexture"),
-		emits ? gltf_json_member(json, item, "emissiveTexture") : GLTF_NONE,
-	};
-	stilb_result result = gltf_json_check(json);
-	for (size_t i = 0; result == STILB_OK && i < sizeof infos / sizeof *infos; i++)
-		result = texture_list_info(from, infos[i]);
+	stilb_result result = STILB_OK;
+	for (int kind = 0; result == STILB_OK && kind < STILB_SCENE_MAPS; kind++)
+		result = texture_list_info(from, gltf_map_info(from, item, (stilb_scene_map_kind)kind));
 	return result;
 }
 
@@ -107,46 +93,4 @@ stilb_result gltf_load_textures(gltf *from)
 	if (result == STILB_OK)
 		importer_decode_textures(import);
 	return result;
-}
-
-/* ---- where it lies ----------------------------------------------------------------------------------------------- */
-
-/* The texture info of a material that the scene draws; GLTF_NONE: there is none. */
-static uint32_t texture_drawn(gltf *from, uint32_t item)
-{
-	gltf_json *json = &from->json;
-	uint32_t gloss = gltf_extension(from, item, "KHR_materials_pbrSpecularGlossiness");
-	if (gloss != GLTF_NONE)
-		return gltf_json_member(json, gloss, "diffuseTexture");
-	return gltf_json_member(json, gltf_json_member(json, item, "pbrMetallicRoughness"), "baseColorTexture");
-}
-
-/* KHR_texture_transform: scale, then turn, then move. Its angle is counter-clockwise as one sees the texture, whose v
- * points down: (1, 0) goes to (cos, -sin). */
-static void texture_transform(gltf *from, uint32_t transform, gltf_mapping *mapping)
-{
-	gltf_json *json = &from->json;
-	float offset[2] = {0, 0}, scale[2] = {1, 1};
-	float angle = (float)gltf_json_number(json, transform, "rotation", 0.0);
-	gltf_json_numbers(json, transform, "offset", offset, 2);
-	gltf_json_numbers(json, transform, "scale", scale, 2);
-	float c = cosf(angle), s = sinf(angle);
-	const float rows[2][3] = {{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}};
-	memcpy(mapping->matrix, rows, sizeof rows);
-}
-
-gltf_mapping gltf_material_mapping(gltf *from, uint32_t material)
-{
-	gltf_json *json = &from->json;
-	gltf_mapping mapping = {.matrix = {{1, 0, 0}, {0, 1, 0}}};
-	if (material == GLTF_NONE)
-		return mapping;
-	uint32_t info = texture_drawn(from, from->lists[GLTF_MATERIALS].items[material]);
-	uint32_t transform = gltf_extension(from, info, "KHR_texture_transform");
-	uint64_t set = gltf_json_size(json, transform, "texCoord", gltf_json_size(json, info, "texCoord", 0));
-	mapping.drawn = info != GLTF_NONE;
-	mapping.set = set < 1000 ? (uint32_t)set : 1000;
-	if (transform != GLTF_NONE)
-		texture_transform(from, transform, &mapping);
-	return mapping;
 }

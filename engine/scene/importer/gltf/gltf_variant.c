@@ -13,28 +13,35 @@ static uint32_t variant_mappings(gltf *from, uint32_t primitive)
 	return gltf_json_array(&from->json, gltf_extension(from, primitive, "KHR_materials_variants"), "mappings");
 }
 
-static bool variant_mappings_agree(const gltf_mapping *a, const gltf_mapping *b)
-{
-	return a->set == b->set && memcmp(a->matrix, b->matrix, sizeof a->matrix) == 0;
-}
-
-gltf_mapping gltf_variant_mapping(gltf *from, uint32_t primitive, uint32_t material, const char *name)
+gltf_sets gltf_variant_sets(gltf *from, uint32_t primitive, uint32_t material, const char *name)
 {
 	gltf_json *json = &from->json;
 	uint32_t mappings = variant_mappings(from, primitive);
-	gltf_mapping first = gltf_material_mapping(from, material);
+	gltf_sets all = gltf_material_sets(from, material);
 	bool agree = true;
 	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
-		gltf_mapping other = gltf_material_mapping(from, gltf_reference(from, at, "material", GLTF_MATERIALS));
-		if (!other.drawn)
-			continue;
-		agree &= !first.drawn || variant_mappings_agree(&first, &other);
-		if (!first.drawn)
-			first = other;
+		gltf_sets other = gltf_material_sets(from, gltf_reference(from, at, "material", GLTF_MATERIALS));
+		agree &= all.set[0] == other.set[0] && (!other.second || all.set[1] == other.set[1]);
+		if (other.normals && !all.normals)
+			all.normal = other.normal;
+		all.normals |= other.normals;
+		all.second |= other.second;
 	}
 	if (!agree)
 		importer_lose(from->import, IMPORTER_LOSS_VARIANT_MAPPINGS, name);
-	return first;
+	return all;
+}
+
+void gltf_show_materials(gltf *from, uint32_t primitive, uint32_t material, uint8_t how)
+{
+	gltf_json *json = &from->json;
+	uint32_t mappings = variant_mappings(from, primitive);
+	from->shown[material] |= how;
+	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
+		uint32_t other = gltf_reference(from, at, "material", GLTF_MATERIALS);
+		if (other != GLTF_NONE)
+			from->shown[other] |= how;
+	}
 }
 
 /* Writes to row[variant * parts + part] what the variants of one of gltf's parts show. */
