@@ -3,6 +3,7 @@
 #include "game/cli/flags.h"
 #include "game/commands.h"
 
+#include "info_materials.h"
 #include "info_scene.h"
 
 #include "base/base_file.h"
@@ -142,12 +143,14 @@ static stilb_result info_save(const info_machine *machine, const char *path)
 int info_command(int argc, char **argv)
 {
 	const char *path = NULL, *scene = NULL;
-	bool allow_outside = false, quiet = false;
+	bool allow_outside = false, quiet = false, materials = false;
 	const flag flags[] = {
 		{"scene", FLAG_WORD, &scene, NULL, NULL, 0, 0, NULL},
 		{"--json", FLAG_TEXT, &path, "FILE", "write the list as JSON too; - is standard output", 0, 0, NULL},
 		{"--allow-outside", FLAG_SWITCH, &allow_outside, NULL,
 	     "let the scene's file name files outside its folder and the parent of that", 0, 0, NULL},
+		{"--materials", FLAG_SWITCH, &materials, NULL, "print what pictures show of the materials of files, and end", 0,
+	     0, NULL},
 		{"--quiet", FLAG_SWITCH, &quiet, NULL, "do not list what the scene's file has that is not shown", 0, 0, NULL},
 	};
 	size_t flag_count = sizeof flags / sizeof *flags;
@@ -164,6 +167,10 @@ int info_command(int argc, char **argv)
 	if (path && stilb_file_check(path) != STILB_OK) {
 		stilb_log("%s", stilb_error_message());
 		return EXIT_REFUSED;
+	}
+	if (materials) {
+		info_print_materials(stdout);
+		return EXIT_DONE;
 	}
 	if (scene)
 		return info_scene(scene, allow_outside, quiet, path);

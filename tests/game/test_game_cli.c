@@ -56,6 +56,20 @@ static void test_words_that_cannot_be_written(void **state)
 	}
 }
 
+/* The table of materials is the one that docs/materials.md has. */
+static void test_info_of_materials(void **state)
+{
+	(void)state;
+	static char text[65536];
+	stilb_good("info --materials");
+	FILE *file = fopen(SOURCE_FOLDER "/docs/materials.md", "r");
+	assert_non_null(file);
+	text[fread(text, 1, sizeof text - 1, file)] = '\0';
+	fclose(file);
+	assert_true(strlen(run.out) > 500);
+	assert_non_null(strstr(text, run.out));
+}
+
 static void test_info_of_a_scene(void **state)
 {
 	(void)state;
@@ -513,6 +527,7 @@ int main(int argc, char **argv)
 		FRESH_TEST(test_help_and_version),
 		FRESH_TEST(test_words_that_cannot_be_written),
 		FRESH_TEST(test_info),
+		FRESH_TEST(test_info_of_materials),
 		FRESH_TEST(test_info_of_a_scene),
 		FRESH_TEST(test_refusals),
 		FRESH_TEST(test_bench_is_another_program),

@@ -1,0 +1,29 @@
+/* What frames and rays show of materials, as a table of Markdown; docs/materials.md holds the same one. */
+#include "info_materials.h"
+
+/* X(part of a material, frames, rays) */
+#define MATERIAL_PARTS(X)                                                                                              \
+	X("base colour: factor, texture, colours of vertices", "yes", "yes")                                               \
+	X("metalness and roughness: factors, texture", "yes", "yes")                                                       \
+	X("specular and glossiness: factors, textures", "yes", "yes")                                                      \
+	X("reflectance: index of refraction, specular factor and colour", "yes", "yes")                                    \
+	X("specular textures", "no", "no")                                                                                 \
+	X("normal texture, tangents of the file or MikkTSpace", "yes", "yes")                                              \
+	X("occlusion texture", "of even light", "no: rays find what occludes")                                             \
+	X("emission: factor, strength, texture", "seen, lights nothing", "lights, where it glows")                         \
+	X("alpha: mask with cutoff", "yes", "yes")                                                                         \
+	X("alpha: blend", "sorted by model", "by chance, a sample at a time")                                              \
+	X("one-sided and double-sided", "yes", "yes; shadows by both sides")                                               \
+	X("unlit", "yes", "yes")                                                                                           \
+	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
+	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
+	X("clear coat, sheen", "no", "no")                                                                                 \
+	X("transmission, volume", "no", "no")                                                                              \
+	X("anisotropy, iridescence, dispersion", "no", "no")
+
+void info_print_materials(FILE *out)
+{
+	fputs("| part of a material | frames | rays |\n|---|---|---|\n", out);
+#define PART(part, frames, rays) fputs("| " part " | " frames " | " rays " |\n", out);
+	MATERIAL_PARTS(PART)
+}
