@@ -214,7 +214,7 @@ static void test_bad_files(void **state)
 	assert_bad("bad.dump", "empty");
 	for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
 		copy_file("good.dump", "bad.dump", sizes[i]);
-		assert_bad("bad.dump", sizes[i] < 128 ? "header" : "truncated");
+		assert_bad("bad.dump", sizes[i] < 144 ? "header" : "truncated");
 	}
 	assert_int_equal(system("cat good.dump good.dump > bad.dump"), 0);
 	assert_bad("bad.dump", "continues after its last byte");
