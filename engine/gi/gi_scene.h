@@ -99,7 +99,7 @@ typedef struct stilb_gi_scene_info {
 	uint64_t invalid;
 	/* Memory: the acceleration structure, vertices, triangles and parts. */
 	uint64_t bytes;
-	/* Emitting triangles, and lights of the list that shine and have no face. */
+	/* Emitting triangles, of maps of emission those that glow, and lights of the list that shine and have no face. */
 	uint32_t lights;
 	/* Seconds in Embree's build, that of the last update; 0: it has built nothing. */
 	double build_s;
@@ -122,7 +122,8 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
  * it may exist. desc: as for create, of any pool; intersector, isa and memory stay as they were.
  * What it costs: after other materials, lights or surroundings nothing is built. In a movable scene, after models were
  * moved, hidden or shown, only the top of the tree is, and the triangles of those parts that are no instances; 10,000
- * parts take some milliseconds. All else, as models and meshes that come, go or change, is built anew.
+ * parts take some milliseconds. All else, as models and meshes that come, go or change, and surfaces that rays begin or
+ * cease to go through (alpha, one_sided), is built anew.
  * After an error only update, which then builds all of it, and destroy may follow. Errors: as of create.
  * [main-thread], the one that created it. */
 stilb_result stilb_gi_scene_update(stilb_gi_scene *gi_scene, const stilb_scene *scene, const stilb_gi_scene_desc *desc);
