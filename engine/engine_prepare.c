@@ -48,6 +48,8 @@ static void *prepare_run(void *user)
 		result = stilb_cull_create(prepare->scene, &prepare->cull);
 	if (result == STILB_OK && prepare->scene)
 		result = stilb_render_prepare_scene(prepare->render, prepare->scene, prepare_pace, prepare, &prepare->made);
+	if (result == STILB_OK && prepare->scene && prepare->scene->surface_count > 0)
+		result = stilb_render_prepare_view(prepare->render, &prepare->view); /* its surfaces are known now */
 	prepare->result = result;
 	if (result != STILB_OK)
 		snprintf(prepare->message, sizeof prepare->message, "%s", stilb_error_message());

@@ -376,8 +376,9 @@ typedef struct stilb_render_view {
 	bool dither; /* what lies between two 8-bit codes is shown as a fine pattern of both, so that no bands are seen */
 } stilb_render_view;
 
-/* Compiles what passes with this view may need, with textures and without, unless it is there; frames go on meanwhile,
- * and one that needs what is being compiled waits for it. Read are the lights' kinds, surroundings, backdrop's kind,
+/* Compiles what passes with this view may need, with textures and without, and for the surfaces of scenes that have
+ * been set or prepared, unless it is there; frames go on meanwhile, and one that needs what is being compiled waits for
+ * it. Read are the lights' kinds, surroundings, backdrop's kind,
  * sides, shading, detail, impostors, tone and the target's kind. STILB_ERROR_MEMORY, STILB_ERROR_DEVICE.
  * [any-thread] */
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view);

@@ -138,9 +138,7 @@ static stilb_result measure_order_pass(const measure_job *job, uint32_t index)
 	const stilb_render_pass *pass = &job->dump->pass_table[index];
 	const stilb_render_view *view = &job->dump->view_table[pass->view];
 	stilb_result result = render_order(job->render, pass, &job->render->passes[index]);
-	return result == STILB_OK && !render_view_is_depth(view)
-	           ? render_blend_order(job->render, view, &job->render->passes[index])
-	           : result;
+	return result == STILB_OK ? render_maps_order(job->render, view, pass->sort, &job->render->passes[index]) : result;
 }
 
 static stilb_result measure_order(measure_job *job)

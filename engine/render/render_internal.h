@@ -486,9 +486,10 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 /* Claims count commands behind the frame's commands; *first is the index of the first. */
 stilb_result render_sort_claim(stilb_render *render, uint32_t count, uint32_t *first);
 
-/* Moves the draws of an ordered pass that blend behind the others, from the farthest to the nearest as the view sees
- * the middle of their meshes. */
-stilb_result render_blend_order(stilb_render *render, const stilb_render_view *view, render_pass_lists *lists);
+/* Moves the draws with maps of an ordered pass behind the others: those of each material together, unless the pass was
+ * sorted, and then what blends, from the farthest to the nearest as the view sees the middle of their meshes. */
+stilb_result render_maps_order(stilb_render *render, const stilb_render_view *view, bool sorted,
+                               render_pass_lists *lists);
 
 /* Replaces a pass's runs by runs in ascending order of key; stable. */
 stilb_result render_sort(stilb_render *render, render_pass_lists *lists);

@@ -153,12 +153,30 @@ void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepar
 /* How many lamps a panorama has is known only once it has been made ready: 0, 1 and more may need three pipelines. */
 #define PREPARE_LAMPS 3u
 
+/* What materials have of surfaces now. */
+static render_known_maps prepare_known_maps(render_resources *resources)
+{
+	render_known_maps known = {0};
+	stilb_lock_take(&resources->lock);
+	known.extras = resources->heaps[RENDER_HEAP_EXTRAS].size > 0;
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MAPS].next_unused; i++) {
+		uint32_t bits = resources->maps[i].bits, k = 0;
+		while (k < known.count && known.bits[k] != bits)
+			k++;
+		if (k == known.count && k < RENDER_KNOWN_MAPS && resources->maps[i].hash != 0)
+			known.bits[known.count++] = bits;
+	}
+	stilb_lock_give(&resources->lock);
+	return known;
+}
+
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view)
 {
 	STILB_ASSERT(render && view);
 	PROFILE("prepare a view");
 	bool panorama = view->surroundings.panorama.pixels;
 	uint32_t made[PREPARE_LAMPS];
+	render_known_maps maps = prepare_known_maps(&render->resources);
 	stilb_result result = STILB_OK;
 	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
 		uint32_t count;
@@ -167,7 +185,7 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 		for (uint32_t i = 0; i < lamps; i++)
 			known |= made[i] == made[lamps];
 		if (!known)
-			result = render_device_prepare(render->device, view, made[lamps]);
+			result = render_device_prepare(render->device, view, made[lamps], &maps);
 	}
 	return result;
 }

@@ -291,8 +291,8 @@ static stilb_result replay_order_passes(stilb_render *render, const stilb_render
 	while (result == STILB_OK && (pass = replay_next_pass(passes, count, pass))) {
 		uint32_t index = (uint32_t)(pass - passes);
 		result = render_order(render, pass, &render->passes[index]);
-		if (result == STILB_OK && pass->kind == STILB_RENDER_PASS_SCENE && !render_view_is_depth(&views[pass->view]))
-			result = render_blend_order(render, &views[pass->view], &render->passes[index]);
+		if (result == STILB_OK && pass->kind == STILB_RENDER_PASS_SCENE)
+			result = render_maps_order(render, &views[pass->view], pass->sort, &render->passes[index]);
 		if (result == STILB_OK)
 			render->replayed[render->replayed_count++] = index;
 	}

@@ -328,8 +328,17 @@ stilb_result render_programs_maps(render_device *device, render_formula_programs
 /* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
+/* The kinds of maps that materials have. */
+#define RENDER_KNOWN_MAPS 64u
+typedef struct render_known_maps {
+	uint32_t bits[RENDER_KNOWN_MAPS]; /* [count] each once */
+	uint32_t count;
+	bool extras; /* some meshes have some */
+} render_known_maps;
+
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */
-stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits);
+stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                   const render_known_maps *maps);
 
 /* ---- render_frame.c: the plan ------------------------------------------------------------------------------------ */
 

@@ -223,20 +223,9 @@ static uint64_t list_depth_state(uint64_t state)
 /* What the program of a draw with maps is compiled for. */
 static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
-	uint32_t bits = maker->device->maps[render_state_maps(state)].bits;
-	if (state & RENDER_STATE_EXTRAS)
-		bits |= RENDER_MAPS_EXTRAS;
-	else
-		bits &= ~(RENDER_MAPS_TWO | 1u << STILB_SCENE_MAP_NORMAL); /* there are no tangents */
-	if (!(maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES))
-		bits &= ~RENDER_MAPS_ONE_SIDED; /* everything is */
-	if (!maker->depth)
-		return bits;
-	/* What blends has no depth. */
-	uint32_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
-	if (bits & RENDER_MAPS_MASK)
-		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | 1u << STILB_SCENE_MAP_COLOR;
-	return bits & kept;
+	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
+	return render_maps_program_bits(maker->device->maps[render_state_maps(state)].bits, state & RENDER_STATE_EXTRAS,
+	                                sides, maker->depth);
 }
 
 /* Fills in what a run binds. *drawn: false if it is not drawn. */

@@ -296,7 +296,26 @@ stilb_result render_programs_maps(render_device *device, render_formula_programs
 	                          : result;
 }
 
-stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits)
+/* Makes the programs of one kind of maps, which must not be left out. */
+static stilb_result prepare_maps(render_device *device, render_formula_programs *choice, uint32_t kinds, uint32_t bits)
+{
+	bool two = device->materials == STILB_RENDER_MATERIALS_PIPELINE && !render_formulas_are_depth(choice);
+	render_drawn first = two                                                ? RENDER_DRAWN_EVEN
+	                     : render_formulas_are_depth(choice)                ? RENDER_DRAWN_ALL
+	                     : device->materials == STILB_RENDER_MATERIALS_BIND ? RENDER_DRAWN_BOUND
+	                                                                        : RENDER_DRAWN_ALL;
+	stilb_result result = STILB_OK;
+	for (uint32_t kind = 0; kind < RENDER_PROGRAM_KINDS && result == STILB_OK; kind++)
+		for (uint32_t half = 0; kinds >> kind & 1u && half <= two && result == STILB_OK; half++) {
+			stilb_gpu_program program;
+			uint32_t key = render_maps_key(bits, kind, (render_drawn)(first + half));
+			result = render_programs_maps(device, choice, key, &program);
+		}
+	return result;
+}
+
+stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
+                                   const render_known_maps *maps)
 {
 	render_formula_programs *choice;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
@@ -306,6 +325,11 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
 	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
 	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
+	for (uint32_t m = 0; m < maps->count && result == STILB_OK; m++) {
+		uint32_t bits = render_maps_program_bits(maps->bits[m], maps->extras, view->both_sides, depth);
+		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
+			result = prepare_maps(device, choice, kinds, bits);
+	}
 	if (result != STILB_OK || depth)
 		return result;
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)

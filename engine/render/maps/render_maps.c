@@ -74,6 +74,22 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 	return maps;
 }
 
+uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool depth)
+{
+	if (extras)
+		bits |= RENDER_MAPS_EXTRAS;
+	else
+		bits &= ~(RENDER_MAPS_TWO | 1u << STILB_SCENE_MAP_NORMAL); /* there are no tangents */
+	if (!sides)
+		bits &= ~RENDER_MAPS_ONE_SIDED; /* everything is */
+	if (!depth)
+		return bits;
+	uint32_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
+	if (bits & RENDER_MAPS_MASK)
+		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | 1u << STILB_SCENE_MAP_COLOR;
+	return bits & kept;
+}
+
 uint64_t render_maps_hash(const render_maps *maps)
 {
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &maps->record, sizeof maps->record);

@@ -65,6 +65,11 @@ typedef struct render_maps {
 /* Without textures. channels: of the texture of normals. [any-thread] */
 render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels);
 
+/* What the program of a draw is compiled for: its maps' bits; whether its vertices have extras; whether triangles are
+ * seen from both sides; whether depth alone is drawn, where RENDER_MAPS_BLEND stands for a draw that is left out, and 0
+ * for one that needs nothing of its maps. [any-thread] */
+uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool depth);
+
 /* What the stream hash has of them. [any-thread] */
 uint64_t render_maps_hash(const render_maps *maps);
 

@@ -122,7 +122,7 @@ void *render_mips_make(const stilb_image *image, size_t *bytes)
 		*bytes += texel * (image->width >> m ? image->width >> m : 1) * (image->height >> m ? image->height >> m : 1);
 	if (*bytes == 0)
 		return NULL;
-	uint8_t *mips = malloc(*bytes), *out = mips;
+	uint8_t *mips = stilb_memory_alloc(*bytes, 1), *out = mips;
 	float *rows = stilb_memory_alloc((size_t)image->width * 8, sizeof *rows);
 	mips_codes codes;
 	mips_codes_make(image->format, &codes);

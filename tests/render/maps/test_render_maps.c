@@ -418,6 +418,10 @@ static void tangents_turn_with_the_mesh(void **state)
 	want = lambert((dvec){-x, z, -y}); /* the normal is (x, -z, y), and the side that is seen the other one */
 	assert_shows(&s, want, want, want, HALF);
 
+	show_tilted(&s, &map, 1.0f, stilb_mat4_scale_translate(3.0f, 0.0f, 0.0f, 0.0f)); /* normals scale by 9 */
+	want = lambert((dvec){x, z, -y});
+	assert_shows(&s, want, want, want, HALF);
+
 	stilb_mat4 flat = stilb_mat4_identity(); /* seen from above nothing changes, but along y */
 	flat.m[5] = 4.0f;
 	show_tilted(&s, &map, 1.0f, flat);

@@ -231,12 +231,134 @@ static void nothing_for_scenes_without(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* What frames need is compiled before them. */
+static void programs_are_made_before(void **state)
+{
+	(void)state;
+	for (int depth = 0; depth < 2; depth++) {
+		stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+		stilb_render_target target = {
+			.name = "shadow", .kind = STILB_RENDER_TARGET_DEPTH, .width = 8, .height = 8, .output = true};
+		s.view.target = depth ? &target : NULL;
+		square q;
+		square_make(&q, 1.0f);
+		stilb_scene_surface surface = surface_matt();
+		surface.alpha = STILB_SCENE_MASK;
+		stage_show_square(&s, &q, &surface, NULL, 0);
+		assert_int_equal(stilb_render_prepare_view(s.render, &s.view), STILB_OK);
+		const render_programs *programs = &s.render->device->programs;
+		assert_int_equal(programs->choice_count, 1);
+		assert_int_equal(programs->choices[0]->map_count, 1);
+		stage_frame(&s);
+		assert_int_equal(programs->choice_count, 1);
+		assert_int_equal(programs->choices[0]->map_count, 1);
+		stage_close(&s);
+	}
+}
+
+/* ---- no memory --------------------------------------------------------------------------------------------------- */
+
+static int64_t allocations_left = INT64_MAX;
+
+void *__real_stilb_memory_alloc(size_t count, size_t size);
+void *__wrap_stilb_memory_alloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+
+void *__wrap_stilb_memory_alloc(size_t count, size_t size)
+{
+	return --allocations_left == 0 ? NULL : __real_stilb_memory_alloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	return --allocations_left == 0 ? NULL : __real_realloc(memory, size);
+}
+
+static void assert_memory_or_ok(stilb_result result)
+{
+	assert_true(result == STILB_OK || (result == STILB_ERROR_MEMORY && allocations_left <= 0));
+}
+
+static stilb_result record_and_replay(stage *s)
+{
+	stilb_render_pass pass = {.name = "main"};
+	uint32_t ids[1] = {0};
+	stilb_result result = stilb_render_frame_begin(s->render);
+	if (result == STILB_OK)
+		result = stilb_render_record(s->render, 0, s->scene, ids, 1, s->pool, 0);
+	return result == STILB_OK ? stilb_render_replay(s->render, &pass, 1, &s->view, 1, s->pool, 0) : result;
+}
+
+static void frames_pass(stage *s)
+{
+	for (int f = 0; f < 4; f++)
+		assert_int_equal(stilb_render_frame_begin(s->render), STILB_OK);
+}
+
+/* A scene is set, changed and drawn while allocation `number` fails; what failed succeeds when it is done again. False:
+ * there were fewer. */
+static bool a_life_without_memory(int64_t number, uint64_t *hash)
+{
+	static const uint8_t codes[4] = {1, 2, 3, 4};
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_even(3, codes, STILB_IMAGE_U8_SRGB);
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_surface surface = surface_matt();
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = 1;
+	surface.alpha = STILB_SCENE_BLEND;
+	stage_show_square(&s, &q, &surface, &image, 1);
+	assert_int_equal(stilb_render_set_scene(s.render, NULL), STILB_OK);
+	frames_pass(&s);
+	surface.color[1] = 0.5f;
+	assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	allocations_left = number;
+	stilb_result result = stilb_render_set_scene(s.render, s.scene);
+	assert_memory_or_ok(result);
+	if (result != STILB_OK)
+		assert_int_equal(stilb_render_set_scene(s.render, s.scene), STILB_OK);
+	result = stilb_render_update_scene(s.render, s.scene, &changes);
+	assert_memory_or_ok(result);
+	if (result != STILB_OK)
+		assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	result = record_and_replay(&s);
+	assert_memory_or_ok(result);
+	bool failed = allocations_left <= 0;
+	allocations_left = INT64_MAX;
+	assert_int_equal(record_and_replay(&s), STILB_OK);
+	assert_true(*hash == 0 || stilb_render_stream_hash(s.render) == *hash);
+	*hash = stilb_render_stream_hash(s.render);
+	assert_int_equal(stilb_render_set_scene(s.render, NULL), STILB_OK);
+	frames_pass(&s);
+	assert_int_equal(s.render->resources.live, 0);
+	stilb_image_finish(&image);
+	stage_close(&s);
+	return failed;
+}
+
+static void every_allocation_fails_once(void **state)
+{
+	(void)state;
+	int64_t number = 1;
+	uint64_t hash = 0;
+	while (a_life_without_memory(number, &hash))
+		number++;
+	assert_true(number > 20);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		test_one_thread(mips_are_means),           test_one_thread(extras_are_packed),
-		cmocka_unit_test(surfaces_become_records), cmocka_unit_test(the_hash_covers_surfaces),
-		cmocka_unit_test(nothing_is_left_behind),  cmocka_unit_test(nothing_for_scenes_without),
+		test_one_thread(mips_are_means),
+		test_one_thread(extras_are_packed),
+		cmocka_unit_test(surfaces_become_records),
+		cmocka_unit_test(the_hash_covers_surfaces),
+		cmocka_unit_test(nothing_is_left_behind),
+		cmocka_unit_test(nothing_for_scenes_without),
+		cmocka_unit_test(programs_are_made_before),
+		test_one_thread(every_allocation_fails_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

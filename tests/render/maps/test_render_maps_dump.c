@@ -270,6 +270,54 @@ static void levels_are_the_same_everywhere(void **state)
 	}
 }
 
+/* Vertices that lie in pairs, because their mesh may morph, have the same extras. */
+static void pairs_have_their_extras(void **state)
+{
+	(void)state;
+	stilb_image pictures[2] = {{0}};
+	for (int morph = 0; morph < 2 && !null_device; morph++) {
+		stage s = stage_open((stilb_render_desc){.width = 64, .morph = morph}, 0);
+		show_cells(&s);
+		pictures[morph] = stage_picture(&s);
+		stage_close(&s);
+	}
+	if (!null_device)
+		assert_memory_equal(pictures[0].pixels, pictures[1].pixels, stilb_image_size(&pictures[0]));
+	stilb_image_finish(&pictures[0]);
+	stilb_image_finish(&pictures[1]);
+}
+
+/* Draws of a material come together: each set is bound once, but for those that blend. A sorted pass stays as it is. */
+static void draws_of_a_material_come_together(void **state)
+{
+	(void)state;
+	for (int sort = 0; sort < 2; sort++) {
+		stage s = dump_stage(0);
+		s.sort = sort;
+		show_cells(&s);
+		stage_frame(&s);
+		const render_pass_lists *lists = &s.render->passes[0];
+		uint32_t runs[8] = {0}, most = 0, plain = 0;
+		uint64_t last = 0, draws = 0;
+		for (uint32_t r = 0; r < lists->run_count; r++) {
+			uint64_t of_maps = lists->runs[r].state & RENDER_STATE_MAPS;
+			uint32_t maps = of_maps ? render_state_maps(lists->runs[r].state) : 7;
+			bool blends = of_maps && s.render->resources.maps[maps].bits & RENDER_MAPS_BLEND;
+			draws += lists->runs[r].count;
+			plain += !of_maps && last; /* behind some with maps */
+			runs[maps] += !blends && (r == 0 || !of_maps ||
+			                          (lists->runs[r - 1].state & RENDER_INDEX_MASK) !=
+			                              (lists->runs[r].state & RENDER_INDEX_MASK));
+			last = of_maps;
+		}
+		for (int m = 0; m < 7; m++)
+			most = runs[m] > most ? runs[m] : most;
+		assert_int_equal(draws, 2 * CELLS * CELLS);
+		assert_true(sort ? most > 3 && plain > 0 : most == 1 && plain == 0);
+		stage_close(&s);
+	}
+}
+
 static void sign(uint8_t *bytes, size_t size)
 {
 	uint64_t checksum = stilb_hash_fnv1a64(STILB_FNV1A64_START, bytes, size - sizeof checksum);
@@ -378,10 +426,9 @@ int main(int argc, char **argv)
 	if (!null_device && reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_dump_is_the_frame),
-		cmocka_unit_test(levels_are_the_same_everywhere),
-		cmocka_unit_test(damaged_ones_are_refused),
-		test_one_thread(changed_ones_are_refused_or_play),
+		cmocka_unit_test(a_dump_is_the_frame),      cmocka_unit_test(levels_are_the_same_everywhere),
+		cmocka_unit_test(pairs_have_their_extras),  cmocka_unit_test(draws_of_a_material_come_together),
+		cmocka_unit_test(damaged_ones_are_refused), test_one_thread(changed_ones_are_refused_or_play),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
