@@ -211,7 +211,7 @@ static void *table_reserve(size_t size)
 #define TABLE_MESHES (STILB_RENDER_MAX_MESHES * sizeof(render_mesh_slot))
 #define TABLE_LEVELS (STILB_RENDER_MAX_MESHES * sizeof(render_levels *))
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
-#define TABLE_CENTERS (STILB_RENDER_MAX_MESHES * 3 * sizeof(float))
+#define TABLE_CENTERS (STILB_RENDER_MAX_MESHES * sizeof(float[3]))
 #define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 

@@ -58,9 +58,12 @@ stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene)
 /* Textures that the surface names get mips when they are next made. */
 static void shown_mark_textures(render_scene *tables, const stilb_scene_surface *surface)
 {
-	for (uint32_t i = 0; i < RENDER_MAPS; i++)
-		if (surface->maps[i].texture)
-			tables->textures[surface->maps[i].texture - 1].mapped = true;
+	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
+		uint32_t texture = surface->maps[i].texture;
+		STILB_ASSERT(texture == 0 || (tables->textures && texture <= tables->texture_count));
+		if (texture)
+			tables->textures[texture - 1].mapped = true;
+	}
 }
 
 void render_scene_mark(render_scene *tables, const stilb_scene *scene)
@@ -195,6 +198,7 @@ stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, 
 	stilb_result result = STILB_OK;
 	while (tables->impostor_count < scene->impostor_count && result == STILB_OK) {
 		uint32_t i = tables->impostor_count;
+		tables->impostors[i] = (stilb_render_impostor){0};
 		result = stilb_render_impostor_create(render, &scene->impostors[i], &tables->impostors[i]);
 		tables->impostor_count += result == STILB_OK;
 	}

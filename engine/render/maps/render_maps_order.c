@@ -68,6 +68,7 @@ static void group_place(stilb_render *render, render_pass_lists *lists, group_pl
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
 	uint32_t kept = 0;
+	STILB_ASSERT(plan->count > 0 && plan->draws && plan->runs);
 	for (uint32_t r = 0; r < lists->run_count; r++) {
 		render_run run = lists->runs[r];
 		if (!group_is(render, &run)) {
@@ -150,8 +151,8 @@ static float blend_nearness(const stilb_render *render, const stilb_render_view 
 	const float *m = view->view_projection.m, *t = row->transform;
 	const float *c = render->resources.centers[row->mesh];
 	float place[3];
-	for (int r = 0; r < 3; r++)
-		place[r] = t[4 * r] * c[0] + t[4 * r + 1] * c[1] + t[4 * r + 2] * c[2] + t[4 * r + 3];
+	for (int r = 0; r < 3; r++, t += 4)
+		place[r] = t[0] * c[0] + t[1] * c[1] + t[2] * c[2] + t[3];
 	bool parallel = m[3] == 0.0f && m[7] == 0.0f && m[11] == 0.0f;
 	int from = parallel ? 2 : 3;
 	float value = m[from] * place[0] + m[4 + from] * place[1] + m[8 + from] * place[2] + m[12 + from];

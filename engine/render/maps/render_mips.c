@@ -66,15 +66,15 @@ static uint8_t *mips_write(const mips_codes *codes, const float *light, size_t c
 	switch (codes->format) {
 	case STILB_IMAGE_U8_SRGB:
 		for (size_t i = 0; i < count; i++)
-			out[i] = i % 4 < 3 ? mips_srgb(codes, light[i]) : (uint8_t)(light[i] * 255.0f + 0.5f);
+			out[i] = i % 4 < 3 ? mips_srgb(codes, light[i]) : (uint8_t)lrintf(light[i] * 255.0f);
 		return out + count;
 	case STILB_IMAGE_U8_LINEAR:
 		for (size_t i = 0; i < count; i++)
-			out[i] = (uint8_t)(light[i] * 255.0f + 0.5f);
+			out[i] = (uint8_t)lrintf(light[i] * 255.0f);
 		return out + count;
 	case STILB_IMAGE_U16_LINEAR:
 		for (size_t i = 0; i < count; i++)
-			words[i] = (uint16_t)(light[i] * 65535.0f + 0.5f);
+			words[i] = (uint16_t)lrintf(light[i] * 65535.0f);
 		return out + count * sizeof *words;
 	case STILB_IMAGE_F16_LINEAR:
 		for (size_t i = 0; i < count; i++)
