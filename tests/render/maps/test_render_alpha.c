@@ -207,8 +207,58 @@ static void order_follows_the_view(void **state)
 	stage_close(&s);
 }
 
-/* What blends does not hide what blends behind it: no depth is written. And it is lit: the sky's half light is there by
- * alpha. */
+/* What is equally far follows the ids of materials, whatever the order of models. */
+static void ids_break_ties(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	s.view.backdrop.kind = STILB_SCENE_BACKDROP_COLOR;
+	for (uint32_t swapped = 0; swapped < 2; swapped++) {
+		stilb_scene_build *build = stilb_scene_build_begin();
+		square q;
+		square_make(&q, 1.0f);
+		uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh), materials[2];
+		for (int l = 0; l < 2; l++) {
+			stilb_scene_surface surface = surface_unlit();
+			surface.color[l] = 0.0f;
+			surface.color[3] = 0.5f;
+			surface.alpha = STILB_SCENE_BLEND;
+			materials[l] = stage_material(build, &surface);
+		}
+		for (uint32_t l = 0; l < 2; l++)
+			stage_model(build, mesh, materials[l ^ swapped], stilb_mat4_identity());
+		stage_show(&s, build);
+		assert_shows(&s, 0.5, 0.25, 0.75, HALF);
+	}
+	stage_close(&s);
+}
+
+/* Of two squares that go through one another the nearer middle comes last, in all pixels: neither writes depth. */
+static void what_blends_hides_nothing(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	s.view.backdrop.kind = STILB_SCENE_BACKDROP_COLOR;
+	stilb_scene_build *build = stilb_scene_build_begin();
+	square q;
+	square_make(&q, 1.0f);
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh);
+	stilb_mat4 places[2] = {stilb_mat4_scale_translate(1.5f, 0.0f, 0.1f, 0.0f),
+	                        stilb_mat4_scale_translate(1.5f, 0.0f, 0.2f, 0.0f)};
+	places[1].m[1] = 0.5f; /* y rises with x: at the left it is below the other one */
+	for (int l = 1; l >= 0; l--) {
+		stilb_scene_surface surface = surface_unlit();
+		surface.color[l] = 0.0f;
+		surface.color[3] = 0.5f;
+		surface.alpha = STILB_SCENE_BLEND;
+		stage_model(build, mesh, stage_material(build, &surface), places[l]);
+	}
+	stage_show(&s, build);
+	assert_shows(&s, 0.5, 0.25, 0.75, HALF);
+	stage_close(&s);
+}
+
+/* What blends is lit: the sky's light is there by alpha. */
 static void what_blends_is_lit(void **state)
 {
 	(void)state;
@@ -236,6 +286,8 @@ int main(void)
 		cmocka_unit_test(masks_with_samples),
 		cmocka_unit_test(layers_lie_over_one_another),
 		cmocka_unit_test(order_follows_the_view),
+		cmocka_unit_test(ids_break_ties),
+		cmocka_unit_test(what_blends_hides_nothing),
 		cmocka_unit_test(what_blends_is_lit),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -213,6 +213,16 @@ static void nothing_is_left_behind(void **state)
 		extras = turn ? extras : resources->heaps[RENDER_HEAP_EXTRAS].size;
 	}
 	assert_int_equal(extras, 4);
+	stilb_scene_material plain = s.scene->materials[0]; /* which loses its surface */
+	plain.surface = 0;
+	assert_int_equal(stilb_scene_set_material(s.scene, 0, &plain), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	for (int f = 0; f < 4; f++)
+		stage_frame(&s);
+	assert_int_equal(s.render->resources.live, live - 1);
+	for (uint32_t i = 0; i < s.render->resources.indices[RENDER_RESOURCE_MAPS].next_unused; i++)
+		assert_int_equal(s.render->device->maps[i].set.id, 0);
 	stilb_image_finish(&image);
 	stage_close(&s);
 }
