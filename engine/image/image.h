@@ -173,8 +173,8 @@ bool stilb_image_path_is_light(const char *path);
  * STILB_ERROR_MEMORY. */
 stilb_result stilb_image_save(const stilb_image *image, const char *path);
 
-/* As stilb_image_save, with texts in the file's header: iTXt chunks of .png, attributes of .exr, variables of .hdr,
- * where a line's end becomes a space. Names have 1..79 characters of ASCII, no '=', no spaces at their ends.
+/* As stilb_image_save, with texts in the file's header: tEXt or iTXt chunks of .png, attributes of .exr, variables of
+ * .hdr, where a line's end becomes a space. Names have 1..79 characters of ASCII, no '=', no spaces at their ends.
  * [any-thread] */
 stilb_result stilb_image_save_with(const stilb_image *image, const char *path, const stilb_image_attribute *attributes,
                                    uint32_t attribute_count);

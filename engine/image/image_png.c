@@ -48,7 +48,7 @@ static void png_put_text(png_structp png, png_infop info, const char *name, cons
 {
 	bool ascii = true;
 	for (const char *c = text; *c; c++)
-		ascii = ascii && *c > 0;
+		ascii = ascii && (unsigned char)*c < 0x80;
 	/* libpng takes what it only reads without const */
 	png_text entry = {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
 	                  .key = (char *)name,

@@ -52,7 +52,7 @@ typedef struct stilb_scene_vertex_extra {
 	 * there is none. */
 	float tangent[4];
 	float uv[2];    /* the second one */
-	float color[4]; /* linear; multiplies the color and alpha of surfaces. 1, 1, 1, 1: it has none */
+	float color[4]; /* linear, 0..65504; multiplies the color and alpha of surfaces. 1, 1, 1, 1: it has none */
 } stilb_scene_vertex_extra;
 
 #define STILB_SCENE_MAX_LEVELS 32

@@ -10,10 +10,11 @@
 	X("specular textures", "no", "no")                                                                                 \
 	X("normal texture, tangents of the file or MikkTSpace", "yes", "yes")                                              \
 	X("occlusion texture", "of even light", "no: rays find what occludes")                                             \
-	X("emission: factor, strength, texture", "seen, lights nothing", "lights, where it glows")                         \
+	X("emission: factor, strength, texture", "from the front; lights nothing",                                         \
+	  "from the front; lights, where it glows")                                                                        \
 	X("alpha: mask with cutoff", "yes", "yes")                                                                         \
 	X("alpha: blend", "sorted by model", "by chance, a sample at a time")                                              \
-	X("one-sided and double-sided", "yes", "yes; shadows by both sides")                                               \
+	X("one-sided, of materials with a texture, alpha or vertex colours", "yes", "yes")                                 \
 	X("unlit", "yes", "yes")                                                                                           \
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \

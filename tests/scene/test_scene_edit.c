@@ -635,6 +635,12 @@ static void surfaces_are_edited(void **state)
 	surface = stilb_scene_surface_make();
 	assert_int_equal(stilb_scene_add_surface(scene, &surface, &again), STILB_OK);
 	assert_int_equal(again, id);
+	for (int i = 0; i < 20; i++) { /* the scene's own: its array moves meanwhile */
+		assert_int_equal(stilb_scene_add_surface(scene, &scene->surfaces[0], &again), STILB_OK);
+		assert_int_equal(stilb_scene_add_material(scene, &scene->materials[0], &again), STILB_OK);
+		assert_int_equal(stilb_scene_add_texture(scene, &scene->textures[0], &again), STILB_OK);
+		assert_int_equal(stilb_scene_add_mesh(scene, &scene->meshes[0], &again), STILB_OK);
+	}
 	stilb_scene_destroy(scene);
 }
 

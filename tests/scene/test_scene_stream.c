@@ -122,6 +122,48 @@ static void a_scene_comes_back_the_same(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* What announces more than an import may be is refused before there is memory for it; bools become 0 or 1, and what is
+ * no tangent or no material is refused. */
+static void what_is_announced_is_not_believed(void **state)
+{
+	(void)state;
+	stilb_scene *scene = make(), *back;
+	size_t size;
+	scene->surfaces[0].unlit = true;
+	unsigned char *bytes = bytes_of(scene, &size);
+	uint32_t counts[8];
+	memcpy(counts, bytes, sizeof counts);
+	assert_int_equal(counts[4], 1);
+	counts[4] = 4000000; /* surfaces: 2.5 GB */
+	FILE *file = tmpfile();
+	assert_int_equal(pwrite(fileno(file), counts, sizeof counts, 0), sizeof counts);
+	scene_stream stream = {.file = fileno(file), .deadline_ns = UINT64_MAX, .limit = 1u << 24};
+	assert_int_equal(scene_stream_read(&stream, NULL, 0, &back), STILB_ERROR_FILE);
+	assert_true(stream.too_much && !stream.ended);
+	fclose(file);
+	/* The byte of the surface's bool. */
+	unsigned char *surface = memmem(bytes, size, scene->surfaces, sizeof *scene->surfaces);
+	assert_non_null(surface);
+	surface[offsetof(stilb_scene_surface, unlit)] = 0xff;
+	surface[offsetof(stilb_scene_surface, maps) + offsetof(stilb_scene_map, nearest)] = 0x7f;
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_OK);
+	assert_true(back->surfaces[0].unlit == 1 && back->surfaces[0].maps[0].nearest == 1);
+	stilb_scene_destroy(back);
+	free(bytes);
+	scene->meshes[0].extras[0].tangent[0] = 0.5f;
+	bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "tangents or colours"));
+	free(bytes);
+	scene->meshes[0].extras[0].tangent[0] = 0.0f;
+	scene->materials[0].surface = 1; /* and a texture */
+	bytes = bytes_of(scene, &size);
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "materials"));
+	free(bytes);
+	stilb_scene_destroy(scene);
+}
+
 static void assert_usable(const stilb_scene *scene)
 {
 	for (uint32_t p = 0; p < scene->part_count; p++)
@@ -635,6 +677,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_scene_comes_back_the_same),
+		cmocka_unit_test(what_is_announced_is_not_believed),
 		cmocka_unit_test(damaged_streams_give_no_damaged_scene),
 		cmocka_unit_test(nothing_points_past_the_end),
 		cmocka_unit_test(what_moves_comes_back_the_same),

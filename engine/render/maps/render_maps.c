@@ -110,7 +110,7 @@ void render_extras_pack(const stilb_scene_vertex_extra *extras, size_t count, re
 		                                            : 1.0f,
 		                      .uv = {extras->uv[0], extras->uv[1]}};
 		for (int c = 0; c < 4; c++)
-			out->color[c] = stilb_image_half_from_float(extras->color[c]);
+			out->color[c] = stilb_image_half_from_float(fminf(extras->color[c], 65504.0f));
 	}
 }
 

@@ -7,7 +7,8 @@
  * Owner.     Each material owns its maps; they come, change and go with it.
  * Extras.    Tangents, second uv and colours of vertices lie in a heap of their own, in the order of the vertices. A
  *            table by mesh says where a mesh's begin. Meshes without extras have nothing there.
- * Left out.  Clear coat, specular weight and tint as maps, sheen, anisotropy and transmission: rays alone show them.
+ * Left out.  Clear coat, sheen, anisotropy and transmission, as in rays; and the maps of specular weight and tint,
+ *            which rays read.
  */
 #ifndef RENDER_MAPS_H
 #define RENDER_MAPS_H

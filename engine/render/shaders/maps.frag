@@ -26,8 +26,10 @@ layout(constant_id = 8) const uint samples = 4u; // of a pixel
 // record's factor, which has derivatives.
 int covered_samples(float raw, float factor, float cutoff)
 {
-	float width = max(fwidth(raw) * factor, 1e-5);
-	float share = clamp((raw * factor - cutoff) / width + 0.5, 0.0, 1.0);
+	float width = fwidth(raw) * factor;
+	float share = raw * factor >= cutoff ? 1.0 : 0.0; // of even alpha
+	if (width > 1e-5)
+		share = clamp((raw * factor - cutoff) / width + 0.5, 0.0, 1.0);
 	int count = int(share * float(samples) + 0.5);
 	return count == 0 ? 0 : count == 1 ? 1 : count == 2 ? 9 : count == 3 ? 11 : 15;
 }
@@ -47,7 +49,7 @@ Texels texels_here()
 {
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection = texture(reflection_map, together ? first_place : reflection_place);
+		texels.reflection = clamp(texture(reflection_map, together ? first_place : reflection_place), 0.0, 1.0);
 	if (map_normal) {
 		vec4 texel = texture(normal_map, together ? first_place : normal_place);
 		texels.normal = texel.xyz;
@@ -113,6 +115,7 @@ void main()
 #endif
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normal_here(record, texels.normal, flat_normal, to_camera);
+	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
 	vec3 radiance = base_color.xyz;
 	if (!unlit) {
 		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection);

@@ -111,15 +111,17 @@ static stilb_result check_levels(const stilb_scene_mesh *mesh, uint32_t id)
 	return mesh->morph ? check_morph(mesh, id) : STILB_OK;
 }
 
+#define SCENE_BRIGHTEST_COLOR 65504.0f /* the largest half: devices have colours of vertices as such */
+
 static bool extra_is_good(const stilb_scene_vertex_extra *extra)
 {
 	const float *t = extra->tangent;
 	bool none = t[0] == 0.0f && t[1] == 0.0f && t[2] == 0.0f && t[3] == 0.0f;
 	return (none || (scene_is_unit(t) && fabsf(t[3]) == 1.0f)) && scene_is_within(extra->uv, 2, -FLT_MAX, FLT_MAX) &&
-	       scene_is_within(extra->color, 4, 0.0f, FLT_MAX);
+	       scene_is_within(extra->color, 4, 0.0f, SCENE_BRIGHTEST_COLOR);
 }
 
-static stilb_result check_extras(const stilb_scene_mesh *mesh, uint32_t id)
+stilb_result scene_check_extras(const stilb_scene_mesh *mesh, uint32_t id)
 {
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		if (!extra_is_good(&mesh->extras[v]))
@@ -141,7 +143,7 @@ stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id)
 			                  mesh->indices[i], mesh->vertex_count);
 	stilb_result result = scene_check_vertices(mesh->vertices, 0, mesh->vertex_count, id);
 	if (result == STILB_OK && mesh->extras)
-		result = check_extras(mesh, id);
+		result = scene_check_extras(mesh, id);
 	if (result == STILB_OK)
 		result = check_levels(mesh, id);
 	return result == STILB_OK ? scene_check_clusters(mesh, id) : result;

@@ -27,6 +27,8 @@ stilb_result scene_check_pose(const stilb_scene_pose *pose, uint32_t id);
 
 /* Vertices `first` .. first + count - 1 of mesh `id`. */
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);
+/* The extras of mesh `id`, which has some. */
+stilb_result scene_check_extras(const stilb_scene_mesh *mesh, uint32_t id);
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);
 /* Its clusters, if it has some. */
 stilb_result scene_check_clusters(const stilb_scene_mesh *mesh, uint32_t id);

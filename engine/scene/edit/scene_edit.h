@@ -5,10 +5,11 @@
  *
  * Ids.         stay what they are until the thing is removed; the id may then be given to a new one. Models and
  *              resources of a scene that was opened or built can be edited like those that were added here. A mesh or
- *              material is removed after the models that name it, a texture after the materials.
+ *              material is removed after the models that name it, a surface after the materials, a texture after
+ *              both.
  * Arrays.      A model that is hidden or removed has a NaN as the radius of its bounds, so that no view sees it; the
- *              parts of a removed model name STILB_SCENE_NONE. A removed mesh, material or texture is all zeros. The
- *              arrays may move: no pointer into them outlives an edit.
+ *              parts of a removed model name STILB_SCENE_NONE. A removed mesh, material, surface or texture is all
+ *              zeros. The arrays may move: no pointer into them outlives an edit.
  * Bounds       follow the edits: those of a model that was added or moved enclose the spheres around its meshes.
  * Mistakes.    STILB_ERROR_ARGUMENT with a line that names what is wrong, or STILB_ERROR_MEMORY: then the scene is as
  *              it was.

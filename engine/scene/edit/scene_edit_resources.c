@@ -109,14 +109,14 @@ static void edit_mesh_stale(stilb_scene_edits *edits, uint32_t id)
 stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *mesh, uint32_t *id)
 {
 	STILB_ASSERT(mesh && id);
-	stilb_scene_mesh copy;
+	stilb_scene_mesh copy, own = *mesh; /* it may be one of the scene's, whose array moves */
 	stilb_result result = scene_edit_begin(scene);
 	if (result == STILB_OK)
-		result = scene_check_mesh(mesh, edit_next(&scene->edits->meshes, scene->mesh_count));
+		result = scene_check_mesh(&own, edit_next(&scene->edits->meshes, scene->mesh_count));
 	if (result == STILB_OK)
 		result = edit_reserve_mesh(scene);
 	if (result == STILB_OK)
-		result = scene_copy_mesh(mesh, &copy);
+		result = scene_copy_mesh(&own, &copy);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->meshes, &scene->mesh_count);
@@ -257,17 +257,18 @@ static void edit_material_put(stilb_scene *scene, uint32_t id, stilb_scene_mater
 stilb_result stilb_scene_add_material(stilb_scene *scene, const stilb_scene_material *material, uint32_t *id)
 {
 	STILB_ASSERT(material && id);
+	stilb_scene_material own = *material; /* it may be one of the scene's, whose array moves */
 	stilb_result result = scene_edit_begin(scene);
 	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->materials, sizeof *scene->materials, 0}};
 	if (result == STILB_OK)
-		result = edit_material_check(scene, material, edit_next(&scene->edits->materials, scene->material_count));
+		result = edit_material_check(scene, &own, edit_next(&scene->edits->materials, scene->material_count));
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->materials, arrays, 1, scene->material_count);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->materials, &scene->material_count);
-	edit_material_put(scene, *id, *material); /* a free material is all zeros, and names no texture */
+	edit_material_put(scene, *id, own); /* a free material is all zeros, and names no texture */
 	return STILB_OK;
 }
 
@@ -329,17 +330,18 @@ static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_
 stilb_result stilb_scene_add_surface(stilb_scene *scene, const stilb_scene_surface *surface, uint32_t *id)
 {
 	STILB_ASSERT(surface && id);
+	stilb_scene_surface own = *surface; /* it may be one of the scene's, whose array moves */
 	stilb_result result = scene_edit_begin(scene);
 	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->surfaces, sizeof *scene->surfaces, 0}};
 	if (result == STILB_OK)
-		result = edit_surface_check(scene, surface, edit_next(&scene->edits->surfaces, scene->surface_count));
+		result = edit_surface_check(scene, &own, edit_next(&scene->edits->surfaces, scene->surface_count));
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->surfaces, arrays, 1, scene->surface_count);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->surfaces, &scene->surface_count);
-	edit_surface_put(scene, *id, surface);
+	edit_surface_put(scene, *id, &own);
 	return STILB_OK;
 }
 
@@ -405,16 +407,16 @@ stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light 
 stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *image, uint32_t *id)
 {
 	STILB_ASSERT(image && id);
-	stilb_image copy;
+	stilb_image copy, own = *image; /* it may be one of the scene's, whose array moves */
 	stilb_result result = scene_edit_begin(scene);
 	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->textures, sizeof *scene->textures, 0}};
 	if (result == STILB_OK)
-		result = scene_check_texture(image, edit_next(&scene->edits->textures, scene->texture_count));
+		result = scene_check_texture(&own, edit_next(&scene->edits->textures, scene->texture_count));
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->textures, arrays, 1, scene->texture_count);
 	if (result == STILB_OK)
-		result = scene_copy_image(image, &copy);
+		result = scene_copy_image(&own, &copy);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);

@@ -1,5 +1,6 @@
 #include "scene/open/scene_stream.h"
 
+#include "scene/edit/scene_check.h"
 #include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
 #include "scene/scene_internal.h"
@@ -193,6 +194,10 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 	if (sizes[1] % 3 != 0 || (sizes[2] != 0 && sizes[2] != sizes[0]) || sizes[0] > STREAM_MAX_VERTICES ||
 	    sizes[1] > 3 * STREAM_MAX_VERTICES)
 		return scene_stream_wrong("triangles");
+	if (!scene_stream_has_room(stream, sizes[0] * (uint64_t)sizeof *mesh->vertices +
+	                                       sizes[1] * (uint64_t)sizeof *mesh->indices +
+	                                       sizes[2] * (uint64_t)sizeof *mesh->extras))
+		return scene_stream_broken(stream);
 	stilb_result result = scene_mesh_create(mesh, sizes[0], sizes[1]);
 	if (result == STILB_OK && sizes[2] > 0)
 		result = scene_mesh_add_extras(mesh);
@@ -203,6 +208,22 @@ static stilb_result stream_read_mesh(scene_stream *stream, stilb_scene_mesh *mes
 	    !scene_stream_get(stream, mesh->extras, sizes[2] * sizeof *mesh->extras))
 		return scene_stream_broken(stream);
 	return STILB_OK;
+}
+
+/* A bool whose byte is neither 0 nor 1 is undefined behaviour. */
+static void stream_settle_bool(bool *value)
+{
+	unsigned char byte;
+	memcpy(&byte, value, 1);
+	*value = byte != 0;
+}
+
+static void stream_settle_surface(stilb_scene_surface *surface)
+{
+	for (int i = 0; i < STILB_SCENE_MAPS; i++)
+		stream_settle_bool(&surface->maps[i].nearest);
+	stream_settle_bool(&surface->one_sided);
+	stream_settle_bool(&surface->unlit);
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
@@ -218,6 +239,8 @@ static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
 		return scene_stream_broken(stream);
 	for (uint32_t i = 0; i < scene->camera_count; i++)
 		scene_stream_clean_name(scene->cameras[i].name, sizeof scene->cameras[i].name);
+	for (uint32_t s = 0; s < scene->surface_count; s++)
+		stream_settle_surface(&scene->surfaces[s]);
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; result == STILB_OK && i < scene->mesh_count; i++)
 		result = stream_read_mesh(stream, &scene->meshes[i]);
@@ -241,12 +264,30 @@ static stilb_result stream_check(const stilb_scene *scene)
 		if (stilb_scene_light_mistake(&scene->lights[i]))
 			return scene_stream_wrong("lights");
 	if (!scene_is_sound(scene))
-		return scene_stream_wrong("indices");
+		return scene_stream_wrong("indices or surfaces");
+	for (uint32_t m = 0; m < scene->material_count; m++)
+		if (scene_check_material(&scene->materials[m], m) != STILB_OK ||
+		    (scene->materials[m].surface && scene->materials[m].diffuse_texture))
+			return scene_stream_wrong("materials");
+	for (uint32_t m = 0; m < scene->mesh_count; m++)
+		if (scene->meshes[m].extras && scene_check_extras(&scene->meshes[m], m) != STILB_OK)
+			return scene_stream_wrong("tangents or colours");
 	for (uint32_t i = 0; i < scene->camera_count; i++)
 		if (!stream_camera_is_usable(&scene->cameras[i].camera) ||
 		    !memchr(scene->cameras[i].name, 0, sizeof scene->cameras[i].name))
 			return scene_stream_wrong("cameras");
 	return STILB_OK;
+}
+
+/* The least that a stream with these counts has: what is allocated for them is not much more. */
+static uint64_t stream_bytes_of(const stream_counts *counts)
+{
+	return counts->models * (4ull * sizeof(float) + sizeof(uint32_t)) +
+	       counts->parts * (2ull * sizeof(uint32_t) + sizeof(stilb_mat4)) + counts->meshes * 3ull * sizeof(uint32_t) +
+	       counts->materials * (uint64_t)sizeof(stilb_scene_material) +
+	       counts->surfaces * (uint64_t)sizeof(stilb_scene_surface) +
+	       counts->lights * (uint64_t)sizeof(stilb_scene_light) +
+	       counts->cameras * (uint64_t)sizeof(stilb_scene_named_camera);
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)
@@ -258,6 +299,8 @@ static stilb_result stream_read_scene(scene_stream *stream, stilb_image *texture
 		return scene_stream_broken(stream);
 	if (!stream_counts_are_possible(&counts))
 		return stilb_fail(STILB_ERROR_FILE, "the scene has more than %u of something", STILB_SCENE_MAX_MODELS);
+	if (!scene_stream_has_room(stream, stream_bytes_of(&counts)))
+		return scene_stream_broken(stream);
 	stilb_result result = scene_create(counts.models, counts.parts, counts.meshes, counts.materials, &scene);
 	if (result == STILB_OK && counts.textures != count)
 		result = scene_stream_wrong("textures");

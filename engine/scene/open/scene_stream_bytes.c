@@ -43,13 +43,19 @@ bool scene_stream_wait(scene_stream *stream)
 	}
 }
 
-bool scene_stream_count(scene_stream *stream, uint64_t size)
+bool scene_stream_has_room(scene_stream *stream, uint64_t size)
 {
 	STILB_ASSERT(stream->limit == 0 || stream->taken <= stream->limit);
 	stream->too_much |= stream->limit > 0 && size > stream->limit - stream->taken;
-	if (!stream->too_much)
-		stream->taken += size;
 	return !stream->too_much;
+}
+
+bool scene_stream_count(scene_stream *stream, uint64_t size)
+{
+	bool room = scene_stream_has_room(stream, size);
+	if (room)
+		stream->taken += size;
+	return room;
 }
 
 bool scene_stream_get(scene_stream *stream, void *data, size_t size)

@@ -16,6 +16,10 @@ stilb_result scene_stream_wrong(const char *what);
 /* Waits until there is something to read. False: the deadline has passed, it was given up, or the descriptor is bad. */
 bool scene_stream_wait(scene_stream *stream);
 
+/* False: so many more bytes would exceed the limit. To be asked before memory for them is touched: the other side may
+ * announce what it never sends. */
+bool scene_stream_has_room(scene_stream *stream, uint64_t size);
+
 /* Counts size more bytes. False: they would exceed the limit. */
 bool scene_stream_count(scene_stream *stream, uint64_t size);
 

@@ -247,7 +247,7 @@ static stilb_scene_vertex_extra primitive_extra(const primitive_reader *reader, 
 	if (colors->components) {
 		gltf_accessor_read(colors, v, extra.color);
 		for (int i = 0; i < 4; i++)
-			extra.color[i] = importer_clamp(extra.color[i], 0.0f, 1e6f);
+			extra.color[i] = importer_clamp(extra.color[i], 0.0f, 65504.0f);
 	}
 	return extra;
 }

@@ -98,7 +98,7 @@ gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 		sets.normal = stilb_scene_surface_make().maps[STILB_SCENE_MAP_NORMAL];
 		gltf_map_read(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), &sets, &sets.normal);
 	}
-	sets.second = count > 0 && (sets.set[1] == used[0] || sets.set[1] == used[1]);
+	sets.second = count > 0 && sets.set[1] != GLTF_NONE && (sets.set[1] == used[0] || sets.set[1] == used[1]);
 	return sets;
 }
 
