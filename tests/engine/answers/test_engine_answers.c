@@ -156,7 +156,7 @@ static double variation(const stilb_image *image)
 /* One answer. Returns false if a bound is passed. */
 static bool agrees(const gltf_answer *answer)
 {
-	stilb_scene *scene;
+	stilb_scene *scene = NULL;
 	stilb_image mask = {0};
 	stilb_image_comparison apart;
 	told[0] = '\0';
