@@ -67,7 +67,7 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 
 #define RENDER_LIGHTS_END 64u       /* some have a falloff that is not physical */
 #define RENDER_LIGHTS_GLOSS 128u    /* highlights mirror sky and ground */
-#define RENDER_LIGHTS_PANORAMA 256u /* the panorama's irradiance in place of sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u /* the panorama's light in place of sky and ground */
 #define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
 #define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */

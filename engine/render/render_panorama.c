@@ -184,19 +184,31 @@ typedef struct panorama_stage {
 	double cost;
 } panorama_stage;
 
-#define STAGES 5u
+#define LIGHT_STAGES 5u
+#define STAGES (LIGHT_STAGES + PANORAMA_GLOSS_STAGES)
+
+static void stage_gloss(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)worker;
+	render_panorama_work *work = context;
+	render_panorama_gloss_run(work, work->stage - LIGHT_STAGES, begin, end);
+}
 
 static panorama_stage stage_of(const render_panorama_work *work, uint32_t stage)
 {
 	double texels = (double)work->map.width * work->map.height;
-	panorama_stage stages[STAGES] = {
+	panorama_stage stages[LIGHT_STAGES] = {
 		{stage_read, PANORAMA_DOWN, 1, texels / PANORAMA_DOWN},
 		{stage_shrink, work->height, 8, (texels + (double)work->width * work->height) / work->height},
 		{stage_lamps, 1, 1, LAMPS_COST},
 		{stage_sum, PANORAMA_DOWN, 16, SUM_COST},
 		{stage_fill, RENDER_PANORAMA_ROWS, 8, TABLE_COST},
 	};
-	return stages[stage];
+	if (stage < LIGHT_STAGES)
+		return stages[stage];
+	panorama_stage gloss = {.run = stage_gloss, .grain = 1};
+	gloss.rows = render_panorama_gloss_rows(work, stage - LIGHT_STAGES, &gloss.cost);
+	return gloss;
 }
 
 /* A stage's rows from `first` on, for the workers of a loop, which counts from 0. */
@@ -240,6 +252,7 @@ static void panorama_give_up(render_panorama *panorama)
 {
 	if (!panorama->next)
 		return;
+	render_panorama_gloss_end(panorama->next);
 	free(panorama->next->cells);
 	free(panorama->next->sums);
 	free(panorama->next);
@@ -257,28 +270,38 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 	work->height = map->height < RENDER_PANORAMA_HEIGHT ? map->height : RENDER_PANORAMA_HEIGHT;
 	work->cells = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->cells);
 	work->sums = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->sums);
-	char *bytes =
-		work->cells && work->sums ? memory.make(memory.user, RENDER_PANORAMA_BYTES(work->width, work->height)) : NULL;
-	if (!bytes) {
+	if (!out->dfg)
+		out->dfg = stilb_memory_alloc(RENDER_PANORAMA_DFG * RENDER_PANORAMA_DFG, sizeof(float[2]));
+	work->dfg = out->dfg;
+	work->dfg_made = out->dfg_made;
+	if (work->cells && work->sums && work->dfg)
+		work->light = memory.make(memory.user, RENDER_PANORAMA_BYTES(work->width, work->height));
+	if (!work->light || !render_panorama_gloss_begin(work)) {
 		panorama_give_up(out);
 		return false;
 	}
-	work->table = (render_panorama_table *)(void *)bytes;
-	work->texels = (uint16_t(*)[4])(void *)(bytes + sizeof(render_panorama_table));
+	work->texels = (uint16_t(*)[4])(void *)(work->light + 1);
 	return true;
 }
 
-static void panorama_take(render_panorama *out, render_panorama_memory memory)
+static stilb_result panorama_take(render_panorama *out, render_panorama_memory memory)
 {
-	render_panorama_work *work = out->next;
+	const render_panorama_work *work = out->next;
+	stilb_result result = memory.show(memory.user);
+	out->dfg_made = true;
+	if (result != STILB_OK) {
+		panorama_give_up(out);
+		out->key = 0;
+		return result;
+	}
 	out->key = work->key;
 	out->pixels = work->map.pixels;
 	out->width = work->width;
 	out->height = work->height;
 	out->lamp_count = work->lamp_count;
 	memcpy(out->lamps, work->lamps, sizeof out->lamps);
-	memory.show(memory.user);
 	panorama_give_up(out);
+	return STILB_OK;
 }
 
 stilb_result render_panorama_update(render_panorama *out, const stilb_image *panorama, render_panorama_memory memory,
@@ -298,7 +321,7 @@ stilb_result render_panorama_update(render_panorama *out, const stilb_image *pan
 		                  panorama->width, panorama->height);
 	}
 	if (panorama_advance(out->next, sliced ? SLICE : (double)INFINITY, pool, worker))
-		panorama_take(out, memory);
+		return panorama_take(out, memory);
 	return STILB_OK;
 }
 
@@ -324,5 +347,6 @@ bool render_panorama_shows(const render_panorama *panorama, const stilb_image *m
 void render_panorama_finish(render_panorama *panorama)
 {
 	panorama_give_up(panorama);
+	free(panorama->dfg);
 	*panorama = (render_panorama){0};
 }

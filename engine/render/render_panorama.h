@@ -14,7 +14,11 @@
  *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
- * Slices.    The work is cut into rows of five stages. It may be done at once, or a slice of some milliseconds a frame,
+ * Gloss.     A cube for highlights (numeric_prefilter.h), made of the cells: like the table it lacks the lamps, whose
+ *            highlights the surface's formula shapes, so that nothing counts twice. Its first mip has the cells'
+ *            resolution, 0.7 degrees. Beside it the table by n.v and roughness (numeric_dfg.h), which is of no panorama
+ *            and is made once.
+ * Slices.    The work is cut into rows of stages. It may be done at once, or a slice of some milliseconds a frame,
  *            while what was made before stays in use. Neither that nor the workers change a bit of the result.
  * Cost.      Of the time and the memory, and how far the light is from the exact one: docs/rendering.md.
  */
@@ -29,6 +33,10 @@
 #define RENDER_PANORAMA_ROWS 129
 #define RENDER_PANORAMA_WIDTH 2048u /* of the texels at most */
 #define RENDER_PANORAMA_HEIGHT 1024u
+#define RENDER_PANORAMA_FACE 128u /* texels of a side of the cube's first mip */
+#define RENDER_PANORAMA_MIPS 6u   /* shaders/lit.glsl has both, too */
+#define RENDER_PANORAMA_CUBE 131040u /* texels of all its mips: 6 (128^2 + 64^2 + ... + 4^2) */
+#define RENDER_PANORAMA_DFG 64u   /* texels of a side of the table of gloss */
 
 /* A distant rectangle, in the panorama's own axes: unit direction to its middle, irradiance across its beam, and from
  * its middle to those of two sides, radians (shade_distant_share). */
@@ -39,10 +47,15 @@ typedef struct render_panorama_lamp {
 /* W m^-2; the fourth is 0. */
 typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMNS][4];
 
-/* What devices read, one after the other: render_panorama_table, then texels [height][width][4], half floats of which
- * the fourth is 0. */
+/* What devices read, or are sent: this, then texels [height][width][4], half floats of which the fourth is 0. */
+typedef struct render_panorama_light {
+	render_panorama_table table;
+	uint16_t cube[RENDER_PANORAMA_CUBE][4]; /* half floats in the order of numeric_prefilter.h */
+	uint16_t dfg[RENDER_PANORAMA_DFG][RENDER_PANORAMA_DFG][2]; /* half floats */
+} render_panorama_light;
+
 #define RENDER_PANORAMA_BYTES(width, height)                                                                           \
-	(sizeof(render_panorama_table) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
+	(sizeof(render_panorama_light) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
 
 typedef struct render_panorama_work render_panorama_work; /* of one that is being made */
 
@@ -52,14 +65,17 @@ typedef struct render_panorama {
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
 	uint32_t width, height;     /* of the texels */
+	float *dfg;                 /* [DFG][DFG][2] its memory; NULL: none so far */
+	bool dfg_made;
 	render_panorama_work *next; /* NULL: none is being made */
 } render_panorama;
 
-/* Where the bytes that devices read are made. make: memory of this size for the next panorama, NULL: there is none; the
- * one before stays. show: the next panorama is complete and takes the place of the one before. */
+/* Where the bytes that devices read are made. make: memory of this size for the next panorama, aligned to 16; NULL:
+ * there is none; the one before stays. show: the next panorama is complete and takes the place of the one before; on
+ * failure, which stilb_render_replay returns, none does. */
 typedef struct render_panorama_memory {
 	void *(*make)(void *user, size_t bytes);
-	void (*show)(void *user);
+	stilb_result (*show)(void *user);
 	void *user;
 } render_panorama_memory;
 
@@ -71,7 +87,8 @@ uint64_t render_panorama_key(const stilb_image *panorama);
 
 /* Makes *out of a panorama that is good, unless it was made of the same one: all of it, or if sliced what a frame has
  * time for: call it again in the next one. It reads the panorama during calls alone, and begins anew with another one.
- * pool may be NULL, but is the same until it is made. STILB_ERROR_MEMORY: *out has key 0. [main-thread] */
+ * pool may be NULL, but is the same until it is made. STILB_ERROR_MEMORY, and what show gives: *out has key 0.
+ * [main-thread] */
 stilb_result render_panorama_update(render_panorama *out, const stilb_image *panorama, render_panorama_memory memory,
                                     bool sliced, stilb_job_pool *pool, uint32_t worker);
 

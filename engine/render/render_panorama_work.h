@@ -4,6 +4,7 @@
 #ifndef STILB_RENDER_PANORAMA_WORK_H
 #define STILB_RENDER_PANORAMA_WORK_H
 
+#include "numeric/numeric_prefilter.h"
 #include "render/render_panorama.h"
 
 #define PANORAMA_ACROSS 512u /* cells */
@@ -27,13 +28,16 @@ struct render_panorama_work {
 	stilb_image map; /* its pixels are valid during a call of render_panorama_update alone */
 	uint64_t key;
 	uint32_t stage, row; /* the next of its rows */
-	render_panorama_table *table;
+	render_panorama_light *light;
 	uint16_t (*texels)[4];  /* [height][width] */
 	uint32_t width, height; /* of the texels */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
-	float (*cells)[PANORAMA_ACROSS][3]; /* [DOWN] L dw */
+	float (*cells)[PANORAMA_ACROSS][3]; /* [DOWN] L dw; from STAGE_CELLS of the gloss on L */
 	panorama_sums (*sums)[3];           /* [DOWN] */
+	float *dfg;                         /* render_panorama's */
+	bool dfg_made;
+	stilb_numeric_prefilter *gloss;
 };
 
 /* Values of the panorama as they are used: NaN and values below 0 are 0, large ones have a limit. */
@@ -69,5 +73,14 @@ static inline panorama_overlap panorama_overlap_of(uint32_t i, uint32_t texels, 
 void render_panorama_find_lamps(render_panorama_work *work);
 void render_panorama_sum_rows(render_panorama_work *work, uint32_t begin, uint32_t end);  /* of DOWN */
 void render_panorama_fill_rows(render_panorama_work *work, uint32_t begin, uint32_t end); /* of RENDER_PANORAMA_ROWS */
+
+/* render_panorama_gloss.c, stages of the work after those: the cells' radiance, the cube's stages, the table. */
+#define PANORAMA_GLOSS_STAGES (STILB_NUMERIC_PREFILTER_STAGES + 2u)
+/* Of a work with cells and light. False: no memory. */
+bool render_panorama_gloss_begin(render_panorama_work *work);
+/* The rows of a stage, 0 .. PANORAMA_GLOSS_STAGES - 1, and about what one costs, in texels read. */
+uint32_t render_panorama_gloss_rows(const render_panorama_work *work, uint32_t stage, double *cost);
+void render_panorama_gloss_run(render_panorama_work *work, uint32_t stage, uint32_t begin, uint32_t end);
+void render_panorama_gloss_end(render_panorama_work *work);
 
 #endif

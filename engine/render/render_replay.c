@@ -261,9 +261,9 @@ static void *replay_make_panorama(void *user, size_t bytes)
 	return render_device_panorama_make(user, bytes);
 }
 
-static void replay_show_panorama(void *user)
+static stilb_result replay_show_panorama(void *user)
 {
-	render_device_panorama_show(user);
+	return render_device_panorama_show(user);
 }
 
 /* Makes what frames need of the panorama of the first view that has one: in a window over several frames, so that it

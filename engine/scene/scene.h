@@ -199,7 +199,7 @@ typedef struct stilb_scene_surroundings {
 	float ground[3]; /* from below it */
 	stilb_image
 		panorama;   /* latitude-longitude map of radiance, 3 channels, F32_LINEAR, in place of sky and ground; {0}:
-	                       none. Highlights in frames do not mirror it */
+	                       none */
 	float rotation; /* of the panorama about +Y, radians, finite; positive to the left, as a camera's yaw */
 	char name[64];  /* what they are called, UTF-8: the panorama's file without its folder, "studio", or "" */
 	/* Frames: highlights mirror sky and ground, too, by an approximation (shade_hemisphere_radiance). Without it frames

@@ -114,9 +114,7 @@ static void info_print_nodes(FILE *out, const stilb_scene *scene)
 }
 
 /* What frames do not draw, of what is there: X(words, is it there). */
-#define INFO_NOT_LIVE(X)                                                                                               \
-	X("light from emitting triangles", c->hidden > 0)                                                                  \
-	X("highlights of the panorama", c->scene->surroundings.panorama.pixels)
+#define INFO_NOT_LIVE(X) X("light from emitting triangles", c->hidden > 0)
 
 static void info_print_lights(FILE *out, const info_contents *c)
 {

@@ -131,13 +131,6 @@ static void view_start_detail(view *v)
 		view_warn(v, "%s; they are drawn as they are", stilb_error_message());
 }
 
-static void view_say_panorama(const view *v, const char *path)
-{
-	view_warn(
-		v, "'%s': highlights in frames do not mirror a panorama yet; T and 'stilb render SCENE --environment FILE' do",
-		path);
-}
-
 /* Takes what has been opened, and adds its files to those that are watched. */
 static stilb_result view_load_taken(view *v, stilb_scene **scene, view_watch *watch, view_load_cost *cost)
 {
@@ -161,7 +154,6 @@ static void view_settle_environment(view *v, bool good)
 	if (good) {
 		free(v->dropped);
 		v->dropped = v->dropping;
-		view_say_panorama(v, v->dropped);
 	} else {
 		free(v->dropping);
 	}
@@ -203,8 +195,6 @@ static stilb_result view_arrived(view *v)
 	if (!come.again) {
 		view_watch_finish(&v->watch);
 		v->watch = come.watch;
-		if (come.scene->surroundings.panorama.pixels && !v->options.picture.quiet)
-			view_say_panorama(v, v->options.picture.environment ? v->options.picture.environment : come.name);
 	}
 	return STILB_OK;
 }

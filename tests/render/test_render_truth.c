@@ -41,6 +41,7 @@ static uint32_t add_model(stilb_scene_build *build, uint32_t mesh, const stilb_s
 }
 
 static const stilb_scene_material *look; /* of all parts; NULL: their own */
+static const stilb_scene_surface *coat;  /* of the first sphere; NULL: none */
 
 /* Two spheres over a floor, one of which emits a little, in this light; NULL: none. */
 static stilb_scene *scene_of(const stilb_scene_light *light, const stilb_scene_surroundings *surroundings)
@@ -58,6 +59,8 @@ static stilb_scene *scene_of(const stilb_scene_light *light, const stilb_scene_s
 	assert_int_equal(stilb_scene_mesh_plane(&plane), STILB_OK);
 	stilb_scene_build *build = stilb_scene_build_begin();
 	uint32_t ball = stilb_scene_build_mesh(build, &sphere), ground = stilb_scene_build_mesh(build, &plane);
+	if (coat)
+		paint.surface = 1 + stilb_scene_build_surface(build, coat);
 	add_model(build, ball, &paint, stilb_mat4_scale_translate(1.0f, -1.1f, 1.0f, 0.0f));
 	add_model(build, ball, &glow, stilb_mat4_scale_translate(0.8f, 1.0f, 0.8f, 0.4f));
 	add_model(build, ground, &floor, stilb_mat4_scale_translate(4.0f, 0.0f, 0.0f, 0.0f));
@@ -160,6 +163,7 @@ static void traced_picture(const stilb_scene *scene, const stilb_render_shading 
 /* Pixels all of whose points, and those of the pixels around, show one part: inside[y][x]. Found in a frame in which
  * each part emits a value of its own. */
 static bool inside[HEIGHT][WIDTH];
+static int shown[HEIGHT][WIDTH]; /* 1 + the part's material; 0: none */
 
 /* background: pixels that show no part. */
 static void find_inside_of(stilb_render *render, bool background)
@@ -173,6 +177,7 @@ static void find_inside_of(stilb_render *render, bool background)
 		for (uint32_t x = 1; x < WIDTH - 1; x++) {
 			uint16_t id = point_of(&image, x * FINE, y * FINE)[0];
 			inside[y][x] = (id == 0) == background;
+			shown[y][x] = (int)half(id);
 			for (uint32_t v = (y - 1) * FINE; v < (y + 2) * FINE; v++)
 				for (uint32_t u = (x - 1) * FINE; u < (x + 2) * FINE; u++)
 					inside[y][x] &= point_of(&image, u, v)[0] == id;
@@ -448,8 +453,14 @@ static double difference_exact(stilb_render *render, const stilb_scene *scene, u
 
 /* A day: a sky that grows darker to the zenith over a brown ground, with a sun of half a degree in half of its texel,
  * or without; or a night: three windows of different size and colour, and faint noise. Or a dim sky with a lamp of two
- * degrees that the floor's horizon halves. */
-typedef enum panorama_kind { PANORAMA_EVEN, PANORAMA_SUN, PANORAMA_ROOM, PANORAMA_LOW } panorama_kind;
+ * degrees that the floor's horizon halves; or light without edges. */
+typedef enum panorama_kind {
+	PANORAMA_EVEN,
+	PANORAMA_SUN,
+	PANORAMA_ROOM,
+	PANORAMA_LOW,
+	PANORAMA_SMOOTH
+} panorama_kind;
 
 static void panorama_texel(panorama_kind kind, uint32_t x, uint32_t y, uint32_t width, uint32_t height, float out[3])
 {
@@ -465,6 +476,8 @@ static void panorama_texel(panorama_kind kind, uint32_t x, uint32_t y, uint32_t 
 			out[c] = 30000.0f - 4000.0f * (float)c;
 		if (kind == PANORAMA_LOW)
 			out[c] = x / 2 == width / 14 && y + 2 >= height / 2 && y < height / 2 + 2 ? 400.0f : 0.05f;
+		if (kind == PANORAMA_SMOOTH)
+			out[c] = 0.5f + 0.1f * (float)c * up + 0.2f * up * up * up + 0.15f * cosf(phi) * sqrtf(1.0f - up * up);
 		if (kind != PANORAMA_ROOM)
 			continue;
 		out[c] = 0.02f * (float)((x * 7 + y * 13 + (uint32_t)c * 5) % 11);
@@ -663,6 +676,144 @@ static void glossy_balls_have_their_albedo(void **state)
 	stilb_render_destroy(render);
 }
 
+/* ---- gloss under panoramas --------------------------------------------------------------------------------------- */
+
+static const stilb_render_shading ggx = {
+	.brdf = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK};
+
+/* A white metal ball under a panorama of 1 has the albedo of its model, so it shines at most as bright. */
+static void a_metal_ball_stays_dark_in_the_furnace(void **state)
+{
+	(void)state;
+	static const float roughness[] = {0.05f, 0.3f, 0.6f, 1.0f};
+	static const shade_brdf_model model = {SHADE_BRDF_MICROFACET, SHADE_NDF_GGX, SHADE_G_SMITH_GGX, SHADE_F_SCHLICK};
+	stilb_scene_surroundings around = {.rotation = 0.5f};
+	assert_int_equal(stilb_image_create(&around.panorama, 30, 15, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	for (uint32_t i = 0; i < 30 * 15 * 3; i++)
+		((float *)around.panorama.pixels)[i] = 1.0f;
+	stilb_render *render = render_sized(FURNACE_WIDTH, FURNACE_HEIGHT);
+	for (size_t i = 0; i < sizeof roughness / sizeof *roughness; i++) {
+		stilb_scene_material white =
+			stilb_scene_material_make((float[3]){0, 0, 0}, (float[3]){1, 1, 1}, roughness[i]);
+		stilb_scene *scene = furnace_of(&white, NULL, 0, &around);
+		stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+		stilb_gi_scene *gi;
+		assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
+		stilb_gi_settings settings = stilb_gi_settings_default(scene);
+		gi_camera eye = gi_camera_make(&scene->camera, &settings.lens, FURNACE_WIDTH, FURNACE_HEIGHT);
+		shade_brdf_parameters parameters = stilb_numeric_white(roughness[i], 0.0f);
+		stilb_image image = frame_of(render, scene, &ggx);
+		double apart = 0.0, most = 0.0;
+		for (uint32_t y = 0; y < FURNACE_HEIGHT; y++)
+			for (uint32_t x = 0; x < FURNACE_WIDTH; x++) {
+				double value = half(point_of(&image, x, y)[1]);
+				double albedo = furnace_albedo(gi, &eye, &model, &parameters, x, y);
+				apart = albedo > 0.0 ? fmax(apart, fabs(value - albedo)) : apart;
+				most = fmax(most, value);
+			}
+		printf("furnace-panorama-%.2f %.1e from its albedo, %.4f at most\n", (double)roughness[i], apart, most);
+		assert_true(most <= 1.0 + 2e-3 && apart <= 2e-3);
+		stilb_image_finish(&image);
+		stilb_gi_scene_destroy(gi);
+		stilb_scene_destroy(scene);
+	}
+	stilb_image_finish(&around.panorama);
+	stilb_render_destroy(render);
+}
+
+/* Two balls of GGX over a floor without gloss: a metal and a dielectric of this roughness. surface: the metal is a
+ * file's. */
+static stilb_scene *gloss_balls(float roughness, bool surface, const stilb_scene_surroundings *around)
+{
+	static const float gold[4] = {0.95f, 0.8f, 0.5f, 1.0f}, none[3] = {0, 0, 0};
+	stilb_scene_surface metal = stilb_scene_surface_make();
+	memcpy(metal.color, gold, sizeof gold);
+	metal.metalness = 1.0f;
+	metal.roughness = roughness;
+	coat = surface ? &metal : NULL;
+	stilb_scene *scene = scene_of(NULL, around);
+	coat = NULL;
+	assert_int_equal(scene->material_count, 3);
+	uint32_t kept = scene->materials[0].surface;
+	assert_int_equal(kept, surface);
+	scene->materials[0] = stilb_scene_material_make(none, gold, roughness);
+	scene->materials[0].surface = kept;
+	scene->materials[1] =
+		stilb_scene_material_make((float[3]){0.2f, 0.4f, 0.3f}, (float[3]){0.04f, 0.04f, 0.04f}, roughness);
+	scene->materials[2] = stilb_scene_material_make((float[3]){0.5f, 0.5f, 0.5f}, none, 1.0f);
+	return scene;
+}
+
+/* Of the pixels inside that show one ball: as a share of its largest value. */
+typedef struct gloss_apart {
+	double rms, worst;
+} gloss_apart;
+
+static gloss_apart gloss_compare(const picture *live, const picture *traced, int ball)
+{
+	double most = 0.0, count = 0.0;
+	gloss_apart apart = {0.0, 0.0};
+	for (uint32_t y = 0; y < HEIGHT; y++)
+		for (uint32_t x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3 && inside[y][x] && shown[y][x] == ball + 1; c++, count++) {
+				double d = fabs(live->value[y][x][c] - traced->value[y][x][c]);
+				apart.worst = fmax(apart.worst, d);
+				apart.rms += d * d;
+				most = fmax(most, traced->value[y][x][c]);
+			}
+	assert_true(count > 300.0 && most > 0.05);
+	return (gloss_apart){sqrt(apart.rms / count) / most, apart.worst / most};
+}
+
+/* Gloss under turned panoramas: one without edges, a day, and the day with a sun. */
+static void gloss_under_panoramas_is_as_traced(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *name;
+		panorama_kind kind;
+		float roughness;
+		double rms[2], worst[2]; /* bounds of metal and dielectric */
+		bool surface;
+	} cases[] = {
+		{"smooth", PANORAMA_SMOOTH, 0.2f, {0.02, 0.02}, {0.05, 0.05}, false},
+		{"smooth", PANORAMA_SMOOTH, 0.5f, {0.02, 0.02}, {0.05, 0.05}, false},
+		{"smooth", PANORAMA_SMOOTH, 0.8f, {0.02, 0.02}, {0.05, 0.05}, false},
+		{"day", PANORAMA_EVEN, 0.5f, {0.025, 0.02}, {0.09, 0.07}, false},
+		{"sun", PANORAMA_SUN, 0.2f, {0.02, 0.02}, {0.2, 0.2}, false}, /* noise: with 2,048 samples 0.02 and 0.054 */
+		{"sun", PANORAMA_SUN, 0.5f, {0.02, 0.02}, {0.05, 0.05}, true},
+		{"sun", PANORAMA_SUN, 0.8f, {0.02, 0.02}, {0.05, 0.05}, false},
+	};
+	static picture live, traced;
+	const char *folder = getenv("STILB_TRUTH_PICTURES"), *wanted = getenv("STILB_TRUTH_SAMPLES");
+	uint32_t samples = wanted ? (uint32_t)strtoul(wanted, NULL, 10) : SAMPLES_NOISY;
+	stilb_render *render = render_make();
+	find_inside(render);
+	bool good = true;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		stilb_scene_surroundings around = panorama_of(cases[i].kind, cases[i].kind == PANORAMA_SUN ? 720 : 90);
+		stilb_scene *scene = gloss_balls(cases[i].roughness, cases[i].surface, &around);
+		live_picture(render, scene, &ggx, &live);
+		traced_picture(scene, &ggx, samples, &traced);
+		for (int ball = 0; ball < 2; ball++) {
+			gloss_apart apart = gloss_compare(&live, &traced, ball);
+			printf("gloss-%s-%s-%.1f rms %.2f %%, worst %.1f %%\n", cases[i].name, ball ? "dielectric" : "metal",
+			       (double)cases[i].roughness, 100.0 * apart.rms, 100.0 * apart.worst);
+			good &= apart.rms <= cases[i].rms[ball] && apart.worst <= cases[i].worst[ball];
+		}
+		if (folder) {
+			char name[64];
+			snprintf(name, sizeof name, "gloss-%s-%.1f", cases[i].name, (double)cases[i].roughness);
+			save(folder, name, "live", &live, NULL);
+			save(folder, name, "traced", &traced, NULL);
+		}
+		stilb_scene_destroy(scene);
+		stilb_image_finish(&around.panorama);
+	}
+	assert_true(good);
+	stilb_render_destroy(render);
+}
+
 /* ---- the table of docs/rendering.md ------------------------------------------------------------------------------ */
 
 #define GLOSS_ROUGHNESSES 4
@@ -835,6 +986,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(the_ground_is_seen_below_the_horizon, level),
 		cmocka_unit_test_setup(TEST_ASAN ? test_skip : panoramas_are_as_traced, level), /* test_render_panorama */
 		cmocka_unit_test(a_matt_ball_vanishes_in_the_furnace),
+		cmocka_unit_test(a_metal_ball_stays_dark_in_the_furnace),
+		cmocka_unit_test_setup(TEST_ASAN ? test_skip : gloss_under_panoramas_is_as_traced, level),
 		cmocka_unit_test(glossy_balls_have_their_albedo),
 	};
 	if (argc > 1 && strcmp(argv[1], "gloss") == 0) {

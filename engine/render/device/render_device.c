@@ -202,26 +202,6 @@ stilb_result render_device_grow(render_device *device, render_memory *memory, ui
 	return STILB_OK;
 }
 
-/* ---- panoramas --------------------------------------------------------------------------------------------------- */
-
-void *render_device_panorama_make(render_device *device, size_t bytes)
-{
-	if (device->next_panorama.bytes != bytes) {
-		render_buffer_drop(device, &device->next_panorama);
-		render_buffer_make(device, "panorama", bytes, STILB_GPU_MEMORY_WRITE, STILB_GPU_BUFFER_ADDRESS,
-		                   &device->next_panorama);
-	}
-	return device->next_panorama.mapped;
-}
-
-void render_device_panorama_show(render_device *device)
-{
-	STILB_ASSERT(device->next_panorama.mapped);
-	render_buffer_drop(device, &device->panorama);
-	device->panorama = device->next_panorama;
-	device->next_panorama = (render_buffer){0};
-}
-
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
 stilb_result render_device_present(render_device *device)

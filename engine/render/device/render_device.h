@@ -97,10 +97,11 @@ typedef enum render_flat {
 
 /* render_shaders.c */
 extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: vertices are packed] */
-extern const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES];
+/* [1: highlights mirror the panorama] */
+extern const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES];
 /* Of meshes with maps: [1: vertices have extras]. Where depth alone is drawn those with a mask have _depth. */
 extern const stilb_gpu_shader render_maps_vertex[2][2];   /* [1: vertices are packed] */
-extern const stilb_gpu_shader render_maps_fragment[2][2]; /* [1: a mask, and several samples a pixel] */
+extern const stilb_gpu_shader render_maps_fragment[2][2][2]; /* [1: see _mesh_fragment][1: a mask, several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
@@ -142,6 +143,8 @@ typedef struct render_formula_programs {
 
 /* True if they draw depth alone. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
+/* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
+bool render_formulas_are_gloss(const render_formula_programs *programs);
 
 typedef struct render_programs {
 	pthread_mutex_t lock; /* guards all below */
@@ -210,7 +213,8 @@ typedef struct render_frame {
 	bool begun;       /* the plan has been begun */
 	bool ended;       /* all scene passes are there, and what makes the picture of them */
 	bool shown;       /* picture has content: of targets, or of 2D passes */
-	uint32_t views;   /* of slot.views that are in use */
+	uint16_t cube, dfg; /* resources of the plan: render_device's; 0: no pass reads them */
+	uint32_t views;     /* of slot.views that are in use */
 	uint32_t backdrops;
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
 	uint32_t target_count;
@@ -236,6 +240,9 @@ typedef struct render_device {
 	uint32_t slot;
 	render_buffer heaps[RENDER_HEAPS];
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
+	stilb_gpu_image cube, next_cube;       /* render_panorama_light.cube; likewise */
+	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
+	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures;       /* [STILB_RENDER_MAX_TEXTURES] */
 	render_device_maps *maps;              /* [RENDER_MAX_MAPS] */
 	stilb_gpu_sampler sampler;             /* of all textures: linear, repeated, no mip levels */
@@ -290,11 +297,13 @@ stilb_result render_buffer_make(render_device *device, const char *name, uint64_
 /* Destroys it once no frame can use it; leaves {0}. [any-thread] */
 void render_buffer_drop(render_device *device, render_buffer *buffer);
 
+/* ---- render_gloss.c: panoramas ----------------------------------------------------------------------------------- */
+
 /* Memory for a panorama that frames will show. The one that is shown stays in place. NULL: there is none, and the
  * message says so. */
 void *render_device_panorama_make(render_device *device, size_t bytes);
 /* From this frame on they show that one. */
-void render_device_panorama_show(render_device *device);
+stilb_result render_device_panorama_show(render_device *device);
 
 /* ---- render_heaps.c: resources ----------------------------------------------------------------------------------- */
 
@@ -309,6 +318,8 @@ void render_device_texture_destroy(render_device *device, uint32_t texture);
  * caller holds the lock of render_resources. [any-thread] */
 stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps);
 void render_device_maps_drop(render_device *device, uint32_t index);
+/* Copies upload->bytes into the ring; empties it first where they do not fit. */
+stilb_result render_device_send(render_device *device, const stilb_gpu_upload *upload, const void *from);
 /* Memory for rows that the CPU writes at any time, and frames read; freed once no frame can use it. [any-thread] */
 stilb_result render_device_rows_make(render_device *device, uint32_t capacity, render_rows **rows);
 void render_device_rows_free(render_device *device, render_rows *rows);

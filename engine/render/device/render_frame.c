@@ -403,6 +403,33 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 	render_backdrop_clear(stream->view, row->color[0].clear);
 }
 
+/* The two images that programs read for the panorama's gloss. */
+static void frame_gloss(render_device *device, stilb_gpu_pass *row)
+{
+	render_frame *frame = &device->frame;
+	if (frame->cube == 0) {
+		stilb_gpu_plan_image_row cube = {.name = "panorama cube",
+		                                 .format = STILB_GPU_RGBA16_F,
+		                                 .shape = STILB_GPU_SHAPE_CUBE,
+		                                 .width = RENDER_PANORAMA_FACE,
+		                                 .height = RENDER_PANORAMA_FACE,
+		                                 .mips = RENDER_PANORAMA_MIPS,
+		                                 .owned = device->cube.id};
+		stilb_gpu_plan_image_row dfg = {.name = "gloss table",
+		                                .format = STILB_GPU_RG16_F,
+		                                .width = RENDER_PANORAMA_DFG,
+		                                .height = RENDER_PANORAMA_DFG,
+		                                .owned = device->dfg.id};
+		frame->cube = stilb_gpu_plan_image(device->plan, &cube);
+		frame->dfg = stilb_gpu_plan_image(device->plan, &dfg);
+	}
+	row->use_count = 2;
+	row->uses[0] = (stilb_gpu_use){
+		.resource = frame->cube, .how = STILB_GPU_USE_SAMPLED, .slot = 0, .sampler = device->cube_sampler.id};
+	row->uses[1] = (stilb_gpu_use){
+		.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
+}
+
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */
 static uint32_t frame_surfaces(const render_stream *stream)
 {
@@ -433,6 +460,8 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list);
 	frame_attach(stream, target, backdrop, &row);
+	if (render_formulas_are_gloss(choice))
+		frame_gloss(device, &row);
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
 		.view = frame_write_view(device, stream),

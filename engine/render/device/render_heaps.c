@@ -22,8 +22,7 @@ static const struct {
 
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */
 
-/* Copies bytes into the ring; empties it first where they do not fit. */
-static stilb_result heaps_send(render_device *device, const stilb_gpu_upload *upload, const uint8_t *from)
+stilb_result render_device_send(render_device *device, const stilb_gpu_upload *upload, const void *from)
 {
 	void *bytes;
 	stilb_result result = stilb_gpu_upload_begin(device->gpu, upload, &bytes);
@@ -77,7 +76,7 @@ static stilb_result heap_send(render_device *device, const render_heap *heap, in
 		stilb_gpu_upload upload = {
 			.buffer = device->heaps[kind].buffer, .offset = first * heap->element, .bytes = count * heap->element};
 		STILB_ASSERT(upload.offset + upload.bytes <= device->heaps[kind].bytes);
-		result = heaps_send(device, &upload, heap->data + first * heap->element);
+		result = render_device_send(device, &upload, heap->data + first * heap->element);
 	}
 	return result;
 }
@@ -125,7 +124,7 @@ static stilb_result texture_send(render_device *device, uint32_t texture, uint32
 		                       .height = count,
 		                       .depth = 1,
 		                       .bytes = count * row};
-		result = heaps_send(device, &to, (const uint8_t *)image->pixels + first * row);
+		result = render_device_send(device, &to, (const uint8_t *)image->pixels + first * row);
 	}
 	return result;
 }

@@ -59,6 +59,13 @@ bool render_formulas_are_depth(const render_formula_programs *programs)
 	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_DEPTH;
 }
 
+bool render_formulas_are_gloss(const render_formula_programs *programs)
+{
+	uint32_t brdf = programs->formulas[RENDER_FORMULA_BRDF];
+	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_PANORAMA && brdf != SHADE_BRDF_LAMBERT &&
+	       brdf != SHADE_BRDF_WRAPPED;
+}
+
 /* The shader of draws into depth alone: most need none. */
 static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface)
 {
@@ -72,11 +79,12 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
                                  render_surface surface, render_drawn drawn)
 {
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
-	bool depth = render_formulas_are_depth(choice);
+	bool depth = render_formulas_are_depth(choice), gloss = render_formulas_are_gloss(choice);
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
-		.fragment = depth ? program_depth_code(detail, surface) : render_mesh_fragment[surface],
+		.fragment = depth ? program_depth_code(detail, surface) : render_mesh_fragment[gloss][surface],
+		.samplers = gloss ? 2 : 0,
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
@@ -99,14 +107,15 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
-	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1;
+	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
 		.vertex = reads ? render_maps_vertex[device->packed][extras] : render_mesh_vertex[device->packed][inputs],
-		.fragment = !depth   ? render_maps_fragment[coverage][extras]
+		.fragment = !depth   ? render_maps_fragment[gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs)
 	                         : render_maps_depth[extras],
+		.samplers = gloss ? 2 : 0,
 		.set_items = reads ? RENDER_MAPS : 0,
 		.depth = STILB_GPU_COMPARE_GREATER,
 		.depth_write = !blends,

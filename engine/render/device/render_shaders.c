@@ -22,6 +22,12 @@ static const uint32_t mesh_frag[] =
 static const uint32_t mesh_texture_frag[] =
 #include "mesh_texture.frag.inc"
 	;
+static const uint32_t mesh_gloss_frag[] =
+#include "mesh_gloss.frag.inc"
+	;
+static const uint32_t mesh_texture_gloss_frag[] =
+#include "mesh_texture_gloss.frag.inc"
+	;
 
 static const uint32_t maps_vert[] =
 #include "maps.vert.inc"
@@ -47,6 +53,18 @@ static const uint32_t maps_coverage_frag[] =
 static const uint32_t maps_coverage_extras_frag[] =
 #include "maps_coverage_extras.frag.inc"
 	;
+static const uint32_t maps_gloss_frag[] =
+#include "maps_gloss.frag.inc"
+	;
+static const uint32_t maps_extras_gloss_frag[] =
+#include "maps_extras_gloss.frag.inc"
+	;
+static const uint32_t maps_coverage_gloss_frag[] =
+#include "maps_coverage_gloss.frag.inc"
+	;
+static const uint32_t maps_coverage_extras_gloss_frag[] =
+#include "maps_coverage_extras_gloss.frag.inc"
+	;
 static const uint32_t maps_depth_frag[] =
 #include "maps_depth.frag.inc"
 	;
@@ -62,6 +80,9 @@ static const uint32_t impostor_packed_vert[] =
 	;
 static const uint32_t impostor_frag[] =
 #include "impostor.frag.inc"
+	;
+static const uint32_t impostor_gloss_frag[] =
+#include "impostor_gloss.frag.inc"
 	;
 
 static const uint32_t depth_frag[] =
@@ -118,19 +139,32 @@ const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES] = {
 	},
 };
 
-const stilb_gpu_shader render_mesh_fragment[RENDER_SURFACES] = {
-	[RENDER_SURFACE_PLAIN] = SHADER(mesh_frag),
-	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_frag),
-	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_frag),
+const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_frag),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gloss_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gloss_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gloss_frag),
+	},
 };
 
 const stilb_gpu_shader render_maps_vertex[2][2] = {
 	{SHADER(maps_vert), SHADER(maps_extras_vert)},
 	{SHADER(maps_packed_vert), SHADER(maps_packed_extras_vert)},
 };
-const stilb_gpu_shader render_maps_fragment[2][2] = {
-	{SHADER(maps_frag), SHADER(maps_extras_frag)},
-	{SHADER(maps_coverage_frag), SHADER(maps_coverage_extras_frag)},
+const stilb_gpu_shader render_maps_fragment[2][2][2] = {
+	{
+		{SHADER(maps_frag), SHADER(maps_extras_frag)},
+		{SHADER(maps_coverage_frag), SHADER(maps_coverage_extras_frag)},
+	},
+	{
+		{SHADER(maps_gloss_frag), SHADER(maps_extras_gloss_frag)},
+		{SHADER(maps_coverage_gloss_frag), SHADER(maps_coverage_extras_gloss_frag)},
+	},
 };
 const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
 

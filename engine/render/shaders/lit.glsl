@@ -2,6 +2,7 @@
 // viewer. Who includes it has declared `vec3 world_position`, the point that is lit.
 #include "faded.glsl"
 #include "../../shading/shade_energy.h"
+#include "../../shading/shade_environment.h"
 #include "../../shading/shade_surface.h"
 
 // The materials that the program draws: 0 all, 1 those with an even index, 2 those with an odd one; others are black.
@@ -18,7 +19,7 @@ layout(constant_id = 5) const int f = SHADE_F_SCHLICK;
 layout(constant_id = 6) const uint lights = 1u << SHADE_LIGHT_DIRECTIONAL;
 const bool lights_end = (lights & 64u) != 0;    // some have a falloff that is not physical
 const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and ground
-const bool lights_panorama = (lights & 256u) != 0; // its irradiance in place of theirs
+const bool lights_panorama = (lights & 256u) != 0; // its light in place of theirs
 const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 const bool lights_one = (lights & 1024u) != 0;  // the list has one light
 
@@ -107,14 +108,21 @@ vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame fr
 	return radiance;
 }
 
+// A direction of the world in the panorama's own axes, turned back by its rotation.
+vec3 panorama_own(vec3 d)
+{
+	vec2 turn = push.view.turn;
+	return vec3(turn.y * d.x - turn.x * d.z, d.y, turn.x * d.x + turn.y * d.z);
+}
+
 // The panorama's irradiance at a normal, between four of the table; its lamps are lights of the list.
 vec3 panorama_irradiance(vec3 n)
 {
 	const int COLUMNS = 256; // as RENDER_PANORAMA_COLUMNS and _ROWS
 	const int ROWS = 129;
-	vec2 turn = push.view.turn;
-	float right = turn.y * n.x - turn.x * n.z;
-	float back = turn.x * n.x + turn.y * n.z;
+	vec3 own = panorama_own(n);
+	float right = own.x;
+	float back = own.z;
 	float longitude = right == 0.0 && back == 0.0 ? 0.0 : atan(right, -back);
 	float x = clamp(longitude / (2.0 * SHADE_PI) + 0.5, 0.0, 1.0) * float(COLUMNS);
 	float y = atan(length(vec2(right, back)), n.y) / SHADE_PI * float(ROWS - 1);
@@ -129,6 +137,27 @@ vec3 panorama_irradiance(vec3 n)
 	vec3 below = mix(push.view.panorama.table[left].xyz, push.view.panorama.table[next].xyz, across);
 	return mix(above, below, y - float(row));
 }
+
+// LIT_GLOSS: programs whose highlights mirror the panorama; they alone have these images.
+#ifdef LIT_GLOSS
+layout(set = 0, binding = 0) uniform samplerCube panorama_cube; // without its lamps
+layout(set = 0, binding = 1) uniform sampler2D gloss_table;
+
+// The panorama as a highlight mirrors it: the cube and the table of GGX at the material's roughness, for other models
+// an approximation. What has no Fresnel term has the reflectance f0 at every angle. Light that facets hand on to others
+// is left out, as lamps and rays have it.
+vec3 panorama_highlight(shade_material material, vec3 n, vec3 v)
+{
+	const float MIPS = 6.0; // as RENDER_PANORAMA_MIPS and _DFG
+	const float SIDE = 64.0;
+	bool fresnel = brdf == SHADE_BRDF_MICROFACET && f != SHADE_F_NONE;
+	vec2 place = shade_dfg_place(dot(n, v), material.roughness);
+	vec2 dfg = textureLod(gloss_table, shade_dfg_texel(place, SIDE), 0.0).xy;
+	vec3 toward = panorama_own(shade_environment_direction(n, v, material.roughness));
+	vec3 light = textureLod(panorama_cube, toward, shade_environment_mip(material.roughness, MIPS)).xyz;
+	return light * (fresnel ? material.specular * dfg.x + dfg.y : material.specular * (dfg.x + dfg.y));
+}
+#endif
 
 // Sky and ground as a highlight mirrors them.
 vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
@@ -150,8 +179,12 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 	else
 		radiance += shade_surface_sky(material, sky, n) * open;
 	radiance += emission;
-	if (lights_gloss && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
+#ifdef LIT_GLOSS
+	radiance += panorama_highlight(material, n, to_camera);
+#else
+	if (lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED)
 		radiance += sky_highlight(material, sky, n, to_camera);
+#endif
 	return radiance;
 }
 

@@ -1,0 +1,87 @@
+/* A panorama on the device: the memory that its light is made in, which shaders read by address, and the images of its
+ * gloss, which are sent from there once it is complete. */
+#include "render/render_internal.h"
+
+/* ---- gloss ------------------------------------------------------------------------------------------------------- */
+
+static stilb_result gloss_image(render_device *device, const char *name, stilb_gpu_extent extent,
+                                stilb_gpu_image *image)
+{
+	extent.depth = 1;
+	extent.samples = 1;
+	extent.uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO;
+	return image->id != 0 ? STILB_OK
+	                      : stilb_gpu_image_create(device->gpu, &(stilb_gpu_image_desc){name, extent}, image);
+}
+
+static stilb_result gloss_make(render_device *device)
+{
+	stilb_gpu_sampler_desc smooth = {.linear = true, .mip_linear = true, .mips = true};
+	stilb_gpu_extent cube = {.format = STILB_GPU_RGBA16_F,
+	                         .shape = STILB_GPU_SHAPE_CUBE,
+	                         .width = RENDER_PANORAMA_FACE,
+	                         .height = RENDER_PANORAMA_FACE,
+	                         .layers = 6,
+	                         .mips = RENDER_PANORAMA_MIPS};
+	stilb_gpu_extent dfg = {.format = STILB_GPU_RG16_F,
+	                        .width = RENDER_PANORAMA_DFG,
+	                        .height = RENDER_PANORAMA_DFG,
+	                        .layers = 1,
+	                        .mips = 1};
+	stilb_result result = stilb_gpu_sampler_get(device->gpu, &smooth, &device->cube_sampler);
+	if (result == STILB_OK)
+		result = gloss_image(device, "panorama cube", cube, &device->next_cube);
+	return result == STILB_OK ? gloss_image(device, "gloss table", dfg, &device->dfg) : result;
+}
+
+/* Sends a square of texels, size bytes each. */
+static stilb_result gloss_send(render_device *device, stilb_gpu_upload to, uint32_t side, size_t size, const void *from)
+{
+	to.width = to.height = side;
+	to.depth = 1;
+	to.bytes = (uint64_t)side * side * size;
+	return render_device_send(device, &to, from);
+}
+
+static stilb_result gloss_send_all(render_device *device, const render_panorama_light *light)
+{
+	const uint16_t(*from)[4] = light->cube;
+	stilb_gpu_upload table = {.image = device->dfg};
+	stilb_result result = gloss_send(device, table, RENDER_PANORAMA_DFG, sizeof **light->dfg, light->dfg);
+	for (uint32_t part = 0; part < 6 * RENDER_PANORAMA_MIPS && result == STILB_OK; part++) {
+		uint32_t mip = part / 6, side = RENDER_PANORAMA_FACE >> mip;
+		stilb_gpu_upload to = {.image = device->next_cube, .mip = (uint16_t)mip, .layer = (uint16_t)(part % 6)};
+		result = gloss_send(device, to, side, sizeof *from, from);
+		from += (size_t)side * side;
+	}
+	STILB_ASSERT(result != STILB_OK || from == light->cube + RENDER_PANORAMA_CUBE);
+	return result;
+}
+
+/* ---- panoramas --------------------------------------------------------------------------------------------------- */
+
+void *render_device_panorama_make(render_device *device, size_t bytes)
+{
+	if (device->next_panorama.bytes != bytes) {
+		render_buffer_drop(device, &device->next_panorama);
+		render_buffer_make(device, "panorama", bytes, STILB_GPU_MEMORY_WRITE, STILB_GPU_BUFFER_ADDRESS,
+		                   &device->next_panorama);
+	}
+	bool made = device->next_panorama.mapped && gloss_make(device) == STILB_OK;
+	return made ? device->next_panorama.mapped : NULL;
+}
+
+stilb_result render_device_panorama_show(render_device *device)
+{
+	STILB_ASSERT(device->next_panorama.mapped && device->next_cube.id != 0);
+	stilb_result result = gloss_send_all(device, device->next_panorama.mapped);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_image_destroy(device->gpu, device->cube);
+	device->cube = device->next_cube;
+	device->next_cube = (stilb_gpu_image){0};
+	render_buffer_drop(device, &device->panorama);
+	device->panorama = device->next_panorama;
+	device->next_panorama = (render_buffer){0};
+	return STILB_OK;
+}
