@@ -85,8 +85,9 @@ stilb_numeric_dfg stilb_numeric_dfg_of(double n_dot_v, double roughness)
 void stilb_numeric_dfg_rows(float *table, uint32_t side, uint32_t begin, uint32_t end)
 {
 	STILB_ASSERT(table && side >= 2 && begin <= end && end <= side);
-	for (uint32_t i = begin * side; i < end * side; i++) {
-		stilb_vec2 place = {(float)(i % side) / (float)(side - 1), (float)(i / side) / (float)(side - 1)};
+	for (size_t i = (size_t)begin * side; i < (size_t)end * side; i++) {
+		size_t row = i / side;
+		stilb_vec2 place = {(float)(i % side) / (float)(side - 1), (float)row / (float)(side - 1)};
 		stilb_vec2 at = shade_dfg_from_place(place);
 		stilb_numeric_dfg value = stilb_numeric_dfg_of(fmin((double)at[0], 1.0), fmin((double)at[1], 1.0));
 		table[2 * i] = (float)value.a;

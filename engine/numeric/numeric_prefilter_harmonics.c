@@ -51,7 +51,7 @@ void numeric_prefilter_transform(const stilb_numeric_prefilter *work, uint32_t c
 		uint32_t stride = work->turn_columns / (2 * half);
 		for (uint32_t begin = 0; begin < columns; begin += 2 * half)
 			for (uint32_t k = 0; k < half; k++) {
-				prefilter_turn turn = work->turns[k * stride];
+				prefilter_turn turn = work->turns[(size_t)k * stride];
 				prefilter_wave *low = &waves[begin + k], *high = low + half;
 				float im = turn.im * sign;
 				stilb_vec4 re_part = high->re * turn.re - high->im * im, im_part = high->re * im + high->im * turn.re;

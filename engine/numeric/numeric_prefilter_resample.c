@@ -109,7 +109,7 @@ static void band_add(const band *b, band_share x, band_share y, stilb_vec4 value
 		int row = y.first + i - (int)b->first;
 		if (row < 0 || row >= (int)b->rows)
 			continue;
-		stilb_vec4 *sums = b->sums + row * (int)b->side, part = value * y.share[i];
+		stilb_vec4 *sums = b->sums + (size_t)row * b->side, part = value * y.share[i];
 		for (int k = 0; k < 3; k++)
 			if (x.first + k >= 0 && x.first + k < (int)b->side)
 				sums[x.first + k] += part * x.share[k];

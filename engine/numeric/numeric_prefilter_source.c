@@ -166,7 +166,7 @@ static void gather_read(const stilb_numeric_prefilter *work, gather_block *block
 static void gather_spread(stilb_vec4 *ring, uint32_t columns, uint32_t left, const float weights[4], stilb_vec4 value)
 {
 	for (uint32_t k = 0; k < 4; k++)
-		ring[2 * ((left + k - 1u) & (columns - 1))] += value * weights[k];
+		ring[(size_t)2 * ((left + k - 1u) & (columns - 1))] += value * weights[k];
 }
 
 /* Texels that are wider than half the distance of two points count in parts. */
@@ -193,7 +193,7 @@ void numeric_prefilter_gather(stilb_numeric_prefilter *work, uint32_t pair)
 	const prefilter_grid *in = &work->in;
 	const stilb_image *map = source_map(work);
 	prefilter_wave *rows = in->waves + (size_t)pair * in->columns;
-	memset(rows, 0, PREFILTER_BLOCK * in->columns * sizeof *rows);
+	memset(rows, 0, sizeof *rows * PREFILTER_BLOCK * in->columns);
 	for (uint32_t south = 0; south < 2; south++) {
 		gather_block block = {.first = south == 1 ? 2 * in->pairs - PREFILTER_BLOCK - pair : pair,
 		                      .columns = in->columns};

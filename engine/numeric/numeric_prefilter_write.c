@@ -69,8 +69,9 @@ static void write_look_band(const stilb_numeric_prefilter *work, int number, uin
 		uint32_t x = k % side, y = first + k / side;
 		sums[k] = zero;
 		for (uint32_t i = 0; i < samples * samples; i++) {
+			uint32_t down = y * samples + i / samples;
 			float s = ((float)(x * samples + i % samples) + 0.5f) * step - 1.0f;
-			float t = ((float)(y * samples + i / samples) + 0.5f) * step - 1.0f;
+			float t = ((float)down + 0.5f) * step - 1.0f;
 			float square = 1.0f + s * s + t * t;
 			sums[k] += numeric_prefilter_look(work, shade_cube_direction(number, s, t)) / (square * sqrtf(square));
 		}
