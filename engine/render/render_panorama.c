@@ -271,7 +271,7 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 	work->cells = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->cells);
 	work->sums = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->sums);
 	if (!out->dfg)
-		out->dfg = stilb_memory_alloc(RENDER_PANORAMA_DFG * RENDER_PANORAMA_DFG, sizeof(float[2]));
+		out->dfg = stilb_memory_alloc((size_t)RENDER_PANORAMA_DFG * RENDER_PANORAMA_DFG, sizeof(float[2]));
 	work->dfg = out->dfg;
 	work->dfg_made = out->dfg_made;
 	if (work->cells && work->sums && work->dfg)
