@@ -93,7 +93,7 @@ function(stilb_component name description)
 endfunction()
 
 stilb_component(scene "Scenes as plain data: files, a builder, pictures"
-	MODULES scene image base shading
+	MODULES scene numeric image base shading # numeric: of render and gi, which both need scene
 	REQUIRES stilb-jobs stilb-profiler libpng OpenEXR LIBS -lstdc++ -lm -ldl -pthread)
 stilb_component(geometry "Coarser levels and impostors of meshes"
 	MODULES geometry
@@ -102,7 +102,7 @@ stilb_component(engine "${PROJECT_DESCRIPTION}"
 	MODULES engine debug ui render gpu culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
-	MODULES gi numeric
+	MODULES gi
 	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3 -ltbb -lstdc++)
 
 # ---- the shared library ----
