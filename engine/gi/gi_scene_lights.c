@@ -167,7 +167,12 @@ static uint64_t emitter_hash(uint64_t hash, const gi_emitter *emitter)
 {
 	hash = stilb_hash_fnv1a64(hash, emitter->position, sizeof emitter->position);
 	hash = stilb_hash_fnv1a64(hash, emitter->emission, sizeof emitter->emission);
-	return emitter->glow.maps.surface ? stilb_hash_fnv1a64(hash, &emitter->glow, sizeof emitter->glow) : hash;
+	const gi_glow *glow = &emitter->glow;
+	uint64_t where[] = {(uintptr_t)glow->maps.surface, (uintptr_t)glow->maps.textures, glow->maps.texture_count};
+	if (!glow->maps.surface)
+		return hash;
+	hash = hash_numbers(hash, where, sizeof where);
+	return stilb_hash_fnv1a64(hash, glow->corners, sizeof glow->corners);
 }
 
 /* A hash of all that lights are made of. Lights and surroundings are hashed as scene_revision.c hashes them: by their

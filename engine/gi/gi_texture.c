@@ -2,21 +2,7 @@
 
 #include "shading/shade_srgb.h"
 
-#include <string.h>
-
 /* ---- texels ------------------------------------------------------------------------------------------------------ */
-
-/* A float from the bits of a half (IEEE binary16). */
-static float texture_half(uint16_t half)
-{
-	uint32_t exponent = half >> 10 & 31, mantissa = half & 1023, bits;
-	float value = (float)mantissa * 0x1p-24f;
-	if (exponent > 0) {
-		bits = (exponent == 31 ? 255 : exponent + 112) << 23 | mantissa << 13;
-		memcpy(&value, &bits, sizeof value);
-	}
-	return half & 0x8000 ? -value : value;
-}
 
 static float code_of_u8_srgb(const void *pixels, size_t at)
 {
@@ -40,7 +26,7 @@ static float code_of_u16(const void *pixels, size_t at)
 
 static float code_of_f16(const void *pixels, size_t at)
 {
-	return texture_half(((const uint16_t *)pixels)[at]);
+	return stilb_image_half_to_float(((const uint16_t *)pixels)[at]);
 }
 
 static float code_of_f32(const void *pixels, size_t at)

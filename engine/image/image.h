@@ -39,6 +39,8 @@
 
 #include "base/base.h"
 
+#include <string.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -151,6 +153,18 @@ void stilb_image_row_to_light(const stilb_image *image, uint32_t y, float *light
 /* The nearest half (IEEE binary16), ties to even; values beyond 65504 become infinite from 65520 on, and NaN stays NaN.
  * [any-thread] */
 uint16_t stilb_image_half_from_float(float value);
+
+/* The float that a half is, exactly; infinite and NaN stay so. [any-thread] */
+static inline float stilb_image_half_to_float(uint16_t half)
+{
+	uint32_t exponent = half >> 10 & 31u, mantissa = half & 1023u;
+	uint32_t bits = (exponent == 31u ? 255u : exponent + 112u) << 23 | mantissa << 13;
+	float magnitude;
+	memcpy(&magnitude, &bits, sizeof magnitude);
+	if (exponent == 0u)
+		magnitude = (float)mantissa / 16777216.0f; /* 2^-24 each: denormal */
+	return half & 0x8000u ? -magnitude : magnitude;
+}
 
 /* Bytes of all pixels of the largest level; 0 for {0}. [any-thread] */
 size_t stilb_image_size(const stilb_image *image);

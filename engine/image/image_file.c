@@ -74,17 +74,6 @@ static bool image_channel_is_alpha(const stilb_image *image, size_t index)
 	return channels % 2 == 0 && index % channels == channels - 1;
 }
 
-/* A float from the bits of a half (IEEE binary16); exact, as a float can hold every half. */
-static float image_half_to_float(uint16_t half)
-{
-	int exponent = half >> 10 & 31;
-	float mantissa = (float)(half & 1023);
-	float magnitude = exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(mantissa + 1024.0f, exponent - 25);
-	if (exponent == 31)
-		magnitude = mantissa == 0.0f ? INFINITY : NAN;
-	return half & 0x8000 ? -magnitude : magnitude;
-}
-
 uint16_t stilb_image_half_from_float(float value)
 {
 	uint32_t bits;
@@ -122,7 +111,7 @@ static void image_convert_to_codes(const stilb_image *image, uint8_t *codes)
 			codes[i] = (uint8_t)((words[i] * 255u + 32767u) / 65535u);
 			continue;
 		}
-		float light = scalar == IMAGE_SCALAR_F32 ? floats[i] : image_half_to_float(words[i]);
+		float light = scalar == IMAGE_SCALAR_F32 ? floats[i] : stilb_image_half_to_float(words[i]);
 		codes[i] = image_code(light, image_channel_is_alpha(image, i));
 	}
 }
@@ -178,7 +167,7 @@ static void image_convert_to_light(const stilb_image *image, size_t first, size_
 		return;
 	case IMAGE_SCALAR_F16:
 		for (size_t i = 0; i < count; i++)
-			light[i] = image_half_to_float(words[i]);
+			light[i] = stilb_image_half_to_float(words[i]);
 		return;
 	case IMAGE_SCALAR_U16:
 		for (size_t i = 0; i < count; i++) {

@@ -8,18 +8,6 @@
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */
 
-/* A float from the bits of a half (IEEE binary16). */
-static float source_from_half(uint16_t half)
-{
-	uint32_t exponent = half >> 10 & 31u, mantissa = half & 1023u;
-	uint32_t bits = exponent == 31u ? 0x7f800000u | mantissa << 13 : (exponent + 112u) << 23 | mantissa << 13;
-	float value;
-	memcpy(&value, &bits, sizeof value);
-	if (exponent == 0u)
-		value = (float)mantissa * 0x1p-24f;
-	return half & 0x8000u ? -value : value;
-}
-
 typedef int32_t source_lanes __attribute__((vector_size(16)));
 
 /* NaN and what is below 0 become 0. */
@@ -43,8 +31,8 @@ stilb_vec4 numeric_prefilter_texel(const stilb_numeric_prefilter *work, const st
 		texel = (stilb_vec4){values[0], values[green], values[blue], 1.0f};
 	} else {
 		const uint16_t *values = (const uint16_t *)image->pixels + index;
-		texel = (stilb_vec4){source_from_half(values[0]), source_from_half(values[green]),
-		                     source_from_half(values[blue]), 1.0f};
+		texel = (stilb_vec4){stilb_image_half_to_float(values[0]), stilb_image_half_to_float(values[green]),
+		                     stilb_image_half_to_float(values[blue]), 1.0f};
 	}
 	texel = source_valid(texel);
 	float range = work->settings.firefly_range;

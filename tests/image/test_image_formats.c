@@ -164,6 +164,21 @@ static double half_value(uint32_t half)
 	return half >> 15 ? -size : size;
 }
 
+static void halves_are_exact_floats(void **state)
+{
+	(void)state;
+	for (uint32_t h = 0; h < 0x10000; h++) {
+		float value = stilb_image_half_to_float((uint16_t)h);
+		assert_int_equal(signbit(value) != 0, h >> 15);
+		if ((h & 0x7c00) != 0x7c00)
+			assert_true((double)value == half_value(h));
+		else if ((h & 1023) == 0)
+			assert_true(isinf(value));
+		else
+			assert_true(isnan(value));
+	}
+}
+
 /* All finite halves, what lies between each two of them, and the ties. Beyond 65504 the next half would be 65536. */
 static void halves_are_the_nearest(void **state)
 {
@@ -189,9 +204,8 @@ static void halves_are_the_nearest(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(codes_become_light),
-		cmocka_unit_test(every_format_has_its_data),
-		cmocka_unit_test(data_survive_files),
+		cmocka_unit_test(codes_become_light),     cmocka_unit_test(every_format_has_its_data),
+		cmocka_unit_test(data_survive_files),     cmocka_unit_test(halves_are_exact_floats),
 		cmocka_unit_test(halves_are_the_nearest),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -114,15 +114,6 @@ void render_extras_pack(const stilb_scene_vertex_extra *extras, size_t count, re
 	}
 }
 
-/* Of a half that is finite. */
-static float extras_from_half(uint16_t half)
-{
-	int exponent = half >> 10 & 31;
-	float mantissa = (float)(half & 1023);
-	float value = exponent == 0 ? ldexpf(mantissa, -24) : ldexpf(mantissa + 1024.0f, exponent - 25);
-	return half >> 15 ? -value : value;
-}
-
 void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_vertex_extra *out)
 {
 	for (size_t v = 0; v < count; v++, packed++, out++) {
@@ -130,6 +121,6 @@ void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_
 		if (packed->sign != 0.0f)
 			render_direction_unpack(packed->tangent, out->tangent);
 		for (int c = 0; c < 4; c++)
-			out->color[c] = extras_from_half(packed->color[c]);
+			out->color[c] = stilb_image_half_to_float(packed->color[c]);
 	}
 }

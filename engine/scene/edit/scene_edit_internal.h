@@ -21,8 +21,9 @@ typedef struct edit_ids {
 	uint32_t capacity;   /* of the scene's array of this kind, and of those below */
 	uint32_t first_free; /* 1 + an id; 0: none is free */
 	uint32_t *next;      /* [capacity] of a free id: 1 + the next free one, 0: it is the last; else EDIT_IN_USE */
-	uint32_t *users;     /* [capacity] how many parts, or materials, name it */
-	uint32_t *changed;   /* [changed_count] the ids that have changed, each once */
+	uint32_t *users;     /* [capacity] how many parts, materials or surfaces name it */
+	uint32_t *changed;   /* [changed_count] the ids that have changed, each once; nobody reads that of surfaces, whose
+	                        materials are listed in place of them */
 	uint32_t *slot;      /* [capacity] where in changed an id stands, if it does: changed[slot[id]] is id then */
 	uint32_t changed_count;
 } edit_ids;

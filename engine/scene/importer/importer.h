@@ -192,6 +192,13 @@ static inline uint32_t importer_texture_number(uint32_t index, bool color)
  * the name of the material that uses it. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material, bool color);
 
+/* importer_surface.c: what is shown where the picture of a colour could not be loaded. */
+stilb_scene_surface importer_magenta(void);
+
+/* Makes a material's constants, the means of a surface whose maps name textures by importer_texture_number; colours of
+ * vertices do not count. Its surface is 0. */
+void importer_constants(const importer *import, const stilb_scene_surface *surface, stilb_scene_material *material);
+
 /* importer_picture.c: decodes the file in bytes into a picture of stilb_image_create_shared. name tells TGA files;
  * flags: of stilb_image_import_flags. STILB_ERROR_FILE, STILB_ERROR_MEMORY; image is {0} then. [any-thread] */
 stilb_result importer_decode(const char *name, const importer_bytes *bytes, uint32_t flags, stilb_image *image);

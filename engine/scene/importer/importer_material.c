@@ -1,6 +1,5 @@
 /* Converts materials, metallic-roughness, specular-glossiness or Phong's, to diffuse, specular and roughness. */
 #include "scene/importer/importer.h"
-#include "shading/shade_gltf.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
@@ -232,31 +231,6 @@ static void foreign_lose(const material_reader *reader)
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-/* The material's constants: means over its maps. */
-static void foreign_constants(const material_reader *reader, const importer_texture *base, const importer_texture *glow,
-                              stilb_scene_material *material)
-{
-	const stilb_scene_surface *s = &reader->surface;
-	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
-	for (int i = 0; i < 3; i++)
-		color[i] = s->color[i] * importer_clamp(base ? base->mean[i] : 1.0f, 0.0f, 1.0f);
-	shade_gltf_base mean = s->workflow == STILB_SCENE_METALLIC
-	                           ? shade_gltf_metallic(color, s->metalness, s->roughness,
-	                                                 shade_gltf_dielectric(s->ior, specular, s->specular_weight))
-	                           : shade_gltf_specular(color, specular, 1.0f - s->roughness);
-	const float diffuse[3] = {mean.diffuse[0], mean.diffuse[1], mean.diffuse[2]};
-	const float reflected[3] = {mean.specular[0], mean.specular[1], mean.specular[2]};
-	*material = stilb_scene_material_make(diffuse, reflected, mean.roughness);
-	for (int i = 0; i < 3; i++)
-		material->emission[i] = importer_clamp(s->emission[i] * (glow ? glow->mean[i] : 1.0f), 0.0f, 1e9f);
-}
-
-static const importer_texture *material_picture(const material_reader *reader, stilb_scene_map_kind kind)
-{
-	uint32_t number = reader->surface.maps[kind].texture;
-	return number ? &reader->import->textures[(number - 1) / 2] : NULL;
-}
-
 /* Reads a material, and its surface into reader->surface. */
 static void material_convert(material_reader *reader, stilb_scene_material *material)
 {
@@ -273,15 +247,12 @@ static void material_convert(material_reader *reader, stilb_scene_material *mate
 		material_metallic(reader);
 	else
 		material_classic(reader, base);
-	if (reader->missing_texture && !base) {
-		reader->surface = stilb_scene_surface_make();
-		reader->surface.color[1] = 0.0f;
-		reader->surface.specular_weight = 0.0f;
-	}
+	if (reader->missing_texture && !base)
+		reader->surface = importer_magenta();
 	foreign_map(reader, STILB_SCENE_MAP_NORMAL, aiTextureType_NORMALS, aiTextureType_NORMALS);
 	material_opacity(reader);
 	material_emission(reader);
-	foreign_constants(reader, base, material_picture(reader, STILB_SCENE_MAP_EMISSION), material);
+	importer_constants(reader->import, &reader->surface, material);
 	foreign_lose(reader);
 }
 

@@ -1,9 +1,5 @@
 /* Materials of glTF: metallic-roughness, or the extension specular-glossiness of older files. */
 #include "scene/importer/gltf/gltf.h"
-#include "shading/shade_gltf.h"
-
-#include <math.h>
-#include <string.h>
 
 /* A material while it is read. */
 typedef struct gltf_reader {
@@ -11,7 +7,6 @@ typedef struct gltf_reader {
 	uint32_t item; /* GLTF_NONE: the default one */
 	char name[96];
 	bool missing_color; /* the map of its colour could not be loaded: it becomes magenta */
-	const importer_texture *pictures[STILB_SCENE_MAPS]; /* NULL: it has no such map */
 	stilb_scene_surface surface;
 } gltf_reader;
 
@@ -35,47 +30,7 @@ static void material_map(gltf_reader *reader, const gltf_sets *sets, stilb_scene
 		importer_lose(import, IMPORTER_LOSS_SETS, reader->name);
 		return;
 	}
-	reader->pictures[kind] = &import->textures[picture];
 	map->texture = importer_texture_number(picture, stilb_scene_map_is_color(kind, reader->surface.workflow));
-}
-
-/* ---- constants --------------------------------------------------------------------------------------------------- */
-
-/* The mean of a map's channel, 1 if there is none. stored: of codes as they are, not of the light that they mean. */
-static float material_mean(const gltf_reader *reader, stilb_scene_map_kind kind, int channel, bool stored)
-{
-	const importer_texture *picture = reader->pictures[kind];
-	if (!picture)
-		return 1.0f;
-	return stored || channel == 3 ? picture->stored_mean[channel] : picture->mean[channel];
-}
-
-/* The material's constants: means over its maps. */
-static void material_constants(const gltf_reader *reader, stilb_scene_material *material)
-{
-	const stilb_scene_surface *s = &reader->surface;
-	stilb_scene_map_kind other = STILB_SCENE_MAP_REFLECTION;
-	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
-	shade_gltf_base base;
-	for (int i = 0; i < 3; i++)
-		color[i] = s->color[i] * importer_clamp(material_mean(reader, STILB_SCENE_MAP_COLOR, i, false), 0.0f, 1.0f);
-	if (s->workflow == STILB_SCENE_METALLIC) {
-		float metalness = s->metalness * importer_clamp(material_mean(reader, other, 2, true), 0.0f, 1.0f);
-		float roughness = s->roughness * importer_clamp(material_mean(reader, other, 1, true), 0.0f, 1.0f);
-		base = shade_gltf_metallic(color, metalness, roughness,
-		                           shade_gltf_dielectric(s->ior, specular, s->specular_weight));
-	} else {
-		for (int i = 0; i < 3; i++)
-			specular[i] *= importer_clamp(material_mean(reader, other, i, false), 0.0f, 1.0f);
-		base = shade_gltf_specular(
-			color, specular, (1.0f - s->roughness) * importer_clamp(material_mean(reader, other, 3, true), 0.0f, 1.0f));
-	}
-	const float diffuse[3] = {base.diffuse[0], base.diffuse[1], base.diffuse[2]};
-	const float reflected[3] = {base.specular[0], base.specular[1], base.specular[2]};
-	*material = stilb_scene_material_make(diffuse, reflected, base.roughness);
-	for (int i = 0; i < 3; i++)
-		material->emission[i] =
-			importer_clamp(s->emission[i] * material_mean(reader, STILB_SCENE_MAP_EMISSION, i, false), 0.0f, 1e9f);
 }
 
 /* ---- losses ------------------------------------------------------------------------------------------------------ */
@@ -113,13 +68,9 @@ static void material_read(gltf *from, uint32_t m, stilb_scene_material *material
 			material_map(&reader, &sets, (stilb_scene_map_kind)kind);
 		material_lose(&reader);
 	}
-	material_constants(&reader, material);
-	if (reader.missing_color) {
-		*material = stilb_scene_material_make((float[3]){1, 0, 1}, (float[3]){0}, 1.0f);
-		reader.surface = stilb_scene_surface_make();
-		reader.surface.color[1] = 0.0f;
-		reader.surface.specular_weight = 0.0f;
-	}
+	if (reader.missing_color)
+		reader.surface = importer_magenta();
+	importer_constants(from->import, &reader.surface, material);
 	/* A material has one state of what is culled, and a mirror turns triangles over. */
 	if (from->shown[m] & GLTF_SHOWN_MIRRORED)
 		reader.surface.one_sided = false;

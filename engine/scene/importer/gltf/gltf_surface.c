@@ -6,34 +6,20 @@
 
 /* ---- where maps are ---------------------------------------------------------------------------------------------- */
 
-/* The object and the key of each map's info; "" is the material itself, any other name but PBR an extension's. */
 #define SURFACE_PBR "pbrMetallicRoughness"
 #define SURFACE_GLOSS "KHR_materials_pbrSpecularGlossiness"
-static const struct surface_place {
-	const char *object, *key;
-} surface_places[STILB_SCENE_MAPS] = {
-	[STILB_SCENE_MAP_COLOR] = {SURFACE_PBR, "baseColorTexture"},
-	[STILB_SCENE_MAP_REFLECTION] = {SURFACE_PBR, "metallicRoughnessTexture"},
-	[STILB_SCENE_MAP_NORMAL] = {"", "normalTexture"},
-	[STILB_SCENE_MAP_OCCLUSION] = {"", "occlusionTexture"},
-	[STILB_SCENE_MAP_EMISSION] = {"", "emissiveTexture"},
-	[STILB_SCENE_MAP_CLEARCOAT] = {"KHR_materials_clearcoat", "clearcoatTexture"},
-	[STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS] = {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
-	[STILB_SCENE_MAP_CLEARCOAT_NORMAL] = {"KHR_materials_clearcoat", "clearcoatNormalTexture"},
-	[STILB_SCENE_MAP_SPECULAR] = {"KHR_materials_specular", "specularTexture"},
-	[STILB_SCENE_MAP_SPECULAR_COLOR] = {"KHR_materials_specular", "specularColorTexture"},
-	[STILB_SCENE_MAP_SHEEN_COLOR] = {"KHR_materials_sheen", "sheenColorTexture"},
-	[STILB_SCENE_MAP_SHEEN_ROUGHNESS] = {"KHR_materials_sheen", "sheenRoughnessTexture"},
-	[STILB_SCENE_MAP_ANISOTROPY] = {"KHR_materials_anisotropy", "anisotropyTexture"},
-	[STILB_SCENE_MAP_TRANSMISSION] = {"KHR_materials_transmission", "transmissionTexture"},
-	[STILB_SCENE_MAP_THICKNESS] = {"KHR_materials_volume", "thicknessTexture"},
-};
 
-/* True if pictures show the map; others are not read. */
-static bool surface_shows(stilb_scene_map_kind kind)
-{
-	return kind <= STILB_SCENE_MAP_EMISSION;
-}
+/* The keys of the maps that pictures show; others are not read. */
+static const struct surface_key {
+	const char *key;
+	bool pbr; /* in SURFACE_PBR, not in the material itself */
+} surface_keys[STILB_SCENE_MAPS] = {
+	[STILB_SCENE_MAP_COLOR] = {"baseColorTexture", true},
+	[STILB_SCENE_MAP_REFLECTION] = {"metallicRoughnessTexture", true},
+	[STILB_SCENE_MAP_NORMAL] = {"normalTexture", false},
+	[STILB_SCENE_MAP_OCCLUSION] = {"occlusionTexture", false},
+	[STILB_SCENE_MAP_EMISSION] = {"emissiveTexture", false},
+};
 
 static bool surface_is_glossy(gltf *from, uint32_t item)
 {
@@ -43,19 +29,13 @@ static bool surface_is_glossy(gltf *from, uint32_t item)
 uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 {
 	gltf_json *json = &from->json;
-	const struct surface_place *place = &surface_places[kind];
-	bool glossy = kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item);
-	if (!surface_shows(kind))
+	const struct surface_key *map = &surface_keys[kind];
+	if (!map->key)
 		return GLTF_NONE;
-	if (glossy)
+	if (kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item))
 		return gltf_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
 		                        kind == STILB_SCENE_MAP_COLOR ? "diffuseTexture" : "specularGlossinessTexture");
-	uint32_t object = item;
-	if (strcmp(place->object, SURFACE_PBR) == 0)
-		object = gltf_json_member(json, item, SURFACE_PBR);
-	else if (place->object[0])
-		object = gltf_extension(from, item, place->object);
-	return gltf_json_member(json, object, place->key);
+	return gltf_json_member(json, map->pbr ? gltf_json_member(json, item, SURFACE_PBR) : item, map->key);
 }
 
 /* ---- how they lie ------------------------------------------------------------------------------------------------ */

@@ -1,0 +1,64 @@
+/* What becomes of every surface, whoever read it: magenta if its colour is missing, and its means. */
+#include "scene/importer/importer.h"
+#include "shading/shade_gltf.h"
+
+#include <math.h>
+
+stilb_scene_surface importer_magenta(void)
+{
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	surface.color[1] = 0.0f;
+	surface.specular_weight = 0.0f;
+	return surface;
+}
+
+/* ---- constants --------------------------------------------------------------------------------------------------- */
+
+/* The picture of a map; NULL: the surface has no such map. */
+static const importer_texture *constants_picture(const importer *import, const stilb_scene_map *map)
+{
+	uint32_t index = (map->texture - 1) / 2; /* importer_texture_number */
+	STILB_ASSERT(map->texture == 0 || index < import->texture_count);
+	return map->texture ? &import->textures[index] : NULL;
+}
+
+/* The means of a map's light and of its values as stored, 1 without a map. */
+typedef struct constants_mean {
+	float light[3], stored[4];
+} constants_mean;
+
+static constants_mean constants_mean_of(const importer *import, const stilb_scene_map *map)
+{
+	constants_mean mean = {{1.0f, 1.0f, 1.0f}, {1.0f, 1.0f, 1.0f, 1.0f}};
+	const importer_texture *picture = constants_picture(import, map);
+	for (int i = 0; picture && i < 3; i++)
+		mean.light[i] = importer_clamp(picture->mean[i], 0.0f, 1e9f);
+	for (int i = 0; picture && i < 4; i++)
+		mean.stored[i] = importer_clamp(picture->stored_mean[i], 0.0f, 1.0f);
+	return mean;
+}
+
+void importer_constants(const importer *import, const stilb_scene_surface *s, stilb_scene_material *material)
+{
+	constants_mean of_color = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_COLOR]);
+	constants_mean of_reflection = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_REFLECTION]);
+	constants_mean of_emission = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_EMISSION]);
+	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
+	shade_gltf_base base;
+	for (int i = 0; i < 3; i++)
+		color[i] = s->color[i] * fminf(of_color.light[i], 1.0f);
+	if (s->workflow == STILB_SCENE_METALLIC) {
+		base =
+			shade_gltf_metallic(color, s->metalness * of_reflection.stored[2], s->roughness * of_reflection.stored[1],
+		                        shade_gltf_dielectric(s->ior, specular, s->specular_weight));
+	} else {
+		for (int i = 0; i < 3; i++)
+			specular[i] *= fminf(of_reflection.light[i], 1.0f);
+		base = shade_gltf_specular(color, specular, (1.0f - s->roughness) * of_reflection.stored[3]);
+	}
+	const float diffuse[3] = {base.diffuse[0], base.diffuse[1], base.diffuse[2]};
+	const float reflected[3] = {base.specular[0], base.specular[1], base.specular[2]};
+	*material = stilb_scene_material_make(diffuse, reflected, base.roughness);
+	for (int i = 0; i < 3; i++)
+		material->emission[i] = importer_clamp(s->emission[i] * of_emission.light[i], 0.0f, 1e9f);
+}
