@@ -33,10 +33,10 @@
 #define RENDER_PANORAMA_ROWS 129
 #define RENDER_PANORAMA_WIDTH 2048u /* of the texels at most */
 #define RENDER_PANORAMA_HEIGHT 1024u
-#define RENDER_PANORAMA_FACE 128u /* texels of a side of the cube's first mip */
-#define RENDER_PANORAMA_MIPS 6u   /* shaders/lit.glsl has both, too */
+#define RENDER_PANORAMA_FACE 128u    /* texels of a side of the cube's first mip */
+#define RENDER_PANORAMA_MIPS 6u      /* shaders/lit.glsl has both, too */
 #define RENDER_PANORAMA_CUBE 131040u /* texels of all its mips: 6 (128^2 + 64^2 + ... + 4^2) */
-#define RENDER_PANORAMA_DFG 64u   /* texels of a side of the table of gloss */
+#define RENDER_PANORAMA_DFG 64u      /* texels of a side of the table of gloss */
 
 /* A distant rectangle, in the panorama's own axes: unit direction to its middle, irradiance across its beam, and from
  * its middle to those of two sides, radians (shade_distant_share). */
@@ -50,7 +50,7 @@ typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMN
 /* What devices read, or are sent: this, then texels [height][width][4], half floats of which the fourth is 0. */
 typedef struct render_panorama_light {
 	render_panorama_table table;
-	uint16_t cube[RENDER_PANORAMA_CUBE][4]; /* half floats in the order of numeric_prefilter.h */
+	uint16_t cube[RENDER_PANORAMA_CUBE][4];                    /* half floats in the order of numeric_prefilter.h */
 	uint16_t dfg[RENDER_PANORAMA_DFG][RENDER_PANORAMA_DFG][2]; /* half floats */
 } render_panorama_light;
 
@@ -64,8 +64,8 @@ typedef struct render_panorama {
 	const void *pixels; /* where it lay; NULL: it is made anew, but in use until then */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
-	uint32_t width, height;     /* of the texels */
-	float *dfg;                 /* [DFG][DFG][2] its memory; NULL: none so far */
+	uint32_t width, height; /* of the texels */
+	float *dfg;             /* [DFG][DFG][2] its memory; NULL: none so far */
 	bool dfg_made;
 	render_panorama_work *next; /* NULL: none is being made */
 } render_panorama;

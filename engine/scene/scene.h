@@ -124,8 +124,8 @@ typedef struct stilb_scene_material {
 	float wrap;        /* [0, 1]: how far diffuse light reaches past the border of light and shade; 0: Lambert */
 	float emission[3]; /* radiance from the front in all directions; frames show it, but are not lit by it */
 	uint32_t diffuse_texture; /* 1 + the index in textures of the one that multiplies diffuse; 0: none */
-	uint32_t surface; /* 1 + the index in surfaces of what it has beyond constants, whose means these are then, with
-	                     diffuse_texture 0; 0: nothing */
+	uint32_t surface; /* 1 + an index in surfaces; 0: none. With a surface the constants above are its means, which
+	                     stand for it in pictures of distant models, and diffuse_texture is 0 */
 } stilb_scene_material;
 
 /* ---- light: one list and one surroundings ---------------------------------------------------------------------------
@@ -398,7 +398,7 @@ const char *stilb_scene_builtin_names(void);
  * triangles, materials, textures, lights and cameras, and looks with the first. A file without a camera gets one that
  * sees the whole scene (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer
  * Perspective", ...); a file without any light gets a grey sky. Losses are logged with stilb_log, one line for each
- * kind: a texture that is missing (its material becomes magenta), transparency, normal maps, animations, ...
+ * kind: a texture that is missing (its material becomes magenta), clear coats, transmission, animations, ...
  * (docs/import.md has the list).
  *
  * Files are read by another process, stilb-scene-import: a crash or an endless loop there is an error here. It can read
@@ -553,10 +553,9 @@ void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
 /* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
  * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
- * on both sides. What has no size is 1 m away. Its angle is 0.7 radians, its exposure
- * and its tone are those of scene->camera. The direction of STILB_SCENE_FRAME_YAW and
- * _PITCH is from the front, a little from the right and above. Takes time proportional to the number of triangles.
- * [any-thread] */
+ * on both sides. What has no size is 1 m away. Its angle is 0.7 radians, its exposure and its tone are those of
+ * scene->camera. The direction of STILB_SCENE_FRAME_YAW and _PITCH is from the front, a little from the right and
+ * above. Takes time proportional to the number of triangles. [any-thread] */
 #define STILB_SCENE_FRAME_YAW 0.42f
 #define STILB_SCENE_FRAME_PITCH (-0.31f)
 stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float pitch, float aspect);

@@ -204,8 +204,6 @@ static bool build_material_check(stilb_scene_build *build, const stilb_scene_mat
 		return build_refuse(build, "material %u: there is no texture %u", id, m->diffuse_texture - 1);
 	if (m->surface > build->surfaces.count)
 		return build_refuse(build, "material %u: there is no surface %u", id, m->surface - 1);
-	if (m->surface && m->diffuse_texture)
-		return build_refuse(build, "material %u: it has both a surface and a diffuse_texture", id);
 	return true;
 }
 

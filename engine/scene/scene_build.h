@@ -44,8 +44,8 @@ typedef struct stilb_scene_build stilb_scene_build;
 stilb_scene_build *stilb_scene_build_begin(void);
 
 /* Adds a mesh: triangles of at least one vertex, each index below vertex_count. Positions are finite and within 1e18 m;
- * normals are unit, to 1 %; uv are finite. Tangents are unit, or
- * all 0. Levels, if there are any, are as stilb_scene_level says, at most
+ * normals are unit, to 1 %; uv are finite. Tangents are unit with a fourth number of 1 or -1, or all 0; colours of
+ * vertices are within 0..65504. Levels, if there are any, are as stilb_scene_level says, at most
  * STILB_SCENE_MAX_LEVELS. */
 uint32_t stilb_scene_build_mesh(stilb_scene_build *build, const stilb_scene_mesh *mesh);
 

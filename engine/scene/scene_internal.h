@@ -9,7 +9,7 @@
 stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t mesh_count, uint32_t material_count,
                           stilb_scene **scene);
 
-/* Arrays for textures, cameras and lights in a scene that has none yet, all values zero. STILB_ERROR_MEMORY. */
+/* Arrays for textures, surfaces, cameras and lights in a scene that has none yet, all zeros. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_surfaces(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
@@ -51,13 +51,12 @@ bool scene_mount_light(const stilb_scene_mount *mount, const stilb_mat4 *to_worl
 bool scene_mount_camera(const stilb_scene_mount *mount, const stilb_mat4 *to_world, stilb_scene_camera *camera);
 
 /* True if each node stands after its parent, with finite places, and models, lights and cameras hang on nodes that
- * exist. Not for scenes
- * that were edited. */
+ * exist. Not for scenes that were edited. */
 bool scene_nodes_are_sound(const stilb_scene *scene);
 
 /* True if every index is in range: meshes' triangles, models' parts, parts' meshes and materials, materials' surfaces
- * and textures. Walks the whole scene: for scenes that came from the import process, and for STILB_CHECK when one has
- * been made. */
+ * and textures; and if no surface has a mistake. Walks the whole scene: for scenes that came from the import process,
+ * and for STILB_CHECK when one has been made. */
 bool scene_is_sound(const stilb_scene *scene);
 
 /* True if the mesh and its levels hold whole triangles whose vertices exist. */

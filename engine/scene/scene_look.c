@@ -1,4 +1,4 @@
-/* How a picture for display shows its scene, as its file says. */
+/* The texts in the file of a picture for display: how it shows its scene. */
 #include "scene/scene_look.h"
 #include "shading/shade_tonemap.h"
 

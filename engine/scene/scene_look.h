@@ -36,6 +36,7 @@ extern const char *const stilb_scene_tone_names[];
  * and camera give the same number. Takes 10 to 20 ns a triangle; of more than 2^22 triangles it looks at every second,
  * third, ... [any-thread] STILB_ERROR_MEMORY; then *exposure is 0. */
 stilb_result stilb_scene_meter(const stilb_scene *scene, const stilb_scene_camera *camera, float *exposure);
+
 /* Puts the scene into a studio: a key light from the left and above, a fill light from the right and a rim light from
  * behind, all disks far enough away to be even, with grey surroundings, take the place of its lights and surroundings
  * (`studio` then says so); what is behind the models is a grey that a floor below them darkens with their shadow. A
@@ -53,7 +54,7 @@ void stilb_scene_set_backdrop(stilb_scene *scene, const float color[3]);
  * [one-writer] */
 stilb_result stilb_scene_show_surroundings(stilb_scene *scene, bool blurred);
 
-/* How a picture for display shows a scene, as its file says. */
+/* What is written into the file of a picture for display: how it shows the scene. */
 typedef struct stilb_scene_look {
 	float exposure;        /* stops */
 	uint32_t tone;         /* SHADE_TONE_... */

@@ -454,13 +454,7 @@ static double difference_exact(stilb_render *render, const stilb_scene *scene, u
 /* A day: a sky that grows darker to the zenith over a brown ground, with a sun of half a degree in half of its texel,
  * or without; or a night: three windows of different size and colour, and faint noise. Or a dim sky with a lamp of two
  * degrees that the floor's horizon halves; or light without edges. */
-typedef enum panorama_kind {
-	PANORAMA_EVEN,
-	PANORAMA_SUN,
-	PANORAMA_ROOM,
-	PANORAMA_LOW,
-	PANORAMA_SMOOTH
-} panorama_kind;
+typedef enum panorama_kind { PANORAMA_EVEN, PANORAMA_SUN, PANORAMA_ROOM, PANORAMA_LOW, PANORAMA_SMOOTH } panorama_kind;
 
 static void panorama_texel(panorama_kind kind, uint32_t x, uint32_t y, uint32_t width, uint32_t height, float out[3])
 {
@@ -693,8 +687,7 @@ static void a_metal_ball_stays_dark_in_the_furnace(void **state)
 		((float *)around.panorama.pixels)[i] = 1.0f;
 	stilb_render *render = render_sized(FURNACE_WIDTH, FURNACE_HEIGHT);
 	for (size_t i = 0; i < sizeof roughness / sizeof *roughness; i++) {
-		stilb_scene_material white =
-			stilb_scene_material_make((float[3]){0, 0, 0}, (float[3]){1, 1, 1}, roughness[i]);
+		stilb_scene_material white = stilb_scene_material_make((float[3]){0, 0, 0}, (float[3]){1, 1, 1}, roughness[i]);
 		stilb_scene *scene = furnace_of(&white, NULL, 0, &around);
 		stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
 		stilb_gi_scene *gi;

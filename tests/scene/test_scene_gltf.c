@@ -1,156 +1,15 @@
 /*
  * glTF files with known contents: each feature in a file of its own that the test writes, what is not shown and is
- * named, and files that are damaged in one place. tests/scene/test_scene_import.c has the files of all formats.
+ * named, and files that are damaged in one place. Materials are in test_scene_gltf_materials.c, the files of all
+ * formats in test_scene_import.c.
  */
+#include "glb_made.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/edit/scene_node.h"
-#include "scene/edit/scene_variant.h"
 #include "scene/scene_animation.h"
-#include "support/folder.h"
-#include "support/test.h"
 
-#include <math.h>
 #include <meshoptimizer.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-/* ---- writing ----------------------------------------------------------------------------------------------------- */
-
-static unsigned char data[8192]; /* the file's binary part */
-static size_t data_size;
-static char views[4096]; /* JSON of its buffer views */
-
-/* A new file without data. */
-static void begin(void)
-{
-	data_size = 0;
-	views[0] = '\0';
-}
-
-/* Adds bytes as the next buffer view; rest: further JSON of the view, after a comma, or "". */
-static void put_with(const void *bytes, size_t size, const char *rest)
-{
-	assert_true(data_size + size + 4 <= sizeof data);
-	memcpy(data + data_size, bytes, size);
-	snprintf(views + strlen(views), sizeof views - strlen(views),
-	         "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", views[0] ? "," : "", data_size, size, rest);
-	data_size = (data_size + size + 3) / 4 * 4;
-}
-
-static void put(const void *bytes, size_t size)
-{
-	put_with(bytes, size, "");
-}
-
-static void write_u32(FILE *file, uint32_t value)
-{
-	assert_int_equal(fwrite(&value, sizeof value, 1, file), 1);
-}
-
-/* Writes test.glb: the JSON of everything but asset, buffers and views. */
-static void write_glb(const char *json)
-{
-	char *text;
-	int length =
-		asprintf(&text, "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu}],\"bufferViews\":[%s],%s}",
-	             data_size, views, json);
-	assert_true(length > 0);
-	uint32_t padded = ((uint32_t)length + 3) / 4 * 4;
-	FILE *file = fopen("test.glb", "wb");
-	assert_non_null(file);
-	fputs("glTF", file);
-	write_u32(file, 2);
-	write_u32(file, 12 + 8 + padded + 8 + (uint32_t)data_size);
-	write_u32(file, padded);
-	write_u32(file, 0x4E4F534A);
-	fprintf(file, "%-*s", (int)padded, text);
-	write_u32(file, (uint32_t)data_size);
-	write_u32(file, 0x004E4942);
-	assert_int_equal(fwrite(data, 1, data_size, file), data_size);
-	assert_int_equal(fclose(file), 0);
-	free(text);
-}
-
-static void write_file(const char *name, const void *bytes, size_t size)
-{
-	FILE *file = fopen(name, "wb");
-	assert_non_null(file);
-	assert_int_equal(fwrite(bytes, 1, size, file), size);
-	assert_int_equal(fclose(file), 0);
-}
-
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
-
-static char said[4096]; /* what opening the last file logged */
-
-static stilb_result open_file(const char *name, bool quiet, stilb_scene **scene)
-{
-	FILE *log = tmpfile();
-	assert_non_null(log);
-	int real = dup(STDERR_FILENO);
-	dup2(fileno(log), STDERR_FILENO);
-	stilb_result result = stilb_scene_open_with(name, &(stilb_scene_open_options){.quiet = quiet}, scene);
-	dup2(real, STDERR_FILENO);
-	close(real);
-	ssize_t size = pread(fileno(log), said, sizeof said - 1, 0);
-	said[size > 0 ? size : 0] = '\0';
-	fclose(log);
-	return result;
-}
-
-static stilb_scene *open_glb(const char *json)
-{
-	stilb_scene *scene;
-	write_glb(json);
-	if (open_file("test.glb", false, &scene) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	return scene;
-}
-
-static void assert_said(const char *words)
-{
-	if (!strstr(said, words))
-		fail_msg("'%s' does not say '%s'", said, words);
-}
-
-static void assert_refused(const char *json, const char *words)
-{
-	stilb_scene *scene;
-	write_glb(json);
-	stilb_result result = open_file("test.glb", false, &scene);
-	if (result == STILB_OK || !strstr(stilb_error_message(), words) || strstr(stilb_error_message(), "crashed"))
-		fail_msg("'%s' does not say '%s'", result == STILB_OK ? "it opens" : stilb_error_message(), words);
-	assert_null(scene);
-}
-
-static bool near(float a, float b)
-{
-	return fabsf(a - b) < 1e-5f * fmaxf(1.0f, fabsf(b));
-}
-
-static void assert_numbers(const float *got, const float *wanted, uint32_t count)
-{
-	for (uint32_t i = 0; i < count; i++)
-		if (!near(got[i], wanted[i]))
-			fail_msg("number %u of %u is %g instead of %g", i, count, (double)got[i], (double)wanted[i]);
-}
-
-/* The mesh has these triangles, in this order, by x and y of their corners. */
-static void assert_triangles(const stilb_scene_mesh *mesh, const float (*corners)[2], uint32_t count)
-{
-	assert_int_equal(mesh->index_count, count);
-	for (uint32_t i = 0; i < count; i++)
-		assert_numbers(mesh->vertices[mesh->indices[i]].position, corners[i], 2);
-}
-
-#define NODE "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}]"
-#define TRIANGLE "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]"
-#define VEC3(view) "{\"bufferView\":" #view ",\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"
-
-static const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
 
 /* ---- accessors --------------------------------------------------------------------------------------------------- */
 
@@ -350,105 +209,6 @@ static void instances(void **state)
 	               "accessor 0 has 3 elements for 2 instances");
 }
 
-/* ---- textures ---------------------------------------------------------------------------------------------------- */
-
-/* A PNG of two texels. */
-static void write_picture(const char *name)
-{
-	stilb_image image;
-	assert_int_equal(stilb_image_create(&image, 2, 1, 3, STILB_IMAGE_U8_SRGB), STILB_OK);
-	memcpy(image.pixels, (const uint8_t[]){255, 0, 128, 255, 0, 128}, 6);
-	assert_int_equal(stilb_image_save(&image, name), STILB_OK);
-	stilb_image_finish(&image);
-}
-
-/* KHR_texture_transform by the matrix of its specification: offset * rotation * scale, on the set that it names. */
-static void texture_transforms(void **state)
-{
-	(void)state;
-	static const float sets[2][6] = {{0, 0, 0, 0, 0, 0}, {0.25f, 0.5f, 1, 0, 0, 1}};
-	static const struct {
-		const char *json;
-		float offset[2], angle, scale[2];
-	} rows[] = {
-		{"\"scale\":[2,3]", {0, 0}, 0, {2, 3}},
-		{"\"rotation\":0.5", {0, 0}, 0.5f, {1, 1}},
-		{"\"offset\":[0.125,-4],\"rotation\":-1.25,\"scale\":[-2,0.5]", {0.125f, -4}, -1.25f, {-2, 0.5f}},
-	};
-	write_picture("two words.png");
-	for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
-		char json[1024];
-		begin();
-		put(triangle, sizeof triangle);
-		put(sets, sizeof sets);
-		snprintf(json, sizeof json,
-		         NODE
-		         ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},"
-		         "\"material\":0}]}],\"accessors\":[%s,"
-		         "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
-		         "{\"bufferView\":1,\"byteOffset\":24,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
-		         "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"two%%20words.png\"}],\"materials\":[{"
-		         "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"extensions\":{"
-		         "\"KHR_texture_transform\":{%s,\"texCoord\":1}}}}}]",
-		         VEC3(0), rows[r].json);
-		stilb_scene *scene = open_glb(json);
-		assert_int_equal(scene->texture_count, 1);
-		float c = cosf(rows[r].angle), s = sinf(rows[r].angle);
-		for (uint32_t v = 0; v < 3; v++) {
-			float u = sets[1][2 * v] * rows[r].scale[0], w = sets[1][2 * v + 1] * rows[r].scale[1];
-			const stilb_scene_map *map = &scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR];
-			const float *place = scene->meshes[0].extras[v].uv;
-			float lies[2];
-			for (int i = 0; i < 2; i++) {
-				const float *row = i == 0 ? map->to_u : map->to_v;
-				lies[i] = row[0] * place[0] + row[1] * place[1] + row[2];
-			}
-			assert_int_equal(map->set, 1);
-			/* Counter-clockwise where v points down. */
-			assert_numbers(lies, (const float[]){c * u + s * w + rows[r].offset[0], -s * u + c * w + rows[r].offset[1]},
-			               2);
-		}
-		stilb_scene_destroy(scene);
-	}
-	remove("two words.png");
-}
-
-#define TEXTURED                                                                                                       \
-	NODE "," TRIANGLE_OF_0                                                                                             \
-		 ",\"accessors\":[" VEC3(0) "],\"materials\":[{\"name\":\"paint\","                                            \
-									"\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
-#define TRIANGLE_OF_0 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}]"
-
-static void pictures_of_other_formats(void **state)
-{
-	(void)state;
-	/* Four texels of (255, 0, 128), written by libwebp without loss. */
-	static const uint8_t webp[] = {0x52, 0x49, 0x46, 0x46, 0x1c, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50,
-	                               0x56, 0x50, 0x38, 0x4c, 0x10, 0x00, 0x00, 0x00, 0x2f, 0x01, 0x40, 0x00,
-	                               0x00, 0x07, 0x10, 0xfd, 0x2f, 0x60, 0xff, 0x03, 0x11, 0xd1, 0xff, 0x00};
-	static const uint8_t ktx[] = {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n', 0};
-	begin();
-	put(triangle, sizeof triangle);
-	put(webp, sizeof webp);
-	stilb_scene *scene = open_glb(TEXTURED "\"textures\":[{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}],"
-	                                       "\"images\":[{\"bufferView\":1,\"mimeType\":\"image/webp\"}],"
-	                                       "\"extensionsUsed\":[\"EXT_texture_webp\"]");
-	assert_int_equal(scene->texture_count, 1);
-	assert_int_equal(scene->textures[0].width, 2);
-	assert_memory_equal(scene->textures[0].pixels, ((const uint8_t[]){255, 0, 128}), 3);
-	assert_null(strstr(said, "webp"));
-	stilb_scene_destroy(scene);
-	write_file("cold.ktx2", ktx, sizeof ktx);
-	scene = open_glb(TEXTURED "\"textures\":[{\"extensions\":{\"KHR_texture_basisu\":{\"source\":0}}}],"
-	                          "\"images\":[{\"uri\":\"cold.ktx2\"}]");
-	assert_int_equal(scene->texture_count, 0);
-	assert_numbers(scene->materials[0].diffuse, (const float[]){1, 0, 1}, 3);
-	assert_said("material 'paint': texture 'cold.ktx2': it is KTX2");
-	assert_said("ktx extract --transcode rgba8");
-	stilb_scene_destroy(scene);
-	remove("cold.ktx2");
-}
-
 /* ---- compression ------------------------------------------------------------------------------------------------- */
 
 /* Three views of buffer 1, vertices, triangles and normals; count: of the vertices. */
@@ -559,114 +319,6 @@ static void draco(void **state)
 	assert_refused(DRACO, "compressed by Draco, in buffer view 0: it is damaged");
 }
 
-/* ---- materials --------------------------------------------------------------------------------------------------- */
-
-static void materials(void **state)
-{
-	(void)state;
-	begin();
-	put(triangle, sizeof triangle);
-	stilb_scene *scene = open_glb(NODE ",\"accessors\":[" VEC3(
-		0) "],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}},"
-	       "{\"attributes\":{\"POSITION\":0},\"material\":0},{\"attributes\":{\"POSITION\":0},"
-	       "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2}]}],"
-	       "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":"
-	       "0.25,\"baseColorFactor\":[0.5,0.5,0.5,1]},\"extensions\":{\"KHR_materials_ior\":{"
-	       "\"ior\":3}}},{\"emissiveFactor\":[0.5,1,0],\"extensions\":{"
-	       "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":8},"
-	       "\"KHR_materials_specular\":{\"specularFactor\":0.5,\"specularColorFactor\":[1,0,1]}},"
-	       "\"pbrMetallicRoughness\":{\"metallicFactor\":0}},{\"extensions\":{"
-	       "\"KHR_materials_pbrSpecularGlossiness\":{\"diffuseFactor\":[0.25,0.5,0.125,1],"
-	       "\"specularFactor\":[0.5,0.25,0.25],\"glossinessFactor\":0.75}}}]");
-	assert_int_equal(scene->material_count, 4);
-	const stilb_scene_material *m = scene->materials;
-	assert_int_equal(scene->part_material[0], 3); /* without one: white, metal, rough */
-	assert_numbers(m[3].specular, (const float[]){1, 1, 1}, 3);
-	assert_numbers(&m[3].roughness, (const float[]){1}, 1);
-	assert_numbers(m[0].specular, (const float[]){0.25f, 0.25f, 0.25f}, 3); /* ((3 - 1) / (3 + 1))^2 */
-	assert_numbers(m[0].diffuse, (const float[]){0.375f, 0.375f, 0.375f}, 3);
-	assert_numbers(m[1].emission, (const float[]){4, 8, 0}, 3);
-	assert_numbers(m[1].specular, (const float[]){0.02f, 0, 0.02f}, 3);
-	assert_numbers(m[2].diffuse, (const float[]){0.125f, 0.25f, 0.0625f}, 3); /* what the highlight leaves */
-	assert_numbers(m[2].specular, (const float[]){0.5f, 0.25f, 0.25f}, 3);
-	assert_numbers(&m[2].roughness, (const float[]){0.25f}, 1);
-	stilb_scene_destroy(scene);
-}
-
-static void assert_numbers_of(const stilb_scene_surface *s)
-{
-	assert_numbers(s->color, (const float[]){0.25f, 0.5f, 0.75f, 0.125f}, 4);
-	assert_numbers(s->specular, (const float[]){2, 1, 0.5f}, 3);
-	const float got[] = {s->metalness,
-	                     s->roughness,
-	                     s->specular_weight,
-	                     s->ior,
-	                     s->normal_scale,
-	                     s->occlusion,
-	                     s->cutoff,
-	                     s->clearcoat,
-	                     s->sheen_roughness,
-	                     s->sheen_color[1],
-	                     s->clearcoat_roughness,
-	                     s->transmission};
-	assert_numbers(got, (const float[]){0.25f, 0.75f, 0.5f, 1.25f, -2, 0.375f, 0.875f, 1, 0.25f, 0.5f, 0.625f, 0.0625f},
-	               12);
-	assert_numbers(s->emission, (const float[]){4, 0, 2}, 3);
-	assert_true(s->alpha == STILB_SCENE_MASK && !s->one_sided && s->unlit);
-}
-
-/* Every factor; what is out of its range is brought into it. Vertices' colours, tangents of the file and made ones. */
-static void surfaces(void **state)
-{
-	(void)state;
-	static const char json[] = NODE ",\"accessors\":[" VEC3(
-		0) ","
-		   "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
-		   "{\"bufferView\":2,\"componentType\":5121,\"normalized\":true,\"count\":3,\"type\":\"VEC4\"},"
-		   "{\"bufferView\":3,\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"}," VEC3(
-			   4) "],"
-				  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TEXCOORD_0\":1,\"COLOR_"
-				  "0\":2,"
-				  "\"TANGENT\":3},\"material\":0},{\"attributes\":{\"POSITION\":0,\"NORMAL\":4,\"TEXCOORD_0\":1},"
-				  "\"material\":0},"
-				  "{\"attributes\":{\"POSITION\":0,\"COLOR_0\":2}}]}],"
-				  "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"bump.png\"}],\"materials\":[{"
-				  "\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.75,0.125],\"metallicFactor\":0.25,"
-				  "\"roughnessFactor\":0.75},\"normalTexture\":{\"index\":0,\"scale\":-2},\"occlusionTexture\":{"
-				  "\"index\":0,"
-				  "\"strength\":0.375},\"emissiveFactor\":[1,-3,0.5],\"alphaMode\":\"MASK\",\"alphaCutoff\":0.875,"
-				  "\"doubleSided\":true,\"extensions\":{\"KHR_materials_unlit\":{},\"KHR_materials_emissive_strength\":"
-				  "{"
-				  "\"emissiveStrength\":4},\"KHR_materials_ior\":{\"ior\":1.25},\"KHR_materials_specular\":{"
-				  "\"specularFactor\":0.5,\"specularColorFactor\":[2,1,0.5]},\"KHR_materials_clearcoat\":{"
-				  "\"clearcoatFactor\":7,\"clearcoatRoughnessFactor\":0.625},\"KHR_materials_sheen\":{"
-				  "\"sheenColorFactor\":[0,0.5,0],\"sheenRoughnessFactor\":0.25},\"KHR_materials_transmission\":{"
-				  "\"transmissionFactor\":0.0625}}}]";
-	begin();
-	put(triangle, sizeof triangle);
-	put((const float[]){0, 0, -1, 0, 0, 1}, 24); /* mirrored: u goes along -x */
-	put((const uint8_t[]){255, 0, 51, 255, 0, 0, 0, 0, 255, 255, 255, 255}, 12);
-	put((const float[]){0, 3, 0, 1, 0, 0, 0, 1, 1, 0, 0, -1}, 48);
-	put((const float[]){0, 0, 1, 0, 0, 1, 0, 0, 1}, 36);
-	write_picture("bump.png");
-	stilb_scene *scene = open_glb(json);
-	assert_int_equal(scene->surface_count, 2); /* of the default material, too, for its colours */
-	assert_numbers_of(&scene->surfaces[0]);
-	assert_true(scene->materials[1].surface == 2 && scene->surfaces[1].metalness == 1.0f);
-	const stilb_scene_vertex_extra *given = scene->meshes[0].extras, *made = scene->meshes[1].extras;
-	assert_numbers(given[0].tangent, (const float[]){0, 1, 0, 1}, 4);
-	assert_numbers(given[1].tangent, (const float[]){0, 0, 0, 0}, 4);
-	assert_numbers(given[2].tangent, (const float[]){1, 0, 0, -1}, 4);
-	assert_numbers(given[0].color, (const float[]){1, 0, 0.2f, 1}, 4);
-	assert_numbers(given[1].color, (const float[]){0, 0, 0, 0}, 4);
-	for (uint32_t v = 0; v < 3; v++)
-		assert_numbers(made[v].tangent, (const float[]){-1, 0, 0, 1}, 4);
-	assert_numbers(made[1].color, (const float[]){1, 1, 1, 1}, 4);
-	assert_numbers(scene->meshes[2].extras[0].color, (const float[]){1, 0, 0.2f, 1}, 4);
-	stilb_scene_destroy(scene);
-	remove("bump.png");
-}
-
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
 /* A range ends the light where it says; cones are the cosines of their angles from the axis. */
@@ -730,108 +382,6 @@ static void lights_and_cameras_hang_on_their_nodes(void **state)
 	assert_true(fabsf(camera->yaw - 1.5707963f) < 1e-5f && fabsf(camera->pitch) < 1e-5f && camera->roll == 0.0f);
 	assert_true(camera->fov_y == 0.8f);
 	stilb_scene_destroy(scene);
-}
-
-/* ---- variants ---------------------------------------------------------------------------------------------------- */
-
-#define MAPS(material, variants) "{\"material\":" #material ",\"variants\":[" variants "]}"
-#define HAS_VARIANTS(maps) "\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[" maps "]}}"
-#define VARIANTS "\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"red\"},{\"name\":\"\"},{}]}}"
-
-/* Two nodes show mesh 0: its first primitive has variants 0 and 2, the second, without a material, variant 1. */
-static void variants(void **state)
-{
-	(void)state;
-	static const char json[] =
-		"\"nodes\":[{\"mesh\":0},{\"mesh\":0}],\"scenes\":[{\"nodes\":[0,1]}],"
-		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
-		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0," HAS_VARIANTS(MAPS(
-			1,
-			"2,0")) "},{\"attributes\":{\"POSITION\":0}," HAS_VARIANTS(MAPS(2,
-	                                                                        "1")) "}]}],"
-																				  "\"materials\":[{},{},{}]," VARIANTS;
-	static const char wrong[] =
-		NODE "," VARIANTS ",\"materials\":[{}],"
-			 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}],"
-			 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}," HAS_VARIANTS(MAPS(0, "3")) "}]}]";
-	begin();
-	put(triangle, sizeof triangle);
-	stilb_scene *scene = open_glb(json);
-	static const uint32_t wanted[4][4] = {{0, 3, 0, 3}, {1, 3, 1, 3}, {0, 2, 0, 2}, {1, 3, 1, 3}};
-	const stilb_scene_variants *found = scene->variants;
-	assert_non_null(found);
-	assert_int_equal(found->count, 3);
-	assert_int_equal(found->part_count, 4);
-	assert_string_equal(found->names[0], "red");
-	assert_string_equal(found->names[2], "number 2");
-	assert_memory_equal(found->materials, wanted, sizeof wanted);
-	for (uint32_t v = 0; v < 4; v++) {
-		uint64_t models = stilb_scene_revisions_read(scene).models;
-		stilb_scene_changes_clear(scene);
-		assert_int_equal(stilb_scene_show_variant(scene, v), STILB_OK);
-		assert_int_equal(found->shown, v);
-		assert_true((scene->moved_count > 0) == (v > 0)); /* frames must draw these models anew */
-		assert_true((stilb_scene_revisions_read(scene).models > models) == (v > 0));
-		assert_memory_equal(scene->part_material, wanted[v], sizeof wanted[v]);
-	}
-	assert_int_equal(stilb_scene_show_variant(scene, 4), STILB_ERROR_ARGUMENT);
-	assert_int_equal(stilb_scene_show_variant_named(scene, "blue"), STILB_ERROR_ARGUMENT);
-	assert_string_equal(stilb_error_message(),
-	                    "there is no variant 'blue' of its materials; there are 'red', 'number 1', 'number 2'");
-	/* What edits have changed stays, and a material that a part shows cannot be removed. */
-	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
-	assert_int_equal(stilb_scene_set_part(scene, 1, 0, (stilb_scene_build_part){0, 2}), STILB_OK);
-	assert_int_equal(stilb_scene_remove_material(scene, 1), STILB_OK);
-	assert_int_equal(stilb_scene_show_variant_named(scene, "red"), STILB_ERROR_ARGUMENT);
-	assert_non_null(strstr(stilb_error_message(), "material 1 was removed"));
-	assert_int_equal(stilb_scene_show_variant(scene, 2), STILB_OK);
-	assert_memory_equal(scene->part_material, ((const uint32_t[]){0, 2, 2, 2}), 16);
-	assert_int_equal(stilb_scene_remove_material(scene, 2), STILB_ERROR_ARGUMENT);
-	assert_int_equal(stilb_scene_remove_model(scene, 0), STILB_OK);
-	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
-	assert_int_equal(scene->part_material[0], STILB_SCENE_NONE);
-	assert_int_equal(scene->part_material[3], 3);
-	stilb_scene_destroy(scene);
-	assert_int_equal(stilb_scene_open("cornell", &scene), STILB_OK);
-	assert_int_equal(stilb_scene_show_variant(scene, 0), STILB_OK);
-	assert_int_equal(stilb_scene_show_variant_named(scene, "red"), STILB_ERROR_ARGUMENT);
-	stilb_scene_destroy(scene);
-	assert_refused(wrong, "it names variant 3, but there are 3");
-}
-
-/* A mesh has one set of texture coordinates: of the first material that draws a texture. */
-static void variants_share_their_coordinates(void **state)
-{
-	(void)state;
-	static const char json[] =
-		NODE ",\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-			 "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"},"
-			 "{\"bufferView\":1,\"byteOffset\":24,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
-			 "\"meshes\":[{\"name\":\"shoe\",\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,"
-			 "\"TEXCOORD_1\":2},\"material\":0," HAS_VARIANTS(MAPS(1, "0") "," MAPS(
-				 2, "1")) "}]}],"
-						  "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"paint.png\"}],\"materials\":[{},"
-						  "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}}},"
-						  "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]," VARIANTS;
-	begin();
-	put(triangle, sizeof triangle);
-	put((const float[]){0, 0, 0, 0, 0, 0, 0.25f, 0.5f, 1, 0, 0, 1}, 48);
-	write_picture("paint.png");
-	stilb_scene *scene = open_glb(json);
-	assert_numbers(scene->meshes[0].vertices[0].uv, (const float[]){0, 0}, 2);
-	assert_numbers(scene->meshes[0].extras[0].uv, (const float[]){0.25f, 0.5f}, 2);
-	assert_int_equal(scene->surfaces[0].maps[STILB_SCENE_MAP_COLOR].set, 1);
-	assert_int_equal(scene->surfaces[1].maps[STILB_SCENE_MAP_COLOR].set, 0);
-	assert_null(strstr(said, "textures of variants"));
-	stilb_scene_destroy(scene);
-	/* A third uv: vertices have two. */
-	char third[2048];
-	const char *at = strstr(json, "\"texCoord\":1");
-	snprintf(third, sizeof third, "%.*s\"texCoord\":2%s", (int)(at - json), json, at + strlen("\"texCoord\":1"));
-	scene = open_glb(third);
-	assert_said("textures of variants lie on the uv of the first: 1 mesh ('shoe')");
-	stilb_scene_destroy(scene);
-	remove("paint.png");
 }
 
 /* ---- what moves -------------------------------------------------------------------------------------------------- */
@@ -1218,13 +768,6 @@ static void buffers_by_any_name(void **state)
 	remove("named.gltf");
 }
 
-static int clear_and_remove(void **state)
-{
-	(void)state;
-	remove("test.glb");
-	return folder_remove();
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -1234,16 +777,10 @@ int main(void)
 		cmocka_unit_test(normals),
 		cmocka_unit_test(scenes_and_nodes),
 		cmocka_unit_test(instances),
-		cmocka_unit_test(texture_transforms),
-		cmocka_unit_test(pictures_of_other_formats),
 		cmocka_unit_test(meshopt),
 		cmocka_unit_test(draco),
-		cmocka_unit_test(materials),
-		cmocka_unit_test(surfaces),
 		cmocka_unit_test(lights),
 		cmocka_unit_test(lights_and_cameras_hang_on_their_nodes),
-		cmocka_unit_test(variants),
-		cmocka_unit_test(variants_share_their_coordinates),
 		cmocka_unit_test(clips_skins_and_targets_are_kept),
 		cmocka_unit_test(damaged_motion_is_left_out),
 		cmocka_unit_test(what_is_not_shown_is_named),
@@ -1251,5 +788,5 @@ int main(void)
 		cmocka_unit_test(damaged_containers_are_refused),
 		cmocka_unit_test(buffers_by_any_name),
 	};
-	return cmocka_run_group_tests(tests, folder_make, clear_and_remove);
+	return cmocka_run_group_tests(tests, folder_make, glb_clear);
 }

@@ -100,7 +100,7 @@ extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: ver
 /* [1: highlights mirror the panorama] */
 extern const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES];
 /* Of meshes with maps: [1: vertices have extras]. Where depth alone is drawn those with a mask have _depth. */
-extern const stilb_gpu_shader render_maps_vertex[2][2];   /* [1: vertices are packed] */
+extern const stilb_gpu_shader render_maps_vertex[2][2];      /* [1: vertices are packed] */
 extern const stilb_gpu_shader render_maps_fragment[2][2][2]; /* [1: see _mesh_fragment][1: a mask, several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
@@ -209,10 +209,10 @@ typedef struct render_frame_target {
 
 /* The frame that is being made. */
 typedef struct render_frame {
-	uint16_t picture; /* resource of the plan */
-	bool begun;       /* the plan has been begun */
-	bool ended;       /* all scene passes are there, and what makes the picture of them */
-	bool shown;       /* picture has content: of targets, or of 2D passes */
+	uint16_t picture;   /* resource of the plan */
+	bool begun;         /* the plan has been begun */
+	bool ended;         /* all scene passes are there, and what makes the picture of them */
+	bool shown;         /* picture has content: of targets, or of 2D passes */
 	uint16_t cube, dfg; /* resources of the plan: render_device's; 0: no pass reads them */
 	uint32_t views;     /* of slot.views that are in use */
 	uint32_t backdrops;
@@ -243,10 +243,10 @@ typedef struct render_device {
 	stilb_gpu_image cube, next_cube;       /* render_panorama_light.cube; likewise */
 	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
-	render_device_texture *textures;       /* [STILB_RENDER_MAX_TEXTURES] */
-	render_device_maps *maps;              /* [RENDER_MAX_MAPS] */
-	stilb_gpu_sampler sampler;             /* of all textures: linear, repeated, no mip levels */
-	stilb_gpu_sampler linear;              /* clamped */
+	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
+	render_device_maps *maps;        /* [RENDER_MAX_MAPS] */
+	stilb_gpu_sampler sampler;       /* of all textures: linear, repeated, no mip levels */
+	stilb_gpu_sampler linear;        /* clamped */
 	render_programs programs;
 
 	render_frame frame;

@@ -426,8 +426,8 @@ static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 	row->use_count = 2;
 	row->uses[0] = (stilb_gpu_use){
 		.resource = frame->cube, .how = STILB_GPU_USE_SAMPLED, .slot = 0, .sampler = device->cube_sampler.id};
-	row->uses[1] = (stilb_gpu_use){
-		.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
+	row->uses[1] =
+		(stilb_gpu_use){.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
 }
 
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */

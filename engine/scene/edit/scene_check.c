@@ -111,8 +111,6 @@ static stilb_result check_levels(const stilb_scene_mesh *mesh, uint32_t id)
 	return mesh->morph ? check_morph(mesh, id) : STILB_OK;
 }
 
-#define SCENE_BRIGHTEST_COLOR 65504.0f /* the largest half: devices have colours of vertices as such */
-
 static bool extra_is_good(const stilb_scene_vertex_extra *extra)
 {
 	const float *t = extra->tangent;
@@ -126,8 +124,9 @@ stilb_result scene_check_extras(const stilb_scene_mesh *mesh, uint32_t id)
 	for (uint32_t v = 0; v < mesh->vertex_count; v++)
 		if (!extra_is_good(&mesh->extras[v]))
 			return stilb_fail(STILB_ERROR_ARGUMENT,
-			                  "mesh %u: vertex %u has a tangent that is not unit, or a uv or colour that is not finite",
-			                  id, v);
+			                  "mesh %u: vertex %u has a tangent that is not unit with w 1 or -1, a uv that is not "
+			                  "finite, or a colour that is not within 0..%g",
+			                  id, v, (double)SCENE_BRIGHTEST_COLOR);
 	return STILB_OK;
 }
 
@@ -192,6 +191,8 @@ stilb_result scene_check_material(const stilb_scene_material *m, uint32_t id)
 		                  (double)m->anisotropy);
 	if (!scene_is_within(m->emission, 3, 0.0f, FLT_MAX))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: emission is negative or not finite", id);
+	if (m->surface && m->diffuse_texture)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: it has both a surface and a diffuse_texture", id);
 	return STILB_OK;
 }
 

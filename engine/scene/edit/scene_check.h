@@ -5,7 +5,8 @@
 
 #include "scene/scene.h"
 
-#define SCENE_FAR 1e18f /* metres: the square of a larger coordinate overflows */
+#define SCENE_FAR 1e18f                /* metres: the square of a larger coordinate overflows */
+#define SCENE_BRIGHTEST_COLOR 65504.0f /* the largest half: devices have colours of vertices as such */
 
 /* True if low <= v <= high for all values; false for NaN. */
 static inline bool scene_is_within(const float *values, int count, float low, float high)
@@ -27,13 +28,14 @@ stilb_result scene_check_pose(const stilb_scene_pose *pose, uint32_t id);
 
 /* Vertices `first` .. first + count - 1 of mesh `id`. */
 stilb_result scene_check_vertices(const stilb_scene_vertex *vertices, uint32_t first, uint32_t count, uint32_t id);
+
 /* The extras of mesh `id`, which has some. */
 stilb_result scene_check_extras(const stilb_scene_mesh *mesh, uint32_t id);
 stilb_result scene_check_mesh(const stilb_scene_mesh *mesh, uint32_t id);
 /* Its clusters, if it has some. */
 stilb_result scene_check_clusters(const stilb_scene_mesh *mesh, uint32_t id);
 stilb_result scene_check_texture(const stilb_image *image, uint32_t id);
-/* Does not look at diffuse_texture and surface. */
+/* Does not look whether its texture and its surface exist. */
 stilb_result scene_check_material(const stilb_scene_material *material, uint32_t id);
 
 /* Its textures are below texture_count. */

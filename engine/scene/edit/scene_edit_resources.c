@@ -231,8 +231,6 @@ static stilb_result edit_material_check(const stilb_scene *scene, const stilb_sc
 	if (result == STILB_OK && material->surface &&
 	    !scene_edit_has(&scene->edits->surfaces, scene->surface_count, material->surface - 1))
 		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: there is no surface %u", id, material->surface - 1);
-	if (result == STILB_OK && material->surface && texture)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "material %u: it has both a surface and a diffuse_texture", id);
 	return result;
 }
 
@@ -299,7 +297,7 @@ stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id)
 
 static stilb_result edit_surface_check(const stilb_scene *scene, const stilb_scene_surface *surface, uint32_t id)
 {
-	stilb_result result = scene_check_surface(surface, scene->texture_count, id);
+	stilb_result result = scene_check_surface(surface, UINT32_MAX, id); /* which textures there are is asked below */
 	for (int i = 0; result == STILB_OK && i < STILB_SCENE_MAPS; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		if (texture && !scene_edit_has(&scene->edits->textures, scene->texture_count, texture - 1))
@@ -309,7 +307,7 @@ static stilb_result edit_surface_check(const stilb_scene *scene, const stilb_sce
 	return result;
 }
 
-/* Replaces a surface, and counts who names which texture. NULL: by one that is all zeros. */
+/* Replaces a surface, and counts who names which texture. */
 static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface)
 {
 	stilb_scene_surface *at = &scene->surfaces[id];
@@ -317,10 +315,10 @@ static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_
 	for (int i = 0; i < STILB_SCENE_MAPS; i++) {
 		if (at->maps[i].texture)
 			users[at->maps[i].texture - 1]--;
-		if (surface && surface->maps[i].texture)
+		if (surface->maps[i].texture)
 			users[surface->maps[i].texture - 1]++;
 	}
-	*at = surface ? *surface : (stilb_scene_surface){0};
+	*at = *surface;
 	for (uint32_t m = 0; scene->edits->surfaces.users[id] > 0 && m < scene->material_count; m++)
 		if (scene->materials[m].surface == id + 1)
 			scene_edit_changed(&scene->edits->materials, m);
@@ -365,7 +363,7 @@ stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id)
 	if (result == STILB_OK)
 		result = edit_give_back(&scene->edits->surfaces, scene->surface_count, id, "material");
 	if (result == STILB_OK)
-		edit_surface_put(scene, id, NULL);
+		edit_surface_put(scene, id, &(stilb_scene_surface){0});
 	return result;
 }
 

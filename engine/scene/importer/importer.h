@@ -33,7 +33,7 @@ typedef struct importer_texture {
 	float stored_mean[4]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours.
 	                         The fourth is alpha's */
 	char trouble[256];    /* why it could not be loaded */
-	bool warned;          /* the user was warned of the trouble */
+	bool warned[2];       /* the user was warned of the trouble, as data and as a colour */
 	stilb_image_format format; /* of its image, once that is taken */
 	uint32_t taken[2];         /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
 
@@ -46,6 +46,7 @@ typedef struct importer_texture {
 /* What of a file is not shown. The words are in importer_loss.c. */
 typedef enum importer_loss {
 	IMPORTER_LOSS_CUTOUTS,
+	IMPORTER_LOSS_UNSEEN,
 	IMPORTER_LOSS_NORMAL_MAPS,
 	IMPORTER_LOSS_OCCLUSION_MAPS,
 	IMPORTER_LOSS_METAL_MAPS,
@@ -192,8 +193,9 @@ static inline uint32_t importer_texture_number(uint32_t index, bool color)
  * the name of the material that uses it. */
 uint32_t importer_texture_of(importer *import, const char *name, const char *material, bool color);
 
-/* importer_surface.c: what is shown where the picture of a colour could not be loaded. */
-stilb_scene_surface importer_magenta(void);
+/* importer_surface.c: makes a surface, the picture of whose colour could not be loaded, magenta. It keeps its emission,
+ * alpha and normals. */
+void importer_magenta(stilb_scene_surface *surface);
 
 /* Makes a material's constants, the means of a surface whose maps name textures by importer_texture_number; colours of
  * vertices do not count. Its surface is 0. */

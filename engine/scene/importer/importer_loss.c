@@ -8,10 +8,11 @@ static const struct importer_loss_words {
 	const char *of;
 } importer_loss_words[IMPORTER_LOSSES] = {
 	[IMPORTER_LOSS_CUTOUTS] = {"surfaces cut out by a picture of their own are shown whole", "material"},
+	[IMPORTER_LOSS_UNSEEN] = {"surfaces of opacity 0 are not seen", "material"},
 	[IMPORTER_LOSS_NORMAL_MAPS] = {"bump maps of heights are not shown", "material"},
 	[IMPORTER_LOSS_OCCLUSION_MAPS] = {"occlusion maps are not shown", "material"},
 	[IMPORTER_LOSS_METAL_MAPS] = {"maps of metalness and roughness count by their mean", "material"},
-	[IMPORTER_LOSS_SPECULAR_MAPS] = {"maps of specular reflection count by their mean or not at all", "material"},
+	[IMPORTER_LOSS_SPECULAR_MAPS] = {"maps of specular reflection are not shown", "material"},
 	[IMPORTER_LOSS_VARIANT_MAPPINGS] = {"textures of variants lie on the uv of the first", "mesh"},
 	[IMPORTER_LOSS_SETS] = {"of maps on three and more uv, those on the highest are left out", "material"},
 	[IMPORTER_LOSS_LINES] = {"points and lines are not drawn", "mesh"},

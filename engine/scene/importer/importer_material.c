@@ -1,4 +1,4 @@
-/* Converts materials, metallic-roughness, specular-glossiness or Phong's, to diffuse, specular and roughness. */
+/* Makes surfaces of Assimp's materials, metallic-roughness, specular-glossiness or Phong's, and constants of these. */
 #include "scene/importer/importer.h"
 
 #include <assimp/GltfMaterial.h>
@@ -180,11 +180,15 @@ static void material_opacity(material_reader *reader)
 	s->color[3] = importer_clamp(opacity, 0.0f, 1.0f);
 	if (s->color[3] < 1.0f)
 		s->alpha = STILB_SCENE_BLEND;
+	if (s->color[3] == 0.0f)
+		importer_lose(reader->import, IMPORTER_LOSS_UNSEEN, reader->name.data);
 	if (aiGetMaterialTexture(reader->from, aiTextureType_OPACITY, 0, &path, NULL, NULL, NULL, NULL, NULL, NULL) ==
 	    aiReturn_SUCCESS) {
-		bool same = aiGetMaterialTexture(reader->from, aiTextureType_DIFFUSE, 0, &of_color, NULL, NULL, NULL, NULL,
-		                                 NULL, NULL) == aiReturn_SUCCESS &&
-		            strcmp(path.data, of_color.data) == 0;
+		bool same = false;
+		for (int i = 0; !same && i < 2; i++)
+			same = aiGetMaterialTexture(reader->from, i == 0 ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE, 0,
+			                            &of_color, NULL, NULL, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS &&
+			       strcmp(path.data, of_color.data) == 0;
 		if (same && s->alpha == STILB_SCENE_OPAQUE)
 			s->alpha = STILB_SCENE_MASK;
 		if (!same)
@@ -248,7 +252,7 @@ static void material_convert(material_reader *reader, stilb_scene_material *mate
 	else
 		material_classic(reader, base);
 	if (reader->missing_texture && !base)
-		reader->surface = importer_magenta();
+		importer_magenta(&reader->surface);
 	foreign_map(reader, STILB_SCENE_MAP_NORMAL, aiTextureType_NORMALS, aiTextureType_NORMALS);
 	material_opacity(reader);
 	material_emission(reader);

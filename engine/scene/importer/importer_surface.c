@@ -4,12 +4,16 @@
 
 #include <math.h>
 
-stilb_scene_surface importer_magenta(void)
+void importer_magenta(stilb_scene_surface *surface)
 {
-	stilb_scene_surface surface = stilb_scene_surface_make();
-	surface.color[1] = 0.0f;
-	surface.specular_weight = 0.0f;
-	return surface;
+	surface->workflow = STILB_SCENE_METALLIC;
+	surface->color[0] = surface->color[2] = 1.0f;
+	surface->color[1] = 0.0f;
+	surface->metalness = 0.0f;
+	surface->roughness = 1.0f;
+	surface->specular_weight = 0.0f;
+	surface->maps[STILB_SCENE_MAP_COLOR].texture = 0;
+	surface->maps[STILB_SCENE_MAP_REFLECTION].texture = 0;
 }
 
 /* ---- constants --------------------------------------------------------------------------------------------------- */

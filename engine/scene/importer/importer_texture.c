@@ -66,26 +66,38 @@ static int texture_channel(const stilb_image *image, int i)
 	return image->channels < 3 ? 0 : i;
 }
 
-/* The means of a picture of 8-bit codes, by a histogram. */
+/* The means of one channel of a picture of 8-bit codes, by a histogram. light: as light; NULL: not asked for. */
+static float texture_average_channel(const stilb_image *image, int channel, float *light)
+{
+	size_t count = (size_t)image->width * image->height;
+	const uint8_t *code = (const uint8_t *)image->pixels + channel;
+	uint64_t times[256] = {0};
+	double sum = 0, stored = 0;
+	for (size_t p = 0; p < count; p++, code += image->channels)
+		times[*code]++;
+	for (int c = 0; c < 256; c++) {
+		stored += (double)times[c] * c / 255.0;
+		if (light && times[c])
+			sum += (double)times[c] * (double)shade_srgb_to_linear((float)c / 255.0f);
+	}
+	if (light)
+		*light = (float)(sum / (double)count);
+	return (float)(stored / (double)count);
+}
+
+/* The means of a picture of 8-bit codes. */
 static void texture_average_codes(importer_texture *texture)
 {
 	const stilb_image *image = &texture->image;
 	STILB_ASSERT(image->format == STILB_IMAGE_U8_SRGB && image->pixels);
-	size_t count = (size_t)image->width * image->height;
 	for (int i = 0; i < 4; i++) {
-		uint64_t times[256] = {0};
-		double sum = 0, stored = 0;
 		int channel = texture_channel(image, i);
-		const uint8_t *code = (const uint8_t *)image->pixels + (channel < 0 ? 0 : channel);
-		for (size_t p = 0; channel >= 0 && p < count; p++, code += image->channels)
-			times[*code]++;
-		for (int c = 0; c < 256; c++) {
-			sum += (double)times[c] * (double)shade_srgb_to_linear((float)c / 255.0f);
-			stored += (double)times[c] * c / 255.0;
-		}
-		if (i < 3)
-			texture->mean[i] = (float)(sum / (double)count);
-		texture->stored_mean[i] = channel < 0 ? 1.0f : (float)(stored / (double)count);
+		bool again = i > 0 && channel == texture_channel(image, i - 1); /* grey */
+		if (i < 3 && again)
+			texture->mean[i] = texture->mean[i - 1];
+		texture->stored_mean[i] = channel < 0 ? 1.0f
+		                          : again     ? texture->stored_mean[i - 1]
+		                                  : texture_average_channel(image, channel, i < 3 ? &texture->mean[i] : NULL);
 	}
 }
 
@@ -256,10 +268,10 @@ bool importer_texture_is_there(importer *import, uint32_t index, const char *mat
 {
 	STILB_ASSERT(index < import->texture_count);
 	importer_texture *texture = &import->textures[index];
-	if (!texture->image.pixels && !texture->warned)
+	if (!texture->image.pixels && !texture->warned[color])
 		importer_warn("material '%s': texture '%s': %s; %s", material, texture->name, texture->trouble,
 		              color ? "the material becomes magenta" : "it is left out");
-	texture->warned |= !texture->image.pixels;
+	texture->warned[color] |= !texture->image.pixels;
 	return texture->image.pixels;
 }
 

@@ -266,8 +266,7 @@ static stilb_result stream_check(const stilb_scene *scene)
 	if (!scene_is_sound(scene))
 		return scene_stream_wrong("indices or surfaces");
 	for (uint32_t m = 0; m < scene->material_count; m++)
-		if (scene_check_material(&scene->materials[m], m) != STILB_OK ||
-		    (scene->materials[m].surface && scene->materials[m].diffuse_texture))
+		if (scene_check_material(&scene->materials[m], m) != STILB_OK)
 			return scene_stream_wrong("materials");
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		if (scene->meshes[m].extras && scene_check_extras(&scene->meshes[m], m) != STILB_OK)
@@ -282,12 +281,18 @@ static stilb_result stream_check(const stilb_scene *scene)
 /* The least that a stream with these counts has: what is allocated for them is not much more. */
 static uint64_t stream_bytes_of(const stream_counts *counts)
 {
-	return counts->models * (4ull * sizeof(float) + sizeof(uint32_t)) +
-	       counts->parts * (2ull * sizeof(uint32_t) + sizeof(stilb_mat4)) + counts->meshes * 3ull * sizeof(uint32_t) +
-	       counts->materials * (uint64_t)sizeof(stilb_scene_material) +
-	       counts->surfaces * (uint64_t)sizeof(stilb_scene_surface) +
-	       counts->lights * (uint64_t)sizeof(stilb_scene_light) +
-	       counts->cameras * (uint64_t)sizeof(stilb_scene_named_camera);
+	stilb_scene counted = {.model_count = counts->models,
+	                       .part_count = counts->parts,
+	                       .material_count = counts->materials,
+	                       .surface_count = counts->surfaces,
+	                       .light_count = counts->lights,
+	                       .camera_count = counts->cameras};
+	stream_array arrays[STREAM_ARRAYS];
+	stream_arrays(&counted, arrays);
+	uint64_t bytes = counts->meshes * (uint64_t)(3 * sizeof(uint32_t));
+	for (int i = 0; i < STREAM_ARRAYS; i++)
+		bytes += arrays[i].size;
+	return bytes;
 }
 
 static stilb_result stream_read_scene(scene_stream *stream, stilb_image *textures, uint32_t count, stilb_scene **out)

@@ -191,17 +191,18 @@ uint32_t gltf_texture_picture(gltf *from, uint32_t info);
 /* What a material needs of vertices. */
 typedef struct gltf_sets {
 	uint32_t set[2];        /* the attributes TEXCOORD_<n> of the two uv that vertices have; GLTF_NONE: none */
-	bool normals;           /* it has a map of normals, */
-	stilb_scene_map normal; /* which lies so */
-	bool second;            /* a map lies on the second uv */
+	bool any;               /* it has maps */
+	bool second;            /* one of them lies on the second uv */
+	bool normals;           /* one of them is of normals */
+	stilb_scene_map normal; /* how that lies */
 } gltf_sets;
 
-/* gltf_surface.c: 0 and 1 if maps lie on these alone, else the lowest two of those that its maps lie on. material: of
- * the file; GLTF_NONE: the default one. */
+/* gltf_surface.c: the uv 0 and 1 if all maps lie on these, else the lowest two that maps lie on. material: of the file;
+ * GLTF_NONE: the default one. */
 gltf_sets gltf_material_sets(gltf *from, uint32_t material);
 
-/* The token of the texture info of a material's map; GLTF_NONE: there is none, or it is of a kind that is not shown.
- * item: the material's token. */
+/* The token of the texture info of a material's map; GLTF_NONE: there is none, or nothing of it is shown. item: the
+ * material's token. */
 uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind);
 
 /* Reads how a map lies, but not its texture. False: it lies on a uv that vertices do not have. */

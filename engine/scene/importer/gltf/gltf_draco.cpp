@@ -37,7 +37,9 @@ static const char *draco_take_values(const draco::Mesh &from, gltf_draco_values 
 	const draco::PointAttribute *attribute = from.GetAttributeByUniqueId(values->id);
 	if (!attribute || !attribute->buffer() || attribute->size() == 0)
 		return "it lacks an attribute that the file names";
-	size_t components = values->components;
+	size_t components = values->components, stored = size_t(attribute->num_components());
+	if (stored < components && !(values->alpha && stored == 3))
+		return "an attribute has too few numbers a point";
 	values->data = static_cast<float *>(std::calloc(from.num_points() * components + 1, sizeof(float)));
 	if (!values->data)
 		throw std::bad_alloc();
@@ -47,8 +49,8 @@ static const char *draco_take_values(const draco::Mesh &from, gltf_draco_values 
 		    !attribute->ConvertValue<float>(index, static_cast<int8_t>(components),
 		                                    values->data + p.value() * components))
 			return "the values of a point do not exist";
-		for (size_t c = size_t(attribute->num_components()); c < components; c++)
-			values->data[p.value() * components + c] = 1.0f; // alpha, which colours may lack
+		if (stored < components)
+			values->data[p.value() * components + 3] = 1.0f;
 	}
 	return nullptr;
 }

@@ -22,6 +22,7 @@ typedef struct gltf_draco_values {
 	bool wanted;
 	uint32_t id;         /* the library's unique id, as the glTF file names it */
 	uint32_t components; /* of a point */
+	bool alpha;          /* a fourth one that is missing is 1 */
 	float *data;         /* out: [points][components], normalised integers scaled; NULL: not wanted */
 } gltf_draco_values;
 

@@ -35,20 +35,14 @@ static void material_map(gltf_reader *reader, const gltf_sets *sets, stilb_scene
 
 /* ---- losses ------------------------------------------------------------------------------------------------------ */
 
-/* Counts what of the material is not shown. */
+/* Counts what of the material is not shown, of the extensions that are read. */
 static void material_lose(gltf_reader *reader)
 {
 	gltf *from = reader->from;
-	importer *import = from->import;
-	const stilb_scene_surface *s = &reader->surface;
 	uint32_t specular = gltf_extension(from, reader->item, "KHR_materials_specular");
 	if (gltf_json_member(&from->json, specular, "specularTexture") != GLTF_NONE ||
 	    gltf_json_member(&from->json, specular, "specularColorTexture") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
-	if (s->clearcoat > 0.0f || s->sheen_color[0] + s->sheen_color[1] + s->sheen_color[2] > 0.0f)
-		importer_lose(import, IMPORTER_LOSS_COATS, reader->name);
-	if (s->transmission > 0.0f)
-		importer_lose(import, IMPORTER_LOSS_TRANSMISSION, reader->name);
+		importer_lose(from->import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
 }
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
@@ -69,9 +63,9 @@ static void material_read(gltf *from, uint32_t m, stilb_scene_material *material
 		material_lose(&reader);
 	}
 	if (reader.missing_color)
-		reader.surface = importer_magenta();
+		importer_magenta(&reader.surface);
 	importer_constants(from->import, &reader.surface, material);
-	/* A material has one state of what is culled, and a mirror turns triangles over. */
+	/* A mirror turns triangles over, and frames cull by material: every model with this one is seen from both sides. */
 	if (from->shown[m] & GLTF_SHOWN_MIRRORED)
 		reader.surface.one_sided = false;
 	if (surface)

@@ -171,7 +171,8 @@ static stilb_result mesh_add_node(gltf *from, gltf_node *node, mesh_models *made
 	for (uint64_t i = 0; result == STILB_OK && i < instances.count; i++) {
 		bool finite = mesh_instance(&instances, i, &own, &to_world);
 		from->import->bad_nodes += !finite && !scene;
-		for (uint32_t p = first; scene && finite && mesh_mirrors(&to_world) && p < end; p++)
+		bool mirrored = scene && finite && mesh_mirrors(&to_world);
+		for (uint32_t p = first; mirrored && p < end; p++)
 			gltf_show_materials(from, from->parts.parts[p].item, from->parts.parts[p].material, GLTF_SHOWN_MIRRORED);
 		for (uint32_t p = first; scene && finite && p < end; p++) {
 			scene->part_mesh[made->parts + p - first] = p;

@@ -1,4 +1,5 @@
 /* Converts primitives, the parts of a glTF mesh that have one material each, to meshes of triangles. */
+#include "scene/edit/scene_check.h"
 #include "scene/importer/gltf/gltf.h"
 #include "scene/importer/gltf/gltf_draco.h"
 
@@ -83,11 +84,15 @@ static stilb_result primitive_unpack(primitive_reader *reader, uint32_t extensio
 	for (int i = 0; i < PRIMITIVE_ATTRIBUTES; i++) {
 		const char *name = primitive_attribute(reader, i);
 		uint64_t id = name[0] ? gltf_json_size(json, names, name, UINT32_MAX) : UINT32_MAX;
-		mesh.values[i] = (gltf_draco_values){id < UINT32_MAX, (uint32_t)id, primitive_components[i], NULL};
+		mesh.values[i] = (gltf_draco_values){.wanted = id < UINT32_MAX,
+		                                     .id = (uint32_t)id,
+		                                     .components = primitive_components[i],
+		                                     .alpha = i == PRIMITIVE_COLORS};
 	}
 	for (int i = 0; i < 2 && from->lists[GLTF_SKINS].count > 0; i++) {
 		uint64_t id = gltf_json_size(json, names, i == 0 ? "JOINTS_0" : "WEIGHTS_0", UINT32_MAX);
-		mesh.values[PRIMITIVE_ATTRIBUTES + i] = (gltf_draco_values){id < UINT32_MAX, (uint32_t)id, 4, NULL};
+		mesh.values[PRIMITIVE_ATTRIBUTES + i] =
+			(gltf_draco_values){.wanted = id < UINT32_MAX, .id = (uint32_t)id, .components = 4};
 	}
 	stilb_result result = gltf_json_check(json);
 	if (result == STILB_OK)
@@ -247,7 +252,7 @@ static stilb_scene_vertex_extra primitive_extra(const primitive_reader *reader, 
 	if (colors->components) {
 		gltf_accessor_read(colors, v, extra.color);
 		for (int i = 0; i < 4; i++)
-			extra.color[i] = importer_clamp(extra.color[i], 0.0f, 65504.0f);
+			extra.color[i] = importer_clamp(extra.color[i], 0.0f, SCENE_BRIGHTEST_COLOR);
 	}
 	return extra;
 }

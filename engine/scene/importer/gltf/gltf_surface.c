@@ -26,11 +26,26 @@ static bool surface_is_glossy(gltf *from, uint32_t item)
 	return gltf_extension(from, item, SURFACE_GLOSS) != GLTF_NONE;
 }
 
+static bool surface_is_unlit(gltf *from, uint32_t item)
+{
+	return gltf_extension(from, item, "KHR_materials_unlit") != GLTF_NONE;
+}
+
+/* True if the factors of the material leave nothing of a map to be seen, so that nobody needs its picture. */
+static bool surface_hides(gltf *from, uint32_t item, stilb_scene_map_kind kind)
+{
+	float glow[3];
+	if (kind == STILB_SCENE_MAP_EMISSION && (!gltf_json_numbers(&from->json, item, "emissiveFactor", glow, 3) ||
+	                                         !(glow[0] > 0.0f || glow[1] > 0.0f || glow[2] > 0.0f)))
+		return true;
+	return kind != STILB_SCENE_MAP_COLOR && surface_is_unlit(from, item);
+}
+
 uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 {
 	gltf_json *json = &from->json;
 	const struct surface_key *map = &surface_keys[kind];
-	if (!map->key)
+	if (!map->key || surface_hides(from, item, kind))
 		return GLTF_NONE;
 	if (kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item))
 		return gltf_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
@@ -59,6 +74,7 @@ gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 		if (info == GLTF_NONE)
 			continue;
 		uint32_t set = surface_set(from, info);
+		sets.any = true;
 		sets.normals |= kind == STILB_SCENE_MAP_NORMAL;
 		if (set == used[0] || set == used[1])
 			continue;
@@ -76,7 +92,7 @@ gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 	}
 	if (sets.normals) {
 		sets.normal = stilb_scene_surface_make().maps[STILB_SCENE_MAP_NORMAL];
-		gltf_map_read(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), &sets, &sets.normal);
+		sets.normals = gltf_map_read(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), &sets, &sets.normal);
 	}
 	sets.second = count > 0 && sets.set[1] != GLTF_NONE && (sets.set[1] == used[0] || sets.set[1] == used[1]);
 	return sets;
@@ -183,19 +199,6 @@ static void surface_glossy(gltf *from, uint32_t gloss, stilb_scene_surface *surf
 	surface->roughness = 1.0f - surface_share(from, gloss, "glossinessFactor", 1.0);
 }
 
-/* The factors of extensions that pictures do not show yet. */
-static void surface_layers(gltf *from, uint32_t item, stilb_scene_surface *surface)
-{
-	uint32_t coat = gltf_extension(from, item, "KHR_materials_clearcoat");
-	uint32_t sheen = gltf_extension(from, item, "KHR_materials_sheen");
-	uint32_t transmission = gltf_extension(from, item, "KHR_materials_transmission");
-	surface->clearcoat = surface_share(from, coat, "clearcoatFactor", 0.0);
-	surface->clearcoat_roughness = surface_share(from, coat, "clearcoatRoughnessFactor", 0.0);
-	surface_color(from, sheen, "sheenColorFactor", surface->sheen_color, 3, 1.0f);
-	surface->sheen_roughness = surface_share(from, sheen, "sheenRoughnessFactor", 0.0);
-	surface->transmission = surface_share(from, transmission, "transmissionFactor", 0.0);
-}
-
 static void surface_alpha(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
 	gltf_json *json = &from->json;
@@ -206,7 +209,7 @@ static void surface_alpha(gltf *from, uint32_t item, stilb_scene_surface *surfac
 		surface->alpha = STILB_SCENE_BLEND;
 	surface->cutoff = importer_clamp((float)gltf_json_number(json, item, "alphaCutoff", 0.5), 0.0f, 1e9f);
 	surface->one_sided = !gltf_json_bool(json, item, "doubleSided", false);
-	surface->unlit = gltf_extension(from, item, "KHR_materials_unlit") != GLTF_NONE;
+	surface->unlit = surface_is_unlit(from, item);
 }
 
 void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surface)
@@ -227,7 +230,6 @@ void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surfac
 	surface->normal_scale = surface_scale(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), "scale");
 	surface->occlusion = surface_share(from, occlusion, "strength", 1.0);
 	surface_alpha(from, item, surface);
-	surface_layers(from, item, surface);
 }
 
 bool gltf_material_needs_surface(gltf *from, uint32_t material)
@@ -241,6 +243,5 @@ bool gltf_material_needs_surface(gltf *from, uint32_t material)
 	for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
 		if (gltf_texture_picture(from, gltf_map_info(from, item, (stilb_scene_map_kind)kind)) != GLTF_NONE)
 			return true;
-	return gltf_json_is(json, alpha, "MASK") || gltf_json_is(json, alpha, "BLEND") ||
-	       gltf_extension(from, item, "KHR_materials_unlit") != GLTF_NONE;
+	return gltf_json_is(json, alpha, "MASK") || gltf_json_is(json, alpha, "BLEND") || surface_is_unlit(from, item);
 }
