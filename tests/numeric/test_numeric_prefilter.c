@@ -90,11 +90,12 @@ static void face_direction(uint32_t face, double u, double v, double d[3])
 
 #define PARTS 12 /* along a side of a texel of the source */
 
-/* D(h) (n.l) of the angle whose cosine this is, over some constant. */
+/* D(h) G1(l) of the angle whose cosine this is, over some constant. */
 static double lobe_at(double cosine, double alpha)
 {
-	double sine2 = 0.5 * (1.0 - cosine), bracket = alpha * alpha + sine2 * (1.0 - alpha * alpha);
-	return cosine > 0.0 ? cosine / (bracket * bracket) : 0.0;
+	double alpha2 = alpha * alpha, sine2 = 0.5 * (1.0 - cosine), bracket = alpha2 + sine2 * (1.0 - alpha2);
+	double masking = cosine / (cosine + sqrt(cosine * cosine + alpha2 * (1.0 - cosine * cosine)));
+	return cosine > 0.0 ? masking / (bracket * bracket) : 0.0;
 }
 
 /* The weighted mean of a map about n. range > 0: with firefly weights. */
