@@ -4,10 +4,10 @@
  *
  * Mips.     Mip 0 is the source, shared out to the cube's texels as bilinear interpolation weighs them. Mip m of `mips`
  *           belongs to the perceptual roughness m / (mips - 1), alpha = roughness^2 (shade_alpha_from_roughness). Its
- *           texel in the direction n is the mean of the source weighted with D(h) G1(l), h halfway between n and l: what
- *           GGX seen along its normal reflects, the first factor of the split sum. Source: Karis, "Real Shading in
- *           Unreal Engine 4" (2013), whose weight n.l in place of G1, Smith's term, takes up to a fifth from metal of
- *           roughness 0.5 that faces the viewer.
+ *           texel in the direction n is the mean of the source weighted with D(h) G1(l), h halfway between n and l:
+ *           what GGX seen along its normal reflects, the first factor of the split sum. Source: Karis, "Real Shading in
+ *           Unreal Engine 4" (2013); his weight n.l in place of G1, Smith's term, takes up to a fifth of the light from
+ *           metal of roughness 0.5 that faces the viewer.
  * Method.   That weight depends on the angle between n and l alone: each mip is a convolution on the sphere, which
  *           multiplies the source's spherical harmonics of degree l by one number. The source is projected up to degree
  *           6 / alpha of mip 1, beyond which GGX leaves less than a thousandth, and each mip is evaluated on a grid and

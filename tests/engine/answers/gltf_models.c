@@ -15,7 +15,7 @@
 #define SPHERE_UP 24u
 #define MOST ((ACROSS + 2) * (UP + 1))
 
-/* ---- height of the helmet's relief, which displaces nothing: normals and occlusion are made of it ------------------ */
+/* ---- the helmet's relief, of which normals and occlusion are made ------------------------------------------------ */
 
 /* A number in [0, 1] for a place of a lattice, always the same. */
 static float lattice(int x, int y)
@@ -95,7 +95,7 @@ static void reflection_texel(float u, float v, float out[3])
 
 static void normal_texel(float u, float v, float out[3])
 {
-	const float step = 1.0f / 2048.0f;
+	float step = 1.0f / 2048.0f;
 	float x = (height(u - step, v) - height(u + step, v)) / (2.0f * step);
 	float y = (height(u, v + step) - height(u, v - step)) / (2.0f * step);
 	float length = sqrtf(x * x + y * y + 1.0f);
@@ -154,7 +154,7 @@ static void helmet_place(float longitude, float latitude, float out[3])
 /* The unit normal, by differences. */
 static void helmet_normal(float longitude, float latitude, float out[3])
 {
-	const float step = 1e-3f;
+	float step = 1e-3f;
 	float a[3], b[3], c[3], d[3];
 	latitude = fminf(fmaxf(latitude, 2.0f * step), PI - 2.0f * step);
 	helmet_place(longitude - step, latitude, a);
