@@ -113,6 +113,12 @@ void stilb_render_destroy(stilb_render *render)
 	free(render);
 }
 
+void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render->pool = pool;
+}
+
 const char *stilb_render_device_name(const stilb_render *render)
 {
 	return stilb_gpu_name(render->device->gpu);

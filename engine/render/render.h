@@ -404,6 +404,10 @@ typedef struct stilb_render_pass {
  * no longer be asked for. On STILB_ERROR_MEMORY everything is as before. [main-thread] */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
 
+/* Lets the threads of this pool help stilb_render_set_scene and _update_scene with the mips of textures. Its owner is
+ * the main thread; it must live until another one is set, or NULL for none, as before the first call. [main-thread] */
+void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool);
+
 /* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_DEVICE
  * (larger than this GPU draws): no frame can begin until a resize succeeds. The images are made by the next frame's
  * replay, which may have no memory for them. [main-thread] */

@@ -437,6 +437,7 @@ struct stilb_render {
 	uint32_t context_count;
 	render_resources resources;
 	render_scene scene;
+	stilb_job_pool *pool;       /* stilb_render_set_pool; NULL: none */
 	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */

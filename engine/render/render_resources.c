@@ -184,7 +184,7 @@ static void resource_retire(render_resources *resources, render_resource_kind ki
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
 	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
-	resources->retired_now += kind == RENDER_RESOURCE_MESH || kind == RENDER_RESOURCE_TEXTURE;
+	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
 }
 
 static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
@@ -251,6 +251,56 @@ static void table_free(void *table, size_t size)
 {
 	if (table)
 		munmap(table, size);
+}
+
+render_upload_mip render_upload_first(const render_texture_upload *upload)
+{
+	return (render_upload_mip){.image = upload->image, .row = stilb_image_size(&upload->image) / upload->image.height};
+}
+
+bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip)
+{
+	stilb_image *image = &mip->image;
+	if (!upload->mips || (image->width == 1 && image->height == 1))
+		return false;
+	mip->first_row += image->height;
+	image->pixels = mip->mip == 0 ? upload->mips : (uint8_t *)image->pixels + stilb_image_size(image);
+	image->width = image->width > 1 ? image->width / 2 : 1;
+	image->height = image->height > 1 ? image->height / 2 : 1;
+	mip->row = stilb_image_size(image) / image->height;
+	mip->mip++;
+	return true;
+}
+
+/* What has yet to be copied: rows upload->rows .. count - 1. *bytes: of it, at most `most`; returns the row with which
+ * those end. */
+static uint32_t upload_rows(const render_texture_upload *upload, uint64_t most, uint64_t *bytes)
+{
+	render_upload_mip mip = render_upload_first(upload);
+	uint32_t end = upload->rows;
+	*bytes = 0;
+	do {
+		uint32_t last = mip.first_row + mip.image.height;
+		if (last <= end)
+			continue;
+		uint64_t rows = (most - *bytes) / mip.row;
+		rows = rows < last - end ? rows : last - end;
+		*bytes += rows * mip.row;
+		end += (uint32_t)rows;
+		if (end < last)
+			break;
+	} while (render_upload_next(upload, &mip));
+	return end;
+}
+
+static render_texture_upload upload_make(uint32_t texture, stilb_image image, void *mips, bool patient)
+{
+	render_texture_upload upload = {.texture = texture, .image = image, .mips = mips, .patient = patient};
+	render_upload_mip mip = render_upload_first(&upload);
+	do
+		upload.count = mip.first_row + mip.image.height;
+	while (render_upload_next(&upload, &mip));
+	return upload;
 }
 
 static void upload_finish(render_texture_upload *upload)
@@ -616,8 +666,13 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 		return texture_widen(from, to);
 	stilb_image texels;
 	stilb_result result = blocks ? stilb_image_decode(from, &texels) : texture_codes_to_halves(from, &texels);
-	if (result == STILB_OK)
-		result = texture_widen(&texels, to);
+	if (result != STILB_OK)
+		return result;
+	if (texels.channels == 4) {
+		*to = texels;
+		return STILB_OK;
+	}
+	result = texture_widen(&texels, to);
 	stilb_image_finish(&texels);
 	return result;
 }
@@ -634,15 +689,16 @@ static void texture_pixels_finish(texture_pixels *pixels)
 	free(pixels->mips);
 }
 
-/* mips: it shall have some, if it has more than one texel. */
-static stilb_result texture_pixels_make(const stilb_image *image, bool mips, texture_pixels *pixels)
+/* mips: it shall have some, if it has more than one texel; pool: as of render_mips_make. */
+static stilb_result texture_pixels_make(const stilb_image *image, bool mips, stilb_job_pool *pool,
+                                        texture_pixels *pixels)
 {
 	size_t bytes = 0;
 	*pixels = (texture_pixels){0};
 	stilb_result result = texture_convert(image, &pixels->image);
 	if (result != STILB_OK || !mips)
 		return result;
-	pixels->mips = render_mips_make(&pixels->image, &bytes);
+	pixels->mips = render_mips_make(&pixels->image, pool, &bytes);
 	if (pixels->mips || bytes == 0)
 		return STILB_OK;
 	texture_pixels_finish(pixels);
@@ -661,8 +717,7 @@ static bool texture_add(render_resources *resources, texture_pixels pixels, bool
 	resources->live++;
 	uint32_t *generation = &resources->textures[*index];
 	*generation = *generation ? *generation : 1;
-	resources->uploads[resources->upload_count++] =
-		(render_texture_upload){.texture = *index, .image = pixels.image, .mips = pixels.mips, .patient = patient};
+	resources->uploads[resources->upload_count++] = upload_make(*index, pixels.image, pixels.mips, patient);
 	return true;
 }
 
@@ -690,7 +745,7 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	texture_pixels pixels;
-	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, &pixels);
+	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, render->pool, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
@@ -698,13 +753,10 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	render_texture_upload *queued = texture_queued(resources, index);
 	if (queued) {
 		upload_finish(queued);
-		queued->image = pixels.image;
-		queued->mips = pixels.mips;
-		queued->rows = 0;
+		*queued = upload_make(index, pixels.image, pixels.mips, queued->patient);
 	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                          sizeof *resources->uploads)) {
-		resources->uploads[resources->upload_count++] =
-			(render_texture_upload){.texture = index, .image = pixels.image, .mips = pixels.mips};
+		resources->uploads[resources->upload_count++] = upload_make(index, pixels.image, pixels.mips, false);
 	} else {
 		texture_pixels_finish(&pixels);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
@@ -713,7 +765,7 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	return result;
 }
 
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
@@ -731,11 +783,11 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	uint32_t side = render->device->gpu->faults.image_side;
 	if (side > 0 && (image->width > side || image->height > side))
 		return render_texture_too_large(render->device, side, side, image);
-	stilb_result result = texture_pixels_make(image, mips, &pixels);
+	stilb_result result = texture_pixels_make(image, way.mips, way.pool, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, pixels, patient, &index))
+	if (!texture_add(resources, pixels, way.patient, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
 		result = render_device_texture_create(render->device, index, &pixels.image, pixels.mips);
@@ -752,7 +804,7 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
 {
-	return render_texture_create(render, image, false, false, out);
+	return render_texture_create(render, image, (render_texture_way){0}, out);
 }
 
 /* ---- maps of materials ------------------------------------------------------------------------------------------- */
@@ -1042,7 +1094,10 @@ static void resource_release(stilb_render *render, render_retired retired)
 	resources->live--;
 }
 
-/* At most so many meshes and textures are released in one frame, which bounds its time when a large scene goes:
+/* Bytes of images from which on render_resources_send sends them. */
+#define RESOURCES_QUEUED ((uint64_t)64 << 20)
+
+/* At most so many meshes, textures and surfaces are released in one frame, which bounds its time when a large scene goes:
  * heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. A program
  * that destroys more in each frame pays for that many: else what waits would grow without end. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
@@ -1066,7 +1121,7 @@ void render_resources_frame(stilb_render *render)
 		render_retired retired = resources->retired[i];
 		bool due = retired.frame + STILB_GPU_FRAMES <= frame && released < limit;
 		if (due) {
-			released += retired.kind == RENDER_RESOURCE_MESH || retired.kind == RENDER_RESOURCE_TEXTURE;
+			released += retired.kind != RENDER_RESOURCE_MATERIAL;
 			resource_release(render, retired);
 		} else {
 			resources->retired[kept++] = retired;
@@ -1082,16 +1137,13 @@ static void uploads_choose(render_resources *resources)
 	uint64_t room = RENDER_UPLOAD_A_FRAME;
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		render_texture_upload *upload = &resources->uploads[u];
-		uint64_t row = stilb_image_size(&upload->image) / upload->image.height;
-		uint64_t rows = upload->image.height - upload->rows;
-		STILB_ASSERT(upload->rows < upload->image.height && row <= RENDER_UPLOAD_A_FRAME);
-		if (upload->end_frame > 0 && resources->frame >= upload->end_frame) {
-			rows = 0;
-		} else if (upload->patient) {
-			rows = rows < room / row ? rows : room / row;
-			room -= rows * row;
-		}
-		upload->sent = upload->rows + (uint32_t)rows;
+		uint64_t bytes = 0;
+		STILB_ASSERT(upload->rows < upload->count);
+		if (upload->end_frame > 0 && resources->frame >= upload->end_frame)
+			upload->sent = upload->rows;
+		else
+			upload->sent = upload->patient ? upload_rows(upload, room, &bytes) : upload->count;
+		room -= bytes;
 	}
 }
 
@@ -1117,7 +1169,7 @@ static void uploads_sent(render_resources *resources)
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		render_texture_upload *upload = &resources->uploads[u];
 		upload->rows = upload->sent > upload->rows ? upload->sent : upload->rows;
-		if (upload->rows < upload->image.height) {
+		if (upload->rows < upload->count) {
 			resources->uploads[kept++] = *upload;
 			continue;
 		}
@@ -1130,6 +1182,32 @@ static void uploads_sent(render_resources *resources)
 		}
 	}
 	resources->upload_count = kept;
+}
+
+stilb_result render_resources_send(stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render_resources *resources = &render->resources;
+	uint64_t bytes = 0;
+	stilb_result result = STILB_OK;
+	stilb_lock_take(&resources->lock);
+	STILB_ASSERT(!resources->sending && "between frames");
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		bytes += stilb_image_size(&resources->uploads[u].image);
+	if (bytes >= RESOURCES_QUEUED) {
+		for (uint32_t u = 0; u < resources->upload_count; u++) {
+			render_texture_upload *upload = &resources->uploads[u];
+			bool lives = upload->end_frame == 0 && !upload->patient;
+			upload->sent = lives ? upload->count : upload->rows;
+		}
+		result = render_device_textures_update(render->device, resources);
+		if (result == STILB_OK)
+			uploads_sent(resources);
+		for (uint32_t u = 0; u < resources->upload_count; u++)
+			resources->uploads[u].sent = 0;
+	}
+	stilb_lock_give(&resources->lock);
+	return result;
 }
 
 void render_resources_sent(stilb_render *render, bool submitted)
@@ -1158,8 +1236,10 @@ uint64_t render_resources_pending(render_resources *resources)
 	stilb_lock_take(&resources->lock);
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
+		uint64_t left = 0;
 		if (upload->end_frame == 0)
-			bytes += stilb_image_size(&upload->image) / upload->image.height * (upload->image.height - upload->rows);
+			upload_rows(upload, UINT64_MAX, &left);
+		bytes += left;
 	}
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		for (uint32_t r = 0; r < resources->heaps[h].dirty.count; r++)

@@ -166,15 +166,29 @@ typedef struct render_indices {
 } render_indices;
 
 /* Pixels that the next frame copies to a texture: four channels. Of a patient one, which nothing draws yet, as many
- * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. */
+ * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. Rows are numbered through the mips, those of
+ * the image come first. */
 typedef struct render_texture_upload {
 	uint32_t texture;
 	stilb_image image;
-	void *mips;          /* as of render_mips_make; the frame that copies the last row copies them; NULL: none */
+	void *mips;          /* as of render_mips_make; NULL: none */
+	uint32_t count;      /* of rows */
 	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
 	bool patient;
 	uint64_t end_frame; /* the texture was destroyed: this frame and later ones copy no more of it; 0: it was not */
 } render_texture_upload;
+
+/* A mip of an upload. */
+typedef struct render_upload_mip {
+	stilb_image image; /* not to be finished */
+	uint32_t mip, first_row;
+	uint64_t row; /* bytes */
+} render_upload_mip;
+
+/* The first one. */
+render_upload_mip render_upload_first(const render_texture_upload *upload);
+/* Goes on to the next one. False: there is none. */
+bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip);
 
 /* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */
 #define RENDER_UPLOAD_A_FRAME ((uint64_t)16 << 20)
@@ -209,7 +223,7 @@ typedef struct render_resources {
 	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
-	uint32_t retired_now; /* meshes and textures that were destroyed since the last frame began */
+	uint32_t retired_now; /* meshes, textures and surfaces that were destroyed since the last frame began */
 	uint32_t live;        /* resources not yet released */
 	uint64_t frame;       /* frames begun so far */
 } render_resources;
@@ -248,9 +262,20 @@ stilb_result render_resources_update(stilb_render *render);
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
 
-/* stilb_render_texture_create with a patient upload, and with mips, which samplers of maps read. */
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
+/* How a texture is made: with mips, which samplers of maps read; with a patient upload. pool: whose threads help to
+ * make mips, its owner is the caller; NULL: none. */
+typedef struct render_texture_way {
+	bool patient, mips;
+	stilb_job_pool *pool;
+} render_texture_way;
+
+/* stilb_render_texture_create in that way. */
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out);
+
+/* Sends the pixels of all textures to the device now, if they are so many that keeping them would cost memory; frees
+ * them. Between frames. [main-thread] */
+stilb_result render_resources_send(stilb_render *render);
 
 /* Bytes that frames have yet to copy. [any-thread] */
 uint64_t render_resources_pending(render_resources *resources);

@@ -310,6 +310,8 @@ stilb_result render_device_panorama_show(render_device *device);
 /* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device, before the frame's passes.
  * The caller holds the lock of resources. */
 stilb_result render_device_update(render_device *device, const render_resources *resources);
+/* The textures' part of it. */
+stilb_result render_device_textures_update(render_device *device, const render_resources *resources);
 /* Makes texture number `texture` with the size and format of image, with all mips or one; update copies the pixels. The
  * caller holds the lock of render_resources. [any-thread] */
 stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);

@@ -129,21 +129,17 @@ static stilb_result texture_send(render_device *device, uint32_t texture, uint32
 	return result;
 }
 
-/* Sends rows upload->rows .. upload->sent - 1, and the mips with the last row. */
+/* Sends rows upload->rows .. upload->sent - 1. */
 static stilb_result texture_update(render_device *device, const render_texture_upload *upload)
 {
-	stilb_result result = texture_send(device, upload->texture, 0, &upload->image, upload->rows, upload->sent);
-	bool last = upload->sent == upload->image.height && upload->sent > upload->rows;
-	uint32_t mips = last && upload->mips ? device->textures[upload->texture].mips : 1;
-	stilb_image mip = upload->image;
-	uint8_t *pixels = upload->mips;
-	for (uint32_t m = 1; m < mips && result == STILB_OK; m++) {
-		mip.width = mip.width > 1 ? mip.width / 2 : 1;
-		mip.height = mip.height > 1 ? mip.height / 2 : 1;
-		mip.pixels = pixels;
-		pixels += stilb_image_size(&mip);
-		result = texture_send(device, upload->texture, m, &mip, 0, mip.height);
-	}
+	render_upload_mip mip = render_upload_first(upload);
+	stilb_result result = STILB_OK;
+	do {
+		uint32_t begin = mip.first_row, end = begin + mip.image.height;
+		uint32_t first = upload->rows > begin ? upload->rows : begin, last = upload->sent < end ? upload->sent : end;
+		if (first < last)
+			result = texture_send(device, upload->texture, mip.mip, &mip.image, first - begin, last - begin);
+	} while (result == STILB_OK && render_upload_next(upload, &mip));
 	return result;
 }
 
@@ -250,15 +246,22 @@ void render_device_maps_drop(render_device *device, uint32_t index)
 
 /* ---- all of them ------------------------------------------------------------------------------------------------- */
 
+stilb_result render_device_textures_update(render_device *device, const render_resources *resources)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	stilb_result result = STILB_OK;
+	for (uint32_t u = 0; u < resources->upload_count && result == STILB_OK; u++)
+		result = texture_update(device, &resources->uploads[u]);
+	return result;
+}
+
 stilb_result render_device_update(render_device *device, const render_resources *resources)
 {
 	STILB_ASSERT_LOCKED(&resources->lock);
 	stilb_result result = STILB_OK;
 	for (int kind = 0; kind < RENDER_HEAPS && result == STILB_OK; kind++)
 		result = heap_update(device, resources, kind);
-	for (uint32_t u = 0; u < resources->upload_count && result == STILB_OK; u++)
-		result = texture_update(device, &resources->uploads[u]);
-	return result;
+	return result == STILB_OK ? render_device_textures_update(device, resources) : result;
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */

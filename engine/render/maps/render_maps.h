@@ -114,8 +114,8 @@ uint32_t render_mip_count(uint32_t width, uint32_t height);
 
 /* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
  * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
- * three in a row by how much of each. *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0.
- * [any-thread] */
-void *render_mips_make(const stilb_image *image, size_t *bytes);
+ * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
+ * *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
+void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes);
 
 #endif

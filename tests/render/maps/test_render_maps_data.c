@@ -78,7 +78,7 @@ static void mips_are_means(void **state)
 				                                    : (uint16_t)(value * 65535.0f);
 		}
 		size_t bytes, seen = 0;
-		uint8_t *mips = render_mips_make(&image, &bytes);
+		uint8_t *mips = render_mips_make(&image, NULL, &bytes);
 		assert_non_null(mips);
 		stilb_image from = image;
 		for (uint32_t m = 1; m < render_mip_count(side[0], side[1]); m++) {
@@ -94,8 +94,51 @@ static void mips_are_means(void **state)
 	}
 	size_t none = 1;
 	stilb_image one = {1, 1, 4, STILB_IMAGE_U8_SRGB, (uint8_t[4]){0}, 0};
-	assert_null(render_mips_make(&one, &none));
+	assert_null(render_mips_make(&one, NULL, &none));
 	assert_int_equal(none, 0);
+}
+
+/* A picture of random codes. */
+static stilb_image image_random(uint32_t width, uint32_t height, stilb_image_format format)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, width, height, 4, format), STILB_OK);
+	for (uint32_t i = 0; i < 4 * width * height; i++)
+		((uint8_t *)image.pixels)[i] = (uint8_t)(256.0f * stilb_random_float(width, i));
+	return image;
+}
+
+/* Threads that help change nothing; also of mips that are made in several blocks, of odd sizes. */
+static void mips_are_the_same_with_help(void **state)
+{
+	(void)state;
+	static const uint32_t sides[][2] = {{1031, 517}, {1024, 600}, {259, 300}};
+	stilb_job_pool *pool;
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 3}, &pool), 0);
+	for (uint32_t i = 0; i < 3; i++) {
+		stilb_image image =
+			image_random(sides[i][0], sides[i][1], i == 1 ? STILB_IMAGE_U8_LINEAR : STILB_IMAGE_U8_SRGB);
+		size_t bytes, again;
+		uint8_t *alone = render_mips_make(&image, NULL, &bytes), *helped = render_mips_make(&image, pool, &again);
+		assert_true(alone && helped && bytes == again);
+		assert_memory_equal(alone, helped, bytes);
+		stilb_image first = {4, 4, 4, image.format, NULL, 0}, corner = first; /* the last block's texels, alone */
+		uint8_t cut[4 * 16];
+		uint32_t left = (image.width / 2 - 2) * 2;
+		if (image.width % 2 == 0 && image.height % 2 == 0) {
+			for (uint32_t y = 0; y < 4; y++)
+				memcpy(cut + 16 * y, (uint8_t *)image.pixels + 4 * ((size_t)y * image.width + left), 16);
+			corner.pixels = cut;
+			size_t few;
+			uint8_t *small = render_mips_make(&corner, NULL, &few);
+			assert_memory_equal(small, alone + 4 * (size_t)(left / 2), 8);
+			free(small);
+		}
+		free(alone);
+		free(helped);
+		stilb_image_finish(&image);
+	}
+	stilb_job_pool_destroy(pool);
 }
 
 /* ---- extras ------------------------------------------------------------------------------------------------------ */
@@ -223,6 +266,85 @@ static void nothing_is_left_behind(void **state)
 	assert_int_equal(s.render->resources.live, live - 1);
 	for (uint32_t i = 0; i < s.render->resources.indices[RENDER_RESOURCE_MAPS].next_unused; i++)
 		assert_int_equal(s.render->device->maps[i].set.id, 0);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* Shows a scene of `count` squares, each with a surface and a texture of its own. */
+static void show_textures(stage *s, const stilb_image *image, uint32_t count)
+{
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh);
+	for (uint32_t t = 0; t < count; t++) {
+		stilb_scene_surface surface = surface_unlit();
+		stilb_scene_build_texture(build, image);
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = t + 1;
+		stage_model(build, mesh, stage_material(build, &surface), stilb_mat4_identity());
+	}
+	stage_show(s, build);
+}
+
+/* Large scenes leave no copies of their textures behind: what comes with a scene is sent while it is set. */
+static void textures_do_not_wait_in_memory(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 1);
+	stilb_render_set_pool(s.render, s.pool);
+	stilb_image image = image_random(2048, 2048, STILB_IMAGE_U8_SRGB); /* 16 MiB */
+	show_textures(&s, &image, 7);
+	assert_int_equal(s.render->resources.upload_count, 3);
+	assert_int_equal(render_resources_pending(&s.render->resources) >> 20, 64); /* 3 with mips */
+	stage_frame(&s);
+	assert_int_equal(s.render->resources.upload_count, 0);
+	stilb_render_set_pool(s.render, NULL);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* Of a patient upload a frame copies RENDER_UPLOAD_A_FRAME bytes, mips included. */
+static void patient_uploads_count_mips(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_random(2048, 2048, STILB_IMAGE_U8_SRGB); /* 16 MiB and 5.3 MiB of mips */
+	stilb_render_texture texture;
+	uint64_t left = (((uint64_t)16 << 20) * 4 - 4) / 3;
+	show_textures(&s, &image, 0);
+	stage_frame(&s);
+	assert_int_equal(
+		render_texture_create(s.render, &image, (render_texture_way){.patient = true, .mips = true}, &texture),
+		STILB_OK);
+	for (int f = 0; f < 2; f++) {
+		assert_int_equal(render_resources_pending(&s.render->resources), left);
+		stage_frame(&s);
+		left = left > RENDER_UPLOAD_A_FRAME ? left - RENDER_UPLOAD_A_FRAME : 0;
+	}
+	assert_int_equal(render_resources_pending(&s.render->resources), 0);
+	assert_int_equal(s.render->resources.upload_count, 0);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* A texture and a surface that come together are made once. */
+static void new_textures_are_made_once(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_random(8, 8, STILB_IMAGE_U8_SRGB);
+	show_textures(&s, &image, 1);
+	stage_frame(&s);
+	uint32_t id;
+	stilb_scene_surface surface = surface_unlit();
+	assert_int_equal(stilb_scene_add_texture(s.scene, &image, &id), STILB_OK);
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = id + 1;
+	assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	assert_int_equal(s.render->resources.upload_count, 1);
+	assert_non_null(s.render->resources.uploads[0].mips);
+	assert_int_equal(s.render->resources.retired_count, 0);
 	stilb_image_finish(&image);
 	stage_close(&s);
 }
@@ -365,7 +487,11 @@ int main(void)
 		test_one_thread(extras_are_packed),
 		cmocka_unit_test(surfaces_become_records),
 		cmocka_unit_test(the_hash_covers_surfaces),
+		test_one_thread(mips_are_the_same_with_help),
 		cmocka_unit_test(nothing_is_left_behind),
+		test_one_thread(textures_do_not_wait_in_memory),
+		cmocka_unit_test(patient_uploads_count_mips),
+		cmocka_unit_test(new_textures_are_made_once),
 		cmocka_unit_test(nothing_for_scenes_without),
 		cmocka_unit_test(programs_are_made_before),
 		test_one_thread(every_allocation_fails_once),
