@@ -110,6 +110,7 @@ void stilb_render_destroy(stilb_render *render)
 	render_panorama_finish(&render->panorama);
 	render_resources_destroy(&render->resources);
 	free(render->sort_items);
+	render_order_finish(&render->order);
 	free(render);
 }
 

@@ -184,7 +184,7 @@ typedef struct stilb_render_material {
  * have left n holes in them, creating a mesh takes time in proportion to n: 0.2 us for 1,000, 5 us for 100,000. */
 #define STILB_RENDER_MAX_MESHES (1u << 20)
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
-#define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
+#define STILB_RENDER_MAX_TEXTURES (1u << 20) /* one less in fact: index 0 stands for no texture */
 
 /* Copies vertices (metres, unit normals), indices (three a triangle), levels and clusters; a mesh with clusters does
  * not morph. STILB_ERROR_ARGUMENT: no vertex, no index, an index that is not below vertex_count, or levels or clusters

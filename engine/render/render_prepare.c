@@ -133,11 +133,12 @@ stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene 
 	stilb_result result = render_scene_fit(p.tables, scene);
 	if (result == STILB_OK) {
 		uint32_t more[RENDER_HEAPS];
-		render_scene_mark(p.tables, scene);
+		render_scene_mark(render, p.tables, scene);
 		p.total = prepare_count(&p, more);
 		render_resources_expect(&render->resources, more);
 		result = prepare_fill(&p);
 		render_resources_expect(&render->resources, NULL);
+		render_resources_expect_no_textures(render);
 	}
 	if (result == STILB_OK)
 		*out = prepared;
@@ -174,11 +175,12 @@ static render_known_maps prepare_known_maps(render_resources *resources)
 	render_known_maps known = {0};
 	stilb_lock_take(&resources->lock);
 	known.extras = resources->heaps[RENDER_HEAP_EXTRAS].size > 0;
-	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MAPS].next_unused; i++) {
-		uint32_t bits = resources->maps[i].bits, k = 0;
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_GROUP].next_unused; i++) {
+		const render_group *group = render_group_of(resources, i);
+		uint32_t bits = group->key.bits, k = 0;
 		while (k < known.count && known.bits[k] != bits)
 			k++;
-		if (k == known.count && k < RENDER_KNOWN_MAPS && resources->maps[i].hash != 0)
+		if (k == known.count && k < RENDER_KNOWN_MAPS && group->head.users > 0)
 			known.bits[known.count++] = bits;
 	}
 	stilb_lock_give(&resources->lock);

@@ -15,6 +15,7 @@
 #define STILB_RENDER_RESOURCES_H
 
 #include "base/base_contract.h"
+#include "render/maps/render_groups.h"
 #include "render/maps/render_maps.h"
 #include "render/render.h"
 #include "render/render_vertex.h"
@@ -136,7 +137,7 @@ typedef enum render_heap_kind {
 	RENDER_HEAP_INDICES,    /* of 32 bits */
 	RENDER_HEAP_INDICES_16, /* of 16 bits */
 	RENDER_HEAP_MATERIALS,
-	RENDER_HEAP_MAPS,         /* render_maps_record, by index */
+	RENDER_HEAP_MAPS,         /* render_maps_stored, by index */
 	RENDER_HEAP_EXTRAS,       /* render_extra */
 	RENDER_HEAP_EXTRA_PLACES, /* render_extra_place, by mesh; as long as the last mesh with extras needs it */
 	RENDER_HEAPS,
@@ -154,7 +155,9 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_MESH,
 	RENDER_RESOURCE_TEXTURE,
 	RENDER_RESOURCE_MATERIAL,
-	RENDER_RESOURCE_MAPS, /* of materials */
+	RENDER_RESOURCE_MAPS,  /* of materials */
+	RENDER_RESOURCE_GROUP, /* of maps */
+	RENDER_RESOURCE_CLASS, /* of groups; never among the retired ones */
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 
@@ -193,6 +196,9 @@ bool render_upload_next(const render_texture_upload *upload, render_upload_mip *
 /* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */
 #define RENDER_UPLOAD_A_FRAME ((uint64_t)16 << 20)
 
+/* Bytes of texels that wait while a scene is set, before they are sent. */
+#define RENDER_UPLOAD_QUEUED ((uint64_t)64 << 20)
+
 typedef struct render_retired {
 	uint64_t frame; /* number of the last frame that may use it, as render_resources.frame counts */
 	render_resource_kind kind;
@@ -207,14 +213,17 @@ typedef struct render_resources {
 	bool morph;               /* stilb_render_desc.morph */
 	render_layout layout;     /* of the heap of vertices */
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
-	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its maps */
+	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its group */
 	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
+
+	render_table groups; /* of render_group */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;
 	render_indices indices[RENDER_RESOURCE_KINDS];
 	render_heap heaps[RENDER_HEAPS];
+	render_table classes; /* of render_class */
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
 	bool sending; /* a frame is between update and sent */
@@ -227,6 +236,17 @@ typedef struct render_resources {
 	uint32_t live;        /* resources not yet released */
 	uint64_t frame;       /* frames begun so far */
 } render_resources;
+
+static inline render_group *render_group_of(const render_resources *resources, uint32_t index)
+{
+	return (render_group *)(void *)resources->groups.items + index;
+}
+
+/* Takes an index. False: no memory, or none is left. */
+bool render_index_take(render_indices *indices, uint32_t *index);
+void render_index_give_back(render_indices *indices, uint32_t index);
+/* It is released once no frame can use it. Room for that was made when it came. */
+void render_resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index);
 
 /* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). packed:
  * vertices are packed (render_vertex.h). After STILB_ERROR_MEMORY render_resources_destroy must still be called. */
@@ -273,8 +293,12 @@ typedef struct render_texture_way {
 stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out);
 
-/* Sends the pixels of all textures to the device now, if they are so many that keeping them would cost memory; frees
- * them. Between frames. [main-thread] */
+/* Announces a texture of such an image with mips: those of one size and format then lie in as few images as can be. */
+void render_resources_expect_texture(stilb_render *render, const stilb_image *image);
+/* No further one is expected. */
+void render_resources_expect_no_textures(stilb_render *render);
+
+/* Sends the pixels of all textures to the device now, and frees them. Between frames. [main-thread] */
 stilb_result render_resources_send(stilb_render *render);
 
 /* Bytes that frames have yet to copy. [any-thread] */

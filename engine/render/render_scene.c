@@ -66,10 +66,13 @@ static void shown_mark_textures(render_scene *tables, const stilb_scene_surface 
 	}
 }
 
-void render_scene_mark(render_scene *tables, const stilb_scene *scene)
+void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_scene *scene)
 {
 	for (uint32_t s = 0; s < scene->surface_count; s++)
 		shown_mark_textures(tables, &scene->surfaces[s]);
+	for (uint32_t t = 0; t < scene->texture_count; t++)
+		if (tables->textures[t].mapped && scene->textures[t].pixels)
+			render_resources_expect_texture(render, &scene->textures[t]);
 }
 
 /* ---- one thing --------------------------------------------------------------------------------------------------- */
@@ -225,16 +228,22 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 	bool replaced;
 	stilb_result result = render_scene_fit(tables, scene);
 	if (result == STILB_OK)
-		render_scene_mark(tables, scene);
+		render_scene_mark(render, tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
 		result = render_scene_mesh(render, tables, scene, i);
 	if (result == STILB_OK)
 		result = render_scene_check_parts(scene, tables);
+	uint64_t queued = 0;
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
+		const stilb_image *image = &scene->textures[i];
 		result = shown_texture_set(render, tables, scene, i, (render_texture_way){.pool = render->pool}, &replaced);
-		if (result == STILB_OK)
+		queued += (uint64_t)image->width * image->height * 4;
+		if (result == STILB_OK && queued >= RENDER_UPLOAD_QUEUED) {
 			result = render_resources_send(render);
+			queued = 0;
+		}
 	}
+	render_resources_expect_no_textures(render);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, tables, scene, i);
 	if (result == STILB_OK)

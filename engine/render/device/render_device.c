@@ -134,6 +134,7 @@ void render_device_destroy(render_device *device)
 	stilb_gpu_destroy(device->gpu); /* and all that is there */
 	free(device->textures);
 	free(device->maps);
+	render_arrays_finish(&device->arrays);
 	for (uint32_t l = 0; l < RENDER_MAX_LISTS; l++) {
 		free(device->lists[l].bindings);
 		free(device->lists[l].maps);

@@ -103,6 +103,60 @@ static void texels_of_odd_sizes(void **state)
 	stage_close(&s);
 }
 
+/* Textures of one size are layers of an image; each square shows its own, also when others have changed or are drawn
+ * without a surface. */
+static void every_layer_is_its_own(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh);
+	for (uint32_t t = 0; t < 16; t++) {
+		const uint8_t value[4] = {(uint8_t)(10 * t), (uint8_t)(255 - 10 * t), 7, 255};
+		stilb_image image = image_even(4, value, STILB_IMAGE_U8_LINEAR);
+		stilb_scene_surface surface = surface_unlit();
+		stilb_scene_build_texture(build, &image);
+		stilb_image_finish(&image);
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = t + 1;
+		stilb_mat4 place = stilb_mat4_identity();
+		place.m[0] = place.m[10] = 0.25f;
+		place.m[12] = (float)(t % 4) * 0.5f - 0.75f;
+		place.m[14] = (float)(t / 4) * 0.5f - 0.75f;
+		stage_model(build, mesh, stage_material(build, &surface), place);
+	}
+	stage_show(&s, build);
+	for (int turn = 0; turn < 2; turn++) {
+		stilb_image picture = stage_picture(&s);
+		for (uint32_t t = 0; t < 16; t++) {
+			uint32_t x = t % 4 * STAGE_SIDE / 4 + 3, y = t / 4 * STAGE_SIDE / 4 + 3;
+			double red = turn == 1 && t == 5 ? 200.0 : 10.0 * t;
+			assert_near("a layer's red", picture_value(&picture, x, y, 0), red / 255, 2e-3);
+			assert_near("a layer's green", picture_value(&picture, x, y, 1), (255 - 10.0 * t) / 255, 2e-3);
+		}
+		stilb_image_finish(&picture);
+		const uint8_t other[4] = {200, 205, 7, 255};
+		stilb_image image = image_even(4, other, STILB_IMAGE_U8_LINEAR);
+		assert_int_equal(stilb_scene_set_texture(s.scene, 5, &image), STILB_OK);
+		stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+		assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+		stilb_scene_changes_clear(s.scene);
+		stilb_image_finish(&image);
+	}
+	assert_int_equal(s.render->device->arrays.count, 1);
+	stilb_scene_material plain = stilb_scene_material_make((float[3]){0.5f, 0.5f, 0.5f}, (float[3]){0}, 0.5f);
+	plain.diffuse_texture = 10; /* a layer by itself */
+	assert_int_equal(stilb_scene_set_material(s.scene, 9, &plain), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	stilb_image picture = stage_picture(&s);
+	double ratio = picture_value(&picture, 9, 15, 0) / picture_value(&picture, 9, 15, 1);
+	assert_near("a layer by itself", ratio, 90.0 / 165.0, 5e-3);
+	stilb_image_finish(&picture);
+	stage_close(&s);
+}
+
 /* Bilinear between two texels, trilinear where the picture is smaller: a checker seen from afar is its mean. */
 static void filters(void **state)
 {
@@ -611,19 +665,13 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(texels_of_every_format),
-		cmocka_unit_test(texels_of_odd_sizes),
-		cmocka_unit_test(filters),
-		cmocka_unit_test(wraps_and_transforms),
-		cmocka_unit_test(colours_of_vertices),
-		cmocka_unit_test(factors_under_a_sky),
-		cmocka_unit_test(roughness_of_maps),
-		cmocka_unit_test(a_constant_normal_tilts),
-		cmocka_unit_test(tangents_turn_with_the_mesh),
-		cmocka_unit_test(one_sided_ones_have_no_back),
-		cmocka_unit_test(edits),
-		cmocka_unit_test(a_texture_gets_mips_later),
-		cmocka_unit_test(the_same_bits_in_all_modes),
+		cmocka_unit_test(texels_of_every_format),      cmocka_unit_test(texels_of_odd_sizes),
+		cmocka_unit_test(every_layer_is_its_own),      cmocka_unit_test(filters),
+		cmocka_unit_test(wraps_and_transforms),        cmocka_unit_test(colours_of_vertices),
+		cmocka_unit_test(factors_under_a_sky),         cmocka_unit_test(roughness_of_maps),
+		cmocka_unit_test(a_constant_normal_tilts),     cmocka_unit_test(tangents_turn_with_the_mesh),
+		cmocka_unit_test(one_sided_ones_have_no_back), cmocka_unit_test(edits),
+		cmocka_unit_test(a_texture_gets_mips_later),   cmocka_unit_test(the_same_bits_in_all_modes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
