@@ -98,6 +98,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.width = desc->width,
 		.height = desc->height,
 		.samples = desc->samples,
+		.max_anisotropy = desc->max_anisotropy,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
 		.keep_textures = desc->keep_textures,

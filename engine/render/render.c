@@ -46,6 +46,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 {
 	STILB_ASSERT(render_size_is_valid(desc->width, desc->height) && "1..16384 pixels a side");
 	STILB_ASSERT(desc->samples == 0 || desc->samples == 1 || desc->samples == 4);
+	STILB_ASSERT(desc->max_anisotropy <= 16);
 	STILB_ASSERT(desc->context_count >= 1);
 	STILB_ASSERT((uint32_t)desc->device <= STILB_RENDER_DEVICE_NULL &&
 	             (uint32_t)desc->output <= STILB_RENDER_OUTPUT_LINEAR);

@@ -111,6 +111,10 @@ typedef struct stilb_render_desc {
 	stilb_gpu_presentation presentation;
 	uint32_t width, height; /* pixels, 1..16384 */
 	uint32_t samples;       /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
+	/* Of textures of surfaces that are filtered linearly: how many times longer than wide a pixel's footprint may be
+	 * before it blurs, 1..16, at most the GPU's; 1: mips alone. 0: 8 on a GPU, 1 on a software device, where 8 costs a
+	 * read five times as much. */
+	uint32_t max_anisotropy;
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */

@@ -249,6 +249,7 @@ typedef struct render_device {
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	render_arrays arrays;
 	render_device_maps *maps;  /* [RENDER_MAX_MAPS] by group */
+	float anisotropy;          /* of samplers of maps; 1: none */
 	stilb_gpu_sampler sampler; /* of all textures: linear, repeated, no mip levels */
 	stilb_gpu_sampler linear;  /* clamped */
 	render_programs programs;

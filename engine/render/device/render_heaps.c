@@ -249,7 +249,7 @@ static stilb_result maps_sampler(render_device *device, uint32_t number, stilb_g
 	                                                 [STILB_SCENE_CLAMP] = STILB_GPU_WRAP_CLAMP};
 	STILB_ASSERT(number < RENDER_MAPS_SAMPLERS);
 	stilb_gpu_sampler_desc desc = {
-		.linear = number < 9, .mips = true, .mip_linear = true, .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
+		.anisotropy = number < 9 ? device->anisotropy : 1.0f, .linear = number < 9, .mips = true, .mip_linear = true, .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
 	return stilb_gpu_sampler_get(device->gpu, &desc, sampler);
 }
 

@@ -103,6 +103,32 @@ static void texels_of_odd_sizes(void **state)
 	stage_close(&s);
 }
 
+/* Stripes along u, while a pixel covers 42 texels along v: mips blur them, anisotropy does not. */
+static void anisotropy_keeps_stripes(void **state)
+{
+	(void)state;
+	stilb_image stripes;
+	assert_int_equal(stilb_image_create(&stripes, 64, 64, 1, STILB_IMAGE_U8_LINEAR), STILB_OK);
+	for (uint32_t i = 0; i < 64 * 64; i++)
+		((uint8_t *)stripes.pixels)[i] = i / 16 % 2 ? 255 : 0;
+	square q;
+	square_make(&q, 1.0f);
+	for (uint32_t turn = 0; turn < 3; turn++) { /* of the device's choice: none, in software */
+		stage s = stage_open((stilb_render_desc){.max_anisotropy = turn == 2 ? 16 : turn}, 0);
+		stilb_scene_surface surface = surface_unlit();
+		surface.maps[STILB_SCENE_MAP_COLOR] = (stilb_scene_map){.texture = 1, .to_u = {1, 0, 0}, .to_v = {0, 16, 0}};
+		stage_show_square(&s, &q, &surface, &stripes, 1);
+		stilb_image picture = stage_picture(&s);
+		double contrast = picture_value(&picture, 9, 12, 0) - picture_value(&picture, 14, 12, 0);
+		bool kept = turn == 2 || (turn == 0 && !stilb_render_device_is_software(s.render));
+		if (kept ? contrast < 0.8 : contrast > 0.3)
+			fail_msg("contrast %.3f with anisotropy %u", contrast, turn);
+		stilb_image_finish(&picture);
+		stage_close(&s);
+	}
+	stilb_image_finish(&stripes);
+}
+
 /* Textures of one size are layers of an image; each square shows its own, also when others have changed or are drawn
  * without a surface. */
 static void every_layer_is_its_own(void **state)
@@ -665,13 +691,21 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(texels_of_every_format),      cmocka_unit_test(texels_of_odd_sizes),
-		cmocka_unit_test(every_layer_is_its_own),      cmocka_unit_test(filters),
-		cmocka_unit_test(wraps_and_transforms),        cmocka_unit_test(colours_of_vertices),
-		cmocka_unit_test(factors_under_a_sky),         cmocka_unit_test(roughness_of_maps),
-		cmocka_unit_test(a_constant_normal_tilts),     cmocka_unit_test(tangents_turn_with_the_mesh),
-		cmocka_unit_test(one_sided_ones_have_no_back), cmocka_unit_test(edits),
-		cmocka_unit_test(a_texture_gets_mips_later),   cmocka_unit_test(the_same_bits_in_all_modes),
+		cmocka_unit_test(texels_of_every_format),
+		cmocka_unit_test(texels_of_odd_sizes),
+		cmocka_unit_test(every_layer_is_its_own),
+		cmocka_unit_test(filters),
+		cmocka_unit_test(anisotropy_keeps_stripes),
+		cmocka_unit_test(wraps_and_transforms),
+		cmocka_unit_test(colours_of_vertices),
+		cmocka_unit_test(factors_under_a_sky),
+		cmocka_unit_test(roughness_of_maps),
+		cmocka_unit_test(a_constant_normal_tilts),
+		cmocka_unit_test(tangents_turn_with_the_mesh),
+		cmocka_unit_test(one_sided_ones_have_no_back),
+		cmocka_unit_test(edits),
+		cmocka_unit_test(a_texture_gets_mips_later),
+		cmocka_unit_test(the_same_bits_in_all_modes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
