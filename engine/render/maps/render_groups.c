@@ -128,7 +128,7 @@ void render_group_leave(stilb_render *render, uint32_t index, bool lives)
 	group->left = lives ? resources->frame : group->left;
 	if (group->head.users > 0 || group->retired)
 		return;
-	if (!lives && group->left + STILB_GPU_FRAMES <= resources->frame) {
+	if (group->left + STILB_GPU_FRAMES <= resources->frame) {
 		group_remove(render, index);
 		return;
 	}
