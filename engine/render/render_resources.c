@@ -639,11 +639,33 @@ static stilb_result texture_codes_to_halves(const stilb_image *from, stilb_image
 	return result;
 }
 
+/* Writes pixels of four channels; one: the value of alpha where there is none. Compiled for each `channels`, 1 to 3,
+ * and `size`, the bytes of a channel. */
+__attribute__((always_inline)) static inline void texture_widen_to(const uint8_t *in, size_t pixels, uint32_t channels,
+                                                                   size_t size, const void *one, uint8_t *out)
+{
+	for (size_t p = 0; p < pixels; p++, in += channels * size, out += 4 * size) {
+		for (uint32_t c = 0; c < 3; c++)
+			memcpy(out + c * size, in + (channels == 3 ? c * size : 0), size);
+		memcpy(out + 3 * size, channels == 2 ? in + size : one, size);
+	}
+}
+
+__attribute__((always_inline)) static inline void texture_widen_size(const stilb_image *from, size_t size,
+                                                                     const void *one, uint8_t *out)
+{
+	size_t pixels = (size_t)from->width * from->height;
+	if (from->channels == 1)
+		texture_widen_to(from->pixels, pixels, 1, size, one, out);
+	else if (from->channels == 2)
+		texture_widen_to(from->pixels, pixels, 2, size, one, out);
+	else
+		texture_widen_to(from->pixels, pixels, 3, size, one, out);
+}
+
 /* A copy of the picture with four channels: grey becomes three equal channels, and a missing alpha becomes 1. */
 static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 {
-	/* [channels of `from`][channel of `to`]: the channel to copy; 4: write 1 */
-	static const uint8_t channel_of[5][4] = {{0}, {0, 0, 0, 4}, {0, 0, 0, 1}, {0, 1, 2, 4}, {0, 1, 2, 3}};
 	static const uint8_t one_u8 = 255;
 	static const uint16_t one_f16 = 0x3c00, one_u16 = 65535;
 	static const float one_f32 = 1.0f;
@@ -656,14 +678,13 @@ static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 		memcpy(to->pixels, from->pixels, stilb_image_size(from));
 		return STILB_OK;
 	}
-	size_t pixels = (size_t)from->width * from->height, size = stilb_image_size(to) / pixels / 4;
-	const uint8_t *in = from->pixels;
-	uint8_t *out = to->pixels;
-	for (size_t p = 0; p < pixels; p++, in += from->channels * size)
-		for (int c = 0; c < 4; c++, out += size) {
-			uint32_t channel = channel_of[from->channels][c];
-			memcpy(out, channel < 4 ? in + channel * size : ones[from->format], size);
-		}
+	size_t size = stilb_image_size(to) / to->width / to->height / 4;
+	if (size == 1)
+		texture_widen_size(from, 1, ones[from->format], to->pixels);
+	else if (size == 2)
+		texture_widen_size(from, 2, ones[from->format], to->pixels);
+	else
+		texture_widen_size(from, 4, ones[from->format], to->pixels);
 	return STILB_OK;
 }
 
