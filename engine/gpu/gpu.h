@@ -145,14 +145,22 @@ stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc 
 typedef struct stilb_gpu_set {
 	uint32_t id; /* 0: none */
 } stilb_gpu_set;
+/* How shaders see an item's image. */
+typedef enum stilb_gpu_seen {
+	STILB_GPU_SEEN_WHOLE, /* as it is: of several layers an array */
+	STILB_GPU_SEEN_ARRAY, /* of shape 2D, an array also of one layer: sampler2DArray */
+	STILB_GPU_SEEN_LAYER, /* of shape 2D, `layer` alone: sampler2D */
+} stilb_gpu_seen;
 typedef struct stilb_gpu_set_item {
 	stilb_gpu_image image; /* {0}: a white texel */
 	stilb_gpu_sampler sampler;
+	uint8_t seen; /* stilb_gpu_seen */
+	uint16_t layer;
 } stilb_gpu_set_item;
 #define STILB_GPU_MAX_SET_ITEMS 16u
 
 /* Every binding of a set is always written. A run's set has as many items as its program asks for (set_items).
- * STILB_ERROR_ARGUMENT: the count, or an item's image or sampler; STILB_ERROR_MEMORY. [any-thread] */
+ * STILB_ERROR_ARGUMENT: the count, or an item's image, layer or sampler; STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *items, uint32_t count, stilb_gpu_set *out);
 void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set);
 

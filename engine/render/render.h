@@ -111,6 +111,10 @@ typedef struct stilb_render_desc {
 	stilb_gpu_presentation presentation;
 	uint32_t width, height; /* pixels, 1..16384 */
 	uint32_t samples;       /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
+	/* Of textures of surfaces that are filtered linearly: how many times longer than wide a pixel's footprint may be
+	 * before it blurs, 1..16, at most the GPU's; 1: mips alone. 0: 8 on a GPU, 1 on a software device, where 8 costs a
+	 * read five times as much. */
+	uint32_t max_anisotropy;
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */
@@ -184,7 +188,7 @@ typedef struct stilb_render_material {
  * have left n holes in them, creating a mesh takes time in proportion to n: 0.2 us for 1,000, 5 us for 100,000. */
 #define STILB_RENDER_MAX_MESHES (1u << 20)
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
-#define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
+#define STILB_RENDER_MAX_TEXTURES (1u << 20) /* one less in fact: index 0 stands for no texture */
 
 /* Copies vertices (metres, unit normals), indices (three a triangle), levels and clusters; a mesh with clusters does
  * not morph. STILB_ERROR_ARGUMENT: no vertex, no index, an index that is not below vertex_count, or levels or clusters
@@ -403,6 +407,10 @@ typedef struct stilb_render_pass {
 /* Replaces the contexts, for another number of workers; between frames. stilb_render_stream_hash of the last frame can
  * no longer be asked for. On STILB_ERROR_MEMORY everything is as before. [main-thread] */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
+
+/* Lets the threads of this pool help stilb_render_set_scene and _update_scene with the mips of textures. Its owner is
+ * the main thread; it must live until another one is set, or NULL for none, as before the first call. [main-thread] */
+void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool);
 
 /* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_DEVICE
  * (larger than this GPU draws): no frame can begin until a resize succeeds. The images are made by the next frame's

@@ -375,7 +375,7 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	hash = stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
 	if (state & RENDER_STATE_MAPS) {
-		uint64_t maps[2] = {resources->maps[render_state_maps(state)].hash, state & RENDER_STATE_EXTRAS};
+		uint64_t maps[2] = {resources->maps[materials[row->material].maps].hash, state & RENDER_STATE_EXTRAS};
 		hash = stilb_hash_fnv1a64(hash, maps, sizeof maps);
 	}
 	if (state & RENDER_STATE_WIDE && render_levels_have_clusters(resources->levels[row->mesh])) {

@@ -12,6 +12,7 @@
 
 #include "base/base_contract.h"
 #include "gpu/gpu_internal.h"
+#include "render/device/render_arrays.h"
 #include "render/render.h"
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
@@ -166,12 +167,14 @@ typedef struct render_slot {
 } render_slot;
 
 typedef struct render_device_texture {
-	stilb_gpu_image image;
-	stilb_gpu_set set;
-	uint32_t mips; /* at least 1 */
+	stilb_gpu_image image; /* its own, or the array's */
+	stilb_gpu_set set;     /* {0}: not needed so far */
+	uint32_t mips;         /* at least 1 */
+	uint32_t array;        /* 1 + render_arrays.items; 0: it has an image of its own, without mips */
+	uint16_t layer;
 } render_device_texture;
 
-/* A material's maps. */
+/* What draws of a group of maps bind. */
 typedef struct render_device_maps {
 	stilb_gpu_set set;
 	uint32_t bits; /* RENDER_MAPS_... without _EXTRAS */
@@ -244,9 +247,11 @@ typedef struct render_device {
 	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
-	render_device_maps *maps;        /* [RENDER_MAX_MAPS] */
-	stilb_gpu_sampler sampler;       /* of all textures: linear, repeated, no mip levels */
-	stilb_gpu_sampler linear;        /* clamped */
+	render_arrays arrays;
+	render_device_maps *maps;  /* [RENDER_MAX_MAPS] by group */
+	float anisotropy;          /* of samplers of maps; 1: none */
+	stilb_gpu_sampler sampler; /* of all textures: linear, repeated, no mip levels */
+	stilb_gpu_sampler linear;  /* clamped */
 	render_programs programs;
 
 	render_frame frame;
@@ -310,14 +315,20 @@ stilb_result render_device_panorama_show(render_device *device, const render_pan
 /* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device, before the frame's passes.
  * The caller holds the lock of resources. */
 stilb_result render_device_update(render_device *device, const render_resources *resources);
-/* Makes texture number `texture` with the size and format of image, with all mips or one; update copies the pixels. The
- * caller holds the lock of render_resources. [any-thread] */
+/* The textures' part of it. */
+stilb_result render_device_textures_update(render_device *device, const render_resources *resources);
+/* Makes texture number `texture` with the size and format of image: with all mips, as a layer of an array, or with one;
+ * update copies the pixels. The caller holds the lock of render_resources. [any-thread] */
 stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);
 void render_device_texture_destroy(render_device *device, uint32_t texture);
-/* Makes maps number `index`, in the place of what was there: frames from the next replay on have the new ones. The
- * caller holds the lock of render_resources. [any-thread] */
-stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps);
-void render_device_maps_drop(render_device *device, uint32_t index);
+/* That of the textures that are made of images of this format. [any-thread] */
+stilb_gpu_format render_texture_format(stilb_image_format format);
+/* The set of a draw with this texture alone. */
+stilb_result render_device_texture_set(render_device *device, uint32_t texture, uint32_t *set);
+/* Makes what the draws of group number `group` bind: the images and samplers of maps that are in it. The caller holds
+ * the lock of render_resources. [any-thread] */
+stilb_result render_device_maps_set(render_device *device, uint32_t group, const render_maps *maps);
+void render_device_maps_drop(render_device *device, uint32_t group);
 /* Copies upload->bytes into the ring; empties it first where they do not fit. */
 stilb_result render_device_send(render_device *device, const stilb_gpu_upload *upload, const void *from);
 /* Memory for rows that the CPU writes at any time, and frames read; freed once no frame can use it. [any-thread] */

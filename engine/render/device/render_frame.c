@@ -224,7 +224,7 @@ static uint64_t list_depth_state(uint64_t state)
 static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
 	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
-	return render_maps_program_bits(maker->device->maps[render_state_maps(state)].bits, state & RENDER_STATE_EXTRAS,
+	return render_maps_program_bits(maker->device->maps[render_state_group(state)].bits, state & RENDER_STATE_EXTRAS,
 	                                sides, maker->depth);
 }
 
@@ -240,14 +240,14 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 		return STILB_OK;
 	}
 	if (from->state & RENDER_STATE_MAPS && (!maker->depth || bits != 0)) {
-		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_maps(from->state)].set.id : 0;
+		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_group(from->state)].set.id : 0;
 		return list_find_maps(maker, from->state, bits, &run->binding);
 	}
 	uint64_t state = maker->depth ? list_depth_state(from->state) : from->state;
 	uint32_t texture = render_state_texture(state);
 	STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
-	run->set = texture ? device->textures[texture].set.id : 0;
-	return list_find(maker, state, &run->binding);
+	stilb_result result = texture ? render_device_texture_set(maker->device, texture, &run->set) : STILB_OK;
+	return result == STILB_OK ? list_find(maker, state, &run->binding) : result;
 }
 
 /* Makes one run of two if the second goes on where the first ends. */

@@ -12,10 +12,10 @@ layout(location = 6) centroid in vec3 world_tangent;
 layout(location = 7) flat in float tangent_sign;
 #endif
 
-layout(set = 1, binding = 1) uniform sampler2D reflection_map;
-layout(set = 1, binding = 2) uniform sampler2D normal_map;
-layout(set = 1, binding = 3) uniform sampler2D occlusion_map;
-layout(set = 1, binding = 4) uniform sampler2D emission_map;
+layout(set = 1, binding = 1) uniform sampler2DArray reflection_map;
+layout(set = 1, binding = 2) uniform sampler2DArray normal_map;
+layout(set = 1, binding = 3) uniform sampler2DArray occlusion_map;
+layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
 layout(location = 0) out vec4 color;
 
@@ -45,21 +45,22 @@ struct Texels {
 	vec3 emission;
 };
 
-Texels texels_here()
+Texels texels_here(uint record)
 {
+	vec4 layers = record_part(record, 14u);
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection = clamp(texture(reflection_map, together ? first_place : reflection_place), 0.0, 1.0);
+		texels.reflection = clamp(texture(reflection_map, vec3(together ? first_place : reflection_place, layers.y)), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, together ? first_place : normal_place);
+		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, layers.z));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
 	}
 	if (map_occlusion)
-		texels.occlusion = texture(occlusion_map, together ? first_place : occlusion_place).x;
+		texels.occlusion = texture(occlusion_map, vec3(together ? first_place : occlusion_place, layers.w)).x;
 	if (map_emission)
-		texels.emission = texture(emission_map, together ? first_place : emission_place).xyz;
+		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, record_part(record, 15u).x)).xyz;
 	return texels;
 }
 
@@ -97,9 +98,9 @@ void main()
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
-	vec4 raw = raw_color();
+	vec4 raw = raw_color(record);
 	vec4 base_color = raw * record_part(record, 0u);
-	Texels texels = texels_here();
+	Texels texels = texels_here(record);
 #ifdef MAPS_COVERAGE
 	int covered = covered_samples(raw.w, record_part(record, 0u).w, record_part(record, 3u).z);
 #endif

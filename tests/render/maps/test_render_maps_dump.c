@@ -6,8 +6,9 @@
 #include "render/render_dump_format.h"
 #include "support/folder.h"
 
-#define PATH "test_render_maps.dump"
-#define PATH_AGAIN "test_render_maps_again.dump"
+/* Of their own, because both tests may run at once. */
+#define PATH (null_device ? "test_render_maps_null.dump" : "test_render_maps.dump")
+#define PATH_AGAIN (null_device ? "test_render_maps_null_again.dump" : "test_render_maps_again.dump")
 #define CELLS 5u
 
 static bool null_device;
@@ -305,8 +306,8 @@ static void draws_of_a_material_come_together(void **state)
 		uint64_t last = 0, draws = 0;
 		for (uint32_t r = 0; r < lists->run_count; r++) {
 			uint64_t of_maps = lists->runs[r].state & RENDER_STATE_MAPS;
-			uint32_t maps = of_maps ? render_state_maps(lists->runs[r].state) : 7;
-			bool blends = of_maps && s.render->resources.maps[maps].bits & RENDER_MAPS_BLEND;
+			uint32_t maps = of_maps ? render_state_group(lists->runs[r].state) : 7;
+			bool blends = of_maps && render_group_of(&s.render->resources, maps)->key.bits & RENDER_MAPS_BLEND;
 			draws += lists->runs[r].count;
 			plain += !of_maps && last; /* behind some with maps */
 			runs[maps] += !blends && (r == 0 || !of_maps ||
