@@ -412,6 +412,19 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 	engine->shading = *shading;
 }
 
+stilb_render_show stilb_engine_shows(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.show;
+}
+
+void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(show < STILB_RENDER_SHOWS);
+	engine->desc.show = show;
+}
+
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
 {
 	STILB_ASSERT(libraries);

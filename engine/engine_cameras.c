@@ -117,8 +117,11 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	float aspect = place[3] > 0 ? (float)place[2] / (float)place[3] : (float)target->width / (float)target->height;
 	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
-	view->exposure = camera->exposure;
-	view->tone = camera->tone;
+	stilb_scene_surface_channel channel;
+	if (!stilb_render_show_channel(view->show, &channel)) {
+		view->exposure = camera->exposure;
+		view->tone = camera->tone;
+	}
 	view->target = target;
 }
 

@@ -177,6 +177,11 @@ uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_
 		*count = 0;
 		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 	}
+	uint32_t channel = render_view_channel(view);
+	if (channel > 0) {
+		*count = 0;
+		return channel << RENDER_LIGHTS_CHANNEL | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
 	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |
 	                (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
@@ -214,7 +219,7 @@ static void replay_write_lights(render_light *out, const stilb_render_view *view
 static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
 	return a->lights == b->lights && a->light_count == b->light_count && a->both_sides == b->both_sides &&
-	       render_view_is_depth(a) == render_view_is_depth(b) &&
+	       render_view_is_depth(a) == render_view_is_depth(b) && render_view_channel(a) == render_view_channel(b) &&
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }
@@ -339,15 +344,14 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		const stilb_render_pass *pass = &passes[render->replayed[p]];
 		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
 		uint32_t index = render->replayed[p];
-		render_stream stream = {
-			.view = scene ? &views[pass->view] : NULL,
-			.first_light = lights[index].first,
-			.light_count = lights[index].count,
-			.panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
-			.light_bits = lights[index].bits |
-		                  (scene && !render_view_is_depth(&views[pass->view]) && views[pass->view].surroundings.glossy
-		                       ? RENDER_LIGHTS_GLOSS
-		                       : 0)};
+		render_stream stream = {.view = scene ? &views[pass->view] : NULL,
+		                        .first_light = lights[index].first,
+		                        .light_count = lights[index].count,
+		                        .panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
+		                        .light_bits = lights[index].bits | (scene && render_view_is_lit(&views[pass->view]) &&
+		                                                                    views[pass->view].surroundings.glossy
+		                                                                ? RENDER_LIGHTS_GLOSS
+		                                                                : 0)};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)
