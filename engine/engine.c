@@ -183,6 +183,8 @@ void stilb_engine_destroy(stilb_engine *engine)
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_picture_finish(engine);
+	if (engine->render)
+		engine_value_forget(engine);
 	engine_overlay_finish(&engine->overlay);
 	stilb_debug_destroy(engine->debug);
 	stilb_render_destroy(engine->render);

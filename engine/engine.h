@@ -96,6 +96,7 @@ enum {
 	STILB_ENGINE_IMAGE_PART_BACK,            /* the one before */
 	STILB_ENGINE_SHOW,                       /* pictures show the next of stilb_render_show, which a toast names */
 	STILB_ENGINE_SHOW_BACK,                  /* the one before */
+	STILB_ENGINE_VALUE, /* show the linear light under the pointer, or hide it; channels always show it */
 	STILB_ENGINE_ACTIONS
 };
 

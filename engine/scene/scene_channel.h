@@ -30,17 +30,17 @@ typedef enum stilb_scene_channel_kind {
  * material without a surface (scene_surface.h) base colour and metalness are those that give its reflectances. */
 #define STILB_SCENE_CHANNELS_OF_SURFACES(X)                                                                            \
 	X(BASE, base, "base colour, or what an unlit surface shows", LIGHT)                                                \
-	X(NORMAL, normal, "normal that is lit, with its map, in world space", DATA)                                        \
-	X(TANGENT, tangent, "tangent, in world space", DATA)                                                               \
-	X(ROUGHNESS, roughness, "roughness", DATA)                                                                         \
-	X(METALNESS, metalness, "metalness", DATA)                                                                         \
-	X(OCCLUSION, occlusion, "share of even light that the map of occlusion lets through", DATA)                        \
-	X(EMISSION, emission, "radiance that the surface emits", LIGHT)                                                    \
-	X(ALPHA, alpha, "alpha", DATA)                                                                                     \
-	X(UV0, uv0, "fractions of the first uv", DATA)                                                                     \
-	X(UV1, uv1, "fractions of the second uv", DATA)                                                                    \
+	X(NORMAL, normal, "the normal that is lit, with its map, 0.5 + 0.5 n in world space", DATA)                        \
+	X(TANGENT, tangent, "tangents of the vertices, 0.5 + 0.5 t in world space", DATA)                                  \
+	X(ROUGHNESS, roughness, "0 is a mirror, 1 the widest highlight", DATA)                                             \
+	X(METALNESS, metalness, "0 is a dielectric, 1 a metal", DATA)                                                      \
+	X(OCCLUSION, occlusion, "the share of even light that its map lets through", DATA)                                 \
+	X(EMISSION, emission, "radiance that surfaces emit", LIGHT)                                                        \
+	X(ALPHA, alpha, "1 is opaque, 0 is not there", DATA)                                                               \
+	X(UV0, uv0, "fractions of the first uv, u red and v green", DATA)                                                  \
+	X(UV1, uv1, "fractions of the second uv, u red and v green", DATA)                                                 \
 	X(WIREFRAME, wireframe, "edges of the triangles; frames alone", DATA)                                              \
-	X(OVERDRAW, overdraw, "how often a pixel is drawn; frames alone", COUNT)
+	X(OVERDRAW, overdraw, "how often a pixel is drawn, 1 blue to 8 white; frames alone", COUNT)
 
 #define STILB_SCENE_CHANNEL_ENUM(id, ...) STILB_SCENE_CHANNEL_##id,
 typedef enum stilb_scene_surface_channel {
