@@ -473,7 +473,8 @@ static void test_help(void **state)
 
 /* ---- everything -------------------------------------------------------------------------------------------------- */
 
-static const char *const integrators[] = {"color", "direct", "ao", "montecarlo", "path", "split", "irradiance-cache", "channel"};
+static const char *const integrators[] = {"color", "direct",           "ao",     "montecarlo", "path",
+                                          "split", "irradiance-cache", "channel"};
 #define INTEGRATORS (sizeof integrators / sizeof *integrators)
 
 static void assert_renders(const char *scene, const char *integrator)
