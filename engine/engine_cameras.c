@@ -165,6 +165,14 @@ static bool camera_covers(const stilb_engine *engine, const float place[4], doub
 	return true;
 }
 
+bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32_t size[2])
+{
+	for (uint32_t c = 0; c < engine->camera_count; c++)
+		if (camera_covers(engine, engine->cameras[c].asked.place, x, y, size))
+			return false;
+	return camera_covers(engine, engine->place, x, y, size);
+}
+
 bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray)
 {
 	const stilb_scene_camera *camera = NULL;

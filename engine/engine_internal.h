@@ -214,6 +214,10 @@ void engine_cameras_frame(stilb_engine *engine);
 /* The ray through a point of the picture, pixels, from the camera that is shown there. False: none is. */
 bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray);
 
+/* True if the scene's own camera is shown at a point of the picture, pixels; *x, *y: then as pixels of a picture of its
+ * own, of size[2] pixels. */
+bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32_t size[2]);
+
 /* engine_prepare.c */
 
 /* The view of a scene, but for what depends on the picture's size. */

@@ -22,18 +22,12 @@ bool engine_value_wanted(const stilb_engine *engine)
 	       !(overlay->ui && stilb_ui_wants_mouse(overlay->ui));
 }
 
-/* The texel of an image of this size that the pointer is over, in a picture of any size. */
-static size_t value_texel(const stilb_engine *engine, uint32_t width, uint32_t height)
+/* The texel that x, y of a picture of `size` lie in, of an image of width x height. */
+static size_t value_texel(double x, double y, const uint32_t size[2], uint32_t width, uint32_t height)
 {
-	const stilb_ui_input *input = &engine->overlay.input;
-	uint32_t size[2];
-	stilb_render_size(engine->render, &size[0], &size[1]);
-	float x = fminf(fmaxf(input->mouse_x / (float)size[0], 0.0f), 1.0f);
-	float y = fminf(fmaxf(input->mouse_y / (float)size[1], 0.0f), 1.0f);
-	uint32_t column = (uint32_t)(x * (float)width), row = (uint32_t)(y * (float)height);
-	column = column < width ? column : width - 1;
-	row = row < height ? row : height - 1;
-	return (size_t)row * width + column;
+	double column = fmin(fmax(x / size[0], 0.0), 1.0) * width, row = fmin(fmax(y / size[1], 0.0), 1.0) * height;
+	uint32_t across = column < width ? (uint32_t)column : width - 1;
+	return (size_t)(row < height ? (uint32_t)row : height - 1) * width + across;
 }
 
 /* Takes the value from the program's picture, of which those of data are light that is shown as them. */
@@ -43,7 +37,11 @@ static void value_of_picture(stilb_engine *engine)
 	stilb_scene_surface_channel channel;
 	bool data = stilb_render_show_channel(engine->desc.show, &channel) &&
 	            stilb_scene_channel_kind_of(channel) == STILB_SCENE_CHANNEL_DATA;
-	const float *texel = (const float *)image->pixels + 4 * value_texel(engine, image->width, image->height);
+	const stilb_ui_input *input = &engine->overlay.input;
+	uint32_t size[2];
+	stilb_render_size(engine->render, &size[0], &size[1]);
+	size_t at = value_texel((double)input->mouse_x, (double)input->mouse_y, size, image->width, image->height);
+	const float *texel = (const float *)image->pixels + 4 * at;
 	for (int c = 0; c < 3; c++)
 		engine->value.value[c] = data ? shade_srgb_from_linear(texel[c]) : texel[c];
 	engine->value.known = true;
@@ -90,7 +88,10 @@ void engine_value_frame(stilb_engine *engine)
 		value_of_picture(engine);
 		return;
 	}
-	if (engine->picture.hides_scene) { /* its image is black */
+	double x = (double)engine->overlay.input.mouse_x, y = (double)engine->overlay.input.mouse_y;
+	uint32_t size[2];
+	/* Where the scene's picture is known, its image is not drawn; and insets have images of their own. */
+	if (engine->picture.hides_scene || !engine_cameras_own(engine, &x, &y, size)) {
 		engine_value_forget(engine);
 		return;
 	}
@@ -99,7 +100,7 @@ void engine_value_frame(stilb_engine *engine)
 		engine_value_forget(engine);
 	if (bytes) {
 		uint16_t halves[3];
-		memcpy(halves, (const uint16_t *)bytes + 4 * value_texel(engine, value->size[0], value->size[1]),
+		memcpy(halves, (const uint16_t *)bytes + 4 * value_texel(x, y, size, value->size[0], value->size[1]),
 		       sizeof halves);
 		for (int c = 0; c < 3; c++)
 			value->value[c] = stilb_image_half_to_float(halves[c]);

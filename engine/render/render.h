@@ -319,7 +319,7 @@ typedef struct stilb_render_detail {
  *           the channels of scene_channel.h: no light, no backdrop, and exposure, tone and dither are not read. Levels
  *           and impostors are drawn as usual; an impostor has base colour, normal and roughness alone. WIREFRAME: lines
  *           of one pixel, also those behind others; the GPU must have fillModeNonSolid. OVERDRAW counts what passes the
- *           test of depth, in the order of the draws. Of targets of one kind all views show the same. */
+ *           test of depth, in the order of the draws. Views with the same target show the same. */
 #define STILB_RENDER_SHOWN(X)                                                                                          \
 	X(SHADED, shaded, "surfaces in their light")                                                                       \
 	X(LEVELS, lod, "levels of detail, each in a colour")                                                               \

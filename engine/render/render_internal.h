@@ -71,12 +71,13 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
 #define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */
-#define RENDER_LIGHTS_CHANNEL 12u /* from this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES */
+/* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
+#define RENDER_LIGHTS_CHANNEL_SHIFT 12u
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
 {
-	return bits >> RENDER_LIGHTS_CHANNEL;
+	return bits >> RENDER_LIGHTS_CHANNEL_SHIFT;
 }
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------

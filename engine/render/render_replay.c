@@ -180,7 +180,7 @@ uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_
 	uint32_t channel = render_view_channel(view);
 	if (channel > 0) {
 		*count = 0;
-		return channel << RENDER_LIGHTS_CHANNEL | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+		return channel << RENDER_LIGHTS_CHANNEL_SHIFT | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
 	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |

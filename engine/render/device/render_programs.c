@@ -113,8 +113,9 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		if (surface != RENDER_SURFACE_IMPOSTOR)
 			desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MESH];
 	}
-	bool plain = channel > 0 && surface == RENDER_SURFACE_PLAIN; /* which shows places on textures, too */
-	program_vertices(device, plain ? RENDER_SURFACE_TEXTURE : surface, &desc);
+	/* Channels of what has no texture show places on textures, too. */
+	bool places = channel > 0 && surface == RENDER_SURFACE_PLAIN;
+	program_vertices(device, places ? RENDER_SURFACE_TEXTURE : surface, &desc);
 	program_constant(&desc, 1, drawn);
 	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
 		program_constant(&desc, 2 + f, choice->formulas[f]);
