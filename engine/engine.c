@@ -189,6 +189,8 @@ void stilb_engine_destroy(stilb_engine *engine)
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_picture_finish(engine);
+	if (engine->render)
+		engine_value_forget(engine);
 	engine_overlay_finish(&engine->overlay);
 	stilb_debug_destroy(engine->debug);
 	stilb_render_destroy(engine->render);
@@ -416,6 +418,19 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(shading);
 	engine->shading = *shading;
+}
+
+stilb_render_show stilb_engine_shows(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.show;
+}
+
+void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(show < STILB_RENDER_SHOWS);
+	engine->desc.show = show;
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])

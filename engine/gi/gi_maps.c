@@ -82,6 +82,19 @@ shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_v
 	                           maps_limited(dielectric));
 }
 
+float gi_maps_metalness(const gi_maps *maps, const gi_place *place)
+{
+	if (maps->surface->workflow == STILB_SCENE_SPECULAR)
+		return 0.0f;
+	return maps->surface->metalness * maps_limited(maps_texel(maps, STILB_SCENE_MAP_REFLECTION, place))[2];
+}
+
+float gi_maps_occlusion(const gi_maps *maps, const gi_place *place)
+{
+	float texel = maps_limited(maps_texel(maps, STILB_SCENE_MAP_OCCLUSION, place))[0];
+	return shade_gltf_occlusion(texel, maps->surface->occlusion);
+}
+
 stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
 {
 	stilb_vec3 emission = gi_vector(maps->surface->emission);

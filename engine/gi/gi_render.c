@@ -694,6 +694,8 @@ void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb)
 {
 	STILB_ASSERT(render && rgb);
 	gi_film_preview(&render->film, rgb);
+	if (gi_shows_data(&render->view.settings))
+		gi_data_to_light(rgb, (size_t)render->film.width * render->film.height);
 }
 
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)

@@ -164,9 +164,9 @@ static stilb_vec3 turned_alike(const float matrix[9], stilb_vec3 v)
 	return square > GI_NORMAL_NONE ? turned * sqrtf(stilb_vec3_dot(v, v) / square) : turned;
 }
 
-/* The interpolated tangent in world space, of any length; 0: there is none. sign: of the bitangent. */
-static stilb_vec3 tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign)
+stilb_vec3 gi_tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign)
 {
+	STILB_ASSERT(part->extras);
 	const uint32_t *index = part->triangles[ray->hit.triangle].vertex;
 	const float *a = part->extras[index[0]].tangent, *b = part->extras[index[1]].tangent,
 				*c = part->extras[index[2]].tangent;
@@ -200,7 +200,7 @@ static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stil
 {
 	stilb_vec3 geometric = surface->geometric;
 	float sign;
-	stilb_vec3 tangent = tangent_at(part, ray, &sign);
+	stilb_vec3 tangent = gi_tangent_at(part, ray, &sign);
 	if (!(stilb_vec3_dot(tangent, tangent) > GI_NORMAL_NONE))
 		return surface->normal;
 	if (!(stilb_vec3_dot(normal, normal) > GI_NORMAL_NONE))

@@ -43,6 +43,7 @@ typedef struct stilb_gpu_limits {
 	float anisotropy;    /* largest; 1: none */
 	bool timestamps, bc; /* pass times; BC1 to BC7 */
 	bool indirect_count; /* the number of indirect draws may come from a buffer */
+	bool lines;          /* programs may draw the edges of triangles alone */
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
@@ -209,6 +210,7 @@ typedef struct stilb_gpu_program_desc {
 	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
 	bool depth_write;
 	bool cull_back; /* triangles that are clockwise in the picture */
+	bool lines;     /* of triangles the edges alone, a pixel wide; needs stilb_gpu_limits.lines */
 	uint8_t blend;  /* stilb_gpu_blend, of every colour attachment */
 	bool alpha_to_coverage;
 	float depth_bias, depth_bias_slope;

@@ -17,9 +17,15 @@ stilb_render_shading stilb_render_shading_default(void)
 }
 
 const char *const stilb_render_show_names[] = {
-#define RENDER_SHOW_NAME(id, name, words) #name,
+#define RENDER_SHOW_NAME(id, name, ...) #name,
 	STILB_RENDER_SHOWN(RENDER_SHOW_NAME)
 #undef RENDER_SHOW_NAME
+		NULL};
+
+const char *const stilb_render_show_words[] = {
+#define RENDER_SHOW_WORDS(id, name, words, ...) words,
+	STILB_RENDER_SHOWN(RENDER_SHOW_WORDS)
+#undef RENDER_SHOW_WORDS
 		NULL};
 
 const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",

@@ -53,6 +53,7 @@
 #include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/scene.h"
+#include "scene/scene_channel.h"
 #include "scene/scene_impostor.h"
 
 #ifdef __cplusplus
@@ -314,20 +315,35 @@ typedef struct stilb_render_detail {
 	float error; /* pixels, > 0; not read if mode is OFF */
 } stilb_render_detail;
 
-/* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users).
+/* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users, ...).
  *   LEVELS  each level of detail in a colour of its own, lit from the viewer: white the mesh in full, then red, orange,
  *           yellow, green, blue, violet and red again; grey what has no levels. Clusters have the colour of how often
- *           their place has been made coarser. There are no transitions. */
+ *           their place has been made coarser. There are no transitions.
+ *   BASE, ... OVERDRAW
+ *           the channels of scene_channel.h: no light, no backdrop, and exposure, tone and dither are not read. Levels
+ *           and impostors are drawn as usual; an impostor has base colour, normal and roughness alone. WIREFRAME: lines
+ *           of one pixel, also those behind others; the GPU must have fillModeNonSolid. OVERDRAW counts what passes the
+ *           test of depth, in the order of the draws. Views with the same target show the same. */
 #define STILB_RENDER_SHOWN(X)                                                                                          \
 	X(SHADED, shaded, "surfaces in their light")                                                                       \
-	X(LEVELS, lod, "levels of detail, each in a colour")
+	X(LEVELS, lod, "levels of detail, each in a colour")                                                               \
+	STILB_SCENE_CHANNELS_OF_SURFACES(X)
 
 #define STILB_RENDER_SHOW_ENUM(id, ...) STILB_RENDER_SHOW_##id,
 typedef enum stilb_render_show { STILB_RENDER_SHOWN(STILB_RENDER_SHOW_ENUM) STILB_RENDER_SHOWS } stilb_render_show;
 #undef STILB_RENDER_SHOW_ENUM
 
+/* True if it is a channel, which *channel is then. [any-thread] */
+static inline bool stilb_render_show_channel(stilb_render_show show, stilb_scene_surface_channel *channel)
+{
+	*channel = (stilb_scene_surface_channel)((int)show - STILB_RENDER_SHOW_BASE);
+	return (int)show >= STILB_RENDER_SHOW_BASE;
+}
+
 /* Their identifiers, NULL-terminated; the index is the stilb_render_show. */
 extern const char *const stilb_render_show_names[];
+/* And their words for users. */
+extern const char *const stilb_render_show_words[];
 
 /* The identifiers of stilb_render_detail_mode, NULL-terminated. */
 extern const char *const stilb_render_detail_names[];

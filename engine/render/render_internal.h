@@ -71,6 +71,14 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
 #define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */
+/* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
+#define RENDER_LIGHTS_CHANNEL_SHIFT 12u
+
+/* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
+static inline uint32_t render_lights_channel(uint32_t bits)
+{
+	return bits >> RENDER_LIGHTS_CHANNEL_SHIFT;
+}
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -423,6 +431,29 @@ void render_scene_replace(stilb_render *render, render_scene *next);
 static inline bool render_view_is_depth(const stilb_render_view *view)
 {
 	return view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
+}
+
+/* 1 + the channel that it shows in the place of light; 0: none. */
+static inline uint32_t render_view_channel(const stilb_render_view *view)
+{
+	stilb_scene_surface_channel channel;
+	return stilb_render_show_channel(view->show, &channel) && !render_view_is_depth(view) ? 1 + (uint32_t)channel : 0;
+}
+
+/* True if its passes draw light. */
+static inline bool render_view_is_lit(const stilb_render_view *view)
+{
+	return !render_view_is_depth(view) && render_view_channel(view) == 0;
+}
+
+/* How the picture shows the view's radiance, or what is in its place: SHADE_TONE_... or RENDER_TONE_... */
+static inline uint32_t render_view_tone(const stilb_render_view *view)
+{
+	static const uint32_t tones[] = {[STILB_SCENE_CHANNEL_LIGHT] = SHADE_TONE_NONE,
+	                                 [STILB_SCENE_CHANNEL_DATA] = RENDER_TONE_DATA,
+	                                 [STILB_SCENE_CHANNEL_COUNT] = RENDER_TONE_COUNT};
+	uint32_t channel = render_view_channel(view);
+	return channel == 0 ? view->tone : tones[stilb_scene_channel_kind_of((stilb_scene_surface_channel)(channel - 1))];
 }
 
 /* render_stream.light_bits of a view that shows a panorama with so many lamps, or none. *count: the lights that frames

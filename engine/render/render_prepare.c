@@ -196,7 +196,6 @@ static stilb_result prepare_known_maps(render_resources *resources, render_known
 		const render_group *group = render_group_of(resources, i);
 		memory = group->head.users == 0 || prepare_know(known, group->key.bits);
 	}
-	}
 	stilb_lock_give(&resources->lock);
 	return memory ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of kinds of surfaces");
 }

@@ -174,7 +174,7 @@ typedef struct replay_lights {
 /* RENDER_LIGHTS_GLOSS or 0. A panorama lights in place of sky and ground, and is mirrored without it. */
 static uint32_t replay_gloss(const stilb_render_view *view, bool panorama)
 {
-	return view->surroundings.glossy && !panorama && !render_view_is_depth(view) ? RENDER_LIGHTS_GLOSS : 0;
+	return view->surroundings.glossy && !panorama && render_view_is_lit(view) ? RENDER_LIGHTS_GLOSS : 0;
 }
 
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
@@ -182,6 +182,11 @@ uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_
 	if (render_view_is_depth(view)) {
 		*count = 0;
 		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	}
+	uint32_t channel = render_view_channel(view);
+	if (channel > 0) {
+		*count = 0;
+		return channel << RENDER_LIGHTS_CHANNEL_SHIFT | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
 	                replay_gloss(view, panorama) | (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
@@ -219,7 +224,7 @@ static void replay_write_lights(render_light *out, const stilb_render_view *view
 static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
 	return a->lights == b->lights && a->light_count == b->light_count && a->both_sides == b->both_sides &&
-	       render_view_is_depth(a) == render_view_is_depth(b) &&
+	       render_view_is_depth(a) == render_view_is_depth(b) && render_view_channel(a) == render_view_channel(b) &&
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }

@@ -205,7 +205,7 @@ void gi_backdrop_shade(gi_batch *batch)
 	const stilb_gi_settings *settings = &batch->view->settings;
 	stilb_scene_backdrop_kind kind = backdrop->scene.kind;
 	bool light = settings->only != STILB_GI_ONLY_INDIRECT && settings->integrator != STILB_GI_INTEGRATOR_COLOR &&
-	             settings->integrator != STILB_GI_INTEGRATOR_AO;
+	             settings->integrator != STILB_GI_INTEGRATOR_AO && settings->integrator != STILB_GI_INTEGRATOR_CHANNEL;
 	if (kind == STILB_SCENE_BACKDROP_SURROUNDINGS || (!light && kind != STILB_SCENE_BACKDROP_NOTHING))
 		return;
 	const float *c = backdrop->scene.color;

@@ -174,6 +174,7 @@ typedef struct gpu_vulkan {
 	uint64_t timeline_value; /* the semaphore's value once the last submission is done */
 	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
 	bool anisotropic;        /* samplers can be */
+	bool lines;              /* of triangles the edges alone can be drawn */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 

@@ -104,6 +104,12 @@ extern const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES];
 extern const stilb_gpu_shader render_maps_vertex[2][2];      /* [1: vertices are packed] */
 extern const stilb_gpu_shader render_maps_fragment[2][2][2]; /* [1: see _mesh_fragment][1: a mask, several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
+
+/* Of channels in the place of light. Impostors keep their vertex shader. */
+enum { RENDER_CHANNEL_MESH, RENDER_CHANNEL_MAPS, RENDER_CHANNEL_MAPS_EXTRAS, RENDER_CHANNEL_VERTICES };
+extern const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES]; /* [1: packed] */
+extern const stilb_gpu_shader render_channel_mesh_fragment[RENDER_SURFACES];
+extern const stilb_gpu_shader render_channel_maps_fragment[2][2];   /* as render_maps_fragment[0] */
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
 extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
@@ -147,13 +153,18 @@ bool render_formulas_are_depth(const render_formula_programs *programs);
 /* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
+/* What the tone map shows besides SHADE_TONE_...: channels in the place of light (stilb_scene_channel_kind). */
+#define RENDER_TONE_DATA SHADE_TONE_COUNT
+#define RENDER_TONE_COUNT (SHADE_TONE_COUNT + 1)
+#define RENDER_TONES (SHADE_TONE_COUNT + 2)
+
 typedef struct render_programs {
 	pthread_mutex_t lock; /* guards all below */
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve;
-	stilb_gpu_program tones[2][SHADE_TONE_COUNT]; /* [1: of an image with a place in the picture] */
+	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -205,7 +216,8 @@ typedef struct render_frame_target {
 	bool drawn;                     /* a pass has drawn into it */
 	bool transparent;               /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
-	uint32_t tone; /* SHADE_TONE_... */
+	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
+	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */
 	float exposure;
 	bool dither;
 } render_frame_target;
@@ -347,7 +359,8 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 /* The program of that choice and key; made and compiled unless it is there. [any-thread] */
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
                                   stilb_gpu_program *program);
-/* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
+/* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
+ * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
 /* The kinds of maps that materials have. */

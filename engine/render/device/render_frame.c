@@ -370,6 +370,12 @@ static stilb_gpu_pass frame_row(render_device *device, const render_stream *stre
 	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .draws = list};
 }
 
+/* Counts are added up in all channels but alpha, so that these are not transparent. */
+static bool frame_is_transparent(const stilb_render_view *view)
+{
+	return view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING && view->show != STILB_RENDER_SHOW_OVERDRAW;
+}
+
 /* The first pass into a target says how the picture shows it. */
 static stilb_result frame_first(render_device *device, const render_stream *stream, render_frame_target *target,
                                 bool backdrop)
@@ -377,11 +383,12 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	if (target->color == 0)
 		return STILB_OK;
-	target->transparent = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
-	target->exposure = exp2f(view->exposure);
-	target->dither = view->dither;
-	target->tone = view->tone;
-	stilb_result result = render_programs_tone(device, view->tone, target->from);
+	target->channel = render_view_channel(view);
+	target->transparent = frame_is_transparent(view);
+	target->exposure = target->channel > 0 ? 1.0f : exp2f(view->exposure);
+	target->dither = view->dither && target->channel == 0;
+	target->tone = render_view_tone(view);
+	stilb_result result = render_programs_tone(device, target->tone, target->from);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
 }
 
@@ -399,7 +406,10 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 		.image = target->samples ? target->samples : target->color,
 		.load = target->drawn || backdrop ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
 	};
-	render_backdrop_clear(stream->view, row->color[0].clear);
+	if (target->channel == 0)
+		render_backdrop_clear(stream->view, row->color[0].clear);
+	else if (!target->transparent)
+		row->color[0].clear[3] = 1.0f;
 }
 
 /* The two images that programs read for the panorama's gloss. */
@@ -447,7 +457,8 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	render_formula_programs *choice;
 	render_frame_target *target = render_target_get(device, view->target);
-	bool backdrop = !target->drawn && target->color != 0 && render_backdrop_is_drawn(view, stream->panorama);
+	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) &&
+	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream), list;
 	stilb_result result =
 		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);

@@ -66,6 +66,22 @@ bool render_formulas_are_gloss(const render_formula_programs *programs)
 	       brdf != SHADE_BRDF_WRAPPED;
 }
 
+/* 1 + the channel that they show in the place of light; 0: none. */
+static uint32_t formulas_channel(const render_formula_programs *programs)
+{
+	return render_lights_channel(programs->formulas[RENDER_FORMULA_LIGHTS]);
+}
+
+/* How the programs of channel - 1 differ from those of light: nothing blends, but counts are added up, and a wireframe
+ * is made of lines. */
+static void program_channel(stilb_gpu_program_desc *desc, uint32_t channel)
+{
+	bool counts = channel == 1 + STILB_SCENE_CHANNEL_OVERDRAW;
+	desc->lines = channel == 1 + STILB_SCENE_CHANNEL_WIREFRAME;
+	desc->depth_write |= !counts;
+	desc->blend = counts ? STILB_GPU_BLEND_ADD : STILB_GPU_BLEND_NONE;
+}
+
 /* The shader of draws into depth alone: most need none. */
 static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface)
 {
@@ -91,6 +107,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 {
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), gloss = render_formulas_are_gloss(choice);
+	uint32_t channel = formulas_channel(choice);
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
@@ -101,7 +118,15 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.depth_write = true,
 		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
 	};
-	program_vertices(device, surface, &desc);
+	if (channel > 0) {
+		program_channel(&desc, channel);
+		desc.fragment = render_channel_mesh_fragment[surface];
+		if (surface != RENDER_SURFACE_IMPOSTOR)
+			desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MESH];
+	}
+	/* Channels of what has no texture show places on textures, too. */
+	bool places = channel > 0 && surface == RENDER_SURFACE_PLAIN;
+	program_vertices(device, places ? RENDER_SURFACE_TEXTURE : surface, &desc);
 	program_formulas(device, choice, detail, drawn, &desc);
 	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
 }
@@ -116,6 +141,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
+	uint32_t channel = formulas_channel(choice);
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
 		.vertex = reads ? render_maps_vertex[device->packed][extras] : render_mesh_vertex[device->packed][inputs],
@@ -129,6 +155,11 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
 		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
 	};
+	if (channel > 0) {
+		program_channel(&desc, channel);
+		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
+		desc.fragment = render_channel_maps_fragment[coverage][extras];
+	}
 	program_vertices(device, inputs, &desc);
 	program_formulas(device, choice, detail, drawn, &desc);
 	program_constant(&desc, 9, bits);
@@ -181,7 +212,7 @@ stilb_result render_programs_backdrop(render_device *device)
 
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
 {
-	STILB_ASSERT(tone < SHADE_TONE_COUNT);
+	STILB_ASSERT(tone < RENDER_TONES);
 	render_programs *programs = &device->programs;
 	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
 	bool display = device->output == STILB_RENDER_OUTPUT_DISPLAY;
@@ -268,7 +299,7 @@ static stilb_result choice_make(render_device *device, render_formula_programs *
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen)
 {
-	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH);
+	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH) && render_lights_channel(light_bits) == 0;
 	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
 	STILB_ASSERT(!microfacet ||
@@ -374,8 +405,8 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = render_programs_backdrop(device);
 	/* Both: which one frames need may change with the size and the cameras beside. */
 	if (result == STILB_OK)
-		result = render_programs_tone(device, view->tone, false);
-	return result == STILB_OK ? render_programs_tone(device, view->tone, true) : result;
+		result = render_programs_tone(device, render_view_tone(view), false);
+	return result == STILB_OK ? render_programs_tone(device, render_view_tone(view), true) : result;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */

@@ -36,6 +36,11 @@ int covered_samples(float raw, float factor, float cutoff)
 #endif
 
 #include "lit.glsl"
+#ifdef MESH_CHANNEL
+layout(location = 12) centroid in vec4 channel_uv;
+layout(location = 13) centroid in vec3 channel_tangent;
+#include "channel.glsl"
+#endif
 
 // What the maps hold here. What is missing is 1, but for the normal, which is that of the surface.
 struct Texels {
@@ -90,6 +95,22 @@ vec3 normal_here(uint record, vec3 texel, vec3 flat_normal, vec3 to_camera)
 	return both_sides || map_normal ? bent_normal(n, to_camera) : n;
 }
 
+#ifdef MESH_CHANNEL
+Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
+{
+	float alpha = masked || blends ? base_color.w : 1.0;
+	float square = dot(channel_tangent, channel_tangent);
+	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
+	if (unlit)
+		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
+	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
+	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
+	return Channels(base_color.xyz, n, tangent, emission,
+		base_here(record, base_color.xyz, texels.reflection).roughness, metalness,
+		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
+}
+#endif
+
 void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
@@ -117,6 +138,10 @@ void main()
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normal_here(record, texels.normal, flat_normal, to_camera);
 	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
+#ifdef MESH_CHANNEL
+	color = channel_color(channels_here(record, texels, base_color, n), index);
+	return;
+#endif
 	vec3 radiance = base_color.xyz;
 	if (!unlit) {
 		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection);
