@@ -441,37 +441,22 @@ static bool mesh_take_extras(render_resources *resources, const stilb_scene_mesh
 }
 
 /* Puts them there. vertex, pairs: where the mesh's vertices begin, and whether they lie in pairs. */
-static void mesh_put_extras(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t index,
+static void mesh_put_extras(render_resources *resources, const render_extra *extras, uint32_t index,
                             const mesh_ranges *ranges, uint32_t vertex, bool pairs)
 {
 	render_range range = ranges->heap[RENDER_HEAP_EXTRAS];
 	if (range.count == 0)
 		return;
-	render_extra *extras = (render_extra *)resources->heaps[RENDER_HEAP_EXTRAS].data;
 	render_extra_place *places = (render_extra_place *)resources->heaps[RENDER_HEAP_EXTRA_PLACES].data;
-	render_extras_pack(mesh->extras, range.count, extras + range.first);
+	heap_copy(&resources->heaps[RENDER_HEAP_EXTRAS], range.first, extras, range.count);
 	places[index] =
 		(render_extra_place){.vertex = vertex, .extra_pairs = range.first | (pairs ? RENDER_EXTRA_PAIRS : 0)};
 }
 
-static void mesh_find_center(const stilb_scene_mesh *mesh, float center[3])
-{
-	float low[3], high[3];
-	memcpy(low, mesh->vertices[0].position, sizeof low);
-	memcpy(high, low, sizeof high);
-	for (uint32_t v = 1; v < mesh->vertex_count; v++)
-		for (int c = 0; c < 3; c++) {
-			float x = mesh->vertices[v].position[c];
-			low[c] = x < low[c] ? x : low[c];
-			high[c] = x > high[c] ? x : high[c];
-		}
-	for (int c = 0; c < 3; c++)
-		center[c] = 0.5f * low[c] + 0.5f * high[c];
-}
-
-/* data: of a mesh with levels, which it takes over, else NULL. False: no memory or no id; then nothing has changed. */
+/* data: of a mesh with levels, which it takes over, else NULL. packed: the mesh's extras. False: no memory or no id;
+ * then nothing has changed. */
 static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, const render_levels_data *data,
-                     uint32_t *handle)
+                     const render_extra *packed, uint32_t *handle)
 {
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t index;
@@ -490,10 +475,9 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 	}
 	if (data)
 		full = *render_levels_level(data->levels);
-	mesh_put_extras(resources, mesh, index, &extras, (uint32_t)full.vertex_offset, data && data->levels->morphs);
+	mesh_put_extras(resources, packed, index, &extras, (uint32_t)full.vertex_offset, data && data->levels->morphs);
 	bool wide = data ? data->levels->wide > 0 : mesh->vertex_count > RENDER_NARROW_VERTICES;
 	resources->levels[index] = data ? data->levels : NULL;
-	mesh_find_center(mesh, resources->centers[index]);
 	render_mesh_slot *slot = &resources->meshes[index];
 	*slot = (render_mesh_slot){
 		.first_index = full.first_index,
@@ -520,15 +504,24 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	stilb_result result = mesh_check(mesh);
 	if (result != STILB_OK)
 		return result;
-	if ((mesh->level_count > 0 || mesh->cluster_count > 0) && !render_levels_make(mesh, resources->morph, &data))
+	render_extra *extras = mesh->extras ? stilb_memory_alloc(mesh->vertex_count, sizeof *extras) : NULL;
+	if (mesh->extras && !extras)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tangents and colours of a mesh of %u vertices",
+		                  mesh->vertex_count);
+	if ((mesh->level_count > 0 || mesh->cluster_count > 0) && !render_levels_make(mesh, resources->morph, &data)) {
+		free(extras);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u vertices", mesh->vertex_count);
+	}
+	if (extras) /* before the lock, for which frames wait */
+		render_extras_pack(mesh->extras, mesh->vertex_count, extras);
 	stilb_lock_take(&resources->lock);
-	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, &out->id)) {
+	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, extras, &out->id)) {
 		render_levels_free(data.levels);
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	}
 	stilb_lock_give(&resources->lock);
 	render_levels_finish(&data, mesh);
+	free(extras);
 	return result;
 }
 
@@ -543,7 +536,7 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
                                const stilb_scene_vertex *vertices)
 {
 	render_resources *resources = &render->resources;
-	const render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
+	render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
 	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
 	STILB_ASSERT(count > 0 && first <= slot->vertex_count && count <= slot->vertex_count - first);
 	STILB_ASSERT(!(slot->flags & RENDER_MESH_LEVELS) && "whose errors would hold no longer");
@@ -551,10 +544,41 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
 	bool listed = render_ranges_add(&heap->dirty, range);
-	if (listed)
+	if (listed) {
 		heap_copy_vertices(resources, range.first, vertices, count, false);
+		slot->flags &= ~RENDER_MESH_CENTER;
+	}
 	stilb_lock_give(&resources->lock);
 	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");
+}
+
+const float *render_mesh_center(render_resources *resources, uint32_t index)
+{
+	render_mesh_slot *slot = &resources->meshes[index];
+	const render_levels *levels = resources->levels[index];
+	float *center = resources->centers[index], low[3], high[3];
+	STILB_ASSERT_LOCKED(&resources->lock);
+	STILB_ASSERT(slot->vertex_count > 0);
+	if (slot->flags & RENDER_MESH_CENTER)
+		return center;
+	const render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
+	size_t step = heap->element * (levels && levels->morphs ? (size_t)2 : 1);
+	const uint8_t *at = heap->data + (size_t)slot->vertex_offset * heap->element + resources->layout.attributes[0].to;
+	STILB_ASSERT(!resources->layout.attributes[0].octahedral && resources->layout.attributes[0].components == 3);
+	memcpy(low, at, sizeof low);
+	memcpy(high, low, sizeof high);
+	for (uint32_t v = 1; v < slot->vertex_count; v++) {
+		float place[3];
+		memcpy(place, at += step, sizeof place);
+		for (int c = 0; c < 3; c++) {
+			low[c] = place[c] < low[c] ? place[c] : low[c];
+			high[c] = place[c] > high[c] ? place[c] : high[c];
+		}
+	}
+	for (int c = 0; c < 3; c++)
+		center[c] = 0.5f * low[c] + 0.5f * high[c];
+	slot->flags |= RENDER_MESH_CENTER;
+	return center;
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */

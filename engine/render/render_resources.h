@@ -45,6 +45,7 @@ typedef struct render_mesh_slot {
 #define RENDER_MESH_LEVELS 1u /* render_resources.levels has an entry for it */
 #define RENDER_MESH_WIDE 2u   /* its indices have 32 bits; of one with levels: those of the mesh in full */
 #define RENDER_MESH_EXTRAS 4u /* its vertices have extras */
+#define RENDER_MESH_CENTER 8u /* render_resources.centers has its middle */
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
@@ -189,7 +190,7 @@ typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
-	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] the middle of the box around a mesh's vertices */
+	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_CENTER: see render_mesh_center */
 	bool morph;               /* stilb_render_desc.morph */
 	render_layout layout;     /* of the heap of vertices */
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
@@ -276,6 +277,11 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
+
+/* The middle of the box around the vertices of the mesh with this index, in its space: [3]. It is found when it is
+ * first asked for and after render_mesh_write, some nanoseconds a vertex: only draws that blend need it. The caller
+ * holds the lock. [main-thread] */
+const float *render_mesh_center(render_resources *resources, uint32_t index);
 
 /* stilb_render_material_create for a material with a surface. STILB_ERROR_MEMORY, also if there are RENDER_MAX_MAPS.
  * [any-thread] */

@@ -146,10 +146,10 @@ static int blend_compare(const void *left, const void *right)
 
 /* How near the middle of a draw's mesh is: along the view, by the row of the matrix that gives its distance or, of a
  * parallel projection, its depth. */
-static float blend_nearness(const stilb_render *render, const stilb_render_view *view, const render_row *row)
+static float blend_nearness(stilb_render *render, const stilb_render_view *view, const render_row *row)
 {
 	const float *m = view->view_projection.m, *t = row->transform;
-	const float *c = render->resources.centers[row->mesh];
+	const float *c = render_mesh_center(&render->resources, row->mesh);
 	float place[3];
 	for (int r = 0; r < 3; r++, t += 4)
 		place[r] = t[0] * c[0] + t[1] * c[1] + t[2] * c[2] + t[3];
@@ -161,7 +161,7 @@ static float blend_nearness(const stilb_render *render, const stilb_render_view 
 }
 
 /* Lists the draws that blend, and leaves the other runs in `lists`. Returns how many there are. */
-static uint32_t blend_take(const stilb_render *render, const stilb_render_view *view, render_pass_lists *lists,
+static uint32_t blend_take(stilb_render *render, const stilb_render_view *view, render_pass_lists *lists,
                            blend_item *items)
 {
 	const render_material *materials = (const render_material *)render->resources.heaps[RENDER_HEAP_MATERIALS].data;
