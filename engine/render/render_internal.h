@@ -425,8 +425,8 @@ static inline bool render_view_is_depth(const stilb_render_view *view)
 	return view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
 }
 
-/* render_stream.light_bits of a view but for RENDER_LIGHTS_GLOSS is what replay finds; here with it. *count: the lights
- * that frames show, the panorama's lamps included. */
+/* render_stream.light_bits of a view that shows a panorama with so many lamps, or none. *count: the lights that frames
+ * show, the panorama's lamps included. */
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count);
 
 struct stilb_render {

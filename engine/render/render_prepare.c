@@ -153,21 +153,33 @@ void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepar
 /* How many lamps a panorama has is known only once it has been made ready: 0, 1 and more may need three pipelines. */
 #define PREPARE_LAMPS 3u
 
-/* What materials have of surfaces now. */
-static render_known_maps prepare_known_maps(render_resources *resources)
+/* Adds a kind of maps to the list unless it is there. False: no memory. */
+static bool prepare_know(render_known_maps *known, uint32_t bits)
 {
-	render_known_maps known = {0};
+	for (uint32_t k = 0; k < known->count; k++)
+		if (known->bits[k] == bits)
+			return true;
+	if (!render_reserve((void **)&known->bits, &known->capacity, known->count + 1, sizeof bits))
+		return false;
+	known->bits[known->count++] = bits;
+	return true;
+}
+
+/* What materials and meshes have of surfaces now. *known: its bits are to be freed. */
+static stilb_result prepare_known_maps(render_resources *resources, render_known_maps *known)
+{
+	bool memory = true;
+	*known = (render_known_maps){0};
 	stilb_lock_take(&resources->lock);
-	known.extras = resources->heaps[RENDER_HEAP_EXTRAS].size > 0;
-	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MAPS].next_unused; i++) {
-		uint32_t bits = resources->maps[i].bits, k = 0;
-		while (k < known.count && known.bits[k] != bits)
-			k++;
-		if (k == known.count && k < RENDER_KNOWN_MAPS && resources->maps[i].hash != 0)
-			known.bits[known.count++] = bits;
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MESH].next_unused; i++) {
+		bool extras = resources->meshes[i].flags & RENDER_MESH_EXTRAS;
+		known->extras |= extras;
+		known->plain |= !extras;
 	}
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MAPS].next_unused && memory; i++)
+		memory = resources->maps[i].hash == 0 || prepare_know(known, resources->maps[i].bits);
 	stilb_lock_give(&resources->lock);
-	return known;
+	return memory ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of kinds of surfaces");
 }
 
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view)
@@ -176,8 +188,8 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 	PROFILE("prepare a view");
 	bool panorama = view->surroundings.panorama.pixels;
 	uint32_t made[PREPARE_LAMPS];
-	render_known_maps maps = prepare_known_maps(&render->resources);
-	stilb_result result = STILB_OK;
+	render_known_maps maps;
+	stilb_result result = prepare_known_maps(&render->resources, &maps);
 	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
 		uint32_t count;
 		made[lamps] = render_light_bits(view, panorama, lamps, &count);
@@ -187,5 +199,6 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 		if (!known)
 			result = render_device_prepare(render->device, view, made[lamps], &maps);
 	}
+	free(maps.bits);
 	return result;
 }

@@ -171,6 +171,12 @@ typedef struct replay_lights {
 	uint32_t first, count, bits;
 } replay_lights;
 
+/* RENDER_LIGHTS_GLOSS or 0. A panorama lights in place of sky and ground, and is mirrored without it. */
+static uint32_t replay_gloss(const stilb_render_view *view, bool panorama)
+{
+	return view->surroundings.glossy && !panorama && !render_view_is_depth(view) ? RENDER_LIGHTS_GLOSS : 0;
+}
+
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
 {
 	if (render_view_is_depth(view)) {
@@ -178,8 +184,7 @@ uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_
 		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
-	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |
-	                (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
+	                replay_gloss(view, panorama) | (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
 	*count = lamps;
 	for (uint32_t i = 0; i < view->light_count; i++) {
 		const stilb_scene_light *light = &view->lights[i];
@@ -336,18 +341,15 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	if (updated)
 		result = render_resources_update(render);
 	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
-		const stilb_render_pass *pass = &passes[render->replayed[p]];
-		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
 		uint32_t index = render->replayed[p];
-		render_stream stream = {
-			.view = scene ? &views[pass->view] : NULL,
-			.first_light = lights[index].first,
-			.light_count = lights[index].count,
-			.panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
-			.light_bits = lights[index].bits |
-		                  (scene && !render_view_is_depth(&views[pass->view]) && views[pass->view].surroundings.glossy
-		                       ? RENDER_LIGHTS_GLOSS
-		                       : 0)};
+		const stilb_render_pass *pass = &passes[index];
+		const stilb_render_view *view = pass->kind == STILB_RENDER_PASS_SCENE ? &views[pass->view] : NULL;
+		const render_panorama *panorama = view ? replay_panorama(render, view) : NULL;
+		render_stream stream = {.view = view,
+		                        .first_light = lights[index].first,
+		                        .light_count = lights[index].count,
+		                        .panorama = panorama,
+		                        .light_bits = lights[index].bits | (view ? replay_gloss(view, panorama) : 0)};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)

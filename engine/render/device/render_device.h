@@ -340,11 +340,10 @@ stilb_result render_programs_maps(render_device *device, render_formula_programs
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
 /* The kinds of maps that materials have. */
-#define RENDER_KNOWN_MAPS 64u
 typedef struct render_known_maps {
-	uint32_t bits[RENDER_KNOWN_MAPS]; /* [count] each once */
-	uint32_t count;
-	bool extras; /* some meshes have some */
+	uint32_t *bits; /* [count] each once */
+	uint32_t count, capacity;
+	bool extras, plain; /* some meshes have extras; some have none */
 } render_known_maps;
 
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */

@@ -266,6 +266,58 @@ static void programs_are_made_before(void **state)
 	}
 }
 
+/* Also where meshes with extras stand beside such without, and of more kinds of surfaces than anybody counts. */
+static void programs_of_all_kinds_are_made_before(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	const uint8_t normal[4] = {128, 128, 255, 255};
+	stilb_image image = image_even(4, normal, STILB_IMAGE_U8_LINEAR);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	square q;
+	square_make(&q, 1.0f);
+	uint32_t mesh[2], texture = stilb_scene_build_texture(build, &image), kinds = 0;
+	for (int extras = 0; extras < 2; extras++) {
+		q.mesh.extras = extras ? q.extras : NULL;
+		mesh[extras] = stilb_scene_build_mesh(build, &q.mesh);
+	}
+	for (uint32_t bits = 0; bits < 96; bits++) { /* which maps there are, and how alpha is used */
+		stilb_scene_surface surface = surface_matt();
+		surface.alpha = (stilb_scene_alpha)(bits / 32);
+		for (uint32_t map = 0; map < RENDER_MAPS; map++)
+			surface.maps[map].texture = bits >> map & 1u ? texture + 1 : 0;
+		uint32_t material = stage_material(build, &surface);
+		for (int extras = 0; extras < 2; extras++)
+			stage_model(build, mesh[extras], material, stilb_mat4_identity());
+	}
+	stage_show(&s, build);
+	assert_int_equal(stilb_render_prepare_view(s.render, &s.view), STILB_OK);
+	const render_programs *programs = &s.render->device->programs;
+	assert_int_equal(programs->choice_count, 1);
+	kinds = programs->choices[0]->map_count;
+	assert_int_equal(kinds, 96 + 48); /* without extras there is no map of normals */
+	stage_frame(&s);
+	assert_int_equal(programs->choice_count, 1);
+	assert_int_equal(programs->choices[0]->map_count, kinds);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* A panorama is mirrored whatever the surroundings say of sky and ground, and needs no program more for it. */
+static void a_panorama_has_one_gloss(void **state)
+{
+	(void)state;
+	stilb_render_view view = {0};
+	uint32_t bits[2][2], count;
+	for (int glossy = 0; glossy < 2; glossy++)
+		for (int panorama = 0; panorama < 2; panorama++) {
+			view.surroundings.glossy = glossy;
+			bits[panorama][glossy] = render_light_bits(&view, panorama, 0, &count);
+		}
+	assert_int_equal(bits[0][0] ^ bits[0][1], RENDER_LIGHTS_GLOSS);
+	assert_int_equal(bits[1][0], bits[1][1]);
+}
+
 /* ---- no memory --------------------------------------------------------------------------------------------------- */
 
 static int64_t allocations_left = INT64_MAX;
@@ -368,6 +420,8 @@ int main(void)
 		cmocka_unit_test(nothing_is_left_behind),
 		cmocka_unit_test(nothing_for_scenes_without),
 		cmocka_unit_test(programs_are_made_before),
+		cmocka_unit_test(programs_of_all_kinds_are_made_before),
+		cmocka_unit_test(a_panorama_has_one_gloss),
 		test_one_thread(every_allocation_fails_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
