@@ -3,7 +3,8 @@
 #include "gi/gi_texture.h"
 #include "gi/gi_vector.h"
 
-#include <float.h>
+/* What is brighter counts as this, as texels of panoramas do. */
+#define RADIANCE_MAX 1e15f
 
 static const stilb_scene_map_kind maps_of_rays[] = {
 	STILB_SCENE_MAP_COLOR,    STILB_SCENE_MAP_REFLECTION, STILB_SCENE_MAP_NORMAL,
@@ -88,7 +89,7 @@ stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
 		return emission;
 	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_EMISSION, place);
 	for (int i = 0; i < 3; i++)
-		emission[i] *= fminf(fmaxf(texel[i], 0.0f), FLT_MAX); /* of NaN and infinity, too */
+		emission[i] = fminf(emission[i] * fminf(fmaxf(texel[i], 0.0f), RADIANCE_MAX), RADIANCE_MAX); /* NaN is 0 */
 	return emission;
 }
 

@@ -61,11 +61,6 @@ typedef struct stilb_numeric_prefilter stilb_numeric_prefilter;
 /* Where face 0..5 of a mip begins in the cube, bytes. mip == mips and face 0: the size of the whole cube. */
 size_t stilb_numeric_prefilter_offset(const stilb_numeric_prefilter_settings *settings, uint32_t mip, uint32_t face);
 
-/* A number of all values of the source and of the settings, not 0: equal cubes have equal keys, so that a cube can be
- * kept on disk by it. It also changes when this module's method does. */
-uint64_t stilb_numeric_prefilter_key(const stilb_numeric_prefilter_source *source,
-                                     const stilb_numeric_prefilter_settings *settings);
-
 /* Prepares the work that fills the cube, stilb_numeric_prefilter_offset(settings, mips, 0) bytes, aligned to 16.
  * STILB_ERROR_ARGUMENT: pictures of codes, or faces that are no cube; STILB_ERROR_MEMORY: then *work is NULL. */
 stilb_result stilb_numeric_prefilter_create(const stilb_numeric_prefilter_source *source,
