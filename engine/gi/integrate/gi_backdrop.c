@@ -168,7 +168,7 @@ static void floor_ask(const gi_batch *batch, uint32_t i, floor_rays *asked)
 	float unblocked = floor_unblocked(backdrop, at);
 	if (!(sent > 0.0f && unblocked > 0.0f))
 		return;
-	asked->rays[asked->count] = gi_ray_make_by(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	asked->rays[asked->count] = gi_ray_make(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	asked->rays[asked->count].id = i;
 	asked->dark[asked->count++] = share * sent / unblocked;
 }
