@@ -34,18 +34,6 @@ static void drawn_box(const char *path, int box[4])
 	stilb_image_finish(&image);
 }
 
-/* True if the file holds a text chunk of this name and text. */
-static bool says_in_png(const char *path, const char *name, const char *text)
-{
-	static char data[1 << 20], chunk[256];
-	FILE *file = fopen(path, "rb");
-	assert_non_null(file);
-	size_t size = fread(data, 1, sizeof data, file);
-	fclose(file);
-	int length = snprintf(chunk, sizeof chunk, "tEXt%s%c%s", name, '\0', text);
-	return memmem(data, size, chunk, (size_t)length);
-}
-
 /* The model fills nine tenths of the picture and is in its middle. */
 static void frames_a_file(void **state)
 {
@@ -104,6 +92,7 @@ static void turns_a_table(void **state)
 	assert_int_equal(stilb_code(no_display, "view square.obj --size 64x64 --screenshot p.png --environment t-001.png"),
 	                 0);
 	assert_null(strstr(run.err, "panorama"));
+	assert_true(says_in_png("p.png", "stilb:environment", "t-001.png"));
 }
 
 static stilb_image load_light(const char *path)

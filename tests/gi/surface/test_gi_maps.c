@@ -567,11 +567,7 @@ static void hashes_know_surfaces(void **state)
 	stilb_image image = checkers();
 	maps_square square;
 	maps_square_make(&square, 1.0f);
-	stilb_scene_surface surface, other;
-	memset(&surface, 0x5a, sizeof surface);
-	memset(&other, 0xa5, sizeof other);
-	stilb_scene_surface made = stilb_scene_surface_make();
-	surface = other = made;
+	stilb_scene_surface surface = stilb_scene_surface_make(), other = surface;
 	uint64_t hashes[12];
 	uint32_t count = 0;
 	hashes[count++] = hash_of(&square, &surface, &image);
