@@ -266,9 +266,9 @@ static void *replay_make_panorama(void *user, size_t bytes)
 	return render_device_panorama_make(user, bytes);
 }
 
-static stilb_result replay_show_panorama(void *user)
+static stilb_result replay_show_panorama(void *user, const render_panorama_gloss *gloss)
 {
-	return render_device_panorama_show(user);
+	return render_device_panorama_show(user, gloss);
 }
 
 /* Makes what frames need of the panorama of the first view that has one: in a window over several frames, so that it

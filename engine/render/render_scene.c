@@ -114,7 +114,7 @@ static render_maps shown_maps(const render_scene *tables, const stilb_scene *sce
 		STILB_ASSERT(texture <= scene->texture_count);
 		maps.textures[i] = texture ? tables->textures[texture - 1].texture.id : 0;
 		if (maps.textures[i] == 0)
-			maps.bits &= ~(1u << i);
+			maps.bits &= i == STILB_SCENE_MAP_NORMAL ? ~(1u << i | RENDER_MAPS_TWO) : ~(1u << i);
 	}
 	return maps;
 }

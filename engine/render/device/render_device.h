@@ -240,7 +240,7 @@ typedef struct render_device {
 	uint32_t slot;
 	render_buffer heaps[RENDER_HEAPS];
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
-	stilb_gpu_image cube, next_cube;       /* render_panorama_light.cube; likewise */
+	stilb_gpu_image cube, next_cube;       /* render_panorama_gloss.cube; likewise */
 	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
@@ -302,8 +302,8 @@ void render_buffer_drop(render_device *device, render_buffer *buffer);
 /* Memory for a panorama that frames will show. The one that is shown stays in place. NULL: there is none, and the
  * message says so. */
 void *render_device_panorama_make(render_device *device, size_t bytes);
-/* From this frame on they show that one. */
-stilb_result render_device_panorama_show(render_device *device);
+/* From this frame on they show that one, with this gloss. */
+stilb_result render_device_panorama_show(render_device *device, const render_panorama_gloss *gloss);
 
 /* ---- render_heaps.c: resources ----------------------------------------------------------------------------------- */
 

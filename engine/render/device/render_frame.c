@@ -232,8 +232,7 @@ static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gpu_run *run, bool *drawn)
 {
 	const render_device *device = maker->device;
-	uint32_t texture = 0,
-			 bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
+	uint32_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
 	*drawn = true;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {
@@ -245,7 +244,7 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 		return list_find_maps(maker, from->state, bits, &run->binding);
 	}
 	uint64_t state = maker->depth ? list_depth_state(from->state) : from->state;
-	texture = render_state_texture(state);
+	uint32_t texture = render_state_texture(state);
 	STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
 	run->set = texture ? device->textures[texture].set.id : 0;
 	return list_find(maker, state, &run->binding);

@@ -17,9 +17,9 @@
 
 #define WIDTH 64u
 #define HEIGHT 64u
-#define FINE 6u
-#define SAMPLES 256u
-#define SAMPLES_CHANCE 4096u
+#define FINE (TEST_ASAN ? 1u : 6u) /* the address sanitizer looks at how files are read and shown, not at the numbers */
+#define SAMPLES (TEST_ASAN ? 2u : 256u)
+#define SAMPLES_CHANCE (TEST_ASAN ? 2u : 4096u)
 
 /* The bounds, shares of the largest value: of the root of the mean square, and of the worst pixel. */
 #define BOUND_RMS 1e-3
@@ -171,10 +171,10 @@ static bool agrees(const gltf_answer *answer)
 	assert_int_equal(stilb_image_compare(&live, &rays, &mask, 0.0, &apart), STILB_OK);
 	write_pictures(answer->name, &live, &rays);
 	double range = apart.largest * (answer->chance ? BOUND_CHANCE : 1.0);
-	if (answer->pictures && !answer->flat && !(variation(&rays) > 0.05))
+	if (!TEST_ASAN && answer->pictures && !answer->flat && !(variation(&rays) > 0.05))
 		fail_msg("%s: a variation of %g", answer->name, variation(&rays));
-	bool good = apart.pixels > WIDTH * HEIGHT / 8 && apart.largest > 0.01 && apart.rms_all <= BOUND_RMS * range &&
-	            apart.worst <= BOUND_WORST * range;
+	bool good = apart.pixels > WIDTH * HEIGHT / 8 && apart.largest > 0.01 &&
+	            (TEST_ASAN || (apart.rms_all <= BOUND_RMS * range && apart.worst <= BOUND_WORST * range));
 	print_message("%-40s rms %.5f worst %.4f at %u, %u; %llu pixels%s\n", answer->name, apart.rms_all / apart.largest,
 	              apart.worst / apart.largest, apart.worst_x, apart.worst_y, (unsigned long long)apart.pixels,
 	              good ? "" : "  <-- apart");
