@@ -1,10 +1,10 @@
 /*
  * Surfaces of a scene (scene/scene_surface.h) as the device has them. Inside render/.
  *
- * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and a
- *            set of RENDER_MAPS images, in the order of stilb_scene_map_kind. A map that is missing is a white texel
- *            that no shader reads: what a program reads is compiled into it (RENDER_MAPS_...).
- * Owner.     Each material owns its maps; they come, change and go with it.
+ * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and
+ *            RENDER_MAPS layers of a set of as many images, in the order of stilb_scene_map_kind. A map that is missing
+ *            is a white texel that no shader reads: what a program reads is compiled into it (RENDER_MAPS_...).
+ * Owner.     Each material owns its maps; they come, change and go with it. The images are those of its group.
  * Extras.    Tangents, second uv and colours of vertices lie in a heap of their own, in the order of the vertices. A
  *            table by mesh says where a mesh's begin. Meshes without extras have nothing there.
  * Left out.  Clear coat, sheen, anisotropy and transmission, as in rays; and the maps of specular weight and tint,
@@ -53,6 +53,14 @@ typedef struct render_maps_record {
 
 static_assert(sizeof(render_maps_record) == 64 + 32 * RENDER_MAPS, "std430: vec4s");
 
+/* With what the device knows alone: so it lies in its heap. */
+typedef struct render_maps_stored {
+	render_maps_record record;
+	float layers[RENDER_MAPS], unused[3]; /* of the images of its group (render_groups.h) */
+} render_maps_stored;
+
+static_assert(sizeof(render_maps_stored) == 256, "std430: MAPS_PARTS vec4s");
+
 /* What is made of a surface. */
 typedef struct render_maps {
 	render_maps_record record;
@@ -78,6 +86,7 @@ uint64_t render_maps_hash(const render_maps *maps);
 typedef struct render_maps_slot {
 	uint64_t hash;
 	uint32_t bits;
+	uint32_t group; /* 1 + that which its material is in; 0: none */
 	uint32_t textures[RENDER_MAPS];
 	uint8_t samplers[RENDER_MAPS];
 } render_maps_slot;
@@ -114,8 +123,8 @@ uint32_t render_mip_count(uint32_t width, uint32_t height);
 
 /* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
  * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
- * three in a row by how much of each. *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0.
- * [any-thread] */
-void *render_mips_make(const stilb_image *image, size_t *bytes);
+ * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
+ * *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
+void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes);
 
 #endif

@@ -12,10 +12,10 @@ layout(location = 6) centroid in vec3 world_tangent;
 layout(location = 7) flat in float tangent_sign;
 #endif
 
-layout(set = 1, binding = 1) uniform sampler2D reflection_map;
-layout(set = 1, binding = 2) uniform sampler2D normal_map;
-layout(set = 1, binding = 3) uniform sampler2D occlusion_map;
-layout(set = 1, binding = 4) uniform sampler2D emission_map;
+layout(set = 1, binding = 1) uniform sampler2DArray reflection_map;
+layout(set = 1, binding = 2) uniform sampler2DArray normal_map;
+layout(set = 1, binding = 3) uniform sampler2DArray occlusion_map;
+layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
 layout(location = 0) out vec4 color;
 
@@ -36,6 +36,11 @@ int covered_samples(float raw, float factor, float cutoff)
 #endif
 
 #include "lit.glsl"
+#ifdef MESH_CHANNEL
+layout(location = 12) centroid in vec4 channel_uv;
+layout(location = 13) centroid in vec3 channel_tangent;
+#include "channel.glsl"
+#endif
 
 // What the maps hold here. What is missing is 1, but for the normal, which is that of the surface.
 struct Texels {
@@ -45,21 +50,22 @@ struct Texels {
 	vec3 emission;
 };
 
-Texels texels_here()
+Texels texels_here(uint record)
 {
+	vec4 layers = record_part(record, 14u);
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection = clamp(texture(reflection_map, together ? first_place : reflection_place), 0.0, 1.0);
+		texels.reflection = clamp(texture(reflection_map, vec3(together ? first_place : reflection_place, layers.y)), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, together ? first_place : normal_place);
+		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, layers.z));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
 	}
 	if (map_occlusion)
-		texels.occlusion = texture(occlusion_map, together ? first_place : occlusion_place).x;
+		texels.occlusion = texture(occlusion_map, vec3(together ? first_place : occlusion_place, layers.w)).x;
 	if (map_emission)
-		texels.emission = texture(emission_map, together ? first_place : emission_place).xyz;
+		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, record_part(record, 15u).x)).xyz;
 	return texels;
 }
 
@@ -89,6 +95,22 @@ vec3 normal_here(uint record, vec3 texel, vec3 flat_normal, vec3 to_camera)
 	return both_sides || map_normal ? bent_normal(n, to_camera) : n;
 }
 
+#ifdef MESH_CHANNEL
+Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
+{
+	float alpha = masked || blends ? base_color.w : 1.0;
+	float square = dot(channel_tangent, channel_tangent);
+	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
+	if (unlit)
+		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
+	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
+	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
+	return Channels(base_color.xyz, n, tangent, emission,
+		base_here(record, base_color.xyz, texels.reflection).roughness, metalness,
+		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
+}
+#endif
+
 void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
@@ -97,9 +119,9 @@ void main()
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
-	vec4 raw = raw_color();
+	vec4 raw = raw_color(record);
 	vec4 base_color = raw * record_part(record, 0u);
-	Texels texels = texels_here();
+	Texels texels = texels_here(record);
 #ifdef MAPS_COVERAGE
 	int covered = covered_samples(raw.w, record_part(record, 0u).w, record_part(record, 3u).z);
 #endif
@@ -116,6 +138,10 @@ void main()
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normal_here(record, texels.normal, flat_normal, to_camera);
 	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
+#ifdef MESH_CHANNEL
+	color = channel_color(channels_here(record, texels, base_color, n), index);
+	return;
+#endif
 	vec3 radiance = base_color.xyz;
 	if (!unlit) {
 		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection);

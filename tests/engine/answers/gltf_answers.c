@@ -14,9 +14,8 @@
 #define UNLIT "KHR_materials_unlit"
 #define GLOSS "KHR_materials_pbrSpecularGlossiness"
 
-/* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, a with alpha 0 and 1, s with soft alpha,
- * m metalness and roughness, n a bumpy map of normals, w waves of normals, k occlusion, e glow, z specular and gloss,
- * x a file that is missing. */
+/* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, s with soft alpha, m metalness and
+ * roughness, w waves of normals, k occlusion, e glow, z specular and gloss, x a file that is missing. */
 const gltf_answer gltf_answers[] = {
 	{.name = "base factor", .material = PBR "{\"baseColorFactor\":[0.8,0.4,0.1,1]" ROUGH "}"},
 	{.name = "base texture", .material = BASE, .pictures = "c"},
@@ -282,8 +281,8 @@ static void texel(char letter, uint32_t x, uint32_t y, uint32_t side, float out[
 			out[c] = 0.1f + 0.3f * texel_of(x, y, c, 4);
 		out[3] = 0.4f + 0.4f * texel_of(x, y, 3, 4);
 		break;
-	case 'w': { /* two waves across, one down */
-		float a = 0.5f * sinf(12.566371f * u), b = 0.35f * sinf(6.2831853f * v);
+	case 'w': { /* two waves across, one down, and others if they are mirrored */
+		float a = 0.5f * sinf(12.566371f * u + 0.7f), b = 0.35f * sinf(6.2831853f * v);
 		float length = sqrtf(1.0f + a * a + b * b);
 		out[0] = 0.5f - 0.5f * a / length;
 		out[1] = 0.5f + 0.5f * b / length;
