@@ -101,6 +101,13 @@ static void lobes_choose(gi_lobes *lobes)
 		*each[i] *= all > 0.0f ? 1.0f / all : 0.0f;
 }
 
+/* Share of light that facets let through, about: those of rough glass also where a smooth one would reflect all. */
+static float through_left(const gi_bsdf *bsdf)
+{
+	float left = shade_facet_left(bsdf->highlight.specular, gi_glass_thin_side(bsdf->lobes.eta, bsdf->local[2]));
+	return bsdf->layers->roughness > GI_PANE_ROUGHNESS ? fmaxf(left, LOBE_LEAST) : left;
+}
+
 static void lobes_make(gi_bsdf *bsdf, const gi_surface *surface)
 {
 	const gi_layers *layers = bsdf->layers;
@@ -119,8 +126,7 @@ static void lobes_make(gi_bsdf *bsdf, const gi_surface *surface)
 	lobes->diffuse = base * shade_luminance(bsdf->diffuse);
 	lobes->highlight = shows_highlight(bsdf) ? base * shade_luminance(facet_f(bsdf, n_dot_v)) : 0.0f;
 	if (layers->pass == 0.0f && n_dot_v > 0.0f)
-		lobes->through = base * shade_luminance(layers->through) *
-		                 shade_facet_left(bsdf->highlight.specular, gi_glass_thin_side(lobes->eta, n_dot_v));
+		lobes->through = base * shade_luminance(layers->through) * through_left(bsdf);
 	lobes_choose(lobes);
 	lobes->ask_beyond = lobes->through > 0.0f && !layers->solid ? glsl_clamp_1(lobes->through, 0.1f, 0.9f) : 0.0f;
 	lobes->ask = inside ? 0.0f : 1.0f - lobes->ask_beyond;
