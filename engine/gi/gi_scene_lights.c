@@ -67,14 +67,15 @@ bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t id)
 
 /* ---- emitters ---------------------------------------------------------------------------------------------------- */
 
-/* The surface by which triangles of the part do not emit the same all over; NULL: they do. */
+/* The surface by which triangles of the part do not emit the same all over and around; NULL: they do. */
 static const stilb_scene_surface *glow_surface(const stilb_gi_scene *gi, const gi_part *part)
 {
 	if (part->first_light == GI_NO_LIGHT || (!part->surface && !part->sieve))
 		return NULL;
 	const stilb_scene_surface *surface = &gi->surfaces[(part->surface ? part->surface : part->sieve) - 1];
 	bool holes = part->sieve > 0 && surface->alpha != STILB_SCENE_OPAQUE;
-	return holes || surface->maps[STILB_SCENE_MAP_EMISSION].texture > 0 ? surface : NULL;
+	bool maps = surface->maps[STILB_SCENE_MAP_EMISSION].texture > 0 || surface->clearcoat > 0.0f;
+	return holes || maps ? surface : NULL;
 }
 
 /* Of all that the means of glows depend on; 0: nothing glows. */

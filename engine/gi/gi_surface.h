@@ -7,6 +7,33 @@
 #include "gi/gi_maps.h"
 #include "gi/gi_scene_internal.h"
 
+/* What gi_bsdf_make makes of layers for one viewer: probabilities of the lobes, 1 together, and what layers leave. */
+typedef struct gi_lobes {
+	float diffuse, highlight, sheen, coat, through;
+	float coat_share, sheen_left; /* shade_layers.h */
+	float eta;                    /* gi_glass.h; of a thin wall 1 */
+	/* Probability that a light is asked for what it sends from the viewer's side, and from beyond. Both are 0 inside of
+	 * a volume, whose walls would block every shadow ray; from beyond a volume nothing is asked either. */
+	float ask, ask_beyond;
+	stilb_vec3 beyond; /* origin of rays that leave on the other side */
+} gi_lobes;
+
+/* What lies on a surface, what goes through it, and how it is brushed: shade_layers.h. */
+typedef struct gi_layers {
+	stilb_vec3 coat_normal; /* as gi_surface.normal */
+	stilb_vec3 sheen;       /* colour, [0, 1] */
+	stilb_vec3 brushed;     /* direction along the surface, of any length; of anisotropy > 0 */
+	stilb_vec3 through;     /* factor on what facets let through: colour and transmission, [0, 1] */
+	stilb_vec3 passed; /* of a pane: factor on the light of a ray that goes straight through, its greatest is pass */
+	stilb_vec3 left;   /* of a volume: what it has left of the light of the ray that came through it, [0, 1] */
+	float roughness;   /* of what light goes through, whatever is brushed */
+	float coat, coat_roughness, sheen_roughness, anisotropy; /* [0, 1] */
+	float pass; /* of a pane, a thin wall that is smooth: probability that rays do not meet it, [0, 1); else 0 */
+	float ior;  /* of a volume, > 1: index of refraction */
+	gi_lobes lobes;
+	bool solid; /* light goes into a volume, or out of it: front says which; false: the wall is thin */
+} gi_layers;
+
 /* The point where a ray hit. */
 typedef struct gi_surface {
 	stilb_vec3 position;          /* on the triangle */
@@ -21,13 +48,24 @@ typedef struct gi_surface {
 	stilb_vec2 uv;
 	uint32_t part, triangle; /* indices: of the part in the scene, of the triangle in its mesh */
 	bool front;              /* the ray came from the front side */
+	bool layered;            /* the next member is set; else it is anything */
+	gi_layers layers;
 } gi_surface;
 
+/* Roughest surface of a pane: it spreads what is behind by a few thousandths. */
+#define GI_PANE_ROUGHNESS 0.05f
 /* Square of a length: an interpolated normal that is not longer has no direction, and the triangle's own is used. */
 #define GI_NORMAL_NONE 1e-12f
 /* Smallest cosine between the shading normal and the direction to the viewer, and, where maps turn normals, between the
  * viewer's mirrored direction and the triangle's normal. */
 #define GI_NORMAL_LOWEST 1e-3f
+
+/* What the surface reflects, and lets through, of even light, about: diffuse, specular and transmitted colour. */
+static inline stilb_vec3 gi_surface_albedo(const gi_surface *surface)
+{
+	stilb_vec3 albedo = surface->diffuse + surface->specular;
+	return surface->layered ? albedo + surface->layers.through : albedo;
+}
 
 /* Fills surface for a ray that hit something: gi_is_hit(ray). */
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);

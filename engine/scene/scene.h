@@ -399,7 +399,7 @@ const char *stilb_scene_builtin_names(void);
  * triangles, materials, textures, lights and cameras, and looks with the first. A file without a camera gets one that
  * sees the whole scene (`framed`), and so does one whose cameras are those that the FBX format always has ("Producer
  * Perspective", ...); a file without any light gets a grey sky. Losses are logged with stilb_log, one line for each
- * kind: a texture that is missing (its material becomes magenta), clear coats, transmission, animations, ...
+ * kind: a texture that is missing (its material becomes magenta), maps on a third uv, animations, ...
  * (docs/import.md has the list).
  *
  * Files are read by another process, stilb-scene-import: a crash or an endless loop there is an error here. It can read

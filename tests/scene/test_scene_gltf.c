@@ -583,7 +583,7 @@ static void damaged_motion_is_left_out(void **state)
 		   ","                                                                                                         \
 		   "{\"name\":\"glass\",\"alphaMode\":\"BLEND\"},{\"alphaMode\":\"BLEND\"}],"                                  \
 		   "\"animations\":[{\"name\":\"walk\",\"channels\":[],\"samplers\":[]}],\"skins\":[{\"joints\":[0]}],"        \
-		   "\"extensionsUsed\":[\"KHR_materials_sheen\",\"KHR_texture_transform\",\"ACME_fur\"],"                      \
+		   "\"extensionsUsed\":[\"KHR_materials_dispersion\",\"KHR_texture_transform\",\"ACME_fur\"],"                 \
 		   "\"extensionsRequired\":[\"ACME_fur\"],\"extensions\":{\"KHR_materials_variants\":{\"variants\":["          \
 		   "{\"name\":\"red\"},{\"name\":\"green\"}]}}"
 
@@ -592,7 +592,7 @@ static void what_is_not_shown_is_named(void **state)
 	(void)state;
 	static const char *const lines[] = {
 		"it requires extensions that are not shown, so it looks other than it should: ACME_fur\n",
-		"it uses extensions that are not shown: KHR_materials_sheen, ACME_fur\n",
+		"it uses extensions that are not shown: KHR_materials_dispersion, ACME_fur\n",
 		"its materials have variants: red, green\n",
 		"morph targets are not shown: 1 mesh ('card')\n",
 		"animations are not played: 1 animation ('walk')\n",

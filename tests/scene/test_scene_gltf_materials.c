@@ -255,6 +255,140 @@ static void a_missing_colour_is_magenta(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+#define LAYERS_OF(rest)                                                                                                \
+	NODE ",\"accessors\":[" VEC3(                                                                                      \
+		0) ",{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"                                \
+		   "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"material\":0}]}],"        \
+		   "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"layer.png\"}],\"materials\":[{\"name\":\"car\","      \
+		   "\"extensions\":{" rest "}}]"
+#define LAYER_MAP "{\"index\":0}"
+
+static const char layers_coat[] = "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatTexture\":" LAYER_MAP
+								  ",\"clearcoatRoughnessFactor\":0.25,\"clearcoatRoughnessTexture\":" LAYER_MAP
+								  ",\"clearcoatNormalTexture\":{\"index\":0,\"scale\":0.75}}";
+static const char layers_sheen[] =
+	"\"KHR_materials_sheen\":{\"sheenColorFactor\":[0.5,2,0.25],\"sheenColorTexture\":" LAYER_MAP
+	",\"sheenRoughnessFactor\":0.375,\"sheenRoughnessTexture\":" LAYER_MAP "}";
+static const char layers_brushed[] = "\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.625,"
+                                     "\"anisotropyRotation\":-4,\"anisotropyTexture\":" LAYER_MAP "}";
+static const char layers_through[] =
+	"\"KHR_materials_transmission\":{\"transmissionFactor\":0.875,\"transmissionTexture\":" LAYER_MAP
+	"},\"KHR_materials_volume\":{\"thicknessFactor\":3,\"thicknessTexture\":" LAYER_MAP
+	",\"attenuationColor\":[0.5,0.25,0],\"attenuationDistance\":2}";
+static const char layers_specular[] =
+	"\"KHR_materials_specular\":{\"specularFactor\":0.5,\"specularTexture\":" LAYER_MAP
+	",\"specularColorFactor\":[1,2,0.5],\"specularColorTexture\":" LAYER_MAP "}";
+
+/* Reads a triangle with the uv of a material with these extensions. */
+static stilb_scene *open_layers(const char *extensions)
+{
+	char json[4096];
+	begin();
+	put(triangle, sizeof triangle);
+	put((const float[]){0, 0, -1, 0, 0, 1}, 24); /* mirrored: u goes along -x */
+	snprintf(json, sizeof json, LAYERS_OF("%s"), extensions);
+	return open_glb(json);
+}
+
+/* Factors and maps of every layer; maps of colours are colours, the others data. */
+static void layers(void **state)
+{
+	(void)state;
+	char all[2048];
+	write_picture("layer.png");
+	snprintf(all, sizeof all, "%s,%s,%s,%s,%s", layers_coat, layers_sheen, layers_brushed, layers_through,
+	         layers_specular);
+	stilb_scene *scene = open_layers(all);
+	assert_int_equal(scene->surface_count, 1);
+	const stilb_scene_surface *s = &scene->surfaces[0];
+	const float got[] = {s->clearcoat,       s->clearcoat_roughness, s->clearcoat_normal_scale, s->sheen_roughness,
+	                     s->anisotropy,      s->anisotropy_rotation, s->transmission,           s->thickness,
+	                     s->specular_weight, s->attenuation_distance};
+	assert_numbers(got, (const float[]){0.5f, 0.25f, 0.75f, 0.375f, 0.625f, -4, 0.875f, 3, 0.5f, 2}, 10);
+	assert_numbers(s->sheen_color, (const float[]){0.5f, 1, 0.25f}, 3);
+	assert_numbers(s->attenuation, (const float[]){0.5f, 0.25f, 0}, 3);
+	assert_true(s->attenuation[2] > 0.0f);
+	for (int kind = STILB_SCENE_MAP_CLEARCOAT; kind < STILB_SCENE_MAPS; kind++) {
+		uint32_t texture = s->maps[kind].texture;
+		bool color = kind == STILB_SCENE_MAP_SPECULAR_COLOR || kind == STILB_SCENE_MAP_SHEEN_COLOR;
+		assert_in_range(texture, 1, scene->texture_count);
+		assert_int_equal(scene->textures[texture - 1].format, color ? STILB_IMAGE_U8_SRGB : STILB_IMAGE_U8_LINEAR);
+	}
+	assert_null(strstr(said, "it uses extensions"));
+	stilb_scene_destroy(scene);
+	remove("layer.png");
+}
+
+/* Without a factor nothing is seen of maps: nobody asks for the picture, which is not there. With one somebody does. */
+static void maps_of_layers_that_are_not_there(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *extensions;
+		bool reads;
+	} rows[] = {
+		{"\"KHR_materials_clearcoat\":{\"clearcoatTexture\":" LAYER_MAP ",\"clearcoatRoughnessFactor\":1,"
+	     "\"clearcoatRoughnessTexture\":" LAYER_MAP ",\"clearcoatNormalTexture\":" LAYER_MAP "}",
+	     false},
+		{"\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,\"clearcoatRoughnessTexture\":" LAYER_MAP "}", false},
+		{"\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,\"clearcoatNormalTexture\":" LAYER_MAP "}", true},
+		{"\"KHR_materials_sheen\":{\"sheenColorTexture\":" LAYER_MAP
+	     ",\"sheenRoughnessFactor\":1,\"sheenRoughnessTexture\":" LAYER_MAP "}",
+	     false},
+		{"\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0,1],\"sheenRoughnessFactor\":1,"
+	     "\"sheenRoughnessTexture\":" LAYER_MAP "}",
+	     true},
+		{"\"KHR_materials_anisotropy\":{\"anisotropyTexture\":" LAYER_MAP "}", false},
+		{"\"KHR_materials_transmission\":{\"transmissionTexture\":" LAYER_MAP
+	     "},\"KHR_materials_volume\":{\"thicknessFactor\":1,\"thicknessTexture\":" LAYER_MAP "}",
+	     false},
+		{"\"KHR_materials_specular\":{\"specularFactor\":0,\"specularTexture\":" LAYER_MAP
+	     ",\"specularColorTexture\":" LAYER_MAP "}",
+	     false},
+		{"\"KHR_materials_specular\":{\"specularColorFactor\":[0,0,0],\"specularColorTexture\":" LAYER_MAP "}", false},
+		{"\"KHR_materials_specular\":{\"specularColorTexture\":" LAYER_MAP "}", true},
+		{"\"KHR_materials_specular\":{\"specularTexture\":" LAYER_MAP
+	     "},\"KHR_materials_pbrSpecularGlossiness\":{\"glossinessFactor\":0.5}",
+	     false},
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		stilb_scene *scene = open_layers(rows[i].extensions);
+		if (!strstr(said, "layer.png") == rows[i].reads)
+			fail_msg("row %zu: '%s'", i, said);
+		stilb_scene_destroy(scene);
+	}
+}
+
+/* Each layer by itself needs a surface, also without maps, and what needs tangents gets some. */
+static void each_layer_needs_a_surface(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *extensions;
+		bool needs, tangents;
+	} rows[] = {
+		{"\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1}", true, false},
+		{"\"KHR_materials_sheen\":{\"sheenColorFactor\":[0,0,1]}", true, false},
+		{"\"KHR_materials_transmission\":{\"transmissionFactor\":0.5}", true, false},
+		{"\"KHR_materials_anisotropy\":{\"anisotropyStrength\":0.5}", true, true},
+		{"\"KHR_materials_clearcoat\":{},\"KHR_materials_sheen\":{},\"KHR_materials_transmission\":{},"
+	     "\"KHR_materials_anisotropy\":{},\"KHR_materials_volume\":{\"thicknessFactor\":1,\"attenuationDistance\":0}",
+	     false, false},
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		stilb_scene *scene = open_layers(rows[i].extensions);
+		const stilb_scene_vertex_extra *extras = scene->meshes[0].extras;
+		if ((scene->surface_count > 0) != rows[i].needs || !extras == rows[i].tangents)
+			fail_msg("row %zu: %u surfaces", i, scene->surface_count);
+		if (extras)
+			assert_numbers(extras[0].tangent, (const float[]){-1, 0, 0, 1}, 4);
+		assert_int_equal(!strstr(said, "not shown by frames: 1 material ('car')"), !rows[i].needs);
+		stilb_scene_destroy(scene);
+	}
+}
+
 /* ---- variants ---------------------------------------------------------------------------------------------------- */
 
 #define MAPS(material, variants) "{\"material\":" #material ",\"variants\":[" variants "]}"
@@ -367,6 +501,9 @@ int main(void)
 		cmocka_unit_test(maps_on_a_third_uv_are_left_out),
 		cmocka_unit_test(maps_that_show_nothing_are_not_read),
 		cmocka_unit_test(a_missing_colour_is_magenta),
+		cmocka_unit_test(layers),
+		cmocka_unit_test(maps_of_layers_that_are_not_there),
+		cmocka_unit_test(each_layer_needs_a_surface),
 		cmocka_unit_test(variants),
 		cmocka_unit_test(variants_share_their_coordinates),
 	};

@@ -500,6 +500,27 @@ static void losses_of_other_formats_are_named(void **state)
 		fail_msg("'%s'", said);
 }
 
+/* Factors of layers, as OBJ's materials have them. */
+static void layers_of_other_formats(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	mkdir(in_folder("deep"), 0700);
+	mkdir(in_folder("deep/scene"), 0700);
+	write_text("deep/scene/square.obj", SQUARE);
+	write_text("deep/scene/square.mtl", "newmtl one\nPm 0\nPr 0.5\nPc 0.75\nPcr 0.25\nPs 0.5 0.5 0.25\n");
+	if (stilb_scene_open(in_folder("deep/scene/square.obj"), &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	assert_int_equal(scene->surface_count, 1);
+	const stilb_scene_surface *s = &scene->surfaces[0];
+	const float got[] = {s->clearcoat, s->clearcoat_roughness, s->sheen_color[0], s->sheen_color[1], s->sheen_color[2]};
+	const float wanted[] = {0.75f, 0.25f, 0.5f, 0.5f, 0.25f};
+	for (int i = 0; i < 5; i++)
+		if (got[i] != wanted[i])
+			fail_msg("%d: %g, not %g", i, (double)got[i], (double)wanted[i]);
+	stilb_scene_destroy(scene);
+}
+
 /* Opacity, a mask by the colour's own picture, a map of normals with tangents for it, an emission's picture. */
 static void surfaces_of_other_formats(void **state)
 {
@@ -975,6 +996,7 @@ int main(void)
 		cmocka_unit_test(damaged_files_end_in_a_scene_or_a_message),
 		cmocka_unit_test(the_library_has_a_version),
 		cmocka_unit_test(losses_of_other_formats_are_named),
+		cmocka_unit_test(layers_of_other_formats),
 		cmocka_unit_test(surfaces_of_other_formats),
 		cmocka_unit_test(files_stay_in_their_folder),
 		cmocka_unit_test(no_descriptor_stays_open),

@@ -27,6 +27,7 @@ typedef struct gi_cache_worker {
 	gi_ray_hit rays[GI_BATCH];
 	gi_point points[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
+	stilb_vec3 left[GI_BATCH];   /* what glass on the ray leaves of that; set in scenes that light goes through */
 	gi_ray shadows[GI_BATCH];    /* [shadow_count] id: index of the ray at whose end it starts */
 	stilb_vec3 direct[GI_BATCH]; /* [shadow_count] radiance that counts if the shadow ray is not occluded */
 	uint32_t shadow_count;
@@ -65,7 +66,7 @@ void gi_cache_destroy(gi_cache *cache);
 /* Limits for a record at that position: its shortest radius depends on the size of a pixel there. */
 gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position);
 
-/* True if the surface reflects diffuse light, which is what a cache holds. */
+/* True if the surface reflects diffuse light, which is what a cache holds, and nothing lies on it. */
 bool gi_cache_wants(const gi_surface *surface);
 
 /* Irradiance at the surface, W m^-2, from all records that are valid there. False: none is, and irradiance is not

@@ -74,8 +74,9 @@ static stilb_vec3 channel_value(const channel_at *at, stilb_scene_surface_channe
 		return channel_direction(at->surface.normal);
 	case STILB_SCENE_CHANNEL_TANGENT:
 		return channel_tangent(at);
-	case STILB_SCENE_CHANNEL_EMISSION:
-		return at->surface.emission;
+	case STILB_SCENE_CHANNEL_EMISSION: /* without what a coat takes */
+		return at->surface.layered && at->surface.front ? gi_maps_emission(&at->maps, &at->place)
+		                                                : at->surface.emission;
 	case STILB_SCENE_CHANNEL_UV0:
 		return channel_place(at->place.uv[0]);
 	case STILB_SCENE_CHANNEL_UV1:

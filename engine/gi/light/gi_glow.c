@@ -1,6 +1,7 @@
 #include "gi/light/gi_glow.h"
 
 #include "gi/gi_texture.h"
+#include "shading/shade_layers.h"
 
 #include <string.h>
 
@@ -12,6 +13,16 @@ stilb_vec3 gi_glow_at(const gi_glow *glow, float u, float v)
 	STILB_ASSERT(glow->maps.surface);
 	gi_place place = gi_place_between(glow->corners, u, v);
 	return gi_maps_emission(&glow->maps, &place) * gi_maps_alpha(&glow->maps, &place);
+}
+
+stilb_vec3 gi_glow_towards(const gi_glow *glow, float u, float v, float cosine)
+{
+	stilb_vec3 emission = gi_glow_at(glow, u, v);
+	if (!(glow->maps.surface->clearcoat > 0.0f))
+		return emission;
+	gi_place place = gi_place_between(glow->corners, u, v);
+	float coat = glow->maps.surface->clearcoat * gi_maps_texel(&glow->maps, STILB_SCENE_MAP_CLEARCOAT, &place)[0];
+	return emission * (1.0f - shade_coat_share(coat, cosine));
 }
 
 /* The longest side of the triangle on a map's texture, in texels; 0 without such a map. */

@@ -1,9 +1,10 @@
 /*
  * gi_bsdf: how a surface scatters light towards one viewer: Lambert's diffuse part and the highlight of a
- * shade_brdf_model; evaluated, sampled, with its density. [any-thread]
+ * shade_brdf_model, and the layers of shade_layers.h; evaluated, sampled, with its density. [any-thread]
  *
- * Directions are unit and point away from the surface. Surfaces are opaque: directions below the triangle or below
- * the shading normal's horizon get 0.
+ * Directions are unit and point away from the surface. Directions below the triangle or below the shading normal's
+ * horizon get 0, but for what light goes through: below both, thin walls have a lobe of their own (not panes, which
+ * rays pass before they come here: gi_through.h), and volumes one that refracts (gi_glass.h).
  */
 #ifndef STILB_GI_BSDF_H
 #define STILB_GI_BSDF_H
@@ -21,11 +22,33 @@ typedef struct gi_bsdf {
 	shade_brdf_model model; /* the highlight's model */
 	shade_brdf_parameters highlight;
 	float share; /* probability that gi_bsdf_sample_direction samples the highlight, [0, 1]; 0: there is none */
+	const gi_layers
+		*layers; /* of the surface; NULL: there are none. Where there are some, share is 1. Set if share > 0 */
 } gi_bsdf;
 
 /* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. The light that WRAPPED adds beyond Lambert's is left
- * out: it comes from below the surface, which an opaque surface does not see. */
-gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer);
+ * out: it comes from below the surface, which an opaque surface does not see. A surface that is brushed has
+ * SHADE_NDF_GGX_ANISOTROPIC in place of SHADE_NDF_GGX; other models show no brushing. surface must stay. Its lobes are
+ * written if it is layered: so a gi_bsdf, which is made at every vertex, need not carry them. */
+gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer);
+
+/* True if there are layers. */
+static inline bool gi_bsdf_is_layered(const gi_bsdf *bsdf)
+{
+	return bsdf->share > 0.0f && bsdf->layers;
+}
+
+/* True if the direction is on the other side of the triangle, where only light that goes through it is. */
+static inline bool gi_bsdf_is_beyond(const gi_bsdf *bsdf, stilb_vec3 direction)
+{
+	return gi_bsdf_is_layered(bsdf) && stilb_vec3_dot(bsdf->geometric, direction) < 0.0f;
+}
+
+/* The origin of a ray that leaves in this direction; origin: of those on the viewer's side. */
+static inline stilb_vec3 gi_bsdf_origin(const gi_bsdf *bsdf, stilb_vec3 origin, stilb_vec3 direction)
+{
+	return gi_bsdf_is_beyond(bsdf, direction) ? bsdf->layers->lobes.beyond : origin;
+}
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */
 static inline bool gi_bsdf_sees(const gi_bsdf *bsdf, stilb_vec3 direction)
@@ -33,17 +56,17 @@ static inline bool gi_bsdf_sees(const gi_bsdf *bsdf, stilb_vec3 direction)
 	return stilb_vec3_dot(bsdf->geometric, direction) > 0.0f && stilb_vec3_dot(bsdf->frame.n, direction) > 0.0f;
 }
 
-/* What gi_bsdf_cos and gi_bsdf_pdf return where there is a highlight (share > 0), for a direction that gi_bsdf_sees. */
+/* What gi_bsdf_cos and gi_bsdf_pdf return where there is a highlight (share > 0). */
 stilb_vec3 gi_bsdf_highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction);
 float gi_bsdf_highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 direction);
 
 /* The BSDF, sr^-1, times the cosine between the shading normal and the direction; 0 for one below the surface. */
 static inline stilb_vec3 gi_bsdf_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
-	if (!gi_bsdf_sees(bsdf, direction))
-		return (stilb_vec3){0};
 	if (bsdf->share > 0.0f)
 		return gi_bsdf_highlight_cos(bsdf, direction);
+	if (!gi_bsdf_sees(bsdf, direction))
+		return (stilb_vec3){0};
 	return shade_lambert(bsdf->diffuse) * stilb_vec3_dot(bsdf->frame.n, direction);
 }
 

@@ -197,6 +197,28 @@ static void material_opacity(material_reader *reader)
 	reader->needs_surface |= s->alpha != STILB_SCENE_OPAQUE;
 }
 
+static float material_share(const material_reader *reader, const char *key, unsigned type, unsigned index)
+{
+	float share = 0.0f;
+	material_number(reader, key, type, index, &share);
+	return importer_clamp(share, 0.0f, 1.0f);
+}
+
+/* Factors of layers, as OBJ's materials have them (Pc, Pcr, Ps). */
+static void material_layers(material_reader *reader)
+{
+	stilb_scene_surface *s = &reader->surface;
+	float sheen[3] = {0};
+	s->clearcoat = material_share(reader, AI_MATKEY_CLEARCOAT_FACTOR);
+	s->clearcoat_roughness = material_share(reader, AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR);
+	s->sheen_roughness = material_share(reader, AI_MATKEY_SHEEN_ROUGHNESS_FACTOR);
+	s->transmission = material_share(reader, AI_MATKEY_TRANSMISSION_FACTOR);
+	material_color(reader, AI_MATKEY_SHEEN_COLOR_FACTOR, sheen);
+	for (int i = 0; i < 3; i++)
+		s->sheen_color[i] = fminf(sheen[i], 1.0f);
+	reader->needs_surface |= importer_has_layers(s);
+}
+
 /* ---- losses ------------------------------------------------------------------------------------------------------ */
 
 static bool material_has(const material_reader *reader, enum aiTextureType kind)
@@ -209,13 +231,8 @@ static void foreign_lose(const material_reader *reader)
 {
 	importer *import = reader->import;
 	const char *name = reader->name.data;
-	float factor = 0.0f, mirrored[3] = {0}, seen[3] = {0};
-	if ((material_number(reader, AI_MATKEY_CLEARCOAT_FACTOR, &factor) && factor > 0.0f) ||
-	    (material_color(reader, AI_MATKEY_SHEEN_COLOR_FACTOR, seen) && seen[0] + seen[1] + seen[2] > 0.0f))
-		importer_lose(import, IMPORTER_LOSS_COATS, name);
-	if (material_number(reader, AI_MATKEY_TRANSMISSION_FACTOR, &factor) && factor > 0.0f)
-		importer_lose(import, IMPORTER_LOSS_TRANSMISSION, name);
-	factor = 0.0f;
+	float factor = 0.0f, mirrored[3] = {0};
+	importer_lose_layers(import, &reader->surface, name);
 	if (material_has(reader, aiTextureType_REFLECTION) ||
 	    (material_number(reader, AI_MATKEY_REFLECTIVITY, &factor) && factor > 0.0f &&
 	     material_color(reader, AI_MATKEY_COLOR_REFLECTIVE, mirrored) &&
@@ -256,6 +273,7 @@ static void material_convert(material_reader *reader, stilb_scene_material *mate
 	foreign_map(reader, STILB_SCENE_MAP_NORMAL, aiTextureType_NORMALS, aiTextureType_NORMALS);
 	material_opacity(reader);
 	material_emission(reader);
+	material_layers(reader);
 	importer_constants(reader->import, &reader->surface, material);
 	foreign_lose(reader);
 }

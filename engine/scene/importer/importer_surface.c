@@ -1,4 +1,4 @@
-/* What becomes of every surface, whoever read it: magenta if its colour is missing, and its means. */
+/* What becomes of every surface, whoever read it: magenta if its colour is missing, which maps it needs, its means. */
 #include "scene/importer/importer.h"
 #include "shading/shade_gltf.h"
 
@@ -14,6 +14,56 @@ void importer_magenta(stilb_scene_surface *surface)
 	surface->specular_weight = 0.0f;
 	surface->maps[STILB_SCENE_MAP_COLOR].texture = 0;
 	surface->maps[STILB_SCENE_MAP_REFLECTION].texture = 0;
+}
+
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+static bool surface_is_black(const float rgb[3])
+{
+	return !(rgb[0] > 0.0f || rgb[1] > 0.0f || rgb[2] > 0.0f);
+}
+
+bool importer_hides_map(const stilb_scene_surface *s, stilb_scene_map_kind kind)
+{
+	if (s->unlit)
+		return kind != STILB_SCENE_MAP_COLOR;
+	switch (kind) {
+	case STILB_SCENE_MAP_EMISSION:
+		return surface_is_black(s->emission);
+	case STILB_SCENE_MAP_CLEARCOAT:
+	case STILB_SCENE_MAP_CLEARCOAT_NORMAL:
+		return s->clearcoat == 0.0f;
+	case STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS:
+		return s->clearcoat == 0.0f || s->clearcoat_roughness == 0.0f;
+	case STILB_SCENE_MAP_SPECULAR:
+		return s->workflow != STILB_SCENE_METALLIC || s->specular_weight == 0.0f;
+	case STILB_SCENE_MAP_SPECULAR_COLOR:
+		return s->workflow != STILB_SCENE_METALLIC || s->specular_weight == 0.0f || surface_is_black(s->specular);
+	case STILB_SCENE_MAP_SHEEN_COLOR:
+		return surface_is_black(s->sheen_color);
+	case STILB_SCENE_MAP_SHEEN_ROUGHNESS:
+		return surface_is_black(s->sheen_color) || s->sheen_roughness == 0.0f;
+	case STILB_SCENE_MAP_ANISOTROPY:
+		return s->anisotropy == 0.0f;
+	case STILB_SCENE_MAP_TRANSMISSION:
+		return s->transmission == 0.0f;
+	case STILB_SCENE_MAP_THICKNESS:
+		return s->transmission == 0.0f || s->thickness == 0.0f;
+	default:
+		return false;
+	}
+}
+
+bool importer_has_layers(const stilb_scene_surface *s)
+{
+	return s->clearcoat > 0.0f || !surface_is_black(s->sheen_color) || s->transmission > 0.0f || s->anisotropy > 0.0f;
+}
+
+void importer_lose_layers(importer *import, const stilb_scene_surface *surface, const char *name)
+{
+	if (importer_has_layers(surface) || surface->maps[STILB_SCENE_MAP_SPECULAR].texture > 0 ||
+	    surface->maps[STILB_SCENE_MAP_SPECULAR_COLOR].texture > 0)
+		importer_lose(import, IMPORTER_LOSS_FRAMES, name);
 }
 
 /* ---- constants --------------------------------------------------------------------------------------------------- */
@@ -47,14 +97,18 @@ void importer_constants(const importer *import, const stilb_scene_surface *s, st
 	constants_mean of_color = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_COLOR]);
 	constants_mean of_reflection = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_REFLECTION]);
 	constants_mean of_emission = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_EMISSION]);
+	constants_mean of_specular = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_SPECULAR]);
+	constants_mean of_tint = constants_mean_of(import, &s->maps[STILB_SCENE_MAP_SPECULAR_COLOR]);
 	stilb_vec3 color = {0}, specular = stilb_vec3_make(s->specular[0], s->specular[1], s->specular[2]);
 	shade_gltf_base base;
 	for (int i = 0; i < 3; i++)
 		color[i] = s->color[i] * fminf(of_color.light[i], 1.0f);
 	if (s->workflow == STILB_SCENE_METALLIC) {
+		for (int i = 0; i < 3; i++)
+			specular[i] *= fminf(of_tint.light[i], 1.0f);
 		base =
 			shade_gltf_metallic(color, s->metalness * of_reflection.stored[2], s->roughness * of_reflection.stored[1],
-		                        shade_gltf_dielectric(s->ior, specular, s->specular_weight));
+		                        shade_gltf_dielectric(s->ior, specular, s->specular_weight * of_specular.stored[3]));
 	} else {
 		for (int i = 0; i < 3; i++)
 			specular[i] *= fminf(of_reflection.light[i], 1.0f);

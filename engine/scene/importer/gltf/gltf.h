@@ -193,8 +193,8 @@ typedef struct gltf_sets {
 	uint32_t set[2];        /* the attributes TEXCOORD_<n> of the two uv that vertices have; GLTF_NONE: none */
 	bool any;               /* it has maps */
 	bool second;            /* one of them lies on the second uv */
-	bool normals;           /* one of them is of normals */
-	stilb_scene_map normal; /* how that lies */
+	bool normals;           /* it needs tangents */
+	stilb_scene_map normal; /* how the map lies that they are for */
 } gltf_sets;
 
 /* gltf_surface.c: the uv 0 and 1 if all maps lie on these, else the lowest two that maps lie on. material: of the file;

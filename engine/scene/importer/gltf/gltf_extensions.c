@@ -6,14 +6,17 @@
 
 /* The extensions that are read. */
 static const char *const extensions_read[] = {
-	"EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
-	"EXT_texture_webp",        "KHR_draco_mesh_compression",
-	"KHR_lights_punctual",     "KHR_materials_emissive_strength",
-	"KHR_materials_ior",       "KHR_materials_pbrSpecularGlossiness",
-	"KHR_materials_specular",  "KHR_materials_unlit",
-	"KHR_materials_variants",  "KHR_mesh_quantization",
-	"KHR_meshopt_compression", "KHR_texture_basisu", /* each of its pictures is named where it is missed */
-	"KHR_texture_transform",   "MSFT_texture_dds",
+	"EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",
+	"EXT_texture_webp",           "KHR_draco_mesh_compression",
+	"KHR_lights_punctual",        "KHR_materials_anisotropy",
+	"KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
+	"KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+	"KHR_materials_sheen",        "KHR_materials_specular",
+	"KHR_materials_transmission", "KHR_materials_unlit",
+	"KHR_materials_variants",     "KHR_materials_volume",
+	"KHR_mesh_quantization",      "KHR_meshopt_compression",
+	"KHR_texture_basisu", /* each of its pictures is named where it is missed */
+	"KHR_texture_transform",      "MSFT_texture_dds",
 };
 
 static bool extensions_are_read(const gltf_json *json, uint32_t name)

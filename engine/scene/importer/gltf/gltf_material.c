@@ -33,18 +33,6 @@ static void material_map(gltf_reader *reader, const gltf_sets *sets, stilb_scene
 	map->texture = importer_texture_number(picture, stilb_scene_map_is_color(kind, reader->surface.workflow));
 }
 
-/* ---- losses ------------------------------------------------------------------------------------------------------ */
-
-/* Counts what of the material is not shown, of the extensions that are read. */
-static void material_lose(gltf_reader *reader)
-{
-	gltf *from = reader->from;
-	uint32_t specular = gltf_extension(from, reader->item, "KHR_materials_specular");
-	if (gltf_json_member(&from->json, specular, "specularTexture") != GLTF_NONE ||
-	    gltf_json_member(&from->json, specular, "specularColorTexture") != GLTF_NONE)
-		importer_lose(from->import, IMPORTER_LOSS_SPECULAR_MAPS, reader->name);
-}
-
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 /* Reads material m of the scene, the default one behind those of the file, with its surface if it needs one. */
@@ -60,7 +48,7 @@ static void material_read(gltf *from, uint32_t m, stilb_scene_material *material
 		gltf_surface_factors(from, reader.item, &reader.surface);
 		for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
 			material_map(&reader, &sets, (stilb_scene_map_kind)kind);
-		material_lose(&reader);
+		importer_lose_layers(from->import, &reader.surface, reader.name);
 	}
 	if (reader.missing_color)
 		importer_magenta(&reader.surface);

@@ -337,7 +337,7 @@ static stilb_result primitive_share(primitive_reader *reader, stilb_scene_mesh *
 	return result;
 }
 
-/* Makes tangents where the file has none for its map of normals. glTF 2.0, 3.7.2.1: by MikkTSpace. */
+/* Makes tangents where the file has none for what needs them. glTF 2.0, 3.7.2.1: by MikkTSpace. */
 static stilb_result primitive_make_tangents(primitive_reader *reader, stilb_scene_mesh *mesh)
 {
 	uint32_t *sources = NULL;
@@ -371,7 +371,8 @@ static stilb_result primitive_convert(primitive_reader *reader, stilb_scene_mesh
 	if (result == STILB_OK)
 		result = primitive_add_extras(reader, mesh);
 	bool tangents = reader->attributes[PRIMITIVE_TANGENTS].components > 0 && !flat;
-	if (result == STILB_OK && reader->sets.normals && !tangents)
+	bool places = reader->sets.any || reader->attributes[PRIMITIVE_UVS].components > 0;
+	if (result == STILB_OK && reader->sets.normals && places && !tangents)
 		result = primitive_make_tangents(reader, mesh);
 	return result;
 }

@@ -1,6 +1,7 @@
 /* What a material of glTF has beyond constants: its maps, how they lie, and the factors of the extensions. */
 #include "scene/importer/gltf/gltf.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -8,17 +9,32 @@
 
 #define SURFACE_PBR "pbrMetallicRoughness"
 #define SURFACE_GLOSS "KHR_materials_pbrSpecularGlossiness"
+#define SURFACE_COAT "KHR_materials_clearcoat"
+#define SURFACE_SPECULAR "KHR_materials_specular"
+#define SURFACE_SHEEN "KHR_materials_sheen"
+#define SURFACE_BRUSHED "KHR_materials_anisotropy"
+#define SURFACE_THROUGH "KHR_materials_transmission"
+#define SURFACE_VOLUME "KHR_materials_volume"
 
-/* The keys of the maps that pictures show; others are not read. */
+/* The keys of the maps. */
 static const struct surface_key {
-	const char *key;
-	bool pbr; /* in SURFACE_PBR, not in the material itself */
+	const char *key, *within; /* within: the object or the extension that has it; NULL: the material itself */
 } surface_keys[STILB_SCENE_MAPS] = {
-	[STILB_SCENE_MAP_COLOR] = {"baseColorTexture", true},
-	[STILB_SCENE_MAP_REFLECTION] = {"metallicRoughnessTexture", true},
-	[STILB_SCENE_MAP_NORMAL] = {"normalTexture", false},
-	[STILB_SCENE_MAP_OCCLUSION] = {"occlusionTexture", false},
-	[STILB_SCENE_MAP_EMISSION] = {"emissiveTexture", false},
+	[STILB_SCENE_MAP_COLOR] = {"baseColorTexture", SURFACE_PBR},
+	[STILB_SCENE_MAP_REFLECTION] = {"metallicRoughnessTexture", SURFACE_PBR},
+	[STILB_SCENE_MAP_NORMAL] = {"normalTexture", NULL},
+	[STILB_SCENE_MAP_OCCLUSION] = {"occlusionTexture", NULL},
+	[STILB_SCENE_MAP_EMISSION] = {"emissiveTexture", NULL},
+	[STILB_SCENE_MAP_CLEARCOAT] = {"clearcoatTexture", SURFACE_COAT},
+	[STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS] = {"clearcoatRoughnessTexture", SURFACE_COAT},
+	[STILB_SCENE_MAP_CLEARCOAT_NORMAL] = {"clearcoatNormalTexture", SURFACE_COAT},
+	[STILB_SCENE_MAP_SPECULAR] = {"specularTexture", SURFACE_SPECULAR},
+	[STILB_SCENE_MAP_SPECULAR_COLOR] = {"specularColorTexture", SURFACE_SPECULAR},
+	[STILB_SCENE_MAP_SHEEN_COLOR] = {"sheenColorTexture", SURFACE_SHEEN},
+	[STILB_SCENE_MAP_SHEEN_ROUGHNESS] = {"sheenRoughnessTexture", SURFACE_SHEEN},
+	[STILB_SCENE_MAP_ANISOTROPY] = {"anisotropyTexture", SURFACE_BRUSHED},
+	[STILB_SCENE_MAP_TRANSMISSION] = {"transmissionTexture", SURFACE_THROUGH},
+	[STILB_SCENE_MAP_THICKNESS] = {"thicknessTexture", SURFACE_VOLUME},
 };
 
 static bool surface_is_glossy(gltf *from, uint32_t item)
@@ -31,26 +47,30 @@ static bool surface_is_unlit(gltf *from, uint32_t item)
 	return gltf_extension(from, item, "KHR_materials_unlit") != GLTF_NONE;
 }
 
-/* True if the factors of the material leave nothing of a map to be seen, so that nobody needs its picture. */
-static bool surface_hides(gltf *from, uint32_t item, stilb_scene_map_kind kind)
+/* The token of the texture info of a map, whatever is shown of it; GLTF_NONE: there is none. */
+static uint32_t surface_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 {
-	float glow[3];
-	if (kind == STILB_SCENE_MAP_EMISSION && (!gltf_json_numbers(&from->json, item, "emissiveFactor", glow, 3) ||
-	                                         !(glow[0] > 0.0f || glow[1] > 0.0f || glow[2] > 0.0f)))
-		return true;
-	return kind != STILB_SCENE_MAP_COLOR && surface_is_unlit(from, item);
+	gltf_json *json = &from->json;
+	const struct surface_key *map = &surface_keys[kind];
+	if (kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item))
+		return gltf_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
+		                        kind == STILB_SCENE_MAP_COLOR ? "diffuseTexture" : "specularGlossinessTexture");
+	if (!map->within)
+		return gltf_json_member(json, item, map->key);
+	return gltf_json_member(json,
+	                        kind <= STILB_SCENE_MAP_REFLECTION ? gltf_json_member(json, item, map->within)
+	                                                           : gltf_extension(from, item, map->within),
+	                        map->key);
 }
 
 uint32_t gltf_map_info(gltf *from, uint32_t item, stilb_scene_map_kind kind)
 {
-	gltf_json *json = &from->json;
-	const struct surface_key *map = &surface_keys[kind];
-	if (!map->key || surface_hides(from, item, kind))
+	stilb_scene_surface surface;
+	uint32_t info = surface_info(from, item, kind);
+	if (info == GLTF_NONE)
 		return GLTF_NONE;
-	if (kind <= STILB_SCENE_MAP_REFLECTION && surface_is_glossy(from, item))
-		return gltf_json_member(json, gltf_extension(from, item, SURFACE_GLOSS),
-		                        kind == STILB_SCENE_MAP_COLOR ? "diffuseTexture" : "specularGlossinessTexture");
-	return gltf_json_member(json, map->pbr ? gltf_json_member(json, item, SURFACE_PBR) : item, map->key);
+	gltf_surface_factors(from, item, &surface);
+	return importer_hides_map(&surface, kind) ? GLTF_NONE : info;
 }
 
 /* ---- how they lie ------------------------------------------------------------------------------------------------ */
@@ -64,6 +84,24 @@ static uint32_t surface_set(gltf *from, uint32_t info)
 	return set < GLTF_SETS_MOST ? (uint32_t)set : GLTF_SETS_MOST;
 }
 
+/* Finds what tangents are made for: a map of normals, or else of the coat's normals, or of the direction of brushing,
+ * or else, where the surface is brushed without a map, the uv as it is. */
+static void surface_need_tangents(gltf *from, uint32_t item, gltf_sets *sets)
+{
+	static const stilb_scene_map_kind kinds[] = {STILB_SCENE_MAP_NORMAL, STILB_SCENE_MAP_CLEARCOAT_NORMAL,
+	                                             STILB_SCENE_MAP_ANISOTROPY};
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	sets->normal = surface.maps[STILB_SCENE_MAP_NORMAL];
+	for (size_t i = 0; item != GLTF_NONE && !sets->normals && i < sizeof kinds / sizeof *kinds; i++) {
+		uint32_t info = gltf_map_info(from, item, kinds[i]);
+		sets->normals = info != GLTF_NONE && gltf_map_read(from, info, sets, &sets->normal);
+	}
+	if (item == GLTF_NONE || sets->normals || gltf_extension(from, item, SURFACE_BRUSHED) == GLTF_NONE)
+		return;
+	gltf_surface_factors(from, item, &surface);
+	sets->normals = surface.anisotropy > 0.0f;
+}
+
 gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 {
 	gltf_sets sets = {.set = {0, 1}};
@@ -75,7 +113,6 @@ gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 			continue;
 		uint32_t set = surface_set(from, info);
 		sets.any = true;
-		sets.normals |= kind == STILB_SCENE_MAP_NORMAL;
 		if (set == used[0] || set == used[1])
 			continue;
 		count++;
@@ -90,10 +127,7 @@ gltf_sets gltf_material_sets(gltf *from, uint32_t material)
 		sets.set[0] = used[0];
 		sets.set[1] = count > 1 ? used[1] : GLTF_NONE;
 	}
-	if (sets.normals) {
-		sets.normal = stilb_scene_surface_make().maps[STILB_SCENE_MAP_NORMAL];
-		sets.normals = gltf_map_read(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), &sets, &sets.normal);
-	}
+	surface_need_tangents(from, item, &sets);
 	sets.second = count > 0 && sets.set[1] != GLTF_NONE && (sets.set[1] == used[0] || sets.set[1] == used[1]);
 	return sets;
 }
@@ -180,7 +214,7 @@ static float surface_scale(gltf *from, uint32_t info, const char *key)
 static void surface_metallic(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
 	uint32_t pbr = gltf_json_member(&from->json, item, SURFACE_PBR);
-	uint32_t specular = gltf_extension(from, item, "KHR_materials_specular");
+	uint32_t specular = gltf_extension(from, item, SURFACE_SPECULAR);
 	uint32_t ior = gltf_extension(from, item, "KHR_materials_ior");
 	float index = (float)gltf_json_number(&from->json, ior, "ior", 1.5);
 	surface_color(from, pbr, "baseColorFactor", surface->color, 4, 1.0f);
@@ -212,13 +246,43 @@ static void surface_alpha(gltf *from, uint32_t item, stilb_scene_surface *surfac
 	surface->unlit = surface_is_unlit(from, item);
 }
 
+/* What lies on the surface: clear coat and sheen; and along which way it is brushed. */
+static void surface_layers(gltf *from, uint32_t item, stilb_scene_surface *surface)
+{
+	gltf_json *json = &from->json;
+	uint32_t coat = gltf_extension(from, item, SURFACE_COAT), sheen = gltf_extension(from, item, SURFACE_SHEEN);
+	uint32_t brushed = gltf_extension(from, item, SURFACE_BRUSHED);
+	surface->clearcoat = surface_share(from, coat, "clearcoatFactor", 0.0);
+	surface->clearcoat_roughness = surface_share(from, coat, "clearcoatRoughnessFactor", 0.0);
+	surface->clearcoat_normal_scale =
+		surface_scale(from, surface_info(from, item, STILB_SCENE_MAP_CLEARCOAT_NORMAL), "scale");
+	surface_color(from, sheen, "sheenColorFactor", surface->sheen_color, 3, 1.0f);
+	surface->sheen_roughness = surface_share(from, sheen, "sheenRoughnessFactor", 0.0);
+	surface->anisotropy = surface_share(from, brushed, "anisotropyStrength", 0.0);
+	surface->anisotropy_rotation = surface_number((float)gltf_json_number(json, brushed, "anisotropyRotation", 0.0));
+}
+
+/* What goes through the surface. Exporters write a distance of 0 for glass that absorbs nothing, which has none. */
+static void surface_transmission(gltf *from, uint32_t item, stilb_scene_surface *surface)
+{
+	gltf_json *json = &from->json;
+	uint32_t through = gltf_extension(from, item, SURFACE_THROUGH), volume = gltf_extension(from, item, SURFACE_VOLUME);
+	float distance = (float)gltf_json_number(json, volume, "attenuationDistance", 0.0);
+	surface->transmission = surface_share(from, through, "transmissionFactor", 0.0);
+	surface->thickness = importer_clamp((float)gltf_json_number(json, volume, "thicknessFactor", 0.0), 0.0f, 1e9f);
+	surface->attenuation_distance = distance > 0.0f ? distance : INFINITY;
+	surface_color(from, volume, "attenuationColor", surface->attenuation, 3, 1.0f);
+	for (int i = 0; i < 3; i++)
+		surface->attenuation[i] = fmaxf(surface->attenuation[i], FLT_MIN); /* black has no logarithm */
+}
+
 void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surface)
 {
 	gltf_json *json = &from->json;
 	uint32_t gloss = gltf_extension(from, item, SURFACE_GLOSS);
 	uint32_t extension = gltf_extension(from, item, "KHR_materials_emissive_strength");
 	float strength = importer_clamp((float)gltf_json_number(json, extension, "emissiveStrength", 1.0), 0.0f, 1e9f);
-	uint32_t occlusion = gltf_map_info(from, item, STILB_SCENE_MAP_OCCLUSION);
+	uint32_t occlusion = surface_info(from, item, STILB_SCENE_MAP_OCCLUSION);
 	*surface = stilb_scene_surface_make();
 	if (gloss == GLTF_NONE)
 		surface_metallic(from, item, surface);
@@ -227,8 +291,10 @@ void gltf_surface_factors(gltf *from, uint32_t item, stilb_scene_surface *surfac
 	surface_color(from, item, "emissiveFactor", surface->emission, 3, 1e9f);
 	for (int i = 0; i < 3; i++)
 		surface->emission[i] = fminf(surface->emission[i] * strength, 1e9f);
-	surface->normal_scale = surface_scale(from, gltf_map_info(from, item, STILB_SCENE_MAP_NORMAL), "scale");
+	surface->normal_scale = surface_scale(from, surface_info(from, item, STILB_SCENE_MAP_NORMAL), "scale");
 	surface->occlusion = surface_share(from, occlusion, "strength", 1.0);
+	surface_layers(from, item, surface);
+	surface_transmission(from, item, surface);
 	surface_alpha(from, item, surface);
 }
 
@@ -238,10 +304,11 @@ bool gltf_material_needs_surface(gltf *from, uint32_t material)
 		return true;
 	if (material >= from->lists[GLTF_MATERIALS].count)
 		return false; /* the default one */
-	gltf_json *json = &from->json;
-	uint32_t item = from->lists[GLTF_MATERIALS].items[material], alpha = gltf_json_member(json, item, "alphaMode");
+	stilb_scene_surface surface;
+	uint32_t item = from->lists[GLTF_MATERIALS].items[material];
 	for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
 		if (gltf_texture_picture(from, gltf_map_info(from, item, (stilb_scene_map_kind)kind)) != GLTF_NONE)
 			return true;
-	return gltf_json_is(json, alpha, "MASK") || gltf_json_is(json, alpha, "BLEND") || surface_is_unlit(from, item);
+	gltf_surface_factors(from, item, &surface);
+	return surface.alpha != STILB_SCENE_OPAQUE || surface.unlit || importer_has_layers(&surface);
 }

@@ -21,16 +21,17 @@ gltf_sets gltf_variant_sets(gltf *from, uint32_t primitive, uint32_t material, c
 	bool agree = true;
 	for (uint32_t at = gltf_json_first(json, mappings); at != GLTF_NONE; at = gltf_json_after(json, mappings, at)) {
 		gltf_sets other = gltf_material_sets(from, gltf_reference(from, at, "material", GLTF_MATERIALS));
-		if (!all.any)
-			all = other;
-		if (!other.any)
-			continue;
-		if (!all.second)
-			all.set[1] = other.set[1];
-		agree &= all.set[0] == other.set[0] && (!other.second || all.set[1] == other.set[1]);
 		if (other.normals && !all.normals)
 			all.normal = other.normal;
 		all.normals |= other.normals;
+		if (!other.any)
+			continue;
+		if (!all.any)
+			all.set[0] = other.set[0];
+		all.any = true;
+		if (!all.second)
+			all.set[1] = other.set[1];
+		agree &= all.set[0] == other.set[0] && (!other.second || all.set[1] == other.set[1]);
 		all.second |= other.second;
 	}
 	if (!agree)
