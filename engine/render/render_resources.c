@@ -185,6 +185,7 @@ static void *table_reserve(size_t size)
 #define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 #define TABLE_GROUPS (RENDER_MAX_MAPS * sizeof(render_group))
+#define TABLE_GROUP_CLASSES (RENDER_MAX_MAPS * sizeof(uint32_t))
 #define TABLE_CLASSES (RENDER_MAX_MAPS * sizeof(render_class))
 
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed)
@@ -197,6 +198,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 		.textures = table_reserve(TABLE_TEXTURES),
 		.maps = table_reserve(TABLE_MAPS),
 		.centers = table_reserve(TABLE_CENTERS),
+		.group_classes = table_reserve(TABLE_GROUP_CLASSES),
 		.groups = {table_reserve(TABLE_GROUPS), sizeof(render_group), sizeof(struct render_group_key), {0}},
 		.classes = {table_reserve(TABLE_CLASSES), sizeof(render_class), sizeof(struct render_class_key), {0}},
 		.layout = layout,
@@ -218,8 +220,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
-	    !resources->centers || !resources->groups.items || !resources->classes.items || !resources->lock_made ||
-	    (keep_pictures && !resources->pictures))
+	    !resources->centers || !resources->groups.items || !resources->group_classes || !resources->classes.items ||
+	    !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -279,6 +281,7 @@ void render_resources_destroy(render_resources *resources)
 	table_free(resources->maps, TABLE_MAPS);
 	table_free(resources->centers, TABLE_CENTERS);
 	table_free(resources->groups.items, TABLE_GROUPS);
+	table_free(resources->group_classes, TABLE_GROUP_CLASSES);
 	table_free(resources->classes.items, TABLE_CLASSES);
 	for (int h = 0; h < RENDER_HEAPS; h++) {
 		free(resources->heaps[h].data);
