@@ -218,7 +218,8 @@ typedef struct render_resources {
 	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
-	render_table groups; /* of render_group */
+	render_table groups;     /* of render_group */
+	uint32_t *group_classes; /* [RENDER_MAX_MAPS] class of a group, or RENDER_CLASS_BLENDS */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;

@@ -248,8 +248,11 @@ static stilb_result maps_sampler(render_device *device, uint32_t number, stilb_g
 	                                                 [STILB_SCENE_MIRROR] = STILB_GPU_WRAP_MIRROR,
 	                                                 [STILB_SCENE_CLAMP] = STILB_GPU_WRAP_CLAMP};
 	STILB_ASSERT(number < RENDER_MAPS_SAMPLERS);
-	stilb_gpu_sampler_desc desc = {
-		.anisotropy = number < 9 ? device->anisotropy : 1.0f, .linear = number < 9, .mips = true, .mip_linear = true, .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
+	stilb_gpu_sampler_desc desc = {.anisotropy = number < 9 ? device->anisotropy : 1.0f,
+	                               .linear = number < 9,
+	                               .mips = true,
+	                               .mip_linear = true,
+	                               .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
 	return stilb_gpu_sampler_get(device->gpu, &desc, sampler);
 }
 

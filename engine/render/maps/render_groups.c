@@ -100,6 +100,7 @@ stilb_result render_group_join(stilb_render *render, const render_maps *maps, ui
 	render_group *group = render_group_of(resources, *index);
 	if (made) {
 		group->class = class;
+		resources->group_classes[*index] = maps->bits & RENDER_MAPS_BLEND ? RENDER_CLASS_BLENDS : class;
 		table_item(&resources->classes, class)->users++;
 		resources->live++;
 	}

@@ -55,7 +55,8 @@ Texels texels_here(uint record)
 	vec4 layers = record_part(record, 14u);
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection = clamp(texture(reflection_map, vec3(together ? first_place : reflection_place, layers.y)), 0.0, 1.0);
+		texels.reflection =
+			clamp(texture(reflection_map, vec3(together ? first_place : reflection_place, layers.y)), 0.0, 1.0);
 	if (map_normal) {
 		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, layers.z));
 		texels.normal = texel.xyz;
@@ -64,8 +65,10 @@ Texels texels_here(uint record)
 	}
 	if (map_occlusion)
 		texels.occlusion = texture(occlusion_map, vec3(together ? first_place : occlusion_place, layers.w)).x;
-	if (map_emission)
-		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, record_part(record, 15u).x)).xyz;
+	if (map_emission) {
+		float layer = record_part(record, 15u).x;
+		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, layer)).xyz;
+	}
 	return texels;
 }
 

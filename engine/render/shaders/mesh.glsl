@@ -27,7 +27,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
 // As render_maps_stored, of which each has 16: color; specular, roughness; emission, metalness; scale of normals,
-// occlusion, cutoff; for each map two rows of its transform, behind the first which uv it lies on; for each map its layer.
+// occlusion, cutoff; for each map two rows of its transform, behind the first which uv it lies on; then the maps'
+// layers.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Maps { vec4 parts[]; };
 #define MAPS_PARTS 16u
 
