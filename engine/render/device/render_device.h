@@ -100,8 +100,9 @@ extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: ver
 /* [1: highlights mirror the panorama] */
 extern const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES];
 /* Of meshes with maps: [1: vertices have extras]. Where depth alone is drawn those with a mask have _depth. */
-extern const stilb_gpu_shader render_maps_vertex[2][2];      /* [1: vertices are packed] */
-extern const stilb_gpu_shader render_maps_fragment[2][2][2]; /* [1: see _mesh_fragment][1: a mask, several samples] */
+extern const stilb_gpu_shader render_maps_vertex[2][2][2]; /* [1: with layers][1: vertices are packed] */
+/* [1: with layers][1: see _mesh_fragment][1: a mask, several samples] */
+extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
 extern const stilb_gpu_shader render_maps_depth[2];
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
@@ -121,14 +122,14 @@ typedef enum render_formula {
 
 /* A program of meshes whose material has maps. */
 typedef struct render_maps_program {
-	uint32_t key; /* render_maps_key */
+	uint64_t key; /* render_maps_key */
 	stilb_gpu_program program;
 } render_maps_program;
 
 /* bits: RENDER_MAPS_...; detail: render_state_detail. */
-static inline uint32_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
+static inline uint64_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
 {
-	return (bits << 2 | detail) << 3 | drawn;
+	return ((uint64_t)bits << 2 | detail) << 3 | drawn;
 }
 
 /* The mesh programs of one choice of formulas, by render_state_detail; {0}: not needed so far. */
@@ -187,7 +188,7 @@ typedef struct render_device_maps {
 /* The draws of a pass. */
 typedef struct render_list {
 	stilb_gpu_binding *bindings; /* [binding_capacity] */
-	uint32_t *maps;              /* [map_capacity] by binding: of maps, 1 + its key; else 0 */
+	uint64_t *maps;              /* [map_capacity] by binding: of maps, 1 + its key; else 0 */
 	uint32_t binding_capacity, map_capacity;
 	uint32_t first_run; /* of device.runs */
 	char name[64];      /* of its row */
@@ -334,7 +335,7 @@ void render_programs_destroy(render_device *device);
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
 /* The program of that choice and key; made and compiled unless it is there. [any-thread] */
-stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program);
 /* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);

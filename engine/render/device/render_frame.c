@@ -168,7 +168,7 @@ typedef struct list_maker {
 } list_maker;
 
 /* maps: as of render_list.maps. */
-static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint32_t maps)
+static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint64_t maps)
 {
 	render_list *list = maker->list;
 	uint32_t count = maker->count + 1;
@@ -186,7 +186,7 @@ static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint32_t b
 	render_device *device = maker->device;
 	bool odd = device->materials == STILB_RENDER_MATERIALS_PIPELINE && render_state_material(state) != 0;
 	bool wide = (state & RENDER_STATE_WIDE) != 0;
-	uint32_t key = render_maps_key(bits, render_state_detail(state), list_drawn(device, maker->choice, odd));
+	uint64_t key = render_maps_key(bits, render_state_detail(state), list_drawn(device, maker->choice, odd));
 	for (*place = 0; *place < maker->count; *place += 1)
 		if (maker->list->maps[*place] == 1 + (key << 1 | wide))
 			return STILB_OK;

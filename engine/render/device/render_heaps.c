@@ -223,7 +223,8 @@ stilb_result render_device_maps_set(render_device *device, uint32_t index, const
 	stilb_gpu_set_item items[RENDER_MAPS] = {0};
 	stilb_gpu_set set;
 	stilb_result result = STILB_OK;
-	for (uint32_t i = 0; i < RENDER_MAPS && result == STILB_OK; i++) {
+	uint32_t count = maps->bits & RENDER_MAPS_LAYERS ? RENDER_MAPS : RENDER_MAPS_PLAIN;
+	for (uint32_t i = 0; i < count && result == STILB_OK; i++) {
 		uint32_t texture = maps->textures[i] & RENDER_INDEX_MASK;
 		if (!(maps->bits >> i & 1u))
 			continue;
@@ -232,7 +233,7 @@ stilb_result render_device_maps_set(render_device *device, uint32_t index, const
 		result = maps_sampler(device, maps->samplers[i], &items[i].sampler);
 	}
 	if (result == STILB_OK)
-		result = stilb_gpu_set_create(device->gpu, items, RENDER_MAPS, &set);
+		result = stilb_gpu_set_create(device->gpu, items, count, &set);
 	if (result != STILB_OK)
 		return result;
 	if (device->maps[index].set.id != 0)

@@ -100,23 +100,27 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 }
 
 /* The program of meshes with maps that a key stands for. */
-static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                  stilb_gpu_program *program)
 {
-	uint32_t bits = key >> 5, detail = key >> 3 & 3u, drawn = key & 7u;
+	uint32_t bits = (uint32_t)(key >> 5), detail = key >> 3 & 3u, drawn = key & 7u;
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
+	bool layers = bits & RENDER_MAPS_LAYERS && !depth;
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
-		.vertex = reads ? render_maps_vertex[device->packed][extras] : render_mesh_vertex[device->packed][inputs],
-		.fragment = !depth   ? render_maps_fragment[gloss][coverage][extras]
+		.vertex =
+			reads ? render_maps_vertex[layers][device->packed][extras] : render_mesh_vertex[device->packed][inputs],
+		.fragment = !depth   ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs)
 	                         : render_maps_depth[extras],
 		.samplers = gloss ? 2 : 0,
-		.set_items = reads ? RENDER_MAPS : 0,
+		.set_items = !reads                      ? 0
+	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
+	                                             : RENDER_MAPS_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER,
 		.depth_write = !blends,
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
@@ -276,7 +280,7 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 }
 
 /* Finds the program of a key among the choice's, or makes it. */
-static stilb_result choice_find_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+static stilb_result choice_find_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                      stilb_gpu_program *program)
 {
 	for (uint32_t m = 0; m < choice->map_count; m++)
@@ -292,7 +296,7 @@ static stilb_result choice_find_maps(render_device *device, render_formula_progr
 	return result;
 }
 
-stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program)
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
@@ -317,7 +321,7 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 	for (uint32_t kind = 0; kind < RENDER_PROGRAM_KINDS && result == STILB_OK; kind++)
 		for (uint32_t half = 0; kinds >> kind & 1u && half <= two && result == STILB_OK; half++) {
 			stilb_gpu_program program;
-			uint32_t key = render_maps_key(bits, kind, (render_drawn)(first + half));
+			uint64_t key = render_maps_key(bits, kind, (render_drawn)(first + half));
 			result = render_programs_maps(device, choice, key, &program);
 		}
 	return result;
