@@ -5,11 +5,6 @@
 
 #include <float.h>
 
-static const stilb_scene_map_kind maps_of_rays[] = {
-	STILB_SCENE_MAP_COLOR,    STILB_SCENE_MAP_REFLECTION, STILB_SCENE_MAP_NORMAL,
-	STILB_SCENE_MAP_EMISSION, STILB_SCENE_MAP_SPECULAR,   STILB_SCENE_MAP_SPECULAR_COLOR,
-};
-
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
 gi_place gi_place_of(const stilb_scene_vertex *vertex, const stilb_scene_vertex_extra *extra)
@@ -37,9 +32,17 @@ gi_place gi_place_between(const gi_place corners[3], float u, float v)
 bool gi_maps_vary(const stilb_scene_surface *surface)
 {
 	uint32_t any = 0;
-	for (size_t i = 0; i < sizeof maps_of_rays / sizeof *maps_of_rays; i++)
-		any |= surface->maps[maps_of_rays[i]].texture;
+	for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
+		if (kind != STILB_SCENE_MAP_OCCLUSION && kind != STILB_SCENE_MAP_THICKNESS)
+			any |= surface->maps[kind].texture;
 	return any > 0;
+}
+
+bool gi_maps_are_layered(const stilb_scene_surface *surface)
+{
+	const float *sheen = surface->sheen_color;
+	return surface->clearcoat > 0.0f || sheen[0] + sheen[1] + sheen[2] > 0.0f || surface->anisotropy > 0.0f ||
+	       surface->transmission > 0.0f;
 }
 
 /* All four channels of a map's texel, 1 where there is none. */
@@ -57,6 +60,11 @@ static stilb_vec4 maps_limited(stilb_vec4 x)
 	for (int i = 0; i < 4; i++)
 		x[i] = fminf(fmaxf(x[i], 0.0f), 1.0f);
 	return x;
+}
+
+stilb_vec4 gi_maps_texel(const gi_maps *maps, stilb_scene_map_kind kind, const gi_place *place)
+{
+	return maps_limited(maps_texel(maps, kind, place));
 }
 
 /* Textures of floats and vertices may hold anything; what reflects more than it gets would make light. */
@@ -106,11 +114,11 @@ float gi_maps_alpha(const gi_maps *maps, const gi_place *place)
 }
 
 /* A picture of two channels has x as grey and y as alpha. */
-stilb_vec3 gi_maps_normal(const gi_maps *maps, const gi_place *place)
+stilb_vec3 gi_maps_normal(const gi_maps *maps, stilb_scene_map_kind kind, float scale, const gi_place *place)
 {
-	STILB_ASSERT(gi_maps_have(maps, STILB_SCENE_MAP_NORMAL));
-	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_NORMAL, place);
-	if (maps->textures[maps->surface->maps[STILB_SCENE_MAP_NORMAL].texture - 1].channels == 2)
+	STILB_ASSERT(gi_maps_have(maps, kind));
+	stilb_vec4 texel = maps_texel(maps, kind, place);
+	if (maps->textures[maps->surface->maps[kind].texture - 1].channels == 2)
 		texel = stilb_vec3_make(texel[0], texel[3], shade_gltf_normal_z(texel[0], texel[3]));
-	return shade_gltf_normal(texel, maps->surface->normal_scale);
+	return shade_gltf_normal(texel, scale);
 }

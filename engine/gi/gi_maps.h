@@ -1,6 +1,6 @@
 /*
  * gi_maps: what a surface (scene_surface.h) says of one of its points: factors times texels times the colours of
- * vertices. Occlusion, clear coat, sheen, anisotropy and transmission are not for rays yet. [any-thread]
+ * vertices. Occlusion is not for rays, which find it, nor is the map of thickness. [any-thread]
  */
 #ifndef STILB_GI_MAPS_H
 #define STILB_GI_MAPS_H
@@ -34,6 +34,18 @@ bool gi_maps_vary(const stilb_scene_surface *surface);
 /* Linear base colour (SPECULAR: diffuse colour) and alpha, [0, 1]. */
 stilb_vec4 gi_maps_color(const gi_maps *maps, const gi_place *place);
 
+/* True if the surface is more than its base: coated, sheen, brushed, or light passes through it. */
+bool gi_maps_are_layered(const stilb_scene_surface *surface);
+
+/* True if the surface bounds a volume, which light enters by refraction. */
+static inline bool gi_maps_are_solid(const stilb_scene_surface *surface)
+{
+	return surface->transmission > 0.0f && surface->thickness > 0.0f;
+}
+
+/* The texel of a map, [0, 1]; 1 where there is none. */
+stilb_vec4 gi_maps_texel(const gi_maps *maps, stilb_scene_map_kind kind, const gi_place *place);
+
 /* What is shaded. color: of gi_maps_color. */
 shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_vec4 color);
 
@@ -49,7 +61,7 @@ static inline bool gi_maps_have(const gi_maps *maps, stilb_scene_map_kind kind)
 	return texture > 0 && texture <= maps->texture_count;
 }
 
-/* Along tangent, bitangent and normal, unit; of a surface that has a map of normals. */
-stilb_vec3 gi_maps_normal(const gi_maps *maps, const gi_place *place);
+/* Along tangent, bitangent and normal, unit; of a surface that has this map of normals, which scale is for. */
+stilb_vec3 gi_maps_normal(const gi_maps *maps, stilb_scene_map_kind kind, float scale, const gi_place *place);
 
 #endif

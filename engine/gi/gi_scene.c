@@ -344,7 +344,8 @@ static uint32_t surface_read(const stilb_gi_scene *gi, const stilb_scene_materia
 	if (!material->surface)
 		return 0;
 	const stilb_scene_surface *surface = &gi->surfaces[material->surface - 1];
-	return surface->unlit || mesh->colored || gi_maps_vary(surface) ? material->surface : 0;
+	bool more = mesh->colored || gi_maps_vary(surface) || gi_maps_are_layered(surface);
+	return surface->unlit || more ? material->surface : 0;
 }
 
 /* True if alpha is 1 all over. */

@@ -4,6 +4,7 @@
 #include "gi/gi_texture.h"
 #include "gi/gi_vector.h"
 #include "gi/trace/gi_ray.h"
+#include "shading/shade_layers.h"
 
 #include <float.h>
 #include <string.h>
@@ -194,7 +195,7 @@ static stilb_vec3 lifted_normal(stilb_vec3 normal, stilb_vec3 geometric, stilb_v
 	return unit_of(mirrored + to_viewer);
 }
 
-/* The normal of the map; normal: interpolated. */
+/* A map's normal `local`; normal: interpolated. */
 static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stilb_vec3 local, stilb_vec3 normal,
                                 const gi_surface *surface)
 {
@@ -212,28 +213,98 @@ static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stil
 	return lifted_normal(towards_viewer(mapped, to_viewer), geometric, to_viewer);
 }
 
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+/* A hit on a part with maps. */
+typedef struct maps_hit {
+	gi_maps maps;
+	gi_place place;
+	const gi_part *part;
+	const gi_ray_hit *ray;
+	stilb_vec3 normal; /* interpolated, of any length, in world space */
+	stilb_vec4 color;  /* gi_maps_color */
+} maps_hit;
+
+/* Direction and strength of brushing: turned from the mesh's tangent, or, without one, from the tangent that frames
+ * without tangents have everywhere, cross(up, normal). */
+static void brushed_at(const maps_hit *at, const gi_surface *surface, gi_layers *layers)
+{
+	const stilb_scene_surface *s = at->maps.surface;
+	stilb_vec3 n = surface->normal, tangent = {0};
+	stilb_vec4 texel = gi_maps_texel(&at->maps, STILB_SCENE_MAP_ANISOTROPY, &at->place);
+	float sign = 1.0f, x = 1.0f, y = 0.0f;
+	if (at->part->extras)
+		tangent = tangent_at(at->part, at->ray, &sign);
+	if (!(stilb_vec3_dot(tangent, tangent) > GI_NORMAL_NONE)) {
+		tangent = stilb_vec3_make(n[2], 0.0f, -n[0]);
+		sign = 1.0f;
+	}
+	if (gi_maps_have(&at->maps, STILB_SCENE_MAP_ANISOTROPY)) {
+		x = 2.0f * texel[0] - 1.0f;
+		y = 2.0f * texel[1] - 1.0f;
+	}
+	float c = cosf(s->anisotropy_rotation), turn = sinf(s->anisotropy_rotation);
+	stilb_vec3 bitangent = stilb_vec3_cross(surface->front ? n : -n, tangent) * sign;
+	layers->brushed = tangent * (c * x - turn * y) + bitangent * (turn * x + c * y);
+	layers->anisotropy = s->anisotropy * texel[2];
+}
+
+/* What is on the surface. smooth: the shading normal without maps. */
+static __attribute__((noinline)) void layers_at(const maps_hit *at, stilb_vec3 smooth, gi_surface *surface)
+{
+	const gi_maps *maps = &at->maps;
+	const stilb_scene_surface *s = maps->surface;
+	const gi_place *place = &at->place;
+	gi_layers *layers = &surface->layers;
+	*layers = (gi_layers){.coat_normal = smooth};
+	surface->layered = true;
+	stilb_vec4 sheen = gi_maps_texel(maps, STILB_SCENE_MAP_SHEEN_COLOR, place);
+	layers->sheen = gi_vector(s->sheen_color) * sheen;
+	layers->sheen_roughness = s->sheen_roughness * gi_maps_texel(maps, STILB_SCENE_MAP_SHEEN_ROUGHNESS, place)[3];
+	layers->coat = s->clearcoat * gi_maps_texel(maps, STILB_SCENE_MAP_CLEARCOAT, place)[0];
+	layers->coat_roughness =
+		s->clearcoat_roughness * gi_maps_texel(maps, STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS, place)[1];
+	if (layers->coat > 0.0f && at->part->extras && gi_maps_have(maps, STILB_SCENE_MAP_CLEARCOAT_NORMAL)) {
+		stilb_vec3 local = gi_maps_normal(maps, STILB_SCENE_MAP_CLEARCOAT_NORMAL, s->clearcoat_normal_scale, place);
+		layers->coat_normal = mapped_normal(at->part, at->ray, local, at->normal, surface);
+	}
+	if (s->anisotropy > 0.0f)
+		brushed_at(at, surface, layers);
+	float n_dot_v = -stilb_vec3_dot(layers->coat_normal, gi_ray_direction(&at->ray->ray));
+	surface->emission *= 1.0f - shade_coat_share(layers->coat, n_dot_v);
+}
+
 /* What the part's surface says of the hit, in place of material_at. normal: interpolated, of any length, in world
  * space. Not inlined, so that gi_surface_at keeps its registers where there are no maps. */
 static __attribute__((noinline)) void maps_at(const stilb_gi_scene *scene, const gi_part *part, const gi_ray_hit *ray,
                                               stilb_vec3 normal, gi_surface *surface)
 {
 	STILB_ASSERT(part->surface <= scene->surface_count);
-	gi_maps maps = {&scene->surfaces[part->surface - 1], scene->textures, scene->texture_count};
-	gi_place place = gi_place_at(part, ray->hit.triangle, ray->hit.u, ray->hit.v);
-	stilb_vec4 color = gi_maps_color(&maps, &place);
-	if (maps.surface->unlit) {
-		surface->unlit = stilb_vec3_make(color[0], color[1], color[2]);
+	maps_hit at = {.maps = {&scene->surfaces[part->surface - 1], scene->textures, scene->texture_count},
+	               .place = gi_place_at(part, ray->hit.triangle, ray->hit.u, ray->hit.v),
+	               .part = part,
+	               .ray = ray,
+	               .normal = normal};
+	const gi_maps *maps = &at.maps;
+	at.color = gi_maps_color(maps, &at.place);
+	if (maps->surface->unlit) {
+		surface->unlit = stilb_vec3_make(at.color[0], at.color[1], at.color[2]);
 		surface->diffuse = surface->specular = surface->emission = (stilb_vec3){0};
 		return;
 	}
-	shade_gltf_base base = gi_maps_base(&maps, &place, color);
+	shade_gltf_base base = gi_maps_base(maps, &at.place, at.color);
 	surface->diffuse = stilb_vec3_make(base.diffuse[0], base.diffuse[1], base.diffuse[2]);
 	surface->specular = stilb_vec3_make(base.specular[0], base.specular[1], base.specular[2]);
 	surface->roughness = base.roughness;
 	if (surface->front)
-		surface->emission = gi_maps_emission(&maps, &place);
-	if (part->extras && gi_maps_have(&maps, STILB_SCENE_MAP_NORMAL))
-		surface->normal = mapped_normal(part, ray, gi_maps_normal(&maps, &place), normal, surface);
+		surface->emission = gi_maps_emission(maps, &at.place);
+	stilb_vec3 smooth = surface->normal;
+	if (part->extras && gi_maps_have(maps, STILB_SCENE_MAP_NORMAL)) {
+		stilb_vec3 local = gi_maps_normal(maps, STILB_SCENE_MAP_NORMAL, maps->surface->normal_scale, &at.place);
+		surface->normal = mapped_normal(part, ray, local, normal, surface);
+	}
+	if (gi_maps_are_layered(maps->surface))
+		layers_at(&at, smooth, surface);
 }
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
@@ -294,6 +365,7 @@ void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surfac
 	surface->uv = (stilb_vec2){second[2], second[3]};
 	surface->part = ray->hit.part;
 	surface->triangle = ray->hit.triangle;
+	surface->layered = false;
 	material_at(scene, part, surface);
 	if (part->surface)
 		maps_at(scene, part, ray, normal, surface);

@@ -7,6 +7,14 @@
 #include "gi/gi_maps.h"
 #include "gi/gi_scene_internal.h"
 
+/* What lies on a surface, what goes through it, and how it is brushed: shade_layers.h. */
+typedef struct gi_layers {
+	stilb_vec3 coat_normal; /* as gi_surface.normal */
+	stilb_vec3 sheen;       /* colour, [0, 1] */
+	stilb_vec3 brushed;     /* direction along the surface, of any length; of anisotropy > 0 */
+	float coat, coat_roughness, sheen_roughness, anisotropy; /* [0, 1] */
+} gi_layers;
+
 /* The point where a ray hit. */
 typedef struct gi_surface {
 	stilb_vec3 position;          /* on the triangle */
@@ -21,6 +29,8 @@ typedef struct gi_surface {
 	stilb_vec2 uv;
 	uint32_t part, triangle; /* indices: of the part in the scene, of the triangle in its mesh */
 	bool front;              /* the ray came from the front side */
+	bool layered;            /* the next member is set; else it is anything */
+	gi_layers layers;
 } gi_surface;
 
 /* Square of a length: an interpolated normal that is not longer has no direction, and the triangle's own is used. */

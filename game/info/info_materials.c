@@ -7,7 +7,7 @@
 	X("metalness and roughness: factors, texture", "yes", "yes")                                                       \
 	X("specular and glossiness: factors, textures", "yes", "yes")                                                      \
 	X("reflectance: index of refraction, specular factor and colour", "yes", "yes")                                    \
-	X("specular textures", "no", "no")                                                                                 \
+	X("specular textures", "no", "yes")                                                                                \
 	X("normal texture, tangents of the file or MikkTSpace", "yes", "yes")                                              \
 	X("occlusion texture", "of even light", "no: rays find what occludes")                                             \
 	X("emission: factor, strength, texture", "from the front; lights nothing",                                         \
@@ -18,9 +18,10 @@
 	X("unlit", "yes", "yes")                                                                                           \
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
-	X("clear coat, sheen", "no", "no")                                                                                 \
+	X("clear coat, sheen: factors, textures", "no", "yes")                                                             \
 	X("transmission, volume", "no", "no")                                                                              \
-	X("anisotropy, iridescence, dispersion", "no", "no")
+	X("anisotropy: strength, rotation, texture", "no", "of GGX")                                                       \
+	X("iridescence, dispersion", "no", "no")
 
 void info_print_materials(FILE *out)
 {

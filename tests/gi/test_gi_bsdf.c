@@ -5,6 +5,7 @@
 
 #include "gi/sample/gi_bsdf.h"
 #include "numeric/numeric_catalog.h"
+#include "shading/shade_layers.h"
 
 #include <stdio.h>
 
@@ -221,6 +222,161 @@ static void nothing_comes_from_below(void **state)
 	assert_in_range(below, 100, 2500);
 }
 
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+static const shade_brdf_model ggx_schlick = {
+	.kind = SHADE_BRDF_MICROFACET, .ndf = SHADE_NDF_GGX, .g = SHADE_G_SMITH_GGX, .f = SHADE_F_SCHLICK};
+
+/* A surface with layers: what is 0 is not there. */
+typedef struct layers_row {
+	const char *name;
+	float diffuse, specular, roughness, coat, coat_roughness, sheen, sheen_roughness, anisotropy;
+	bool leans; /* the coat has a normal of its own */
+} layers_row;
+
+static const layers_row layers_rows[] = {
+	{.name = "none", .diffuse = 0.5f, .specular = 0.3f, .roughness = 0.4f},
+	{.name = "coat", .diffuse = 0.5f, .specular = 0.04f, .roughness = 0.6f, .coat = 1.0f, .coat_roughness = 0.3f},
+	{.name = "half a coat that leans",
+     .diffuse = 0.5f,
+     .specular = 0.04f,
+     .roughness = 0.6f,
+     .coat = 0.5f,
+     .coat_roughness = 0.5f,
+     .leans = true},
+	{.name = "a coat alone that leans", .roughness = 0.5f, .coat = 1.0f, .coat_roughness = 0.5f, .leans = true},
+	{.name = "sheen", .diffuse = 0.6f, .roughness = 1.0f, .sheen = 0.9f, .sheen_roughness = 0.4f},
+	{.name = "smooth sheen alone", .roughness = 1.0f, .sheen = 1.0f, .sheen_roughness = 0.2f},
+	{.name = "brushed", .specular = 0.9f, .roughness = 0.4f, .anisotropy = 0.8f},
+	{.name = "all",
+     .diffuse = 0.3f,
+     .specular = 0.5f,
+     .roughness = 0.5f,
+     .coat = 0.8f,
+     .coat_roughness = 0.4f,
+     .sheen = 0.5f,
+     .sheen_roughness = 0.6f,
+     .anisotropy = 0.6f},
+};
+#define LAYERS_ROWS (sizeof layers_rows / sizeof *layers_rows)
+
+static gi_surface layered_surface(const layers_row *row)
+{
+	gi_surface surface = make_surface(row->diffuse, row->specular, row->roughness, 0.0f);
+	stilb_vec3 lean = row->leans ? stilb_vec3_make(0.3f, 0.0f, 0.2f) : (stilb_vec3){0};
+	surface.layered = true;
+	surface.layers = (gi_layers){.coat_normal = stilb_vec3_normalize(test_normal() + lean),
+	                             .sheen = stilb_vec3_make(row->sheen, 0.5f * row->sheen, 0.0f),
+	                             .brushed = stilb_vec3_make(0.2f, 0.4f, 0.9f),
+	                             .coat = row->coat,
+	                             .coat_roughness = row->coat_roughness,
+	                             .sheen_roughness = row->sheen_roughness,
+	                             .anisotropy = row->anisotropy};
+	return surface;
+}
+
+/* Layers from the inside to the outside, as the head of shade_layers.h has them, of the same functions. */
+static stilb_vec3 layers_wanted(const gi_surface *s, stilb_vec3 l, stilb_vec3 v)
+{
+	const gi_layers *layers = &s->layers;
+	stilb_vec3 n = s->normal;
+	shade_brdf_model model = ggx_schlick;
+	shade_brdf_parameters p = {.specular = s->specular, .roughness = s->roughness};
+	shade_frame frame = shade_frame_from_tangent(n, layers->brushed);
+	if (layers->anisotropy > 0.0f) {
+		stilb_vec2 brushed = shade_gltf_brushed(s->roughness, layers->anisotropy);
+		model.ndf = SHADE_NDF_GGX_ANISOTROPIC;
+		p.roughness = brushed[0];
+		p.anisotropy = brushed[1];
+	}
+	if (stilb_vec3_dot(n, l) <= 0.0f)
+		return (stilb_vec3){0};
+	stilb_vec3 b = s->diffuse * (stilb_vec3_dot(n, l) * (float)M_1_PI);
+	if (p.specular[0] > 0.0f) /* a base that reflects nothing straight ahead has no highlight */
+		b += shade_brdf_cos(model, p, frame, l, v);
+	float share = shade_coat_share(layers->coat, stilb_vec3_dot(layers->coat_normal, v));
+	float left = shade_sheen_left(layers->sheen, stilb_vec3_dot(n, v), layers->sheen_roughness);
+	stilb_vec3 up = b * left + layers->sheen * shade_sheen_cos(layers->sheen_roughness, n, l, v);
+	return up * (1.0f - share) + share * shade_coat_cos(layers->coat_roughness, layers->coat_normal, l, v);
+}
+
+static void layers_are_as_the_header_says(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 17};
+	for (size_t r = 0; r < LAYERS_ROWS; r++)
+		for (int i = 0; i < 200; i++) {
+			gi_surface surface = layered_surface(&layers_rows[r]);
+			stilb_vec3 v = shade_proof_random_above(&random, test_normal());
+			stilb_vec3 l = shade_proof_random_above(&random, test_normal());
+			gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, v);
+			stilb_vec3 got = gi_bsdf_cos(&bsdf, l), wanted = layers_wanted(&surface, l, v);
+			for (int c = 0; c < 3; c++)
+				SHADE_PROOF_NEAR(got[c], wanted[c], 1e-3, 1e-6);
+		}
+}
+
+/* Samples, weights and densities say the same, and the density is 1 over the sphere: the mean over the samples of a
+ * known function over the density is its integral. */
+static void layers_are_sampled_as_their_density_says(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 19};
+	for (size_t r = 0; r < LAYERS_ROWS; r++) {
+		gi_surface surface = layered_surface(&layers_rows[r]);
+		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){0.9, 2.0}));
+		estimate density = {0}, sampled = {0}, even = {0};
+		for (int i = 0; i < 40000; i++) {
+			stilb_vec3 l = shade_proof_random_direction(&random);
+			estimate_add(&density, 4.0 * M_PI * (double)gi_bsdf_pdf(&bsdf, l));
+			estimate_add(&even, 4.0 * M_PI * (double)gi_bsdf_cos(&bsdf, l)[0]);
+			gi_bsdf_sample chosen;
+			if (!draw(&bsdf, &random, &chosen)) {
+				estimate_add(&sampled, 0.0);
+				continue;
+			}
+			SHADE_PROOF_NEAR(chosen.weight[0] * chosen.pdf, gi_bsdf_cos(&bsdf, chosen.direction)[0], 1e-3, 1e-6);
+			SHADE_PROOF_NEAR(gi_bsdf_pdf(&bsdf, chosen.direction), chosen.pdf, 1e-3, 1e-6);
+			estimate_add(&sampled, (double)chosen.weight[0]);
+		}
+		if (fabs(estimate_mean(&density) - 1.0) > 4.5 * estimate_sigma(&density))
+			fail_msg("%s: the density is %g in all, +- %g", layers_rows[r].name, estimate_mean(&density),
+			         estimate_sigma(&density));
+		double off = fabs(estimate_mean(&sampled) - estimate_mean(&even));
+		if (off > 4.5 * hypot(estimate_sigma(&sampled), estimate_sigma(&even)))
+			fail_msg("%s: %g by samples, %g by even directions", layers_rows[r].name, estimate_mean(&sampled),
+			         estimate_mean(&even));
+		if (sampled.largest > 12.0)
+			fail_msg("%s: a weight of %g", layers_rows[r].name, sampled.largest);
+	}
+}
+
+/* Under light from everywhere nothing that is white gives back more than arrives, but for the fit of sheen's albedo. */
+static void layers_make_no_light(void **state)
+{
+	(void)state;
+	static const double polars[] = {0.0, 0.6, 1.1, 1.4, 1.5};
+	shade_proof_random random = {.seed = 23};
+	for (int i = 0; i < 60; i++) {
+		layers_row row = {.specular = shade_proof_range(&random, 0.0f, 1.0f),
+		                  .roughness = shade_proof_range(&random, 0.2f, 1.0f),
+		                  .coat = shade_proof_range(&random, 0.0f, 1.0f),
+		                  .coat_roughness = shade_proof_range(&random, 0.0f, 1.0f),
+		                  .sheen = shade_proof_range(&random, 0.0f, 1.0f),
+		                  .sheen_roughness = shade_proof_range(&random, 0.0f, 1.0f),
+		                  .anisotropy = shade_proof_range(&random, 0.0f, 0.9f)};
+		gi_surface surface = layered_surface(&row);
+		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){polars[i % 5], 0.7}));
+		estimate albedo = {0};
+		for (int k = 0; k < 4000; k++) {
+			gi_bsdf_sample chosen;
+			estimate_add(&albedo, draw(&bsdf, &random, &chosen) ? (double)chosen.weight[0] : 0.0);
+		}
+		if (estimate_mean(&albedo) > 1.03 + 4.5 * estimate_sigma(&albedo))
+			fail_msg("%d: %g rad: albedo %g", i, polars[i % 5], estimate_mean(&albedo));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -229,6 +385,9 @@ int main(void)
 		cmocka_unit_test(diffuse_weights_are_the_reflectance),
 		cmocka_unit_test(reciprocal_models_stay_reciprocal),
 		cmocka_unit_test(nothing_comes_from_below),
+		cmocka_unit_test(layers_are_as_the_header_says),
+		cmocka_unit_test(layers_are_sampled_as_their_density_says),
+		cmocka_unit_test(layers_make_no_light),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

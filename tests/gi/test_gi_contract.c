@@ -243,7 +243,7 @@ static void surfaces(void **state)
 	gi_crossing nowhere = {.part = fixture.gi->part_count};
 	contract_breaks("scenes have no textures of blocks", gi_texture_at(&blocks, (stilb_vec2){0})[0] > 0.0f);
 	contract_breaks("image->channels <= 4", gi_texture_at(&wide, (stilb_vec2){0})[0] > 0.0f);
-	contract_breaks("STILB_SCENE_MAP_NORMAL", gi_maps_normal(&maps, &place)[0] > 0.0f);
+	contract_breaks("gi_maps_have(maps, kind)", gi_maps_normal(&maps, STILB_SCENE_MAP_NORMAL, 1.0f, &place)[0] > 0.0f);
 	contract_breaks("glow->maps.surface", gi_glow_at(&same, 0.0f, 0.0f)[0] > 0.0f);
 	contract_breaks("crossing->part < scene->part_count", gi_cover_meets(fixture.gi, &nowhere));
 }

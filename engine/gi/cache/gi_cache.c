@@ -126,7 +126,7 @@ void gi_cache_destroy(gi_cache *cache)
 
 bool gi_cache_wants(const gi_surface *surface)
 {
-	return surface->diffuse[0] + surface->diffuse[1] + surface->diffuse[2] > 0.0f;
+	return !surface->layered && surface->diffuse[0] + surface->diffuse[1] + surface->diffuse[2] > 0.0f;
 }
 
 bool gi_cache_find(const gi_cache *cache, const gi_surface *surface, stilb_vec3 *irradiance)

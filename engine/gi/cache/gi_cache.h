@@ -65,7 +65,7 @@ void gi_cache_destroy(gi_cache *cache);
 /* Limits for a record at that position: its shortest radius depends on the size of a pixel there. */
 gi_cache_limits gi_cache_limits_at(const gi_cache *cache, stilb_vec3 position);
 
-/* True if the surface reflects diffuse light, which is what a cache holds. */
+/* True if the surface reflects diffuse light, which is what a cache holds, and nothing lies on it. */
 bool gi_cache_wants(const gi_surface *surface);
 
 /* Irradiance at the surface, W m^-2, from all records that are valid there. False: none is, and irradiance is not

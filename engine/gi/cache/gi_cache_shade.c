@@ -81,7 +81,7 @@ static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *s
 
 /* Adds one ray for the highlight. Its direction's density is the highlight's alone, since bsdf->share, the probability
  * of sampling the highlight, was set to 1; gi_direct_ask uses the same density for its MIS weight, so the weights of
- * both sum to 1. */
+ * both sum to 1. Of a layered surface nothing is cached: the ray is for all of its lobes. */
 static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                            const float numbers[8])
 {
@@ -92,6 +92,8 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 		return;
 	float n_dot_l = stilb_vec3_dot(bsdf->frame.n, chosen.direction);
 	stilb_vec3 diffuse = bsdf->diffuse * (SHADE_INV_PI * n_dot_l / chosen.pdf);
+	if (gi_bsdf_is_layered(bsdf))
+		diffuse = (stilb_vec3){0};
 	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = bsdf->frame.n, .pdf = chosen.pdf};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;

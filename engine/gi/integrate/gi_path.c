@@ -80,7 +80,7 @@ static bool roulette(const gi_view *view, path_state *path, float u)
 static bool reflects(const gi_surface *surface)
 {
 	stilb_vec3 all = surface->diffuse + surface->specular;
-	return all[0] + all[1] + all[2] > 0.0f;
+	return all[0] + all[1] + all[2] > 0.0f || surface->layered;
 }
 
 /* Adds the light emitted where path i's ray ends to the path's radiance, and fills surface. False: the path ends

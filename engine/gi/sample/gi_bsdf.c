@@ -7,6 +7,7 @@
  */
 #include "gi/sample/gi_bsdf.h"
 
+#include "shading/shade_layers.h"
 #include "shading/shade_luminance.h"
 #include "shading/shade_sampling.h"
 
@@ -61,10 +62,159 @@ static float highlight_share(const gi_bsdf *bsdf)
 	return diffuse > 0.0f ? glsl_clamp_1(highlight / (diffuse + highlight), 0.1f, 0.9f) : 1.0f;
 }
 
+/* ---- layers ------------------------------------------------------------------------------------------------------ */
+
+/* What may be reflected by a lobe is chosen at least so often: a rarely chosen lobe would give rare bright samples. */
+#define LOBE_LEAST 0.1f
+
+static bool shows_highlight(const gi_bsdf *bsdf)
+{
+	stilb_vec3 specular = bsdf->highlight.specular;
+	return has_highlight(&bsdf->model) && specular[0] + specular[1] + specular[2] > 0.0f;
+}
+
+static stilb_vec3 surface_f(const gi_bsdf *bsdf, float v_dot_h)
+{
+	int f = bsdf->model.kind == SHADE_BRDF_MICROFACET ? bsdf->model.f : SHADE_F_NONE;
+	return shade_f(f, bsdf->highlight.specular, fminf(v_dot_h, 1.0f));
+}
+
+static float lobe_weight(float weight, float sum)
+{
+	return weight > 0.0f ? fmaxf(weight, LOBE_LEAST * sum) : 0.0f;
+}
+
+/* Probabilities: the share of an even light that each lobe sends to the viewer, about. */
+static gi_lobes lobes_of(const gi_bsdf *bsdf)
+{
+	const gi_layers *layers = bsdf->layers;
+	float n_dot_v = bsdf->local[2], coat_n_dot_v = stilb_vec3_dot(layers->coat_normal, bsdf->to_viewer);
+	float albedo = shade_sheen_albedo(n_dot_v, layers->sheen_roughness), sheen = shade_luminance(layers->sheen);
+	gi_lobes lobes = {.coat_share = shade_coat_share(layers->coat, coat_n_dot_v),
+	                  .sheen_left = shade_sheen_left(layers->sheen, n_dot_v, layers->sheen_roughness)};
+	float below = 1.0f - lobes.coat_share, base = below * lobes.sheen_left;
+	lobes.coat = lobes.coat_share;
+	lobes.sheen = below * sheen * albedo;
+	lobes.diffuse = base * shade_luminance(bsdf->diffuse);
+	lobes.highlight = shows_highlight(bsdf) ? base * shade_luminance(surface_f(bsdf, n_dot_v)) : 0.0f;
+	float sum = lobes.coat + lobes.sheen + lobes.diffuse + lobes.highlight;
+	lobes.coat = lobe_weight(lobes.coat, sum);
+	lobes.sheen = lobe_weight(lobes.sheen, sum);
+	lobes.diffuse = lobe_weight(lobes.diffuse, sum);
+	lobes.highlight = lobe_weight(lobes.highlight, sum);
+	sum = lobes.coat + lobes.sheen + lobes.diffuse + lobes.highlight;
+	float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
+	lobes.coat *= scale;
+	lobes.sheen *= scale;
+	lobes.diffuse *= scale;
+	lobes.highlight *= scale;
+	return lobes;
+}
+
+static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *model, const gi_surface *surface,
+                                                      stilb_vec3 to_viewer)
+{
+	stilb_vec3 n = surface->normal, tangent = stilb_vec3_make(n[2], 0.0f, -n[0]);
+	const gi_layers *layers = &surface->layers;
+	gi_bsdf bsdf = {.geometric = surface->geometric,
+	                .to_viewer = to_viewer,
+	                .diffuse = surface->diffuse,
+	                .model = *model,
+	                .highlight = {.specular = surface->specular, .roughness = surface->roughness},
+	                .share = 1.0f,
+	                .layers = layers};
+	if (layers->anisotropy > 0.0f && model->kind == SHADE_BRDF_MICROFACET && model->ndf == SHADE_NDF_GGX) {
+		stilb_vec2 brushed = shade_gltf_brushed(surface->roughness, layers->anisotropy);
+		bsdf.model.ndf = SHADE_NDF_GGX_ANISOTROPIC;
+		bsdf.highlight.roughness = brushed[0];
+		bsdf.highlight.anisotropy = brushed[1];
+		tangent = layers->brushed;
+	}
+	bsdf.frame = shade_frame_from_tangent(n, tangent);
+	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
+	bsdf.lobes = lobes_of(&bsdf);
+	return bsdf;
+}
+
+static __attribute__((noinline)) stilb_vec3 layered_cos(const gi_bsdf *bsdf, stilb_vec3 l)
+{
+	const gi_layers *layers = bsdf->layers;
+	const gi_lobes *lobes = &bsdf->lobes;
+	stilb_vec3 n = bsdf->frame.n, v = bsdf->to_viewer, light = {0};
+	float n_dot_l = stilb_vec3_dot(n, l);
+	if (stilb_vec3_dot(bsdf->geometric, l) <= 0.0f)
+		return light;
+	if (n_dot_l > 0.0f) {
+		stilb_vec3 base = shade_lambert(bsdf->diffuse) * n_dot_l;
+		if (shows_highlight(bsdf))
+			base += shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, l, v);
+		light = base * lobes->sheen_left;
+		if (lobes->sheen > 0.0f)
+			light += layers->sheen * shade_sheen_cos(layers->sheen_roughness, n, l, v);
+	}
+	light *= 1.0f - lobes->coat_share;
+	if (lobes->coat > 0.0f)
+		light += lobes->coat_share * shade_coat_cos(layers->coat_roughness, layers->coat_normal, l, v);
+	return light;
+}
+
+static shade_alphas coat_alphas(const gi_bsdf *bsdf)
+{
+	float alpha = shade_alpha_from_roughness(bsdf->layers->coat_roughness);
+	return (shade_alphas){alpha, alpha};
+}
+
+static __attribute__((noinline)) float layered_pdf(const gi_bsdf *bsdf, stilb_vec3 l)
+{
+	const gi_lobes *lobes = &bsdf->lobes;
+	stilb_vec3 local = shade_frame_to_local(bsdf->frame, l);
+	float pdf = lobes->diffuse * shade_pdf_cosine(local) + lobes->sheen * shade_pdf_hemisphere(local);
+	if (lobes->highlight > 0.0f)
+		pdf += lobes->highlight * highlight_pdf(bsdf, local);
+	if (lobes->coat > 0.0f) {
+		shade_frame frame = shade_frame_from_normal(bsdf->layers->coat_normal);
+		pdf += lobes->coat * shade_pdf_ggx_visible(coat_alphas(bsdf), shade_frame_to_local(frame, bsdf->to_viewer),
+		                                           shade_frame_to_local(frame, l));
+	}
+	return pdf;
+}
+
+/* A direction by one of the lobes. */
+static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u)
+{
+	const gi_lobes *lobes = &bsdf->lobes;
+	float end = lobes->coat;
+	if (u_lobe < end) {
+		shade_frame frame = shade_frame_from_normal(bsdf->layers->coat_normal);
+		stilb_vec3 local = shade_frame_to_local(frame, bsdf->to_viewer);
+		return shade_frame_to_world(frame, shade_sample_ggx_visible(coat_alphas(bsdf), local, u).direction);
+	}
+	if (u_lobe < (end += lobes->highlight))
+		return shade_frame_to_world(bsdf->frame, highlight_sample(bsdf, u).direction);
+	if (u_lobe < (end += lobes->sheen))
+		return shade_frame_to_world(bsdf->frame, shade_sample_hemisphere(u).direction);
+	return shade_frame_to_world(bsdf->frame, shade_sample_cosine(u).direction);
+}
+
+static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u,
+                                                     gi_bsdf_sample *chosen)
+{
+	chosen->direction = stilb_vec3_normalize(layered_direction(bsdf, u_lobe, u));
+	chosen->pdf = layered_pdf(bsdf, chosen->direction);
+	if (!(chosen->pdf > 0.0f))
+		return false;
+	chosen->weight = layered_cos(bsdf, chosen->direction) / chosen->pdf;
+	return chosen->weight[0] + chosen->weight[1] + chosen->weight[2] > 0.0f;
+}
+
+/* ---- all --------------------------------------------------------------------------------------------------------- */
+
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer)
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	stilb_vec3 n = surface->normal, specular = surface->specular;
+	if (surface->layered)
+		return layered_make(model, surface, to_viewer);
 	gi_bsdf bsdf; /* fields that a diffuse surface does not need are left uninitialised: this runs at every vertex */
 	bsdf.geometric = surface->geometric;
 	bsdf.diffuse = surface->diffuse;
@@ -81,14 +231,23 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, s
 	bsdf.highlight = (shade_brdf_parameters){
 		.specular = specular, .roughness = surface->roughness, .anisotropy = surface->anisotropy};
 	bsdf.share = highlight_share(&bsdf);
+	bsdf.layers = NULL;
 	return bsdf;
+}
+
+/* Of a direction that the surface sees. */
+static stilb_vec3 highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
+{
+	return shade_lambert(bsdf->diffuse) * stilb_vec3_dot(bsdf->frame.n, direction) +
+	       shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, direction, bsdf->to_viewer);
 }
 
 stilb_vec3 gi_bsdf_highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
 	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
-	return shade_lambert(bsdf->diffuse) * stilb_vec3_dot(bsdf->frame.n, direction) +
-	       shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, direction, bsdf->to_viewer);
+	if (bsdf->layers)
+		return layered_cos(bsdf, direction);
+	return gi_bsdf_sees(bsdf, direction) ? highlight_cos(bsdf, direction) : (stilb_vec3){0};
 }
 
 static float mixed_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
@@ -99,6 +258,8 @@ static float mixed_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
 float gi_bsdf_highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
 	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
+	if (bsdf->layers)
+		return layered_pdf(bsdf, direction);
 	return mixed_pdf(bsdf, shade_frame_to_local(bsdf->frame, direction));
 }
 
@@ -106,11 +267,13 @@ bool gi_bsdf_highlight_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u, g
 {
 	STILB_ASSERT(bsdf->share > 0.0f && bsdf->share <= 1.0f);
 	STILB_ASSERT(u_lobe >= 0.0f && u_lobe < 1.0f);
+	if (bsdf->layers)
+		return layered_sample(bsdf, u_lobe, u, chosen);
 	shade_sample local = u_lobe < bsdf->share ? highlight_sample(bsdf, u) : shade_sample_cosine(u);
 	chosen->direction = stilb_vec3_normalize(shade_frame_to_world(bsdf->frame, local.direction));
 	chosen->pdf = mixed_pdf(bsdf, local.direction);
 	if (!(chosen->pdf > 0.0f) || !gi_bsdf_sees(bsdf, chosen->direction))
 		return false;
-	chosen->weight = gi_bsdf_highlight_cos(bsdf, chosen->direction) / chosen->pdf;
+	chosen->weight = highlight_cos(bsdf, chosen->direction) / chosen->pdf;
 	return true;
 }

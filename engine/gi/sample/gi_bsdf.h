@@ -1,6 +1,6 @@
 /*
  * gi_bsdf: how a surface scatters light towards one viewer: Lambert's diffuse part and the highlight of a
- * shade_brdf_model; evaluated, sampled, with its density. [any-thread]
+ * shade_brdf_model, and the layers of shade_layers.h; evaluated, sampled, with its density. [any-thread]
  *
  * Directions are unit and point away from the surface. Surfaces are opaque: directions below the triangle or below
  * the shading normal's horizon get 0.
@@ -12,6 +12,12 @@
 #include "shading/shade_brdf.h"
 #include "shading/shade_sampling.h"
 
+/* Probabilities of the lobes of a layered surface, 1 together, and what its layers leave. */
+typedef struct gi_lobes {
+	float diffuse, highlight, sheen, coat;
+	float coat_share, sheen_left; /* shade_layers.h */
+} gi_lobes;
+
 typedef struct gi_bsdf {
 	shade_frame frame;      /* about the shading normal */
 	stilb_vec3 geometric;   /* the triangle's normal, on the viewer's side */
@@ -21,11 +27,21 @@ typedef struct gi_bsdf {
 	shade_brdf_model model; /* the highlight's model */
 	shade_brdf_parameters highlight;
 	float share; /* probability that gi_bsdf_sample_direction samples the highlight, [0, 1]; 0: there is none */
+	const gi_layers
+		*layers;    /* of the surface; NULL: there are none. Where there are some, share is 1. Set if share > 0 */
+	gi_lobes lobes; /* set if there are layers */
 } gi_bsdf;
 
 /* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. The light that WRAPPED adds beyond Lambert's is left
- * out: it comes from below the surface, which an opaque surface does not see. */
+ * out: it comes from below the surface, which an opaque surface does not see. A surface that is brushed has
+ * SHADE_NDF_GGX_ANISOTROPIC in place of SHADE_NDF_GGX; other models show no brushing. surface must stay. */
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer);
+
+/* True if there are layers. */
+static inline bool gi_bsdf_is_layered(const gi_bsdf *bsdf)
+{
+	return bsdf->share > 0.0f && bsdf->layers;
+}
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */
 static inline bool gi_bsdf_sees(const gi_bsdf *bsdf, stilb_vec3 direction)
@@ -33,17 +49,17 @@ static inline bool gi_bsdf_sees(const gi_bsdf *bsdf, stilb_vec3 direction)
 	return stilb_vec3_dot(bsdf->geometric, direction) > 0.0f && stilb_vec3_dot(bsdf->frame.n, direction) > 0.0f;
 }
 
-/* What gi_bsdf_cos and gi_bsdf_pdf return where there is a highlight (share > 0), for a direction that gi_bsdf_sees. */
+/* What gi_bsdf_cos and gi_bsdf_pdf return where there is a highlight (share > 0). */
 stilb_vec3 gi_bsdf_highlight_cos(const gi_bsdf *bsdf, stilb_vec3 direction);
 float gi_bsdf_highlight_pdf(const gi_bsdf *bsdf, stilb_vec3 direction);
 
 /* The BSDF, sr^-1, times the cosine between the shading normal and the direction; 0 for one below the surface. */
 static inline stilb_vec3 gi_bsdf_cos(const gi_bsdf *bsdf, stilb_vec3 direction)
 {
-	if (!gi_bsdf_sees(bsdf, direction))
-		return (stilb_vec3){0};
 	if (bsdf->share > 0.0f)
 		return gi_bsdf_highlight_cos(bsdf, direction);
+	if (!gi_bsdf_sees(bsdf, direction))
+		return (stilb_vec3){0};
 	return shade_lambert(bsdf->diffuse) * stilb_vec3_dot(bsdf->frame.n, direction);
 }
 
