@@ -109,15 +109,17 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	bool layers = bits & RENDER_MAPS_LAYERS && !depth;
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
+	bool through = bits & RENDER_MAPS_THROUGH && !depth; /* whose masks have no samples of their own */
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
 		.vertex =
 			reads ? render_maps_vertex[layers][device->packed][extras] : render_mesh_vertex[device->packed][inputs],
-		.fragment = !depth   ? render_maps_fragment[layers][gloss][coverage][extras]
+		.fragment = through  ? render_through_fragment[gloss][extras]
+	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs)
 	                         : render_maps_depth[extras],
-		.samplers = gloss ? 2 : 0,
+		.samplers = (uint8_t)(2 * gloss + through),
 		.set_items = !reads                      ? 0
 	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
 	                                             : RENDER_MAPS_PLAIN,
@@ -178,6 +180,27 @@ stilb_result render_programs_backdrop(render_device *device)
 	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
 	                                                      STILB_GPU_NONE, device->samples)
 	                          : result;
+}
+
+stilb_result render_programs_behind(render_device *device)
+{
+	render_programs *programs = &device->programs;
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program_desc desc = {
+		.name = "behind", .fragment = render_behind_fragment[device->samples > 1], .samplers = 2};
+	if (device->samples > 1)
+		program_constant(&desc, 0, device->samples);
+	stilb_gpu_program_desc half = {.name = "behind, half", .fragment = render_behind_half_fragment, .samplers = 1};
+	pthread_mutex_lock(&programs->lock);
+	stilb_result result = program_once(device, &desc, &programs->behind);
+	if (result == STILB_OK)
+		result = program_once(device, &half, &programs->behind_half);
+	pthread_mutex_unlock(&programs->lock);
+	if (result == STILB_OK)
+		result = stilb_gpu_program_prepare(device->gpu, programs->behind, &color, 1, STILB_GPU_NONE, 1);
+	return result == STILB_OK
+	           ? stilb_gpu_program_prepare(device->gpu, programs->behind_half, &color, 1, STILB_GPU_NONE, 1)
+	           : result;
 }
 
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
@@ -342,6 +365,8 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		uint32_t bits = render_maps_program_bits(maps->bits[m], maps->extras, view->both_sides, depth);
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);
+		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && !depth)
+			result = render_programs_behind(device);
 	}
 	if (result != STILB_OK || depth)
 		return result;

@@ -101,6 +101,27 @@ static const uint32_t layers_coverage_gloss_frag[] =
 static const uint32_t layers_coverage_extras_gloss_frag[] =
 #include "layers_coverage_extras_gloss.frag.inc"
 	;
+static const uint32_t through_frag[] =
+#include "through.frag.inc"
+	;
+static const uint32_t through_extras_frag[] =
+#include "through_extras.frag.inc"
+	;
+static const uint32_t through_gloss_frag[] =
+#include "through_gloss.frag.inc"
+	;
+static const uint32_t through_extras_gloss_frag[] =
+#include "through_extras_gloss.frag.inc"
+	;
+static const uint32_t behind_frag[] =
+#include "behind.frag.inc"
+	;
+static const uint32_t behind_samples_frag[] =
+#include "behind_samples.frag.inc"
+	;
+static const uint32_t behind_half_frag[] =
+#include "behind_half.frag.inc"
+	;
 static const uint32_t maps_depth_frag[] =
 #include "maps_depth.frag.inc"
 	;
@@ -220,6 +241,12 @@ const stilb_gpu_shader render_maps_fragment[2][2][2][2] = {
 		},
 	},
 };
+const stilb_gpu_shader render_through_fragment[2][2] = {
+	{SHADER(through_frag), SHADER(through_extras_frag)},
+	{SHADER(through_gloss_frag), SHADER(through_extras_gloss_frag)},
+};
+const stilb_gpu_shader render_behind_fragment[2] = {SHADER(behind_frag), SHADER(behind_samples_frag)};
+const stilb_gpu_shader render_behind_half_fragment = SHADER(behind_half_frag);
 const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
 
 const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {

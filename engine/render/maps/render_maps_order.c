@@ -1,5 +1,5 @@
-/* The order of draws with maps: those of a material together, so that its set is bound once; and behind all others of
- * their pass those that blend, from the farthest to the nearest. */
+/* The order of draws with maps: those of a material together, so that its set is bound once; then those that light goes
+ * through; and behind all others of their pass those that blend, from the farthest to the nearest. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -7,8 +7,15 @@
 
 static bool blend_is(const stilb_render *render, const render_run *run)
 {
+	uint32_t both = RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH;
 	return run->state & RENDER_STATE_MAPS &&
-	       render->resources.maps[render_state_maps(run->state)].bits & RENDER_MAPS_BLEND;
+	       (render->resources.maps[render_state_maps(run->state)].bits & both) == RENDER_MAPS_BLEND;
+}
+
+static bool through_is(const stilb_render *render, const render_run *run)
+{
+	return run->state & RENDER_STATE_MAPS &&
+	       render->resources.maps[render_state_maps(run->state)].bits & RENDER_MAPS_THROUGH;
 }
 
 /* ---- together ---------------------------------------------------------------------------------------------------- */
@@ -119,6 +126,30 @@ static stilb_result group_order(stilb_render *render, render_pass_lists *lists)
 	free(plan.draws);
 	free(plan.runs);
 	return result;
+}
+
+/* ---- what light goes through ------------------------------------------------------------------------------------- */
+
+/* Moves their runs behind the others. */
+static stilb_result through_order(const stilb_render *render, render_pass_lists *lists)
+{
+	uint32_t count = 0, kept = 0;
+	for (uint32_t r = 0; r < lists->run_count; r++)
+		count += through_is(render, &lists->runs[r]);
+	if (count == 0 || count == lists->run_count)
+		return STILB_OK;
+	render_run *moved = stilb_memory_alloc(count, sizeof *moved);
+	if (!moved)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of %u runs of draws with transmission", count);
+	count = 0;
+	for (uint32_t r = 0; r < lists->run_count; r++)
+		if (through_is(render, &lists->runs[r]))
+			moved[count++] = lists->runs[r];
+		else
+			lists->runs[kept++] = lists->runs[r];
+	memcpy(lists->runs + kept, moved, count * sizeof *moved);
+	free(moved);
+	return STILB_OK;
 }
 
 /* ---- what blends ------------------------------------------------------------------------------------------------- */
@@ -240,5 +271,7 @@ stilb_result render_maps_order(stilb_render *render, const stilb_render_view *vi
 		return STILB_OK;
 	if (!sorted)
 		result = group_order(render, lists);
+	if (result == STILB_OK)
+		result = through_order(render, lists);
 	return result == STILB_OK && !render_view_is_depth(view) ? blend_order(render, view, lists) : result;
 }

@@ -33,6 +33,9 @@ float sheen_left(vec3 n, vec3 v)
 vec3 layers_lit(vec3 below, shade_material material, vec3 n, shade_sun seen, vec3 v)
 {
 	vec3 lit = below;
+	if (lets_through && !is_solid)
+		lit += layers.tint * seen.irradiance *
+			(layers.transmission * shade_thin_cos(material.specular, material.roughness, n, seen.direction, v));
 	if (has_sheen)
 		lit = lit * sheen_left(n, v) +
 			layers.sheen * seen.irradiance * shade_sheen_cos(layers.sheen_roughness, n, seen.direction, v);

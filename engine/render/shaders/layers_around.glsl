@@ -22,15 +22,16 @@ vec3 around_even(vec3 n)
 }
 
 #ifdef LIT_GLOSS
-// The panorama as brushed metal mirrors it: the mean of BRUSHED highlights of the roughness across the brush, whose
-// normals are tilted along it. The tilts' slopes are those of GGX: the share of facets below u times the width is
-// (1 + u / sqrt(1 + u u)) / 2, of which these are the middles of equal parts.
+// The panorama as brushed metal mirrors it: the mean of BRUSHED highlights, at least of the roughness across the brush
+// and wide enough to leave no gaps, whose normals are tilted along it. The tilts' slopes are those of GGX: the share of
+// facets below u times the width is (1 + u / sqrt(1 + u u)) / 2, of which these are the middles of equal parts.
 vec3 panorama_brushed(shade_material material, shade_frame frame, vec3 v)
 {
-	const int BRUSHED = 7;
+	const int BRUSHED = 11;
 	shade_alphas alphas =
 		shade_alphas_from_anisotropy(shade_alpha_from_roughness(material.roughness), material.anisotropy);
-	float across = sqrt(alphas.y), width = sqrt(max(alphas.x * alphas.x - alphas.y * alphas.y, 0.0));
+	float width = sqrt(max(alphas.x * alphas.x - alphas.y * alphas.y, 0.0));
+	float across = sqrt(max(alphas.y, 0.1 * width));
 	vec3 light = vec3(0.0);
 	float weights = 0.0;
 	for (int i = 0; i < BRUSHED; i++) {
@@ -59,11 +60,17 @@ vec3 around_highlight(shade_material material, bool brushed, shade_frame frame, 
 #endif
 }
 
+#ifdef LIT_THROUGH
+#include "through.glsl"
+#endif
+
 // As lit_radiance_open, with `layers`.
 vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n, vec3 v)
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_frame frame = frame_here(n);
+	if (lets_through)
+		material.diffuse *= 1.0 - layers.transmission;
 	bool brushes = is_brushed && brdf == SHADE_BRDF_MICROFACET && ndf == SHADE_NDF_GGX && layers.brushed > 0.0;
 	if (brushes) {
 		vec2 brushed = shade_gltf_brushed(material.roughness, layers.brushed);
@@ -74,6 +81,9 @@ vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n
 	}
 	vec3 lights_sent = from_lights(model, material, frame, v);
 	vec3 around = material.diffuse * around_even(n) * open + around_highlight(material, brushes, frame, v);
+#ifdef LIT_THROUGH
+	around += seen_through(material, n, v);
+#endif
 	if (has_sheen) {
 		float albedo = shade_sheen_albedo(dot(n, v), layers.sheen_roughness);
 		vec3 toward = shade_sheen_direction(n, v, layers.sheen_roughness);

@@ -49,6 +49,9 @@ layout(set = 1, binding = 12) uniform sampler2D brushed_map;
 layout(set = 1, binding = 13) uniform sampler2D transmission_map;
 layout(set = 1, binding = 14) uniform sampler2D thickness_map;
 #define LIT_LAYERS
+#ifdef MAPS_THROUGH
+#define LIT_THROUGH
+#endif
 #endif
 
 #include "lit.glsl"
@@ -153,16 +156,19 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 	layers.coat_n = normal_here(has_layer_map(2u), texels.coat_normal, coat.z, flat_normal, to_camera);
 	layers.sheen = clamp(sheen.xyz * texels.sheen_color, 0.0, 1.0);
 	layers.sheen_roughness = clamp(sheen.w * texels.sheen_roughness, 0.0, 1.0);
-	layers.brushed = 0.0;
-	layers.along = vec3(0.0);
+	vec3 normal = normalize(world_normal), tangent = vec3(normal.z, 0.0, -normal.x); // as of frame_here
+	float sign = 1.0;
 #ifdef MESH_EXTRAS
-	if (is_brushed && tangent_sign != 0.0) {
-		vec2 way = texels.brushed.xy * 2.0 - 1.0;
-		way = vec2(way.x * brushed.y - way.y * brushed.z, way.x * brushed.z + way.y * brushed.y);
-		layers.along = world_tangent * way.x + cross(world_normal, world_tangent) * (way.y * tangent_sign);
-		layers.brushed = clamp(brushed.x * texels.brushed.z, 0.0, 1.0);
+	if (tangent_sign != 0.0) {
+		normal = world_normal;
+		tangent = world_tangent;
+		sign = tangent_sign;
 	}
 #endif
+	vec2 way = texels.brushed.xy * 2.0 - 1.0;
+	way = vec2(way.x * brushed.y - way.y * brushed.z, way.x * brushed.z + way.y * brushed.y);
+	layers.along = tangent * way.x + cross(normal, tangent) * (way.y * sign);
+	layers.brushed = is_brushed ? clamp(brushed.x * texels.brushed.z, 0.0, 1.0) : 0.0;
 	layers.transmission = clamp(brushed.w * texels.transmission, 0.0, 1.0);
 	layers.tint = tint;
 	layers.absorption = inside.xyz;

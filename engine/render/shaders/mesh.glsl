@@ -46,7 +46,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	Lights lights;
 	uint light_count;
-	float unused;
+	float pixels; // of the picture's height that a length of 1 at a distance of 1 has
 	Panorama panorama;
 	vec2 turn; // sine and cosine of its rotation
 	Maps maps;
