@@ -43,6 +43,12 @@ static inline bool gi_maps_are_solid(const stilb_scene_surface *surface)
 	return surface->transmission > 0.0f && surface->thickness > 0.0f;
 }
 
+/* True if rays from behind do not meet the surface; those inside of a volume do, to leave it. */
+static inline bool gi_maps_are_one_sided(const stilb_scene_surface *surface)
+{
+	return surface->one_sided && !gi_maps_are_solid(surface);
+}
+
 /* The texel of a map, [0, 1]; 1 where there is none. */
 stilb_vec4 gi_maps_texel(const gi_maps *maps, stilb_scene_map_kind kind, const gi_place *place);
 

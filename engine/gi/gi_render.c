@@ -9,6 +9,7 @@
 #include "gi/gi_settings.h"
 #include "gi/integrate/gi_backdrop.h"
 #include "gi/sample/gi_counter.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include <math.h>
@@ -169,6 +170,14 @@ static void batch_to_film(stilb_gi_render *render, gi_render_worker *worker)
 	gi_counter_add(&worker->counters.bad_samples, bad);
 }
 
+/* True if the picture is of light, and there is glass for it to go through. */
+static bool batch_passes(const stilb_gi_render *render)
+{
+	stilb_gi_integrator integrator = render->view.settings.integrator;
+	return render->view.scene->passes && integrator != STILB_GI_INTEGRATOR_COLOR &&
+	       integrator != STILB_GI_INTEGRATOR_AO;
+}
+
 static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 {
 	STILB_ASSERT(worker->count > 0 && worker->count <= render->batch_size);
@@ -184,8 +193,13 @@ static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
 		gi_primary_samples samples = {worker->count, worker->x, worker->y, worker->points};
 		gi_primary_trace(render->kernels, &render->view, &render->camera, &samples, &worker->primary);
 	}
+	bool passes = batch_passes(render);
+	for (uint32_t i = 0; i < batch.count && passes; i++)
+		worker->left[i] = gi_through(render->view.scene, &worker->primary.rays[i], &batch.rays_traced);
 	render->integrator->shade(&batch);
 	gi_backdrop_shade(&batch);
+	for (uint32_t i = 0; i < batch.count && passes; i++)
+		worker->radiance[i] *= worker->left[i];
 	batch_to_film(render, worker);
 	gi_counter_add(&worker->counters.samples, batch.count);
 	gi_counter_add(&worker->counters.rays, batch.count + batch.rays_traced);

@@ -30,6 +30,7 @@ typedef struct gi_render_worker {
 	size_t pixels[GI_BATCH];
 	uint16_t x[GI_BATCH], y[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
+	stilb_vec3 left[GI_BATCH]; /* what glass on the camera rays leaves of that; set in scenes that light goes through */
 	gi_primary primary;
 	void *scratch; /* of the integrator */
 	/* With slices: the number of the loop that this thread has taken tiles of last, and when its slice of it ends. */

@@ -364,7 +364,7 @@ static uint32_t sieve_of(const stilb_gi_scene *gi, const stilb_scene_material *m
 	if (!material->surface)
 		return 0;
 	const stilb_scene_surface *surface = &gi->surfaces[material->surface - 1];
-	return surface->one_sided || !is_opaque(gi, surface, colored) ? material->surface : 0;
+	return gi_maps_are_one_sided(surface) || !is_opaque(gi, surface, colored) ? material->surface : 0;
 }
 
 /* Decides whether rays go through a part, hidden ones that may be shown again included. */
@@ -374,6 +374,17 @@ static void part_sieve(stilb_gi_scene *gi, gi_part *part, const stilb_scene_mate
 	part->sieve = sieve_of(gi, material, mesh->colored);
 	mesh->sieved |= part->sieve > 0;
 	gi->blends |= part->sieve > 0 && gi->surfaces[part->sieve - 1].alpha == STILB_SCENE_BLEND;
+}
+
+/* Decides whether rays may go through a part as glass. Panes need a number for that. */
+static void part_passes(stilb_gi_scene *gi, gi_part *part)
+{
+	if (!part->surface)
+		return;
+	const stilb_scene_surface *surface = &gi->surfaces[part->surface - 1];
+	part->passes = surface->transmission > 0.0f && !surface->unlit;
+	gi->passes |= part->passes;
+	gi->blends |= part->passes && !gi_maps_are_solid(surface);
 }
 
 /* Fills in a part whose mesh is there, and counts what it shows. */
@@ -400,6 +411,7 @@ static void part_set(stilb_gi_scene *gi, const stilb_scene *scene, const part_pl
 	const stilb_scene_material *material = &gi->materials[part->material];
 	part->mirrored = part->instance && is_mirrored(&part->to_world);
 	part->surface = surface_read(gi, material, mesh);
+	part_passes(gi, part);
 	part->plain = !part->instance && !material->diffuse_texture && !part->surface;
 	for (int i = 0; i < 3; i++)
 		part->albedo[i] = material->diffuse[i] + material->specular[i];
@@ -513,7 +525,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 		if (gi->materials[i].surface)
 			material_from_surface(&gi->materials[i], &gi->surfaces[gi->materials[i].surface - 1]);
 	}
-	gi->blends = false;
+	gi->blends = gi->passes = false;
 	gi->emitter_count = 0;
 	gi->textures = scene->textures;
 	gi->texture_count = scene->texture_count;

@@ -215,6 +215,9 @@ static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stil
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */
 
+#define GI_IOR_MIN 1.0001f   /* of a volume: below it directions are lost in rounding */
+#define GI_PASS_MOST 0.9999f /* keeps the weight of a pane that is met finite */
+
 /* A hit on a part with maps. */
 typedef struct maps_hit {
 	gi_maps maps;
@@ -249,6 +252,38 @@ static void brushed_at(const maps_hit *at, const gi_surface *surface, gi_layers 
 	layers->anisotropy = s->anisotropy * texel[2];
 }
 
+/* What goes through the surface, once its other layers are known. */
+static void through_at(const maps_hit *at, gi_surface *surface)
+{
+	const gi_maps *maps = &at->maps;
+	const stilb_scene_surface *s = maps->surface;
+	gi_layers *layers = &surface->layers;
+	float share = s->transmission * gi_maps_texel(maps, STILB_SCENE_MAP_TRANSMISSION, &at->place)[0], metal = 0.0f;
+	stilb_vec3 v = -gi_ray_direction(&at->ray->ray);
+	if (s->workflow == STILB_SCENE_METALLIC)
+		metal = s->metalness * gi_maps_texel(maps, STILB_SCENE_MAP_REFLECTION, &at->place)[2];
+	layers->through = stilb_vec3_make(at->color[0], at->color[1], at->color[2]) * (share * (1.0f - metal));
+	layers->roughness = surface->roughness;
+	surface->diffuse *= 1.0f - share;
+	layers->solid = gi_maps_are_solid(s);
+	if (layers->solid) {
+		layers->ior = fmaxf(s->ior, GI_IOR_MIN);
+		layers->left = stilb_vec3_make(1.0f, 1.0f, 1.0f);
+		for (int i = 0; i < 3 && !surface->front; i++) /* Beer's law, over the ray's length inside */
+			layers->left[i] = powf(s->attenuation[i], at->ray->ray.t_max / s->attenuation_distance);
+		if (!surface->front) /* coat and sheen are on the outside */
+			layers->coat = 0.0f, layers->sheen = (stilb_vec3){0};
+		return;
+	}
+	if (surface->roughness > GI_PANE_ROUGHNESS)
+		return;
+	float n_dot_v = fminf(stilb_vec3_dot(surface->normal, v), 1.0f);
+	float below = (1.0f - shade_coat_share(layers->coat, stilb_vec3_dot(layers->coat_normal, v))) *
+	              shade_sheen_left(layers->sheen, n_dot_v, layers->sheen_roughness);
+	layers->passed = layers->through * (below * shade_facet_left(surface->specular, n_dot_v));
+	layers->pass = fminf(fmaxf(fmaxf(layers->passed[0], layers->passed[1]), layers->passed[2]), GI_PASS_MOST);
+}
+
 /* What is on the surface. smooth: the shading normal without maps. */
 static __attribute__((noinline)) void layers_at(const maps_hit *at, stilb_vec3 smooth, gi_surface *surface)
 {
@@ -270,8 +305,10 @@ static __attribute__((noinline)) void layers_at(const maps_hit *at, stilb_vec3 s
 	}
 	if (s->anisotropy > 0.0f)
 		brushed_at(at, surface, layers);
+	if (s->transmission > 0.0f)
+		through_at(at, surface);
 	float n_dot_v = -stilb_vec3_dot(layers->coat_normal, gi_ray_direction(&at->ray->ray));
-	surface->emission *= 1.0f - shade_coat_share(layers->coat, n_dot_v);
+	surface->emission *= (1.0f - shade_coat_share(layers->coat, n_dot_v)) / (1.0f - layers->pass);
 }
 
 /* What the part's surface says of the hit, in place of material_at. normal: interpolated, of any length, in world

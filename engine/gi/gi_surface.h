@@ -12,7 +12,14 @@ typedef struct gi_layers {
 	stilb_vec3 coat_normal; /* as gi_surface.normal */
 	stilb_vec3 sheen;       /* colour, [0, 1] */
 	stilb_vec3 brushed;     /* direction along the surface, of any length; of anisotropy > 0 */
+	stilb_vec3 through;     /* factor on what facets let through: colour and transmission, [0, 1] */
+	stilb_vec3 passed; /* of a pane: factor on the light of a ray that goes straight through, its greatest is pass */
+	stilb_vec3 left;   /* of a volume: what it has left of the light of the ray that came through it, [0, 1] */
+	float roughness;   /* of what light goes through, whatever is brushed */
 	float coat, coat_roughness, sheen_roughness, anisotropy; /* [0, 1] */
+	float pass; /* of a pane, a thin wall that is smooth: probability that rays do not meet it, [0, 1); else 0 */
+	float ior;  /* of a volume, > 1: index of refraction */
+	bool solid; /* light goes into a volume, or out of it: front says which; false: the wall is thin */
 } gi_layers;
 
 /* The point where a ray hit. */
@@ -33,11 +40,20 @@ typedef struct gi_surface {
 	gi_layers layers;
 } gi_surface;
 
+/* Roughest surface of a pane: it spreads what is behind by a few thousandths. */
+#define GI_PANE_ROUGHNESS 0.05f
 /* Square of a length: an interpolated normal that is not longer has no direction, and the triangle's own is used. */
 #define GI_NORMAL_NONE 1e-12f
 /* Smallest cosine between the shading normal and the direction to the viewer, and, where maps turn normals, between the
  * viewer's mirrored direction and the triangle's normal. */
 #define GI_NORMAL_LOWEST 1e-3f
+
+/* What the surface reflects, and lets through, of even light, about: diffuse, specular and transmitted colour. */
+static inline stilb_vec3 gi_surface_albedo(const gi_surface *surface)
+{
+	stilb_vec3 albedo = surface->diffuse + surface->specular;
+	return surface->layered ? albedo + surface->layers.through : albedo;
+}
 
 /* Fills surface for a ray that hit something: gi_is_hit(ray). */
 void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surface *surface);

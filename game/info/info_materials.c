@@ -19,7 +19,8 @@
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
 	X("clear coat, sheen: factors, textures", "no", "yes")                                                             \
-	X("transmission, volume", "no", "no")                                                                              \
+	X("transmission: thin walls, smooth and rough, tinted", "no", "yes")                                               \
+	X("volume: refraction, absorption by the way inside; thickness only says that there is one", "no", "yes")          \
 	X("anisotropy: strength, rotation, texture", "no", "of GGX")                                                       \
 	X("iridescence, dispersion", "no", "no")
 

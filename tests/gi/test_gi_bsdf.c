@@ -231,7 +231,9 @@ static const shade_brdf_model ggx_schlick = {
 typedef struct layers_row {
 	const char *name;
 	float diffuse, specular, roughness, coat, coat_roughness, sheen, sheen_roughness, anisotropy;
-	bool leans; /* the coat has a normal of its own */
+	float through, ior; /* ior > 0: of a volume */
+	bool inside;        /* of the volume is the viewer */
+	bool leans;         /* the coat has a normal of its own */
 } layers_row;
 
 static const layers_row layers_rows[] = {
@@ -257,6 +259,25 @@ static const layers_row layers_rows[] = {
      .sheen = 0.5f,
      .sheen_roughness = 0.6f,
      .anisotropy = 0.6f},
+	{.name = "thin wall", .diffuse = 0.2f, .specular = 0.1f, .roughness = 0.5f, .through = 0.7f},
+	{.name = "coated thin wall",
+     .specular = 0.04f,
+     .roughness = 0.6f,
+     .coat = 0.6f,
+     .coat_roughness = 0.5f,
+     .sheen = 0.3f,
+     .sheen_roughness = 0.5f,
+     .through = 1.0f},
+	{.name = "into glass", .diffuse = 0.1f, .specular = 0.04f, .roughness = 0.6f, .through = 0.9f, .ior = 1.5f},
+	{.name = "out of glass", .specular = 0.04f, .roughness = 0.6f, .through = 1.0f, .ior = 1.5f, .inside = true},
+	{.name = "out of thick glass", .specular = 0.2f, .roughness = 0.7f, .through = 1.0f, .ior = 2.6f, .inside = true},
+	{.name = "into a coated volume",
+     .specular = 0.02f,
+     .roughness = 0.5f,
+     .coat = 1.0f,
+     .coat_roughness = 0.4f,
+     .through = 1.0f,
+     .ior = 1.33f},
 };
 #define LAYERS_ROWS (sizeof layers_rows / sizeof *layers_rows)
 
@@ -271,7 +292,12 @@ static gi_surface layered_surface(const layers_row *row)
 	                             .coat = row->coat,
 	                             .coat_roughness = row->coat_roughness,
 	                             .sheen_roughness = row->sheen_roughness,
-	                             .anisotropy = row->anisotropy};
+	                             .anisotropy = row->anisotropy,
+	                             .roughness = row->roughness,
+	                             .through = stilb_vec3_make(row->through, 0.5f * row->through, row->through),
+	                             .solid = row->ior > 0.0f,
+	                             .ior = row->ior};
+	surface.front = !row->inside;
 	return surface;
 }
 
@@ -289,13 +315,13 @@ static stilb_vec3 layers_wanted(const gi_surface *s, stilb_vec3 l, stilb_vec3 v)
 		p.roughness = brushed[0];
 		p.anisotropy = brushed[1];
 	}
+	float share = shade_coat_share(layers->coat, stilb_vec3_dot(layers->coat_normal, v));
+	float left = shade_sheen_left(layers->sheen, stilb_vec3_dot(n, v), layers->sheen_roughness);
 	if (stilb_vec3_dot(n, l) <= 0.0f)
-		return (stilb_vec3){0};
+		return layers->through * (shade_thin_cos(s->specular, s->roughness, n, l, v) * left * (1.0f - share));
 	stilb_vec3 b = s->diffuse * (stilb_vec3_dot(n, l) * (float)M_1_PI);
 	if (p.specular[0] > 0.0f) /* a base that reflects nothing straight ahead has no highlight */
 		b += shade_brdf_cos(model, p, frame, l, v);
-	float share = shade_coat_share(layers->coat, stilb_vec3_dot(layers->coat_normal, v));
-	float left = shade_sheen_left(layers->sheen, stilb_vec3_dot(n, v), layers->sheen_roughness);
 	stilb_vec3 up = b * left + layers->sheen * shade_sheen_cos(layers->sheen_roughness, n, l, v);
 	return up * (1.0f - share) + share * shade_coat_cos(layers->coat_roughness, layers->coat_normal, l, v);
 }
@@ -305,10 +331,10 @@ static void layers_are_as_the_header_says(void **state)
 	(void)state;
 	shade_proof_random random = {.seed = 17};
 	for (size_t r = 0; r < LAYERS_ROWS; r++)
-		for (int i = 0; i < 200; i++) {
+		for (int i = 0; i < 400 && layers_rows[r].ior == 0.0f; i++) {
 			gi_surface surface = layered_surface(&layers_rows[r]);
 			stilb_vec3 v = shade_proof_random_above(&random, test_normal());
-			stilb_vec3 l = shade_proof_random_above(&random, test_normal());
+			stilb_vec3 l = shade_proof_random_direction(&random);
 			gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, v);
 			stilb_vec3 got = gi_bsdf_cos(&bsdf, l), wanted = layers_wanted(&surface, l, v);
 			for (int c = 0; c < 3; c++)
@@ -339,7 +365,9 @@ static void layers_are_sampled_as_their_density_says(void **state)
 			SHADE_PROOF_NEAR(gi_bsdf_pdf(&bsdf, chosen.direction), chosen.pdf, 1e-3, 1e-6);
 			estimate_add(&sampled, (double)chosen.weight[0]);
 		}
-		if (fabs(estimate_mean(&density) - 1.0) > 4.5 * estimate_sigma(&density))
+		/* Into a volume other lobes send nothing, and facets may reflect all: what is chosen there carries nothing. */
+		double lost = layers_rows[r].ior > 0.0f ? 0.2 : 0.0, over = estimate_mean(&density) - 1.0;
+		if (over < -lost - 4.5 * estimate_sigma(&density) || over > 4.5 * estimate_sigma(&density))
 			fail_msg("%s: the density is %g in all, +- %g", layers_rows[r].name, estimate_mean(&density),
 			         estimate_sigma(&density));
 		double off = fabs(estimate_mean(&sampled) - estimate_mean(&even));
@@ -348,6 +376,43 @@ static void layers_are_sampled_as_their_density_says(void **state)
 			         estimate_mean(&even));
 		if (sampled.largest > 12.0)
 			fail_msg("%s: a weight of %g", layers_rows[r].name, sampled.largest);
+	}
+}
+
+/* Snell's law and Fresnel's share on both sides of smooth glass, and nothing goes through under total reflection. */
+static void smooth_glass_refracts(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 29};
+	for (int i = 0; i < 64; i++) {
+		bool inside = i & 1;
+		double polar = 0.02 + 1.5 * (i >> 1) / 32.0, ior = 1.5, eta = inside ? ior : 1.0 / ior;
+		layers_row row = {.specular = 0.04f, .through = 1.0f, .ior = (float)ior, .inside = inside};
+		gi_surface surface = layered_surface(&row);
+		surface.layers.through = stilb_vec3_make(1.0f, 1.0f, 1.0f);
+		stilb_vec3 v = direction_at((stilb_numeric_angles){polar, 0.7}), n = test_normal();
+		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, v);
+		double sine = eta * sin(polar), share = 1.0;
+		if (sine < 1.0)
+			share = 0.04 + 0.96 * pow(1.0 - (inside ? sqrt(1.0 - sine * sine) : cos(polar)), 5);
+		estimate back = {0}, on = {0};
+		int far = 0; /* GGX has a few facets that lean much, however smooth it is */
+		for (int k = 0; k < 4000; k++) {
+			gi_bsdf_sample chosen;
+			bool some = draw(&bsdf, &random, &chosen), beyond = some && stilb_vec3_dot(chosen.direction, n) < 0.0f;
+			estimate_add(&back, some && !beyond ? (double)chosen.weight[0] : 0.0);
+			estimate_add(&on, beyond ? (double)chosen.weight[0] : 0.0);
+			if (!beyond)
+				continue;
+			stilb_vec3 across = chosen.direction - n * stilb_vec3_dot(chosen.direction, n);
+			bool there = fabs((double)stilb_vec3_dot(across, across) - sine * sine) < 0.05 * sine * sine + 1e-3;
+			far += !there || stilb_vec3_dot(across, v) > 1e-3f; /* to the other side of the normal */
+		}
+		assert_in_range(far, 0, 40);
+		if (fabs(sine - 1.0) < 0.05 || polar > 1.4)
+			continue; /* where facets of this roughness are not all alike */
+		SHADE_PROOF_NEAR(estimate_mean(&back), share, 0.0, 4.5 * estimate_sigma(&back) + 5e-3);
+		SHADE_PROOF_NEAR(estimate_mean(&on), 1.0 - share, 0.0, 4.5 * estimate_sigma(&on) + 5e-3);
 	}
 }
 
@@ -365,6 +430,12 @@ static void layers_make_no_light(void **state)
 		                  .sheen = shade_proof_range(&random, 0.0f, 1.0f),
 		                  .sheen_roughness = shade_proof_range(&random, 0.0f, 1.0f),
 		                  .anisotropy = shade_proof_range(&random, 0.0f, 0.9f)};
+		if (i % 2)
+			row.through = 1.0f;
+		if (i % 4 == 3) {
+			row.ior = shade_proof_range(&random, 1.0f, 3.0f);
+			row.inside = i % 8 == 7;
+		}
 		gi_surface surface = layered_surface(&row);
 		gi_bsdf bsdf = gi_bsdf_make(&ggx_schlick, &surface, direction_at((stilb_numeric_angles){polars[i % 5], 0.7}));
 		estimate albedo = {0};
@@ -387,6 +458,7 @@ int main(void)
 		cmocka_unit_test(nothing_comes_from_below),
 		cmocka_unit_test(layers_are_as_the_header_says),
 		cmocka_unit_test(layers_are_sampled_as_their_density_says),
+		cmocka_unit_test(smooth_glass_refracts),
 		cmocka_unit_test(layers_make_no_light),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

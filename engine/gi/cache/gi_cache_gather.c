@@ -8,6 +8,7 @@
 #include "gi/integrate/gi_direct.h"
 #include "gi/sample/gi_counter.h"
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include "shading/shade_constants.h"
@@ -25,6 +26,7 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 	const gi_view *view = cache->view;
 	uint32_t cells = gi_cache_strata_cells(&cache->strata);
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
+	uint64_t further = 0;
 	for (uint32_t i = 0; i < number; i++) {
 		gi_point branch = gi_sampler_branch(&view->sampler, point, GI_DIMENSION_OF(0), first + i, cells);
 		stilb_vec2 u = gi_sample_2d(&view->sampler, branch, GI_DIMENSION_OF(0));
@@ -39,7 +41,10 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 		 * so the ray is not traced and stays a miss. */
 		if (stilb_vec3_dot(direction, surface->geometric) > 0.0f)
 			view->scene->tracer.intersect(&view->scene->tracer, &worker->rays[i]);
+		if (view->scene->passes)
+			worker->left[i] = gi_through(view->scene, &worker->rays[i], &further);
 	}
+	gi_counter_add(&worker->traced, further);
 }
 
 /* Takes the indirect light where ray i ends from the cache, and adds a shadow ray for the direct light there to the
@@ -71,8 +76,7 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 static void trace_cell_shadows(const gi_cache *cache, gi_cache_worker *worker)
 {
 	PROFILE("gi.cache.shadow");
-	const gi_tracer *tracer = &cache->view->scene->tracer;
-	tracer->occluded(tracer, worker->shadows, worker->shadow_count);
+	gi_through_occluded(cache->view->scene, worker->shadows, worker->direct, worker->shadow_count);
 	for (uint32_t i = 0; i < worker->shadow_count; i++)
 		if (worker->shadows[i].t_max >= 0.0f)
 			worker->radiance[worker->shadows[i].id] += worker->direct[i];
@@ -128,6 +132,8 @@ static void gather_cells(gi_cache *cache, uint32_t index, const gi_surface *surf
 		}
 		trace_cell_shadows(cache, worker);
 		trace_paths(cache, index, paths);
+		for (uint32_t i = 0; i < number && cache->view->scene->passes; i++)
+			worker->radiance[i] *= worker->left[i];
 		for (uint32_t i = 0; i < number; i++)
 			worker->cells[first + i] = (gi_cache_cell){worker->radiance[i], nearness(&worker->rays[i], shortest)};
 	}

@@ -6,6 +6,7 @@
 
 #include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include "shading/shade_constants.h"
@@ -94,10 +95,12 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 	stilb_vec3 diffuse = bsdf->diffuse * (SHADE_INV_PI * n_dot_l / chosen.pdf);
 	if (gi_bsdf_is_layered(bsdf))
 		diffuse = (stilb_vec3){0};
-	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = bsdf->frame.n, .pdf = chosen.pdf};
+	gi_direct_left left = gi_direct_leave(bsdf, &chosen);
+	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = left.normal, .pdf = left.pdf};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;
-	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), chosen.direction,
+	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
+	want_branch(batch, sample, gi_bsdf_origin(bsdf, origin, chosen.direction), chosen.direction,
 	            numbers[GI_DIMENSION_CHANCE], &wanted);
 }
 
@@ -160,8 +163,7 @@ static void trace_sample_shadows(gi_batch *batch)
 {
 	PROFILE("gi.shadow");
 	cache_scratch *scratch = batch->scratch;
-	const gi_tracer *tracer = &batch->view->scene->tracer;
-	tracer->occluded(tracer, scratch->shadows, scratch->shadow_count);
+	gi_through_occluded(batch->view->scene, scratch->shadows, scratch->direct, scratch->shadow_count);
 	for (uint32_t i = 0; i < scratch->shadow_count; i++)
 		if (scratch->shadows[i].t_max >= 0.0f)
 			batch->radiance[scratch->shadows[i].id] += scratch->direct[i];
@@ -195,15 +197,19 @@ static void trace_branches(gi_batch *batch)
 		paths.rays = &scratch->rays[first];
 		paths.radiance = scratch->reflected;
 		paths.scratch = view->cache->workers[batch->worker].scratch;
-		for (uint32_t i = 0; i < paths.count; i++)
-			view->scene->tracer.intersect(&view->scene->tracer, &scratch->rays[first + i]);
+		for (uint32_t i = 0; i < paths.count; i++) {
+			cache_branch *branch = &scratch->branches[first + i];
+			stilb_vec3 glass = gi_through_intersect(view->scene, &scratch->rays[first + i], &paths.rays_traced);
+			branch->weight *= glass;
+			branch->shown *= glass;
+		}
 		gi_path_gather(&paths, 1, view->settings.depth - 1);
 		for (uint32_t i = 0; i < paths.count; i++) {
 			const cache_branch *branch = &scratch->branches[first + i];
 			batch->radiance[branch->target] += branch->weight * scratch->reflected[i];
 			batch->radiance[branch->target] += branch_found(view, branch, &paths.rays[i]);
 		}
-		batch->rays_traced = paths.rays_traced + paths.count;
+		batch->rays_traced = paths.rays_traced;
 		batch->shadow_rays = paths.shadow_rays;
 	}
 }

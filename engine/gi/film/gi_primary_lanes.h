@@ -164,7 +164,7 @@ static void lanes_rare(const stilb_gi_scene *scene, uint32_t i, gi_primary *out)
 {
 	gi_surface surface;
 	gi_surface_at(scene, &out->rays[i], &surface);
-	lanes_store(surface.diffuse + surface.specular + surface.unlit, out->albedo[i]);
+	lanes_store(gi_surface_albedo(&surface) + surface.unlit, out->albedo[i]);
 	lanes_store(surface.normal, out->normal[i]);
 }
 

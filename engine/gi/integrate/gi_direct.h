@@ -16,6 +16,27 @@
 bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
                    gi_ray *shadow, stilb_vec3 *direct);
 
+/* From which side a layered surface asks a light. False: from none. origin, normal: those of the viewer's side before,
+ * of the side that is asked afterwards; choice: the number that decides, [0, 1), and another such number afterwards;
+ * *chance: probability of that side. */
+bool gi_direct_side(const gi_bsdf *bsdf, stilb_vec3 *origin, stilb_vec3 *normal, float *choice, float *chance);
+
+/* What gi_direct_found needs to know of a direction that gi_bsdf_sample_direction chose. */
+typedef struct gi_direct_left {
+	stilb_vec3 normal;
+	float pdf;
+} gi_direct_left;
+
+static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_sample *chosen)
+{
+	if (!gi_bsdf_is_layered(bsdf))
+		return (gi_direct_left){bsdf->frame.n, chosen->pdf};
+	/* The density of asking is times the side's chance, and only its quotient with the other density counts. */
+	bool beyond = gi_bsdf_is_beyond(bsdf, chosen->direction);
+	float chance = beyond ? bsdf->lobes.ask_beyond : bsdf->lobes.ask;
+	return (gi_direct_left){beyond ? -bsdf->frame.n : bsdf->frame.n, chance > 0.0f ? chosen->pdf / chance : 0.0f};
+}
+
 /* Emission that a traced ray found: of surface, or of the surroundings if surface is NULL, which it is for a miss.
  * pdf: the density with which the ray's direction was chosen at a surface of this normal, for the MIS weight against
  * gi_direct_ask; 0: no light was sampled by gi_direct_ask at that surface, and emission counts in full. */

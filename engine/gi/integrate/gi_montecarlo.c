@@ -1,9 +1,9 @@
 /* The integrator montecarlo: N rays at every hit, and N more at each of theirs. Its cost is exponential: a baseline
  * for teaching, and the simplest estimator to test the others against. Emitting surfaces are found by those
  * rays only; the lights of the scene's list, which no ray can hit, are sampled. */
-#include "gi/integrate/gi_integrator.h"
-#include "gi/sample/gi_bsdf.h"
+#include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 double stilb_gi_montecarlo_rays(const stilb_gi_settings *settings)
@@ -36,19 +36,24 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, at->point, GI_DIMENSION_OF(at->vertex), numbers);
 	stilb_vec2 place = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
+	stilb_vec3 position = at->surface.position, normal = at->surface.normal, geometric = at->surface.geometric;
+	float choice = numbers[GI_DIMENSION_CHOICE], chance = 1.0f;
 	gi_light_sample light;
-	if (!gi_light_sample_at(lights, at->surface.position, at->surface.normal, numbers[GI_DIMENSION_CHOICE], place,
-	                        &light) ||
-	    !light.delta || stilb_vec3_dot(at->surface.geometric, light.direction) <= 0.0f)
+	if (gi_bsdf_is_layered(&at->bsdf) && !gi_direct_side(&at->bsdf, &position, &normal, &choice, &chance))
+		return none;
+	if (stilb_vec3_dot(normal, at->surface.normal) < 0.0f)
+		geometric = -geometric;
+	if (!gi_light_sample_at(lights, position, normal, choice, place, &light) || !light.delta ||
+	    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
 		return none;
 	stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
 	gi_ray shadow = gi_ray_make_by(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
-	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
+	gi_through_occluded(view->scene, &shadow, &light.radiance, 1);
 	batch->rays_traced++;
 	batch->shadow_rays++;
 	if (shadow.t_max < 0.0f)
 		return none;
-	return gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / light.pdf;
+	return gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / (light.pdf * chance);
 }
 
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);
@@ -70,9 +75,8 @@ static stilb_vec3 gathered(gi_batch *batch, const hit *at, uint32_t k)
 		return stilb_vec3_make(0.0f, 0.0f, 0.0f);
 	gi_ray_hit ray = gi_ray_hit_make_by(gi_surface_ray_origin(&at->surface, chosen.direction), chosen.direction,
 	                                    numbers[GI_DIMENSION_CHANCE]);
-	view->scene->tracer.intersect(&view->scene->tracer, &ray);
-	batch->rays_traced++;
-	return chosen.weight * radiance_along(batch, &ray, branch, at->vertex + 1);
+	stilb_vec3 weight = chosen.weight * gi_through_intersect(view->scene, &ray, &batch->rays_traced);
+	return weight * radiance_along(batch, &ray, branch, at->vertex + 1);
 }
 
 /* Radiance that a traced ray brings to its origin. vertex: number of the vertex where it ends. */

@@ -12,6 +12,7 @@
  */
 #include "gi/integrate/gi_direct.h"
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include "base/glsl_types.h"
@@ -126,9 +127,11 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 	path->throughput *= next.weight;
 	if (wave->bounce + 1 >= ROULETTE_BOUNCE && !roulette(wave->view, path, numbers[GI_DIMENSION_ROULETTE]))
 		return false;
-	path->pdf = next.pdf;
-	path->normal = vertex->bsdf.frame.n;
-	*ray = gi_ray_hit_make_by(vertex->origin, next.direction, numbers[GI_DIMENSION_CHANCE]);
+	gi_direct_left left = gi_direct_leave(&vertex->bsdf, &next);
+	path->pdf = left.pdf;
+	path->normal = left.normal;
+	*ray = gi_ray_hit_make_by(gi_bsdf_origin(&vertex->bsdf, vertex->origin, next.direction), next.direction,
+	                          numbers[GI_DIMENSION_CHANCE]);
 	return true;
 }
 
@@ -210,14 +213,20 @@ static void wave_shade(path_wave *wave)
 static void wave_shadows(path_wave *wave)
 {
 	PROFILE("gi.shadow");
-	const gi_tracer *tracer = &wave->view->scene->tracer;
-	tracer->occluded(tracer, wave->shadows, wave->shadow_count);
+	gi_through_occluded(wave->view->scene, wave->shadows, wave->direct, wave->shadow_count);
 	for (uint32_t s = 0; s < wave->shadow_count; s++)
 		if (wave->shadows[s].t_max >= 0.0f)
 			wave->radiance[wave->shadows[s].id] += wave->direct[s];
 	wave->rays_traced += wave->shadow_count;
 	wave->shadow_rays += wave->shadow_count;
 	wave->shadow_count = 0;
+}
+
+/* What glass between two vertices takes from the paths' light. Not inlined: scenes without glass do not come here. */
+static __attribute__((noinline)) void wave_through(path_wave *wave)
+{
+	for (uint32_t i = 0; i < wave->count; i++)
+		wave->paths[i].throughput *= gi_through(wave->view->scene, &wave->rays[i], &wave->rays_traced);
 }
 
 static void wave_intersect(path_wave *wave)
@@ -227,6 +236,8 @@ static void wave_intersect(path_wave *wave)
 	for (uint32_t i = 0; i < wave->count; i++)
 		tracer->intersect(tracer, &wave->rays[i]);
 	wave->rays_traced += wave->count;
+	if (wave->view->scene->passes)
+		wave_through(wave);
 }
 
 /* Runs until every path has ended. The rays are traced already. */

@@ -2,6 +2,7 @@
 #include "gi/integrate/gi_direct.h"
 #include "gi/integrate/gi_integrator.h"
 #include "gi/trace/gi_ray.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include "shading/shade_sampling.h"
@@ -17,7 +18,7 @@ static void color_shade(gi_batch *batch)
 			continue;
 		gi_surface surface;
 		gi_surface_at(batch->view->scene, &batch->rays[i], &surface);
-		batch->radiance[i] = surface.diffuse + surface.specular + surface.unlit;
+		batch->radiance[i] = gi_surface_albedo(&surface) + surface.unlit;
 	}
 }
 
@@ -44,13 +45,13 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	gi_ray_hit ray = gi_ray_hit_make_by(gi_surface_ray_origin(surface, chosen.direction), chosen.direction,
 	                                    numbers[GI_DIMENSION_CHANCE]);
 	gi_surface found;
-	if (!view->settings.no_shadows) {
-		view->scene->tracer.intersect(&view->scene->tracer, &ray);
-		batch->rays_traced++;
-	}
+	stilb_vec3 weight = chosen.weight;
+	gi_direct_left left = gi_direct_leave(bsdf, &chosen);
+	if (!view->settings.no_shadows)
+		weight *= gi_through_intersect(view->scene, &ray, &batch->rays_traced);
 	if (gi_is_hit(&ray))
 		gi_surface_at(view->scene, &ray, &found);
-	return chosen.weight * gi_direct_found(view, chosen.pdf, bsdf->frame.n, &ray, gi_is_hit(&ray) ? &found : NULL);
+	return weight * gi_direct_found(view, left.pdf, left.normal, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
 /* Light that sample i sees without a shadow ray: emission, and what the highlight's own ray finds. Adds a shadow ray
@@ -84,9 +85,8 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 static void direct_flush(gi_batch *batch, direct_scratch *scratch)
 {
 	PROFILE("gi.shadow");
-	const gi_tracer *tracer = &batch->view->scene->tracer;
 	if (!batch->view->settings.no_shadows) {
-		tracer->occluded(tracer, scratch->shadows, scratch->count);
+		gi_through_occluded(batch->view->scene, scratch->shadows, scratch->light, scratch->count);
 		batch->rays_traced += scratch->count;
 		batch->shadow_rays += scratch->count;
 	}

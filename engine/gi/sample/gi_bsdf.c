@@ -7,7 +7,8 @@
  */
 #include "gi/sample/gi_bsdf.h"
 
-#include "shading/shade_layers.h"
+#include "gi/gi_vector.h"
+#include "gi/sample/gi_glass.h"
 #include "shading/shade_luminance.h"
 #include "shading/shade_sampling.h"
 
@@ -79,36 +80,50 @@ static stilb_vec3 surface_f(const gi_bsdf *bsdf, float v_dot_h)
 	return shade_f(f, bsdf->highlight.specular, fminf(v_dot_h, 1.0f));
 }
 
-static float lobe_weight(float weight, float sum)
+/* Reflectance of a facet; of a volume the angle in the thinner medium counts. */
+static stilb_vec3 facet_f(const gi_bsdf *bsdf, float v_dot_h)
 {
-	return weight > 0.0f ? fmaxf(weight, LOBE_LEAST * sum) : 0.0f;
+	return surface_f(bsdf, gi_glass_thin_side(bsdf->lobes.eta, v_dot_h));
 }
 
-/* Probabilities: the share of an even light that each lobe sends to the viewer, about. */
-static gi_lobes lobes_of(const gi_bsdf *bsdf)
+/* Probabilities of lobes: the share of an even light that each sends to the viewer, about, but none too small. */
+static void lobes_choose(gi_lobes *lobes)
+{
+	float *each[] = {&lobes->coat, &lobes->sheen, &lobes->diffuse, &lobes->highlight, &lobes->through};
+	float sum = 0.0f, all = 0.0f;
+	for (size_t i = 0; i < sizeof each / sizeof *each; i++)
+		sum += *each[i];
+	for (size_t i = 0; i < sizeof each / sizeof *each; i++) {
+		*each[i] = *each[i] > 0.0f ? fmaxf(*each[i], LOBE_LEAST * sum) : 0.0f;
+		all += *each[i];
+	}
+	for (size_t i = 0; i < sizeof each / sizeof *each; i++)
+		*each[i] *= all > 0.0f ? 1.0f / all : 0.0f;
+}
+
+static void lobes_make(gi_bsdf *bsdf, const gi_surface *surface)
 {
 	const gi_layers *layers = bsdf->layers;
+	gi_lobes *lobes = &bsdf->lobes;
 	float n_dot_v = bsdf->local[2], coat_n_dot_v = stilb_vec3_dot(layers->coat_normal, bsdf->to_viewer);
-	float albedo = shade_sheen_albedo(n_dot_v, layers->sheen_roughness), sheen = shade_luminance(layers->sheen);
-	gi_lobes lobes = {.coat_share = shade_coat_share(layers->coat, coat_n_dot_v),
-	                  .sheen_left = shade_sheen_left(layers->sheen, n_dot_v, layers->sheen_roughness)};
-	float below = 1.0f - lobes.coat_share, base = below * lobes.sheen_left;
-	lobes.coat = lobes.coat_share;
-	lobes.sheen = below * sheen * albedo;
-	lobes.diffuse = base * shade_luminance(bsdf->diffuse);
-	lobes.highlight = shows_highlight(bsdf) ? base * shade_luminance(surface_f(bsdf, n_dot_v)) : 0.0f;
-	float sum = lobes.coat + lobes.sheen + lobes.diffuse + lobes.highlight;
-	lobes.coat = lobe_weight(lobes.coat, sum);
-	lobes.sheen = lobe_weight(lobes.sheen, sum);
-	lobes.diffuse = lobe_weight(lobes.diffuse, sum);
-	lobes.highlight = lobe_weight(lobes.highlight, sum);
-	sum = lobes.coat + lobes.sheen + lobes.diffuse + lobes.highlight;
-	float scale = sum > 0.0f ? 1.0f / sum : 0.0f;
-	lobes.coat *= scale;
-	lobes.sheen *= scale;
-	lobes.diffuse *= scale;
-	lobes.highlight *= scale;
-	return lobes;
+	bool inside = layers->solid && !surface->front;
+	*lobes = (gi_lobes){.coat_share = shade_coat_share(layers->coat, coat_n_dot_v),
+	                    .sheen_left = shade_sheen_left(layers->sheen, n_dot_v, layers->sheen_roughness),
+	                    .eta = !layers->solid ? 1.0f
+	                           : inside       ? layers->ior
+	                                          : 1.0f / layers->ior,
+	                    .beyond = gi_surface_ray_origin(surface, -surface->geometric)};
+	float below = 1.0f - lobes->coat_share, base = below * lobes->sheen_left;
+	lobes->coat = lobes->coat_share;
+	lobes->sheen = below * shade_luminance(layers->sheen) * shade_sheen_albedo(n_dot_v, layers->sheen_roughness);
+	lobes->diffuse = base * shade_luminance(bsdf->diffuse);
+	lobes->highlight = shows_highlight(bsdf) ? base * shade_luminance(facet_f(bsdf, n_dot_v)) : 0.0f;
+	if (layers->pass == 0.0f && n_dot_v > 0.0f)
+		lobes->through = base * shade_luminance(layers->through) *
+		                 shade_facet_left(bsdf->highlight.specular, gi_glass_thin_side(lobes->eta, n_dot_v));
+	lobes_choose(lobes);
+	lobes->ask_beyond = lobes->through > 0.0f && !layers->solid ? glsl_clamp_1(lobes->through, 0.1f, 0.9f) : 0.0f;
+	lobes->ask = inside ? 0.0f : 1.0f - lobes->ask_beyond;
 }
 
 static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *model, const gi_surface *surface,
@@ -132,8 +147,46 @@ static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *mo
 	}
 	bsdf.frame = shade_frame_from_tangent(n, tangent);
 	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
-	bsdf.lobes = lobes_of(&bsdf);
+	lobes_make(&bsdf, surface);
 	return bsdf;
+}
+
+/* The highlight; inside of a volume, where its model's own F would take the angle there, by facet_f. */
+static stilb_vec3 layered_highlight(const gi_bsdf *bsdf, stilb_vec3 l)
+{
+	if (!(bsdf->lobes.eta > 1.0f))
+		return shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, l, bsdf->to_viewer);
+	shade_brdf_model model = bsdf->model;
+	shade_brdf_parameters white = bsdf->highlight;
+	model.f = SHADE_F_NONE;
+	white.specular = stilb_vec3_make(1.0f, 1.0f, 1.0f);
+	return shade_brdf_cos(model, white, bsdf->frame, l, bsdf->to_viewer) *
+	       facet_f(bsdf, 0.5f * gi_length(l + bsdf->to_viewer));
+}
+
+static shade_alphas through_alphas(const gi_bsdf *bsdf)
+{
+	float alpha = shade_alpha_from_roughness(bsdf->layers->roughness);
+	return (shade_alphas){alpha, alpha};
+}
+
+/* Light from beyond. */
+static stilb_vec3 through_cos(const gi_bsdf *bsdf, stilb_vec3 l)
+{
+	const gi_lobes *lobes = &bsdf->lobes;
+	stilb_vec3 f0 = bsdf->highlight.specular, v = bsdf->local, n = bsdf->frame.n;
+	float share = lobes->sheen_left * (1.0f - lobes->coat_share), lit;
+	if (!(lobes->through > 0.0f) || !(stilb_vec3_dot(n, l) < 0.0f))
+		return (stilb_vec3){0};
+	if (bsdf->layers->solid) {
+		stilb_vec3 local = shade_frame_to_local(bsdf->frame, l);
+		shade_alphas alphas = through_alphas(bsdf);
+		float v_dot_h = stilb_vec3_dot(v, gi_glass_facet(lobes->eta, v, local));
+		lit = gi_glass_pdf(lobes->eta, alphas, v, local) * gi_glass_share(lobes->eta, f0, alphas.x, v_dot_h, local[2]);
+	} else {
+		lit = shade_thin_cos(f0, bsdf->layers->roughness, n, l, bsdf->to_viewer);
+	}
+	return bsdf->layers->through * (share * lit);
 }
 
 static __attribute__((noinline)) stilb_vec3 layered_cos(const gi_bsdf *bsdf, stilb_vec3 l)
@@ -143,11 +196,11 @@ static __attribute__((noinline)) stilb_vec3 layered_cos(const gi_bsdf *bsdf, sti
 	stilb_vec3 n = bsdf->frame.n, v = bsdf->to_viewer, light = {0};
 	float n_dot_l = stilb_vec3_dot(n, l);
 	if (stilb_vec3_dot(bsdf->geometric, l) <= 0.0f)
-		return light;
+		return through_cos(bsdf, l);
 	if (n_dot_l > 0.0f) {
 		stilb_vec3 base = shade_lambert(bsdf->diffuse) * n_dot_l;
 		if (shows_highlight(bsdf))
-			base += shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, l, v);
+			base += layered_highlight(bsdf, l);
 		light = base * lobes->sheen_left;
 		if (lobes->sheen > 0.0f)
 			light += layers->sheen * shade_sheen_cos(layers->sheen_roughness, n, l, v);
@@ -155,7 +208,7 @@ static __attribute__((noinline)) stilb_vec3 layered_cos(const gi_bsdf *bsdf, sti
 	light *= 1.0f - lobes->coat_share;
 	if (lobes->coat > 0.0f)
 		light += lobes->coat_share * shade_coat_cos(layers->coat_roughness, layers->coat_normal, l, v);
-	return light;
+	return light * (1.0f / (1.0f - layers->pass));
 }
 
 static shade_alphas coat_alphas(const gi_bsdf *bsdf)
@@ -164,13 +217,25 @@ static shade_alphas coat_alphas(const gi_bsdf *bsdf)
 	return (shade_alphas){alpha, alpha};
 }
 
+/* Density of what goes through. */
+static float through_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
+{
+	if (bsdf->layers->solid)
+		return gi_glass_pdf(bsdf->lobes.eta, through_alphas(bsdf), bsdf->local, local);
+	return shade_pdf_ggx_visible(through_alphas(bsdf), bsdf->local, stilb_vec3_make(local[0], local[1], -local[2]));
+}
+
 static __attribute__((noinline)) float layered_pdf(const gi_bsdf *bsdf, stilb_vec3 l)
 {
 	const gi_lobes *lobes = &bsdf->lobes;
 	stilb_vec3 local = shade_frame_to_local(bsdf->frame, l);
+	if (bsdf->layers->solid && stilb_vec3_dot(bsdf->geometric, l) < 0.0f)
+		return lobes->through * through_pdf(bsdf, local);
 	float pdf = lobes->diffuse * shade_pdf_cosine(local) + lobes->sheen * shade_pdf_hemisphere(local);
 	if (lobes->highlight > 0.0f)
 		pdf += lobes->highlight * highlight_pdf(bsdf, local);
+	if (lobes->through > 0.0f)
+		pdf += lobes->through * through_pdf(bsdf, local);
 	if (lobes->coat > 0.0f) {
 		shade_frame frame = shade_frame_from_normal(bsdf->layers->coat_normal);
 		pdf += lobes->coat * shade_pdf_ggx_visible(coat_alphas(bsdf), shade_frame_to_local(frame, bsdf->to_viewer),
@@ -179,7 +244,7 @@ static __attribute__((noinline)) float layered_pdf(const gi_bsdf *bsdf, stilb_ve
 	return pdf;
 }
 
-/* A direction by one of the lobes. */
+/* A direction by one of the lobes but the last. */
 static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u)
 {
 	const gi_lobes *lobes = &bsdf->lobes;
@@ -193,15 +258,41 @@ static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec
 		return shade_frame_to_world(bsdf->frame, highlight_sample(bsdf, u).direction);
 	if (u_lobe < (end += lobes->sheen))
 		return shade_frame_to_world(bsdf->frame, shade_sample_hemisphere(u).direction);
-	return shade_frame_to_world(bsdf->frame, shade_sample_cosine(u).direction);
+	if (u_lobe < (end += lobes->diffuse))
+		return shade_frame_to_world(bsdf->frame, shade_sample_cosine(u).direction);
+	stilb_vec3 mirrored = shade_sample_ggx_visible(through_alphas(bsdf), bsdf->local, u).direction;
+	return shade_frame_to_world(bsdf->frame, stilb_vec3_make(mirrored[0], mirrored[1], -mirrored[2]));
+}
+
+/* A direction into a volume or out of it, where no other lobe carries anything. The weight is of the facet that was
+ * chosen, which could be told from both directions only where light turns much. */
+static bool glass_sample(const gi_bsdf *bsdf, stilb_vec2 u, gi_bsdf_sample *chosen)
+{
+	const gi_lobes *lobes = &bsdf->lobes;
+	shade_alphas alphas = through_alphas(bsdf);
+	stilb_vec3 v = bsdf->local, h = shade_sample_ggx_visible_normal(alphas, v, u).direction;
+	float v_dot_h = stilb_vec3_dot(v, h);
+	if (!(v_dot_h > 0.0f) || gi_glass_beyond(lobes->eta, v_dot_h) == 0.0f)
+		return false;
+	stilb_vec3 local = stilb_vec3_normalize(gi_glass_refract(lobes->eta, v, h));
+	chosen->direction = stilb_vec3_normalize(shade_frame_to_world(bsdf->frame, local));
+	if (!(local[2] < 0.0f) || !(stilb_vec3_dot(bsdf->geometric, chosen->direction) < 0.0f))
+		return false;
+	float share = gi_glass_share(lobes->eta, bsdf->highlight.specular, alphas.x, v_dot_h, local[2]);
+	chosen->pdf = lobes->through * gi_glass_pdf(lobes->eta, alphas, v, local);
+	chosen->weight = bsdf->layers->through * (share * lobes->sheen_left * (1.0f - lobes->coat_share) / lobes->through);
+	return true;
 }
 
 static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u,
                                                      gi_bsdf_sample *chosen)
 {
+	bool solid = bsdf->layers->solid && bsdf->lobes.through > 0.0f;
+	if (solid && u_lobe >= 1.0f - bsdf->lobes.through)
+		return glass_sample(bsdf, u, chosen);
 	chosen->direction = stilb_vec3_normalize(layered_direction(bsdf, u_lobe, u));
 	chosen->pdf = layered_pdf(bsdf, chosen->direction);
-	if (!(chosen->pdf > 0.0f))
+	if (!(chosen->pdf > 0.0f) || (solid && stilb_vec3_dot(bsdf->geometric, chosen->direction) < 0.0f))
 		return false;
 	chosen->weight = layered_cos(bsdf, chosen->direction) / chosen->pdf;
 	return chosen->weight[0] + chosen->weight[1] + chosen->weight[2] > 0.0f;

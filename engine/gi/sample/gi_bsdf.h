@@ -2,8 +2,9 @@
  * gi_bsdf: how a surface scatters light towards one viewer: Lambert's diffuse part and the highlight of a
  * shade_brdf_model, and the layers of shade_layers.h; evaluated, sampled, with its density. [any-thread]
  *
- * Directions are unit and point away from the surface. Surfaces are opaque: directions below the triangle or below
- * the shading normal's horizon get 0.
+ * Directions are unit and point away from the surface. Directions below the triangle or below the shading normal's
+ * horizon get 0, but for what light goes through: below both, thin walls have a lobe of their own (not panes, which
+ * rays pass before they come here: gi_through.h), and volumes one that refracts (gi_glass.h).
  */
 #ifndef STILB_GI_BSDF_H
 #define STILB_GI_BSDF_H
@@ -14,8 +15,13 @@
 
 /* Probabilities of the lobes of a layered surface, 1 together, and what its layers leave. */
 typedef struct gi_lobes {
-	float diffuse, highlight, sheen, coat;
+	float diffuse, highlight, sheen, coat, through;
 	float coat_share, sheen_left; /* shade_layers.h */
+	float eta;                    /* gi_glass.h; of a thin wall 1 */
+	/* Probability that a light is asked for what it sends from the viewer's side, and from beyond. Both are 0 inside of
+	 * a volume, whose walls would block every shadow ray; from beyond a volume nothing is asked either. */
+	float ask, ask_beyond;
+	stilb_vec3 beyond; /* origin of rays that leave on the other side */
 } gi_lobes;
 
 typedef struct gi_bsdf {
@@ -41,6 +47,18 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, s
 static inline bool gi_bsdf_is_layered(const gi_bsdf *bsdf)
 {
 	return bsdf->share > 0.0f && bsdf->layers;
+}
+
+/* True if the direction is on the other side of the triangle, where only light that goes through it is. */
+static inline bool gi_bsdf_is_beyond(const gi_bsdf *bsdf, stilb_vec3 direction)
+{
+	return gi_bsdf_is_layered(bsdf) && stilb_vec3_dot(bsdf->geometric, direction) < 0.0f;
+}
+
+/* The origin of a ray that leaves in this direction; origin: of those on the viewer's side. */
+static inline stilb_vec3 gi_bsdf_origin(const gi_bsdf *bsdf, stilb_vec3 origin, stilb_vec3 direction)
+{
+	return gi_bsdf_is_beyond(bsdf, direction) ? bsdf->lobes.beyond : origin;
 }
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */

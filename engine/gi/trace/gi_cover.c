@@ -12,9 +12,8 @@ static uint32_t cover_mix(uint32_t x)
 	return x ^ x >> 16;
 }
 
-/* A number in [0, 1) for each triangle that a ray crosses: those of two triangles are independent, so that two half
- * transparent layers let a quarter through. */
-static float cover_number(const gi_crossing *crossing)
+/* Independent, so that two half transparent layers let a quarter through. */
+float gi_cover_number(const gi_crossing *crossing)
 {
 	uint32_t bits;
 	memcpy(&bits, &crossing->chance, sizeof bits);
@@ -30,10 +29,10 @@ bool gi_cover_meets(const stilb_gi_scene *scene, const gi_crossing *crossing)
 		return true;
 	STILB_ASSERT(part->sieve <= scene->surface_count);
 	gi_maps maps = {&scene->surfaces[part->sieve - 1], scene->textures, scene->texture_count};
-	if (maps.surface->one_sided && !crossing->front)
+	if (gi_maps_are_one_sided(maps.surface) && !crossing->front)
 		return false;
 	if (maps.surface->alpha == STILB_SCENE_OPAQUE)
 		return true;
 	gi_place place = gi_place_at(part, crossing->triangle, crossing->u, crossing->v);
-	return cover_number(crossing) < gi_maps_alpha(&maps, &place);
+	return gi_cover_number(crossing) < gi_maps_alpha(&maps, &place);
 }

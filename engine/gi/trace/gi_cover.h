@@ -18,6 +18,9 @@ typedef struct gi_crossing {
 	bool front;   /* the ray comes from the triangle's front */
 } gi_crossing;
 
+/* A number in [0, 1) of the ray for this triangle; those of two triangles are independent. */
+float gi_cover_number(const gi_crossing *crossing);
+
 /* True if the ray ends there. */
 bool gi_cover_meets(const stilb_gi_scene *scene, const gi_crossing *crossing);
 
