@@ -8,7 +8,7 @@ struct Layers {
 	float sheen_roughness;
 	float brushed; // anisotropy
 	vec3 along;    // the direction of the brush, of any length but 0 where brushed is above 0
-	float transmission;
+	float transmission, roughness; // of what light goes through, whatever is brushed
 	vec3 tint;       // of what goes through
 	vec3 absorption; // per metre
 	float thickness; // metres
@@ -35,7 +35,7 @@ vec3 layers_lit(vec3 below, shade_material material, vec3 n, shade_sun seen, vec
 	vec3 lit = below;
 	if (lets_through && !is_solid)
 		lit += layers.tint * seen.irradiance *
-			(layers.transmission * shade_thin_cos(material.specular, material.roughness, n, seen.direction, v));
+			(layers.transmission * shade_thin_cos(material.specular, layers.roughness, n, seen.direction, v));
 	if (has_sheen)
 		lit = lit * sheen_left(n, v) +
 			layers.sheen * seen.irradiance * shade_sheen_cos(layers.sheen_roughness, n, seen.direction, v);

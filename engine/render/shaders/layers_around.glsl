@@ -71,6 +71,7 @@ vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n
 	shade_frame frame = frame_here(n);
 	if (lets_through)
 		material.diffuse *= 1.0 - layers.transmission;
+	layers.roughness = material.roughness;
 	bool brushes = is_brushed && brdf == SHADE_BRDF_MICROFACET && ndf == SHADE_NDF_GGX && layers.brushed > 0.0;
 	if (brushes) {
 		vec2 brushed = shade_gltf_brushed(material.roughness, layers.brushed);

@@ -74,7 +74,7 @@ vec3 through_picture(vec2 place, float depth, vec3 toward, float roughness)
 // What comes through the surface to the viewer, of all but lights.
 vec3 seen_through(shade_material material, vec3 n, vec3 v)
 {
-	float roughness = material.roughness;
+	float roughness = layers.roughness;
 	float strongest = max(max(material.specular.x, material.specular.y), material.specular.z);
 #ifdef LIT_GLOSS
 	float share = gloss_shares(n, v, roughness).x * (1.0 - strongest); // what facets let through, of all directions

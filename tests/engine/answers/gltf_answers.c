@@ -19,6 +19,8 @@
 #define SHEEN "\"KHR_materials_sheen\":"
 #define ANISOTROPY "\"KHR_materials_anisotropy\""
 #define BRUSHED ANISOTROPY ":"
+#define TRANSMISSION "\"KHR_materials_transmission\""
+#define THROUGH TRANSMISSION ":"
 
 /* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, a with alpha 0 and 1, s with soft alpha,
  * m metalness and roughness, n a bumpy map of normals, w waves of normals, k occlusion, e glow, z specular and gloss,
@@ -241,6 +243,30 @@ const gltf_answer gltf_answers[] = {
                        "{\"anisotropyStrength\":0.5}}",
      .extensions = CLEARCOAT ",\"KHR_materials_sheen\"," ANISOTROPY,
      .attributes = GLTF_ANSWER_BALL},
+	{.name = "pane",
+     .chance = true,
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0,\"roughnessFactor\":0},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}}",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BEHIND},
+	{.name = "pane by texture",
+     .chance = true,
+     .material = PBR "{\"metallicFactor\":0,\"roughnessFactor\":0},\"extensions\":{" THROUGH
+                     "{\"transmissionFactor\":0.9,\"transmissionTexture\":{\"index\":0}}}",
+     .pictures = "s",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BEHIND},
+	{.name = "frosted wall",
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0.25,\"roughnessFactor\":0.5},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}}",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "frosted wall, lit from behind",
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0,\"roughnessFactor\":0.6},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}," COAT "{\"clearcoatFactor\":1}}",
+     .node = "\"translation\":[0.15,0.08,2],\"scale\":[0.4,0.4,1]",
+     .light = "\"type\":\"point\",\"intensity\":2",
+     .extensions = TRANSMISSION "," CLEARCOAT},
 	{.name = "point light", .material = BASE, .pictures = "c", .light = "\"type\":\"point\",\"intensity\":8"},
 	{.name = "spot light",
      .material = BASE,

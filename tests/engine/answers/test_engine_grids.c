@@ -75,6 +75,15 @@ static void brushed(stilb_scene_surface *surface, float roughness, float strengt
 	surface->anisotropy = strength;
 }
 
+/* Thin walls, all of them rough enough to have a lobe: what is smoother rays pass straight through both sides of. */
+static void through(stilb_scene_surface *surface, float roughness, float strength)
+{
+	for (int c = 0; c < 3; c++)
+		surface->color[c] = 0.9f - 0.2f * (float)c;
+	surface->roughness = roughness;
+	surface->transmission = strength;
+}
+
 /* A ball of radius 1 with tangents along its parallels. */
 static uint32_t ball_build(stilb_scene_build *build)
 {
@@ -260,6 +269,7 @@ static const struct {
 	{"coat", coat, -32.0, -34.0},
 	{"sheen", sheen, -46.0, -33.0},
 	{"brushed", brushed, -22.0, -24.0},
+	{"through", through, -31.0, -26.0},
 };
 
 static void frames_are_near_rays(void **state)
