@@ -43,7 +43,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 9u
+#define RENDER_DUMP_VERSION 10u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -126,7 +126,7 @@ typedef struct render_dump_surface {
 	uint32_t bits;                  /* RENDER_MAPS_... but _EXTRAS */
 	uint32_t textures[RENDER_MAPS]; /* 0: none, else 1 + its position in the table of textures */
 	uint8_t samplers[RENDER_MAPS];  /* below RENDER_MAPS_SAMPLERS */
-	uint8_t unused[3];
+	uint8_t unused[1];
 } render_dump_surface;
 
 typedef struct render_dump_mesh {
@@ -186,7 +186,7 @@ static_assert(sizeof(render_dump_header) == 144 && sizeof(render_dump_view) == 1
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
-static_assert(sizeof(render_dump_surface) == 256, "no padding");
+static_assert(sizeof(render_dump_surface) == 688, "no padding");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,

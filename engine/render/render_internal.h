@@ -551,7 +551,8 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 stilb_result render_sort_claim(stilb_render *render, uint32_t count, uint32_t *first);
 
 /* Moves the draws with maps of an ordered pass behind the others: those of each material together, unless the pass was
- * sorted, and then what blends, from the farthest to the nearest as the view sees the middle of their meshes. */
+ * sorted, then those with transmission, and then what blends, from the farthest to the nearest as the view sees the
+ * middle of their meshes. What blends and has transmission counts as the latter. */
 stilb_result render_maps_order(stilb_render *render, const stilb_render_view *view, bool sorted,
                                render_pass_lists *lists);
 

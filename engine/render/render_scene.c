@@ -111,7 +111,9 @@ static const stilb_scene_surface *shown_material_surface(const stilb_scene *scen
 static render_maps shown_maps(const render_scene *tables, const stilb_scene *scene, const stilb_scene_surface *surface)
 {
 	uint32_t normals = surface->maps[STILB_SCENE_MAP_NORMAL].texture;
-	render_maps maps = render_maps_make(surface, normals ? scene->textures[normals - 1].channels : 0);
+	uint32_t coat = surface->maps[STILB_SCENE_MAP_CLEARCOAT_NORMAL].texture;
+	render_maps maps = render_maps_make(surface, normals ? scene->textures[normals - 1].channels : 0,
+	                                    coat ? scene->textures[coat - 1].channels : 0);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		STILB_ASSERT(texture <= scene->texture_count);

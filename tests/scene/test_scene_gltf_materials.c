@@ -384,7 +384,7 @@ static void each_layer_needs_a_surface(void **state)
 			fail_msg("row %zu: %u surfaces", i, scene->surface_count);
 		if (extras)
 			assert_numbers(extras[0].tangent, (const float[]){-1, 0, 0, 1}, 4);
-		assert_int_equal(!strstr(said, "not shown by frames: 1 material ('car')"), !rows[i].needs);
+		assert_null(strstr(said, "car"));
 		stilb_scene_destroy(scene);
 	}
 }

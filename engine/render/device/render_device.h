@@ -41,9 +41,9 @@ typedef struct render_view_data {
 	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
 	uint64_t lights;
 	uint32_t light_count;
-	float unused;
-	uint64_t panorama;                            /* of device.panorama: its table */
-	float turn[2];                                /* sine and cosine of its rotation */
+	float pixels;      /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
+	uint64_t panorama; /* of device.panorama: its table */
+	float turn[2];     /* sine and cosine of its rotation */
 	uint64_t maps, extras, extra_places, padding; /* of the heaps of these */
 } render_view_data;
 
@@ -101,8 +101,11 @@ extern const stilb_gpu_shader render_mesh_vertex[2][RENDER_SURFACES]; /* [1: ver
 /* [1: highlights mirror the panorama] */
 extern const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES];
 /* Of meshes with maps: [1: vertices have extras]. Where depth alone is drawn those with a mask have _depth. */
-extern const stilb_gpu_shader render_maps_vertex[2][2];      /* [1: vertices are packed] */
-extern const stilb_gpu_shader render_maps_fragment[2][2][2]; /* [1: see _mesh_fragment][1: a mask, several samples] */
+extern const stilb_gpu_shader render_maps_vertex[2][2][2]; /* [1: with layers][1: vertices are packed] */
+/* [1: with layers][1: see _mesh_fragment][1: a mask, several samples] */
+extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
+extern const stilb_gpu_shader render_through_fragment[2][2]; /* of draws with transmission: [1: see _mesh_fragment] */
+extern const stilb_gpu_shader render_behind_fragment[2], render_behind_half_fragment; /* [1: several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
 
 /* Of channels in the place of light. Impostors keep their vertex shader. */
@@ -128,14 +131,14 @@ typedef enum render_formula {
 
 /* A program of meshes whose material has maps. */
 typedef struct render_maps_program {
-	uint32_t key; /* render_maps_key */
+	uint64_t key; /* render_maps_key */
 	stilb_gpu_program program;
 } render_maps_program;
 
 /* bits: RENDER_MAPS_...; detail: render_state_detail. */
-static inline uint32_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
+static inline uint64_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
 {
-	return (bits << 2 | detail) << 3 | drawn;
+	return ((uint64_t)bits << 2 | detail) << 3 | drawn;
 }
 
 /* The mesh programs of one choice of formulas, by render_state_detail; {0}: not needed so far. */
@@ -163,7 +166,7 @@ typedef struct render_programs {
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
-	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve;
+	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, behind, behind_half;
 	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
@@ -195,13 +198,13 @@ typedef struct render_device_maps {
  * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-/* Of a frame: one for each pass, one that shows nothing, and those of features. */
-#define RENDER_MAX_LISTS (STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+/* Of a frame: up to three for each pass (render_through.c), one that shows nothing, and those of features. */
+#define RENDER_MAX_LISTS (3u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
 	stilb_gpu_binding *bindings; /* [binding_capacity] */
-	uint32_t *maps;              /* [map_capacity] by binding: of maps, 1 + its key; else 0 */
+	uint64_t *maps;              /* [map_capacity] by binding: of maps, 1 + its key; else 0 */
 	uint32_t binding_capacity, map_capacity;
 	uint32_t first_run; /* of device.runs */
 	char name[64];      /* of its row */
@@ -213,6 +216,7 @@ typedef struct render_frame_target {
 		*from;                      /* NULL: the main images in the picture's size. The caller's, during replay alone */
 	bool main;                      /* these are the main images */
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
+	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
 	bool drawn;                     /* a pass has drawn into it */
 	bool transparent;               /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
@@ -261,6 +265,7 @@ typedef struct render_device {
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	render_arrays arrays;
 	render_device_maps *maps;  /* [RENDER_MAX_MAPS] by group */
+	uint32_t through;          /* of maps: those that light goes through */
 	float anisotropy;          /* of samplers of maps; 1: none */
 	stilb_gpu_sampler sampler; /* of all textures: linear, repeated, no mip levels */
 	stilb_gpu_sampler linear;  /* clamped */
@@ -357,12 +362,14 @@ void render_programs_destroy(render_device *device);
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
 /* The program of that choice and key; made and compiled unless it is there. [any-thread] */
-stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program);
 /* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
  * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
+/* What copies the light behind draws with transmission. */
+stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
 typedef struct render_known_maps {
 	uint32_t *bits; /* [count] each once */
@@ -380,6 +387,15 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 stilb_result render_device_pass(render_device *device, const struct render_stream *stream);
 /* Gives the frame to the device. pool: its threads record secondary command buffers; NULL: the caller does. */
 stilb_result render_device_run(render_device *device, stilb_job_pool *pool, uint32_t worker);
+
+/* ---- render_through.c: what is seen through draws with transmission ---------------------------------------------- */
+
+/* Adds the passes that copy what the target shows so far, with mips, to its image `behind`. */
+stilb_result render_through_copy(render_device *device, const struct render_stream *stream,
+                                 render_frame_target *target);
+/* The use of that image, as the programs of such draws read it at this binding. */
+stilb_result render_through_use(render_device *device, const render_frame_target *target, uint16_t slot,
+                                stilb_gpu_use *use);
 
 /* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */
 

@@ -70,8 +70,15 @@ static void frame_copy3(float out[4], const float in[3])
 	out[3] = 0.0f;
 }
 
-/* Writes the stream's view to the slot's array; returns its address. */
-static uint64_t frame_write_view(render_device *device, const render_stream *stream)
+/* Pixels of a picture of this height that a length of 1 at a distance of 1 has. */
+static float frame_pixels(const stilb_render_view *view, uint32_t height)
+{
+	const float *m = view->view_projection.m; /* its second row is the camera's up, scaled */
+	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
+}
+
+/* Writes the stream's view to the slot's array; returns its address. height: of the picture, pixels. */
+static uint64_t frame_write_view(render_device *device, const render_stream *stream, uint32_t height)
 {
 	const render_slot *slot = render_slot_now(device);
 	const stilb_render_view *view = stream->view;
@@ -88,7 +95,7 @@ static uint64_t frame_write_view(render_device *device, const render_stream *str
 	out->added[3] = view->shading.specular;
 	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
 	out->light_count = stream->light_count;
-	out->unused = 0.0f;
+	out->pixels = frame_pixels(view, height);
 	out->panorama = stream->panorama ? device->panorama.address : 0;
 	out->turn[0] = sinf(view->surroundings.rotation);
 	out->turn[1] = cosf(view->surroundings.rotation);
@@ -168,7 +175,7 @@ typedef struct list_maker {
 } list_maker;
 
 /* maps: as of render_list.maps. */
-static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint32_t maps)
+static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint64_t maps)
 {
 	render_list *list = maker->list;
 	uint32_t count = maker->count + 1;
@@ -186,7 +193,7 @@ static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint32_t b
 	render_device *device = maker->device;
 	bool odd = device->materials == STILB_RENDER_MATERIALS_PIPELINE && render_state_material(state) != 0;
 	bool wide = (state & RENDER_STATE_WIDE) != 0;
-	uint32_t key = render_maps_key(bits, render_state_detail(state), list_drawn(device, maker->choice, odd));
+	uint64_t key = render_maps_key(bits, render_state_detail(state), list_drawn(device, maker->choice, odd));
 	for (*place = 0; *place < maker->count; *place += 1)
 		if (maker->list->maps[*place] == 1 + (key << 1 | wide))
 			return STILB_OK;
@@ -259,24 +266,29 @@ static bool list_join(stilb_gpu_run *run, const stilb_gpu_run *next)
 	return true;
 }
 
-/* Makes the list of a stream's draws; returns its number among the frame's. choice: of scene passes. */
-static stilb_result frame_list(render_device *device, const render_stream *stream, render_formula_programs *choice,
-                               uint32_t *number)
+/* Some of a stream's runs, first .. end - 1. */
+typedef struct frame_part {
+	uint32_t first, end;
+} frame_part;
+
+/* Makes the list of a part of a stream's draws; returns its number among the frame's. choice: of scene passes. */
+static stilb_result frame_list(render_device *device, const render_stream *stream, frame_part part,
+                               render_formula_programs *choice, uint32_t *number)
 {
 	render_frame *frame = &device->frame;
 	*number = frame->list_count;
 	STILB_ASSERT(*number < RENDER_MAX_LISTS);
-	if (!render_reserve((void **)&device->runs, &device->run_capacity, frame->run_count + stream->run_count,
+	if (!render_reserve((void **)&device->runs, &device->run_capacity, frame->run_count + part.end - part.first,
 	                    sizeof *device->runs))
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", stream->run_count);
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", part.end - part.first);
 	render_list *list = &device->lists[frame->list_count++];
 	uint32_t made = 0;
 	list_maker maker = {
 		.device = device, .list = list, .choice = choice, .depth = stream->light_bits & RENDER_LIGHTS_DEPTH};
 	bool bind = choice && !maker.depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
-	stilb_gpu_run *out = stream->run_count > 0 ? device->runs + frame->run_count : NULL;
-	for (uint32_t r = 0; r < stream->run_count; r++) {
+	stilb_gpu_run *out = part.end > part.first ? device->runs + frame->run_count : NULL;
+	for (uint32_t r = part.first; r < part.end; r++) {
 		stilb_gpu_run run;
 		bool drawn;
 		stilb_result result = list_run(&maker, &stream->runs[r], &run, &drawn);
@@ -452,6 +464,62 @@ static uint32_t frame_surfaces(const render_stream *stream)
 	       (states & RENDER_STATE_IMPOSTOR ? 1u << RENDER_SURFACE_IMPOSTOR : 0);
 }
 
+/* The part of a scene pass's draws from `first` on that one row draws: up to the first with transmission, those, and
+ * what comes behind them (render_maps_order). *through: it is the second one. */
+static frame_part frame_part_from(const render_device *device, const render_stream *stream, uint32_t first,
+                                  bool *through)
+{
+	frame_part part = {first, first};
+	*through = false;
+	if (device->through == 0 || !render_view_is_lit(stream->view)) {
+		part.end = stream->run_count;
+		return part;
+	}
+	for (; part.end < stream->run_count; part.end++) {
+		uint64_t state = stream->runs[part.end].state;
+		bool here = state & RENDER_STATE_MAPS && device->maps[render_state_group(state)].bits & RENDER_MAPS_THROUGH;
+		if (part.end > first && here != *through)
+			break;
+		*through = here;
+	}
+	return part;
+}
+
+/* Adds the rows of a scene pass: one, or with transmission up to three and the copies between. push: their
+ * constants. */
+static stilb_result frame_rows(render_device *device, const render_stream *stream, render_formula_programs *choice,
+                               render_frame_target *target, bool backdrop, const render_push *push)
+{
+	frame_part part = {0};
+	stilb_result result = STILB_OK;
+	bool through;
+	do {
+		uint32_t list;
+		part = frame_part_from(device, stream, part.end, &through);
+		if (through && !target->drawn) { /* what they show must be there */
+			part.end = part.first;
+			through = false;
+		}
+		if (through)
+			result = render_through_copy(device, stream, target);
+		if (result == STILB_OK)
+			result = frame_list(device, stream, part, choice, &list);
+		if (result != STILB_OK)
+			return result;
+		stilb_gpu_pass row = frame_row(device, stream, list);
+		frame_attach(stream, target, backdrop, &row);
+		if (render_formulas_are_gloss(choice))
+			frame_gloss(device, &row);
+		if (through)
+			result = render_through_use(device, target, row.use_count, &row.uses[row.use_count]);
+		row.use_count += through;
+		row_constants(&row, push, sizeof *push);
+		stilb_gpu_plan_pass(device->plan, &row);
+		target->drawn = true;
+	} while (part.end < stream->run_count && result == STILB_OK);
+	return result;
+}
+
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
 {
 	const stilb_render_view *view = stream->view;
@@ -459,31 +527,22 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	render_frame_target *target = render_target_get(device, view->target);
 	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) &&
 	                render_backdrop_is_drawn(view, stream->panorama);
-	uint32_t surfaces = frame_surfaces(stream), list;
+	uint32_t surfaces = frame_surfaces(stream);
 	stilb_result result =
 		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);
 	if (result == STILB_OK && !target->drawn)
 		result = frame_first(device, stream, target, backdrop);
-	if (result == STILB_OK)
-		result = frame_list(device, stream, choice, &list);
 	if (result != STILB_OK)
 		return result;
-	stilb_gpu_pass row = frame_row(device, stream, list);
-	frame_attach(stream, target, backdrop, &row);
-	if (render_formulas_are_gloss(choice))
-		frame_gloss(device, &row);
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
-		.view = frame_write_view(device, stream),
+		.view = frame_write_view(device, stream, target->height),
 		.rows = stream->rows ? stream->rows->address : 0,
 		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
 		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
 	};
-	row_constants(&row, &push, sizeof push);
-	stilb_gpu_plan_pass(device->plan, &row);
-	target->drawn = true;
-	return STILB_OK;
+	return frame_rows(device, stream, choice, target, backdrop, &push);
 }
 
 static stilb_result frame_2d(render_device *device, const render_stream *stream)
@@ -493,7 +552,7 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 	stilb_result result = frame_end_scene(device);
 	if (result != STILB_OK || (frame->shown && stream->draws == 0))
 		return result;
-	result = frame_list(device, stream, NULL, &list);
+	result = frame_list(device, stream, (frame_part){0, stream->run_count}, NULL, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list);

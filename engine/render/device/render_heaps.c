@@ -261,7 +261,8 @@ stilb_result render_device_maps_set(render_device *device, uint32_t group, const
 	STILB_ASSERT(group < RENDER_MAX_MAPS && device->maps[group].set.id == 0);
 	stilb_gpu_set_item items[RENDER_MAPS] = {0};
 	stilb_result result = STILB_OK;
-	for (uint32_t i = 0; i < RENDER_MAPS && result == STILB_OK; i++) {
+	uint32_t count = maps->bits & RENDER_MAPS_LAYERS ? RENDER_MAPS : RENDER_MAPS_PLAIN;
+	for (uint32_t i = 0; i < count && result == STILB_OK; i++) {
 		uint32_t texture = maps->textures[i] & RENDER_INDEX_MASK;
 		items[i].seen = STILB_GPU_SEEN_ARRAY;
 		if (!(maps->bits >> i & 1u))
@@ -271,16 +272,19 @@ stilb_result render_device_maps_set(render_device *device, uint32_t group, const
 		result = maps_sampler(device, maps->samplers[i], &items[i].sampler);
 	}
 	if (result == STILB_OK)
-		result = stilb_gpu_set_create(device->gpu, items, RENDER_MAPS, &device->maps[group].set);
-	if (result == STILB_OK)
-		device->maps[group].bits = maps->bits;
-	return result;
+		result = stilb_gpu_set_create(device->gpu, items, count, &device->maps[group].set);
+	if (result != STILB_OK)
+		return result;
+	device->maps[group].bits = maps->bits;
+	device->through += maps->bits & RENDER_MAPS_THROUGH ? 1 : 0;
+	return STILB_OK;
 }
 
 void render_device_maps_drop(render_device *device, uint32_t group)
 {
 	STILB_ASSERT(device->maps[group].set.id != 0);
 	stilb_gpu_set_destroy(device->gpu, device->maps[group].set);
+	device->through -= device->maps[group].bits & RENDER_MAPS_THROUGH ? 1 : 0;
 	device->maps[group] = (render_device_maps){0};
 }
 

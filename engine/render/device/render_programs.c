@@ -132,24 +132,31 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 }
 
 /* The program of meshes with maps that a key stands for. */
-static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                  stilb_gpu_program *program)
 {
-	uint32_t bits = key >> 5, detail = key >> 3 & 3u, drawn = key & 7u;
+	uint32_t bits = (uint32_t)(key >> 5), detail = key >> 3 & 3u, drawn = key & 7u;
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
+	bool layers = bits & RENDER_MAPS_LAYERS && !depth;
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	uint32_t channel = formulas_channel(choice);
+	/* Masks of what light goes through have no samples of their own. */
+	bool through = bits & RENDER_MAPS_THROUGH && !depth && channel == 0;
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
-		.vertex = reads ? render_maps_vertex[device->packed][extras] : render_mesh_vertex[device->packed][inputs],
-		.fragment = !depth   ? render_maps_fragment[gloss][coverage][extras]
+		.vertex =
+			reads ? render_maps_vertex[layers][device->packed][extras] : render_mesh_vertex[device->packed][inputs],
+		.fragment = through  ? render_through_fragment[gloss][extras]
+	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs)
 	                         : render_maps_depth[extras],
-		.samplers = gloss ? 2 : 0,
-		.set_items = reads ? RENDER_MAPS : 0,
+		.samplers = (uint8_t)(2 * gloss + through),
+		.set_items = !reads                      ? 0
+	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
+	                                             : RENDER_MAPS_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER,
 		.depth_write = !blends,
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
@@ -208,6 +215,27 @@ stilb_result render_programs_backdrop(render_device *device)
 	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
 	                                                      STILB_GPU_NONE, device->samples)
 	                          : result;
+}
+
+stilb_result render_programs_behind(render_device *device)
+{
+	render_programs *programs = &device->programs;
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program_desc desc = {
+		.name = "behind", .fragment = render_behind_fragment[device->samples > 1], .samplers = 2};
+	if (device->samples > 1)
+		program_constant(&desc, 0, device->samples);
+	stilb_gpu_program_desc half = {.name = "behind, half", .fragment = render_behind_half_fragment, .samplers = 1};
+	pthread_mutex_lock(&programs->lock);
+	stilb_result result = program_once(device, &desc, &programs->behind);
+	if (result == STILB_OK)
+		result = program_once(device, &half, &programs->behind_half);
+	pthread_mutex_unlock(&programs->lock);
+	if (result == STILB_OK)
+		result = stilb_gpu_program_prepare(device->gpu, programs->behind, &color, 1, STILB_GPU_NONE, 1);
+	return result == STILB_OK
+	           ? stilb_gpu_program_prepare(device->gpu, programs->behind_half, &color, 1, STILB_GPU_NONE, 1)
+	           : result;
 }
 
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
@@ -331,7 +359,7 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 }
 
 /* Finds the program of a key among the choice's, or makes it. */
-static stilb_result choice_find_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+static stilb_result choice_find_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                      stilb_gpu_program *program)
 {
 	for (uint32_t m = 0; m < choice->map_count; m++)
@@ -347,7 +375,7 @@ static stilb_result choice_find_maps(render_device *device, render_formula_progr
 	return result;
 }
 
-stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint32_t key,
+stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program)
 {
 	pthread_mutex_lock(&device->programs.lock);
@@ -364,7 +392,7 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 	for (uint32_t kind = 0; kind < RENDER_PROGRAM_KINDS && result == STILB_OK; kind++)
 		for (uint32_t i = 0; kinds >> kind & 1u && i < drawn.count && result == STILB_OK; i++) {
 			stilb_gpu_program program;
-			uint32_t key = render_maps_key(bits, kind, (render_drawn)(drawn.first + i));
+			uint64_t key = render_maps_key(bits, kind, (render_drawn)(drawn.first + i));
 			result = render_programs_maps(device, choice, key, &program);
 		}
 	return result;
@@ -383,6 +411,8 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);
+		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && render_view_is_lit(view))
+			result = render_programs_behind(device);
 	}
 	return result;
 }

@@ -65,6 +65,63 @@ static const uint32_t maps_coverage_gloss_frag[] =
 static const uint32_t maps_coverage_extras_gloss_frag[] =
 #include "maps_coverage_extras_gloss.frag.inc"
 	;
+static const uint32_t layers_vert[] =
+#include "layers.vert.inc"
+	;
+static const uint32_t layers_extras_vert[] =
+#include "layers_extras.vert.inc"
+	;
+static const uint32_t layers_packed_vert[] =
+#include "layers_packed.vert.inc"
+	;
+static const uint32_t layers_packed_extras_vert[] =
+#include "layers_packed_extras.vert.inc"
+	;
+static const uint32_t layers_frag[] =
+#include "layers.frag.inc"
+	;
+static const uint32_t layers_extras_frag[] =
+#include "layers_extras.frag.inc"
+	;
+static const uint32_t layers_coverage_frag[] =
+#include "layers_coverage.frag.inc"
+	;
+static const uint32_t layers_coverage_extras_frag[] =
+#include "layers_coverage_extras.frag.inc"
+	;
+static const uint32_t layers_gloss_frag[] =
+#include "layers_gloss.frag.inc"
+	;
+static const uint32_t layers_extras_gloss_frag[] =
+#include "layers_extras_gloss.frag.inc"
+	;
+static const uint32_t layers_coverage_gloss_frag[] =
+#include "layers_coverage_gloss.frag.inc"
+	;
+static const uint32_t layers_coverage_extras_gloss_frag[] =
+#include "layers_coverage_extras_gloss.frag.inc"
+	;
+static const uint32_t through_frag[] =
+#include "through.frag.inc"
+	;
+static const uint32_t through_extras_frag[] =
+#include "through_extras.frag.inc"
+	;
+static const uint32_t through_gloss_frag[] =
+#include "through_gloss.frag.inc"
+	;
+static const uint32_t through_extras_gloss_frag[] =
+#include "through_extras_gloss.frag.inc"
+	;
+static const uint32_t behind_frag[] =
+#include "behind.frag.inc"
+	;
+static const uint32_t behind_samples_frag[] =
+#include "behind_samples.frag.inc"
+	;
+static const uint32_t behind_half_frag[] =
+#include "behind_half.frag.inc"
+	;
 static const uint32_t maps_depth_frag[] =
 #include "maps_depth.frag.inc"
 	;
@@ -192,20 +249,44 @@ const stilb_gpu_shader render_mesh_fragment[2][RENDER_SURFACES] = {
 	},
 };
 
-const stilb_gpu_shader render_maps_vertex[2][2] = {
-	{SHADER(maps_vert), SHADER(maps_extras_vert)},
-	{SHADER(maps_packed_vert), SHADER(maps_packed_extras_vert)},
-};
-const stilb_gpu_shader render_maps_fragment[2][2][2] = {
+const stilb_gpu_shader render_maps_vertex[2][2][2] = {
 	{
-		{SHADER(maps_frag), SHADER(maps_extras_frag)},
-		{SHADER(maps_coverage_frag), SHADER(maps_coverage_extras_frag)},
+		{SHADER(maps_vert), SHADER(maps_extras_vert)},
+		{SHADER(maps_packed_vert), SHADER(maps_packed_extras_vert)},
 	},
 	{
-		{SHADER(maps_gloss_frag), SHADER(maps_extras_gloss_frag)},
-		{SHADER(maps_coverage_gloss_frag), SHADER(maps_coverage_extras_gloss_frag)},
+		{SHADER(layers_vert), SHADER(layers_extras_vert)},
+		{SHADER(layers_packed_vert), SHADER(layers_packed_extras_vert)},
 	},
 };
+const stilb_gpu_shader render_maps_fragment[2][2][2][2] = {
+	{
+		{
+			{SHADER(maps_frag), SHADER(maps_extras_frag)},
+			{SHADER(maps_coverage_frag), SHADER(maps_coverage_extras_frag)},
+		},
+		{
+			{SHADER(maps_gloss_frag), SHADER(maps_extras_gloss_frag)},
+			{SHADER(maps_coverage_gloss_frag), SHADER(maps_coverage_extras_gloss_frag)},
+		},
+	},
+	{
+		{
+			{SHADER(layers_frag), SHADER(layers_extras_frag)},
+			{SHADER(layers_coverage_frag), SHADER(layers_coverage_extras_frag)},
+		},
+		{
+			{SHADER(layers_gloss_frag), SHADER(layers_extras_gloss_frag)},
+			{SHADER(layers_coverage_gloss_frag), SHADER(layers_coverage_extras_gloss_frag)},
+		},
+	},
+};
+const stilb_gpu_shader render_through_fragment[2][2] = {
+	{SHADER(through_frag), SHADER(through_extras_frag)},
+	{SHADER(through_gloss_frag), SHADER(through_extras_gloss_frag)},
+};
+const stilb_gpu_shader render_behind_fragment[2] = {SHADER(behind_frag), SHADER(behind_samples_frag)};
+const stilb_gpu_shader render_behind_half_fragment = SHADER(behind_half_frag);
 const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES] = {
 	{SHADER(mesh_channel_vert), SHADER(maps_channel_vert), SHADER(maps_extras_channel_vert)},
 	{SHADER(mesh_packed_channel_vert), SHADER(maps_packed_channel_vert), SHADER(maps_packed_extras_channel_vert)},

@@ -69,7 +69,10 @@ static const char *dump_surface_mistake(const render_dump_surface *surface, uint
 	static const uint8_t zero[sizeof surface->unused] = {0};
 	const render_maps_record *record = &surface->record;
 	uint32_t both = RENDER_MAPS_MASK | RENDER_MAPS_BLEND;
-	if (surface->bits >= RENDER_MAPS_EXTRAS || (surface->bits & both) == both)
+	uint32_t layers = RENDER_MAPS_COAT | RENDER_MAPS_SHEEN | RENDER_MAPS_BRUSHED | RENDER_MAPS_THROUGH |
+	                  (((1u << RENDER_MAPS) - 1u) & ~((1u << RENDER_MAPS_PLAIN) - 1u));
+	bool layered = surface->bits & RENDER_MAPS_LAYERS;
+	if (surface->bits >= RENDER_MAPS_EXTRAS || (surface->bits & both) == both || (surface->bits & layers && !layered))
 		return "its bits are unknown";
 	if (!dump_is_finite(record->color, offsetof(render_maps_record, places) / sizeof(float)))
 		return "a number is not finite";

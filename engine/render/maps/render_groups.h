@@ -38,18 +38,20 @@ typedef struct render_group {
 	struct render_group_key {
 		uint32_t bits, alone;         /* as of its class */
 		uint32_t arrays[RENDER_MAPS]; /* render_array.serial; 0: there is no map */
-		uint8_t samplers[RENDER_MAPS], unused[3];
+		uint8_t samplers[RENDER_MAPS], unused[1];
 	} key;
 	uint32_t class;
 	bool retired;  /* it is among the resources that wait to be released */
 	uint64_t left; /* the last frame, as render_resources.frame counts, in which a living material left it */
 } render_group;
 
-static_assert(sizeof(struct render_class_key) == 8 + 4 * RENDER_MAPS + 12, "no padding");
-static_assert(sizeof(struct render_group_key) == 8 + 4 * RENDER_MAPS + 8, "no padding");
+static_assert(sizeof(struct render_class_key) == 8 + 4 * RENDER_MAPS + 32, "no padding");
+static_assert(sizeof(struct render_group_key) == 8 + 4 * RENDER_MAPS + 16, "no padding");
 
 /* In the place of the class of a group that blends: its draws are not ordered by class. */
 #define RENDER_CLASS_BLENDS (1u << 31)
+/* With it: light goes through the draws, which come before those that blend. */
+#define RENDER_CLASS_THROUGH (1u << 30)
 
 #define RENDER_CHAINS 4096u
 

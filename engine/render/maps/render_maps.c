@@ -11,11 +11,47 @@
 
 /* ---- surfaces ---------------------------------------------------------------------------------------------------- */
 
-static uint32_t maps_bits(const stilb_scene_surface *surface, uint32_t channels)
+#define MAPS_PLAIN ((1u << RENDER_MAPS_PLAIN) - 1u)
+#define MAPS_OF_COAT                                                                                                   \
+	(1u << STILB_SCENE_MAP_CLEARCOAT | 1u << STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS |                                     \
+	 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL)
+#define MAPS_OF_SHEEN (1u << STILB_SCENE_MAP_SHEEN_COLOR | 1u << STILB_SCENE_MAP_SHEEN_ROUGHNESS)
+#define MAPS_OF_SPECULAR (1u << STILB_SCENE_MAP_SPECULAR | 1u << STILB_SCENE_MAP_SPECULAR_COLOR)
+
+/* The layers that show something, and the maps that they and highlights can have. */
+static uint32_t maps_layers(const stilb_scene_surface *surface, uint32_t coat_channels, uint32_t *maps)
 {
+	const float *sheen = surface->sheen_color;
 	uint32_t bits = 0;
+	*maps = MAPS_PLAIN | (surface->workflow == STILB_SCENE_METALLIC ? MAPS_OF_SPECULAR : 0);
+	if (surface->clearcoat > 0.0f) {
+		bits |= RENDER_MAPS_COAT;
+		*maps |= MAPS_OF_COAT;
+		if (surface->maps[STILB_SCENE_MAP_CLEARCOAT_NORMAL].texture && coat_channels == 2)
+			bits |= RENDER_MAPS_COAT_TWO;
+	}
+	if (sheen[0] > 0.0f || sheen[1] > 0.0f || sheen[2] > 0.0f) {
+		bits |= RENDER_MAPS_SHEEN;
+		*maps |= MAPS_OF_SHEEN;
+	}
+	if (surface->anisotropy > 0.0f) {
+		bits |= RENDER_MAPS_BRUSHED;
+		*maps |= 1u << STILB_SCENE_MAP_ANISOTROPY;
+	}
+	if (surface->transmission > 0.0f) {
+		bits |= RENDER_MAPS_THROUGH | (surface->thickness > 0.0f ? RENDER_MAPS_SOLID : 0);
+		*maps |= 1u << STILB_SCENE_MAP_TRANSMISSION;
+		*maps |= surface->thickness > 0.0f ? 1u << STILB_SCENE_MAP_THICKNESS : 0;
+	}
+	return bits;
+}
+
+static uint32_t maps_bits(const stilb_scene_surface *surface, uint32_t channels, uint32_t coat_channels)
+{
+	uint32_t bits = 0, shown, layers = maps_layers(surface, coat_channels, &shown);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
-		bits |= surface->maps[i].texture ? 1u << i : 0;
+		bits |= surface->maps[i].texture ? 1u << i & shown : 0;
+	bits |= layers | (layers || bits & ~MAPS_PLAIN ? RENDER_MAPS_LAYERS : 0);
 	if (surface->unlit)
 		bits = (bits & 1u << STILB_SCENE_MAP_COLOR) | RENDER_MAPS_UNLIT;
 	if (bits >> STILB_SCENE_MAP_NORMAL & 1u && channels == 2)
@@ -41,11 +77,41 @@ static bool maps_lie_together(const render_maps *maps)
 	return true;
 }
 
-render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels)
+/* The reflectance at normal incidence. */
+static void maps_specular(const stilb_scene_surface *surface, uint32_t bits, render_maps_record *record)
+{
+	const float *s = surface->specular;
+	stilb_vec3 dielectric =
+		shade_gltf_dielectric(surface->ior, stilb_vec3_make(s[0], s[1], s[2]), surface->specular_weight);
+	bool metallic = surface->workflow == STILB_SCENE_METALLIC;
+	record->specular_weight = bits & MAPS_OF_SPECULAR ? surface->specular_weight : 1.0f;
+	for (int c = 0; c < 3; c++)
+		record->specular[c] = !metallic                 ? s[c]
+		                      : bits & MAPS_OF_SPECULAR ? s[c] * shade_gltf_reflectance(surface->ior)
+		                                                : dielectric[c];
+}
+
+static void maps_of_layers(const stilb_scene_surface *surface, render_maps_record *record)
+{
+	record->coat = surface->clearcoat;
+	record->coat_roughness = surface->clearcoat_roughness;
+	record->coat_normal_scale = surface->clearcoat_normal_scale;
+	memcpy(record->sheen, surface->sheen_color, sizeof record->sheen);
+	record->sheen_roughness = surface->sheen_roughness;
+	record->brushed = surface->anisotropy;
+	record->brushed_turn[0] = cosf(surface->anisotropy_rotation);
+	record->brushed_turn[1] = sinf(surface->anisotropy_rotation);
+	record->transmission = surface->transmission;
+	record->thickness = surface->thickness;
+	record->ior = surface->ior;
+	for (int c = 0; c < 3; c++)
+		record->absorption[c] = fminf(-logf(surface->attenuation[c]) / surface->attenuation_distance, 1e30f);
+}
+
+render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels, uint32_t coat_channels)
 {
 	STILB_ASSERT(surface && !stilb_scene_surface_mistake(surface));
-	const float *s = surface->specular;
-	render_maps maps = {.bits = maps_bits(surface, channels),
+	render_maps maps = {.bits = maps_bits(surface, channels, coat_channels),
 	                    .record = {.roughness = surface->roughness,
 	                               .metalness = surface->metalness,
 	                               .normal_scale = surface->normal_scale,
@@ -53,12 +119,10 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 	                               .cutoff = surface->cutoff}};
 	render_maps_record *record = &maps.record;
 	memcpy(record->color, surface->color, sizeof record->color);
-	memcpy(record->specular, surface->specular, sizeof record->specular);
 	memcpy(record->emission, surface->emission, sizeof record->emission);
-	stilb_vec3 dielectric =
-		shade_gltf_dielectric(surface->ior, stilb_vec3_make(s[0], s[1], s[2]), surface->specular_weight);
-	for (int c = 0; c < 3 && surface->workflow == STILB_SCENE_METALLIC; c++)
-		record->specular[c] = dielectric[c];
+	maps_specular(surface, maps.bits, record);
+	if (maps.bits & RENDER_MAPS_LAYERS)
+		maps_of_layers(surface, record);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
 		const stilb_scene_map *map = &surface->maps[i];
 		render_maps_place *place = &record->places[i];
@@ -74,19 +138,22 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 	return maps;
 }
 
+#define MAPS_OF_TANGENTS                                                                                               \
+	(RENDER_MAPS_TWO | RENDER_MAPS_COAT_TWO | 1u << STILB_SCENE_MAP_NORMAL | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL)
+
 uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool depth)
 {
 	if (extras)
 		bits |= RENDER_MAPS_EXTRAS;
 	else
-		bits &= ~(RENDER_MAPS_TWO | 1u << STILB_SCENE_MAP_NORMAL); /* there are no tangents */
+		bits &= ~MAPS_OF_TANGENTS; /* there are none */
 	if (!sides)
 		bits &= ~RENDER_MAPS_ONE_SIDED; /* everything is */
 	if (!depth)
 		return bits;
 	uint32_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
 	if (bits & RENDER_MAPS_MASK)
-		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | 1u << STILB_SCENE_MAP_COLOR;
+		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | RENDER_MAPS_LAYERS | 1u << STILB_SCENE_MAP_COLOR;
 	return bits & kept;
 }
 

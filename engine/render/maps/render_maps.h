@@ -2,13 +2,15 @@
  * Surfaces of a scene (scene/scene_surface.h) as the device has them. Inside render/.
  *
  * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and
- *            RENDER_MAPS layers of a set of as many images, in the order of stilb_scene_map_kind. A map that is missing
- *            is a white texel that no shader reads: what a program reads is compiled into it (RENDER_MAPS_...).
+ *            layers of a set of images, in the order of stilb_scene_map_kind: the first RENDER_MAPS_PLAIN ones, or of
+ *            materials with RENDER_MAPS_LAYERS all. A map that is missing is a white texel that no shader reads: what a
+ *            program reads is compiled into it (RENDER_MAPS_...).
  * Owner.     Each material owns its maps; they come, change and go with it. The images are those of its group.
  * Extras.    Tangents, second uv and colours of vertices lie in a heap of their own, in the order of the vertices. A
  *            table by mesh says where a mesh's begin. Meshes without extras have nothing there.
- * Left out.  Clear coat, sheen, anisotropy and transmission, as in rays; and the maps of specular weight and tint,
- *            which rays read.
+ * Layers.    Clear coat, sheen, brushed metal, transmission (shading/shade_layers.h), and the maps that only they or
+ *            tinted highlights have. Their programs have shaders of their own: what a material without them costs does
+ *            not change.
  */
 #ifndef RENDER_MAPS_H
 #define RENDER_MAPS_H
@@ -17,22 +19,30 @@
 #include "render/render.h"
 #include "scene/scene_surface.h"
 
-#define RENDER_MAPS 5u /* color, reflection, normal, occlusion, emission */
+#define RENDER_MAPS 15u
+#define RENDER_MAPS_PLAIN 5u /* color, reflection, normal, occlusion, emission */
 
-static_assert(STILB_SCENE_MAP_EMISSION + 1 == RENDER_MAPS, "the first maps of a surface");
+static_assert(STILB_SCENE_MAPS == RENDER_MAPS && STILB_SCENE_MAP_EMISSION + 1 == RENDER_MAPS_PLAIN, "maps of surfaces");
 
 /* A material's maps at most. */
 #define RENDER_MAX_MAPS (1u << 20)
 
 /* What a program is compiled for. Bits 0 .. RENDER_MAPS - 1: 1 << stilb_scene_map_kind of each map that there is. */
-#define RENDER_MAPS_MASK (1u << 5)
-#define RENDER_MAPS_BLEND (1u << 6)
-#define RENDER_MAPS_ONE_SIDED (1u << 7)
-#define RENDER_MAPS_UNLIT (1u << 8)
-#define RENDER_MAPS_SPECULAR (1u << 9)  /* STILB_SCENE_SPECULAR */
-#define RENDER_MAPS_TWO (1u << 10)      /* the map of normals has two channels: red, and what is alpha on the device */
-#define RENDER_MAPS_TOGETHER (1u << 11) /* all maps lie in one way: one place is enough */
-#define RENDER_MAPS_EXTRAS (1u << 12)   /* of the mesh: its vertices have extras */
+#define RENDER_MAPS_MASK (1u << 15)
+#define RENDER_MAPS_BLEND (1u << 16)
+#define RENDER_MAPS_ONE_SIDED (1u << 17)
+#define RENDER_MAPS_UNLIT (1u << 18)
+#define RENDER_MAPS_SPECULAR (1u << 19) /* STILB_SCENE_SPECULAR */
+#define RENDER_MAPS_TWO (1u << 20)      /* the map of normals has two channels: red, and what is alpha on the device */
+#define RENDER_MAPS_TOGETHER (1u << 21) /* all maps lie in one way: one place is enough */
+#define RENDER_MAPS_LAYERS (1u << 22)   /* one of the next five, or a map behind the first RENDER_MAPS_PLAIN */
+#define RENDER_MAPS_COAT (1u << 23)
+#define RENDER_MAPS_SHEEN (1u << 24)
+#define RENDER_MAPS_BRUSHED (1u << 25)  /* anisotropy */
+#define RENDER_MAPS_THROUGH (1u << 26)  /* transmission */
+#define RENDER_MAPS_SOLID (1u << 27)    /* besides _THROUGH: it has a thickness */
+#define RENDER_MAPS_COAT_TWO (1u << 28) /* as _TWO, of the coat */
+#define RENDER_MAPS_EXTRAS (1u << 29)   /* of the mesh: its vertices have extras */
 
 /* How a map lies on the surface. */
 typedef struct render_maps_place {
@@ -44,22 +54,30 @@ typedef struct render_maps_place {
 /* As shaders read it (shaders/maps.glsl). */
 typedef struct render_maps_record {
 	float color[4];
-	float specular[3]; /* METALLIC: the dielectric's reflectance at normal incidence */
+	float specular[3]; /* METALLIC: the dielectric's reflectance at normal incidence; with maps of it before it is
+	                      limited to 1 and weighted */
 	float roughness;
 	float emission[3], metalness;
-	float normal_scale, occlusion, cutoff, unused;
+	float normal_scale, occlusion, cutoff, ior;
+	float coat, coat_roughness, coat_normal_scale;
+	float specular_weight; /* what specular lacks: 1 without maps of it */
+	float sheen[3], sheen_roughness;
+	float brushed, brushed_turn[2]; /* anisotropy; cosine and sine of its rotation */
+	float transmission;
+	float absorption[3]; /* per metre of the mesh's space */
+	float thickness;
 	render_maps_place places[RENDER_MAPS];
 } render_maps_record;
 
-static_assert(sizeof(render_maps_record) == 64 + 32 * RENDER_MAPS, "std430: vec4s");
+static_assert(sizeof(render_maps_record) == 128 + 32 * RENDER_MAPS, "std430: vec4s");
 
 /* With what the device knows alone: so it lies in its heap. */
 typedef struct render_maps_stored {
 	render_maps_record record;
-	float layers[RENDER_MAPS], unused[3]; /* of the images of its group (render_groups.h) */
+	float layers[RENDER_MAPS], unused; /* of the images of its group (render_groups.h) */
 } render_maps_stored;
 
-static_assert(sizeof(render_maps_stored) == 256, "std430: MAPS_PARTS vec4s");
+static_assert(sizeof(render_maps_stored) == 672, "std430: MAPS_PARTS vec4s");
 
 /* What is made of a surface. */
 typedef struct render_maps {
@@ -71,8 +89,8 @@ typedef struct render_maps {
 
 #define RENDER_MAPS_SAMPLERS 18u
 
-/* Without textures. channels: of the texture of normals. [any-thread] */
-render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels);
+/* Without textures. channels: of the textures of normals and of the coat's normals; 0: there is none. [any-thread] */
+render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels, uint32_t coat_channels);
 
 /* What the program of a draw is compiled for: its maps' bits; whether its vertices have extras; whether triangles are
  * seen from both sides; whether depth alone is drawn, where RENDER_MAPS_BLEND stands for a draw that is left out, and 0

@@ -1,5 +1,6 @@
 /* The order of draws with maps: those of a class of groups together (render_groups.h), so that their images are bound
- * once; and behind all others of their pass those that blend, from the farthest to the nearest. */
+ * once; then those that light goes through; and behind all others of their pass those that blend, from the farthest to
+ * the nearest. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -13,7 +14,13 @@ static uint32_t entry_of(const stilb_render *render, const render_run *run)
 
 static bool blend_is(const stilb_render *render, const render_run *run)
 {
-	return run->state & RENDER_STATE_MAPS && entry_of(render, run) & RENDER_CLASS_BLENDS;
+	uint32_t entry = run->state & RENDER_STATE_MAPS ? entry_of(render, run) : 0;
+	return entry & RENDER_CLASS_BLENDS && !(entry & RENDER_CLASS_THROUGH);
+}
+
+static bool through_is(const stilb_render *render, const render_run *run)
+{
+	return run->state & RENDER_STATE_MAPS && entry_of(render, run) & RENDER_CLASS_THROUGH;
 }
 
 /* ---- together ---------------------------------------------------------------------------------------------------- */
@@ -157,6 +164,30 @@ void render_order_finish(render_order_memory *order)
 	*order = (render_order_memory){0};
 }
 
+/* ---- what light goes through ------------------------------------------------------------------------------------- */
+
+/* Moves their runs behind the others. */
+static stilb_result through_order(const stilb_render *render, render_pass_lists *lists)
+{
+	uint32_t count = 0, kept = 0;
+	for (uint32_t r = 0; render->device->through > 0 && r < lists->run_count; r++)
+		count += through_is(render, &lists->runs[r]);
+	if (count == 0 || count == lists->run_count)
+		return STILB_OK;
+	render_run *moved = stilb_memory_alloc(count, sizeof *moved);
+	if (!moved)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of %u runs of draws with transmission", count);
+	count = 0;
+	for (uint32_t r = 0; r < lists->run_count; r++)
+		if (through_is(render, &lists->runs[r]))
+			moved[count++] = lists->runs[r];
+		else
+			lists->runs[kept++] = lists->runs[r];
+	memcpy(lists->runs + kept, moved, count * sizeof *moved);
+	free(moved);
+	return STILB_OK;
+}
+
 /* ---- what blends ------------------------------------------------------------------------------------------------- */
 
 /* Farthest first. What is equally far follows the names, and these the order of recording. */
@@ -267,5 +298,7 @@ stilb_result render_maps_order(stilb_render *render, const stilb_render_view *vi
 		return STILB_OK;
 	if (!sorted)
 		result = class_order(render, lists);
+	if (result == STILB_OK)
+		result = through_order(render, lists);
 	return result == STILB_OK && !render_view_is_depth(view) ? blend_order(render, view, lists) : result;
 }

@@ -72,6 +72,11 @@ shade_light light_of(uint index)
 		half_y_radius.xyz, direction_reach.w);
 }
 
+// LIT_LAYERS: programs of surfaces with layers.
+#ifdef LIT_LAYERS
+#include "layers.glsl"
+#endif
+
 // What a light sends to v. Each kind has code of its own, so that nothing is left of kinds that the list has not.
 vec3 from_light(shade_light light, shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
@@ -94,7 +99,12 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 	FROM_LIGHT(SHADE_LIGHT_DISK, true)
 	FROM_LIGHT(SHADE_LIGHT_RECTANGLE, true)
 #undef FROM_LIGHT
+#ifdef LIT_LAYERS
+	bool sized = lamp || shade_light_is_sized(light.kind);
+	return layers_lit(shade_surface_lit(model, material, frame, seen, sized, spread, v), material, frame.n, seen, v);
+#else
 	return shade_surface_lit(model, material, frame, seen, lamp || shade_light_is_sized(light.kind), spread, v);
+#endif
 }
 
 // What the lights of the view's list send to v.
@@ -143,19 +153,35 @@ vec3 panorama_irradiance(vec3 n)
 layout(set = 0, binding = 0) uniform samplerCube panorama_cube; // without its lamps
 layout(set = 0, binding = 1) uniform sampler2D gloss_table;
 
+// A place of the table: what a lobe reflects of a white environment is f0 x + y.
+vec2 gloss_shares(vec3 n, vec3 v, float roughness)
+{
+	const float SIDE = 64.0; // as RENDER_PANORAMA_DFG
+	return textureLod(gloss_table, shade_dfg_texel(shade_dfg_place(dot(n, v), roughness), SIDE), 0.0).xy;
+}
+
+// The panorama's light that a lobe of this roughness has on average whose middle is toward.
+vec3 gloss_light(vec3 toward, float roughness)
+{
+	const float MIPS = 6.0; // as RENDER_PANORAMA_MIPS
+	return textureLod(panorama_cube, panorama_own(toward), shade_environment_mip(roughness, MIPS)).xyz;
+}
+
+// What share of that light a highlight sends on.
+vec3 gloss_reflectance(shade_material material, vec2 dfg)
+{
+	bool fresnel = brdf == SHADE_BRDF_MICROFACET && f != SHADE_F_NONE;
+	return fresnel ? material.specular * dfg.x + dfg.y : material.specular * (dfg.x + dfg.y);
+}
+
 // The panorama as a highlight mirrors it: the cube and the table of GGX at the material's roughness, for other models
 // an approximation. What has no Fresnel term has the reflectance f0 at every angle. Light that facets hand on to others
 // is left out, as lamps and rays have it.
 vec3 panorama_highlight(shade_material material, vec3 n, vec3 v)
 {
-	const float MIPS = 6.0; // as RENDER_PANORAMA_MIPS and _DFG
-	const float SIDE = 64.0;
-	bool fresnel = brdf == SHADE_BRDF_MICROFACET && f != SHADE_F_NONE;
-	vec2 place = shade_dfg_place(dot(n, v), material.roughness);
-	vec2 dfg = textureLod(gloss_table, shade_dfg_texel(place, SIDE), 0.0).xy;
-	vec3 toward = panorama_own(shade_environment_direction(n, v, material.roughness));
-	vec3 light = textureLod(panorama_cube, toward, shade_environment_mip(material.roughness, MIPS)).xyz;
-	return light * (fresnel ? material.specular * dfg.x + dfg.y : material.specular * (dfg.x + dfg.y));
+	vec2 dfg = gloss_shares(n, v, material.roughness);
+	vec3 light = gloss_light(shade_environment_direction(n, v, material.roughness), material.roughness);
+	return light * gloss_reflectance(material, dfg);
 }
 #endif
 
@@ -187,6 +213,10 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 #endif
 	return radiance;
 }
+
+#ifdef LIT_LAYERS
+#include "layers_around.glsl"
+#endif
 
 vec3 lit_radiance(shade_material material, vec3 emission, vec3 n, vec3 to_camera)
 {

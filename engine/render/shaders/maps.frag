@@ -35,6 +35,25 @@ int covered_samples(float raw, float factor, float cutoff)
 }
 #endif
 
+#ifdef MAPS_LAYERS
+LAYER_PLACES(in)
+layout(location = 22) flat in float model_scale;
+layout(set = 1, binding = 5) uniform sampler2DArray coat_map;
+layout(set = 1, binding = 6) uniform sampler2DArray coat_roughness_map;
+layout(set = 1, binding = 7) uniform sampler2DArray coat_normal_map;
+layout(set = 1, binding = 8) uniform sampler2DArray specular_map;
+layout(set = 1, binding = 9) uniform sampler2DArray specular_color_map;
+layout(set = 1, binding = 10) uniform sampler2DArray sheen_color_map;
+layout(set = 1, binding = 11) uniform sampler2DArray sheen_roughness_map;
+layout(set = 1, binding = 12) uniform sampler2DArray brushed_map;
+layout(set = 1, binding = 13) uniform sampler2DArray transmission_map;
+layout(set = 1, binding = 14) uniform sampler2DArray thickness_map;
+#define LIT_LAYERS
+#ifdef MAPS_THROUGH
+#define LIT_THROUGH
+#endif
+#endif
+
 #include "lit.glsl"
 #ifdef MESH_CHANNEL
 layout(location = 12) centroid in vec4 channel_uv;
@@ -52,7 +71,7 @@ struct Texels {
 
 Texels texels_here(uint record)
 {
-	vec4 layers = record_part(record, 14u);
+	vec4 layers = record_part(record, MAPS_PARTS_LAYERS);
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
 		texels.reflection =
@@ -66,36 +85,75 @@ Texels texels_here(uint record)
 	if (map_occlusion)
 		texels.occlusion = texture(occlusion_map, vec3(together ? first_place : occlusion_place, layers.w)).x;
 	if (map_emission) {
-		float layer = record_part(record, 15u).x;
+		float layer = record_part(record, MAPS_PARTS_LAYERS + 1u).x;
 		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, layer)).xyz;
 	}
 	return texels;
 }
 
-shade_gltf_base base_here(uint record, vec3 base_color, vec4 reflection)
+#ifdef MAPS_LAYERS
+// Map number 5 + layer here; 1 where there is none.
+#define LAYER_TEXEL(map, layer) \
+	(has_layer_map(layer) \
+		? texture(map, vec3(together ? first_place : layer_places[layer], \
+			  record_part(record, MAPS_PARTS_LAYERS + (MAPS_PLAIN + layer) / 4u)[(MAPS_PLAIN + layer) % 4u])) \
+		: vec4(1.0))
+
+// The maps that layers have.
+struct LayerTexels {
+	float coat, coat_roughness;
+	vec3 coat_normal;
+	float specular;
+	vec3 specular_color;
+	vec3 sheen_color;
+	float sheen_roughness;
+	vec3 brushed;
+	float transmission, thickness;
+};
+
+LayerTexels layer_texels_here(uint record)
 {
-	vec4 specular_roughness = record_part(record, 1u);
+	LayerTexels texels;
+	texels.coat = LAYER_TEXEL(coat_map, 0u).x;
+	texels.coat_roughness = LAYER_TEXEL(coat_roughness_map, 1u).y;
+	vec4 normal = LAYER_TEXEL(coat_normal_map, 2u);
+	texels.coat_normal = coat_two_channels ? vec3(normal.xw, shade_gltf_normal_z(normal.x, normal.w)) : normal.xyz;
+	texels.specular = LAYER_TEXEL(specular_map, 3u).w;
+	texels.specular_color = LAYER_TEXEL(specular_color_map, 4u).xyz;
+	texels.sheen_color = LAYER_TEXEL(sheen_color_map, 5u).xyz;
+	texels.sheen_roughness = LAYER_TEXEL(sheen_roughness_map, 6u).w;
+	texels.brushed = has_layer_map(7u) ? LAYER_TEXEL(brushed_map, 7u).xyz : vec3(1.0, 0.5, 1.0);
+	texels.transmission = LAYER_TEXEL(transmission_map, 8u).x;
+	texels.thickness = LAYER_TEXEL(thickness_map, 9u).y;
+	return texels;
+}
+#endif
+
+// specular: SPECULAR the highlight's reflectance, else the dielectric's.
+shade_gltf_base base_here(uint record, vec3 base_color, vec4 reflection, vec3 specular)
+{
+	float roughness = record_part(record, 1u).w;
 	if (specular_workflow)
-		return shade_gltf_specular(base_color, specular_roughness.xyz * reflection.xyz,
-			(1.0 - specular_roughness.w) * reflection.w);
+		return shade_gltf_specular(base_color, specular * reflection.xyz, (1.0 - roughness) * reflection.w);
 	float metalness = record_part(record, 2u).w * reflection.z;
-	return shade_gltf_metallic(base_color, metalness, specular_roughness.w * reflection.y, specular_roughness.xyz);
+	return shade_gltf_metallic(base_color, metalness, roughness * reflection.y, specular);
 }
 
-// The unit normal on the side that is seen. flat_normal: as of is_turned_over.
-vec3 normal_here(uint record, vec3 texel, vec3 flat_normal, vec3 to_camera)
+// The unit normal on the side that is seen. mapped: there is a map of it, whose texel and scale these are. flat_normal:
+// as of is_turned_over.
+vec3 normal_here(bool mapped, vec3 texel, float scale, vec3 flat_normal, vec3 to_camera)
 {
 	vec3 own = normalize(world_normal), n = own;
 #ifdef MESH_EXTRAS
-	if (map_normal) {
-		vec3 local = shade_gltf_normal(texel, record_part(record, 3u).x);
+	if (mapped) {
+		vec3 local = shade_gltf_normal(texel, scale);
 		if (tangent_sign != 0.0)
 			n = shade_gltf_turned(local, world_tangent, tangent_sign, world_normal);
 	}
 #endif
 	if (both_sides && is_turned_over(own, flat_normal, to_camera))
 		n = -n;
-	return both_sides || map_normal ? bent_normal(n, to_camera) : n;
+	return both_sides || mapped ? bent_normal(n, to_camera) : n;
 }
 
 #ifdef MESH_CHANNEL
@@ -109,8 +167,42 @@ Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
 	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
 	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
 	return Channels(base_color.xyz, n, tangent, emission,
-		base_here(record, base_color.xyz, texels.reflection).roughness, metalness,
+		base_here(record, base_color.xyz, texels.reflection, vec3(0.0)).roughness, metalness,
 		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
+}
+#endif
+
+#ifdef MAPS_LAYERS
+// What `layers` are here. tint: of what goes through.
+Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal, vec3 to_camera)
+{
+	vec4 coat = record_part(record, 4u), sheen = record_part(record, 5u), brushed = record_part(record, 6u);
+	vec4 inside = record_part(record, 7u);
+	Layers layers;
+	layers.coat = clamp(coat.x * texels.coat, 0.0, 1.0);
+	layers.coat_roughness = clamp(coat.y * texels.coat_roughness, 0.0, 1.0);
+	layers.coat_n = normal_here(has_layer_map(2u), texels.coat_normal, coat.z, flat_normal, to_camera);
+	layers.sheen = clamp(sheen.xyz * texels.sheen_color, 0.0, 1.0);
+	layers.sheen_roughness = clamp(sheen.w * texels.sheen_roughness, 0.0, 1.0);
+	vec3 normal = normalize(world_normal), tangent = vec3(normal.z, 0.0, -normal.x); // as of frame_here
+	float sign = 1.0;
+#ifdef MESH_EXTRAS
+	if (tangent_sign != 0.0) {
+		normal = world_normal;
+		tangent = world_tangent;
+		sign = tangent_sign;
+	}
+#endif
+	vec2 way = texels.brushed.xy * 2.0 - 1.0;
+	way = vec2(way.x * brushed.y - way.y * brushed.z, way.x * brushed.z + way.y * brushed.y);
+	layers.along = tangent * way.x + cross(normal, tangent) * (way.y * sign);
+	layers.brushed = is_brushed ? clamp(brushed.x * texels.brushed.z, 0.0, 1.0) : 0.0;
+	layers.transmission = clamp(brushed.w * texels.transmission, 0.0, 1.0);
+	layers.tint = tint;
+	layers.absorption = inside.xyz;
+	layers.thickness = inside.w * max(texels.thickness, 0.0) * model_scale;
+	layers.ior = record_part(record, 3u).w;
+	return layers;
 }
 #endif
 
@@ -125,6 +217,9 @@ void main()
 	vec4 raw = raw_color(record);
 	vec4 base_color = raw * record_part(record, 0u);
 	Texels texels = texels_here(record);
+#ifdef MAPS_LAYERS
+	LayerTexels layer_texels = layer_texels_here(record);
+#endif
 #ifdef MAPS_COVERAGE
 	int covered = covered_samples(raw.w, record_part(record, 0u).w, record_part(record, 3u).z);
 #endif
@@ -139,7 +234,7 @@ void main()
 		discard;
 #endif
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
-	vec3 n = normal_here(record, texels.normal, flat_normal, to_camera);
+	vec3 n = normal_here(map_normal, texels.normal, record_part(record, 3u).x, flat_normal, to_camera);
 	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
 #ifdef MESH_CHANNEL
 	color = channel_color(channels_here(record, texels, base_color, n), index);
@@ -147,12 +242,26 @@ void main()
 #endif
 	vec3 radiance = base_color.xyz;
 	if (!unlit) {
-		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection);
+#ifdef MAPS_LAYERS
+		vec3 dielectric = record_part(record, 1u).xyz;
+		if (has_layer_map(3u) || has_layer_map(4u))
+			dielectric = clamp(min(dielectric * layer_texels.specular_color, 1.0) *
+				(record_part(record, 4u).w * layer_texels.specular), 0.0, 1.0);
+		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection, dielectric);
+#else
+		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection, record_part(record, 1u).xyz);
+#endif
 		shade_material material = material_with(stored, base.diffuse, base.specular, base.roughness);
 		bool glows = !both_sides || gl_FrontFacing;
 		vec3 emission = glows ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
 		float open = shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y);
+#ifdef MAPS_LAYERS
+		float metalness = specular_workflow ? 0.0 : clamp(record_part(record, 2u).w * texels.reflection.z, 0.0, 1.0);
+		layers = layers_here(record, layer_texels, base_color.xyz * (1.0 - metalness), flat_normal, to_camera);
+		radiance = layered_radiance(material, emission, open, n, to_camera);
+#else
 		radiance = lit_radiance_open(material, emission, open, n, to_camera);
+#endif
 	}
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, n, to_camera);

@@ -7,12 +7,12 @@ const bool map_reflection = (maps & 2u) != 0;
 const bool map_normal = (maps & 4u) != 0;
 const bool map_occlusion = (maps & 8u) != 0;
 const bool map_emission = (maps & 16u) != 0;
-const bool masked = (maps & 32u) != 0;
-const bool blends = (maps & 64u) != 0;
-const bool unlit = (maps & 256u) != 0;
-const bool specular_workflow = (maps & 512u) != 0;
-const bool two_channels = (maps & 1024u) != 0;
-const bool together = (maps & 2048u) != 0; // all lie at the first one's place
+const bool masked = (maps >> 15 & 1u) != 0;
+const bool blends = (maps >> 16 & 1u) != 0;
+const bool unlit = (maps >> 18 & 1u) != 0;
+const bool specular_workflow = (maps >> 19 & 1u) != 0;
+const bool two_channels = (maps >> 20 & 1u) != 0;
+const bool together = (maps >> 21 & 1u) != 0; // all lie at the first one's place
 
 // Part `part` of a record.
 vec4 record_part(uint record, uint part)
@@ -29,3 +29,25 @@ vec4 record_part(uint record, uint part)
 	layout(location = 9) way vec2 normal_place; \
 	layout(location = 10) way vec2 occlusion_place; \
 	layout(location = 11) way vec2 emission_place;
+
+// MAPS_LAYERS: programs of materials with RENDER_MAPS_LAYERS, and the places of the maps that they alone have: number i
+// is that of map 5 + i.
+#ifdef MAPS_LAYERS
+#define MAPS_PLAIN 5u
+#define LAYER_MAPS 10
+const bool has_coat = (maps >> 23 & 1u) != 0;
+const bool has_sheen = (maps >> 24 & 1u) != 0;
+const bool is_brushed = (maps >> 25 & 1u) != 0;
+const bool lets_through = (maps >> 26 & 1u) != 0;
+const bool is_solid = (maps >> 27 & 1u) != 0;
+const bool coat_two_channels = (maps >> 28 & 1u) != 0;
+
+// True if there is map 5 + layer.
+bool has_layer_map(uint layer)
+{
+	return (maps >> (MAPS_PLAIN + layer) & 1u) != 0;
+}
+
+#define LAYER_PLACES(way) \
+	layout(location = 12) way vec2 layer_places[LAYER_MAPS];
+#endif

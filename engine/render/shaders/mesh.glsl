@@ -26,11 +26,13 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
-// As render_maps_stored, of which each has 16: color; specular, roughness; emission, metalness; scale of normals,
-// occlusion, cutoff; for each map two rows of its transform, behind the first which uv it lies on; then the maps'
-// layers.
+// As render_maps_stored, of which each has 42: color; specular, roughness; emission, metalness; scale of normals,
+// occlusion, cutoff, ior; coat, its roughness, scale of its normals, weight of specular; sheen, its roughness; brushed,
+// cosine and sine of its turn, transmission; absorption, thickness; for each map two rows of its transform, behind the
+// first which uv it lies on; then the maps' layers, four a part.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Maps { vec4 parts[]; };
-#define MAPS_PARTS 16u
+#define MAPS_PARTS 42u
+#define MAPS_PARTS_LAYERS 38u
 
 // As render_extra, of which each has three: tangent, sign; uv; colour. As render_extra_place.
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };
@@ -45,7 +47,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	vec4 added; // to every material's roughness, anisotropy, wrap, specular
 	Lights lights;
 	uint light_count;
-	float unused;
+	float pixels; // of the picture's height that a length of 1 at a distance of 1 has
 	Panorama panorama;
 	vec2 turn; // sine and cosine of its rotation
 	Maps maps;

@@ -26,11 +26,15 @@ layout(location = 3) centroid out vec2 surface_uv;
 #include "maps.glsl"
 layout(constant_id = 1) const uint drawn = 0;
 MAPS_PLACES(out)
+#ifdef MAPS_LAYERS
+LAYER_PLACES(out)
+layout(location = 22) flat out float model_scale; // metres for a metre of the mesh's space
+#endif
 
 // Where map number `map` lies. second: the other uv.
 vec2 map_place(uint record, uint map, vec2 uv, vec2 second)
 {
-	vec4 u = record_part(record, 4u + 2u * map), v = record_part(record, 5u + 2u * map);
+	vec4 u = record_part(record, 8u + 2u * map), v = record_part(record, 9u + 2u * map);
 	vec3 place = vec3(u.w != 0.0 ? second : uv, 1.0);
 	return vec2(dot(u.xyz, place), dot(v.xyz, place));
 }
@@ -38,7 +42,13 @@ vec2 map_place(uint record, uint map, vec2 uv, vec2 second)
 void write_places(uint index, vec2 uv, vec2 second)
 {
 	uint record = push.materials.materials[drawn == 3u ? 0u : index].ids.y;
+#ifdef MAPS_LAYERS
+	uint first = uint(max(findLSB(maps & 0x7fffu), 0));
+	for (uint i = 0u; i < LAYER_MAPS; i++)
+		layer_places[i] = !together && has_layer_map(i) ? map_place(record, MAPS_PLAIN + i, uv, second) : vec2(0.0);
+#else
 	uint first = map_color ? 0u : map_reflection ? 1u : map_normal ? 2u : map_occlusion ? 3u : 4u;
+#endif
 	first_place = map_place(record, together ? first : 0u, uv, second);
 	reflection_place = !together && map_reflection ? map_place(record, 1u, uv, second) : vec2(0.0);
 	normal_place = !together && map_normal ? map_place(record, 2u, uv, second) : vec2(0.0);
@@ -154,6 +164,9 @@ void main()
 		material |= detail << DETAIL_MATERIAL_SHIFT;
 #ifdef MESH_MAPS
 	write_places(row.material, t, second);
+#ifdef MAPS_LAYERS
+	model_scale = pow(abs(dot(cross(x, y), z)), 1.0 / 3.0);
+#endif
 #elif defined(MESH_TEXTURE)
 	surface_uv = t;
 #endif

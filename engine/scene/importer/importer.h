@@ -66,7 +66,6 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_CAMERAS,
 	IMPORTER_LOSS_LIGHTS,
 	IMPORTER_LOSS_FALLOFFS,
-	IMPORTER_LOSS_FRAMES,
 	IMPORTER_LOSS_MIRRORS,
 	IMPORTER_LOSS_LAYERS,
 	IMPORTER_LOSS_WIRES,
@@ -202,9 +201,6 @@ bool importer_hides_map(const stilb_scene_surface *surface, stilb_scene_map_kind
 
 /* True if the surface has more than a base: a coat, sheen, light that passes through it, or a direction of brushing. */
 bool importer_has_layers(const stilb_scene_surface *surface);
-
-/* Counts what of the surface is not shown by all renderers. name: the material's. */
-void importer_lose_layers(importer *import, const stilb_scene_surface *surface, const char *name);
 
 /* Makes a material's constants, the means of a surface whose maps name textures by importer_texture_number; colours of
  * vertices do not count. Its surface is 0. */

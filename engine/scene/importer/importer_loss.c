@@ -27,10 +27,6 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_SCENES] = {"scenes besides the one that is shown", "scene"},
 	[IMPORTER_LOSS_CAMERAS] = {"cameras that are not perspective are left out", "camera"},
 	[IMPORTER_LOSS_FALLOFFS] = {"lights fade with the square of the distance, not as the file says", "light"},
-	[IMPORTER_LOSS_FRAMES] =
-		{"specular maps, clear coats, sheen, brushed metal and light that passes through surfaces are "
-         "not shown by frames",
-         "material"},
 	[IMPORTER_LOSS_MIRRORS] = {"mirrors beside a highlight, and pictures of what they mirror, are not shown",
                                "material"},
 	[IMPORTER_LOSS_LAYERS] = {"of several textures of a colour the first is shown", "material"},

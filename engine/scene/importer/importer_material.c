@@ -232,7 +232,6 @@ static void foreign_lose(const material_reader *reader)
 	importer *import = reader->import;
 	const char *name = reader->name.data;
 	float factor = 0.0f, mirrored[3] = {0};
-	importer_lose_layers(import, &reader->surface, name);
 	if (material_has(reader, aiTextureType_REFLECTION) ||
 	    (material_number(reader, AI_MATKEY_REFLECTIVITY, &factor) && factor > 0.0f &&
 	     material_color(reader, AI_MATKEY_COLOR_REFLECTIVE, mirrored) &&

@@ -59,13 +59,6 @@ bool importer_has_layers(const stilb_scene_surface *s)
 	return s->clearcoat > 0.0f || !surface_is_black(s->sheen_color) || s->transmission > 0.0f || s->anisotropy > 0.0f;
 }
 
-void importer_lose_layers(importer *import, const stilb_scene_surface *surface, const char *name)
-{
-	if (importer_has_layers(surface) || surface->maps[STILB_SCENE_MAP_SPECULAR].texture > 0 ||
-	    surface->maps[STILB_SCENE_MAP_SPECULAR_COLOR].texture > 0)
-		importer_lose(import, IMPORTER_LOSS_FRAMES, name);
-}
-
 /* ---- constants --------------------------------------------------------------------------------------------------- */
 
 /* The picture of a map; NULL: the surface has no such map. */

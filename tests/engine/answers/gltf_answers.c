@@ -13,6 +13,14 @@
 #define TRANSFORM "KHR_texture_transform"
 #define UNLIT "KHR_materials_unlit"
 #define GLOSS "KHR_materials_pbrSpecularGlossiness"
+#define METAL PBR "{\"baseColorFactor\":[0.9,0.7,0.4,1],\"metallicFactor\":1,\"roughnessFactor\":0.45}"
+#define CLEARCOAT "\"KHR_materials_clearcoat\""
+#define COAT CLEARCOAT ":"
+#define SHEEN "\"KHR_materials_sheen\":"
+#define ANISOTROPY "\"KHR_materials_anisotropy\""
+#define BRUSHED ANISOTROPY ":"
+#define TRANSMISSION "\"KHR_materials_transmission\""
+#define THROUGH TRANSMISSION ":"
 
 /* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, s with soft alpha, m metalness and
  * roughness, w waves of normals, k occlusion, e glow, z specular and gloss, x a file that is missing. */
@@ -175,6 +183,89 @@ const gltf_answer gltf_answers[] = {
              "materials_specular\":{\"specularFactor\":0.8,\"specularColorFactor\":[4,2,1]}}",
      .extensions = "\"KHR_materials_specular\"",
      .attributes = GLTF_ANSWER_BALL},
+	{.name = "specular textures",
+     .material =
+         PBR "{\"baseColorFactor\":[0.2,0.2,0.2,1],\"metallicFactor\":0,\"roughnessFactor\":0.4},\"extensions\":{"
+             "\"KHR_materials_specular\":{\"specularColorFactor\":[8,4,2],\"specularTexture\":{\"index\":0},"
+             "\"specularColorTexture\":{\"index\":1}}}",
+     .pictures = "zc",
+     .extensions = "\"KHR_materials_specular\""},
+	{.name = "anisotropy",
+     .ggx = true,
+     .material = METAL ",\"extensions\":{" BRUSHED "{\"anisotropyStrength\":0.7,\"anisotropyRotation\":0.5}}",
+     .extensions = ANISOTROPY,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "anisotropy by texture",
+     .ggx = true,
+     .material = METAL ",\"extensions\":{" BRUSHED "{\"anisotropyStrength\":1,\"anisotropyTexture\":{\"index\":0}}}",
+     .pictures = "z",
+     .extensions = ANISOTROPY},
+	{.name = "clear coat",
+     .material = PLAIN ",\"extensions\":{" COAT "{\"clearcoatFactor\":0.9,\"clearcoatRoughnessFactor\":0.3}}",
+     .extensions = CLEARCOAT,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "clear coat over emission",
+     .material = PLAIN ",\"emissiveFactor\":[0.2,0.1,0.5],\"extensions\":{" COAT
+                       "{\"clearcoatFactor\":1,\"clearcoatRoughnessFactor\":0.6}}",
+     .extensions = CLEARCOAT,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "clear coat by textures",
+     .material = BASE ",\"extensions\":{" COAT
+                      "{\"clearcoatFactor\":1,\"clearcoatTexture\":{\"index\":1},\"clearcoatRoughnessFactor\":0.8,"
+                      "\"clearcoatRoughnessTexture\":{\"index\":2}}}",
+     .pictures = "ckm",
+     .extensions = CLEARCOAT},
+	{.name = "clear coat that is even, on bumps",
+     .material = PLAIN ",\"normalTexture\":{\"index\":0},\"extensions\":{" COAT
+                       "{\"clearcoatFactor\":1,\"clearcoatRoughnessFactor\":0.5}}",
+     .pictures = "w",
+     .extensions = CLEARCOAT},
+	{.name = "clear coat with bumps",
+     .material = PLAIN ",\"extensions\":{" COAT "{\"clearcoatFactor\":1,\"clearcoatRoughnessFactor\":0.5,"
+                       "\"clearcoatNormalTexture\":{\"index\":0,\"scale\":0.5}}}",
+     .pictures = "w",
+     .extensions = CLEARCOAT},
+	{.name = "sheen",
+     .material = PLAIN ",\"extensions\":{" SHEEN "{\"sheenColorFactor\":[0.9,0.5,0.2],\"sheenRoughnessFactor\":0.4}}",
+     .extensions = "\"KHR_materials_sheen\"",
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "sheen by textures",
+     .material = PLAIN ",\"extensions\":{" SHEEN
+                       "{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessFactor\":1,"
+                       "\"sheenRoughnessTexture\":{\"index\":1}}}",
+     .pictures = "cz",
+     .extensions = "\"KHR_materials_sheen\""},
+	{.name = "clear coat, sheen and anisotropy",
+     .ggx = true,
+     .material = METAL ",\"extensions\":{" COAT "{\"clearcoatFactor\":0.8,\"clearcoatRoughnessFactor\":0.4}," SHEEN
+                       "{\"sheenColorFactor\":[0.2,0.4,0.3],\"sheenRoughnessFactor\":0.7}," BRUSHED
+                       "{\"anisotropyStrength\":0.5}}",
+     .extensions = CLEARCOAT ",\"KHR_materials_sheen\"," ANISOTROPY,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "pane",
+     .chance = true,
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0,\"roughnessFactor\":0},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}}",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BEHIND},
+	{.name = "pane by texture",
+     .chance = true,
+     .material = PBR "{\"metallicFactor\":0,\"roughnessFactor\":0},\"extensions\":{" THROUGH
+                     "{\"transmissionFactor\":0.9,\"transmissionTexture\":{\"index\":0}}}",
+     .pictures = "s",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BEHIND},
+	{.name = "frosted wall",
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0.25,\"roughnessFactor\":0.5},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}}",
+     .extensions = TRANSMISSION,
+     .attributes = GLTF_ANSWER_BALL},
+	{.name = "frosted wall, lit from behind",
+     .material = PBR "{\"baseColorFactor\":[0.4,0.7,0.9,1],\"metallicFactor\":0,\"roughnessFactor\":0.6},"
+                     "\"extensions\":{" THROUGH "{\"transmissionFactor\":0.8}," COAT "{\"clearcoatFactor\":1}}",
+     .node = "\"translation\":[0.15,0.08,2],\"scale\":[0.4,0.4,1]",
+     .light = "\"type\":\"point\",\"intensity\":2",
+     .extensions = TRANSMISSION "," CLEARCOAT},
 	{.name = "point light", .material = BASE, .pictures = "c", .light = "\"type\":\"point\",\"intensity\":8"},
 	{.name = "spot light",
      .material = BASE,

@@ -17,6 +17,7 @@ typedef struct gltf_answer {
 	uint32_t attributes;    /* GLTF_ANSWER_... */
 	const char *says;       /* a part of what opening it tells; NULL: nothing */
 	bool chance;            /* rays decide by chance what is seen: they have more noise */
+	bool ggx;               /* by GGX in place of Blinn and Phong's model, which is never brushed */
 	bool flat;              /* rays see one colour */
 	bool edges;             /* the picture has edges inside of the card, at which pixels are not compared */
 } gltf_answer;

@@ -178,7 +178,7 @@ static void surfaces_become_records(void **state)
 {
 	(void)state;
 	stilb_scene_surface surface = stilb_scene_surface_make();
-	render_maps maps = render_maps_make(&surface, 0);
+	render_maps maps = render_maps_make(&surface, 0, 0);
 	assert_int_equal(maps.bits, RENDER_MAPS_TOGETHER);
 	for (int c = 0; c < 3; c++)
 		assert_near("a dielectric", (double)maps.record.specular[c], 0.04, 1e-6);
@@ -186,28 +186,71 @@ static void surfaces_become_records(void **state)
 		.texture = 7, .set = 1, .wrap_u = STILB_SCENE_CLAMP, .wrap_v = STILB_SCENE_MIRROR, .nearest = true};
 	surface.alpha = STILB_SCENE_MASK;
 	surface.one_sided = true;
-	maps = render_maps_make(&surface, 2);
+	maps = render_maps_make(&surface, 2, 0);
 	assert_int_equal(maps.bits, 1u << STILB_SCENE_MAP_NORMAL | RENDER_MAPS_TWO | RENDER_MAPS_MASK |
 	                                RENDER_MAPS_ONE_SIDED | RENDER_MAPS_TOGETHER);
 	assert_int_equal(maps.samplers[STILB_SCENE_MAP_NORMAL], 2 + 3 * 1 + 9);
 	assert_true(maps.record.places[STILB_SCENE_MAP_NORMAL].set == 1.0f);
 	surface.maps[STILB_SCENE_MAP_COLOR].texture = 7; /* which lies on the first uv */
-	maps = render_maps_make(&surface, 3);
+	maps = render_maps_make(&surface, 3, 0);
 	assert_int_equal(maps.bits & (RENDER_MAPS_TOGETHER | RENDER_MAPS_TWO), 0);
 	surface.unlit = true; /* the other maps do not count */
 	surface.workflow = STILB_SCENE_SPECULAR;
-	maps = render_maps_make(&surface, 3);
+	maps = render_maps_make(&surface, 3, 0);
 	assert_int_equal(maps.bits, 1u << STILB_SCENE_MAP_COLOR | RENDER_MAPS_MASK | RENDER_MAPS_ONE_SIDED |
 	                                RENDER_MAPS_UNLIT | RENDER_MAPS_TOGETHER);
+}
+
+/* A layer that shows nothing has no code, and none of its maps. */
+static void layers_become_bits(void **state)
+{
+	(void)state;
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	for (uint32_t i = RENDER_MAPS_PLAIN; i < RENDER_MAPS; i++)
+		surface.maps[i].texture = 1;
+	uint32_t specular = 1u << STILB_SCENE_MAP_SPECULAR | 1u << STILB_SCENE_MAP_SPECULAR_COLOR;
+	uint32_t always = RENDER_MAPS_TOGETHER | RENDER_MAPS_LAYERS | specular;
+	surface.specular_weight = 0.5f;
+	render_maps maps = render_maps_make(&surface, 0, 2);
+	assert_int_equal(maps.bits, always);
+	assert_near("a tint that is not weighted", (double)maps.record.specular[0], 0.04, 1e-6);
+	assert_near("a weight", (double)maps.record.specular_weight, 0.5, 0.0);
+	surface.clearcoat = 0.5f;
+	assert_int_equal(render_maps_make(&surface, 0, 2).bits,
+	                 always | RENDER_MAPS_COAT | RENDER_MAPS_COAT_TWO | 1u << STILB_SCENE_MAP_CLEARCOAT |
+	                     1u << STILB_SCENE_MAP_CLEARCOAT_ROUGHNESS | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL);
+	surface.clearcoat = 0.0f;
+	surface.sheen_color[1] = surface.anisotropy = 0.5f;
+	maps = render_maps_make(&surface, 0, 0);
+	uint32_t sheen = RENDER_MAPS_SHEEN | 1u << STILB_SCENE_MAP_SHEEN_COLOR | 1u << STILB_SCENE_MAP_SHEEN_ROUGHNESS;
+	uint32_t brushed = RENDER_MAPS_BRUSHED | 1u << STILB_SCENE_MAP_ANISOTROPY;
+	assert_int_equal(maps.bits, always | sheen | brushed);
+	assert_int_equal(
+		render_maps_program_bits(RENDER_MAPS_COAT_TWO | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL, false, true, false),
+		0); /* without tangents */
+	assert_int_equal(render_maps_program_bits(maps.bits, true, true, true), 0);
+	surface.sheen_color[1] = surface.anisotropy = 0.0f;
+	surface.transmission = 0.5f;
+	uint32_t through = RENDER_MAPS_THROUGH | 1u << STILB_SCENE_MAP_TRANSMISSION;
+	assert_int_equal(render_maps_make(&surface, 0, 0).bits, always | through);
+	surface.thickness = 0.5f;
+	surface.attenuation[2] = 0.25f;
+	surface.attenuation_distance = 2.0f;
+	maps = render_maps_make(&surface, 0, 0);
+	assert_int_equal(maps.bits, always | through | RENDER_MAPS_SOLID | 1u << STILB_SCENE_MAP_THICKNESS);
+	assert_near("what is absorbed", (double)maps.record.absorption[2], log(4.0) / 2.0, 1e-6);
+	assert_near("nothing is absorbed", (double)maps.record.absorption[0], 0.0, 0.0);
+	surface.unlit = true;
+	assert_int_equal(render_maps_make(&surface, 0, 0).bits, RENDER_MAPS_UNLIT | RENDER_MAPS_TOGETHER);
 }
 
 /* Everything that is drawn is in the hash. */
 static void the_hash_covers_surfaces(void **state)
 {
 	(void)state;
-	uint64_t seen[16];
+	uint64_t seen[32];
 	uint32_t count = 0;
-	for (int what = 0; what < 12; what++) {
+	for (int what = 0; what < 25; what++) {
 		stilb_scene_surface s = stilb_scene_surface_make();
 		s.maps[STILB_SCENE_MAP_COLOR].texture = what == 1 ? 2 : 1;
 		s.color[3] = what == 2 ? 0.5f : 1.0f;
@@ -220,7 +263,20 @@ static void the_hash_covers_surfaces(void **state)
 		s.maps[STILB_SCENE_MAP_COLOR].nearest = what == 9;
 		s.one_sided = what == 10;
 		s.alpha = what == 11 ? STILB_SCENE_BLEND : STILB_SCENE_OPAQUE;
-		render_maps maps = render_maps_make(&s, 0);
+		s.clearcoat = what == 12 ? 0.5f : 1.0f;
+		s.clearcoat_roughness = what == 13 ? 0.5f : 0.0f;
+		s.clearcoat_normal_scale = what == 14 ? 0.5f : 1.0f;
+		s.sheen_color[2] = what == 15 ? 0.5f : 1.0f;
+		s.sheen_roughness = what == 16 ? 0.5f : 0.0f;
+		s.anisotropy = what == 17 ? 0.5f : 1.0f;
+		s.anisotropy_rotation = what == 18 ? 0.5f : 0.0f;
+		s.transmission = what == 19 ? 0.5f : 1.0f;
+		s.thickness = what == 20 ? 0.5f : 1.0f;
+		s.attenuation[1] = what == 21 ? 0.25f : 0.5f;
+		s.attenuation_distance = what == 22 ? 2.0f : 1.0f;
+		s.maps[STILB_SCENE_MAP_SHEEN_COLOR].texture = what == 23;
+		s.maps[STILB_SCENE_MAP_SPECULAR].texture = what == 24;
+		render_maps maps = render_maps_make(&s, 0, 0);
 		seen[count++] = render_maps_hash(&maps);
 		for (uint32_t i = 0; i + 1 < count; i++)
 			assert_true(seen[i] != seen[count - 1]);
@@ -709,6 +765,7 @@ int main(void)
 		test_one_thread(mips_are_means),
 		test_one_thread(extras_are_packed),
 		cmocka_unit_test(surfaces_become_records),
+		cmocka_unit_test(layers_become_bits),
 		cmocka_unit_test(the_hash_covers_surfaces),
 		test_one_thread(mips_are_the_same_with_help),
 		cmocka_unit_test(nothing_is_left_behind),

@@ -96,7 +96,11 @@ static void show_cells(stage *s)
 	surface.maps[STILB_SCENE_MAP_OCCLUSION].set = 1;
 	surface.maps[STILB_SCENE_MAP_OCCLUSION].wrap_u = STILB_SCENE_MIRROR;
 	reference_set3(surface.emission, 0.5f, 0.25f, 0.125f);
+	surface.clearcoat = 0.5f;
 	materials[0] = stage_material(build, &surface);
+	surface.clearcoat = 0.0f;
+	for (uint32_t i = RENDER_MAPS_PLAIN; i < RENDER_MAPS; i++)
+		surface.maps[i].texture = 0;
 	surface.alpha = STILB_SCENE_MASK;
 	materials[1] = stage_material(build, &surface);
 	surface.alpha = STILB_SCENE_BLEND;
@@ -346,12 +350,13 @@ static const struct {
 	{RENDER_DUMP_EXTRAS, 8, 0x7f800000, "extra 0: a number"},
 	{RENDER_DUMP_EXTRAS, 24 + 16, 0x7c007c00, "extra 1: a number"},
 	{RENDER_DUMP_SURFACES, 0, 0x7fc00000, "surface 0: a number is not finite"},
-	{RENDER_DUMP_SURFACES, 64, 0x7fc00000, "surface 0: a map's place is not finite"},
-	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, bits), 1u << 12, "surface 0: its bits"},
+	{RENDER_DUMP_SURFACES, offsetof(render_maps_record, places), 0x7fc00000, "surface 0: a map's place is not finite"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, bits), RENDER_MAPS_EXTRAS, "surface 0: its bits"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, bits), RENDER_MAPS_COAT, "surface 0: its bits"},
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, bits), 0, "surface 0: a map's texture"},
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, textures), 9, "surface 0: a map's texture"},
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, samplers), 18, "surface 0: a map's sampler"},
-	{RENDER_DUMP_SURFACES, 252, 1u << 24, "surface 0: its unused"},
+	{RENDER_DUMP_SURFACES, sizeof(render_dump_surface) - 4, 1u << 24, "surface 0: its unused"},
 };
 
 static void damaged_ones_are_refused(void **state)

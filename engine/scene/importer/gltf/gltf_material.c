@@ -48,7 +48,6 @@ static void material_read(gltf *from, uint32_t m, stilb_scene_material *material
 		gltf_surface_factors(from, reader.item, &reader.surface);
 		for (int kind = 0; kind < STILB_SCENE_MAPS; kind++)
 			material_map(&reader, &sets, (stilb_scene_map_kind)kind);
-		importer_lose_layers(from->import, &reader.surface, reader.name);
 	}
 	if (reader.missing_color)
 		importer_magenta(&reader.surface);
