@@ -311,7 +311,7 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_v
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	stilb_vec3 n = surface->normal, specular = surface->specular;
-	if (surface->layered)
+	if (__builtin_expect(surface->layered, false))
 		return layered_make(model, surface, to_viewer);
 	gi_bsdf bsdf; /* fields that a diffuse surface does not need are left uninitialised: this runs at every vertex */
 	bsdf.geometric = surface->geometric;
