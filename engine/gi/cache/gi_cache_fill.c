@@ -154,8 +154,8 @@ static bool pixel_is_of_coarser_level(uint32_t x, uint32_t y, uint32_t block)
 	return block < FIRST_BLOCK && x % (2u * block) == 0 && y % (2u * block) == 0;
 }
 
-/* True if the pixel's centre shows a surface, perhaps behind panes, that reflects diffuse light (gi_cache_wants), and no
- * record covers it. */
+/* True if the pixel's centre shows a surface, perhaps behind panes, that reflects diffuse light (gi_cache_wants), and
+ * no record covers it. */
 static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 {
 	const gi_view *view = fill->cache->view;
