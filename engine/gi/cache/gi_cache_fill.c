@@ -14,6 +14,7 @@
 #include "gi/cache/gi_cache_file.h"
 #include "gi/cache/gi_cache_gather.h"
 #include "gi/film/gi_camera.h"
+#include "gi/trace/gi_through.h"
 #include "profiler/prof.h"
 
 #include <stdlib.h>
@@ -153,7 +154,8 @@ static bool pixel_is_of_coarser_level(uint32_t x, uint32_t y, uint32_t block)
 	return block < FIRST_BLOCK && x % (2u * block) == 0 && y % (2u * block) == 0;
 }
 
-/* True if the pixel's centre shows a surface that reflects diffuse light (gi_cache_wants), and no record covers it. */
+/* True if the pixel's centre shows a surface, perhaps behind panes, that reflects diffuse light (gi_cache_wants), and
+ * no record covers it. */
 static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 {
 	const gi_view *view = fill->cache->view;
@@ -162,7 +164,8 @@ static bool pixel_look(const gi_cache_fill *fill, fill_pixel *pixel)
 	gi_point point = gi_sampler_point(&view->sampler, pixel->x, pixel->y, 0);
 	if (view->scene->blends)
 		ray.ray.time = gi_sample_2d(&view->sampler, point, GI_DIMENSION_SEEN)[0];
-	view->scene->tracer.intersect(&view->scene->tracer, &ray);
+	uint64_t traced = 0; /* camera rays of the overture are not counted */
+	gi_through_intersect(view->scene, &ray, &traced);
 	if (!gi_is_hit(&ray))
 		return false;
 	gi_surface_at(view->scene, &ray, &pixel->surface);

@@ -27,30 +27,53 @@ bool gi_direct_side(const gi_bsdf *bsdf, stilb_vec3 *origin, stilb_vec3 *normal,
 	return true;
 }
 
-bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
-                   gi_ray *shadow, stilb_vec3 *direct)
+/* Where lights are asked from. */
+typedef struct direct_side {
+	stilb_vec3 origin, normal;
+	float choice, chance; /* chance: that this side asks */
+	bool layered;
+} direct_side;
+
+/* Always inline: most surfaces have one side, and what that leaves is compiled apart. */
+static inline __attribute__((always_inline)) bool direct_ask_from(const gi_view *view, const gi_bsdf *bsdf,
+                                                                  direct_side side, const float numbers[8],
+                                                                  bool weighed, gi_ray *shadow, stilb_vec3 *direct)
 {
-	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
-	stilb_vec3 normal = bsdf->frame.n;
-	float choice = numbers[GI_DIMENSION_CHOICE], chance = 1.0f;
-	bool layered = gi_bsdf_is_layered(bsdf);
 	gi_light_sample light;
-	if (layered && !gi_direct_side(bsdf, &origin, &normal, &choice, &chance))
+	if (!gi_light_sample_at(gi_view_lights(view), side.origin, side.normal, side.choice, u, &light))
 		return false;
-	if (!gi_light_sample_at(gi_view_lights(view), origin, normal, choice, u, &light))
-		return false;
-	if (layered && gi_bsdf_is_beyond(bsdf, light.direction) != (stilb_vec3_dot(normal, bsdf->frame.n) < 0.0f))
+	if (side.layered && gi_bsdf_is_beyond(bsdf, light.direction) != (stilb_vec3_dot(side.normal, bsdf->frame.n) < 0.0f))
 		return false; /* the other side asks there */
 	stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
 		return false;
-	float pdf = light.pdf * chance, weight = 1.0f / pdf;
+	float pdf = light.pdf * side.chance, weight = 1.0f / pdf;
 	if (weighed && !light.delta)
 		weight *= mis_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
 	*direct = sent * weight;
-	*shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	*shadow = gi_ray_make(side.origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	return true;
+}
+
+static __attribute__((noinline)) bool direct_ask_layered(const gi_view *view, const gi_bsdf *bsdf, direct_side side,
+                                                         const float numbers[8], bool weighed, gi_ray *shadow,
+                                                         stilb_vec3 *direct)
+{
+	return gi_direct_side(bsdf, &side.origin, &side.normal, &side.choice, &side.chance) &&
+	       direct_ask_from(view, bsdf, side, numbers, weighed, shadow, direct);
+}
+
+bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
+                   gi_ray *shadow, stilb_vec3 *direct)
+{
+	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
+	float choice = numbers[GI_DIMENSION_CHOICE];
+	if (gi_bsdf_is_layered(bsdf))
+		return direct_ask_layered(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, true}, numbers,
+		                          weighed, shadow, direct);
+	return direct_ask_from(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, false}, numbers, weighed,
+	                       shadow, direct);
 }
 
 stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,

@@ -133,8 +133,8 @@ static void lobes_make(const gi_bsdf *bsdf, gi_surface *surface)
 	lobes->ask = inside ? 0.0f : 1.0f - lobes->ask_beyond;
 }
 
-static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *model, gi_surface *surface,
-                                                      stilb_vec3 to_viewer)
+static __attribute__((noinline)) void layered_make(const shade_brdf_model *model, gi_surface *surface,
+                                                   stilb_vec3 to_viewer, gi_bsdf *out)
 {
 	stilb_vec3 n = surface->normal, tangent = stilb_vec3_make(n[2], 0.0f, -n[0]);
 	const gi_layers *layers = &surface->layers;
@@ -155,7 +155,7 @@ static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *mo
 	bsdf.frame = shade_frame_from_tangent(n, tangent);
 	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
 	lobes_make(&bsdf, surface);
-	return bsdf;
+	*out = bsdf;
 }
 
 /* The highlight; inside of a volume, where its model's own F would take the angle there, by facet_f. */
@@ -311,9 +311,11 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_v
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	stilb_vec3 n = surface->normal, specular = surface->specular;
-	if (surface->layered)
-		return layered_make(model, surface, to_viewer);
 	gi_bsdf bsdf; /* fields that a diffuse surface does not need are left uninitialised: this runs at every vertex */
+	if (surface->layered) {
+		layered_make(model, surface, to_viewer, &bsdf); /* in place: a copy of those fields would cost more than all */
+		return bsdf;
+	}
 	bsdf.geometric = surface->geometric;
 	bsdf.diffuse = surface->diffuse;
 	bsdf.share = 0.0f;
