@@ -236,7 +236,8 @@ void stilb_render_impostor_destroy(stilb_render *render, stilb_render_impostor i
 /* Copies all meshes, materials and textures of a scene, and where its parts stand, to the device, for
  * stilb_render_record, and destroys those of the scene that was set before; between frames. NULL: only destroys. On
  * failure the scene before stays. STILB_ERROR_ARGUMENT, STILB_ERROR_DEVICE: see stilb_render_mesh_create and
- * stilb_render_texture_create; more than 33,554,432 parts. STILB_ERROR_MEMORY. [main-thread] */
+ * stilb_render_texture_create; more than 33,554,432 parts. STILB_ERROR_MEMORY; STILB_ERROR_DEVICE_LOST: textures are
+ * sent while the scene is set. [main-thread] */
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
 /* Makes a scene ready beside the frames, for stilb_render_show_scene: creates what it needs, while each frame copies

@@ -71,7 +71,7 @@ static void test_null_device(void **state)
 	(void)state;
 	/* With the address sanitizer without the million draws, which are 20,000 draws again and take ten times as long. */
 	assert_int_equal(bench_code("record --seconds 0.01 --rounds 1 --json a.json --case "
-	                            "phase,parked,replay-*,sort,frame-*,draws" LARGE_CASE),
+	                            "phase,parked,replay-*,textures*,sort,frame-*,draws" LARGE_CASE),
 	                 0);
 	assert_null(strstr(run.out, "FAILED"));
 	read_stats("a.json");

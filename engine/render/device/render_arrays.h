@@ -13,8 +13,8 @@
 
 #include "gpu/gpu.h"
 
-#define RENDER_ARRAY_BYTES ((uint64_t)256 << 20)
-#define RENDER_ARRAY_LARGE ((uint64_t)4 << 20)
+#define RENDER_ARRAY_BYTES ((uint64_t)512 << 20)
+#define RENDER_ARRAY_LARGE ((uint64_t)2 << 20)
 
 /* What the layers of an image have in common. They have all mips. */
 typedef struct render_array_kind {

@@ -405,6 +405,29 @@ static void new_textures_are_made_once(void **state)
 	stage_close(&s);
 }
 
+/* Many surfaces are released over several frames, as meshes are. */
+static void surfaces_are_released_in_turns(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_scene_surface surface = surface_unlit();
+	stilb_scene_build *build = stilb_scene_build_begin();
+	for (uint32_t m = 0; m < 3000; m++)
+		stage_material(build, &surface);
+	stage_show(&s, build);
+	assert_int_equal(stilb_render_set_scene(s.render, NULL), STILB_OK);
+	const render_indices *maps = &s.render->resources.indices[RENDER_RESOURCE_MAPS];
+	uint32_t frames = 0;
+	for (uint32_t before = 3000; before > 0; frames++) {
+		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+		uint32_t now = maps->next_unused - maps->free_count;
+		assert_true(before - now <= 1024 && frames < 10);
+		before = now;
+	}
+	assert_int_equal(s.render->resources.live, 0);
+	stage_close(&s);
+}
+
 /* ---- array images ------------------------------------------------------------------------------------------------ */
 
 static uint32_t arrays_alive(const render_arrays *arrays)
@@ -772,6 +795,7 @@ int main(void)
 		test_one_thread(textures_do_not_wait_in_memory),
 		cmocka_unit_test(patient_uploads_count_mips),
 		cmocka_unit_test(new_textures_are_made_once),
+		cmocka_unit_test(surfaces_are_released_in_turns),
 		cmocka_unit_test(arrays_grow_and_shrink),
 		cmocka_unit_test(draws_share_images),
 		cmocka_unit_test(groups_outlive_changes),
