@@ -73,8 +73,7 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--lod-error", FLAG_AMOUNT, &p->detail_error, "PIXELS", "by which they may differ at most, 0.01..1000 (0.5)",
 	     0, PICTURE_ERROR_MOST, NULL},
 		{"--show", FLAG_TEXT, &p->show, "WHAT",
-	     "shaded, lod, base, normal, ... (key C; a wrong name lists all), or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0,
-	     0, NULL},
+	     "what pictures show, see below, or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0, 0, NULL},
 	};
 	if (group == PICTURE_DETAIL)
 		flag_rows_add(table, detail, sizeof detail / sizeof *detail);

@@ -136,6 +136,9 @@ flags_result live_options_parse(live_options *o, const live_help *help, const fl
 	if (result == FLAGS_HELP) {
 		printf("%s\n\n", help->purpose);
 		flags_print(table.rows, table.count);
+		printf("\nWhat --show shows:\n");
+		for (int i = 0; i < STILB_RENDER_SHOWS; i++)
+			printf("  %-18s %s\n", stilb_render_show_names[i], stilb_render_show_words[i]);
 		printf("\nIn the window (with a gamepad):\n");
 		live_keys_print(help->keys);
 	}

@@ -197,7 +197,7 @@ static void value_under_the_pointer(void **state)
 	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
 	assert_false(engine->value.known || engine->value.ticket != 0);
 	assert_int_equal(stilb_engine_validation_messages(engine), 0);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 /* C goes through all that pictures can show and names it, back with Shift. */
@@ -215,7 +215,7 @@ static void keys_go_through_the_channels(void **state)
 	engine_images_act(engine, &back);
 	assert_int_equal(stilb_engine_shows(engine), STILB_RENDER_SHOWS - 1);
 	assert_int_equal(engine->overlay.toasts.count, ENGINE_TOASTS);
-	stilb_engine_destroy(engine);
+	stress_engine_destroy(engine);
 }
 
 int main(void)

@@ -513,6 +513,9 @@ static void shows_channels(void **state)
 					fail_msg("%s %s: %g %g %g", rays ? "render" : "view", rows[i].flags, (double)pixel[0],
 					         (double)pixel[1], (double)pixel[2]);
 		}
+	assert_int_equal(stilb_code(no_display, "view cornell --headless --size 32x24 --show alpha --dump a.dump"), 1);
+	assert_non_null(strstr(run.err, "it shows 'alpha' in the place of light, which dumps do not hold"));
+	assert_int_equal(access("a.dump", F_OK), -1);
 	assert_int_equal(stilb_code(no_display, "view cornell --headless --show nose"), 1);
 	assert_non_null(strstr(run.err, "no image 'nose' to show; this frame has picture"));
 	assert_non_null(strstr(run.err, ", lod, base, normal, tangent, roughness, metalness, occlusion, emission, alpha"));
