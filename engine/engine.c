@@ -17,6 +17,8 @@ static stilb_result engine_start_workers(stilb_engine *engine, uint32_t workers)
 	STILB_ASSERT(!engine->pool);
 	stilb_job_pool_desc desc = {.worker_count = workers, .hooks = stilb_job_prof_hooks("worker")};
 	int error = stilb_job_pool_create(&desc, &engine->pool);
+	if (engine->render)
+		stilb_render_set_pool(engine->render, engine->pool);
 	if (error == 0)
 		return STILB_OK;
 	return stilb_fail_threads(workers, -error);
@@ -50,6 +52,7 @@ stilb_job_pool_stats stilb_engine_job_stats(const stilb_engine *engine)
 stilb_result stilb_engine_set_workers(stilb_engine *engine, uint32_t workers)
 {
 	STILB_ASSERT_OWNER(engine->owner);
+	stilb_render_set_pool(engine->render, NULL);
 	stilb_job_pool_destroy(engine->pool);
 	engine->pool = NULL;
 	stilb_result result = engine_start_workers(engine, workers);
@@ -95,6 +98,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.width = desc->width,
 		.height = desc->height,
 		.samples = desc->samples,
+		.max_anisotropy = desc->max_anisotropy,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
 		.keep_textures = desc->keep_textures,
@@ -177,12 +181,16 @@ void stilb_engine_destroy(stilb_engine *engine)
 	engine_prepare_drop(&engine->compiling);
 	engine_profile_stop_capture(engine); /* before the workers end, whose records it may still write */
 	engine_input_finish(&engine->input);
+	if (engine->render)
+		stilb_render_set_pool(engine->render, NULL);
 	stilb_job_pool_destroy(engine->pool);
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		stilb_cull_visible_finish(&engine->visible[v]);
 	stilb_cull_destroy(engine->cull);
 	stilb_scene_pick_index_destroy(engine->pick_index);
 	engine_picture_finish(engine);
+	if (engine->render)
+		engine_value_forget(engine);
 	engine_overlay_finish(&engine->overlay);
 	stilb_debug_destroy(engine->debug);
 	stilb_render_destroy(engine->render);
@@ -410,6 +418,19 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
 	STILB_ASSERT_OWNER(engine->owner);
 	STILB_ASSERT(shading);
 	engine->shading = *shading;
+}
+
+stilb_render_show stilb_engine_shows(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.show;
+}
+
+void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(show < STILB_RENDER_SHOWS);
+	engine->desc.show = show;
 }
 
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])

@@ -94,6 +94,9 @@ enum {
 	STILB_ENGINE_IMAGE_BACK,                 /* the one before */
 	STILB_ENGINE_IMAGE_PART,                 /* show that image's next mip, or the first mip of its next layer */
 	STILB_ENGINE_IMAGE_PART_BACK,            /* the one before */
+	STILB_ENGINE_SHOW,                       /* pictures show the next of stilb_render_show, which a toast names */
+	STILB_ENGINE_SHOW_BACK,                  /* the one before */
+	STILB_ENGINE_VALUE, /* show the linear light under the pointer, or hide it; channels always show it */
 	STILB_ENGINE_ACTIONS
 };
 
@@ -161,12 +164,13 @@ typedef struct stilb_engine_desc {
 	stilb_render_output output;
 	stilb_render_shading shading;
 	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
-	stilb_render_show show;     /* what pictures show */
+	stilb_render_show show;     /* what pictures show at first */
 
 	/* All strings are the caller's and live until the engine is destroyed. */
 	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
 	uint32_t width, height; /* of the picture, pixels, 1..16384 */
 	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
+	uint32_t max_anisotropy; /* stilb_render_desc.max_anisotropy */
 	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE
 	 * .. STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */
 	float scale;
@@ -470,6 +474,11 @@ uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBR
  * then. */
 stilb_render_shading stilb_engine_shading(const stilb_engine *engine);
 void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *shading);
+
+/* What the next frame shows. The user changes it by keys, the program by the second function. What this device has not
+ * shown yet is compiled in that frame. */
+stilb_render_show stilb_engine_shows(const stilb_engine *engine);
+void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show);
 
 /* To be called after another BRDF or normal distribution was chosen; *before is the shading before the choice. Wrapped
  * light and anisotropic GGX look different from the others only if materials have wrap or anisotropy: choosing one of

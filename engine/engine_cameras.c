@@ -117,8 +117,11 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 	float aspect = place[3] > 0 ? (float)place[2] / (float)place[3] : (float)target->width / (float)target->height;
 	view->view_projection = stilb_scene_camera_matrix(camera, aspect);
 	memcpy(view->camera_position, camera->position, sizeof view->camera_position);
-	view->exposure = camera->exposure;
-	view->tone = camera->tone;
+	stilb_scene_surface_channel channel;
+	if (!stilb_render_show_channel(view->show, &channel)) {
+		view->exposure = camera->exposure;
+		view->tone = camera->tone;
+	}
 	view->target = target;
 }
 
@@ -160,6 +163,14 @@ static bool camera_covers(const stilb_engine *engine, const float place[4], doub
 	size[0] = target.place[2];
 	size[1] = target.place[3];
 	return true;
+}
+
+bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32_t size[2])
+{
+	for (uint32_t c = 0; c < engine->camera_count; c++)
+		if (camera_covers(engine, engine->cameras[c].asked.place, x, y, size))
+			return false;
+	return camera_covers(engine, engine->place, x, y, size);
 }
 
 bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray)

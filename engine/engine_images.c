@@ -1,4 +1,5 @@
-/* Shows one after another the images of the frame's plan in the place of the picture, and tells in the corner which. */
+/* Shows one after another the images of the frame's plan in the place of the picture, and tells in the corner which;
+ * and the channels of surfaces in the place of light, which a toast names. */
 #include "engine_internal.h"
 #include "render/device/render_images.h"
 
@@ -79,10 +80,23 @@ static int images_direction(const stilb_input_state *input, int forward, int bac
 	return (step > 0) - (step < 0);
 }
 
+/* What pictures show is the one `step` places on, around the end. */
+static void images_step_show(stilb_engine *engine, int step)
+{
+	char text[128];
+	int next = ((int)engine->desc.show + step + STILB_RENDER_SHOWS) % STILB_RENDER_SHOWS;
+	engine->desc.show = (stilb_render_show)next;
+	snprintf(text, sizeof text, "%s: %s", stilb_render_show_names[next], stilb_render_show_words[next]);
+	engine_overlay_tell(engine, text);
+}
+
 void engine_images_act(stilb_engine *engine, const stilb_input_state *input)
 {
 	const stilb_gpu_plan *plan = stilb_render_plan(engine->render);
 	const stilb_gpu_step *steps;
+	int show = images_direction(input, STILB_ENGINE_SHOW, STILB_ENGINE_SHOW_BACK);
+	if (show != 0)
+		images_step_show(engine, show);
 	int step = images_direction(input, STILB_ENGINE_IMAGE, STILB_ENGINE_IMAGE_BACK);
 	int part = images_direction(input, STILB_ENGINE_IMAGE_PART, STILB_ENGINE_IMAGE_PART_BACK);
 	if ((step == 0 && part == 0) || stilb_gpu_plan_steps(plan, &steps) == 0)

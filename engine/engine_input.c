@@ -65,6 +65,12 @@ static const stilb_input_action engine_actions[] = {
 		STILB_INPUT_ACTIONS] = {.name = "next mip", .typed = "u", .help = "its next mip or layer, the one before"},
 	[STILB_ENGINE_IMAGE_PART_BACK -
 		STILB_INPUT_ACTIONS] = {.name = "mip before", .typed = "U", .help = "its next mip or layer, the one before"},
+	[STILB_ENGINE_SHOW -
+		STILB_INPUT_ACTIONS] = {.name = "next channel", .typed = "c", .help = "next, previous channel of materials"},
+	[STILB_ENGINE_SHOW_BACK -
+		STILB_INPUT_ACTIONS] = {.name = "channel before", .typed = "C", .help = "next, previous channel of materials"},
+	[STILB_ENGINE_VALUE -
+		STILB_INPUT_ACTIONS] = {.name = "value", .typed = "x", .help = "show or hide the light under the pointer"},
 };
 static_assert(sizeof engine_actions / sizeof *engine_actions == STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS, "all rows");
 

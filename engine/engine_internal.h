@@ -80,7 +80,17 @@ typedef struct engine_overlay {
 	char *shader_error;   /* what a panel shows of shaders that could not be replaced; NULL: there is none */
 	bool profiler_open, inspector_open;
 	bool divider_open, caption_open; /* of the program's picture; hidden with the toasts */
+	bool value_open;                 /* the pixel's value beside the pointer; hidden with the toasts */
 } engine_overlay;
+
+/* The value of the pixel under the pointer. {0}: it is not shown. */
+typedef struct engine_value {
+	bool open;        /* the user wants it beside pictures of light, too */
+	bool known;       /* value is that of a frame before */
+	float value[3];   /* linear */
+	uint64_t ticket;  /* of the image that is being read; 0: none is */
+	uint32_t size[2]; /* of that image */
+} engine_value;
 
 /* The program's picture in place of the scene. {0}: there is none. */
 typedef struct engine_shown {
@@ -168,6 +178,7 @@ struct stilb_engine {
 	engine_pictures *pictures;  /* NULL: none has been taken yet */
 	struct engine_watch *watch; /* NULL: shaders are not watched */
 	engine_shown picture;
+	engine_value value;
 	char caption[128];
 	/* Of the plan, that keys have chosen; "": the picture, or the program's choice. */
 	char image[STILB_GPU_MAX_NAME + 1];
@@ -202,6 +213,10 @@ void engine_cameras_frame(stilb_engine *engine);
 
 /* The ray through a point of the picture, pixels, from the camera that is shown there. False: none is. */
 bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray);
+
+/* True if the scene's own camera is shown at a point of the picture, pixels; *x, *y: then as pixels of a picture of its
+ * own, of size[2] pixels. */
+bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32_t size[2]);
 
 /* engine_prepare.c */
 
@@ -252,7 +267,7 @@ static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 || overlay->keys.open ||
 	       (!overlay->toasts.hidden &&
 	        (overlay->toasts.count > 0 || overlay->shader_error || overlay->keys.hint_seconds > 0.0f ||
-	         overlay->rate.open || overlay->divider_open || overlay->caption_open));
+	         overlay->rate.open || overlay->divider_open || overlay->caption_open || overlay->value_open));
 }
 
 /* Frees the overlay's windows, before the renderer is destroyed. Accepts {0}. */
@@ -394,6 +409,22 @@ void engine_rate_add(engine_rate *rate, uint64_t now_ns, double frame_ms);
  * stand below it. */
 void engine_rate_draw(const engine_rate *rate, stilb_ui *ui, stilb_ui_rect caption, const stilb_ui_rect *places,
                       uint32_t count);
+
+/* engine_value.c */
+
+/* True if the value of the pixel under the pointer is to be shown: of a channel in the place of light, or of any
+ * picture if a key has asked for it; unless a panel is there, or an image of the plan is shown. */
+bool engine_value_wanted(const stilb_engine *engine);
+
+/* After a frame was given to the device: takes the value that an earlier one has had, if it is there, and asks for the
+ * next; nothing waits. */
+void engine_value_frame(stilb_engine *engine);
+
+/* Gives up what is being read, and the value. Before the renderer is destroyed. */
+void engine_value_forget(stilb_engine *engine);
+
+/* Draws the value, which is known, beside the pointer, between stilb_ui_begin and stilb_ui_end. */
+void engine_value_draw(const stilb_engine *engine, stilb_ui *ui);
 
 /* engine_pictures.c */
 

@@ -121,6 +121,9 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	}
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
+	engine->value.open ^= input->actions[STILB_ENGINE_VALUE] > 0;
+	overlay->value_open =
+		engine->value.known && engine_value_wanted(engine) && engine_overlay_create(engine) == STILB_OK;
 	if (engine->window)
 		stilb_window_set_capturing(engine->window,
 		                           !engine_overlay_is_open(overlay) || !stilb_ui_wants_mouse(overlay->ui));
@@ -172,6 +175,8 @@ static void engine_overlay_build(stilb_engine *engine)
 	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
 		engine_rate_draw(&overlay->rate, overlay->ui, caption, places, sizeof places / sizeof *places);
+	if (overlay->value_open && !overlay->toasts.hidden)
+		engine_value_draw(engine, overlay->ui);
 	if (overlay->keys.hint_seconds > 0.0f && !overlay->toasts.hidden)
 		below += engine_keys_hint(&overlay->keys, &engine->actions, overlay->ui, below, covered);
 	if (overlay->profiler_open)

@@ -4,6 +4,8 @@
  */
 #include "engine_internal.h"
 
+#include "shading/shade_tonemap.h"
+
 #include "profiler/prof.h"
 
 #include <pthread.h>
@@ -130,6 +132,11 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.detail = engine->desc.detail,
 		.show = engine->desc.show,
 	};
+	stilb_scene_surface_channel channel;
+	if (stilb_render_show_channel(view.show, &channel)) { /* a picture of rays over it is shown the same way */
+		view.exposure = 0.0f;
+		view.tone = SHADE_TONE_NONE;
+	}
 	memcpy(view.camera_position, scene->camera.position, sizeof view.camera_position);
 	return view;
 }

@@ -282,6 +282,8 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 		result = debug(engine);
 	if (result == STILB_OK)
 		result = replay(engine);
+	if (result == STILB_OK)
+		engine_value_frame(engine);
 	frame_clock(&clock, &times->replay);
 	times->pad = engine_input_latency(engine);
 	if (result == STILB_OK && engine->desc.present)

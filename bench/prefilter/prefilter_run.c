@@ -131,7 +131,8 @@ static double quadrature(const stilb_image *map, double alpha, const double n[3]
 			if (cosine <= 0.0)
 				continue;
 			double bracket = alpha * alpha + 0.5 * (1.0 - cosine) * (1.0 - alpha * alpha);
-			double weight = sine * cosine / (bracket * bracket);
+			double shadow = cosine / (cosine + sqrt(alpha * alpha + (1.0 - alpha * alpha) * cosine * cosine));
+			double weight = sine * shadow / (bracket * bracket);
 			sum += weight * (double)((const float *)map->pixels)[3 * ((size_t)y * map->width + x) + 1];
 			weights += weight;
 		}

@@ -3,7 +3,8 @@
 #include "gi/gi_texture.h"
 #include "gi/gi_vector.h"
 
-#include <float.h>
+/* What is brighter counts as this, as texels of panoramas do. */
+#define RADIANCE_MAX 1e15f
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
@@ -89,6 +90,19 @@ shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_v
 	                           maps_limited(dielectric));
 }
 
+float gi_maps_metalness(const gi_maps *maps, const gi_place *place)
+{
+	if (maps->surface->workflow == STILB_SCENE_SPECULAR)
+		return 0.0f;
+	return maps->surface->metalness * maps_limited(maps_texel(maps, STILB_SCENE_MAP_REFLECTION, place))[2];
+}
+
+float gi_maps_occlusion(const gi_maps *maps, const gi_place *place)
+{
+	float texel = maps_limited(maps_texel(maps, STILB_SCENE_MAP_OCCLUSION, place))[0];
+	return shade_gltf_occlusion(texel, maps->surface->occlusion);
+}
+
 stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
 {
 	stilb_vec3 emission = gi_vector(maps->surface->emission);
@@ -96,7 +110,7 @@ stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place)
 		return emission;
 	stilb_vec4 texel = maps_texel(maps, STILB_SCENE_MAP_EMISSION, place);
 	for (int i = 0; i < 3; i++)
-		emission[i] *= fminf(fmaxf(texel[i], 0.0f), FLT_MAX); /* of NaN and infinity, too */
+		emission[i] = fminf(emission[i] * fminf(fmaxf(texel[i], 0.0f), RADIANCE_MAX), RADIANCE_MAX); /* NaN is 0 */
 	return emission;
 }
 

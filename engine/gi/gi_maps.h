@@ -55,6 +55,10 @@ stilb_vec4 gi_maps_texel(const gi_maps *maps, stilb_scene_map_kind kind, const g
 /* What is shaded. color: of gi_maps_color. */
 shade_gltf_base gi_maps_base(const gi_maps *maps, const gi_place *place, stilb_vec4 color);
 
+/* [0, 1]: metalness, 0 of SPECULAR; and the share of even light that the map of occlusion lets through. */
+float gi_maps_metalness(const gi_maps *maps, const gi_place *place);
+float gi_maps_occlusion(const gi_maps *maps, const gi_place *place);
+
 /* Radiance; not of a surface that is unlit. */
 stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place);
 

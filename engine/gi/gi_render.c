@@ -175,7 +175,7 @@ static bool batch_passes(const stilb_gi_render *render)
 {
 	stilb_gi_integrator integrator = render->view.settings.integrator;
 	return render->view.scene->passes && integrator != STILB_GI_INTEGRATOR_COLOR &&
-	       integrator != STILB_GI_INTEGRATOR_AO;
+	       integrator != STILB_GI_INTEGRATOR_AO && integrator != STILB_GI_INTEGRATOR_CHANNEL;
 }
 
 static void batch_render(stilb_gi_render *render, gi_render_worker *worker)
@@ -708,6 +708,8 @@ void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb)
 {
 	STILB_ASSERT(render && rgb);
 	gi_film_preview(&render->film, rgb);
+	if (gi_shows_data(&render->view.settings))
+		gi_data_to_light(rgb, (size_t)render->film.width * render->film.height);
 }
 
 stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)

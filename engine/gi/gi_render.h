@@ -26,6 +26,7 @@
 #define STILB_GI_RENDER_H
 
 #include "gi/gi_scene.h"
+#include "scene/scene_channel.h"
 #include "shading/shade_model.h"
 
 #ifdef __cplusplus
@@ -49,7 +50,8 @@ extern "C" {
  * SPLIT             PATH with `rays` paths from the first hit of every sample: less noise for the same number of camera
  *                   rays.
  * IRRADIANCE_CACHE  diffuse indirect light from records (Ward 1988, and cache/gi_cache.h), direct light and highlights
- *                   as PATH. Smooth after few samples; slightly biased. */
+ *                   as PATH. Smooth after few samples; slightly biased.
+ * CHANNEL           settings.channel of the first hit, as it is: scene_channel.h; 0 for a miss. */
 #define STILB_GI_INTEGRATORS(X)                                                                                        \
 	X(COLOR, color, "the surface's colour, no light")                                                                  \
 	X(DIRECT, direct, "light straight from the lights, with shadows")                                                  \
@@ -57,7 +59,9 @@ extern "C" {
 	X(MONTECARLO, montecarlo, "N rays at every bounce: exponential cost, the baseline for teaching")                   \
 	X(PATH, path, "one path a sample, to any depth: unbiased")                                                         \
 	X(SPLIT, split, "N rays at the first hit, one path after each")                                                    \
-	X(IRRADIANCE_CACHE, irradiance_cache, "diffuse light interpolated between sparse records: smooth, slightly biased")
+	X(IRRADIANCE_CACHE, irradiance_cache,                                                                              \
+	  "diffuse light interpolated between sparse records: smooth, slightly biased")                                    \
+	X(CHANNEL, channel, "what --show names of the surface, no light")
 
 /* Samplers: how the random numbers of a pixel's samples are spread. X(ENUM, identifier, description for users)
  *
@@ -165,6 +169,9 @@ typedef struct stilb_gi_cache_settings {
 
 typedef struct stilb_gi_settings {
 	stilb_gi_integrator integrator;
+	/* Of the integrator CHANNEL: one that rays have, below STILB_SCENE_CHANNELS_OF_RAYS. A .png and the preview then
+	 * show values as scene_channel.h says; exposure and tone are not read. */
+	stilb_scene_surface_channel channel;
 	/* Pixels, 1..65536 each, and at most STILB_GI_MAX_PIXELS in all. */
 	uint32_t width, height;
 	/* Samples of each pixel, 1..65536; if seconds or error sets a limit, too, the largest number there will be. */
@@ -329,8 +336,9 @@ void stilb_gi_render_watch(stilb_gi_render *render, stilb_gi_watch_fn *fn, void 
 
 /* ---- the picture ------------------------------------------------------------------------------------------------- */
 
-/* Copies the picture as far as it is, for a window. rgb: [height][width][3] linear radiance, row 0 at the top; a pixel
- * without samples shows the nearest coarser pixel that has some. [any-thread], also while run runs: then pixels of
+/* Copies the picture as far as it is, for a window. rgb: [height][width][3] linear radiance, row 0 at the top; of a
+ * channel of data the light whose sRGB code is the value. A pixel without samples shows the nearest coarser pixel that
+ * has some. [any-thread], also while run runs: then pixels of
  * tiles in progress may be of different age. */
 void stilb_gi_render_preview(const stilb_gi_render *render, float *rgb);
 

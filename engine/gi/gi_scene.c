@@ -349,29 +349,28 @@ static uint32_t surface_read(const stilb_gi_scene *gi, const stilb_scene_materia
 }
 
 /* True if alpha is 1 all over. */
-static bool is_opaque(const stilb_gi_scene *gi, const stilb_scene_surface *surface, bool colored)
+static bool is_opaque(const gi_maps *maps, bool colored)
 {
+	const stilb_scene_surface *surface = maps->surface;
 	uint32_t texture = surface->maps[STILB_SCENE_MAP_COLOR].texture;
-	uint32_t channels = texture > 0 && texture <= gi->texture_count ? gi->textures[texture - 1].channels : 3;
+	uint32_t channels = gi_maps_have(maps, STILB_SCENE_MAP_COLOR) ? maps->textures[texture - 1].channels : 3;
 	bool varies = colored || channels == 2 || channels == 4;
 	float least = surface->alpha == STILB_SCENE_MASK ? surface->cutoff : 1.0f;
 	return surface->alpha == STILB_SCENE_OPAQUE || (!varies && surface->color[3] >= least);
 }
 
-/* gi_part.sieve of a part of this material and mesh. */
-static uint32_t sieve_of(const stilb_gi_scene *gi, const stilb_scene_material *material, bool colored)
+/* True if rays may go through parts of this surface on such a mesh. */
+static bool is_sieve(const gi_maps *maps, bool colored)
 {
-	if (!material->surface)
-		return 0;
-	const stilb_scene_surface *surface = &gi->surfaces[material->surface - 1];
-	return gi_maps_are_one_sided(surface) || !is_opaque(gi, surface, colored) ? material->surface : 0;
+	return gi_maps_are_one_sided(maps->surface) || !is_opaque(maps, colored);
 }
 
 /* Decides whether rays go through a part, hidden ones that may be shown again included. */
 static void part_sieve(stilb_gi_scene *gi, gi_part *part, const stilb_scene_material *material)
 {
 	gi_mesh *mesh = &gi->meshes[part->mesh];
-	part->sieve = sieve_of(gi, material, mesh->colored);
+	gi_maps maps = {material->surface ? &gi->surfaces[material->surface - 1] : NULL, gi->textures, gi->texture_count};
+	part->sieve = maps.surface && is_sieve(&maps, mesh->colored) ? material->surface : 0;
 	mesh->sieved |= part->sieve > 0;
 	gi->blends |= part->sieve > 0 && gi->surfaces[part->sieve - 1].alpha == STILB_SCENE_BLEND;
 }
@@ -577,12 +576,12 @@ static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	return result;
 }
 
-/* Leaves a scene of nothing, whose owner and intersector stay. */
+/* Leaves a scene of nothing. Its owner and intersector stay, and what was found. */
 static void gi_scene_clear(stilb_gi_scene *gi)
 {
 	gi->intersector->destroy(&gi->tracer);
 	gi_backdrop_destroy(gi->backdrop);
-	gi_scene_lights_finish(gi);
+	gi_scene_lights_clear(gi);
 	free(gi->meshes);
 	free(gi->parts);
 	free(gi->materials);
@@ -590,7 +589,7 @@ static void gi_scene_clear(stilb_gi_scene *gi)
 	free(gi->vertices);
 	free(gi->extras);
 	free(gi->triangles);
-	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector};
+	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector, .found = gi->found};
 }
 
 /* All indices are in range, and every triangle can be hit. For STILB_CHECK. */
@@ -668,10 +667,9 @@ static bool is_same_place(const stilb_mat4 *a, const stilb_mat4 *b)
 /* True if rays will go through a part that is there; its mesh is as it was. */
 static bool update_sieve(const stilb_gi_scene *gi, const stilb_scene *scene, uint32_t part)
 {
-	stilb_gi_scene next = {
-		.surfaces = scene->surfaces, .textures = scene->textures, .texture_count = scene->texture_count};
-	const stilb_scene_material *material = &scene->materials[scene->part_material[part]];
-	return sieve_of(&next, material, gi->meshes[gi->parts[part].mesh].colored) > 0;
+	uint32_t surface = scene->materials[scene->part_material[part]].surface;
+	gi_maps maps = {surface ? &scene->surfaces[surface - 1] : NULL, scene->textures, scene->texture_count};
+	return surface && is_sieve(&maps, gi->meshes[gi->parts[part].mesh].colored);
 }
 
 /* True if all parts keep their meshes, so that these need not be made anew; of a scene that is not movable also if no
@@ -781,6 +779,7 @@ void stilb_gi_scene_destroy(stilb_gi_scene *scene)
 		return;
 	STILB_ASSERT_OWNER(scene->owner);
 	gi_scene_clear(scene);
+	gi_scene_found_finish(&scene->found);
 	free(scene);
 }
 

@@ -59,6 +59,15 @@ typedef struct gi_part {
 /* Whether a texture has light in it. */
 typedef enum gi_darkness { GI_DARKNESS_UNKNOWN, GI_DARKNESS_DARK, GI_DARKNESS_NONE } gi_darkness;
 
+/* What was found of textures and of triangles that glow. Updates keep it, those that build all else anew too. */
+typedef struct gi_found {
+	uint8_t *dark; /* [dark_count] of the scene's textures: gi_darkness */
+	uint32_t dark_count;
+	uint64_t dark_hash;  /* of the textures that this was found of */
+	float (*means)[3];   /* [emitter_count] of glows */
+	uint64_t means_hash; /* of all that they are means of; 0: there are none */
+} gi_found;
+
 typedef struct gi_backdrop gi_backdrop; /* integrate/gi_backdrop.h */
 
 struct stilb_gi_scene {
@@ -85,11 +94,7 @@ struct stilb_gi_scene {
 	uint64_t own_bytes;     /* of these arrays, meshes and parts */
 	uint32_t emitter_count; /* triangles of parts that are lights, those that do not glow included */
 	/* What it was made of, and how, for updates. */
-	uint8_t *dark; /* [dark_count] of the scene's textures: gi_darkness */
-	uint32_t dark_count;
-	uint64_t dark_hash;   /* of the textures that this was found of */
-	float (*means)[3];    /* [emitter_count] of glows */
-	uint64_t means_hash;  /* of all that they are means of; 0: there are none */
+	gi_found found;
 	bool movable, broken; /* broken: the last update failed */
 	uint64_t geometry;    /* the scene's count of changes of its meshes */
 	uint64_t lights_hash; /* of all that lights were made of */

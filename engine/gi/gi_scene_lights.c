@@ -22,7 +22,7 @@ static bool is_bright(const float emission[3])
 /* Of where the textures' pixels are, and of the count of their changes. */
 static uint64_t textures_hash(const stilb_scene *scene)
 {
-	uint64_t head[] = {scene->revisions.materials, scene->texture_count};
+	uint64_t head[] = {scene->revisions.textures, scene->texture_count};
 	uint64_t hash = hash_numbers(STILB_FNV1A64_START, head, sizeof head);
 	for (uint32_t i = 0; i < scene->texture_count; i++) {
 		const stilb_image *image = &scene->textures[i];
@@ -35,14 +35,15 @@ static uint64_t textures_hash(const stilb_scene *scene)
 stilb_result gi_scene_ask_darkness(stilb_gi_scene *gi, const stilb_scene *scene)
 {
 	uint64_t hash = textures_hash(scene);
-	if (gi->dark && gi->dark_count == scene->texture_count && gi->dark_hash == hash)
+	if (gi->found.dark && gi->found.dark_count == scene->texture_count && gi->found.dark_hash == hash)
 		return STILB_OK;
-	free(gi->dark);
-	gi->dark = calloc((size_t)scene->texture_count + 1, sizeof *gi->dark);
-	gi->dark_count = gi->dark ? scene->texture_count : 0;
-	gi->dark_hash = hash;
-	return gi->dark ? STILB_OK
-	                : stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u textures", scene->texture_count);
+	free(gi->found.dark);
+	gi->found.dark = calloc((size_t)scene->texture_count + 1, sizeof *gi->found.dark);
+	gi->found.dark_count = gi->found.dark ? scene->texture_count : 0;
+	gi->found.dark_hash = hash;
+	return gi->found.dark
+	           ? STILB_OK
+	           : stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u textures", scene->texture_count);
 }
 
 bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t id)
@@ -56,9 +57,9 @@ bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t id)
 	uint32_t texture = surface->maps[STILB_SCENE_MAP_EMISSION].texture;
 	if (surface->unlit || !is_bright(surface->emission))
 		return false;
-	if (texture == 0 || texture > gi->dark_count)
+	if (texture == 0 || texture > gi->found.dark_count)
 		return true;
-	uint8_t *dark = &gi->dark[texture - 1];
+	uint8_t *dark = &gi->found.dark[texture - 1];
 	if (*dark == GI_DARKNESS_UNKNOWN)
 		*dark = gi_glow_is_dark(&scene->textures[texture - 1]) ? GI_DARKNESS_DARK : GI_DARKNESS_NONE;
 	return *dark == GI_DARKNESS_NONE;
@@ -66,14 +67,15 @@ bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t id)
 
 /* ---- emitters ---------------------------------------------------------------------------------------------------- */
 
-/* The surface by which triangles of the part do not emit the same all over; NULL: they do. */
+/* The surface by which triangles of the part do not emit the same all over and around; NULL: they do. */
 static const stilb_scene_surface *glow_surface(const stilb_gi_scene *gi, const gi_part *part)
 {
 	if (part->first_light == GI_NO_LIGHT || (!part->surface && !part->sieve))
 		return NULL;
 	const stilb_scene_surface *surface = &gi->surfaces[(part->surface ? part->surface : part->sieve) - 1];
 	bool holes = part->sieve > 0 && surface->alpha != STILB_SCENE_OPAQUE;
-	return holes || surface->maps[STILB_SCENE_MAP_EMISSION].texture > 0 ? surface : NULL;
+	bool maps = surface->maps[STILB_SCENE_MAP_EMISSION].texture > 0 || surface->clearcoat > 0.0f;
+	return holes || maps ? surface : NULL;
 }
 
 /* Of all that the means of glows depend on; 0: nothing glows. */
@@ -104,7 +106,7 @@ static gi_glow glow_of(const stilb_gi_scene *gi, const gi_part *part, const stil
 	return glow;
 }
 
-/* Fills in the emitters of a part. known: gi->means has their means. */
+/* Fills in the emitters of a part. known: gi->found.means has their means. */
 static void emitters_of_part(const stilb_gi_scene *gi, const gi_part *part, bool known, gi_emitter *emitters)
 {
 	const gi_mesh *mesh = &gi->meshes[part->mesh];
@@ -122,23 +124,22 @@ static void emitters_of_part(const stilb_gi_scene *gi, const gi_part *part, bool
 		emitter->glow = glow_of(gi, part, surface, k);
 		if (!known) {
 			stilb_vec3 mean = gi_glow_mean(&emitter->glow);
-			memcpy(gi->means[light], &mean, sizeof gi->means[light]);
+			memcpy(gi->found.means[light], &mean, sizeof gi->found.means[light]);
 		}
-		memcpy(emitter->emission, gi->means[light], sizeof emitter->emission);
+		memcpy(emitter->emission, gi->found.means[light], sizeof emitter->emission);
 	}
 }
 
-/* Room for the means of glows. *known: they are there. */
-static stilb_result means_ask(stilb_gi_scene *gi, const stilb_scene *scene, bool *known)
+/* Room for the means of glows with this hash. *known: they are there. */
+static stilb_result means_ask(stilb_gi_scene *gi, uint64_t hash, bool *known)
 {
-	uint64_t hash = glows_hash(gi, scene);
-	*known = gi->means && hash == gi->means_hash;
+	*known = gi->found.means && hash == gi->found.means_hash;
 	if (hash == 0 || *known)
 		return STILB_OK;
-	free(gi->means);
-	gi->means = malloc(gi->emitter_count * sizeof *gi->means);
-	gi->means_hash = gi->means ? hash : 0;
-	return gi->means ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", gi->emitter_count);
+	free(gi->found.means);
+	gi->found.means = malloc(gi->emitter_count * sizeof *gi->found.means);
+	gi->found.means_hash = 0; /* until they are filled in */
+	return gi->found.means ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for %u lights", gi->emitter_count);
 }
 
 /* The list of emitting triangles, to be freed. */
@@ -146,7 +147,8 @@ static stilb_result emitters_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 {
 	bool known;
 	*out = NULL;
-	stilb_result result = means_ask(gi, scene, &known);
+	uint64_t hash = glows_hash(gi, scene);
+	stilb_result result = means_ask(gi, hash, &known);
 	if (result != STILB_OK)
 		return result;
 	size_t size = ((size_t)gi->emitter_count + 1) * sizeof **out;
@@ -157,6 +159,7 @@ static stilb_result emitters_make(stilb_gi_scene *gi, const stilb_scene *scene, 
 	for (uint32_t i = 0; i < gi->part_count; i++)
 		if (gi->parts[i].first_light != GI_NO_LIGHT)
 			emitters_of_part(gi, &gi->parts[i], known, emitters);
+	gi->found.means_hash = hash != 0 ? hash : gi->found.means_hash;
 	*out = emitters;
 	return STILB_OK;
 }
@@ -192,7 +195,7 @@ static uint64_t lights_hash(const stilb_scene *scene, const gi_emitter *emitters
 	return stilb_hash_fnv1a64(hash, numbers, sizeof numbers);
 }
 
-static void tables_finish(stilb_gi_scene *gi)
+void gi_scene_lights_clear(stilb_gi_scene *gi)
 {
 	gi_lights_destroy(&gi->open_lights);
 	gi_lights_destroy(&gi->lights);
@@ -205,7 +208,7 @@ static stilb_result tables_make(stilb_gi_scene *gi, const stilb_scene *scene, co
 	stilb_scene_environment_words(&scene->surroundings, gi->surroundings, sizeof gi->surroundings);
 	if (gi->lights.environment && gi->lights_hash == hash)
 		return STILB_OK;
-	tables_finish(gi);
+	gi_scene_lights_clear(gi);
 	stilb_result result = gi_lights_create(scene, emitters, gi->emitter_count, &gi->lights);
 	if (result == STILB_OK)
 		result = gi_lights_create_open(scene, &gi->lights, &gi->open_lights);
@@ -227,13 +230,9 @@ stilb_result gi_scene_lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 	return result;
 }
 
-void gi_scene_lights_finish(stilb_gi_scene *gi)
+void gi_scene_found_finish(gi_found *found)
 {
-	tables_finish(gi);
-	free(gi->dark);
-	free(gi->means);
-	gi->dark = NULL;
-	gi->means = NULL;
-	gi->dark_count = 0;
-	gi->means_hash = 0;
+	free(found->dark);
+	free(found->means);
+	*found = (gi_found){0};
 }

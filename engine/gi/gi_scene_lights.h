@@ -20,7 +20,10 @@ bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t mater
  * emitter_count is. Errors: as of stilb_gi_scene_create. */
 stilb_result gi_scene_lights_make(stilb_gi_scene *gi, const stilb_scene *scene);
 
-/* Leaves none, and nothing kept. Accepts a scene that has none. */
-void gi_scene_lights_finish(stilb_gi_scene *gi);
+/* Leaves none, but keeps what was found. Accepts a scene that has none. */
+void gi_scene_lights_clear(stilb_gi_scene *gi);
+
+/* Frees what was found. Accepts {0}. */
+void gi_scene_found_finish(gi_found *found);
 
 #endif

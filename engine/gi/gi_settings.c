@@ -79,6 +79,8 @@ static const char *const RADIUS_NAMES[] = {"split_sphere", "hessian", "harmonic"
 
 static const field FIELDS[] = {
 	NAMED(integrator, INTEGRATOR_NAMES),
+	{"channel", FIELD_NAME, GI_SETTING_SAMPLE, AT(channel), 0, STILB_SCENE_CHANNELS_OF_RAYS - 1,
+     stilb_scene_channel_names},
 	NUMBER(FIELD_U32, width, 1, 65536),
 	NUMBER(FIELD_U32, height, 1, 65536),
 	LIMIT(FIELD_U32, samples, 1, 65536), /* for some samplers GI_SETTING_SAMPLE: gi_settings_get changes that */

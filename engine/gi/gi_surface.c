@@ -165,9 +165,9 @@ static stilb_vec3 turned_alike(const float matrix[9], stilb_vec3 v)
 	return square > GI_NORMAL_NONE ? turned * sqrtf(stilb_vec3_dot(v, v) / square) : turned;
 }
 
-/* The interpolated tangent in world space, of any length; 0: there is none. sign: of the bitangent. */
-static stilb_vec3 tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign)
+stilb_vec3 gi_tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign)
 {
+	STILB_ASSERT(part->extras);
 	const uint32_t *index = part->triangles[ray->hit.triangle].vertex;
 	const float *a = part->extras[index[0]].tangent, *b = part->extras[index[1]].tangent,
 				*c = part->extras[index[2]].tangent;
@@ -201,7 +201,7 @@ static stilb_vec3 mapped_normal(const gi_part *part, const gi_ray_hit *ray, stil
 {
 	stilb_vec3 geometric = surface->geometric;
 	float sign;
-	stilb_vec3 tangent = tangent_at(part, ray, &sign);
+	stilb_vec3 tangent = gi_tangent_at(part, ray, &sign);
 	if (!(stilb_vec3_dot(tangent, tangent) > GI_NORMAL_NONE))
 		return surface->normal;
 	if (!(stilb_vec3_dot(normal, normal) > GI_NORMAL_NONE))
@@ -237,7 +237,7 @@ static void brushed_at(const maps_hit *at, const gi_surface *surface, gi_layers 
 	stilb_vec4 texel = gi_maps_texel(&at->maps, STILB_SCENE_MAP_ANISOTROPY, &at->place);
 	float sign = 1.0f, x = 1.0f, y = 0.0f;
 	if (at->part->extras)
-		tangent = tangent_at(at->part, at->ray, &sign);
+		tangent = gi_tangent_at(at->part, at->ray, &sign);
 	if (!(stilb_vec3_dot(tangent, tangent) > GI_NORMAL_NONE)) {
 		tangent = stilb_vec3_make(n[2], 0.0f, -n[0]);
 		sign = 1.0f;
@@ -258,10 +258,9 @@ static void through_at(const maps_hit *at, gi_surface *surface)
 	const gi_maps *maps = &at->maps;
 	const stilb_scene_surface *s = maps->surface;
 	gi_layers *layers = &surface->layers;
-	float share = s->transmission * gi_maps_texel(maps, STILB_SCENE_MAP_TRANSMISSION, &at->place)[0], metal = 0.0f;
+	float share = s->transmission * gi_maps_texel(maps, STILB_SCENE_MAP_TRANSMISSION, &at->place)[0];
 	stilb_vec3 v = -gi_ray_direction(&at->ray->ray);
-	if (s->workflow == STILB_SCENE_METALLIC)
-		metal = s->metalness * gi_maps_texel(maps, STILB_SCENE_MAP_REFLECTION, &at->place)[2];
+	float metal = gi_maps_metalness(maps, &at->place);
 	layers->through = stilb_vec3_make(at->color[0], at->color[1], at->color[2]) * (share * (1.0f - metal));
 	layers->roughness = surface->roughness;
 	surface->diffuse *= 1.0f - share;

@@ -61,6 +61,10 @@ void gi_surface_at(const stilb_gi_scene *scene, const gi_ray_hit *ray, gi_surfac
 /* A point of a part's triangle, as maps see it; u and v: barycentric. */
 gi_place gi_place_at(const gi_part *part, uint32_t triangle, float u, float v);
 
+/* The interpolated tangent, in world space, of any length, of a part with extras; 0: there is none. *sign: of the
+ * bitangent. */
+stilb_vec3 gi_tangent_at(const gi_part *part, const gi_ray_hit *ray, float *sign);
+
 /* The origin of a ray that leaves the surface in this direction: surface->position, moved along the triangle's normal
  * (surface->geometric), to the side where the direction points, by surface->error and no more. From there the ray's
  * t_min may be 0: it does not hit this triangle again, and does not slip through a neighbouring one. */

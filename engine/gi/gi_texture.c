@@ -1,12 +1,13 @@
 #include "gi/gi_texture.h"
 
+#include "image/image_srgb.h"
 #include "shading/shade_srgb.h"
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */
 
 static float code_of_u8_srgb(const void *pixels, size_t at)
 {
-	return gi_srgb_to_linear[((const uint8_t *)pixels)[at]];
+	return stilb_image_srgb_to_light[((const uint8_t *)pixels)[at]];
 }
 
 static float code_of_u16_srgb(const void *pixels, size_t at)
@@ -93,6 +94,8 @@ static texture_place texture_between(float coordinate, uint32_t size, uint32_t w
 static inline __attribute__((always_inline)) stilb_vec4
 texture_mix(const stilb_image *image, texture_place x, texture_place y, texture_code *color, texture_code *alpha)
 {
+	if (x.first == x.second && y.first == y.second)
+		return texture_texel(image, x.first, y.first, color, alpha); /* an infinite one, too: not times 0 */
 	stilb_vec4 above = texture_texel(image, x.first, y.first, color, alpha) * (1.0f - x.fraction) +
 	                   texture_texel(image, x.second, y.first, color, alpha) * x.fraction;
 	stilb_vec4 below = texture_texel(image, x.first, y.second, color, alpha) * (1.0f - x.fraction) +
@@ -127,6 +130,8 @@ static inline __attribute__((always_inline)) float texture_mix_alpha(const stilb
 	size_t channels = image->channels, row = (size_t)image->width * channels, last = channels - 1;
 	size_t above = y.first * row + last, below = y.second * row + last;
 	const void *pixels = image->pixels;
+	if (x.first == x.second && y.first == y.second)
+		return alpha(pixels, above + x.first * channels);
 	float a = alpha(pixels, above + x.first * channels) * (1.0f - x.fraction) +
 	          alpha(pixels, above + x.second * channels) * x.fraction;
 	float b = alpha(pixels, below + x.first * channels) * (1.0f - x.fraction) +

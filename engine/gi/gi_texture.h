@@ -23,7 +23,4 @@ stilb_vec4 gi_texture_map(const stilb_image *image, const stilb_scene_map *map, 
 /* The alpha of gi_texture_map, in less time. */
 float gi_texture_alpha(const stilb_image *image, const stilb_scene_map *map, stilb_vec2 place);
 
-/* The linear values of the codes 0 to 255 of sRGB, shade_srgb_to_linear(code / 255). In gi_srgb.c. */
-extern const float gi_srgb_to_linear[256];
-
 #endif

@@ -229,6 +229,11 @@ stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *item
 		const gpu_image *image = items[i].image.id ? gpu_image_of(gpu, items[i].image.id) : NULL;
 		if (items[i].image.id && (!image || !(image->extent.uses & 1u << STILB_GPU_USE_SAMPLED)))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "item %u of a set is no image, or one that cannot be sampled", i);
+		if (image && items[i].seen != STILB_GPU_SEEN_WHOLE && image->extent.shape != STILB_GPU_SHAPE_2D)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "item %u of a set: only images of shape 2D are seen by layers", i);
+		if (image && items[i].seen == STILB_GPU_SEEN_LAYER && items[i].layer >= image->extent.layers)
+			return stilb_fail(STILB_ERROR_ARGUMENT, "item %u of a set: layer %u of an image that has %u", i,
+			                  items[i].layer, image->extent.layers);
 		if (items[i].sampler.id >= atomic_load_explicit(&gpu->sampler_count, memory_order_acquire)) /* sampler_get */
 			return stilb_fail(STILB_ERROR_ARGUMENT, "item %u of a set has sampler %u, which was never made", i,
 			                  items[i].sampler.id);

@@ -43,6 +43,7 @@ typedef struct stilb_gpu_limits {
 	float anisotropy;    /* largest; 1: none */
 	bool timestamps, bc; /* pass times; BC1 to BC7 */
 	bool indirect_count; /* the number of indirect draws may come from a buffer */
+	bool lines;          /* programs may draw the edges of triangles alone */
 } stilb_gpu_limits;
 
 const stilb_gpu_limits *stilb_gpu_limits_get(const stilb_gpu *gpu);
@@ -145,14 +146,22 @@ stilb_result stilb_gpu_sampler_get(stilb_gpu *gpu, const stilb_gpu_sampler_desc 
 typedef struct stilb_gpu_set {
 	uint32_t id; /* 0: none */
 } stilb_gpu_set;
+/* How shaders see an item's image. */
+typedef enum stilb_gpu_seen {
+	STILB_GPU_SEEN_WHOLE, /* as it is: of several layers an array */
+	STILB_GPU_SEEN_ARRAY, /* of shape 2D, an array also of one layer: sampler2DArray */
+	STILB_GPU_SEEN_LAYER, /* of shape 2D, `layer` alone: sampler2D */
+} stilb_gpu_seen;
 typedef struct stilb_gpu_set_item {
 	stilb_gpu_image image; /* {0}: a white texel */
 	stilb_gpu_sampler sampler;
+	uint8_t seen; /* stilb_gpu_seen */
+	uint16_t layer;
 } stilb_gpu_set_item;
 #define STILB_GPU_MAX_SET_ITEMS 16u
 
 /* Every binding of a set is always written. A run's set has as many items as its program asks for (set_items).
- * STILB_ERROR_ARGUMENT: the count, or an item's image or sampler; STILB_ERROR_MEMORY. [any-thread] */
+ * STILB_ERROR_ARGUMENT: the count, or an item's image, layer or sampler; STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_gpu_set_create(stilb_gpu *gpu, const stilb_gpu_set_item *items, uint32_t count, stilb_gpu_set *out);
 void stilb_gpu_set_destroy(stilb_gpu *gpu, stilb_gpu_set set);
 
@@ -201,6 +210,7 @@ typedef struct stilb_gpu_program_desc {
 	uint8_t depth;                     /* stilb_gpu_compare; NONE: no test */
 	bool depth_write;
 	bool cull_back; /* triangles that are clockwise in the picture */
+	bool lines;     /* of triangles the edges alone, a pixel wide; needs stilb_gpu_limits.lines */
 	uint8_t blend;  /* stilb_gpu_blend, of every colour attachment */
 	bool alpha_to_coverage;
 	float depth_bias, depth_bias_slope;

@@ -228,6 +228,9 @@ stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_des
 		            STILB_GPU_MAX_SPECIALIZATIONS);
 	if (desc->depth > STILB_GPU_COMPARE_EQUAL || desc->blend > STILB_GPU_BLEND_ADD)
 		return FAIL("program '%s': depth %u, blend %u: there are 0..3 and 0..2", name, desc->depth, desc->blend);
+	if (desc->lines && !gpu->limits.lines)
+		return FAIL("program '%s': '%s' draws no edges of triangles (fillModeNonSolid); choose another GPU", name,
+		            gpu->name);
 	for (uint32_t i = 0; i < desc->input_count; i++)
 		if (desc->inputs[i].format >= STILB_GPU_FORMAT_COUNT || desc->inputs[i].format == STILB_GPU_NONE ||
 		    desc->inputs[i].offset + stilb_gpu_format_describe(desc->inputs[i].format)->block_bytes >

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -230,6 +231,24 @@ void stilb_image_finish(stilb_image *image)
 	if (image_place(image) >= IMAGE_STORAGE_SHARED)
 		close(image_memory_file(image));
 	*image = (stilb_image){0};
+}
+
+/* ---- halves ------------------------------------------------------------------------------------------------------ */
+
+uint16_t stilb_image_half_from_float(float value)
+{
+	uint32_t bits;
+	memcpy(&bits, &value, sizeof bits);
+	uint32_t sign = bits >> 16 & 0x8000u, exponent = bits >> 23 & 0xffu;
+	if (exponent < 102) /* below half of the smallest half, 2^-25 */
+		return (uint16_t)sign;
+	if (exponent > 142) /* at least 65536, or NaN */
+		return (uint16_t)(sign | (isnan(value) ? 0x7e00u : 0x7c00u));
+	uint32_t mantissa = (bits & 0x7fffffu) | 0x800000u;
+	uint32_t shift = exponent < 113 ? 126 - exponent : 13; /* smaller than 2^-14: denormal */
+	uint32_t kept = mantissa >> shift, rest = mantissa & ((1u << shift) - 1), tie = 1u << (shift - 1);
+	kept += rest > tie || (rest == tie && (kept & 1u)); /* a carry goes on into the exponent, up to infinity */
+	return (uint16_t)(sign | (exponent < 113 ? kept : kept + ((exponent - 113) << 10)));
 }
 
 /* ---- pictures that one process hands to another ------------------------------------------------------------------ */

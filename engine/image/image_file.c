@@ -4,6 +4,7 @@
 #include "base/base_file.h"
 #include "image/image_blocks.h"
 #include "image/image_internal.h"
+#include "image/image_srgb.h"
 #include "shading/shade_srgb.h"
 
 #include <errno.h>
@@ -37,7 +38,7 @@ static const image_codec *image_codec_find(const char *extension)
 	return NULL;
 }
 
-/* The codec for path's extension; NULL with a message ("cannot <verb> ...") if there is none. */
+/* The codec for path's extension; NULL with a message if there is none. verb: "read" or "write". */
 static const image_codec *image_codec_of(const char *path, const char *verb)
 {
 	const char *names = strcmp(verb, "read") == 0 ? IMAGE_EXTENSIONS_READ : IMAGE_EXTENSIONS;
@@ -72,22 +73,6 @@ static bool image_channel_is_alpha(const stilb_image *image, size_t index)
 {
 	uint32_t channels = image->channels;
 	return channels % 2 == 0 && index % channels == channels - 1;
-}
-
-uint16_t stilb_image_half_from_float(float value)
-{
-	uint32_t bits;
-	memcpy(&bits, &value, sizeof bits);
-	uint32_t sign = bits >> 16 & 0x8000u, exponent = bits >> 23 & 0xffu;
-	if (exponent < 102) /* below half of the smallest half, 2^-25 */
-		return (uint16_t)sign;
-	if (exponent > 142) /* at least 65536, or NaN */
-		return (uint16_t)(sign | (isnan(value) ? 0x7e00u : 0x7c00u));
-	uint32_t mantissa = (bits & 0x7fffffu) | 0x800000u;
-	uint32_t shift = exponent < 113 ? 126 - exponent : 13; /* smaller than 2^-14: denormal */
-	uint32_t kept = mantissa >> shift, rest = mantissa & ((1u << shift) - 1), tie = 1u << (shift - 1);
-	kept += rest > tie || (rest == tie && (kept & 1u)); /* a carry goes on into the exponent, up to infinity */
-	return (uint16_t)(sign | (exponent < 113 ? kept : kept + ((exponent - 113) << 10)));
 }
 
 static uint8_t image_code(float light, bool alpha)
@@ -143,12 +128,9 @@ static void image_bytes_to_light(const stilb_image *image, size_t first, size_t 
 {
 	const uint8_t *codes = (const uint8_t *)image->pixels + first;
 	bool srgb = image->format == STILB_IMAGE_U8_SRGB;
-	float table[256];
-	for (int code = 0; srgb && code < 256; code++)
-		table[code] = shade_srgb_to_linear((float)code / 255.0f);
 	for (size_t i = 0; i < count; i++) {
 		bool linear = !srgb || image_channel_is_alpha(image, first + i);
-		light[i] = linear ? (float)codes[i] / 255.0f : table[codes[i]];
+		light[i] = linear ? (float)codes[i] / 255.0f : stilb_image_srgb_to_light[codes[i]];
 	}
 }
 

@@ -9,7 +9,7 @@
 /* The half vector's polar angle theta is given by tan(theta) = alpha sinh(t). Panels are 3 wide in t; what is beyond
  * DFG_LAST weighs exp(-2 DFG_LAST). */
 #define DFG_LAST 12.0
-#define DFG_PANELS 5
+#define DFG_PANELS 5  /* at most: 4 fill 0 to DFG_LAST, and rounding may ask for one more */
 #define DFG_POINTS 16 /* of a panel */
 
 typedef struct dfg_lobe {

@@ -26,32 +26,6 @@ size_t stilb_numeric_prefilter_offset(const stilb_numeric_prefilter_settings *se
 	return texels * 4 * (settings->halves ? sizeof(uint16_t) : sizeof(float));
 }
 
-/* ---- the key ----------------------------------------------------------------------------------------------------- */
-
-#define PREFILTER_METHOD 1u /* another one when a cube comes out otherwise */
-
-static size_t values_size(const stilb_image *image)
-{
-	size_t size = image->format == STILB_IMAGE_F32_LINEAR ? sizeof(float) : sizeof(uint16_t);
-	return (size_t)image->width * image->height * image->channels * size;
-}
-
-uint64_t stilb_numeric_prefilter_key(const stilb_numeric_prefilter_source *source,
-                                     const stilb_numeric_prefilter_settings *settings)
-{
-	STILB_ASSERT(settings_are_valid(settings) && !source->panorama != !source->faces);
-	uint32_t numbers[] = {PREFILTER_METHOD, settings->face, settings->mips, settings->halves, source->faces ? 6 : 1};
-	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, numbers, sizeof numbers);
-	hash = stilb_hash_fnv1a64(hash, &settings->firefly_range, sizeof settings->firefly_range);
-	const stilb_image *images = source->faces ? source->faces : source->panorama;
-	for (uint32_t i = 0; i < (source->faces ? 6u : 1u); i++) {
-		uint32_t shape[] = {images[i].width, images[i].height, images[i].channels, images[i].format};
-		hash = stilb_hash_fnv1a64(hash, shape, sizeof shape);
-		hash = stilb_hash_fnv1a64(hash, images[i].pixels, values_size(&images[i]));
-	}
-	return hash ? hash : 1;
-}
-
 /* ---- create ------------------------------------------------------------------------------------------------------ */
 
 /* Degree of the harmonics for a lobe of this width, over alpha; and the least, for the wide lobes, which end at the

@@ -4,9 +4,10 @@
  *
  * Mips.     Mip 0 is the source, shared out to the cube's texels as bilinear interpolation weighs them. Mip m of `mips`
  *           belongs to the perceptual roughness m / (mips - 1), alpha = roughness^2 (shade_alpha_from_roughness). Its
- *           texel in the direction n is the mean of the source weighted with D(h) (n.l), h halfway between n and l: GGX
- *           seen along its normal, the first factor of the split sum. Source: Karis, "Real Shading in Unreal Engine 4"
- *           (2013).
+ *           texel in the direction n is the mean of the source weighted with D(h) G1(l), h halfway between n and l:
+ *           what GGX seen along its normal reflects, the first factor of the split sum. Source: Karis, "Real Shading in
+ *           Unreal Engine 4" (2013); his weight n.l in place of G1, Smith's term, takes up to a fifth of the light from
+ *           metal of roughness 0.5 that faces the viewer.
  * Method.   That weight depends on the angle between n and l alone: each mip is a convolution on the sphere, which
  *           multiplies the source's spherical harmonics of degree l by one number. The source is projected up to degree
  *           6 / alpha of mip 1, beyond which GGX leaves less than a thousandth, and each mip is evaluated on a grid and
@@ -60,11 +61,6 @@ typedef struct stilb_numeric_prefilter stilb_numeric_prefilter;
 
 /* Where face 0..5 of a mip begins in the cube, bytes. mip == mips and face 0: the size of the whole cube. */
 size_t stilb_numeric_prefilter_offset(const stilb_numeric_prefilter_settings *settings, uint32_t mip, uint32_t face);
-
-/* A number of all values of the source and of the settings, not 0: equal cubes have equal keys, so that a cube can be
- * kept on disk by it. It also changes when this module's method does. */
-uint64_t stilb_numeric_prefilter_key(const stilb_numeric_prefilter_source *source,
-                                     const stilb_numeric_prefilter_settings *settings);
 
 /* Prepares the work that fills the cube, stilb_numeric_prefilter_offset(settings, mips, 0) bytes, aligned to 16.
  * STILB_ERROR_ARGUMENT: pictures of codes, or faces that are no cube; STILB_ERROR_MEMORY: then *work is NULL. */

@@ -65,11 +65,13 @@ void numeric_prefilter_transform(const stilb_numeric_prefilter *work, uint32_t c
 
 #define SHARE_STEPS 16 /* of theta for each degree, at least */
 
-/* D(h) (n.l), h half as far from n as l. */
+/* D(h) G1(l), h half as far from n as l: what GGX seen along its normal reflects, over some constant. */
 static double lobe(double theta, double alpha)
 {
-	double sine = sin(0.5 * theta), bracket = alpha * alpha + sine * sine * (1.0 - alpha * alpha);
-	return alpha * alpha / (bracket * bracket) * cos(theta);
+	double alpha2 = alpha * alpha, sine = sin(0.5 * theta), cosine = cos(theta);
+	double bracket = alpha2 + sine * sine * (1.0 - alpha2);
+	double shadow = 2.0 * cosine / (cosine + sqrt(alpha2 + (1.0 - alpha2) * cosine * cosine));
+	return alpha2 / (bracket * bracket) * shadow;
 }
 
 /* The lobe's Legendre coefficients over that of degree 0, by Simpson's rule in theta with Bonnet's recurrence. Source:

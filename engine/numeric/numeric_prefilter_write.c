@@ -9,16 +9,6 @@
 
 #define HALF_MAX 65504.0f
 
-/* The half float nearest to a value in [0, HALF_MAX]; ties to even. */
-static uint16_t write_half(float value)
-{
-	if (value < 0x1p-14f) /* steps of 2^-24; adding 0.5 brings the last of them to a float's last bit */
-		return (uint16_t)((value + 0.5f - 0.5f) * 0x1p24f);
-	uint32_t bits;
-	memcpy(&bits, &value, sizeof bits);
-	return (uint16_t)((bits + 0xfffu + (bits >> 13 & 1u)) / 8192u - (112u << 10));
-}
-
 /* The mean that weighted sums stand for. What is below 0, which a convolution rounds to, is 0. */
 static stilb_vec4 write_mean(stilb_vec4 sums)
 {
@@ -40,7 +30,7 @@ static void write_texel(const stilb_numeric_prefilter *work, uint32_t mip, size_
 	}
 	uint16_t halves[4];
 	for (int c = 0; c < 4; c++)
-		halves[c] = write_half(fminf(mean[c], HALF_MAX));
+		halves[c] = stilb_image_half_from_float(fminf(mean[c], HALF_MAX));
 	memcpy(texels + index * sizeof halves, halves, sizeof halves);
 }
 

@@ -17,9 +17,15 @@ stilb_render_shading stilb_render_shading_default(void)
 }
 
 const char *const stilb_render_show_names[] = {
-#define RENDER_SHOW_NAME(id, name, words) #name,
+#define RENDER_SHOW_NAME(id, name, ...) #name,
 	STILB_RENDER_SHOWN(RENDER_SHOW_NAME)
 #undef RENDER_SHOW_NAME
+		NULL};
+
+const char *const stilb_render_show_words[] = {
+#define RENDER_SHOW_WORDS(id, name, words, ...) words,
+	STILB_RENDER_SHOWN(RENDER_SHOW_WORDS)
+#undef RENDER_SHOW_WORDS
 		NULL};
 
 const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",
@@ -46,6 +52,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 {
 	STILB_ASSERT(render_size_is_valid(desc->width, desc->height) && "1..16384 pixels a side");
 	STILB_ASSERT(desc->samples == 0 || desc->samples == 1 || desc->samples == 4);
+	STILB_ASSERT(desc->max_anisotropy <= 16);
 	STILB_ASSERT(desc->context_count >= 1);
 	STILB_ASSERT((uint32_t)desc->device <= STILB_RENDER_DEVICE_NULL &&
 	             (uint32_t)desc->output <= STILB_RENDER_OUTPUT_LINEAR);
@@ -110,7 +117,14 @@ void stilb_render_destroy(stilb_render *render)
 	render_panorama_finish(&render->panorama);
 	render_resources_destroy(&render->resources);
 	free(render->sort_items);
+	render_order_finish(&render->order);
 	free(render);
+}
+
+void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render->pool = pool;
 }
 
 const char *stilb_render_device_name(const stilb_render *render)

@@ -53,6 +53,7 @@
 #include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
 #include "scene/scene.h"
+#include "scene/scene_channel.h"
 #include "scene/scene_impostor.h"
 
 #ifdef __cplusplus
@@ -111,6 +112,10 @@ typedef struct stilb_render_desc {
 	stilb_gpu_presentation presentation;
 	uint32_t width, height; /* pixels, 1..16384 */
 	uint32_t samples;       /* 1 or 4 per pixel; 0: 4 on a GPU, 1 on a software device */
+	/* Of textures of surfaces that are filtered linearly: how many times longer than wide a pixel's footprint may be
+	 * before it blurs, 1..16, at most the GPU's; 1: mips alone. 0: 8 on a GPU, 1 on a software device, where 8 costs a
+	 * read five times as much. */
+	uint32_t max_anisotropy;
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */
@@ -184,7 +189,7 @@ typedef struct stilb_render_material {
  * have left n holes in them, creating a mesh takes time in proportion to n: 0.2 us for 1,000, 5 us for 100,000. */
 #define STILB_RENDER_MAX_MESHES (1u << 20)
 #define STILB_RENDER_MAX_MATERIALS (1u << 24)
-#define STILB_RENDER_MAX_TEXTURES (1u << 12) /* 4095 in fact: index 0 stands for no texture */
+#define STILB_RENDER_MAX_TEXTURES (1u << 20) /* one less in fact: index 0 stands for no texture */
 
 /* Copies vertices (metres, unit normals), indices (three a triangle), levels and clusters; a mesh with clusters does
  * not morph. STILB_ERROR_ARGUMENT: no vertex, no index, an index that is not below vertex_count, or levels or clusters
@@ -310,20 +315,35 @@ typedef struct stilb_render_detail {
 	float error; /* pixels, > 0; not read if mode is OFF */
 } stilb_render_detail;
 
-/* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users).
+/* What pictures show, a row for each module that has something to show: X(ENUM, identifier, words for users, ...).
  *   LEVELS  each level of detail in a colour of its own, lit from the viewer: white the mesh in full, then red, orange,
  *           yellow, green, blue, violet and red again; grey what has no levels. Clusters have the colour of how often
- *           their place has been made coarser. There are no transitions. */
+ *           their place has been made coarser. There are no transitions.
+ *   BASE, ... OVERDRAW
+ *           the channels of scene_channel.h: no light, no backdrop, and exposure, tone and dither are not read. Levels
+ *           and impostors are drawn as usual; an impostor has base colour, normal and roughness alone. WIREFRAME: lines
+ *           of one pixel, also those behind others; the GPU must have fillModeNonSolid. OVERDRAW counts what passes the
+ *           test of depth, in the order of the draws. Views with the same target show the same. */
 #define STILB_RENDER_SHOWN(X)                                                                                          \
 	X(SHADED, shaded, "surfaces in their light")                                                                       \
-	X(LEVELS, lod, "levels of detail, each in a colour")
+	X(LEVELS, lod, "levels of detail, each in a colour")                                                               \
+	STILB_SCENE_CHANNELS_OF_SURFACES(X)
 
 #define STILB_RENDER_SHOW_ENUM(id, ...) STILB_RENDER_SHOW_##id,
 typedef enum stilb_render_show { STILB_RENDER_SHOWN(STILB_RENDER_SHOW_ENUM) STILB_RENDER_SHOWS } stilb_render_show;
 #undef STILB_RENDER_SHOW_ENUM
 
+/* True if it is a channel, which *channel is then. [any-thread] */
+static inline bool stilb_render_show_channel(stilb_render_show show, stilb_scene_surface_channel *channel)
+{
+	*channel = (stilb_scene_surface_channel)((int)show - STILB_RENDER_SHOW_BASE);
+	return (int)show >= STILB_RENDER_SHOW_BASE;
+}
+
 /* Their identifiers, NULL-terminated; the index is the stilb_render_show. */
 extern const char *const stilb_render_show_names[];
+/* And their words for users. */
+extern const char *const stilb_render_show_words[];
 
 /* The identifiers of stilb_render_detail_mode, NULL-terminated. */
 extern const char *const stilb_render_detail_names[];
@@ -403,6 +423,10 @@ typedef struct stilb_render_pass {
 /* Replaces the contexts, for another number of workers; between frames. stilb_render_stream_hash of the last frame can
  * no longer be asked for. On STILB_ERROR_MEMORY everything is as before. [main-thread] */
 stilb_result stilb_render_set_context_count(stilb_render *render, uint32_t context_count);
+
+/* Lets the threads of this pool help stilb_render_set_scene and _update_scene with the mips of textures. Its owner is
+ * the main thread; it must live until another one is set, or NULL for none, as before the first call. [main-thread] */
+void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool);
 
 /* Changes the picture's size, 1..16384 pixels a side; between frames. The last picture is lost. STILB_ERROR_DEVICE
  * (larger than this GPU draws): no frame can begin until a resize succeeds. The images are made by the next frame's

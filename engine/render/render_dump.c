@@ -37,7 +37,7 @@ static stilb_result upload_texture(stilb_render *render, const render_dump_textu
                                    bool mips, stilb_render_texture *out)
 {
 	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels, 0};
-	return render_texture_create(render, &image, false, mips, out);
+	return render_texture_create(render, &image, (render_texture_way){.mips = mips}, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)

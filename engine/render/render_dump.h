@@ -39,7 +39,8 @@ typedef struct stilb_render_dump stilb_render_dump;
 
 /* Writes the last replayed frame to path, as base_file.h says: whole or not at all. passes and views are the tables
  * that were given to stilb_render_replay. Valid from replay until the next frame begins. STILB_ERROR_ARGUMENT: no frame
- * with a scene pass has been replayed, or a draw uses a texture and the renderer was created without keep_textures.
+ * with a scene pass has been replayed, it shows a channel in the place of light, or a draw uses a texture and the
+ * renderer was created without keep_textures.
  * STILB_ERROR_FILE. [main-thread] */
 stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
                                     const stilb_render_view *views, uint32_t view_count, const char *path);

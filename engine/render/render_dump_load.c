@@ -60,7 +60,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 	return true;
 }
 
-/* Bytes of a value by stilb_image_format; 0: no texture of a file has it. */
+/* Bytes of a value by stilb_image_format; 0: no texture of a dump has it, as devices take it otherwise. */
 static const uint8_t load_value_bytes[STILB_IMAGE_FORMAT_COUNT] = {
 	[STILB_IMAGE_U8_SRGB] = sizeof(uint8_t),     [STILB_IMAGE_F16_LINEAR] = sizeof(uint16_t),
 	[STILB_IMAGE_F32_LINEAR] = sizeof(float),    [STILB_IMAGE_U8_LINEAR] = sizeof(uint8_t),

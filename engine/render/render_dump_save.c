@@ -648,6 +648,14 @@ stilb_result stilb_render_dump_save(stilb_render *render, const stilb_render_pas
 			job.pass[job.header.passes++] = p;
 	if (job.header.passes == 0)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "there is no frame to dump: the last one has 2D passes alone");
+	for (uint32_t p = 0; p < job.header.passes; p++) {
+		const stilb_render_view *view = &views[passes[job.pass[p]].view];
+		if (render_view_channel(view) > 0)
+			return stilb_fail(STILB_ERROR_ARGUMENT,
+			                  "cannot dump the frame: it shows '%s' in the place of light, which dumps do not hold; "
+			                  "dump one that is lit",
+			                  stilb_render_show_names[view->show]);
+	}
 	save_find_targets(&job);
 	bool without_panorama;
 	stilb_result result = save_backdrops(&job, &without_panorama);

@@ -71,6 +71,14 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
 #define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
 #define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */
+/* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
+#define RENDER_LIGHTS_CHANNEL_SHIFT 12u
+
+/* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
+static inline uint32_t render_lights_channel(uint32_t bits)
+{
+	return bits >> RENDER_LIGHTS_CHANNEL_SHIFT;
+}
 
 /* ---- a frame's memory -----------------------------------------------------------------------------------------------
  * Commands, rows, 2D geometry and lights lie in memory of the device, one array of each kind for a frame. Contexts
@@ -204,7 +212,7 @@ struct stilb_render_context {
 
 /* ---- the state of a draw --------------------------------------------------------------------------------------------
  * One number that tells which bindings a draw needs. Bits 0..21: index of its texture, 0 for none. Bit 22: its material
- * has a surface, and they are the index of its maps. Bit 23: it is an
+ * has a surface, and they are its group's (render_groups.h). Bit 23: it is an
  * impostor, and the texture has its maps. Bits 24..55: by
  * --materials 0 (index), the material's index (bind), or its lowest bit (pipeline). Bit 56: a draw of a 2D pass, which
  * has no material. Bit 57: one of these that shows a picture pixel by pixel. Bits 58..60, of a scene pass: what the
@@ -258,8 +266,8 @@ static inline uint32_t render_state_texture(uint64_t state)
 	return state & RENDER_STATE_MAPS ? 0 : (uint32_t)(state & (RENDER_STATE_MAPS - 1));
 }
 
-/* Index of the maps of a draw whose state has RENDER_STATE_MAPS. */
-static inline uint32_t render_state_maps(uint64_t state)
+/* The group of a draw whose state has RENDER_STATE_MAPS. */
+static inline uint32_t render_state_group(uint64_t state)
 {
 	STILB_ASSERT(state & RENDER_STATE_MAPS);
 	return (uint32_t)(state & (RENDER_STATE_MAPS - 1));
@@ -403,8 +411,8 @@ void render_scene_finish(render_scene *scene);
 void render_scene_destroy(stilb_render *render, render_scene *tables);
 /* Makes the tables as long as the scene's. */
 stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene);
-/* Textures that surfaces name get mips when they are made. */
-void render_scene_mark(render_scene *tables, const stilb_scene *scene);
+/* Textures that surfaces name get mips when they are made, which is announced. */
+void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_scene *scene);
 /* Replaces a mesh; one without vertices is no mesh. On failure the one before stays. */
 stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 /* A part may not name a mesh that was removed. */
@@ -425,9 +433,62 @@ static inline bool render_view_is_depth(const stilb_render_view *view)
 	return view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
 }
 
-/* render_stream.light_bits of a view but for RENDER_LIGHTS_GLOSS is what replay finds; here with it. *count: the lights
- * that frames show, the panorama's lamps included. */
+/* 1 + the channel that it shows in the place of light; 0: none. */
+static inline uint32_t render_view_channel(const stilb_render_view *view)
+{
+	stilb_scene_surface_channel channel;
+	return stilb_render_show_channel(view->show, &channel) && !render_view_is_depth(view) ? 1 + (uint32_t)channel : 0;
+}
+
+/* True if its passes draw light. */
+static inline bool render_view_is_lit(const stilb_render_view *view)
+{
+	return !render_view_is_depth(view) && render_view_channel(view) == 0;
+}
+
+/* How the picture shows the view's radiance, or what is in its place: SHADE_TONE_... or RENDER_TONE_... */
+static inline uint32_t render_view_tone(const stilb_render_view *view)
+{
+	static const uint32_t tones[] = {[STILB_SCENE_CHANNEL_LIGHT] = SHADE_TONE_NONE,
+	                                 [STILB_SCENE_CHANNEL_DATA] = RENDER_TONE_DATA,
+	                                 [STILB_SCENE_CHANNEL_COUNT] = RENDER_TONE_COUNT};
+	uint32_t channel = render_view_channel(view);
+	return channel == 0 ? view->tone : tones[stilb_scene_channel_kind_of((stilb_scene_surface_channel)(channel - 1))];
+}
+
+/* render_stream.light_bits of a view that shows a panorama with so many lamps, or none. *count: the lights that frames
+ * show, the panorama's lamps included. */
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count);
+
+/* A draw that blends. */
+typedef struct render_blend_item {
+	float nearness;          /* larger: nearer */
+	uint32_t material, mesh; /* names */
+	uint32_t place;          /* in the order of recording */
+	uint32_t command;        /* index among the frame's commands */
+	uint64_t state;
+} render_blend_item;
+
+/* The draws of a class of groups in a pass. */
+typedef struct render_order_class {
+	uint32_t class;
+	uint32_t draws, runs; /* how many; then where the next draw goes, and the first run */
+	uint32_t end;         /* of the runs */
+} render_order_class;
+
+/* Memory of render_maps_order, kept from pass to pass. */
+typedef struct render_order_memory {
+	uint32_t *places;            /* [place_capacity] by class: 1 + its place in `classes`; between passes 0 */
+	render_order_class *classes; /* [count] in the order in which they come first */
+	uint32_t *of;                /* by run: place of its class; UINT32_MAX: it stays */
+	render_run *moved;           /* [runs] */
+	render_blend_item *items;
+	uint32_t place_capacity, capacity, of_capacity, moved_capacity, item_capacity;
+	uint32_t count, draws, runs, stretches; /* of all classes */
+} render_order_memory;
+
+/* Frees it. */
+void render_order_finish(render_order_memory *order);
 
 struct stilb_render {
 	stilb_owner owner; /* the main thread */
@@ -437,6 +498,7 @@ struct stilb_render {
 	uint32_t context_count;
 	render_resources resources;
 	render_scene scene;
+	stilb_job_pool *pool;       /* stilb_render_set_pool; NULL: none */
 	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */
@@ -445,6 +507,7 @@ struct stilb_render {
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */
 	uint32_t replayed_count;
 	render_frame_state state;
+	render_order_memory order;
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;
 };

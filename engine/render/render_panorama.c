@@ -232,7 +232,7 @@ static bool panorama_advance(render_panorama_work *work, double budget, stilb_jo
 		double afford = budget / stage.cost + 1.0;
 		uint32_t left = stage.rows - work->row, count = afford < left ? (uint32_t)afford : left;
 		panorama_rows rows = {work, stage.run, work->row};
-		if (pool)
+		if (pool && count > 0)
 			stilb_job_parallel_for(pool, count, stage.grain, panorama_run, &rows, worker);
 		else
 			panorama_run(0, count, 0, &rows);
@@ -271,9 +271,9 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 	work->cells = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->cells);
 	work->sums = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->sums);
 	if (!out->dfg)
-		out->dfg = stilb_memory_alloc((size_t)RENDER_PANORAMA_DFG * RENDER_PANORAMA_DFG, sizeof(float[2]));
+		out->dfg = stilb_memory_alloc(RENDER_PANORAMA_DFG, sizeof *out->dfg);
 	work->dfg = out->dfg;
-	work->dfg_made = out->dfg_made;
+	work->dfg_shown = out->dfg_shown;
 	if (work->cells && work->sums && work->dfg)
 		work->light = memory.make(memory.user, RENDER_PANORAMA_BYTES(work->width, work->height));
 	if (!work->light || !render_panorama_gloss_begin(work)) {
@@ -287,8 +287,9 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 static stilb_result panorama_take(render_panorama *out, render_panorama_memory memory)
 {
 	const render_panorama_work *work = out->next;
-	stilb_result result = memory.show(memory.user);
-	out->dfg_made = true;
+	render_panorama_gloss gloss = {work->cube, out->dfg_shown ? NULL : work->dfg};
+	stilb_result result = memory.show(memory.user, &gloss);
+	out->dfg_shown |= result == STILB_OK;
 	if (result != STILB_OK) {
 		panorama_give_up(out);
 		out->key = 0;

@@ -47,15 +47,15 @@ typedef struct render_panorama_lamp {
 /* W m^-2; the fourth is 0. */
 typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMNS][4];
 
-/* What devices read, or are sent: this, then texels [height][width][4], half floats of which the fourth is 0. */
-typedef struct render_panorama_light {
-	render_panorama_table table;
-	uint16_t cube[RENDER_PANORAMA_CUBE][4];                    /* half floats in the order of numeric_prefilter.h */
-	uint16_t dfg[RENDER_PANORAMA_DFG][RENDER_PANORAMA_DFG][2]; /* half floats */
-} render_panorama_light;
-
+/* What devices read: the table, then texels [height][width][4], half floats of which the fourth is 0. */
 #define RENDER_PANORAMA_BYTES(width, height)                                                                           \
-	(sizeof(render_panorama_light) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
+	(sizeof(render_panorama_table) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
+
+/* What devices are sent for highlights, half floats. */
+typedef struct render_panorama_gloss {
+	const uint16_t (*cube)[4];                     /* [CUBE] in the order of numeric_prefilter.h */
+	const uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG]; NULL: it was shown before */
+} render_panorama_gloss;
 
 typedef struct render_panorama_work render_panorama_work; /* of one that is being made */
 
@@ -64,18 +64,19 @@ typedef struct render_panorama {
 	const void *pixels; /* where it lay; NULL: it is made anew, but in use until then */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
-	uint32_t width, height; /* of the texels */
-	float *dfg;             /* [DFG][DFG][2] its memory; NULL: none so far */
-	bool dfg_made;
+	uint32_t width, height;                  /* of the texels */
+	uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG] the table of gloss; NULL: none so far */
+	bool dfg_shown;
 	render_panorama_work *next; /* NULL: none is being made */
 } render_panorama;
 
-/* Where the bytes that devices read are made. make: memory of this size for the next panorama, aligned to 16; NULL:
- * there is none; the one before stays. show: the next panorama is complete and takes the place of the one before; on
- * failure, which stilb_render_replay returns, none does. */
+/* Where the bytes that devices read are made. make: memory of this size for the next panorama, aligned to 16, which is
+ * only written, once: it may be slow to read; NULL: there is none; the one before stays. show: the next panorama is
+ * complete and takes the place of the one before, with this gloss, which is valid during the call; on failure, which
+ * stilb_render_replay returns, none does. */
 typedef struct render_panorama_memory {
 	void *(*make)(void *user, size_t bytes);
-	stilb_result (*show)(void *user);
+	stilb_result (*show)(void *user, const render_panorama_gloss *gloss);
 	void *user;
 } render_panorama_memory;
 

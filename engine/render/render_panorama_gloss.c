@@ -3,6 +3,7 @@
 #include "render/render_panorama_work.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Stages: the cells, those of the cube, the table. */
 #define GLOSS_CUBE 1u
@@ -18,8 +19,10 @@ bool render_panorama_gloss_begin(render_panorama_work *work)
 {
 	stilb_image cells = {PANORAMA_ACROSS, PANORAMA_DOWN, 3, STILB_IMAGE_F32_LINEAR, work->cells, 0};
 	stilb_numeric_prefilter_source source = {.panorama = &cells};
-	STILB_ASSERT(stilb_numeric_prefilter_offset(&gloss_settings, RENDER_PANORAMA_MIPS, 0) == sizeof work->light->cube);
-	return stilb_numeric_prefilter_create(&source, &gloss_settings, work->light->cube, &work->gloss) == STILB_OK;
+	size_t bytes = RENDER_PANORAMA_CUBE * sizeof *work->cube;
+	STILB_ASSERT(stilb_numeric_prefilter_offset(&gloss_settings, RENDER_PANORAMA_MIPS, 0) == bytes);
+	work->cube = stilb_memory_alloc(1, bytes);
+	return work->cube && stilb_numeric_prefilter_create(&source, &gloss_settings, work->cube, &work->gloss) == STILB_OK;
 }
 
 uint32_t render_panorama_gloss_rows(const render_panorama_work *work, uint32_t stage, double *cost)
@@ -33,9 +36,7 @@ uint32_t render_panorama_gloss_rows(const render_panorama_work *work, uint32_t s
 		return PANORAMA_DOWN;
 	if (stage < GLOSS_TABLE)
 		return stilb_numeric_prefilter_rows(work->gloss, stage - GLOSS_CUBE);
-	if (work->dfg_made)
-		*cost = 100.0;
-	return RENDER_PANORAMA_DFG;
+	return work->dfg_shown ? 0 : RENDER_PANORAMA_DFG;
 }
 
 /* Radiance in the place of light. */
@@ -51,12 +52,11 @@ static void gloss_cells(render_panorama_work *work, uint32_t begin, uint32_t end
 
 static void gloss_table(render_panorama_work *work, uint32_t begin, uint32_t end)
 {
-	if (!work->dfg_made)
-		stilb_numeric_dfg_rows(work->dfg, RENDER_PANORAMA_DFG, begin, end);
+	float values[RENDER_PANORAMA_DFG * RENDER_PANORAMA_DFG * 2];
+	stilb_numeric_dfg_rows(values, RENDER_PANORAMA_DFG, begin, end);
 	for (uint32_t row = begin; row < end; row++)
 		for (uint32_t i = 0; i < RENDER_PANORAMA_DFG * 2; i++)
-			work->light->dfg[row][i / 2][i % 2] =
-				stilb_image_half_from_float(work->dfg[(size_t)row * RENDER_PANORAMA_DFG * 2 + i]);
+			work->dfg[row][i / 2][i % 2] = stilb_image_half_from_float(values[row * RENDER_PANORAMA_DFG * 2 + i]);
 }
 
 void render_panorama_gloss_run(render_panorama_work *work, uint32_t stage, uint32_t begin, uint32_t end)
@@ -72,5 +72,7 @@ void render_panorama_gloss_run(render_panorama_work *work, uint32_t stage, uint3
 void render_panorama_gloss_end(render_panorama_work *work)
 {
 	stilb_numeric_prefilter_destroy(work->gloss);
+	free(work->cube);
 	work->gloss = NULL;
+	work->cube = NULL;
 }

@@ -28,15 +28,16 @@ struct render_panorama_work {
 	stilb_image map; /* its pixels are valid during a call of render_panorama_update alone */
 	uint64_t key;
 	uint32_t stage, row; /* the next of its rows */
-	render_panorama_light *light;
+	render_panorama_table *light;
 	uint16_t (*texels)[4];  /* [height][width] */
 	uint32_t width, height; /* of the texels */
 	uint32_t lamp_count;
 	render_panorama_lamp lamps[RENDER_PANORAMA_LAMPS];
-	float (*cells)[PANORAMA_ACROSS][3]; /* [DOWN] L dw; from STAGE_CELLS of the gloss on L */
-	panorama_sums (*sums)[3];           /* [DOWN] */
-	float *dfg;                         /* render_panorama's */
-	bool dfg_made;
+	float (*cells)[PANORAMA_ACROSS][3];      /* [DOWN] L dw; L from the gloss's first stage on */
+	panorama_sums (*sums)[3];                /* [DOWN] */
+	uint16_t (*cube)[4];                     /* [RENDER_PANORAMA_CUBE] */
+	uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* render_panorama's */
+	bool dfg_shown;                          /* it is complete */
 	stilb_numeric_prefilter *gloss;
 };
 

@@ -34,31 +34,44 @@ static uint64_t prepare_mesh_bytes(const stilb_render *render, const stilb_scene
 {
 	size_t index = prepare_is_narrow(mesh) ? sizeof(uint16_t) : sizeof(uint32_t);
 	uint64_t indices = (uint64_t)mesh->index_count + mesh->cluster_index_count;
-	return (uint64_t)mesh->vertex_count * render->resources.layout.size + indices * index;
+	uint64_t vertex = render->resources.layout.size + (mesh->extras ? sizeof(render_extra) : 0);
+	return mesh->vertex_count * vertex + indices * index;
 }
 
-/* With four channels. */
-static uint64_t prepare_texture_bytes(const stilb_image *image)
+/* As the device takes it, with four channels, and with mips if there shall be some. */
+static uint64_t prepare_texture_bytes(const stilb_image *image, bool mips)
 {
-	return image->pixels ? stilb_image_size(image) / image->channels * 4 : 0;
+	static const uint8_t texels[STILB_IMAGE_FORMAT_COUNT] = {
+		[STILB_IMAGE_U8_SRGB] = 4,    [STILB_IMAGE_F16_LINEAR] = 8, [STILB_IMAGE_F32_LINEAR] = 16,
+		[STILB_IMAGE_U16_SRGB] = 8,   [STILB_IMAGE_U8_LINEAR] = 4,  [STILB_IMAGE_U16_LINEAR] = 8,
+		[STILB_IMAGE_BC1_SRGB] = 4,   [STILB_IMAGE_BC1_LINEAR] = 4, [STILB_IMAGE_BC3_SRGB] = 4,
+		[STILB_IMAGE_BC3_LINEAR] = 4, [STILB_IMAGE_BC4_LINEAR] = 8, [STILB_IMAGE_BC5_LINEAR] = 8,
+		[STILB_IMAGE_BC7_SRGB] = 4,   [STILB_IMAGE_BC7_LINEAR] = 4};
+	uint64_t bytes = image->pixels ? (uint64_t)image->width * image->height * texels[image->format] : 0;
+	return mips ? bytes + bytes / 3 : bytes;
 }
 
-/* Bytes of the whole scene, and what it adds to the heaps. */
-static uint64_t prepare_count(const stilb_render *render, const stilb_scene *scene, uint32_t more[RENDER_HEAPS])
+/* Bytes of the whole scene, and what it adds to the heaps. Its textures are marked. */
+static uint64_t prepare_count(const prepare *p, uint32_t more[RENDER_HEAPS])
 {
-	uint64_t bytes = scene->material_count * sizeof(render_material), vertices = 0, indices[2] = {0};
+	const stilb_scene *scene = p->scene;
+	uint64_t bytes = scene->material_count * sizeof(render_material), counts[RENDER_HEAPS] = {0};
 	for (uint32_t i = 0; i < scene->mesh_count; i++) {
-		bytes += prepare_mesh_bytes(render, &scene->meshes[i]);
-		vertices += scene->meshes[i].vertex_count;
-		indices[prepare_is_narrow(&scene->meshes[i])] +=
-			(uint64_t)scene->meshes[i].index_count + scene->meshes[i].cluster_index_count;
+		const stilb_scene_mesh *mesh = &scene->meshes[i];
+		bytes += prepare_mesh_bytes(p->render, mesh);
+		counts[RENDER_HEAP_VERTICES] += mesh->vertex_count;
+		counts[prepare_is_narrow(mesh) ? RENDER_HEAP_INDICES_16 : RENDER_HEAP_INDICES] +=
+			(uint64_t)mesh->index_count + mesh->cluster_index_count;
+		counts[RENDER_HEAP_EXTRAS] += mesh->extras ? mesh->vertex_count : 0;
+		counts[RENDER_HEAP_EXTRA_PLACES] = counts[RENDER_HEAP_EXTRAS] > 0 ? i + 1 : 0;
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
-		bytes += prepare_texture_bytes(&scene->textures[i]);
-	more[RENDER_HEAP_VERTICES] = vertices < UINT32_MAX ? (uint32_t)vertices : UINT32_MAX;
-	for (int narrow = 0; narrow < 2; narrow++)
-		more[RENDER_HEAP_INDICES + narrow] = indices[narrow] < UINT32_MAX ? (uint32_t)indices[narrow] : UINT32_MAX;
-	more[RENDER_HEAP_MATERIALS] = scene->material_count;
+		bytes += prepare_texture_bytes(&scene->textures[i], p->tables->textures[i].mapped);
+	counts[RENDER_HEAP_MATERIALS] = scene->material_count;
+	for (uint32_t i = 0; i < scene->material_count; i++)
+		counts[RENDER_HEAP_MAPS] += scene->materials[i].surface > 0;
+	for (int h = 0; h < RENDER_HEAPS; h++)
+		more[h] = counts[h] < UINT32_MAX ? (uint32_t)counts[h] : UINT32_MAX;
 	return bytes;
 }
 
@@ -82,9 +95,7 @@ static stilb_result prepare_wait(prepare *p, uint64_t most)
 static stilb_result prepare_fill(prepare *p)
 {
 	const stilb_scene *scene = p->scene;
-	stilb_result result = render_scene_fit(p->tables, scene);
-	if (result == STILB_OK)
-		render_scene_mark(p->tables, scene);
+	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++) {
 		result = render_scene_mesh(p->render, p->tables, scene, i);
 		p->made += prepare_mesh_bytes(p->render, &scene->meshes[i]);
@@ -95,7 +106,7 @@ static stilb_result prepare_fill(prepare *p)
 		result = render_scene_check_parts(scene, p->tables);
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
 		result = render_scene_texture_patient(p->render, p->tables, scene, i);
-		p->made += prepare_texture_bytes(&scene->textures[i]);
+		p->made += prepare_texture_bytes(&scene->textures[i], p->tables->textures[i].mapped);
 		if (result == STILB_OK)
 			result = prepare_wait(p, PREPARE_PENDING);
 	}
@@ -119,11 +130,16 @@ stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene 
 	if (!prepared)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
 	prepare p = {.render = render, .scene = scene, .tables = &prepared->tables, .pace = pace, .user = user};
-	uint32_t more[RENDER_HEAPS] = {0};
-	p.total = prepare_count(render, scene, more);
-	render_resources_expect(&render->resources, more);
-	stilb_result result = prepare_fill(&p);
-	render_resources_expect(&render->resources, NULL);
+	stilb_result result = render_scene_fit(p.tables, scene);
+	if (result == STILB_OK) {
+		uint32_t more[RENDER_HEAPS];
+		render_scene_mark(render, p.tables, scene);
+		p.total = prepare_count(&p, more);
+		render_resources_expect(&render->resources, more);
+		result = prepare_fill(&p);
+		render_resources_expect(&render->resources, NULL);
+		render_resources_expect_no_textures(render);
+	}
 	if (result == STILB_OK)
 		*out = prepared;
 	else
@@ -153,21 +169,35 @@ void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepar
 /* How many lamps a panorama has is known only once it has been made ready: 0, 1 and more may need three pipelines. */
 #define PREPARE_LAMPS 3u
 
-/* What materials have of surfaces now. */
-static render_known_maps prepare_known_maps(render_resources *resources)
+/* Adds a kind of maps to the list unless it is there. False: no memory. */
+static bool prepare_know(render_known_maps *known, uint32_t bits)
 {
-	render_known_maps known = {0};
+	for (uint32_t k = 0; k < known->count; k++)
+		if (known->bits[k] == bits)
+			return true;
+	if (!render_reserve((void **)&known->bits, &known->capacity, known->count + 1, sizeof bits))
+		return false;
+	known->bits[known->count++] = bits;
+	return true;
+}
+
+/* What materials and meshes have of surfaces now. *known: its bits are to be freed. */
+static stilb_result prepare_known_maps(render_resources *resources, render_known_maps *known)
+{
+	bool memory = true;
+	*known = (render_known_maps){0};
 	stilb_lock_take(&resources->lock);
-	known.extras = resources->heaps[RENDER_HEAP_EXTRAS].size > 0;
-	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MAPS].next_unused; i++) {
-		uint32_t bits = resources->maps[i].bits, k = 0;
-		while (k < known.count && known.bits[k] != bits)
-			k++;
-		if (k == known.count && k < RENDER_KNOWN_MAPS && resources->maps[i].hash != 0)
-			known.bits[known.count++] = bits;
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_MESH].next_unused; i++) {
+		bool extras = resources->meshes[i].flags & RENDER_MESH_EXTRAS;
+		known->extras |= extras;
+		known->plain |= !extras;
+	}
+	for (uint32_t i = 0; i < resources->indices[RENDER_RESOURCE_GROUP].next_unused && memory; i++) {
+		const render_group *group = render_group_of(resources, i);
+		memory = group->head.users == 0 || prepare_know(known, group->key.bits);
 	}
 	stilb_lock_give(&resources->lock);
-	return known;
+	return memory ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of kinds of surfaces");
 }
 
 stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_view *view)
@@ -176,8 +206,8 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 	PROFILE("prepare a view");
 	bool panorama = view->surroundings.panorama.pixels;
 	uint32_t made[PREPARE_LAMPS];
-	render_known_maps maps = prepare_known_maps(&render->resources);
-	stilb_result result = STILB_OK;
+	render_known_maps maps;
+	stilb_result result = prepare_known_maps(&render->resources, &maps);
 	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
 		uint32_t count;
 		made[lamps] = render_light_bits(view, panorama, lamps, &count);
@@ -187,5 +217,6 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 		if (!known)
 			result = render_device_prepare(render->device, view, made[lamps], &maps);
 	}
+	free(maps.bits);
 	return result;
 }

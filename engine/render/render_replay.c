@@ -171,15 +171,25 @@ typedef struct replay_lights {
 	uint32_t first, count, bits;
 } replay_lights;
 
+/* RENDER_LIGHTS_GLOSS or 0. A panorama lights in place of sky and ground, and is mirrored without it. */
+static uint32_t replay_gloss(const stilb_render_view *view, bool panorama)
+{
+	return view->surroundings.glossy && !panorama && render_view_is_lit(view) ? RENDER_LIGHTS_GLOSS : 0;
+}
+
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
 {
 	if (render_view_is_depth(view)) {
 		*count = 0;
 		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
 	}
+	uint32_t channel = render_view_channel(view);
+	if (channel > 0) {
+		*count = 0;
+		return channel << RENDER_LIGHTS_CHANNEL_SHIFT | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+	}
 	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
-	                (view->surroundings.glossy ? RENDER_LIGHTS_GLOSS : 0) |
-	                (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
+	                replay_gloss(view, panorama) | (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
 	*count = lamps;
 	for (uint32_t i = 0; i < view->light_count; i++) {
 		const stilb_scene_light *light = &view->lights[i];
@@ -214,7 +224,7 @@ static void replay_write_lights(render_light *out, const stilb_render_view *view
 static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
 {
 	return a->lights == b->lights && a->light_count == b->light_count && a->both_sides == b->both_sides &&
-	       render_view_is_depth(a) == render_view_is_depth(b) &&
+	       render_view_is_depth(a) == render_view_is_depth(b) && render_view_channel(a) == render_view_channel(b) &&
 	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
 	       a->surroundings.rotation == b->surroundings.rotation;
 }
@@ -261,9 +271,9 @@ static void *replay_make_panorama(void *user, size_t bytes)
 	return render_device_panorama_make(user, bytes);
 }
 
-static stilb_result replay_show_panorama(void *user)
+static stilb_result replay_show_panorama(void *user, const render_panorama_gloss *gloss)
 {
-	return render_device_panorama_show(user);
+	return render_device_panorama_show(user, gloss);
 }
 
 /* Makes what frames need of the panorama of the first view that has one: in a window over several frames, so that it
@@ -336,18 +346,15 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	if (updated)
 		result = render_resources_update(render);
 	for (uint32_t p = 0; p < render->replayed_count && result == STILB_OK; p++) {
-		const stilb_render_pass *pass = &passes[render->replayed[p]];
-		bool scene = pass->kind == STILB_RENDER_PASS_SCENE;
 		uint32_t index = render->replayed[p];
-		render_stream stream = {
-			.view = scene ? &views[pass->view] : NULL,
-			.first_light = lights[index].first,
-			.light_count = lights[index].count,
-			.panorama = scene ? replay_panorama(render, &views[pass->view]) : NULL,
-			.light_bits = lights[index].bits |
-		                  (scene && !render_view_is_depth(&views[pass->view]) && views[pass->view].surroundings.glossy
-		                       ? RENDER_LIGHTS_GLOSS
-		                       : 0)};
+		const stilb_render_pass *pass = &passes[index];
+		const stilb_render_view *view = pass->kind == STILB_RENDER_PASS_SCENE ? &views[pass->view] : NULL;
+		const render_panorama *panorama = view ? replay_panorama(render, view) : NULL;
+		render_stream stream = {.view = view,
+		                        .first_light = lights[index].first,
+		                        .light_count = lights[index].count,
+		                        .panorama = panorama,
+		                        .light_bits = lights[index].bits | (view ? replay_gloss(view, panorama) : 0)};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)
@@ -373,7 +380,7 @@ static uint64_t hash_draw(uint64_t hash, const render_resources *resources, cons
 	hash = stilb_hash_fnv1a64(hash, transform, sizeof transform);
 	hash = stilb_hash_fnv1a64(hash, &command->index_count, sizeof command->index_count);
 	if (state & RENDER_STATE_MAPS) {
-		uint64_t maps[2] = {resources->maps[render_state_maps(state)].hash, state & RENDER_STATE_EXTRAS};
+		uint64_t maps[2] = {resources->maps[materials[row->material].maps].hash, state & RENDER_STATE_EXTRAS};
 		hash = stilb_hash_fnv1a64(hash, maps, sizeof maps);
 	}
 	if (state & RENDER_STATE_WIDE && render_levels_have_clusters(resources->levels[row->mesh])) {

@@ -135,8 +135,7 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 
 /* ---- indices and generations ------------------------------------------------------------------------------------- */
 
-/* Takes an index. False: no memory, or none is left. */
-static bool index_take(render_indices *indices, uint32_t *index)
+bool render_index_take(render_indices *indices, uint32_t *index)
 {
 	STILB_ASSERT(indices->next_unused <= indices->capacity && indices->free_count <= indices->next_unused);
 	/* Reserved now so that index_give_back cannot fail: at most all indices that were ever used are on the stack. */
@@ -152,7 +151,7 @@ static bool index_take(render_indices *indices, uint32_t *index)
 	return true;
 }
 
-static void index_give_back(render_indices *indices, uint32_t index)
+void render_index_give_back(render_indices *indices, uint32_t index)
 {
 	STILB_ASSERT(index < indices->next_unused && indices->free_count < indices->free_capacity);
 	indices->free[indices->free_count++] = index;
@@ -179,17 +178,18 @@ static bool resource_reserve(render_resources *resources, uint32_t more)
 	                      sizeof *resources->retired);
 }
 
-static void resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
+void render_resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
 {
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
 	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
-	resources->retired_now += kind == RENDER_RESOURCE_MESH || kind == RENDER_RESOURCE_TEXTURE;
+	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
 }
 
 static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
 {
-	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh", "texture", "material", "surface"};
+	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh",    "texture", "material",
+	                                                         "surface", "surface", "surface"};
 	STILB_ASSERT_LOCKED(&resources->lock);
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t most = indices->capacity - (kind == RENDER_RESOURCE_TEXTURE); /* index 0 is no texture */
@@ -214,6 +214,8 @@ static void *table_reserve(size_t size)
 #define TABLE_CENTERS (STILB_RENDER_MAX_MESHES * sizeof(float[3]))
 #define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
+#define TABLE_GROUPS (RENDER_MAX_MAPS * sizeof(render_group))
+#define TABLE_CLASSES (RENDER_MAX_MAPS * sizeof(render_class))
 
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed)
 {
@@ -225,16 +227,20 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 		.textures = table_reserve(TABLE_TEXTURES),
 		.maps = table_reserve(TABLE_MAPS),
 		.centers = table_reserve(TABLE_CENTERS),
+		.groups = {table_reserve(TABLE_GROUPS), sizeof(render_group), sizeof(struct render_group_key), {0}},
+		.classes = {table_reserve(TABLE_CLASSES), sizeof(render_class), sizeof(struct render_class_key), {0}},
 		.layout = layout,
 		.indices = {[RENDER_RESOURCE_MESH] = {.capacity = STILB_RENDER_MAX_MESHES},
 	                [RENDER_RESOURCE_TEXTURE] = {.next_unused = 1, .capacity = STILB_RENDER_MAX_TEXTURES}, /* 0: none */
 	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS},
-	                [RENDER_RESOURCE_MAPS] = {.capacity = RENDER_MAX_MAPS}},
+	                [RENDER_RESOURCE_MAPS] = {.capacity = RENDER_MAX_MAPS},
+	                [RENDER_RESOURCE_GROUP] = {.capacity = RENDER_MAX_MAPS},
+	                [RENDER_RESOURCE_CLASS] = {.capacity = RENDER_MAX_MAPS}},
 		.heaps = {[RENDER_HEAP_VERTICES] = {.element = layout.size},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)},
-	              [RENDER_HEAP_MAPS] = {.element = sizeof(render_maps_record)},
+	              [RENDER_HEAP_MAPS] = {.element = sizeof(render_maps_stored)},
 	              [RENDER_HEAP_EXTRAS] = {.element = sizeof(render_extra)},
 	              [RENDER_HEAP_EXTRA_PLACES] = {.element = sizeof(render_extra_place)}},
 	};
@@ -242,7 +248,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
-	    !resources->centers || !resources->lock_made || (keep_pictures && !resources->pictures))
+	    !resources->centers || !resources->groups.items || !resources->classes.items || !resources->lock_made ||
+	    (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -251,6 +258,56 @@ static void table_free(void *table, size_t size)
 {
 	if (table)
 		munmap(table, size);
+}
+
+render_upload_mip render_upload_first(const render_texture_upload *upload)
+{
+	return (render_upload_mip){.image = upload->image, .row = stilb_image_size(&upload->image) / upload->image.height};
+}
+
+bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip)
+{
+	stilb_image *image = &mip->image;
+	if (!upload->mips || (image->width == 1 && image->height == 1))
+		return false;
+	mip->first_row += image->height;
+	image->pixels = mip->mip == 0 ? upload->mips : (uint8_t *)image->pixels + stilb_image_size(image);
+	image->width = image->width > 1 ? image->width / 2 : 1;
+	image->height = image->height > 1 ? image->height / 2 : 1;
+	mip->row = stilb_image_size(image) / image->height;
+	mip->mip++;
+	return true;
+}
+
+/* What has yet to be copied: rows upload->rows .. count - 1. *bytes: of it, at most `most`; returns the row with which
+ * those end. */
+static uint32_t upload_rows(const render_texture_upload *upload, uint64_t most, uint64_t *bytes)
+{
+	render_upload_mip mip = render_upload_first(upload);
+	uint32_t end = upload->rows;
+	*bytes = 0;
+	do {
+		uint32_t last = mip.first_row + mip.image.height;
+		if (last <= end)
+			continue;
+		uint64_t rows = (most - *bytes) / mip.row;
+		rows = rows < last - end ? rows : last - end;
+		*bytes += rows * mip.row;
+		end += (uint32_t)rows;
+		if (end < last)
+			break;
+	} while (render_upload_next(upload, &mip));
+	return end;
+}
+
+static render_texture_upload upload_make(uint32_t texture, stilb_image image, void *mips, bool patient)
+{
+	render_texture_upload upload = {.texture = texture, .image = image, .mips = mips, .patient = patient};
+	render_upload_mip mip = render_upload_first(&upload);
+	do
+		upload.count = mip.first_row + mip.image.height;
+	while (render_upload_next(&upload, &mip));
+	return upload;
 }
 
 static void upload_finish(render_texture_upload *upload)
@@ -270,6 +327,8 @@ void render_resources_destroy(render_resources *resources)
 	table_free(resources->textures, TABLE_TEXTURES);
 	table_free(resources->maps, TABLE_MAPS);
 	table_free(resources->centers, TABLE_CENTERS);
+	table_free(resources->groups.items, TABLE_GROUPS);
+	table_free(resources->classes.items, TABLE_CLASSES);
 	for (int h = 0; h < RENDER_HEAPS; h++) {
 		free(resources->heaps[h].data);
 		free(resources->heaps[h].free.items);
@@ -280,7 +339,7 @@ void render_resources_destroy(render_resources *resources)
 	for (uint32_t u = 0; u < resources->upload_count; u++)
 		upload_finish(&resources->uploads[u]);
 	free(resources->uploads);
-	for (uint32_t t = 0; resources->pictures && t < STILB_RENDER_MAX_TEXTURES; t++)
+	for (uint32_t t = 0; resources->pictures && t < resources->indices[RENDER_RESOURCE_TEXTURE].next_unused; t++)
 		stilb_image_finish(&resources->pictures[t]);
 	free(resources->pictures);
 	free(resources->retired);
@@ -441,59 +500,43 @@ static bool mesh_take_extras(render_resources *resources, const stilb_scene_mesh
 }
 
 /* Puts them there. vertex, pairs: where the mesh's vertices begin, and whether they lie in pairs. */
-static void mesh_put_extras(render_resources *resources, const stilb_scene_mesh *mesh, uint32_t index,
+static void mesh_put_extras(render_resources *resources, const render_extra *extras, uint32_t index,
                             const mesh_ranges *ranges, uint32_t vertex, bool pairs)
 {
 	render_range range = ranges->heap[RENDER_HEAP_EXTRAS];
 	if (range.count == 0)
 		return;
-	render_extra *extras = (render_extra *)resources->heaps[RENDER_HEAP_EXTRAS].data;
 	render_extra_place *places = (render_extra_place *)resources->heaps[RENDER_HEAP_EXTRA_PLACES].data;
-	render_extras_pack(mesh->extras, range.count, extras + range.first);
+	heap_copy(&resources->heaps[RENDER_HEAP_EXTRAS], range.first, extras, range.count);
 	places[index] =
 		(render_extra_place){.vertex = vertex, .extra_pairs = range.first | (pairs ? RENDER_EXTRA_PAIRS : 0)};
 }
 
-static void mesh_find_center(const stilb_scene_mesh *mesh, float center[3])
-{
-	float low[3], high[3];
-	memcpy(low, mesh->vertices[0].position, sizeof low);
-	memcpy(high, low, sizeof high);
-	for (uint32_t v = 1; v < mesh->vertex_count; v++)
-		for (int c = 0; c < 3; c++) {
-			float x = mesh->vertices[v].position[c];
-			low[c] = x < low[c] ? x : low[c];
-			high[c] = x > high[c] ? x : high[c];
-		}
-	for (int c = 0; c < 3; c++)
-		center[c] = 0.5f * low[c] + 0.5f * high[c];
-}
-
-/* data: of a mesh with levels, which it takes over, else NULL. False: no memory or no id; then nothing has changed. */
+/* data: of a mesh with levels, which it takes over, else NULL. packed: the mesh's extras. False: no memory or no id;
+ * then nothing has changed. */
 static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, const render_levels_data *data,
-                     uint32_t *handle)
+                     const render_extra *packed, uint32_t *handle)
 {
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MESH];
 	uint32_t index;
 	render_level full;
 	mesh_ranges extras;
-	if (!resource_reserve(resources, 1) || !index_take(ids, &index))
+	if (!resource_reserve(resources, 1) || !render_index_take(ids, &index))
 		return false;
 	if (!mesh_take_extras(resources, mesh, index, &extras)) {
-		index_give_back(ids, index);
+		render_index_give_back(ids, index);
 		return false;
 	}
 	if (data ? !mesh_place_levels(resources, data) : !mesh_place(resources, mesh, &full)) {
 		mesh_give_back(resources, &extras);
-		index_give_back(ids, index);
+		render_index_give_back(ids, index);
 		return false;
 	}
 	if (data)
 		full = *render_levels_level(data->levels);
-	mesh_put_extras(resources, mesh, index, &extras, (uint32_t)full.vertex_offset, data && data->levels->morphs);
+	mesh_put_extras(resources, packed, index, &extras, (uint32_t)full.vertex_offset, data && data->levels->morphs);
 	bool wide = data ? data->levels->wide > 0 : mesh->vertex_count > RENDER_NARROW_VERTICES;
 	resources->levels[index] = data ? data->levels : NULL;
-	mesh_find_center(mesh, resources->centers[index]);
 	render_mesh_slot *slot = &resources->meshes[index];
 	*slot = (render_mesh_slot){
 		.first_index = full.first_index,
@@ -520,15 +563,24 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	stilb_result result = mesh_check(mesh);
 	if (result != STILB_OK)
 		return result;
-	if ((mesh->level_count > 0 || mesh->cluster_count > 0) && !render_levels_make(mesh, resources->morph, &data))
+	render_extra *extras = mesh->extras ? stilb_memory_alloc(mesh->vertex_count, sizeof *extras) : NULL;
+	if (mesh->extras && !extras)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tangents and colours of a mesh of %u vertices",
+		                  mesh->vertex_count);
+	if ((mesh->level_count > 0 || mesh->cluster_count > 0) && !render_levels_make(mesh, resources->morph, &data)) {
+		free(extras);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of a mesh of %u vertices", mesh->vertex_count);
+	}
+	if (extras) /* before the lock, for which frames wait */
+		render_extras_pack(mesh->extras, mesh->vertex_count, extras);
 	stilb_lock_take(&resources->lock);
-	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, &out->id)) {
+	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, extras, &out->id)) {
 		render_levels_free(data.levels);
 		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	}
 	stilb_lock_give(&resources->lock);
 	render_levels_finish(&data, mesh);
+	free(extras);
 	return result;
 }
 
@@ -543,7 +595,7 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
                                const stilb_scene_vertex *vertices)
 {
 	render_resources *resources = &render->resources;
-	const render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
+	render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
 	STILB_ASSERT(slot->generation == mesh.id >> RENDER_GENERATION_SHIFT && "a mesh that exists");
 	STILB_ASSERT(count > 0 && first <= slot->vertex_count && count <= slot->vertex_count - first);
 	STILB_ASSERT(!(slot->flags & RENDER_MESH_LEVELS) && "whose errors would hold no longer");
@@ -551,10 +603,41 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
 	bool listed = render_ranges_add(&heap->dirty, range);
-	if (listed)
+	if (listed) {
 		heap_copy_vertices(resources, range.first, vertices, count, false);
+		slot->flags &= ~RENDER_MESH_CENTER;
+	}
 	stilb_lock_give(&resources->lock);
 	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");
+}
+
+const float *render_mesh_center(render_resources *resources, uint32_t index)
+{
+	render_mesh_slot *slot = &resources->meshes[index];
+	const render_levels *levels = resources->levels[index];
+	float *center = resources->centers[index], low[3], high[3];
+	STILB_ASSERT_LOCKED(&resources->lock);
+	STILB_ASSERT(slot->vertex_count > 0);
+	if (slot->flags & RENDER_MESH_CENTER)
+		return center;
+	const render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
+	size_t step = heap->element * (levels && levels->morphs ? (size_t)2 : 1);
+	const uint8_t *at = heap->data + (size_t)slot->vertex_offset * heap->element + resources->layout.attributes[0].to;
+	STILB_ASSERT(!resources->layout.attributes[0].octahedral && resources->layout.attributes[0].components == 3);
+	memcpy(low, at, sizeof low);
+	memcpy(high, low, sizeof high);
+	for (uint32_t v = 1; v < slot->vertex_count; v++) {
+		float place[3];
+		memcpy(place, at += step, sizeof place);
+		for (int c = 0; c < 3; c++) {
+			low[c] = place[c] < low[c] ? place[c] : low[c];
+			high[c] = place[c] > high[c] ? place[c] : high[c];
+		}
+	}
+	for (int c = 0; c < 3; c++)
+		center[c] = 0.5f * low[c] + 0.5f * high[c];
+	slot->flags |= RENDER_MESH_CENTER;
+	return center;
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
@@ -580,11 +663,33 @@ static stilb_result texture_codes_to_halves(const stilb_image *from, stilb_image
 	return result;
 }
 
+/* Writes pixels of four channels; one: the value of alpha where there is none. Compiled for each `channels`, 1 to 3,
+ * and `size`, the bytes of a channel. */
+__attribute__((always_inline)) static inline void texture_widen_to(const uint8_t *in, size_t pixels, uint32_t channels,
+                                                                   size_t size, const void *one, uint8_t *out)
+{
+	for (size_t p = 0; p < pixels; p++, in += channels * size, out += 4 * size) {
+		for (uint32_t c = 0; c < 3; c++)
+			memcpy(out + c * size, in + (channels == 3 ? c * size : 0), size);
+		memcpy(out + 3 * size, channels == 2 ? in + size : one, size);
+	}
+}
+
+__attribute__((always_inline)) static inline void texture_widen_size(const stilb_image *from, size_t size,
+                                                                     const void *one, uint8_t *out)
+{
+	size_t pixels = (size_t)from->width * from->height;
+	if (from->channels == 1)
+		texture_widen_to(from->pixels, pixels, 1, size, one, out);
+	else if (from->channels == 2)
+		texture_widen_to(from->pixels, pixels, 2, size, one, out);
+	else
+		texture_widen_to(from->pixels, pixels, 3, size, one, out);
+}
+
 /* A copy of the picture with four channels: grey becomes three equal channels, and a missing alpha becomes 1. */
 static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 {
-	/* [channels of `from`][channel of `to`]: the channel to copy; 4: write 1 */
-	static const uint8_t channel_of[5][4] = {{0}, {0, 0, 0, 4}, {0, 0, 0, 1}, {0, 1, 2, 4}, {0, 1, 2, 3}};
 	static const uint8_t one_u8 = 255;
 	static const uint16_t one_f16 = 0x3c00, one_u16 = 65535;
 	static const float one_f32 = 1.0f;
@@ -597,14 +702,13 @@ static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
 		memcpy(to->pixels, from->pixels, stilb_image_size(from));
 		return STILB_OK;
 	}
-	size_t pixels = (size_t)from->width * from->height, size = stilb_image_size(to) / pixels / 4;
-	const uint8_t *in = from->pixels;
-	uint8_t *out = to->pixels;
-	for (size_t p = 0; p < pixels; p++, in += from->channels * size)
-		for (int c = 0; c < 4; c++, out += size) {
-			uint32_t channel = channel_of[from->channels][c];
-			memcpy(out, channel < 4 ? in + channel * size : ones[from->format], size);
-		}
+	size_t size = stilb_image_size(to) / to->width / to->height / 4;
+	if (size == 1)
+		texture_widen_size(from, 1, ones[from->format], to->pixels);
+	else if (size == 2)
+		texture_widen_size(from, 2, ones[from->format], to->pixels);
+	else
+		texture_widen_size(from, 4, ones[from->format], to->pixels);
 	return STILB_OK;
 }
 
@@ -616,8 +720,13 @@ static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
 		return texture_widen(from, to);
 	stilb_image texels;
 	stilb_result result = blocks ? stilb_image_decode(from, &texels) : texture_codes_to_halves(from, &texels);
-	if (result == STILB_OK)
-		result = texture_widen(&texels, to);
+	if (result != STILB_OK)
+		return result;
+	if (texels.channels == 4) {
+		*to = texels;
+		return STILB_OK;
+	}
+	result = texture_widen(&texels, to);
 	stilb_image_finish(&texels);
 	return result;
 }
@@ -634,15 +743,16 @@ static void texture_pixels_finish(texture_pixels *pixels)
 	free(pixels->mips);
 }
 
-/* mips: it shall have some, if it has more than one texel. */
-static stilb_result texture_pixels_make(const stilb_image *image, bool mips, texture_pixels *pixels)
+/* mips: it shall have some, if it has more than one texel; pool: as of render_mips_make. */
+static stilb_result texture_pixels_make(const stilb_image *image, bool mips, stilb_job_pool *pool,
+                                        texture_pixels *pixels)
 {
 	size_t bytes = 0;
 	*pixels = (texture_pixels){0};
 	stilb_result result = texture_convert(image, &pixels->image);
 	if (result != STILB_OK || !mips)
 		return result;
-	pixels->mips = render_mips_make(&pixels->image, &bytes);
+	pixels->mips = render_mips_make(&pixels->image, pool, &bytes);
 	if (pixels->mips || bytes == 0)
 		return STILB_OK;
 	texture_pixels_finish(pixels);
@@ -656,13 +766,12 @@ static bool texture_add(render_resources *resources, texture_pixels pixels, bool
 	if (!resource_reserve(resources, 1) ||
 	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                    sizeof *resources->uploads) ||
-	    !index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], index))
+	    !render_index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], index))
 		return false;
 	resources->live++;
 	uint32_t *generation = &resources->textures[*index];
 	*generation = *generation ? *generation : 1;
-	resources->uploads[resources->upload_count++] =
-		(render_texture_upload){.texture = *index, .image = pixels.image, .mips = pixels.mips, .patient = patient};
+	resources->uploads[resources->upload_count++] = upload_make(*index, pixels.image, pixels.mips, patient);
 	return true;
 }
 
@@ -670,7 +779,7 @@ static bool texture_add(render_resources *resources, texture_pixels pixels, bool
 static void texture_drop(render_resources *resources, uint32_t index)
 {
 	STILB_ASSERT(resources->upload_count > 0 && resources->uploads[resources->upload_count - 1].texture == index);
-	index_give_back(&resources->indices[RENDER_RESOURCE_TEXTURE], index);
+	render_index_give_back(&resources->indices[RENDER_RESOURCE_TEXTURE], index);
 	resources->upload_count--;
 	resources->live--;
 }
@@ -690,7 +799,7 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	texture_pixels pixels;
-	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, &pixels);
+	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, render->pool, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
@@ -698,13 +807,10 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	render_texture_upload *queued = texture_queued(resources, index);
 	if (queued) {
 		upload_finish(queued);
-		queued->image = pixels.image;
-		queued->mips = pixels.mips;
-		queued->rows = 0;
+		*queued = upload_make(index, pixels.image, pixels.mips, queued->patient);
 	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
 	                          sizeof *resources->uploads)) {
-		resources->uploads[resources->upload_count++] =
-			(render_texture_upload){.texture = index, .image = pixels.image, .mips = pixels.mips};
+		resources->uploads[resources->upload_count++] = upload_make(index, pixels.image, pixels.mips, false);
 	} else {
 		texture_pixels_finish(&pixels);
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
@@ -713,7 +819,7 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	return result;
 }
 
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
@@ -731,14 +837,14 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	uint32_t side = render->device->gpu->faults.image_side;
 	if (side > 0 && (image->width > side || image->height > side))
 		return render_texture_too_large(render->device, side, side, image);
-	stilb_result result = texture_pixels_make(image, mips, &pixels);
+	stilb_result result = texture_pixels_make(image, way.mips, way.pool, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, pixels, patient, &index))
+	if (!texture_add(resources, pixels, way.patient, &index))
 		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
 	else {
-		result = render_device_texture_create(render->device, index, &pixels.image, pixels.mips);
+		result = render_device_texture_create(render->device, index, &pixels.image, way.mips);
 		if (result == STILB_OK)
 			out->id = handle_make(resources->textures[index], index);
 		else
@@ -750,24 +856,48 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	return result;
 }
 
+void render_resources_expect_texture(stilb_render *render, const stilb_image *image)
+{
+	render_array_kind kind = {image->width, image->height, render_texture_format(image->format)};
+	stilb_lock_take(&render->resources.lock);
+	render_array_expect(&render->device->arrays, &kind); /* without memory for it there are more images */
+	stilb_lock_give(&render->resources.lock);
+}
+
+void render_resources_expect_no_textures(stilb_render *render)
+{
+	stilb_lock_take(&render->resources.lock);
+	render_array_expect_none(&render->device->arrays);
+	stilb_lock_give(&render->resources.lock);
+}
+
 stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
 {
-	return render_texture_create(render, image, false, false, out);
+	return render_texture_create(render, image, (render_texture_way){0}, out);
 }
 
 /* ---- maps of materials ------------------------------------------------------------------------------------------- */
 
-/* Puts maps at an index that is taken, whose record's range is in the list of what has changed. */
+/* Puts maps at an index that is taken, whose record's range is in the list of what has changed, and their material into
+ * its group. */
 static stilb_result maps_put(stilb_render *render, uint32_t index, const render_maps *maps)
 {
 	render_resources *resources = &render->resources;
-	stilb_result result = render_device_maps_set(render->device, index, maps);
+	render_maps_slot *slot = &resources->maps[index];
+	render_maps_stored *stored = (render_maps_stored *)resources->heaps[RENDER_HEAP_MAPS].data + index;
+	uint32_t group;
+	stilb_result result = render_group_join(render, maps, index, &group);
 	if (result != STILB_OK)
 		return result;
-	((render_maps_record *)resources->heaps[RENDER_HEAP_MAPS].data)[index] = maps->record;
-	render_maps_slot *slot = &resources->maps[index];
+	if (slot->group > 0)
+		render_group_leave(render, slot->group - 1, true);
+	*stored = (render_maps_stored){.record = maps->record};
+	for (uint32_t i = 0; i < RENDER_MAPS; i++)
+		if (maps->bits >> i & 1u)
+			stored->layers[i] = (float)render->device->textures[maps->textures[i] & RENDER_INDEX_MASK].layer;
 	slot->hash = render_maps_hash(maps);
 	slot->bits = maps->bits;
+	slot->group = group + 1;
 	memcpy(slot->textures, maps->textures, sizeof slot->textures);
 	memcpy(slot->samplers, maps->samplers, sizeof slot->samplers);
 	return STILB_OK;
@@ -779,7 +909,7 @@ static stilb_result maps_add(stilb_render *render, const render_maps *maps, uint
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MAPS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MAPS];
 	STILB_ASSERT_LOCKED(&resources->lock);
-	if (!resource_reserve(resources, 2) || !index_take(ids, index))
+	if (!resource_reserve(resources, 3) || !render_index_take(ids, index)) /* with a group, and the material */
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the surface of a material, of which %u can have one",
 		                  RENDER_MAX_MAPS);
 	stilb_result result = STILB_OK;
@@ -788,7 +918,7 @@ static stilb_result maps_add(stilb_render *render, const render_maps *maps, uint
 	if (result == STILB_OK)
 		result = maps_put(render, *index, maps);
 	if (result != STILB_OK)
-		index_give_back(ids, *index);
+		render_index_give_back(ids, *index);
 	else
 		resources->live++;
 	return result;
@@ -798,7 +928,8 @@ static stilb_result maps_set(stilb_render *render, uint32_t index, const render_
 {
 	render_resources *resources = &render->resources;
 	STILB_ASSERT_LOCKED(&resources->lock);
-	if (!render_ranges_add(&resources->heaps[RENDER_HEAP_MAPS].dirty, (render_range){index, 1}))
+	if (!resource_reserve(resources, 1) ||
+	    !render_ranges_add(&resources->heaps[RENDER_HEAP_MAPS].dirty, (render_range){index, 1}))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed surfaces");
 	return maps_put(render, index, maps);
 }
@@ -806,50 +937,59 @@ static stilb_result maps_set(stilb_render *render, uint32_t index, const render_
 static void maps_release(stilb_render *render, uint32_t index)
 {
 	STILB_ASSERT_LOCKED(&render->resources.lock);
-	render_device_maps_drop(render->device, index);
+	render_group_leave(render, render->resources.maps[index].group - 1, false);
 	render->resources.maps[index] = (render_maps_slot){0};
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
-/* Index of the maps of a material with this entry; without maps 0. */
-static uint32_t material_maps(uint32_t entry)
+/* What a material that names maps has in its record and in its entry of render_resources.materials. */
+typedef struct material_maps {
+	uint32_t index, entry;
+} material_maps;
+
+static material_maps material_maps_of(const render_resources *resources, uint32_t index)
 {
-	return entry & RENDER_STATE_MAPS ? entry & (RENDER_STATE_MAPS - 1) : 0;
+	return (material_maps){index, (resources->maps[index].group - 1) | RENDER_STATE_MAPS};
 }
 
-/* entry: as of material_add. */
-static render_material material_make(const stilb_scene_material *material, uint32_t name, uint32_t entry)
+/* Index of the maps of a material whose entry has RENDER_STATE_MAPS. */
+static uint32_t material_maps_index(const render_resources *resources, uint32_t material)
+{
+	return ((const render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data)[material].maps;
+}
+
+static render_material material_make(const stilb_scene_material *material, uint32_t name, uint32_t maps)
 {
 	render_material out = {.roughness = material->roughness,
 	                       .anisotropy = material->anisotropy,
 	                       .wrap = material->wrap,
 	                       .name = name,
-	                       .maps = material_maps(entry)};
+	                       .maps = maps};
 	memcpy(out.diffuse, material->diffuse, sizeof out.diffuse);
 	memcpy(out.specular, material->specular, sizeof out.specular);
 	memcpy(out.emission, material->emission, sizeof out.emission);
 	return out;
 }
 
-/* entry: of render_resources.materials, without the generation. False: no memory or no id; then nothing has
- * changed. */
-static bool material_add(render_resources *resources, const stilb_scene_material *material, uint32_t entry,
+/* maps: their entry is that of render_resources.materials, without the generation, also of a material without maps.
+ * False: no memory or no id; then nothing has changed. */
+static bool material_add(render_resources *resources, const stilb_scene_material *material, material_maps maps,
                          uint32_t *handle)
 {
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
 	uint32_t index;
-	if (!resource_reserve(resources, 1) || !index_take(ids, &index))
+	if (!resource_reserve(resources, 1) || !render_index_take(ids, &index))
 		return false;
 	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
-		index_give_back(ids, index);
+		render_index_give_back(ids, index);
 		return false;
 	}
-	((render_material *)heap->data)[index] = material_make(material, index, entry);
+	((render_material *)heap->data)[index] = material_make(material, index, maps.index);
 	uint32_t generation = resources->materials[index] >> RENDER_GENERATION_SHIFT;
 	generation = generation ? generation : 1;
-	resources->materials[index] = handle_make(generation, entry);
+	resources->materials[index] = handle_make(generation, maps.entry);
 	resources->live++;
 	*handle = handle_make(generation, index);
 	return true;
@@ -866,7 +1006,7 @@ static stilb_result material_create(stilb_render *render, const stilb_scene_mate
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
 	stilb_result result = STILB_OK;
-	if (!material_add(resources, material, index | kind, &out->id))
+	if (!material_add(resources, material, (material_maps){0, index | kind}, &out->id))
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	stilb_lock_give(&resources->lock);
 	return result;
@@ -894,8 +1034,9 @@ stilb_result render_material_create_maps(stilb_render *render, const stilb_scene
 	*out = (stilb_render_material){0};
 	stilb_lock_take(&resources->lock);
 	stilb_result result = maps_add(render, maps, &index);
-	if (result == STILB_OK && !material_add(resources, material, index | RENDER_STATE_MAPS, &out->id)) {
-		resource_retire(resources, RENDER_RESOURCE_MAPS, index); /* no frame has them, but may not free them now */
+	if (result == STILB_OK && !material_add(resources, material, material_maps_of(resources, index), &out->id)) {
+		render_resource_retire(resources, RENDER_RESOURCE_MAPS,
+		                       index); /* no frame has them, but may not free them now */
 		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	}
 	stilb_lock_give(&resources->lock);
@@ -911,14 +1052,16 @@ void render_material_name(stilb_render *render, stilb_render_material material, 
 }
 
 /* Writes a material's record and entry; the range is in the list of what has changed. */
-static void material_put(render_resources *resources, uint32_t index, const stilb_scene_material *from, uint32_t entry)
+static void material_put(render_resources *resources, uint32_t index, const stilb_scene_material *from,
+                         material_maps maps)
 {
 	render_material *to = (render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data + index;
-	uint32_t *now = &resources->materials[index], old = *now & RENDER_INDEX_MASK;
-	*to = material_make(from, to->name, entry);
-	*now = handle_make(*now >> RENDER_GENERATION_SHIFT, entry);
-	if (old & RENDER_STATE_MAPS && !(entry & RENDER_STATE_MAPS))
-		resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps(old));
+	uint32_t *now = &resources->materials[index], old = to->maps;
+	bool loses = *now & RENDER_STATE_MAPS && !(maps.entry & RENDER_STATE_MAPS);
+	*to = material_make(from, to->name, maps.index);
+	*now = handle_make(*now >> RENDER_GENERATION_SHIFT, maps.entry);
+	if (loses)
+		render_resource_retire(resources, RENDER_RESOURCE_MAPS, old);
 }
 
 stilb_result render_material_write_maps(stilb_render *render, stilb_render_material material,
@@ -926,18 +1069,20 @@ stilb_result render_material_write_maps(stilb_render *render, stilb_render_mater
                                         const render_maps *maps)
 {
 	render_resources *resources = &render->resources;
-	uint32_t index = material.id & RENDER_INDEX_MASK, now = resources->materials[index];
-	uint32_t entry = texture.id & RENDER_INDEX_MASK, made = material_maps(now);
+	uint32_t index = material.id & RENDER_INDEX_MASK, now = resources->materials[index], made = 0;
 	STILB_ASSERT(now >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
 	stilb_lock_take(&resources->lock);
 	STILB_ASSERT(texture.id == 0 || (texture_is_valid(resources, texture.id) && !maps));
 	stilb_result result = STILB_OK;
 	if (!render_ranges_add(&resources->heaps[RENDER_HEAP_MATERIALS].dirty, (render_range){index, 1}))
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed materials");
+	else if (maps && now & RENDER_STATE_MAPS)
+		result = maps_set(render, made = material_maps_index(resources, index), maps);
 	else if (maps)
-		result = now & RENDER_STATE_MAPS ? maps_set(render, made, maps) : maps_add(render, maps, &made);
+		result = maps_add(render, maps, &made);
 	if (result == STILB_OK)
-		material_put(resources, index, from, maps ? made | RENDER_STATE_MAPS : entry);
+		material_put(resources, index, from,
+		             maps ? material_maps_of(resources, made) : (material_maps){0, texture.id & RENDER_INDEX_MASK});
 	stilb_lock_give(&resources->lock);
 	return result;
 }
@@ -956,7 +1101,7 @@ static void mesh_retire(render_resources *resources, uint32_t handle)
 	STILB_ASSERT(index < STILB_RENDER_MAX_MESHES && *generation && "a mesh that exists");
 	STILB_ASSERT(*generation == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
 	*generation = generation_after(*generation);
-	resource_retire(resources, RENDER_RESOURCE_MESH, index);
+	render_resource_retire(resources, RENDER_RESOURCE_MESH, index);
 }
 
 static void material_retire(render_resources *resources, uint32_t handle)
@@ -966,8 +1111,8 @@ static void material_retire(render_resources *resources, uint32_t handle)
 	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
 	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
 	if (*entry & RENDER_STATE_MAPS)
-		resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps(*entry));
-	resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
+		render_resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps_index(resources, index));
+	render_resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
 }
 
 void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
@@ -991,7 +1136,7 @@ void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture tex
 	if (queued)
 		queued->end_frame = resources->frame + 1; /* the release waits for this one, in which it may be drawn */
 	resources->textures[index] = generation_after(resources->textures[index]);
-	resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
+	render_resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
 	stilb_lock_give(&resources->lock);
 }
 
@@ -1020,11 +1165,14 @@ static void upload_forget(render_resources *resources, uint32_t texture)
 	resources->upload_count = kept;
 }
 
-static void resource_release(stilb_render *render, render_retired retired)
+/* Of a group that is in use again nothing is released. False: it is not due yet. */
+static bool resource_release(stilb_render *render, render_retired retired)
 {
 	render_resources *resources = &render->resources;
 	STILB_ASSERT_LOCKED(&resources->lock);
 	STILB_ASSERT(resources->live > 0);
+	if (retired.kind == RENDER_RESOURCE_GROUP)
+		return render_group_release(render, retired.index);
 	if (retired.kind == RENDER_RESOURCE_MESH) {
 		mesh_ranges ranges = mesh_ranges_of(resources, retired.index);
 		mesh_give_back(resources, &ranges);
@@ -1038,11 +1186,12 @@ static void resource_release(stilb_render *render, render_retired retired)
 	} else if (retired.kind == RENDER_RESOURCE_MAPS) {
 		maps_release(render, retired.index);
 	}
-	index_give_back(&resources->indices[retired.kind], retired.index);
+	render_index_give_back(&resources->indices[retired.kind], retired.index);
 	resources->live--;
+	return true;
 }
 
-/* At most so many meshes and textures are released in one frame, which bounds its time when a large scene goes:
+/* At most so many meshes, textures and surfaces are released in one frame, which bounds its time when a large scene goes:
  * heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. A program
  * that destroys more in each frame pays for that many: else what waits would grow without end. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
@@ -1065,12 +1214,9 @@ void render_resources_frame(stilb_render *render)
 	for (uint32_t i = 0; i < resources->retired_count; i++) {
 		render_retired retired = resources->retired[i];
 		bool due = retired.frame + STILB_GPU_FRAMES <= frame && released < limit;
-		if (due) {
-			released += retired.kind == RENDER_RESOURCE_MESH || retired.kind == RENDER_RESOURCE_TEXTURE;
-			resource_release(render, retired);
-		} else {
+		released += due && retired.kind != RENDER_RESOURCE_MATERIAL;
+		if (!due || !resource_release(render, retired))
 			resources->retired[kept++] = retired;
-		}
 	}
 	resources->retired_count = kept;
 	stilb_lock_give(&resources->lock);
@@ -1082,16 +1228,13 @@ static void uploads_choose(render_resources *resources)
 	uint64_t room = RENDER_UPLOAD_A_FRAME;
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		render_texture_upload *upload = &resources->uploads[u];
-		uint64_t row = stilb_image_size(&upload->image) / upload->image.height;
-		uint64_t rows = upload->image.height - upload->rows;
-		STILB_ASSERT(upload->rows < upload->image.height && row <= RENDER_UPLOAD_A_FRAME);
-		if (upload->end_frame > 0 && resources->frame >= upload->end_frame) {
-			rows = 0;
-		} else if (upload->patient) {
-			rows = rows < room / row ? rows : room / row;
-			room -= rows * row;
-		}
-		upload->sent = upload->rows + (uint32_t)rows;
+		uint64_t bytes = 0;
+		STILB_ASSERT(upload->rows < upload->count);
+		if (upload->end_frame > 0 && resources->frame >= upload->end_frame)
+			upload->sent = upload->rows;
+		else
+			upload->sent = upload->patient ? upload_rows(upload, room, &bytes) : upload->count;
+		room -= bytes;
 	}
 }
 
@@ -1117,7 +1260,7 @@ static void uploads_sent(render_resources *resources)
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		render_texture_upload *upload = &resources->uploads[u];
 		upload->rows = upload->sent > upload->rows ? upload->sent : upload->rows;
-		if (upload->rows < upload->image.height) {
+		if (upload->rows < upload->count) {
 			resources->uploads[kept++] = *upload;
 			continue;
 		}
@@ -1130,6 +1273,26 @@ static void uploads_sent(render_resources *resources)
 		}
 	}
 	resources->upload_count = kept;
+}
+
+stilb_result render_resources_send(stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	render_resources *resources = &render->resources;
+	stilb_lock_take(&resources->lock);
+	STILB_ASSERT(!resources->sending && "between frames");
+	for (uint32_t u = 0; u < resources->upload_count; u++) {
+		render_texture_upload *upload = &resources->uploads[u];
+		bool lives = upload->end_frame == 0 && !upload->patient;
+		upload->sent = lives ? upload->count : upload->rows;
+	}
+	stilb_result result = render_device_textures_update(render->device, resources);
+	if (result == STILB_OK)
+		uploads_sent(resources);
+	for (uint32_t u = 0; u < resources->upload_count; u++)
+		resources->uploads[u].sent = 0;
+	stilb_lock_give(&resources->lock);
+	return result;
 }
 
 void render_resources_sent(stilb_render *render, bool submitted)
@@ -1158,8 +1321,10 @@ uint64_t render_resources_pending(render_resources *resources)
 	stilb_lock_take(&resources->lock);
 	for (uint32_t u = 0; u < resources->upload_count; u++) {
 		const render_texture_upload *upload = &resources->uploads[u];
+		uint64_t left = 0;
 		if (upload->end_frame == 0)
-			bytes += stilb_image_size(&upload->image) / upload->image.height * (upload->image.height - upload->rows);
+			upload_rows(upload, UINT64_MAX, &left);
+		bytes += left;
 	}
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		for (uint32_t r = 0; r < resources->heaps[h].dirty.count; r++)

@@ -15,6 +15,7 @@
 #define STILB_RENDER_RESOURCES_H
 
 #include "base/base_contract.h"
+#include "render/maps/render_groups.h"
 #include "render/maps/render_maps.h"
 #include "render/render.h"
 #include "render/render_vertex.h"
@@ -45,6 +46,7 @@ typedef struct render_mesh_slot {
 #define RENDER_MESH_LEVELS 1u /* render_resources.levels has an entry for it */
 #define RENDER_MESH_WIDE 2u   /* its indices have 32 bits; of one with levels: those of the mesh in full */
 #define RENDER_MESH_EXTRAS 4u /* its vertices have extras */
+#define RENDER_MESH_CENTER 8u /* render_resources.centers has its middle */
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
@@ -136,7 +138,7 @@ typedef enum render_heap_kind {
 	RENDER_HEAP_INDICES,    /* of 32 bits */
 	RENDER_HEAP_INDICES_16, /* of 16 bits */
 	RENDER_HEAP_MATERIALS,
-	RENDER_HEAP_MAPS,         /* render_maps_record, by index */
+	RENDER_HEAP_MAPS,         /* render_maps_stored, by index */
 	RENDER_HEAP_EXTRAS,       /* render_extra */
 	RENDER_HEAP_EXTRA_PLACES, /* render_extra_place, by mesh; as long as the last mesh with extras needs it */
 	RENDER_HEAPS,
@@ -154,7 +156,9 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_MESH,
 	RENDER_RESOURCE_TEXTURE,
 	RENDER_RESOURCE_MATERIAL,
-	RENDER_RESOURCE_MAPS, /* of materials */
+	RENDER_RESOURCE_MAPS,  /* of materials */
+	RENDER_RESOURCE_GROUP, /* of maps */
+	RENDER_RESOURCE_CLASS, /* of groups; never among the retired ones */
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 
@@ -166,18 +170,35 @@ typedef struct render_indices {
 } render_indices;
 
 /* Pixels that the next frame copies to a texture: four channels. Of a patient one, which nothing draws yet, as many
- * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. */
+ * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. Rows are numbered through the mips, those of
+ * the image come first. */
 typedef struct render_texture_upload {
 	uint32_t texture;
 	stilb_image image;
-	void *mips;          /* as of render_mips_make; the frame that copies the last row copies them; NULL: none */
+	void *mips;          /* as of render_mips_make; NULL: none */
+	uint32_t count;      /* of rows */
 	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
 	bool patient;
 	uint64_t end_frame; /* the texture was destroyed: this frame and later ones copy no more of it; 0: it was not */
 } render_texture_upload;
 
+/* A mip of an upload. */
+typedef struct render_upload_mip {
+	stilb_image image; /* not to be finished */
+	uint32_t mip, first_row;
+	uint64_t row; /* bytes */
+} render_upload_mip;
+
+/* The first one. */
+render_upload_mip render_upload_first(const render_texture_upload *upload);
+/* Goes on to the next one. False: there is none. */
+bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip);
+
 /* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */
 #define RENDER_UPLOAD_A_FRAME ((uint64_t)16 << 20)
+
+/* Bytes of texels that wait while a scene is set, before they are sent. */
+#define RENDER_UPLOAD_QUEUED ((uint64_t)64 << 20)
 
 typedef struct render_retired {
 	uint64_t frame; /* number of the last frame that may use it, as render_resources.frame counts */
@@ -189,18 +210,21 @@ typedef struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
-	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] the middle of the box around a mesh's vertices */
+	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_CENTER: see render_mesh_center */
 	bool morph;               /* stilb_render_desc.morph */
 	render_layout layout;     /* of the heap of vertices */
 	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
-	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its maps */
+	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its group */
 	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
+
+	render_table groups; /* of render_group */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;
 	render_indices indices[RENDER_RESOURCE_KINDS];
 	render_heap heaps[RENDER_HEAPS];
+	render_table classes; /* of render_class */
 	render_texture_upload *uploads;
 	uint32_t upload_count, upload_capacity;
 	bool sending; /* a frame is between update and sent */
@@ -209,10 +233,21 @@ typedef struct render_resources {
 	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
-	uint32_t retired_now; /* meshes and textures that were destroyed since the last frame began */
+	uint32_t retired_now; /* meshes, textures and surfaces that were destroyed since the last frame began */
 	uint32_t live;        /* resources not yet released */
 	uint64_t frame;       /* frames begun so far */
 } render_resources;
+
+static inline render_group *render_group_of(const render_resources *resources, uint32_t index)
+{
+	return (render_group *)(void *)resources->groups.items + index;
+}
+
+/* Takes an index. False: no memory, or none is left. */
+bool render_index_take(render_indices *indices, uint32_t *index);
+void render_index_give_back(render_indices *indices, uint32_t index);
+/* It is released once no frame can use it. Room for that was made when it came. */
+void render_resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index);
 
 /* Overwrites *resources. keep_pictures: keep copies of all pixels uploaded to textures (resources->pictures). packed:
  * vertices are packed (render_vertex.h). After STILB_ERROR_MEMORY render_resources_destroy must still be called. */
@@ -248,9 +283,24 @@ stilb_result render_resources_update(stilb_render *render);
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
 
-/* stilb_render_texture_create with a patient upload, and with mips, which samplers of maps read. */
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, bool patient, bool mips,
+/* How a texture is made: with mips, which samplers of maps read; with a patient upload. pool: whose threads help to
+ * make mips, its owner is the caller; NULL: none. */
+typedef struct render_texture_way {
+	bool patient, mips;
+	stilb_job_pool *pool;
+} render_texture_way;
+
+/* stilb_render_texture_create in that way. */
+stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out);
+
+/* Announces a texture of such an image with mips: those of one size and format then lie in as few images as can be. */
+void render_resources_expect_texture(stilb_render *render, const stilb_image *image);
+/* No further one is expected. */
+void render_resources_expect_no_textures(stilb_render *render);
+
+/* Sends the pixels of all textures to the device now, and frees them. Between frames. [main-thread] */
+stilb_result render_resources_send(stilb_render *render);
 
 /* Bytes that frames have yet to copy. [any-thread] */
 uint64_t render_resources_pending(render_resources *resources);
@@ -276,6 +326,11 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
+
+/* The middle of the box around the vertices of the mesh with this index, in its space: [3]. It is found when it is first
+ * asked for and after render_mesh_write, some nanoseconds a vertex: only draws that blend need it. The caller holds the
+ * lock. [main-thread] */
+const float *render_mesh_center(render_resources *resources, uint32_t index);
 
 /* stilb_render_material_create for a material with a surface. STILB_ERROR_MEMORY, also if there are RENDER_MAX_MAPS.
  * [any-thread] */

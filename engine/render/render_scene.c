@@ -66,10 +66,13 @@ static void shown_mark_textures(render_scene *tables, const stilb_scene_surface 
 	}
 }
 
-void render_scene_mark(render_scene *tables, const stilb_scene *scene)
+void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_scene *scene)
 {
 	for (uint32_t s = 0; s < scene->surface_count; s++)
 		shown_mark_textures(tables, &scene->surfaces[s]);
+	for (uint32_t t = 0; t < scene->texture_count; t++)
+		if (tables->textures[t].mapped && scene->textures[t].pixels)
+			render_resources_expect_texture(render, &scene->textures[t]);
 }
 
 /* ---- one thing --------------------------------------------------------------------------------------------------- */
@@ -116,7 +119,7 @@ static render_maps shown_maps(const render_scene *tables, const stilb_scene *sce
 		STILB_ASSERT(texture <= scene->texture_count);
 		maps.textures[i] = texture ? tables->textures[texture - 1].texture.id : 0;
 		if (maps.textures[i] == 0)
-			maps.bits &= ~(1u << i);
+			maps.bits &= i == STILB_SCENE_MAP_NORMAL ? ~(1u << i | RENDER_MAPS_TWO) : ~(1u << i);
 	}
 	return maps;
 }
@@ -153,7 +156,7 @@ static stilb_result shown_texture_refuse(render_scene *tables, const stilb_image
  * texture. *replaced: the materials that name it must be written again. On failure the one before stays; an image that
  * the device does not take fails once. */
 static stilb_result shown_texture_set(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id,
-                                      bool patient, bool *replaced)
+                                      render_texture_way way, bool *replaced)
 {
 	const stilb_image *image = &scene->textures[id];
 	render_scene_texture *now = &tables->textures[id], next = {.width = image->width, .height = image->height};
@@ -166,9 +169,9 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
 	    now->format == next.format && (now->mips || !now->mapped))
 		return render_texture_write(render, now->texture, image);
-	next.mips = next.mapped = now->mapped;
+	way.mips = next.mips = next.mapped = now->mapped;
 	if (image->pixels)
-		result = render_texture_create(render, image, patient, next.mips, &next.texture);
+		result = render_texture_create(render, image, way, &next.texture);
 	if (result == STILB_ERROR_ARGUMENT)
 		return shown_texture_refuse(tables, image, id);
 	if (result != STILB_OK)
@@ -183,7 +186,7 @@ stilb_result render_scene_texture_patient(stilb_render *render, render_scene *ta
                                           uint32_t id)
 {
 	bool replaced;
-	return shown_texture_set(render, tables, scene, id, true, &replaced);
+	return shown_texture_set(render, tables, scene, id, (render_texture_way){.patient = true}, &replaced);
 }
 
 stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, const stilb_scene *scene)
@@ -227,13 +230,22 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 	bool replaced;
 	stilb_result result = render_scene_fit(tables, scene);
 	if (result == STILB_OK)
-		render_scene_mark(tables, scene);
+		render_scene_mark(render, tables, scene);
 	for (uint32_t i = 0; i < scene->mesh_count && result == STILB_OK; i++)
 		result = render_scene_mesh(render, tables, scene, i);
 	if (result == STILB_OK)
 		result = render_scene_check_parts(scene, tables);
-	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++)
-		result = shown_texture_set(render, tables, scene, i, false, &replaced);
+	uint64_t queued = 0;
+	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
+		const stilb_image *image = &scene->textures[i];
+		result = shown_texture_set(render, tables, scene, i, (render_texture_way){.pool = render->pool}, &replaced);
+		queued += (uint64_t)image->width * image->height * 4;
+		if (result == STILB_OK && queued >= RENDER_UPLOAD_QUEUED) {
+			result = render_resources_send(render);
+			queued = 0;
+		}
+	}
+	render_resources_expect_no_textures(render);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, tables, scene, i);
 	if (result == STILB_OK)
@@ -285,23 +297,21 @@ static stilb_result shown_update_texture(stilb_render *render, const stilb_scene
 {
 	render_scene *tables = &render->scene;
 	bool replaced;
-	stilb_result result = shown_texture_set(render, tables, scene, texture, false, &replaced);
+	stilb_result result =
+		shown_texture_set(render, tables, scene, texture, (render_texture_way){.pool = render->pool}, &replaced);
 	for (uint32_t m = 0; replaced && m < scene->material_count && result == STILB_OK; m++)
 		if (shown_material_names(scene, m, texture))
 			result = render_scene_material(render, tables, scene, m);
 	return result;
 }
 
-/* Gives the textures that a changed material's surface names mips, if they have none. */
+/* Gives the textures that a changed material's surface names mips, if they have none; all are marked. */
 static stilb_result shown_update_mips(stilb_render *render, const stilb_scene *scene, uint32_t material)
 {
 	render_scene *tables = &render->scene;
 	const stilb_scene_surface *surface = shown_material_surface(scene, material);
 	stilb_result result = STILB_OK;
-	if (!surface)
-		return STILB_OK;
-	shown_mark_textures(tables, surface);
-	for (uint32_t i = 0; i < RENDER_MAPS && result == STILB_OK; i++) {
+	for (uint32_t i = 0; surface && i < RENDER_MAPS && result == STILB_OK; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		if (texture && tables->textures[texture - 1].texture.id && !tables->textures[texture - 1].mips)
 			result = shown_update_texture(render, scene, texture - 1);
@@ -339,6 +349,16 @@ static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene 
 	return result;
 }
 
+/* Marks the textures of changed materials, so that those that are new are made once, with mips. */
+static void shown_mark_changed(render_scene *tables, const stilb_scene *scene, const stilb_scene_changes *changes)
+{
+	for (uint32_t i = 0; i < changes->material_count; i++) {
+		const stilb_scene_surface *surface = shown_material_surface(scene, changes->materials[i]);
+		if (surface)
+			shown_mark_textures(tables, surface);
+	}
+}
+
 /* From now on another image may lie where a refused one lay. */
 static void shown_forget_refused(render_scene *tables)
 {
@@ -353,6 +373,8 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(scene && changes);
 	stilb_result result = render_scene_fit(&render->scene, scene);
+	if (result == STILB_OK)
+		shown_mark_changed(&render->scene, scene, changes);
 	if (result == STILB_OK)
 		result = shown_update_meshes(render, scene, changes);
 	stilb_result textures = result == STILB_OK ? shown_update_textures(render, scene, changes) : result;

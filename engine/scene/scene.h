@@ -313,6 +313,7 @@ typedef struct stilb_scene_revisions {
 	uint64_t places;    /* models moved, shown, hidden */
 	uint64_t geometry;  /* meshes */
 	uint64_t materials; /* with their textures */
+	uint64_t textures;  /* their pixels alone */
 	uint64_t lights, surroundings, camera;
 } stilb_scene_revisions;
 

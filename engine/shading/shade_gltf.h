@@ -59,6 +59,41 @@ SHADE_FN shade_gltf_base shade_gltf_specular(vec3 diffuse, vec3 specular, float 
 	return base;
 }
 
+/* ---- and back ---------------------------------------------------------------------------------------------------- */
+
+SHADE_STRUCT(shade_gltf_color)
+{
+	vec3 color;
+	float metalness;
+};
+
+#define SHADE_GLTF_PLASTIC 0.04f /* shade_gltf_reflectance of the index 1.5 */
+#define SHADE_GLTF_PLASTIC_MOST 0.0401f
+#define SHADE_GLTF_SHARE_MIN 1e-6f
+
+/* The colour and metalness that give these reflectances, diffuse + specular <= 1: the inverse of shade_gltf_metallic
+ * for the dielectric SHADE_GLTF_PLASTIC. With u = 1 - metalness, F = SHADE_GLTF_PLASTIC and c, d, s the means over the
+ * channels of colour, diffuse and specular: d = (1 - F) u c and s = F u + (1 - u) c, so that
+ * F (1 - F) u^2 - ((1 - F) s + d) u + d = 0, whose smaller root lies in [0, 1] for s > F. What reflects no more than
+ * the dielectric is no metal, so that colours darker than F have no inverse; what reflects more counts as partly metal,
+ * a dielectric of a higher index, too. */
+SHADE_FN shade_gltf_color shade_gltf_unmixed(vec3 diffuse, vec3 specular)
+{
+	float d = (diffuse[0] + diffuse[1] + diffuse[2]) / 3.0f;
+	float s = (specular[0] + specular[1] + specular[2]) / 3.0f;
+	float b = (1.0f - SHADE_GLTF_PLASTIC) * s + d;
+	float c = SHADE_GLTF_PLASTIC * (1.0f - SHADE_GLTF_PLASTIC);
+	float u = 2.0f * d / max(b + sqrt(max(b * b - 4.0f * c * d, 0.0f)), SHADE_GLTF_SHARE_MIN);
+	float metalness = select(s > SHADE_GLTF_PLASTIC_MOST, clamp(1.0f - u, 0.0f, 1.0f), 0.0f);
+	float left = 1.0f - metalness;
+	float taken = select(metalness > 0.0f, SHADE_GLTF_PLASTIC, max(specular[0], max(specular[1], specular[2])));
+	vec3 of_diffuse = diffuse / max(left * (1.0f - taken), SHADE_GLTF_SHARE_MIN);
+	vec3 of_specular = (specular - SHADE_GLTF_PLASTIC * left) / max(metalness, SHADE_GLTF_SHARE_MIN);
+	vec3 color = select(metalness > 0.5f, of_specular, of_diffuse);
+	shade_gltf_color found = {clamp(color, 0.0f, 1.0f), metalness};
+	return found;
+}
+
 /* ---- normals ----------------------------------------------------------------------------------------------------- */
 
 #define SHADE_GLTF_NORMAL_MIN 1e-12f /* square of a length: shorter vectors have no direction */

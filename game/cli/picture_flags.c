@@ -56,6 +56,8 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	};
 	const flag samples[] = {
 		{"--msaa", FLAG_NUMBER, &p->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
+		{"--max-anisotropy", FLAG_NUMBER, &p->max_anisotropy, "1..16",
+	     "sharpness of textures seen at a slant (8 on a GPU, 1 in software)", 1, 16, NULL},
 	};
 	const flag range[] = {
 		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
@@ -71,7 +73,8 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--lod-error", FLAG_AMOUNT, &p->detail_error, "PIXELS", "by which they may differ at most, 0.01..1000 (0.5)",
 	     0, PICTURE_ERROR_MOST, NULL},
 		{"--show", FLAG_TEXT, &p->show, "WHAT",
-	     "shaded, lod: a colour for each level, or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0, 0, NULL},
+	     "shaded, lod, base, normal, ... (key C; a wrong name lists all), or IMAGE[:MIP[:LAYER]] of --plan (shaded)", 0,
+	     0, NULL},
 	};
 	if (group == PICTURE_DETAIL)
 		flag_rows_add(table, detail, sizeof detail / sizeof *detail);

@@ -397,6 +397,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.width = o->size[0];
 	desc.height = o->size[1];
 	desc.samples = (uint32_t)o->picture.samples;
+	desc.max_anisotropy = (uint32_t)o->picture.max_anisotropy;
 	desc.scale = o->scale;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;

@@ -13,7 +13,7 @@
 #include <strings.h>
 
 #define RENDER_WORD(id, name, ...) #name,
-#define RENDER_HELP(id, name, help) {#name, help},
+#define RENDER_HELP(id, name, help, ...) {#name, help},
 #define RENDER_SCENE(name, help) {name, help},
 
 const char *const offline_samplers[] = {STILB_GI_SAMPLERS(RENDER_WORD) NULL};
@@ -49,6 +49,7 @@ static offline_options options_default(void)
 		.roulette = s.roulette,
 		.ao_distance = s.ao_distance,
 		.cache = RENDER_NOT_GIVEN,
+		.show = RENDER_NOT_GIVEN,
 		.cache_error = s.cache.error,
 		.cache_rays = s.cache.rays,
 		.cache_radius = (int)s.cache.radius,
@@ -64,6 +65,7 @@ static offline_options options_default(void)
 static void options_print(const flag *flags, size_t count)
 {
 	static const char *const integrators[][2] = {STILB_GI_INTEGRATORS(RENDER_HELP)};
+	static const char *const channels[][2] = {STILB_SCENE_CHANNELS_OF_SURFACES(RENDER_HELP)};
 	static const char *const samplers[][2] = {STILB_GI_SAMPLERS(RENDER_HELP)};
 	static const char *const filters[][2] = {STILB_GI_FILTERS(RENDER_HELP)};
 	char text[FLAG_CHOICE_SIZE];
@@ -76,6 +78,9 @@ static void options_print(const flag *flags, size_t count)
 	printf("\nIntegrators:\n");
 	for (size_t i = 0; i < sizeof integrators / sizeof *integrators; i++)
 		printf("  %-18s %s\n", flags_choice(text, integrators[i][0]), integrators[i][1]);
+	printf("\nWhat --show shows:\n");
+	for (size_t i = 0; i < STILB_SCENE_CHANNELS_OF_RAYS; i++)
+		printf("  %-18s %s\n", channels[i][0], channels[i][1]);
 	printf("\nSamplers:\n");
 	for (size_t i = 0; i < sizeof samplers / sizeof *samplers; i++)
 		printf("  %-18s %s\n", flags_choice(text, samplers[i][0]), samplers[i][1]);
@@ -93,12 +98,15 @@ static void options_print(const flag *flags, size_t count)
 #define RENDER_PATHS (RENDER_BIT(PATH) | RENDER_BIT(SPLIT) | RENDER_BIT(IRRADIANCE_CACHE))
 #define RENDER_INDIRECT (RENDER_PATHS | RENDER_BIT(MONTECARLO))
 #define RENDER_LIT (RENDER_INDIRECT | RENDER_BIT(DIRECT))
+#define RENDER_SHOWN (~RENDER_BIT(CHANNEL))
 
 /* The flags that only some integrators use, with a bit for each of those: 1 << STILB_GI_INTEGRATOR_... */
 static const struct {
 	const char *flag;
 	uint32_t integrators;
 } options_uses[] = {
+	{"--exposure", RENDER_SHOWN},
+	{"--tone", RENDER_SHOWN},
 	{"--rays", RENDER_GATHERS},
 	{"--depth", RENDER_INDIRECT},
 	{"--roulette", RENDER_PATHS},
@@ -133,6 +141,27 @@ static void options_say_unused(const offline_options *o, const flag *flags, size
 			          flags_choice(text, rays_integrators[o->light.integrator]));
 }
 
+/* --show implies its integrator. Returns false after a line if another one is asked for, or rays do not have it. */
+static bool options_show(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
+{
+	char text[FLAG_CHOICE_SIZE];
+	if (o->show == RENDER_NOT_GIVEN)
+		return true;
+	const char *name = stilb_scene_channel_names[o->show];
+	bool given = flags_given(flags, count, argc, argv, "--integrator");
+	if (o->show >= STILB_SCENE_CHANNELS_OF_RAYS)
+		stilb_log("--show %s: rays have none; 'stilb view --show %s' draws it", name, name);
+	else if (given && o->light.integrator != STILB_GI_INTEGRATOR_CHANNEL)
+		stilb_log("--show %s is of --integrator channel, which it implies; leave out --integrator %s", name,
+		          flags_choice(text, rays_integrators[o->light.integrator]));
+	else {
+		o->light.integrator = STILB_GI_INTEGRATOR_CHANNEL;
+		o->light.channel = o->show;
+		return true;
+	}
+	return false;
+}
+
 /* Sets the defaults that depend on other flags. */
 static void options_complete(offline_options *o, const flag *flags, size_t count, int argc, char **argv)
 {
@@ -162,9 +191,12 @@ static void options_table(offline_options *o, flag_rows *table)
 		{"-o", FLAG_TEXT, &o->output, "FILE", "the picture: .exr with all layers, .hdr, .png tone mapped", 0, 0, NULL},
 	};
 	const flag picture[] = {
+		{"--show", FLAG_CHOICE, &o->show, "CHANNEL",
+	     "what surfaces are made of in place of their light, see below: base, normal, ... (light)", 0, 0,
+	     stilb_scene_channel_names},
 		{"--size", FLAG_SIZE, o->size, "WxH", "picture size, at most 67108864 pixels (512x512)", 1, 65536, NULL},
-		{"--spp", FLAG_NUMBER, &o->samples, "N", "samples a pixel, 1..65536 (64; ao, split, cache 16; montecarlo 4)", 1,
-	     RENDER_MAX_SAMPLES, NULL},
+		{"--spp", FLAG_NUMBER, &o->samples, "N",
+	     "samples a pixel, 1..65536 (64; ao, split, cache, channel 16; montecarlo 4)", 1, RENDER_MAX_SAMPLES, NULL},
 		{"--time", FLAG_AMOUNT, &o->seconds, "S", "end after S seconds; 0: when all samples are done (0)", 0, 10000000,
 	     NULL},
 		{"--error", FLAG_AMOUNT, &o->error, "E",
@@ -259,6 +291,8 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 		options_print(flags, count);
 	if (result != FLAGS_OK)
 		return result;
+	if (!options_show(o, flags, count, argc, argv))
+		return FLAGS_REFUSED;
 	options_complete(o, flags, count, argc, argv);
 	options_say_unused(o, flags, count, argc, argv);
 	return FLAGS_OK;

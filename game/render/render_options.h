@@ -30,6 +30,7 @@ typedef struct offline_options {
 	uint32_t size[2], workers;
 	int sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
+	int show; /* stilb_scene_surface_channel, or RENDER_NOT_GIVEN */
 	picture_flags picture;
 	rays_flags light;
 	bool preview, resume, dry_run, force, show_records;

@@ -1,5 +1,7 @@
 #include "render_rays.h"
 
+#include "shading/shade_tonemap.h"
+
 #define RAYS_WORD(id, name, ...) #name,
 #define RAYS_BRANCHED_DEPTH 2 /* default for montecarlo, whose N rays from each hit make N^depth at the last */
 
@@ -38,6 +40,7 @@ static void rays_default_of(stilb_gi_settings *settings)
 		settings->depth = RAYS_BRANCHED_DEPTH;
 		break;
 	case STILB_GI_INTEGRATOR_IRRADIANCE_CACHE:
+	case STILB_GI_INTEGRATOR_CHANNEL:
 		settings->samples = 16;
 		break;
 	default:
@@ -49,8 +52,13 @@ stilb_gi_settings rays_flags_settings(const rays_flags *rays, const stilb_scene 
 {
 	stilb_gi_settings settings = stilb_gi_settings_default(scene);
 	settings.integrator = (stilb_gi_integrator)rays->integrator;
+	settings.channel = (stilb_scene_surface_channel)rays->channel;
 	settings.no_shadows = rays->no_shadows && rays->integrator == STILB_GI_INTEGRATOR_DIRECT;
 	settings.progressive = true; /* a picture that is stopped early is complete, though coarse */
 	rays_default_of(&settings);
+	if (settings.integrator == STILB_GI_INTEGRATOR_CHANNEL) { /* values are shown as they are */
+		settings.exposure = 0.0f;
+		settings.tone = SHADE_TONE_NONE;
+	}
 	return settings;
 }

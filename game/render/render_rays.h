@@ -17,6 +17,7 @@
 
 typedef struct rays_flags {
 	int integrator; /* a stilb_gi_integrator */
+	int channel;    /* of the integrator CHANNEL: a stilb_scene_surface_channel that rays have */
 	bool no_shadows;
 } rays_flags;
 

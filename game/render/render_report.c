@@ -104,6 +104,8 @@ static void report_put_settings(stilb_json *json, const stilb_gi_settings *s)
 	char seed[24];
 	snprintf(seed, sizeof seed, "%" PRIu64, s->seed);
 	report_put_choice(json, "integrator", rays_integrators[s->integrator]);
+	if (s->integrator == STILB_GI_INTEGRATOR_CHANNEL)
+		report_put_choice(json, "channel", stilb_scene_channel_names[s->channel]);
 	report_put_choice(json, "sampler", offline_samplers[s->sampler]);
 	report_put_choice(json, "filter", offline_filters[s->filter]);
 	stilb_json_int(json, "width", s->width);

@@ -94,7 +94,10 @@ static bool replay_check_show(const replay_options *o)
 	picture_shown image;
 	if (!o->picture.show || picture_flags_show(&o->picture, &show, &image))
 		return true;
-	stilb_log("--show: '%s' is chosen when a frame is dumped; name an image of --plan, such as depth", o->picture.show);
+	stilb_scene_surface_channel channel;
+	bool of_materials = stilb_render_show_channel(show, &channel);
+	stilb_log("--show: '%s' is %s; name an image of --plan, such as depth", o->picture.show,
+	          of_materials ? "in no dump" : "chosen when a frame is dumped");
 	return false;
 }
 

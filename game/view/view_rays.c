@@ -38,12 +38,26 @@ void view_rays_add(view_rays *rays, flag_rows *table)
 	rays_flags_add(&rays->flags, RAYS_SHADOWS, table);
 }
 
+/* True if frames show a channel that rays do not have, which *name is then. */
+static bool rays_lack(stilb_render_show show, const char **name)
+{
+	stilb_scene_surface_channel channel;
+	*name = stilb_render_show_names[show];
+	return stilb_render_show_channel(show, &channel) && channel >= STILB_SCENE_CHANNELS_OF_RAYS;
+}
+
 bool view_rays_check(const view *v)
 {
+	const char *name;
+	stilb_render_show show;
+	picture_shown image;
+	picture_flags_show(&v->options.picture, &show, &image);
 	const view_rays *rays = &v->rays;
 	bool split = !isnan(rays->split), headless = v->options.headless;
 	if (split && v->options.picture.device == STILB_RENDER_DEVICE_NULL)
 		stilb_log("--split: the null device draws no picture; use --device vulkan");
+	else if (split && rays_lack(show, &name))
+		stilb_log("--show %s: rays have none; leave out --split", name);
 	else if (headless && !split && rays->spp > 0)
 		stilb_log("--spp: without a window only --split X has rays; give it, too");
 	else if (rays->flags.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
@@ -68,7 +82,7 @@ static view_seen rays_seen(const view *v)
 	stilb_render_shading shading = stilb_engine_shading(v->run->engine);
 	uint32_t width, height;
 	stilb_engine_size(v->run->engine, &width, &height);
-	return view_seen_read(v->scene, &shading, width, height);
+	return view_seen_read(v->scene, &shading, stilb_engine_shows(v->run->engine), width, height);
 }
 
 /* The settings of `stilb render` with the same flags, so that it gives the same bits. */
@@ -76,7 +90,13 @@ static stilb_gi_settings rays_settings(const view *v)
 {
 	const view_rays *rays = &v->rays;
 	const stilb_render_shading *shading = &rays->seen.shading;
-	stilb_gi_settings settings = rays_flags_settings(&rays->flags, v->scene);
+	rays_flags flags = rays->flags;
+	stilb_scene_surface_channel channel;
+	if (stilb_render_show_channel(rays->seen.show, &channel) && channel < STILB_SCENE_CHANNELS_OF_RAYS) {
+		flags.integrator = STILB_GI_INTEGRATOR_CHANNEL;
+		flags.channel = (int)channel;
+	}
+	stilb_gi_settings settings = rays_flags_settings(&flags, v->scene);
 	settings.width = rays->seen.width;
 	settings.height = rays->seen.height;
 	settings.model = (shade_brdf_model){(int)shading->brdf, (int)shading->ndf, (int)shading->g, (int)shading->f};
@@ -287,6 +307,14 @@ static void rays_in_window(view *v)
 	view_rays *rays = &v->rays;
 	uint64_t now = stilb_time_ns();
 	view_seen seen = rays_seen(v);
+	const char *name;
+	if (rays_lack(seen.show, &name)) {
+		char text[64];
+		view_rays_hold(v);
+		snprintf(text, sizeof text, "%s is of frames alone", name);
+		stilb_engine_caption(v->run->engine, text);
+		return;
+	}
 	rays_take_edits(v, &seen);
 	rays->redraw = !view_seen_same_frame(&seen, &rays->seen);
 	if (!view_seen_same_rays(&seen, &rays->seen)) {

@@ -9,10 +9,12 @@ typedef struct view_seen {
 	stilb_scene_revisions scene; /* but for the camera's, which is 0 */
 	stilb_render_shading shading;
 	uint32_t width, height;
+	stilb_render_show show;
 } view_seen;
 
-/* Reads what is seen now of a scene, in a picture of this size. [one-writer] for the scene. */
-view_seen view_seen_read(stilb_scene *scene, const stilb_render_shading *shading, uint32_t width, uint32_t height);
+/* Reads what is seen now of a scene, in a picture of this size that shows this. [one-writer] for the scene. */
+view_seen view_seen_read(stilb_scene *scene, const stilb_render_shading *shading, stilb_render_show show,
+                         uint32_t width, uint32_t height);
 
 /* The same scene, from wherever. */
 bool view_seen_same_scene(const view_seen *a, const view_seen *b);

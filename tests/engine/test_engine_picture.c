@@ -142,11 +142,89 @@ static void radiance_as_it_is(void **state)
 	stress_engine_destroy(engine);
 }
 
+/* Draws frames until the value under the pointer is known, or some are over. */
+static bool draw_value(stilb_engine *engine, float x, float y)
+{
+	stilb_engine_report report;
+	stilb_input_state none = {0};
+	engine->overlay.input.mouse_present = true;
+	engine->overlay.input.mouse_x = x;
+	engine->overlay.input.mouse_y = y;
+	engine_value_forget(engine);
+	for (int i = 0; i < 50 && !engine->value.known; i++) {
+		double gpu_ms;
+		engine_overlay_act(engine, &none);
+		if (stilb_engine_frame(engine, &report) != STILB_OK || stilb_engine_wait(engine, &gpu_ms) != STILB_OK)
+			fail_msg("%s", stilb_error_message());
+	}
+	return engine->value.known;
+}
+
+/* Of a channel always, of light once it is asked for; of the program's picture where that covers the pointer; of
+ * nothing if there is no pointer. The line beside the pointer is drawn then. */
+static void value_under_the_pointer(void **state)
+{
+	(void)state;
+	enum { X = 20, Y = 40 };
+	stilb_engine *engine = make_engine(STILB_RENDER_OUTPUT_DISPLAY);
+	stilb_image light = {0};
+	stilb_engine_report report;
+	float from = 0.5f;
+	assert_false(draw_value(engine, X + 0.5f, Y + 0.5f));
+	for (int channel = 0; channel < 2; channel++) {
+		stilb_engine_set_shows(engine, channel ? STILB_RENDER_SHOW_NORMAL : STILB_RENDER_SHOW_SHADED);
+		engine->value.open = !channel;
+		assert_true(draw_value(engine, X + 0.5f, Y + 0.5f));
+		assert_false(engine->overlay.value_open);
+		assert_int_equal(stilb_render_read_radiance(engine->render, &light), STILB_OK);
+		const uint16_t *texel = (const uint16_t *)light.pixels + light.channels * (Y * WIDTH + X);
+		for (int c = 0; c < 3; c++)
+			assert_true(engine->value.value[c] == stilb_image_half_to_float(texel[c]));
+		assert_true(engine->value.value[0] > 0.0f);
+		stilb_image_finish(&light);
+		engine_overlay_act(engine, &(stilb_input_state){0});
+		assert_true(engine->overlay.value_open && engine_overlay_is_open(&engine->overlay));
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	}
+	stilb_engine_set_shows(engine, STILB_RENDER_SHOW_SHADED);
+	engine->value.open = true;
+	stilb_engine_shown picture = {.radiance = &radiance[0][0][0], .width = WIDTH, .height = HEIGHT, .from = &from};
+	assert_int_equal(stilb_engine_show(engine, &picture), STILB_OK);
+	assert_true(draw_value(engine, WIDTH - 3.5f, 7.5f));
+	for (int c = 0; c < 3; c++)
+		assert_true(engine->value.value[c] == radiance[7][WIDTH - 4][c]);
+	engine->overlay.input.mouse_present = false;
+	assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+	assert_false(engine->value.known || engine->value.ticket != 0);
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stilb_engine_destroy(engine);
+}
+
+/* C goes through all that pictures can show and names it, back with Shift. */
+static void keys_go_through_the_channels(void **state)
+{
+	(void)state;
+	stilb_engine *engine = make_engine(STILB_RENDER_OUTPUT_DISPLAY);
+	stilb_input_state next = {0}, back = {0};
+	next.actions[STILB_ENGINE_SHOW] = 1;
+	back.actions[STILB_ENGINE_SHOW_BACK] = 1;
+	for (int i = 1; i <= STILB_RENDER_SHOWS; i++) {
+		engine_images_act(engine, &next);
+		assert_int_equal(stilb_engine_shows(engine), i % STILB_RENDER_SHOWS);
+	}
+	engine_images_act(engine, &back);
+	assert_int_equal(stilb_engine_shows(engine), STILB_RENDER_SHOWS - 1);
+	assert_int_equal(engine->overlay.toasts.count, ENGINE_TOASTS);
+	stilb_engine_destroy(engine);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
 		cmocka_unit_test(beside_the_scene),
 		cmocka_unit_test(radiance_as_it_is),
+		cmocka_unit_test(value_under_the_pointer),
+		cmocka_unit_test(keys_go_through_the_channels),
 	};
 	return cmocka_run_group_tests(tests, make_radiance, NULL);
 }

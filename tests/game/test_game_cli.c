@@ -28,7 +28,7 @@ static void test_help_and_version(void **state)
 		"--no-profile",    "--brdf",      "--ndf",       "--g",         "--f",
 		"--light-model",   "--inspector", "--roughness", "--wrap",      "--anisotropy",
 		"--specular",      "--gamepad",   "--track",     "--invert-y",  "--sensitivity",
-		"--watch-shaders", "--shaders"};
+		"--watch-shaders", "--shaders", "--max-anisotropy"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);
@@ -152,6 +152,7 @@ static const char *const refusals[][2] = {
 	{"demo --workers -1", "'-1'"},
 	{"demo --frames 0", "1..1000000"},
 	{"demo --msaa 2", "1 or 4"},
+	{"demo --max-anisotropy 17", "1..16"},
 	{"demo --view sideways", "all, half, few"},
 	{"demo --device none", "vulkan, null"},
 	{"demo --gpu {}", "--gpu"},

@@ -324,7 +324,7 @@ static void rays_stay_for_what_only_shows_them(void **state)
 {
 	(void)state;
 	stilb_render_shading shading = {.brdf = 1, .ndf = 2, .g = 1, .f = 1};
-	view_seen seen = view_seen_read(scene, &shading, 640, 480), other = seen;
+	view_seen seen = view_seen_read(scene, &shading, STILB_RENDER_SHOW_SHADED, 640, 480), other = seen;
 	assert_true(view_seen_same_rays(&seen, &other) && view_seen_same_frame(&seen, &other));
 	const struct {
 		float *number;
@@ -348,13 +348,15 @@ static void rays_stay_for_what_only_shows_them(void **state)
 		assert_false(view_seen_same_rays(&seen, &other) || view_seen_same_frame(&seen, &other));
 		other = seen;
 	}
+	other.show = STILB_RENDER_SHOW_NORMAL;
+	assert_false(view_seen_same_rays(&seen, &other) || view_seen_same_frame(&seen, &other));
 	float before = scene->camera.exposure;
 	scene->camera.exposure += 1.0f;
-	other = view_seen_read(scene, &shading, 640, 480);
+	other = view_seen_read(scene, &shading, STILB_RENDER_SHOW_SHADED, 640, 480);
 	assert_true(view_seen_same_scene(&seen, &other) && view_seen_same_rays(&seen, &other));
 	scene->camera.exposure = before;
 	scene->surroundings.sky[0] += 1.0f;
-	other = view_seen_read(scene, &shading, 640, 480);
+	other = view_seen_read(scene, &shading, STILB_RENDER_SHOW_SHADED, 640, 480);
 	assert_false(view_seen_same_scene(&seen, &other) || view_seen_same_rays(&seen, &other));
 	scene->surroundings.sky[0] -= 1.0f;
 	stilb_scene_revisions_read(scene);

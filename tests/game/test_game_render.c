@@ -254,6 +254,10 @@ static const refusal refused[] = {
 	{"render cornell -o missing/a.png", "missing"},
 	{"render cornell -o .", "'.'"},
 	{"render cornell -o a.png --integrator magic", "irradiance-cache"},
+	{"render cornell -o a.png --show nose", "'nose' is not one of: base, normal, tangent, roughness, metalness"},
+	{"render cornell -o a.png --show wireframe", "rays have none; 'stilb view --show wireframe' draws it"},
+	{"render cornell -o a.png --show overdraw", "rays have none"},
+	{"render cornell -o a.png --show base --integrator path", "leave out --integrator path"},
 	{"render cornell -o a.png --sampler halton", "blue-noise"},
 	{"render cornell -o a.png --filter mitchell", "blackman-harris"},
 	{"render cornell -o a.png --brdf magic", "microfacet"},
@@ -469,7 +473,8 @@ static void test_help(void **state)
 
 /* ---- everything -------------------------------------------------------------------------------------------------- */
 
-static const char *const integrators[] = {"color", "direct", "ao", "montecarlo", "path", "split", "irradiance-cache"};
+static const char *const integrators[] = {"color", "direct",           "ao",     "montecarlo", "path",
+                                          "split", "irradiance-cache", "channel"};
 #define INTEGRATORS (sizeof integrators / sizeof *integrators)
 
 static void assert_renders(const char *scene, const char *integrator)

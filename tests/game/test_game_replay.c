@@ -137,6 +137,7 @@ static const char *const refusals[][2] = {
 	{"replay a.dump --plan missing/a.svg", "does not exist"},
 	{"replay a.dump --plan a.json --stats a.json", "two outputs"},
 	{"replay a.dump --show lod", "'lod' is chosen when a frame is dumped"},
+	{"replay a.dump --show normal", "'normal' is in no dump"},
 	{"replay a.dump --show depth:x", "'depth:x' is no IMAGE:MIP"},
 	{"replay a.dump --show-range 0,1", "name one with --show"},
 	{"replay a.dump --show depth --show-range 1,1", "'1,1' is not LOW,HIGH"},

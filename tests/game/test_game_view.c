@@ -34,18 +34,6 @@ static void drawn_box(const char *path, int box[4])
 	stilb_image_finish(&image);
 }
 
-/* True if the file holds a text chunk of this name and text. */
-static bool says_in_png(const char *path, const char *name, const char *text)
-{
-	static char data[1 << 20], chunk[256];
-	FILE *file = fopen(path, "rb");
-	assert_non_null(file);
-	size_t size = fread(data, 1, sizeof data, file);
-	fclose(file);
-	int length = snprintf(chunk, sizeof chunk, "tEXt%s%c%s", name, '\0', text);
-	return memmem(data, size, chunk, (size_t)length);
-}
-
 /* The model fills nine tenths of the picture and is in its middle. */
 static void frames_a_file(void **state)
 {
@@ -104,6 +92,7 @@ static void turns_a_table(void **state)
 	assert_int_equal(stilb_code(no_display, "view square.obj --size 64x64 --screenshot p.png --environment t-001.png"),
 	                 0);
 	assert_null(strstr(run.err, "panorama"));
+	assert_true(says_in_png("p.png", "stilb:environment", "t-001.png"));
 }
 
 static stilb_image load_light(const char *path)
@@ -476,6 +465,59 @@ static void insets_and_scales(void **state)
 	stilb_image_finish(&scaled);
 }
 
+/* The pixel in the middle of the lowest row. */
+static void lowest_pixel(const char *path, float pixel[3])
+{
+	stilb_image image;
+	float row[3 * 32];
+	assert_int_equal(stilb_image_load(path, &image), STILB_OK);
+	assert_true(image.width == 32 && image.height == 24 && image.channels == 3);
+	if (image.format == STILB_IMAGE_U8_SRGB) { /* codes */
+		for (int c = 0; c < 3; c++)
+			pixel[c] = ((const uint8_t *)image.pixels)[3 * (23 * 32 + 16) + c];
+	} else {
+		stilb_image_row_to_light(&image, 23, row);
+		memcpy(pixel, row + 3 * 16, 3 * sizeof *pixel);
+	}
+	stilb_image_finish(&image);
+}
+
+/* The floor of plane-wall reflects 1/2 and points up: values in .exr, codes of light or of data in .png, the same from
+ * both commands, whatever exposure and tone map are. */
+static void shows_channels(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *flags, *file;
+		float pixel[3];
+	} rows[] = {
+		{"--show normal", "a.png", {128, 255, 128}},
+		{"--show normal", "a.exr", {0.5f, 1.0f, 0.5f}},
+		{"--show base", "a.png", {188, 188, 188}},
+		{"--show base", "a.exr", {0.5f, 0.5f, 0.5f}},
+		{"--show metalness", "a.png", {0, 0, 0}},
+		{"--show alpha", "a.png", {255, 255, 255}},
+		{"--show normal --exposure 3", "a.png", {128, 255, 128}},
+		{"--show base --tone filmic", "a.png", {188, 188, 188}},
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		for (int rays = 0; rays < 2; rays++) {
+			float pixel[3];
+			char line[128];
+			snprintf(line, sizeof line, "%s plane-wall %s --size 32x24 %s %s", rays ? "render" : "view --headless",
+			         rows[i].flags, rays ? "-o" : "--screenshot", rows[i].file);
+			assert_int_equal(stilb_code(no_display, line), 0);
+			lowest_pixel(rows[i].file, pixel);
+			for (int c = 0; c < 3; c++)
+				if (!(fabsf(pixel[c] - rows[i].pixel[c]) <= (rows[i].pixel[0] > 1.0f ? 1.0f : 1e-3f)))
+					fail_msg("%s %s: %g %g %g", rays ? "render" : "view", rows[i].flags, (double)pixel[0],
+					         (double)pixel[1], (double)pixel[2]);
+		}
+	assert_int_equal(stilb_code(no_display, "view cornell --headless --show nose"), 1);
+	assert_non_null(strstr(run.err, "no image 'nose' to show; this frame has picture"));
+	assert_non_null(strstr(run.err, ", lod, base, normal, tangent, roughness, metalness, occlusion, emission, alpha"));
+}
+
 static void refuses(void **state)
 {
 	(void)state;
@@ -506,6 +548,8 @@ static void refuses(void **state)
 		{"view cornell --headless --show lod --show-range 0,1", "name one with --show"},
 		{"view cornell --headless --show depth --show-range 1,1", "is not LOW,HIGH"},
 		{"view cornell --headless --show depth --show-range 1", "is not LOW,HIGH"},
+		{"view cornell --headless --show normal --show-range 0,1", "name one with --show"},
+		{"view cornell --headless --split 0.5 --show overdraw", "--show overdraw: rays have none"},
 		{"view cornell --headless --draw lights,none", "give bounds, lights and axes, each once"},
 		{"view cornell --headless --draw axes,axes", "give bounds, lights and axes, each once"},
 		{"view cornell --headless --environment -1,0,0", "out of range"},
@@ -537,6 +581,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup(chooses_a_camera, folder_fresh),
 		cmocka_unit_test_setup(lights_what_has_no_light, folder_fresh),
 		cmocka_unit_test_setup(shows_backgrounds, folder_fresh),
+		cmocka_unit_test_setup(shows_channels, folder_fresh),
 		cmocka_unit_test_setup(draws_into_the_world, folder_fresh),
 		cmocka_unit_test_setup(insets_and_scales, folder_fresh),
 		cmocka_unit_test_setup(refuses, folder_fresh),

@@ -229,7 +229,7 @@ static void shadow_rays_end_at_the_light(void **state)
 		gi_light_sample sample;
 		if (!gi_light_shape_sample(&light, origin, (stilb_vec2){u, v}, &sample))
 			continue;
-		shadow = gi_ray_make(origin, sample.direction, sample.distance);
+		shadow = gi_ray_make(origin, sample.direction, sample.distance, 0.0f);
 		tracer->occluded(tracer, &shadow, 1);
 		assert_true(shadow.t_max >= 0.0f);
 		asked++;

@@ -2,22 +2,12 @@
  * against each pixel's distance to each edge. */
 
 #include "image/image_compare.h"
+#include "support/failing_alloc.h"
 #include "support/test.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* stilb_memory_alloc, linked with --wrap: the one of this number fails. */
-static int failing_allocation = -1;
-
-void *__real_stilb_memory_alloc(size_t count, size_t size);
-void *__wrap_stilb_memory_alloc(size_t count, size_t size);
-
-void *__wrap_stilb_memory_alloc(size_t count, size_t size)
-{
-	return failing_allocation-- == 0 ? NULL : __real_stilb_memory_alloc(count, size);
-}
 
 static stilb_image made(uint32_t width, uint32_t height, uint32_t channels, stilb_image_format format)
 {
@@ -366,18 +356,18 @@ static void other_shapes_are_refused(void **state)
 	refused(stilb_image_fidelity(&a, &a, &small, &db), STILB_ERROR_ARGUMENT, "one of 3 x 3");
 	refused(stilb_image_mask_edges(&a, 0.0f, 0.0f, 1, &small), STILB_ERROR_ARGUMENT, "one of 3 x 3");
 	for (int i = 0; i < 2; i++) {
-		failing_allocation = i;
+		fail_after = i;
 		refused(stilb_image_compare(&a, &a, &mask, 0.0, &out), STILB_ERROR_MEMORY, "4 x 3 pixels: out of memory");
-		failing_allocation = i;
+		fail_after = i;
 		refused(stilb_image_fidelity(&a, &a, &mask, &db), STILB_ERROR_MEMORY, "4 x 3 pixels: out of memory");
 	}
 	for (int i = 0; i < 4; i++) {
 		stilb_image empty = {0};
-		failing_allocation = i;
+		fail_after = i;
 		refused(stilb_image_mask_edges(&a, 0.0f, 0.0f, 1, &empty), STILB_ERROR_MEMORY, "4 x 3 pixels");
 		assert_null(empty.pixels);
 	}
-	failing_allocation = -1;
+	fail_after = -1;
 	stilb_image_finish(&a);
 	stilb_image_finish(&tall);
 	stilb_image_finish(&grey);

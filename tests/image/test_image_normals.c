@@ -3,20 +3,10 @@
 #include "image/image_normals.h"
 
 #include "shading/shade_normal_filter.h"
+#include "support/failing_alloc.h"
 #include "support/shade_proof.h"
 
 #include <string.h>
-
-/* stilb_memory_alloc, linked with --wrap: the one of this number fails. */
-static int failing_allocation = -1;
-
-void *__real_stilb_memory_alloc(size_t count, size_t size);
-void *__wrap_stilb_memory_alloc(size_t count, size_t size);
-
-void *__wrap_stilb_memory_alloc(size_t count, size_t size)
-{
-	return failing_allocation-- == 0 ? NULL : __real_stilb_memory_alloc(count, size);
-}
 
 /* ---- maps -------------------------------------------------------------------------------------------------------- */
 
@@ -378,10 +368,10 @@ static void out_of_memory_is_told(void **state)
 	stilb_image_normals chain;
 	int failures = 0;
 	for (;; failures++) {
-		failing_allocation = failures;
+		fail_after = failures;
 		stilb_result result = stilb_image_normals_create(&desc, &chain);
-		bool failed = failing_allocation < 0;
-		failing_allocation = -1;
+		bool failed = fail_after < 0;
+		fail_after = -1;
 		if (!failed) {
 			assert_int_equal(result, STILB_OK);
 			break;

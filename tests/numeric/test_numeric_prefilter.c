@@ -9,6 +9,8 @@
 
 #include <string.h>
 
+#define SLOW (TEST_EMULATED || TEST_ASAN || TEST_TSAN) /* the formulas are proved by the other builds */
+
 /* ---- sources and cubes ------------------------------------------------------------------------------------------- */
 
 static stilb_image made_map(uint32_t width, uint32_t height, uint32_t channels)
@@ -90,11 +92,12 @@ static void face_direction(uint32_t face, double u, double v, double d[3])
 
 #define PARTS 12 /* along a side of a texel of the source */
 
-/* D(h) (n.l) of the angle whose cosine this is, over some constant. */
+/* D(h) G1(l) of the angle whose cosine this is, over some constant. */
 static double lobe_at(double cosine, double alpha)
 {
-	double sine2 = 0.5 * (1.0 - cosine), bracket = alpha * alpha + sine2 * (1.0 - alpha * alpha);
-	return cosine > 0.0 ? cosine / (bracket * bracket) : 0.0;
+	double alpha2 = alpha * alpha, sine2 = 0.5 * (1.0 - cosine), bracket = alpha2 + sine2 * (1.0 - alpha2);
+	double masking = cosine / (cosine + sqrt(cosine * cosine + alpha2 * (1.0 - cosine * cosine)));
+	return cosine > 0.0 ? masking / (bracket * bracket) : 0.0;
 }
 
 /* The weighted mean of a map about n. range > 0: with firefly weights. */
@@ -127,7 +130,7 @@ static void quadrature(const stilb_image *map, double roughness, const double n[
 static void assert_mip(const stilb_image *map, const void *cube, const stilb_numeric_prefilter_settings *settings,
                        uint32_t mip, double bound)
 {
-	uint32_t side = settings->face >> mip, count = TEST_EMULATED || TEST_ASAN ? 6 : 24;
+	uint32_t side = settings->face >> mip, count = SLOW ? 6 : 24;
 	double error = 0.0, sum = 0.0;
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t face = i % 6, x = (uint32_t)(stilb_random_u64(3, 2 * i) % side);
@@ -152,7 +155,7 @@ static void mips_are_quadrature(void **state)
 	stilb_image map = random_map(64, 1);
 	stilb_numeric_prefilter_settings settings = {.face = 32, .mips = 6};
 	void *cube = made_cube((stilb_numeric_prefilter_source){.panorama = &map}, settings);
-	for (uint32_t mip = 1; mip < settings.mips; mip++)
+	for (uint32_t mip = 1; mip < settings.mips; mip += SLOW ? 2 : 1)
 		assert_mip(&map, cube, &settings, mip, 1e-3);
 	free(cube);
 	stilb_image_finish(&map);
@@ -181,7 +184,7 @@ static void poles_are_no_place_of_their_own(void **state)
 	stilb_numeric_prefilter_settings settings = {.face = 64, .mips = 7};
 	void *cube = made_cube((stilb_numeric_prefilter_source){.panorama = &map}, settings);
 	double error = 0.0, sum = 0.0;
-	for (uint32_t i = 0; i < 32; i++) {
+	for (uint32_t i = 0; i < 32; i += SLOW ? 5 : 1) {
 		uint32_t face = 2 + i / 16, x = 14 + i % 4, y = 14 + i / 4 % 4;
 		double n[3], want[3];
 		face_direction(face, (x + 0.5) / 32, (y + 0.5) / 32, n);
@@ -189,7 +192,7 @@ static void poles_are_no_place_of_their_own(void **state)
 		error += pow((double)cube_texel(cube, &settings, 1, face, x, y)[0] - want[0], 2.0);
 		sum += want[0];
 	}
-	error = sqrt(error / 32) / (sum / 32);
+	error = sqrt(error / (SLOW ? 7 : 32)) / (sum / (SLOW ? 7 : 32));
 	if (!(error < 2e-3))
 		fail_msg("around the poles mip 1 is off by %g of its mean", error);
 	size_t count = stilb_numeric_prefilter_offset(&settings, settings.mips, 0) / sizeof(float);
@@ -269,8 +272,10 @@ static void assert_shared_out(uint32_t width, double bound)
 static void light_is_shared_out(void **state)
 {
 	(void)state;
-	assert_shared_out(10, 0.02);
-	assert_shared_out(64, 0.02);
+	if (!SLOW) {
+		assert_shared_out(10, 0.02);
+		assert_shared_out(64, 0.02);
+	}
 	assert_shared_out(256, 0.02); /* parts are as small as points */
 	assert_shared_out(512, 0.03); /* parts are of two texels each way */
 }
@@ -306,7 +311,7 @@ static double lobe_over_texel(const double n[3], uint32_t column, uint32_t row, 
 static void lamps_beside_poles_show_the_lobe(void **state)
 {
 	(void)state;
-	for (uint32_t k = 0; k < 4; k++) {
+	for (uint32_t k = 0; k < 4; k += SLOW ? 3 : 1) {
 		stilb_image map = made_map(512, 256, 1);
 		uint32_t column = 100 + 60 * k, row = k < 2 ? k : 251 + k; /* 0, 1, 253, 254 */
 		*texel_of(&map, column, row) = 1.0f;
@@ -376,7 +381,7 @@ static void lamps_keep_their_light(void **state)
 {
 	(void)state;
 	static const uint32_t places[][2] = {{10, 0}, {77, 63}, {16, 32}, {0, 31}, {127, 40}, {80, 20}, {48, 12}, {64, 32}};
-	for (size_t k = 0; k < sizeof places / sizeof places[0]; k++) {
+	for (size_t k = 0; k < sizeof places / sizeof places[0]; k += SLOW ? 3 : 1) {
 		stilb_image map = made_map(128, 64, 3);
 		texel_of(&map, places[k][0], places[k][1])[1] = 1000.0f;
 		stilb_numeric_prefilter_settings settings = {.face = 64, .mips = 2};
@@ -491,12 +496,6 @@ static void mistakes_in_maps_are_black(void **state)
 	stilb_image_finish(&bad);
 }
 
-static float from_half(uint16_t half)
-{
-	int exponent = half >> 10;
-	return exponent == 0 ? ldexpf((float)(half & 1023), -24) : ldexpf((float)((half & 1023) | 1024), exponent - 25);
-}
-
 /* Halves in the source are the floats that they stand for, and halves of the cube are the nearest to its floats. */
 static void halves_are_floats(void **state)
 {
@@ -506,7 +505,7 @@ static void halves_are_floats(void **state)
 	for (uint32_t i = 0; i < 128; i++) {
 		uint16_t half = (uint16_t)(stilb_random_u64(6, i) % 0x4000); /* below 2, also denormal ones */
 		((uint16_t *)halves.pixels)[i] = i % 5 == 0 ? half % 0x400 : half;
-		((float *)floats.pixels)[i] = from_half(((uint16_t *)halves.pixels)[i]);
+		((float *)floats.pixels)[i] = stilb_image_half_to_float(((uint16_t *)halves.pixels)[i]);
 	}
 	stilb_numeric_prefilter_settings settings = {.face = 16, .mips = 5}, small = settings;
 	small.halves = true;
@@ -516,8 +515,8 @@ static void halves_are_floats(void **state)
 	size_t count = stilb_numeric_prefilter_offset(&settings, 5, 0) / sizeof(float);
 	assert_memory_equal(a, b, count * sizeof(float));
 	for (size_t i = 0; i < count; i++) {
-		float step = from_half((uint16_t)(c[i] + 1)) - from_half(c[i]);
-		assert_true(fabsf(from_half(c[i]) - a[i]) <= 0.5f * step);
+		float step = stilb_image_half_to_float((uint16_t)(c[i] + 1)) - stilb_image_half_to_float(c[i]);
+		assert_true(fabsf(stilb_image_half_to_float(c[i]) - a[i]) <= 0.5f * step);
 	}
 	free(a);
 	free(b);
@@ -573,8 +572,9 @@ static void run_slice(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 
 static void assert_rows_in_any_order(stilb_numeric_prefilter_source source)
 {
-	stilb_numeric_prefilter_settings settings = {.face = 16, .mips = 4};
-	size_t size = stilb_numeric_prefilter_offset(&settings, 4, 0);
+	/* The same code with fewer harmonics where it is slow. */
+	stilb_numeric_prefilter_settings settings = {.face = SLOW ? 8 : 16, .mips = SLOW ? 2 : 4};
+	size_t size = stilb_numeric_prefilter_offset(&settings, settings.mips, 0);
 	void *want = made_cube(source, settings), *got = stilb_memory_alloc(1, size);
 	assert_non_null(got);
 	stilb_job_pool *pool;
@@ -595,8 +595,8 @@ static void assert_rows_in_any_order(stilb_numeric_prefilter_source source)
 static void threads_change_no_bit(void **state)
 {
 	(void)state;
-	stilb_image map = random_map(48, 7), images[6];
-	linear_faces(8, images);
+	stilb_image map = random_map(SLOW ? 16 : 48, 7), images[6];
+	linear_faces(SLOW ? 4 : 8, images);
 	assert_rows_in_any_order((stilb_numeric_prefilter_source){.panorama = &map});
 	assert_rows_in_any_order((stilb_numeric_prefilter_source){.faces = images});
 	stilb_image_finish(&map);
@@ -604,41 +604,7 @@ static void threads_change_no_bit(void **state)
 		stilb_image_finish(&images[face]);
 }
 
-/* ---- keys and offsets -------------------------------------------------------------------------------------------- */
-
-static void keys_are_of_contents(void **state)
-{
-	(void)state;
-	stilb_image map = random_map(16, 8), same = random_map(16, 8), images[6];
-	linear_faces(8, images);
-	stilb_numeric_prefilter_source source = {.panorama = &map}, copy = {.panorama = &same}, cube = {.faces = images};
-	stilb_numeric_prefilter_settings settings = {.face = 64, .mips = 5},
-									 other[4] = {settings, settings, settings, settings};
-	other[0].face = 32;
-	other[1].mips = 4;
-	other[2].halves = true;
-	other[3].firefly_range = 1.0f;
-	uint64_t key = stilb_numeric_prefilter_key(&source, &settings);
-	assert_true(key != 0 && key == stilb_numeric_prefilter_key(&copy, &settings));
-	for (int i = 0; i < 4; i++)
-		assert_true(stilb_numeric_prefilter_key(&source, &other[i]) != key);
-	for (uint32_t i = 0; i < 16 * 8 * 3; i++) {
-		float *value = (float *)same.pixels + i, before = *value;
-		*value = nextafterf(before, 1e9f);
-		assert_true(stilb_numeric_prefilter_key(&copy, &settings) != key);
-		*value = before;
-	}
-	same.width = 8;
-	same.height = 16;
-	assert_true(stilb_numeric_prefilter_key(&copy, &settings) != key);
-	key = stilb_numeric_prefilter_key(&cube, &settings);
-	texel_of(&images[5], 7, 7)[2] = 9.0f;
-	assert_true(stilb_numeric_prefilter_key(&cube, &settings) != key);
-	stilb_image_finish(&map);
-	stilb_image_finish(&same);
-	for (int face = 0; face < 6; face++)
-		stilb_image_finish(&images[face]);
-}
+/* ---- offsets ----------------------------------------------------------------------------------------------------- */
 
 static void mips_follow_one_another(void **state)
 {
@@ -666,12 +632,11 @@ int main(void)
 		test_one_thread(lamps_keep_their_light),
 		test_one_thread(cubes_are_filtered_like_panoramas),
 		test_one_thread(finer_cubes_are_averaged),
-		cmocka_unit_test(mistakes_in_maps_are_black),
-		cmocka_unit_test(halves_are_floats),
-		cmocka_unit_test(bad_sources_are_refused),
+		test_one_thread(mistakes_in_maps_are_black),
+		test_one_thread(halves_are_floats),
+		test_one_thread(bad_sources_are_refused),
 		cmocka_unit_test(threads_change_no_bit),
-		cmocka_unit_test(keys_are_of_contents),
-		cmocka_unit_test(mips_follow_one_another),
+		test_one_thread(mips_follow_one_another),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -337,7 +337,7 @@ static void check_schedules(uint32_t workers, uint32_t first, uint32_t last)
 	stilb_job_pool_destroy(pool);
 }
 
-static uint32_t schedules = TEST_TSAN ? 40 : 100, repeat_workers, repeat_schedule;
+static uint32_t schedules = TEST_TSAN ? 40 : TEST_ASAN ? 20 : 100, repeat_workers, repeat_schedule;
 
 static void one_stream(void **state)
 {

@@ -362,7 +362,16 @@ static void lists_name_what_has_changed(void **state)
 
 /* ---- revisions --------------------------------------------------------------------------------------------------- */
 
-enum { MODELS = 1, PLACES = 2, GEOMETRY = 4, MATERIALS = 8, LIGHTS = 16, SURROUNDINGS = 32, CAMERA = 64 };
+enum {
+	MODELS = 1,
+	PLACES = 2,
+	GEOMETRY = 4,
+	MATERIALS = 8,
+	LIGHTS = 16,
+	SURROUNDINGS = 32,
+	CAMERA = 64,
+	TEXTURES = 128
+};
 
 /* The kinds whose count is another one than at the last call. */
 static int revised(stilb_scene *scene, stilb_scene_revisions *last)
@@ -371,7 +380,7 @@ static int revised(stilb_scene *scene, stilb_scene_revisions *last)
 	int kinds = (now.models != last->models) * MODELS | (now.places != last->places) * PLACES |
 	            (now.geometry != last->geometry) * GEOMETRY | (now.materials != last->materials) * MATERIALS |
 	            (now.lights != last->lights) * LIGHTS | (now.surroundings != last->surroundings) * SURROUNDINGS |
-	            (now.camera != last->camera) * CAMERA;
+	            (now.camera != last->camera) * CAMERA | (now.textures != last->textures) * TEXTURES;
 	*last = now;
 	return kinds;
 }
@@ -410,9 +419,9 @@ static void edits_count_what_changes(void **state)
 	REVISED(stilb_scene_add_material(scene, &paint, &id), MATERIALS);
 	REVISED(stilb_scene_set_material(scene, id, &paint), MATERIALS);
 	REVISED(stilb_scene_remove_material(scene, id), MATERIALS);
-	REVISED(stilb_scene_add_texture(scene, &image, &id), MATERIALS);
-	REVISED(stilb_scene_set_texture(scene, id, &image), MATERIALS);
-	REVISED(stilb_scene_remove_texture(scene, id), MATERIALS);
+	REVISED(stilb_scene_add_texture(scene, &image, &id), MATERIALS | TEXTURES);
+	REVISED(stilb_scene_set_texture(scene, id, &image), MATERIALS | TEXTURES);
+	REVISED(stilb_scene_remove_texture(scene, id), MATERIALS | TEXTURES);
 	assert_int_not_equal(stilb_scene_remove_mesh(scene, 0), STILB_OK); /* refused: nothing has changed */
 	assert_int_equal(revised(scene, &last), 0);
 	stilb_scene_destroy(scene);

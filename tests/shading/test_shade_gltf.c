@@ -50,6 +50,35 @@ static void workflows_in_double(void **state)
 	}
 }
 
+/* Colour and metalness come back; so does the colour of what is no metal, whatever its highlight. */
+static void reflectances_are_unmixed(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 7};
+	stilb_vec3 plastic = stilb_vec3_make(0.04f, 0.04f, 0.04f);
+	for (int k = 0; k < 1000; k++) {
+		stilb_vec3 color = 0.1f + 0.9f * color_of(&random);
+		float metal = k % 10 == 0 ? 1.0f : k % 10 == 1 ? 0.0f : shade_proof_range(&random, 0.01f, 1.0f);
+		shade_gltf_base base = shade_gltf_metallic(color, metal, 0.5f, plastic);
+		shade_gltf_color found = shade_gltf_unmixed(base.diffuse, base.specular);
+		SHADE_PROOF_NEAR(found.metalness, (double)metal, 0.0, 2e-5);
+		SHADE_PROOF_NEAR3(found.color, (double)color[0], (double)color[1], (double)color[2], 0.0, 1e-4);
+	}
+	shade_gltf_color matt = shade_gltf_unmixed(stilb_vec3_make(0.02f, 0.5f, 0.9f), stilb_vec3_make(0.0f, 0.0f, 0.0f));
+	SHADE_PROOF_NEAR3(matt.color, 0.02, 0.5, 0.9, 0.0, 1e-6);
+	SHADE_PROOF_NEAR(matt.metalness, 0.0, 0.0, 0.0);
+	shade_gltf_color weak = shade_gltf_unmixed(stilb_vec3_make(0.2f, 0.4f, 0.5f), stilb_vec3_make(0.02f, 0.0f, 0.01f));
+	SHADE_PROOF_NEAR3(weak.color, 0.2 / 0.98, 0.4 / 0.98, 0.5 / 0.98, 0.0, 1e-6);
+	SHADE_PROOF_NEAR(weak.metalness, 0.0, 0.0, 0.0);
+	shade_gltf_color black = shade_gltf_unmixed(stilb_vec3_make(0.0f, 0.0f, 0.0f), stilb_vec3_make(0.0f, 0.0f, 0.0f));
+	SHADE_PROOF_NEAR3(black.color, 0.0, 0.0, 0.0, 0.0, 0.0);
+	/* The border: a dark surface whose highlight is a dielectric's is none of metal, above it is. */
+	shade_gltf_base below = {stilb_vec3_make(0.01f, 0.01f, 0.01f), stilb_vec3_make(0.04009f, 0.04009f, 0.04009f), 0.0f};
+	shade_gltf_base above = {below.diffuse, stilb_vec3_make(0.04011f, 0.04011f, 0.04011f), 0.0f};
+	SHADE_PROOF_NEAR(shade_gltf_unmixed(below.diffuse, below.specular).metalness, 0.0, 0.0, 0.0);
+	assert_true(shade_gltf_unmixed(above.diffuse, above.specular).metalness > 0.7f);
+}
+
 /* 128, 128, 255 is nearly up; black and white have a direction; a scale of 0 is flat. */
 static void normals_of_texels(void **state)
 {
@@ -118,9 +147,9 @@ static void nothing_is_added(void **state)
 int main(void)
 {
 	const struct CMUnitTest exactness[] = {
-		cmocka_unit_test(reflectance_of_an_index), cmocka_unit_test(workflows_in_double),
-		cmocka_unit_test(normals_of_texels),       cmocka_unit_test(normals_are_turned),
-		cmocka_unit_test(occlusion_by_strength),
+		cmocka_unit_test(reflectance_of_an_index),  cmocka_unit_test(workflows_in_double),
+		cmocka_unit_test(reflectances_are_unmixed), cmocka_unit_test(normals_of_texels),
+		cmocka_unit_test(normals_are_turned),       cmocka_unit_test(occlusion_by_strength),
 	};
 	const struct CMUnitTest properties[] = {cmocka_unit_test(nothing_is_added)};
 	return SHADE_PROOF_RUN(exactness, properties);

@@ -110,6 +110,18 @@ static inline bool same_file(const char *a, const char *b)
 	return x == y;
 }
 
+/* True if the file holds a text chunk of this name and text. */
+static inline bool says_in_png(const char *path, const char *name, const char *text)
+{
+	static char data[1 << 20], chunk[256];
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	size_t size = fread(data, 1, sizeof data, file);
+	fclose(file);
+	int length = snprintf(chunk, sizeof chunk, "tEXt%s%c%s", name, '\0', text);
+	return memmem(data, size, chunk, (size_t)length);
+}
+
 static inline int folder_entries(void)
 {
 	int count = 0;

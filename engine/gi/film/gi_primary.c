@@ -1,5 +1,7 @@
 #include "gi/film/gi_primary.h"
 
+#include "gi/trace/gi_cover.h"
+
 #include <string.h>
 
 const gi_primary_kernels *gi_primary_kernels_for(stilb_isa isa)
@@ -43,7 +45,10 @@ static void primary_places(const gi_primary_kernels *kernels, const gi_view *vie
 	primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_PIXEL, places->x, places->y);
 	if (lens)
 		primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_LENS, places->lens_u, places->lens_v);
-	if (view->scene->blends) {
+	if (view->scene->blends && view->settings.integrator == STILB_GI_INTEGRATOR_CHANNEL) {
+		for (uint32_t i = 0; i < GI_BATCH; i++)
+			places->chance[i] = GI_CHANCE_ALL;
+	} else if (view->scene->blends) {
 		float unused[GI_BATCH];
 		primary_numbers(kernels, &view->sampler, samples, GI_DIMENSION_SEEN, places->chance, unused);
 	}

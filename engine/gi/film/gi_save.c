@@ -76,6 +76,17 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t 
 	}
 }
 
+/* What the settings make of the picture for display. rgb: is changed. */
+static void save_codes(const stilb_gi_render *render, float *rgb, size_t pixels, uint8_t *srgb)
+{
+	const stilb_gi_settings *settings = &render->view.settings;
+	bool channel = settings->integrator == STILB_GI_INTEGRATOR_CHANNEL;
+	if (gi_shows_data(settings))
+		gi_data_to_light(rgb, pixels);
+	stilb_gi_display(rgb, pixels, channel ? 0.0f : settings->exposure, channel ? SHADE_TONE_NONE : settings->tone,
+	                 srgb);
+}
+
 /* The picture for display with alpha, of what is shown before nothing: rgb, whose radiance is a mean over all samples,
  * is made the mean over those that hit something. srgb: [pixels][4]. */
 static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *srgb)
@@ -90,7 +101,7 @@ static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *
 		for (size_t c = 0; c < 3 && share[i] > 0.0f; c++)
 			rgb[3 * i + c] /= share[i];
 	if (good)
-		stilb_gi_display(rgb, pixels, render->view.settings.exposure, render->view.settings.tone, opaque);
+		save_codes(render, rgb, pixels, opaque);
 	for (size_t i = 0; good && i < pixels; i++) {
 		memcpy(srgb + 4 * i, opaque + 3 * i, 3);
 		srgb[4 * i + 3] = (uint8_t)(share[i] * 255.0f + 0.5f);
@@ -118,7 +129,7 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 	if (good && alpha)
 		good = save_with_alpha(render, rgb, image.pixels);
 	else if (good)
-		stilb_gi_display(rgb, pixels, render->view.settings.exposure, render->view.settings.tone, image.pixels);
+		save_codes(render, rgb, pixels, image.pixels);
 	save_attributes attributes;
 	save_settings(render, true, &attributes);
 	result = good ? stilb_image_save_with(&image, path, attributes.list, attributes.count)

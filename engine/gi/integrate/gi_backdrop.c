@@ -168,7 +168,7 @@ static void floor_ask(const gi_batch *batch, uint32_t i, floor_rays *asked)
 	float unblocked = floor_unblocked(backdrop, at);
 	if (!(sent > 0.0f && unblocked > 0.0f))
 		return;
-	asked->rays[asked->count] = gi_ray_make_by(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	asked->rays[asked->count] = gi_ray_make(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	asked->rays[asked->count].id = i;
 	asked->dark[asked->count++] = share * sent / unblocked;
 }
@@ -205,7 +205,7 @@ void gi_backdrop_shade(gi_batch *batch)
 	const stilb_gi_settings *settings = &batch->view->settings;
 	stilb_scene_backdrop_kind kind = backdrop->scene.kind;
 	bool light = settings->only != STILB_GI_ONLY_INDIRECT && settings->integrator != STILB_GI_INTEGRATOR_COLOR &&
-	             settings->integrator != STILB_GI_INTEGRATOR_AO;
+	             settings->integrator != STILB_GI_INTEGRATOR_AO && settings->integrator != STILB_GI_INTEGRATOR_CHANNEL;
 	if (kind == STILB_SCENE_BACKDROP_SURROUNDINGS || (!light && kind != STILB_SCENE_BACKDROP_NOTHING))
 		return;
 	const float *c = backdrop->scene.color;

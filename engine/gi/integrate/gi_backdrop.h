@@ -21,8 +21,8 @@ uint64_t gi_backdrop_hash(uint64_t hash, const gi_backdrop *backdrop);
 bool gi_backdrop_is_nothing(const gi_backdrop *backdrop);
 
 /* Replaces the radiance of the batch's camera rays that hit nothing, after the integrator: not if the backdrop is the
- * surroundings, which the integrator has seen, nor in pictures of indirect light and of the integrators color and ao,
- * which are not of light; but nothing is nothing for all of them.
+ * surroundings, which the integrator has seen, nor in pictures of indirect light and of the integrators color, ao and
+ * channel, which are not of light; but nothing is nothing for all of them.
  *
  * The floor shows its color times 1 - blocked / unblocked, both of the irradiance that it would get: unblocked is a
  * closed form, and blocked is estimated by one light, as gi_light_sample_at chooses it, and one shadow ray. So the mean

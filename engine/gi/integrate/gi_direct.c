@@ -49,7 +49,7 @@ bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, 
 	if (weighed && !light.delta)
 		weight *= mis_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
 	*direct = sent * weight;
-	*shadow = gi_ray_make_by(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	*shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	return true;
 }
 

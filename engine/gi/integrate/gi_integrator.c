@@ -11,6 +11,7 @@ const gi_integrator *gi_integrator_of(stilb_gi_integrator name)
 		[STILB_GI_INTEGRATOR_PATH] = &gi_integrator_path,
 		[STILB_GI_INTEGRATOR_SPLIT] = &gi_integrator_split,
 		[STILB_GI_INTEGRATOR_IRRADIANCE_CACHE] = &gi_integrator_irradiance_cache,
+		[STILB_GI_INTEGRATOR_CHANNEL] = &gi_integrator_channel,
 	};
 	_Static_assert(sizeof integrators / sizeof integrators[0] == STILB_GI_INTEGRATOR_COUNT, "an integrator is missing");
 	return integrators[name];

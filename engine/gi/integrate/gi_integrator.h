@@ -54,6 +54,14 @@ extern const gi_integrator gi_integrator_montecarlo;                            
 extern const gi_integrator gi_integrator_path, gi_integrator_split;                     /* gi_path.c */
 extern const gi_integrator gi_integrator_irradiance_cache;                              /* gi_cache_shade.c */
 
+extern const gi_integrator gi_integrator_channel; /* gi_channel.c */
+
+/* True if the integrator is CHANNEL and its values are no light. */
+bool gi_shows_data(const stilb_gi_settings *settings);
+
+/* Makes light of values of data: that whose sRGB code is the value. rgb: [pixels][3]. */
+void gi_data_to_light(float *rgb, size_t pixels);
+
 /* Writes the radiance that the surfaces at the ends of the batch's rays, which are traced already, reflect towards the
  * rays' origins, after at most depth reflections; 0 for a miss. vertex: the number of those ends on the path (0 is the
  * camera ray's hit), for random numbers. batch->scratch is of gi_integrator_path.scratch_size. In gi_path.c. */

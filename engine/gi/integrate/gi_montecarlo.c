@@ -47,7 +47,7 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
 		return none;
 	stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
-	gi_ray shadow = gi_ray_make_by(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	gi_ray shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	gi_through_occluded(view->scene, &shadow, &light.radiance, 1);
 	batch->rays_traced++;
 	batch->shadow_rays++;

@@ -129,8 +129,8 @@ static gi_ray ao_ray(const gi_batch *batch, const gi_surface *surface, uint32_t 
 	float distance = view->settings.ao_distance;
 	float chance =
 		view->scene->blends ? gi_sample_2d(&view->sampler, branch, dimension + GI_DIMENSION_ROULETTE)[1] : 0.0f;
-	gi_ray ray = gi_ray_make_by(gi_surface_ray_origin(surface, direction), direction,
-	                            distance > 0.0f ? distance : INFINITY, chance);
+	gi_ray ray = gi_ray_make(gi_surface_ray_origin(surface, direction), direction,
+	                         distance > 0.0f ? distance : INFINITY, chance);
 	ray.id = i;
 	return ray;
 }

@@ -1,6 +1,9 @@
 #include "gi/light/gi_glow.h"
 
 #include "gi/gi_texture.h"
+#include "shading/shade_layers.h"
+
+#include <string.h>
 
 #define GLOW_STEPS 64u  /* along a side of a triangle, at most */
 #define GLOW_APART 2.0f /* texels between two points, as wide as what bilinear filters make of one texel */
@@ -10,6 +13,16 @@ stilb_vec3 gi_glow_at(const gi_glow *glow, float u, float v)
 	STILB_ASSERT(glow->maps.surface);
 	gi_place place = gi_place_between(glow->corners, u, v);
 	return gi_maps_emission(&glow->maps, &place) * gi_maps_alpha(&glow->maps, &place);
+}
+
+stilb_vec3 gi_glow_towards(const gi_glow *glow, float u, float v, float cosine)
+{
+	stilb_vec3 emission = gi_glow_at(glow, u, v);
+	if (!(glow->maps.surface->clearcoat > 0.0f))
+		return emission;
+	gi_place place = gi_place_between(glow->corners, u, v);
+	float coat = glow->maps.surface->clearcoat * gi_maps_texel(&glow->maps, STILB_SCENE_MAP_CLEARCOAT, &place)[0];
+	return emission * (1.0f - shade_coat_share(coat, cosine));
 }
 
 /* The longest side of the triangle on a map's texture, in texels; 0 without such a map. */
@@ -52,40 +65,54 @@ stilb_vec3 gi_glow_mean(const gi_glow *glow)
 	return sum * (step * step);
 }
 
-/* The largest code of a row of texels whose codes are bytes or words, without alpha. */
-static uint32_t glow_largest_code(const stilb_image *image, uint32_t y)
+/* The bits of the colours of 8 bytes of texels whose codes are bytes or words, alpha being the last of 2 or 4. */
+static uint64_t glow_color_bits(const stilb_image *image, size_t code)
 {
-	size_t channels = image->channels, colors = channels < 3 ? 1 : 3, first = (size_t)y * image->width * channels;
-	bool words = image->format == STILB_IMAGE_U16_SRGB || image->format == STILB_IMAGE_U16_LINEAR;
-	const uint8_t *bytes = (const uint8_t *)image->pixels + first;
-	const uint16_t *wide = (const uint16_t *)image->pixels + first;
-	uint32_t any = 0;
-	for (size_t c = 0; c < colors && words; c++)
-		for (size_t x = 0; x < image->width; x++)
-			any |= wide[x * channels + c];
-	for (size_t c = 0; c < colors && !words; c++)
-		for (size_t x = 0; x < image->width; x++)
-			any |= bytes[x * channels + c];
-	return any;
+	uint64_t bits = 0;
+	for (size_t byte = 0; byte < 8; byte++) {
+		bool alpha = image->channels % 2 == 0 && byte / code % image->channels == image->channels - 1;
+		((uint8_t *)&bits)[byte] = alpha ? 0 : 0xff;
+	}
+	return bits;
 }
 
+/* All texels begin a group of 8 bytes or lie in the same place of each, unless they have no alpha. */
+static bool glow_codes_are_dark(const stilb_image *image)
+{
+	bool words = image->format == STILB_IMAGE_U16_SRGB || image->format == STILB_IMAGE_U16_LINEAR;
+	uint64_t colors = glow_color_bits(image, words ? sizeof(uint16_t) : 1), group = 0;
+	const uint8_t *bytes = image->pixels;
+	size_t size = stilb_image_size(image), i = 0;
+	for (; i + sizeof group <= size && (group & colors) == 0; i += sizeof group)
+		memcpy(&group, bytes + i, sizeof group);
+	if ((group & colors) != 0)
+		return false;
+	group = 0;
+	memcpy(&group, bytes + i, size - i);
+	return (group & colors) == 0;
+}
+
+/* True if no colour of the row is above 0; NaN is not. */
 static bool glow_row_is_dark(const stilb_image *image, uint32_t y)
 {
-	stilb_scene_map map = {.to_u = {1.0f, 0.0f, 0.0f}, .to_v = {0.0f, 1.0f, 0.0f}, .nearest = true};
-	if (image->format != STILB_IMAGE_F16_LINEAR && image->format != STILB_IMAGE_F32_LINEAR)
-		return glow_largest_code(image, y) == 0;
-	for (uint32_t x = 0; x < image->width; x++) {
-		stilb_vec2 place = {((float)x + 0.5f) / (float)image->width, ((float)y + 0.5f) / (float)image->height};
-		stilb_vec4 texel = gi_texture_map(image, &map, place);
-		if (texel[0] > 0.0f || texel[1] > 0.0f || texel[2] > 0.0f)
-			return false;
-	}
-	return true;
+	uint32_t channels = image->channels, colors = channels < 3 ? 1 : 3;
+	size_t first = (size_t)y * image->width * channels;
+	bool halves = image->format == STILB_IMAGE_F16_LINEAR, lit = false;
+	const uint16_t *half = (const uint16_t *)image->pixels + (halves ? first : 0);
+	const float *wide = (const float *)image->pixels + (halves ? 0 : first);
+	for (uint32_t x = 0; x < image->width; x++)
+		for (uint32_t c = 0; c < colors; c++) {
+			size_t at = (size_t)x * channels + c;
+			lit |= halves ? half[at] > 0 && half[at] <= 0x7c00 : wide[at] > 0.0f; /* 0x7c00: infinity */
+		}
+	return !lit;
 }
 
 bool gi_glow_is_dark(const stilb_image *image)
 {
 	bool dark = image->pixels;
+	if (dark && image->format != STILB_IMAGE_F16_LINEAR && image->format != STILB_IMAGE_F32_LINEAR)
+		return glow_codes_are_dark(image);
 	for (uint32_t y = 0; y < image->height && dark; y++)
 		dark = glow_row_is_dark(image, y);
 	return dark;

@@ -245,13 +245,13 @@ static float density_by_area(const gi_light_shape *shape, float height, float di
 	return distance * distance * distance / (height * shape->area);
 }
 
-/* What a point of the triangle emits. from_corner: the point. */
-static stilb_vec3 point_emission(const gi_light_shape *shape, stilb_vec3 from_corner)
+/* What a point of the triangle emits at this cosine. from_corner: the point. */
+static stilb_vec3 point_emission(const gi_light_shape *shape, stilb_vec3 from_corner, float cosine)
 {
 	float scale = 0.5f / shape->area;
 	float u = stilb_vec3_dot(stilb_vec3_cross(from_corner, shape->edge_2), shape->normal) * scale;
 	float v = stilb_vec3_dot(stilb_vec3_cross(shape->edge_1, from_corner), shape->normal) * scale;
-	return gi_glow_at(shape->glow, u, v);
+	return gi_glow_towards(shape->glow, u, v, cosine);
 }
 
 bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, stilb_vec2 u, gi_light_sample *sample)
@@ -269,7 +269,7 @@ bool gi_light_shape_sample(const gi_light_shape *shape, stilb_vec3 position, sti
 	float scale = 1.0f / distance;
 	sample->direction = to_light * scale;
 	sample->distance = gi_shadow_distance(distance, shape->error, height * scale);
-	sample->radiance = shape->glow ? point_emission(shape, to_light - to_corner) : shape->emission;
+	sample->radiance = shape->glow ? point_emission(shape, to_light - to_corner, height * scale) : shape->emission;
 	sample->pdf = angle > 0.0f ? 1.0f / angle : density_by_area(shape, height, distance);
 	sample->delta = false;
 	return sample->pdf < INFINITY;

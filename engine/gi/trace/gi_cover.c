@@ -33,6 +33,8 @@ bool gi_cover_meets(const stilb_gi_scene *scene, const gi_crossing *crossing)
 		return false;
 	if (maps.surface->alpha == STILB_SCENE_OPAQUE)
 		return true;
+	if (maps.surface->alpha == STILB_SCENE_BLEND && crossing->chance >= GI_CHANCE_ALL)
+		return true;
 	gi_place place = gi_place_at(part, crossing->triangle, crossing->u, crossing->v);
 	return gi_cover_number(crossing) < gi_maps_alpha(&maps, &place);
 }

@@ -10,6 +10,9 @@
 
 #include "gi/gi_scene_internal.h"
 
+/* The number of a ray that meets all that blends, as if it were opaque; all others are below. */
+#define GI_CHANCE_ALL 1.0f
+
 /* Where a ray crosses a triangle of a part that has gi_part.sieve. */
 typedef struct gi_crossing {
 	uint32_t part, triangle;

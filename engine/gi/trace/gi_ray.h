@@ -42,7 +42,7 @@ typedef int32_t gi_ray_words __attribute__((vector_size(16)));
 
 /* A ray from origin (t_min is 0) to t_max = length, counted in lengths of direction; its id is 0. chance: gi_ray.time,
  * [0, 1). */
-static inline gi_ray gi_ray_make_by(stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
+static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length, float chance)
 {
 	stilb_vec4 tail = {length};
 	gi_ray_words words;
@@ -57,18 +57,12 @@ static inline gi_ray gi_ray_make_by(stilb_vec3 origin, stilb_vec3 direction, flo
 	return ray;
 }
 
-/* gi_ray_make_by for scenes in which nothing is half there. */
-static inline gi_ray gi_ray_make(stilb_vec3 origin, stilb_vec3 direction, float length)
-{
-	return gi_ray_make_by(origin, direction, length, 0.0f);
-}
-
 /* A ray from origin to infinity, with room for its nearest hit, which is "none" until it is traced. */
 static inline gi_ray_hit gi_ray_hit_make_by(stilb_vec3 origin, stilb_vec3 direction, float chance)
 {
 	gi_ray_words zero = {0}, nothing = {0, 0, (int32_t)GI_NO_PART, (int32_t)GI_NO_PART};
 	gi_ray_hit ray;
-	ray.ray = gi_ray_make_by(origin, direction, INFINITY, chance);
+	ray.ray = gi_ray_make(origin, direction, INFINITY, chance);
 	memcpy((char *)&ray.hit, &zero, sizeof zero);
 	memcpy((char *)&ray.hit + 16, &nothing, sizeof nothing);
 	return ray;

@@ -28,8 +28,8 @@
 typedef struct gi_ray {
 	float origin[3], t_min;
 	float direction[3];
-	float time;     /* Embree's name: nothing moves. [0, 1), the number by which the ray goes through what is
-	                             half there (gi_cover.h): of the ray's own, if that is to be right on average */
+	float time;     /* [0, 1): a random number of this ray alone, by which it goes through surfaces that are
+	                   half there (gi_cover.h). Embree calls the member so; nothing moves */
 	float t_max;    /* out: where the hit is; of an occluded shadow ray -infinity */
 	uint32_t mask;  /* all bits set: the ray meets everything */
 	uint32_t id;    /* for the caller, kept as it is */

@@ -378,6 +378,7 @@ static const stilb_gpu_limits null_limits = {
 	.anisotropy = 16.0f,
 	.bc = true,
 	.indirect_count = true,
+	.lines = true,
 };
 
 static uint32_t null_format(const stilb_gpu_format_info *format)

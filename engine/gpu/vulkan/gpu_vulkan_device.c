@@ -54,6 +54,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 	VkPhysicalDeviceFeatures2 can = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &can12};
 	vkGetPhysicalDeviceFeatures2(gpu->physical, &can);
 	gpu->anisotropic = can.features.samplerAnisotropy;
+	gpu->lines = can.features.fillModeNonSolid;
 	VkPhysicalDeviceVulkan13Features v13 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
 		.dynamicRendering = VK_TRUE,
@@ -70,6 +71,7 @@ static VkResult device_make(gpu_vulkan *gpu)
 	VkPhysicalDeviceFeatures features = {
 		.multiDrawIndirect = VK_TRUE,
 		.drawIndirectFirstInstance = VK_TRUE,
+		.fillModeNonSolid = can.features.fillModeNonSolid,
 		.samplerAnisotropy = can.features.samplerAnisotropy,
 		.imageCubeArray = can.features.imageCubeArray,
 		.textureCompressionBC = can.features.textureCompressionBC,

@@ -237,7 +237,7 @@ static VkImageViewType view_type(const stilb_gpu_extent *e, gpu_vulkan_seen seen
 		return range.layers > 1 ? VK_IMAGE_VIEW_TYPE_1D_ARRAY : VK_IMAGE_VIEW_TYPE_1D;
 	if (e->shape == STILB_GPU_SHAPE_CUBE && seen == GPU_VULKAN_SAMPLED && range.layers == 6)
 		return VK_IMAGE_VIEW_TYPE_CUBE;
-	return range.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+	return range.layers > 1 || seen == GPU_VULKAN_ARRAY ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
 }
 
 static VkImageView view_make(gpu_vulkan *gpu, gpu_vulkan_texels *texels, VkImageViewType type, stilb_gpu_range range)
@@ -433,10 +433,13 @@ stilb_result gpu_vulkan_set_make(stilb_gpu *base, gpu_set *entry)
 	for (uint32_t i = 0; i < entry->count && result == VK_SUCCESS; i++) {
 		const stilb_gpu_set_item *item = &entry->items[i];
 		gpu_vulkan_texels *texels = item->image.id ? gpu_image_of(base, item->image.id)->own : &gpu->white;
-		stilb_gpu_range all = {0, (uint8_t)texels->extent.mips, 0, texels->extent.layers};
+		stilb_gpu_range range = {0, (uint8_t)texels->extent.mips, 0, texels->extent.layers};
+		if (item->seen == STILB_GPU_SEEN_LAYER && item->image.id)
+			range = (stilb_gpu_range){0, range.mips, item->layer, 1};
+		gpu_vulkan_seen seen = item->seen == STILB_GPU_SEEN_ARRAY ? GPU_VULKAN_ARRAY : GPU_VULKAN_SAMPLED;
 		images[i] = (VkDescriptorImageInfo){
 			.sampler = gpu->samplers[item->sampler.id],
-			.imageView = gpu_vulkan_texels_view(gpu, texels, GPU_VULKAN_SAMPLED, all),
+			.imageView = gpu_vulkan_texels_view(gpu, texels, seen, range),
 			.imageLayout = gpu_vulkan_layout(gpu_vulkan_rest(&texels->extent)),
 		};
 		result = images[i].imageView ? VK_SUCCESS : VK_ERROR_OUT_OF_HOST_MEMORY;

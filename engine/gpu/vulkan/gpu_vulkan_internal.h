@@ -174,6 +174,7 @@ typedef struct gpu_vulkan {
 	uint64_t timeline_value; /* the semaphore's value once the last submission is done */
 	uint64_t timestamp_mask; /* valid bits of a timestamp; 0: the queue has none */
 	bool anisotropic;        /* samplers can be */
+	bool lines;              /* of triangles the edges alone can be drawn */
 	bool calibrates;         /* VK_EXT_calibrated_timestamps is enabled */
 	gpu_vulkan_times times;
 
@@ -376,7 +377,13 @@ VkResult gpu_vulkan_texels_create(gpu_vulkan *gpu, const char *name, const stilb
 /* Leaves {0}; accepts {0}. */
 void gpu_vulkan_texels_destroy(gpu_vulkan *gpu, gpu_vulkan_texels *texels);
 /* A view, made when it is first asked for. VK_NULL_HANDLE: no memory. [any-thread] */
-typedef enum gpu_vulkan_seen { GPU_VULKAN_SAMPLED, GPU_VULKAN_STORED, GPU_VULKAN_DRAWN } gpu_vulkan_seen;
+/* ARRAY: sampled, as an array also where it has one layer. */
+typedef enum gpu_vulkan_seen {
+	GPU_VULKAN_SAMPLED,
+	GPU_VULKAN_ARRAY,
+	GPU_VULKAN_STORED,
+	GPU_VULKAN_DRAWN
+} gpu_vulkan_seen;
 VkImageView gpu_vulkan_texels_view(gpu_vulkan *gpu, gpu_vulkan_texels *texels, gpu_vulkan_seen seen,
                                    stilb_gpu_range range);
 VkImageLayout gpu_vulkan_layout(stilb_gpu_layout layout);

@@ -235,6 +235,7 @@ static VkResult pipeline_graphics(gpu_vulkan *gpu, const program_wanted *wanted,
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
 	VkPipelineRasterizationStateCreateInfo rasterization = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+		.polygonMode = desc->lines ? VK_POLYGON_MODE_LINE : VK_POLYGON_MODE_FILL,
 		.cullMode = desc->cull_back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
 		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
 		.depthBiasEnable = desc->depth_bias != 0.0f || desc->depth_bias_slope != 0.0f,

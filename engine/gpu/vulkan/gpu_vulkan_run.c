@@ -202,6 +202,7 @@ static void run_limits(gpu_vulkan *gpu)
 		.anisotropy = gpu->anisotropic ? l->maxSamplerAnisotropy : 1.0f,
 		.timestamps = gpu->timestamp_mask != 0,
 		.bc = gpu->base.formats[STILB_GPU_BC7_U] != 0,
+		.lines = gpu->lines,
 	};
 	VkPhysicalDeviceMaintenance4Properties largest = {.sType =
 	                                                      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};

@@ -111,7 +111,7 @@ static void backdrop_write(const render_device *device, const stilb_render_view 
 		out->size[1] = panorama->height;
 		out->turn[0] = sinf(view->surroundings.rotation);
 		out->turn[1] = cosf(view->surroundings.rotation);
-		out->panorama = device->panorama.address + sizeof(render_panorama_light);
+		out->panorama = device->panorama.address + sizeof(render_panorama_table);
 		return;
 	}
 	for (size_t i = 0; i < sizeof out->map / sizeof *out->map; i++)

@@ -66,6 +66,19 @@ static stilb_result device_choose_samples(render_device *device, uint32_t wanted
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
 
+static void device_choose_anisotropy(render_device *device, uint32_t wanted)
+{
+	float most = stilb_gpu_limits_get(device->gpu)->anisotropy;
+	uint32_t own = stilb_gpu_is_software(device->gpu) ? 1 : 8;
+	device->anisotropy = (float)(wanted > 0 ? wanted : own);
+	if (device->anisotropy <= most)
+		return;
+	if (wanted > 0)
+		stilb_log("GPU '%s' has anisotropy of up to %g, which is used in the place of %u", stilb_gpu_name(device->gpu),
+		          (double)most, wanted);
+	device->anisotropy = most;
+}
+
 static stilb_result device_open(render_device *device, const stilb_render_desc *desc)
 {
 	stilb_gpu_desc gpu = {
@@ -84,6 +97,8 @@ static stilb_result device_open(render_device *device, const stilb_render_desc *
 	stilb_result result = stilb_gpu_create(&gpu, &device->gpu);
 	if (result == STILB_OK)
 		result = device_choose_samples(device, desc->samples);
+	if (result == STILB_OK)
+		device_choose_anisotropy(device, desc->max_anisotropy);
 	if (result == STILB_OK)
 		result = device_check_size(device);
 	if (result == STILB_OK)
@@ -134,6 +149,7 @@ void render_device_destroy(render_device *device)
 	stilb_gpu_destroy(device->gpu); /* and all that is there */
 	free(device->textures);
 	free(device->maps);
+	render_arrays_finish(&device->arrays);
 	for (uint32_t l = 0; l < RENDER_MAX_LISTS; l++) {
 		free(device->lists[l].bindings);
 		free(device->lists[l].maps);

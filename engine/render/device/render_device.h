@@ -12,6 +12,7 @@
 
 #include "base/base_contract.h"
 #include "gpu/gpu_internal.h"
+#include "render/device/render_arrays.h"
 #include "render/render.h"
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
@@ -106,6 +107,12 @@ extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
 extern const stilb_gpu_shader render_through_fragment[2][2]; /* of draws with transmission: [1: see _mesh_fragment] */
 extern const stilb_gpu_shader render_behind_fragment[2], render_behind_half_fragment; /* [1: several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
+
+/* Of channels in the place of light. Impostors keep their vertex shader. */
+enum { RENDER_CHANNEL_MESH, RENDER_CHANNEL_MAPS, RENDER_CHANNEL_MAPS_EXTRAS, RENDER_CHANNEL_VERTICES };
+extern const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES]; /* [1: packed] */
+extern const stilb_gpu_shader render_channel_mesh_fragment[RENDER_SURFACES];
+extern const stilb_gpu_shader render_channel_maps_fragment[2][2];   /* as render_maps_fragment[0] */
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
 extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
@@ -149,13 +156,18 @@ bool render_formulas_are_depth(const render_formula_programs *programs);
 /* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
+/* What the tone map shows besides SHADE_TONE_...: channels in the place of light (stilb_scene_channel_kind). */
+#define RENDER_TONE_DATA SHADE_TONE_COUNT
+#define RENDER_TONE_COUNT (SHADE_TONE_COUNT + 1)
+#define RENDER_TONES (SHADE_TONE_COUNT + 2)
+
 typedef struct render_programs {
 	pthread_mutex_t lock; /* guards all below */
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, behind, behind_half;
-	stilb_gpu_program tones[2][SHADE_TONE_COUNT]; /* [1: of an image with a place in the picture] */
+	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -169,12 +181,14 @@ typedef struct render_slot {
 } render_slot;
 
 typedef struct render_device_texture {
-	stilb_gpu_image image;
-	stilb_gpu_set set;
-	uint32_t mips; /* at least 1 */
+	stilb_gpu_image image; /* its own, or the array's */
+	stilb_gpu_set set;     /* {0}: not needed so far */
+	uint32_t mips;         /* at least 1 */
+	uint32_t array;        /* 1 + render_arrays.items; 0: it has an image of its own, without mips */
+	uint16_t layer;
 } render_device_texture;
 
-/* A material's maps. */
+/* What draws of a group of maps bind. */
 typedef struct render_device_maps {
 	stilb_gpu_set set;
 	uint32_t bits; /* RENDER_MAPS_... without _EXTRAS */
@@ -206,7 +220,8 @@ typedef struct render_frame_target {
 	bool drawn;                     /* a pass has drawn into it */
 	bool transparent;               /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
-	uint32_t tone; /* SHADE_TONE_... */
+	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
+	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */
 	float exposure;
 	bool dither;
 } render_frame_target;
@@ -244,13 +259,15 @@ typedef struct render_device {
 	uint32_t slot;
 	render_buffer heaps[RENDER_HEAPS];
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
-	stilb_gpu_image cube, next_cube;       /* render_panorama_light.cube; likewise */
+	stilb_gpu_image cube, next_cube;       /* render_panorama_gloss.cube; likewise */
 	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
-	render_device_maps *maps;        /* [RENDER_MAX_MAPS] */
-	stilb_gpu_sampler sampler;       /* of all textures: linear, repeated, no mip levels */
-	stilb_gpu_sampler linear;        /* clamped */
+	render_arrays arrays;
+	render_device_maps *maps;  /* [RENDER_MAX_MAPS] by group */
+	float anisotropy;          /* of samplers of maps; 1: none */
+	stilb_gpu_sampler sampler; /* of all textures: linear, repeated, no mip levels */
+	stilb_gpu_sampler linear;  /* clamped */
 	render_programs programs;
 
 	render_frame frame;
@@ -306,22 +323,28 @@ void render_buffer_drop(render_device *device, render_buffer *buffer);
 /* Memory for a panorama that frames will show. The one that is shown stays in place. NULL: there is none, and the
  * message says so. */
 void *render_device_panorama_make(render_device *device, size_t bytes);
-/* From this frame on they show that one. */
-stilb_result render_device_panorama_show(render_device *device);
+/* From this frame on they show that one, with this gloss. */
+stilb_result render_device_panorama_show(render_device *device, const render_panorama_gloss *gloss);
 
 /* ---- render_heaps.c: resources ----------------------------------------------------------------------------------- */
 
 /* Copies what has changed in the heaps (render_heap.dirty) and new textures to the device, before the frame's passes.
  * The caller holds the lock of resources. */
 stilb_result render_device_update(render_device *device, const render_resources *resources);
-/* Makes texture number `texture` with the size and format of image, with all mips or one; update copies the pixels. The
- * caller holds the lock of render_resources. [any-thread] */
+/* The textures' part of it. */
+stilb_result render_device_textures_update(render_device *device, const render_resources *resources);
+/* Makes texture number `texture` with the size and format of image: with all mips, as a layer of an array, or with one;
+ * update copies the pixels. The caller holds the lock of render_resources. [any-thread] */
 stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);
 void render_device_texture_destroy(render_device *device, uint32_t texture);
-/* Makes maps number `index`, in the place of what was there: frames from the next replay on have the new ones. The
- * caller holds the lock of render_resources. [any-thread] */
-stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps);
-void render_device_maps_drop(render_device *device, uint32_t index);
+/* That of the textures that are made of images of this format. [any-thread] */
+stilb_gpu_format render_texture_format(stilb_image_format format);
+/* The set of a draw with this texture alone. */
+stilb_result render_device_texture_set(render_device *device, uint32_t texture, uint32_t *set);
+/* Makes what the draws of group number `group` bind: the images and samplers of maps that are in it. The caller holds
+ * the lock of render_resources. [any-thread] */
+stilb_result render_device_maps_set(render_device *device, uint32_t group, const render_maps *maps);
+void render_device_maps_drop(render_device *device, uint32_t group);
 /* Copies upload->bytes into the ring; empties it first where they do not fit. */
 stilb_result render_device_send(render_device *device, const stilb_gpu_upload *upload, const void *from);
 /* Memory for rows that the CPU writes at any time, and frames read; freed once no frame can use it. [any-thread] */
@@ -340,17 +363,17 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 /* The program of that choice and key; made and compiled unless it is there. [any-thread] */
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program);
-/* Compiles what turns light into the picture. placed: of an image with a place in it. [any-thread] */
+/* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
+ * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device);
 /* What copies the light behind draws with transmission. */
 stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
-#define RENDER_KNOWN_MAPS 64u
 typedef struct render_known_maps {
-	uint32_t bits[RENDER_KNOWN_MAPS]; /* [count] each once */
-	uint32_t count;
-	bool extras; /* some meshes have some */
+	uint32_t *bits; /* [count] each once */
+	uint32_t count, capacity;
+	bool extras, plain; /* some meshes have extras; some have none */
 } render_known_maps;
 
 /* Makes the programs that draws of a scene pass with this view and light_bits need. [any-thread] */

@@ -231,7 +231,7 @@ static uint64_t list_depth_state(uint64_t state)
 static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
 	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
-	return render_maps_program_bits(maker->device->maps[render_state_maps(state)].bits, state & RENDER_STATE_EXTRAS,
+	return render_maps_program_bits(maker->device->maps[render_state_group(state)].bits, state & RENDER_STATE_EXTRAS,
 	                                sides, maker->depth);
 }
 
@@ -239,8 +239,7 @@ static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gpu_run *run, bool *drawn)
 {
 	const render_device *device = maker->device;
-	uint32_t texture = 0,
-			 bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
+	uint32_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
 	*drawn = true;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {
@@ -248,14 +247,14 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 		return STILB_OK;
 	}
 	if (from->state & RENDER_STATE_MAPS && (!maker->depth || bits != 0)) {
-		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_maps(from->state)].set.id : 0;
+		run->set = !maker->depth || bits & RENDER_MAPS_MASK ? device->maps[render_state_group(from->state)].set.id : 0;
 		return list_find_maps(maker, from->state, bits, &run->binding);
 	}
 	uint64_t state = maker->depth ? list_depth_state(from->state) : from->state;
-	texture = render_state_texture(state);
+	uint32_t texture = render_state_texture(state);
 	STILB_ASSERT(texture < STILB_RENDER_MAX_TEXTURES);
-	run->set = texture ? device->textures[texture].set.id : 0;
-	return list_find(maker, state, &run->binding);
+	stilb_result result = texture ? render_device_texture_set(maker->device, texture, &run->set) : STILB_OK;
+	return result == STILB_OK ? list_find(maker, state, &run->binding) : result;
 }
 
 /* Makes one run of two if the second goes on where the first ends. */
@@ -383,6 +382,12 @@ static stilb_gpu_pass frame_row(render_device *device, const render_stream *stre
 	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .draws = list};
 }
 
+/* Counts are added up in all channels but alpha, so that these are not transparent. */
+static bool frame_is_transparent(const stilb_render_view *view)
+{
+	return view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING && view->show != STILB_RENDER_SHOW_OVERDRAW;
+}
+
 /* The first pass into a target says how the picture shows it. */
 static stilb_result frame_first(render_device *device, const render_stream *stream, render_frame_target *target,
                                 bool backdrop)
@@ -390,11 +395,12 @@ static stilb_result frame_first(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	if (target->color == 0)
 		return STILB_OK;
-	target->transparent = view->backdrop.kind == STILB_SCENE_BACKDROP_NOTHING;
-	target->exposure = exp2f(view->exposure);
-	target->dither = view->dither;
-	target->tone = view->tone;
-	stilb_result result = render_programs_tone(device, view->tone, target->from);
+	target->channel = render_view_channel(view);
+	target->transparent = frame_is_transparent(view);
+	target->exposure = target->channel > 0 ? 1.0f : exp2f(view->exposure);
+	target->dither = view->dither && target->channel == 0;
+	target->tone = render_view_tone(view);
+	stilb_result result = render_programs_tone(device, target->tone, target->from);
 	return result == STILB_OK && backdrop ? frame_backdrop(device, stream, target) : result;
 }
 
@@ -412,7 +418,10 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 		.image = target->samples ? target->samples : target->color,
 		.load = target->drawn || backdrop ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR,
 	};
-	render_backdrop_clear(stream->view, row->color[0].clear);
+	if (target->channel == 0)
+		render_backdrop_clear(stream->view, row->color[0].clear);
+	else if (!target->transparent)
+		row->color[0].clear[3] = 1.0f;
 }
 
 /* The two images that programs read for the panorama's gloss. */
@@ -464,8 +473,8 @@ static frame_part frame_part_from(const render_device *device, const render_stre
 	*through = false;
 	for (; part.end < stream->run_count; part.end++) {
 		uint64_t state = stream->runs[part.end].state;
-		bool maps = state & RENDER_STATE_MAPS && !(stream->light_bits & RENDER_LIGHTS_DEPTH);
-		bool here = maps && device->maps[render_state_maps(state)].bits & RENDER_MAPS_THROUGH;
+		bool maps = state & RENDER_STATE_MAPS && render_view_is_lit(stream->view);
+		bool here = maps && device->maps[render_state_group(state)].bits & RENDER_MAPS_THROUGH;
 		if (part.end > first && here != *through)
 			break;
 		*through = here;
@@ -513,7 +522,8 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	const stilb_render_view *view = stream->view;
 	render_formula_programs *choice;
 	render_frame_target *target = render_target_get(device, view->target);
-	bool backdrop = !target->drawn && target->color != 0 && render_backdrop_is_drawn(view, stream->panorama);
+	bool backdrop = !target->drawn && target->color != 0 && render_view_is_lit(view) &&
+	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
 	stilb_result result =
 		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);

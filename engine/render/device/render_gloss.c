@@ -1,5 +1,5 @@
 /* A panorama on the device: the memory that its light is made in, which shaders read by address, and the images of its
- * gloss, which are sent from there once it is complete. */
+ * gloss, which are sent once it is complete. */
 #include "render/render_internal.h"
 
 /* ---- gloss ------------------------------------------------------------------------------------------------------- */
@@ -43,18 +43,20 @@ static stilb_result gloss_send(render_device *device, stilb_gpu_upload to, uint3
 	return render_device_send(device, &to, from);
 }
 
-static stilb_result gloss_send_all(render_device *device, const render_panorama_light *light)
+static stilb_result gloss_send_all(render_device *device, const render_panorama_gloss *gloss)
 {
-	const uint16_t(*from)[4] = light->cube;
+	const uint16_t(*from)[4] = gloss->cube;
 	stilb_gpu_upload table = {.image = device->dfg};
-	stilb_result result = gloss_send(device, table, RENDER_PANORAMA_DFG, sizeof **light->dfg, light->dfg);
+	stilb_result result = STILB_OK;
+	if (gloss->dfg)
+		result = gloss_send(device, table, RENDER_PANORAMA_DFG, sizeof **gloss->dfg, gloss->dfg);
 	for (uint32_t part = 0; part < 6 * RENDER_PANORAMA_MIPS && result == STILB_OK; part++) {
 		uint32_t mip = part / 6, side = RENDER_PANORAMA_FACE >> mip;
 		stilb_gpu_upload to = {.image = device->next_cube, .mip = (uint16_t)mip, .layer = (uint16_t)(part % 6)};
 		result = gloss_send(device, to, side, sizeof *from, from);
 		from += (size_t)side * side;
 	}
-	STILB_ASSERT(result != STILB_OK || from == light->cube + RENDER_PANORAMA_CUBE);
+	STILB_ASSERT(result != STILB_OK || from == gloss->cube + RENDER_PANORAMA_CUBE);
 	return result;
 }
 
@@ -71,10 +73,10 @@ void *render_device_panorama_make(render_device *device, size_t bytes)
 	return made ? device->next_panorama.mapped : NULL;
 }
 
-stilb_result render_device_panorama_show(render_device *device)
+stilb_result render_device_panorama_show(render_device *device, const render_panorama_gloss *gloss)
 {
 	STILB_ASSERT(device->next_panorama.mapped && device->next_cube.id != 0);
-	stilb_result result = gloss_send_all(device, device->next_panorama.mapped);
+	stilb_result result = gloss_send_all(device, gloss);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_image_destroy(device->gpu, device->cube);

@@ -98,14 +98,19 @@ static stilb_result heap_update(render_device *device, const render_resources *r
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-static const stilb_gpu_format texture_formats[STILB_IMAGE_FORMAT_COUNT] = {
-	[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,
-	[STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
-	[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F,
-	[STILB_IMAGE_U16_SRGB] = STILB_GPU_NONE, /* no GPU has it: it is converted before, as blocks are */
-	[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,
-	[STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
-};
+/* Pictures of formats that no GPU has, and blocks, are converted before (render_resources.c). */
+stilb_gpu_format render_texture_format(stilb_image_format format)
+{
+	static const uint8_t formats[STILB_IMAGE_FORMAT_COUNT] = {
+		[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,  [STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
+		[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F, [STILB_IMAGE_U16_SRGB] = STILB_GPU_RGBA16_F,
+		[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,   [STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
+		[STILB_IMAGE_BC1_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC1_LINEAR] = STILB_GPU_RGBA8_U,
+		[STILB_IMAGE_BC3_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC3_LINEAR] = STILB_GPU_RGBA8_U,
+		[STILB_IMAGE_BC4_LINEAR] = STILB_GPU_RGBA16_U, [STILB_IMAGE_BC5_LINEAR] = STILB_GPU_RGBA16_U,
+		[STILB_IMAGE_BC7_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC7_LINEAR] = STILB_GPU_RGBA8_U};
+	return (stilb_gpu_format)formats[format];
+}
 
 /* Sends rows first .. end - 1 of a mip. */
 static stilb_result texture_send(render_device *device, uint32_t texture, uint32_t mip, const stilb_image *image,
@@ -119,6 +124,7 @@ static stilb_result texture_send(render_device *device, uint32_t texture, uint32
 		uint32_t count = end - first < part ? end - first : part;
 		stilb_gpu_upload to = {.image = device->textures[texture].image,
 		                       .mip = (uint16_t)mip,
+		                       .layer = device->textures[texture].layer,
 		                       .y = first,
 		                       .width = image->width,
 		                       .height = count,
@@ -129,21 +135,17 @@ static stilb_result texture_send(render_device *device, uint32_t texture, uint32
 	return result;
 }
 
-/* Sends rows upload->rows .. upload->sent - 1, and the mips with the last row. */
+/* Sends rows upload->rows .. upload->sent - 1. */
 static stilb_result texture_update(render_device *device, const render_texture_upload *upload)
 {
-	stilb_result result = texture_send(device, upload->texture, 0, &upload->image, upload->rows, upload->sent);
-	bool last = upload->sent == upload->image.height && upload->sent > upload->rows;
-	uint32_t mips = last && upload->mips ? device->textures[upload->texture].mips : 1;
-	stilb_image mip = upload->image;
-	uint8_t *pixels = upload->mips;
-	for (uint32_t m = 1; m < mips && result == STILB_OK; m++) {
-		mip.width = mip.width > 1 ? mip.width / 2 : 1;
-		mip.height = mip.height > 1 ? mip.height / 2 : 1;
-		mip.pixels = pixels;
-		pixels += stilb_image_size(&mip);
-		result = texture_send(device, upload->texture, m, &mip, 0, mip.height);
-	}
+	render_upload_mip mip = render_upload_first(upload);
+	stilb_result result = STILB_OK;
+	do {
+		uint32_t begin = mip.first_row, end = begin + mip.image.height;
+		uint32_t first = upload->rows > begin ? upload->rows : begin, last = upload->sent < end ? upload->sent : end;
+		if (first < last)
+			result = texture_send(device, upload->texture, mip.mip, &mip.image, first - begin, last - begin);
+	} while (result == STILB_OK && render_upload_next(upload, &mip));
 	return result;
 }
 
@@ -155,13 +157,28 @@ stilb_result render_texture_too_large(const render_device *device, uint32_t widt
 	                  width, height, image->width, image->height);
 }
 
+static stilb_result texture_image(render_device *device, const stilb_image *image, stilb_gpu_format format,
+                                  stilb_gpu_image *out)
+{
+	stilb_gpu_image_desc desc = {.name = "texture",
+	                             .extent = {.format = format,
+	                                        .width = image->width,
+	                                        .height = image->height,
+	                                        .depth = 1,
+	                                        .layers = 1,
+	                                        .mips = 1,
+	                                        .samples = 1,
+	                                        .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
+	return stilb_gpu_image_create(device->gpu, &desc, out);
+}
+
 stilb_result render_device_texture_create(render_device *device, uint32_t index, const stilb_image *image, bool mips)
 {
 	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
 	render_device_texture *texture = &device->textures[index];
 	STILB_ASSERT(texture->image.id == 0 && texture->set.id == 0 && "a released index");
-	stilb_gpu_format format = texture_formats[image->format];
-	STILB_ASSERT(format != STILB_GPU_NONE);
+	STILB_ASSERT(image->format != STILB_IMAGE_U16_SRGB && !stilb_image_format_is_blocks(image->format));
+	stilb_gpu_format format = render_texture_format(image->format);
 	const char *name = stilb_gpu_name(device->gpu);
 	uint32_t most = stilb_gpu_limits_get(device->gpu)->image_side;
 	if (!(device->gpu->formats[format] & GPU_FORMAT_LINEAR))
@@ -170,36 +187,55 @@ stilb_result render_device_texture_create(render_device *device, uint32_t index,
 		                  image->format == STILB_IMAGE_F32_LINEAR ? "32-bit floats" : "this format");
 	if (image->width > most || image->height > most)
 		return render_texture_too_large(device, most, most, image);
+	stilb_result result;
+	if (mips) {
+		render_array_kind kind = {image->width, image->height, format};
+		uint32_t array;
+		uint16_t layer;
+		result = render_array_take(device, &kind, &array, &layer);
+		if (result == STILB_OK)
+			*texture =
+				(render_device_texture){.image = device->arrays.items[array].image, .array = array + 1, .layer = layer};
+	} else {
+		result = texture_image(device, image, format, &texture->image);
+	}
 	texture->mips = mips ? render_mip_count(image->width, image->height) : 1;
-	stilb_gpu_image_desc desc = {.name = "texture",
-	                             .extent = {.format = format,
-	                                        .width = image->width,
-	                                        .height = image->height,
-	                                        .depth = 1,
-	                                        .layers = 1,
-	                                        .mips = (uint16_t)texture->mips,
-	                                        .samples = 1,
-	                                        .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO}};
-	stilb_result result = stilb_gpu_image_create(device->gpu, &desc, &texture->image);
 	if (result == STILB_ERROR_MEMORY)
 		return stilb_fail(result, "no memory for a texture of %ux%u pixels on '%s'", image->width, image->height, name);
-	if (result != STILB_OK)
-		return result;
-	stilb_gpu_set_item item = {texture->image, device->sampler};
-	result = stilb_gpu_set_create(device->gpu, &item, 1, &texture->set);
-	if (result != STILB_OK) {
-		stilb_gpu_image_destroy(device->gpu, texture->image);
-		texture->image = (stilb_gpu_image){0};
+	uint32_t set;
+	if (result == STILB_OK && !mips) {
+		result = render_device_texture_set(device, index, &set);
+		if (result != STILB_OK) {
+			stilb_gpu_image_destroy(device->gpu, texture->image);
+			texture->image = (stilb_gpu_image){0};
+		}
 	}
+	return result;
+}
+
+stilb_result render_device_texture_set(render_device *device, uint32_t index, uint32_t *set)
+{
+	render_device_texture *texture = &device->textures[index];
+	stilb_gpu_set_item item = {
+		.image = texture->image, .sampler = device->sampler, .seen = STILB_GPU_SEEN_LAYER, .layer = texture->layer};
+	stilb_result result = STILB_OK;
+	STILB_ASSERT(texture->image.id != 0);
+	if (texture->set.id == 0)
+		result = stilb_gpu_set_create(device->gpu, &item, 1, &texture->set);
+	*set = texture->set.id;
 	return result;
 }
 
 void render_device_texture_destroy(render_device *device, uint32_t index)
 {
 	render_device_texture *texture = &device->textures[index];
-	STILB_ASSERT(texture->image.id != 0 && texture->set.id != 0);
-	stilb_gpu_set_destroy(device->gpu, texture->set);
-	stilb_gpu_image_destroy(device->gpu, texture->image);
+	STILB_ASSERT(texture->image.id != 0);
+	if (texture->set.id != 0)
+		stilb_gpu_set_destroy(device->gpu, texture->set);
+	if (texture->array > 0)
+		render_array_give(device, texture->array - 1, texture->layer);
+	else
+		stilb_gpu_image_destroy(device->gpu, texture->image);
 	*texture = (render_device_texture){0};
 }
 
@@ -212,44 +248,53 @@ static stilb_result maps_sampler(render_device *device, uint32_t number, stilb_g
 	                                                 [STILB_SCENE_MIRROR] = STILB_GPU_WRAP_MIRROR,
 	                                                 [STILB_SCENE_CLAMP] = STILB_GPU_WRAP_CLAMP};
 	STILB_ASSERT(number < RENDER_MAPS_SAMPLERS);
-	stilb_gpu_sampler_desc desc = {
-		.linear = number < 9, .mips = true, .mip_linear = true, .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
+	stilb_gpu_sampler_desc desc = {.anisotropy = number < 9 ? device->anisotropy : 1.0f,
+	                               .linear = number < 9,
+	                               .mips = true,
+	                               .mip_linear = true,
+	                               .wrap = {wraps[number % 3], wraps[number / 3 % 3]}};
 	return stilb_gpu_sampler_get(device->gpu, &desc, sampler);
 }
 
-stilb_result render_device_maps_set(render_device *device, uint32_t index, const render_maps *maps)
+stilb_result render_device_maps_set(render_device *device, uint32_t group, const render_maps *maps)
 {
-	STILB_ASSERT(index < RENDER_MAX_MAPS);
+	STILB_ASSERT(group < RENDER_MAX_MAPS && device->maps[group].set.id == 0);
 	stilb_gpu_set_item items[RENDER_MAPS] = {0};
-	stilb_gpu_set set;
 	stilb_result result = STILB_OK;
 	uint32_t count = maps->bits & RENDER_MAPS_LAYERS ? RENDER_MAPS : RENDER_MAPS_PLAIN;
 	for (uint32_t i = 0; i < count && result == STILB_OK; i++) {
 		uint32_t texture = maps->textures[i] & RENDER_INDEX_MASK;
+		items[i].seen = STILB_GPU_SEEN_ARRAY;
 		if (!(maps->bits >> i & 1u))
 			continue;
-		STILB_ASSERT(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && device->textures[texture].image.id != 0);
+		STILB_ASSERT(texture > 0 && texture < STILB_RENDER_MAX_TEXTURES && device->textures[texture].array != 0);
 		items[i].image = device->textures[texture].image;
 		result = maps_sampler(device, maps->samplers[i], &items[i].sampler);
 	}
 	if (result == STILB_OK)
-		result = stilb_gpu_set_create(device->gpu, items, count, &set);
-	if (result != STILB_OK)
-		return result;
-	if (device->maps[index].set.id != 0)
-		stilb_gpu_set_destroy(device->gpu, device->maps[index].set);
-	device->maps[index] = (render_device_maps){set, maps->bits};
-	return STILB_OK;
+		result = stilb_gpu_set_create(device->gpu, items, count, &device->maps[group].set);
+	if (result == STILB_OK)
+		device->maps[group].bits = maps->bits;
+	return result;
 }
 
-void render_device_maps_drop(render_device *device, uint32_t index)
+void render_device_maps_drop(render_device *device, uint32_t group)
 {
-	STILB_ASSERT(device->maps[index].set.id != 0);
-	stilb_gpu_set_destroy(device->gpu, device->maps[index].set);
-	device->maps[index] = (render_device_maps){0};
+	STILB_ASSERT(device->maps[group].set.id != 0);
+	stilb_gpu_set_destroy(device->gpu, device->maps[group].set);
+	device->maps[group] = (render_device_maps){0};
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------------- */
+
+stilb_result render_device_textures_update(render_device *device, const render_resources *resources)
+{
+	STILB_ASSERT_LOCKED(&resources->lock);
+	stilb_result result = STILB_OK;
+	for (uint32_t u = 0; u < resources->upload_count && result == STILB_OK; u++)
+		result = texture_update(device, &resources->uploads[u]);
+	return result;
+}
 
 stilb_result render_device_update(render_device *device, const render_resources *resources)
 {
@@ -257,9 +302,7 @@ stilb_result render_device_update(render_device *device, const render_resources 
 	stilb_result result = STILB_OK;
 	for (int kind = 0; kind < RENDER_HEAPS && result == STILB_OK; kind++)
 		result = heap_update(device, resources, kind);
-	for (uint32_t u = 0; u < resources->upload_count && result == STILB_OK; u++)
-		result = texture_update(device, &resources->uploads[u]);
-	return result;
+	return result == STILB_OK ? render_device_textures_update(device, resources) : result;
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */

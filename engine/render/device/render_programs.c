@@ -66,6 +66,22 @@ bool render_formulas_are_gloss(const render_formula_programs *programs)
 	       brdf != SHADE_BRDF_WRAPPED;
 }
 
+/* 1 + the channel that they show in the place of light; 0: none. */
+static uint32_t formulas_channel(const render_formula_programs *programs)
+{
+	return render_lights_channel(programs->formulas[RENDER_FORMULA_LIGHTS]);
+}
+
+/* How the programs of channel - 1 differ from those of light: nothing blends, but counts are added up, and a wireframe
+ * is made of lines. */
+static void program_channel(stilb_gpu_program_desc *desc, uint32_t channel)
+{
+	bool counts = channel == 1 + STILB_SCENE_CHANNEL_OVERDRAW;
+	desc->lines = channel == 1 + STILB_SCENE_CHANNEL_WIREFRAME;
+	desc->depth_write |= !counts;
+	desc->blend = counts ? STILB_GPU_BLEND_ADD : STILB_GPU_BLEND_NONE;
+}
+
 /* The shader of draws into depth alone: most need none. */
 static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface)
 {
@@ -75,11 +91,23 @@ static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surfa
 	return fades ? render_depth_fragment : (stilb_gpu_shader){0};
 }
 
+/* What all programs of meshes are compiled for. */
+static void program_formulas(const render_device *device, const render_formula_programs *choice, uint32_t detail,
+                             render_drawn drawn, stilb_gpu_program_desc *desc)
+{
+	program_constant(desc, 1, drawn);
+	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
+		program_constant(desc, 2 + f, choice->formulas[f]);
+	program_constant(desc, 7, detail);
+	program_constant(desc, 8, render_formulas_are_depth(choice) ? 1 : device->samples);
+}
+
 static stilb_result program_mesh(render_device *device, render_formula_programs *choice, uint32_t detail,
                                  render_surface surface, render_drawn drawn)
 {
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), gloss = render_formulas_are_gloss(choice);
+	uint32_t channel = formulas_channel(choice);
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
@@ -90,12 +118,16 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.depth_write = true,
 		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
 	};
-	program_vertices(device, surface, &desc);
-	program_constant(&desc, 1, drawn);
-	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
-		program_constant(&desc, 2 + f, choice->formulas[f]);
-	program_constant(&desc, 7, detail);
-	program_constant(&desc, 8, depth ? 1 : device->samples);
+	if (channel > 0) {
+		program_channel(&desc, channel);
+		desc.fragment = render_channel_mesh_fragment[surface];
+		if (surface != RENDER_SURFACE_IMPOSTOR)
+			desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MESH];
+	}
+	/* Channels of what has no texture show places on textures, too. */
+	bool places = channel > 0 && surface == RENDER_SURFACE_PLAIN;
+	program_vertices(device, places ? RENDER_SURFACE_TEXTURE : surface, &desc);
+	program_formulas(device, choice, detail, drawn, &desc);
 	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
 }
 
@@ -106,10 +138,11 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	uint32_t bits = (uint32_t)(key >> 5), detail = key >> 3 & 3u, drawn = key & 7u;
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
+	uint32_t channel = formulas_channel(choice);
 	bool layers = bits & RENDER_MAPS_LAYERS && !depth;
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
-	bool through = bits & RENDER_MAPS_THROUGH && !depth; /* whose masks have no samples of their own */
+	bool through = bits & RENDER_MAPS_THROUGH && !depth && channel == 0; /* whose masks have no samples of their own */
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
 	stilb_gpu_program_desc desc = {
 		.name = "mesh with maps",
@@ -128,12 +161,13 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
 		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
 	};
+	if (channel > 0) {
+		program_channel(&desc, channel);
+		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
+		desc.fragment = render_channel_maps_fragment[coverage][extras];
+	}
 	program_vertices(device, inputs, &desc);
-	program_constant(&desc, 1, drawn);
-	for (uint32_t f = 0; f < RENDER_FORMULAS; f++)
-		program_constant(&desc, 2 + f, choice->formulas[f]);
-	program_constant(&desc, 7, detail);
-	program_constant(&desc, 8, depth ? 1 : device->samples);
+	program_formulas(device, choice, detail, drawn, &desc);
 	program_constant(&desc, 9, bits);
 	return stilb_gpu_program_create(device->gpu, &desc, program);
 }
@@ -205,7 +239,7 @@ stilb_result render_programs_behind(render_device *device)
 
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed)
 {
-	STILB_ASSERT(tone < SHADE_TONE_COUNT);
+	STILB_ASSERT(tone < RENDER_TONES);
 	render_programs *programs = &device->programs;
 	stilb_gpu_format color = STILB_GPU_RGBA16_F, picture = render_picture_format(device);
 	bool display = device->output == STILB_RENDER_OUTPUT_DISPLAY;
@@ -242,36 +276,57 @@ static render_formula_programs *choice_find(render_programs *programs, const uin
 	return choice;
 }
 
+/* Compiles a program of the choice. */
+static stilb_result choice_compile(render_device *device, const render_formula_programs *choice,
+                                   stilb_gpu_program program)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	bool depth = render_formulas_are_depth(choice);
+	return stilb_gpu_program_prepare(device->gpu, program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
+	                                 depth ? 1 : device->samples);
+}
+
+/* How draws of the choice find their materials: a range of one kind, or of the two for even and odd ids. */
+typedef struct choice_drawn {
+	render_drawn first;
+	uint32_t count;
+} choice_drawn;
+
+static choice_drawn choice_drawn_of(const render_device *device, const render_formula_programs *choice)
+{
+	if (device->materials == STILB_RENDER_MATERIALS_INDEX || render_formulas_are_depth(choice))
+		return (choice_drawn){RENDER_DRAWN_ALL, 1};
+	if (device->materials == STILB_RENDER_MATERIALS_BIND)
+		return (choice_drawn){RENDER_DRAWN_BOUND, 1};
+	static_assert(RENDER_DRAWN_ODD == RENDER_DRAWN_EVEN + 1, "a range");
+	return (choice_drawn){RENDER_DRAWN_EVEN, 2};
+}
+
 /* Makes and compiles a program. */
 static stilb_result choice_make_one(render_device *device, render_formula_programs *choice, uint32_t detail,
                                     render_surface surface, render_drawn drawn)
 {
-	stilb_gpu_format color = STILB_GPU_RGBA16_F;
-	bool depth = render_formulas_are_depth(choice);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_mesh(device, choice, detail, surface, drawn);
 	stilb_gpu_program program = choice->programs[detail][surface][drawn];
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
-	                                                      depth ? 1 : device->samples)
-	                          : result;
+	return result == STILB_OK ? choice_compile(device, choice, program) : result;
 }
 
 static stilb_result choice_make(render_device *device, render_formula_programs *choice, uint32_t detail,
                                 render_surface surface)
 {
-	if (device->materials == STILB_RENDER_MATERIALS_INDEX || render_formulas_are_depth(choice))
-		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_ALL);
-	if (device->materials == STILB_RENDER_MATERIALS_BIND)
-		return choice_make_one(device, choice, detail, surface, RENDER_DRAWN_BOUND);
-	stilb_result result = choice_make_one(device, choice, detail, surface, RENDER_DRAWN_EVEN);
-	return result == STILB_OK ? choice_make_one(device, choice, detail, surface, RENDER_DRAWN_ODD) : result;
+	choice_drawn drawn = choice_drawn_of(device, choice);
+	stilb_result result = STILB_OK;
+	for (uint32_t i = 0; i < drawn.count && result == STILB_OK; i++)
+		result = choice_make_one(device, choice, detail, surface, (render_drawn)(drawn.first + i));
+	return result;
 }
 
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen)
 {
-	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH);
+	bool lit = !(light_bits & RENDER_LIGHTS_DEPTH) && render_lights_channel(light_bits) == 0;
 	bool microfacet = lit && wanted->brdf == SHADE_BRDF_MICROFACET; /* other models do not depend on D, G and F */
 	STILB_ASSERT(wanted->brdf < SHADE_BRDF_COUNT);
 	STILB_ASSERT(!microfacet ||
@@ -322,31 +377,42 @@ static stilb_result choice_find_maps(render_device *device, render_formula_progr
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program)
 {
-	stilb_gpu_format color = STILB_GPU_RGBA16_F;
-	bool depth = render_formulas_are_depth(choice);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = choice_find_maps(device, choice, key, program);
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
-	                                                      depth ? 1 : device->samples)
-	                          : result;
+	return result == STILB_OK ? choice_compile(device, choice, *program) : result;
 }
 
 /* Makes the programs of one kind of maps, which must not be left out. */
 static stilb_result prepare_maps(render_device *device, render_formula_programs *choice, uint32_t kinds, uint32_t bits)
 {
-	bool two = device->materials == STILB_RENDER_MATERIALS_PIPELINE && !render_formulas_are_depth(choice);
-	render_drawn first = two                                                ? RENDER_DRAWN_EVEN
-	                     : render_formulas_are_depth(choice)                ? RENDER_DRAWN_ALL
-	                     : device->materials == STILB_RENDER_MATERIALS_BIND ? RENDER_DRAWN_BOUND
-	                                                                        : RENDER_DRAWN_ALL;
+	choice_drawn drawn = choice_drawn_of(device, choice);
 	stilb_result result = STILB_OK;
 	for (uint32_t kind = 0; kind < RENDER_PROGRAM_KINDS && result == STILB_OK; kind++)
-		for (uint32_t half = 0; kinds >> kind & 1u && half <= two && result == STILB_OK; half++) {
+		for (uint32_t i = 0; kinds >> kind & 1u && i < drawn.count && result == STILB_OK; i++) {
 			stilb_gpu_program program;
-			uint64_t key = render_maps_key(bits, kind, (render_drawn)(first + half));
+			uint64_t key = render_maps_key(bits, kind, (render_drawn)(drawn.first + i));
 			result = render_programs_maps(device, choice, key, &program);
 		}
+	return result;
+}
+
+/* Makes the programs of all kinds of maps that draws of the view may have, on meshes with extras and without. */
+static stilb_result prepare_all_maps(render_device *device, const stilb_render_view *view,
+                                     render_formula_programs *choice, uint32_t kinds, const render_known_maps *maps)
+{
+	bool depth = render_view_is_depth(view);
+	stilb_result result = STILB_OK;
+	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
+		bool extras = m % 2 == 1;
+		uint32_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
+		if (!(extras ? maps->extras : maps->plain))
+			continue;
+		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
+			result = prepare_maps(device, choice, kinds, bits);
+		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && render_view_is_lit(view))
+			result = render_programs_behind(device);
+	}
 	return result;
 }
 
@@ -355,27 +421,21 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 {
 	render_formula_programs *choice;
 	uint32_t kinds = render_view_kinds(view), surfaces = 1u << RENDER_SURFACE_PLAIN | 1u << RENDER_SURFACE_TEXTURE;
-	bool depth = view->target && view->target->kind == STILB_RENDER_TARGET_DEPTH;
 	bool drawn = view->impostors && view->detail.mode != STILB_RENDER_DETAIL_OFF;
 	if (drawn && view->show != STILB_RENDER_SHOW_LEVELS && view->detail.mode != STILB_RENDER_DETAIL_POP)
 		kinds |= 1u << render_state_detail(RENDER_STATE_FADE); /* also models that morph fade to their impostor */
 	surfaces |= drawn ? 1u << RENDER_SURFACE_IMPOSTOR : 0;
 	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
-	for (uint32_t m = 0; m < maps->count && result == STILB_OK; m++) {
-		uint32_t bits = render_maps_program_bits(maps->bits[m], maps->extras, view->both_sides, depth);
-		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
-			result = prepare_maps(device, choice, kinds, bits);
-		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && !depth)
-			result = render_programs_behind(device);
-	}
-	if (result != STILB_OK || depth)
+	if (result == STILB_OK)
+		result = prepare_all_maps(device, view, choice, kinds, maps);
+	if (result != STILB_OK || render_view_is_depth(view))
 		return result;
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
 		result = render_programs_backdrop(device);
 	/* Both: which one frames need may change with the size and the cameras beside. */
 	if (result == STILB_OK)
-		result = render_programs_tone(device, view->tone, false);
-	return result == STILB_OK ? render_programs_tone(device, view->tone, true) : result;
+		result = render_programs_tone(device, render_view_tone(view), false);
+	return result == STILB_OK ? render_programs_tone(device, render_view_tone(view), true) : result;
 }
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */

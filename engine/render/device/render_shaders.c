@@ -129,6 +129,46 @@ static const uint32_t maps_depth_extras_frag[] =
 #include "maps_depth_extras.frag.inc"
 	;
 
+static const uint32_t mesh_channel_vert[] =
+#include "mesh_channel.vert.inc"
+	;
+static const uint32_t mesh_packed_channel_vert[] =
+#include "mesh_packed_channel.vert.inc"
+	;
+static const uint32_t maps_channel_vert[] =
+#include "maps_channel.vert.inc"
+	;
+static const uint32_t maps_extras_channel_vert[] =
+#include "maps_extras_channel.vert.inc"
+	;
+static const uint32_t maps_packed_channel_vert[] =
+#include "maps_packed_channel.vert.inc"
+	;
+static const uint32_t maps_packed_extras_channel_vert[] =
+#include "maps_packed_extras_channel.vert.inc"
+	;
+static const uint32_t mesh_channel_frag[] =
+#include "mesh_channel.frag.inc"
+	;
+static const uint32_t mesh_texture_channel_frag[] =
+#include "mesh_texture_channel.frag.inc"
+	;
+static const uint32_t impostor_channel_frag[] =
+#include "impostor_channel.frag.inc"
+	;
+static const uint32_t maps_channel_frag[] =
+#include "maps_channel.frag.inc"
+	;
+static const uint32_t maps_extras_channel_frag[] =
+#include "maps_extras_channel.frag.inc"
+	;
+static const uint32_t maps_coverage_channel_frag[] =
+#include "maps_coverage_channel.frag.inc"
+	;
+static const uint32_t maps_coverage_extras_channel_frag[] =
+#include "maps_coverage_extras_channel.frag.inc"
+	;
+
 static const uint32_t impostor_vert[] =
 #include "impostor.vert.inc"
 	;
@@ -247,6 +287,19 @@ const stilb_gpu_shader render_through_fragment[2][2] = {
 };
 const stilb_gpu_shader render_behind_fragment[2] = {SHADER(behind_frag), SHADER(behind_samples_frag)};
 const stilb_gpu_shader render_behind_half_fragment = SHADER(behind_half_frag);
+const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES] = {
+	{SHADER(mesh_channel_vert), SHADER(maps_channel_vert), SHADER(maps_extras_channel_vert)},
+	{SHADER(mesh_packed_channel_vert), SHADER(maps_packed_channel_vert), SHADER(maps_packed_extras_channel_vert)},
+};
+const stilb_gpu_shader render_channel_mesh_fragment[RENDER_SURFACES] = {
+	[RENDER_SURFACE_PLAIN] = SHADER(mesh_channel_frag),
+	[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_channel_frag),
+	[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_channel_frag),
+};
+const stilb_gpu_shader render_channel_maps_fragment[2][2] = {
+	{SHADER(maps_channel_frag), SHADER(maps_extras_channel_frag)},
+	{SHADER(maps_coverage_channel_frag), SHADER(maps_coverage_extras_channel_frag)},
+};
 const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
 
 const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {

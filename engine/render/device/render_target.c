@@ -107,7 +107,8 @@ void render_targets_resolve(render_device *device)
 		if (target->samples)
 			target_screen(device, row, target->samples,
 			              (stilb_gpu_attachment){.image = target->color, .load = STILB_GPU_LOAD_DISCARD},
-			              (stilb_gpu_sampler){0}, (render_tone_push){.exposure = target->exposure});
+			              (stilb_gpu_sampler){0},
+			              (render_tone_push){.exposure = target->channel > 0 ? 0.0f : target->exposure});
 	}
 }
 

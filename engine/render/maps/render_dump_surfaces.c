@@ -13,7 +13,7 @@ static const render_maps_slot *dump_slot(const render_resources *resources, uint
 	STILB_ASSERT_LOCKED(&resources->lock);
 	if (!(entry & RENDER_STATE_MAPS))
 		return NULL;
-	*index = render_state_maps(entry);
+	*index = ((const render_material *)resources->heaps[RENDER_HEAP_MATERIALS].data)[material].maps;
 	return &resources->maps[*index];
 }
 
@@ -34,7 +34,7 @@ void render_dump_surface_put(const render_resources *resources, uint32_t materia
 	const render_maps_slot *slot = dump_slot(resources, material, &index);
 	STILB_ASSERT(slot);
 	render_dump_surface_textures(resources, material, textures);
-	out->record = ((const render_maps_record *)resources->heaps[RENDER_HEAP_MAPS].data)[index];
+	out->record = ((const render_maps_stored *)resources->heaps[RENDER_HEAP_MAPS].data)[index].record;
 	out->bits = slot->bits;
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
 		out->textures[i] = textures[i] ? places[textures[i]] + 1 : 0;

@@ -1,11 +1,11 @@
 /*
  * Surfaces of a scene (scene/scene_surface.h) as the device has them. Inside render/.
  *
- * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and a
- *            set of images, in the order of stilb_scene_map_kind: the first RENDER_MAPS_PLAIN ones, or of materials
- *            with RENDER_MAPS_LAYERS all. A map that is missing is a white texel that no shader reads: what a program
- *            reads is compiled into it (RENDER_MAPS_...).
- * Owner.     Each material owns its maps; they come, change and go with it.
+ * Maps.      What a material with a surface has besides its constants: a record that shaders read by address, and
+ *            layers of a set of images, in the order of stilb_scene_map_kind: of the first RENDER_MAPS_PLAIN kinds, or of
+ *            materials with RENDER_MAPS_LAYERS of all. A map that is missing is a white texel that no shader reads: what
+ *            a program reads is compiled into it (RENDER_MAPS_...).
+ * Owner.     Each material owns its maps; they come, change and go with it. The images are those of its group.
  * Extras.    Tangents, second uv and colours of vertices lie in a heap of their own, in the order of the vertices. A
  *            table by mesh says where a mesh's begin. Meshes without extras have nothing there.
  * Layers.    Clear coat, sheen, brushed metal, transmission (shading/shade_layers.h), and the maps that only they or
@@ -71,6 +71,14 @@ typedef struct render_maps_record {
 
 static_assert(sizeof(render_maps_record) == 128 + 32 * RENDER_MAPS, "std430: vec4s");
 
+/* With what the device knows alone: so it lies in its heap. */
+typedef struct render_maps_stored {
+	render_maps_record record;
+	float layers[RENDER_MAPS], unused; /* of the images of its group (render_groups.h) */
+} render_maps_stored;
+
+static_assert(sizeof(render_maps_stored) == 42 * 16, "std430: MAPS_PARTS vec4s");
+
 /* What is made of a surface. */
 typedef struct render_maps {
 	render_maps_record record;
@@ -96,6 +104,7 @@ uint64_t render_maps_hash(const render_maps *maps);
 typedef struct render_maps_slot {
 	uint64_t hash;
 	uint32_t bits;
+	uint32_t group; /* 1 + that which its material is in; 0: none */
 	uint32_t textures[RENDER_MAPS];
 	uint8_t samplers[RENDER_MAPS];
 } render_maps_slot;
@@ -132,8 +141,8 @@ uint32_t render_mip_count(uint32_t width, uint32_t height);
 
 /* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
  * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
- * three in a row by how much of each. *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0.
- * [any-thread] */
-void *render_mips_make(const stilb_image *image, size_t *bytes);
+ * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
+ * *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
+void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes);
 
 #endif

@@ -1,131 +1,154 @@
-/* The order of draws with maps: those of a material together, so that its set is bound once; then those that light goes
- * through; and behind all others of their pass those that blend, from the farthest to the nearest. */
+/* The order of draws with maps: those of a class of groups together (render_groups.h), so that their images are bound
+ * once; then those that light goes through; and behind all others of their pass those that blend, from the farthest to
+ * the nearest. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+static const render_group *group_of(const stilb_render *render, const render_run *run)
+{
+	return render_group_of(&render->resources, render_state_group(run->state));
+}
+
 static bool blend_is(const stilb_render *render, const render_run *run)
 {
 	uint32_t both = RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH;
-	return run->state & RENDER_STATE_MAPS &&
-	       (render->resources.maps[render_state_maps(run->state)].bits & both) == RENDER_MAPS_BLEND;
+	return run->state & RENDER_STATE_MAPS && (group_of(render, run)->key.bits & both) == RENDER_MAPS_BLEND;
 }
 
 static bool through_is(const stilb_render *render, const render_run *run)
 {
-	return run->state & RENDER_STATE_MAPS &&
-	       render->resources.maps[render_state_maps(run->state)].bits & RENDER_MAPS_THROUGH;
+	return run->state & RENDER_STATE_MAPS && group_of(render, run)->key.bits & RENDER_MAPS_THROUGH;
 }
 
 /* ---- together ---------------------------------------------------------------------------------------------------- */
 
-/* The draws of the materials whose maps are opaque, in the order in which they come first. */
-typedef struct group_plan {
-	uint32_t *of;           /* [maps] by the maps' index: 1 + the group; 0: none so far */
-	uint32_t *draws, *runs; /* [groups] how many, then where the next one goes */
-	uint32_t count, capacity, run_capacity;
-	uint32_t all_draws, all_runs;
-} group_plan;
-
-static bool group_is(const stilb_render *render, const render_run *run)
+/* True for draws that are put together: with maps, and opaque. */
+static bool class_is(const stilb_render *render, const render_run *run)
 {
-	return run->state & RENDER_STATE_MAPS && !blend_is(render, run);
+	return run->state & RENDER_STATE_MAPS && !(group_of(render, run)->key.bits & RENDER_MAPS_BLEND);
 }
 
-/* False: no memory. */
-static bool group_count(const stilb_render *render, const render_pass_lists *lists, group_plan *plan)
+/* The place of a class in order->classes, where it is entered if it is new. UINT32_MAX: no memory. */
+static uint32_t class_enter(render_order_memory *order, uint32_t class)
 {
+	if (!render_reserve((void **)&order->classes, &order->capacity, order->count + 1, sizeof *order->classes))
+		return UINT32_MAX;
+	order->classes[order->count] = (render_order_class){.class = class};
+	order->places[class] = ++order->count;
+	return order->count - 1;
+}
+
+/* Counts the draws and runs of each class, in the order in which classes come first, and the stretches of draws that
+ * are not interrupted by draws of another class or without maps. Notes the class of each run. False: no memory. */
+static bool class_count(const stilb_render *render, const render_pass_lists *lists, render_order_memory *order)
+{
+	uint32_t last = UINT32_MAX;
+	order->count = order->draws = order->runs = order->stretches = 0;
 	for (uint32_t r = 0; r < lists->run_count; r++) {
 		const render_run *run = &lists->runs[r];
-		if (!group_is(render, run))
+		if (!class_is(render, run)) {
+			last = order->of[r] = UINT32_MAX;
 			continue;
-		uint32_t *group = &plan->of[render_state_maps(run->state)];
-		if (*group == 0) {
-			if (!render_reserve((void **)&plan->draws, &plan->capacity, plan->count + 1, sizeof *plan->draws) ||
-			    !render_reserve((void **)&plan->runs, &plan->run_capacity, plan->count + 1, sizeof *plan->runs))
-				return false;
-			plan->draws[plan->count] = plan->runs[plan->count] = 0;
-			*group = ++plan->count;
 		}
-		plan->draws[*group - 1] += run->count;
-		plan->runs[*group - 1]++;
-		plan->all_draws += run->count;
-		plan->all_runs++;
+		uint32_t class = group_of(render, run)->class;
+		uint32_t place = order->places[class] > 0 ? order->places[class] - 1 : class_enter(order, class);
+		if (place == UINT32_MAX)
+			return false;
+		render_order_class *at = &order->classes[place];
+		at->draws += run->count;
+		at->runs++;
+		order->of[r] = place;
+		order->draws += run->count;
+		order->runs++;
+		order->stretches += place != last;
+		last = place;
 	}
 	return true;
 }
 
 /* Turns counts into places. */
-static void group_places(group_plan *plan)
+static void class_places(render_order_memory *order)
 {
 	uint32_t draws = 0, runs = 0;
-	for (uint32_t g = 0; g < plan->count; g++) {
-		uint32_t d = plan->draws[g], r = plan->runs[g];
-		plan->draws[g] = draws;
-		plan->runs[g] = runs;
+	for (uint32_t c = 0; c < order->count; c++) {
+		render_order_class *class = &order->classes[c];
+		uint32_t d = class->draws, r = class->runs;
+		class->draws = draws;
+		class->runs = class->end = runs;
 		draws += d;
 		runs += r;
 	}
 }
 
-/* Copies the groups' commands to the claim at `first`, and puts their runs behind the others'. moved: room for them. */
-static void group_place(stilb_render *render, render_pass_lists *lists, group_plan *plan, uint32_t first,
-                        render_run *moved)
+/* Copies the classes' commands to the claim at `first`, and puts their runs behind the others'; those of one state that
+ * follow one another become one. */
+static void class_place(stilb_render *render, render_pass_lists *lists, render_order_memory *order, uint32_t first)
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
 	uint32_t kept = 0;
-	STILB_ASSERT(plan->count > 0 && plan->draws && plan->runs);
 	for (uint32_t r = 0; r < lists->run_count; r++) {
 		render_run run = lists->runs[r];
-		if (!group_is(render, &run)) {
+		if (order->of[r] == UINT32_MAX) {
 			lists->runs[kept++] = run;
 			continue;
 		}
-		uint32_t group = plan->of[render_state_maps(run.state)] - 1, to = first + plan->draws[group];
-		memcpy(commands + to, commands + run.first, run.count * sizeof *commands);
-		moved[plan->runs[group]++] = (render_run){to, run.count, run.state};
-		plan->draws[group] += run.count;
-	}
-	lists->run_count = kept;
-	for (uint32_t r = 0; r < plan->all_runs; r++) {
-		render_run *last = r > 0 ? &lists->runs[lists->run_count - 1] : NULL;
-		if (last && last->state == moved[r].state)
-			last->count += moved[r].count;
+		render_order_class *class = &order->classes[order->of[r]];
+		uint32_t to = first + class->draws;
+		for (uint32_t c = 0; c < run.count; c++) /* mostly one */
+			commands[to + c] = commands[run.first + c];
+		class->draws += run.count;
+		if (class->end > class->runs && order->moved[class->end - 1].state == run.state)
+			order->moved[class->end - 1].count += run.count;
 		else
-			lists->runs[lists->run_count++] = moved[r];
+			order->moved[class->end++] = (render_run){to, run.count, run.state};
 	}
+	for (uint32_t c = 0; c < order->count; c++)
+		for (uint32_t r = order->classes[c].runs; r < order->classes[c].end; r++)
+			lists->runs[kept++] = order->moved[r];
+	lists->run_count = kept;
 }
 
-/* Moves the draws of each material with opaque maps together, behind those without maps. */
-static stilb_result group_order(stilb_render *render, render_pass_lists *lists)
+/* Moves the draws of each class of opaque maps together, behind those without maps. */
+static stilb_result class_order(stilb_render *render, render_pass_lists *lists)
 {
-	uint32_t first;
+	render_order_memory *order = &render->order;
 	stilb_lock_take(&render->resources.lock);
-	uint32_t maps = render->resources.indices[RENDER_RESOURCE_MAPS].next_unused;
+	uint32_t classes = render->resources.indices[RENDER_RESOURCE_CLASS].next_unused, before = order->place_capacity;
 	stilb_lock_give(&render->resources.lock);
-	group_plan plan = {.of = calloc((size_t)maps + 1, sizeof *plan.of)};
-	render_run *moved = NULL;
+	uint32_t first;
 	stilb_result result = STILB_OK;
-	bool memory = plan.of && group_count(render, lists, &plan);
-	bool gains = memory && plan.all_runs > plan.count;
-	if (gains) {
-		moved = stilb_memory_alloc(plan.all_runs, sizeof *moved);
-		memory = moved;
-	}
+	bool memory = render_reserve((void **)&order->places, &order->place_capacity, classes, sizeof *order->places);
+	for (uint32_t p = before; p < order->place_capacity && memory; p++)
+		order->places[p] = 0;
+	order->count = 0;
+	memory = memory && render_reserve((void **)&order->of, &order->of_capacity, lists->run_count, sizeof *order->of);
+	memory = memory && class_count(render, lists, order);
+	bool gains = memory && order->stretches > order->count; /* which images textures have got has no say in it */
+	if (gains)
+		memory = render_reserve((void **)&order->moved, &order->moved_capacity, order->runs, sizeof *order->moved);
 	if (!memory)
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of draws with surfaces");
 	else if (gains)
-		result = render_sort_claim(render, plan.all_draws, &first);
+		result = render_sort_claim(render, order->draws, &first);
 	if (result == STILB_OK && gains) {
-		group_places(&plan);
-		group_place(render, lists, &plan, first, moved);
+		class_places(order);
+		class_place(render, lists, order, first);
 	}
-	free(moved);
-	free(plan.of);
-	free(plan.draws);
-	free(plan.runs);
+	for (uint32_t c = 0; c < order->count; c++)
+		order->places[order->classes[c].class] = 0;
 	return result;
+}
+
+void render_order_finish(render_order_memory *order)
+{
+	free(order->places);
+	free(order->classes);
+	free(order->moved);
+	free(order->of);
+	free(order->items);
+	*order = (render_order_memory){0};
 }
 
 /* ---- what light goes through ------------------------------------------------------------------------------------- */
@@ -154,18 +177,10 @@ static stilb_result through_order(const stilb_render *render, render_pass_lists 
 
 /* ---- what blends ------------------------------------------------------------------------------------------------- */
 
-typedef struct blend_item {
-	float nearness;          /* larger: nearer */
-	uint32_t material, mesh; /* names */
-	uint32_t place;          /* in the order of recording */
-	uint32_t command;        /* index among the frame's commands */
-	uint64_t state;
-} blend_item;
-
 /* Farthest first. What is equally far follows the names, and these the order of recording. */
 static int blend_compare(const void *left, const void *right)
 {
-	const blend_item *a = left, *b = right;
+	const render_blend_item *a = left, *b = right;
 	if (a->nearness != b->nearness)
 		return a->nearness < b->nearness ? -1 : 1;
 	if (a->material != b->material)
@@ -177,10 +192,10 @@ static int blend_compare(const void *left, const void *right)
 
 /* How near the middle of a draw's mesh is: along the view, by the row of the matrix that gives its distance or, of a
  * parallel projection, its depth. */
-static float blend_nearness(const stilb_render *render, const stilb_render_view *view, const render_row *row)
+static float blend_nearness(stilb_render *render, const stilb_render_view *view, const render_row *row)
 {
 	const float *m = view->view_projection.m, *t = row->transform;
-	const float *c = render->resources.centers[row->mesh];
+	const float *c = render_mesh_center(&render->resources, row->mesh);
 	float place[3];
 	for (int r = 0; r < 3; r++, t += 4)
 		place[r] = t[0] * c[0] + t[1] * c[1] + t[2] * c[2] + t[3];
@@ -192,8 +207,8 @@ static float blend_nearness(const stilb_render *render, const stilb_render_view 
 }
 
 /* Lists the draws that blend, and leaves the other runs in `lists`. Returns how many there are. */
-static uint32_t blend_take(const stilb_render *render, const stilb_render_view *view, render_pass_lists *lists,
-                           blend_item *items)
+static uint32_t blend_take(stilb_render *render, const stilb_render_view *view, render_pass_lists *lists,
+                           render_blend_item *items)
 {
 	const render_material *materials = (const render_material *)render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	uint32_t count = 0, kept = 0;
@@ -206,12 +221,12 @@ static uint32_t blend_take(const stilb_render *render, const stilb_render_view *
 		for (uint32_t c = run.first; c < run.first + run.count; c++, count++) {
 			const render_command *command = &render_commands(render)[c];
 			const render_row *row = render_row_of(render, command);
-			items[count] = (blend_item){.nearness = blend_nearness(render, view, row),
-			                            .material = materials[command->material].name,
-			                            .mesh = render->resources.meshes[row->mesh].name,
-			                            .place = count,
-			                            .command = c,
-			                            .state = run.state};
+			items[count] = (render_blend_item){.nearness = blend_nearness(render, view, row),
+			                                   .material = materials[command->material].name,
+			                                   .mesh = render->resources.meshes[row->mesh].name,
+			                                   .place = count,
+			                                   .command = c,
+			                                   .state = run.state};
 		}
 	}
 	lists->run_count = kept;
@@ -219,7 +234,7 @@ static uint32_t blend_take(const stilb_render *render, const stilb_render_view *
 }
 
 /* Copies the commands to the claim at `first` and makes their runs. */
-static void blend_place(stilb_render *render, render_pass_lists *lists, const blend_item *items, uint32_t count,
+static void blend_place(stilb_render *render, render_pass_lists *lists, const render_blend_item *items, uint32_t count,
                         uint32_t first)
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
@@ -248,18 +263,17 @@ static stilb_result blend_order(stilb_render *render, const stilb_render_view *v
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of %llu draws that blend",
 		                  (unsigned long long)count);
 	stilb_result result = render_sort_claim(render, (uint32_t)count, &first);
-	blend_item *items = result == STILB_OK ? stilb_memory_alloc(count, sizeof *items) : NULL;
 	if (result != STILB_OK)
 		return result;
-	if (!items)
+	render_order_memory *order = &render->order;
+	if (!render_reserve((void **)&order->items, &order->item_capacity, (uint32_t)count, sizeof *order->items))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the order of %llu draws that blend",
 		                  (unsigned long long)count);
 	stilb_lock_take(&render->resources.lock); /* other threads' new materials may move their heap */
-	blend_take(render, view, lists, items);
+	blend_take(render, view, lists, order->items);
 	stilb_lock_give(&render->resources.lock);
-	qsort(items, count, sizeof *items, blend_compare);
-	blend_place(render, lists, items, (uint32_t)count, first);
-	free(items);
+	qsort(order->items, count, sizeof *order->items, blend_compare);
+	blend_place(render, lists, order->items, (uint32_t)count, first);
 	return STILB_OK;
 }
 
@@ -270,7 +284,7 @@ stilb_result render_maps_order(stilb_render *render, const stilb_render_view *vi
 	if (!(lists->states & RENDER_STATE_MAPS))
 		return STILB_OK;
 	if (!sorted)
-		result = group_order(render, lists);
+		result = class_order(render, lists);
 	if (result == STILB_OK)
 		result = through_order(render, lists);
 	return result == STILB_OK && !render_view_is_depth(view) ? blend_order(render, view, lists) : result;

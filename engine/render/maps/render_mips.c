@@ -1,5 +1,5 @@
-/* The mips of textures that surfaces name. They are made on the CPU, by the thread that makes the texture: every device
- * then has the same ones, of every format. */
+/* The mips of textures that surfaces name. They are made on the CPU, so that every device has the same ones, of every
+ * format: by the thread that makes the texture and the threads of a pool, a few rows each. */
 #include "render/maps/render_maps.h"
 
 #include "base/base_contract.h"
@@ -9,6 +9,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Of the table by which codes of sRGB are found: at least 255 * 12.92, so that a step has one border at most. */
+#define MIPS_STEPS 4096u
+#define MIPS_BLOCK 256u /* texels that are made at once */
+#define MIPS_BLOCK_FROM (2 * MIPS_BLOCK + 1)
+#define MIPS_SLICE 16384u /* texels of a job, or a few more: some 0.1 ms */
 
 uint32_t render_mip_count(uint32_t width, uint32_t height)
 {
@@ -36,85 +42,190 @@ static mips_taps mips_taps_of(uint32_t from, uint32_t texel)
 	return (mips_taps){2 * texel, 3, {(float)(to - texel) / whole, (float)to / whole, (float)(texel + 1) / whole}};
 }
 
-/* How light becomes codes of a format. */
+/* How light becomes codes of a format, and those of 8 bits light. */
 typedef struct mips_codes {
 	stilb_image_format format;
-	float borders[256]; /* U8_SRGB: the light from which on a code is that or more; of code 0: below all */
+	/* U8_SRGB: the light from which on a code is that or more; of code 0: below all; [256]: above all. */
+	float borders[257];
+	uint8_t first[MIPS_STEPS + 1]; /* the code of light i / MIPS_STEPS */
+	float lights[2][256];          /* U8: of red, green and blue; of alpha */
 } mips_codes;
 
 static void mips_codes_make(stilb_image_format format, mips_codes *codes)
 {
+	uint32_t code = 0;
+	bool color = format == STILB_IMAGE_U8_SRGB;
 	codes->format = format;
 	codes->borders[0] = -INFINITY;
-	for (uint32_t c = 1; c < 256 && format == STILB_IMAGE_U8_SRGB; c++)
+	codes->borders[256] = INFINITY;
+	for (uint32_t c = 0; c < 256 && (color || format == STILB_IMAGE_U8_LINEAR); c++) {
+		codes->lights[1][c] = (float)c / 255.0f;
+		codes->lights[0][c] = color ? shade_srgb_to_linear((float)c / 255.0f) : codes->lights[1][c];
+	}
+	if (!color)
+		return;
+	for (uint32_t c = 1; c < 256; c++)
 		codes->borders[c] = shade_srgb_to_linear(((float)c - 0.5f) / 255.0f);
+	for (uint32_t i = 0; i <= MIPS_STEPS; i++) {
+		while ((float)i / MIPS_STEPS >= codes->borders[code + 1])
+			code++;
+		codes->first[i] = (uint8_t)code;
+	}
 }
 
-/* The code whose light is nearest in codes. */
+/* The code whose light is nearest in codes. light: 0 or more, and 1 or hardly more. */
 static uint8_t mips_srgb(const mips_codes *codes, float light)
 {
-	uint32_t code = 0;
-	for (uint32_t step = 128; step > 0; step /= 2)
-		code += light >= codes->borders[code + step] ? step : 0;
-	return (uint8_t)code;
+	uint32_t at = (uint32_t)(light * MIPS_STEPS);
+	uint32_t code = codes->first[at < MIPS_STEPS ? at : MIPS_STEPS];
+	return (uint8_t)(code + (light >= codes->borders[code + 1]));
 }
 
-/* Writes `count` values of light, four channels a texel. Returns the end. */
-static uint8_t *mips_write(const mips_codes *codes, const float *light, size_t count, uint8_t *out)
+/* The nearest whole number of a value from 0 to 65535, ties to even: by adding 1.5 * 2^23 the float loses what is behind
+ * its point. */
+static uint32_t mips_round(float value)
+{
+	float shifted = value + 12582912.0f;
+	uint32_t bits;
+	memcpy(&bits, &shifted, sizeof bits);
+	return bits & 0x3fffffu;
+}
+
+/* Writes `count` values of light, four channels a texel. */
+static void mips_write(const mips_codes *codes, const float *light, size_t count, uint8_t *out)
 {
 	uint16_t *words = (uint16_t *)(void *)out;
 	switch (codes->format) {
 	case STILB_IMAGE_U8_SRGB:
-		for (size_t i = 0; i < count; i++)
-			out[i] = i % 4 < 3 ? mips_srgb(codes, light[i]) : (uint8_t)lrintf(light[i] * 255.0f);
-		return out + count;
+		for (size_t i = 0; i < count; i += 4) {
+			for (size_t c = 0; c < 3; c++)
+				out[i + c] = mips_srgb(codes, light[i + c]);
+			out[i + 3] = (uint8_t)mips_round(light[i + 3] * 255.0f);
+		}
+		break;
 	case STILB_IMAGE_U8_LINEAR:
 		for (size_t i = 0; i < count; i++)
-			out[i] = (uint8_t)lrintf(light[i] * 255.0f);
-		return out + count;
+			out[i] = (uint8_t)mips_round(light[i] * 255.0f);
+		break;
 	case STILB_IMAGE_U16_LINEAR:
 		for (size_t i = 0; i < count; i++)
-			words[i] = (uint16_t)lrintf(light[i] * 65535.0f);
-		return out + count * sizeof *words;
+			words[i] = (uint16_t)mips_round(light[i] * 65535.0f);
+		break;
 	case STILB_IMAGE_F16_LINEAR:
 		for (size_t i = 0; i < count; i++)
 			words[i] = stilb_image_half_from_float(light[i]);
-		return out + count * sizeof *words;
+		break;
 	default:
 		STILB_ASSERT(codes->format == STILB_IMAGE_F32_LINEAR);
 		memcpy(out, light, count * sizeof *light);
-		return out + count * sizeof *light;
 	}
 }
 
-/* Writes the mip after `from`. rows: room for two rows of `from` in light. Returns the end. */
-static uint8_t *mips_next(const stilb_image *from, const mips_codes *codes, float *rows, uint8_t *out)
+/* The light of `count` texels in a row. */
+static void mips_read(const mips_codes *codes, const stilb_image *row, uint32_t count, float *light)
 {
-	uint32_t width = from->width > 1 ? from->width / 2 : 1, height = from->height > 1 ? from->height / 2 : 1;
-	size_t row = (size_t)from->width * 4;
-	float *sum = rows + row;
-	for (uint32_t y = 0; y < height; y++) {
-		mips_taps down = mips_taps_of(from->height, y);
-		for (uint32_t t = 0; t < down.count; t++) {
-			stilb_image_row_to_light(from, down.first + t, rows);
-			for (size_t i = 0; i < row; i++)
-				sum[i] = (t > 0 ? sum[i] : 0.0f) + down.weights[t] * rows[i];
-		}
-		for (uint32_t x = 0; x < width; x++) {
-			mips_taps across = mips_taps_of(from->width, x);
-			float texel[4] = {0.0f};
-			for (uint32_t t = 0; t < across.count; t++)
-				for (uint32_t c = 0; c < 4; c++)
-					texel[c] += across.weights[t] * sum[4 * (size_t)(across.first + t) + c];
-			out = mips_write(codes, texel, 4, out);
-		}
+	const uint8_t *in = row->pixels;
+	bool bytes = codes->format == STILB_IMAGE_U8_SRGB || codes->format == STILB_IMAGE_U8_LINEAR;
+	if (!bytes) {
+		stilb_image_row_to_light(row, 0, light);
+		return;
 	}
-	return out;
+	for (uint32_t i = 0; i < 4 * count; i += 4) {
+		for (uint32_t c = 0; c < 3; c++)
+			light[i + c] = codes->lights[0][in[i + c]];
+		light[i + 3] = codes->lights[1][in[i + 3]];
+	}
 }
 
-void *render_mips_make(const stilb_image *image, size_t *bytes)
+/* A mip that is being made of the one before it. */
+typedef struct mips_level {
+	const stilb_image *from;
+	const mips_codes *codes;
+	uint32_t width;
+	size_t texel; /* bytes of a texel, of `from` too */
+	uint8_t *out;
+} mips_level;
+
+/* The light of the texels of row y of `from` that `count` texels from x on cover, as means down the columns. Returns the
+ * first one's column. */
+static uint32_t mips_column_means(const mips_level *level, uint32_t y, uint32_t x, uint32_t count, float *sum)
+{
+	const stilb_image *from = level->from;
+	float row[4 * MIPS_BLOCK_FROM];
+	mips_taps down = mips_taps_of(from->height, y), left = mips_taps_of(from->width, x),
+			  right = mips_taps_of(from->width, x + count - 1);
+	uint32_t columns = right.first + right.count - left.first;
+	stilb_image part = *from;
+	STILB_ASSERT(columns <= MIPS_BLOCK_FROM);
+	part.width = columns;
+	part.height = 1;
+	for (uint32_t t = 0; t < down.count; t++) {
+		size_t place = (size_t)(down.first + t) * from->width + left.first;
+		part.pixels = (uint8_t *)from->pixels + place * level->texel;
+		mips_read(level->codes, &part, columns, row);
+		for (uint32_t i = 0; i < 4 * columns; i++)
+			sum[i] = (t > 0 ? sum[i] : 0.0f) + down.weights[t] * row[i];
+	}
+	return left.first;
+}
+
+/* The means, along the row, of what `count` texels from x on cover. sum: of column `first` and those behind it. */
+static void mips_row_means(uint32_t from, uint32_t x, uint32_t count, uint32_t first, const float *sum, float *texels)
+{
+	if (from % 2 == 0) { /* as below, in a loop that compilers make wide */
+		for (uint32_t i = 0; i < count; i++)
+			for (uint32_t c = 0; c < 4; c++)
+				texels[4 * i + c] = (0.0f + 0.5f * sum[8 * i + c]) + 0.5f * sum[8 * i + 4 + c];
+		return;
+	}
+	for (uint32_t i = 0; i < count; i++) {
+		mips_taps across = mips_taps_of(from, x + i);
+		const float *in = sum + 4 * (size_t)(across.first - first);
+		for (uint32_t c = 0; c < 4; c++) {
+			float texel = 0.0f + across.weights[0] * in[c];
+			for (uint32_t t = 1; t < across.count; t++)
+				texel += across.weights[t] * in[4 * t + c];
+			texels[4 * i + c] = texel;
+		}
+	}
+}
+
+/* Writes rows begin .. end - 1 of the mip. */
+static void mips_rows(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	const mips_level *level = context;
+	float sum[4 * MIPS_BLOCK_FROM], texels[4 * MIPS_BLOCK];
+	(void)worker;
+	for (uint32_t y = begin; y < end; y++)
+		for (uint32_t x = 0; x < level->width; x += MIPS_BLOCK) {
+			uint32_t count = level->width - x < MIPS_BLOCK ? level->width - x : MIPS_BLOCK;
+			uint32_t first = mips_column_means(level, y, x, count, sum);
+			mips_row_means(level->from->width, x, count, first, sum, texels);
+			mips_write(level->codes, texels, 4 * (size_t)count,
+			           level->out + ((size_t)y * level->width + x) * level->texel);
+		}
+}
+
+/* Fills *mip with the mip after `from`, whose pixels lie at `out`. */
+static void mips_next(const stilb_image *from, const mips_codes *codes, uint8_t *out, stilb_job_pool *pool,
+                      stilb_image *mip)
+{
+	*mip = *from;
+	mip->width = from->width > 1 ? from->width / 2 : 1;
+	mip->height = from->height > 1 ? from->height / 2 : 1;
+	mip->pixels = out;
+	mips_level level = {from, codes, mip->width, stilb_image_size(from) / from->width / from->height, out};
+	uint32_t grain = MIPS_SLICE / mip->width + 1;
+	if (pool && mip->height > grain)
+		stilb_job_parallel_for(pool, mip->height, grain, mips_rows, &level, 0);
+	else
+		mips_rows(0, mip->height, 0, &level);
+}
+
+void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes)
 {
 	STILB_ASSERT(image->channels == 4 && image->format != STILB_IMAGE_U16_SRGB);
+	STILB_ASSERT(!stilb_image_format_is_blocks(image->format));
 	size_t texel = stilb_image_size(image) / image->width / image->height;
 	uint32_t count = render_mip_count(image->width, image->height);
 	*bytes = 0;
@@ -123,22 +234,16 @@ void *render_mips_make(const stilb_image *image, size_t *bytes)
 	if (*bytes == 0)
 		return NULL;
 	uint8_t *mips = stilb_memory_alloc(*bytes, 1), *out = mips;
-	float *rows = stilb_memory_alloc((size_t)image->width * 8, sizeof *rows);
+	if (!mips)
+		return NULL;
 	mips_codes codes;
 	mips_codes_make(image->format, &codes);
-	stilb_image from = *image;
-	for (uint32_t m = 1; m < count && mips && rows; m++) {
-		uint8_t *here = out;
-		out = mips_next(&from, &codes, rows, out);
-		from.pixels = here;
-		from.width = from.width > 1 ? from.width / 2 : 1;
-		from.height = from.height > 1 ? from.height / 2 : 1;
+	stilb_image from = *image, mip;
+	for (uint32_t m = 1; m < count; m++) {
+		mips_next(&from, &codes, out, pool, &mip);
+		out += stilb_image_size(&mip);
+		from = mip;
 	}
-	STILB_ASSERT(!mips || !rows || out == mips + *bytes);
-	if (!rows) {
-		free(mips);
-		mips = NULL;
-	}
-	free(rows);
+	STILB_ASSERT(out == mips + *bytes);
 	return mips;
 }

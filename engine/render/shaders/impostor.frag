@@ -8,6 +8,9 @@ layout(location = 0) out vec4 color;
 vec3 world_position;
 
 #include "lit.glsl"
+#ifdef MESH_CHANNEL
+#include "channel.glsl"
+#endif
 
 void main()
 {
@@ -26,6 +29,12 @@ void main()
 	Material stored = stored_material(index);
 	vec3 diffuse = p.a.color.rgb * weights.x + p.b.color.rgb * weights.y + p.c.color.rgb * weights.z;
 	float roughness = dot(weights, vec3(p.a.roughness, p.b.roughness, p.c.roughness));
+#ifdef MESH_CHANNEL
+	gl_FragDepth = depth_of(world_position);
+	shade_material material = shade_material(diffuse, stored.specular_anisotropy.xyz, roughness, 0.0, 0.0);
+	color = channel_color(channels_of(material, vec3(0.0), n, vec4(0.0)), index);
+	return;
+#endif
 	vec3 radiance = lit_radiance(material_here(stored, diffuse, roughness), vec3(0.0), n, to_camera);
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, n, to_camera);

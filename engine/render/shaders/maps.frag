@@ -12,10 +12,10 @@ layout(location = 6) centroid in vec3 world_tangent;
 layout(location = 7) flat in float tangent_sign;
 #endif
 
-layout(set = 1, binding = 1) uniform sampler2D reflection_map;
-layout(set = 1, binding = 2) uniform sampler2D normal_map;
-layout(set = 1, binding = 3) uniform sampler2D occlusion_map;
-layout(set = 1, binding = 4) uniform sampler2D emission_map;
+layout(set = 1, binding = 1) uniform sampler2DArray reflection_map;
+layout(set = 1, binding = 2) uniform sampler2DArray normal_map;
+layout(set = 1, binding = 3) uniform sampler2DArray occlusion_map;
+layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
 layout(location = 0) out vec4 color;
 
@@ -38,16 +38,16 @@ int covered_samples(float raw, float factor, float cutoff)
 #ifdef MAPS_LAYERS
 LAYER_PLACES(in)
 layout(location = 22) flat in float model_scale;
-layout(set = 1, binding = 5) uniform sampler2D coat_map;
-layout(set = 1, binding = 6) uniform sampler2D coat_roughness_map;
-layout(set = 1, binding = 7) uniform sampler2D coat_normal_map;
-layout(set = 1, binding = 8) uniform sampler2D specular_map;
-layout(set = 1, binding = 9) uniform sampler2D specular_color_map;
-layout(set = 1, binding = 10) uniform sampler2D sheen_color_map;
-layout(set = 1, binding = 11) uniform sampler2D sheen_roughness_map;
-layout(set = 1, binding = 12) uniform sampler2D brushed_map;
-layout(set = 1, binding = 13) uniform sampler2D transmission_map;
-layout(set = 1, binding = 14) uniform sampler2D thickness_map;
+layout(set = 1, binding = 5) uniform sampler2DArray coat_map;
+layout(set = 1, binding = 6) uniform sampler2DArray coat_roughness_map;
+layout(set = 1, binding = 7) uniform sampler2DArray coat_normal_map;
+layout(set = 1, binding = 8) uniform sampler2DArray specular_map;
+layout(set = 1, binding = 9) uniform sampler2DArray specular_color_map;
+layout(set = 1, binding = 10) uniform sampler2DArray sheen_color_map;
+layout(set = 1, binding = 11) uniform sampler2DArray sheen_roughness_map;
+layout(set = 1, binding = 12) uniform sampler2DArray brushed_map;
+layout(set = 1, binding = 13) uniform sampler2DArray transmission_map;
+layout(set = 1, binding = 14) uniform sampler2DArray thickness_map;
 #define LIT_LAYERS
 #ifdef MAPS_THROUGH
 #define LIT_THROUGH
@@ -55,6 +55,11 @@ layout(set = 1, binding = 14) uniform sampler2D thickness_map;
 #endif
 
 #include "lit.glsl"
+#ifdef MESH_CHANNEL
+layout(location = 12) centroid in vec4 channel_uv;
+layout(location = 13) centroid in vec3 channel_tangent;
+#include "channel.glsl"
+#endif
 
 // What the maps hold here. What is missing is 1, but for the normal, which is that of the surface.
 struct Texels {
@@ -64,28 +69,32 @@ struct Texels {
 	vec3 emission;
 };
 
-Texels texels_here()
+Texels texels_here(uint record)
 {
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection = clamp(texture(reflection_map, together ? first_place : reflection_place), 0.0, 1.0);
+		texels.reflection = clamp(
+			texture(reflection_map, vec3(together ? first_place : reflection_place, map_layer(record, 1u))), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, together ? first_place : normal_place);
+		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, map_layer(record, 2u)));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
 	}
 	if (map_occlusion)
-		texels.occlusion = texture(occlusion_map, together ? first_place : occlusion_place).x;
+		texels.occlusion =
+			texture(occlusion_map, vec3(together ? first_place : occlusion_place, map_layer(record, 3u))).x;
 	if (map_emission)
-		texels.emission = texture(emission_map, together ? first_place : emission_place).xyz;
+		texels.emission =
+			texture(emission_map, vec3(together ? first_place : emission_place, map_layer(record, 4u))).xyz;
 	return texels;
 }
 
 #ifdef MAPS_LAYERS
 // Map number 5 + layer here; 1 where there is none.
 #define LAYER_TEXEL(map, layer) \
-	(has_layer_map(layer) ? texture(map, together ? first_place : layer_places[layer]) : vec4(1.0))
+	(!has_layer_map(layer) ? vec4(1.0) \
+		: texture(map, vec3(together ? first_place : layer_places[layer], map_layer(record, MAPS_PLAIN + layer))))
 
 // The maps that layers have.
 struct LayerTexels {
@@ -99,7 +108,7 @@ struct LayerTexels {
 	float transmission, thickness;
 };
 
-LayerTexels layer_texels_here()
+LayerTexels layer_texels_here(uint record)
 {
 	LayerTexels texels;
 	texels.coat = LAYER_TEXEL(coat_map, 0u).x;
@@ -178,6 +187,22 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 }
 #endif
 
+#ifdef MESH_CHANNEL
+Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
+{
+	float alpha = masked || blends ? base_color.w : 1.0;
+	float square = dot(channel_tangent, channel_tangent);
+	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
+	if (unlit)
+		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
+	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
+	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
+	return Channels(base_color.xyz, n, tangent, emission,
+		base_here(record, base_color.xyz, texels.reflection, vec3(0.0)).roughness, metalness,
+		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
+}
+#endif
+
 void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
@@ -186,11 +211,11 @@ void main()
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
-	vec4 raw = raw_color();
+	vec4 raw = raw_color(record);
 	vec4 base_color = raw * record_part(record, 0u);
-	Texels texels = texels_here();
+	Texels texels = texels_here(record);
 #ifdef MAPS_LAYERS
-	LayerTexels layer_texels = layer_texels_here();
+	LayerTexels layer_texels = layer_texels_here(record);
 #endif
 #ifdef MAPS_COVERAGE
 	int covered = covered_samples(raw.w, record_part(record, 0u).w, record_part(record, 3u).z);
@@ -208,6 +233,10 @@ void main()
 	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
 	vec3 n = normal_here(map_normal, texels.normal, record_part(record, 3u).x, flat_normal, to_camera);
 	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
+#ifdef MESH_CHANNEL
+	color = channel_color(channels_here(record, texels, base_color, n), index);
+	return;
+#endif
 	vec3 radiance = base_color.xyz;
 	if (!unlit) {
 #ifdef MAPS_LAYERS

@@ -9,10 +9,12 @@ layout(location = 5) centroid in vec4 surface_color;
 const vec4 surface_color = vec4(1.0);
 #endif
 
-layout(set = 1, binding = 0) uniform sampler2D color_map;
+layout(set = 1, binding = 0) uniform sampler2DArray color_map;
 
 // Colour and alpha, before any light and without the record's factor.
-vec4 raw_color()
+vec4 raw_color(uint record)
 {
-	return map_color ? surface_color * texture(color_map, first_place) : surface_color;
+	if (!map_color)
+		return surface_color;
+	return surface_color * texture(color_map, vec3(first_place, map_layer(record, 0u)));
 }

@@ -14,6 +14,10 @@ layout(set = 1, binding = 0) uniform sampler2D diffuse_texture;
 layout(location = 0) out vec4 color;
 
 #include "lit.glsl"
+#ifdef MESH_CHANNEL
+layout(location = 12) centroid in vec4 channel_uv;
+#include "channel.glsl"
+#endif
 
 // The interpolated normal on the side of the triangle that is seen, and bent towards the viewer.
 vec3 seen_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
@@ -43,6 +47,11 @@ void main()
 	if (both_sides)
 		n = seen_normal(n, flat_normal, to_camera);
 	vec3 emission = !both_sides || gl_FrontFacing ? stored.emission_wrap.xyz : vec3(0.0);
+#ifdef MESH_CHANNEL
+	material = shade_material(diffuse, stored.specular_anisotropy.xyz, stored.diffuse_roughness.w, 0.0, 0.0);
+	color = channel_color(channels_of(material, emission, n, channel_uv), index);
+	return;
+#endif
 	vec3 radiance = lit_radiance(material, emission, n, to_camera);
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, n, to_camera);

@@ -57,6 +57,11 @@ void write_places(uint index, vec2 uv, vec2 second)
 }
 #endif
 
+#ifdef MESH_CHANNEL
+layout(location = 12) centroid out vec4 channel_uv;      // both
+layout(location = 13) centroid out vec3 channel_tangent; // as the transform leaves it; 0: there is none
+#endif
+
 #ifdef MESH_EXTRAS
 layout(location = 5) centroid out vec4 surface_color;
 layout(location = 6) centroid out vec3 world_tangent; // on the side of the normal that winding makes, as world_normal
@@ -81,6 +86,9 @@ vec2 write_extra(uint mesh, vec3 x, vec3 y, vec3 z)
 	float side = dot(cross(x, y), z) < 0.0 ? -1.0 : 1.0;
 	world_tangent = unit_or_zero(vec3(dot(x, t), dot(y, t), dot(z, t))) * side;
 	tangent_sign = uintBitsToFloat(tangent.y);
+#ifdef MESH_CHANNEL
+	channel_tangent = tangent_sign != 0.0 ? world_tangent * side : vec3(0.0);
+#endif
 	surface_color = vec4(unpackHalf2x16(halves.x), unpackHalf2x16(halves.y));
 	return uintBitsToFloat(uv_bits);
 }
@@ -161,6 +169,16 @@ void main()
 #endif
 #elif defined(MESH_TEXTURE)
 	surface_uv = t;
+#endif
+#ifdef MESH_CHANNEL
+#ifdef MESH_MAPS
+	channel_uv = vec4(t, second);
+#else
+	channel_uv = vec4(t, 0.0, 0.0);
+#endif
+#ifndef MESH_EXTRAS
+	channel_tangent = vec3(0.0);
+#endif
 #endif
 	gl_Position = push.view.view_projection * vec4(world_position, 1.0);
 }

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "fade.glsl"
+#include "../../shading/shade_srgb.h"
 #include "../../shading/shade_tonemap.h"
 
 layout(constant_id = 0) const int tone = SHADE_TONE_KNEE;
@@ -31,6 +32,27 @@ vec3 dithered(vec3 shown)
 	return max(shown + slope * (noise / 255.0), 0.0);
 }
 
+// RENDER_TONE_DATA and RENDER_TONE_COUNT, of channels in the place of light (scene_channel.h).
+const int TONE_DATA = SHADE_TONE_COUNT;
+const int TONE_COUNTED = SHADE_TONE_COUNT + 1;
+
+// The light whose sRGB code is the value.
+vec3 light_of_data(vec3 value)
+{
+	vec3 code = clamp(value, 0.0, 1.0);
+	return vec3(shade_srgb_to_linear(code.r), shade_srgb_to_linear(code.g), shade_srgb_to_linear(code.b));
+}
+
+// A colour for how often a pixel was drawn.
+vec3 light_of_count(float count)
+{
+	const vec3 colors[9] = vec3[9](vec3(0.0), vec3(0.01, 0.02, 0.15), vec3(0.02, 0.08, 0.5), vec3(0.02, 0.35, 0.25),
+		vec3(0.1, 0.5, 0.03), vec3(0.55, 0.55, 0.02), vec3(0.8, 0.25, 0.02), vec3(0.8, 0.03, 0.02), vec3(1.0));
+	float at = clamp(count, 0.0, 8.0);
+	int below = min(int(at), 7);
+	return mix(colors[below], colors[below + 1], at - float(below));
+}
+
 void main()
 {
 	ivec2 at = ivec2(gl_FragCoord.xy);
@@ -48,7 +70,10 @@ void main()
 		color = texel;
 		return;
 	}
-	vec3 shown = shade_tone(tone, texel.rgb * (push.exposure / max(texel.a, 1e-6)));
+	vec3 straight = texel.rgb * (push.exposure / max(texel.a, 1e-6));
+	vec3 shown = tone == TONE_DATA      ? light_of_data(straight)
+	             : tone == TONE_COUNTED ? light_of_count(straight.r)
+	                                    : shade_tone(tone, straight);
 	if (push.dither != 0u)
 		shown = dithered(shown);
 	color = vec4(shown * texel.a, texel.a); // premultiplied

@@ -419,6 +419,7 @@ stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *imag
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);
 	scene->revisions.materials++;
+	scene->revisions.textures++;
 	scene->textures[*id] = copy;
 	return STILB_OK;
 }
@@ -440,6 +441,7 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 	scene->textures[id] = copy;
 	scene_edit_changed(&scene->edits->textures, id);
 	scene->revisions.materials++;
+	scene->revisions.textures++;
 	return STILB_OK;
 }
 
@@ -452,5 +454,6 @@ stilb_result stilb_scene_remove_texture(stilb_scene *scene, uint32_t id)
 		return result;
 	stilb_image_finish(&scene->textures[id]);
 	scene->revisions.materials++;
+	scene->revisions.textures++;
 	return STILB_OK;
 }

@@ -22,9 +22,8 @@
 #define TRANSMISSION "\"KHR_materials_transmission\""
 #define THROUGH TRANSMISSION ":"
 
-/* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, a with alpha 0 and 1, s with soft alpha,
- * m metalness and roughness, n a bumpy map of normals, w waves of normals, k occlusion, e glow, z specular and gloss,
- * x a file that is missing. */
+/* Pictures: c 4 x 4 colours, C the same with 16 bits, o 7 x 3, g 4 x 4 grey, s with soft alpha, m metalness and
+ * roughness, w waves of normals, k occlusion, e glow, z specular and gloss, x a file that is missing. */
 const gltf_answer gltf_answers[] = {
 	{.name = "base factor", .material = PBR "{\"baseColorFactor\":[0.8,0.4,0.1,1]" ROUGH "}"},
 	{.name = "base texture", .material = BASE, .pictures = "c"},
@@ -231,11 +230,12 @@ const gltf_answer gltf_answers[] = {
      .extensions = "\"KHR_materials_sheen\"",
      .attributes = GLTF_ANSWER_BALL},
 	{.name = "sheen by textures",
-     .material = PLAIN ",\"extensions\":{" SHEEN
-                       "{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessFactor\":1,"
-                       "\"sheenRoughnessTexture\":{\"index\":1}}}",
+     .material = PBR "{\"baseColorFactor\":[0,0,0,1]" ROUGH
+                     "},\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}," SHEEN
+                     "{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessFactor\":1,"
+                     "\"sheenRoughnessTexture\":{\"index\":1}}}",
      .pictures = "cz",
-     .extensions = "\"KHR_materials_sheen\""},
+     .extensions = "\"KHR_materials_sheen\",\"KHR_materials_specular\""},
 	{.name = "clear coat, sheen and anisotropy",
      .ggx = true,
      .material = METAL ",\"extensions\":{" COAT "{\"clearcoatFactor\":0.8,\"clearcoatRoughnessFactor\":0.4}," SHEEN
@@ -373,8 +373,8 @@ static void texel(char letter, uint32_t x, uint32_t y, uint32_t side, float out[
 			out[c] = 0.1f + 0.3f * texel_of(x, y, c, 4);
 		out[3] = 0.4f + 0.4f * texel_of(x, y, 3, 4);
 		break;
-	case 'w': { /* two waves across, one down */
-		float a = 0.5f * sinf(12.566371f * u), b = 0.35f * sinf(6.2831853f * v);
+	case 'w': { /* two waves across, one down, and others if they are mirrored */
+		float a = 0.5f * sinf(12.566371f * u + 0.7f), b = 0.35f * sinf(6.2831853f * v);
 		float length = sqrtf(1.0f + a * a + b * b);
 		out[0] = 0.5f - 0.5f * a / length;
 		out[1] = 0.5f + 0.5f * b / length;

@@ -90,6 +90,19 @@ static void dark_pictures(void **state)
 	}
 	floats[1][2] = 0x1p-149f;
 	assert_false(gi_glow_is_dark(&light));
+	uint16_t halves[3][2] = {{0, 0x3c00}, {0x8001, 0x3c00}, {0x7e00, 0x3c00}}; /* 0, less, NaN; alpha 1 */
+	stilb_image half = {3, 1, 2, STILB_IMAGE_F16_LINEAR, halves, 0};
+	assert_true(gi_glow_is_dark(&half));
+	halves[2][0] = 0x7c00; /* infinity */
+	assert_false(gi_glow_is_dark(&half));
+	uint8_t codes[13 * 3] = {0};
+	stilb_image odd = {13, 1, 3, STILB_IMAGE_U8_LINEAR, codes, 0};
+	assert_true(gi_glow_is_dark(&odd));
+	for (int i = 0; i < 13 * 3; i++) {
+		codes[i] = 1;
+		assert_false(gi_glow_is_dark(&odd));
+		codes[i] = 0;
+	}
 	uint16_t words[2] = {0, 65535};
 	stilb_image wide = {1, 1, 2, STILB_IMAGE_U16_LINEAR, words, 0};
 	assert_true(gi_glow_is_dark(&wide));
@@ -275,6 +288,40 @@ static void updates_change_lights(void **state)
 	world_finish(&world);
 }
 
+/* What was found of textures and triangles is kept where nothing that it depends on has changed, also when the scene is
+ * made anew: values put in its place are used. */
+static void what_was_found_is_kept(void **state)
+{
+	(void)state;
+	maps_square square;
+	maps_square_make(&square, 1.0f);
+	stilb_image image = spot(8, 8, 30);
+	stilb_scene_surface surface = shining(1.0f);
+	world_fixture world = maps_trace(maps_scene(&square, &surface, &image, 1, &here), false);
+	stilb_gi_scene_desc desc = {.pool = world.pool, .intersector = &stilb_gi_embree};
+	uint32_t id;
+	stilb_scene_material paint = {.roughness = 0.5f};
+	world.gi->found.means[0][0] = world.gi->found.means[1][0] = 42.0f;
+	assert_int_equal(stilb_scene_add_material(world.scene, &paint, &id), STILB_OK);
+	assert_int_equal(stilb_gi_scene_update(world.gi, world.scene, &desc), STILB_OK);
+	assert_true(world.gi->found.means[0][0] == 42.0f && world.gi->found.means[1][0] == 42.0f);
+	stilb_scene_build_part part = {0, id};
+	assert_int_equal(stilb_scene_add_model(world.scene, &here, &part, 1, &id), STILB_OK);
+	assert_int_equal(stilb_gi_scene_update(world.gi, world.scene, &desc), STILB_OK);
+	assert_int_equal(world.gi->part_count, 2);
+	assert_true(world.gi->found.means[0][0] == 42.0f);
+	world.gi->found.dark[0] = GI_DARKNESS_DARK;
+	assert_int_equal(stilb_scene_add_model(world.scene, &here, &part, 1, &id), STILB_OK);
+	assert_int_equal(stilb_gi_scene_update(world.gi, world.scene, &desc), STILB_OK);
+	assert_int_equal(stilb_gi_scene_info_of(world.gi)->lights, 0);
+	image = spot(8, 8, 30);
+	assert_int_equal(stilb_scene_set_texture(world.scene, 0, &image), STILB_OK);
+	assert_int_equal(stilb_gi_scene_update(world.gi, world.scene, &desc), STILB_OK);
+	assert_int_equal(stilb_gi_scene_info_of(world.gi)->lights, 2);
+	assert_true(world.gi->found.means[0][0] != 42.0f);
+	world_finish(&world);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -284,6 +331,7 @@ int main(void)
 		cmocka_unit_test(sampled_light_is_the_maps),
 		cmocka_unit_test(asked_and_met_are_the_same_picture),
 		cmocka_unit_test(updates_change_lights),
+		cmocka_unit_test(what_was_found_is_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

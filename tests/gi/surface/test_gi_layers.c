@@ -299,6 +299,33 @@ static void frosted_glass_by_two_ways(void **state)
 	}
 }
 
+/* What a coat leaves of a lamp's light, most of which goes aside, is the same asked and found. */
+static void coated_lamps(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		stilb_scene_surface floor = stilb_scene_surface_make(), lamp = stilb_scene_surface_make();
+		floor.specular_weight = 0.0f;
+		for (int c = 0; c < 3; c++) {
+			lamp.emission[c] = 1.0f;
+			lamp.color[c] = 0.0f;
+		}
+		lamp.ior = 1.0f;
+		lamp.clearcoat = (float)i;
+		stilb_scene_build *build = stilb_scene_build_begin();
+		add_square(build, &floor, 0.0f, true, 1000.0f);
+		add_square(build, &lamp, 1.0f, false, 1000.0f);
+		stilb_scene *scene = maps_end(build);
+		stilb_scene_set_sky(scene, (float[3]){0});
+		path_fixture fixture = path_fixture_make(scene);
+		stilb_vec3 from = stilb_vec3_make(0.0f, 0.0f, 0.5f), to = stilb_vec3_make(0.0f, 0.0f, -1.0f);
+		double coat = i ? 0.04 + 0.96 / 21.0 : 0.0; /* by the cosine */
+		path_mean asked = seen_along(&fixture, STILB_GI_INTEGRATOR_DIRECT, from, to, 16384);
+		SHADE_PROOF_NEAR(path_mean_of(&asked, 0), 1.0 - coat, 2e-3, 4.5 * path_mean_error(&asked, 0));
+		path_fixture_finish(&fixture);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -310,6 +337,7 @@ int main(void)
 		cmocka_unit_test(volumes_absorb),
 		cmocka_unit_test(panes_tint),
 		cmocka_unit_test(frosted_glass_by_two_ways),
+		cmocka_unit_test(coated_lamps),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,6 +103,86 @@ static void texels_of_odd_sizes(void **state)
 	stage_close(&s);
 }
 
+/* Stripes along u, while a pixel covers 42 texels along v: mips blur them, anisotropy does not. */
+static void anisotropy_keeps_stripes(void **state)
+{
+	(void)state;
+	stilb_image stripes;
+	assert_int_equal(stilb_image_create(&stripes, 64, 64, 1, STILB_IMAGE_U8_LINEAR), STILB_OK);
+	for (uint32_t i = 0; i < 64 * 64; i++)
+		((uint8_t *)stripes.pixels)[i] = i / 16 % 2 ? 255 : 0;
+	square q;
+	square_make(&q, 1.0f);
+	for (uint32_t turn = 0; turn < 3; turn++) { /* of the device's choice: none, in software */
+		stage s = stage_open((stilb_render_desc){.max_anisotropy = turn == 2 ? 16 : turn}, 0);
+		stilb_scene_surface surface = surface_unlit();
+		surface.maps[STILB_SCENE_MAP_COLOR] = (stilb_scene_map){.texture = 1, .to_u = {1, 0, 0}, .to_v = {0, 16, 0}};
+		stage_show_square(&s, &q, &surface, &stripes, 1);
+		stilb_image picture = stage_picture(&s);
+		double contrast = picture_value(&picture, 9, 12, 0) - picture_value(&picture, 14, 12, 0);
+		bool kept = turn == 2 || (turn == 0 && !stilb_render_device_is_software(s.render));
+		if (kept ? contrast < 0.8 : contrast > 0.3)
+			fail_msg("contrast %.3f with anisotropy %u", contrast, turn);
+		stilb_image_finish(&picture);
+		stage_close(&s);
+	}
+	stilb_image_finish(&stripes);
+}
+
+/* Textures of one size are layers of an image; each square shows its own, also when others have changed or are drawn
+ * without a surface. */
+static void every_layer_is_its_own(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh);
+	for (uint32_t t = 0; t < 16; t++) {
+		const uint8_t value[4] = {(uint8_t)(10 * t), (uint8_t)(255 - 10 * t), 7, 255};
+		stilb_image image = image_even(4, value, STILB_IMAGE_U8_LINEAR);
+		stilb_scene_surface surface = surface_unlit();
+		stilb_scene_build_texture(build, &image);
+		stilb_image_finish(&image);
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = t + 1;
+		stilb_mat4 place = stilb_mat4_identity();
+		place.m[0] = place.m[10] = 0.25f;
+		place.m[12] = (float)(t % 4) * 0.5f - 0.75f;
+		place.m[14] = (float)(t / 4) * 0.5f - 0.75f;
+		stage_model(build, mesh, stage_material(build, &surface), place);
+	}
+	stage_show(&s, build);
+	for (int turn = 0; turn < 2; turn++) {
+		stilb_image picture = stage_picture(&s);
+		for (uint32_t t = 0; t < 16; t++) {
+			uint32_t x = t % 4 * STAGE_SIDE / 4 + 3, y = t / 4 * STAGE_SIDE / 4 + 3;
+			double red = turn == 1 && t == 5 ? 200.0 : 10.0 * t;
+			assert_near("a layer's red", picture_value(&picture, x, y, 0), red / 255, 2e-3);
+			assert_near("a layer's green", picture_value(&picture, x, y, 1), (255 - 10.0 * t) / 255, 2e-3);
+		}
+		stilb_image_finish(&picture);
+		const uint8_t other[4] = {200, 205, 7, 255};
+		stilb_image image = image_even(4, other, STILB_IMAGE_U8_LINEAR);
+		assert_int_equal(stilb_scene_set_texture(s.scene, 5, &image), STILB_OK);
+		stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+		assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+		stilb_scene_changes_clear(s.scene);
+		stilb_image_finish(&image);
+	}
+	assert_int_equal(s.render->device->arrays.count, 1);
+	stilb_scene_material plain = stilb_scene_material_make((float[3]){0.5f, 0.5f, 0.5f}, (float[3]){0}, 0.5f);
+	plain.diffuse_texture = 10; /* a layer by itself */
+	assert_int_equal(stilb_scene_set_material(s.scene, 9, &plain), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	stilb_image picture = stage_picture(&s);
+	double ratio = picture_value(&picture, 9, 15, 0) / picture_value(&picture, 9, 15, 1);
+	assert_near("a layer by itself", ratio, 90.0 / 165.0, 5e-3);
+	stilb_image_finish(&picture);
+	stage_close(&s);
+}
+
 /* Bilinear between two texels, trilinear where the picture is smaller: a checker seen from afar is its mean. */
 static void filters(void **state)
 {
@@ -613,7 +693,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(texels_of_every_format),
 		cmocka_unit_test(texels_of_odd_sizes),
+		cmocka_unit_test(every_layer_is_its_own),
 		cmocka_unit_test(filters),
+		cmocka_unit_test(anisotropy_keeps_stripes),
 		cmocka_unit_test(wraps_and_transforms),
 		cmocka_unit_test(colours_of_vertices),
 		cmocka_unit_test(factors_under_a_sky),

@@ -78,7 +78,7 @@ static void mips_are_means(void **state)
 				                                    : (uint16_t)(value * 65535.0f);
 		}
 		size_t bytes, seen = 0;
-		uint8_t *mips = render_mips_make(&image, &bytes);
+		uint8_t *mips = render_mips_make(&image, NULL, &bytes);
 		assert_non_null(mips);
 		stilb_image from = image;
 		for (uint32_t m = 1; m < render_mip_count(side[0], side[1]); m++) {
@@ -94,8 +94,51 @@ static void mips_are_means(void **state)
 	}
 	size_t none = 1;
 	stilb_image one = {1, 1, 4, STILB_IMAGE_U8_SRGB, (uint8_t[4]){0}, 0};
-	assert_null(render_mips_make(&one, &none));
+	assert_null(render_mips_make(&one, NULL, &none));
 	assert_int_equal(none, 0);
+}
+
+/* A picture of random codes. */
+static stilb_image image_random(uint32_t width, uint32_t height, stilb_image_format format)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, width, height, 4, format), STILB_OK);
+	for (uint32_t i = 0; i < 4 * width * height; i++)
+		((uint8_t *)image.pixels)[i] = (uint8_t)(256.0f * stilb_random_float(width, i));
+	return image;
+}
+
+/* Threads that help change nothing; also of mips that are made in several blocks, of odd sizes. */
+static void mips_are_the_same_with_help(void **state)
+{
+	(void)state;
+	static const uint32_t sides[][2] = {{1031, 517}, {1024, 600}, {259, 300}};
+	stilb_job_pool *pool;
+	assert_int_equal(stilb_job_pool_create(&(stilb_job_pool_desc){.worker_count = 3}, &pool), 0);
+	for (uint32_t i = 0; i < 3; i++) {
+		stilb_image image =
+			image_random(sides[i][0], sides[i][1], i == 1 ? STILB_IMAGE_U8_LINEAR : STILB_IMAGE_U8_SRGB);
+		size_t bytes, again;
+		uint8_t *alone = render_mips_make(&image, NULL, &bytes), *helped = render_mips_make(&image, pool, &again);
+		assert_true(alone && helped && bytes == again);
+		assert_memory_equal(alone, helped, bytes);
+		stilb_image first = {4, 4, 4, image.format, NULL, 0}, corner = first; /* the last block's texels, alone */
+		uint8_t cut[4 * 16];
+		uint32_t left = (image.width / 2 - 2) * 2;
+		if (image.width % 2 == 0 && image.height % 2 == 0) {
+			for (uint32_t y = 0; y < 4; y++)
+				memcpy(cut + 16 * y, (uint8_t *)image.pixels + 4 * ((size_t)y * image.width + left), 16);
+			corner.pixels = cut;
+			size_t few;
+			uint8_t *small = render_mips_make(&corner, NULL, &few);
+			assert_memory_equal(small, alone + 4 * (size_t)(left / 2), 8);
+			free(small);
+		}
+		free(alone);
+		free(helped);
+		stilb_image_finish(&image);
+	}
+	stilb_job_pool_destroy(pool);
 }
 
 /* ---- extras ------------------------------------------------------------------------------------------------------ */
@@ -276,9 +319,259 @@ static void nothing_is_left_behind(void **state)
 	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
 	for (int f = 0; f < 4; f++)
 		stage_frame(&s);
-	assert_int_equal(s.render->resources.live, live - 1);
+	assert_int_equal(s.render->resources.live, live - 2); /* the maps and their group */
 	for (uint32_t i = 0; i < s.render->resources.indices[RENDER_RESOURCE_MAPS].next_unused; i++)
 		assert_int_equal(s.render->device->maps[i].set.id, 0);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* Shows a scene of `count` squares, each with a surface and a texture of its own. */
+static void show_textures(stage *s, const stilb_image *image, uint32_t count)
+{
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh);
+	for (uint32_t t = 0; t < count; t++) {
+		stilb_scene_surface surface = surface_unlit();
+		stilb_scene_build_texture(build, image);
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = t + 1;
+		stage_model(build, mesh, stage_material(build, &surface), stilb_mat4_identity());
+	}
+	stage_show(s, build);
+}
+
+/* Large scenes leave no copies of their textures behind: what comes with a scene is sent while it is set. */
+static void textures_do_not_wait_in_memory(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 1);
+	stilb_render_set_pool(s.render, s.pool);
+	stilb_image image = image_random(2048, 2048, STILB_IMAGE_U8_SRGB); /* 16 MiB */
+	show_textures(&s, &image, 7);
+	assert_int_equal(s.render->resources.upload_count, 3);
+	assert_int_equal(render_resources_pending(&s.render->resources) >> 20, 64); /* 3 with mips */
+	stage_frame(&s);
+	assert_int_equal(s.render->resources.upload_count, 0);
+	stilb_render_set_pool(s.render, NULL);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* Of a patient upload a frame copies RENDER_UPLOAD_A_FRAME bytes, mips included. */
+static void patient_uploads_count_mips(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_random(2048, 2048, STILB_IMAGE_U8_SRGB); /* 16 MiB and 5.3 MiB of mips */
+	stilb_render_texture texture;
+	uint64_t left = (((uint64_t)16 << 20) * 4 - 4) / 3;
+	show_textures(&s, &image, 0);
+	stage_frame(&s);
+	assert_int_equal(
+		render_texture_create(s.render, &image, (render_texture_way){.patient = true, .mips = true}, &texture),
+		STILB_OK);
+	for (int f = 0; f < 2; f++) {
+		assert_int_equal(render_resources_pending(&s.render->resources), left);
+		stage_frame(&s);
+		left = left > RENDER_UPLOAD_A_FRAME ? left - RENDER_UPLOAD_A_FRAME : 0;
+	}
+	assert_int_equal(render_resources_pending(&s.render->resources), 0);
+	assert_int_equal(s.render->resources.upload_count, 0);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* A texture and a surface that come together are made once. */
+static void new_textures_are_made_once(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_random(8, 8, STILB_IMAGE_U8_SRGB);
+	show_textures(&s, &image, 1);
+	stage_frame(&s);
+	uint32_t id;
+	stilb_scene_surface surface = surface_unlit();
+	assert_int_equal(stilb_scene_add_texture(s.scene, &image, &id), STILB_OK);
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = id + 1;
+	assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	assert_int_equal(s.render->resources.upload_count, 1);
+	assert_non_null(s.render->resources.uploads[0].mips);
+	assert_int_equal(s.render->resources.retired_count, 1); /* the group that the material has left */
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* ---- array images ------------------------------------------------------------------------------------------------ */
+
+static uint32_t arrays_alive(const render_arrays *arrays)
+{
+	uint32_t count = 0;
+	for (uint32_t a = 0; a < arrays->count; a++)
+		count += arrays->items[a].image.id != 0;
+	return count;
+}
+
+/* Layers are taken from images that grow, given back, and taken again; images without textures are gone. */
+static void arrays_grow_and_shrink(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	render_device *device = s.render->device;
+	render_arrays *arrays = &device->arrays;
+	render_array_kind kind = {16, 8, STILB_GPU_RGBA8_U}, large = {2048, 1024, STILB_GPU_RGBA8_U};
+	render_array_kind other = {8, 16, STILB_GPU_RGBA8_U};
+	uint32_t array[40];
+	uint16_t layer[40];
+	stilb_lock_take(&s.render->resources.lock);
+	assert_int_equal(render_array_layer(&kind), 4 * (16 * 8 + 8 * 4 + 4 * 2 + 2 + 1));
+	for (int i = 0; i < 32; i++) {
+		assert_int_equal(render_array_take(device, &kind, &array[i], &layer[i]), STILB_OK);
+		for (int k = 0; k < i; k++)
+			assert_true(array[k] != array[i] || layer[k] != layer[i]);
+	}
+	assert_int_equal(arrays_alive(arrays), 6); /* of 1, 1, 2, 4, 8 and 16 layers */
+	uint32_t serial = arrays->items[array[31]].serial;
+	render_array_give(device, array[20], layer[20]);
+	assert_int_equal(render_array_take(device, &other, &array[32], &layer[32]), STILB_OK);
+	assert_int_equal(render_array_take(device, &kind, &array[33], &layer[33]), STILB_OK);
+	assert_true(array[33] == array[20] && layer[33] == layer[20] && array[32] != array[20]);
+	for (int i = 0; i < 34; i++)
+		if (i != 20)
+			render_array_give(device, array[i], layer[i]);
+	assert_int_equal(arrays_alive(arrays), 0);
+	for (int i = 0; i < 100; i++) /* what is expected has one image */
+		assert_true(render_array_expect(arrays, &kind));
+	for (int i = 0; i < 40; i++)
+		assert_int_equal(render_array_take(device, &kind, &array[i], &layer[i]), STILB_OK);
+	assert_true(arrays_alive(arrays) == 1 && arrays->items[array[0]].layers == 100);
+	assert_true(arrays->items[array[0]].serial > serial);
+	render_array_expect_none(arrays);
+	assert_false(render_array_is_large(&kind));
+	assert_true(render_array_is_large(&large));
+	for (int i = 0; i < 3; i++)
+		assert_int_equal(render_array_take(device, &large, &array[i], &layer[i]), STILB_OK);
+	assert_true(arrays_alive(arrays) == 4 && layer[2] == 0);
+	stilb_lock_give(&s.render->resources.lock);
+	stage_close(&s);
+}
+
+/* Squares by turns with textures of two sizes, and with one large texture. large: its material draws each seventh. */
+static void show_two_sizes(stage *s, bool large, bool one_by_one)
+{
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	uint32_t mesh = stilb_scene_build_mesh(build, &q.mesh), materials[20], last = 0;
+	for (uint32_t t = 0; t < 20u + large; t++) {
+		stilb_image image = t < 20 ? image_random(t % 2 ? 4 : 8, 8, STILB_IMAGE_U8_SRGB) : (stilb_image){0};
+		if (t == 20)
+			assert_int_equal(stilb_image_create(&image, 1024, 1024, 4, STILB_IMAGE_U8_SRGB), STILB_OK);
+		stilb_scene_build_texture(build, &image);
+		stilb_image_finish(&image);
+	}
+	for (uint32_t t = 0; t < 20; t++) {
+		stilb_scene_surface surface = surface_unlit();
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = large && t % 7 == 6 ? 21 : t + 1;
+		materials[t] = stage_material(build, &surface);
+		last = t;
+	}
+	for (uint32_t m = 0; m < 60; m++)
+		stage_model(build, mesh, materials[m % (last + 1)], stilb_mat4_identity());
+	stilb_scene *scene;
+	assert_int_equal(stilb_scene_build_end(build, &scene), STILB_OK);
+	if (one_by_one) { /* textures come as edits: nothing is expected */
+		stilb_scene_changes changes = stilb_scene_changes_read(scene);
+		assert_int_equal(stilb_render_set_scene(s->render, NULL), STILB_OK);
+		stilb_image images[21];
+		for (uint32_t t = 0; t < scene->texture_count; t++) {
+			images[t] = scene->textures[t];
+			scene->textures[t].pixels = NULL;
+		}
+		assert_int_equal(stilb_render_set_scene(s->render, scene), STILB_OK);
+		for (uint32_t t = scene->texture_count; t > 0; t--) {
+			scene->textures[t - 1].pixels = images[t - 1].pixels;
+			uint32_t id = t - 1;
+			changes = (stilb_scene_changes){.textures = &id, .texture_count = 1};
+			assert_int_equal(stilb_render_update_scene(s->render, scene, &changes), STILB_OK);
+		}
+	} else {
+		assert_int_equal(stilb_render_set_scene(s->render, scene), STILB_OK);
+	}
+	stilb_scene_destroy(s->scene);
+	s->scene = scene;
+}
+
+/* Textures of one size share what is bound; the order of draws does not depend on which images they have got. */
+static void draws_share_images(void **state)
+{
+	(void)state;
+	for (int large = 0; large < 2; large++) {
+		uint64_t hashes[2];
+		for (int one_by_one = 0; one_by_one < 2; one_by_one++) {
+			stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+			show_two_sizes(&s, large, one_by_one);
+			stage_frame(&s);
+			const render_pass_lists *lists = &s.render->passes[0];
+			hashes[one_by_one] = stilb_render_stream_hash(s.render);
+			assert_int_equal(lists->draws, 60);
+			if (one_by_one)
+				assert_true(lists->run_count > 4); /* 1, 1, 2, 4 and 8 layers of each */
+			else                                   /* the large texture's two materials are alone */
+				assert_int_equal(lists->run_count, large ? 4 : 2);
+			for (int f = 0; f < 4; f++)
+				stage_frame(&s);
+			assert_int_equal(arrays_alive(&s.render->device->arrays), one_by_one ? 10 + large : 2 + large);
+			stage_close(&s);
+		}
+		assert_true(hashes[0] == hashes[1]);
+	}
+}
+
+/* A frame that was recorded before its material changed is drawn with what it was recorded with; so are groups that
+ * materials leave and join again. */
+static void groups_outlive_changes(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	stilb_image image = image_random(8, 8, STILB_IMAGE_U8_SRGB);
+	show_textures(&s, &image, 1);
+	stage_frame(&s);
+	stilb_scene_surface surface = surface_unlit();
+	const render_resources *resources = &s.render->resources;
+	stilb_render_material material = stilb_render_scene_material(s.render, 0);
+	uint32_t before = resources->materials[material.id & RENDER_INDEX_MASK] & (RENDER_STATE_MAPS - 1), ids[1] = {0};
+	for (int turn = 0; turn < 4; turn++) {
+		stilb_render_pass pass = {.name = "main"};
+		assert_int_equal(stilb_render_frame_begin(s.render), STILB_OK);
+		assert_int_equal(stilb_render_record(s.render, 0, s.scene, ids, 1, s.pool, 0), STILB_OK);
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = turn % 2;
+		assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+		stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+		assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+		stilb_scene_changes_clear(s.scene);
+		assert_int_equal(stilb_render_replay(s.render, &pass, 1, &s.view, 1, s.pool, 0), STILB_OK);
+		assert_true(s.render->device->maps[before].set.id != 0);
+	}
+	surface.maps[STILB_SCENE_MAP_COLOR].texture = 0;
+	assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+	assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+	stage_frame(&s);
+	assert_true(s.render->device->maps[before].set.id != 0);
+	for (int f = 0; f < 4; f++)
+		stage_frame(&s);
+	assert_int_equal(s.render->device->maps[before].set.id, 0);
+	assert_int_equal(resources->retired_count, 0);
+	assert_int_equal(resources->indices[RENDER_RESOURCE_GROUP].next_unused -
+	                     resources->indices[RENDER_RESOURCE_GROUP].free_count,
+	                 1);
+	assert_int_equal(resources->indices[RENDER_RESOURCE_CLASS].next_unused -
+	                     resources->indices[RENDER_RESOURCE_CLASS].free_count,
+	                 1);
 	stilb_image_finish(&image);
 	stage_close(&s);
 }
@@ -320,6 +613,58 @@ static void programs_are_made_before(void **state)
 		assert_int_equal(programs->choices[0]->map_count, 1);
 		stage_close(&s);
 	}
+}
+
+/* Also where meshes with extras stand beside such without, and of more kinds of surfaces than anybody counts. */
+static void programs_of_all_kinds_are_made_before(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+	const uint8_t normal[4] = {128, 128, 255, 255};
+	stilb_image image = image_even(4, normal, STILB_IMAGE_U8_LINEAR);
+	stilb_scene_build *build = stilb_scene_build_begin();
+	square q;
+	square_make(&q, 1.0f);
+	uint32_t mesh[2], texture = stilb_scene_build_texture(build, &image), kinds = 0;
+	for (int extras = 0; extras < 2; extras++) {
+		q.mesh.extras = extras ? q.extras : NULL;
+		mesh[extras] = stilb_scene_build_mesh(build, &q.mesh);
+	}
+	for (uint32_t bits = 0; bits < 96; bits++) { /* which maps there are, and how alpha is used */
+		stilb_scene_surface surface = surface_matt();
+		surface.alpha = (stilb_scene_alpha)(bits / 32);
+		for (uint32_t map = 0; map < RENDER_MAPS; map++)
+			surface.maps[map].texture = bits >> map & 1u ? texture + 1 : 0;
+		uint32_t material = stage_material(build, &surface);
+		for (int extras = 0; extras < 2; extras++)
+			stage_model(build, mesh[extras], material, stilb_mat4_identity());
+	}
+	stage_show(&s, build);
+	assert_int_equal(stilb_render_prepare_view(s.render, &s.view), STILB_OK);
+	const render_programs *programs = &s.render->device->programs;
+	assert_int_equal(programs->choice_count, 1);
+	kinds = programs->choices[0]->map_count;
+	assert_int_equal(kinds, 96 + 48); /* without extras there is no map of normals */
+	stage_frame(&s);
+	assert_int_equal(programs->choice_count, 1);
+	assert_int_equal(programs->choices[0]->map_count, kinds);
+	stilb_image_finish(&image);
+	stage_close(&s);
+}
+
+/* A panorama is mirrored whatever the surroundings say of sky and ground, and needs no program more for it. */
+static void a_panorama_has_one_gloss(void **state)
+{
+	(void)state;
+	stilb_render_view view = {0};
+	uint32_t bits[2][2], count;
+	for (int glossy = 0; glossy < 2; glossy++)
+		for (int panorama = 0; panorama < 2; panorama++) {
+			view.surroundings.glossy = glossy;
+			bits[panorama][glossy] = render_light_bits(&view, panorama, 0, &count);
+		}
+	assert_int_equal(bits[0][0] ^ bits[0][1], RENDER_LIGHTS_GLOSS);
+	assert_int_equal(bits[1][0], bits[1][1]);
 }
 
 /* ---- no memory --------------------------------------------------------------------------------------------------- */
@@ -422,9 +767,18 @@ int main(void)
 		cmocka_unit_test(surfaces_become_records),
 		cmocka_unit_test(layers_become_bits),
 		cmocka_unit_test(the_hash_covers_surfaces),
+		test_one_thread(mips_are_the_same_with_help),
 		cmocka_unit_test(nothing_is_left_behind),
+		test_one_thread(textures_do_not_wait_in_memory),
+		cmocka_unit_test(patient_uploads_count_mips),
+		cmocka_unit_test(new_textures_are_made_once),
+		cmocka_unit_test(arrays_grow_and_shrink),
+		cmocka_unit_test(draws_share_images),
+		cmocka_unit_test(groups_outlive_changes),
 		cmocka_unit_test(nothing_for_scenes_without),
 		cmocka_unit_test(programs_are_made_before),
+		cmocka_unit_test(programs_of_all_kinds_are_made_before),
+		cmocka_unit_test(a_panorama_has_one_gloss),
 		test_one_thread(every_allocation_fails_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

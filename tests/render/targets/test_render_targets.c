@@ -4,6 +4,7 @@
 #include "gpu/gpu_internal.h"
 #include "render/render_dump.h"
 #include "render/render_internal.h"
+#include "support/folder.h"
 #include "support/picture_reference.h"
 
 #include <stdio.h>
@@ -913,6 +914,12 @@ static void views_recorded_together(void **state)
 	stilb_scene_destroy(scene);
 }
 
+static int tear_down(void **state)
+{
+	(void)state;
+	return folder_remove();
+}
+
 int main(int argc, char **argv)
 {
 	static const struct CMUnitTest any[] = {
@@ -926,6 +933,6 @@ int main(int argc, char **argv)
 		cmocka_unit_test(main_images_of_another_size),      cmocka_unit_test(depth_alone_is_the_depth),
 		cmocka_unit_test(frames_end_with_each_pass),        cmocka_unit_test(radiance_of_a_frame_that_ends)};
 	null_device = argc > 1 && strcmp(argv[1], "null") == 0;
-	int failed = cmocka_run_group_tests(any, NULL, NULL);
-	return null_device ? failed : failed + cmocka_run_group_tests(pictures, NULL, NULL);
+	int failed = cmocka_run_group_tests(any, folder_make, tear_down);
+	return null_device ? failed : failed + cmocka_run_group_tests(pictures, folder_make, tear_down);
 }

@@ -1,5 +1,6 @@
 /* scene_tangents: the same splits, signs and directions as the public implementation of MikkTSpace on random and
  * classic meshes, glTF's convention, and numbers that are none. */
+#include "support/failing_alloc.h"
 #include "support/test.h"
 #include "tangents_meshes.h"
 #include "tangents_reference.h"
@@ -8,17 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void *__real_stilb_memory_alloc(size_t count, size_t size);
-void *__wrap_stilb_memory_alloc(size_t count, size_t size);
-
-static int fail_after = -1, allocated; /* so many allocations succeed, then one fails; -1: none does */
-
-void *__wrap_stilb_memory_alloc(size_t count, size_t size)
-{
-	allocated++;
-	return fail_after >= 0 && fail_after-- == 0 ? NULL : __real_stilb_memory_alloc(count, size);
-}
 
 /* One of each, since they are large. */
 static tangents_mesh the_mesh;

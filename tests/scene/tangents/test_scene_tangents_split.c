@@ -1,19 +1,9 @@
 /* scene_tangents_split: one vertex for each pair of a vertex and a tangent, in the order of the indices. */
+#include "support/failing_alloc.h"
 #include "support/test.h"
 #include "tangents_meshes.h"
 
 #include <string.h>
-
-void *__real_stilb_memory_alloc(size_t count, size_t size);
-void *__wrap_stilb_memory_alloc(size_t count, size_t size);
-
-static int fail_after = -1, allocated; /* so many allocations succeed, then one fails; -1: none does */
-
-void *__wrap_stilb_memory_alloc(size_t count, size_t size)
-{
-	allocated++;
-	return fail_after >= 0 && fail_after-- == 0 ? NULL : __real_stilb_memory_alloc(count, size);
-}
 
 static tangents_mesh the_mesh;
 static float the_tangents[TANGENTS_MOST_INDICES][4];

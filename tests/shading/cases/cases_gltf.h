@@ -18,8 +18,9 @@
 	X(6, shade_gltf_normal, 1e-5f, 2e-6f)                                                                              \
 	X(7, shade_gltf_normal_z, 1e-5f, 2e-6f)                                                                            \
 	X(8, shade_gltf_turned, 1e-5f, 2e-6f)                                                                              \
-	X(9, shade_gltf_occlusion, 1e-5f, 1e-6f)
-#define SHADE_CASES_GLTF_COUNT 10
+	X(9, shade_gltf_occlusion, 1e-5f, 1e-6f)                                                                           \
+	X(10, shade_gltf_unmixed, 1e-4f, 1e-5f)
+#define SHADE_CASES_GLTF_COUNT 11
 
 SHADE_FN vec4 shade_case_gltf_base(shade_gltf_base base, bool of_diffuse)
 {
@@ -43,6 +44,11 @@ SHADE_FN vec4 shade_case_gltf(int row, vec4 a, vec4 b)
 		return vec4(shade_gltf_normal(color, 2.0f * b[0]), 0.0f);
 	if (row == 7)
 		return vec4(shade_gltf_normal_z(0.25f + 0.5f * a[0], 0.25f + 0.5f * a[1]), 0.0f, 0.0f, 0.0f);
+	if (row == 10) {
+		shade_gltf_base mixed = shade_gltf_metallic(0.1f + 0.9f * color, a[3], b[3], vec3(SHADE_GLTF_PLASTIC));
+		shade_gltf_color found = shade_gltf_unmixed(mixed.diffuse, mixed.specular);
+		return vec4(found.color, found.metalness);
+	}
 	if (row == 9)
 		return vec4(shade_gltf_occlusion(a[0], a[1]), 0.0f, 0.0f, 0.0f);
 	vec3 normal = shade_case_direction(a[0], a[1]);

@@ -1,6 +1,6 @@
-#include "gi/gi_texture.h"
+#include "image/image_srgb.h"
 
-const float gi_srgb_to_linear[256] = {
+const float stilb_image_srgb_to_light[256] = {
 	0.0f,           0.000303526991f, 0.000607053982f, 0.000910581031f, 0.00121410796f,
 	0.00151763496f, 0.00182116206f,  0.00212468905f,  0.00242821593f,  0.00273174304f,
 	0.00303526991f, 0.00334653561f,  0.00367650692f,  0.00402471703f,  0.00439144205f,

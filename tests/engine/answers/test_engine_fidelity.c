@@ -1,0 +1,144 @@
+/* Frames beside rays on larger models (gltf_models.h), in the metric of Khronos' glTF-Render-Fidelity set: lit by a
+ * panorama alone, without shadows. With STILB_TRUTH_PICTURES=FOLDER in the environment models, panorama and pictures
+ * stay in that folder; STILB_MODEL_SIDE=N makes the helmet's pictures of N x N texels. */
+#include "engine.h"
+#include "engine_internal.h"
+#include "gi/gi_render.h"
+#include "gltf_models.h"
+#include "image/image_compare.h"
+#include "support/folder.h"
+#include "support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SIDE 160u /* of pictures; frames are FINE times as large along each side, and their means compared */
+#define FINE 8u
+#define SAMPLES 256u
+
+static stilb_engine *engine;
+static stilb_job_pool *pool;
+
+static int set_up(void **state)
+{
+	stilb_job_pool_desc pool_desc = {.worker_count = 2, .affinity = STILB_JOB_AFFINITY_NONE};
+	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.width = desc.height = SIDE * FINE;
+	desc.output = STILB_RENDER_OUTPUT_LINEAR;
+	desc.validate = true;
+	desc.workers = 1;
+	desc.shading.brdf = SHADE_BRDF_MICROFACET; /* as stilb view has it */
+	const char *folder = getenv("STILB_TRUTH_PICTURES");
+	if ((folder ? chdir(folder) : folder_make(state)) != 0 || stilb_job_pool_create(&pool_desc, &pool) != 0)
+		return -1;
+	return stilb_engine_create(&desc, &engine) == STILB_OK ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+	(void)state;
+	int messages = engine ? (int)stilb_engine_validation_messages(engine) : 1;
+	stilb_engine_destroy(engine);
+	stilb_job_pool_destroy(pool);
+	if (getenv("STILB_TRUTH_PICTURES"))
+		return messages > 0 ? -1 : 0;
+	folder_clear();
+	return folder_remove() != 0 || messages > 0 ? -1 : 0;
+}
+
+static stilb_image framed(stilb_scene *scene)
+{
+	stilb_engine_report report;
+	stilb_image fine = {0}, image;
+	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
+	if (stilb_engine_frame(engine, &report) != STILB_OK || stilb_render_read_image(engine->render, &fine) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	float *row = malloc(sizeof *row * fine.width * fine.channels);
+	assert_int_equal(stilb_image_create(&image, SIDE, SIDE, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	for (uint32_t y = 0; y < fine.height; y++) {
+		stilb_image_row_to_light(&fine, y, row);
+		for (uint32_t x = 0; x < fine.width; x++)
+			for (uint32_t c = 0; c < 3; c++)
+				((float *)image.pixels)[3 * (y / FINE * SIDE + x / FINE) + c] +=
+					row[x * fine.channels + c] / (float)(FINE * FINE);
+	}
+	free(row);
+	stilb_image_finish(&fine);
+	assert_int_equal(stilb_engine_set_scene(engine, NULL), STILB_OK);
+	return image;
+}
+
+static stilb_image traced(const stilb_scene *scene)
+{
+	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(pool);
+	stilb_render_shading shading = stilb_engine_shading(engine);
+	stilb_gi_scene *gi;
+	stilb_gi_render *render;
+	stilb_image image;
+	if (stilb_gi_scene_create(scene, &desc, &gi) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_gi_settings settings = stilb_gi_settings_default(scene);
+	settings.integrator = STILB_GI_INTEGRATOR_DIRECT;
+	settings.no_shadows = true;
+	settings.width = settings.height = SIDE;
+	settings.samples = SAMPLES;
+	settings.model = (shade_brdf_model){(int)shading.brdf, (int)shading.ndf, (int)shading.g, (int)shading.f};
+	if (stilb_gi_render_create(gi, &settings, pool, &render) != STILB_OK || stilb_gi_render_run(render) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_gi_film film = stilb_gi_render_film(render);
+	assert_int_equal(stilb_image_create(&image, SIDE, SIDE, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
+	memcpy(image.pixels, film.radiance, stilb_image_size(&image));
+	stilb_gi_render_destroy(render);
+	stilb_gi_scene_destroy(gi);
+	return image;
+}
+
+/* Opens NAME.gltf under room.exr, compares both renderers, and says how far they are apart. */
+static double fidelity(const char *name)
+{
+	char path[64];
+	stilb_scene *scene;
+	double db;
+	snprintf(path, sizeof path, "%s.gltf", name);
+	if (stilb_scene_open(path, &scene) != STILB_OK || stilb_scene_set_environment(scene, "room.exr") != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	stilb_image live = framed(scene), rays = traced(scene);
+	assert_int_equal(stilb_image_fidelity(&live, &rays, NULL, &db), STILB_OK);
+	print_message("%s: %.1f dB\n", name, db);
+	snprintf(path, sizeof path, "%s-live.png", name);
+	assert_int_equal(stilb_image_save(&live, path), STILB_OK);
+	snprintf(path, sizeof path, "%s-rays.png", name);
+	assert_int_equal(stilb_image_save(&rays, path), STILB_OK);
+	stilb_image_finish(&live);
+	stilb_image_finish(&rays);
+	stilb_scene_destroy(scene);
+	return db;
+}
+
+static void a_helmet_is_near_rays(void **state)
+{
+	(void)state;
+	const char *side = getenv("STILB_MODEL_SIDE");
+	if (!gltf_model_helmet(side ? (uint32_t)atoi(side) : 512) || !gltf_model_room("room.exr", 512))
+		fail_msg("%s", stilb_error_message());
+	assert_true(fidelity("helmet") <= -25.0);
+}
+
+static void spheres_are_near_rays(void **state)
+{
+	(void)state;
+	if (!gltf_model_spheres() || !gltf_model_room("room.exr", 512))
+		fail_msg("%s", stilb_error_message());
+	assert_true(fidelity("spheres") <= -28.0);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_helmet_is_near_rays),
+		cmocka_unit_test(spheres_are_near_rays),
+	};
+	return cmocka_run_group_tests(tests, set_up, tear_down);
+}
