@@ -71,33 +71,30 @@ struct Texels {
 
 Texels texels_here(uint record)
 {
-	vec4 layers = record_part(record, MAPS_PARTS_LAYERS);
 	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
 	if (map_reflection)
-		texels.reflection =
-			clamp(texture(reflection_map, vec3(together ? first_place : reflection_place, layers.y)), 0.0, 1.0);
+		texels.reflection = clamp(
+			texture(reflection_map, vec3(together ? first_place : reflection_place, map_layer(record, 1u))), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, layers.z));
+		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, map_layer(record, 2u)));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
 	}
 	if (map_occlusion)
-		texels.occlusion = texture(occlusion_map, vec3(together ? first_place : occlusion_place, layers.w)).x;
-	if (map_emission) {
-		float layer = record_part(record, MAPS_PARTS_LAYERS + 1u).x;
-		texels.emission = texture(emission_map, vec3(together ? first_place : emission_place, layer)).xyz;
-	}
+		texels.occlusion =
+			texture(occlusion_map, vec3(together ? first_place : occlusion_place, map_layer(record, 3u))).x;
+	if (map_emission)
+		texels.emission =
+			texture(emission_map, vec3(together ? first_place : emission_place, map_layer(record, 4u))).xyz;
 	return texels;
 }
 
 #ifdef MAPS_LAYERS
 // Map number 5 + layer here; 1 where there is none.
 #define LAYER_TEXEL(map, layer) \
-	(has_layer_map(layer) \
-		? texture(map, vec3(together ? first_place : layer_places[layer], \
-			  record_part(record, MAPS_PARTS_LAYERS + (MAPS_PLAIN + layer) / 4u)[(MAPS_PLAIN + layer) % 4u])) \
-		: vec4(1.0))
+	(!has_layer_map(layer) ? vec4(1.0) \
+		: texture(map, vec3(together ? first_place : layer_places[layer], map_layer(record, MAPS_PLAIN + layer))))
 
 // The maps that layers have.
 struct LayerTexels {
@@ -156,22 +153,6 @@ vec3 normal_here(bool mapped, vec3 texel, float scale, vec3 flat_normal, vec3 to
 	return both_sides || mapped ? bent_normal(n, to_camera) : n;
 }
 
-#ifdef MESH_CHANNEL
-Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
-{
-	float alpha = masked || blends ? base_color.w : 1.0;
-	float square = dot(channel_tangent, channel_tangent);
-	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
-	if (unlit)
-		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
-	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
-	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
-	return Channels(base_color.xyz, n, tangent, emission,
-		base_here(record, base_color.xyz, texels.reflection, vec3(0.0)).roughness, metalness,
-		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
-}
-#endif
-
 #ifdef MAPS_LAYERS
 // What `layers` are here. tint: of what goes through.
 Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal, vec3 to_camera)
@@ -203,6 +184,22 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 	layers.thickness = inside.w * max(texels.thickness, 0.0) * model_scale;
 	layers.ior = record_part(record, 3u).w;
 	return layers;
+}
+#endif
+
+#ifdef MESH_CHANNEL
+Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
+{
+	float alpha = masked || blends ? base_color.w : 1.0;
+	float square = dot(channel_tangent, channel_tangent);
+	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
+	if (unlit)
+		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
+	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
+	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
+	return Channels(base_color.xyz, n, tangent, emission,
+		base_here(record, base_color.xyz, texels.reflection, vec3(0.0)).roughness, metalness,
+		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
 }
 #endif
 

@@ -20,6 +20,12 @@ vec4 record_part(uint record, uint part)
 	return push.view.maps.parts[record * MAPS_PARTS + part];
 }
 
+// The layer of its image that map number `map` is.
+float map_layer(uint record, uint map)
+{
+	return record_part(record, 38u + map / 4u)[map % 4u];
+}
+
 // Where the maps lie here; as MAPS_PLACES(out) of a vertex and MAPS_PLACES(in) of a pixel. The vertex shader makes
 // them: the transform is affine, and what a pixel's shader reads from memory has no derivatives, because software
 // devices read nothing for the pixels beside a triangle. Not centroid: derivatives would jump at edges.

@@ -16,5 +16,5 @@ vec4 raw_color(uint record)
 {
 	if (!map_color)
 		return surface_color;
-	return surface_color * texture(color_map, vec3(first_place, record_part(record, MAPS_PARTS_LAYERS).x));
+	return surface_color * texture(color_map, vec3(first_place, map_layer(record, 0u)));
 }

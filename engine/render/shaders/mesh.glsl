@@ -29,10 +29,9 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Pa
 // As render_maps_stored, of which each has 42: color; specular, roughness; emission, metalness; scale of normals,
 // occlusion, cutoff, ior; coat, its roughness, scale of its normals, weight of specular; sheen, its roughness; brushed,
 // cosine and sine of its turn, transmission; absorption, thickness; for each map two rows of its transform, behind the
-// first which uv it lies on; then the maps' layers, four a part.
+// first which uv it lies on; for each map its layer.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Maps { vec4 parts[]; };
 #define MAPS_PARTS 42u
-#define MAPS_PARTS_LAYERS 38u
 
 // As render_extra, of which each has three: tangent, sign; uv; colour. As render_extra_place.
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };

@@ -230,11 +230,12 @@ const gltf_answer gltf_answers[] = {
      .extensions = "\"KHR_materials_sheen\"",
      .attributes = GLTF_ANSWER_BALL},
 	{.name = "sheen by textures",
-     .material = PLAIN ",\"extensions\":{" SHEEN
-                       "{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessFactor\":1,"
-                       "\"sheenRoughnessTexture\":{\"index\":1}}}",
+     .material = PBR "{\"baseColorFactor\":[0,0,0,1]" ROUGH
+                     "},\"extensions\":{\"KHR_materials_specular\":{\"specularFactor\":0}," SHEEN
+                     "{\"sheenColorFactor\":[1,1,1],\"sheenColorTexture\":{\"index\":0},\"sheenRoughnessFactor\":1,"
+                     "\"sheenRoughnessTexture\":{\"index\":1}}}",
      .pictures = "cz",
-     .extensions = "\"KHR_materials_sheen\""},
+     .extensions = "\"KHR_materials_sheen\",\"KHR_materials_specular\""},
 	{.name = "clear coat, sheen and anisotropy",
      .ggx = true,
      .material = METAL ",\"extensions\":{" COAT "{\"clearcoatFactor\":0.8,\"clearcoatRoughnessFactor\":0.4}," SHEEN
