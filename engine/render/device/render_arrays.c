@@ -78,13 +78,14 @@ static stilb_result array_image(render_device *device, render_array *array)
 static stilb_result array_make(render_device *device, const render_array_kind *kind, uint64_t layers, uint32_t *index)
 {
 	render_arrays *arrays = &device->arrays;
-	uint64_t bytes = render_array_layer(kind), most = RENDER_ARRAY_BYTES / bytes;
-	uint32_t limit = stilb_gpu_limits_get(device->gpu)->image_layers;
+	uint64_t bytes = render_array_layer(kind);
+	uint64_t most = bytes > 0 && !render_array_is_large(kind) ? RENDER_ARRAY_BYTES / bytes : 1;
+	uint32_t limit = stilb_gpu_limits_get(device->gpu)->image_layers, bits = 8 * sizeof arrays->items->taken;
 	bool reuses = arrays->free > 0;
+	limit = limit < bits ? limit : bits;
 	most = most < limit ? most : limit;
-	most = most < 64 * sizeof arrays->items->taken / 8 ? most : 64 * sizeof arrays->items->taken / 8;
 	layers = layers < most ? layers : most;
-	layers = layers > 0 && bytes < RENDER_ARRAY_LARGE ? layers : 1;
+	layers = layers > 0 ? layers : 1;
 	if (!reuses && !render_reserve((void **)&arrays->items, &arrays->capacity, arrays->count + 1, sizeof(render_array)))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of textures");
 	*index = reuses ? arrays->free - 1 : arrays->count;
