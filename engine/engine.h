@@ -167,9 +167,9 @@ typedef struct stilb_engine_desc {
 	stilb_render_show show;     /* what pictures show at first */
 
 	/* All strings are the caller's and live until the engine is destroyed. */
-	const char *gpu;        /* a number or a part of a name as `stilb info` prints them; NULL: the best */
-	uint32_t width, height; /* of the picture, pixels, 1..16384 */
-	uint32_t samples;       /* of multisampling: 1, 4, or 0 for the device's own choice */
+	const char *gpu;         /* a number or a part of a name as `stilb info` prints them; NULL: the best */
+	uint32_t width, height;  /* of the picture, pixels, 1..16384 */
+	uint32_t samples;        /* of multisampling: 1, 4, or 0 for the device's own choice */
 	uint32_t max_anisotropy; /* stilb_render_desc.max_anisotropy */
 	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE
 	 * .. STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */

@@ -24,12 +24,21 @@ typedef enum record_materials {
 	RECORD_PIPELINE, /* two pipelines that alternate */
 } record_materials;
 
+/* A texture of a surface for each draw's material. */
+typedef enum record_textures {
+	RECORD_NO_TEXTURES,
+	RECORD_ONE_SIZE,  /* all of one size and format */
+	RECORD_SIZES,     /* of 12 sizes and 3 formats, with 2 samplers, by turns */
+	RECORD_ALL_SIZES, /* all of different sizes */
+} record_textures;
+
 typedef struct record_case {
 	const char *name;
 	record_kind kind;
 	uint32_t models;
 	uint32_t threads; /* the caller included */
 	record_materials materials;
+	record_textures textures; /* with some, only the number of draws is checked */
 } record_case;
 
 #define RECORD_MODELS 10000u
@@ -51,6 +60,12 @@ typedef struct record_case {
 	  .threads = 1)                                                                                                    \
 	X("replay-2", "ordering and replay of 20,000 draws, null device, 2 threads", REPLAY, .models = RECORD_MODELS,      \
 	  .threads = 2)                                                                                                    \
+	X("textures", "20,000 draws with a texture each, all of one size", REPLAY, .models = RECORD_MODELS, .threads = 1,  \
+	  .textures = RECORD_ONE_SIZE)                                                                                     \
+	X("textures-sizes", "the same, textures of 12 sizes and 3 formats, 2 samplers", REPLAY, .models = RECORD_MODELS,   \
+	  .threads = 1, .textures = RECORD_SIZES)                                                                          \
+	X("textures-all", "the same, all textures of different sizes", REPLAY, .models = RECORD_MODELS, .threads = 1,      \
+	  .textures = RECORD_ALL_SIZES)                                                                                    \
 	X("sort", "20,000 draws sorted by 24-bit keys", SORT, .models = RECORD_MODELS, .threads = 1)                       \
 	X("frame-1", "cull + record + replay of 20,000 draws, null device, 1 thread", FRAME, .models = RECORD_MODELS,      \
 	  .threads = 1)                                                                                                    \

@@ -7,6 +7,17 @@
 #include "gi/gi_maps.h"
 #include "gi/gi_scene_internal.h"
 
+/* What gi_bsdf_make makes of layers for one viewer: probabilities of the lobes, 1 together, and what layers leave. */
+typedef struct gi_lobes {
+	float diffuse, highlight, sheen, coat, through;
+	float coat_share, sheen_left; /* shade_layers.h */
+	float eta;                    /* gi_glass.h; of a thin wall 1 */
+	/* Probability that a light is asked for what it sends from the viewer's side, and from beyond. Both are 0 inside of
+	 * a volume, whose walls would block every shadow ray; from beyond a volume nothing is asked either. */
+	float ask, ask_beyond;
+	stilb_vec3 beyond; /* origin of rays that leave on the other side */
+} gi_lobes;
+
 /* What lies on a surface, what goes through it, and how it is brushed: shade_layers.h. */
 typedef struct gi_layers {
 	stilb_vec3 coat_normal; /* as gi_surface.normal */
@@ -19,6 +30,7 @@ typedef struct gi_layers {
 	float coat, coat_roughness, sheen_roughness, anisotropy; /* [0, 1] */
 	float pass; /* of a pane, a thin wall that is smooth: probability that rays do not meet it, [0, 1); else 0 */
 	float ior;  /* of a volume, > 1: index of refraction */
+	gi_lobes lobes;
 	bool solid; /* light goes into a volume, or out of it: front says which; false: the wall is thin */
 } gi_layers;
 

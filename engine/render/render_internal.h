@@ -474,6 +474,7 @@ typedef struct render_order_class {
 	uint32_t class;
 	uint32_t draws, runs; /* how many; then where the next draw goes, and the first run */
 	uint32_t end;         /* of the runs */
+	render_run open;      /* the run that draws of its state join; count 0: none so far */
 } render_order_class;
 
 /* Memory of render_maps_order, kept from pass to pass. */

@@ -133,29 +133,7 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 	render_ranges_add(&heap->free, (render_range){first, count}); /* cannot fail: see heap_add */
 }
 
-/* ---- indices and generations ------------------------------------------------------------------------------------- */
-
-bool render_index_take(render_indices *indices, uint32_t *index)
-{
-	STILB_ASSERT(indices->next_unused <= indices->capacity && indices->free_count <= indices->next_unused);
-	/* Reserved now so that index_give_back cannot fail: at most all indices that were ever used are on the stack. */
-	if (!render_reserve((void **)&indices->free, &indices->free_capacity, indices->next_unused + 1,
-	                    sizeof *indices->free))
-		return false;
-	if (indices->free_count > 0)
-		*index = indices->free[--indices->free_count];
-	else if (indices->next_unused < indices->capacity)
-		*index = indices->next_unused++;
-	else
-		return false;
-	return true;
-}
-
-void render_index_give_back(render_indices *indices, uint32_t index)
-{
-	STILB_ASSERT(index < indices->next_unused && indices->free_count < indices->free_capacity);
-	indices->free[indices->free_count++] = index;
-}
+/* ---- generations ------------------------------------------------------------------------------------------------- */
 
 /* The generation after this one: 1..255 and then 1 again, because 0 marks an entry that was never used. */
 static uint32_t generation_after(uint32_t generation)
@@ -176,14 +154,6 @@ static bool resource_reserve(render_resources *resources, uint32_t more)
 	STILB_ASSERT_LOCKED(&resources->lock);
 	return render_reserve((void **)&resources->retired, &resources->retired_capacity, resources->live + more,
 	                      sizeof *resources->retired);
-}
-
-void render_resource_retire(render_resources *resources, render_resource_kind kind, uint32_t index)
-{
-	STILB_ASSERT_LOCKED(&resources->lock);
-	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
-	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
-	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
 }
 
 static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
@@ -215,6 +185,7 @@ static void *table_reserve(size_t size)
 #define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 #define TABLE_GROUPS (RENDER_MAX_MAPS * sizeof(render_group))
+#define TABLE_GROUP_CLASSES (RENDER_MAX_MAPS * sizeof(uint32_t))
 #define TABLE_CLASSES (RENDER_MAX_MAPS * sizeof(render_class))
 
 stilb_result render_resources_create(render_resources *resources, bool keep_pictures, bool packed)
@@ -227,6 +198,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 		.textures = table_reserve(TABLE_TEXTURES),
 		.maps = table_reserve(TABLE_MAPS),
 		.centers = table_reserve(TABLE_CENTERS),
+		.group_classes = table_reserve(TABLE_GROUP_CLASSES),
 		.groups = {table_reserve(TABLE_GROUPS), sizeof(render_group), sizeof(struct render_group_key), {0}},
 		.classes = {table_reserve(TABLE_CLASSES), sizeof(render_class), sizeof(struct render_class_key), {0}},
 		.layout = layout,
@@ -248,8 +220,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
-	    !resources->centers || !resources->groups.items || !resources->classes.items || !resources->lock_made ||
-	    (keep_pictures && !resources->pictures))
+	    !resources->centers || !resources->groups.items || !resources->group_classes || !resources->classes.items ||
+	    !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -258,25 +230,6 @@ static void table_free(void *table, size_t size)
 {
 	if (table)
 		munmap(table, size);
-}
-
-render_upload_mip render_upload_first(const render_texture_upload *upload)
-{
-	return (render_upload_mip){.image = upload->image, .row = stilb_image_size(&upload->image) / upload->image.height};
-}
-
-bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip)
-{
-	stilb_image *image = &mip->image;
-	if (!upload->mips || (image->width == 1 && image->height == 1))
-		return false;
-	mip->first_row += image->height;
-	image->pixels = mip->mip == 0 ? upload->mips : (uint8_t *)image->pixels + stilb_image_size(image);
-	image->width = image->width > 1 ? image->width / 2 : 1;
-	image->height = image->height > 1 ? image->height / 2 : 1;
-	mip->row = stilb_image_size(image) / image->height;
-	mip->mip++;
-	return true;
 }
 
 /* What has yet to be copied: rows upload->rows .. count - 1. *bytes: of it, at most `most`; returns the row with which
@@ -328,6 +281,7 @@ void render_resources_destroy(render_resources *resources)
 	table_free(resources->maps, TABLE_MAPS);
 	table_free(resources->centers, TABLE_CENTERS);
 	table_free(resources->groups.items, TABLE_GROUPS);
+	table_free(resources->group_classes, TABLE_GROUP_CLASSES);
 	table_free(resources->classes.items, TABLE_CLASSES);
 	for (int h = 0; h < RENDER_HEAPS; h++) {
 		free(resources->heaps[h].data);
@@ -1191,9 +1145,9 @@ static bool resource_release(stilb_render *render, render_retired retired)
 	return true;
 }
 
-/* At most so many meshes, textures and surfaces are released in one frame, which bounds its time when a large scene goes:
- * heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. A program
- * that destroys more in each frame pays for that many: else what waits would grow without end. */
+/* At most so many meshes, textures and surfaces are released in one frame, which bounds its time when a large scene
+ * goes: heap_give_back costs 60 ns in a heap of 1,000 holes and 1 us in one of 50,000. A material costs nothing. A
+ * program that destroys more in each frame pays for that many: else what waits would grow without end. */
 #define RESOURCES_RELEASED_A_FRAME 1024u
 
 /* How many this frame may release: at least a quarter more than were destroyed since the last. */

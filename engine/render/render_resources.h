@@ -218,7 +218,8 @@ typedef struct render_resources {
 	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
 	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
-	render_table groups; /* of render_group */
+	render_table groups;     /* of render_group */
+	uint32_t *group_classes; /* [RENDER_MAX_MAPS] class of a group, or RENDER_CLASS_BLENDS */
 
 	stilb_lock lock; /* guards everything below */
 	bool lock_made;
@@ -327,9 +328,9 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
 
-/* The middle of the box around the vertices of the mesh with this index, in its space: [3]. It is found when it is first
- * asked for and after render_mesh_write, some nanoseconds a vertex: only draws that blend need it. The caller holds the
- * lock. [main-thread] */
+/* The middle of the box around the vertices of the mesh with this index, in its space: [3]. It is found when it is
+ * first asked for and after render_mesh_write, some nanoseconds a vertex: only draws that blend need it. The caller
+ * holds the lock. [main-thread] */
 const float *render_mesh_center(render_resources *resources, uint32_t index);
 
 /* stilb_render_material_create for a material with a surface. STILB_ERROR_MEMORY, also if there are RENDER_MAX_MAPS.

@@ -87,9 +87,8 @@ SHADE_FN shade_gltf_color shade_gltf_unmixed(vec3 diffuse, vec3 specular)
 	float metalness = select(s > SHADE_GLTF_PLASTIC_MOST, clamp(1.0f - u, 0.0f, 1.0f), 0.0f);
 	float left = 1.0f - metalness;
 	float taken = select(metalness > 0.0f, SHADE_GLTF_PLASTIC, max(specular[0], max(specular[1], specular[2])));
-	vec3 of_diffuse = diffuse / max(left * (1.0f - taken), SHADE_GLTF_SHARE_MIN);
-	vec3 of_specular = (specular - SHADE_GLTF_PLASTIC * left) / max(metalness, SHADE_GLTF_SHARE_MIN);
-	vec3 color = select(metalness > 0.5f, of_specular, of_diffuse);
+	vec3 of_metal = select(metalness > 0.0f, specular - SHADE_GLTF_PLASTIC * left, vec3(0.0f));
+	vec3 color = diffuse / (1.0f - taken) + of_metal; /* u c and (1 - u) c */
 	shade_gltf_color found = {clamp(color, 0.0f, 1.0f), metalness};
 	return found;
 }

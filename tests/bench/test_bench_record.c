@@ -91,6 +91,9 @@ static void test_null_device(void **state)
 	static const char *const replays[] = {"stilb-indirect", "stilb-direct", "stilb-secondary"};
 	for (int i = 0; i < 3; i++) {
 		some("replay-1", replays[i], "replay");
+		some("textures", replays[i], "replay");
+		some("textures-sizes", replays[i], "replay");
+		some("textures-all", replays[i], "replay");
 		some("replay-2", replays[i], "replay");
 		some("sort", replays[i], "replay");
 		some("frame-1", replays[i], "frame");

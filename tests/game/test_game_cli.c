@@ -20,15 +20,15 @@ static void test_help_and_version(void **state)
 	assert_said(run.err, "unknown command 'rendr'; did you mean 'stilb render'?");
 	stilb_good("demo --help");
 	static const char *const flags[] = {
-		"--models",        "--workers",   "--frames",    "--headless",  "--no-present",
-		"--animate",       "--validate",  "--size",      "--view",      "--cull",
-		"--replay",        "--device",    "--gpu",       "--msaa",      "--seed",
-		"--screenshot",    "--trace",     "--stats",     "--materials", "--fault",
-		"--capture",       "--spike",     "--ui-aa",     "--overlay",   "--profile-ring",
-		"--no-profile",    "--brdf",      "--ndf",       "--g",         "--f",
-		"--light-model",   "--inspector", "--roughness", "--wrap",      "--anisotropy",
-		"--specular",      "--gamepad",   "--track",     "--invert-y",  "--sensitivity",
-		"--watch-shaders", "--shaders", "--max-anisotropy"};
+		"--models",        "--workers",   "--frames",        "--headless",  "--no-present",
+		"--animate",       "--validate",  "--size",          "--view",      "--cull",
+		"--replay",        "--device",    "--gpu",           "--msaa",      "--seed",
+		"--screenshot",    "--trace",     "--stats",         "--materials", "--fault",
+		"--capture",       "--spike",     "--ui-aa",         "--overlay",   "--profile-ring",
+		"--no-profile",    "--brdf",      "--ndf",           "--g",         "--f",
+		"--light-model",   "--inspector", "--roughness",     "--wrap",      "--anisotropy",
+		"--specular",      "--gamepad",   "--track",         "--invert-y",  "--sensitivity",
+		"--watch-shaders", "--shaders",   "--max-anisotropy"};
 	for (size_t i = 0; i < sizeof flags / sizeof *flags; i++) {
 		char line[32];
 		snprintf(line, sizeof line, "\n  %s ", flags[i]);

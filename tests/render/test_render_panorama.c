@@ -80,7 +80,7 @@ static stilb_result made_show(void *user, const render_panorama_gloss *gloss)
 	memcpy(m->cube, gloss->cube, sizeof m->cube);
 	if (gloss->dfg)
 		memcpy(m->dfg, gloss->dfg, sizeof m->dfg);
-	m->dfg_sent += gloss->dfg != NULL;
+	m->dfg_sent += gloss->dfg ? 1 : 0;
 	free(m->shown);
 	m->shown = m->next;
 	m->next = NULL;

@@ -62,7 +62,7 @@ static void reflectances_are_unmixed(void **state)
 		shade_gltf_base base = shade_gltf_metallic(color, metal, 0.5f, plastic);
 		shade_gltf_color found = shade_gltf_unmixed(base.diffuse, base.specular);
 		SHADE_PROOF_NEAR(found.metalness, (double)metal, 0.0, 2e-5);
-		SHADE_PROOF_NEAR3(found.color, (double)color[0], (double)color[1], (double)color[2], 0.0, 1e-4);
+		SHADE_PROOF_NEAR3(found.color, (double)color[0], (double)color[1], (double)color[2], 0.0, 1e-5);
 	}
 	shade_gltf_color matt = shade_gltf_unmixed(stilb_vec3_make(0.02f, 0.5f, 0.9f), stilb_vec3_make(0.0f, 0.0f, 0.0f));
 	SHADE_PROOF_NEAR3(matt.color, 0.02, 0.5, 0.9, 0.0, 1e-6);

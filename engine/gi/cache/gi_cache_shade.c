@@ -118,7 +118,7 @@ static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surf
 	scratch->shadow_count++;
 }
 
-static void sample_surface(gi_batch *batch, uint32_t sample, const gi_surface *surface)
+static void sample_surface(gi_batch *batch, uint32_t sample, gi_surface *surface)
 {
 	const gi_view *view = batch->view;
 	bool indirect_only = view->settings.only == STILB_GI_ONLY_INDIRECT;

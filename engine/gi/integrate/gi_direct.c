@@ -13,7 +13,7 @@ static float mis_weight(float pdf, float other)
 
 bool gi_direct_side(const gi_bsdf *bsdf, stilb_vec3 *origin, stilb_vec3 *normal, float *choice, float *chance)
 {
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	bool beyond = *choice < lobes->ask_beyond;
 	*chance = beyond ? lobes->ask_beyond : lobes->ask;
 	if (!(*chance > 0.0f))

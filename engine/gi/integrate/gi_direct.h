@@ -33,7 +33,7 @@ static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_
 		return (gi_direct_left){bsdf->frame.n, chosen->pdf};
 	/* The density of asking is times the side's chance, and only its quotient with the other density counts. */
 	bool beyond = gi_bsdf_is_beyond(bsdf, chosen->direction);
-	float chance = beyond ? bsdf->lobes.ask_beyond : bsdf->lobes.ask;
+	float chance = beyond ? bsdf->layers->lobes.ask_beyond : bsdf->layers->lobes.ask;
 	return (gi_direct_left){beyond ? -bsdf->frame.n : bsdf->frame.n, chance > 0.0f ? chosen->pdf / chance : 0.0f};
 }
 

@@ -83,7 +83,7 @@ static stilb_vec3 surface_f(const gi_bsdf *bsdf, float v_dot_h)
 /* Reflectance of a facet; of a volume the angle in the thinner medium counts. */
 static stilb_vec3 facet_f(const gi_bsdf *bsdf, float v_dot_h)
 {
-	return surface_f(bsdf, gi_glass_thin_side(bsdf->lobes.eta, v_dot_h));
+	return surface_f(bsdf, gi_glass_thin_side(bsdf->layers->lobes.eta, v_dot_h));
 }
 
 /* Probabilities of lobes: the share of an even light that each sends to the viewer, about, but none too small. */
@@ -101,10 +101,18 @@ static void lobes_choose(gi_lobes *lobes)
 		*each[i] *= all > 0.0f ? 1.0f / all : 0.0f;
 }
 
-static void lobes_make(gi_bsdf *bsdf, const gi_surface *surface)
+/* Share of light that facets let through, about: those of rough glass also where a smooth one would reflect all. */
+static float through_left(const gi_bsdf *bsdf)
 {
-	const gi_layers *layers = bsdf->layers;
-	gi_lobes *lobes = &bsdf->lobes;
+	float left =
+		shade_facet_left(bsdf->highlight.specular, gi_glass_thin_side(bsdf->layers->lobes.eta, bsdf->local[2]));
+	return bsdf->layers->roughness > GI_PANE_ROUGHNESS ? fmaxf(left, LOBE_LEAST) : left;
+}
+
+static void lobes_make(const gi_bsdf *bsdf, gi_surface *surface)
+{
+	const gi_layers *layers = &surface->layers;
+	gi_lobes *lobes = &surface->layers.lobes;
 	float n_dot_v = bsdf->local[2], coat_n_dot_v = stilb_vec3_dot(layers->coat_normal, bsdf->to_viewer);
 	bool inside = layers->solid && !surface->front;
 	*lobes = (gi_lobes){.coat_share = shade_coat_share(layers->coat, coat_n_dot_v),
@@ -119,14 +127,13 @@ static void lobes_make(gi_bsdf *bsdf, const gi_surface *surface)
 	lobes->diffuse = base * shade_luminance(bsdf->diffuse);
 	lobes->highlight = shows_highlight(bsdf) ? base * shade_luminance(facet_f(bsdf, n_dot_v)) : 0.0f;
 	if (layers->pass == 0.0f && n_dot_v > 0.0f)
-		lobes->through = base * shade_luminance(layers->through) *
-		                 shade_facet_left(bsdf->highlight.specular, gi_glass_thin_side(lobes->eta, n_dot_v));
+		lobes->through = base * shade_luminance(layers->through) * through_left(bsdf);
 	lobes_choose(lobes);
 	lobes->ask_beyond = lobes->through > 0.0f && !layers->solid ? glsl_clamp_1(lobes->through, 0.1f, 0.9f) : 0.0f;
 	lobes->ask = inside ? 0.0f : 1.0f - lobes->ask_beyond;
 }
 
-static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *model, const gi_surface *surface,
+static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *model, gi_surface *surface,
                                                       stilb_vec3 to_viewer)
 {
 	stilb_vec3 n = surface->normal, tangent = stilb_vec3_make(n[2], 0.0f, -n[0]);
@@ -154,7 +161,7 @@ static __attribute__((noinline)) gi_bsdf layered_make(const shade_brdf_model *mo
 /* The highlight; inside of a volume, where its model's own F would take the angle there, by facet_f. */
 static stilb_vec3 layered_highlight(const gi_bsdf *bsdf, stilb_vec3 l)
 {
-	if (!(bsdf->lobes.eta > 1.0f))
+	if (!(bsdf->layers->lobes.eta > 1.0f))
 		return shade_brdf_cos(bsdf->model, bsdf->highlight, bsdf->frame, l, bsdf->to_viewer);
 	shade_brdf_model model = bsdf->model;
 	shade_brdf_parameters white = bsdf->highlight;
@@ -173,7 +180,7 @@ static shade_alphas through_alphas(const gi_bsdf *bsdf)
 /* Light from beyond. */
 static stilb_vec3 through_cos(const gi_bsdf *bsdf, stilb_vec3 l)
 {
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	stilb_vec3 f0 = bsdf->highlight.specular, v = bsdf->local, n = bsdf->frame.n;
 	float share = lobes->sheen_left * (1.0f - lobes->coat_share), lit;
 	if (!(lobes->through > 0.0f) || !(stilb_vec3_dot(n, l) < 0.0f))
@@ -192,7 +199,7 @@ static stilb_vec3 through_cos(const gi_bsdf *bsdf, stilb_vec3 l)
 static __attribute__((noinline)) stilb_vec3 layered_cos(const gi_bsdf *bsdf, stilb_vec3 l)
 {
 	const gi_layers *layers = bsdf->layers;
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	stilb_vec3 n = bsdf->frame.n, v = bsdf->to_viewer, light = {0};
 	float n_dot_l = stilb_vec3_dot(n, l);
 	if (stilb_vec3_dot(bsdf->geometric, l) <= 0.0f)
@@ -221,13 +228,13 @@ static shade_alphas coat_alphas(const gi_bsdf *bsdf)
 static float through_pdf(const gi_bsdf *bsdf, stilb_vec3 local)
 {
 	if (bsdf->layers->solid)
-		return gi_glass_pdf(bsdf->lobes.eta, through_alphas(bsdf), bsdf->local, local);
+		return gi_glass_pdf(bsdf->layers->lobes.eta, through_alphas(bsdf), bsdf->local, local);
 	return shade_pdf_ggx_visible(through_alphas(bsdf), bsdf->local, stilb_vec3_make(local[0], local[1], -local[2]));
 }
 
 static __attribute__((noinline)) float layered_pdf(const gi_bsdf *bsdf, stilb_vec3 l)
 {
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	stilb_vec3 local = shade_frame_to_local(bsdf->frame, l);
 	if (bsdf->layers->solid && stilb_vec3_dot(bsdf->geometric, l) < 0.0f)
 		return lobes->through * through_pdf(bsdf, local);
@@ -247,7 +254,7 @@ static __attribute__((noinline)) float layered_pdf(const gi_bsdf *bsdf, stilb_ve
 /* A direction by one of the lobes but the last. */
 static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u)
 {
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	float end = lobes->coat;
 	if (u_lobe < end) {
 		shade_frame frame = shade_frame_from_normal(bsdf->layers->coat_normal);
@@ -268,7 +275,7 @@ static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec
  * chosen, which could be told from both directions only where light turns much. */
 static bool glass_sample(const gi_bsdf *bsdf, stilb_vec2 u, gi_bsdf_sample *chosen)
 {
-	const gi_lobes *lobes = &bsdf->lobes;
+	const gi_lobes *lobes = &bsdf->layers->lobes;
 	shade_alphas alphas = through_alphas(bsdf);
 	stilb_vec3 v = bsdf->local, h = shade_sample_ggx_visible_normal(alphas, v, u).direction;
 	float v_dot_h = stilb_vec3_dot(v, h);
@@ -287,8 +294,8 @@ static bool glass_sample(const gi_bsdf *bsdf, stilb_vec2 u, gi_bsdf_sample *chos
 static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float u_lobe, stilb_vec2 u,
                                                      gi_bsdf_sample *chosen)
 {
-	bool solid = bsdf->layers->solid && bsdf->lobes.through > 0.0f;
-	if (solid && u_lobe >= 1.0f - bsdf->lobes.through)
+	bool solid = bsdf->layers->solid && bsdf->layers->lobes.through > 0.0f;
+	if (solid && u_lobe >= 1.0f - bsdf->layers->lobes.through)
 		return glass_sample(bsdf, u, chosen);
 	chosen->direction = stilb_vec3_normalize(layered_direction(bsdf, u_lobe, u));
 	chosen->pdf = layered_pdf(bsdf, chosen->direction);
@@ -300,7 +307,7 @@ static __attribute__((noinline)) bool layered_sample(const gi_bsdf *bsdf, float 
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer)
+gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer)
 {
 	STILB_ASSERT(model->kind >= 0 && model->kind < SHADE_BRDF_COUNT);
 	stilb_vec3 n = surface->normal, specular = surface->specular;

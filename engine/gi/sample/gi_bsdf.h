@@ -13,17 +13,6 @@
 #include "shading/shade_brdf.h"
 #include "shading/shade_sampling.h"
 
-/* Probabilities of the lobes of a layered surface, 1 together, and what its layers leave. */
-typedef struct gi_lobes {
-	float diffuse, highlight, sheen, coat, through;
-	float coat_share, sheen_left; /* shade_layers.h */
-	float eta;                    /* gi_glass.h; of a thin wall 1 */
-	/* Probability that a light is asked for what it sends from the viewer's side, and from beyond. Both are 0 inside of
-	 * a volume, whose walls would block every shadow ray; from beyond a volume nothing is asked either. */
-	float ask, ask_beyond;
-	stilb_vec3 beyond; /* origin of rays that leave on the other side */
-} gi_lobes;
-
 typedef struct gi_bsdf {
 	shade_frame frame;      /* about the shading normal */
 	stilb_vec3 geometric;   /* the triangle's normal, on the viewer's side */
@@ -34,14 +23,14 @@ typedef struct gi_bsdf {
 	shade_brdf_parameters highlight;
 	float share; /* probability that gi_bsdf_sample_direction samples the highlight, [0, 1]; 0: there is none */
 	const gi_layers
-		*layers;    /* of the surface; NULL: there are none. Where there are some, share is 1. Set if share > 0 */
-	gi_lobes lobes; /* set if there are layers */
+		*layers; /* of the surface; NULL: there are none. Where there are some, share is 1. Set if share > 0 */
 } gi_bsdf;
 
 /* SHADE_BRDF_LAMBERT and SHADE_BRDF_WRAPPED have no highlight. The light that WRAPPED adds beyond Lambert's is left
  * out: it comes from below the surface, which an opaque surface does not see. A surface that is brushed has
- * SHADE_NDF_GGX_ANISOTROPIC in place of SHADE_NDF_GGX; other models show no brushing. surface must stay. */
-gi_bsdf gi_bsdf_make(const shade_brdf_model *model, const gi_surface *surface, stilb_vec3 to_viewer);
+ * SHADE_NDF_GGX_ANISOTROPIC in place of SHADE_NDF_GGX; other models show no brushing. surface must stay. Its lobes are
+ * written if it is layered: so a gi_bsdf, which is made at every vertex, need not carry them. */
+gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer);
 
 /* True if there are layers. */
 static inline bool gi_bsdf_is_layered(const gi_bsdf *bsdf)
@@ -58,7 +47,7 @@ static inline bool gi_bsdf_is_beyond(const gi_bsdf *bsdf, stilb_vec3 direction)
 /* The origin of a ray that leaves in this direction; origin: of those on the viewer's side. */
 static inline stilb_vec3 gi_bsdf_origin(const gi_bsdf *bsdf, stilb_vec3 origin, stilb_vec3 direction)
 {
-	return gi_bsdf_is_beyond(bsdf, direction) ? bsdf->lobes.beyond : origin;
+	return gi_bsdf_is_beyond(bsdf, direction) ? bsdf->layers->lobes.beyond : origin;
 }
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */

@@ -2,10 +2,10 @@
  * Array images: textures of one size and format that surfaces name are layers of a few images, so that draws with
  * different textures need the same images bound. Inside render/.
  *
- * Growth.    Images are never copied or resized: where no layer is free another image is made. It has as many layers as
- *            all of that kind before it together, at least as many as are expected, and at most RENDER_ARRAY_BYTES; one,
- *            where a layer has RENDER_ARRAY_LARGE bytes or more. A layer that is given back is used again; an image
- *            without textures is destroyed.
+ * Growth.    Images are never copied or resized: where no layer is free another image is made. It has as many layers
+ *            as all of that kind before it together, at least as many as are expected, and at most RENDER_ARRAY_BYTES;
+ *            one, where a layer has RENDER_ARRAY_LARGE bytes or more. A layer that is given back is used again; an
+ *            image without textures is destroyed.
  * Threads.   The caller holds the lock of render_resources.
  */
 #ifndef RENDER_ARRAYS_H

@@ -48,6 +48,9 @@ typedef struct render_group {
 static_assert(sizeof(struct render_class_key) == 8 + 4 * RENDER_MAPS + 32, "no padding");
 static_assert(sizeof(struct render_group_key) == 8 + 4 * RENDER_MAPS + 16, "no padding");
 
+/* In the place of the class of a group that blends: its draws are not ordered by class. */
+#define RENDER_CLASS_BLENDS (1u << 31)
+
 #define RENDER_CHAINS 4096u
 
 /* Entries of one kind by their keys. */

@@ -6,29 +6,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const render_group *group_of(const stilb_render *render, const render_run *run)
+/* The entry of a run with maps in render_resources.group_classes. */
+static uint32_t entry_of(const stilb_render *render, const render_run *run)
 {
-	return render_group_of(&render->resources, render_state_group(run->state));
+	return render->resources.group_classes[render_state_group(run->state)];
 }
 
 static bool blend_is(const stilb_render *render, const render_run *run)
 {
-	uint32_t both = RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH;
-	return run->state & RENDER_STATE_MAPS && (group_of(render, run)->key.bits & both) == RENDER_MAPS_BLEND;
+	return run->state & RENDER_STATE_MAPS && entry_of(render, run) & RENDER_CLASS_BLENDS;
 }
 
 static bool through_is(const stilb_render *render, const render_run *run)
 {
-	return run->state & RENDER_STATE_MAPS && group_of(render, run)->key.bits & RENDER_MAPS_THROUGH;
+	return run->state & RENDER_STATE_MAPS &&
+	       render_group_of(&render->resources, render_state_group(run->state))->key.bits & RENDER_MAPS_THROUGH;
 }
 
 /* ---- together ---------------------------------------------------------------------------------------------------- */
-
-/* True for draws that are put together: with maps, and opaque. */
-static bool class_is(const stilb_render *render, const render_run *run)
-{
-	return run->state & RENDER_STATE_MAPS && !(group_of(render, run)->key.bits & RENDER_MAPS_BLEND);
-}
 
 /* The place of a class in order->classes, where it is entered if it is new. UINT32_MAX: no memory. */
 static uint32_t class_enter(render_order_memory *order, uint32_t class)
@@ -44,27 +39,37 @@ static uint32_t class_enter(render_order_memory *order, uint32_t class)
  * are not interrupted by draws of another class or without maps. Notes the class of each run. False: no memory. */
 static bool class_count(const stilb_render *render, const render_pass_lists *lists, render_order_memory *order)
 {
-	uint32_t last = UINT32_MAX;
-	order->count = order->draws = order->runs = order->stretches = 0;
-	for (uint32_t r = 0; r < lists->run_count; r++) {
-		const render_run *run = &lists->runs[r];
-		if (!class_is(render, run)) {
-			last = order->of[r] = UINT32_MAX;
+	/* Copies: what is written below may be them, for all the compiler knows. */
+	const uint32_t *places = order->places, *entries = render->resources.group_classes;
+	const render_run *runs = lists->runs;
+	uint32_t *of = order->of, last = UINT32_MAX, run_count = lists->run_count, draws = 0, moved = 0, stretches = 0;
+	render_order_class *classes = order->classes;
+	order->count = 0;
+	for (uint32_t r = 0; r < run_count; r++) {
+		uint64_t state = runs[r].state;
+		uint32_t class = state & RENDER_STATE_MAPS ? entries[render_state_group(state)] : RENDER_CLASS_BLENDS;
+		if (class & RENDER_CLASS_BLENDS) { /* or without maps: it is not put together with others */
+			last = of[r] = UINT32_MAX;
 			continue;
 		}
-		uint32_t class = group_of(render, run)->class;
-		uint32_t place = order->places[class] > 0 ? order->places[class] - 1 : class_enter(order, class);
+		uint32_t place = places[class] - 1;
+		if (place == UINT32_MAX) {
+			place = class_enter(order, class);
+			classes = order->classes;
+		}
 		if (place == UINT32_MAX)
 			return false;
-		render_order_class *at = &order->classes[place];
-		at->draws += run->count;
-		at->runs++;
-		order->of[r] = place;
-		order->draws += run->count;
-		order->runs++;
-		order->stretches += place != last;
+		classes[place].draws += runs[r].count;
+		classes[place].runs++;
+		of[r] = place;
+		draws += runs[r].count;
+		moved++;
+		stretches += place != last;
 		last = place;
 	}
+	order->draws = draws;
+	order->runs = moved;
+	order->stretches = stretches;
 	return true;
 }
 
@@ -87,26 +92,34 @@ static void class_places(render_order_memory *order)
 static void class_place(stilb_render *render, render_pass_lists *lists, render_order_memory *order, uint32_t first)
 {
 	render_command *commands = render->memory[RENDER_MEMORY_COMMANDS].data;
-	uint32_t kept = 0;
-	for (uint32_t r = 0; r < lists->run_count; r++) {
+	uint32_t kept = 0, run_count = lists->run_count;
+	const uint32_t *of = order->of;
+	render_order_class *classes = order->classes;
+	for (uint32_t r = 0; r < run_count; r++) {
 		render_run run = lists->runs[r];
-		if (order->of[r] == UINT32_MAX) {
+		if (of[r] == UINT32_MAX) {
 			lists->runs[kept++] = run;
 			continue;
 		}
-		render_order_class *class = &order->classes[order->of[r]];
+		render_order_class *class = &classes[of[r]];
 		uint32_t to = first + class->draws;
 		for (uint32_t c = 0; c < run.count; c++) /* mostly one */
 			commands[to + c] = commands[run.first + c];
 		class->draws += run.count;
-		if (class->end > class->runs && order->moved[class->end - 1].state == run.state)
-			order->moved[class->end - 1].count += run.count;
-		else
-			order->moved[class->end++] = (render_run){to, run.count, run.state};
+		if (class->open.state == run.state) {
+			class->open.count += run.count;
+			continue;
+		}
+		if (class->open.count > 0)
+			order->moved[class->end++] = class->open;
+		class->open = (render_run){to, run.count, run.state};
 	}
-	for (uint32_t c = 0; c < order->count; c++)
-		for (uint32_t r = order->classes[c].runs; r < order->classes[c].end; r++)
+	for (uint32_t c = 0; c < order->count; c++) {
+		const render_order_class *class = &order->classes[c];
+		for (uint32_t r = class->runs; r < class->end; r++)
 			lists->runs[kept++] = order->moved[r];
+		lists->runs[kept++] = class->open;
+	}
 	lists->run_count = kept;
 }
 

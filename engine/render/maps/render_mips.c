@@ -81,8 +81,8 @@ static uint8_t mips_srgb(const mips_codes *codes, float light)
 	return (uint8_t)(code + (light >= codes->borders[code + 1]));
 }
 
-/* The nearest whole number of a value from 0 to 65535, ties to even: by adding 1.5 * 2^23 the float loses what is behind
- * its point. */
+/* The nearest whole number of a value from 0 to 65535, ties to even: a float to which 1.5 * 2^23 is added loses what is
+ * behind its point. */
 static uint32_t mips_round(float value)
 {
 	float shifted = value + 12582912.0f;
@@ -146,8 +146,8 @@ typedef struct mips_level {
 	uint8_t *out;
 } mips_level;
 
-/* The light of the texels of row y of `from` that `count` texels from x on cover, as means down the columns. Returns the
- * first one's column. */
+/* The light that `count` texels from (x, y) on cover, as means down the columns of level->from. Returns the number of
+ * the first column. */
 static uint32_t mips_column_means(const mips_level *level, uint32_t y, uint32_t x, uint32_t count, float *sum)
 {
 	const stilb_image *from = level->from;

@@ -128,7 +128,7 @@ static void show_cells(stage *s)
 	stage_show(s, build);
 }
 
-/* With the address sanitizer the null device has all kinds, and a driver, whose programs take most of the time, some. */
+/* Few kinds with the address sanitizer on a driver, whose programs take most of the time: the null device runs all. */
 #define FEW (TEST_ASAN && !null_device)
 
 static stage dump_stage(uint32_t kind)
