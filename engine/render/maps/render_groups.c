@@ -99,10 +99,9 @@ stilb_result render_group_join(stilb_render *render, const render_maps *maps, ui
 	}
 	render_group *group = render_group_of(resources, *index);
 	if (made) {
+		bool blends = (maps->bits & (RENDER_MAPS_BLEND | RENDER_MAPS_THROUGH)) == RENDER_MAPS_BLEND;
 		group->class = class;
-		resources->group_classes[*index] = maps->bits & RENDER_MAPS_THROUGH ? RENDER_CLASS_BLENDS | RENDER_CLASS_THROUGH
-		                                   : maps->bits & RENDER_MAPS_BLEND ? RENDER_CLASS_BLENDS
-		                                                                    : class;
+		resources->group_classes[*index] = blends ? RENDER_CLASS_BLENDS : class;
 		table_item(&resources->classes, class)->users++;
 		resources->live++;
 	}

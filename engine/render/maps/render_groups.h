@@ -50,8 +50,6 @@ static_assert(sizeof(struct render_group_key) == 8 + 4 * RENDER_MAPS + 16, "no p
 
 /* In the place of the class of a group that blends: its draws are not ordered by class. */
 #define RENDER_CLASS_BLENDS (1u << 31)
-/* With it: light goes through the draws, which come before those that blend. */
-#define RENDER_CLASS_THROUGH (1u << 30)
 
 #define RENDER_CHAINS 4096u
 

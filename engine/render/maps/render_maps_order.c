@@ -14,13 +14,13 @@ static uint32_t entry_of(const stilb_render *render, const render_run *run)
 
 static bool blend_is(const stilb_render *render, const render_run *run)
 {
-	uint32_t entry = run->state & RENDER_STATE_MAPS ? entry_of(render, run) : 0;
-	return entry & RENDER_CLASS_BLENDS && !(entry & RENDER_CLASS_THROUGH);
+	return run->state & RENDER_STATE_MAPS && entry_of(render, run) & RENDER_CLASS_BLENDS;
 }
 
 static bool through_is(const stilb_render *render, const render_run *run)
 {
-	return run->state & RENDER_STATE_MAPS && entry_of(render, run) & RENDER_CLASS_THROUGH;
+	return run->state & RENDER_STATE_MAPS &&
+	       render_group_of(&render->resources, render_state_group(run->state))->key.bits & RENDER_MAPS_THROUGH;
 }
 
 /* ---- together ---------------------------------------------------------------------------------------------------- */
