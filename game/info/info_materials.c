@@ -7,7 +7,7 @@
 	X("metalness and roughness: factors, texture", "yes", "yes")                                                       \
 	X("specular and glossiness: factors, textures", "yes", "yes")                                                      \
 	X("reflectance: index of refraction, specular factor and colour", "yes", "yes")                                    \
-	X("specular textures", "no", "yes")                                                                                \
+	X("specular textures", "yes", "yes")                                                                               \
 	X("normal texture, tangents of the file or MikkTSpace", "yes", "yes")                                              \
 	X("occlusion texture", "of even light", "no: rays find what occludes")                                             \
 	X("emission: factor, strength, texture", "from the front; lights nothing",                                         \
@@ -18,10 +18,12 @@
 	X("unlit", "yes", "yes")                                                                                           \
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
-	X("clear coat, sheen: factors, textures", "no", "yes")                                                             \
-	X("transmission: thin walls, smooth and rough, tinted", "no", "yes")                                               \
-	X("volume: refraction, absorption by the way inside; thickness only says that there is one", "no", "yes")          \
-	X("anisotropy: strength, rotation, texture", "no", "of GGX")                                                       \
+	X("clear coat: factors, textures", "yes", "yes")                                                                   \
+	X("sheen: factors, textures", "yes; under a panorama by the light about its lobe's middle", "yes")                 \
+	X("transmission: thin walls, smooth and rough, tinted", "yes, but not through one another", "yes")                 \
+	X("volume: refraction, absorption", "once, by the thickness",                                                      \
+	  "by the way inside; thickness only says that there is one")                                                      \
+	X("anisotropy: strength, rotation, texture", "of GGX", "of GGX")                                                   \
 	X("iridescence, dispersion", "no", "no")
 
 void info_print_materials(FILE *out)
