@@ -19,8 +19,9 @@
 	X(7, shade_sheen_left, 1e-4f, 1e-5f)                                                                               \
 	X(8, shade_facet_left, 1e-5f, 1e-6f)                                                                               \
 	X(9, shade_thin_cos, 2e-4f, 1e-5f)                                                                                 \
-	X(10, shade_gltf_brushed, 1e-5f, 1e-6f)
-#define SHADE_CASES_LAYERS_COUNT 11
+	X(10, shade_gltf_brushed, 1e-5f, 1e-6f)                                                                            \
+	X(11, shade_sheen_direction, 1e-5f, 1e-5f)
+#define SHADE_CASES_LAYERS_COUNT 12
 
 SHADE_FN float shade_case_layers_of_two(int row, vec3 f0, float roughness, vec3 l, vec3 v)
 {
@@ -53,6 +54,10 @@ SHADE_FN vec4 shade_case_layers(int row, vec4 a, vec4 b)
 	if (row == 10) {
 		vec2 brushed = shade_gltf_brushed(a[0], a[1]);
 		return vec4(brushed[0], brushed[1], 0.0f, 0.0f);
+	}
+	if (row == 11) {
+		vec3 n = vec3(0.0f, 0.0f, 1.0f);
+		return vec4(shade_sheen_direction(n, shade_case_above(n, a[0], a[1]), roughness), 0.0f);
 	}
 	vec3 l = shade_case_above(vec3(0.0f, 0.0f, 1.0f), a[0], a[1]);
 	vec3 v = shade_case_above(vec3(0.0f, 0.0f, 1.0f), a[2], b[3]);
