@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
-#define CACHE_VERSION 10u
+#define CACHE_VERSION 11u
 #define CACHE_ENDING ".levels"
 #define CACHE_NAME ((size_t)2 * 16 + sizeof CACHE_ENDING)
 
@@ -95,12 +95,14 @@ void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, 
                         const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
 {
 	cache_hash hash = cache_hash_start();
-	const uint32_t numbers[7] = {CACHE_VERSION,       mesh->vertex_count,   mesh->index_count, desc->least,
-	                             desc->cluster_least, desc->locked ? 1 : 0, table->count};
+	const uint32_t numbers[8] = {CACHE_VERSION,       mesh->vertex_count,   mesh->index_count, desc->least,
+	                             desc->cluster_least, desc->locked ? 1 : 0, table->count,      mesh->extras ? 1 : 0};
 	cache_add(&hash, numbers, sizeof numbers);
 	cache_add(&hash, &desc->ratio, sizeof desc->ratio);
 	cache_add_streams(&hash, table, weights);
 	cache_add(&hash, vertices, (size_t)mesh->vertex_count * table->size);
+	if (mesh->extras)
+		cache_add(&hash, mesh->extras, (size_t)mesh->vertex_count * sizeof *mesh->extras);
 	cache_add(&hash, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	if (desc->locked)
 		cache_add(&hash, desc->locked, mesh->vertex_count);

@@ -188,6 +188,10 @@ static bool chain_plan(const chain *c, geometry_plan *plan)
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
+/* stilb_geometry_stream.weight of what stilb_scene_vertex_extra has. */
+#define CHAIN_COLOR_WEIGHT 0.15f
+#define CHAIN_UV_WEIGHT 0.1f
+
 uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *vertices, const float *weights,
                              stilb_geometry_stream out[STILB_GEOMETRY_STREAMS])
 {
@@ -213,16 +217,39 @@ uint32_t geometry_streams_of(const stilb_scene_streams *table, const void *verti
 	return table->count - 1;
 }
 
+/* Adds colours and second uv of vertices, where they differ. Returns how many streams there are then. */
+static uint32_t view_extras(const stilb_scene_mesh *mesh, stilb_geometry_stream *streams, uint32_t count)
+{
+	const stilb_scene_vertex_extra *extras = mesh->extras;
+	bool colors = false, uvs = false;
+	for (uint32_t v = 1; v < mesh->vertex_count && !(colors && uvs); v++) {
+		colors |= memcmp(extras[v].color, extras[0].color, sizeof extras->color) != 0;
+		uvs |= memcmp(extras[v].uv, extras[0].uv, sizeof extras->uv) != 0;
+	}
+	STILB_ASSERT(count + 2 <= STILB_GEOMETRY_STREAMS);
+	stilb_geometry_stream color = {"color",       STILB_GEOMETRY_VALUE, 4, CHAIN_COLOR_WEIGHT, true,
+	                               extras->color, sizeof *extras};
+	stilb_geometry_stream uv = {"uv 2", STILB_GEOMETRY_TEXTURE, 2, CHAIN_UV_WEIGHT, true, extras->uv, sizeof *extras};
+	if (colors)
+		streams[count++] = color;
+	if (uvs)
+		streams[count++] = uv;
+	return count;
+}
+
 stilb_geometry_mesh geometry_view_of(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
                                      stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS])
 {
+	uint32_t count = geometry_streams_of(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, streams);
+	if (mesh->extras && mesh->vertex_count > 0)
+		count = view_extras(mesh, streams, count);
 	return (stilb_geometry_mesh){
 		.vertex_count = mesh->vertex_count,
 		.index_count = mesh->index_count,
 		.indices = mesh->indices,
 		.positions = mesh->vertices ? mesh->vertices->position : NULL,
 		.position_stride = sizeof *mesh->vertices,
-		.stream_count = geometry_streams_of(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, streams),
+		.stream_count = count,
 		.streams = streams,
 		.locked = desc->locked,
 	};

@@ -55,14 +55,17 @@ static bool cut_copy(const stilb_scene_mesh *mesh, const geometry_clusters *clus
 	}
 	cut->mesh.vertices = stilb_memory_alloc(used, sizeof *cut->mesh.vertices);
 	cut->vertex = stilb_memory_alloc(used, sizeof *cut->vertex);
+	cut->mesh.extras = mesh->extras ? stilb_memory_alloc(used, sizeof *cut->mesh.extras) : NULL;
 	cut->locked = locked ? stilb_memory_alloc(used, sizeof *cut->locked) : NULL;
-	if (!cut->mesh.vertices || !cut->vertex || (locked && !cut->locked))
+	if (!cut->mesh.vertices || !cut->vertex || (locked && !cut->locked) || (mesh->extras && !cut->mesh.extras))
 		return false;
 	cut->mesh.vertex_count = used;
 	for (uint32_t i = 0; i < count; i++) {
 		uint32_t v = clusters->cut[i], own = cut->mesh.indices[i];
 		cut->vertex[own] = v;
 		cut->mesh.vertices[own] = mesh->vertices[v];
+		if (mesh->extras)
+			cut->mesh.extras[own] = mesh->extras[v];
 		if (locked)
 			cut->locked[own] = locked[v];
 	}
@@ -196,16 +199,49 @@ static stilb_result make_clusters(const stilb_scene_mesh *mesh, const stilb_geom
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
+/* Positions at which colours of vertices differ stay: a patch of one colour has no gradient, so that the simplifier does
+ * not see its border move. *locked: to be freed; NULL if there are none. */
+static stilb_result lock_colors(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint8_t **locked)
+{
+	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];
+	stilb_geometry_mesh view = geometry_view_of(mesh, desc, streams);
+	bool colors = false, differ = false;
+	for (uint32_t s = 0; s < view.stream_count; s++)
+		colors |= streams[s].kind == STILB_GEOMETRY_VALUE;
+	*locked = NULL;
+	if (!colors)
+		return STILB_OK;
+	uint8_t *made = stilb_memory_alloc(mesh->vertex_count, sizeof *made);
+	uint32_t *same = stilb_memory_alloc(mesh->vertex_count, sizeof *same);
+	bool memory = made && same && geometry_weld(&view, NULL, 0, same);
+	for (uint32_t v = 0; memory && v < mesh->vertex_count; v++) {
+		made[v] = desc->locked ? desc->locked[v] : 0;
+		if (memcmp(mesh->extras[v].color, mesh->extras[same[v]].color, sizeof mesh->extras->color) != 0)
+			made[v] = made[same[v]] = differ = true;
+	}
+	free(same);
+	if (memory && differ)
+		*locked = made;
+	else
+		free(made);
+	return memory ? STILB_OK
+	              : stilb_fail(STILB_ERROR_MEMORY, "no memory for the levels of %u vertices", mesh->vertex_count);
+}
+
 stilb_result geometry_plan_make(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc,
                                 stilb_job_pool *pool, uint32_t worker, geometry_plan *plan)
 {
 	*plan = (geometry_plan){0};
-	stilb_result result = STILB_OK;
-	if (mesh->index_count / 3 > desc->cluster_least)
-		result = make_clusters(mesh, desc, pool, worker, plan);
-	if (result != STILB_OK || plan->cluster_count > 0)
-		return result;
-	return geometry_chain_make(mesh, desc, pool, worker, plan);
+	stilb_geometry_levels_desc own = *desc;
+	uint8_t *locked = NULL;
+	stilb_result result = mesh->extras && mesh->vertex_count > 0 ? lock_colors(mesh, desc, &locked) : STILB_OK;
+	own.locked = locked ? locked : desc->locked;
+	if (result == STILB_OK && mesh->index_count / 3 > desc->cluster_least)
+		result = make_clusters(mesh, &own, pool, worker, plan);
+	if (result == STILB_OK && plan->cluster_count == 0)
+		result = geometry_chain_make(mesh, &own, pool, worker, plan);
+	free(locked);
+	return result;
 }
 
 stilb_result geometry_levels_check(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc)

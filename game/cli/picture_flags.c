@@ -554,6 +554,7 @@ static stilb_result picture_environment(const char *environment, stilb_scene *sc
 			return stilb_fail(STILB_ERROR_ARGUMENT, "--environment: '%s' is out of range; give radiances in 0..%.2g",
 			                  environment, (double)FLT_MAX);
 	stilb_scene_set_sky(scene, color.numbers);
+	scene->surroundings.glossy = true; /* as rays mirror it */
 	return STILB_OK;
 }
 

@@ -209,6 +209,50 @@ static void test_extras(void **state)
 	stilb_scene_mesh_finish(&mesh);
 }
 
+#define TILES 24u
+
+/* A board of TILES x TILES tiles of four vertices each, dark and light by turns. */
+static stilb_scene_mesh tiles_make(void)
+{
+	stilb_scene_mesh mesh = mesh_empty(4 * TILES * TILES, 6 * TILES * TILES);
+	mesh.extras = stilb_memory_alloc(mesh.vertex_count, sizeof *mesh.extras);
+	for (uint32_t t = 0; t < TILES * TILES; t++) {
+		uint32_t x = t % TILES, z = t / TILES;
+		const uint32_t square[6] = {4 * t, 4 * t + 2, 4 * t + 1, 4 * t + 1, 4 * t + 2, 4 * t + 3};
+		for (uint32_t c = 0; c < 4; c++) {
+			float shade = (x + z) % 2 ? 0.1f : 0.9f;
+			mesh.vertices[4 * t + c] =
+				(stilb_scene_vertex){{(float)(x + c % 2), 0.0f, (float)(z + c / 2)}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f}};
+			mesh.extras[4 * t + c] = (stilb_scene_vertex_extra){.color = {shade, shade, shade, 1.0f}};
+		}
+		memcpy(mesh.indices + 6 * t, square, sizeof square);
+	}
+	return mesh;
+}
+
+/* No level of a board shows another colour anywhere: triangles have one, and dark ones cover half of it. */
+static void test_colors(void **state)
+{
+	(void)state;
+	stilb_scene_mesh mesh = tiles_make();
+	make_levels(&mesh);
+	for (uint32_t l = 0; l < mesh.level_count; l++) {
+		double dark = 0.0, all = 0.0;
+		for (uint32_t i = 0; i < mesh.levels[l].index_count; i += 3) {
+			const uint32_t *v = mesh.level_indices + mesh.levels[l].first_index + i;
+			const float *a = mesh.vertices[v[0]].position, *b = mesh.vertices[v[1]].position,
+						*c = mesh.vertices[v[2]].position;
+			double area = 0.5 * fabs((double)((b[0] - a[0]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[0] - a[0])));
+			assert_true(mesh.extras[v[0]].color[0] == mesh.extras[v[1]].color[0]);
+			assert_true(mesh.extras[v[0]].color[0] == mesh.extras[v[2]].color[0]);
+			dark += mesh.extras[v[0]].color[0] < 0.5f ? area : 0.0;
+			all += area;
+		}
+		assert_true(fabs(dark - 0.5 * all) < 1e-3 * all);
+	}
+	stilb_scene_mesh_finish(&mesh);
+}
+
 static void test_sphere(void **state)
 {
 	(void)state;
@@ -549,11 +593,11 @@ static void test_no_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		test_one_thread(test_extras),    test_one_thread(test_sphere),     test_one_thread(test_torus),
-		test_one_thread(test_hills),     test_one_thread(test_facets),     test_one_thread(test_pieces),
-		test_one_thread(test_locks),     cmocka_unit_test(test_same_bits), test_one_thread(test_empty),
-		test_one_thread(test_damaged),   test_one_thread(test_touching),   test_one_thread(test_refusals),
-		test_one_thread(test_no_memory),
+		test_one_thread(test_extras),   test_one_thread(test_colors),    test_one_thread(test_sphere),
+		test_one_thread(test_torus),    test_one_thread(test_hills),     test_one_thread(test_facets),
+		test_one_thread(test_pieces),   test_one_thread(test_locks),     cmocka_unit_test(test_same_bits),
+		test_one_thread(test_empty),    test_one_thread(test_damaged),   test_one_thread(test_touching),
+		test_one_thread(test_refusals), test_one_thread(test_no_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

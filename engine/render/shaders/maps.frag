@@ -6,6 +6,7 @@
 #include "../../shading/shade_gltf.h"
 
 layout(location = 0) centroid in vec3 world_position;
+layout(location = 23) in vec3 middle_position; // has derivatives also where a triangle covers a part of the pixel
 layout(location = 1) centroid in vec3 world_normal;
 #ifdef MESH_EXTRAS
 layout(location = 6) centroid in vec3 world_tangent;
@@ -207,7 +208,7 @@ void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
 	// one that was dropped have none.
-	vec3 flat_normal = both_sides ? cross(dFdx(world_position), dFdy(world_position)) : vec3(0.0);
+	vec3 flat_normal = both_sides ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;

@@ -3,6 +3,7 @@
 #include "mesh.glsl"
 
 layout(location = 0) centroid in vec3 world_position;
+layout(location = 23) in vec3 middle_position; // has derivatives also where a triangle covers a part of the pixel
 layout(location = 1) centroid in vec3 world_normal;
 layout(location = 2) flat in uint material_word; // the material's index, and above it how the draw fades
 
@@ -29,7 +30,7 @@ void main()
 {
 	// Derivatives, also those by which the texture is filtered, come before pixels are dropped: on GPUs the pixels
 	// beside one that was dropped have none.
-	vec3 flat_normal = both_sides ? cross(dFdx(world_position), dFdy(world_position)) : vec3(0.0);
+	vec3 flat_normal = both_sides ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
 #ifdef MESH_TEXTURE
 	vec3 texel = texture(diffuse_texture, surface_uv).rgb;
 #endif

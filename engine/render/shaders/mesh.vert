@@ -12,6 +12,7 @@ layout(location = 1) in vec3 normal;
 
 // centroid: where a triangle covers some of a pixel's samples alone, values are of a point inside of it.
 layout(location = 0) centroid out vec3 world_position;
+layout(location = 23) out vec3 middle_position; // the same in the pixel's middle, also where that is beside the triangle
 layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
 
@@ -148,6 +149,7 @@ void main()
 	}
 	vec4 p = vec4(place, 1.0);
 	world_position = vec3(dot(row.transform[0], p), dot(row.transform[1], p), dot(row.transform[2], p));
+	middle_position = world_position;
 
 	// Normals are transformed by the cofactor matrix, which is right also for nonuniform scale.
 	vec3 x = row.transform[0].xyz, y = row.transform[1].xyz, z = row.transform[2].xyz;
