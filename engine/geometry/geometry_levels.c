@@ -199,8 +199,8 @@ static stilb_result make_clusters(const stilb_scene_mesh *mesh, const stilb_geom
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
 
-/* Positions at which colours of vertices differ stay: a patch of one colour has no gradient, so that the simplifier does
- * not see its border move. *locked: to be freed; NULL if there are none. */
+/* Positions at which colours of vertices differ stay: a patch of one colour has no gradient, so the simplifier does not
+ * see its border move. *locked: to be freed; NULL if there are none. */
 static stilb_result lock_colors(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint8_t **locked)
 {
 	stilb_geometry_stream streams[STILB_GEOMETRY_STREAMS];

@@ -12,7 +12,7 @@ layout(location = 1) in vec3 normal;
 
 // centroid: where a triangle covers some of a pixel's samples alone, values are of a point inside of it.
 layout(location = 0) centroid out vec3 world_position;
-layout(location = 23) out vec3 middle_position; // the same in the pixel's middle, also where that is beside the triangle
+layout(location = 23) out vec3 middle_position; // in the pixel's middle, also where that is beside the triangle
 layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
 
