@@ -9,6 +9,7 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 mkdir "$folder/named"
 STILB_TRUTH_PICTURES=$folder "$test" >"$folder/said"
+rm -f "$folder"/channel:*.png
 for picture in "$folder"/*.png; do # the frame is the left third
 	name=$(basename "$picture" .png)
 	convert "$picture[64x64+0+0]" -resize 96x96 -gravity center -size 100x22 -pointsize 9 caption:"$name" -append \

