@@ -121,6 +121,7 @@ static void emitters_of_part(const stilb_gi_scene *gi, const gi_part *part, bool
 		memcpy(emitter->emission, gi->materials[part->material].emission, sizeof emitter->emission);
 		if (!surface)
 			continue;
+		STILB_ASSERT(gi->found.means);
 		emitter->glow = glow_of(gi, part, surface, k);
 		if (!known) {
 			stilb_vec3 mean = gi_glow_mean(&emitter->glow);

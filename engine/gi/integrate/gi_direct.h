@@ -29,11 +29,12 @@ typedef struct gi_direct_left {
 
 static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_sample *chosen)
 {
-	if (!gi_bsdf_is_layered(bsdf))
+	const gi_layers *layers = gi_bsdf_layers(bsdf);
+	if (!layers)
 		return (gi_direct_left){bsdf->frame.n, chosen->pdf};
 	/* The density of asking is times the side's chance, and only its quotient with the other density counts. */
-	bool beyond = gi_bsdf_is_beyond(bsdf, chosen->direction);
-	float chance = beyond ? bsdf->layers->lobes.ask_beyond : bsdf->layers->lobes.ask;
+	bool beyond = stilb_vec3_dot(bsdf->geometric, chosen->direction) < 0.0f;
+	float chance = beyond ? layers->lobes.ask_beyond : layers->lobes.ask;
 	return (gi_direct_left){beyond ? -bsdf->frame.n : bsdf->frame.n, chance > 0.0f ? chosen->pdf / chance : 0.0f};
 }
 

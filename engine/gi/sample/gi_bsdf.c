@@ -265,7 +265,7 @@ static stilb_vec3 layered_direction(const gi_bsdf *bsdf, float u_lobe, stilb_vec
 		return shade_frame_to_world(bsdf->frame, highlight_sample(bsdf, u).direction);
 	if (u_lobe < (end += lobes->sheen))
 		return shade_frame_to_world(bsdf->frame, shade_sample_hemisphere(u).direction);
-	if (u_lobe < (end += lobes->diffuse))
+	if (u_lobe < end + lobes->diffuse)
 		return shade_frame_to_world(bsdf->frame, shade_sample_cosine(u).direction);
 	stilb_vec3 mirrored = shade_sample_ggx_visible(through_alphas(bsdf), bsdf->local, u).direction;
 	return shade_frame_to_world(bsdf->frame, stilb_vec3_make(mirrored[0], mirrored[1], -mirrored[2]));

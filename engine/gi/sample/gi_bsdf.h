@@ -32,10 +32,15 @@ typedef struct gi_bsdf {
  * written if it is layered: so a gi_bsdf, which is made at every vertex, need not carry them. */
 gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_vec3 to_viewer);
 
-/* True if there are layers. */
+/* Its layers; NULL: there are none. */
+static inline const gi_layers *gi_bsdf_layers(const gi_bsdf *bsdf)
+{
+	return bsdf->share > 0.0f ? bsdf->layers : NULL;
+}
+
 static inline bool gi_bsdf_is_layered(const gi_bsdf *bsdf)
 {
-	return bsdf->share > 0.0f && bsdf->layers;
+	return gi_bsdf_layers(bsdf);
 }
 
 /* True if the direction is on the other side of the triangle, where only light that goes through it is. */
@@ -47,7 +52,8 @@ static inline bool gi_bsdf_is_beyond(const gi_bsdf *bsdf, stilb_vec3 direction)
 /* The origin of a ray that leaves in this direction; origin: of those on the viewer's side. */
 static inline stilb_vec3 gi_bsdf_origin(const gi_bsdf *bsdf, stilb_vec3 origin, stilb_vec3 direction)
 {
-	return gi_bsdf_is_beyond(bsdf, direction) ? bsdf->layers->lobes.beyond : origin;
+	const gi_layers *layers = gi_bsdf_layers(bsdf);
+	return layers && stilb_vec3_dot(bsdf->geometric, direction) < 0.0f ? layers->lobes.beyond : origin;
 }
 
 /* True if the direction is above the triangle and above the shading normal's horizon. */

@@ -391,7 +391,7 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 	stilb_result result = STILB_OK;
 	for (uint32_t kind = 0; kind < RENDER_PROGRAM_KINDS && result == STILB_OK; kind++)
 		for (uint32_t i = 0; kinds >> kind & 1u && i < drawn.count && result == STILB_OK; i++) {
-			stilb_gpu_program program;
+			stilb_gpu_program program = {0};
 			uint64_t key = render_maps_key(bits, kind, (render_drawn)(drawn.first + i));
 			result = render_programs_maps(device, choice, key, &program);
 		}
