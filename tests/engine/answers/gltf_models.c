@@ -271,7 +271,9 @@ bool gltf_model_helmet(uint32_t side)
 	                   "\"index\":1}},\"normalTexture\":{\"index\":2},\"occlusionTexture\":{\"index\":3},"
 	                   "\"emissiveTexture\":{\"index\":4},\"emissiveFactor\":[1,1,1]}",
 	                   mesh, "{\"mesh\":0,\"rotation\":[0.0871557,0.2588190,0,0.9619398]}",
-	                   ",\"textures\":[{\"source\":0},{\"source\":1},{\"source\":2},{\"source\":3},{\"source\":4}],"
+	                   ",\"samplers\":[{\"wrapS\":33071,\"wrapT\":33071}],\"textures\":[{\"source\":0,\"sampler\":0},"
+	                   "{\"source\":1,\"sampler\":0},{\"source\":2,\"sampler\":0},{\"source\":3,\"sampler\":0},"
+	                   "{\"source\":4,\"sampler\":0}],"
 	                   "\"images\":[{\"uri\":\"helmet-color.png\"},{\"uri\":\"helmet-reflection.png\"},"
 	                   "{\"uri\":\"helmet-normal.png\"},{\"uri\":\"helmet-occlusion.png\"},"
 	                   "{\"uri\":\"helmet-emission.png\"}]",
