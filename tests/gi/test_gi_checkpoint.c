@@ -63,7 +63,7 @@ static uint64_t render_in_parts(const stilb_gi_settings *settings, uint32_t *par
 			fail_msg("%s", stilb_error_message());
 		assert_true(progress_of(render).camera_rays == camera_rays);
 		assert_true(progress_of(render).done >= done);
-		run_for(render, 5000 + 5000 * *parts);
+		run_for(render, 1000 + 2500 * *parts);
 		camera_rays = progress_of(render).camera_rays;
 		if (settings->integrator != STILB_GI_INTEGRATOR_IRRADIANCE_CACHE) /* whose overture begins anew */
 			done = progress_of(render).done;
@@ -93,7 +93,7 @@ static void same_bits_in_parts(void **state)
 		assert_int_equal(render_in_parts(&settings, &parts), render_whole(&fixture, &settings));
 		stops += parts - 1;
 	}
-	assert_true(stops > 5);
+	assert_true(stops > (TEST_TSAN ? 2 : 5)); /* at least one of each, on a fast machine, too */
 	render_fixture_finish(&fixture);
 }
 
