@@ -4,11 +4,11 @@
 # ImageMagick's convert and montage (apt install imagemagick).
 set -eu
 [ $# = 2 ] || { sed -n '2,4s/^# \{0,1\}//p' "$0"; exit 2; }
-test=$1 out=$2
+test=$(realpath "$1") out=$2
 folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 mkdir "$folder/named"
-STILB_TRUTH_PICTURES=$folder "$test" >"$folder/said"
+(cd "$folder" && STILB_TRUTH_PICTURES=$folder "$test" >said) # what it writes beside, and leaves if it is stopped, is there
 rm -f "$folder"/channel:*.png
 for picture in "$folder"/*.png; do # the frame is the left third
 	name=$(basename "$picture" .png)

@@ -5,6 +5,7 @@
  * STILB_TRUTH_ANSWER=TEXT only answers with TEXT in their name are compared. */
 #include "engine.h"
 #include "engine_internal.h"
+#include "framed.h"
 #include "gi/gi_render.h"
 #include "gltf_answers.h"
 #include "image/image_compare.h"
@@ -65,27 +66,9 @@ static int tear_down(void **state)
 	return folder_remove() != 0 || messages > 0 ? -1 : 0;
 }
 
-/* The mean of FINE x FINE pixels for each pixel. */
 static stilb_image framed(stilb_scene *scene)
 {
-	stilb_engine_report report;
-	stilb_image fine = {0}, image;
-	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
-	if (stilb_engine_frame(engine, &report) != STILB_OK || stilb_render_read_image(engine->render, &fine) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	float *row = malloc(sizeof *row * fine.width * fine.channels);
-	assert_int_equal(stilb_image_create(&image, WIDTH, HEIGHT, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
-	for (uint32_t y = 0; y < fine.height; y++) {
-		stilb_image_row_to_light(&fine, y, row);
-		for (uint32_t x = 0; x < fine.width; x++)
-			for (uint32_t c = 0; c < 3; c++)
-				((float *)image.pixels)[3 * (y / FINE * WIDTH + x / FINE) + c] +=
-					row[x * fine.channels + c] / (float)(FINE * FINE);
-	}
-	free(row);
-	stilb_image_finish(&fine);
-	assert_int_equal(stilb_engine_set_scene(engine, NULL), STILB_OK);
-	return image;
+	return framed_by(engine, scene, FINE);
 }
 
 /* The settings of the picture by rays. */

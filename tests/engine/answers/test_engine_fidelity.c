@@ -3,6 +3,7 @@
  * stay in that folder; STILB_MODEL_SIDE=N makes the helmet's pictures of N x N texels. */
 #include "engine.h"
 #include "engine_internal.h"
+#include "framed.h"
 #include "gi/gi_render.h"
 #include "gltf_models.h"
 #include "image/image_compare.h"
@@ -50,24 +51,7 @@ static int tear_down(void **state)
 
 static stilb_image framed(stilb_scene *scene)
 {
-	stilb_engine_report report;
-	stilb_image fine = {0}, image;
-	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
-	if (stilb_engine_frame(engine, &report) != STILB_OK || stilb_render_read_image(engine->render, &fine) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	float *row = malloc(sizeof *row * fine.width * fine.channels);
-	assert_int_equal(stilb_image_create(&image, SIDE, SIDE, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
-	for (uint32_t y = 0; y < fine.height; y++) {
-		stilb_image_row_to_light(&fine, y, row);
-		for (uint32_t x = 0; x < fine.width; x++)
-			for (uint32_t c = 0; c < 3; c++)
-				((float *)image.pixels)[3 * (y / FINE * SIDE + x / FINE) + c] +=
-					row[x * fine.channels + c] / (float)(FINE * FINE);
-	}
-	free(row);
-	stilb_image_finish(&fine);
-	assert_int_equal(stilb_engine_set_scene(engine, NULL), STILB_OK);
-	return image;
+	return framed_by(engine, scene, FINE);
 }
 
 static stilb_image traced(const stilb_scene *scene)

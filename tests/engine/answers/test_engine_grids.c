@@ -4,6 +4,7 @@
  * difference, times 5, are written there. */
 #include "engine.h"
 #include "engine_internal.h"
+#include "framed.h"
 #include "gi/gi_render.h"
 #include "image/image_compare.h"
 #include "scene/scene_build.h"
@@ -189,24 +190,7 @@ static stilb_scene *grid_scene(layer_of *layer, bool lights)
 
 static stilb_image framed(stilb_scene *scene)
 {
-	stilb_engine_report report;
-	stilb_image fine = {0}, image;
-	assert_int_equal(stilb_engine_set_scene(engine, scene), STILB_OK);
-	if (stilb_engine_frame(engine, &report) != STILB_OK || stilb_render_read_image(engine->render, &fine) != STILB_OK)
-		fail_msg("%s", stilb_error_message());
-	float *row = malloc(sizeof *row * fine.width * fine.channels);
-	assert_int_equal(stilb_image_create(&image, SIDE, SIDE, 3, STILB_IMAGE_F32_LINEAR), STILB_OK);
-	for (uint32_t y = 0; y < fine.height; y++) {
-		stilb_image_row_to_light(&fine, y, row);
-		for (uint32_t x = 0; x < fine.width; x++)
-			for (uint32_t c = 0; c < 3; c++)
-				((float *)image.pixels)[3 * (y / FINE * SIDE + x / FINE) + c] +=
-					row[x * fine.channels + c] / (float)(FINE * FINE);
-	}
-	free(row);
-	stilb_image_finish(&fine);
-	assert_int_equal(stilb_engine_set_scene(engine, NULL), STILB_OK);
-	return image;
+	return framed_by(engine, scene, FINE);
 }
 
 /* The picture by rays, and a mask of the pixels that no silhouette touches. */
