@@ -251,6 +251,14 @@ static void test_colors(void **state)
 		assert_true(fabs(dark - 0.5 * all) < 1e-3 * all);
 	}
 	stilb_scene_mesh_finish(&mesh);
+	mesh = bumpy_torus(40, 20); /* even colours of each position forbid no level */
+	mesh.extras = stilb_memory_alloc(mesh.vertex_count, sizeof *mesh.extras);
+	for (uint32_t v = 0; v < mesh.vertex_count; v++)
+		for (int c = 0; c < 3; c++)
+			mesh.extras[v].color[c] = 0.5f + 0.2f * mesh.vertices[v].position[c];
+	make_levels(&mesh);
+	assert_true(mesh.level_count > 2);
+	stilb_scene_mesh_finish(&mesh);
 }
 
 static void test_sphere(void **state)
