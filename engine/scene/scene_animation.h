@@ -92,6 +92,7 @@ typedef struct stilb_scene_deform {
 	uint32_t targets;    /* morph targets */
 	float *positions;    /* [targets * vertex_count * 3] added to the position, times the target's weight */
 	float *normals;      /* as positions, added to the normal; NULL: no target has any */
+	float *tangents; /* as normals, added to the tangent of the mesh's extras, not to its sign; NULL: none has any */
 } stilb_scene_deform;
 
 typedef struct stilb_scene_animation {
