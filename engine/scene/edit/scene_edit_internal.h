@@ -2,6 +2,7 @@
 #ifndef STILB_SCENE_EDIT_INTERNAL_H
 #define STILB_SCENE_EDIT_INTERNAL_H
 
+#include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
 
 #define EDIT_IN_USE UINT32_MAX /* in place of the next free id */
@@ -124,6 +125,10 @@ void scene_edit_node_changed(edit_nodes *nodes, uint32_t node);
 
 /* The new bounds of models that show a mesh whose vertices have changed. */
 void scene_edit_settle(stilb_scene *scene);
+
+/* Gives the nodes that have changed, and all that hangs on them, their new places: stilb_scene_update_nodes without
+ * posed meshes. Needs edits. */
+void scene_edit_update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker);
 
 /* All vertices of a mesh without coarser levels have changed, tangents too, and lie in this box. Its models are to be
  * fitted anew by scene_edit_refit; those of which the caller does not know are when changes are read. */

@@ -226,11 +226,12 @@ static void update_mounts(stilb_scene *scene, uint32_t range_count)
 	}
 }
 
-/* Places the nodes that have changed. */
-static void update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
+void scene_edit_update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
 {
-	PROFILE("scene nodes");
 	edit_nodes *nodes = &scene->edits->nodes;
+	if (nodes->changed_count == 0)
+		return;
+	PROFILE("scene nodes");
 	uint32_t range_count;
 	if (nodes->unordered || nodes->hole_count > nodes->order_count / 2)
 		order_make(&scene->nodes, nodes);
@@ -258,8 +259,8 @@ static void update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t wor
 void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
 {
 	STILB_ASSERT(scene);
-	if (scene->edits && scene->edits->nodes.changed_count > 0)
-		update_places(scene, pool, worker);
+	if (scene->edits)
+		scene_edit_update_places(scene, pool, worker);
 	if (scene->figures)
 		scene_play_pose(scene, pool, worker);
 }

@@ -20,7 +20,7 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_TRIANGLES] = {"triangles whose vertices do not exist are left out", "mesh"},
 	[IMPORTER_LOSS_MORPHS] = {"morph targets are not shown", "mesh"},
 	[IMPORTER_LOSS_SKINS] = {"skins are shown in their rest pose", "skin"},
-	[IMPORTER_LOSS_ANIMATIONS] = {"animations are not played", "animation"},
+	[IMPORTER_LOSS_ANIMATIONS] = {"animations move nothing of the scene", "animation"},
 	[IMPORTER_LOSS_BAD_DEFORMS] = {"skins and morph targets of meshes that are damaged are left out", "mesh"},
 	[IMPORTER_LOSS_BAD_SKINS] = {"skins that are damaged are left out", "skin"},
 	[IMPORTER_LOSS_BAD_ANIMATIONS] = {"animations that are damaged are left out", "animation"},

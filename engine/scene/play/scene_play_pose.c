@@ -168,10 +168,15 @@ static void pose_morph(const pose_block *b)
 		pose_add(vertices->position, POSE_VERTEX, deform->positions + from, b->weights[t], count);
 		if (deform->normals)
 			pose_add(vertices->normal, POSE_VERTEX, deform->normals + from, b->weights[t], count);
+		if (extras && deform->tangents)
+			pose_add(extras->tangent, POSE_EXTRA, deform->tangents + from, b->weights[t], count);
 	}
 	for (uint32_t v = 0; deform->normals && v < count; v++)
 		pose_store(pose_unit(pose_load(vertices[v].normal), pose_load(b->rest->vertices[b->first + v].normal)),
 		           vertices[v].normal);
+	for (uint32_t v = 0; extras && deform->tangents && v < count; v++)
+		pose_store(pose_unit(pose_load(extras[v].tangent), pose_load(b->rest->tangents + 4 * ((size_t)b->first + v))),
+		           extras[v].tangent);
 }
 
 /* The weighted sum of a vertex's joints. */
