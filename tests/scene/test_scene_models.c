@@ -4,6 +4,7 @@
  * listed.
  */
 #include "scene/open/scene_import.h"
+#include "scene/play/scene_play.h"
 #include "scene/scene_internal.h"
 #include "support/test.h"
 
