@@ -164,6 +164,7 @@ bool scene_play_is_skinned(const stilb_scene *scene, uint32_t node)
 static stilb_result play_begin(stilb_scene *scene)
 {
 	stilb_scene_figures *all = scene->figures;
+	all->skin = scene_play_skin_choose();
 	stilb_result result = scene_play_share(scene, &all->shared);
 	if (result == STILB_OK)
 		result = scene_edit_begin(scene);

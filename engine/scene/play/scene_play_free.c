@@ -21,8 +21,7 @@ void scene_play_free_figure(play_figure *figure)
 static void play_unshare(const stilb_scene *scene, play_shared *shared)
 {
 	for (uint32_t d = 0; shared->rests && d < scene->animation->deform_count; d++) {
-		free(shared->rests[d].vertices);
-		free(shared->rests[d].tangents);
+		free(shared->rests[d].streams);
 		free(shared->rests[d].weights);
 		free(shared->rests[d].joints);
 	}

@@ -4,6 +4,7 @@
 
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/play/scene_play.h"
+#include "scene/play/scene_play_skin.h"
 
 /* ---- shared by all figures --------------------------------------------------------------------------------------- */
 
@@ -31,14 +32,23 @@ typedef struct play_clip {
 	uint32_t rotation_count;           /* of its channels, the first of `order` that turn by LINEAR */
 } play_clip;
 
-/* What a mesh is at rest, and what carries its vertices. */
+/* What a mesh is at rest, and what carries its vertices. Streams hold a number of each vertex, and arrays have room for
+ * vertices to the next eight. */
 typedef struct play_rest {
-	stilb_scene_vertex *vertices; /* [vertex_count] */
-	float *tangents;              /* [vertex_count * 4], or NULL: the mesh has no extras */
-	float *weights;               /* [vertex_count * influences] of sum 1; NULL: no skin moves it */
-	uint16_t *joints;             /* [vertex_count * influences] */
-	uint32_t vertex_count, influences;
+	float *streams;   /* [PLAY_STREAMS][stride], or [PLAY_STREAMS_PLAIN][stride] of a mesh without extras */
+	float *weights;   /* [stride * influences] of sum 1; NULL: no skin moves it */
+	uint16_t *joints; /* [stride * influences] */
+	bool tangents;    /* the mesh has extras */
+	uint32_t vertex_count, stride, influences;
 } play_rest;
+
+/* Streams of a mesh at rest: numbers of positions, normals and uv, then of tangents. */
+enum { PLAY_POSITION = 0, PLAY_NORMAL = 3, PLAY_UV = 6, PLAY_STREAMS_PLAIN = 8, PLAY_TANGENT = 8, PLAY_STREAMS = 12 };
+
+static inline const float *play_stream(const play_rest *rest, uint32_t stream, uint32_t first)
+{
+	return rest->streams + (size_t)stream * rest->stride + first;
+}
 
 /* A mesh of every figure whose vertices follow a pose: that of one part of the models that a node shows. */
 typedef struct play_posed {
@@ -83,7 +93,7 @@ typedef struct play_figure {
 	uint32_t *nodes;         /* [animation->node_count] of the scene; STILB_SCENE_NONE: removed */
 	uint32_t *models;        /* [shared->model_count] of the scene; STILB_SCENE_NONE: removed */
 	play_mesh *meshes;       /* [shared->posed_count] */
-	stilb_mat4 *joints;      /* [animation->joint_count] from the mesh at rest to the figure's place */
+	play_rows *joints;       /* [animation->joint_count] from the mesh at rest to the figure's place */
 	float *weights;          /* [animation->weight_count] of morph targets */
 	float *shown_weights;    /* the same, of the pose that its meshes have */
 	bool *turned;            /* [animation->skin_count] while it is posed: a joint of the skin has changed */
@@ -122,7 +132,8 @@ typedef struct stilb_scene_figures {
 	play_work *work; /* [work_count] their meshes */
 	play_box *boxes; /* of chunks of vertices */
 	uint32_t work_count;
-	play_end *ends; /* [end_count] plays that have come to their ends */
+	play_skin_fn *skin; /* of this CPU */
+	play_end *ends;     /* [end_count] plays that have come to their ends */
 	uint32_t end_count, end_capacity;
 } stilb_scene_figures;
 

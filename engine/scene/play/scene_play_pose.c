@@ -62,9 +62,12 @@ static bool pose_joints(const stilb_scene *scene, play_figure *figure, const sti
 		pose_multiply(&scene->nodes.to_world[node], &scene->animation->inverse_binds[j], &joint);
 		if (from_world)
 			pose_multiply(from_world, &joint, &joint);
-		if (memcmp(&joint, &figure->joints[j], sizeof joint) == 0)
+		play_rows rows;
+		for (size_t i = 0; i < 12; i++)
+			rows.m[i] = joint.m[4 * (i % 4) + i / 4];
+		if (memcmp(&rows, &figure->joints[j], sizeof rows) == 0)
 			continue;
-		figure->joints[j] = joint;
+		figure->joints[j] = rows;
 		changed = true;
 	}
 	return changed;
@@ -103,138 +106,84 @@ static void pose_figures(uint32_t begin, uint32_t end, uint32_t worker, void *co
 
 /* ---- vertices ---------------------------------------------------------------------------------------------------- */
 
-/* Vertices of a mesh that are posed together. */
-typedef struct pose_block {
-	const play_rest *rest;
-	const stilb_scene_deform *deform;
-	const stilb_mat4 *joints; /* of the skin; NULL: it has none */
-	const float *weights;     /* [targets] */
-	stilb_scene_mesh *mesh;
-	uint32_t first, end;
-} pose_block;
+/* Streams of vertices that morph targets have changed. */
+typedef struct pose_morphed {
+	float streams[PLAY_STREAMS][POSE_BLOCK];
+} pose_morphed;
 
-static inline stilb_vec4 pose_load(const float v[3])
+/* Adds what the targets change of three streams. deltas: [targets][vertices][3], from the first vertex on. */
+static void pose_add(float streams[3][POSE_BLOCK], const float *deltas, const stilb_scene_deform *deform,
+                     const float *weights, uint32_t vertices, uint32_t count)
 {
-	return (stilb_vec4){v[0], v[1], v[2], 0.0f};
-}
-
-static inline void pose_store(stilb_vec4 v, float out[3])
-{
-	out[0] = v[0];
-	out[1] = v[1];
-	out[2] = v[2];
-}
-
-static inline stilb_vec4 pose_cross(stilb_vec4 a, stilb_vec4 b)
-{
-	stilb_vec4 next_a = __builtin_shufflevector(a, a, 1, 2, 0, 3), next_b = __builtin_shufflevector(b, b, 1, 2, 0, 3);
-	stilb_vec4 turned = a * next_b - next_a * b;
-	return __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
-}
-
-/* v made unit; a vector without a length: `other`. */
-static inline stilb_vec4 pose_unit(stilb_vec4 v, stilb_vec4 other)
-{
-	stilb_vec4 square = v * v;
-	float length = square[0] + square[1] + square[2];
-	return length > 1e-36f && length < 1e36f ? v * (1.0f / sqrtf(length)) : other;
-}
-
-/* Adds what a target changes: to + weight * delta, elements `step` floats apart in `to`. */
-static inline void pose_add(float *to, size_t step, const float *delta, float weight, uint32_t count)
-{
-	for (uint32_t v = 0; v < count; v++)
-		for (size_t i = 0; i < 3; i++)
-			to[v * step + i] += weight * delta[3 * (size_t)v + i];
-}
-
-#define POSE_VERTEX (sizeof(stilb_scene_vertex) / sizeof(float))
-#define POSE_EXTRA (sizeof(stilb_scene_vertex_extra) / sizeof(float))
-
-/* The vertices at rest, changed by the morph targets, in the mesh. */
-static void pose_morph(const pose_block *b)
-{
-	const stilb_scene_deform *deform = b->deform;
-	stilb_scene_vertex *vertices = b->mesh->vertices + b->first;
-	stilb_scene_vertex_extra *extras = b->rest->tangents ? b->mesh->extras + b->first : NULL;
-	uint32_t count = b->end - b->first;
-	memcpy(vertices, b->rest->vertices + b->first, count * sizeof *vertices);
-	for (uint32_t v = 0; extras && v < count; v++)
-		memcpy(extras[v].tangent, b->rest->tangents + 4 * ((size_t)b->first + v), sizeof extras[v].tangent);
 	for (uint32_t t = 0; t < deform->targets; t++) {
-		size_t from = 3 * ((size_t)t * b->rest->vertex_count + b->first);
-		if (b->weights[t] == 0.0f)
-			continue;
-		pose_add(vertices->position, POSE_VERTEX, deform->positions + from, b->weights[t], count);
-		if (deform->normals)
-			pose_add(vertices->normal, POSE_VERTEX, deform->normals + from, b->weights[t], count);
-		if (extras && deform->tangents)
-			pose_add(extras->tangent, POSE_EXTRA, deform->tangents + from, b->weights[t], count);
-	}
-	for (uint32_t v = 0; deform->normals && v < count; v++)
-		pose_store(pose_unit(pose_load(vertices[v].normal), pose_load(b->rest->vertices[b->first + v].normal)),
-		           vertices[v].normal);
-	for (uint32_t v = 0; extras && deform->tangents && v < count; v++)
-		pose_store(pose_unit(pose_load(extras[v].tangent), pose_load(b->rest->tangents + 4 * ((size_t)b->first + v))),
-		           extras[v].tangent);
-}
-
-/* The weighted sum of a vertex's joints. */
-static inline void pose_blend(const play_rest *rest, const stilb_mat4 *joints, size_t vertex, stilb_vec4 sum[4])
-{
-	const float *weights = rest->weights + vertex * rest->influences;
-	const uint16_t *indices = rest->joints + vertex * rest->influences;
-	for (int c = 0; c < 4; c++)
-		sum[c] = (stilb_vec4){0.0f, 0.0f, 0.0f, 0.0f};
-	for (uint32_t i = 0; i < rest->influences; i++) {
-		stilb_vec4 columns[4];
-		if (i >= 4 && weights[i] == 0.0f)
-			continue;
-		memcpy(columns, joints[indices[i]].m, sizeof columns);
-		for (int c = 0; c < 4; c++)
-			sum[c] += weights[i] * columns[c];
+		const float *delta = deltas + 3 * (size_t)t * vertices;
+		float weight = weights[t];
+		for (uint32_t v = 0; weight != 0.0f && v < count; v++)
+			for (int i = 0; i < 3; i++)
+				streams[i][v] += weight * delta[3 * (size_t)v + (size_t)i];
 	}
 }
 
-/* Carries vertices with the joints. They come from the mesh itself where morph targets have changed them. A matrix
- * that mirrors turns the direction of the bitangent round. */
-static void pose_skin(const pose_block *b, bool morphed)
+/* Makes directions unit again; one without a length is what it was at rest. */
+static void pose_unit(float streams[3][POSE_BLOCK], const float *rest, uint32_t stride, uint32_t count)
 {
-	const stilb_scene_vertex *from = morphed ? b->mesh->vertices : b->rest->vertices;
-	for (uint32_t v = b->first; v < b->end; v++) {
-		stilb_vec4 m[4], p = pose_load(from[v].position), n = pose_load(from[v].normal);
-		pose_blend(b->rest, b->joints, v, m);
-		stilb_vec4 at = m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3];
-		stilb_vec4 x = pose_cross(m[1], m[2]), y = pose_cross(m[2], m[0]), z = pose_cross(m[0], m[1]);
-		stilb_vec4 product = m[0] * x, normal = x * n[0] + y * n[1] + z * n[2];
-		float side = product[0] + product[1] + product[2] < 0.0f ? -1.0f : 1.0f;
-		pose_store(at, b->mesh->vertices[v].position);
-		pose_store(pose_unit(normal * side, n), b->mesh->vertices[v].normal);
-		if (!b->rest->tangents)
-			continue;
-		const float *t = morphed ? b->mesh->extras[v].tangent : b->rest->tangents + 4 * (size_t)v;
-		float mirror = b->rest->tangents[4 * (size_t)v + 3] * side;
-		stilb_vec4 tangent = pose_unit(m[0] * t[0] + m[1] * t[1] + m[2] * t[2], pose_load(t));
-		pose_store(tangent, b->mesh->extras[v].tangent);
-		b->mesh->extras[v].tangent[3] = mirror;
+	for (uint32_t v = 0; v < count; v++) {
+		float x = streams[0][v], y = streams[1][v], z = streams[2][v], square = x * x + y * y + z * z;
+		bool good = square > 1e-36f && square < 1e36f;
+		float scale = good ? 1.0f / sqrtf(square) : 1.0f;
+		for (size_t i = 0; i < 3; i++)
+			streams[i][v] = good ? streams[i][v] * scale : rest[i * stride + v];
 	}
 }
 
-/* The box of vertices, those that are usable. */
-static play_box pose_box(const stilb_scene_mesh *mesh, uint32_t first, uint32_t end)
+/* Writes count vertices from `first` on as morph targets have them, and has the skin read these. */
+static void pose_morph(const play_rest *rest, const stilb_scene_deform *deform, const float *weights, uint32_t first,
+                       pose_morphed *to, play_skin *skin)
 {
-	stilb_vec4 low = {INFINITY, INFINITY, INFINITY, 0.0f}, high = -low;
-	for (uint32_t v = first; v < end; v++) {
-		stilb_vec4 p = pose_load(mesh->vertices[v].position);
-		for (int i = 0; i < 3; i++) {
-			low[i] = p[i] < low[i] ? p[i] : low[i];
-			high[i] = p[i] > high[i] ? p[i] : high[i];
-		}
+	uint32_t streams = rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN, count = skin->count;
+	size_t from = 3 * (size_t)first;
+	for (uint32_t s = 0; s < streams; s++)
+		memcpy(to->streams[s], play_stream(rest, s, first),
+		       (count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES * sizeof(float));
+	pose_add(to->streams + PLAY_POSITION, deform->positions + from, deform, weights, rest->vertex_count, count);
+	if (deform->normals) {
+		pose_add(to->streams + PLAY_NORMAL, deform->normals + from, deform, weights, rest->vertex_count, count);
+		pose_unit(to->streams + PLAY_NORMAL, play_stream(rest, PLAY_NORMAL, first), rest->stride, count);
 	}
-	play_box box;
-	pose_store(low, box.low);
-	pose_store(high, box.high);
-	return box;
+	if (rest->tangents && deform->tangents) {
+		pose_add(to->streams + PLAY_TANGENT, deform->tangents + from, deform, weights, rest->vertex_count, count);
+		pose_unit(to->streams + PLAY_TANGENT, play_stream(rest, PLAY_TANGENT, first), rest->stride, count);
+	}
+	for (int i = 0; i < 3; i++) {
+		skin->position[i] = to->streams[PLAY_POSITION + i];
+		skin->normal[i] = to->streams[PLAY_NORMAL + i];
+	}
+	for (int i = 0; rest->tangents && i < 4; i++)
+		skin->tangent[i] = to->streams[PLAY_TANGENT + i];
+}
+
+/* The vertices first .. first + count - 1 of a mesh, from those at rest. */
+static play_skin pose_block(const play_rest *rest, const play_rows *joints, const stilb_scene_mesh *mesh,
+                            uint32_t first, uint32_t count)
+{
+	play_skin skin = {
+		.joints = joints,
+		.weights = joints ? rest->weights + (size_t)first * rest->influences : NULL,
+		.indices = joints ? rest->joints + (size_t)first * rest->influences : NULL,
+		.influences = rest->influences,
+		.count = count,
+		.vertices = mesh->vertices + first,
+		.extras = rest->tangents ? mesh->extras + first : NULL,
+	};
+	for (uint32_t i = 0; i < 3; i++) {
+		skin.position[i] = play_stream(rest, PLAY_POSITION + i, first);
+		skin.normal[i] = play_stream(rest, PLAY_NORMAL + i, first);
+	}
+	for (uint32_t i = 0; i < 2; i++)
+		skin.uv[i] = play_stream(rest, PLAY_UV + i, first);
+	for (uint32_t i = 0; rest->tangents && i < 4; i++)
+		skin.tangent[i] = play_stream(rest, PLAY_TANGENT + i, first);
+	return skin;
 }
 
 /* Poses a chunk of a mesh. */
@@ -244,29 +193,26 @@ static void pose_chunk(stilb_scene *scene, const play_work *work, uint32_t chunk
 	const play_posed *posed = &all->shared.posed[work->posed];
 	play_figure *figure = &all->figures[work->figure];
 	const stilb_scene_animation *animation = scene->animation;
-	const stilb_scene_skin *skin = posed->skin == STILB_SCENE_NONE ? NULL : &animation->skins[posed->skin];
-	pose_block block = {
-		.rest = &all->shared.rests[posed->deform],
-		.deform = &animation->deforms[posed->deform],
-		.joints = skin ? figure->joints + skin->first_joint : NULL,
-		.weights = figure->weights + animation->nodes[posed->node].first_weight,
-		.mesh = &scene->meshes[figure->meshes[work->posed].mesh],
-	};
+	const stilb_scene_skin *carried = posed->skin == STILB_SCENE_NONE ? NULL : &animation->skins[posed->skin];
+	const play_rows *joints = carried ? figure->joints + carried->first_joint : NULL;
+	const play_rest *rest = &all->shared.rests[posed->deform];
+	const stilb_scene_deform *deform = &animation->deforms[posed->deform];
+	const stilb_scene_mesh *mesh = &scene->meshes[figure->meshes[work->posed].mesh];
 	uint32_t first = (chunk - work->first_chunk) * PLAY_CHUNK, end = first + PLAY_CHUNK;
-	end = end < block.rest->vertex_count ? end : block.rest->vertex_count;
+	end = end < rest->vertex_count ? end : rest->vertex_count;
 	play_box *box = &all->boxes[chunk];
 	*box = (play_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-	for (block.first = first; block.first < end; block.first = block.end) {
-		block.end = block.first + POSE_BLOCK < end ? block.first + POSE_BLOCK : end;
-		bool morphs = block.deform->targets > 0;
-		if (morphs)
-			pose_morph(&block);
-		if (skin)
-			pose_skin(&block, morphs);
-		play_box part = pose_box(block.mesh, block.first, block.end);
+	pose_morphed morphed;
+	for (; first < end; first += POSE_BLOCK) {
+		uint32_t count = end - first < POSE_BLOCK ? end - first : POSE_BLOCK;
+		play_skin skin = pose_block(rest, joints, mesh, first, count);
+		if (deform->targets > 0)
+			pose_morph(rest, deform, figure->weights + animation->nodes[posed->node].first_weight, first, &morphed,
+			           &skin);
+		all->skin(&skin);
 		for (int i = 0; i < 3; i++) {
-			box->low[i] = part.low[i] < box->low[i] ? part.low[i] : box->low[i];
-			box->high[i] = part.high[i] > box->high[i] ? part.high[i] : box->high[i];
+			box->low[i] = fminf(box->low[i], skin.low[i]);
+			box->high[i] = fmaxf(box->high[i], skin.high[i]);
 		}
 	}
 }

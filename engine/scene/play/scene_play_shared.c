@@ -104,22 +104,40 @@ static void share_weights(const stilb_scene_deform *deform, play_rest *rest)
 	}
 }
 
+/* Numbers of vertices become streams. */
+static void share_streams(const stilb_scene_mesh *mesh, play_rest *rest)
+{
+	for (uint32_t v = 0; v < rest->vertex_count; v++) {
+		const stilb_scene_vertex *vertex = &mesh->vertices[v];
+		float *to = rest->streams + v;
+		for (int i = 0; i < 3; i++) {
+			to[(size_t)(PLAY_POSITION + i) * rest->stride] = vertex->position[i];
+			to[(size_t)(PLAY_NORMAL + i) * rest->stride] = vertex->normal[i];
+		}
+		for (int i = 0; i < 2; i++)
+			to[(size_t)(PLAY_UV + i) * rest->stride] = vertex->uv[i];
+		for (int i = 0; rest->tangents && i < 4; i++)
+			to[(size_t)(PLAY_TANGENT + i) * rest->stride] = mesh->extras[v].tangent[i];
+	}
+}
+
 static stilb_result share_rest(const stilb_scene *scene, const stilb_scene_deform *deform, play_rest *rest)
 {
 	const stilb_scene_mesh *mesh = &scene->meshes[deform->mesh];
-	size_t count = mesh->vertex_count, influences = count * deform->influences;
-	*rest = (play_rest){.vertex_count = mesh->vertex_count, .influences = deform->influences};
-	rest->vertices = stilb_memory_alloc(count, sizeof *rest->vertices);
-	rest->tangents = mesh->extras ? stilb_memory_alloc(count, 4 * sizeof(float)) : NULL;
-	rest->weights = influences > 0 ? stilb_memory_alloc(influences, sizeof *rest->weights) : NULL;
-	rest->joints = influences > 0 ? stilb_memory_alloc(influences, sizeof *rest->joints) : NULL;
-	if (!rest->vertices || (mesh->extras && !rest->tangents) || (influences > 0 && (!rest->weights || !rest->joints)))
+	*rest = (play_rest){.vertex_count = mesh->vertex_count,
+	                    .stride = (mesh->vertex_count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES,
+	                    .influences = deform->influences,
+	                    .tangents = mesh->extras};
+	size_t influences = (size_t)rest->stride * rest->influences;
+	rest->streams =
+		calloc((size_t)(rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN) * rest->stride, sizeof *rest->streams);
+	rest->weights = influences > 0 ? calloc(influences, sizeof *rest->weights) : NULL;
+	rest->joints = influences > 0 ? calloc(influences, sizeof *rest->joints) : NULL;
+	if (!rest->streams || (influences > 0 && (!rest->weights || !rest->joints)))
 		return share_memory();
-	memcpy(rest->vertices, mesh->vertices, count * sizeof *rest->vertices);
-	for (size_t v = 0; rest->tangents && v < count; v++)
-		memcpy(rest->tangents + 4 * v, mesh->extras[v].tangent, 4 * sizeof(float));
+	share_streams(mesh, rest);
 	if (influences > 0) {
-		memcpy(rest->joints, deform->joints, influences * sizeof *rest->joints);
+		memcpy(rest->joints, deform->joints, (size_t)rest->vertex_count * rest->influences * sizeof *rest->joints);
 		share_weights(deform, rest);
 	}
 	return STILB_OK;
@@ -148,7 +166,7 @@ static stilb_result share_posed(const stilb_scene *scene, play_shared *shared)
 			uint32_t d = (uint32_t)(deform - animation->deforms);
 			shared->posed[shared->posed_count++] =
 				(play_posed){n, p - first, d, skinned ? node->skin : STILB_SCENE_NONE};
-			if (!shared->rests[d].vertices)
+			if (!shared->rests[d].streams)
 				result = share_rest(scene, deform, &shared->rests[d]);
 		}
 	}
