@@ -34,8 +34,8 @@ static stilb_result animation_reserve(void **at, uint64_t *room, uint64_t needed
 /* Counts numbers that are about to be read. */
 static stilb_result animation_count(animation_reader *reader, uint64_t numbers)
 {
-	if (numbers > GLTF_MOVING_MOST - reader->from->moving)
-		return stilb_fail(STILB_ERROR_FILE, "it has more than %llu numbers that move", GLTF_MOVING_MOST);
+	if (numbers > IMPORTER_MOVING_MOST - reader->from->moving)
+		return stilb_fail(STILB_ERROR_FILE, "it has more than %llu numbers that move", IMPORTER_MOVING_MOST);
 	reader->from->moving += numbers;
 	return STILB_OK;
 }
