@@ -7,6 +7,7 @@
 #include "profiler/prof.h"
 #include "render/render_dump.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -156,6 +157,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	stilb_owner_take(&engine->owner);
 	engine->desc = *desc;
 	engine->shading = desc->shading;
+	engine->playing.pace = 1.0f;
 	stilb_result result = stilb_engine_table(desc, &engine->actions);
 	if (result == STILB_OK)
 		result = engine_profile_start(engine);
@@ -236,6 +238,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	engine->playing.seconds = engine->seconds;
+	engine->playing.step = 0.0;
 	stilb_scene_pick_index_clear(engine->pick_index);
 	if (!scene)
 		engine_picture_finish(engine);
@@ -246,6 +250,26 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
+}
+
+void stilb_engine_set_pace(stilb_engine *engine, float pace)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(isfinite(pace));
+	engine->playing.pace = pace;
+}
+
+float stilb_engine_pace(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->playing.pace;
+}
+
+void stilb_engine_step(stilb_engine *engine, double seconds)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(isfinite(seconds));
+	engine->playing.step += seconds;
 }
 
 stilb_scene *stilb_engine_scene(const stilb_engine *engine)

@@ -51,6 +51,7 @@
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/edit/scene_variant.h"
+#include "scene/play/scene_play.h"
 #include "scene/scene.h"
 #include "scene/scene_animation.h"
 #include "scene/scene_look.h"
@@ -326,6 +327,14 @@ typedef struct stilb_engine_report {
 	bool drawn; /* false: the window is minimised, and only input was handled */
 	bool ui_keys, ui_mouse; /* the engine's panels took the keys, the mouse: they are for nobody else */
 } stilb_engine_report;
+
+/* How fast the clips of the scene play (scene_play.h), in a window and headless: their seconds in one of the engine's.
+ * 1 at first; 0: all stand still; below 0: backwards. Finite. */
+void stilb_engine_set_pace(stilb_engine *engine, float pace);
+float stilb_engine_pace(const stilb_engine *engine);
+
+/* Moves all clips on by seconds, finite, below 0: back, in the next frame, besides what the pace does. */
+void stilb_engine_step(stilb_engine *engine, double seconds);
 
 /* Runs one frame and fills *report. While the window is minimised it waits up to 50 ms and draws nothing.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST. */

@@ -148,6 +148,13 @@ typedef struct engine_camera {
 	char name[STILB_RENDER_TARGET_NAME + 1];
 } engine_camera;
 
+/* How the clips of the scene play. */
+typedef struct engine_playing {
+	double seconds; /* the engine's time up to which they have played */
+	double step;    /* seconds that they move besides in the next frame */
+	float pace;     /* their seconds in one of the engine's */
+} engine_playing;
+
 struct stilb_engine {
 	engine_press press;
 	stilb_owner owner; /* the main thread: the one that created it */
@@ -197,6 +204,7 @@ struct stilb_engine {
 	uint64_t frame;          /* frames drawn */
 	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */
 	double seconds;          /* the engine's time, from 0 */
+	engine_playing playing;  /* of the scene's clips */
 	float step;              /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };

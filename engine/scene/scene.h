@@ -374,6 +374,7 @@ typedef struct stilb_scene {
 	uint64_t seed;                           /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits;         /* of scene_edit.h; NULL: there was none */
 	struct stilb_scene_animation *animation; /* of scene_animation.h; NULL: nothing of the file moves */
+	struct stilb_scene_figures *figures;     /* of scene_play.h; NULL: nothing moves */
 	struct stilb_scene_variants *variants;   /* of scene_variant.h; NULL: the file has none */
 	stilb_scene_revisions revisions;         /* as of stilb_scene_revisions_read */
 	uint64_t values[3];                      /* hashes of lights, surroundings and camera at that time */

@@ -270,6 +270,7 @@ static void options_table(offline_options *o, flag_rows *table)
 	rays_flags_add(&o->light, RAYS_INTEGRATOR, table);
 	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
+	picture_flags_add(&o->picture, PICTURE_POSE, table);
 	picture_flags_add(&o->picture, PICTURE_LOOK, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);

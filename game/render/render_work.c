@@ -173,6 +173,7 @@ static bool work_open(work_pieces *p)
 	                                 .dark = true,
 	                                 .import_bytes = &p->result->import_bytes};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
+	    !work_good(p, picture_flags_pose(&p->options->picture, p->scene)) ||
 	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->options->scene, p->scene)) ||
 	    !work_good(p, picture_flags_variant(&p->options->picture, p->scene)))
 		return false;

@@ -88,11 +88,8 @@ static void make(made *m)
 	m->left.mMeshes = m->shown;
 	m->left.mNumMeshes = 1;
 	m->animations[0] = &m->animation;
-	m->scene = (struct aiScene){.mRootNode = &m->root,
-	                            .mMeshes = m->meshes,
-	                            .mNumMeshes = 1,
-	                            .mAnimations = m->animations,
-	                            .mNumAnimations = 1};
+	m->scene =
+		(struct aiScene){.mRootNode = &m->root, .mMeshes = m->meshes, .mNumMeshes = 1, .mAnimations = m->animations};
 	m->import = (importer){.from = &m->scene, .world.to_world = stilb_mat4_identity(), .joins = true};
 	has_normal_maps = false;
 }
@@ -101,6 +98,9 @@ static void make(made *m)
 static const stilb_scene_animation *convert(made *m)
 {
 	importer *import = &m->import;
+	const struct aiAnimation *a = &m->animation;
+	if (a->mNumChannels + a->mNumMorphMeshChannels + a->mNumMeshChannels > 0 && m->scene.mNumAnimations == 0)
+		m->scene.mNumAnimations = 1;
 	stilb_result result = importer_list_nodes(import);
 	if (result == STILB_OK)
 		result = importer_add_meshes(import);
@@ -720,7 +720,7 @@ static void damaged_targets_are_left_out(void **state)
 	} rows[] = {
 		{2, 1, "card", "has target 2 of 2", IMPORTER_LOSS_BAD_ANIMATIONS},
 		{0, (double)NAN, "card", "with weight nan", IMPORTER_LOSS_BAD_ANIMATIONS},
-		{0, 1, "nobody", "wave", IMPORTER_LOSS_STRAYS},
+		{0, 1, "nobody", "wave", IMPORTER_LOSS_ANIMATIONS},
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		make(&m);

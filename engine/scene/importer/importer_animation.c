@@ -508,12 +508,14 @@ static stilb_result clip_read(clip_reader *reader, clip_source *source)
 static void clip_lose(clip_reader *reader, const clip_source *source)
 {
 	importer *import = reader->import;
-	if (source->strays)
+	if (source->from->mNumMeshChannels > 0)
+		importer_lose(import, IMPORTER_LOSS_MESH_FRAMES, source->clip.name);
+	else if (source->clip.channel_count == 0)
+		importer_lose(import, IMPORTER_LOSS_ANIMATIONS, source->clip.name);
+	else if (source->strays)
 		importer_lose(import, IMPORTER_LOSS_STRAYS, source->clip.name);
 	if (source->repeats)
 		importer_lose(import, IMPORTER_LOSS_REPEATS, source->clip.name);
-	if (source->from->mNumMeshChannels > 0)
-		importer_lose(import, IMPORTER_LOSS_MESH_FRAMES, source->clip.name);
 }
 
 static stilb_result clip_add_all(clip_reader *reader)

@@ -33,10 +33,6 @@ static void assimp_lose_mesh(importer *import, const struct aiMesh *mesh)
 		lines = mesh->mFaces[f].mNumIndices < 3;
 	if (lines)
 		importer_lose(import, IMPORTER_LOSS_LINES, mesh->mName.data);
-	if (mesh->mNumBones > 0)
-		importer_lose(import, IMPORTER_LOSS_SKINS, mesh->mName.data);
-	if (mesh->mNumAnimMeshes > 0)
-		importer_lose(import, IMPORTER_LOSS_MORPHS, mesh->mName.data);
 }
 
 /* Counts what the scene holds before parts of it are dropped. */
@@ -46,8 +42,6 @@ static void assimp_lose(importer *import)
 	bool spikes = from->mFlags & AI_SCENE_FLAGS_INCOMPLETE && from->mNumMeshes == 1 && from->mMeshes[0]->mNumBones > 0;
 	for (uint32_t m = 0; m < from->mNumMeshes && !spikes; m++)
 		assimp_lose_mesh(import, from->mMeshes[m]);
-	for (uint32_t a = 0; a < from->mNumAnimations; a++)
-		importer_lose(import, IMPORTER_LOSS_ANIMATIONS, from->mAnimations[a]->mName.data);
 	if (spikes)
 		importer_warn("it has no meshes: spikes stand for its nodes");
 }

@@ -89,11 +89,14 @@ stilb_result stilb_scene_rest_figure(stilb_scene *scene, uint32_t figure);
 stilb_result stilb_scene_set_weights(stilb_scene *scene, uint32_t figure, uint32_t node, const float *weights,
                                      uint32_t count);
 
-/* Moves the times of all plays on by `seconds`, finite, >= 0, and gives the nodes and morph targets of figures whose
+/* Moves the times of all plays on by `seconds`, finite, below 0: back, and gives the nodes and morph targets of figures whose
  * times or plays have changed their poses. The pool's workers help with many channels; NULL: none. worker: the
  * caller's index in the pool. The same bits for any number of workers. The engine calls it in each frame; a program
  * does that shows scenes otherwise, followed by stilb_scene_update_nodes. */
 void stilb_scene_advance(stilb_scene *scene, double seconds, stilb_job_pool *pool, uint32_t worker);
+
+/* True if poses write the vertices of this mesh: nothing may be made of them that is to last. [any-thread] */
+bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh);
 
 /* ---- more figures ------------------------------------------------------------------------------------------------ */
 

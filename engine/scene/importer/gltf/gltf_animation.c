@@ -360,8 +360,10 @@ static stilb_result animation_add_clips(animation_reader *reader)
 				return result;
 			continue;
 		}
-		if (clip.channel_count == 0)
+		if (clip.channel_count == 0) {
+			importer_lose(from->import, IMPORTER_LOSS_ANIMATIONS, name);
 			continue;
+		}
 		snprintf(clip.name, sizeof clip.name, "%.63s", name);
 		made->channel_count += clip.channel_count;
 		made->clips[made->clip_count++] = clip;
