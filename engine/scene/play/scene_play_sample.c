@@ -247,20 +247,23 @@ static void sample_mean(const float *sum, float weight, const float *rest, uint3
 		out[k] = share > 0.0f ? sum[k] + share * rest[k] : sum[k] * scale;
 }
 
+/* In double: with lengths that are off by a float's last digits, always to the same side, chains of many joints would
+ * grow or shrink. */
 static void sample_mean_turn(const float *sum, float weight, const float *rest, float out[4])
 {
-	float share = weight < 1.0f ? 1.0f - weight : 0.0f, square = 0.0f, q[4];
+	float share = weight < 1.0f ? 1.0f - weight : 0.0f, q[4];
+	double square = 0.0;
 	if (sum[0] * rest[0] + sum[1] * rest[1] + sum[2] * rest[2] + sum[3] * rest[3] < 0.0f)
 		share = -share;
 	for (int k = 0; k < 4; k++) {
 		q[k] = sum[k] + share * rest[k];
-		square += q[k] * q[k];
+		square += (double)q[k] * (double)q[k];
 	}
-	if (!(square > 1e-12f && square < 1e30f))
+	if (!(square > 1e-12 && square < 1e30))
 		return; /* they cancel: it keeps the rotation that it has */
-	float scale = 1.0f / sqrtf(square);
+	double scale = 1.0 / sqrt(square);
 	for (int k = 0; k < 4; k++)
-		out[k] = scale * q[k];
+		out[k] = (float)(scale * (double)q[k]);
 }
 
 /* Gives a node what the targets first .. end - 1 have; places that are too far away are left out. */
