@@ -74,10 +74,14 @@ static void compare_part(compare *c, uint32_t node, const play_place *own, uint3
 			c->worst_node = node;
 			c->worst_vertex = v;
 		}
+		const double behind[3] = {-got.normal[0], -got.normal[1], -got.normal[2]};
+		double turned = distance(wanted.normal, got.normal, 3);
+		if (!wanted.side_is_clear)
+			turned = fmin(turned, distance(wanted.normal, behind, 3));
 		if (wanted.normal_is_clear)
-			c->normal = fmax(c->normal, distance(wanted.normal, got.normal, 3));
+			c->normal = fmax(c->normal, turned);
 		if (wanted.tangent_is_clear)
-			c->tangent = fmax(c->tangent, distance(wanted.tangent, got.tangent, 4));
+			c->tangent = fmax(c->tangent, distance(wanted.tangent, got.tangent, wanted.side_is_clear ? 4 : 3));
 		c->bound = fmax(c->bound, distance(center, wanted.position, 3) - (double)scene->bounds.radius[model]);
 		for (int k = 0; k < 3; k++) {
 			c->low[k] = fmin(c->low[k], wanted.position[k]);

@@ -274,13 +274,13 @@ static bool morph(const stilb_scene_deform *d, const float *deltas, const double
 	return clear;
 }
 
-/* True if a matrix leaves enough of a direction. power: of the lengths of its sides, with which the direction grows. */
-static bool keeps(const double after[3], const play_place *place, int power)
+/* The length of the longest side of a matrix. */
+static double longest(const play_place *place)
 {
 	double most = 0.0;
 	for (int c = 0; c < 3; c++)
 		most = fmax(most, sqrt(dot(place->m[c], place->m[c], 3)));
-	return sqrt(dot(after, after, 3)) > 1e-2 * (power == 2 ? most * most : most);
+	return most;
 }
 
 play_vertex play_pose_vertex(const play_pose *pose, const stilb_scene *rest, uint32_t node, const play_place *own,
@@ -314,8 +314,11 @@ play_vertex play_pose_vertex(const play_pose *pose, const stilb_scene *rest, uin
 	for (int r = 0; r < 3; r++)
 		out.tangent[r] = place.m[0][r] * tangent[0] + place.m[1][r] * tangent[1] + place.m[2][r] * tangent[2];
 	out.tangent[3] = play_place_determinant(&place) < 0.0 ? -sign : sign;
-	out.normal_is_clear &= keeps(out.normal, &place, 2);
-	out.tangent_is_clear &= keeps(out.tangent, &place, 1);
+	/* Enough is left of a direction, which grows with the matrix, the normal with its square. */
+	double side = longest(&place);
+	out.side_is_clear = fabs(play_place_determinant(&place)) > 1e-4 * side * side * side;
+	out.normal_is_clear &= sqrt(dot(out.normal, out.normal, 3)) > 1e-2 * side * side;
+	out.tangent_is_clear &= sqrt(dot(out.tangent, out.tangent, 3)) > 1e-2 * side;
 	make_unit(out.normal, 3);
 	make_unit(out.tangent, 3);
 	return out;

@@ -25,6 +25,7 @@ typedef struct play_pose {
 typedef struct play_vertex {
 	double position[3], normal[3], tangent[4]; /* in the world; tangent: 0 without extras */
 	bool normal_is_clear, tangent_is_clear;    /* it does not come of nearly nothing */
+	bool side_is_clear; /* a flat matrix leaves none: then the normal may point both ways, and tangent[3] be both */
 } play_vertex;
 
 play_place play_place_of(const stilb_mat4 *matrix);
