@@ -1,6 +1,5 @@
 #include "picture_flags.h"
 
-#include "scene/edit/scene_node.h"
 #include "shading/shade_brdf.h"
 #include "shading/shade_srgb.h"
 #include "shading/shade_tonemap.h"

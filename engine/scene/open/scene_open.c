@@ -43,7 +43,7 @@ stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
 	return stilb_scene_open_with(name, &(stilb_scene_open_options){0}, scene);
 }
 
-/* Makes figure 0, whose skins may put its meshes where they were not: a camera that was to see all of it is set again. */
+/* Makes figure 0, whose skins may put its meshes where they were not: a camera that was to see all is set again. */
 static stilb_result scene_open_figures(stilb_scene *scene)
 {
 	stilb_result result = scene_play_begin(scene);

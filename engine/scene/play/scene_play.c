@@ -206,40 +206,6 @@ stilb_result scene_play_begin(stilb_scene *scene)
 	return scene->figures ? play_begin(scene) : play_memory();
 }
 
-/* ---- things that leave their figure ------------------------------------------------------------------------------ */
-
-static void play_forget(uint32_t *list, uint32_t count, uint32_t id)
-{
-	for (uint32_t i = 0; i < count; i++)
-		list[i] = list[i] == id ? STILB_SCENE_NONE : list[i];
-}
-
-void scene_play_forget_node(stilb_scene *scene, uint32_t figure, uint32_t node)
-{
-	play_figure *from = &scene->figures->figures[figure - 1];
-	from->place = from->place == node ? STILB_SCENE_NONE : from->place;
-	play_forget(from->nodes, scene->animation->node_count, node);
-}
-
-void scene_play_forget_model(stilb_scene *scene, uint32_t figure, uint32_t model)
-{
-	play_forget(scene->figures->figures[figure - 1].models, scene->figures->shared.model_count, model);
-}
-
-void scene_play_forget_mesh(stilb_scene *scene, uint32_t figure, uint32_t mesh)
-{
-	play_figure *from = &scene->figures->figures[figure - 1];
-	for (uint32_t p = 0; p < scene->figures->shared.posed_count; p++)
-		if (from->meshes[p].mesh == mesh)
-			from->meshes[p].mesh = STILB_SCENE_NONE;
-}
-
-bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh)
-{
-	STILB_ASSERT(scene && mesh < scene->mesh_count);
-	return scene->figures && scene->edits->mesh_figure[mesh] > 0;
-}
-
 /* ---- plays ------------------------------------------------------------------------------------------------------- */
 
 stilb_scene_play stilb_scene_play_make(uint32_t clip)
@@ -451,6 +417,12 @@ void stilb_scene_advance(stilb_scene *scene, double seconds, stilb_job_pool *poo
 }
 
 /* ---- more figures ------------------------------------------------------------------------------------------------ */
+
+bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh)
+{
+	STILB_ASSERT(scene && mesh < scene->mesh_count);
+	return scene->figures && scene->edits->mesh_figure[mesh] > 0;
+}
 
 uint32_t stilb_scene_figure_count(const stilb_scene *scene)
 {

@@ -35,6 +35,7 @@
 #define STILB_SCENE_PLAY_H
 
 #include "jobs/job.h"
+#include "scene/edit/scene_node.h"
 #include "scene/scene_animation.h"
 
 #ifdef __cplusplus
@@ -89,10 +90,10 @@ stilb_result stilb_scene_rest_figure(stilb_scene *scene, uint32_t figure);
 stilb_result stilb_scene_set_weights(stilb_scene *scene, uint32_t figure, uint32_t node, const float *weights,
                                      uint32_t count);
 
-/* Moves the times of all plays on by `seconds`, finite, below 0: back, and gives the nodes and morph targets of figures whose
- * times or plays have changed their poses. The pool's workers help with many channels; NULL: none. worker: the
- * caller's index in the pool. The same bits for any number of workers. The engine calls it in each frame; a program
- * does that shows scenes otherwise, followed by stilb_scene_update_nodes. */
+/* Moves the times of all plays on by `seconds`, finite, below 0: back, and gives the nodes and morph targets of
+ * figures whose times or plays have changed their poses. The pool's workers help with many channels; NULL: none.
+ * worker: the caller's index in the pool. The same bits for any number of workers. The engine calls it in each frame;
+ * a program does that shows scenes otherwise, followed by stilb_scene_update_nodes. */
 void stilb_scene_advance(stilb_scene *scene, double seconds, stilb_job_pool *pool, uint32_t worker);
 
 /* True if poses write the vertices of this mesh: nothing may be made of them that is to last. [any-thread] */
@@ -111,8 +112,8 @@ stilb_result stilb_scene_remove_figure(stilb_scene *scene, uint32_t figure);
 /* 1 + the highest figure; 0: nothing of the scene moves. [any-thread] */
 uint32_t stilb_scene_figure_count(const stilb_scene *scene);
 
-/* The scene's node in place of node `node` of the animation in a figure; of 0xffffffff the one on which the whole
- * figure stands. STILB_SCENE_NONE: it has none, or there is no such figure. [any-thread] */
+/* The scene's node in place of node `node` of the animation in a figure; STILB_SCENE_NONE: the one on which the whole
+ * figure stands. Returns STILB_SCENE_NONE if it has none, or there is no such figure. [any-thread] */
 uint32_t stilb_scene_figure_node(const stilb_scene *scene, uint32_t figure, uint32_t node);
 
 #pragma GCC visibility pop

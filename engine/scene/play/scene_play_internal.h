@@ -18,7 +18,7 @@ typedef struct play_track {
 typedef struct play_target {
 	uint32_t node; /* of the animation */
 	stilb_scene_path path;
-	uint32_t width, first; /* its numbers in a row of values */
+	uint32_t width, first; /* its numbers in a row of values, which has room for them to the next four */
 } play_target;
 
 /* What a channel reads and writes. */
@@ -69,7 +69,8 @@ typedef struct play_shared {
 	play_posed *posed;      /* [posed_count] by ascending node */
 	uint32_t first_model, model_count; /* of figure 0, all that nodes show; others have as many */
 	uint32_t most_tracks;              /* of a clip */
-	uint32_t moved_nodes;              /* nodes that clips can move, of a figure */
+	uint32_t *moved;                   /* [moved_count] nodes of the animation that clips can move */
+	uint32_t moved_count;
 } play_shared;
 
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
@@ -160,11 +161,12 @@ stilb_result scene_play_begin(stilb_scene *scene);
 /* True if a node shows a mesh that a skin carries. */
 bool scene_play_is_skinned(const stilb_scene *scene, uint32_t node);
 
-/* scene_play_free.c: frees what a figure has, and all figures of a scene, which may have none. */
+/* scene_play_figures.c: frees what a figure has, and all figures of a scene, which may have none. */
 void scene_play_free_figure(play_figure *figure);
 void scene_play_finish(stilb_scene *scene);
 
-/* The figure to which a node, a model or a posed mesh belongs has it no longer. figure: 1 + its index. */
+/* The same file: the figure to which a node, a model or a posed mesh belongs has it no longer. figure: 1 + its
+ * index. */
 void scene_play_forget_node(stilb_scene *scene, uint32_t figure, uint32_t node);
 void scene_play_forget_model(stilb_scene *scene, uint32_t figure, uint32_t model);
 void scene_play_forget_mesh(stilb_scene *scene, uint32_t figure, uint32_t mesh);

@@ -1,5 +1,5 @@
-/* Vertices of posed meshes: morph targets first, then skins. Joints come to the space of their figure's place, so that a
- * figure far from the origin loses no digits. */
+/* Vertices of posed meshes: morph targets first, then skins. Joints come to the space of their figure's place, so that
+ * a figure far from the origin loses no digits. */
 #include "profiler/prof.h"
 #include "scene/play/scene_play_internal.h"
 

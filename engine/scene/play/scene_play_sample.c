@@ -1,7 +1,7 @@
 /* Poses of nodes and weights of morph targets from clips. */
 #include "profiler/prof.h"
-#include "scene/edit/scene_check.h"
 #include "scene/play/scene_play_internal.h"
+#include "scene/scene_pose.h"
 
 #include <math.h>
 #include <string.h>
@@ -47,66 +47,90 @@ static inline play_cursor sample_find(const float *times, const play_track *trac
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-/* Adds a value to what a target has so far, in proportion to its weight. Of q and -q, which are the same rotation, it
- * takes the one that is nearer to the sum. */
-static inline void sample_add(const play_target *target, float *row, float *sums, const float *value, float weight)
+/* Numbers of a value, at any place: a load is one instruction. Of three numbers the fourth is whatever follows, which
+ * is there (scene_animation_create) and nobody reads. */
+typedef float sample_four __attribute__((vector_size(16), aligned(4), may_alias));
+
+static inline stilb_vec4 sample_load(const float *from)
 {
-	float *to = row + target->first, has = sums[0];
-	if (has <= 0.0f) {
-		for (uint32_t k = 0; k < target->width; k++)
-			to[k] = weight * value[k];
-		sums[0] = weight;
-		return;
-	}
-	float signed_weight = weight;
-	if (target->path == STILB_SCENE_PATH_ROTATION &&
-	    to[0] * value[0] + to[1] * value[1] + to[2] * value[2] + to[3] * value[3] < 0.0f)
-		signed_weight = -weight;
-	for (uint32_t k = 0; k < target->width; k++)
-		to[k] += signed_weight * value[k];
-	sums[0] = has + weight;
+	return *(const sample_four *)from;
 }
 
-/* Number k of a channel's value (glTF 2.0, appendix C). */
-static inline float sample_number(const stilb_scene_channel *channel, const float *values, const play_cursor *at,
-                                  uint32_t k)
+static inline float sample_dot(stilb_vec4 a, stilb_vec4 b)
+{
+	stilb_vec4 product = a * b;
+	return product[0] + product[1] + product[2] + product[3];
+}
+
+/* Adds a value of up to four numbers to what a target has so far, in proportion to its weight. Of q and -q, which are
+ * the same rotation, it takes the one that is nearer to the sum. */
+static inline void sample_add(float *to, float *sum, stilb_vec4 value, float weight, bool turn)
+{
+	stilb_vec4 has = sample_load(to);
+	if (*sum <= 0.0f) {
+		*(sample_four *)to = weight * value;
+		*sum = weight;
+		return;
+	}
+	float share = turn && sample_dot(has, value) < 0.0f ? -weight : weight;
+	*(sample_four *)to = has + share * value;
+	*sum += weight;
+}
+
+/* The value of a channel of up to four numbers (glTF 2.0, appendix C). */
+static inline stilb_vec4 sample_value(const stilb_scene_channel *channel, const float *values, const play_cursor *at)
 {
 	size_t width = channel->width;
 	if (channel->interpolation != STILB_SCENE_CUBIC) {
-		float a = values[at->key * width + k];
-		return channel->interpolation == STILB_SCENE_STEP ? a : a + at->share * (values[at->next * width + k] - a);
+		stilb_vec4 a = sample_load(values + at->key * width);
+		return channel->interpolation == STILB_SCENE_STEP
+		           ? a
+		           : a + at->share * (sample_load(values + at->next * width) - a);
 	}
 	float t = at->share, square = t * t, cube = square * t;
-	const float *from = values + 3 * width * at->key + k, *to = values + 3 * width * at->next + k;
-	return (2.0f * cube - 3.0f * square + 1.0f) * from[width] +
-	       (cube - 2.0f * square + t) * at->span * from[2 * width] + (3.0f * square - 2.0f * cube) * to[width] +
-	       (cube - square) * at->span * to[0];
+	const float *from = values + 3 * width * at->key, *to = values + 3 * width * at->next;
+	return (2.0f * cube - 3.0f * square + 1.0f) * sample_load(from + width) +
+	       (cube - 2.0f * square + t) * at->span * sample_load(from + 2 * width) +
+	       (3.0f * square - 2.0f * cube) * sample_load(to + width) + (cube - square) * at->span * sample_load(to);
 }
 
-static void sample_channel(const stilb_scene_channel *channel, const float *values, const play_cursor *at,
-                           const play_target *target, float *row, float *sums, float weight)
+/* Adds the numbers of a channel of weights. */
+static void sample_weights(const stilb_scene_channel *channel, const float *values, const play_cursor *at, float *row,
+                           float *sum, float weight)
 {
-	float value[4];
-	values += channel->first_value;
-	if (channel->width <= 4) {
-		for (uint32_t k = 0; k < channel->width; k++)
-			value[k] = sample_number(channel, values, at, k);
-		/* Cubic rotations are made unit before they are mixed. */
-		if (channel->path == STILB_SCENE_PATH_ROTATION && channel->interpolation == STILB_SCENE_CUBIC) {
-			float square = value[0] * value[0] + value[1] * value[1] + value[2] * value[2] + value[3] * value[3];
-			float scale = square > 1e-30f && square < 1e30f ? 1.0f / sqrtf(square) : 1.0f;
-			for (int k = 0; k < 4; k++)
-				value[k] *= scale;
+	bool first = *sum <= 0.0f;
+	size_t width = channel->width;
+	float t = at->share, square = t * t, cube = square * t;
+	for (size_t k = 0; k < width; k++) {
+		float number = values[at->key * width + k];
+		if (channel->interpolation == STILB_SCENE_LINEAR)
+			number += t * (values[at->next * width + k] - number);
+		if (channel->interpolation == STILB_SCENE_CUBIC) {
+			const float *from = values + 3 * width * at->key + k, *to = values + 3 * width * at->next + k;
+			number = (2.0f * cube - 3.0f * square + 1.0f) * from[width] +
+			         (cube - 2.0f * square + t) * at->span * from[2 * width] +
+			         (3.0f * square - 2.0f * cube) * to[width] + (cube - square) * at->span * to[0];
 		}
-		sample_add(target, row, sums, value, weight);
+		row[k] = first ? weight * number : row[k] + weight * number;
+	}
+	*sum = first ? weight : *sum + weight;
+}
+
+static inline void sample_channel(const stilb_scene_channel *channel, const float *values, const play_cursor *at,
+                                  float *row, float *sum, float weight)
+{
+	values += channel->first_value;
+	if (channel->path == STILB_SCENE_PATH_WEIGHTS) {
+		sample_weights(channel, values, at, row, sum, weight);
 		return;
 	}
-	bool first = sums[0] <= 0.0f; /* of many weights, one by one */
-	for (uint32_t k = 0; k < channel->width; k++) {
-		float number = weight * sample_number(channel, values, at, k);
-		row[target->first + k] = first ? number : row[target->first + k] + number;
+	stilb_vec4 value = sample_value(channel, values, at);
+	bool turn = channel->path == STILB_SCENE_PATH_ROTATION;
+	if (turn) { /* cubic ones are made unit before they are mixed */
+		float square = sample_dot(value, value);
+		value *= square > 1e-30f && square < 1e30f ? 1.0f / sqrtf(square) : 1.0f;
 	}
-	sums[0] = first ? weight : sums[0] + weight;
+	sample_add(row, sum, value, weight, turn);
 }
 
 /* ---- rotations, four at a time ----------------------------------------------------------------------------------- */
@@ -217,7 +241,7 @@ static void sample_rotations(const stilb_scene_animation *animation, const play_
 		sample_turn(from, to, share, out);
 		for (uint32_t i = 0; i < lanes; i++) {
 			uint32_t target = shared->channels[order[first + i]].target;
-			sample_add(&shared->targets[target], row, &sums[target], out[i], weight);
+			sample_add(row + shared->targets[target].first, &sums[target], sample_load(out[i]), weight, true);
 		}
 	}
 }
@@ -235,40 +259,54 @@ static void sample_play(const stilb_scene_animation *animation, const play_share
 	for (uint32_t i = clip->rotation_count; i < from->channel_count; i++) {
 		uint32_t c = order[i], target = shared->channels[c].target;
 		sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
-		               &shared->targets[target], row, &sums[target], play->weight);
+		               row + shared->targets[target].first, &sums[target], play->weight);
 	}
 }
 
-/* Writes the mean of what the plays have added and, for weights below 1, of what the file has. */
-static void sample_mean(const float *sum, float weight, const float *rest, uint32_t width, float *out)
+/* The mean of what the plays have added and, for weights below 1, of what the file has. */
+static inline stilb_vec4 sample_mean(const float *from, float weight, stilb_vec4 rest)
+{
+	stilb_vec4 sum = sample_load(from);
+	if (weight == 1.0f)
+		return sum;
+	return weight > 1.0f ? sum * (1.0f / weight) : sum + (1.0f - weight) * rest;
+}
+
+/* Makes a quaternion that is unit but for its last digits more so: if these were always off to the same side, chains of
+ * many joints would grow or shrink. One step of Newton's, whose error is measured in double. */
+static inline stilb_vec4 sample_settle_length(stilb_vec4 q)
+{
+	double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
+	return q + q * (float)(0.5 * (1.0 - ((x * x + y * y) + (z * z + w * w))));
+}
+
+/* The same of a rotation; what cancels leaves `before`. */
+static inline stilb_vec4 sample_mean_turn(const float *from, float weight, stilb_vec4 rest, stilb_vec4 before)
+{
+	stilb_vec4 sum = sample_load(from);
+	if (weight < 1.0f)
+		sum += (sample_dot(sum, rest) < 0.0f ? weight - 1.0f : 1.0f - weight) * rest;
+	float square = sample_dot(sum, sum);
+	return square > 1e-12f && square < 1e30f ? sample_settle_length(sum * (1.0f / sqrtf(square))) : before;
+}
+
+static void sample_mean_weights(const float *from, float weight, const float *rest, uint32_t count, float *out)
 {
 	float scale = weight > 1.0f ? 1.0f / weight : 1.0f, share = weight < 1.0f ? 1.0f - weight : 0.0f;
-	for (uint32_t k = 0; k < width; k++)
-		out[k] = share > 0.0f ? sum[k] + share * rest[k] : sum[k] * scale;
+	for (uint32_t k = 0; k < count; k++)
+		out[k] = share > 0.0f ? from[k] + share * rest[k] : from[k] * scale;
 }
 
-/* In double: with lengths that are off by a float's last digits, always to the same side, chains of many joints would
- * grow or shrink. */
-static void sample_mean_turn(const float *sum, float weight, const float *rest, float out[4])
+static inline void sample_put(stilb_vec4 value, float out[3])
 {
-	float share = weight < 1.0f ? 1.0f - weight : 0.0f, q[4];
-	double square = 0.0;
-	if (sum[0] * rest[0] + sum[1] * rest[1] + sum[2] * rest[2] + sum[3] * rest[3] < 0.0f)
-		share = -share;
-	for (int k = 0; k < 4; k++) {
-		q[k] = sum[k] + share * rest[k];
-		square += (double)q[k] * (double)q[k];
-	}
-	if (!(square > 1e-12 && square < 1e30))
-		return; /* they cancel: it keeps the rotation that it has */
-	double scale = 1.0 / sqrt(square);
-	for (int k = 0; k < 4; k++)
-		out[k] = (float)(scale * (double)q[k]);
+	out[0] = value[0];
+	out[1] = value[1];
+	out[2] = value[2];
 }
 
 /* Gives a node what the targets first .. end - 1 have; places that are too far away are left out. */
-static void sample_node(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
-                        uint32_t first, uint32_t end, stilb_scene_nodes *nodes)
+static inline void sample_node(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
+                               uint32_t first, uint32_t end, stilb_scene_nodes *nodes)
 {
 	uint32_t n = shared->targets[first].node, own = figure->nodes[n];
 	const stilb_scene_rest *rest = &animation->nodes[n];
@@ -276,27 +314,28 @@ static void sample_node(const stilb_scene_animation *animation, const play_share
 	if (own == STILB_SCENE_NONE)
 		return;
 	stilb_scene_pose pose = nodes->pose[own];
-	bool turned = false;
+	bool moved = false;
 	for (uint32_t t = first; t < end; t++) {
 		const play_target *target = &shared->targets[t];
-		const float *sum = figure->row + target->first;
+		const float *from = figure->row + target->first;
 		if (sums[t] < 0.0f)
 			continue;
-		turned |= target->path != STILB_SCENE_PATH_WEIGHTS;
-		if (target->path == STILB_SCENE_PATH_TRANSLATION)
-			sample_mean(sum, sums[t], rest->translation, 3, pose.translation);
-		else if (target->path == STILB_SCENE_PATH_ROTATION)
-			sample_mean_turn(sum, sums[t], rest->rotation, pose.rotation);
-		else if (target->path == STILB_SCENE_PATH_SCALE)
-			sample_mean(sum, sums[t], rest->scale, 3, pose.scale);
-		else
-			sample_mean(sum, sums[t], animation->weights + rest->first_weight, target->width,
-			            figure->weights + rest->first_weight);
+		moved |= target->path != STILB_SCENE_PATH_WEIGHTS;
+		if (target->path == STILB_SCENE_PATH_TRANSLATION) {
+			sample_put(sample_mean(from, sums[t], sample_load(rest->translation)), pose.translation);
+		} else if (target->path == STILB_SCENE_PATH_ROTATION) {
+			stilb_vec4 before = sample_load(pose.rotation);
+			*(sample_four *)pose.rotation = sample_mean_turn(from, sums[t], sample_load(rest->rotation), before);
+		} else if (target->path == STILB_SCENE_PATH_SCALE) {
+			sample_put(sample_mean(from, sums[t], (stilb_vec4){rest->scale[0], rest->scale[1], rest->scale[2], 0.0f}),
+			           pose.scale);
+		} else {
+			sample_mean_weights(from, sums[t], animation->weights + rest->first_weight, target->width,
+			                    figure->weights + rest->first_weight);
+		}
 	}
-	if (!turned)
-		return;
-	stilb_mat4 local = stilb_scene_pose_matrix(&pose);
-	if (!scene_is_affine(&local))
+	stilb_mat4 local;
+	if (!moved || !scene_pose_matrix(&pose, &local))
 		return;
 	nodes->pose[own] = pose;
 	nodes->local[own] = local;
@@ -328,16 +367,15 @@ static void sample_range(uint32_t begin, uint32_t end, uint32_t worker, void *co
 		sample_figure(scene, &scene->figures->figures[scene->figures->due[i]]);
 }
 
-/* Lists the nodes that the plays of a figure move as changed. */
+/* Lists the nodes that the clips of a figure can move as changed. */
 static void sample_list(stilb_scene *scene, play_figure *figure)
 {
 	const play_shared *shared = &scene->figures->shared;
-	const float *sums = figure->row + shared->value_count;
-	for (uint32_t t = 0; t < shared->target_count; t++) {
-		const play_target *target = &shared->targets[t];
-		uint32_t own = figure->nodes[target->node];
-		if (sums[t] >= 0.0f && target->path != STILB_SCENE_PATH_WEIGHTS && own != STILB_SCENE_NONE)
-			scene_edit_node_changed(&scene->edits->nodes, own);
+	edit_nodes *nodes = &scene->edits->nodes;
+	for (uint32_t i = 0; i < shared->moved_count; i++) {
+		uint32_t own = figure->nodes[shared->moved[i]];
+		if (own != STILB_SCENE_NONE)
+			scene_edit_node_changed(nodes, own);
 	}
 	figure->posing = true;
 }

@@ -18,7 +18,7 @@ static void share_targets(const stilb_scene_animation *animation, play_shared *s
 	for (uint32_t c = 0; c < animation->channel_count; c++)
 		seen[animation->channels[c].node * (size_t)STILB_SCENE_PATHS + animation->channels[c].path] = 1;
 	for (uint32_t n = 0; n < animation->node_count; n++) {
-		uint32_t before = shared->target_count;
+		bool moved = false;
 		for (int path = 0; path < STILB_SCENE_PATHS; path++) {
 			static const uint32_t widths[STILB_SCENE_PATHS] = {3, 4, 3, 0};
 			uint32_t *at = &seen[n * (size_t)STILB_SCENE_PATHS + (size_t)path];
@@ -28,10 +28,12 @@ static void share_targets(const stilb_scene_animation *animation, play_shared *s
 			*target = (play_target){n, (stilb_scene_path)path, widths[path], shared->value_count};
 			if (path == STILB_SCENE_PATH_WEIGHTS)
 				target->width = animation->nodes[n].weight_count;
-			shared->value_count += target->width;
+			shared->value_count += (target->width + 3) / 4 * 4;
+			moved |= path != STILB_SCENE_PATH_WEIGHTS;
 			*at = shared->target_count;
 		}
-		shared->moved_nodes += shared->target_count > before;
+		if (moved)
+			shared->moved[shared->moved_count++] = n;
 	}
 	for (uint32_t c = 0; c < animation->channel_count; c++) {
 		const stilb_scene_channel *channel = &animation->channels[c];
@@ -196,6 +198,7 @@ stilb_result scene_play_share(const stilb_scene *scene, play_shared *shared)
 		.channels = calloc(a->channel_count + 1ull, sizeof *shared->channels),
 		.order = calloc(a->channel_count + 1ull, sizeof *shared->order),
 		.clips = calloc(a->clip_count + 1ull, sizeof *shared->clips),
+		.moved = calloc(a->node_count + 1ull, sizeof *shared->moved),
 		.tracks = calloc(a->channel_count + 1ull, sizeof *shared->tracks),
 		.rests = calloc(a->deform_count + 1ull, sizeof *shared->rests),
 		.posed = calloc(share_count_parts(scene) + 1, sizeof *shared->posed),
@@ -203,7 +206,7 @@ stilb_result scene_play_share(const stilb_scene *scene, play_shared *shared)
 	uint32_t *seen = calloc(a->node_count * (size_t)STILB_SCENE_PATHS + 1, sizeof *seen);
 	uint32_t *known = calloc(a->time_count + 1ull, sizeof *known);
 	bool good = shared->targets && shared->channels && shared->order && shared->clips && shared->tracks &&
-	            shared->rests && shared->posed && seen && known;
+	            shared->moved && shared->rests && shared->posed && seen && known;
 	if (good) {
 		share_targets(a, shared, seen);
 		share_clips(a, shared, known);
