@@ -103,7 +103,7 @@ static void slerp(const double a[4], const double b[4], double share, double out
 		out[i] = of_a * a[i] + sign * of_b * b[i];
 }
 
-/* The numbers of a channel at a time, [width]. */
+/* The numbers of a channel at a time, [width]. Rotations are unit, also where the file has few digits of them. */
 static void sample(const stilb_scene_animation *a, const stilb_scene_channel *c, double time, double *out)
 {
 	const float *times = a->times + c->first_time, *values = a->values + c->first_value;
@@ -123,6 +123,7 @@ static void sample(const stilb_scene_animation *a, const stilb_scene_channel *c,
 			q[i] = (double)to[i];
 		}
 		slerp(p, q, t, out);
+		make_unit(out, 4);
 		return;
 	}
 	for (uint32_t i = 0; i < width; i++) {
@@ -132,7 +133,7 @@ static void sample(const stilb_scene_animation *a, const stilb_scene_channel *c,
 		                     (3 * t * t - 2 * t * t * t) * q + (t * t * t - t * t) * arrive
 		               : p + (q - p) * t;
 	}
-	if (turns && cubic)
+	if (turns)
 		make_unit(out, 4);
 }
 

@@ -1,6 +1,6 @@
 /*
  * Generated glTF files at times before, on, between and after their keys, with one clip and with two: what scenes show
- * of them beside the reference in double precision.
+ * of them beside the reference in double precision. With an argument the errors of each are printed.
  */
 #include "glb_moving.h"
 #include "play_check.h"
@@ -115,6 +115,8 @@ static void play_clips(const stilb_scene *rest, stilb_scene *scene, const char *
 		}
 }
 
+static bool files_told;
+
 static void files_look_as_the_reference(void **state)
 {
 	(void)state;
@@ -127,6 +129,9 @@ static void files_look_as_the_reference(void **state)
 		open_both(&rest, &scene);
 		assert_non_null(rest->animation);
 		play_clips(rest, scene, files[i].name, &errors);
+		if (files_told)
+			print_message("%-24s positions %.1e (%s), normals %.1e, tangents %.1e\n", files[i].name, errors.position,
+			              errors.where, errors.normal, errors.tangent);
 		play_assert(&errors, files[i].name);
 		most.position = fmax(most.position, errors.position);
 		most.normal = fmax(most.normal, errors.normal);
@@ -141,8 +146,10 @@ static void files_look_as_the_reference(void **state)
 	              (unsigned long long)most.vertices);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+	(void)argv;
+	files_told = argc > 1;
 	const struct CMUnitTest tests[] = {cmocka_unit_test(files_look_as_the_reference)};
 	return cmocka_run_group_tests(tests, folder_make, glb_clear);
 }
