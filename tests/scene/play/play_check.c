@@ -28,11 +28,19 @@ static double distance(const double *a, const double *b, int count)
 	return sqrt(sum);
 }
 
-static void unit(double v[3])
+static double unit(double v[3])
 {
 	double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 	for (int i = 0; length > 0.0 && i < 3; i++)
 		v[i] /= length;
+	return length;
+}
+
+/* How far a direction of a mesh is from being unit. */
+static double not_unit(const float v[3])
+{
+	double copy[3] = {(double)v[0], (double)v[1], (double)v[2]};
+	return fabs(unit(copy) - 1.0);
 }
 
 /* A vertex that the scene shows, in the world. */
@@ -63,9 +71,10 @@ static void compare_part(compare *c, uint32_t node, const play_place *own, uint3
 {
 	const stilb_scene *scene = c->scene;
 	uint32_t mesh = c->rest->part_mesh[rest_part];
+	const stilb_scene_mesh *shown = &scene->meshes[scene->part_mesh[part]];
 	const double center[3] = {(double)scene->bounds.x[model], (double)scene->bounds.y[model],
 	                          (double)scene->bounds.z[model]};
-	assert_int_equal(c->rest->meshes[mesh].vertex_count, scene->meshes[scene->part_mesh[part]].vertex_count);
+	assert_int_equal(c->rest->meshes[mesh].vertex_count, shown->vertex_count);
 	for (uint32_t v = 0; v < c->rest->meshes[mesh].vertex_count; v++) {
 		play_vertex wanted = play_pose_vertex(c->pose, c->rest, node, own, mesh, v), got = shown_vertex(scene, part, v);
 		double error = distance(wanted.position, got.position, 3);
@@ -79,9 +88,10 @@ static void compare_part(compare *c, uint32_t node, const play_place *own, uint3
 		if (!wanted.side_is_clear)
 			turned = fmin(turned, distance(wanted.normal, behind, 3));
 		if (wanted.normal_is_clear)
-			c->normal = fmax(c->normal, turned);
+			c->normal = fmax(fmax(c->normal, turned), not_unit(shown->vertices[v].normal));
 		if (wanted.tangent_is_clear)
-			c->tangent = fmax(c->tangent, distance(wanted.tangent, got.tangent, wanted.side_is_clear ? 4 : 3));
+			c->tangent = fmax(fmax(c->tangent, not_unit(shown->extras[v].tangent)),
+			                  distance(wanted.tangent, got.tangent, wanted.side_is_clear ? 4 : 3));
 		c->bound = fmax(c->bound, distance(center, wanted.position, 3) - (double)scene->bounds.radius[model]);
 		for (int k = 0; k < 3; k++) {
 			c->low[k] = fmin(c->low[k], wanted.position[k]);
