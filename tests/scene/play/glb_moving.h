@@ -3,7 +3,7 @@
 #ifndef GLB_MOVING_H
 #define GLB_MOVING_H
 
-#include "../glb_made.h"
+#include "tests/scene/glb_made.h"
 
 /* What is special in a file. */
 enum {

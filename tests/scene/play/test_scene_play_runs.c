@@ -160,7 +160,7 @@ static void change_something(stilb_scene *scene, uint32_t *figures, uint32_t *co
 	moving_random(pose.translation, 3, 5.0f);
 	if (kind < 2 && *count < 10) {
 		assert_int_equal(stilb_scene_add_figure(scene, &pose, &figures[*count]), STILB_OK);
-		++*count;
+		*count += 1;
 	} else if (*count == 0) {
 		return;
 	} else if (kind < 3) {

@@ -213,7 +213,8 @@ static stilb_result animation_dress_node(animation_reader *reader, uint32_t n)
 
 /* ---- clips ------------------------------------------------------------------------------------------------------- */
 
-/* Makes a rotation unit that comes as integers, whose length may be off by 1 / 32767: rotations are mixed by weights. */
+/* Makes a rotation unit that comes as integers, whose length may be off by 1 / 32767: rotations are mixed by their
+ * weights. */
 static void animation_settle_rotation(float q[4])
 {
 	float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
