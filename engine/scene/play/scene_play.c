@@ -294,6 +294,21 @@ const stilb_scene_play *stilb_scene_plays_of(const stilb_scene *scene, uint32_t 
 	return *count > 0 ? from->plays : NULL;
 }
 
+/* Gives a node the pose that the file has, or the matrix, which no pose may make. */
+static void play_rest_node(stilb_scene *scene, uint32_t own, const stilb_scene_rest *rest)
+{
+	stilb_scene_pose *pose = &scene->nodes.pose[own];
+	scene->nodes.local[own] = rest->local;
+	if (rest->moves) {
+		memcpy(pose->translation, rest->translation, sizeof pose->translation);
+		memcpy(pose->rotation, rest->rotation, sizeof pose->rotation);
+		memcpy(pose->scale, rest->scale, sizeof pose->scale);
+	} else {
+		*pose = stilb_scene_pose_of(&rest->local);
+	}
+	scene_edit_node_changed(&scene->edits->nodes, own);
+}
+
 stilb_result stilb_scene_rest_figure(stilb_scene *scene, uint32_t figure)
 {
 	play_figure *to;
@@ -302,20 +317,8 @@ stilb_result stilb_scene_rest_figure(stilb_scene *scene, uint32_t figure)
 		return result;
 	const stilb_scene_animation *a = scene->animation;
 	for (uint32_t n = 0; n < a->node_count; n++) {
-		uint32_t own = to->nodes[n];
-		if (own == STILB_SCENE_NONE)
-			continue;
-		const stilb_scene_rest *rest = &a->nodes[n];
-		scene->nodes.local[own] = rest->local;
-		if (rest->moves) {
-			stilb_scene_pose *pose = &scene->nodes.pose[own];
-			memcpy(pose->translation, rest->translation, sizeof pose->translation);
-			memcpy(pose->rotation, rest->rotation, sizeof pose->rotation);
-			memcpy(pose->scale, rest->scale, sizeof pose->scale);
-		} else {
-			scene->nodes.pose[own] = stilb_scene_pose_of(&rest->local);
-		}
-		scene_edit_node_changed(&scene->edits->nodes, own);
+		if (to->nodes[n] != STILB_SCENE_NONE)
+			play_rest_node(scene, to->nodes[n], &a->nodes[n]);
 	}
 	if (a->weight_count > 0)
 		memcpy(to->weights, a->weights, a->weight_count * sizeof *to->weights);
@@ -450,13 +453,14 @@ static stilb_result play_add_nodes(stilb_scene *scene, uint32_t index)
 		play_figure *figure = &scene->figures->figures[index];
 		const stilb_scene_rest *rest = &a->nodes[n];
 		uint32_t parent = rest->parent == STILB_SCENE_NONE ? figure->place : figure->nodes[rest->parent];
-		stilb_scene_pose pose = stilb_scene_pose_of(&rest->local);
+		stilb_scene_pose pose = stilb_scene_pose_identity();
 		result = stilb_scene_add_node(scene, parent, &pose, &figure->nodes[n]);
 		if (result != STILB_OK) {
 			figure->nodes[n] = STILB_SCENE_NONE;
 			break;
 		}
 		scene->edits->nodes.figure[figure->nodes[n]] = index + 1;
+		play_rest_node(scene, figure->nodes[n], rest);
 		result = stilb_scene_set_node_name(scene, figure->nodes[n], rest->name);
 	}
 	return result;

@@ -272,6 +272,14 @@ static inline stilb_vec4 sample_mean(const float *from, float weight, stilb_vec4
 	return weight > 1.0f ? sum * (1.0f / weight) : sum + (1.0f - weight) * rest;
 }
 
+/* Makes a quaternion that is unit but for its last digits more so: if these were always off to the same side, chains of
+ * many joints would grow or shrink. One step of Newton's, whose error is measured in double. */
+static inline stilb_vec4 sample_settle_length(stilb_vec4 q)
+{
+	double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
+	return q + q * (float)(0.5 * (1.0 - ((x * x + y * y) + (z * z + w * w))));
+}
+
 /* The same of a rotation; what cancels leaves `before`. */
 static inline stilb_vec4 sample_mean_turn(const float *from, float weight, stilb_vec4 rest, stilb_vec4 before)
 {
@@ -279,7 +287,7 @@ static inline stilb_vec4 sample_mean_turn(const float *from, float weight, stilb
 	if (weight < 1.0f)
 		sum += (sample_dot(sum, rest) < 0.0f ? weight - 1.0f : 1.0f - weight) * rest;
 	float square = sample_dot(sum, sum);
-	return square > 1e-12f && square < 1e30f ? sum * (1.0f / sqrtf(square)) : before;
+	return square > 1e-12f && square < 1e30f ? sample_settle_length(sum * (1.0f / sqrtf(square))) : before;
 }
 
 static void sample_mean_weights(const float *from, float weight, const float *rest, uint32_t count, float *out)

@@ -178,7 +178,7 @@ static stilb_result deform_read(deform_reader *reader, uint32_t sets, uint32_t t
 	tangents = tangents && deform_has_tangents(reader, mesh);
 	uint64_t each = 3ull * (1u + normals + tangents); /* numbers of a target for a vertex */
 	uint64_t numbers = reader->vertex_count * (2ull * deform->influences + each * deform->targets);
-	if (numbers > GLTF_MOVING_MOST - reader->from->moving)
+	if (numbers > IMPORTER_MOVING_MOST - reader->from->moving)
 		return stilb_fail(STILB_ERROR_FILE, "%u morph targets of %u vertices are too many", deform->targets,
 		                  reader->vertex_count);
 	reader->from->moving += numbers;
