@@ -7,7 +7,6 @@
 #include "profiler/prof.h"
 #include "render/render_dump.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -250,26 +249,6 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
-}
-
-void stilb_engine_set_pace(stilb_engine *engine, float pace)
-{
-	STILB_ASSERT_OWNER(engine->owner);
-	STILB_ASSERT(isfinite(pace));
-	engine->playing.pace = pace;
-}
-
-float stilb_engine_pace(const stilb_engine *engine)
-{
-	STILB_ASSERT_OWNER(engine->owner);
-	return engine->playing.pace;
-}
-
-void stilb_engine_step(stilb_engine *engine, double seconds)
-{
-	STILB_ASSERT_OWNER(engine->owner);
-	STILB_ASSERT(isfinite(seconds));
-	engine->playing.step += seconds;
 }
 
 stilb_scene *stilb_engine_scene(const stilb_engine *engine)

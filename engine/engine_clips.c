@@ -1,6 +1,6 @@
 /*
- * The animation's window: what the scene's own figure plays (scene_play.h). A line of time to drag, pause and speed, and
- * the clips of the file, of which several may play at once, each with a weight.
+ * The animation's window: what the scene's own figure plays (scene_play.h). A line of time to drag, pause and speed,
+ * and the clips of the file, of which several may play at once, each with a weight.
  */
 #include "engine_internal.h"
 
@@ -82,7 +82,7 @@ static void clips_draw_time(stilb_engine *engine, stilb_ui *ui, stilb_ui_rect *a
 	float third = floorf((line.x1 - line.x0 - 2.0f * style->gap) / 3.0f);
 	bool paused = engine->playing.pace == 0.0f;
 	if (stilb_ui_toggle(ui, stilb_ui_cut_left(&line, third), "Pause", &paused))
-		engine_clips_pause(engine);
+		engine_playing_pause(engine);
 	stilb_ui_cut_left(&line, style->gap);
 	if (stilb_ui_button(ui, stilb_ui_cut_left(&line, third), "< step"))
 		stilb_engine_step(engine, -ENGINE_STEP);
@@ -162,20 +162,10 @@ void engine_clips_draw(stilb_engine *engine, stilb_ui *ui)
 		clips_draw_list(scene, ui, area, &clips->list, &now);
 		style->row_height = usual;
 		if (now.changed && stilb_scene_set_plays(engine->scene, 0, now.plays, now.count) != STILB_OK)
-			engine_overlay_tell(engine, stilb_error_message());
+			stilb_log("%s", stilb_error_message());
 		if (now.changed && now.count == 0)
 			stilb_scene_rest_figure(engine->scene, 0);
 	}
 	stilb_ui_panel_end(ui);
 	stilb_ui_id_pop(ui);
-}
-
-void engine_clips_pause(stilb_engine *engine)
-{
-	engine_playing *playing = &engine->playing;
-	float pace = playing->pace;
-	playing->pace = pace == 0.0f ? playing->pace_before : 0.0f;
-	playing->pace_before = pace == 0.0f ? playing->pace : pace;
-	if (playing->pace == 0.0f && pace == 0.0f)
-		playing->pace = playing->pace_before = 1.0f;
 }

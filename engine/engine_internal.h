@@ -487,9 +487,11 @@ void engine_watch_tell(stilb_engine *engine);
  * it. */
 bool engine_watch_draw(const char *text, stilb_ui *ui);
 
-/* engine_clips.c: the animation's window; pauses what plays, or lets it go on. */
+/* engine_clips.c: the animation's window. */
 void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
-void engine_clips_pause(stilb_engine *engine);
+
+/* engine_playing.c: pauses what plays, or lets it go on. */
+void engine_playing_pause(stilb_engine *engine);
 
 /* engine_inspector.c */
 

@@ -129,7 +129,7 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
 	else if (input->actions[STILB_ENGINE_FREEZE] > 0)
-		engine_clips_pause(engine);
+		engine_playing_pause(engine);
 	int steps = input->actions[STILB_ENGINE_STEP] - input->actions[STILB_ENGINE_STEP_BACK];
 	stilb_engine_step(engine, (double)steps * ENGINE_STEP);
 	engine->value.open ^= input->actions[STILB_ENGINE_VALUE] > 0;

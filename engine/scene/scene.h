@@ -553,7 +553,8 @@ void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
 /* Frees levels, clusters and morph, if there are any: the mesh itself is left. [any-thread] */
 void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
-/* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
+/* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use, where they
+ * are and where a clip takes them, if one was swept (stilb_scene_sweep); they fill
  * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
  * on both sides. What has no size is 1 m away. Its angle is 0.7 radians, its exposure and its tone are those of
  * scene->camera. The direction of STILB_SCENE_FRAME_YAW and _PITCH is from the front, a little from the right and

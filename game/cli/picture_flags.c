@@ -579,7 +579,9 @@ stilb_result picture_flags_pose(const picture_flags *p, stilb_scene *scene)
 	}
 	stilb_scene_play play = stilb_scene_play_make(clip);
 	play.time = (double)p->at;
-	stilb_result result = stilb_scene_set_plays(scene, 0, &play, 1);
+	stilb_result result = scene->framed ? stilb_scene_sweep(scene, clip) : STILB_OK;
+	if (result == STILB_OK)
+		result = stilb_scene_set_plays(scene, 0, &play, 1);
 	if (result != STILB_OK)
 		return result;
 	stilb_scene_advance(scene, 0.0, NULL, 0);

@@ -301,7 +301,7 @@ static bool options_frames(offline_options *o)
 	if (!o->frames)
 		return true;
 	bool good = sscanf(o->frames, "%" SCNu32 "..%" SCNu32 "%n", &o->frame_first, &o->frame_last, &end) == 2 &&
-	            o->frames[end] == '\0' && strchr(o->frames, '-') == NULL;
+	            o->frames[end] == '\0' && !strchr(o->frames, '-');
 	if (good && o->frame_first <= o->frame_last && o->frame_last < RENDER_MOST_FRAMES)
 		return true;
 	stilb_log("--frames: '%s' is no A..B; give two numbers in 0..%u, the smaller one first, as 0..29", o->frames,

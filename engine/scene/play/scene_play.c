@@ -419,6 +419,66 @@ void stilb_scene_advance(stilb_scene *scene, double seconds, stilb_job_pool *poo
 	all->end_count = 0;
 }
 
+/* The box around the vertices of all visible models; false: there is none. */
+static bool play_box_of(const stilb_scene *scene, play_box *box)
+{
+	*box = (play_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		for (uint32_t p = scene->first_part[m]; p < scene->first_part[m + 1] && !isnan(scene->bounds.radius[m]); p++) {
+			const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[p]];
+			const float *t = scene->part_transform[p].m;
+			for (uint32_t v = 0; v < mesh->vertex_count; v++)
+				for (int i = 0; i < 3; i++) {
+					const float *at = mesh->vertices[v].position;
+					float x = t[i] * at[0] + t[4 + i] * at[1] + t[8 + i] * at[2] + t[12 + i];
+					bool usable = fabsf(x) <= 1e18f;
+					box->low[i] = usable && x < box->low[i] ? x : box->low[i];
+					box->high[i] = usable && x > box->high[i] ? x : box->high[i];
+				}
+		}
+	return box->low[0] <= box->high[0] && box->low[1] <= box->high[1] && box->low[2] <= box->high[2];
+}
+
+/* Shows the pose of figure 0 that its plays have. */
+static void play_show_now(stilb_scene *scene)
+{
+	stilb_scene_advance(scene, 0.0, NULL, 0);
+	stilb_scene_update_nodes(scene, NULL, 0);
+}
+
+stilb_result stilb_scene_sweep(stilb_scene *scene, uint32_t clip)
+{
+	play_figure *figure;
+	stilb_result result = play_check(scene, 0, &figure);
+	if (result != STILB_OK)
+		return result;
+	stilb_scene_figures *all = scene->figures;
+	all->swept_count = 0;
+	if (clip == STILB_SCENE_NONE || scene_is_placed_often(scene))
+		return STILB_OK;
+	stilb_scene_play *plays = figure->plays, play = stilb_scene_play_make(clip);
+	uint32_t count = figure->play_count;
+	figure->plays = NULL;
+	play.repeat = STILB_SCENE_ONCE;
+	for (uint32_t i = 0; result == STILB_OK && i < STILB_SCENE_SWEEP; i++) {
+		double duration = clip < scene->animation->clip_count ? (double)scene->animation->clips[clip].duration : 0.0;
+		play.time = duration * i / (STILB_SCENE_SWEEP - 1);
+		result = stilb_scene_set_plays(scene, 0, &play, 1);
+		if (result == STILB_OK)
+			play_show_now(scene);
+		if (result == STILB_OK && play_box_of(scene, &all->swept[all->swept_count]))
+			all->swept_count++;
+	}
+	figure = &all->figures[0];
+	free(figure->plays);
+	figure->plays = plays;
+	figure->play_count = count;
+	figure->fresh = true;
+	stilb_scene_rest_figure(scene, 0);
+	play_show_now(scene);
+	return result;
+}
+
 /* ---- more figures ------------------------------------------------------------------------------------------------ */
 
 bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh)

@@ -134,7 +134,9 @@ typedef struct stilb_scene_figures {
 	play_box *boxes; /* of chunks of vertices */
 	uint32_t work_count;
 	play_skin_fn *skin; /* of this CPU */
-	play_end *ends;     /* [end_count] plays that have come to their ends */
+	uint32_t swept_count;
+	play_box swept[STILB_SCENE_SWEEP]; /* [swept_count] around all models, at times of a clip */
+	play_end *ends;                    /* [end_count] plays that have come to their ends */
 	uint32_t end_count, end_capacity;
 } stilb_scene_figures;
 
