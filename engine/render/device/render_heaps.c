@@ -98,7 +98,7 @@ static stilb_result heap_update(render_device *device, const render_resources *r
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* Pictures of formats that no GPU has, and blocks, are converted before (render_resources.c). */
+/* Pictures of formats that no GPU has, and blocks, are converted before (render_textures.c). */
 stilb_gpu_format render_texture_format(stilb_image_format format)
 {
 	static const uint8_t formats[STILB_IMAGE_FORMAT_COUNT] = {
