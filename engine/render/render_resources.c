@@ -242,7 +242,7 @@ void render_resources_destroy(render_resources *resources)
 		render_upload_finish(&resources->uploads[u]);
 	free(resources->uploads);
 	for (uint32_t t = 0; resources->pictures && t < resources->indices[RENDER_RESOURCE_TEXTURE].next_unused; t++)
-		stilb_image_finish(&resources->pictures[t]);
+		render_pixels_finish(&resources->pictures[t]);
 	free(resources->pictures);
 	free(resources->retired);
 	if (resources->lock_made)
@@ -809,7 +809,7 @@ static bool resource_release(stilb_render *render, render_retired retired)
 		render_uploads_forget(resources, retired.index);
 		render_device_texture_destroy(render->device, retired.index);
 		if (resources->pictures)
-			stilb_image_finish(&resources->pictures[retired.index]);
+			render_pixels_finish(&resources->pictures[retired.index]);
 	} else if (retired.kind == RENDER_RESOURCE_MAPS) {
 		maps_release(render, retired.index);
 	}

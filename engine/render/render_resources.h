@@ -214,7 +214,8 @@ struct render_resources {
 	bool sending; /* a frame is between update and sent */
 	/* Elements that the heaps will have soon, 0: unknown: the device's arrays then grow once. */
 	uint32_t expected[RENDER_HEAPS];
-	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
+	/* [STILB_RENDER_MAX_TEXTURES] uploaded pixels, with mips if several levels were given; NULL: not kept */
+	render_pixels *pictures;
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
 	uint32_t retired_now; /* meshes, textures and surfaces that were destroyed since the last frame began */

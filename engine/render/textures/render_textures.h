@@ -10,9 +10,60 @@
 #ifndef STILB_RENDER_TEXTURES_H
 #define STILB_RENDER_TEXTURES_H
 
+#include "render/maps/render_maps.h"
 #include "render/render.h"
 
 typedef struct render_resources render_resources;
+
+/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+
+/* What the device has of a picture. */
+typedef struct render_texture_shape {
+	uint32_t width, height, channels; /* four, but of blocks */
+	stilb_image_format format;        /* no U16_SRGB, and blocks if the device reads them as they are */
+	uint32_t levels;                  /* with mips; 1 unless it is mapped */
+	uint32_t given;                   /* levels that the picture has; the others are made of the last of these */
+	bool mapped;                      /* it is for maps: a layer of an array, with mips */
+} render_texture_shape;
+
+typedef struct render_device render_device;
+
+/* Blocks stay blocks where the device filters them, BC7 not on a software device, if the picture has levels down to a
+ * single block, or needs none; the mips behind it are missing then. All else becomes texels. [any-thread] */
+render_texture_shape render_texture_shape_of(const render_device *device, const stilb_image *image, bool mapped);
+/* Bytes of all levels. */
+uint64_t render_texture_shape_bytes(const render_texture_shape *shape);
+
+/* Pixels as the device takes them. */
+typedef struct render_pixels {
+	stilb_image image; /* the largest level alone */
+	void *mips;        /* the others, from larger to smaller, tightly packed; NULL: there are none */
+	uint32_t levels, given;
+} render_pixels;
+
+/* Accepts {0}. */
+void render_pixels_finish(render_pixels *pixels);
+
+/* Pixels that are being made, a few rows at a time. */
+typedef struct render_pixels_work {
+	stilb_image from; /* somebody else's, who keeps it until the work is done or given up */
+	render_texture_shape shape;
+	render_pixels to;
+	uint64_t left;             /* texels to be made; 0: done, `to` is whole */
+	stilb_image level, before; /* that is being made, from row `row` on; the one before */
+	uint32_t number, row;
+	render_mips_codes codes;
+} render_pixels_work;
+
+/* STILB_ERROR_MEMORY; there is nothing to be freed then. Else work->to is for render_pixels_finish. */
+stilb_result render_pixels_begin(const render_device *device, const stilb_image *image, bool mapped,
+                                 render_pixels_work *work);
+/* Makes so many texels, or a few more, if as many are left. pool: whose threads help, its owner is the caller; NULL:
+ * none. STILB_ERROR_MEMORY. */
+stilb_result render_pixels_step(render_pixels_work *work, uint64_t texels, stilb_job_pool *pool);
+/* All at once. *pixels is {0} after an error. */
+stilb_result render_pixels_make(const render_device *device, const stilb_image *image, bool mapped,
+                                stilb_job_pool *pool, render_pixels *pixels);
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
@@ -44,13 +95,12 @@ bool render_texture_is_valid(const render_resources *resources, uint32_t handle)
 
 /* ---- uploads ----------------------------------------------------------------------------------------------------- */
 
-/* Pixels that the next frame copies to a texture: four channels. Of a patient one, which nothing draws yet, as many
- * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. Rows are numbered through the mips, those of
- * the image come first. */
+/* Pixels that the next frame copies to a texture. Of a patient one, which nothing draws yet, as many rows as the frame
+ * has room for (RENDER_UPLOAD_A_FRAME); of others all. Rows, of texels or of blocks, are numbered through the mips,
+ * those of the image come first. */
 typedef struct render_texture_upload {
 	uint32_t texture;
-	stilb_image image;
-	void *mips;          /* as of render_mips_make; NULL: none */
+	render_pixels pixels;
 	uint32_t count;      /* of rows */
 	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
 	bool patient;
@@ -61,7 +111,8 @@ typedef struct render_texture_upload {
 typedef struct render_upload_mip {
 	stilb_image image; /* not to be finished */
 	uint32_t mip, first_row;
-	uint64_t row; /* bytes */
+	uint32_t rows, side; /* side: rows of texels in a row, 1 or 4 */
+	uint64_t row;        /* bytes */
 } render_upload_mip;
 
 /* The first one. */
@@ -69,8 +120,8 @@ render_upload_mip render_upload_first(const render_texture_upload *upload);
 /* Goes on to the next one. False: there is none. */
 bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip);
 
-/* Takes image and mips over. */
-render_texture_upload render_upload_make(uint32_t texture, stilb_image image, void *mips, bool patient);
+/* Takes the pixels over. */
+render_texture_upload render_upload_make(uint32_t texture, render_pixels pixels, bool patient);
 void render_upload_finish(render_texture_upload *upload);
 
 /* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */

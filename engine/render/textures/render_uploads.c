@@ -5,21 +5,30 @@
 
 /* ---- one upload -------------------------------------------------------------------------------------------------- */
 
+static void upload_measure(render_upload_mip *mip)
+{
+	mip->side = stilb_image_format_is_blocks(mip->image.format) ? 4 : 1;
+	mip->rows = (mip->image.height + mip->side - 1) / mip->side;
+	mip->row = stilb_image_size(&mip->image) / mip->rows;
+}
+
 render_upload_mip render_upload_first(const render_texture_upload *upload)
 {
-	return (render_upload_mip){.image = upload->image, .row = stilb_image_size(&upload->image) / upload->image.height};
+	render_upload_mip mip = {.image = upload->pixels.image};
+	upload_measure(&mip);
+	return mip;
 }
 
 bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip)
 {
 	stilb_image *image = &mip->image;
-	if (!upload->mips || (image->width == 1 && image->height == 1))
+	if (mip->mip + 1 == upload->pixels.levels)
 		return false;
-	mip->first_row += image->height;
-	image->pixels = mip->mip == 0 ? upload->mips : (uint8_t *)image->pixels + stilb_image_size(image);
+	mip->first_row += mip->rows;
+	image->pixels = mip->mip == 0 ? upload->pixels.mips : (uint8_t *)image->pixels + stilb_image_size(image);
 	image->width = image->width > 1 ? image->width / 2 : 1;
 	image->height = image->height > 1 ? image->height / 2 : 1;
-	mip->row = stilb_image_size(image) / image->height;
+	upload_measure(mip);
 	mip->mip++;
 	return true;
 }
@@ -32,7 +41,7 @@ static uint32_t upload_rows(const render_texture_upload *upload, uint64_t most, 
 	uint32_t end = upload->rows;
 	*bytes = 0;
 	do {
-		uint32_t last = mip.first_row + mip.image.height;
+		uint32_t last = mip.first_row + mip.rows;
 		if (last <= end)
 			continue;
 		uint64_t rows = (most - *bytes) / mip.row;
@@ -45,21 +54,19 @@ static uint32_t upload_rows(const render_texture_upload *upload, uint64_t most, 
 	return end;
 }
 
-render_texture_upload render_upload_make(uint32_t texture, stilb_image image, void *mips, bool patient)
+render_texture_upload render_upload_make(uint32_t texture, render_pixels pixels, bool patient)
 {
-	render_texture_upload upload = {.texture = texture, .image = image, .mips = mips, .patient = patient};
+	render_texture_upload upload = {.texture = texture, .pixels = pixels, .patient = patient};
 	render_upload_mip mip = render_upload_first(&upload);
 	do
-		upload.count = mip.first_row + mip.image.height;
+		upload.count = mip.first_row + mip.rows;
 	while (render_upload_next(&upload, &mip));
 	return upload;
 }
 
 void render_upload_finish(render_texture_upload *upload)
 {
-	stilb_image_finish(&upload->image);
-	free(upload->mips);
-	upload->mips = NULL;
+	render_pixels_finish(&upload->pixels);
 }
 
 /* ---- all of them ------------------------------------------------------------------------------------------------- */
@@ -111,13 +118,16 @@ void render_uploads_sent(render_resources *resources)
 			resources->uploads[kept++] = *upload;
 			continue;
 		}
-		free(upload->mips);
-		if (resources->pictures) {
-			stilb_image_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
-			resources->pictures[upload->texture] = upload->image;
-		} else {
-			stilb_image_finish(&upload->image);
+		if (!resources->pictures) {
+			render_pixels_finish(&upload->pixels);
+			continue;
 		}
+		if (upload->pixels.given == 1) { /* the mips can be made again */
+			free(upload->pixels.mips);
+			upload->pixels.mips = NULL;
+		}
+		render_pixels_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
+		resources->pictures[upload->texture] = upload->pixels;
 	}
 	resources->upload_count = kept;
 }
