@@ -36,14 +36,18 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    bool mips, stilb_render_texture *out)
 {
-	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels, 0};
+	stilb_image_format format = (stilb_image_format)texture->format;
+	stilb_image image = {texture->width, texture->height, 4, format, (void *)pixels, 0};
+	uint32_t channels = stilb_image_format_channels(format);
+	image.channels = channels > 0 ? channels : 4;
+	image = stilb_image_view_levels(&image, texture->levels);
 	return render_texture_create(render, &image, (render_texture_way){.mips = mips}, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
 {
 	static const uint8_t white[4] = {255, 255, 255, 255};
-	render_dump_texture none = {0, 1, 1, STILB_IMAGE_U8_SRGB};
+	render_dump_texture none = {.width = 1, .height = 1, .format = STILB_IMAGE_U8_SRGB, .levels = 1};
 	const uint8_t *pixels = dump->pixels;
 	uint32_t next = 1;
 	stilb_result result = STILB_OK;

@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 9. Inside render/.
+ * The bytes of a frame dump, version 11. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
@@ -25,7 +25,8 @@
  *   extras             24  header.extras         render_extra, of the vertices of the first mesh that has some, ...
  *   indices             4  header.indices        of mesh 0, of its levels, of its clusters' coarser versions, then of
  *                                                mesh 1, ...; below the number of vertices of the mesh or level
- *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
+ *   pixels              1  header.pixel_bytes    of texture 0, top row first, four channels a pixel, or blocks, then
+ *                                                its other levels; then of texture 1, ...; each padded to 8 bytes
  *   backdrops           1  header.backdrop_bytes render_dump_backdrop of view 0, then of view 1, ...; then floats: the
  *                                                panorama, which all views with one share, top row first; of view 0 the
  *                                                map and the floor, then of view 1, ...; padded to 8 bytes together.
@@ -43,7 +44,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 10u
+#define RENDER_DUMP_VERSION 11u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -108,7 +109,8 @@ typedef struct render_dump_target {
 
 typedef struct render_dump_texture {
 	uint32_t id, width, height;
-	uint32_t format; /* stilb_image_format, but U16_SRGB: 0, 1, 2, 4 or 5 */
+	uint32_t format;         /* stilb_image_format, but U16_SRGB */
+	uint32_t levels, unused; /* mip levels that its picture had, 1 or more; further ones are made of the last */
 } render_dump_texture;
 
 typedef struct render_dump_material {
@@ -181,7 +183,7 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 
 static_assert(sizeof(render_dump_header) == 144 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 88 &&
-                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 64 &&
+                  sizeof(render_dump_texture) == 24 && sizeof(render_dump_material) == 64 &&
                   sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");

@@ -60,18 +60,13 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 	return true;
 }
 
-/* Bytes of a value by stilb_image_format; 0: no texture of a dump has it, as devices take it otherwise. */
-static const uint8_t load_value_bytes[STILB_IMAGE_FORMAT_COUNT] = {
-	[STILB_IMAGE_U8_SRGB] = sizeof(uint8_t),     [STILB_IMAGE_F16_LINEAR] = sizeof(uint16_t),
-	[STILB_IMAGE_F32_LINEAR] = sizeof(float),    [STILB_IMAGE_U8_LINEAR] = sizeof(uint8_t),
-	[STILB_IMAGE_U16_LINEAR] = sizeof(uint16_t),
-};
-
 uint64_t render_dump_pixel_bytes(const render_dump_texture *texture)
 {
-	STILB_ASSERT(texture->format < STILB_IMAGE_FORMAT_COUNT && load_value_bytes[texture->format] > 0);
+	STILB_ASSERT(texture->format < STILB_IMAGE_FORMAT_COUNT);
 	STILB_ASSERT(texture->width <= 16384 && texture->height <= 16384);
-	return (uint64_t)texture->width * texture->height * 4 * load_value_bytes[texture->format];
+	render_array_kind kind = {texture->width, texture->height,
+	                          render_texture_format((stilb_image_format)texture->format), texture->levels};
+	return render_array_layer(&kind);
 }
 
 /* ---- the file as a whole ----------------------------------------------------------------------------------------- */
@@ -336,11 +331,15 @@ static stilb_result load_check_textures(const stilb_render_dump *dump, const cha
 		if (result != STILB_OK)
 			return result;
 		if (texture->width < 1 || texture->width > 16384 || texture->height < 1 || texture->height > 16384 ||
-		    texture->format >= STILB_IMAGE_FORMAT_COUNT || load_value_bytes[texture->format] == 0)
+		    texture->format >= STILB_IMAGE_FORMAT_COUNT || texture->format == STILB_IMAGE_U16_SRGB)
 			return load_refuse(name,
-			                   "texture %u: %ux%u pixels of format %u; a side has 1..16384, and formats are 0, 1, 2, 4 "
-			                   "and 5",
-			                   t, texture->width, texture->height, texture->format);
+			                   "texture %u: %ux%u pixels of format %u; a side has 1..16384, and formats are 0 to %d "
+			                   "without 3",
+			                   t, texture->width, texture->height, texture->format, STILB_IMAGE_FORMAT_COUNT - 1);
+		uint32_t most = render_mip_count(texture->width, texture->height);
+		if (texture->levels < 1 || texture->levels > most || texture->unused != 0)
+			return load_refuse(name, "texture %u: %u mip levels (and %u); %ux%u pixels have 1 to %u", t,
+			                   texture->levels, texture->unused, texture->width, texture->height, most);
 		uint64_t used = render_dump_pixel_bytes(texture), filled = render_dump_fill(used);
 		if (filled > bytes - at)
 			return load_refuse(name, "texture %u: its pixels go beyond all %" PRIu64 " bytes of pixels", t, bytes);

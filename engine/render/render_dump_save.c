@@ -202,9 +202,13 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	STILB_ASSERT(place < job->textures.count);
 	uint32_t id = job->textures.indices[place];
-	const stilb_image *pictures = job->render->resources.pictures;
-	stilb_image image = pictures ? pictures[id] : (stilb_image){0};
-	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
+	const render_pixels *pictures = job->render->resources.pictures;
+	render_pixels pixels = pictures ? pictures[id] : (render_pixels){0};
+	return (render_dump_texture){.id = id,
+	                             .width = pixels.image.width,
+	                             .height = pixels.image.height,
+	                             .format = pixels.image.format,
+	                             .levels = pixels.given};
 }
 
 /* How many indices the coarser versions of a mesh's clusters have. */
@@ -378,7 +382,11 @@ static void save_put_textures(const save_job *job)
 	for (uint32_t t = 0; t < job->header.textures; t++, out++) {
 		*out = save_texture(job, t);
 		uint64_t bytes = render_dump_pixel_bytes(out);
-		memcpy(pixels, job->render->resources.pictures[out->id].pixels, bytes);
+		const render_pixels *from = &job->render->resources.pictures[out->id];
+		size_t first = stilb_image_size(&from->image);
+		memcpy(pixels, from->image.pixels, first);
+		if (bytes > first)
+			memcpy(pixels + first, from->mips, bytes - first);
 		pixels += render_dump_fill(bytes);
 	}
 }

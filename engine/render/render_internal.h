@@ -359,10 +359,6 @@ typedef struct render_stream {
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
 } render_stream;
 
-/* The error of an image that is larger than the device's largest texture of its format, width x height. */
-stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
-                                      const stilb_image *image);
-
 /* How a stream is replayed on this device. 2D passes have too few draws to gain from secondary command buffers. */
 static inline stilb_render_replay_mode render_stream_mode(const render_device *device, const render_stream *stream)
 {
@@ -382,7 +378,7 @@ typedef enum render_frame_state {
 /* A texture, with what tells whether another image fits into it. */
 typedef struct render_scene_texture {
 	stilb_render_texture texture;
-	uint32_t width, height;
+	uint32_t width, height, levels; /* of its picture */
 	stilb_image_format format;
 	bool mapped, mips;   /* a surface has named it; so it was made with mips */
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */

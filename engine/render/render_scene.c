@@ -162,12 +162,13 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	render_scene_texture *now = &tables->textures[id], next = {.width = image->width, .height = image->height};
 	stilb_result result = STILB_OK;
 	next.format = image->format;
+	next.levels = stilb_image_level_count(image);
 	*replaced = false;
 	if (image->pixels && image->pixels == now->refused.pixels && image->width == now->refused.width &&
 	    image->height == now->refused.height)
 		return STILB_OK;
 	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
-	    now->format == next.format && (now->mips || !now->mapped))
+	    now->format == next.format && now->levels == next.levels && (now->mips || !now->mapped))
 		return render_texture_write(render, now->texture, image);
 	way.mips = next.mips = next.mapped = now->mapped;
 	if (image->pixels)
@@ -239,7 +240,7 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
 		const stilb_image *image = &scene->textures[i];
 		result = shown_texture_set(render, tables, scene, i, (render_texture_way){.pool = render->pool}, &replaced);
-		queued += (uint64_t)image->width * image->height * 4;
+		queued += stilb_image_levels_size(image);
 		if (result == STILB_OK && queued >= RENDER_UPLOAD_QUEUED) {
 			result = render_resources_send(render);
 			queued = 0;

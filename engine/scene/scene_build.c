@@ -176,7 +176,7 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 	stilb_image *room = build_room(build, &build->textures, 1, sizeof *room, "texture");
 	if (!room)
 		return 0;
-	if (scene_copy_image(image, &copy) != STILB_OK) {
+	if (stilb_image_copy(image, false, &copy) != STILB_OK) {
 		build_no_memory(build, "texture");
 		return 0;
 	}

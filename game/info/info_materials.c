@@ -18,6 +18,7 @@
 	X("unlit", "yes", "yes")                                                                                           \
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
+	X("compressed textures: DDS with BC1, BC3, BC4, BC5, BC7", "yes", "yes: decoded")                                  \
 	X("clear coat: factors, textures", "yes", "yes")                                                                   \
 	X("sheen: factors, textures", "yes; under a panorama by the light about its lobe's middle", "yes")                 \
 	X("transmission: thin walls, smooth and rough, tinted", "yes, but not through one another", "yes")                 \

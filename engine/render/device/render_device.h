@@ -183,7 +183,6 @@ typedef struct render_slot {
 typedef struct render_device_texture {
 	stilb_gpu_image image; /* its own, or the array's */
 	stilb_gpu_set set;     /* {0}: not needed so far */
-	uint32_t mips;         /* at least 1 */
 	uint32_t array;        /* 1 + render_arrays.items; 0: it has an image of its own, without mips */
 	uint16_t layer;
 } render_device_texture;
@@ -334,12 +333,12 @@ stilb_result render_device_panorama_show(render_device *device, const render_pan
 stilb_result render_device_update(render_device *device, const render_resources *resources);
 /* The textures' part of it. */
 stilb_result render_device_textures_update(render_device *device, const render_resources *resources);
-/* Makes texture number `texture` with the size and format of image: with all mips, as a layer of an array, or with one;
- * update copies the pixels. The caller holds the lock of render_resources. [any-thread] */
-stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);
+/* STILB_ERROR_ARGUMENT: the device has no such textures. [any-thread] */
+stilb_result render_device_texture_check(const render_device *device, const render_texture_shape *shape);
+/* Makes texture number `texture`; update copies the pixels. The caller holds the lock of render_resources.
+ * [any-thread] */
+stilb_result render_device_texture_create(render_device *device, uint32_t texture, const render_texture_shape *shape);
 void render_device_texture_destroy(render_device *device, uint32_t texture);
-/* That of the textures that are made of images of this format. [any-thread] */
-stilb_gpu_format render_texture_format(stilb_image_format format);
 /* The set of a draw with this texture alone. */
 stilb_result render_device_texture_set(render_device *device, uint32_t texture, uint32_t *set);
 /* Makes what the draws of group number `group` bind: the images and samplers of maps that are in it. The caller holds

@@ -139,10 +139,28 @@ void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_
 /* How many mips a picture of that size has, down to one texel. */
 uint32_t render_mip_count(uint32_t width, uint32_t height);
 
-/* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
- * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
+/* Texels of so many levels of such a picture. */
+uint64_t render_mip_texels(uint32_t width, uint32_t height, uint32_t levels);
+
+/* A table is asked for sRGB codes: at least 255 * 12.92 steps, so that a step has one border at most. */
+#define RENDER_MIPS_STEPS 4096u
+
+/* How light becomes codes of a format, and those of 8 bits light. */
+typedef struct render_mips_codes {
+	stilb_image_format format;
+	/* U8_SRGB: the light from which on a code is that or more; of code 0: below all; [256]: above all. */
+	float borders[257];
+	uint8_t first[RENDER_MIPS_STEPS + 1]; /* the code of light i / RENDER_MIPS_STEPS */
+	float lights[2][256];                 /* U8: of red, green and blue; of alpha */
+} render_mips_codes;
+
+void render_mips_codes_make(stilb_image_format format, render_mips_codes *codes);
+
+/* Makes rows begin .. end - 1 of the mip `to` after `from`: pictures of four channels in the format of codes, no
+ * U16_SRGB and no blocks. A texel is the mean of those that it covers, in light; where `from` has an odd number, of
  * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
- * *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
-void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes);
+ * [any-thread] */
+void render_mips_rows(const render_mips_codes *codes, const stilb_image *from, uint32_t begin, uint32_t end,
+                      stilb_job_pool *pool, const stilb_image *to);
 
 #endif

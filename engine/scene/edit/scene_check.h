@@ -41,8 +41,7 @@ stilb_result scene_check_material(const stilb_scene_material *material, uint32_t
 /* Its textures are below texture_count. */
 stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id);
 
-/* Copies. STILB_ERROR_MEMORY; *to is {0} then. */
+/* A copy. STILB_ERROR_MEMORY; *to is {0} then. */
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to);
-stilb_result scene_copy_image(const stilb_image *from, stilb_image *to);
 
 #endif

@@ -449,7 +449,7 @@ stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *imag
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->textures, arrays, 1, scene->texture_count);
 	if (result == STILB_OK)
-		result = scene_copy_image(&own, &copy);
+		result = stilb_image_copy(&own, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);
@@ -469,7 +469,7 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 	if (result == STILB_OK)
 		result = scene_check_texture(image, id);
 	if (result == STILB_OK)
-		result = scene_copy_image(image, &copy);
+		result = stilb_image_copy(image, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	stilb_image_finish(&scene->textures[id]);
