@@ -17,6 +17,7 @@
 
 #include <assimp/scene.h>
 #include <limits.h>
+#include <math.h>
 
 /* A node of the hierarchy of transforms in Assimp's scene. */
 typedef struct importer_node {
@@ -56,6 +57,7 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_LINES,
 	IMPORTER_LOSS_POSITIONS,
 	IMPORTER_LOSS_TRIANGLES,
+	IMPORTER_LOSS_INFINITE,
 	IMPORTER_LOSS_MORPHS,
 	IMPORTER_LOSS_SKINS,
 	IMPORTER_LOSS_ANIMATIONS,
@@ -147,6 +149,12 @@ const importer_node *importer_find_node(const importer *import, const struct aiS
 static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 {
 	return stilb_vec3_make(v->x, v->y, v->z);
+}
+
+/* False: a coordinate is NaN or infinite. */
+static inline bool importer_is_point(const struct aiVector3D *v)
+{
+	return isfinite(v->x) && isfinite(v->y) && isfinite(v->z);
 }
 
 /* A point of the node's space in the world. */
