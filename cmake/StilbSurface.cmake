@@ -1,9 +1,11 @@
 # stilb_surface(TARGET NAME FILE): compiles a surface function, GLSL as render/shaders/surface.glsl says, into each of the
 # shaders that it becomes a part of, and writes NAME.surface.h, which TARGET can include: it defines NAME, a
-# stilb_scene_function (scene_function.h). NAME: letters, digits and _. Needs glslc. STILB_SHADERS is the folder of Stilb's
-# shaders, STILB_SHADERS_NUMBER their stilb_scene_function_shaders().
+# stilb_scene_function (scene_function.h). NAME: letters, digits and _. Needs glslc. The global property STILB_SHADERS is the
+# folder of Stilb's shaders, STILB_SHADERS_NUMBER their stilb_scene_function_shaders().
 function(stilb_surface target name file)
-	find_program(STILB_GLSLC glslc REQUIRED)
+	find_program(STILB_GLSLC glslc REQUIRED) # on Debian: apt install glslc
+	get_property(shaders GLOBAL PROPERTY STILB_SHADERS)
+	get_property(shaders_number GLOBAL PROPERTY STILB_SHADERS_NUMBER)
 	if(NOT name MATCHES "^[A-Za-z_][A-Za-z0-9_]*$" OR name MATCHES "^................................................................")
 		message(FATAL_ERROR "stilb_surface: '${name}' is not 1 to 63 letters, digits and _, of which the first is no digit")
 	endif()
@@ -44,18 +46,24 @@ function(stilb_surface target name file)
 	# absolute path.
 	file(CONFIGURE OUTPUT ${folder}/${name}/surface_function.glsl CONTENT "#include \"${file_name}\"\n" @ONLY)
 	set(arrays)
+	# glslc writes what a shader was made from with blanks as they are, which no build system understands.
+	set(depfile "DEPFILE;@output@.d")
+	if("${shaders}${file}${folder}" MATCHES " ")
+		set(depfile "")
+	endif()
 	set(table)
 	set(number 0)
 	foreach(code ${codes})
 		separate_arguments(words UNIX_COMMAND "${code}")
 		list(TRANSFORM words PREPEND -D)
 		set(output ${folder}/${name}/${number}.inc)
+		string(REPLACE @output@ ${output} output_depfile "${depfile}")
 		add_custom_command(
 			OUTPUT ${output}
 			COMMAND ${STILB_GLSLC} --target-env=vulkan1.3 -O -Werror -DMAPS_FUNCTION ${words} -I ${folder}/${name} -I ${file_folder}
-				-I ${STILB_SHADERS} -mfmt=c -MD -MF ${output}.d -MT ${output} -o ${output} ${STILB_SHADERS}/render/shaders/maps.frag
+				-I ${shaders} -mfmt=c -MD -MF ${output}.d -MT ${output} -o ${output} ${shaders}/render/shaders/maps.frag
 			DEPENDS ${file} ${folder}/${name}/surface_function.glsl
-			DEPFILE ${output}.d
+			${output_depfile}
 			COMMENT "Compiling surface function ${name}, ${number}"
 			VERBATIM)
 		target_sources(${target} PRIVATE ${output})
@@ -68,7 +76,7 @@ function(stilb_surface target name file)
 #include <stilb/scene_function.h>
 
 ${arrays}
-static const stilb_scene_function ${name} = {\"${name}\", UINT64_C(0x${STILB_SHADERS_NUMBER}),
+static const stilb_scene_function ${name} = {\"${name}\", UINT64_C(0x${shaders_number}),
 	{
 ${table}	}};
 ")
