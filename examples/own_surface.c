@@ -1,5 +1,6 @@
-/* own_surface [PICTURE.png]: a material with a function of the program's own, shaders/dissolve.glsl: a striped ball that
- * dissolves while frames are drawn. The function runs where colour is drawn, and where depth alone is. Needs no window. */
+/* own_surface [PICTURE.png]: a material with a function of the program's own, shaders/dissolve.glsl: a striped ball
+ * that dissolves while frames are drawn. The function runs where colour is drawn, and where depth alone is. Needs no
+ * window. */
 #include "dissolve.surface.h" /* made by stilb_surface() of CMakeLists.txt */
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
-// Stripes that turn, on a ball that dissolves: for own_surface.c. Parameters: 0: seconds that it takes, stripes around it,
-// how coarse the holes are; 1: colour of the stripes; 2: radiance of the edges.
-// What it is given and returns stands in Stilb's render/shaders/surface.glsl.
+// Stripes that turn, on a ball that dissolves: for own_surface.c. Parameters: 0: seconds that it takes, stripes around
+// it, holes across a metre; 1: colour of the stripes; 2: radiance of the edges. What a function is given and returns
+// stands in Stilb's render/shaders/surface.glsl.
 
 float random_at(vec3 cell)
 {
