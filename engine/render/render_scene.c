@@ -132,20 +132,27 @@ static render_maps shown_maps(const stilb_render *render, const render_scene *ta
 	return maps;
 }
 
+/* Creates or writes a material with this surface. */
+static stilb_result shown_material_maps(stilb_render *render, const render_scene *tables, const stilb_scene *scene,
+                                        uint32_t id, const stilb_scene_surface *surface)
+{
+	stilb_render_material *material = &tables->materials[id];
+	render_maps maps = shown_maps(render, tables, scene, surface);
+	return material->id
+	           ? render_material_write_maps(render, *material, &scene->materials[id], (stilb_render_texture){0}, &maps)
+	           : render_material_create_maps(render, &scene->materials[id], &maps, material);
+}
+
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
 {
 	stilb_render_material *material = &tables->materials[id];
-	const stilb_scene_material *from = &scene->materials[id];
-	stilb_render_texture texture = shown_material_texture(tables, scene, id);
 	const stilb_scene_surface *surface = shown_material_surface(scene, id);
-	render_maps maps = {0};
-	if (surface)
-		maps = shown_maps(render, tables, scene, surface);
-	if (material->id)
-		return render_material_write_maps(render, *material, from, texture, surface ? &maps : NULL);
-	stilb_result result = surface ? render_material_create_maps(render, from, &maps, material)
-	                              : stilb_render_material_create(render, from, texture, material);
-	if (result == STILB_OK)
+	bool is_new = material->id == 0;
+	stilb_render_texture texture = shown_material_texture(tables, scene, id);
+	stilb_result result = surface  ? shown_material_maps(render, tables, scene, id, surface)
+	                      : is_new ? stilb_render_material_create(render, &scene->materials[id], texture, material)
+	                               : render_material_write(render, *material, &scene->materials[id], texture);
+	if (result == STILB_OK && is_new)
 		render_material_name(render, *material, id);
 	return result;
 }
