@@ -563,6 +563,42 @@ static void functions_batch(void **state)
 	stage_close(&s);
 }
 
+/* Two renderers show one scene, each by its own copy of the code. What a view needs of functions is made before its
+ * first frame. */
+static void renderers_share_a_scene(void **state)
+{
+	(void)state;
+	stage s[2];
+	for (int i = 0; i < 2; i++) {
+		s[i] = stage_open((stilb_render_desc){0}, 0);
+		s[i].view.shading = stilb_render_shading_default();
+	}
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_surface surface = probed(surface_unlit(), PROBE_COLOR, 0.5f, 0.25f, 0);
+	show_probe(&s[0], &q, &surface);
+	s[1].scene = s[0].scene;
+	assert_int_equal(stilb_render_set_scene(s[1].render, s[0].scene), STILB_OK);
+	assert_int_equal(stilb_render_prepare_view(s[1].render, &s[1].view), STILB_OK);
+	uint32_t made = programs_of(&s[1], 1);
+	assert_true(made > 0);
+	for (int i = 0; i < 2; i++)
+		assert_shows(&s[i], 0.5, 0.25, 0, HALF);
+	assert_int_equal(programs_of(&s[1], 1), made);
+	surface.parameters[1][0] = 1.0f;
+	assert_int_equal(stilb_scene_set_surface(s[0].scene, 0, &surface), STILB_OK);
+	stilb_scene_changes changes = stilb_scene_changes_read(s[0].scene);
+	for (int i = 0; i < 2; i++)
+		assert_int_equal(stilb_render_update_scene(s[i].render, s[0].scene, &changes), STILB_OK);
+	for (int i = 0; i < 2; i++)
+		assert_shows(&s[i], 1, 0.25, 0, HALF);
+	assert_int_equal(stilb_render_set_scene(s[1].render, NULL), STILB_OK);
+	s[1].scene = NULL;
+	assert_shows(&s[0], 1, 0.25, 0, HALF);
+	stage_close(&s[1]);
+	stage_close(&s[0]);
+}
+
 /* ---- what is no such code ---------------------------------------------------------------------------------------- */
 
 /* The probe with another word in one of its codes, and with so many bytes of that; 0: all. */
@@ -790,12 +826,13 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(functions_change_members), cmocka_unit_test(functions_are_given_places),
-		cmocka_unit_test(functions_are_given_maps), cmocka_unit_test(time_and_parameters),
-		cmocka_unit_test(masks_by_functions),       cmocka_unit_test(alpha_with_samples),
-		cmocka_unit_test(functions_come_and_go),    cmocka_unit_test(functions_batch),
-		cmocka_unit_test(broken_code_is_refused),   cmocka_unit_test(other_interfaces_are_refused),
-		cmocka_unit_test(dumps_hold_functions),     cmocka_unit_test(identity_keeps_bits),
+		cmocka_unit_test(functions_change_members),     cmocka_unit_test(functions_are_given_places),
+		cmocka_unit_test(functions_are_given_maps),     cmocka_unit_test(time_and_parameters),
+		cmocka_unit_test(masks_by_functions),           cmocka_unit_test(alpha_with_samples),
+		cmocka_unit_test(functions_come_and_go),        cmocka_unit_test(functions_batch),
+		cmocka_unit_test(renderers_share_a_scene),      cmocka_unit_test(broken_code_is_refused),
+		cmocka_unit_test(other_interfaces_are_refused), cmocka_unit_test(dumps_hold_functions),
+		cmocka_unit_test(identity_keeps_bits),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
