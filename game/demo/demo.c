@@ -11,6 +11,7 @@
 typedef struct demo {
 	live_options options;
 	uint64_t models, seed, cameras;
+	uint64_t figures;           /* that walk between the models */
 	bool animate;               /* a tenth of the models moves */
 	int view;                   /* a stilb_scene_stress_view */
 	int light;                  /* a stilb_scene_stress_light, as the flag chose it */
@@ -91,6 +92,8 @@ static stilb_result demo_start(void *user, live_run *run)
 	demo_place(d, 0, place);
 	stilb_engine_set_place(run->engine, place);
 	stilb_result result = stilb_scene_create_stress((uint32_t)d->models, d->seed, &d->scene);
+	if (result == STILB_OK && d->figures > 0)
+		result = stilb_scene_stress_add_figures(d->scene, (uint32_t)d->figures);
 	if (result != STILB_OK)
 		return result;
 	demo_look(d, run->engine);
@@ -150,6 +153,8 @@ int demo_command(int argc, char **argv)
 		{"--models", FLAG_NUMBER, &d.models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
 		{"--seed", FLAG_NUMBER, &d.seed, "N", "of the random sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
 		{"--animate", FLAG_SWITCH, &d.animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
+		{"--figures", FLAG_NUMBER, &d.figures, "N", "figures with skins that walk between them, 0..100000 (0)", 0,
+	     100000, NULL},
 		{"--view", FLAG_CHOICE, &d.view, "all|half|few", "how many models the camera sees (all)", 0, 0, demo_views},
 		{"--cameras", FLAG_NUMBER, &d.cameras, "N",
 	     "cameras around the scene, each in a tile of the picture, 1..16 (1)", 1, STILB_ENGINE_MAX_CAMERAS + 1, NULL},
