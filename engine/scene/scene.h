@@ -514,8 +514,8 @@ void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light l
  * [one-writer] */
 void stilb_scene_animate(stilb_scene *scene, double seconds);
 
-/* Adds count > 0 figures (scene_play.h) to a scene of stilb_scene_create_stress that was not edited yet: copies of one of
- * 11 joints and 550 vertices, 0.9 m high, each of which walks on the spot at its own time. STILB_ERROR_MEMORY,
+/* Adds count > 0 figures (scene_play.h) to a scene of stilb_scene_create_stress that was not edited yet: copies of one
+ * of 11 joints and 550 vertices, 0.9 m high, each of which walks on the spot at its own time. STILB_ERROR_MEMORY,
  * STILB_ERROR_ARGUMENT: more than there can be; then the scene is to be destroyed. [one-writer] */
 stilb_result stilb_scene_stress_add_figures(stilb_scene *scene, uint32_t count);
 

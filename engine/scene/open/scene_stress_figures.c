@@ -1,4 +1,4 @@
-/* Figures for the stress test: one of limbs with skins, made here, and copies of it, each at its own time of one clip. */
+/* Figures for the stress test: one of limbs with a skin, made here, and copies of it, each at a time of its own. */
 #include "scene/edit/scene_edit.h"
 #include "scene/play/scene_play_internal.h"
 #include "scene/scene_animation_internal.h"
@@ -274,7 +274,9 @@ stilb_result stilb_scene_stress_add_figures(stilb_scene *scene, uint32_t count)
 		if (result == STILB_OK)
 			result = stilb_scene_set_plays(scene, figure, &play, 1);
 		if (result == STILB_OK)
-			scene->part_material[scene->part_count - 1] = 2 * (f % scene->stress_models);
+			result =
+				stilb_scene_set_part(scene, scene->model_count - 1, 0,
+			                         (stilb_scene_build_part){scene->mesh_count - 1, 2 * (f % scene->stress_models)});
 	}
 	if (result == STILB_OK)
 		result = stilb_scene_show_model(scene, scene->animation->nodes[0].first_model, false);

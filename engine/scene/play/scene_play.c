@@ -386,6 +386,7 @@ static uint32_t play_move_all(stilb_scene *scene, double seconds)
 {
 	stilb_scene_figures *all = scene->figures;
 	uint32_t due = 0;
+	all->counts = (stilb_scene_play_counts){0};
 	for (uint32_t f = 0; f < all->count; f++) {
 		play_figure *figure = &all->figures[f];
 		bool moved = figure->fresh, ended;
@@ -395,10 +396,16 @@ static uint32_t play_move_all(stilb_scene *scene, double seconds)
 			if (ended)
 				play_keep_end(all, f, p);
 		}
-		figure->fresh = false;
-		if (moved && figure->play_count > 0)
+		figure->behind |= moved && figure->play_count > 0;
+		if (figure->behind && (figure->fresh || scene_play_is_due(scene, f)))
 			all->due[due++] = f;
+		all->counts.waiting += figure->behind;
+		figure->fresh = false;
 	}
+	all->calls++;
+	all->counts.figures = all->in_use;
+	all->counts.sampled = due;
+	all->counts.waiting -= due;
 	return due;
 }
 

@@ -31,6 +31,7 @@ static void play_unshare(const stilb_scene *scene, play_shared *shared)
 	free(shared->order);
 	free(shared->clips);
 	free(shared->tracks);
+	free(shared->reach);
 	free(shared->moved);
 	free(shared->rests);
 	free(shared->posed);
