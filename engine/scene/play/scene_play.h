@@ -97,8 +97,9 @@ stilb_result stilb_scene_set_weights(stilb_scene *scene, uint32_t figure, uint32
 void stilb_scene_advance(stilb_scene *scene, double seconds, stilb_job_pool *pool, uint32_t worker);
 
 /* Plays a clip of figure 0 through once and keeps where it takes the models, at STILB_SCENE_SWEEP times: from then on
- * stilb_scene_frame frames all of these places, too, until the next call. The scene then has the pose of what it
- * plays, or of the file. STILB_SCENE_NONE: it frames the scene as it is again. STILB_ERROR_ARGUMENT also without such a clip. */
+ * stilb_scene_frame frames all of these places, too, until the next call. The scene then has the pose of what it plays,
+ * or of the file. STILB_SCENE_NONE: it frames the scene as it is again. STILB_ERROR_ARGUMENT also without such a
+ * clip. */
 #define STILB_SCENE_SWEEP 16u
 stilb_result stilb_scene_sweep(stilb_scene *scene, uint32_t clip);
 
