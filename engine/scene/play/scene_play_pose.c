@@ -1,5 +1,5 @@
-/* Vertices of posed meshes: morph targets first, then skins. Joints come to the space of their figure's place, so that
- * a figure far from the origin loses no digits. */
+/* Vertices of posed meshes: morph targets first, then skins. Joints are in the space of their figure's place, so that a
+ * figure far from the origin loses no digits, and one that is moved as a whole is not posed again. */
 #include "profiler/prof.h"
 #include "scene/play/scene_play_internal.h"
 
@@ -49,19 +49,39 @@ static inline void pose_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb
 	}
 }
 
-/* Brings the joints of a skin up to date. True if one of them has changed. */
-static bool pose_joints(const stilb_scene *scene, play_figure *figure, const stilb_scene_skin *skin,
-                        const stilb_mat4 *from_world)
+/* Brings the places of joints, and of what is above them, in the space of the figure's place up to date: the products of
+ * the matrices below it, so that they have the same bits wherever the figure stands. A node that the program has hung
+ * elsewhere comes there by way of the world; one that it has removed stays where it was. */
+static void pose_places(const stilb_scene *scene, play_figure *figure)
 {
-	bool changed = false;
+	const play_shared *shared = &scene->figures->shared;
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	for (uint32_t i = 0; i < shared->carrier_count; i++) {
+		uint32_t n = shared->carriers[i], own = figure->nodes[n], above = scene->animation->nodes[n].parent;
+		if (own == STILB_SCENE_NONE)
+			continue;
+		stilb_mat4 from_world;
+		uint32_t hangs = nodes->parent[own];
+		if (above == STILB_SCENE_NONE && hangs == figure->place)
+			figure->places[n] = nodes->local[own];
+		else if (above != STILB_SCENE_NONE && hangs == figure->nodes[above])
+			pose_multiply(&figure->places[above], &nodes->local[own], &figure->places[n]);
+		else if (pose_invert(&nodes->to_world[figure->place], &from_world))
+			pose_multiply(&from_world, &nodes->to_world[own], &figure->places[n]);
+	}
+}
+
+/* Brings the joints of a skin up to date. True if one of them has changed. */
+static bool pose_joints(const stilb_scene *scene, play_figure *figure, const stilb_scene_skin *skin)
+{
+	bool changed = false, placed = figure->place != STILB_SCENE_NONE;
 	for (uint32_t j = skin->first_joint; j < skin->first_joint + skin->joint_count; j++) {
-		uint32_t node = figure->nodes[scene->animation->joints[j]];
+		uint32_t n = scene->animation->joints[j], node = figure->nodes[n];
 		if (node == STILB_SCENE_NONE)
 			continue; /* it was removed, and stays where it was */
 		stilb_mat4 joint;
-		pose_multiply(&scene->nodes.to_world[node], &scene->animation->inverse_binds[j], &joint);
-		if (from_world)
-			pose_multiply(from_world, &joint, &joint);
+		pose_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
+		              &joint);
 		play_rows rows;
 		for (size_t i = 0; i < 12; i++)
 			rows.m[i] = joint.m[4 * (i % 4) + i / 4];
@@ -78,12 +98,10 @@ static void pose_figure(const stilb_scene *scene, play_figure *figure)
 {
 	const play_shared *shared = &scene->figures->shared;
 	const stilb_scene_animation *animation = scene->animation;
-	stilb_mat4 from_world;
-	bool placed = figure->place != STILB_SCENE_NONE, known = true;
-	if (placed)
-		known = pose_invert(&scene->nodes.to_world[figure->place], &from_world);
+	if (figure->place != STILB_SCENE_NONE)
+		pose_places(scene, figure);
 	for (uint32_t s = 0; s < animation->skin_count; s++)
-		figure->turned[s] = known && pose_joints(scene, figure, &animation->skins[s], placed ? &from_world : NULL);
+		figure->turned[s] = pose_joints(scene, figure, &animation->skins[s]);
 	for (uint32_t i = 0; i < shared->posed_count; i++) {
 		const play_posed *posed = &shared->posed[i];
 		const stilb_scene_rest *node = &animation->nodes[posed->node];
