@@ -14,11 +14,11 @@
 static bool pose_invert(const stilb_mat4 *matrix, stilb_mat4 *inverse)
 {
 	double m[12], cofactor[3][3];
-	for (int column = 0; column < 4; column++)
-		for (int row = 0; row < 3; row++)
+	for (size_t column = 0; column < 4; column++)
+		for (size_t row = 0; row < 3; row++)
 			m[3 * column + row] = (double)matrix->m[4 * column + row];
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
+	for (size_t i = 0; i < 3; i++)
+		for (size_t j = 0; j < 3; j++) {
 			const double *a = &m[3 * ((i + 1) % 3)], *b = &m[3 * ((i + 2) % 3)];
 			cofactor[i][j] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
 		}
@@ -26,9 +26,9 @@ static bool pose_invert(const stilb_mat4 *matrix, stilb_mat4 *inverse)
 	*inverse = stilb_mat4_identity();
 	if (!(fabs(determinant) > 1e-60))
 		return false;
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		double move = 0.0;
-		for (int j = 0; j < 3; j++) {
+		for (size_t j = 0; j < 3; j++) {
 			inverse->m[4 * j + i] = (float)(cofactor[i][j] / determinant);
 			move -= cofactor[i][j] / determinant * m[9 + j];
 		}
@@ -49,8 +49,8 @@ static inline void pose_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb
 	}
 }
 
-/* Brings the places of joints, and of what is above them, in the space of the figure's place up to date: the products of
- * the matrices below it, so that they have the same bits wherever the figure stands. A node that the program has hung
+/* Brings the places of joints, and of what is above them, in the space of the figure's place up to date. They are the
+ * products of the matrices below it: the same bits wherever the figure stands. A node that the program has hung
  * elsewhere comes there by way of the world; one that it has removed stays where it was. */
 static void pose_places(const stilb_scene *scene, play_figure *figure)
 {
@@ -162,7 +162,7 @@ static void pose_morph(const play_rest *rest, const stilb_scene_deform *deform, 
 	size_t from = 3 * (size_t)first;
 	for (uint32_t s = 0; s < streams; s++)
 		memcpy(to->streams[s], play_stream(rest, s, first),
-		       (count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES * sizeof(float));
+		       (size_t)((count + PLAY_LANES - 1) / PLAY_LANES) * PLAY_LANES * sizeof(float));
 	pose_add(to->streams + PLAY_POSITION, deform->positions + from, deform, weights, rest->vertex_count, count);
 	if (deform->normals) {
 		pose_add(to->streams + PLAY_NORMAL, deform->normals + from, deform, weights, rest->vertex_count, count);
