@@ -45,6 +45,7 @@ static stilb_result play_make(const stilb_scene *scene, play_figure *figure)
 		.nodes = malloc((a->node_count + 1ull) * sizeof *figure->nodes),
 		.models = malloc((shared->model_count + 1ull) * sizeof *figure->models),
 		.meshes = calloc(shared->posed_count + 1ull, sizeof *figure->meshes),
+		.places = calloc(shared->carrier_count > 0 ? a->node_count : 1, sizeof *figure->places),
 		.joints = calloc(a->joint_count + 1ull, sizeof *figure->joints),
 		.weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
 		.shown_weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
@@ -52,8 +53,8 @@ static stilb_result play_make(const stilb_scene *scene, play_figure *figure)
 		.row = calloc((size_t)shared->value_count + shared->target_count + 1, sizeof *figure->row),
 		.cursors = calloc(shared->most_tracks + 1ull, sizeof *figure->cursors),
 	};
-	if (!figure->nodes || !figure->models || !figure->meshes || !figure->joints || !figure->weights ||
-	    !figure->shown_weights || !figure->turned || !figure->row || !figure->cursors) {
+	if (!figure->nodes || !figure->models || !figure->meshes || !figure->places || !figure->joints ||
+	    !figure->weights || !figure->shown_weights || !figure->turned || !figure->row || !figure->cursors) {
 		scene_play_free_figure(figure);
 		return play_memory();
 	}

@@ -74,6 +74,8 @@ typedef struct play_shared {
 	uint32_t most_tracks;              /* of a clip */
 	uint32_t *moved;                   /* [moved_count] nodes of the animation that clips can move */
 	uint32_t moved_count;
+	uint32_t *carriers; /* [carrier_count] nodes that are joints, or above joints, ascending */
+	uint32_t carrier_count;
 } play_shared;
 
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
@@ -97,6 +99,7 @@ typedef struct play_figure {
 	uint32_t *nodes;         /* [animation->node_count] of the scene; STILB_SCENE_NONE: removed */
 	uint32_t *models;        /* [shared->model_count] of the scene; STILB_SCENE_NONE: removed */
 	play_mesh *meshes;       /* [shared->posed_count] */
+	stilb_mat4 *places;      /* [animation->node_count] of carriers, to the figure's place; unused without one */
 	play_rows *joints;       /* [animation->joint_count] from the mesh at rest to the figure's place */
 	float *weights;          /* [animation->weight_count] of morph targets */
 	float *shown_weights;    /* the same, of the pose that its meshes have */
