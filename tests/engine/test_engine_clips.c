@@ -145,6 +145,7 @@ static void a_pause_and_steps_equal_running(void **state)
 		uint64_t still = poses_of(&steps);
 		stage_frame(&steps); /* a paused frame changes nothing */
 		assert_true(poses_of(&steps) == still);
+		assert_int_equal(stilb_scene_play_counts_of(steps.scene).sampled, 0);
 		stilb_engine_step(steps.engine, (frame + 1) / 60.0 - frame / 60.0);
 		stage_frame(&runs);
 		stage_frame(&steps);
