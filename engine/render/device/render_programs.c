@@ -181,7 +181,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		                            : depth     ? RENDER_FUNCTION_DEPTH
 		                            : through   ? RENDER_FUNCTION_THROUGH
 		                                        : RENDER_FUNCTION_MAPS;
-		desc.name = function->own.name;
+		desc.name = function->program;
 		desc.vertex = channel > 0 ? render_function_channel_vertex[device->packed][extras]
 		                          : render_function_vertex[layers][device->packed][extras];
 		desc.fragment = render_function_code(&function->own, kind, layers, gloss, coverage, extras);
