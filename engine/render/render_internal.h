@@ -13,6 +13,7 @@
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
 #include "render/rows/render_rows.h"
+#include "render/textures/render_loading.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -380,12 +381,16 @@ typedef struct render_scene_texture {
 	stilb_render_texture texture;
 	uint32_t width, height, levels; /* of its picture */
 	stilb_image_format format;
-	bool mapped, mips;   /* a surface has named it; so it was made with mips */
+	bool mapped, mips;           /* a surface has named it; so it was made with mips */
+	bool arrived;                /* it has taken its stand-in's place; materials do not know yet */
+	uint8_t loading;             /* render_loading_state; if not DONE `texture` is a stand-in */
+	stilb_render_texture coming; /* COPIED: that which takes its place */
+	stilb_image picture;         /* WAITS, MADE: the scene's, not owned */
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
 /* Handles of the resources of the scene that was set, by id in the scene; {0}: there is none with this id. */
-typedef struct render_scene {
+struct render_scene {
 	bool refused;                     /* an image of a texture */
 	stilb_render_mesh *meshes;        /* [mesh_count] */
 	stilb_render_material *materials; /* [material_count] */
@@ -396,7 +401,8 @@ typedef struct render_scene {
 	uint32_t impostor_count, impostor_capacity;
 	uint64_t impostors_removed; /* stilb_scene.impostors_removed of these */
 	render_places places;       /* of its parts */
-} render_scene;
+	render_loading *loading;    /* NULL: no texture ever was one that is loaded */
+};
 
 /* Frees the arrays of handles and destroys nothing, since that needs the device; leaves {0}. */
 void render_scene_finish(render_scene *scene);
@@ -413,7 +419,7 @@ void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_s
 stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 /* A part may not name a mesh that was removed. */
 stilb_result render_scene_check_parts(const stilb_scene *scene, const render_scene *tables);
-/* Makes a texture that is not drawn before render_resources_hurry. */
+/* Makes a texture that is not drawn before render_resources_hurry; or begins one that comes later. */
 stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
                                           uint32_t id);
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
@@ -496,6 +502,7 @@ struct stilb_render {
 	render_resources resources;
 	render_scene scene;
 	stilb_job_pool *pool;       /* stilb_render_set_pool; NULL: none */
+	atomic_int textures;        /* stilb_render_textures; relaxed: what is made by it is handed over by other means */
 	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */
@@ -508,6 +515,13 @@ struct stilb_render {
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;
 };
+
+/* How textures of scenes come now. [any-thread] */
+static inline stilb_render_textures render_textures_mode(const stilb_render *render)
+{
+	/* partner: stilb_render_set_textures */
+	return (stilb_render_textures)atomic_load_explicit(&render->textures, memory_order_relaxed);
+}
 
 /* Forgets the frame's passes. */
 void render_passes_rewind(stilb_render *render);
