@@ -474,20 +474,27 @@ typedef struct render_blend_item {
 /* The draws of a class of groups in a pass. */
 typedef struct render_order_class {
 	uint32_t class;
-	uint32_t draws, runs; /* how many; then where the next draw goes, and the first run */
-	uint32_t end;         /* of the runs */
-	render_run open;      /* the run that draws of its state join; count 0: none so far */
+	uint32_t draws;       /* how many; then where the next one goes */
+	uint32_t first, last; /* 1 + those of its runs that are complete, in render_order_memory.moved; 0: none so far */
+	render_run open;      /* the run that draws of its state join, without its count; state 0: none so far */
 } render_order_class;
+
+/* A run of a class, and 1 + the next one; 0: none. */
+typedef struct render_order_run {
+	render_run run;
+	uint32_t next;
+} render_order_run;
 
 /* Memory of render_maps_order, kept from pass to pass. */
 typedef struct render_order_memory {
 	uint32_t *places;            /* [place_capacity] by class: 1 + its place in `classes`; between passes 0 */
 	render_order_class *classes; /* [count] in the order in which they come first */
 	uint32_t *of;                /* by run: place of its class; UINT32_MAX: it stays */
-	render_run *moved;           /* [runs] */
+	render_order_run *moved;     /* [moved_count], runs of classes in the order in which they were complete */
 	render_blend_item *items;
 	uint32_t place_capacity, capacity, of_capacity, moved_capacity, item_capacity;
 	uint32_t count, draws, runs, stretches; /* of all classes */
+	uint32_t moved_count;
 } render_order_memory;
 
 /* Frees it. */
