@@ -515,6 +515,24 @@ static void material_from_surface(stilb_scene_material *material, const stilb_sc
 	material->diffuse_texture = 0;
 }
 
+/* Rays lack the functions of surfaces: takes them out of the copies, and says so once for each. */
+static void functions_leave(stilb_gi_scene *gi, const stilb_scene *scene)
+{
+	for (uint32_t s = 0; s < gi->surface_count; s++) {
+		stilb_scene_surface *surface = &gi->surfaces[s];
+		uint32_t function = surface->function - 1;
+		bool there = surface->function > 0;
+		surface->function = 0;
+		memset(surface->parameters, 0, sizeof surface->parameters);
+		if (!there || gi->lacking[function / 32] >> function % 32 & 1u)
+			continue;
+		gi->lacking[function / 32] |= 1u << function % 32;
+		STILB_ASSERT(function < scene->function_count);
+		stilb_log("rays lack the surface function '%s': its materials are shown without it",
+		          scene->functions[function].name);
+	}
+}
+
 /* Copies what may change at no cost. There is room for the materials and surfaces. */
 static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 {
@@ -524,6 +542,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 		memcpy(gi->surfaces, scene->surfaces, scene->surface_count * sizeof *gi->surfaces);
 	gi->material_count = scene->material_count;
 	gi->surface_count = scene->surface_count;
+	functions_leave(gi, scene);
 	for (uint32_t i = 0; i < gi->material_count; i++) {
 		STILB_ASSERT(gi->materials[i].surface <= gi->surface_count);
 		if (gi->materials[i].surface)
@@ -594,7 +613,10 @@ static void gi_scene_clear(stilb_gi_scene *gi)
 	free(gi->vertices);
 	free(gi->extras);
 	free(gi->triangles);
+	uint32_t lacking[sizeof gi->lacking / sizeof *gi->lacking];
+	memcpy(lacking, gi->lacking, sizeof lacking);
 	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector, .found = gi->found};
+	memcpy(gi->lacking, lacking, sizeof lacking);
 }
 
 /* All indices are in range, and every triangle can be hit. For STILB_CHECK. */

@@ -99,9 +99,10 @@ struct stilb_gi_scene {
 	uint32_t emitter_count; /* triangles of parts that are lights, those that do not glow included */
 	/* What it was made of, and how, for updates. */
 	gi_found found;
-	bool movable, broken; /* broken: the last update failed */
-	uint64_t geometry;    /* the scene's count of changes of its meshes */
-	uint64_t lights_hash; /* of all that lights were made of */
+	bool movable, broken;                                 /* broken: the last update failed */
+	uint64_t geometry;                                    /* the scene's count of changes of its meshes */
+	uint64_t lights_hash;                                 /* of all that lights were made of */
+	uint32_t lacking[STILB_SCENE_MAX_FUNCTIONS / 32 + 1]; /* by id, a bit each: that a function is left out was told */
 };
 
 /* An intersector: a method to find what rays hit. create builds its acceleration structure for a scene whose meshes and

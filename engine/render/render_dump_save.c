@@ -31,6 +31,7 @@ typedef struct save_job {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
 	save_table meshes, materials, textures;
+	render_dump_functions functions;
 	render_dump_backdrop backdrops[RENDER_DUMP_MAX_VIEWS];     /* [header.views] */
 	const stilb_render_target *targets[RENDER_DUMP_MAX_VIEWS]; /* [header.targets] of the views */
 } save_job;
@@ -173,6 +174,7 @@ static stilb_result save_order_used(save_job *job)
 	for (uint32_t m = 0; m < job->materials.count && result == STILB_OK; m++) {
 		uint32_t material = job->materials.indices[m], texture = save_texture_of(job, material), maps[RENDER_MAPS];
 		job->header.surfaces += render_dump_surface_textures(&job->render->resources, material, maps);
+		render_dump_functions_note(job->render, material, &job->functions);
 		if (texture != 0)
 			job->textures.place[texture] = 0;
 		for (uint32_t i = 0; i < RENDER_MAPS; i++)
@@ -225,6 +227,8 @@ static stilb_result save_size(save_job *job)
 	header->meshes = job->meshes.count;
 	header->materials = job->materials.count;
 	header->textures = job->textures.count;
+	header->functions = job->functions.count;
+	header->function_bytes = job->functions.bytes;
 	for (uint32_t v = 0; v < header->views; v++)
 		header->lights += job->views[v].light_count;
 	for (uint32_t p = 0; p < header->passes; p++)
@@ -309,6 +313,7 @@ static void save_put_views(const save_job *job)
 		out->exposure = view->exposure;
 		out->tone = view->tone;
 		out->dither = view->dither;
+		out->time = view->time;
 		uint32_t target = view->target ? save_target(job, view->target) : job->header.targets;
 		out->target = target < job->header.targets ? 1 + target : 0;
 		save_put_shading(out, &view->shading);
@@ -397,11 +402,14 @@ static void save_put_materials(const save_job *job)
 	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
 	render_dump_surface *surfaces = save_part(job, RENDER_DUMP_SURFACES);
+	render_dump_functions_put(job->render, &job->functions, save_part(job, RENDER_DUMP_FUNCTIONS),
+	                          save_part(job, RENDER_DUMP_CODE));
 	uint32_t made = 0;
 	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
 		uint32_t index = job->materials.indices[m], texture = save_texture_of(job, index);
 		if (job->render->resources.materials[index] & RENDER_STATE_MAPS) {
-			render_dump_surface_put(&job->render->resources, index, job->textures.place, &surfaces[made]);
+			render_dump_surface_put(&job->render->resources, index, job->textures.place, job->functions.place,
+			                        &surfaces[made]);
 			out->surface = ++made;
 		}
 		out->id = heap[index].name;

@@ -106,6 +106,8 @@ static stilb_result prepare_fill(prepare *p)
 		if (result == STILB_OK)
 			result = prepare_wait(p, PREPARE_PENDING);
 	}
+	for (uint32_t i = 0; i < scene->function_count && result == STILB_OK; i++)
+		result = render_scene_function(p->render, p->tables, scene, i);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(p->render, p->tables, scene, i);
 	p->made += scene->material_count * sizeof(render_material);
@@ -167,7 +169,7 @@ void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepar
 #define PREPARE_LAMPS 3u
 
 /* Adds a kind of maps to the list unless it is there. False: no memory. */
-static bool prepare_know(render_known_maps *known, uint32_t bits)
+static bool prepare_know(render_known_maps *known, uint64_t bits)
 {
 	for (uint32_t k = 0; k < known->count; k++)
 		if (known->bits[k] == bits)

@@ -144,8 +144,8 @@ bool render_resource_reserve(render_resources *resources, uint32_t more)
 
 stilb_result render_resource_no_memory(const render_resources *resources, render_resource_kind kind)
 {
-	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh",    "texture", "material",
-	                                                         "surface", "surface", "surface"};
+	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh",    "texture", "material",        "surface",
+	                                                         "surface", "surface", "surface function"};
 	STILB_ASSERT_LOCKED(&resources->lock);
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t most = indices->capacity - (kind == RENDER_RESOURCE_TEXTURE); /* index 0 is no texture */
@@ -193,7 +193,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS},
 	                [RENDER_RESOURCE_MAPS] = {.capacity = RENDER_MAX_MAPS},
 	                [RENDER_RESOURCE_GROUP] = {.capacity = RENDER_MAX_MAPS},
-	                [RENDER_RESOURCE_CLASS] = {.capacity = RENDER_MAX_MAPS}},
+	                [RENDER_RESOURCE_CLASS] = {.capacity = RENDER_MAX_MAPS},
+	                [RENDER_RESOURCE_FUNCTION] = {.next_unused = 1, .capacity = RENDER_MAX_FUNCTIONS}}, /* 0: none */
 		.heaps = {[RENDER_HEAP_VERTICES] = {.element = layout.size},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
@@ -539,6 +540,45 @@ const float *render_mesh_center(render_resources *resources, uint32_t index)
 	return center;
 }
 
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
+
+stilb_result render_function_create(stilb_render *render, const stilb_scene_function *from, uint32_t *index)
+{
+	render_resources *resources = &render->resources;
+	render_function *function;
+	*index = 0;
+	stilb_result result = render_function_make(render->device, from, &function);
+	if (result != STILB_OK)
+		return result;
+	stilb_lock_take(&resources->lock);
+	if (!render_resource_reserve(resources, 1) ||
+	    !render_index_take(&resources->indices[RENDER_RESOURCE_FUNCTION], index))
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_FUNCTION);
+	else {
+		resources->live++;
+		render_programs_set_function(render->device, *index, function);
+	}
+	stilb_lock_give(&resources->lock);
+	if (result != STILB_OK)
+		render_function_free(function);
+	return result;
+}
+
+void render_function_destroy(stilb_render *render, uint32_t index)
+{
+	if (index == 0)
+		return;
+	stilb_lock_take(&render->resources.lock);
+	render_resource_retire(&render->resources, RENDER_RESOURCE_FUNCTION, index);
+	stilb_lock_give(&render->resources.lock);
+}
+
+void render_function_release(stilb_render *render, uint32_t index)
+{
+	STILB_ASSERT_LOCKED(&render->resources.lock);
+	render_programs_set_function(render->device, index, NULL);
+}
+
 /* ---- maps of materials ------------------------------------------------------------------------------------------- */
 
 /* Puts maps at an index that is taken, whose record's range is in the list of what has changed, and their material into
@@ -555,6 +595,7 @@ static stilb_result maps_put(stilb_render *render, uint32_t index, const render_
 	if (slot->group > 0)
 		render_group_leave(render, slot->group - 1, true);
 	*stored = (render_maps_stored){.record = maps->record};
+	memcpy(stored->parameters, maps->parameters, sizeof stored->parameters);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
 		if (maps->bits >> i & 1u)
 			stored->layers[i] = (float)render->device->textures[maps->textures[i] & RENDER_INDEX_MASK].layer;
@@ -818,6 +859,8 @@ static bool resource_release(stilb_render *render, render_retired retired)
 			render_pixels_finish(&resources->pictures[retired.index]);
 	} else if (retired.kind == RENDER_RESOURCE_MAPS) {
 		maps_release(render, retired.index);
+	} else if (retired.kind == RENDER_RESOURCE_FUNCTION) {
+		render_function_release(render, retired.index);
 	}
 	render_index_give_back(&resources->indices[retired.kind], retired.index);
 	resources->live--;

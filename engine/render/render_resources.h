@@ -173,6 +173,7 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_MAPS,  /* of materials */
 	RENDER_RESOURCE_GROUP, /* of maps */
 	RENDER_RESOURCE_CLASS, /* of groups; never among the retired ones */
+	RENDER_RESOURCE_FUNCTION,
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 

@@ -25,7 +25,8 @@
 	X("volume: refraction, absorption", "once, by the thickness",                                                      \
 	  "by the way inside; thickness only says that there is one")                                                      \
 	X("anisotropy: strength, rotation, texture", "of GGX", "of GGX")                                                   \
-	X("iridescence, dispersion", "no", "no")
+	X("iridescence, dispersion", "no", "no")                                                                           \
+	X("a function of the program's own", "yes", "no: they say so, by its name")
 
 void info_print_materials(FILE *out)
 {

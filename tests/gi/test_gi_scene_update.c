@@ -509,12 +509,69 @@ static void blocks_are_as_their_texels(void **state)
 	}
 }
 
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
+
+static char told[512];
+
+static void told_add(void *user, const char *line)
+{
+	(void)user;
+	strncat(told, line, sizeof told - strlen(told) - 1);
+	strncat(told, "|", sizeof told - strlen(told) - 1);
+}
+
+/* Rays leave the functions of surfaces out, and say so once for each, also when the scene is made ready anew. Their
+ * parameters change nothing that rays see. */
+static void functions_are_told_once(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"stripes", "rust"};
+	stilb_scene *scene = world_of_models();
+	scene->functions = calloc(2, sizeof *scene->functions);
+	assert_non_null(scene->functions);
+	scene->function_count = 2;
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	for (uint32_t f = 0; f < 2; f++) {
+		uint32_t id;
+		scene->functions[f].name = names[f];
+		assert_int_equal(stilb_scene_add_surface(scene, &surface, &id), STILB_OK);
+		stilb_scene_material material = scene->materials[f];
+		material.surface = 1 + id;
+		assert_int_equal(stilb_scene_set_material(scene, f, &material), STILB_OK);
+	}
+	stilb_gi_scene *gi;
+	stilb_gi_scene_desc desc = {.pool = pool, .intersector = &stilb_gi_embree, .movable = true};
+	told[0] = '\0';
+	stilb_log_set(told_add, NULL);
+	assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
+	uint64_t hash = gi_scene_hash(gi), picture = picture_of(gi, scene);
+	assert_string_equal(told, "");
+	for (uint32_t f = 0; f < 2; f++) {
+		scene->surfaces[f].function = 1 + f;
+		scene->surfaces[f].parameters[1][2] = 5.0f;
+	}
+	assert_int_equal(stilb_gi_scene_update(gi, scene, &desc), STILB_OK);
+	assert_string_equal(told, "rays lack the surface function 'stripes': its materials are shown without it|"
+	                          "rays lack the surface function 'rust': its materials are shown without it|");
+	told[0] = '\0';
+	scene->revisions.geometry++; /* all is built anew */
+	scene->surfaces[0].parameters[0][0] = 6.0f;
+	assert_int_equal(stilb_gi_scene_update(gi, scene, &desc), STILB_OK);
+	assert_string_equal(told, "");
+	assert_int_equal(gi_scene_hash(gi), hash);
+	assert_int_equal(picture_of(gi, scene), picture);
+	stilb_log_set(NULL, NULL);
+	stilb_gi_scene_destroy(gi);
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(moved_is_as_made_anew),  cmocka_unit_test(nothing_is_built_for_looks),
-		cmocka_unit_test(all_else_is_built_anew), cmocka_unit_test(movable_sees_the_same),
-		cmocka_unit_test(a_build_is_given_up),    cmocka_unit_test(blocks_are_as_their_texels),
+		cmocka_unit_test(moved_is_as_made_anew),   cmocka_unit_test(nothing_is_built_for_looks),
+		cmocka_unit_test(all_else_is_built_anew),  cmocka_unit_test(movable_sees_the_same),
+		cmocka_unit_test(a_build_is_given_up),     cmocka_unit_test(blocks_are_as_their_texels),
+		cmocka_unit_test(functions_are_told_once),
 	};
 	return cmocka_run_group_tests(tests, pool_begin, pool_end);
 }

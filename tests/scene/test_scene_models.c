@@ -107,7 +107,7 @@ static const struct {
 } models_named[] = {
 	{"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", NULL},
 	{"glTF2/IndexOutOfRange/AllIndicesOutOfRange.gltf", "no triangles"},
-	{"glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", NULL},
+	{"glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", "no triangles"},
 	{"glTF2/RecursiveNodes/RecursiveNodes.gltf", "recursive"},
 	{"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
 	{"glTF2/wrongTypes/badArray.gltf", "not of type"},

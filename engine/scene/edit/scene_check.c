@@ -163,7 +163,8 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
 	return STILB_OK;
 }
 
-stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id)
+stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t function_count,
+                                 uint32_t id)
 {
 	const char *mistake = stilb_scene_surface_mistake(surface);
 	if (mistake)
@@ -172,7 +173,20 @@ stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t te
 		if (surface->maps[i].texture > texture_count)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
 			                  surface->maps[i].texture - 1, stilb_scene_map_names[i]);
+	if (surface->function > function_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no function %u", id, surface->function - 1);
 	return STILB_OK;
+}
+
+stilb_result scene_check_function(const stilb_scene_function *function, uint32_t id)
+{
+	const char *mistake = stilb_scene_function_mistake(function);
+	if (id >= STILB_SCENE_MAX_FUNCTIONS)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface function %u: a scene has at most %u", id,
+		                  STILB_SCENE_MAX_FUNCTIONS);
+	return mistake ? stilb_fail(STILB_ERROR_ARGUMENT, "surface function %u, '%.63s': %s", id,
+	                            function->name ? function->name : "", mistake)
+	               : STILB_OK;
 }
 
 stilb_result scene_check_material(const stilb_scene_material *m, uint32_t id)

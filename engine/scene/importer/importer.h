@@ -18,6 +18,7 @@
 
 #include <assimp/scene.h>
 #include <limits.h>
+#include <math.h>
 
 /* A node of the hierarchy of transforms in Assimp's scene. */
 typedef struct importer_node {
@@ -34,9 +35,11 @@ typedef struct importer_texture {
 	float stored_mean[4]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours.
 	                         The fourth is alpha's */
 	char trouble[256];    /* why it could not be loaded */
-	bool warned[2];       /* the user was warned of the trouble, as data and as a colour */
-	stilb_image_format format; /* of its image, once that is taken */
-	uint32_t taken[2];         /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
+	uint32_t file_width, file_height; /* of the file's picture, before importer_mend_sides */
+	uint64_t mended;                  /* values that were NaN or infinite */
+	bool warned[2];                   /* the user was warned of the trouble, as data and as a colour */
+	stilb_image_format format;        /* of its image, once that is taken */
+	uint32_t taken[2]; /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
 
 	int file;                       /* the descriptor of its file until it is read, or -1 */
 	importer_bytes inside;          /* its file inside of the scene's file, not owned, or {0} */
@@ -57,6 +60,7 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_LINES,
 	IMPORTER_LOSS_POSITIONS,
 	IMPORTER_LOSS_TRIANGLES,
+	IMPORTER_LOSS_INFINITE,
 	IMPORTER_LOSS_ANIMATIONS,
 	IMPORTER_LOSS_BAD_DEFORMS,
 	IMPORTER_LOSS_BAD_SKINS,
@@ -161,6 +165,12 @@ static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 	return stilb_vec3_make(v->x, v->y, v->z);
 }
 
+/* False: a coordinate is NaN or infinite. */
+static inline bool importer_is_point(const struct aiVector3D *v)
+{
+	return isfinite(v->x) && isfinite(v->y) && isfinite(v->z);
+}
+
 /* A point of the node's space in the world. */
 stilb_vec3 importer_point(const importer_node *node, stilb_vec3 p);
 
@@ -177,6 +187,13 @@ stilb_result importer_make_tangents(stilb_scene_mesh *mesh, const stilb_scene_ma
  * has no pixels. */
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
+
+/* importer_mend.c: values of a picture of floats that are NaN or infinite become 0. How many. */
+uint64_t importer_mend_values(stilb_image *image);
+
+/* Halves a picture of stilb_image_create_shared, by means of four values as they are stored, until a scene can hold it.
+ * STILB_ERROR_MEMORY; then it may be smaller than before. */
+stilb_result importer_mend_sides(stilb_image *image);
 
 /* importer_material.c: true if the material of Assimp's has a map of normals that is shown. */
 bool importer_material_has_normals(const struct aiMaterial *material);

@@ -33,6 +33,11 @@ static void assimp_lose_mesh(importer *import, const struct aiMesh *mesh)
 		lines = mesh->mFaces[f].mNumIndices < 3;
 	if (lines)
 		importer_lose(import, IMPORTER_LOSS_LINES, mesh->mName.data);
+	bool finite = true;
+	for (uint32_t v = 0; mesh->mVertices && v < mesh->mNumVertices && finite; v++)
+		finite = importer_is_point(&mesh->mVertices[v]);
+	if (!finite)
+		importer_lose(import, IMPORTER_LOSS_INFINITE, mesh->mName.data);
 }
 
 /* Counts what the scene holds before parts of it are dropped. */

@@ -18,6 +18,7 @@ static const struct importer_loss_words {
 	[IMPORTER_LOSS_LINES] = {"points and lines are not drawn", "mesh"},
 	[IMPORTER_LOSS_POSITIONS] = {"what has no positions is not drawn", "mesh"},
 	[IMPORTER_LOSS_TRIANGLES] = {"triangles whose vertices do not exist are left out", "mesh"},
+	[IMPORTER_LOSS_INFINITE] = {"triangles with a coordinate that is NaN or infinite are left out", "mesh"},
 	[IMPORTER_LOSS_ANIMATIONS] = {"animations move nothing of the scene", "animation"},
 	[IMPORTER_LOSS_BAD_DEFORMS] = {"skins and morph targets of meshes that are damaged are left out", "mesh"},
 	[IMPORTER_LOSS_BAD_SKINS] = {"skins that are damaged are left out", "skin"},

@@ -13,7 +13,7 @@ static bool mesh_is_triangle(const struct aiMesh *mesh, const struct aiFace *fac
 	if (face->mNumIndices != 3)
 		return false; /* a point or a line; Assimp splits larger polygons into triangles */
 	for (int i = 0; i < 3; i++)
-		if (face->mIndices[i] >= mesh->mNumVertices)
+		if (face->mIndices[i] >= mesh->mNumVertices || !importer_is_point(&mesh->mVertices[face->mIndices[i]]))
 			return false;
 	return true;
 }

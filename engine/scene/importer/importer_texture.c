@@ -173,10 +173,16 @@ static void texture_load(importer_texture *texture)
 		                    : stilb_fail(STILB_ERROR_FILE, "the file is empty");
 	texture->file = -1;
 	importer_bytes_free(&bytes);
-	if (result == STILB_OK) { /* what it is used for, not what its file says, makes it data */
+	if (result == STILB_OK) {
+		/* What it is used for, not what its file says, makes it data. */
 		texture->image.format = stilb_image_format_as_color(texture->image.format);
-		result = texture_average(texture);
+		texture->file_width = texture->image.width;
+		texture->file_height = texture->image.height;
+		texture->mended = importer_mend_values(&texture->image);
+		result = importer_mend_sides(&texture->image);
 	}
+	if (result == STILB_OK)
+		result = texture_average(texture);
 	if (result == STILB_OK)
 		return;
 	stilb_image_finish(&texture->image);
@@ -240,6 +246,20 @@ static void texture_list(importer *import, const struct aiMaterial *material, en
 	}
 }
 
+/* Tells what was changed of a texture that was loaded. */
+static void texture_tell(const importer_texture *texture)
+{
+	const stilb_image *image = &texture->image;
+	if (!image->pixels)
+		return;
+	if (texture->mended > 0)
+		importer_warn("texture '%s': %llu of its values are NaN or infinite, and count as 0", texture->name,
+		              (unsigned long long)texture->mended);
+	if (image->width != texture->file_width || image->height != texture->file_height)
+		importer_warn("texture '%s': of its %u x %u pixels %u x %u are kept: a side has 16384 at most", texture->name,
+		              texture->file_width, texture->file_height, image->width, image->height);
+}
+
 #define TEXTURE_THREADS 16
 
 void importer_load_textures(importer *import)
@@ -269,6 +289,8 @@ void importer_decode_textures(importer *import)
 	texture_work(&queue);
 	for (unsigned i = 0; i < started; i++)
 		pthread_join(threads[i], NULL);
+	for (uint32_t i = 0; i < import->texture_count; i++)
+		texture_tell(&import->textures[i]);
 }
 
 void importer_free_textures(importer *import)

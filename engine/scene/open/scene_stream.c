@@ -221,6 +221,7 @@ static void stream_settle_surface(stilb_scene_surface *surface)
 		stream_settle_bool(&surface->maps[i].nearest);
 	stream_settle_bool(&surface->one_sided);
 	stream_settle_bool(&surface->unlit);
+	surface->function = 0; /* files have none */
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)
