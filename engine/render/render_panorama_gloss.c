@@ -32,6 +32,8 @@ uint32_t render_panorama_gloss_rows(const render_panorama_work *work, uint32_t s
 	                                                    20000.0, 3000.0,   7500.0,   530000.0};
 	bool slow = stage == GLOSS_TABLE - 1 && work->row < GLOSS_SLOW;
 	*cost = slow ? SLOW_COST : costs[stage];
+	if (work->kept)
+		return 0;
 	if (stage == 0)
 		return PANORAMA_DOWN;
 	if (stage < GLOSS_TABLE)
