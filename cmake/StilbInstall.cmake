@@ -30,7 +30,7 @@ endif()
 set(headers
 	base/base.h base/base_math.h
 	image/image.h
-	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_channel.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
+	scene/scene.h scene/scene_animation.h scene/play/scene_play.h scene/scene_build.h scene/scene_channel.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
 	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
 	geometry/geometry.h geometry/geometry_levels.h geometry/geometry_detail.h geometry/geometry_impostor.h geometry/horde/geometry_horde.h
 	shading/shade_model.h

@@ -4,7 +4,7 @@
 #include "base/base.h"
 #include "base/base_contract.h"
 #include "profiler/prof.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -546,7 +546,7 @@ void render_mesh_name(stilb_render *render, stilb_render_mesh mesh, uint32_t nam
 }
 
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
-                               const stilb_scene_vertex *vertices)
+                               const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras)
 {
 	render_resources *resources = &render->resources;
 	render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
@@ -560,6 +560,12 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	if (listed) {
 		heap_copy_vertices(resources, range.first, vertices, count, false);
 		slot->flags &= ~RENDER_MESH_CENTER;
+	}
+	if (listed && extras && slot->flags & RENDER_MESH_EXTRAS) {
+		render_heap *own = &resources->heaps[RENDER_HEAP_EXTRAS];
+		range.first = mesh_extras(resources, mesh.id & RENDER_INDEX_MASK).first + first;
+		listed = render_ranges_add(&own->dirty, range);
+		render_extras_pack(extras, count, (render_extra *)(void *)(own->data + (size_t)range.first * own->element));
 	}
 	stilb_lock_give(&resources->lock);
 	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");

@@ -320,10 +320,11 @@ void render_material_name(stilb_render *render, stilb_render_material material, 
 /* Writes into resources that exist; the next frame copies what was written, after the draws of the frames before it.
  * STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay
  *
- * render_mesh_write: vertices first .. first + count - 1, count > 0. render_texture_write: an image of the texture's
+ * render_mesh_write: vertices first .. first + count - 1, count > 0; extras: theirs, NULL: these stay.
+ * render_texture_write: an image of the texture's
  * size and format. render_material_write: texture {0}: none. */
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
-                               const stilb_scene_vertex *vertices);
+                               const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras);
 stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);

@@ -343,8 +343,9 @@ static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene 
 		result = render_scene_mesh(render, &render->scene, scene, changes->meshes[i]);
 	for (uint32_t i = 0; i < changes->vertices_count && result == STILB_OK; i++) {
 		stilb_scene_vertices range = changes->vertices[i];
+		const stilb_scene_mesh *mesh = &scene->meshes[range.mesh];
 		result = render_mesh_write(render, render->scene.meshes[range.mesh], range.first, range.count,
-		                           scene->meshes[range.mesh].vertices + range.first);
+		                           mesh->vertices + range.first, range.extras ? mesh->extras + range.first : NULL);
 	}
 	return result;
 }

@@ -2,6 +2,7 @@
 
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_animation_internal.h"
 #include "scene/scene_impostor.h"
 #include "shading/shade_energy.h"
@@ -189,6 +190,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->camera_mounts);
 	free(scene->names.models);
 	free(scene->names.materials);
+	scene_play_finish(scene);
 	scene_edit_finish(scene->edits);
 	scene_variants_finish(scene->variants);
 	scene_animation_finish(scene->animation);

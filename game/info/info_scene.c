@@ -175,7 +175,7 @@ static void info_print_animation(FILE *out, const stilb_scene_animation *a)
 		morphed += a->deforms[d].targets > 0;
 		targets += a->deforms[d].targets;
 	}
-	const char *comma = "  kept, and not played yet: ";
+	const char *comma = "  ";
 	if (a->clip_count > 0)
 		fprintf(out, "%s%u animation%s", comma, a->clip_count, info_s(a->clip_count));
 	comma = a->clip_count > 0 ? ", " : comma;

@@ -291,10 +291,11 @@ static void add_animation(stilb_scene *scene)
 	a->times[1] = 3;
 	a->values[9] = 0.5f;
 	a->deforms[0] = (stilb_scene_deform){.influences = 4, .targets = 1};
-	assert_int_equal(scene_deform_create(a->deforms, scene->meshes[0].vertex_count, false), STILB_OK);
+	assert_int_equal(scene_deform_create(a->deforms, scene->meshes[0].vertex_count, false, true), STILB_OK);
 	a->deforms[0].joints[3] = 1;
 	a->deforms[0].weights[3] = 0.25f;
 	a->deforms[0].positions[2] = 7.0f;
+	a->deforms[0].tangents[1] = 6.0f;
 }
 
 static void what_moves_comes_back_the_same(void **state)
@@ -312,6 +313,7 @@ static void what_moves_comes_back_the_same(void **state)
 	assert_memory_equal(a->values, b->values, 10 * sizeof *a->values);
 	assert_true(b->joints[1] == 1 && b->times[1] == 3.0f && b->deforms[0].joints[3] == 1 && !b->deforms[0].normals);
 	assert_true(b->deforms[0].weights[3] == 0.25f && b->deforms[0].positions[2] == 7.0f);
+	assert_true(b->deforms[0].tangents[1] == 6.0f);
 	stilb_scene_destroy(back);
 	for (size_t cut = 1; cut < 30000; cut += 1 + cut / 4) {
 		assert_int_equal(read_bytes(bytes, size - cut, &back), STILB_ERROR_FILE);
@@ -369,6 +371,7 @@ static void what_moves_is_checked(void **state)
 		{&a->weights[0], NAN},
 		{&a->deforms[0].weights[1], -0.5f},
 		{&a->deforms[0].positions[0], NAN},
+		{&a->deforms[0].tangents[2], NAN},
 	};
 	size_t count = sizeof counts / sizeof *counts, all = count + sizeof numbers / sizeof *numbers, size;
 	for (size_t i = 0; i < all; i++) {
@@ -385,6 +388,12 @@ static void what_moves_is_checked(void **state)
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
 	free(bytes);
 	a->deforms[0].joints[3] = 1;
+	stilb_scene_vertex_extra *extras = scene->meshes[0].extras;
+	scene->meshes[0].extras = NULL; /* whose tangents a target changes */
+	bytes = bytes_of(scene, &size);
+	scene->meshes[0].extras = extras;
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	free(bytes);
 	memset(a->nodes[1].name, 'x', sizeof a->nodes[1].name);
 	bytes = bytes_of(scene, &size);
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
@@ -415,7 +424,7 @@ static void what_moves_has_an_end(void **state)
 		memcpy(bytes + counts + 4 * i, &old, 4);
 	}
 	/* The deform is last: its mesh, influences and targets stand before the arrays. */
-	size_t vertices = scene->meshes[0].vertex_count, head = size - vertices * (4 * 2 + 4 * 4 + 3 * 4) - 16;
+	size_t vertices = scene->meshes[0].vertex_count, head = size - vertices * (4 * 2 + 4 * 4 + 2 * 3 * 4) - 20;
 	static const uint32_t wrong[3] = {1, UINT32_MAX - 3, 0x0FFFFFFFu};
 	for (size_t i = 0; i < 3; i++) {
 		uint32_t old;

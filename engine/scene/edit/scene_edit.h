@@ -117,6 +117,7 @@ stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light 
 /* Vertices first .. first + count - 1 of a mesh. */
 typedef struct stilb_scene_vertices {
 	uint32_t mesh, first, count;
+	bool extras; /* the same of its extras, if it has some */
 } stilb_scene_vertices;
 
 /* Ids in the order of their first change. Models are in scene->moved. Valid until the next edit. */

@@ -1,6 +1,7 @@
 /* Meshes, materials, textures and lights that come, change and go. */
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <math.h>
@@ -78,11 +79,12 @@ static stilb_result edit_give_back(edit_ids *ids, uint32_t count, uint32_t id, c
 static stilb_result edit_reserve_mesh(stilb_scene *scene)
 {
 	stilb_scene_edits *edits = scene->edits;
-	edit_array arrays[EDIT_IDS_ARRAYS + 3] = {
+	edit_array arrays[EDIT_IDS_ARRAYS + 4] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->meshes, sizeof *scene->meshes, 0},
 		[EDIT_IDS_ARRAYS + 1] = {(void **)&edits->mesh_sphere, sizeof *edits->mesh_sphere, 0},
-		[EDIT_IDS_ARRAYS + 2] = {(void **)&edits->mesh_stale, sizeof *edits->mesh_stale, 0}};
-	return edit_reserve(&edits->meshes, arrays, 3, scene->mesh_count);
+		[EDIT_IDS_ARRAYS + 2] = {(void **)&edits->mesh_stale, sizeof *edits->mesh_stale, 0},
+		[EDIT_IDS_ARRAYS + 3] = {(void **)&edits->mesh_figure, sizeof *edits->mesh_figure, 0}};
+	return edit_reserve(&edits->meshes, arrays, 4, scene->mesh_count);
 }
 
 /* Lists a mesh as wholly changed, which its ranges no longer say anything about. */
@@ -123,8 +125,18 @@ stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *me
 	scene->revisions.geometry++;
 	scene->meshes[*id] = copy;
 	scene->edits->mesh_sphere[*id].radius = (float)NAN;
+	scene->edits->mesh_figure[*id] = 0;
 	scene->edits->unmeasured = true;
 	return STILB_OK;
+}
+
+/* A mesh that was a figure's is the program's now. */
+static void edit_mesh_take(stilb_scene *scene, uint32_t id)
+{
+	uint32_t *figure = &scene->edits->mesh_figure[id];
+	if (*figure)
+		scene_play_forget_mesh(scene, *figure, id);
+	*figure = 0;
 }
 
 stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_scene_mesh *mesh)
@@ -140,6 +152,7 @@ stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_s
 		result = scene_copy_mesh(mesh, &copy);
 	if (result != STILB_OK)
 		return result;
+	edit_mesh_take(scene, id);
 	stilb_scene_mesh_finish(&scene->meshes[id]);
 	scene->meshes[id] = copy;
 	edit_mesh_changed(scene->edits, id);
@@ -167,6 +180,7 @@ static void edit_range_add(stilb_scene_edits *edits, stilb_scene_vertices range)
 	stilb_scene_vertices *last = edits->range_count > 0 ? &edits->ranges[edits->range_count - 1] : NULL;
 	if (last && last->mesh == range.mesh && last->first <= end && range.first <= last->first + last->count) {
 		uint32_t last_end = last->first + last->count;
+		last->extras |= range.extras;
 		last->first = last->first < range.first ? last->first : range.first;
 		last->count = (last_end > end ? last_end : end) - last->first;
 		return;
@@ -200,11 +214,31 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 		stilb_scene_mesh_drop_levels(mesh);
 		edit_mesh_changed(scene->edits, id);
 	} else {
-		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
+		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count, false});
 	}
 	edit_mesh_stale(scene->edits, id);
 	scene->revisions.geometry++;
 	return STILB_OK;
+}
+
+void scene_edit_mesh_posed(stilb_scene *scene, uint32_t mesh, const float low[3], const float high[3],
+                           uint32_t model_count)
+{
+	stilb_scene_edits *edits = scene->edits;
+	const stilb_scene_mesh *posed = &scene->meshes[mesh];
+	STILB_ASSERT(posed->level_count == 0 && posed->cluster_count == 0);
+	float center[3], square = 0.0f;
+	for (int i = 0; i < 3; i++) {
+		center[i] = 0.5f * low[i] + 0.5f * high[i];
+		square += (high[i] - center[i]) * (high[i] - center[i]);
+	}
+	edit_range_add(edits, (stilb_scene_vertices){mesh, 0, posed->vertex_count, posed->extras});
+	scene->revisions.geometry++;
+	bool usable = square < 1e36f && fabsf(center[0]) + fabsf(center[1]) + fabsf(center[2]) < SCENE_FAR;
+	if (!usable || edits->meshes.users[mesh] > model_count)
+		edit_mesh_stale(edits, mesh);
+	if (usable)
+		edits->mesh_sphere[mesh] = (stilb_sphere){center[0], center[1], center[2], sqrtf(square) * 1.00001f};
 }
 
 stilb_result stilb_scene_remove_mesh(stilb_scene *scene, uint32_t id)
@@ -214,6 +248,7 @@ stilb_result stilb_scene_remove_mesh(stilb_scene *scene, uint32_t id)
 		result = edit_give_back(&scene->edits->meshes, scene->mesh_count, id, "part");
 	if (result != STILB_OK)
 		return result;
+	edit_mesh_take(scene, id);
 	edit_mesh_changed(scene->edits, id); /* without its ranges */
 	scene->revisions.geometry++;
 	stilb_scene_mesh_finish(&scene->meshes[id]);

@@ -7,7 +7,7 @@
 
 /* ---- arrays ------------------------------------------------------------------------------------------------------ */
 
-#define EDIT_MOST_ARRAYS 16
+#define EDIT_MOST_ARRAYS 20
 
 bool scene_edit_grow(const edit_array *arrays, uint32_t array_count, uint32_t count, uint32_t needed,
                      uint32_t *capacity)
@@ -88,6 +88,7 @@ static void edit_nodes_make(edit_nodes *nodes, uint32_t count, bool *failed)
 		.changed = edit_zeros(failed, count, sizeof *nodes->changed),
 		.slot = edit_zeros(failed, count, sizeof *nodes->slot),
 		.marks = edit_zeros(failed, count, sizeof *nodes->marks),
+		.figure = edit_zeros(failed, count, sizeof *nodes->figure),
 	};
 }
 
@@ -95,7 +96,7 @@ static void edit_nodes_finish(edit_nodes *nodes)
 {
 	void *arrays[] = {nodes->next,    nodes->children, nodes->first_model, nodes->order,
 	                  nodes->end,     nodes->position, nodes->first_child, nodes->sibling,
-	                  nodes->changed, nodes->slot,     nodes->marks};
+	                  nodes->changed, nodes->slot,     nodes->marks,       nodes->figure};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]);
 }
@@ -110,6 +111,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_ids_finish(&edits->textures);
 	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
+	free(edits->mesh_figure);
 	free(edits->mesh_stale);
 	free(edits->models);
 	free(edits->ranges);
@@ -130,6 +132,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edit_ids_make(&edits->textures, "texture", scene->texture_count, &failed);
 	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
+	edits->mesh_figure = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_figure);
 	edits->mesh_stale = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_stale);
 	edits->model_capacity = scene->model_count;
 	edits->part_capacity = scene->part_count;

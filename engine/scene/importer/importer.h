@@ -4,7 +4,8 @@
  *
  * Life cycle.  For each request an importer begins as {0}: gltf_import, or Assimp reads the file ->
  *              importer_load_textures -> importer_list_nodes -> importer_add_meshes -> importer_add_materials ->
- *              importer_add_view. Then importer_tell_losses -> the scene is sent -> everything is freed.
+ *              importer_add_view -> importer_add_animation. Then importer_tell_losses -> the scene is sent ->
+ *              everything is freed.
  * Errors.      Files hold anything: every index, count and number of Assimp's is checked before use. Messages are
  *              reasons without the file's name.
  * Threads.     The process's main thread, but for importer_decode and the decoding of textures.
@@ -60,12 +61,15 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_POSITIONS,
 	IMPORTER_LOSS_TRIANGLES,
 	IMPORTER_LOSS_INFINITE,
-	IMPORTER_LOSS_MORPHS,
-	IMPORTER_LOSS_SKINS,
 	IMPORTER_LOSS_ANIMATIONS,
 	IMPORTER_LOSS_BAD_DEFORMS,
 	IMPORTER_LOSS_BAD_SKINS,
 	IMPORTER_LOSS_BAD_ANIMATIONS,
+	IMPORTER_LOSS_INFLUENCES,
+	IMPORTER_LOSS_NAMESAKES,
+	IMPORTER_LOSS_STRAYS,
+	IMPORTER_LOSS_REPEATS,
+	IMPORTER_LOSS_MESH_FRAMES,
 	IMPORTER_LOSS_SCENES,
 	IMPORTER_LOSS_CAMERAS,
 	IMPORTER_LOSS_LIGHTS,
@@ -95,12 +99,16 @@ typedef struct importer {
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
 	uint32_t texture_count;
 
+	struct importer_motion *motion; /* importer_motion.h; NULL: before importer_add_meshes, and of glTF 2.0 */
+	bool joins; /* something changes the shapes of meshes: we join vertices that are the same, not Assimp */
+
 	bool *colored; /* [materials of Assimp's + 1]: a mesh with colours of vertices shows it */
 	importer_lost lost[IMPORTER_LOSSES];
 	stilb_scene *scene; /* the result; from importer_add_meshes or gltf_add_meshes on */
 } importer;
 
 #define IMPORTER_MAX_NODES 4000000u
+#define IMPORTER_MOVING_MOST (1ull << 28) /* numbers of all clips, skins and morph targets of a file, 1 GiB */
 
 /* Sends a warning for the user: something of the file is lost, but the scene is read. */
 void importer_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -137,7 +145,11 @@ bool importer_is_format(const struct aiScene *scene, const char *begins);
  * what of it is not shown. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result importer_read(importer *import);
 
-/* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
+/* importer_nodes.c: a stilb_mat4, which is column-major, of a matrix of Assimp's, which is row-major. */
+stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m);
+bool importer_is_finite(const stilb_mat4 *m);
+
+/* Fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
  * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);

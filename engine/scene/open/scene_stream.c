@@ -3,6 +3,7 @@
 #include "scene/edit/scene_check.h"
 #include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
+#include "scene/scene_animation.h"
 #include "scene/scene_internal.h"
 #include "shading/shade_tonemap.h"
 
@@ -18,9 +19,9 @@
 
 void scene_stream_version(char text[static 64])
 {
-	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
+	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
 	         sizeof(stilb_scene_material), sizeof(stilb_scene_surface), sizeof(stilb_scene_vertex),
-	         sizeof(stilb_scene_vertex_extra), sizeof(scene_message));
+	         sizeof(stilb_scene_vertex_extra), sizeof(stilb_scene_deform), sizeof(scene_message));
 }
 
 /* A buffer for the one descriptor of a message, aligned as its header needs. */

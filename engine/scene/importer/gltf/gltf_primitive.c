@@ -435,8 +435,6 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 		importer_lose(import, IMPORTER_LOSS_INFINITE, name);
 	if (part->mesh.index_count > 0 && gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
 		gltf_show_materials(from, primitive, part->material, GLTF_SHOWN_COLORED);
-	if (gltf_json_member(json, primitive, "targets") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_MORPHS, name);
 	primitive_finish(&reader);
 	if (result != STILB_OK)
 		stilb_scene_mesh_finish(&part->mesh);

@@ -1,6 +1,6 @@
 /* What highlights mirror of a panorama, on disk. */
 #include "base/base_cache.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <string.h>
 

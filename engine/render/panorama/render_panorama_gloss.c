@@ -1,6 +1,6 @@
 /* What highlights mirror of a panorama: a cube of its cells without the lamps, and the table beside it. */
 #include "numeric/numeric_dfg.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <math.h>
 #include <stdlib.h>
