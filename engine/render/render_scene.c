@@ -8,12 +8,12 @@
 
 void render_scene_finish(render_scene *scene)
 {
+	render_loading_drop(scene);
 	free(scene->meshes);
 	free(scene->materials);
 	free(scene->textures);
 	free(scene->functions);
 	free(scene->impostors);
-	free(scene->loading);
 	*scene = (render_scene){0};
 }
 

@@ -158,12 +158,21 @@ void render_loading_cancel(stilb_render *render, render_scene *tables, uint32_t 
 	tables->loading->left--;
 }
 
+void render_loading_drop(render_scene *tables)
+{
+	render_loading *loading = tables->loading;
+	if (loading && loading->made < tables->texture_count &&
+	    tables->textures[loading->made].loading == RENDER_LOADING_MADE)
+		render_pixels_finish(&loading->work.to);
+	free(loading);
+	tables->loading = NULL;
+}
+
 void render_loading_finish(stilb_render *render, render_scene *tables)
 {
 	for (uint32_t t = 0; tables->loading && t < tables->texture_count; t++)
 		render_loading_cancel(render, tables, t);
-	free(tables->loading);
-	tables->loading = NULL;
+	render_loading_drop(tables);
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */

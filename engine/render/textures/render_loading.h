@@ -47,6 +47,8 @@ stilb_result render_loading_begin(stilb_render *render, render_scene *tables, co
 void render_loading_cancel(stilb_render *render, render_scene *tables, uint32_t id);
 /* Frees all of it. Accepts tables without loading. */
 void render_loading_finish(stilb_render *render, render_scene *tables);
+/* The same without the device: textures, and their uploads, go with it. */
+void render_loading_drop(render_scene *tables);
 /* A frame's part, as stilb_render_set_textures says. *arrived: textures that have taken their stand-in's place now;
  * each has render_scene_texture.arrived, and materials that name it must be written again. After an error the texture
  * keeps its stand-in. Errors as stilb_render_texture_create. */
