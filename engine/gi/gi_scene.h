@@ -109,9 +109,9 @@ typedef struct stilb_gi_scene_info {
 	float low[3], high[3];
 } stilb_gi_scene_info;
 
-/* Copies meshes, materials and lights. scene may be destroyed afterwards, except for the pixels of its textures and of
- * its panorama, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
- * more than 65,536 triangles.
+/* Copies meshes, materials and lights, and decodes textures of compressed blocks. scene may be destroyed afterwards,
+ * except for the pixels of its textures and of its panorama, which must outlive the result. A mesh of many parts is
+ * kept once, as instances, where that saves more than 65,536 triangles.
  * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, a panorama that has no
  * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails; STILB_ERROR_GIVEN_UP. Then *out is NULL.
  * [main-thread] */

@@ -335,6 +335,8 @@ typedef struct stilb_scene {
 	stilb_scene_material *materials; /* [material_count] */
 	uint32_t surface_count;
 	stilb_scene_surface *surfaces; /* [surface_count] */
+	uint32_t function_count;
+	stilb_scene_function *functions; /* [function_count] of surfaces, the scene's own copies; {0}: a removed one */
 
 	stilb_scene_nodes nodes;
 

@@ -62,7 +62,7 @@ typedef struct edit_nodes {
 } edit_nodes;
 
 typedef struct stilb_scene_edits {
-	edit_ids meshes, materials, surfaces, textures;
+	edit_ids meshes, materials, surfaces, textures, functions;
 	edit_nodes nodes;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
 	bool unmeasured;           /* a mesh in use may have no sphere yet */

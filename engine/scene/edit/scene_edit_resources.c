@@ -332,17 +332,21 @@ stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id)
 
 static stilb_result edit_surface_check(const stilb_scene *scene, const stilb_scene_surface *surface, uint32_t id)
 {
-	stilb_result result = scene_check_surface(surface, UINT32_MAX, id); /* which textures there are is asked below */
+	stilb_result result = scene_check_surface(surface, UINT32_MAX, UINT32_MAX, id); /* which there are is asked below */
 	for (int i = 0; result == STILB_OK && i < STILB_SCENE_MAPS; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		if (texture && !scene_edit_has(&scene->edits->textures, scene->texture_count, texture - 1))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
 			                  texture - 1, stilb_scene_map_names[i]);
 	}
+	uint32_t function = surface->function;
+	if (result == STILB_OK && function &&
+	    !scene_edit_has(&scene->edits->functions, scene->function_count, function - 1))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no function %u", id, function - 1);
 	return result;
 }
 
-/* Replaces a surface, and counts who names which texture. */
+/* Replaces a surface, and counts who names which texture and function. */
 static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface)
 {
 	stilb_scene_surface *at = &scene->surfaces[id];
@@ -353,6 +357,11 @@ static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_
 		if (surface->maps[i].texture)
 			users[surface->maps[i].texture - 1]++;
 	}
+	users = scene->edits->functions.users;
+	if (at->function)
+		users[at->function - 1]--;
+	if (surface->function)
+		users[surface->function - 1]++;
 	*at = *surface;
 	for (uint32_t m = 0; scene->edits->surfaces.users[id] > 0 && m < scene->material_count; m++)
 		if (scene->materials[m].surface == id + 1)
@@ -399,6 +408,38 @@ stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id)
 		result = edit_give_back(&scene->edits->surfaces, scene->surface_count, id, "material");
 	if (result == STILB_OK)
 		edit_surface_put(scene, id, &(stilb_scene_surface){0});
+	return result;
+}
+
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
+
+stilb_result stilb_scene_add_function(stilb_scene *scene, const stilb_scene_function *function, uint32_t *id)
+{
+	STILB_ASSERT(function && id);
+	stilb_scene_function copy, own = *function; /* it may be one of the scene's, whose array moves */
+	stilb_result result = scene_edit_begin(scene);
+	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
+		[EDIT_IDS_ARRAYS] = {(void **)&scene->functions, sizeof *scene->functions, 0}};
+	if (result == STILB_OK)
+		result = scene_check_function(&own, edit_next(&scene->edits->functions, scene->function_count));
+	if (result == STILB_OK)
+		result = edit_reserve(&scene->edits->functions, arrays, 1, scene->function_count);
+	if (result == STILB_OK)
+		result = stilb_scene_function_copy(&own, &copy);
+	if (result != STILB_OK)
+		return result;
+	*id = edit_take(&scene->edits->functions, &scene->function_count);
+	scene->functions[*id] = copy;
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_remove_function(stilb_scene *scene, uint32_t id)
+{
+	stilb_result result = scene_edit_begin(scene);
+	if (result == STILB_OK)
+		result = edit_give_back(&scene->edits->functions, scene->function_count, id, "surface");
+	if (result == STILB_OK)
+		stilb_scene_function_finish(&scene->functions[id]);
 	return result;
 }
 
@@ -449,7 +490,7 @@ stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *imag
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->textures, arrays, 1, scene->texture_count);
 	if (result == STILB_OK)
-		result = scene_copy_image(&own, &copy);
+		result = stilb_image_copy(&own, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);
@@ -469,7 +510,7 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 	if (result == STILB_OK)
 		result = scene_check_texture(image, id);
 	if (result == STILB_OK)
-		result = scene_copy_image(image, &copy);
+		result = stilb_image_copy(image, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	stilb_image_finish(&scene->textures[id]);

@@ -109,6 +109,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_ids_finish(&edits->materials);
 	edit_ids_finish(&edits->surfaces);
 	edit_ids_finish(&edits->textures);
+	edit_ids_finish(&edits->functions);
 	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
 	free(edits->mesh_figure);
@@ -130,6 +131,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edit_ids_make(&edits->materials, "material", scene->material_count, &failed);
 	edit_ids_make(&edits->surfaces, "surface", scene->surface_count, &failed);
 	edit_ids_make(&edits->textures, "texture", scene->texture_count, &failed);
+	edit_ids_make(&edits->functions, "surface function", scene->function_count, &failed);
 	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
 	edits->mesh_figure = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_figure);
@@ -182,10 +184,13 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 		if (scene->materials[m].surface)
 			edits->surfaces.users[scene->materials[m].surface - 1]++;
 	}
-	for (uint32_t s = 0; s < scene->surface_count; s++)
+	for (uint32_t s = 0; s < scene->surface_count; s++) {
 		for (int i = 0; i < STILB_SCENE_MAPS; i++)
 			if (scene->surfaces[s].maps[i].texture)
 				edits->textures.users[scene->surfaces[s].maps[i].texture - 1]++;
+		if (scene->surfaces[s].function)
+			edits->functions.users[scene->surfaces[s].function - 1]++;
+	}
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_sphere[m].radius = (float)NAN;
 	for (uint32_t m = 0; m < scene->model_count; m++)
@@ -226,6 +231,6 @@ void stilb_scene_changes_clear(stilb_scene *scene)
 	if (!edits)
 		return;
 	edits->meshes.changed_count = edits->materials.changed_count = edits->textures.changed_count = 0;
-	edits->surfaces.changed_count = 0;
+	edits->surfaces.changed_count = edits->functions.changed_count = 0;
 	edits->range_count = 0;
 }

@@ -131,7 +131,8 @@ static void importer_send_shape(const stilb_image *picture, int file)
 	                         .width = picture->width,
 	                         .height = picture->height,
 	                         .channels = picture->channels,
-	                         .format = picture->format};
+	                         .format = picture->format,
+	                         .levels = stilb_image_level_count(picture)};
 	if (!scene_stream_write_message(importer_stream.file, &message, file))
 		_exit(1); /* Stilb is gone */
 }

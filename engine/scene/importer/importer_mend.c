@@ -93,6 +93,12 @@ static stilb_result mend_halve(stilb_image *image)
 stilb_result importer_mend_sides(stilb_image *image)
 {
 	stilb_result result = STILB_OK;
+	if ((image->width > MEND_SIDE || image->height > MEND_SIDE) && stilb_image_format_is_blocks(image->format)) {
+		stilb_image texels;
+		result = stilb_image_decode(image, &texels);
+		stilb_image_finish(image);
+		*image = result == STILB_OK ? texels : (stilb_image){0};
+	}
 	while (result == STILB_OK && (image->width > MEND_SIDE || image->height > MEND_SIDE))
 		result = mend_halve(image);
 	return result;

@@ -101,15 +101,11 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 	if (file < 0)
 		result = stilb_fail(STILB_ERROR_FILE, "a picture came without its pixels");
 	if (result == STILB_OK)
-		result =
-			stilb_image_receive(file, message->width, message->height, message->channels, message->format, picture);
+		result = stilb_image_receive(file, message->width, message->height, message->channels, message->format,
+		                             message->levels, picture);
 	if (file >= 0)
 		close(file);
-	if (result == STILB_OK && stilb_image_format_is_blocks(picture->format)) {
-		stilb_image_finish(picture);
-		result = stilb_fail(STILB_ERROR_FILE, "a picture came in blocks, which nobody asked for");
-	}
-	if (result == STILB_OK && !scene_stream_count(stream, stilb_image_size(picture))) {
+	if (result == STILB_OK && !scene_stream_count(stream, stilb_image_levels_size(picture))) {
 		stilb_image_finish(picture);
 		result = stilb_fail(STILB_ERROR_FILE, "its pictures are too large together");
 	}
@@ -225,6 +221,7 @@ static void stream_settle_surface(stilb_scene_surface *surface)
 		stream_settle_bool(&surface->maps[i].nearest);
 	stream_settle_bool(&surface->one_sided);
 	stream_settle_bool(&surface->unlit);
+	surface->function = 0; /* files have none */
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)

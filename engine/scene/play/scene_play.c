@@ -534,7 +534,8 @@ static stilb_result play_add_mesh(stilb_scene *scene, uint32_t index, uint32_t p
 	uint32_t from = all->figures[0].meshes[posed].mesh, mesh;
 	if (from == STILB_SCENE_NONE || scene->meshes[from].vertex_count != rest->vertex_count)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a mesh of figure 0 was replaced or removed: it has no copies");
-	stilb_result result = stilb_scene_add_mesh(scene, &scene->meshes[from], &mesh);
+	stilb_scene_mesh copied = scene->meshes[from]; /* the array may move */
+	stilb_result result = stilb_scene_add_mesh(scene, &copied, &mesh);
 	if (result != STILB_OK)
 		return result;
 	scene->edits->mesh_figure[mesh] = index + 1;
@@ -572,7 +573,8 @@ static stilb_result play_add_model(stilb_scene *scene, uint32_t index, uint32_t 
 		return stilb_scene_attach_model(scene, model, figure->place);
 	/* An instance of the node hangs on a node of its own below it. */
 	if (hangs && hangs - 1 != all->figures[0].nodes[n]) {
-		result = stilb_scene_add_node(scene, on, &scene->nodes.pose[hangs - 1], &on);
+		stilb_scene_pose own = scene->nodes.pose[hangs - 1]; /* the array may move */
+		result = stilb_scene_add_node(scene, on, &own, &on);
 		if (result == STILB_OK)
 			scene->edits->nodes.figure[on] = index + 1;
 	}

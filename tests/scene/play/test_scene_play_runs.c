@@ -299,6 +299,14 @@ static void clips_have_any_length(void **state)
 		assert_true(fabsf(slid(scene) - rows[i].place) < 1e-5f);
 	}
 	stilb_scene_destroy(scene);
+	/* The same where keys are far from evenly spaced. */
+	scene =
+		open_slide((const float[]){0, 0.1f, 0.2f, 0.3f, 3, 3, 3, 10}, (const float[]){0, 1, 2, 3, 30, 50, 20, 90}, 8);
+	play_from(scene, 3, STILB_SCENE_ONCE);
+	assert_true(slid(scene) == 20.0f);
+	play_from(scene, 6.5, STILB_SCENE_ONCE);
+	assert_true(slid(scene) == 55.0f);
+	stilb_scene_destroy(scene);
 }
 
 #define MANY (TEST_ASAN ? 20000u : 100000u)
