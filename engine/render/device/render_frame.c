@@ -92,6 +92,7 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
 	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
 	out->time = view->time;
+	memset(out->padding, 0, sizeof out->padding);
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
 		.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},

@@ -45,7 +45,6 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	Extras extras;
 	ExtraPlaces extra_places;
 	float time; // seconds, for functions of surfaces
-	float padding[3];
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
