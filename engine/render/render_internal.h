@@ -384,7 +384,9 @@ typedef struct render_scene_texture {
 	stilb_render_texture texture;
 	uint32_t width, height;
 	stilb_image_format format;
-	bool mapped, mips;   /* a surface has named it; so it was made with mips */
+	bool mapped, mips;         /* a surface has named it; so it was made with mips */
+	bool as_normals, as_other; /* a surface has named it as a map of normals; as another map */
+	render_mips_kind kind;
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
@@ -495,6 +497,7 @@ struct stilb_render {
 	stilb_owner owner; /* the main thread */
 	render_device *device;
 	stilb_render_output output;
+	stilb_render_specular_aa specular_aa;
 	stilb_render_context *contexts;
 	uint32_t context_count;
 	render_resources resources;

@@ -697,16 +697,17 @@ static void texture_pixels_finish(texture_pixels *pixels)
 	free(pixels->mips);
 }
 
-/* mips: it shall have some, if it has more than one texel; pool: as of render_mips_make. */
-static stilb_result texture_pixels_make(const stilb_image *image, bool mips, stilb_job_pool *pool,
+static stilb_result texture_pixels_make(const stilb_render *render, const stilb_image *image, render_texture_way way,
                                         texture_pixels *pixels)
 {
 	size_t bytes = 0;
 	*pixels = (texture_pixels){0};
 	stilb_result result = texture_convert(image, &pixels->image);
-	if (result != STILB_OK || !mips)
+	if (result != STILB_OK || !way.mips)
 		return result;
-	pixels->mips = render_mips_make(&pixels->image, pool, &bytes);
+	render_mips_desc desc = {&pixels->image, way.kind, render->specular_aa, way.pool};
+	render_mips_prepare(&pixels->image, way.kind);
+	pixels->mips = render_mips_make(&desc, &bytes);
 	if (pixels->mips || bytes == 0)
 		return STILB_OK;
 	texture_pixels_finish(pixels);
@@ -748,12 +749,14 @@ static render_texture_upload *texture_queued(render_resources *resources, uint32
 	return NULL;
 }
 
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image)
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
+                                  render_mips_kind kind)
 {
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	texture_pixels pixels;
-	stilb_result result = texture_pixels_make(image, render->device->textures[index].mips > 1, render->pool, &pixels);
+	render_texture_way way = {.mips = render->device->textures[index].mips > 1, .kind = kind, .pool = render->pool};
+	stilb_result result = texture_pixels_make(render, image, way, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
@@ -791,7 +794,7 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	uint32_t side = render->device->gpu->faults.image_side;
 	if (side > 0 && (image->width > side || image->height > side))
 		return render_texture_too_large(render->device, side, side, image);
-	stilb_result result = texture_pixels_make(image, way.mips, way.pool, &pixels);
+	stilb_result result = texture_pixels_make(render, image, way, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);

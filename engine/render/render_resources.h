@@ -284,10 +284,11 @@ stilb_result render_resources_update(stilb_render *render);
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
 
-/* How a texture is made: with mips, which samplers of maps read; with a patient upload. pool: whose threads help to
- * make mips, its owner is the caller; NULL: none. */
+/* How a texture is made: with mips, which samplers of maps read, of a kind; with a patient upload. pool: whose threads
+ * help to make mips, its owner is the caller; NULL: none. */
 typedef struct render_texture_way {
 	bool patient, mips;
+	render_mips_kind kind;
 	stilb_job_pool *pool;
 } render_texture_way;
 
@@ -321,10 +322,11 @@ void render_material_name(stilb_render *render, stilb_render_material material, 
  * STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay
  *
  * render_mesh_write: vertices first .. first + count - 1, count > 0. render_texture_write: an image of the texture's
- * size and format. render_material_write: texture {0}: none. */
+ * size and format, whose mips are of the kind that they were. render_material_write: texture {0}: none. */
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
                                const stilb_scene_vertex *vertices);
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
+                                  render_mips_kind kind);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
 

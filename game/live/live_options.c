@@ -401,6 +401,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.height = o->size[1];
 	desc.samples = (uint32_t)o->picture.samples;
 	desc.max_anisotropy = (uint32_t)o->picture.max_anisotropy;
+	desc.specular_aa = (stilb_render_specular_aa)o->picture.specular_aa;
 	desc.scale = o->scale;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;

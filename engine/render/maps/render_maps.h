@@ -42,7 +42,9 @@ static_assert(STILB_SCENE_MAPS == RENDER_MAPS && STILB_SCENE_MAP_EMISSION + 1 ==
 #define RENDER_MAPS_THROUGH (1u << 26)  /* transmission */
 #define RENDER_MAPS_SOLID (1u << 27)    /* besides _THROUGH: it has a thickness */
 #define RENDER_MAPS_COAT_TWO (1u << 28) /* as _TWO, of the coat */
-#define RENDER_MAPS_EXTRAS (1u << 29)   /* of the mesh: its vertices have extras */
+#define RENDER_MAPS_SPREAD (1u << 29)   /* the map of normals is of RENDER_MIPS_NORMALS or _TWO */
+#define RENDER_MAPS_COAT_SPREAD (1u << 30)
+#define RENDER_MAPS_EXTRAS (1u << 31) /* of the mesh: its vertices have extras. No material has it */
 
 /* How a map lies on the surface. */
 typedef struct render_maps_place {
@@ -139,10 +141,28 @@ void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_
 /* How many mips a picture of that size has, down to one texel. */
 uint32_t render_mip_count(uint32_t width, uint32_t height);
 
-/* All mips of a picture of four channels but the first, from larger to smaller, each tightly packed in the picture's
- * format. A texel is the mean of those of the mip before that it covers, in light; where that has an odd number, of
- * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
- * *bytes: of all. NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
-void *render_mips_make(const stilb_image *image, stilb_job_pool *pool, size_t *bytes);
+/* What mips hold. A texel is the mean of those of the mip before that it covers, in light; where that has an odd
+ * number, of three in a row by how much of each. */
+typedef enum render_mips_kind {
+	RENDER_MIPS_MEANS,
+	/* In the place of alpha, which nothing reads of a map of normals: 1 - the spread of the normals, [0, 1], which
+	 * shade_gltf_widened takes. */
+	RENDER_MIPS_NORMALS,
+	RENDER_MIPS_NORMALS_TWO, /* of a map of two channels, red and alpha: in the place of green */
+} render_mips_kind;
+
+typedef struct render_mips_desc {
+	const stilb_image *image; /* of four channels */
+	render_mips_kind kind;
+	stilb_render_specular_aa spread; /* how the normals' variance becomes a spread; not OFF */
+	stilb_job_pool *pool;            /* whose threads help, the caller is its owner; NULL: the caller works alone */
+} render_mips_desc;
+
+/* Makes all mips but the first, from larger to smaller, each tightly packed in the picture's format. *bytes: of all.
+ * NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
+void *render_mips_make(const render_mips_desc *desc, size_t *bytes);
+
+/* Writes "no spread" where mips of that kind have it: what the picture itself has. [any-thread] */
+void render_mips_prepare(stilb_image *image, render_mips_kind kind);
 
 #endif

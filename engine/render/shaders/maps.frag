@@ -62,17 +62,30 @@ layout(location = 13) centroid in vec3 channel_tangent;
 #include "channel.glsl"
 #endif
 
+// How far the normals spread of which a texel of a map is the mean: where RENDER_MIPS_NORMALS and _TWO have it.
+float spread_of(vec4 texel, bool two)
+{
+	return clamp(1.0 - (two ? texel.y : texel.w), 0.0, 1.0);
+}
+
+// A roughness, widened by that spread under a map's scale of normals, which slopes are multiplied by.
+float widened(float roughness, float spread, float scale)
+{
+	return shade_gltf_widened(roughness, min(spread * abs(scale), 1.0));
+}
+
 // What the maps hold here. What is missing is 1, but for the normal, which is that of the surface.
 struct Texels {
 	vec4 reflection;
 	vec3 normal;
+	float spread; // of the normals below it
 	float occlusion;
 	vec3 emission;
 };
 
 Texels texels_here(uint record)
 {
-	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
+	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 0.0, 1.0, vec3(1.0));
 	if (map_reflection)
 		texels.reflection = clamp(
 			texture(reflection_map, vec3(together ? first_place : reflection_place, map_layer(record, 1u))), 0.0, 1.0);
@@ -81,6 +94,8 @@ Texels texels_here(uint record)
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
+		if (widens)
+			texels.spread = spread_of(texel, two_channels);
 	}
 	if (map_occlusion)
 		texels.occlusion =
@@ -101,6 +116,7 @@ Texels texels_here(uint record)
 struct LayerTexels {
 	float coat, coat_roughness;
 	vec3 coat_normal;
+	float coat_spread;
 	float specular;
 	vec3 specular_color;
 	vec3 sheen_color;
@@ -116,6 +132,7 @@ LayerTexels layer_texels_here(uint record)
 	texels.coat_roughness = LAYER_TEXEL(coat_roughness_map, 1u).y;
 	vec4 normal = LAYER_TEXEL(coat_normal_map, 2u);
 	texels.coat_normal = coat_two_channels ? vec3(normal.xw, shade_gltf_normal_z(normal.x, normal.w)) : normal.xyz;
+	texels.coat_spread = coat_widens ? spread_of(normal, coat_two_channels) : 0.0;
 	texels.specular = LAYER_TEXEL(specular_map, 3u).w;
 	texels.specular_color = LAYER_TEXEL(specular_color_map, 4u).xyz;
 	texels.sheen_color = LAYER_TEXEL(sheen_color_map, 5u).xyz;
@@ -163,6 +180,8 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 	Layers layers;
 	layers.coat = clamp(coat.x * texels.coat, 0.0, 1.0);
 	layers.coat_roughness = clamp(coat.y * texels.coat_roughness, 0.0, 1.0);
+	if (coat_widens)
+		layers.coat_roughness = widened(layers.coat_roughness, texels.coat_spread, coat.z);
 	layers.coat_n = normal_here(has_layer_map(2u), texels.coat_normal, coat.z, flat_normal, to_camera);
 	layers.sheen = clamp(sheen.xyz * texels.sheen_color, 0.0, 1.0);
 	layers.sheen_roughness = clamp(sheen.w * texels.sheen_roughness, 0.0, 1.0);
@@ -249,6 +268,8 @@ void main()
 #else
 		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection, record_part(record, 1u).xyz);
 #endif
+		if (widens)
+			base.roughness = widened(base.roughness, texels.spread, record_part(record, 3u).x);
 		shade_material material = material_with(stored, base.diffuse, base.specular, base.roughness);
 		bool glows = !both_sides || gl_FrontFacing;
 		vec3 emission = glows ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
