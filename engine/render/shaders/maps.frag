@@ -18,6 +18,8 @@ layout(set = 1, binding = 2) uniform sampler2DArray normal_map;
 layout(set = 1, binding = 3) uniform sampler2DArray occlusion_map;
 layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
+layout(constant_id = 10) const uint max_anisotropy = 1u; // of the samplers
+
 layout(location = 0) out vec4 color;
 
 #ifdef MAPS_COVERAGE
@@ -62,10 +64,16 @@ layout(location = 13) centroid in vec3 channel_tangent;
 #include "channel.glsl"
 #endif
 
-// How far the normals spread of which a texel of a map is the mean: where RENDER_MIPS_NORMALS and _TWO have it.
-float spread_of(vec4 texel, bool two)
+// How far the normals spread of which a texel of a map is the mean: where RENDER_MIPS_NORMALS and _TWO have it. A mip
+// is chosen by the longer side of the pixel's footprint, and its texels are squares: of a footprint that is narrower,
+// variances being about as the squares of sides, (1 + ratio^2) / 2 of the variance is left. Anisotropic filters take
+// mips for a side that is shorter by as much. place: in texels.
+float spread_of(vec4 texel, bool two, vec2 place)
 {
-	return clamp(1.0 - (two ? texel.y : texel.w), 0.0, 1.0);
+	vec2 right = dFdx(place), down = dFdy(place);
+	float one = dot(right, right), other = dot(down, down), most = float(max_anisotropy * max_anisotropy);
+	float ratio2 = min(most * min(one, other) / max(max(one, other), 1e-20), 1.0);
+	return clamp(1.0 - (two ? texel.y : texel.w), 0.0, 1.0) * sqrt(0.5 + 0.5 * ratio2);
 }
 
 // A roughness, widened by that spread under a map's scale of normals, which slopes are multiplied by.
@@ -90,12 +98,13 @@ Texels texels_here(uint record)
 		texels.reflection = clamp(
 			texture(reflection_map, vec3(together ? first_place : reflection_place, map_layer(record, 1u))), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, map_layer(record, 2u)));
+		vec2 place = together ? first_place : normal_place;
+		vec4 texel = texture(normal_map, vec3(place, map_layer(record, 2u)));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
 		if (widens)
-			texels.spread = spread_of(texel, two_channels);
+			texels.spread = spread_of(texel, two_channels, place * vec2(textureSize(normal_map, 0).xy));
 	}
 	if (map_occlusion)
 		texels.occlusion =
@@ -132,7 +141,8 @@ LayerTexels layer_texels_here(uint record)
 	texels.coat_roughness = LAYER_TEXEL(coat_roughness_map, 1u).y;
 	vec4 normal = LAYER_TEXEL(coat_normal_map, 2u);
 	texels.coat_normal = coat_two_channels ? vec3(normal.xw, shade_gltf_normal_z(normal.x, normal.w)) : normal.xyz;
-	texels.coat_spread = coat_widens ? spread_of(normal, coat_two_channels) : 0.0;
+	vec2 coat_place = (together ? first_place : layer_places[2]) * vec2(textureSize(coat_normal_map, 0).xy);
+	texels.coat_spread = coat_widens ? spread_of(normal, coat_two_channels, coat_place) : 0.0;
 	texels.specular = LAYER_TEXEL(specular_map, 3u).w;
 	texels.specular_color = LAYER_TEXEL(specular_color_map, 4u).xyz;
 	texels.sheen_color = LAYER_TEXEL(sheen_color_map, 5u).xyz;
