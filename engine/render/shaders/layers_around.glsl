@@ -69,6 +69,7 @@ vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_frame frame = frame_here(n);
+	material = shade_surface_seen(model, material, dot(n, v));
 	if (lets_through)
 		material.diffuse *= 1.0 - layers.transmission;
 	layers.roughness = material.roughness;

@@ -199,6 +199,7 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
+	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 	if (lights_panorama)
 		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
