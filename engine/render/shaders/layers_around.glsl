@@ -5,7 +5,7 @@ vec3 around_mirrored(float roughness, vec3 n, vec3 v)
 {
 #ifdef LIT_GLOSS
 	vec2 dfg = gloss_shares(n, v, roughness);
-	return gloss_light(shade_environment_direction(n, v, roughness), roughness) * (dfg.x + dfg.y);
+	return gloss_mirrored(n, v, roughness) * (dfg.x + dfg.y);
 #else
 	shade_material white = {vec3(0.0), vec3(1.0), roughness, 0.0, 0.0};
 	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};

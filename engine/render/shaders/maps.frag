@@ -178,7 +178,8 @@ vec3 normal_here(bool mapped, vec3 texel, float scale, vec3 flat_normal, vec3 to
 #endif
 	if (both_sides && is_turned_over(own, flat_normal, to_camera))
 		n = -n;
-	return both_sides || mapped ? bent_normal(n, to_camera) : n;
+	n = both_sides || mapped ? bent_normal(n, to_camera) : n;
+	return mapped ? lifted_normal(n, flat_normal, to_camera) : n;
 }
 
 #ifdef MAPS_LAYERS
@@ -237,7 +238,11 @@ void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
 	// one that was dropped have none.
-	vec3 flat_normal = both_sides ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
+	bool needs_flat = both_sides || map_normal;
+#ifdef MAPS_LAYERS
+	needs_flat = needs_flat || has_layer_map(2u);
+#endif
+	vec3 flat_normal = needs_flat ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
