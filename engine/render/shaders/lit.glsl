@@ -167,9 +167,11 @@ vec3 gloss_light(vec3 toward, float roughness)
 	return textureLod(panorama_cube, panorama_own(toward), shade_environment_mip(roughness, MIPS)).xyz;
 }
 
-// That of a highlight's lobe.
+// That of a highlight's lobe. Other models than microfacets have lobes that stay as round as the cube's.
 vec3 gloss_mirrored(vec3 n, vec3 v, float roughness)
 {
+	if (brdf != SHADE_BRDF_MICROFACET)
+		return gloss_light(shade_environment_direction(n, v, roughness), roughness);
 	shade_environment_look look = shade_environment_look_of(n, v, roughness);
 	return gloss_light(look.toward, look.roughness);
 }
