@@ -5,6 +5,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/stilb)
+get_property(shaders_number GLOBAL PROPERTY STILB_SHADERS_NUMBER)
 configure_package_config_file(cmake/stilb-config.cmake.in stilb-config.cmake INSTALL_DESTINATION ${package_dir})
 # While the version is 0.x, every minor version may change an interface.
 write_basic_package_version_file(stilb-config-version.cmake COMPATIBILITY SameMinorVersion)
@@ -30,7 +31,7 @@ endif()
 set(headers
 	base/base.h base/base_math.h
 	image/image.h
-	scene/scene.h scene/scene_animation.h scene/scene_build.h scene/scene_channel.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
+	scene/scene.h scene/scene_animation.h scene/play/scene_play.h scene/scene_build.h scene/scene_channel.h scene/function/scene_function.h scene/scene_impostor.h scene/scene_look.h scene/scene_pick.h scene/scene_streams.h scene/scene_surface.h
 	scene/edit/scene_edit.h scene/edit/scene_node.h scene/edit/scene_variant.h
 	geometry/geometry.h geometry/geometry_levels.h geometry/geometry_detail.h geometry/geometry_impostor.h geometry/horde/geometry_horde.h
 	shading/shade_model.h
@@ -63,6 +64,14 @@ foreach(header ${headers})
 	set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS engine/${header})
 endforeach()
 install(FILES ${installed} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stilb)
+
+# ---- shaders, from which stilb_surface() makes surface functions ----
+file(GLOB shaders CONFIGURE_DEPENDS engine/render/shaders/*.glsl engine/render/shaders/*.inc)
+file(GLOB formulas CONFIGURE_DEPENDS engine/shading/*.h)
+install(FILES engine/render/shaders/maps.frag ${shaders} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/render/shaders)
+install(FILES ${formulas} DESTINATION ${CMAKE_INSTALL_DATADIR}/stilb/shaders/shading)
+install(FILES cmake/StilbSurface.cmake DESTINATION ${package_dir})
+
 target_include_directories(stilb-base INTERFACE
 	$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 

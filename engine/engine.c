@@ -157,6 +157,7 @@ stilb_result stilb_engine_create(const stilb_engine_desc *desc, stilb_engine **o
 	stilb_owner_take(&engine->owner);
 	engine->desc = *desc;
 	engine->shading = desc->shading;
+	engine->playing.pace = 1.0f;
 	stilb_result result = stilb_engine_table(desc, &engine->actions);
 	if (result == STILB_OK)
 		result = engine_profile_start(engine);
@@ -237,6 +238,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	stilb_cull_destroy(engine->cull);
 	engine->cull = cull;
 	engine->scene = scene;
+	engine->playing.seconds = engine->seconds;
+	engine->playing.step = 0.0;
 	stilb_scene_pick_index_clear(engine->pick_index);
 	if (!scene)
 		engine_picture_finish(engine);

@@ -51,6 +51,7 @@
 #include "profiler/prof_capture.h"
 #include "render/render.h"
 #include "scene/edit/scene_variant.h"
+#include "scene/play/scene_play.h"
 #include "scene/scene.h"
 #include "scene/scene_animation.h"
 #include "scene/scene_look.h"
@@ -86,7 +87,7 @@ enum {
 	STILB_ENGINE_KEYS = STILB_INPUT_ACTIONS, /* open or close the key card, which lists this table */
 	STILB_ENGINE_TIMES,                      /* show frame rate and time in a corner, or hide them */
 	STILB_ENGINE_PROFILER,                   /* open or close the profiler's window */
-	STILB_ENGINE_FREEZE,                     /* freeze it, or let it run again */
+	STILB_ENGINE_FREEZE,                     /* freeze the open profiler, or let it go on; else pause what plays */
 	STILB_ENGINE_MATERIALS,                  /* open or close the materials' window */
 	STILB_ENGINE_CAPTURE,                    /* asked for: a trace of the frames around this moment */
 	STILB_ENGINE_PICTURE,                    /* asked for: a picture; its frame has no toasts, first line and times */
@@ -96,7 +97,10 @@ enum {
 	STILB_ENGINE_IMAGE_PART_BACK,            /* the one before */
 	STILB_ENGINE_SHOW,                       /* pictures show the next of stilb_render_show, which a toast names */
 	STILB_ENGINE_SHOW_BACK,                  /* the one before */
-	STILB_ENGINE_VALUE, /* show the linear light under the pointer, or hide it; channels always show it */
+	STILB_ENGINE_VALUE,     /* show the linear light under the pointer, or hide it; channels always show it */
+	STILB_ENGINE_CLIPS,     /* open or close the animation's window */
+	STILB_ENGINE_STEP,      /* move what plays on by 1/60 s */
+	STILB_ENGINE_STEP_BACK, /* and back */
 	STILB_ENGINE_ACTIONS
 };
 
@@ -186,6 +190,7 @@ typedef struct stilb_engine_desc {
 	bool keep_textures; /* keep a copy of all textures in memory: stilb_engine_dump of a scene with textures needs it */
 	bool overlay;       /* the profiler's window is open from the start */
 	bool inspector;     /* the materials' window is open from the start */
+	bool clips;         /* the animation's window is open from the start */
 	bool keys;          /* the key card is open from the start */
 	bool times;         /* frame rate and time are shown from the start */
 	bool hint;          /* a line names the main keys for the first seconds; only in a window */
@@ -327,6 +332,14 @@ typedef struct stilb_engine_report {
 	bool drawn; /* false: the window is minimised, and only input was handled */
 	bool ui_keys, ui_mouse; /* the engine's panels took the keys, the mouse: they are for nobody else */
 } stilb_engine_report;
+
+/* How fast the clips of the scene play (scene_play.h), in a window and headless: their seconds in one of the engine's.
+ * 1 at first; 0: all stand still; below 0: backwards. Finite. */
+void stilb_engine_set_pace(stilb_engine *engine, float pace);
+float stilb_engine_pace(const stilb_engine *engine);
+
+/* Moves all clips on by seconds, finite, below 0: back, in the next frame, besides what the pace does. */
+void stilb_engine_step(stilb_engine *engine, double seconds);
 
 /* Runs one frame and fills *report. While the window is minimised it waits up to 50 ms and draws nothing.
  * STILB_ERROR_MEMORY, STILB_ERROR_DEVICE, STILB_ERROR_DEVICE_LOST. */

@@ -39,7 +39,7 @@ static const stilb_input_action engine_actions[] = {
                                                    .kind = STILB_INPUT_SWITCH,
                                                    .keys = {STILB_WINDOW_KEY_SPACE},
                                                    .pad = STILB_INPUT_PAD(SOUTH),
-                                                   .help = "freeze the profiler, or let it go on"},
+                                                   .help = "freeze the profiler; else pause the animation"},
 	[STILB_ENGINE_MATERIALS - STILB_INPUT_ACTIONS] = {.name = "materials",
                                                       .kind = STILB_INPUT_SWITCH,
                                                       .keys = {STILB_WINDOW_KEY_F2},
@@ -71,6 +71,14 @@ static const stilb_input_action engine_actions[] = {
 		STILB_INPUT_ACTIONS] = {.name = "channel before", .typed = "C", .help = "next, previous channel of materials"},
 	[STILB_ENGINE_VALUE -
 		STILB_INPUT_ACTIONS] = {.name = "value", .typed = "x", .help = "show or hide the light under the pointer"},
+	[STILB_ENGINE_CLIPS - STILB_INPUT_ACTIONS] = {.name = "animation",
+                                                  .kind = STILB_INPUT_SWITCH,
+                                                  .keys = {STILB_WINDOW_KEY_F4},
+                                                  .help = "open or close the animation's clips"},
+	[STILB_ENGINE_STEP -
+		STILB_INPUT_ACTIONS] = {.name = "step", .typed = ".", .help = "a sixtieth of a second on, back"},
+	[STILB_ENGINE_STEP_BACK -
+		STILB_INPUT_ACTIONS] = {.name = "step back", .typed = ",", .help = "a sixtieth of a second on, back"},
 };
 static_assert(sizeof engine_actions / sizeof *engine_actions == STILB_ENGINE_ACTIONS - STILB_INPUT_ACTIONS, "all rows");
 

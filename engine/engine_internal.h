@@ -25,6 +25,13 @@ typedef struct engine_inspector {
 		lists[5]; /* model (BRDF), the program's choice; of microfacets: normals D, shadowing G, Fresnel term F */
 } engine_inspector;
 
+/* The animation's window. */
+typedef struct engine_clips {
+	bool open;
+	stilb_ui_rect place;
+	stilb_ui_list_state list;
+} engine_clips;
+
 /* A panel, shown for a while, that names the gamepads that may not be opened and the udev rule that would permit it.
  * {0}: it is not shown. */
 #define ENGINE_NOTICE_PADS 3u
@@ -72,6 +79,7 @@ typedef struct engine_overlay {
 	stilb_ui *ui; /* NULL: none has been open yet */
 	stilb_ui_profiler *profiler;
 	engine_inspector inspector;
+	engine_clips clips;
 	engine_notice notice;
 	engine_toasts toasts;
 	engine_keys keys;
@@ -148,6 +156,17 @@ typedef struct engine_camera {
 	char name[STILB_RENDER_TARGET_NAME + 1];
 } engine_camera;
 
+/* How the clips of the scene play. */
+typedef struct engine_playing {
+	double seconds;    /* the engine's time up to which they have played */
+	double step;       /* seconds that they move besides in the next frame */
+	float pace;        /* their seconds in one of the engine's; 0: they stand still */
+	float pace_before; /* while they were paused: 0, or the one to go on with */
+} engine_playing;
+
+
+#define ENGINE_STEP (1.0 / 60.0) /* seconds that a step of what plays takes */
+
 struct stilb_engine {
 	engine_press press;
 	stilb_owner owner; /* the main thread: the one that created it */
@@ -197,6 +216,7 @@ struct stilb_engine {
 	uint64_t frame;          /* frames drawn */
 	uint64_t last_ns;        /* clock at which the last frame began; 0 before the first */
 	double seconds;          /* the engine's time, from 0 */
+	engine_playing playing;  /* of the scene's clips */
 	float step;              /* the time that this frame advances, seconds */
 	stilb_engine_report report;
 };
@@ -264,7 +284,8 @@ stilb_result engine_overlay_start(stilb_engine *engine);
 stilb_result engine_overlay_open(stilb_engine *engine, bool profiler, bool inspector);
 static inline bool engine_overlay_is_open(const engine_overlay *overlay)
 {
-	return overlay->profiler_open || overlay->inspector_open || overlay->notice.pad_count > 0 || overlay->keys.open ||
+	return overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->notice.pad_count > 0 ||
+	       overlay->keys.open ||
 	       (!overlay->toasts.hidden &&
 	        (overlay->toasts.count > 0 || overlay->shader_error || overlay->keys.hint_seconds > 0.0f ||
 	         overlay->rate.open || overlay->divider_open || overlay->caption_open || overlay->value_open));
@@ -465,6 +486,12 @@ void engine_watch_tell(stilb_engine *engine);
 /* Draws the panel with what is wrong with shaders, between stilb_ui_begin and stilb_ui_end. False: the user has closed
  * it. */
 bool engine_watch_draw(const char *text, stilb_ui *ui);
+
+/* engine_clips.c: the animation's window. */
+void engine_clips_draw(stilb_engine *engine, stilb_ui *ui);
+
+/* engine_playing.c: pauses what plays, or lets it go on. */
+void engine_playing_pause(stilb_engine *engine);
 
 /* engine_inspector.c */
 

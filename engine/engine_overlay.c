@@ -48,12 +48,14 @@ stilb_result engine_overlay_start(stilb_engine *engine)
 	engine_overlay *overlay = &engine->overlay;
 	bool hint = desc->hint && engine->window;
 	stilb_result result = engine_overlay_open(engine, desc->overlay, desc->inspector);
-	if (result == STILB_OK && (desc->keys || desc->times || hint))
+	if (result == STILB_OK && (desc->keys || desc->clips || desc->times || hint))
 		result = engine_overlay_create(engine);
 	if (result != STILB_OK)
 		return result;
 	overlay->keys.open = desc->keys;
 	overlay->keys.list.selected = STILB_UI_NO_ROW;
+	overlay->clips.list.selected = STILB_UI_NO_ROW;
+	overlay->clips.open = desc->clips;
 	overlay->rate.open = desc->times;
 	overlay->keys.hint_seconds = hint ? OVERLAY_HINT_SECONDS : 0.0f;
 	return STILB_OK;
@@ -119,8 +121,17 @@ void engine_overlay_act(stilb_engine *engine, const stilb_input_state *input)
 		overlay->keys.open ^= keys;
 		overlay->rate.open ^= times;
 	}
+	bool clips = input->actions[STILB_ENGINE_CLIPS] > 0;
+	if (clips && engine_overlay_create(engine) != STILB_OK)
+		stilb_log("%s", stilb_error_message());
+	else
+		overlay->clips.open ^= clips;
 	if (overlay->profiler_open && input->actions[STILB_ENGINE_FREEZE] > 0)
 		stilb_ui_profiler_freeze(overlay->profiler, !stilb_ui_profiler_frozen(overlay->profiler));
+	else if (input->actions[STILB_ENGINE_FREEZE] > 0)
+		engine_playing_pause(engine);
+	int steps = input->actions[STILB_ENGINE_STEP] - input->actions[STILB_ENGINE_STEP_BACK];
+	stilb_engine_step(engine, (double)steps * ENGINE_STEP);
 	engine->value.open ^= input->actions[STILB_ENGINE_VALUE] > 0;
 	overlay->value_open =
 		engine->value.known && engine_value_wanted(engine) && engine_overlay_create(engine) == STILB_OK;
@@ -163,7 +174,7 @@ static void engine_overlay_build(stilb_engine *engine)
 {
 	PROFILE("ui build");
 	engine_overlay *overlay = &engine->overlay;
-	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->keys.open;
+	bool covered = overlay->profiler_open || overlay->inspector_open || overlay->clips.open || overlay->keys.open;
 	float below = OVERLAY_BELOW;
 	stilb_ui_rect caption = {0};
 	stilb_ui_begin(overlay->ui, &overlay->input);
@@ -172,7 +183,8 @@ static void engine_overlay_build(stilb_engine *engine)
 	if (overlay->caption_open && !overlay->toasts.hidden)
 		caption = engine_picture_caption(engine, overlay->ui);
 	stilb_ui_rect places[] = {overlay->inspector_open ? overlay->inspector.place : (stilb_ui_rect){0},
-	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0}};
+	                          overlay->keys.open ? overlay->keys.place : (stilb_ui_rect){0},
+	                          overlay->clips.open ? overlay->clips.place : (stilb_ui_rect){0}};
 	if (overlay->rate.open && !overlay->toasts.hidden && !overlay->profiler_open) /* which has them, too */
 		engine_rate_draw(&overlay->rate, overlay->ui, caption, places, sizeof places / sizeof *places);
 	if (overlay->value_open && !overlay->toasts.hidden)
@@ -184,6 +196,8 @@ static void engine_overlay_build(stilb_engine *engine)
 	if (overlay->inspector_open)
 		engine_inspector_draw(&overlay->inspector, overlay->ui, &engine->shading, engine->desc.choice,
 		                      &overlay->inspector_open);
+	if (overlay->clips.open)
+		engine_clips_draw(engine, overlay->ui);
 	if (overlay->keys.open)
 		engine_keys_draw(&overlay->keys, &engine->actions, overlay->ui);
 	if (overlay->notice.pad_count > 0)

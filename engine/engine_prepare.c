@@ -127,6 +127,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,
 		.exposure = scene->camera.exposure,
+		.time = (float)engine->seconds,
 		.tone = scene->camera.tone,
 		.dither = true,
 		.detail = engine->desc.detail,

@@ -5,8 +5,9 @@
  *
  *   stage          reads                       writes                                  threads
  *   frame_begin    the window, the device      keys, step, rewound contexts            main
- *   update_scene   keys, gamepads, step        camera; the program: its scene; then    main, jobs
- *                                              what hangs on moved nodes, and meshes,
+ *   update_scene   keys, gamepads, step        camera; poses of clips; the program:    main, jobs
+ *                                              its scene; then what hangs on moved
+ *                                              nodes, posed meshes, and meshes,
  *                                              materials, textures that changed
  *   cull           scene, moved list, views    octree, visible ids per view            jobs
  *   record         scene, visible ids          command lists in numbered segments      jobs, one writer a list
@@ -21,6 +22,7 @@
 
 #include "profiler/prof.h"
 #include "scene/edit/scene_node.h"
+#include "scene/play/scene_play.h"
 
 #define FRAME_STEP (1.0f / 60.0f)
 #define FRAME_MAX_STEP 0.1f /* seconds: after a stall a longer step would make everything that moves jump */
@@ -129,10 +131,22 @@ static stilb_result update_render(stilb_engine *engine)
 	return stilb_render_update_scene(engine->render, engine->scene, &changes);
 }
 
+/* Moves what plays on by the time since the frame before, and by what the program has asked for besides. */
+static void update_clips(stilb_engine *engine)
+{
+	engine_playing *playing = &engine->playing;
+	double seconds = (engine->seconds - playing->seconds) * (double)playing->pace + playing->step;
+	playing->seconds = engine->seconds;
+	playing->step = 0.0;
+	stilb_scene_advance(engine->scene, seconds, engine->pool, FRAME_OWNER);
+}
+
 static stilb_result update_scene(stilb_engine *engine)
 {
 	PROFILE("scene update");
 	frame_input(engine, &engine->report); /* as late as possible: the picture shows the camera of this moment */
+	if (engine->scene)
+		update_clips(engine);
 	if (engine->desc.update)
 		engine->desc.update(engine->desc.user,
 		                    &(stilb_engine_update){engine->frame + 1, engine->seconds, &engine->report.input});

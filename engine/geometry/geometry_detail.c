@@ -2,7 +2,7 @@
 
 #include "geometry/geometry_levels.h"
 #include "scene/edit/scene_edit.h"
-#include "scene/scene_animation.h"
+#include "scene/play/scene_play.h"
 #include "scene/scene_impostor.h"
 
 #include <pthread.h>
@@ -29,7 +29,7 @@ static bool detail_is_wanted(const stilb_scene *scene, uint32_t id)
 {
 	const stilb_scene_mesh *mesh = &scene->meshes[id];
 	return mesh->level_count == 0 && mesh->index_count / 3 >= STILB_GEOMETRY_DETAIL_LEAST &&
-	       !stilb_scene_animation_deform(scene->animation, id);
+	       !stilb_scene_animation_deform(scene->animation, id) && !stilb_scene_mesh_is_posed(scene, id);
 }
 
 void stilb_geometry_detail_find(stilb_scene *scene)

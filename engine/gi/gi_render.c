@@ -140,6 +140,14 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 	free(render);
 }
 
+void stilb_gi_render_until(stilb_gi_render *render, uint32_t samples)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	STILB_ASSERT(!render->cache_fill && render->view.settings.seconds <= 0.0 && render->view.settings.error <= 0.0f);
+	render->until = samples;
+}
+
 void stilb_gi_render_share(stilb_gi_render *render, uint32_t caller, double slice)
 {
 	STILB_ASSERT_OWNER(render->owner);
@@ -416,9 +424,11 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 {
 	STILB_ASSERT(render->pass_count < STILB_GI_MAX_PASSES);
 	const stilb_gi_settings *settings = &render->view.settings;
+	uint32_t wanted = render->until > 0 && render->until < settings->samples ? render->until : settings->samples;
 	if (render->pass_count == 0) {
+		uint32_t first = first_samples(settings);
 		*next = (stilb_gi_pass){.block = settings->progressive ? GI_FILM_LARGEST_BLOCK : 1,
-		                        .sample_count = first_samples(settings)};
+		                        .sample_count = first < wanted ? first : wanted};
 		return true;
 	}
 	const stilb_gi_pass *last = &render->passes[render->pass_count - 1];
@@ -427,7 +437,7 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 		return true;
 	uint32_t done = last->first_sample + last->sample_count;
 	/* 0 if a resumed checkpoint has more samples than are wanted now */
-	uint32_t left = settings->samples > done ? settings->samples - done : 0;
+	uint32_t left = wanted > done ? wanted - done : 0;
 	*next = (stilb_gi_pass){.block = 1, .first_sample = done, .sample_count = done < left ? done : left};
 	if (settings->seconds > 0.0) {
 		uint32_t fitting = samples_in_time(render, done);
@@ -529,7 +539,8 @@ static stilb_gi_end passes_run(stilb_gi_render *render)
 			return STILB_GI_END_ERROR;
 		stilb_gi_pass *pass = pass_next(render);
 		if (!pass)
-			return STILB_GI_END_SAMPLES;
+			return render->until > 0 && render->until < render->view.settings.samples ? STILB_GI_END_STOPPED
+			                                                                          : STILB_GI_END_SAMPLES;
 		if (is_ending(render))
 			return end_of(render);
 		pass_run(render, pass);

@@ -250,6 +250,12 @@ void stilb_gi_render_share(stilb_gi_render *render, uint32_t caller, double slic
  * the irradiance cache could not be saved, but the picture is finished; STILB_ERROR_MEMORY. [main-thread] */
 stilb_result stilb_gi_render_run(stilb_gi_render *render);
 
+/* Lets run return as soon as every pixel has so many samples, settings.samples at most, without being finished: the
+ * next ones may be of the scene in another pose (stilb_gi_scene_update). Motion blur is a picture of many of them. 0 is
+ * settings.samples. Not with the integrator irradiance-cache, nor with a limit of error or seconds; at most 32 times
+ * for a render. [main-thread], while run does not run. */
+void stilb_gi_render_until(stilb_gi_render *render, uint32_t samples);
+
 /* Makes run return within milliseconds; called between two runs, the next one returns at once. [any-thread], and in
  * signal handlers. */
 void stilb_gi_render_stop(stilb_gi_render *render);

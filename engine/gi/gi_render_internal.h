@@ -49,6 +49,7 @@ struct stilb_gi_render {
 	gi_film film;
 	gi_render_worker *workers; /* one for each thread of the pool, the main thread's first */
 	uint32_t worker_count;
+	uint32_t until;           /* samples of each pixel, with which run returns; 0: all */
 	uint32_t batch_size;      /* samples in a batch, at most GI_BATCH */
 	uint32_t caller;          /* index in the pool of the thread that calls run: 0, or STILB_JOB_OUTSIDE */
 	uint64_t slice_ns;        /* a loop over tiles ends after so long, and another one goes on; 0: never */

@@ -7,6 +7,7 @@
  * all parts are instances that can be, so that what moves is only their transforms.
  */
 #include "gi/gi_scene_lights.h"
+#include "gi/gi_scene_textures.h"
 #include "gi/gi_surface.h"
 #include "gi/integrate/gi_backdrop.h"
 
@@ -194,10 +195,14 @@ static void plan_meshes(const stilb_scene *scene, bool movable, mesh_plan *plan)
 	}
 }
 
-static stilb_result plan_make(stilb_gi_scene *gi, const stilb_scene *scene, bool movable, mesh_plan *plan)
+static stilb_result plan_make(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
+                              mesh_plan *plan)
 {
+	bool movable = desc->movable;
 	*plan = (mesh_plan){0};
-	stilb_result result = gi_scene_ask_darkness(gi, scene);
+	stilb_result result = gi_scene_textures_make(gi, scene, desc->pool);
+	if (result == STILB_OK)
+		result = gi_scene_ask_darkness(gi, scene);
 	if (result != STILB_OK)
 		return result;
 	plan->uses = calloc((size_t)scene->mesh_count + 1, sizeof *plan->uses);
@@ -510,6 +515,24 @@ static void material_from_surface(stilb_scene_material *material, const stilb_sc
 	material->diffuse_texture = 0;
 }
 
+/* Rays lack the functions of surfaces: takes them out of the copies, and says so once for each. */
+static void functions_leave(stilb_gi_scene *gi, const stilb_scene *scene)
+{
+	for (uint32_t s = 0; s < gi->surface_count; s++) {
+		stilb_scene_surface *surface = &gi->surfaces[s];
+		uint32_t function = surface->function - 1;
+		bool there = surface->function > 0;
+		surface->function = 0;
+		memset(surface->parameters, 0, sizeof surface->parameters);
+		if (!there || gi->lacking[function / 32] >> function % 32 & 1u)
+			continue;
+		gi->lacking[function / 32] |= 1u << function % 32;
+		STILB_ASSERT(function < scene->function_count);
+		stilb_log("rays lack the surface function '%s': its materials are shown without it",
+		          scene->functions[function].name);
+	}
+}
+
 /* Copies what may change at no cost. There is room for the materials and surfaces. */
 static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 {
@@ -519,6 +542,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 		memcpy(gi->surfaces, scene->surfaces, scene->surface_count * sizeof *gi->surfaces);
 	gi->material_count = scene->material_count;
 	gi->surface_count = scene->surface_count;
+	functions_leave(gi, scene);
 	for (uint32_t i = 0; i < gi->material_count; i++) {
 		STILB_ASSERT(gi->materials[i].surface <= gi->surface_count);
 		if (gi->materials[i].surface)
@@ -526,7 +550,7 @@ static void gi_scene_copy(stilb_gi_scene *gi, const stilb_scene *scene)
 	}
 	gi->blends = gi->passes = false;
 	gi->emitter_count = 0;
-	gi->textures = scene->textures;
+	gi->textures = gi->found.textures;
 	gi->texture_count = scene->texture_count;
 	gi->info = (stilb_gi_scene_info){.isa = gi->info.isa, .bytes = gi->own_bytes};
 }
@@ -589,7 +613,10 @@ static void gi_scene_clear(stilb_gi_scene *gi)
 	free(gi->vertices);
 	free(gi->extras);
 	free(gi->triangles);
+	uint32_t lacking[sizeof gi->lacking / sizeof *gi->lacking];
+	memcpy(lacking, gi->lacking, sizeof lacking);
 	*gi = (stilb_gi_scene){.owner = gi->owner, .intersector = gi->intersector, .found = gi->found};
+	memcpy(gi->lacking, lacking, sizeof lacking);
 }
 
 /* All indices are in range, and every triangle can be hit. For STILB_CHECK. */
@@ -644,7 +671,7 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 	stilb_owner_take(&gi->owner);
 	gi->intersector = desc->intersector;
 	mesh_plan plan;
-	stilb_result result = plan_make(gi, scene, desc->movable, &plan);
+	stilb_result result = plan_make(gi, scene, desc, &plan);
 	if (result == STILB_OK)
 		result = gi_scene_make(gi, scene, desc, &plan);
 	plan_finish(&plan);
@@ -668,7 +695,7 @@ static bool is_same_place(const stilb_mat4 *a, const stilb_mat4 *b)
 static bool update_sieve(const stilb_gi_scene *gi, const stilb_scene *scene, uint32_t part)
 {
 	uint32_t surface = scene->materials[scene->part_material[part]].surface;
-	gi_maps maps = {surface ? &scene->surfaces[surface - 1] : NULL, scene->textures, scene->texture_count};
+	gi_maps maps = {surface ? &scene->surfaces[surface - 1] : NULL, gi->found.textures, scene->texture_count};
 	return surface && is_sieve(&maps, gi->meshes[gi->parts[part].mesh].colored);
 }
 
@@ -760,7 +787,7 @@ stilb_result stilb_gi_scene_update(stilb_gi_scene *gi, const stilb_scene *scene,
 	STILB_ASSERT_OWNER(gi->owner);
 	PROFILE("gi.update");
 	mesh_plan plan;
-	stilb_result result = plan_make(gi, scene, desc->movable, &plan);
+	stilb_result result = plan_make(gi, scene, desc, &plan);
 	if (result == STILB_OK && update_fits(gi, scene, desc, &plan)) {
 		result = update_in_place(gi, scene, desc, &plan);
 	} else if (result == STILB_OK) {

@@ -109,9 +109,9 @@ typedef struct stilb_gi_scene_info {
 	float low[3], high[3];
 } stilb_gi_scene_info;
 
-/* Copies meshes, materials and lights. scene may be destroyed afterwards, except for the pixels of its textures and of
- * its panorama, which must outlive the result. A mesh of many parts is kept once, as instances, where that saves
- * more than 65,536 triangles.
+/* Copies meshes, materials and lights, and decodes textures of compressed blocks. scene may be destroyed afterwards,
+ * except for the pixels of its textures and of its panorama, which must outlive the result. A mesh of many parts is
+ * kept once, as instances, where that saves more than 65,536 triangles.
  * Errors: STILB_ERROR_ARGUMENT: an instruction set this CPU lacks, more than 2^30 triangles, a panorama that has no
  * linear floats; STILB_ERROR_MEMORY; STILB_ERROR_DEVICE: Embree fails; STILB_ERROR_GIVEN_UP. Then *out is NULL.
  * [main-thread] */
@@ -119,7 +119,8 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
 
 /* Brings it up to date with the scene that it was created from, which was edited (scene_edit.h; where nodes have moved,
  * stilb_scene_update_nodes comes first): pictures are those of a scene that is created now, bit for bit. No render of
- * it may exist. desc: as for create, of any pool; intersector, isa and memory stay as they were.
+ * it may exist, but for those between two poses (stilb_gi_render_until). desc: as for create, of any pool; intersector,
+ * isa and memory stay as they were.
  * What it costs: after other materials, lights or surroundings nothing is built. In a movable scene, after models were
  * moved, hidden or shown, only the top of the tree is, and the triangles of those parts that are no instances; 10,000
  * parts take some milliseconds. All else, as models and meshes that come, go or change, and surfaces that rays begin or

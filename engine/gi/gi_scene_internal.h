@@ -61,7 +61,11 @@ typedef enum gi_darkness { GI_DARKNESS_UNKNOWN, GI_DARKNESS_DARK, GI_DARKNESS_NO
 
 /* What was found of textures and of triangles that glow. Updates keep it, those that build all else anew too. */
 typedef struct gi_found {
-	uint8_t *dark; /* [dark_count] of the scene's textures: gi_darkness */
+	stilb_image *textures; /* [texture_count] those of the scene as rays read them: gi_scene_textures.h */
+	bool *decoded;         /* [texture_count] the texture's pixels are its own */
+	uint32_t texture_count;
+	uint64_t textures_hash; /* of the scene's */
+	uint8_t *dark;          /* [dark_count] of the scene's textures: gi_darkness */
 	uint32_t dark_count;
 	uint64_t dark_hash;  /* of the textures that this was found of */
 	float (*means)[3];   /* [emitter_count] of glows */
@@ -81,7 +85,7 @@ struct stilb_gi_scene {
 	gi_part *parts;
 	stilb_scene_material *materials; /* of one that has a surface the constants are the surface's, without its maps */
 	stilb_scene_surface *surfaces;
-	const stilb_image *textures;
+	const stilb_image *textures; /* found.textures */
 	gi_lights lights;
 	gi_lights open_lights;                   /* of settings.no_shadows */
 	gi_backdrop *backdrop;                   /* never NULL */
@@ -95,9 +99,10 @@ struct stilb_gi_scene {
 	uint32_t emitter_count; /* triangles of parts that are lights, those that do not glow included */
 	/* What it was made of, and how, for updates. */
 	gi_found found;
-	bool movable, broken; /* broken: the last update failed */
-	uint64_t geometry;    /* the scene's count of changes of its meshes */
-	uint64_t lights_hash; /* of all that lights were made of */
+	bool movable, broken;                                 /* broken: the last update failed */
+	uint64_t geometry;                                    /* the scene's count of changes of its meshes */
+	uint64_t lights_hash;                                 /* of all that lights were made of */
+	uint32_t lacking[STILB_SCENE_MAX_FUNCTIONS / 32 + 1]; /* by id, a bit each: that a function is left out was told */
 };
 
 /* An intersector: a method to find what rays hit. create builds its acceleration structure for a scene whose meshes and

@@ -1,5 +1,6 @@
 #include "gi/gi_scene_lights.h"
 
+#include "gi/gi_scene_textures.h"
 #include "gi/gi_surface.h"
 #include "profiler/prof.h"
 #include "scene/scene_look.h"
@@ -19,22 +20,9 @@ static bool is_bright(const float emission[3])
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* Of where the textures' pixels are, and of the count of their changes. */
-static uint64_t textures_hash(const stilb_scene *scene)
-{
-	uint64_t head[] = {scene->revisions.textures, scene->texture_count};
-	uint64_t hash = hash_numbers(STILB_FNV1A64_START, head, sizeof head);
-	for (uint32_t i = 0; i < scene->texture_count; i++) {
-		const stilb_image *image = &scene->textures[i];
-		uint64_t numbers[] = {(uintptr_t)image->pixels, image->width, image->height, image->format};
-		hash = hash_numbers(hash, numbers, sizeof numbers);
-	}
-	return hash;
-}
-
 stilb_result gi_scene_ask_darkness(stilb_gi_scene *gi, const stilb_scene *scene)
 {
-	uint64_t hash = textures_hash(scene);
+	uint64_t hash = gi_scene_textures_hash(scene);
 	if (gi->found.dark && gi->found.dark_count == scene->texture_count && gi->found.dark_hash == hash)
 		return STILB_OK;
 	free(gi->found.dark);
@@ -61,7 +49,7 @@ bool gi_scene_emits(stilb_gi_scene *gi, const stilb_scene *scene, uint32_t id)
 		return true;
 	uint8_t *dark = &gi->found.dark[texture - 1];
 	if (*dark == GI_DARKNESS_UNKNOWN)
-		*dark = gi_glow_is_dark(&scene->textures[texture - 1]) ? GI_DARKNESS_DARK : GI_DARKNESS_NONE;
+		*dark = gi_glow_is_dark(&gi->found.textures[texture - 1]) ? GI_DARKNESS_DARK : GI_DARKNESS_NONE;
 	return *dark == GI_DARKNESS_NONE;
 }
 
@@ -81,7 +69,7 @@ static const stilb_scene_surface *glow_surface(const stilb_gi_scene *gi, const g
 /* Of all that the means of glows depend on; 0: nothing glows. */
 static uint64_t glows_hash(const stilb_gi_scene *gi, const stilb_scene *scene)
 {
-	uint64_t hash = textures_hash(scene), numbers[] = {scene->revisions.geometry, gi->emitter_count};
+	uint64_t hash = gi_scene_textures_hash(scene), numbers[] = {scene->revisions.geometry, gi->emitter_count};
 	bool any = false;
 	hash = hash_numbers(hash, numbers, sizeof numbers);
 	for (uint32_t i = 0; i < gi->part_count; i++) {
@@ -233,6 +221,7 @@ stilb_result gi_scene_lights_make(stilb_gi_scene *gi, const stilb_scene *scene)
 
 void gi_scene_found_finish(gi_found *found)
 {
+	gi_scene_textures_finish(found);
 	free(found->dark);
 	free(found->means);
 	*found = (gi_found){0};

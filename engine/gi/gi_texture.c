@@ -118,7 +118,7 @@ static stilb_vec4 texture_at(const stilb_image *image, texture_place x, texture_
 	case STILB_IMAGE_U16_LINEAR:
 		return texture_mix(image, x, y, code_of_u16, code_of_u16);
 	default:
-		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "scenes have no textures of blocks");
+		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "blocks were decoded");
 		return texture_mix(image, x, y, code_of_f32, code_of_f32);
 	}
 }
@@ -151,7 +151,7 @@ static float texture_alpha_at(const stilb_image *image, texture_place x, texture
 	case STILB_IMAGE_F16_LINEAR:
 		return texture_mix_alpha(image, x, y, code_of_f16);
 	default:
-		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "scenes have no textures of blocks");
+		STILB_ASSERT(image->format == STILB_IMAGE_F32_LINEAR && "blocks were decoded");
 		return texture_mix_alpha(image, x, y, code_of_f32);
 	}
 }

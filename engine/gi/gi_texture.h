@@ -3,7 +3,7 @@
  *
  * Texels are linear: codes of formats that are sRGB are decoded, but for alpha; all others are the numbers that they
  * are. A picture of one or two channels is grey: red, green and blue are its first one, and alpha its second. A picture
- * without alpha has alpha 1, and one without pixels is 1 in all four.
+ * without alpha has alpha 1, and one without pixels is 1 in all four. No picture is made of blocks.
  */
 #ifndef STILB_GI_TEXTURE_H
 #define STILB_GI_TEXTURE_H

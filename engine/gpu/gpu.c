@@ -159,6 +159,8 @@ stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *
 	STILB_ASSERT(gpu && desc && out);
 	*out = (stilb_gpu_image){0};
 	stilb_result result = gpu_check_image(gpu, desc->name ? desc->name : "", &desc->extent);
+	if (result == STILB_OK)
+		result = gpu_check_channels(desc);
 	if (result != STILB_OK)
 		return result;
 	uint64_t id;
@@ -167,6 +169,7 @@ stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *
 		return STILB_ERROR_MEMORY;
 	gpu_name_copy(image->name, desc->name);
 	image->extent = desc->extent;
+	image->channels = desc->channels;
 	image->layouts = calloc((size_t)desc->extent.layers * desc->extent.mips, sizeof *image->layouts);
 	result = image->layouts ? gpu->functions->image_make(gpu, image)
 	                        : stilb_fail(STILB_ERROR_MEMORY, "no memory for the state of image '%s'", image->name);

@@ -112,13 +112,22 @@ typedef struct stilb_gpu_image {
 	uint64_t id; /* 0: none */
 } stilb_gpu_image;
 
+/* How sets see the channels of an image. */
+typedef enum stilb_gpu_channels {
+	STILB_GPU_CHANNELS_OWN,        /* as the format has them */
+	STILB_GPU_CHANNELS_GREY,       /* red, red, red, 1 */
+	STILB_GPU_CHANNELS_GREY_ALPHA, /* red, red, red, green */
+	STILB_GPU_CHANNELS_COUNT
+} stilb_gpu_channels;
+
 typedef struct stilb_gpu_image_desc {
-	const char *name;        /* copied */
-	stilb_gpu_extent extent; /* uses: SAMPLED, STORAGE..., COPY..., STILB_GPU_EXTENT_ATTACHMENT */
+	const char *name;            /* copied */
+	stilb_gpu_extent extent;     /* uses: SAMPLED, STORAGE..., COPY..., STILB_GPU_EXTENT_ATTACHMENT */
+	stilb_gpu_channels channels; /* for images that are sampled by sets alone, or OWN */
 } stilb_gpu_image_desc;
 
 /* Its texels are undefined until they are written. STILB_ERROR_ARGUMENT: a size, a format or a use that the device has
- * not, with its limit. STILB_ERROR_MEMORY. [any-thread] */
+ * not, with its limit; channels that are not OWN with uses but SAMPLED and copies. STILB_ERROR_MEMORY. [any-thread] */
 stilb_result stilb_gpu_image_create(stilb_gpu *gpu, const stilb_gpu_image_desc *desc, stilb_gpu_image *out);
 /* Accepts {0}. [any-thread] */
 void stilb_gpu_image_destroy(stilb_gpu *gpu, stilb_gpu_image image);

@@ -117,6 +117,18 @@ stilb_result gpu_check_image(const stilb_gpu *gpu, const char *name, const stilb
 	return STILB_OK;
 }
 
+stilb_result gpu_check_channels(const stilb_gpu_image_desc *desc)
+{
+	uint32_t uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_FROM | 1u << STILB_GPU_USE_COPY_TO;
+	if ((uint32_t)desc->channels >= STILB_GPU_CHANNELS_COUNT)
+		return FAIL("image '%s' has channels %u; there are 0 to %d", desc->name ? desc->name : "",
+		            (unsigned)desc->channels, STILB_GPU_CHANNELS_COUNT - 1);
+	if (desc->channels != STILB_GPU_CHANNELS_OWN && desc->extent.uses & ~uses)
+		return FAIL("image '%s' is seen as grey, so it can be sampled and copied alone; leave its other uses out",
+		            desc->name ? desc->name : "");
+	return STILB_OK;
+}
+
 stilb_result gpu_check_sampler(const stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc)
 {
 	for (int i = 0; i < 3; i++)

@@ -67,6 +67,7 @@ typedef struct gpu_image {
 	gpu_entry entry;
 	char name[GPU_NAME];
 	stilb_gpu_extent extent;
+	stilb_gpu_channels channels;
 	uint8_t *layouts; /* [layers][mips] stilb_gpu_layout, as the last frame left them */
 	void *own;
 } gpu_image;
@@ -369,6 +370,7 @@ static inline bool gpu_program_is_fullscreen(const stilb_gpu_program_desc *desc)
 stilb_result gpu_check_buffer(const stilb_gpu *gpu, const stilb_gpu_buffer_desc *desc);
 /* name: for the message; NULL: of a plan, which names it itself. */
 stilb_result gpu_check_image(const stilb_gpu *gpu, const char *name, const stilb_gpu_extent *extent);
+stilb_result gpu_check_channels(const stilb_gpu_image_desc *desc);
 stilb_result gpu_check_sampler(const stilb_gpu *gpu, const stilb_gpu_sampler_desc *desc);
 stilb_result gpu_check_program(const stilb_gpu *gpu, const stilb_gpu_program_desc *desc);
 stilb_result gpu_check_upload(const stilb_gpu *gpu, const stilb_gpu_upload *upload);

@@ -60,6 +60,12 @@ bool stilb_image_format_is_blocks(stilb_image_format format)
 	return image_block_formats[format].bytes > 0;
 }
 
+uint32_t stilb_image_format_channels(stilb_image_format format)
+{
+	STILB_ASSERT((unsigned)format < STILB_IMAGE_FORMAT_COUNT);
+	return image_block_formats[format].channels;
+}
+
 /* Codes of colour, and the same bytes as data. */
 static const stilb_image_format image_pairs[][2] = {{STILB_IMAGE_U8_SRGB, STILB_IMAGE_U8_LINEAR},
                                                     {STILB_IMAGE_U16_SRGB, STILB_IMAGE_U16_LINEAR},
@@ -149,6 +155,13 @@ stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t hei
 
 /* ---- levels ------------------------------------------------------------------------------------------------------ */
 
+uint32_t image_most_levels(uint32_t width, uint32_t height)
+{
+	uint32_t longer = width > height ? width : height;
+	STILB_ASSERT(longer > 0);
+	return 32 - (uint32_t)__builtin_clz(longer);
+}
+
 uint32_t stilb_image_level_count(const stilb_image *image)
 {
 	return 1 + (image->storage >> IMAGE_LEVEL_SHIFT);
@@ -174,6 +187,15 @@ stilb_image stilb_image_level(const stilb_image *image, uint32_t level)
 	return view;
 }
 
+stilb_image stilb_image_view_levels(const stilb_image *image, uint32_t levels)
+{
+	stilb_image view = *image;
+	STILB_ASSERT(image_is_sound(image) && image->storage == IMAGE_STORAGE_MEMORY);
+	STILB_ASSERT(levels >= 1 && levels <= image_most_levels(image->width, image->height));
+	view.storage = (levels - 1) << IMAGE_LEVEL_SHIFT;
+	return view;
+}
+
 uint64_t image_levels_size(const stilb_image *image, uint32_t levels)
 {
 	stilb_image level = *image;
@@ -185,12 +207,45 @@ uint64_t image_levels_size(const stilb_image *image, uint32_t levels)
 	return size;
 }
 
+uint64_t stilb_image_levels_size(const stilb_image *image)
+{
+	return image_levels_size(image, stilb_image_level_count(image));
+}
+
 bool image_levels_allocate(stilb_image *image, uint32_t levels)
 {
 	STILB_ASSERT(levels >= 1 && levels <= IMAGE_MAX_LEVELS);
 	image->pixels = stilb_memory_alloc(image_levels_size(image, levels), 1);
 	image->storage = image->pixels ? (levels - 1) << IMAGE_LEVEL_SHIFT : IMAGE_STORAGE_MEMORY;
 	return image->pixels;
+}
+
+/* image_shape_check, of the number of levels too. */
+static stilb_result image_levels_check(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format, uint32_t levels)
+{
+	stilb_result result = image_shape_check(image, width, height, channels, format);
+	if (result != STILB_OK)
+		return result;
+	bool right = levels >= 1 && levels <= image_most_levels(width, height);
+	if (right && image_levels_size(image, levels) <= STILB_IMAGE_MAX_BYTES)
+		return STILB_OK;
+	*image = (stilb_image){0};
+	return stilb_fail(STILB_ERROR_ARGUMENT,
+	                  "cannot make a picture of %u x %u pixels with %u mip levels: it has 1 to %u, of 4 GiB together",
+	                  width, height, levels, image_most_levels(width, height));
+}
+
+stilb_result stilb_image_create_levels(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format, uint32_t levels)
+{
+	stilb_result result = image_levels_check(image, width, height, channels, format, levels);
+	if (result != STILB_OK)
+		return result;
+	if (!image_levels_allocate(image, levels))
+		return image_no_memory(image);
+	memset(image->pixels, 0, stilb_image_levels_size(image));
+	return STILB_OK;
 }
 
 /* ---- the end ----------------------------------------------------------------------------------------------------- */
@@ -204,8 +259,8 @@ static uint32_t image_place(const stilb_image *image)
 /* The descriptor of the memory file that the picture is in. */
 static int image_memory_file(const stilb_image *image)
 {
-	STILB_ASSERT(image->storage >= IMAGE_STORAGE_SHARED && "made by stilb_image_create_shared");
-	return (int)(image->storage - IMAGE_STORAGE_SHARED);
+	STILB_ASSERT(image_place(image) >= IMAGE_STORAGE_SHARED && "made by stilb_image_create_shared");
+	return (int)(image_place(image) - IMAGE_STORAGE_SHARED);
 }
 
 /* Bytes of that memory file, which may hold more than the picture. */
@@ -213,7 +268,7 @@ static size_t image_memory_size(const stilb_image *image)
 {
 	struct stat info = {0};
 	fstat(image_memory_file(image), &info); /* cannot fail: the descriptor is open */
-	STILB_ASSERT((size_t)info.st_size >= stilb_image_size(image));
+	STILB_ASSERT((uint64_t)info.st_size >= stilb_image_levels_size(image));
 	return (size_t)info.st_size;
 }
 
@@ -224,8 +279,8 @@ void stilb_image_finish(stilb_image *image)
 	STILB_ASSERT((image->pixels || image->storage == IMAGE_STORAGE_MEMORY) && "mapped memory has an address");
 	if (image_place(image) == IMAGE_STORAGE_MEMORY)
 		free(image->pixels);
-	else if (image->storage == IMAGE_STORAGE_MAPPED)
-		munmap(image->pixels, stilb_image_size(image));
+	else if (image_place(image) == IMAGE_STORAGE_MAPPED)
+		munmap(image->pixels, stilb_image_levels_size(image));
 	else
 		munmap(image->pixels, image_memory_size(image));
 	if (image_place(image) >= IMAGE_STORAGE_SHARED)
@@ -259,10 +314,10 @@ uint16_t stilb_image_half_from_float(float value)
  * get it when they are written: a short file may claim a huge picture. */
 #define IMAGE_POPULATE_MAX (16u << 20)
 
-/* Maps new memory for image's shape. False: there is none. */
-static bool image_memory_create(stilb_image *image)
+/* Maps new memory for image's shape with so many levels. False: there is none. */
+static bool image_memory_create(stilb_image *image, uint32_t levels)
 {
-	size_t size = stilb_image_size(image);
+	size_t size = image_levels_size(image, levels);
 	int file = memfd_create("picture", MFD_CLOEXEC | MFD_ALLOW_SEALING);
 	void *pixels = MAP_FAILED;
 	if (file >= 0 && ftruncate(file, (off_t)size) == 0)
@@ -274,26 +329,34 @@ static bool image_memory_create(stilb_image *image)
 		return false;
 	}
 	image->pixels = pixels;
-	image->storage = IMAGE_STORAGE_SHARED + (uint32_t)file;
+	image->storage = (IMAGE_STORAGE_SHARED + (uint32_t)file) | (levels - 1) << IMAGE_LEVEL_SHIFT;
 	return true;
+}
+
+/* stilb_image_reshape_shared with levels. */
+static stilb_result image_reshape_levels(stilb_image *image, const stilb_image *shape, uint32_t levels)
+{
+	stilb_image old = *image;
+	stilb_result result = image_shape_check(image, shape->width, shape->height, shape->channels, shape->format);
+	STILB_ASSERT(result != STILB_OK || levels <= image_most_levels(shape->width, shape->height));
+	if (result == STILB_OK && old.pixels && image_memory_size(&old) >= image_levels_size(image, levels)) {
+		image->pixels = old.pixels;
+		image->storage = image_place(&old) | (levels - 1) << IMAGE_LEVEL_SHIFT;
+		return STILB_OK;
+	}
+	stilb_image_finish(&old);
+	if (result == STILB_OK && !image_memory_create(image, levels))
+		result = image_no_memory(image);
+	STILB_ASSERT(result != STILB_OK || image_is_sound(image));
+	return result;
 }
 
 stilb_result stilb_image_reshape_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                         stilb_image_format format)
 {
 	STILB_ASSERT(image);
-	stilb_image old = *image;
-	stilb_result result = image_shape_check(image, width, height, channels, format);
-	if (result == STILB_OK && old.pixels && image_memory_size(&old) >= stilb_image_size(image)) {
-		image->pixels = old.pixels;
-		image->storage = old.storage;
-		return STILB_OK;
-	}
-	stilb_image_finish(&old);
-	if (result == STILB_OK && !image_memory_create(image))
-		result = image_no_memory(image);
-	STILB_ASSERT(result != STILB_OK || image_is_sound(image));
-	return result;
+	stilb_image shape = {.width = width, .height = height, .channels = channels, .format = format};
+	return image_reshape_levels(image, &shape, 1);
 }
 
 stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
@@ -307,7 +370,7 @@ stilb_result stilb_image_create_shared(stilb_image *image, uint32_t width, uint3
 int stilb_image_share(stilb_image *image)
 {
 	int file = image_memory_file(image);
-	size_t size = stilb_image_size(image);
+	size_t size = stilb_image_levels_size(image);
 	STILB_ASSERT(image_is_sound(image));
 	munmap(image->pixels, image_memory_size(image)); /* a writable mapping would forbid F_SEAL_WRITE */
 	*image = (stilb_image){0};
@@ -322,16 +385,15 @@ int stilb_image_lend(const stilb_image *image)
 {
 	int file = image_memory_file(image);
 	STILB_ASSERT(image_is_sound(image));
-	STILB_ASSERT(stilb_image_size(image) <= STILB_IMAGE_LEND_MAX);
+	STILB_ASSERT(stilb_image_levels_size(image) <= STILB_IMAGE_LEND_MAX);
 	return file;
 }
 
-/* Copies image's pixels from a memory file that other processes may write to. */
-static stilb_result image_copy(int file, stilb_image *image)
+/* Copies image's pixels, of so many levels, from a memory file that other processes may write to. */
+static stilb_result image_copy_lent(int file, uint32_t levels, stilb_image *image)
 {
-	size_t size = stilb_image_size(image);
-	image->pixels = stilb_memory_alloc(size, 1);
-	if (!image->pixels)
+	size_t size = image_levels_size(image, levels);
+	if (!image_levels_allocate(image, levels))
 		return image_no_memory(image);
 	if (pread(file, image->pixels, size, 0) == (ssize_t)size)
 		return STILB_OK;
@@ -340,18 +402,18 @@ static stilb_result image_copy(int file, stilb_image *image)
 }
 
 stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
-                                 stilb_image_format format, stilb_image *image)
+                                 stilb_image_format format, uint32_t levels, stilb_image *image)
 {
-	stilb_result result = image_shape_check(image, width, height, channels, format);
+	stilb_result result = image_levels_check(image, width, height, channels, format, levels);
 	if (result != STILB_OK)
 		return result;
 	STILB_ASSERT(file >= 0);
 	struct stat info;
-	size_t size = stilb_image_size(image);
+	size_t size = image_levels_size(image, levels);
 	int seals = fcntl(file, F_GET_SEALS); /* fails for everything but memory files: reading these never waits */
 	bool sealed = seals >= 0 && (seals & IMAGE_SEALS) == IMAGE_SEALS;
 	if (seals >= 0 && !sealed && size <= STILB_IMAGE_LEND_MAX)
-		return image_copy(file, image);
+		return image_copy_lent(file, levels, image);
 	if (!sealed || fstat(file, &info) != 0 || (size_t)info.st_size != size) {
 		*image = (stilb_image){0};
 		return stilb_fail(STILB_ERROR_FILE,
@@ -361,9 +423,31 @@ stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint
 	if (pixels == MAP_FAILED)
 		return image_no_memory(image);
 	image->pixels = pixels;
-	image->storage = IMAGE_STORAGE_MAPPED;
+	image->storage = IMAGE_STORAGE_MAPPED | (levels - 1) << IMAGE_LEVEL_SHIFT;
 	STILB_ASSERT(image_is_sound(image));
 	return STILB_OK;
+}
+
+stilb_result stilb_image_copy(const stilb_image *image, bool shared, stilb_image *copy)
+{
+	STILB_ASSERT(image && copy);
+	stilb_image from = *image;
+	uint32_t levels = stilb_image_level_count(image);
+	const char *refusal = from.pixels ? image_refusal(&from) : "it is empty";
+	*copy = (stilb_image){0};
+	if (refusal)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot copy a picture of %u x %u pixels: %s", from.width, from.height,
+		                  refusal);
+	stilb_result result = STILB_OK;
+	if (shared) {
+		result = image_reshape_levels(copy, &from, levels);
+	} else {
+		*copy = from;
+		result = image_levels_allocate(copy, levels) ? STILB_OK : image_no_memory(copy);
+	}
+	if (result == STILB_OK)
+		memcpy(copy->pixels, from.pixels, stilb_image_levels_size(&from));
+	return result;
 }
 
 /* ---- shared by the codecs ---------------------------------------------------------------------------------------- */
@@ -377,7 +461,6 @@ void image_message_set(image_message *message, const char *text)
 void *image_load_make(image_load *load, stilb_image made, uint32_t levels)
 {
 	STILB_ASSERT(!load->image->pixels && "a codec allocates once");
-	STILB_ASSERT(levels == 1 || !load->shared);
 	stilb_image light = {made.width, made.height, 3, STILB_IMAGE_F32_LINEAR, NULL, 0};
 	const char *refusal = image_refusal(&made);
 	if (!refusal && load->for_light)
@@ -388,7 +471,7 @@ void *image_load_make(image_load *load, stilb_image made, uint32_t levels)
 		return NULL;
 	}
 	if (load->shared) {
-		stilb_image_reshape_shared(&load->memory, made.width, made.height, made.channels, made.format);
+		image_reshape_levels(&load->memory, &made, levels);
 		made = load->memory;
 		load->memory = (stilb_image){0};
 	} else {

@@ -88,6 +88,14 @@ typedef struct stilb_image_attribute {
 stilb_result stilb_image_create(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
                                 stilb_image_format format);
 
+/* As stilb_image_create, with so many mip levels: 1 to as many as halve the longer side down to 1. [any-thread] */
+stilb_result stilb_image_create_levels(stilb_image *image, uint32_t width, uint32_t height, uint32_t channels,
+                                       stilb_image_format format, uint32_t levels);
+
+/* A copy of all levels, in memory of its own; shared: as of stilb_image_create_shared. [any-thread]
+ * STILB_ERROR_ARGUMENT for an empty picture and a shape that is refused, STILB_ERROR_MEMORY; then copy is {0}. */
+stilb_result stilb_image_copy(const stilb_image *image, bool shared, stilb_image *copy);
+
 /* Frees the pixels and leaves {0}. Accepts NULL and {0}. [one-writer] */
 void stilb_image_finish(stilb_image *image);
 
@@ -113,13 +121,13 @@ int stilb_image_share(stilb_image *image);
  * be used again (stilb_image_reshape_shared), which takes a fifth of the time of new memory. [one-writer] */
 int stilb_image_lend(const stilb_image *image);
 
-/* Receives the picture of this shape behind file, a descriptor (>= 0) of stilb_image_share or stilb_image_lend, from
- * any process, trusted or not; the caller still closes file. Afterwards nobody else can change its pixels: those of
- * stilb_image_share are mapped, and changing them changes nobody else's; those of stilb_image_lend are copied.
- * [any-thread] STILB_ERROR_FILE if the memory has another size, or is too large to be copied and not sealed,
- * STILB_ERROR_ARGUMENT for a shape that is refused, STILB_ERROR_MEMORY; then image is {0}. */
+/* Receives the picture of this shape, with so many levels, behind file, a descriptor (>= 0) of stilb_image_share or
+ * stilb_image_lend, from any process, trusted or not; the caller still closes file. Afterwards nobody else can change
+ * its pixels: those of stilb_image_share are mapped, and changing them changes nobody else's; those of stilb_image_lend
+ * are copied. [any-thread] STILB_ERROR_FILE if the memory has another size, or is too large to be copied and not
+ * sealed, STILB_ERROR_ARGUMENT for a shape that is refused, STILB_ERROR_MEMORY; then image is {0}. */
 stilb_result stilb_image_receive(int file, uint32_t width, uint32_t height, uint32_t channels,
-                                 stilb_image_format format, stilb_image *image);
+                                 stilb_image_format format, uint32_t levels, stilb_image *image);
 
 /* The format of the same bytes when they are data and not colour: U8_LINEAR for U8_SRGB, BC7_LINEAR for BC7_SRGB, ...;
  * any other format itself. For a picture that was read from a file:
@@ -132,18 +140,36 @@ stilb_image_format stilb_image_format_as_color(stilb_image_format format);
 /* True for BC1 to BC7. [any-thread] */
 bool stilb_image_format_is_blocks(stilb_image_format format);
 
-/* How many mip levels the picture has, 1 or more; only reading a DDS file makes more. [any-thread] */
+/* How many channels a picture of this format of blocks has; 0: it is not one of blocks. [any-thread] */
+uint32_t stilb_image_format_channels(stilb_image_format format);
+
+/* How many mip levels the picture has: 1, but of stilb_image_create_levels and of DDS files. [any-thread] */
 uint32_t stilb_image_level_count(const stilb_image *image);
 
 /* Mip level `level`, below stilb_image_level_count: a view of image's pixels, not to be finished. Each level has half
  * the sides of the one before, rounded down, at least 1. [any-thread] */
 stilb_image stilb_image_level(const stilb_image *image, uint32_t level);
 
+/* A picture that was filled in by hand (storage 0) with so many levels, which its pixels hold one behind the other; not
+ * to be finished. [any-thread] */
+stilb_image stilb_image_view_levels(const stilb_image *image, uint32_t levels);
+
+/* Bytes of the pixels of all levels; 0 for {0}. [any-thread] */
+uint64_t stilb_image_levels_size(const stilb_image *image);
+
 /* Makes texels, to be finished, of the largest level: of blocks U8_SRGB or U8_LINEAR, of BC4 and BC5 U16_LINEAR, each
  * value rounded to the nearest code, halves up; other formats are copied. [any-thread] STILB_ERROR_ARGUMENT for an
  * empty picture, a shape that is refused, and texels that would take more than STILB_IMAGE_MAX_BYTES;
  * STILB_ERROR_MEMORY. Then texels is {0}. */
 stilb_result stilb_image_decode(const stilb_image *image, stilb_image *texels);
+
+/* The same for rows first .. end - 1 of a picture of blocks, into texels of its size, channels and the format that
+ * stilb_image_decode makes: so that several threads can share the work. first is a multiple of 4, end too or the
+ * height. [any-thread] */
+void stilb_image_decode_rows(const stilb_image *image, uint32_t first, uint32_t end, stilb_image *texels);
+
+/* The format of the texels of stilb_image_decode. [any-thread] */
+stilb_image_format stilb_image_decoded_format(stilb_image_format format);
 
 /* Converts row y, 0 <= y < height, to linear floats in light, [width][channels]: codes of colour by the sRGB transfer,
  * data and alpha / 255 or / 65535. Of blocks the texels of stilb_image_decode, in about four times the time of that.

@@ -90,24 +90,65 @@ void image_block_decode(stilb_image_format format, const uint8_t *block, void *t
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
+typedef union block_texels {
+	uint8_t bytes[16][4];
+	uint16_t words[16][2];
+} block_texels;
+
+/* Bytes of a decoded texel. */
+static size_t block_texel_bytes(const image_block_format *format)
+{
+	return format->channels * image_scalar_bytes[image_format_scalars[format->texels]];
+}
+
+void image_block_rows(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t rows, void *texels)
+{
+	const image_block_format *format = &image_block_formats[shape->format];
+	STILB_ASSERT(format->bytes > 0);
+	STILB_ASSERT(y % 4 == 0 && rows > 0 && rows <= 4 && y + rows <= shape->height);
+	size_t texel = block_texel_bytes(format), row = shape->width * texel;
+	const uint8_t *block = (const uint8_t *)blocks + (size_t)(y / 4) * ((shape->width + 3) / 4) * format->bytes;
+	block_texels decoded;
+	for (uint32_t x = 0; x < shape->width; x += 4, block += format->bytes) {
+		size_t width = shape->width - x < 4 ? shape->width - x : 4;
+		image_block_decode(shape->format, block, &decoded);
+		for (uint32_t r = 0; r < rows; r++)
+			memcpy((uint8_t *)texels + r * row + x * texel, (const uint8_t *)&decoded + (size_t)r * 4 * texel,
+			       width * texel);
+	}
+}
+
 void image_block_row(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t first, uint32_t count,
                      void *texels)
 {
 	const image_block_format *format = &image_block_formats[shape->format];
 	STILB_ASSERT(format->bytes > 0);
 	STILB_ASSERT(first % 4 == 0 && first + count <= shape->width && y < shape->height);
-	size_t texel = format->channels * image_scalar_bytes[image_format_scalars[format->texels]];
+	size_t texel = block_texel_bytes(format);
 	const uint8_t *block =
 		(const uint8_t *)blocks + ((size_t)(y / 4) * ((shape->width + 3) / 4) + first / 4) * format->bytes;
-	union {
-		uint8_t bytes[16][4];
-		uint16_t words[16][2];
-	} decoded;
+	block_texels decoded;
 	for (uint32_t x = 0; x < count; x += 4, block += format->bytes) {
 		size_t width = count - x < 4 ? count - x : 4;
 		image_block_decode(shape->format, block, &decoded);
 		memcpy((uint8_t *)texels + x * texel, (const uint8_t *)&decoded + (size_t)(y % 4) * 4 * texel, width * texel);
 	}
+}
+
+stilb_image_format stilb_image_decoded_format(stilb_image_format format)
+{
+	return stilb_image_format_is_blocks(format) ? image_block_formats[format].texels : format;
+}
+
+void stilb_image_decode_rows(const stilb_image *image, uint32_t first, uint32_t end, stilb_image *texels)
+{
+	STILB_ASSERT(image_is_sound(image) && image_is_sound(texels));
+	STILB_ASSERT(texels->width == image->width && texels->height == image->height);
+	STILB_ASSERT(texels->channels == image->channels && texels->format == stilb_image_decoded_format(image->format));
+	STILB_ASSERT(first % 4 == 0 && first <= end && end <= image->height && (end % 4 == 0 || end == image->height));
+	size_t row = stilb_image_size(texels) / texels->height;
+	for (uint32_t y = first; y < end; y += 4)
+		image_block_rows(image, image->pixels, y, end - y < 4 ? end - y : 4, (uint8_t *)texels->pixels + y * row);
 }
 
 stilb_result stilb_image_decode(const stilb_image *image, stilb_image *texels)
@@ -118,15 +159,13 @@ stilb_result stilb_image_decode(const stilb_image *image, stilb_image *texels)
 	if (refusal)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "cannot decode a picture of %u x %u pixels: %s", image->width,
 		                  image->height, refusal);
-	bool blocks = stilb_image_format_is_blocks(image->format);
-	stilb_image_format format = blocks ? image_block_formats[image->format].texels : image->format;
+	stilb_image_format format = stilb_image_decoded_format(image->format);
 	stilb_result result = stilb_image_create(texels, image->width, image->height, image->channels, format);
 	if (result != STILB_OK)
 		return result;
-	size_t row = stilb_image_size(texels) / texels->height;
-	if (!blocks)
+	if (format == image->format)
 		memcpy(texels->pixels, image->pixels, stilb_image_size(image));
-	for (uint32_t y = 0; y < image->height && blocks; y++)
-		image_block_row(image, image->pixels, y, 0, image->width, (uint8_t *)texels->pixels + y * row);
+	else
+		stilb_image_decode_rows(image, 0, image->height, texels);
 	return STILB_OK;
 }

@@ -21,6 +21,10 @@ extern const image_block_format image_block_formats[STILB_IMAGE_FORMAT_COUNT]; /
  * specification, rounded to the nearest code, halves up. BC7 is defined in 8 bits and exact. [any-thread] */
 void image_block_decode(stilb_image_format format, const uint8_t *block, void *texels);
 
+/* Decodes the row of blocks that texel row y, a multiple of 4, is the first of: `rows` of its rows, at most 4, into
+ * [rows][width][channels]. */
+void image_block_rows(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t rows, void *texels);
+
 /* Decodes row y, texels first .. first + count - 1, where first is a multiple of 4, into [count][channels]. blocks: of
  * a picture of this shape, whose own pixels are not read. */
 void image_block_row(const stilb_image *shape, const void *blocks, uint32_t y, uint32_t first, uint32_t count,

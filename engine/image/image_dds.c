@@ -178,14 +178,6 @@ static void dds_read_pixels(dds_input *input, char text[static 200])
 	dds_refuse(input, text);
 }
 
-/* How many levels a picture of these sides can have. */
-static uint32_t dds_most_levels(uint32_t width, uint32_t height)
-{
-	uint32_t longer = width > height ? width : height;
-	STILB_ASSERT(longer > 0);
-	return 32 - (uint32_t)__builtin_clz(longer);
-}
-
 /* Reads and checks everything but the pixels. text: room for a trouble with numbers. */
 static dds_input dds_read(const void *data, size_t size, char text[static 200])
 {
@@ -213,9 +205,9 @@ static dds_input dds_read(const void *data, size_t size, char text[static 200])
 	else
 		dds_read_pixels(&input, text);
 	if (!input.trouble && input.width > 0 && input.height > 0 &&
-	    input.levels > dds_most_levels(input.width, input.height)) {
+	    input.levels > image_most_levels(input.width, input.height)) {
 		snprintf(text, 200, "it has %u mip levels; %u x %u pixels have at most %u", input.levels, input.width,
-		         input.height, dds_most_levels(input.width, input.height));
+		         input.height, image_most_levels(input.width, input.height));
 		dds_refuse(&input, text);
 	}
 	return input;
@@ -279,8 +271,9 @@ static void *dds_decode(const dds_input *input, image_load *load)
 		return pixels;
 	}
 	size_t row = stilb_image_size(load->image) / shape.height;
-	for (uint32_t y = 0; y < shape.height; y++)
-		image_block_row(&blocks, input->data + input->begin, y, 0, shape.width, pixels + y * row);
+	for (uint32_t y = 0; y < shape.height; y += 4)
+		image_block_rows(&blocks, input->data + input->begin, y, shape.height - y < 4 ? shape.height - y : 4,
+		                 pixels + y * row);
 	return pixels;
 }
 
@@ -305,10 +298,9 @@ image_outcome image_dds_decode(const void *data, size_t size, image_load *load, 
 	}
 	if (!load->blocks)
 		return dds_decode(&input, load) ? IMAGE_OUTCOME_DONE : IMAGE_OUTCOME_CALLBACK;
-	uint32_t levels = load->shared ? 1 : input.levels;
-	uint8_t *pixels = image_load_make(load, shape, levels);
+	uint8_t *pixels = image_load_make(load, shape, input.levels);
 	if (!pixels)
 		return IMAGE_OUTCOME_CALLBACK;
-	dds_copy(&input, levels, pixels);
+	dds_copy(&input, input.levels, pixels);
 	return IMAGE_OUTCOME_DONE;
 }

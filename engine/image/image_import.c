@@ -3,6 +3,7 @@
 
 #include "image/image_internal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -42,9 +43,33 @@ static const struct image_signature *image_signature_of(const char *name, const 
 	return dot && strcasecmp(dot, ".tga") == 0 ? &image_signature_targa : NULL;
 }
 
+/* False for a JPEG file that ends before its picture does: libjpeg fills the rest with grey. Markers between the scans
+ * are passed over by their lengths, for they may hold a picture of their own. Source: ITU-T T.81, B.1.1. */
+static bool image_jpeg_ends(const unsigned char *data, size_t size)
+{
+	size_t at = 2;
+	while (at + 1 < size) {
+		unsigned char marker = data[at + 1];
+		if (data[at] != 0xff || marker == 0xff || marker == 0x00 || (marker >= 0xd0 && marker <= 0xd7)) {
+			at++; /* a scan's bytes, its restarts, and fill bytes */
+			continue;
+		}
+		if (marker == 0xd9)
+			return true;
+		bool alone = marker == 0x01 || marker == 0xd8;
+		size_t length = alone ? 0 : at + 3 < size ? (size_t)data[at + 2] << 8 | data[at + 3] : size;
+		at += 2 + length;
+	}
+	return false;
+}
+
 static image_outcome image_decode_foreign(const char *format, const void *data, size_t size, image_load *load,
                                           image_message *message)
 {
+	if (strcmp(format, "jpeg") == 0 && !image_jpeg_ends(data, size)) {
+		snprintf(message->text, sizeof message->text, "the file is cut off");
+		return IMAGE_OUTCOME_CODEC;
+	}
 	const image_foreign *foreign = image_foreign_load(message);
 	return foreign ? foreign->decode(format, data, size, image_load_allocate, load, message) : IMAGE_OUTCOME_CODEC;
 }

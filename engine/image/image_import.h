@@ -17,7 +17,7 @@ typedef enum stilb_image_import_flags {
 	STILB_IMAGE_IMPORT_SHARED = 1,    /* allocates by stilb_image_create_shared */
 	STILB_IMAGE_IMPORT_FOR_LIGHT = 2, /* also refuses a picture that would exceed STILB_IMAGE_MAX_BYTES as RGB floats */
 	STILB_IMAGE_IMPORT_AGAIN = 4,     /* with SHARED: by stilb_image_reshape_shared of image */
-	STILB_IMAGE_IMPORT_BLOCKS = 8,    /* DDS as stilb_image_load reads it; with SHARED the largest level alone */
+	STILB_IMAGE_IMPORT_BLOCKS = 8,    /* DDS as stilb_image_load reads it */
 } stilb_image_import_flags;
 
 /* Reads PNG, JPEG, TGA, BMP, GIF, TIFF, DDS, PSD, WebP, EXR and Radiance HDR with the precision and the channels of the

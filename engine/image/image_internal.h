@@ -95,6 +95,9 @@ bool image_is_sound(const stilb_image *image);
 
 #define IMAGE_MAX_LEVELS 17u /* of a picture of STILB_IMAGE_MAX_SIDE */
 
+/* How many levels a picture of these sides can have. */
+uint32_t image_most_levels(uint32_t width, uint32_t height);
+
 /* Bytes of so many levels of a picture of image's shape, which is not refused. */
 uint64_t image_levels_size(const stilb_image *image, uint32_t levels);
 
@@ -120,11 +123,11 @@ typedef struct image_load {
 	bool exact;          /* keep 16-bit codes and halves; else they become 8 bits and floats */
 	bool shared;         /* allocate by stilb_image_create_shared */
 	bool for_light;      /* also refuse a picture that would be too large as three floats a pixel */
-	bool blocks; /* of DDS keep the format, and the levels unless shared is set; else decode to codes of colour */
+	bool blocks;         /* of DDS keep the format and the levels; else decode to codes of colour */
 } image_load;
 
-/* image.c: allocates the picture, which has a shape and no pixels, with so many levels, 1 if shared is set, into
- * load->image. NULL with load->result: refused. A codec calls it once. */
+/* image.c: allocates the picture, which has a shape and no pixels, with so many levels, into load->image. NULL with
+ * load->result: refused. A codec calls it once. */
 void *image_load_make(image_load *load, stilb_image made, uint32_t levels);
 
 /* An image_allocate. Does not touch the pixels: a short file that claims to be huge costs address space only. */

@@ -400,6 +400,7 @@ typedef struct stilb_render_view {
 	bool impostors;             /* the scene has some: stilb_render_prepare_view compiles what draws them, too */
 	stilb_render_detail detail; /* of stilb_render_record_view; {0}: everything is drawn in full */
 	stilb_render_show show;
+	float time; /* seconds; surface functions get it (scene_function.h). Beyond 16,384 s it goes by steps of 2 ms */
 	/* How the picture shows radiance with output DISPLAY; those of the target's first pass count. */
 	float exposure; /* stops: radiance is multiplied by 2^exposure before the tone map */
 	uint32_t tone;  /* SHADE_TONE_... of shading/shade_tonemap.h */

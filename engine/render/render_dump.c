@@ -36,14 +36,18 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
                                    render_texture_way way, stilb_render_texture *out)
 {
-	stilb_image image = {texture->width, texture->height, 4, (stilb_image_format)texture->format, (void *)pixels, 0};
+	stilb_image_format format = (stilb_image_format)texture->format;
+	stilb_image image = {texture->width, texture->height, 4, format, (void *)pixels, 0};
+	uint32_t channels = stilb_image_format_channels(format);
+	image.channels = channels > 0 ? channels : 4;
+	image = stilb_image_view_levels(&image, texture->levels);
 	return render_texture_create(render, &image, way, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
 {
 	static const uint8_t white[4] = {255, 255, 255, 255};
-	render_dump_texture none = {0, 1, 1, STILB_IMAGE_U8_SRGB};
+	render_dump_texture none = {.width = 1, .height = 1, .format = STILB_IMAGE_U8_SRGB, .levels = 1};
 	const uint8_t *pixels = dump->pixels;
 	uint32_t next = 1;
 	stilb_result result = STILB_OK;
@@ -61,7 +65,8 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 }
 
 static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render *render,
-                                     const stilb_render_texture *textures, stilb_render_material *materials)
+                                     const stilb_render_texture *textures, const uint32_t *functions,
+                                     stilb_render_material *materials)
 {
 	stilb_scene_material none = {.roughness = 1.0f};
 	stilb_render_texture no_texture = {0};
@@ -79,7 +84,7 @@ static stilb_result upload_materials(const stilb_render_dump *dump, stilb_render
 		stilb_render_texture texture = from->texture ? textures[from->texture - 1] : no_texture;
 		render_maps maps;
 		if (from->surface)
-			maps = render_dump_surface_get(&dump->surfaces[from->surface - 1], textures);
+			maps = render_dump_surface_get(render, &dump->surfaces[from->surface - 1], textures, functions);
 		if (result == STILB_OK && from->surface)
 			result = render_material_create_maps(render, &material, &maps, &materials[m]);
 		else if (result == STILB_OK && from->impostor)
@@ -239,6 +244,7 @@ static void upload_tables(stilb_render_dump *dump, uint32_t width, uint32_t heig
 		view->exposure = from->exposure;
 		view->tone = from->tone;
 		view->dither = from->dither;
+		view->time = from->time;
 		view->target = from->target > 0 ? &dump->target_table[from->target - 1] : NULL;
 		render_dump_backdrop_get(dump, v, view);
 	}
@@ -279,6 +285,7 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 	stilb_render_texture *textures = stilb_memory_alloc(header->textures, sizeof *textures);
 	stilb_render_material *materials = stilb_memory_alloc(header->materials, sizeof *materials);
 	stilb_render_mesh *meshes = stilb_memory_alloc(header->meshes, sizeof *meshes);
+	uint32_t functions[STILB_SCENE_MAX_FUNCTIONS];
 	free(dump->ready);
 	free(dump->first_draw);
 	free(dump->light_table);
@@ -292,7 +299,9 @@ stilb_result stilb_render_dump_upload(stilb_render_dump *dump, stilb_render *ren
 	if (result == STILB_OK)
 		result = upload_textures(dump, render, textures);
 	if (result == STILB_OK)
-		result = upload_materials(dump, render, textures, materials);
+		result = render_dump_functions_upload(dump, render, functions);
+	if (result == STILB_OK)
+		result = upload_materials(dump, render, textures, functions, materials);
 	if (result == STILB_OK)
 		result = upload_meshes(dump, render, meshes);
 	if (result == STILB_OK) {

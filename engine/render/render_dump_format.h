@@ -1,20 +1,21 @@
 /*
- * The bytes of a frame dump, version 9. Inside render/.
+ * The bytes of a frame dump, version 11. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.
  * Each part is padded with zeros to a multiple of 8 bytes.
  *
  *   part       bytes each  how many              contents
- *   header            144  1                     render_dump_header
- *   views             160  header.views, 1..64   render_dump_view
+ *   header            152  1                     render_dump_header
+ *   views             168  header.views, 1..64   render_dump_view
  *   lights             96  header.lights         render_dump_light, of view 0, then of view 1, ...
  *   passes             88  header.passes, 1..64  render_dump_pass, in the order of the pass table
  *   targets            88  header.targets, 0..64 render_dump_target
  *   textures           16  header.textures       render_dump_texture, ids ascending, 1..4095
  *   materials          64  header.materials      render_dump_material, ids ascending, 0..2^24 - 1
- *   surfaces          256  header.surfaces       render_dump_surface, of the first material that has one, then of the
+ *   surfaces          760  header.surfaces       render_dump_surface, of the first material that has one, then of the
  *                                                next, ...
+ *   functions         184  header.functions      render_dump_function, in the order in which surfaces name them first
  *   meshes             24  header.meshes         render_dump_mesh, ids ascending, 0..2^20 - 1
  *   levels             16  header.levels         render_dump_level, of mesh 0, then of mesh 1, ...
  *   segments            4  header.segments       number of draws of each segment; of pass 0, then of pass 1, ...
@@ -25,7 +26,9 @@
  *   extras             24  header.extras         render_extra, of the vertices of the first mesh that has some, ...
  *   indices             4  header.indices        of mesh 0, of its levels, of its clusters' coarser versions, then of
  *                                                mesh 1, ...; below the number of vertices of the mesh or level
- *   pixels              1  header.pixel_bytes    four channels a pixel, top row first; each texture padded to 8 bytes
+ *   pixels              1  header.pixel_bytes    of texture 0, top row first, four channels a pixel, or blocks, then
+ *                                                its other levels; then of texture 1, ...; each padded to 8 bytes
+ *   code                1  header.function_bytes SPIR-V of the functions, one code after the other
  *   backdrops           1  header.backdrop_bytes render_dump_backdrop of view 0, then of view 1, ...; then floats: the
  *                                                panorama, which all views with one share, top row first; of view 0 the
  *                                                map and the floor, then of view 1, ...; padded to 8 bytes together.
@@ -38,12 +41,13 @@
 #ifndef STILB_RENDER_DUMP_FORMAT_H
 #define STILB_RENDER_DUMP_FORMAT_H
 
+#include "render/maps/render_functions.h"
 #include "render/render_dump.h"
 #include "render/render_resources.h"
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 10u
+#define RENDER_DUMP_VERSION 11u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -58,8 +62,8 @@ typedef struct render_dump_header {
 	uint64_t draws, vertices, indices, pixel_bytes;
 	uint32_t lights, backdrop_bytes, levels;
 	uint32_t streams; /* render_dump_streams of the vertices' table */
-	uint32_t targets, unused;
-	uint64_t surfaces, extras;
+	uint32_t targets, functions;
+	uint64_t surfaces, extras, function_bytes;
 } render_dump_header;
 
 typedef struct render_dump_view {
@@ -74,6 +78,8 @@ typedef struct render_dump_view {
 	float exposure;                              /* stops, -100..100 */
 	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
 	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
+	float time;                                  /* seconds, for functions of surfaces */
+	uint32_t unused;
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */
@@ -108,7 +114,8 @@ typedef struct render_dump_target {
 
 typedef struct render_dump_texture {
 	uint32_t id, width, height;
-	uint32_t format; /* stilb_image_format, but U16_SRGB: 0, 1, 2, 4 or 5 */
+	uint32_t format;         /* stilb_image_format, but U16_SRGB */
+	uint32_t levels, unused; /* mip levels that its picture had, 1 or more; further ones are made of the last */
 } render_dump_texture;
 
 typedef struct render_dump_material {
@@ -127,7 +134,17 @@ typedef struct render_dump_surface {
 	uint32_t textures[RENDER_MAPS]; /* 0: none, else 1 + its position in the table of textures */
 	uint8_t samplers[RENDER_MAPS];  /* below RENDER_MAPS_SAMPLERS */
 	uint8_t unused[1];
+	uint32_t function; /* 0: none, else 1 + its position in the table of functions */
+	float parameters[STILB_SCENE_PARAMETERS][4];
+	uint32_t also_unused;
 } render_dump_surface;
+
+/* A stilb_scene_function. */
+typedef struct render_dump_function {
+	char name[STILB_SCENE_FUNCTION_NAME + 1]; /* padded with zeros */
+	uint64_t shaders;
+	uint32_t bytes[STILB_SCENE_FUNCTION_CODES]; /* of its codes */
+} render_dump_function;
 
 typedef struct render_dump_mesh {
 	uint32_t id, vertices, indices; /* of the mesh itself */
@@ -179,14 +196,14 @@ static inline uint32_t render_dump_draw_level(const render_dump_draw *draw)
 	return draw->mesh >> 20 & 63u;
 }
 
-static_assert(sizeof(render_dump_header) == 144 && sizeof(render_dump_view) == 160 && sizeof(render_dump_light) == 96 &&
+static_assert(sizeof(render_dump_header) == 152 && sizeof(render_dump_view) == 168 && sizeof(render_dump_light) == 96 &&
                   sizeof(render_dump_pass) == 88 && sizeof(render_dump_target) == 88 &&
-                  sizeof(render_dump_texture) == 16 && sizeof(render_dump_material) == 64 &&
+                  sizeof(render_dump_texture) == 24 && sizeof(render_dump_material) == 64 &&
                   sizeof(render_dump_mesh) == 24 && sizeof(render_dump_level) == 16 && sizeof(render_dump_draw) == 72 &&
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
-static_assert(sizeof(render_dump_surface) == 688, "no padding");
+static_assert(sizeof(render_dump_surface) == 760 && sizeof(render_dump_function) == 184, "no padding");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,
@@ -197,6 +214,7 @@ typedef enum render_dump_part {
 	RENDER_DUMP_TEXTURES,
 	RENDER_DUMP_MATERIALS,
 	RENDER_DUMP_SURFACES,
+	RENDER_DUMP_FUNCTIONS,
 	RENDER_DUMP_MESHES,
 	RENDER_DUMP_LEVELS,
 	RENDER_DUMP_SEGMENTS,
@@ -205,6 +223,7 @@ typedef enum render_dump_part {
 	RENDER_DUMP_EXTRAS,
 	RENDER_DUMP_INDICES,
 	RENDER_DUMP_PIXELS,
+	RENDER_DUMP_CODE,
 	RENDER_DUMP_BACKDROPS,
 	RENDER_DUMP_CHECKSUM,
 	RENDER_DUMP_PARTS,
@@ -248,6 +267,8 @@ struct stilb_render_dump {
 	const render_dump_texture *textures;
 	const render_dump_material *materials;
 	const render_dump_surface *surfaces;
+	const render_dump_function *functions;
+	const uint8_t *code; /* of the functions */
 	const render_dump_mesh *meshes;
 	const render_dump_level *levels;
 	const uint32_t *segments;
@@ -291,9 +312,11 @@ void render_dump_backdrop_get(const stilb_render_dump *dump, uint32_t view, stil
 /* render_dump_surfaces.c; saving, under the lock of resources: the indices of the textures of a material's maps, 0:
  * none; false: it has no surface. */
 bool render_dump_surface_textures(const render_resources *resources, uint32_t material, uint32_t textures[RENDER_MAPS]);
-/* Writes the surface of a material that has one; places: of textures in the file, by index. */
+/* Index of the function of a material's surface; 0: it has none. */
+uint32_t render_dump_surface_function(const render_resources *resources, uint32_t material);
+/* Writes the surface of a material that has one; places, functions: of textures and functions in the file, by index. */
 void render_dump_surface_put(const render_resources *resources, uint32_t material, const uint32_t *places,
-                             render_dump_surface *out);
+                             const uint16_t *functions, render_dump_surface *out);
 /* Writes the extras of a mesh, if it has some. Returns the end. */
 render_extra *render_dump_extras_put(const render_resources *resources, uint32_t mesh, render_extra *out);
 
@@ -302,8 +325,27 @@ render_extra *render_dump_extras_put(const render_resources *resources, uint32_t
 stilb_result render_dump_check_surfaces(const stilb_render_dump *dump);
 /* How to make the texture at this position of the table: with mips if a surface names it, of the kind that it needs. */
 render_texture_way render_dump_texture_way(const stilb_render_dump *dump, uint32_t texture);
-/* The surface in a renderer whose textures are these, by position. */
-render_maps render_dump_surface_get(const render_dump_surface *from, const stilb_render_texture *textures);
+/* The surface in a renderer whose textures and functions are these, by position. */
+render_maps render_dump_surface_get(const stilb_render *render, const render_dump_surface *from,
+                                    const stilb_render_texture *textures, const uint32_t *functions);
+
+/* render_dump_functions.c: the functions of the materials that are saved. */
+typedef struct render_dump_functions {
+	uint32_t count;
+	uint64_t bytes;                       /* of their code */
+	uint16_t index[RENDER_MAX_FUNCTIONS]; /* [count] */
+	uint16_t place[RENDER_MAX_FUNCTIONS]; /* by index: 1 + the position in `index`; 0: it is not saved */
+} render_dump_functions;
+
+/* Adds that of a material, if it has one that is not there. Under the lock of resources, as the next one. */
+void render_dump_functions_note(const stilb_render *render, uint32_t material, render_dump_functions *functions);
+/* Writes both parts. */
+void render_dump_functions_put(const stilb_render *render, const render_dump_functions *functions,
+                               render_dump_function *out, uint8_t *code);
+/* Checks both parts. STILB_ERROR_FILE; the message is the reason alone. */
+stilb_result render_dump_check_functions(const stilb_render_dump *dump);
+/* Makes them; *indices: [header->functions]. */
+stilb_result render_dump_functions_upload(const stilb_render_dump *dump, stilb_render *render, uint32_t *indices);
 
 /* Checks a file in memory. Takes over bytes, which malloc made, and frees them on error. name is for the message. */
 stilb_result render_dump_read(uint8_t *bytes, size_t size, const char *name, stilb_render_dump **dump);

@@ -39,6 +39,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_TEXTURES] = {header->textures, sizeof(render_dump_texture)},
 		[RENDER_DUMP_MATERIALS] = {header->materials, sizeof(render_dump_material)},
 		[RENDER_DUMP_SURFACES] = {header->surfaces, sizeof(render_dump_surface)},
+		[RENDER_DUMP_FUNCTIONS] = {header->functions, sizeof(render_dump_function)},
 		[RENDER_DUMP_MESHES] = {header->meshes, sizeof(render_dump_mesh)},
 		[RENDER_DUMP_LEVELS] = {header->levels, sizeof(render_dump_level)},
 		[RENDER_DUMP_SEGMENTS] = {header->segments, sizeof(uint32_t)},
@@ -47,6 +48,7 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 		[RENDER_DUMP_EXTRAS] = {header->extras, sizeof(render_extra)},
 		[RENDER_DUMP_INDICES] = {header->indices, sizeof(uint32_t)},
 		[RENDER_DUMP_PIXELS] = {header->pixel_bytes, 1},
+		[RENDER_DUMP_CODE] = {header->function_bytes, 1},
 		[RENDER_DUMP_BACKDROPS] = {header->backdrop_bytes, 1},
 		[RENDER_DUMP_CHECKSUM] = {1, sizeof(uint64_t)},
 	};
@@ -60,18 +62,13 @@ bool render_dump_layout(const render_dump_header *header, uint64_t begin[RENDER_
 	return true;
 }
 
-/* Bytes of a value by stilb_image_format; 0: no texture of a dump has it, as devices take it otherwise. */
-static const uint8_t load_value_bytes[STILB_IMAGE_FORMAT_COUNT] = {
-	[STILB_IMAGE_U8_SRGB] = sizeof(uint8_t),     [STILB_IMAGE_F16_LINEAR] = sizeof(uint16_t),
-	[STILB_IMAGE_F32_LINEAR] = sizeof(float),    [STILB_IMAGE_U8_LINEAR] = sizeof(uint8_t),
-	[STILB_IMAGE_U16_LINEAR] = sizeof(uint16_t),
-};
-
 uint64_t render_dump_pixel_bytes(const render_dump_texture *texture)
 {
-	STILB_ASSERT(texture->format < STILB_IMAGE_FORMAT_COUNT && load_value_bytes[texture->format] > 0);
+	STILB_ASSERT(texture->format < STILB_IMAGE_FORMAT_COUNT);
 	STILB_ASSERT(texture->width <= 16384 && texture->height <= 16384);
-	return (uint64_t)texture->width * texture->height * 4 * load_value_bytes[texture->format];
+	render_array_kind kind = {texture->width, texture->height,
+	                          render_texture_format((stilb_image_format)texture->format), texture->levels};
+	return render_array_layer(&kind);
 }
 
 /* ---- the file as a whole ----------------------------------------------------------------------------------------- */
@@ -170,9 +167,8 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 		return load_refuse(name, "header: %u views; there are 1..%u", h->views, RENDER_DUMP_MAX_VIEWS);
 	if (h->passes < 1 || h->passes > STILB_RENDER_MAX_PASSES)
 		return load_refuse(name, "header: %u passes; there are 1..%u", h->passes, STILB_RENDER_MAX_PASSES);
-	if (h->targets > STILB_RENDER_MAX_PASSES || h->unused != 0)
-		return load_refuse(name, "header: %u targets, flags %u; there are 0..%u, no flags", h->targets, h->unused,
-		                   STILB_RENDER_MAX_PASSES);
+	if (h->targets > STILB_RENDER_MAX_PASSES)
+		return load_refuse(name, "header: %u targets; there are 0..%u", h->targets, STILB_RENDER_MAX_PASSES);
 	if (h->backdrop_bytes % 8 != 0)
 		return load_refuse(name, "header: %u bytes of backgrounds, not a multiple of 8", h->backdrop_bytes);
 	if (h->streams != render_dump_streams(&stilb_scene_vertex_streams))
@@ -202,6 +198,8 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",
 			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->both_sides);
+		if (!isfinite(view->time) || view->unused != 0)
+			return load_refuse(name, "view %u: its time is not finite, or its unused bytes are not zero", v);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)
@@ -336,11 +334,15 @@ static stilb_result load_check_textures(const stilb_render_dump *dump, const cha
 		if (result != STILB_OK)
 			return result;
 		if (texture->width < 1 || texture->width > 16384 || texture->height < 1 || texture->height > 16384 ||
-		    texture->format >= STILB_IMAGE_FORMAT_COUNT || load_value_bytes[texture->format] == 0)
+		    texture->format >= STILB_IMAGE_FORMAT_COUNT || texture->format == STILB_IMAGE_U16_SRGB)
 			return load_refuse(name,
-			                   "texture %u: %ux%u pixels of format %u; a side has 1..16384, and formats are 0, 1, 2, 4 "
-			                   "and 5",
-			                   t, texture->width, texture->height, texture->format);
+			                   "texture %u: %ux%u pixels of format %u; a side has 1..16384, and formats are 0 to %d "
+			                   "without 3",
+			                   t, texture->width, texture->height, texture->format, STILB_IMAGE_FORMAT_COUNT - 1);
+		uint32_t most = render_mip_count(texture->width, texture->height);
+		if (texture->levels < 1 || texture->levels > most || texture->unused != 0)
+			return load_refuse(name, "texture %u: %u mip levels (and %u); %ux%u pixels have 1 to %u", t,
+			                   texture->levels, texture->unused, texture->width, texture->height, most);
 		uint64_t used = render_dump_pixel_bytes(texture), filled = render_dump_fill(used);
 		if (filled > bytes - at)
 			return load_refuse(name, "texture %u: its pixels go beyond all %" PRIu64 " bytes of pixels", t, bytes);
@@ -518,7 +520,7 @@ static stilb_result load_check_backdrops(const stilb_render_dump *dump, const ch
 static stilb_result load_check_surfaces(const stilb_render_dump *dump, const char *name)
 {
 	char reason[256];
-	if (render_dump_check_surfaces(dump) == STILB_OK)
+	if (render_dump_check_functions(dump) == STILB_OK && render_dump_check_surfaces(dump) == STILB_OK)
 		return STILB_OK;
 	snprintf(reason, sizeof reason, "%s", stilb_error_message());
 	return load_refuse(name, "%s", reason);
@@ -536,6 +538,8 @@ static void load_find_parts(stilb_render_dump *dump)
 	dump->textures = (const render_dump_texture *)(dump->bytes + begin[RENDER_DUMP_TEXTURES]);
 	dump->materials = (const render_dump_material *)(dump->bytes + begin[RENDER_DUMP_MATERIALS]);
 	dump->surfaces = (const render_dump_surface *)(dump->bytes + begin[RENDER_DUMP_SURFACES]);
+	dump->functions = (const render_dump_function *)(dump->bytes + begin[RENDER_DUMP_FUNCTIONS]);
+	dump->code = dump->bytes + begin[RENDER_DUMP_CODE];
 	dump->extras = (const render_extra *)(dump->bytes + begin[RENDER_DUMP_EXTRAS]);
 	dump->meshes = (const render_dump_mesh *)(dump->bytes + begin[RENDER_DUMP_MESHES]);
 	dump->levels = (const render_dump_level *)(dump->bytes + begin[RENDER_DUMP_LEVELS]);

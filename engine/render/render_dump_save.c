@@ -31,6 +31,7 @@ typedef struct save_job {
 	uint64_t begin[RENDER_DUMP_PARTS + 1];
 	uint8_t *bytes;
 	save_table meshes, materials, textures;
+	render_dump_functions functions;
 	render_dump_backdrop backdrops[RENDER_DUMP_MAX_VIEWS];     /* [header.views] */
 	const stilb_render_target *targets[RENDER_DUMP_MAX_VIEWS]; /* [header.targets] of the views */
 } save_job;
@@ -173,6 +174,7 @@ static stilb_result save_order_used(save_job *job)
 	for (uint32_t m = 0; m < job->materials.count && result == STILB_OK; m++) {
 		uint32_t material = job->materials.indices[m], texture = save_texture_of(job, material), maps[RENDER_MAPS];
 		job->header.surfaces += render_dump_surface_textures(&job->render->resources, material, maps);
+		render_dump_functions_note(job->render, material, &job->functions);
 		if (texture != 0)
 			job->textures.place[texture] = 0;
 		for (uint32_t i = 0; i < RENDER_MAPS; i++)
@@ -202,9 +204,13 @@ static render_dump_texture save_texture(const save_job *job, uint32_t place)
 	STILB_ASSERT_LOCKED(&job->render->resources.lock);
 	STILB_ASSERT(place < job->textures.count);
 	uint32_t id = job->textures.indices[place];
-	const stilb_image *pictures = job->render->resources.pictures;
-	stilb_image image = pictures ? pictures[id] : (stilb_image){0};
-	return (render_dump_texture){.id = id, .width = image.width, .height = image.height, .format = image.format};
+	const render_pixels *pictures = job->render->resources.pictures;
+	render_pixels pixels = pictures ? pictures[id] : (render_pixels){0};
+	return (render_dump_texture){.id = id,
+	                             .width = pixels.image.width,
+	                             .height = pixels.image.height,
+	                             .format = pixels.image.format,
+	                             .levels = pixels.given};
 }
 
 /* How many indices the coarser versions of a mesh's clusters have. */
@@ -221,6 +227,8 @@ static stilb_result save_size(save_job *job)
 	header->meshes = job->meshes.count;
 	header->materials = job->materials.count;
 	header->textures = job->textures.count;
+	header->functions = job->functions.count;
+	header->function_bytes = job->functions.bytes;
 	for (uint32_t v = 0; v < header->views; v++)
 		header->lights += job->views[v].light_count;
 	for (uint32_t p = 0; p < header->passes; p++)
@@ -305,6 +313,7 @@ static void save_put_views(const save_job *job)
 		out->exposure = view->exposure;
 		out->tone = view->tone;
 		out->dither = view->dither;
+		out->time = view->time;
 		uint32_t target = view->target ? save_target(job, view->target) : job->header.targets;
 		out->target = target < job->header.targets ? 1 + target : 0;
 		save_put_shading(out, &view->shading);
@@ -378,7 +387,11 @@ static void save_put_textures(const save_job *job)
 	for (uint32_t t = 0; t < job->header.textures; t++, out++) {
 		*out = save_texture(job, t);
 		uint64_t bytes = render_dump_pixel_bytes(out);
-		memcpy(pixels, job->render->resources.pictures[out->id].pixels, bytes);
+		const render_pixels *from = &job->render->resources.pictures[out->id];
+		size_t first = stilb_image_size(&from->image);
+		memcpy(pixels, from->image.pixels, first);
+		if (bytes > first)
+			memcpy(pixels + first, from->mips, bytes - first);
 		pixels += render_dump_fill(bytes);
 	}
 }
@@ -389,11 +402,14 @@ static void save_put_materials(const save_job *job)
 	const render_material *heap = (const render_material *)job->render->resources.heaps[RENDER_HEAP_MATERIALS].data;
 	render_dump_material *out = save_part(job, RENDER_DUMP_MATERIALS);
 	render_dump_surface *surfaces = save_part(job, RENDER_DUMP_SURFACES);
+	render_dump_functions_put(job->render, &job->functions, save_part(job, RENDER_DUMP_FUNCTIONS),
+	                          save_part(job, RENDER_DUMP_CODE));
 	uint32_t made = 0;
 	for (uint32_t m = 0; m < job->header.materials; m++, out++) {
 		uint32_t index = job->materials.indices[m], texture = save_texture_of(job, index);
 		if (job->render->resources.materials[index] & RENDER_STATE_MAPS) {
-			render_dump_surface_put(&job->render->resources, index, job->textures.place, &surfaces[made]);
+			render_dump_surface_put(&job->render->resources, index, job->textures.place, job->functions.place,
+			                        &surfaces[made]);
 			out->surface = ++made;
 		}
 		out->id = heap[index].name;

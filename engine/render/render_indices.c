@@ -1,4 +1,4 @@
-/* Indices of tables, the list of what waits to be released, and the mips of uploads. See render_resources.h. */
+/* Indices of tables, and the list of what waits to be released. See render_resources.h. */
 #include "render/render_internal.h"
 
 bool render_index_take(render_indices *indices, uint32_t *index)
@@ -29,23 +29,4 @@ void render_resource_retire(render_resources *resources, render_resource_kind ki
 	STILB_ASSERT(resources->retired_count < resources->live && resources->live <= resources->retired_capacity);
 	resources->retired[resources->retired_count++] = (render_retired){resources->frame, kind, index};
 	resources->retired_now += kind != RENDER_RESOURCE_MATERIAL;
-}
-
-render_upload_mip render_upload_first(const render_texture_upload *upload)
-{
-	return (render_upload_mip){.image = upload->image, .row = stilb_image_size(&upload->image) / upload->image.height};
-}
-
-bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip)
-{
-	stilb_image *image = &mip->image;
-	if (!upload->mips || (image->width == 1 && image->height == 1))
-		return false;
-	mip->first_row += image->height;
-	image->pixels = mip->mip == 0 ? upload->mips : (uint8_t *)image->pixels + stilb_image_size(image);
-	image->width = image->width > 1 ? image->width / 2 : 1;
-	image->height = image->height > 1 ? image->height / 2 : 1;
-	mip->row = stilb_image_size(image) / image->height;
-	mip->mip++;
-	return true;
 }

@@ -9,6 +9,7 @@
 #include "gpu/gpu_internal.h"
 #include "profiler/prof.h"
 #include "render/device/render_device.h"
+#include "render/maps/render_functions.h"
 #include "render/render.h"
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
@@ -359,10 +360,6 @@ typedef struct render_stream {
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
 } render_stream;
 
-/* The error of an image that is larger than the device's largest texture of its format, width x height. */
-stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
-                                      const stilb_image *image);
-
 /* How a stream is replayed on this device. 2D passes have too few draws to gain from secondary command buffers. */
 static inline stilb_render_replay_mode render_stream_mode(const render_device *device, const render_stream *stream)
 {
@@ -382,7 +379,7 @@ typedef enum render_frame_state {
 /* A texture, with what tells whether another image fits into it. */
 typedef struct render_scene_texture {
 	stilb_render_texture texture;
-	uint32_t width, height;
+	uint32_t width, height, levels; /* of its picture */
 	stilb_image_format format;
 	bool mapped, mips;         /* a surface has named it; so it was made with mips */
 	bool as_normals, as_other; /* a surface has named it as a map of normals; as another map */
@@ -390,14 +387,21 @@ typedef struct render_scene_texture {
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
+/* A function of the scene. */
+typedef struct render_scene_function_entry {
+	uint32_t index; /* of render_functions.h; 0: there is none, or the device did not take it */
+	uint64_t hash;  /* render_function_hash of what the scene has; 0: nothing */
+} render_scene_function_entry;
+
 /* Handles of the resources of the scene that was set, by id in the scene; {0}: there is none with this id. */
 typedef struct render_scene {
-	bool refused;                     /* an image of a texture */
-	stilb_render_mesh *meshes;        /* [mesh_count] */
-	stilb_render_material *materials; /* [material_count] */
-	render_scene_texture *textures;   /* [texture_count] */
-	uint32_t mesh_count, material_count, texture_count;
-	uint32_t mesh_capacity, material_capacity, texture_capacity;
+	bool refused;                           /* an image of a texture */
+	stilb_render_mesh *meshes;              /* [mesh_count] */
+	stilb_render_material *materials;       /* [material_count] */
+	render_scene_texture *textures;         /* [texture_count] */
+	render_scene_function_entry *functions; /* [function_count] */
+	uint32_t mesh_count, material_count, texture_count, function_count;
+	uint32_t mesh_capacity, material_capacity, texture_capacity, function_capacity;
 	stilb_render_impostor *impostors; /* [impostor_count] */
 	uint32_t impostor_count, impostor_capacity;
 	uint64_t impostors_removed; /* stilb_scene.impostors_removed of these */
@@ -422,6 +426,7 @@ stilb_result render_scene_check_parts(const stilb_scene *scene, const render_sce
 /* Makes a texture that is not drawn before render_resources_hurry. */
 stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
                                           uint32_t id);
+stilb_result render_scene_function(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 /* Creates the scene's impostors that are new, after destroying all if they were removed. Their names, which the stream
  * hash and dumps have, come behind those of meshes and materials, whose number may have changed. */

@@ -38,17 +38,13 @@ static uint64_t prepare_mesh_bytes(const stilb_render *render, const stilb_scene
 	return mesh->vertex_count * vertex + indices * index;
 }
 
-/* As the device takes it, with four channels, and with mips if there shall be some. */
-static uint64_t prepare_texture_bytes(const stilb_image *image, bool mips)
+/* As the device takes it, with mips if there shall be some. */
+static uint64_t prepare_texture_bytes(const stilb_render *render, const stilb_image *image, bool mapped)
 {
-	static const uint8_t texels[STILB_IMAGE_FORMAT_COUNT] = {
-		[STILB_IMAGE_U8_SRGB] = 4,    [STILB_IMAGE_F16_LINEAR] = 8, [STILB_IMAGE_F32_LINEAR] = 16,
-		[STILB_IMAGE_U16_SRGB] = 8,   [STILB_IMAGE_U8_LINEAR] = 4,  [STILB_IMAGE_U16_LINEAR] = 8,
-		[STILB_IMAGE_BC1_SRGB] = 4,   [STILB_IMAGE_BC1_LINEAR] = 4, [STILB_IMAGE_BC3_SRGB] = 4,
-		[STILB_IMAGE_BC3_LINEAR] = 4, [STILB_IMAGE_BC4_LINEAR] = 8, [STILB_IMAGE_BC5_LINEAR] = 8,
-		[STILB_IMAGE_BC7_SRGB] = 4,   [STILB_IMAGE_BC7_LINEAR] = 4};
-	uint64_t bytes = image->pixels ? (uint64_t)image->width * image->height * texels[image->format] : 0;
-	return mips ? bytes + bytes / 3 : bytes;
+	if (!image->pixels)
+		return 0;
+	render_texture_shape shape = render_texture_shape_of(render->device, image, mapped);
+	return render_texture_shape_bytes(&shape);
 }
 
 /* Bytes of the whole scene, and what it adds to the heaps. Its textures are marked. */
@@ -66,7 +62,7 @@ static uint64_t prepare_count(const prepare *p, uint32_t more[RENDER_HEAPS])
 		counts[RENDER_HEAP_EXTRA_PLACES] = counts[RENDER_HEAP_EXTRAS] > 0 ? i + 1 : 0;
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
-		bytes += prepare_texture_bytes(&scene->textures[i], p->tables->textures[i].mapped);
+		bytes += prepare_texture_bytes(p->render, &scene->textures[i], p->tables->textures[i].mapped);
 	counts[RENDER_HEAP_MATERIALS] = scene->material_count;
 	for (uint32_t i = 0; i < scene->material_count; i++)
 		counts[RENDER_HEAP_MAPS] += scene->materials[i].surface > 0;
@@ -106,10 +102,12 @@ static stilb_result prepare_fill(prepare *p)
 		result = render_scene_check_parts(scene, p->tables);
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
 		result = render_scene_texture_patient(p->render, p->tables, scene, i);
-		p->made += prepare_texture_bytes(&scene->textures[i], p->tables->textures[i].mapped);
+		p->made += prepare_texture_bytes(p->render, &scene->textures[i], p->tables->textures[i].mapped);
 		if (result == STILB_OK)
 			result = prepare_wait(p, PREPARE_PENDING);
 	}
+	for (uint32_t i = 0; i < scene->function_count && result == STILB_OK; i++)
+		result = render_scene_function(p->render, p->tables, scene, i);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(p->render, p->tables, scene, i);
 	p->made += scene->material_count * sizeof(render_material);
@@ -170,7 +168,7 @@ void stilb_render_drop_scene(stilb_render *render, stilb_render_prepared *prepar
 #define PREPARE_LAMPS 3u
 
 /* Adds a kind of maps to the list unless it is there. False: no memory. */
-static bool prepare_know(render_known_maps *known, uint32_t bits)
+static bool prepare_know(render_known_maps *known, uint64_t bits)
 {
 	for (uint32_t k = 0; k < known->count; k++)
 		if (known->bits[k] == bits)

@@ -1,5 +1,5 @@
-/* Meshes, textures and materials: their handles, the arrays they lie in, and what is still to be copied to the device.
- * See render_resources.h. */
+/* Meshes and materials: their handles, the arrays they lie in, and what is still to be copied to the device. See
+ * render_resources.h, and render_textures.h for textures. */
 #include "render/render_internal.h"
 
 #include <stdlib.h>
@@ -133,33 +133,19 @@ static void heap_give_back(render_heap *heap, uint32_t first, uint32_t count)
 	render_ranges_add(&heap->free, (render_range){first, count}); /* cannot fail: see heap_add */
 }
 
-/* ---- generations ------------------------------------------------------------------------------------------------- */
+/* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-/* The generation after this one: 1..255 and then 1 again, because 0 marks an entry that was never used. */
-static uint32_t generation_after(uint32_t generation)
-{
-	return generation < 255 ? generation + 1 : 1;
-}
-
-static uint32_t handle_make(uint32_t generation, uint32_t index)
-{
-	STILB_ASSERT(generation >= 1 && generation <= 255 && index <= RENDER_INDEX_MASK);
-	return generation << RENDER_GENERATION_SHIFT | index;
-}
-
-/* Makes space in the list of retired resources for `more` resources more than there are, so that destroying them cannot
- * fail. False: no memory. */
-static bool resource_reserve(render_resources *resources, uint32_t more)
+bool render_resource_reserve(render_resources *resources, uint32_t more)
 {
 	STILB_ASSERT_LOCKED(&resources->lock);
 	return render_reserve((void **)&resources->retired, &resources->retired_capacity, resources->live + more,
 	                      sizeof *resources->retired);
 }
 
-static stilb_result resource_no_memory(const render_resources *resources, render_resource_kind kind)
+stilb_result render_resource_no_memory(const render_resources *resources, render_resource_kind kind)
 {
-	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh",    "texture", "material",
-	                                                         "surface", "surface", "surface"};
+	static const char *const names[RENDER_RESOURCE_KINDS] = {"mesh",    "texture", "material",        "surface",
+	                                                         "surface", "surface", "surface function"};
 	STILB_ASSERT_LOCKED(&resources->lock);
 	const render_indices *indices = &resources->indices[kind];
 	uint32_t most = indices->capacity - (kind == RENDER_RESOURCE_TEXTURE); /* index 0 is no texture */
@@ -207,7 +193,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	                [RENDER_RESOURCE_MATERIAL] = {.capacity = STILB_RENDER_MAX_MATERIALS},
 	                [RENDER_RESOURCE_MAPS] = {.capacity = RENDER_MAX_MAPS},
 	                [RENDER_RESOURCE_GROUP] = {.capacity = RENDER_MAX_MAPS},
-	                [RENDER_RESOURCE_CLASS] = {.capacity = RENDER_MAX_MAPS}},
+	                [RENDER_RESOURCE_CLASS] = {.capacity = RENDER_MAX_MAPS},
+	                [RENDER_RESOURCE_FUNCTION] = {.next_unused = 1, .capacity = RENDER_MAX_FUNCTIONS}}, /* 0: none */
 		.heaps = {[RENDER_HEAP_VERTICES] = {.element = layout.size},
 	              [RENDER_HEAP_INDICES] = {.element = sizeof(uint32_t)},
 	              [RENDER_HEAP_INDICES_16] = {.element = sizeof(uint16_t)},
@@ -232,44 +219,6 @@ static void table_free(void *table, size_t size)
 		munmap(table, size);
 }
 
-/* What has yet to be copied: rows upload->rows .. count - 1. *bytes: of it, at most `most`; returns the row with which
- * those end. */
-static uint32_t upload_rows(const render_texture_upload *upload, uint64_t most, uint64_t *bytes)
-{
-	render_upload_mip mip = render_upload_first(upload);
-	uint32_t end = upload->rows;
-	*bytes = 0;
-	do {
-		uint32_t last = mip.first_row + mip.image.height;
-		if (last <= end)
-			continue;
-		uint64_t rows = (most - *bytes) / mip.row;
-		rows = rows < last - end ? rows : last - end;
-		*bytes += rows * mip.row;
-		end += (uint32_t)rows;
-		if (end < last)
-			break;
-	} while (render_upload_next(upload, &mip));
-	return end;
-}
-
-static render_texture_upload upload_make(uint32_t texture, stilb_image image, void *mips, bool patient)
-{
-	render_texture_upload upload = {.texture = texture, .image = image, .mips = mips, .patient = patient};
-	render_upload_mip mip = render_upload_first(&upload);
-	do
-		upload.count = mip.first_row + mip.image.height;
-	while (render_upload_next(&upload, &mip));
-	return upload;
-}
-
-static void upload_finish(render_texture_upload *upload)
-{
-	stilb_image_finish(&upload->image);
-	free(upload->mips);
-	upload->mips = NULL;
-}
-
 void render_resources_destroy(render_resources *resources)
 {
 	for (uint32_t m = 0; resources->levels && m < resources->indices[RENDER_RESOURCE_MESH].next_unused; m++)
@@ -291,24 +240,15 @@ void render_resources_destroy(render_resources *resources)
 	for (int k = 0; k < RENDER_RESOURCE_KINDS; k++)
 		free(resources->indices[k].free);
 	for (uint32_t u = 0; u < resources->upload_count; u++)
-		upload_finish(&resources->uploads[u]);
+		render_upload_finish(&resources->uploads[u]);
 	free(resources->uploads);
 	for (uint32_t t = 0; resources->pictures && t < resources->indices[RENDER_RESOURCE_TEXTURE].next_unused; t++)
-		stilb_image_finish(&resources->pictures[t]);
+		render_pixels_finish(&resources->pictures[t]);
 	free(resources->pictures);
 	free(resources->retired);
 	if (resources->lock_made)
 		stilb_lock_finish(&resources->lock);
 	*resources = (render_resources){0};
-}
-
-/* True for a handle that texture_create returned and that is not destroyed. */
-static bool texture_is_valid(const render_resources *resources, uint32_t handle)
-{
-	uint32_t index = handle & RENDER_INDEX_MASK;
-	STILB_ASSERT_LOCKED(&resources->lock);
-	return index > 0 && index < STILB_RENDER_MAX_TEXTURES && handle >> RENDER_GENERATION_SHIFT &&
-	       resources->textures[index] == handle >> RENDER_GENERATION_SHIFT;
 }
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
@@ -475,7 +415,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 	uint32_t index;
 	render_level full;
 	mesh_ranges extras;
-	if (!resource_reserve(resources, 1) || !render_index_take(ids, &index))
+	if (!render_resource_reserve(resources, 1) || !render_index_take(ids, &index))
 		return false;
 	if (!mesh_take_extras(resources, mesh, index, &extras)) {
 		render_index_give_back(ids, index);
@@ -504,7 +444,7 @@ static bool mesh_add(render_resources *resources, const stilb_scene_mesh *mesh, 
 			(data ? RENDER_MESH_LEVELS : 0) | (wide ? RENDER_MESH_WIDE : 0) | (mesh->extras ? RENDER_MESH_EXTRAS : 0),
 	};
 	resources->live++;
-	*handle = handle_make(slot->generation, index);
+	*handle = render_handle_make(slot->generation, index);
 	return true;
 }
 
@@ -530,7 +470,7 @@ stilb_result stilb_render_mesh_create(stilb_render *render, const stilb_scene_me
 	stilb_lock_take(&resources->lock);
 	if (!mesh_add(resources, mesh, data.levels ? &data : NULL, extras, &out->id)) {
 		render_levels_free(data.levels);
-		result = resource_no_memory(resources, RENDER_RESOURCE_MESH);
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_MESH);
 	}
 	stilb_lock_give(&resources->lock);
 	render_levels_finish(&data, mesh);
@@ -546,7 +486,7 @@ void render_mesh_name(stilb_render *render, stilb_render_mesh mesh, uint32_t nam
 }
 
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
-                               const stilb_scene_vertex *vertices)
+                               const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras)
 {
 	render_resources *resources = &render->resources;
 	render_mesh_slot *slot = &resources->meshes[mesh.id & RENDER_INDEX_MASK];
@@ -560,6 +500,12 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	if (listed) {
 		heap_copy_vertices(resources, range.first, vertices, count, false);
 		slot->flags &= ~RENDER_MESH_CENTER;
+	}
+	if (listed && extras && slot->flags & RENDER_MESH_EXTRAS) {
+		render_heap *own = &resources->heaps[RENDER_HEAP_EXTRAS];
+		range.first = mesh_extras(resources, mesh.id & RENDER_INDEX_MASK).first + first;
+		listed = render_ranges_add(&own->dirty, range);
+		render_extras_pack(extras, count, (render_extra *)(void *)(own->data + (size_t)range.first * own->element));
 	}
 	stilb_lock_give(&resources->lock);
 	return listed ? STILB_OK : stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed vertices");
@@ -594,243 +540,43 @@ const float *render_mesh_center(render_resources *resources, uint32_t index)
 	return center;
 }
 
-/* ---- textures ---------------------------------------------------------------------------------------------------- */
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
 
-/* 16-bit codes of sRGB as halves of light, `to` of the same size and channels: no GPU has such codes. A half's step is
- * finer than a quarter of an 8-bit code's. */
-static stilb_result texture_codes_to_halves(const stilb_image *from, stilb_image *to)
-{
-	size_t row = (size_t)from->width * from->channels;
-	float *light = stilb_memory_alloc(row, sizeof *light);
-	stilb_result result = stilb_image_create(to, from->width, from->height, from->channels, STILB_IMAGE_F16_LINEAR);
-	if (result == STILB_OK && !light) {
-		stilb_image_finish(to);
-		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
-	}
-	uint16_t *halves = to->pixels;
-	for (uint32_t y = 0; y < from->height && result == STILB_OK; y++) {
-		stilb_image_row_to_light(from, y, light);
-		for (size_t i = 0; i < row; i++)
-			*halves++ = stilb_image_half_from_float(light[i]);
-	}
-	free(light);
-	return result;
-}
-
-/* Writes pixels of four channels; one: the value of alpha where there is none. Compiled for each `channels`, 1 to 3,
- * and `size`, the bytes of a channel. */
-__attribute__((always_inline)) static inline void texture_widen_to(const uint8_t *in, size_t pixels, uint32_t channels,
-                                                                   size_t size, const void *one, uint8_t *out)
-{
-	for (size_t p = 0; p < pixels; p++, in += channels * size, out += 4 * size) {
-		for (uint32_t c = 0; c < 3; c++)
-			memcpy(out + c * size, in + (channels == 3 ? c * size : 0), size);
-		memcpy(out + 3 * size, channels == 2 ? in + size : one, size);
-	}
-}
-
-__attribute__((always_inline)) static inline void texture_widen_size(const stilb_image *from, size_t size,
-                                                                     const void *one, uint8_t *out)
-{
-	size_t pixels = (size_t)from->width * from->height;
-	if (from->channels == 1)
-		texture_widen_to(from->pixels, pixels, 1, size, one, out);
-	else if (from->channels == 2)
-		texture_widen_to(from->pixels, pixels, 2, size, one, out);
-	else
-		texture_widen_to(from->pixels, pixels, 3, size, one, out);
-}
-
-/* A copy of the picture with four channels: grey becomes three equal channels, and a missing alpha becomes 1. */
-static stilb_result texture_widen(const stilb_image *from, stilb_image *to)
-{
-	static const uint8_t one_u8 = 255;
-	static const uint16_t one_f16 = 0x3c00, one_u16 = 65535;
-	static const float one_f32 = 1.0f;
-	static const void *const ones[] = {&one_u8, &one_f16, &one_f32, &one_u16, &one_u8, &one_u16};
-	STILB_ASSERT((size_t)from->format < sizeof ones / sizeof *ones && "no blocks");
-	stilb_result result = stilb_image_create(to, from->width, from->height, 4, from->format);
-	if (result != STILB_OK)
-		return result;
-	if (from->channels == 4) {
-		memcpy(to->pixels, from->pixels, stilb_image_size(from));
-		return STILB_OK;
-	}
-	size_t size = stilb_image_size(to) / to->width / to->height / 4;
-	if (size == 1)
-		texture_widen_size(from, 1, ones[from->format], to->pixels);
-	else if (size == 2)
-		texture_widen_size(from, 2, ones[from->format], to->pixels);
-	else
-		texture_widen_size(from, 4, ones[from->format], to->pixels);
-	return STILB_OK;
-}
-
-/* A copy of the picture as the device takes it: texture_widen, no U16_SRGB, and no blocks. */
-static stilb_result texture_convert(const stilb_image *from, stilb_image *to)
-{
-	bool blocks = stilb_image_format_is_blocks(from->format);
-	if (from->format != STILB_IMAGE_U16_SRGB && !blocks)
-		return texture_widen(from, to);
-	stilb_image texels;
-	stilb_result result = blocks ? stilb_image_decode(from, &texels) : texture_codes_to_halves(from, &texels);
-	if (result != STILB_OK)
-		return result;
-	if (texels.channels == 4) {
-		*to = texels;
-		return STILB_OK;
-	}
-	result = texture_widen(&texels, to);
-	stilb_image_finish(&texels);
-	return result;
-}
-
-/* A texture's pixels as the device takes them. */
-typedef struct texture_pixels {
-	stilb_image image;
-	void *mips; /* NULL: none */
-} texture_pixels;
-
-static void texture_pixels_finish(texture_pixels *pixels)
-{
-	stilb_image_finish(&pixels->image);
-	free(pixels->mips);
-}
-
-static stilb_result texture_pixels_make(const stilb_render *render, const stilb_image *image, render_texture_way way,
-                                        texture_pixels *pixels)
-{
-	size_t bytes = 0;
-	*pixels = (texture_pixels){0};
-	stilb_result result = texture_convert(image, &pixels->image);
-	if (result != STILB_OK || !way.mips)
-		return result;
-	render_mips_desc desc = {&pixels->image, way.kind, render->specular_aa, way.pool};
-	render_mips_prepare(&pixels->image, way.kind);
-	pixels->mips = render_mips_make(&desc, &bytes);
-	if (pixels->mips || bytes == 0)
-		return STILB_OK;
-	texture_pixels_finish(pixels);
-	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the mips of a texture of %ux%u pixels", image->width,
-	                  image->height);
-}
-
-/* Takes an index and queues the pixels. False: no memory or no id; then nothing has changed. */
-static bool texture_add(render_resources *resources, texture_pixels pixels, bool patient, uint32_t *index)
-{
-	if (!resource_reserve(resources, 1) ||
-	    !render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
-	                    sizeof *resources->uploads) ||
-	    !render_index_take(&resources->indices[RENDER_RESOURCE_TEXTURE], index))
-		return false;
-	resources->live++;
-	uint32_t *generation = &resources->textures[*index];
-	*generation = *generation ? *generation : 1;
-	resources->uploads[resources->upload_count++] = upload_make(*index, pixels.image, pixels.mips, patient);
-	return true;
-}
-
-/* Undoes the last texture_add; the lock was held since. */
-static void texture_drop(render_resources *resources, uint32_t index)
-{
-	STILB_ASSERT(resources->upload_count > 0 && resources->uploads[resources->upload_count - 1].texture == index);
-	render_index_give_back(&resources->indices[RENDER_RESOURCE_TEXTURE], index);
-	resources->upload_count--;
-	resources->live--;
-}
-
-/* The pixels that are queued for a texture, or NULL. */
-static render_texture_upload *texture_queued(render_resources *resources, uint32_t index)
-{
-	STILB_ASSERT_LOCKED(&resources->lock);
-	for (uint32_t u = 0; u < resources->upload_count; u++)
-		if (resources->uploads[u].texture == index)
-			return &resources->uploads[u];
-	return NULL;
-}
-
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
-                                  render_mips_kind kind)
+stilb_result render_function_create(stilb_render *render, const stilb_scene_function *from, uint32_t *index)
 {
 	render_resources *resources = &render->resources;
-	uint32_t index = texture.id & RENDER_INDEX_MASK;
-	texture_pixels pixels;
-	render_texture_way way = {.mips = render->device->textures[index].mips > 1, .kind = kind, .pool = render->pool};
-	stilb_result result = texture_pixels_make(render, image, way, &pixels);
+	render_function *function;
+	*index = 0;
+	stilb_result result = render_function_make(render->device, from, &function);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(texture_is_valid(resources, texture.id));
-	render_texture_upload *queued = texture_queued(resources, index);
-	if (queued) {
-		upload_finish(queued);
-		*queued = upload_make(index, pixels.image, pixels.mips, queued->patient);
-	} else if (render_reserve((void **)&resources->uploads, &resources->upload_capacity, resources->upload_count + 1,
-	                          sizeof *resources->uploads)) {
-		resources->uploads[resources->upload_count++] = upload_make(index, pixels.image, pixels.mips, false);
-	} else {
-		texture_pixels_finish(&pixels);
-		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
-	}
-	stilb_lock_give(&resources->lock);
-	return result;
-}
-
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
-                                   stilb_render_texture *out)
-{
-	STILB_ASSERT(image && out);
-	render_resources *resources = &render->resources;
-	texture_pixels pixels;
-	uint32_t index;
-	*out = (stilb_render_texture){0};
-	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %u channels in format %u: there are 1..4 and 0..%d",
-		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
-	if (image->width < 1 || image->width > 16384 || image->height < 1 || image->height > 16384)
-		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %ux%u pixels: a side has 1..16384", image->width,
-		                  image->height);
-	STILB_ASSERT(image->pixels);
-	uint32_t side = render->device->gpu->faults.image_side;
-	if (side > 0 && (image->width > side || image->height > side))
-		return render_texture_too_large(render->device, side, side, image);
-	stilb_result result = texture_pixels_make(render, image, way, &pixels);
-	if (result != STILB_OK)
-		return result;
-	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, pixels, way.patient, &index))
-		result = resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
+	if (!render_resource_reserve(resources, 1) ||
+	    !render_index_take(&resources->indices[RENDER_RESOURCE_FUNCTION], index))
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_FUNCTION);
 	else {
-		result = render_device_texture_create(render->device, index, &pixels.image, way.mips);
-		if (result == STILB_OK)
-			out->id = handle_make(resources->textures[index], index);
-		else
-			texture_drop(resources, index);
+		resources->live++;
+		render_programs_set_function(render->device, *index, function);
 	}
 	stilb_lock_give(&resources->lock);
 	if (result != STILB_OK)
-		texture_pixels_finish(&pixels);
+		render_function_free(function);
 	return result;
 }
 
-void render_resources_expect_texture(stilb_render *render, const stilb_image *image)
+void render_function_destroy(stilb_render *render, uint32_t index)
 {
-	render_array_kind kind = {image->width, image->height, render_texture_format(image->format)};
+	if (index == 0)
+		return;
 	stilb_lock_take(&render->resources.lock);
-	render_array_expect(&render->device->arrays, &kind); /* without memory for it there are more images */
+	render_resource_retire(&render->resources, RENDER_RESOURCE_FUNCTION, index);
 	stilb_lock_give(&render->resources.lock);
 }
 
-void render_resources_expect_no_textures(stilb_render *render)
+void render_function_release(stilb_render *render, uint32_t index)
 {
-	stilb_lock_take(&render->resources.lock);
-	render_array_expect_none(&render->device->arrays);
-	stilb_lock_give(&render->resources.lock);
-}
-
-stilb_result stilb_render_texture_create(stilb_render *render, const stilb_image *image, stilb_render_texture *out)
-{
-	return render_texture_create(render, image, (render_texture_way){0}, out);
+	STILB_ASSERT_LOCKED(&render->resources.lock);
+	render_programs_set_function(render->device, index, NULL);
 }
 
 /* ---- maps of materials ------------------------------------------------------------------------------------------- */
@@ -849,6 +595,7 @@ static stilb_result maps_put(stilb_render *render, uint32_t index, const render_
 	if (slot->group > 0)
 		render_group_leave(render, slot->group - 1, true);
 	*stored = (render_maps_stored){.record = maps->record};
+	memcpy(stored->parameters, maps->parameters, sizeof stored->parameters);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
 		if (maps->bits >> i & 1u)
 			stored->layers[i] = (float)render->device->textures[maps->textures[i] & RENDER_INDEX_MASK].layer;
@@ -866,7 +613,7 @@ static stilb_result maps_add(stilb_render *render, const render_maps *maps, uint
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MAPS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MAPS];
 	STILB_ASSERT_LOCKED(&resources->lock);
-	if (!resource_reserve(resources, 3) || !render_index_take(ids, index)) /* with a group, and the material */
+	if (!render_resource_reserve(resources, 3) || !render_index_take(ids, index)) /* with a group, and the material */
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the surface of a material, of which %u can have one",
 		                  RENDER_MAX_MAPS);
 	stilb_result result = STILB_OK;
@@ -885,7 +632,7 @@ static stilb_result maps_set(stilb_render *render, uint32_t index, const render_
 {
 	render_resources *resources = &render->resources;
 	STILB_ASSERT_LOCKED(&resources->lock);
-	if (!resource_reserve(resources, 1) ||
+	if (!render_resource_reserve(resources, 1) ||
 	    !render_ranges_add(&resources->heaps[RENDER_HEAP_MAPS].dirty, (render_range){index, 1}))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed surfaces");
 	return maps_put(render, index, maps);
@@ -937,7 +684,7 @@ static bool material_add(render_resources *resources, const stilb_scene_material
 	render_heap *heap = &resources->heaps[RENDER_HEAP_MATERIALS];
 	render_indices *ids = &resources->indices[RENDER_RESOURCE_MATERIAL];
 	uint32_t index;
-	if (!resource_reserve(resources, 1) || !render_index_take(ids, &index))
+	if (!render_resource_reserve(resources, 1) || !render_index_take(ids, &index))
 		return false;
 	if (!heap_extend(heap, (uint64_t)index + 1) || !render_ranges_add(&heap->dirty, (render_range){index, 1})) {
 		render_index_give_back(ids, index);
@@ -946,9 +693,9 @@ static bool material_add(render_resources *resources, const stilb_scene_material
 	((render_material *)heap->data)[index] = material_make(material, index, maps.index);
 	uint32_t generation = resources->materials[index] >> RENDER_GENERATION_SHIFT;
 	generation = generation ? generation : 1;
-	resources->materials[index] = handle_make(generation, maps.entry);
+	resources->materials[index] = render_handle_make(generation, maps.entry);
 	resources->live++;
-	*handle = handle_make(generation, index);
+	*handle = render_handle_make(generation, index);
 	return true;
 }
 
@@ -961,10 +708,10 @@ static stilb_result material_create(stilb_render *render, const stilb_scene_mate
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	*out = (stilb_render_material){0};
 	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(texture.id == 0 || texture_is_valid(resources, texture.id));
+	STILB_ASSERT(texture.id == 0 || render_texture_is_valid(resources, texture.id));
 	stilb_result result = STILB_OK;
 	if (!material_add(resources, material, (material_maps){0, index | kind}, &out->id))
-		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	stilb_lock_give(&resources->lock);
 	return result;
 }
@@ -994,7 +741,7 @@ stilb_result render_material_create_maps(stilb_render *render, const stilb_scene
 	if (result == STILB_OK && !material_add(resources, material, material_maps_of(resources, index), &out->id)) {
 		render_resource_retire(resources, RENDER_RESOURCE_MAPS,
 		                       index); /* no frame has them, but may not free them now */
-		result = resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_MATERIAL);
 	}
 	stilb_lock_give(&resources->lock);
 	return result;
@@ -1016,7 +763,7 @@ static void material_put(render_resources *resources, uint32_t index, const stil
 	uint32_t *now = &resources->materials[index], old = to->maps;
 	bool loses = *now & RENDER_STATE_MAPS && !(maps.entry & RENDER_STATE_MAPS);
 	*to = material_make(from, to->name, maps.index);
-	*now = handle_make(*now >> RENDER_GENERATION_SHIFT, maps.entry);
+	*now = render_handle_make(*now >> RENDER_GENERATION_SHIFT, maps.entry);
 	if (loses)
 		render_resource_retire(resources, RENDER_RESOURCE_MAPS, old);
 }
@@ -1029,7 +776,7 @@ stilb_result render_material_write_maps(stilb_render *render, stilb_render_mater
 	uint32_t index = material.id & RENDER_INDEX_MASK, now = resources->materials[index], made = 0;
 	STILB_ASSERT(now >> RENDER_GENERATION_SHIFT == material.id >> RENDER_GENERATION_SHIFT);
 	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(texture.id == 0 || (texture_is_valid(resources, texture.id) && !maps));
+	STILB_ASSERT(texture.id == 0 || (render_texture_is_valid(resources, texture.id) && !maps));
 	stilb_result result = STILB_OK;
 	if (!render_ranges_add(&resources->heaps[RENDER_HEAP_MATERIALS].dirty, (render_range){index, 1}))
 		result = stilb_fail(STILB_ERROR_MEMORY, "no memory for the list of changed materials");
@@ -1057,7 +804,7 @@ static void mesh_retire(render_resources *resources, uint32_t handle)
 	uint32_t index = handle & RENDER_INDEX_MASK, *generation = &resources->meshes[index].generation;
 	STILB_ASSERT(index < STILB_RENDER_MAX_MESHES && *generation && "a mesh that exists");
 	STILB_ASSERT(*generation == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
-	*generation = generation_after(*generation);
+	*generation = render_generation_after(*generation);
 	render_resource_retire(resources, RENDER_RESOURCE_MESH, index);
 }
 
@@ -1066,7 +813,7 @@ static void material_retire(render_resources *resources, uint32_t handle)
 	uint32_t index = handle & RENDER_INDEX_MASK, *entry = &resources->materials[index];
 	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT && "a material that exists");
 	STILB_ASSERT(*entry >> RENDER_GENERATION_SHIFT == handle >> RENDER_GENERATION_SHIFT && "destroyed once");
-	*entry = handle_make(generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
+	*entry = render_handle_make(render_generation_after(*entry >> RENDER_GENERATION_SHIFT), *entry & RENDER_INDEX_MASK);
 	if (*entry & RENDER_STATE_MAPS)
 		render_resource_retire(resources, RENDER_RESOURCE_MAPS, material_maps_index(resources, index));
 	render_resource_retire(resources, RENDER_RESOURCE_MATERIAL, index);
@@ -1081,22 +828,6 @@ void stilb_render_mesh_destroy(stilb_render *render, stilb_render_mesh mesh)
 	stilb_lock_give(&render->resources.lock);
 }
 
-void stilb_render_texture_destroy(stilb_render *render, stilb_render_texture texture)
-{
-	render_resources *resources = &render->resources;
-	uint32_t index = texture.id & RENDER_INDEX_MASK;
-	if (texture.id == 0)
-		return;
-	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(texture_is_valid(resources, texture.id));
-	render_texture_upload *queued = texture_queued(resources, index);
-	if (queued)
-		queued->end_frame = resources->frame + 1; /* the release waits for this one, in which it may be drawn */
-	resources->textures[index] = generation_after(resources->textures[index]);
-	render_resource_retire(resources, RENDER_RESOURCE_TEXTURE, index);
-	stilb_lock_give(&resources->lock);
-}
-
 void stilb_render_material_destroy(stilb_render *render, stilb_render_material material)
 {
 	if (material.id == 0)
@@ -1107,20 +838,6 @@ void stilb_render_material_destroy(stilb_render *render, stilb_render_material m
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */
-
-/* Drops the texture's queued pixels: it may be released before a frame has copied them. */
-static void upload_forget(render_resources *resources, uint32_t texture)
-{
-	STILB_ASSERT(!resources->sending && "no frame is between update and sent");
-	uint32_t kept = 0;
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		if (resources->uploads[u].texture == texture)
-			upload_finish(&resources->uploads[u]);
-		else
-			resources->uploads[kept++] = resources->uploads[u];
-	}
-	resources->upload_count = kept;
-}
 
 /* Of a group that is in use again nothing is released. False: it is not due yet. */
 static bool resource_release(stilb_render *render, render_retired retired)
@@ -1136,12 +853,14 @@ static bool resource_release(stilb_render *render, render_retired retired)
 		render_levels_free(resources->levels[retired.index]);
 		resources->levels[retired.index] = NULL;
 	} else if (retired.kind == RENDER_RESOURCE_TEXTURE) {
-		upload_forget(resources, retired.index);
+		render_uploads_forget(resources, retired.index);
 		render_device_texture_destroy(render->device, retired.index);
 		if (resources->pictures)
-			stilb_image_finish(&resources->pictures[retired.index]);
+			render_pixels_finish(&resources->pictures[retired.index]);
 	} else if (retired.kind == RENDER_RESOURCE_MAPS) {
 		maps_release(render, retired.index);
+	} else if (retired.kind == RENDER_RESOURCE_FUNCTION) {
+		render_function_release(render, retired.index);
 	}
 	render_index_give_back(&resources->indices[retired.kind], retired.index);
 	resources->live--;
@@ -1179,75 +898,17 @@ void render_resources_frame(stilb_render *render)
 	stilb_lock_give(&resources->lock);
 }
 
-/* Chooses the rows that the frame copies: all, but of patient uploads as many as it has room for, in their order. */
-static void uploads_choose(render_resources *resources)
-{
-	uint64_t room = RENDER_UPLOAD_A_FRAME;
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		render_texture_upload *upload = &resources->uploads[u];
-		uint64_t bytes = 0;
-		STILB_ASSERT(upload->rows < upload->count);
-		if (upload->end_frame > 0 && resources->frame >= upload->end_frame)
-			upload->sent = upload->rows;
-		else
-			upload->sent = upload->patient ? upload_rows(upload, room, &bytes) : upload->count;
-		room -= bytes;
-	}
-}
-
 stilb_result render_resources_update(stilb_render *render)
 {
 	PROFILE("upload");
 	STILB_ASSERT_OWNER(render->owner);
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
-	uploads_choose(resources);
+	render_uploads_choose(resources);
 	stilb_result result = render_device_update(render->device, resources);
 	resources->sending = true;
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		resources->heaps[h].dirty.count = 0;
-	stilb_lock_give(&resources->lock);
-	return result;
-}
-
-/* Removes the uploads that the device has copied whole. One that came since the update has sent 0. */
-static void uploads_sent(render_resources *resources)
-{
-	uint32_t kept = 0;
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		render_texture_upload *upload = &resources->uploads[u];
-		upload->rows = upload->sent > upload->rows ? upload->sent : upload->rows;
-		if (upload->rows < upload->count) {
-			resources->uploads[kept++] = *upload;
-			continue;
-		}
-		free(upload->mips);
-		if (resources->pictures) {
-			stilb_image_finish(&resources->pictures[upload->texture]); /* of a texture that was written again */
-			resources->pictures[upload->texture] = upload->image;
-		} else {
-			stilb_image_finish(&upload->image);
-		}
-	}
-	resources->upload_count = kept;
-}
-
-stilb_result render_resources_send(stilb_render *render)
-{
-	STILB_ASSERT_OWNER(render->owner);
-	render_resources *resources = &render->resources;
-	stilb_lock_take(&resources->lock);
-	STILB_ASSERT(!resources->sending && "between frames");
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		render_texture_upload *upload = &resources->uploads[u];
-		bool lives = upload->end_frame == 0 && !upload->patient;
-		upload->sent = lives ? upload->count : upload->rows;
-	}
-	stilb_result result = render_device_textures_update(render->device, resources);
-	if (result == STILB_OK)
-		uploads_sent(resources);
-	for (uint32_t u = 0; u < resources->upload_count; u++)
-		resources->uploads[u].sent = 0;
 	stilb_lock_give(&resources->lock);
 	return result;
 }
@@ -1258,7 +919,7 @@ void render_resources_sent(stilb_render *render, bool submitted)
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
 	if (submitted)
-		uploads_sent(resources);
+		render_uploads_sent(resources);
 	for (uint32_t u = 0; u < resources->upload_count; u++)
 		resources->uploads[u].sent = 0;
 	for (int h = 0; h < RENDER_HEAPS && !submitted; h++) {
@@ -1274,28 +935,13 @@ void render_resources_sent(stilb_render *render, bool submitted)
 
 uint64_t render_resources_pending(render_resources *resources)
 {
-	uint64_t bytes = 0;
 	stilb_lock_take(&resources->lock);
-	for (uint32_t u = 0; u < resources->upload_count; u++) {
-		const render_texture_upload *upload = &resources->uploads[u];
-		uint64_t left = 0;
-		if (upload->end_frame == 0)
-			upload_rows(upload, UINT64_MAX, &left);
-		bytes += left;
-	}
+	uint64_t bytes = render_uploads_left(resources);
 	for (int h = 0; h < RENDER_HEAPS; h++)
 		for (uint32_t r = 0; r < resources->heaps[h].dirty.count; r++)
 			bytes += (uint64_t)resources->heaps[h].dirty.items[r].count * resources->heaps[h].element;
 	stilb_lock_give(&resources->lock);
 	return bytes;
-}
-
-void render_resources_hurry(render_resources *resources)
-{
-	stilb_lock_take(&resources->lock);
-	for (uint32_t u = 0; u < resources->upload_count; u++)
-		resources->uploads[u].patient = false;
-	stilb_lock_give(&resources->lock);
 }
 
 void render_resources_expect(render_resources *resources, const uint32_t more[RENDER_HEAPS])

@@ -1,5 +1,6 @@
 /*
- * Meshes, textures and materials: their handles, their data and its way to the device. Inside render/.
+ * Meshes, textures (textures/render_textures.h) and materials: their handles, their data and its way to the device.
+ * Inside render/.
  *
  * Handles.  The low 24 bits index a table, the high 8 are the entry's generation, so that a stale handle is noticed.
  *           Tables are reserved at their full size and never move: recording reads an entry without a lock.
@@ -19,9 +20,22 @@
 #include "render/maps/render_maps.h"
 #include "render/render.h"
 #include "render/render_vertex.h"
+#include "render/textures/render_textures.h"
 
 #define RENDER_INDEX_MASK 0xffffffu
 #define RENDER_GENERATION_SHIFT 24u
+
+/* The generation after this one: 1..255 and then 1 again, because 0 marks an entry that was never used. */
+static inline uint32_t render_generation_after(uint32_t generation)
+{
+	return generation < 255 ? generation + 1 : 1;
+}
+
+static inline uint32_t render_handle_make(uint32_t generation, uint32_t index)
+{
+	STILB_ASSERT(generation >= 1 && generation <= 255 && index <= RENDER_INDEX_MASK);
+	return generation << RENDER_GENERATION_SHIFT | index;
+}
 
 /* A level of a mesh: what its draws copy into the first 16 bytes of their render_command. */
 typedef struct render_level {
@@ -159,6 +173,7 @@ typedef enum render_resource_kind {
 	RENDER_RESOURCE_MAPS,  /* of materials */
 	RENDER_RESOURCE_GROUP, /* of maps */
 	RENDER_RESOURCE_CLASS, /* of groups; never among the retired ones */
+	RENDER_RESOURCE_FUNCTION,
 	RENDER_RESOURCE_KINDS,
 } render_resource_kind;
 
@@ -169,44 +184,13 @@ typedef struct render_indices {
 	uint32_t free_count, free_capacity;
 } render_indices;
 
-/* Pixels that the next frame copies to a texture: four channels. Of a patient one, which nothing draws yet, as many
- * rows as the frame has room for (RENDER_UPLOAD_A_FRAME); of others all. Rows are numbered through the mips, those of
- * the image come first. */
-typedef struct render_texture_upload {
-	uint32_t texture;
-	stilb_image image;
-	void *mips;          /* as of render_mips_make; NULL: none */
-	uint32_t count;      /* of rows */
-	uint32_t rows, sent; /* rows 0 .. rows - 1 are on the device; rows .. sent - 1 are part of the frame */
-	bool patient;
-	uint64_t end_frame; /* the texture was destroyed: this frame and later ones copy no more of it; 0: it was not */
-} render_texture_upload;
-
-/* A mip of an upload. */
-typedef struct render_upload_mip {
-	stilb_image image; /* not to be finished */
-	uint32_t mip, first_row;
-	uint64_t row; /* bytes */
-} render_upload_mip;
-
-/* The first one. */
-render_upload_mip render_upload_first(const render_texture_upload *upload);
-/* Goes on to the next one. False: there is none. */
-bool render_upload_next(const render_texture_upload *upload, render_upload_mip *mip);
-
-/* Bytes that patient uploads take of a frame. Copying them takes a CPU some 3 to 6 ms, and lavapipe as much again. */
-#define RENDER_UPLOAD_A_FRAME ((uint64_t)16 << 20)
-
-/* Bytes of texels that wait while a scene is set, before they are sent. */
-#define RENDER_UPLOAD_QUEUED ((uint64_t)64 << 20)
-
 typedef struct render_retired {
 	uint64_t frame; /* number of the last frame that may use it, as render_resources.frame counts */
 	render_resource_kind kind;
 	uint32_t index;
 } render_retired;
 
-typedef struct render_resources {
+struct render_resources {
 	/* Read by draws without the lock: an entry is written only before its handle is returned and after its release. */
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
@@ -231,18 +215,25 @@ typedef struct render_resources {
 	bool sending; /* a frame is between update and sent */
 	/* Elements that the heaps will have soon, 0: unknown: the device's arrays then grow once. */
 	uint32_t expected[RENDER_HEAPS];
-	stilb_image *pictures;   /* [STILB_RENDER_MAX_TEXTURES] copies of uploaded pixels; NULL: not kept */
+	/* [STILB_RENDER_MAX_TEXTURES] uploaded pixels, with mips if several levels were given; NULL: not kept */
+	render_pixels *pictures;
 	render_retired *retired; /* destroyed, not yet released; capacity is at least `live` */
 	uint32_t retired_count, retired_capacity;
 	uint32_t retired_now; /* meshes, textures and surfaces that were destroyed since the last frame began */
 	uint32_t live;        /* resources not yet released */
 	uint64_t frame;       /* frames begun so far */
-} render_resources;
+};
 
 static inline render_group *render_group_of(const render_resources *resources, uint32_t index)
 {
 	return (render_group *)(void *)resources->groups.items + index;
 }
+
+/* Makes space in the list of retired resources for `more` resources more than there are, so that destroying them cannot
+ * fail. False: no memory. The caller holds the lock. */
+bool render_resource_reserve(render_resources *resources, uint32_t more);
+/* The error of a resource that could not be added: no id is left, or no memory. The caller holds the lock. */
+stilb_result render_resource_no_memory(const render_resources *resources, render_resource_kind kind);
 
 /* Takes an index. False: no memory, or none is left. */
 bool render_index_take(render_indices *indices, uint32_t *index);
@@ -284,31 +275,8 @@ stilb_result render_resources_update(stilb_render *render);
 /* Ends an updated frame. submitted: the device got it; if not, everything is dirty again. [main-thread] */
 void render_resources_sent(stilb_render *render, bool submitted);
 
-/* How a texture is made: with mips, which samplers of maps read, of a kind; with a patient upload. pool: whose threads
- * help to make mips, its owner is the caller; NULL: none. */
-typedef struct render_texture_way {
-	bool patient, mips;
-	render_mips_kind kind;
-	stilb_job_pool *pool;
-} render_texture_way;
-
-/* stilb_render_texture_create in that way. */
-stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
-                                   stilb_render_texture *out);
-
-/* Announces a texture of such an image with mips: those of one size and format then lie in as few images as can be. */
-void render_resources_expect_texture(stilb_render *render, const stilb_image *image);
-/* No further one is expected. */
-void render_resources_expect_no_textures(stilb_render *render);
-
-/* Sends the pixels of all textures to the device now, and frees them. Between frames. [main-thread] */
-stilb_result render_resources_send(stilb_render *render);
-
 /* Bytes that frames have yet to copy. [any-thread] */
 uint64_t render_resources_pending(render_resources *resources);
-
-/* Makes all uploads impatient: their textures may be drawn from now on. [any-thread] */
-void render_resources_hurry(render_resources *resources);
 
 /* Announces that the heaps will grow by so many elements; NULL: by no more. [any-thread] */
 void render_resources_expect(render_resources *resources, const uint32_t more[RENDER_HEAPS]);
@@ -321,12 +289,10 @@ void render_material_name(stilb_render *render, stilb_render_material material, 
 /* Writes into resources that exist; the next frame copies what was written, after the draws of the frames before it.
  * STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay
  *
- * render_mesh_write: vertices first .. first + count - 1, count > 0. render_texture_write: an image of the texture's
- * size and format, whose mips are of the kind that they were. render_material_write: texture {0}: none. */
+ * render_mesh_write: vertices first .. first + count - 1, count > 0; extras: theirs, NULL: these stay.
+ * render_material_write: texture {0}: none. */
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
-                               const stilb_scene_vertex *vertices);
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
-                                  render_mips_kind kind);
+                               const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
 

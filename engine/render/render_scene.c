@@ -11,11 +11,12 @@ void render_scene_finish(render_scene *scene)
 	free(scene->meshes);
 	free(scene->materials);
 	free(scene->textures);
+	free(scene->functions);
 	free(scene->impostors);
 	*scene = (render_scene){0};
 }
 
-/* Materials before their textures. */
+/* Materials before their textures and functions. */
 void render_scene_destroy(stilb_render *render, render_scene *scene)
 {
 	render_places_finish(render, &scene->places, false);
@@ -27,6 +28,8 @@ void render_scene_destroy(stilb_render *render, render_scene *scene)
 		stilb_render_material_destroy(render, scene->materials[i]);
 	for (uint32_t i = 0; i < scene->texture_count; i++)
 		stilb_render_texture_destroy(render, scene->textures[i].texture);
+	for (uint32_t i = 0; i < scene->function_count; i++)
+		render_function_destroy(render, scene->functions[i].index);
 	render_scene_finish(scene);
 }
 
@@ -47,11 +50,14 @@ stilb_result render_scene_fit(render_scene *tables, const stilb_scene *scene)
 	    !shown_table_fit((void **)&tables->materials, &tables->material_capacity, scene->material_count,
 	                     sizeof *tables->materials) ||
 	    !shown_table_fit((void **)&tables->textures, &tables->texture_capacity, scene->texture_count,
-	                     sizeof *tables->textures))
+	                     sizeof *tables->textures) ||
+	    !shown_table_fit((void **)&tables->functions, &tables->function_capacity, scene->function_count,
+	                     sizeof *tables->functions))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the scene's tables");
 	tables->mesh_count = scene->mesh_count;
 	tables->material_count = scene->material_count;
 	tables->texture_count = scene->texture_count;
+	tables->function_count = scene->function_count;
 	return STILB_OK;
 }
 
@@ -71,12 +77,14 @@ static void shown_mark_textures(render_scene *tables, const stilb_scene_surface 
 	}
 }
 
-/* What the texture's mips shall hold: the spread of normals where no map needs all channels. */
+/* What the texture's mips shall hold: the spread of normals where no map needs all channels, and mips are made. */
 static render_mips_kind shown_texture_kind(const stilb_render *render, const render_scene_texture *texture,
                                            const stilb_image *image)
 {
+	render_texture_shape shape = render_texture_shape_of(render->device, image, true);
 	bool data = stilb_image_format_as_data(image->format) == image->format;
-	if (!texture->as_normals || texture->as_other || !data || render->specular_aa == STILB_RENDER_SPECULAR_AA_OFF)
+	if (!texture->as_normals || texture->as_other || !data || stilb_image_format_is_blocks(shape.format) ||
+	    shape.given > 1 || render->specular_aa == STILB_RENDER_SPECULAR_AA_OFF)
 		return RENDER_MIPS_MEANS;
 	return image->channels == 2 ? RENDER_MIPS_NORMALS_TWO : RENDER_MIPS_NORMALS;
 }
@@ -122,8 +130,9 @@ static const stilb_scene_surface *shown_material_surface(const stilb_scene *scen
 	return surface ? &scene->surfaces[surface - 1] : NULL;
 }
 
-/* The surface as the device has it; a map whose texture the device does not take is left out. */
-static render_maps shown_maps(const render_scene *tables, const stilb_scene *scene, const stilb_scene_surface *surface)
+/* The surface as the device has it; a map or function that the device does not take is left out. */
+static render_maps shown_maps(const stilb_render *render, const render_scene *tables, const stilb_scene *scene,
+                              const stilb_scene_surface *surface)
 {
 	uint32_t normals = surface->maps[STILB_SCENE_MAP_NORMAL].texture;
 	uint32_t coat = surface->maps[STILB_SCENE_MAP_CLEARCOAT_NORMAL].texture;
@@ -134,29 +143,37 @@ static render_maps shown_maps(const render_scene *tables, const stilb_scene *sce
 		STILB_ASSERT(texture <= scene->texture_count);
 		maps.textures[i] = texture ? tables->textures[texture - 1].texture.id : 0;
 		if (maps.textures[i] == 0)
-			maps.bits &= i == STILB_SCENE_MAP_NORMAL ? ~(1u << i | RENDER_MAPS_TWO) : ~(1u << i);
+			maps.bits &= ~(uint64_t)(i == STILB_SCENE_MAP_NORMAL ? 1u << i | RENDER_MAPS_TWO : 1u << i);
 	}
 	if (maps.bits >> STILB_SCENE_MAP_NORMAL & 1u && tables->textures[normals - 1].kind != RENDER_MIPS_MEANS)
 		maps.bits |= RENDER_MAPS_SPREAD;
 	if (maps.bits >> STILB_SCENE_MAP_CLEARCOAT_NORMAL & 1u && tables->textures[coat - 1].kind != RENDER_MIPS_MEANS)
 		maps.bits |= RENDER_MAPS_COAT_SPREAD;
+	render_function_name(render, surface->function ? tables->functions[surface->function - 1].index : 0, &maps);
 	return maps;
+}
+
+/* Creates or writes a material with this surface. */
+static stilb_result shown_material_maps(stilb_render *render, const render_scene *tables, const stilb_scene *scene,
+                                        uint32_t id, const stilb_scene_surface *surface)
+{
+	stilb_render_material *material = &tables->materials[id];
+	render_maps maps = shown_maps(render, tables, scene, surface);
+	return material->id
+	           ? render_material_write_maps(render, *material, &scene->materials[id], (stilb_render_texture){0}, &maps)
+	           : render_material_create_maps(render, &scene->materials[id], &maps, material);
 }
 
 stilb_result render_scene_material(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
 {
 	stilb_render_material *material = &tables->materials[id];
-	const stilb_scene_material *from = &scene->materials[id];
-	stilb_render_texture texture = shown_material_texture(tables, scene, id);
 	const stilb_scene_surface *surface = shown_material_surface(scene, id);
-	render_maps maps = {0};
-	if (surface)
-		maps = shown_maps(tables, scene, surface);
-	if (material->id)
-		return render_material_write_maps(render, *material, from, texture, surface ? &maps : NULL);
-	stilb_result result = surface ? render_material_create_maps(render, from, &maps, material)
-	                              : stilb_render_material_create(render, from, texture, material);
-	if (result == STILB_OK)
+	bool is_new = material->id == 0;
+	stilb_render_texture texture = shown_material_texture(tables, scene, id);
+	stilb_result result = surface  ? shown_material_maps(render, tables, scene, id, surface)
+	                      : is_new ? stilb_render_material_create(render, &scene->materials[id], texture, material)
+	                               : render_material_write(render, *material, &scene->materials[id], texture);
+	if (result == STILB_OK && is_new)
 		render_material_name(render, *material, id);
 	return result;
 }
@@ -182,12 +199,13 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	stilb_result result = STILB_OK;
 	render_mips_kind kind = shown_texture_kind(render, now, image);
 	next.format = image->format;
+	next.levels = stilb_image_level_count(image);
 	*replaced = false;
 	if (image->pixels && image->pixels == now->refused.pixels && image->width == now->refused.width &&
 	    image->height == now->refused.height)
 		return STILB_OK;
 	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
-	    now->format == next.format && (now->mips || !now->mapped) && now->kind == kind)
+	    now->format == next.format && now->levels == next.levels && (now->mips || !now->mapped) && now->kind == kind)
 		return render_texture_write(render, now->texture, image, kind);
 	way.mips = next.mips = next.mapped = now->mapped;
 	way.kind = next.kind = kind;
@@ -210,6 +228,20 @@ stilb_result render_scene_texture_patient(stilb_render *render, render_scene *ta
 {
 	bool replaced;
 	return shown_texture_set(render, tables, scene, id, (render_texture_way){.patient = true}, &replaced);
+}
+
+/* Replaces a function; one without code is none. On failure there is none, either; one that the device does not take
+ * fails once. */
+stilb_result render_scene_function(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id)
+{
+	render_scene_function_entry *now = &tables->functions[id];
+	const stilb_scene_function *function = &scene->functions[id];
+	uint64_t hash = function->codes[0].words ? render_function_hash(function) : 0;
+	if (hash == now->hash)
+		return STILB_OK;
+	render_function_destroy(render, now->index);
+	*now = (render_scene_function_entry){.hash = hash};
+	return hash ? render_function_create(render, function, &now->index) : STILB_OK;
 }
 
 stilb_result render_scene_impostors(stilb_render *render, render_scene *tables, const stilb_scene *scene)
@@ -262,13 +294,15 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
 		const stilb_image *image = &scene->textures[i];
 		result = shown_texture_set(render, tables, scene, i, (render_texture_way){.pool = render->pool}, &replaced);
-		queued += (uint64_t)image->width * image->height * 4;
+		queued += stilb_image_levels_size(image);
 		if (result == STILB_OK && queued >= RENDER_UPLOAD_QUEUED) {
 			result = render_resources_send(render);
 			queued = 0;
 		}
 	}
 	render_resources_expect_no_textures(render);
+	for (uint32_t i = 0; i < scene->function_count && result == STILB_OK; i++)
+		result = render_scene_function(render, tables, scene, i);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
 		result = render_scene_material(render, tables, scene, i);
 	if (result == STILB_OK)
@@ -361,6 +395,21 @@ static stilb_result shown_update_textures(stilb_render *render, const stilb_scen
 	return result == STILB_OK ? refused : result;
 }
 
+/* Likewise functions. */
+static stilb_result shown_update_functions(stilb_render *render, const stilb_scene *scene,
+                                           const stilb_scene_changes *changes)
+{
+	stilb_result result = STILB_OK, refused = STILB_OK;
+	for (uint32_t i = 0; i < changes->function_count && result == STILB_OK; i++) {
+		result = render_scene_function(render, &render->scene, scene, changes->functions[i]);
+		if (result == STILB_ERROR_ARGUMENT) {
+			refused = result;
+			result = STILB_OK;
+		}
+	}
+	return result == STILB_OK ? refused : result;
+}
+
 static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene *scene,
                                         const stilb_scene_changes *changes)
 {
@@ -369,8 +418,9 @@ static stilb_result shown_update_meshes(stilb_render *render, const stilb_scene 
 		result = render_scene_mesh(render, &render->scene, scene, changes->meshes[i]);
 	for (uint32_t i = 0; i < changes->vertices_count && result == STILB_OK; i++) {
 		stilb_scene_vertices range = changes->vertices[i];
+		const stilb_scene_mesh *mesh = &scene->meshes[range.mesh];
 		result = render_mesh_write(render, render->scene.meshes[range.mesh], range.first, range.count,
-		                           scene->meshes[range.mesh].vertices + range.first);
+		                           mesh->vertices + range.first, range.extras ? mesh->extras + range.first : NULL);
 	}
 	return result;
 }
@@ -405,6 +455,8 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 		result = shown_update_meshes(render, scene, changes);
 	stilb_result textures = result == STILB_OK ? shown_update_textures(render, scene, changes) : result;
 	result = textures == STILB_ERROR_ARGUMENT ? STILB_OK : textures;
+	stilb_result functions = result == STILB_OK ? shown_update_functions(render, scene, changes) : result;
+	result = functions == STILB_ERROR_ARGUMENT ? STILB_OK : functions;
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
 		result = shown_update_mips(render, scene, changes->materials[i]);
 	for (uint32_t i = 0; i < changes->material_count && result == STILB_OK; i++)
@@ -414,6 +466,7 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 	if (result == STILB_OK)
 		result = render_places_note(&render->scene.places, scene);
 	result = result == STILB_OK ? textures : result;
+	result = result == STILB_OK ? functions : result;
 	if (result == STILB_OK && render->scene.refused)
 		shown_forget_refused(&render->scene);
 	return result;

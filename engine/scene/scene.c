@@ -2,6 +2,7 @@
 
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_animation_internal.h"
 #include "scene/scene_impostor.h"
 #include "shading/shade_energy.h"
@@ -75,6 +76,17 @@ stilb_result scene_add_surfaces(stilb_scene *scene, uint32_t count)
 	if (failed)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u surfaces", count);
 	scene->surface_count = count;
+	return STILB_OK;
+}
+
+stilb_result scene_add_functions(stilb_scene *scene, uint32_t count)
+{
+	bool failed = false;
+	STILB_ASSERT(!scene->functions && "functions are added once");
+	scene->functions = scene_array(&failed, count, sizeof *scene->functions);
+	if (failed)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u surface functions", count);
+	scene->function_count = count;
 	return STILB_OK;
 }
 
@@ -182,6 +194,9 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->meshes);
 	free(scene->materials);
 	free(scene->surfaces);
+	for (uint32_t i = 0; i < scene->function_count; i++)
+		stilb_scene_function_finish(&scene->functions[i]);
+	free(scene->functions);
 	free(scene->textures);
 	free(scene->lights);
 	free(scene->light_mounts);
@@ -189,6 +204,7 @@ void stilb_scene_destroy(stilb_scene *scene)
 	free(scene->camera_mounts);
 	free(scene->names.models);
 	free(scene->names.materials);
+	scene_play_finish(scene);
 	scene_edit_finish(scene->edits);
 	scene_variants_finish(scene->variants);
 	scene_animation_finish(scene->animation);
@@ -269,7 +285,8 @@ bool scene_is_sound(const stilb_scene *scene)
 		sound = sound && scene->materials[m].diffuse_texture <= scene->texture_count &&
 		        scene->materials[m].surface <= scene->surface_count;
 	for (uint32_t s = 0; s < scene->surface_count; s++)
-		sound = sound && scene_check_surface(&scene->surfaces[s], scene->texture_count, s) == STILB_OK;
+		sound = sound &&
+		        scene_check_surface(&scene->surfaces[s], scene->texture_count, scene->function_count, s) == STILB_OK;
 	for (uint32_t i = 0; i < scene->light_count; i++)
 		sound = sound && scene->lights[i].face <= scene->part_count && !stilb_scene_light_mistake(&scene->lights[i]);
 	return sound && scene_all_below(scene->part_mesh, scene->part_count, scene->mesh_count) &&

@@ -335,6 +335,8 @@ typedef struct stilb_scene {
 	stilb_scene_material *materials; /* [material_count] */
 	uint32_t surface_count;
 	stilb_scene_surface *surfaces; /* [surface_count] */
+	uint32_t function_count;
+	stilb_scene_function *functions; /* [function_count] of surfaces, the scene's own copies; {0}: a removed one */
 
 	stilb_scene_nodes nodes;
 
@@ -374,6 +376,7 @@ typedef struct stilb_scene {
 	uint64_t seed;                           /* of the stress test, else 0 */
 	struct stilb_scene_edits *edits;         /* of scene_edit.h; NULL: there was none */
 	struct stilb_scene_animation *animation; /* of scene_animation.h; NULL: nothing of the file moves */
+	struct stilb_scene_figures *figures;     /* of scene_play.h; NULL: nothing moves */
 	struct stilb_scene_variants *variants;   /* of scene_variant.h; NULL: the file has none */
 	stilb_scene_revisions revisions;         /* as of stilb_scene_revisions_read */
 	uint64_t values[3];                      /* hashes of lights, surroundings and camera at that time */
@@ -552,11 +555,12 @@ void stilb_scene_mesh_finish(stilb_scene_mesh *mesh);
 /* Frees levels, clusters and morph, if there are any: the mesh itself is left. [any-thread] */
 void stilb_scene_mesh_drop_levels(stilb_scene_mesh *mesh);
 
-/* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use; they fill
- * nine tenths of the width or the height of a picture of aspect = width / height > 0, and the same space is left over
- * on both sides. What has no size is 1 m away. Its angle is 0.7 radians, its exposure and its tone are those of
- * scene->camera. The direction of STILB_SCENE_FRAME_YAW and _PITCH is from the front, a little from the right and
- * above. Takes time proportional to the number of triangles. [any-thread] */
+/* A camera that looks in this direction, radians, and sees all vertices that triangles of visible models use, where
+ * they are and where a clip takes them, if one was swept (stilb_scene_sweep). They fill nine tenths of the width or the
+ * height of a picture of aspect = width / height > 0, and the same space is left over on both sides. What has no size
+ * is 1 m away. Its angle is 0.7 radians, its exposure and its tone are those of scene->camera. The direction of
+ * STILB_SCENE_FRAME_YAW and _PITCH is from the front, a little from the right and above. Takes time proportional to the
+ * number of triangles. [any-thread] */
 #define STILB_SCENE_FRAME_YAW 0.42f
 #define STILB_SCENE_FRAME_PITCH (-0.31f)
 stilb_scene_camera stilb_scene_frame(const stilb_scene *scene, float yaw, float pitch, float aspect);

@@ -26,21 +26,21 @@ void scene_deform_arrays(stilb_scene_deform *d, uint32_t vertex_count,
 {
 	uint64_t influences = (uint64_t)vertex_count * d->influences, numbers = 3ull * vertex_count * d->targets;
 	const scene_animation_array all[SCENE_DEFORM_ARRAYS] = {
-		{(void **)&d->joints, influences, sizeof *d->joints},
-		{(void **)&d->weights, influences, sizeof *d->weights},
-		{(void **)&d->positions, numbers, sizeof *d->positions},
-		{(void **)&d->normals, numbers, sizeof *d->normals},
+		{(void **)&d->joints, influences, sizeof *d->joints},    {(void **)&d->weights, influences, sizeof *d->weights},
+		{(void **)&d->positions, numbers, sizeof *d->positions}, {(void **)&d->normals, numbers, sizeof *d->normals},
+		{(void **)&d->tangents, numbers, sizeof *d->tangents},
 	};
 	memcpy(arrays, all, sizeof all);
 }
 
-stilb_result scene_deform_create(stilb_scene_deform *deform, uint32_t vertex_count, bool normals)
+stilb_result scene_deform_create(stilb_scene_deform *deform, uint32_t vertex_count, bool normals, bool tangents)
 {
 	scene_animation_array arrays[SCENE_DEFORM_ARRAYS];
 	scene_deform_arrays(deform, vertex_count, arrays);
 	bool good = true;
 	for (int i = 0; i < SCENE_DEFORM_ARRAYS; i++) {
-		bool wanted = arrays[i].count > 0 && (normals || arrays[i].at != (void **)&deform->normals);
+		bool wanted = arrays[i].count > 0 && (normals || arrays[i].at != (void **)&deform->normals) &&
+		              (tangents || arrays[i].at != (void **)&deform->tangents);
 		*arrays[i].at = wanted ? calloc(arrays[i].count, arrays[i].size) : NULL;
 		good &= !wanted || *arrays[i].at;
 	}
@@ -56,8 +56,9 @@ void scene_deform_finish(stilb_scene_deform *deform)
 	free(deform->weights);
 	free(deform->positions);
 	free(deform->normals);
+	free(deform->tangents);
 	deform->joints = NULL;
-	deform->weights = deform->positions = deform->normals = NULL;
+	deform->weights = deform->positions = deform->normals = deform->tangents = NULL;
 }
 
 stilb_result scene_animation_create(const stilb_scene_animation *counts, stilb_scene_animation **out)
@@ -183,9 +184,12 @@ static bool animation_deforms_are_sound(const stilb_scene *scene)
 		sound = d->mesh < scene->mesh_count && (i == 0 || a->deforms[i - 1].mesh < d->mesh) && d->influences % 4 == 0;
 		if (!sound)
 			break;
-		uint64_t vertices = scene->meshes[d->mesh].vertex_count, numbers = 3 * vertices * d->targets;
+		const stilb_scene_mesh *mesh = &scene->meshes[d->mesh];
+		uint64_t vertices = mesh->vertex_count, numbers = 3 * vertices * d->targets;
 		sound = animation_is_finite(d->weights, vertices * d->influences) &&
-		        animation_is_finite(d->positions, numbers) && (!d->normals || animation_is_finite(d->normals, numbers));
+		        animation_is_finite(d->positions, numbers) &&
+		        (!d->normals || animation_is_finite(d->normals, numbers)) &&
+		        (!d->tangents || (mesh->extras && animation_is_finite(d->tangents, numbers)));
 		for (uint64_t w = 0; sound && w < vertices * d->influences; w++)
 			sound = d->weights[w] >= 0.0f;
 	}

@@ -34,8 +34,9 @@ typedef struct stilb_scene_rest {
 	char name[64];                               /* UTF-8, cut to fit; "": it has none */
 	uint32_t parent;                             /* below the node's own index, or STILB_SCENE_NONE: the world */
 	stilb_mat4 local;                            /* at rest, from the node to its parent */
-	float translation[3], rotation[4], scale[3]; /* local is their product T R S, if `moves`: else they are 0 and 1 */
-	bool moves;                                  /* it is made of those three, so that channels can replace them */
+	float translation[3], rotation[4], scale[3]; /* as near to local as a product T R S can be: nearly always they make
+	                                                it. Without `moves` they are 0 and 1 */
+	bool moves;                                  /* it is made of those three, or channels replace them */
 	uint32_t first_model, model_count;           /* those that show its mesh, after those of the nodes before */
 	uint32_t skin;                               /* of these models, or STILB_SCENE_NONE */
 	uint32_t first_weight, weight_count;         /* of its mesh's morph targets at rest, in weights; 0: it has none */
@@ -92,6 +93,7 @@ typedef struct stilb_scene_deform {
 	uint32_t targets;    /* morph targets */
 	float *positions;    /* [targets * vertex_count * 3] added to the position, times the target's weight */
 	float *normals;      /* as positions, added to the normal; NULL: no target has any */
+	float *tangents; /* as normals, added to the tangent of the mesh's extras, not to its sign; NULL: none has any */
 } stilb_scene_deform;
 
 typedef struct stilb_scene_animation {

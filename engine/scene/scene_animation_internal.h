@@ -13,7 +13,7 @@ typedef struct scene_animation_array {
 
 /* Those of a stilb_scene_animation, as its counts have it, without deforms; those of a deform of a mesh. */
 #define SCENE_ANIMATION_ARRAYS 9
-#define SCENE_DEFORM_ARRAYS 4
+#define SCENE_DEFORM_ARRAYS 5
 void scene_animation_arrays(stilb_scene_animation *animation, scene_animation_array arrays[SCENE_ANIMATION_ARRAYS]);
 void scene_deform_arrays(stilb_scene_deform *deform, uint32_t vertex_count,
                          scene_animation_array arrays[SCENE_DEFORM_ARRAYS]);
@@ -24,9 +24,9 @@ stilb_result scene_animation_create(const stilb_scene_animation *counts, stilb_s
 /* Accepts NULL. */
 void scene_animation_finish(stilb_scene_animation *animation);
 
-/* Arrays for the deform's influences and targets, all zeros, in place of its pointers; normals: also those.
+/* Arrays for the deform's influences and targets, all zeros, in place of its pointers; normals, tangents: also those.
  * STILB_ERROR_MEMORY; all are NULL then. */
-stilb_result scene_deform_create(stilb_scene_deform *deform, uint32_t vertex_count, bool normals);
+stilb_result scene_deform_create(stilb_scene_deform *deform, uint32_t vertex_count, bool normals, bool tangents);
 void scene_deform_finish(stilb_scene_deform *deform);
 
 /* 1 + the largest joint that a vertex names; 0: none does. */

@@ -40,6 +40,7 @@ struct stilb_scene_build {
 	build_list meshes;    /* of build_mesh */
 	build_list textures;  /* of stilb_image */
 	build_list surfaces;  /* of stilb_scene_surface */
+	build_list functions; /* of stilb_scene_function */
 	build_list materials; /* of stilb_scene_material */
 	build_list nodes;     /* of build_node */
 	build_list models;    /* of build_model */
@@ -129,6 +130,10 @@ static void build_free(stilb_scene_build *build)
 	free(build->meshes.items);
 	free(build->textures.items);
 	free(build->surfaces.items);
+	stilb_scene_function *functions = build->functions.items;
+	for (uint32_t i = 0; i < build->functions.count; i++)
+		stilb_scene_function_finish(&functions[i]);
+	free(build->functions.items);
 	free(build->materials.items);
 	free(build->nodes.items);
 	free(build->models.items);
@@ -176,7 +181,7 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 	stilb_image *room = build_room(build, &build->textures, 1, sizeof *room, "texture");
 	if (!room)
 		return 0;
-	if (scene_copy_image(image, &copy) != STILB_OK) {
+	if (stilb_image_copy(image, false, &copy) != STILB_OK) {
 		build_no_memory(build, "texture");
 		return 0;
 	}
@@ -186,11 +191,29 @@ uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
+uint32_t stilb_scene_build_function(stilb_scene_build *build, const stilb_scene_function *function)
+{
+	stilb_scene_function copy;
+	STILB_ASSERT(function);
+	if (!build_goes_on(build) || !build_accept(build, scene_check_function(function, build->functions.count)))
+		return 0;
+	stilb_scene_function *room = build_room(build, &build->functions, 1, sizeof *room, "surface function");
+	if (!room)
+		return 0;
+	if (stilb_scene_function_copy(function, &copy) != STILB_OK) {
+		build_no_memory(build, "surface function");
+		return 0;
+	}
+	*room = copy;
+	return build->functions.count++;
+}
+
 uint32_t stilb_scene_build_surface(stilb_scene_build *build, const stilb_scene_surface *surface)
 {
 	STILB_ASSERT(surface);
 	if (!build_goes_on(build) ||
-	    !build_accept(build, scene_check_surface(surface, build->textures.count, build->surfaces.count)))
+	    !build_accept(
+			build, scene_check_surface(surface, build->textures.count, build->functions.count, build->surfaces.count)))
 		return 0;
 	return build_add(build, &build->surfaces, surface, sizeof *surface, "surface");
 }
@@ -474,7 +497,7 @@ static void build_fill_mounts(const stilb_scene_build *build, stilb_scene *scene
 	}
 }
 
-/* Moves meshes and textures, copies the rest. */
+/* Moves meshes, textures and functions, copies the rest. */
 static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 {
 	const build_model *models = build->models.items;
@@ -486,6 +509,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 		size_t size;
 	} arrays[] = {{scene->textures, &build->textures, sizeof *scene->textures},
 	              {scene->surfaces, &build->surfaces, sizeof *scene->surfaces},
+	              {scene->functions, &build->functions, sizeof *scene->functions},
 	              {scene->materials, &build->materials, sizeof *scene->materials},
 	              {scene->lights, &build->lights, sizeof *scene->lights}};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
@@ -493,7 +517,7 @@ static void build_fill(stilb_scene_build *build, stilb_scene *scene)
 			memcpy(arrays[i].to, arrays[i].from->items, arrays[i].from->count * arrays[i].size);
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
 		scene->meshes[i] = meshes[i].mesh;
-	build->meshes.count = build->textures.count = 0;
+	build->meshes.count = build->textures.count = build->functions.count = 0;
 	scene->surroundings = build->surroundings;
 	build->surroundings.panorama = (stilb_image){0};
 	build_fill_nodes(build, &scene->nodes);
@@ -538,6 +562,8 @@ static stilb_result build_scene(stilb_scene_build *build, stilb_scene **out)
 		result = scene_add_textures(scene, build->textures.count);
 	if (result == STILB_OK && build->surfaces.count > 0)
 		result = scene_add_surfaces(scene, build->surfaces.count);
+	if (result == STILB_OK && build->functions.count > 0)
+		result = scene_add_functions(scene, build->functions.count);
 	if (result == STILB_OK && build->lights.count > 0)
 		result = scene_add_lights(scene, build->lights.count);
 	if (result == STILB_OK && build->cameras.count > 0)

@@ -49,10 +49,14 @@ stilb_scene_build *stilb_scene_build_begin(void);
  * STILB_SCENE_MAX_LEVELS. */
 uint32_t stilb_scene_build_mesh(stilb_scene_build *build, const stilb_scene_mesh *mesh);
 
-/* Adds a texture: 1..16384 pixels a side, 1..4 channels, any stilb_image_format but blocks. */
+/* Adds a texture: 1..16384 pixels a side, 1..4 channels, any stilb_image_format, with its mip levels. */
 uint32_t stilb_scene_build_texture(stilb_scene_build *build, const stilb_image *image);
 
-/* Adds a surface, with which stilb_scene_surface_mistake finds nothing wrong and whose textures were added. */
+/* Adds a function of surfaces, with which stilb_scene_function_mistake finds nothing wrong. */
+uint32_t stilb_scene_build_function(stilb_scene_build *build, const stilb_scene_function *function);
+
+/* Adds a surface, with which stilb_scene_surface_mistake finds nothing wrong and whose textures and function were
+ * added. */
 uint32_t stilb_scene_build_surface(stilb_scene_build *build, const stilb_scene_surface *surface);
 
 /* Adds a material, each member in the range that stilb_scene_material says, diffuse + specular at most 1 a channel

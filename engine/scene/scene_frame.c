@@ -1,4 +1,5 @@
 /* Cameras that show all of a scene. */
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <float.h>
@@ -100,10 +101,31 @@ static void frame_add_bounds(frame_extent *extent, frame_outline *outline, const
 		}
 }
 
+/* Adds the corners of the boxes of the poses that a clip has (stilb_scene_sweep). */
+static void frame_add_swept(frame_extent *extent, frame_outline *outline, const stilb_scene *scene,
+                            const stilb_mat4 *to_view)
+{
+	const float *m = to_view->m;
+	for (uint32_t i = 0; scene->figures && i < 8 * scene->figures->swept_count; i++) {
+		const play_box *box = &scene->figures->swept[i / 8];
+		float x = i & 1 ? box->high[0] : box->low[0], y = i & 2 ? box->high[1] : box->low[1];
+		float z = i & 4 ? box->high[2] : box->low[2];
+		stilb_vec3 at = {0};
+		for (int k = 0; k < 3; k++)
+			at[k] = m[k] * x + m[4 + k] * y + m[8 + k] * z + m[12 + k];
+		at[2] = -at[2];
+		if (extent)
+			frame_add(extent, at);
+		else
+			frame_look(outline, at);
+	}
+}
+
 /* If scene_is_placed_often, the models' bounds stand for their vertices. */
 static void frame_add_scene(frame_extent *extent, frame_outline *outline, const stilb_scene *scene,
                             const stilb_mat4 *to_view)
 {
+	frame_add_swept(extent, outline, scene, to_view);
 	if (scene_is_placed_often(scene)) {
 		frame_add_bounds(extent, outline, scene, to_view);
 		return;

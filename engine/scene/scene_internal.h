@@ -12,6 +12,7 @@ stilb_result scene_create(uint32_t model_count, uint32_t part_count, uint32_t me
 /* Arrays for textures, surfaces, cameras and lights in a scene that has none yet, all zeros. STILB_ERROR_MEMORY. */
 stilb_result scene_add_textures(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_surfaces(stilb_scene *scene, uint32_t count);
+stilb_result scene_add_functions(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
 
 /* Room for the names of the scene's models and materials, all "", unless they are more than SCENE_NAMES: it has none

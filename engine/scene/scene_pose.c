@@ -1,5 +1,5 @@
 /* Translation, rotation and scale, and the matrices that they make. */
-#include "scene/scene.h"
+#include "scene/scene_pose.h"
 
 #include <math.h>
 
@@ -11,15 +11,8 @@ stilb_scene_pose stilb_scene_pose_identity(void)
 stilb_mat4 stilb_scene_pose_matrix(const stilb_scene_pose *pose)
 {
 	STILB_ASSERT(pose);
-	const float *t = pose->translation, *q = pose->rotation, *s = pose->scale;
-	float x = q[0], y = q[1], z = q[2], w = q[3];
-	stilb_mat4 matrix = {.m = {[12] = t[0], [13] = t[1], [14] = t[2], [15] = 1.0f}};
-	const float axes[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-	                          {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-	                          {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}};
-	for (int column = 0; column < 3; column++)
-		for (int row = 0; row < 3; row++)
-			matrix.m[4 * column + row] = axes[column][row] * s[column];
+	stilb_mat4 matrix;
+	scene_pose_matrix(pose, &matrix);
 	return matrix;
 }
 

@@ -79,5 +79,7 @@ const char *stilb_scene_surface_mistake(const stilb_scene_surface *surface)
 		return "its cutoff or its thickness is negative or not finite";
 	if (!(s->attenuation_distance > 0.0f) || !scene_is_within(s->attenuation, 3, FLT_MIN, 1.0f))
 		return "its attenuation is not in 0..1, or has no distance";
+	if (!scene_is_within(s->parameters[0], STILB_SCENE_PARAMETERS * 4, -FLT_MAX, FLT_MAX))
+		return "a parameter of its function is not finite";
 	return NULL;
 }

@@ -16,6 +16,7 @@
 #define STILB_SCENE_SURFACE_H
 
 #include "base/base.h"
+#include "scene/function/scene_function.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -104,6 +105,10 @@ typedef struct stilb_scene_surface {
 	float thickness;            /* metres in the mesh's space, >= 0; 0: a thin wall, at which light does not turn */
 	float attenuation[3];       /* what is left of light after attenuation_distance inside, (0, 1] */
 	float attenuation_distance; /* metres, > 0; INFINITY: nothing is absorbed */
+	/* Frames alone have what follows. The program's own function, which changes what all of the above says, and what it
+	 * is given (scene_function.h). */
+	uint32_t function; /* 1 + the index in stilb_scene.functions; 0: there is none */
+	float parameters[STILB_SCENE_PARAMETERS][4];
 } stilb_scene_surface;
 
 /* A rough white dielectric without maps: each member is what glTF says where a file says nothing, but for metalness 0;
@@ -116,7 +121,8 @@ extern const char *const stilb_scene_map_names[];
 /* True if the kind's texture is of colours in surfaces of this workflow. [any-thread] */
 bool stilb_scene_map_is_color(stilb_scene_map_kind kind, stilb_scene_workflow workflow);
 
-/* What is wrong with a surface's members, in words; NULL: nothing. Does not look at textures. [any-thread] */
+/* What is wrong with a surface's members, in words; NULL: nothing. Does not look at textures and functions.
+ * [any-thread] */
 const char *stilb_scene_surface_mistake(const stilb_scene_surface *surface);
 
 #pragma GCC visibility pop

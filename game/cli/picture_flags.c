@@ -137,6 +137,17 @@ static void picture_add_place(picture_flags *p, flag_rows *table)
 	flag_rows_add(table, place, sizeof place / sizeof *place);
 }
 
+static void picture_add_pose(picture_flags *p, flag_rows *table)
+{
+	const flag pose[] = {
+		{"--animation", FLAG_TEXT, &p->animation, "NAME|N|none",
+	     "a clip of the file that plays, see 'stilb info SCENE' (the first, which stands still without a window)", 0, 0,
+	     NULL},
+		{"--at", FLAG_AMOUNT, &p->at, "S", "seconds in that clip at the start (0)", 0, 1000000, NULL},
+	};
+	flag_rows_add(table, pose, sizeof pose / sizeof *pose);
+}
+
 static void picture_add_look(picture_flags *p, flag_rows *table)
 {
 	const flag look[] = {
@@ -165,6 +176,8 @@ void picture_flags_add(picture_flags *picture, picture_flags_group group, flag_r
 	STILB_ASSERT((unsigned)group <= PICTURE_ADDED);
 	picture_add_drawing(picture, group, table);
 	picture_add_shading(picture, group, table);
+	if (group == PICTURE_POSE)
+		picture_add_pose(picture, table);
 	if (group == PICTURE_PLACE)
 		picture_add_place(picture, table);
 	if (group == PICTURE_LOOK)
@@ -538,6 +551,46 @@ stilb_result picture_flags_expose(const picture_flags *p, stilb_scene *scene, bo
 	stilb_result result = picture_expose(p, scene, metered);
 	picture_color_background(p, scene);
 	return result;
+}
+
+/* The clips of a scene as a list of names, cut to fit. */
+static void picture_list_clips(const stilb_scene *scene, char *text, size_t size)
+{
+	size_t used = 0;
+	text[0] = '\0';
+	for (uint32_t c = 0; c < scene->animation->clip_count && used < size; c++)
+		used += (size_t)snprintf(text + used, size - used, "%s%s", c > 0 ? ", " : "", scene->animation->clips[c].name);
+}
+
+stilb_result picture_flags_pose(const picture_flags *p, stilb_scene *scene)
+{
+	char names[512];
+	uint32_t count = scene->animation && scene->figures ? scene->animation->clip_count : 0, clip = 0;
+	if (count == 0)
+		return !p->animation || strcmp(p->animation, "none") == 0
+		           ? STILB_OK
+		           : stilb_fail(STILB_ERROR_ARGUMENT, "--animation: the scene has no animation '%s', and no other",
+		                        p->animation);
+	if (p->animation) {
+		clip = stilb_scene_find_clip(scene, p->animation);
+		if (clip == STILB_SCENE_NONE && strcmp(p->animation, "none") == 0)
+			return STILB_OK;
+	}
+	if (clip == STILB_SCENE_NONE) {
+		picture_list_clips(scene, names, sizeof names);
+		return stilb_fail(STILB_ERROR_ARGUMENT, "--animation: there is no '%s'; the scene has %u: %s", p->animation,
+		                  count, names);
+	}
+	stilb_scene_play play = stilb_scene_play_make(clip);
+	play.time = (double)p->at;
+	stilb_result result = scene->framed ? stilb_scene_sweep(scene, clip) : STILB_OK;
+	if (result == STILB_OK)
+		result = stilb_scene_set_plays(scene, 0, &play, 1);
+	if (result != STILB_OK)
+		return result;
+	stilb_scene_advance(scene, 0.0, NULL, 0);
+	stilb_scene_update_nodes(scene, NULL, 0);
+	return STILB_OK;
 }
 
 stilb_result picture_flags_variant(const picture_flags *p, stilb_scene *scene)

@@ -33,8 +33,9 @@ typedef struct picture_flags {
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
 	float roughness, anisotropy, wrap, specular; /* added to each material's value; NaN: the chosen BRDF's default */
 	bool validate, allow_outside, quiet;
-	const char *gpu, *environment, *camera, *exposure, *variant, *background; /* NULL if not given */
-	int studio;                                                               /* a picture_studio */
+	const char *gpu, *environment, *camera, *exposure, *variant, *background, *animation; /* NULL if not given */
+	float at;                      /* seconds in the clip of --animation */
+	int studio;                    /* a picture_studio */
 	int tone;                      /* a SHADE_TONE_..., or PICTURE_NOT_GIVEN: the scene's */
 	int detail;                    /* stilb_render_detail_mode */
 	const char *show, *show_range; /* NULL if not given */
@@ -47,6 +48,7 @@ typedef enum picture_flags_group {
 	PICTURE_SAMPLES,  /* --msaa, --max-anisotropy, --specular-aa */
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
 	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
+	PICTURE_POSE,     /* --animation, --at: what of a file's scene plays */
 	PICTURE_PLACE,    /* --camera, --environment, --variant, --allow-outside, --quiet: a file's scene, and its camera */
 	PICTURE_LOOK,     /* --exposure, --studio, --background: how the picture shows the scene */
 	PICTURE_TONE,     /* --tone */
@@ -117,6 +119,11 @@ stilb_result picture_flags_expose(const picture_flags *picture, stilb_scene *sce
 
 /* Sets the tone map of the scene's cameras to that of --tone, if it is given; picture_flags_expose does so, too. */
 void picture_flags_tone(const picture_flags *picture, stilb_scene *scene);
+
+/* Plays the clip of --animation, or else the first one, from the time of --at on: the scene has its pose then. Call it
+ * before what depends on where things are. STILB_ERROR_ARGUMENT: the scene has no such clip; the message lists those
+ * that there are. STILB_ERROR_MEMORY. */
+stilb_result picture_flags_pose(const picture_flags *picture, stilb_scene *scene);
 
 /* Shows the variant of --variant. STILB_ERROR_ARGUMENT: the scene has none of this name; STILB_ERROR_MEMORY. */
 stilb_result picture_flags_variant(const picture_flags *picture, stilb_scene *scene);

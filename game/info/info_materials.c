@@ -18,13 +18,15 @@
 	X("unlit", "yes", "yes")                                                                                           \
 	X("two uv, transforms, wrapping, hard texels", "yes", "yes")                                                       \
 	X("textures of 16 bits and halves", "yes", "yes")                                                                  \
+	X("compressed textures: DDS with BC1, BC3, BC4, BC5, BC7", "yes", "yes: decoded")                                  \
 	X("clear coat: factors, textures", "yes", "yes")                                                                   \
 	X("sheen: factors, textures", "yes; under a panorama by the light about its lobe's middle", "yes")                 \
 	X("transmission: thin walls, smooth and rough, tinted", "yes, but not through one another", "yes")                 \
 	X("volume: refraction, absorption", "once, by the thickness",                                                      \
 	  "by the way inside; thickness only says that there is one")                                                      \
 	X("anisotropy: strength, rotation, texture", "of GGX", "of GGX")                                                   \
-	X("iridescence, dispersion", "no", "no")
+	X("iridescence, dispersion", "no", "no")                                                                           \
+	X("a function of the program's own", "yes", "no: they say so, by its name")
 
 void info_print_materials(FILE *out)
 {

@@ -70,7 +70,7 @@ static info_contents info_count(const stilb_scene *scene, double seconds)
 		c.emitting += info_shines(scene->materials[scene->part_material[p]].emission) ? triangles : 0;
 	}
 	for (uint32_t i = 0; i < scene->texture_count; i++)
-		c.bytes += stilb_image_size(&scene->textures[i]);
+		c.bytes += stilb_image_levels_size(&scene->textures[i]);
 	c.hidden = c.emitting;
 	for (uint32_t i = 0; i < scene->light_count; i++) {
 		const stilb_scene_light *light = &scene->lights[i];
@@ -87,10 +87,36 @@ static const char *info_s(uint64_t count)
 	return count == 1 ? "" : "s";
 }
 
-/* The bits of a channel. */
+/* The bits of a channel; of blocks those of their texels. */
 static int info_bits(const stilb_image *image)
 {
-	return (int)(stilb_image_size(image) * 8 / ((uint64_t)image->width * image->height * image->channels));
+	stilb_image texel = *image;
+	texel.width = texel.height = 1;
+	texel.format = stilb_image_decoded_format(image->format);
+	return (int)(stilb_image_size(&texel) * 8 / image->channels);
+}
+
+/* The kind of blocks that a picture is made of; NULL: of none. */
+static const char *info_blocks(const stilb_image *image)
+{
+	static const char *const names[STILB_IMAGE_FORMAT_COUNT] = {
+		[STILB_IMAGE_BC1_SRGB] = "BC1",   [STILB_IMAGE_BC1_LINEAR] = "BC1", [STILB_IMAGE_BC3_SRGB] = "BC3",
+		[STILB_IMAGE_BC3_LINEAR] = "BC3", [STILB_IMAGE_BC4_LINEAR] = "BC4", [STILB_IMAGE_BC5_LINEAR] = "BC5",
+		[STILB_IMAGE_BC7_SRGB] = "BC7",   [STILB_IMAGE_BC7_LINEAR] = "BC7"};
+	return names[image->format];
+}
+
+static void info_print_texture(FILE *out, const stilb_image *image, uint32_t id)
+{
+	const char *blocks = info_blocks(image);
+	uint32_t levels = stilb_image_level_count(image);
+	fprintf(out, "    texture %u: %ux%u, %u channel%s of %d bits", id, image->width, image->height, image->channels,
+	        info_s(image->channels), info_bits(image));
+	if (blocks)
+		fprintf(out, " in blocks of %s", blocks);
+	if (levels > 1)
+		fprintf(out, ", %u mips", levels);
+	fprintf(out, "\n");
 }
 
 /* How many of these hang on nodes; mounts: NULL, or [count]. */
@@ -175,7 +201,7 @@ static void info_print_animation(FILE *out, const stilb_scene_animation *a)
 		morphed += a->deforms[d].targets > 0;
 		targets += a->deforms[d].targets;
 	}
-	const char *comma = "  kept, and not played yet: ";
+	const char *comma = "  ";
 	if (a->clip_count > 0)
 		fprintf(out, "%s%u animation%s", comma, a->clip_count, info_s(a->clip_count));
 	comma = a->clip_count > 0 ? ", " : comma;
@@ -213,9 +239,7 @@ static void info_print_scene(FILE *out, const char *name, const info_contents *c
 	fprintf(out, "  %u material%s, %u texture%s\n", scene->material_count, info_s(scene->material_count),
 	        scene->texture_count, info_s(scene->texture_count));
 	for (uint32_t i = 0; i < scene->texture_count; i++)
-		fprintf(out, "    texture %u: %ux%u, %u channel%s of %d bits\n", i, scene->textures[i].width,
-		        scene->textures[i].height, scene->textures[i].channels, info_s(scene->textures[i].channels),
-		        info_bits(&scene->textures[i]));
+		info_print_texture(out, &scene->textures[i], i);
 	info_print_variants(out, scene->variants);
 	info_print_animation(out, scene->animation);
 	info_print_lights(out, c);
@@ -254,6 +278,9 @@ static void info_json_textures(stilb_json *json, const stilb_scene *scene)
 		stilb_json_int(json, "height", scene->textures[i].height);
 		stilb_json_int(json, "channels", scene->textures[i].channels);
 		stilb_json_int(json, "bits", info_bits(&scene->textures[i]));
+		stilb_json_int(json, "mips", stilb_image_level_count(&scene->textures[i]));
+		if (info_blocks(&scene->textures[i]))
+			stilb_json_string(json, "blocks", info_blocks(&scene->textures[i]));
 		stilb_json_end(json, '}');
 	}
 	stilb_json_end(json, ']');

@@ -80,6 +80,8 @@ static void live_add_windows(live_options *o, flag_rows *table)
 	     NULL},
 		{"--inspector", FLAG_SWITCH, &o->inspector, NULL, "show the materials from the start, also in saved pictures",
 	     0, 0, NULL},
+		{"--clips", FLAG_SWITCH, &o->clips, NULL, "show the animation's window from the start, also in saved pictures",
+	     0, 0, NULL},
 		{"--keys", FLAG_SWITCH, &o->keys, NULL, "show the list of keys from the start, also in saved pictures", 0, 0,
 	     NULL},
 		{"--times", FLAG_SWITCH, &o->times, NULL, "show frame rate and time, also in the picture of --screenshot", 0, 0,
@@ -419,6 +421,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.control.sensitivity[2] = desc.control.sensitivity[3] = o->sensitivity;
 	desc.overlay = o->overlay;
 	desc.inspector = o->inspector;
+	desc.clips = o->clips;
 	desc.keys = o->keys;
 	desc.hint = !o->screenshot; /* which saves the last frame as the window shows it */
 	desc.times = o->times || (desc.window && !o->screenshot);

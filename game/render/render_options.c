@@ -57,6 +57,8 @@ static offline_options options_default(void)
 		.overture = s.cache.overture,
 		.picture = picture_flags_default(),
 		.checkpoint_s = 60.0f,
+		.fps = 30.0f,
+		.moments = 16,
 	};
 }
 
@@ -178,7 +180,8 @@ static void options_complete(offline_options *o, const flag *flags, size_t count
 	if (o->cache == RENDER_NOT_GIVEN)
 		o->cache = o->overture ? STILB_GI_CACHE_FROZEN : STILB_GI_CACHE_LIVE;
 	const char *extension = ".checkpoint";
-	if (o->output && strlen(o->output) + strlen(extension) < sizeof o->checkpoint)
+	bool moves = o->frames || o->shutter > 0.0f; /* a checkpoint is of one pose */
+	if (!moves && o->output && strlen(o->output) + strlen(extension) < sizeof o->checkpoint)
 		snprintf(o->checkpoint, sizeof o->checkpoint, "%s%s", o->output, extension);
 }
 
@@ -214,6 +217,14 @@ static void options_table(offline_options *o, flag_rows *table)
 		{"--focus", FLAG_AMOUNT, &o->focus, "D", "distance of the plane in focus, metres, with --aperture", 0, 1000000,
 	     NULL},
 		{"--blades", FLAG_NUMBER, &o->blades, "N", "corners of the aperture, 3..16; 0: a circle (0)", 0, 16, NULL},
+	};
+	const flag motion[] = {
+		{"--frames", FLAG_TEXT, &o->frames, "A..B",
+	     "pictures of the frames A to B of --animation, FILE-0000.png and so on, frame 0 at --at", 0, 0, NULL},
+		{"--fps", FLAG_AMOUNT, &o->fps, "N", "frames a second (30)", 0, 10000, NULL},
+		{"--shutter", FLAG_AMOUNT, &o->shutter, "X",
+	     "share of a frame's time, from its beginning, in which what moves is blurred, 0..1 (0)", 0, 1, NULL},
+		{"--moments", FLAG_NUMBER, &o->moments, "N", "poses of which the blur is made, 2..32 (16)", 2, 32, NULL},
 	};
 	const flag lit[] = {{"The light", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL}};
 	const flag light[] = {
@@ -270,6 +281,8 @@ static void options_table(offline_options *o, flag_rows *table)
 	rays_flags_add(&o->light, RAYS_INTEGRATOR, table);
 	flag_rows_add(table, picture, sizeof picture / sizeof *picture);
 	picture_flags_add(&o->picture, PICTURE_PLACE, table);
+	picture_flags_add(&o->picture, PICTURE_POSE, table);
+	flag_rows_add(table, motion, sizeof motion / sizeof *motion);
 	picture_flags_add(&o->picture, PICTURE_LOOK, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, lens, sizeof lens / sizeof *lens);
@@ -277,6 +290,23 @@ static void options_table(offline_options *o, flag_rows *table)
 	flag_rows_add(table, lit, 1);
 	rays_flags_add(&o->light, RAYS_SHADOWS, table);
 	flag_rows_add(table, light, sizeof light / sizeof *light);
+}
+
+#define RENDER_MOST_FRAMES 100000u
+
+/* Reads --frames. Returns false after a line if it is no range. */
+static bool options_frames(offline_options *o)
+{
+	int end = 0;
+	if (!o->frames)
+		return true;
+	bool good = sscanf(o->frames, "%" SCNu32 "..%" SCNu32 "%n", &o->frame_first, &o->frame_last, &end) == 2 &&
+	            o->frames[end] == '\0' && !strchr(o->frames, '-');
+	if (good && o->frame_first <= o->frame_last && o->frame_last < RENDER_MOST_FRAMES)
+		return true;
+	stilb_log("--frames: '%s' is no A..B; give two numbers in 0..%u, the smaller one first, as 0..29", o->frames,
+	          RENDER_MOST_FRAMES - 1);
+	return false;
 }
 
 flags_result offline_options_parse(offline_options *o, int argc, char **argv)
@@ -292,6 +322,8 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 	if (result != FLAGS_OK)
 		return result;
 	if (!options_show(o, flags, count, argc, argv))
+		return FLAGS_REFUSED;
+	if (!options_frames(o))
 		return FLAGS_REFUSED;
 	options_complete(o, flags, count, argc, argv);
 	options_say_unused(o, flags, count, argc, argv);
@@ -381,6 +413,27 @@ static bool options_lens_check(const offline_options *o)
 	return false;
 }
 
+static bool options_motion_check(const offline_options *o)
+{
+	bool moves = o->frames || o->shutter > 0.0f;
+	if (moves && (o->seconds > 0.0f || o->error > 0.0f))
+		stilb_log("--time and --error end one picture; with --frames and --shutter give --spp alone");
+	else if (moves && o->light.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
+		stilb_log("the irradiance cache is of one pose; with --frames and --shutter give --integrator path");
+	else if (moves && o->resume)
+		stilb_log("--resume continues one picture of one pose; leave out --frames and --shutter");
+	else if (o->frames && (!o->output || stilb_file_is_stdout(o->output)))
+		stilb_log("--frames needs -o FILE.png, whose name the pictures get with their numbers");
+	else if (moves && !(o->fps > 0.0f))
+		stilb_log("--fps: frames need some of them a second; give 0.001..10000");
+	else if (o->shutter > 0.0f && o->samples < o->moments)
+		stilb_log("--moments: %u poses need as many samples a pixel; --spp is %u", (unsigned)o->moments,
+		          (unsigned)o->samples);
+	else
+		return true;
+	return false;
+}
+
 bool offline_options_check(const offline_options *o)
 {
 	if (!o->scene) {
@@ -405,7 +458,8 @@ bool offline_options_check(const offline_options *o)
 		stilb_log("--background transparent: a .hdr has no alpha; give -o a .png or an .exr");
 		return false;
 	}
-	return picture_flags_check(&o->picture) && options_lens_check(o) && options_files_check(o);
+	return picture_flags_check(&o->picture) && options_lens_check(o) && options_motion_check(o) &&
+	       options_files_check(o);
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */

@@ -30,7 +30,11 @@ typedef struct offline_options {
 	uint32_t size[2], workers;
 	int sampler, filter, isa, only, fireflies, ao, cache, cache_radius;
 	int gradients, overture;
-	int show; /* stilb_scene_surface_channel, or RENDER_NOT_GIVEN */
+	const char *frames; /* of --frames, "A..B"; NULL: one picture */
+	uint32_t frame_first, frame_last;
+	float fps, shutter; /* frames a second; share of a frame's time that its picture shows */
+	uint64_t moments;   /* poses in it */
+	int show;           /* stilb_scene_surface_channel, or RENDER_NOT_GIVEN */
 	picture_flags picture;
 	rays_flags light;
 	bool preview, resume, dry_run, force, show_records;

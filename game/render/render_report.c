@@ -210,7 +210,10 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	fprintf(out, "%s rays in %.2f s: %s rays/s\n", rays, progress->seconds, rate);
 	if (result->metered)
 		fprintf(out, "exposure: %.2f EV, metered\n", (double)s->exposure);
-	if (result->saved)
+	if (o->frames)
+		fprintf(out, "%" PRIu32 " of %" PRIu32 " pictures were written\n", result->frames,
+		        o->frame_last - o->frame_first + 1);
+	else if (result->saved)
 		fprintf(out, "picture: %s\n", o->output);
 	if (result->stopped && result->checkpointed)
 		fprintf(out, "stopped at %.0f %%; the same command with --resume continues it\n", 100.0 * progress->done);

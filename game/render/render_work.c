@@ -41,7 +41,8 @@ typedef struct work_pieces {
 	stilb_scene *scene;
 	stilb_gi_scene *gi_scene;
 	stilb_gi_render *render;
-	bool warned; /* printed that a checkpoint could not be written */
+	bool warned;  /* printed that a checkpoint could not be written */
+	char *output; /* the picture's file; NULL: none */
 } work_pieces;
 
 static double work_seconds_since(uint64_t start)
@@ -54,7 +55,7 @@ static double work_seconds_since(uint64_t start)
 static void work_enter(offline_work *work, offline_stage stage)
 {
 	pthread_mutex_lock(&work->lock);
-	STILB_ASSERT(stage >= work->stage && "the stages follow one another");
+	STILB_ASSERT((stage >= work->stage || work->options->frames) && "the stages follow one another");
 	work->stage = stage;
 	pthread_mutex_unlock(&work->lock);
 }
@@ -173,6 +174,7 @@ static bool work_open(work_pieces *p)
 	                                 .dark = true,
 	                                 .import_bytes = &p->result->import_bytes};
 	if (!work_good(p, stilb_scene_open_with(p->options->scene, &open, &p->scene)) ||
+	    !work_good(p, picture_flags_pose(&p->options->picture, p->scene)) ||
 	    !work_good(p, picture_flags_surroundings(&p->options->picture, p->options->scene, p->scene)) ||
 	    !work_good(p, picture_flags_variant(&p->options->picture, p->scene)))
 		return false;
@@ -184,13 +186,36 @@ static bool work_open(work_pieces *p)
 	return true;
 }
 
+static stilb_gi_scene_desc work_scene_desc(const work_pieces *p)
+{
+	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(p->pool);
+	desc.isa = (stilb_gi_isa)p->options->isa;
+	return desc;
+}
+
+/* Gives the scene the pose of a time after that of --at, and makes it ready for rays. */
+static bool work_pose(work_pieces *p, double seconds)
+{
+	uint32_t count;
+	const stilb_scene_play *playing = stilb_scene_plays_of(p->scene, 0, &count);
+	if (count == 0)
+		return true;
+	stilb_scene_play play = *playing;
+	stilb_gi_scene_desc desc = work_scene_desc(p);
+	play.time = (double)p->options->picture.at + seconds;
+	if (!work_good(p, stilb_scene_set_plays(p->scene, 0, &play, 1)))
+		return false;
+	stilb_scene_advance(p->scene, 0.0, p->pool, 0);
+	stilb_scene_update_nodes(p->scene, p->pool, 0);
+	return work_good(p, stilb_gi_scene_update(p->gi_scene, p->scene, &desc));
+}
+
 static bool work_build(work_pieces *p)
 {
 	PROFILE("prepare the scene");
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_BUILDING);
-	stilb_gi_scene_desc desc = stilb_gi_scene_desc_default(p->pool);
-	desc.isa = (stilb_gi_isa)p->options->isa;
+	stilb_gi_scene_desc desc = work_scene_desc(p);
 	if (!work_good(p, stilb_gi_scene_create(p->scene, &desc, &p->gi_scene)))
 		return false;
 	p->result->scene = *stilb_gi_scene_info_of(p->gi_scene);
@@ -259,6 +284,25 @@ static void work_render(work_pieces *p)
 	p->result->stopped = !p->result->progress.finished;
 }
 
+/* Renders the frame that begins at `seconds`, sharp or blurred. False: it failed, or the work is stopped. */
+static bool work_render_frame(work_pieces *p, double seconds)
+{
+	const offline_options *o = p->options;
+	uint32_t moments = o->shutter > 0.0f ? (uint32_t)o->moments : 1;
+	double open_s = (double)o->shutter / (double)o->fps;
+	for (uint32_t m = 0; m < moments; m++) {
+		double at = seconds + open_s * ((double)m + 0.5) / moments;
+		if (moments > 1 && !work_pose(p, at))
+			return false;
+		if (moments > 1)
+			stilb_gi_render_until(p->render, (uint32_t)(o->samples * (m + 1) / moments));
+		work_render(p);
+		if (p->result->code != EXIT_DONE || work_is_stopped(p->work))
+			return false;
+	}
+	return true;
+}
+
 /* Writes the picture. If that fails, or the picture is unfinished, the samples are kept in a checkpoint; a finished
  * picture removes the checkpoint. */
 static void work_save(work_pieces *p)
@@ -267,16 +311,68 @@ static void work_save(work_pieces *p)
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_WRITING);
 	bool picture = p->result->progress.camera_rays > 0;
-	if (p->options->output && picture) {
-		p->result->saved = stilb_gi_render_save(p->render, p->options->output) == STILB_OK;
+	if (p->output && picture) {
+		p->result->saved = stilb_gi_render_save(p->render, p->output) == STILB_OK;
 		if (!p->result->saved)
 			work_fail(p, EXIT_FAILED);
 	}
-	if (picture && (p->result->stopped || (p->options->output && !p->result->saved)))
+	if (picture && (p->result->stopped || (p->output && !p->result->saved)))
 		work_checkpoint(p);
 	else if (p->result->progress.finished && p->options->checkpoint[0])
 		unlink(p->options->checkpoint);
 	p->result->save_s = work_seconds_since(start);
+}
+
+/* The name of a frame's picture: its number before the extension. NULL: no memory. */
+static char *work_frame_name(const char *output, uint32_t frame)
+{
+	const char *slash = strrchr(output, '/'), *dot = strrchr(output, '.');
+	if (!dot || (slash && dot < slash))
+		dot = output + strlen(output);
+	char *name;
+	return asprintf(&name, "%.*s-%04u%s", (int)(dot - output), output, frame, dot) < 0 ? NULL : name;
+}
+
+/* Makes the render of another frame, with the same exposure, from the camera that a node may have moved. */
+static bool work_next_render(work_pieces *p)
+{
+	work_publish(p->work, NULL);
+	stilb_gi_render_destroy(p->render);
+	p->render = NULL;
+	float exposure = p->scene->camera.exposure, aspect = (float)p->options->size[0] / (float)p->options->size[1];
+	if (!p->scene->framed && !work_good(p, picture_flags_place(&p->options->picture, aspect, p->scene)))
+		return false;
+	p->scene->camera.exposure = exposure;
+	p->result->settings = offline_options_settings(p->options, p->scene);
+	return work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render));
+}
+
+/* Renders all frames, each to a file of its own. */
+static void work_frames(work_pieces *p)
+{
+	const offline_options *o = p->options;
+	for (uint32_t frame = o->frame_first; frame <= o->frame_last && !work_is_stopped(p->work); frame++) {
+		double seconds = (double)frame / (double)o->fps;
+		if (!work_pose(p, seconds) || (frame > o->frame_first && !work_next_render(p)))
+			return;
+		free(p->output);
+		p->output = work_frame_name(o->output, frame);
+		if (!p->output) {
+			stilb_fail(STILB_ERROR_MEMORY, "no memory for a name");
+			work_fail(p, EXIT_FAILED);
+			return;
+		}
+		bool whole = work_render_frame(p, seconds);
+		if (!whole)
+			return; /* a frame that was stopped is no picture of the row */
+		work_save(p);
+		if (p->result->code != EXIT_DONE)
+			return;
+		offline_progress_clear();
+		fprintf(offline_message_stream(o), "picture: %s\n", p->output);
+		fflush(offline_message_stream(o));
+		p->result->frames++;
+	}
 }
 
 static void work_trace(work_pieces *p)
@@ -312,9 +408,15 @@ static void *work_main(void *data)
 	stilb_prof_thread_begin("render");
 	stilb_prof_frame_mark();
 	if (work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces)) {
-		work_render(&pieces);
-		work_save(&pieces);
+		pieces.output = work->options->output ? strdup(work->options->output) : NULL;
+		if (work->options->frames) {
+			work_frames(&pieces);
+		} else {
+			work_render_frame(&pieces, 0.0);
+			work_save(&pieces);
+		}
 	}
+	free(pieces.output);
 	stilb_prof_frame_mark();
 	if (work->options->trace && pieces.render)
 		work_trace(&pieces);

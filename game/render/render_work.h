@@ -35,6 +35,7 @@ typedef struct offline_result {
 	char message[512];              /* the error, if code is not 0 */
 	bool prepared;                  /* the scene could be built; else settings, scene and progress are {0} */
 	bool stopped;                   /* the render ended before it was finished */
+	uint32_t frames;                /* pictures of --frames that were written */
 	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
 	uint32_t workers;               /* threads that rendered */
 	double open_s, build_s, save_s; /* seconds of the stages */

@@ -248,6 +248,8 @@ static stilb_result view_start(void *user, live_run *run)
 	view *v = user;
 	v->run = run;
 	run->starting = true;
+	bool plays = run->window || v->options.picture.animation; /* pictures show the clip where --at has it */
+	stilb_engine_set_pace(run->engine, plays ? 1.0f : 0.0f);
 	stilb_result result = view_open(v, v->name, false);
 	if (result != STILB_OK || run->window)
 		return result;
@@ -430,6 +432,7 @@ int view_command(int argc, char **argv)
 	};
 	flag_rows_add(&own, title, 1);
 	picture_flags_add(&v.options.picture, PICTURE_PLACE, &own);
+	picture_flags_add(&v.options.picture, PICTURE_POSE, &own);
 	picture_flags_add(&v.options.picture, PICTURE_LOOK, &own);
 	flag_rows_add(&own, rows, sizeof rows / sizeof *rows);
 	view_rays_add(&v.rays, &own);

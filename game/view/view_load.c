@@ -89,6 +89,8 @@ static void *load_run(void *data)
 	                                    .import_bytes = &load->cost.import_bytes};
 	load->result = stilb_scene_open_with(load->name, &options, &load->scene);
 	if (load->result == STILB_OK)
+		load->result = picture_flags_pose(load->picture, load->scene);
+	if (load->result == STILB_OK)
 		load->result = picture_flags_surroundings(load->picture, load->name, load->scene);
 	if (load->result == STILB_OK && load->picture->detail != STILB_RENDER_DETAIL_OFF)
 		load_detail(load);

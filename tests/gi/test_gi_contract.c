@@ -241,7 +241,7 @@ static void surfaces(void **state)
 	gi_glow same = {.maps = {.surface = NULL}};
 	stilb_image blocks = {4, 4, 4, STILB_IMAGE_BC7_SRGB, block, 0}, wide = {1, 1, 5, STILB_IMAGE_U8_SRGB, block, 0};
 	gi_crossing nowhere = {.part = fixture.gi->part_count};
-	contract_breaks("scenes have no textures of blocks", gi_texture_at(&blocks, (stilb_vec2){0})[0] > 0.0f);
+	contract_breaks("blocks were decoded", gi_texture_at(&blocks, (stilb_vec2){0})[0] > 0.0f);
 	contract_breaks("image->channels <= 4", gi_texture_at(&wide, (stilb_vec2){0})[0] > 0.0f);
 	contract_breaks("gi_maps_have(maps, kind)", gi_maps_normal(&maps, STILB_SCENE_MAP_NORMAL, 1.0f, &place)[0] > 0.0f);
 	contract_breaks("glow->maps.surface", gi_glow_at(&same, 0.0f, 0.0f)[0] > 0.0f);

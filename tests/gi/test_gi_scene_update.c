@@ -435,12 +435,143 @@ static void a_build_is_given_up(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* A picture of random blocks, and its texels. */
+static stilb_image blocks_make(stilb_image_format format, uint32_t seed, stilb_image *texels)
+{
+	stilb_image image;
+	uint32_t channels = stilb_image_format_channels(format);
+	assert_int_equal(stilb_image_create_levels(&image, 21, 150, channels, format, 2), STILB_OK);
+	for (uint64_t i = 0; i < stilb_image_levels_size(&image); i++)
+		((uint8_t *)image.pixels)[i] = (uint8_t)(stilb_random_u64(seed, i) >> 7) | (i % 16 ? 0 : 64);
+	assert_int_equal(stilb_image_decode(&image, texels), STILB_OK);
+	return image;
+}
+
+/* Adds pictures of the maps of a surface, as blocks or as texels, and gives it to two materials; a third one shows one
+ * without a surface. */
+static void show_pictures(stilb_scene *scene, bool blocks)
+{
+	static const stilb_image_format formats[4] = {STILB_IMAGE_BC1_SRGB, STILB_IMAGE_BC7_SRGB, STILB_IMAGE_BC5_LINEAR,
+	                                              STILB_IMAGE_BC3_LINEAR};
+	static const stilb_scene_map_kind maps[4] = {STILB_SCENE_MAP_COLOR, STILB_SCENE_MAP_EMISSION,
+	                                             STILB_SCENE_MAP_NORMAL, STILB_SCENE_MAP_REFLECTION};
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	uint32_t id;
+	surface.emission[0] = surface.emission[1] = surface.emission[2] = 2.0f;
+	surface.alpha = STILB_SCENE_MASK; /* BC1 has holes */
+	surface.cutoff = 0.5f;
+	for (uint32_t i = 0; i < 4; i++) {
+		stilb_image texels, image = blocks_make(formats[i], i, &texels);
+		assert_int_equal(stilb_scene_add_texture(scene, blocks ? &image : &texels, &id), STILB_OK);
+		surface.maps[maps[i]].texture = 1 + id;
+		stilb_image_finish(&image);
+		stilb_image_finish(&texels);
+	}
+	assert_int_equal(stilb_scene_add_surface(scene, &surface, &id), STILB_OK);
+	for (uint32_t m = 0; m < 3; m++) {
+		stilb_scene_material material = scene->materials[m];
+		material.surface = m < 2 ? 1 + id : 0;
+		material.diffuse_texture = m < 2 ? 0 : 1;
+		assert_int_equal(stilb_scene_set_material(scene, m, &material), STILB_OK);
+	}
+}
+
+/* Rays see blocks as their texels, to the last bit, also when they are others later. */
+static void blocks_are_as_their_texels(void **state)
+{
+	(void)state;
+	stilb_scene *scenes[2] = {world_of_models(), world_of_models()};
+	stilb_gi_scene_desc desc = {.pool = pool, .intersector = &stilb_gi_embree};
+	stilb_gi_scene *gi[2];
+	uint64_t first = 0;
+	for (int i = 0; i < 2; i++) {
+		show_pictures(scenes[i], i == 0);
+		assert_int_equal(stilb_gi_scene_create(scenes[i], &desc, &gi[i]), STILB_OK);
+	}
+	for (int step = 0; step < 3; step++) {
+		assert_int_equal(stilb_gi_scene_info_of(gi[0])->lights, stilb_gi_scene_info_of(gi[1])->lights);
+		assert_int_equal(gi_scene_hash(gi[0]), gi_scene_hash(gi[1]));
+		uint64_t hash = picture_of(gi[0], scenes[0]);
+		assert_int_equal(hash, picture_of(gi[1], scenes[1]));
+		assert_true(hash != first);
+		first = hash;
+		stilb_image texels, image = blocks_make(step ? STILB_IMAGE_BC4_LINEAR : STILB_IMAGE_BC3_SRGB, 9, &texels);
+		for (int i = 0; i < 2; i++) {
+			assert_int_equal(stilb_scene_set_texture(scenes[i], 0, i ? &texels : &image), STILB_OK);
+			assert_int_equal(stilb_gi_scene_update(gi[i], scenes[i], &desc), STILB_OK);
+		}
+		stilb_image_finish(&image);
+		stilb_image_finish(&texels);
+	}
+	for (int i = 0; i < 2; i++) {
+		stilb_gi_scene_destroy(gi[i]);
+		stilb_scene_destroy(scenes[i]);
+	}
+}
+
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
+
+static char told[512];
+
+static void told_add(void *user, const char *line)
+{
+	(void)user;
+	strncat(told, line, sizeof told - strlen(told) - 1);
+	strncat(told, "|", sizeof told - strlen(told) - 1);
+}
+
+/* Rays leave the functions of surfaces out, and say so once for each, also when the scene is made ready anew. Their
+ * parameters change nothing that rays see. */
+static void functions_are_told_once(void **state)
+{
+	(void)state;
+	static const char *const names[] = {"stripes", "rust"};
+	stilb_scene *scene = world_of_models();
+	scene->functions = calloc(2, sizeof *scene->functions);
+	assert_non_null(scene->functions);
+	scene->function_count = 2;
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	for (uint32_t f = 0; f < 2; f++) {
+		uint32_t id;
+		scene->functions[f].name = names[f];
+		assert_int_equal(stilb_scene_add_surface(scene, &surface, &id), STILB_OK);
+		stilb_scene_material material = scene->materials[f];
+		material.surface = 1 + id;
+		assert_int_equal(stilb_scene_set_material(scene, f, &material), STILB_OK);
+	}
+	stilb_gi_scene *gi;
+	stilb_gi_scene_desc desc = {.pool = pool, .intersector = &stilb_gi_embree, .movable = true};
+	told[0] = '\0';
+	stilb_log_set(told_add, NULL);
+	assert_int_equal(stilb_gi_scene_create(scene, &desc, &gi), STILB_OK);
+	uint64_t hash = gi_scene_hash(gi), picture = picture_of(gi, scene);
+	assert_string_equal(told, "");
+	for (uint32_t f = 0; f < 2; f++) {
+		scene->surfaces[f].function = 1 + f;
+		scene->surfaces[f].parameters[1][2] = 5.0f;
+	}
+	assert_int_equal(stilb_gi_scene_update(gi, scene, &desc), STILB_OK);
+	assert_string_equal(told, "rays lack the surface function 'stripes': its materials are shown without it|"
+	                          "rays lack the surface function 'rust': its materials are shown without it|");
+	told[0] = '\0';
+	scene->revisions.geometry++; /* all is built anew */
+	scene->surfaces[0].parameters[0][0] = 6.0f;
+	assert_int_equal(stilb_gi_scene_update(gi, scene, &desc), STILB_OK);
+	assert_string_equal(told, "");
+	assert_int_equal(gi_scene_hash(gi), hash);
+	assert_int_equal(picture_of(gi, scene), picture);
+	stilb_log_set(NULL, NULL);
+	stilb_gi_scene_destroy(gi);
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(moved_is_as_made_anew),  cmocka_unit_test(nothing_is_built_for_looks),
-		cmocka_unit_test(all_else_is_built_anew), cmocka_unit_test(movable_sees_the_same),
-		cmocka_unit_test(a_build_is_given_up),
+		cmocka_unit_test(moved_is_as_made_anew),   cmocka_unit_test(nothing_is_built_for_looks),
+		cmocka_unit_test(all_else_is_built_anew),  cmocka_unit_test(movable_sees_the_same),
+		cmocka_unit_test(a_build_is_given_up),     cmocka_unit_test(blocks_are_as_their_texels),
+		cmocka_unit_test(functions_are_told_once),
 	};
 	return cmocka_run_group_tests(tests, pool_begin, pool_end);
 }

@@ -203,7 +203,7 @@ if [ -e "$build/stilb" ]; then
 	has_headers "a place" base.h base_math.h cull.h debug_draw.h engine.h geometry.h geometry_detail.h geometry_horde.h geometry_impostor.h geometry_levels.h gi_render.h gi_scene.h gpu.h gpu_device.h gpu_format.h gpu_plan.h image.h input.h input_actions.h input_camera.h \
 		input_control.h input_pad.h job.h job.hpp job_graph.h job_memory.h job_prof.h job_queue.h job_range.h job_sort.h \
 		job_spsc.h prof.h prof_capture.h prof_diff.h prof_inline.h prof_read.h prof_snapshot.h prof_stats.h prof_trace.h \
-		render.h scene.h scene_animation.h scene_build.h scene_channel.h scene_edit.h scene_impostor.h scene_look.h scene_node.h scene_pick.h scene_streams.h scene_surface.h scene_variant.h shade_model.h \
+		render.h scene.h scene_animation.h scene_build.h scene_channel.h scene_edit.h scene_function.h scene_impostor.h scene_look.h scene_node.h scene_pick.h scene_play.h scene_streams.h scene_surface.h scene_variant.h shade_model.h \
 		ui_draw.h window.h
 	PKG_CONFIG_LIBDIR=$scratch refuses "libpng is not found; on Debian: apt install libpng-dev" scene \
 		-DCMAKE_PREFIX_PATH="$whole"
@@ -218,6 +218,7 @@ if [ -e "$build/stilb" ]; then
 	says "1[5-9][0-9] [5-9][0-9] [5-9][0-9]" middle own_scene.png # the ball's red
 	says "64 lights, 10 frames: many_lights.png" many_lights
 	says "[1-9]* of 300 models drawn as a photograph: own_pass.png" own_pass
+	says "48 frames of a ball that dissolves: own_surface.png" own_surface
 	says "[1-9][0-9][0-9][0-9] lines and parts of letters drawn: own_debug.png" own_debug
 	says "frame 0: 0.[0-9]*W sr^-1 m^-2 in the mean" own_compute
 	says "[1-9]* of 1000 models in frame 60: together.json" together
@@ -237,7 +238,7 @@ if [ -e "$build/stilb" ]; then
 		-DCMAKE_PREFIX_PATH="$whole" -DSTATIC_FIRST=ON
 	rm "$scratch/own_scene.png" "$scratch/together.json"
 	builds_examples
-	for program in own_scene file many_lights raytrace together window own_debug own_pass own_compute; do
+	for program in own_scene file many_lights raytrace together window own_debug own_pass own_compute own_surface; do
 		readelf --dynamic "$scratch/consumer/$program" | grep -q 'NEEDED.*libstilb\.so\.' || { echo "$program is not linked to it"; exit 1; }
 	done
 	says "2 of 2 models drawn: own_scene.png" own_scene

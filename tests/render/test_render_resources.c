@@ -822,7 +822,7 @@ static void pictures_get_four_channels(void **state)
 			stilb_image image = {1, 1, channels, (stilb_image_format)format, pixels, 0};
 			stilb_render_texture texture;
 			assert_int_equal(stilb_render_texture_create(render, &image, &texture), STILB_OK);
-			const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].image;
+			const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].pixels.image;
 			assert_true(got->channels == 4 && got->width == 1 && got->height == 1);
 			assert_int_equal(got->format, srgb ? STILB_IMAGE_F16_LINEAR : image.format);
 			for (int c = 0; c < 4; c++) {
@@ -844,7 +844,12 @@ static void pictures_get_four_channels(void **state)
 	stilb_image blocks = {1, 1, 1, STILB_IMAGE_BC4_LINEAR, block, 0};
 	stilb_render_texture decoded;
 	assert_int_equal(stilb_render_texture_create(render, &blocks, &decoded), STILB_OK);
-	const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].image;
+	const stilb_image *got = &render->resources.uploads[render->resources.upload_count - 1].pixels.image;
+	assert_int_equal(got->format, STILB_IMAGE_BC4_LINEAR);
+	assert_memory_equal(got->pixels, block, 8);
+	render->device->gpu->formats[STILB_GPU_BC4_U] = 0; /* a device without it */
+	assert_int_equal(stilb_render_texture_create(render, &blocks, &decoded), STILB_OK);
+	got = &render->resources.uploads[render->resources.upload_count - 1].pixels.image;
 	assert_int_equal(got->format, STILB_IMAGE_U16_LINEAR);
 	assert_memory_equal(got->pixels, ((uint16_t[]){13107, 13107, 13107, 65535}), 8);
 	blocks.channels = 2;

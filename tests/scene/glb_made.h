@@ -15,9 +15,9 @@
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static unsigned char data[8192]; /* the file's binary part */
+static unsigned char data[1 << 22]; /* the file's binary part */
 static size_t data_size;
-static char views[4096]; /* JSON of its buffer views */
+static char views[1 << 19]; /* JSON of its buffer views */
 
 /* A new file without data. */
 static inline void begin(void)
@@ -31,8 +31,10 @@ static inline void put_with(const void *bytes, size_t size, const char *rest)
 {
 	assert_true(data_size + size + 4 <= sizeof data);
 	memcpy(data + data_size, bytes, size);
-	snprintf(views + strlen(views), sizeof views - strlen(views),
-	         "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}", views[0] ? "," : "", data_size, size, rest);
+	size_t used = strlen(views);
+	int length = snprintf(views + used, sizeof views - used, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu%s}",
+	                      used > 0 ? "," : "", data_size, size, rest);
+	assert_true(length > 0 && (size_t)length < sizeof views - used);
 	data_size = (data_size + size + 3) / 4 * 4;
 }
 

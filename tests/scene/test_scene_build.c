@@ -196,7 +196,7 @@ static void mistakes_in_meshes(void **state)
 	refuses_mesh(0, 1, 0, 3, 3, "mesh 1: index 2 is vertex 3, but it has 3 vertices");
 	refuses_mesh(0, 1, 0, 2, 4, "4 indices are no whole triangles");
 	refuses_mesh(0, 1, 0, 2, 0, "mesh 1: it has no triangles");
-	uint8_t grey[4] = {0};
+	uint8_t grey[8] = {0};
 	stilb_image image = {.width = 2, .height = 2, .channels = 1, .format = STILB_IMAGE_U8_SRGB, .pixels = grey};
 	stilb_scene_build *build = begin();
 	assert_int_equal(stilb_scene_build_texture(build, &image), 0);
@@ -210,8 +210,10 @@ static void mistakes_in_meshes(void **state)
 	assert_refused(build, "texture 0: 1 channels in format 14; there are 1..4 and 0..13");
 	build = begin();
 	image.format = STILB_IMAGE_BC4_LINEAR;
+	assert_int_equal(stilb_scene_build_texture(build, &image), 0); /* a block of eight bytes */
+	image.format = STILB_IMAGE_BC5_LINEAR;
 	stilb_scene_build_texture(build, &image);
-	assert_refused(build, "texture 0: it is made of blocks; decode it");
+	assert_refused(build, "texture 1: 1 channels in blocks that have 2");
 	image.format = STILB_IMAGE_U8_SRGB;
 	build = begin();
 	image.width = 2;

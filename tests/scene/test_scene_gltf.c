@@ -508,6 +508,52 @@ static void clips_skins_and_targets_are_kept(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* What targets add to tangents is kept where it is added to the file's own: those that are made, as without normals,
+ * come out otherwise. */
+static void targets_change_the_tangents_of_the_file(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *attributes, *material;
+		bool kept;
+	} rows[] = {
+		{"\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":4", ",\"material\":0", true},
+		{"\"NORMAL\":1,\"TANGENT\":2,\"TEXCOORD_0\":4", "", false},
+		{"\"NORMAL\":1,\"TEXCOORD_0\":4", ",\"material\":0", false},
+		{"\"TANGENT\":2,\"TEXCOORD_0\":4", ",\"material\":0", false},
+	};
+	static const float up[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1}, tangents[12] = {1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, -1};
+	static const float added[9] = {0, 2, 0, 0, 3, 0, 0, 4, 5};
+	write_picture("leaf.png");
+	begin();
+	put(triangle, sizeof triangle);
+	put(up, sizeof up);
+	put(tangents, sizeof tangents);
+	put(added, sizeof added);
+	put(triangle, 24);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char json[2048];
+		snprintf(json, sizeof json,
+		         NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,%s}%s,"
+		              "\"targets\":[{\"NORMAL\":3},{\"TANGENT\":3}]}]}],\"textures\":[{\"source\":0}],"
+		              "\"images\":[{\"uri\":\"leaf.png\"}],\"materials\":[{\"normalTexture\":{\"index\":0}}],"
+		              "\"accessors\":[" VEC3(0) "," VEC3(1) ",%s," VEC3(3) ",%s]",
+		         rows[i].attributes, rows[i].material, NUMBERS(2, 5126, 3, "VEC4"), NUMBERS(4, 5126, 3, "VEC2"));
+		stilb_scene *scene = open_glb(json);
+		assert_int_equal(scene->animation->deform_count, 1);
+		const stilb_scene_deform *d = scene->animation->deforms;
+		assert_int_equal(d->targets, 2);
+		if (!d->tangents == rows[i].kept)
+			fail_msg("row %zu: tangents are%s kept", i, d->tangents ? "" : " not");
+		if (d->tangents) {
+			assert_numbers(d->tangents, (const float[]){0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 3, 0, 0, 4, 5}, 18);
+			assert_numbers(scene->meshes[0].extras[2].tangent, (const float[]){1, 0, 0, -1}, 4);
+		}
+		stilb_scene_destroy(scene);
+	}
+	remove("leaf.png");
+}
+
 #define MESH_OF(rest) "\"meshes\":[{\"primitives\":[{\"indices\":1," rest "}]}]"
 
 /* What is damaged of it is left out and named with its reason; the rest of the file opens. */
@@ -594,9 +640,7 @@ static void what_is_not_shown_is_named(void **state)
 		"it requires extensions that are not shown, so it looks other than it should: ACME_fur\n",
 		"it uses extensions that are not shown: KHR_materials_dispersion, ACME_fur\n",
 		"its materials have variants: red, green\n",
-		"morph targets are not shown: 1 mesh ('card')\n",
-		"animations are not played: 1 animation ('walk')\n",
-		"skins are shown in their rest pose: 1 skin ('number 0')\n",
+		"animations move nothing of the scene: 1 animation ('walk')\n",
 	};
 	write_picture("leaf.png");
 	begin();
@@ -782,6 +826,7 @@ int main(void)
 		cmocka_unit_test(lights),
 		cmocka_unit_test(lights_and_cameras_hang_on_their_nodes),
 		cmocka_unit_test(clips_skins_and_targets_are_kept),
+		cmocka_unit_test(targets_change_the_tangents_of_the_file),
 		cmocka_unit_test(damaged_motion_is_left_out),
 		cmocka_unit_test(what_is_not_shown_is_named),
 		cmocka_unit_test(damaged_numbers_are_refused),

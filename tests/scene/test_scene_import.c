@@ -350,6 +350,7 @@ static void numbers_that_are_none_go_no_further(void **state)
 	(void)state;
 	static const char path_text[] = "v nan 0 0\nv 1 inf 0\nv 0 1e38 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
 	stilb_scene *scene = open_scene(write_text("numbers.obj", path_text));
+	assert_int_equal(scene->meshes[0].index_count, 3); /* the triangle that lies nowhere is left out */
 	for (uint32_t m = 0; m < scene->model_count; m++)
 		assert_true(scene->bounds.radius[m] < 1e19f && scene->bounds.x[m] < 1e19f); /* and no NaN */
 	for (uint32_t v = 0; v < scene->meshes[0].vertex_count; v++)
@@ -980,6 +981,44 @@ static void textures_keep_their_precision(void **state)
 	}
 }
 
+/* DDS stays blocks with their levels, as colour and as data of the same bytes; what is cut off is told. */
+static void blocks_stay_blocks(void **state)
+{
+	(void)state;
+	unsigned char file[128 + 56] = {'D', 'D', 'S', ' ', 124, 0, 0, 0, 7, 0x10};
+	static const uint32_t sides[3][2] = {{9, 6}, {4, 3}, {2, 1}};
+	file[12] = 6, file[16] = 9, file[28] = 3; /* height, width, levels */
+	file[76] = 32, file[80] = 4;
+	memcpy(file + 84, "DXT1", 4);
+	for (int i = 0; i < 64 - 8; i++)
+		file[128 + i] = (unsigned char)(i * 5);
+	write_text("square.mtl", "newmtl one\nKd 1 1 1\nmap_Kd blocks.dds\nnorm blocks.dds\n");
+	write_bytes("blocks.dds", file, sizeof file); /* 3 x 2 blocks are 48 bytes, and there is none of the others */
+	stilb_scene *scene = open_scene(write_text("square.obj", SQUARE));
+	assert_int_equal(scene->texture_count, 0); /* test_image_dds has the message */
+	assert_three(scene->materials[scene->part_material[0]].diffuse, 1, 0, 1);
+	stilb_scene_destroy(scene);
+	unsigned char whole[128 + 64] = {0};
+	memcpy(whole, file, sizeof file);
+	memset(whole + 128 + 56, 77, 8);
+	write_bytes("blocks.dds", whole, sizeof whole);
+	scene = open_scene(write_text("square.obj", SQUARE));
+	const stilb_scene_surface *s = &scene->surfaces[scene->materials[scene->part_material[0]].surface - 1];
+	assert_int_equal(scene->texture_count, 2);
+	for (int data = 0; data < 2; data++) {
+		stilb_scene_map_kind kind = data ? STILB_SCENE_MAP_NORMAL : STILB_SCENE_MAP_COLOR;
+		const stilb_image *image = &scene->textures[s->maps[kind].texture - 1];
+		assert_int_equal(image->format, data ? STILB_IMAGE_BC1_LINEAR : STILB_IMAGE_BC1_SRGB);
+		assert_int_equal(stilb_image_level_count(image), 3);
+		assert_memory_equal(image->pixels, whole + 128, 64);
+		for (uint32_t l = 0; l < 3; l++) {
+			stilb_image level = stilb_image_level(image, l);
+			assert_true(level.width == sides[l][0] && level.height == sides[l][1]);
+		}
+	}
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -1011,6 +1050,7 @@ int main(void)
 		cmocka_unit_test(surroundings_have_three_channels),
 		cmocka_unit_test(cameras_of_points_project),
 		cmocka_unit_test(textures_keep_their_precision),
+		cmocka_unit_test(blocks_stay_blocks),
 	};
 	return cmocka_run_group_tests(tests, folder_make, folder_remove);
 }

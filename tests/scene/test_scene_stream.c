@@ -291,10 +291,11 @@ static void add_animation(stilb_scene *scene)
 	a->times[1] = 3;
 	a->values[9] = 0.5f;
 	a->deforms[0] = (stilb_scene_deform){.influences = 4, .targets = 1};
-	assert_int_equal(scene_deform_create(a->deforms, scene->meshes[0].vertex_count, false), STILB_OK);
+	assert_int_equal(scene_deform_create(a->deforms, scene->meshes[0].vertex_count, false, true), STILB_OK);
 	a->deforms[0].joints[3] = 1;
 	a->deforms[0].weights[3] = 0.25f;
 	a->deforms[0].positions[2] = 7.0f;
+	a->deforms[0].tangents[1] = 6.0f;
 }
 
 static void what_moves_comes_back_the_same(void **state)
@@ -312,6 +313,7 @@ static void what_moves_comes_back_the_same(void **state)
 	assert_memory_equal(a->values, b->values, 10 * sizeof *a->values);
 	assert_true(b->joints[1] == 1 && b->times[1] == 3.0f && b->deforms[0].joints[3] == 1 && !b->deforms[0].normals);
 	assert_true(b->deforms[0].weights[3] == 0.25f && b->deforms[0].positions[2] == 7.0f);
+	assert_true(b->deforms[0].tangents[1] == 6.0f);
 	stilb_scene_destroy(back);
 	for (size_t cut = 1; cut < 30000; cut += 1 + cut / 4) {
 		assert_int_equal(read_bytes(bytes, size - cut, &back), STILB_ERROR_FILE);
@@ -369,6 +371,7 @@ static void what_moves_is_checked(void **state)
 		{&a->weights[0], NAN},
 		{&a->deforms[0].weights[1], -0.5f},
 		{&a->deforms[0].positions[0], NAN},
+		{&a->deforms[0].tangents[2], NAN},
 	};
 	size_t count = sizeof counts / sizeof *counts, all = count + sizeof numbers / sizeof *numbers, size;
 	for (size_t i = 0; i < all; i++) {
@@ -385,6 +388,12 @@ static void what_moves_is_checked(void **state)
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
 	free(bytes);
 	a->deforms[0].joints[3] = 1;
+	stilb_scene_vertex_extra *extras = scene->meshes[0].extras;
+	scene->meshes[0].extras = NULL; /* whose tangents a target changes */
+	bytes = bytes_of(scene, &size);
+	scene->meshes[0].extras = extras;
+	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
+	free(bytes);
 	memset(a->nodes[1].name, 'x', sizeof a->nodes[1].name);
 	bytes = bytes_of(scene, &size);
 	assert_int_equal(read_bytes(bytes, size, &back), STILB_ERROR_FILE);
@@ -415,7 +424,7 @@ static void what_moves_has_an_end(void **state)
 		memcpy(bytes + counts + 4 * i, &old, 4);
 	}
 	/* The deform is last: its mesh, influences and targets stand before the arrays. */
-	size_t vertices = scene->meshes[0].vertex_count, head = size - vertices * (4 * 2 + 4 * 4 + 3 * 4) - 16;
+	size_t vertices = scene->meshes[0].vertex_count, head = size - vertices * (4 * 2 + 4 * 4 + 2 * 3 * 4) - 20;
 	static const uint32_t wrong[3] = {1, UINT32_MAX - 3, 0x0FFFFFFFu};
 	for (size_t i = 0; i < 3; i++) {
 		uint32_t old;
@@ -511,10 +520,11 @@ static void pictures_are_sealed(void **state)
 	                      .width = 5,
 	                      .height = 4,
 	                      .channels = 2,
+	                      .levels = 1,
 	                      .format = STILB_IMAGE_U16_SRGB},
 				  got;
 	assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
-	scene_stream stream = {.file = ends[0], .deadline_ns = UINT64_MAX, .limit = 30000};
+	scene_stream stream = {.file = ends[0], .deadline_ns = UINT64_MAX, .limit = 60000};
 	for (int i = 0; i < 5; i++) {
 		stilb_image image, back;
 		assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
@@ -542,16 +552,25 @@ static void pictures_are_sealed(void **state)
 		stilb_image_finish(&back);
 	}
 	stilb_image image, back;
-	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_BC5_LINEAR), STILB_OK);
-	int file = stilb_image_share(&image);
+	int file;
 	sent = (scene_message){
 		.kind = SCENE_MESSAGE_PICTURE, .width = 5, .height = 4, .channels = 2, .format = STILB_IMAGE_BC5_LINEAR};
-	assert_true(scene_stream_write_message(ends[1], &sent, file));
-	close(file);
-	assert_true(scene_stream_read_message(&stream, &got, &passed));
-	assert_int_equal(scene_stream_take_picture(&stream, &got, passed, &back), STILB_ERROR_FILE);
-	assert_non_null(strstr(stilb_error_message(), "in blocks"));
-	assert_null(back.pixels);
+	for (sent.levels = 0; sent.levels < 5; sent.levels++) { /* blocks, with their levels: 5x4, 2x2 and 1x1 */
+		assert_int_equal(stilb_image_create_levels(&back, 5, 4, 2, STILB_IMAGE_BC5_LINEAR, 3), STILB_OK);
+		assert_int_equal(stilb_image_copy(&back, true, &image), STILB_OK);
+		stilb_image_finish(&back);
+		((uint8_t *)image.pixels)[63] = 77; /* of the last one's block */
+		uint64_t taken = stream.taken;
+		file = stilb_image_share(&image);
+		assert_true(scene_stream_write_message(ends[1], &sent, file));
+		close(file);
+		assert_true(scene_stream_read_message(&stream, &got, &passed));
+		assert_true((scene_stream_take_picture(&stream, &got, passed, &back) == STILB_OK) == (sent.levels == 3));
+		assert_int_equal(stream.taken - taken, sizeof sent + (sent.levels == 3 ? 64 : 0));
+		assert_true(sent.levels != 3 || ((uint8_t *)back.pixels)[63] == 77);
+		stilb_image_finish(&back);
+	}
+	sent.levels = 1;
 	sent.format = STILB_IMAGE_U16_SRGB;
 	stream.limit = stream.taken + sizeof sent + 79;
 	assert_int_equal(stilb_image_create_shared(&image, 5, 4, 2, STILB_IMAGE_U16_SRGB), STILB_OK);
@@ -568,7 +587,7 @@ static void pictures_are_sealed(void **state)
 
 static stilb_result receive(int file, uint32_t height, stilb_image *picture)
 {
-	return stilb_image_receive(file, 1024, height, 4, STILB_IMAGE_U8_SRGB, picture);
+	return stilb_image_receive(file, 1024, height, 4, STILB_IMAGE_U8_SRGB, 1, picture);
 }
 
 /* A lent picture is copied: what its owner does with the memory later changes nothing. */
@@ -664,7 +683,7 @@ static void memory_is_used_again(void **state)
 	((uint16_t *)image.pixels)[39] = 40000;
 	int file = stilb_image_share(&image);
 	assert_true(file >= 0 && !image.pixels);
-	assert_int_equal(stilb_image_receive(file, 5, 4, 2, STILB_IMAGE_U16_SRGB, &back), STILB_OK);
+	assert_int_equal(stilb_image_receive(file, 5, 4, 2, STILB_IMAGE_U16_SRGB, 1, &back), STILB_OK);
 	assert_int_equal(((uint16_t *)back.pixels)[39], 40000);
 	stilb_image_finish(&back);
 	close(file);

@@ -1,7 +1,7 @@
 #include "geometry/horde/geometry_horde.h"
 
 #include "geometry/geometry_impostor_internal.h"
-#include "scene/scene_animation.h"
+#include "scene/play/scene_play.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,7 +36,7 @@ static bool horde_may(const stilb_scene *scene, uint32_t model)
 	for (uint32_t p = first; p < end; p++) {
 		uint32_t mesh = scene->part_mesh[p], material = scene->part_material[p];
 		if (mesh == STILB_SCENE_NONE || material == STILB_SCENE_NONE ||
-		    stilb_scene_animation_deform(scene->animation, mesh))
+		    stilb_scene_animation_deform(scene->animation, mesh) || stilb_scene_mesh_is_posed(scene, mesh))
 			return false;
 		const float *emission = scene->materials[material].emission;
 		if (emission[0] > 0.0f || emission[1] > 0.0f || emission[2] > 0.0f)

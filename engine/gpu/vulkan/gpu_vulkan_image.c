@@ -250,11 +250,18 @@ static VkImageView view_make(gpu_vulkan *gpu, gpu_vulkan_texels *texels, VkImage
 		texels->views = grown;
 		texels->view_capacity = capacity;
 	}
+	static const VkComponentMapping mappings[STILB_GPU_CHANNELS_COUNT] = {
+		[STILB_GPU_CHANNELS_GREY] = {VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_R,
+	                                 VK_COMPONENT_SWIZZLE_ONE},
+		[STILB_GPU_CHANNELS_GREY_ALPHA] = {VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_R, VK_COMPONENT_SWIZZLE_R,
+	                                       VK_COMPONENT_SWIZZLE_G},
+	};
 	VkImageViewCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
 		.image = texels->image,
 		.viewType = type,
 		.format = texels->format,
+		.components = mappings[texels->channels],
 		.subresourceRange = {texels->aspect, range.mip, range.mips, range.layer, range.layers},
 	};
 	gpu_vulkan_view view = {type, range.mip, range.mips, range.layer, range.layers, VK_NULL_HANDLE};
@@ -292,6 +299,7 @@ stilb_result gpu_vulkan_image_make(stilb_gpu *base, gpu_image *image)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for image '%s'", image->name);
 	VkResult result = gpu_vulkan_texels_create(gpu, image->name, &image->extent, NULL, 0, texels);
 	if (result == VK_SUCCESS) {
+		texels->channels = image->channels;
 		image->own = texels;
 		stilb_result noted = gpu_vulkan_rest_add(gpu, image);
 		if (noted != STILB_OK)

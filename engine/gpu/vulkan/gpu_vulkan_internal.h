@@ -44,6 +44,7 @@ typedef struct gpu_vulkan_texels {
 	VkImage image;
 	gpu_memory_place place; /* {0}: it lies in memory of others */
 	stilb_gpu_extent extent;
+	stilb_gpu_channels channels; /* of its views */
 	VkFormat format;
 	VkImageAspectFlags aspect;
 	gpu_vulkan_view *views; /* [view_capacity], guarded by gpu_vulkan.views_lock */

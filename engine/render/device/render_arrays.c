@@ -1,4 +1,4 @@
-/* Array images of textures that surfaces name. */
+/* Formats of textures, and array images of those that surfaces name. */
 #include "render/device/render_arrays.h"
 
 #include "gpu/gpu_format.h"
@@ -7,11 +7,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Pictures of formats that no GPU has, and of those that it has not, are converted before (render_pixels.c). */
+stilb_gpu_format render_texture_format(stilb_image_format format)
+{
+	static const uint8_t formats[STILB_IMAGE_FORMAT_COUNT] = {
+		[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,  [STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
+		[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F, [STILB_IMAGE_U16_SRGB] = STILB_GPU_RGBA16_F,
+		[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,   [STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
+		[STILB_IMAGE_BC1_SRGB] = STILB_GPU_BC1_SRGB,   [STILB_IMAGE_BC1_LINEAR] = STILB_GPU_BC1_U,
+		[STILB_IMAGE_BC3_SRGB] = STILB_GPU_BC3_SRGB,   [STILB_IMAGE_BC3_LINEAR] = STILB_GPU_BC3_U,
+		[STILB_IMAGE_BC4_LINEAR] = STILB_GPU_BC4_U,    [STILB_IMAGE_BC5_LINEAR] = STILB_GPU_BC5_U,
+		[STILB_IMAGE_BC7_SRGB] = STILB_GPU_BC7_SRGB,   [STILB_IMAGE_BC7_LINEAR] = STILB_GPU_BC7_U};
+	return (stilb_gpu_format)formats[format];
+}
+
+stilb_gpu_channels render_texture_channels(stilb_gpu_format format)
+{
+	return format == STILB_GPU_BC4_U   ? STILB_GPU_CHANNELS_GREY
+	       : format == STILB_GPU_BC5_U ? STILB_GPU_CHANNELS_GREY_ALPHA
+	                                   : STILB_GPU_CHANNELS_OWN;
+}
+
 uint64_t render_array_layer(const render_array_kind *kind)
 {
 	uint64_t bytes = 0;
-	uint32_t mips = render_mip_count(kind->width, kind->height);
-	for (uint32_t m = 0; m < mips; m++) {
+	for (uint32_t m = 0; m < kind->mips; m++) {
 		uint64_t width = kind->width >> m ? kind->width >> m : 1, height = kind->height >> m ? kind->height >> m : 1;
 		bytes += stilb_gpu_format_bytes(kind->format, (uint32_t)width, (uint32_t)height, 1);
 	}
@@ -25,7 +45,7 @@ bool render_array_is_large(const render_array_kind *kind)
 
 static bool array_kind_is(const render_array_kind *a, const render_array_kind *b)
 {
-	return a->width == b->width && a->height == b->height && a->format == b->format;
+	return a->width == b->width && a->height == b->height && a->format == b->format && a->mips == b->mips;
 }
 
 static uint32_t *array_chain(render_arrays *arrays, const render_array_kind *kind)
@@ -62,12 +82,13 @@ static stilb_result array_image(render_device *device, render_array *array)
 {
 	stilb_gpu_image_desc desc = {
 		.name = "textures",
+		.channels = render_texture_channels(array->kind.format),
 		.extent = {.format = array->kind.format,
 	               .width = array->kind.width,
 	               .height = array->kind.height,
 	               .depth = 1,
 	               .layers = (uint16_t)array->layers,
-	               .mips = (uint16_t)render_mip_count(array->kind.width, array->kind.height),
+	               .mips = (uint16_t)array->kind.mips,
 	               .samples = 1,
 	               .uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO},
 	};

@@ -12,14 +12,16 @@
 #define RENDER_ARRAYS_H
 
 #include "gpu/gpu.h"
+#include "image/image.h"
 
 #define RENDER_ARRAY_BYTES ((uint64_t)512 << 20)
 #define RENDER_ARRAY_LARGE ((uint64_t)2 << 20)
 
-/* What the layers of an image have in common. They have all mips. */
+/* What the layers of an image have in common. */
 typedef struct render_array_kind {
 	uint32_t width, height;
 	stilb_gpu_format format;
+	uint32_t mips;
 } render_array_kind;
 
 /* An image of such layers. */
@@ -49,6 +51,11 @@ typedef struct render_arrays {
 } render_arrays;
 
 typedef struct render_device render_device;
+
+/* That of the textures that are made of images of this format. [any-thread] */
+stilb_gpu_format render_texture_format(stilb_image_format format);
+/* How those of this format are seen: one channel as grey, two as grey with alpha, as texels of them are. */
+stilb_gpu_channels render_texture_channels(stilb_gpu_format format);
 
 /* Bytes of a layer with its mips. */
 uint64_t render_array_layer(const render_array_kind *kind);

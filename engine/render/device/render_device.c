@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 static_assert(sizeof((render_slot *)0)->memory / sizeof(render_buffer) == RENDER_MEMORY_KINDS, "one of each kind");
 
@@ -128,7 +129,10 @@ stilb_result render_device_create(const stilb_render_desc *desc, render_device *
 	device->packed = !desc->float_vertices;
 	device->layout = render_layout_make(&stilb_scene_vertex_streams, device->packed);
 	device->textures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *device->textures);
-	device->maps = calloc(RENDER_MAX_MAPS, sizeof *device->maps);
+	/* Zeros, whose pages get memory when they are first written: calloc may write them all. */
+	void *maps = mmap(NULL, RENDER_MAX_MAPS * sizeof *device->maps, PROT_READ | PROT_WRITE,
+	                  MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+	device->maps = maps == MAP_FAILED ? NULL : maps;
 	device->plan = stilb_gpu_plan_create();
 	stilb_result result = device->textures && device->maps && device->plan
 	                          ? device_open(device, desc)
@@ -148,7 +152,8 @@ void render_device_destroy(render_device *device)
 	render_programs_destroy(device);
 	stilb_gpu_destroy(device->gpu); /* and all that is there */
 	free(device->textures);
-	free(device->maps);
+	if (device->maps)
+		munmap(device->maps, RENDER_MAX_MAPS * sizeof *device->maps);
 	render_arrays_finish(&device->arrays);
 	for (uint32_t l = 0; l < RENDER_MAX_LISTS; l++) {
 		free(device->lists[l].bindings);

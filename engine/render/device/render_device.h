@@ -44,7 +44,8 @@ typedef struct render_view_data {
 	float pixels;      /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
 	uint64_t panorama; /* of device.panorama: its table */
 	float turn[2];     /* sine and cosine of its rotation */
-	uint64_t maps, extras, extra_places, padding; /* of the heaps of these */
+	uint64_t maps, extras, extra_places; /* of the heaps of these */
+	float time, padding;                 /* seconds, for functions of surfaces */
 } render_view_data;
 
 static_assert(sizeof(render_view_data) == 192, "std430");
@@ -107,6 +108,9 @@ extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
 extern const stilb_gpu_shader render_through_fragment[2][2]; /* of draws with transmission: [1: see _mesh_fragment] */
 extern const stilb_gpu_shader render_behind_fragment[2], render_behind_half_fragment; /* [1: several samples] */
 extern const stilb_gpu_shader render_maps_depth[2];
+/* Of materials with a function, whose fragment shaders come with it: as render_maps_vertex; as render_channel_vertex of
+ * maps. */
+extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_channel_vertex[2][2];
 
 /* Of channels in the place of light. Impostors keep their vertex shader. */
 enum { RENDER_CHANNEL_MESH, RENDER_CHANNEL_MAPS, RENDER_CHANNEL_MAPS_EXTRAS, RENDER_CHANNEL_VERTICES };
@@ -136,9 +140,9 @@ typedef struct render_maps_program {
 } render_maps_program;
 
 /* bits: RENDER_MAPS_...; detail: render_state_detail. */
-static inline uint64_t render_maps_key(uint32_t bits, uint32_t detail, render_drawn drawn)
+static inline uint64_t render_maps_key(uint64_t bits, uint32_t detail, render_drawn drawn)
 {
-	return ((uint64_t)bits << 2 | detail) << 3 | drawn;
+	return (bits << 2 | detail) << 3 | drawn;
 }
 
 /* The mesh programs of one choice of formulas, by render_state_detail; {0}: not needed so far. */
@@ -168,6 +172,7 @@ typedef struct render_programs {
 	uint32_t choice_count, choice_capacity;
 	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, behind, behind_half;
 	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
+	struct render_function **functions;       /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
 } render_programs;
 
@@ -183,7 +188,6 @@ typedef struct render_slot {
 typedef struct render_device_texture {
 	stilb_gpu_image image; /* its own, or the array's */
 	stilb_gpu_set set;     /* {0}: not needed so far */
-	uint32_t mips;         /* at least 1 */
 	uint32_t array;        /* 1 + render_arrays.items; 0: it has an image of its own, without mips */
 	uint16_t layer;
 } render_device_texture;
@@ -191,7 +195,7 @@ typedef struct render_device_texture {
 /* What draws of a group of maps bind. */
 typedef struct render_device_maps {
 	stilb_gpu_set set;
-	uint32_t bits; /* RENDER_MAPS_... without _EXTRAS */
+	uint64_t bits; /* RENDER_MAPS_... without _EXTRAS */
 } render_device_maps;
 
 /* Of a scene pass: all that a list can bind but maps, by detail, surface, width of the indices and half of the
@@ -334,12 +338,12 @@ stilb_result render_device_panorama_show(render_device *device, const render_pan
 stilb_result render_device_update(render_device *device, const render_resources *resources);
 /* The textures' part of it. */
 stilb_result render_device_textures_update(render_device *device, const render_resources *resources);
-/* Makes texture number `texture` with the size and format of image: with all mips, as a layer of an array, or with one;
- * update copies the pixels. The caller holds the lock of render_resources. [any-thread] */
-stilb_result render_device_texture_create(render_device *device, uint32_t texture, const stilb_image *image, bool mips);
+/* STILB_ERROR_ARGUMENT: the device has no such textures. [any-thread] */
+stilb_result render_device_texture_check(const render_device *device, const render_texture_shape *shape);
+/* Makes texture number `texture`; update copies the pixels. The caller holds the lock of render_resources.
+ * [any-thread] */
+stilb_result render_device_texture_create(render_device *device, uint32_t texture, const render_texture_shape *shape);
 void render_device_texture_destroy(render_device *device, uint32_t texture);
-/* That of the textures that are made of images of this format. [any-thread] */
-stilb_gpu_format render_texture_format(stilb_image_format format);
 /* The set of a draw with this texture alone. */
 stilb_result render_device_texture_set(render_device *device, uint32_t texture, uint32_t *set);
 /* Makes what the draws of group number `group` bind: the images and samplers of maps that are in it. The caller holds
@@ -361,9 +365,14 @@ void render_programs_destroy(render_device *device);
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
-/* The program of that choice and key; made and compiled unless it is there. [any-thread] */
+/* The program of that choice and key; made and compiled unless it is there. {0}: its function has been destroyed
+ * meanwhile. [any-thread] */
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                   stilb_gpu_program *program);
+/* Gives a function its index, or, with NULL, frees the one that has it, with all of its programs. [any-thread] */
+void render_programs_set_function(render_device *device, uint32_t index, struct render_function *function);
+/* Adds what a program reads of vertices. */
+void render_program_vertices(const render_device *device, render_surface surface, stilb_gpu_program_desc *desc);
 /* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
  * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
@@ -372,7 +381,7 @@ stilb_result render_programs_backdrop(render_device *device);
 stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
 typedef struct render_known_maps {
-	uint32_t *bits; /* [count] each once */
+	uint64_t *bits; /* [count] each once */
 	uint32_t count, capacity;
 	bool extras, plain; /* some meshes have extras; some have none */
 } render_known_maps;

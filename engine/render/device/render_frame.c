@@ -102,7 +102,8 @@ static uint64_t frame_write_view(render_device *device, const render_stream *str
 	out->maps = device->heaps[RENDER_HEAP_MAPS].address;
 	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
 	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
-	out->padding = 0;
+	out->time = view->time;
+	out->padding = 0.0f;
 	return slot->views.address + index * sizeof(render_view_data);
 }
 
@@ -188,7 +189,7 @@ static stilb_result list_add(list_maker *maker, stilb_gpu_binding binding, uint6
 }
 
 /* Finds the binding of a draw with maps, whose programs are for these bits; adds it if it is new. */
-static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint32_t bits, uint32_t *place)
+static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint64_t bits, uint32_t *place)
 {
 	render_device *device = maker->device;
 	bool odd = device->materials == STILB_RENDER_MATERIALS_PIPELINE && render_state_material(state) != 0;
@@ -199,6 +200,7 @@ static stilb_result list_find_maps(list_maker *maker, uint64_t state, uint32_t b
 			return STILB_OK;
 	stilb_gpu_program program;
 	stilb_result result = render_programs_maps(device, maker->choice, key, &program);
+	STILB_ASSERT(result != STILB_OK || program.id != 0);
 	return result == STILB_OK ? list_add(maker, list_bind_program(device, program, wide), 1 + (key << 1 | wide))
 	                          : result;
 }
@@ -228,7 +230,7 @@ static uint64_t list_depth_state(uint64_t state)
 }
 
 /* What the program of a draw with maps is compiled for. */
-static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
+static uint64_t list_maps_bits(const list_maker *maker, uint64_t state)
 {
 	bool sides = maker->choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES;
 	return render_maps_program_bits(maker->device->maps[render_state_group(state)].bits, state & RENDER_STATE_EXTRAS,
@@ -239,7 +241,7 @@ static uint32_t list_maps_bits(const list_maker *maker, uint64_t state)
 static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gpu_run *run, bool *drawn)
 {
 	const render_device *device = maker->device;
-	uint32_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
+	uint64_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
 	*drawn = true;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {

@@ -10,8 +10,8 @@ static stilb_result gloss_image(render_device *device, const char *name, stilb_g
 	extent.depth = 1;
 	extent.samples = 1;
 	extent.uses = 1u << STILB_GPU_USE_SAMPLED | 1u << STILB_GPU_USE_COPY_TO;
-	return image->id != 0 ? STILB_OK
-	                      : stilb_gpu_image_create(device->gpu, &(stilb_gpu_image_desc){name, extent}, image);
+	stilb_gpu_image_desc desc = {.name = name, .extent = extent};
+	return image->id != 0 ? STILB_OK : stilb_gpu_image_create(device->gpu, &desc, image);
 }
 
 static stilb_result gloss_make(render_device *device)

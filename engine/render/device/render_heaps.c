@@ -98,39 +98,24 @@ static stilb_result heap_update(render_device *device, const render_resources *r
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* Pictures of formats that no GPU has, and blocks, are converted before (render_resources.c). */
-stilb_gpu_format render_texture_format(stilb_image_format format)
-{
-	static const uint8_t formats[STILB_IMAGE_FORMAT_COUNT] = {
-		[STILB_IMAGE_U8_SRGB] = STILB_GPU_RGBA8_SRGB,  [STILB_IMAGE_F16_LINEAR] = STILB_GPU_RGBA16_F,
-		[STILB_IMAGE_F32_LINEAR] = STILB_GPU_RGBA32_F, [STILB_IMAGE_U16_SRGB] = STILB_GPU_RGBA16_F,
-		[STILB_IMAGE_U8_LINEAR] = STILB_GPU_RGBA8_U,   [STILB_IMAGE_U16_LINEAR] = STILB_GPU_RGBA16_U,
-		[STILB_IMAGE_BC1_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC1_LINEAR] = STILB_GPU_RGBA8_U,
-		[STILB_IMAGE_BC3_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC3_LINEAR] = STILB_GPU_RGBA8_U,
-		[STILB_IMAGE_BC4_LINEAR] = STILB_GPU_RGBA16_U, [STILB_IMAGE_BC5_LINEAR] = STILB_GPU_RGBA16_U,
-		[STILB_IMAGE_BC7_SRGB] = STILB_GPU_RGBA8_SRGB, [STILB_IMAGE_BC7_LINEAR] = STILB_GPU_RGBA8_U};
-	return (stilb_gpu_format)formats[format];
-}
-
 /* Sends rows first .. end - 1 of a mip. */
-static stilb_result texture_send(render_device *device, uint32_t texture, uint32_t mip, const stilb_image *image,
-                                 uint32_t first, uint32_t end)
+static stilb_result texture_send(render_device *device, uint32_t texture, const render_upload_mip *mip, uint32_t first,
+                                 uint32_t end)
 {
-	uint64_t row = stilb_image_size(image) / image->height;
-	uint32_t part = (uint32_t)(heaps_part(device) / row);
+	uint32_t part = (uint32_t)(heaps_part(device) / mip->row), height = mip->image.height;
 	stilb_result result = STILB_OK;
-	STILB_ASSERT(part > 0 && end <= image->height);
+	STILB_ASSERT(part > 0 && end <= mip->rows);
 	for (; first < end && result == STILB_OK; first += part) {
-		uint32_t count = end - first < part ? end - first : part;
+		uint32_t count = end - first < part ? end - first : part, y = first * mip->side;
 		stilb_gpu_upload to = {.image = device->textures[texture].image,
-		                       .mip = (uint16_t)mip,
+		                       .mip = (uint16_t)mip->mip,
 		                       .layer = device->textures[texture].layer,
-		                       .y = first,
-		                       .width = image->width,
-		                       .height = count,
+		                       .y = y,
+		                       .width = mip->image.width,
+		                       .height = count * mip->side < height - y ? count * mip->side : height - y,
 		                       .depth = 1,
-		                       .bytes = count * row};
-		result = render_device_send(device, &to, (const uint8_t *)image->pixels + first * row);
+		                       .bytes = count * mip->row};
+		result = render_device_send(device, &to, (const uint8_t *)mip->image.pixels + first * mip->row);
 	}
 	return result;
 }
@@ -141,29 +126,21 @@ static stilb_result texture_update(render_device *device, const render_texture_u
 	render_upload_mip mip = render_upload_first(upload);
 	stilb_result result = STILB_OK;
 	do {
-		uint32_t begin = mip.first_row, end = begin + mip.image.height;
+		uint32_t begin = mip.first_row, end = begin + mip.rows;
 		uint32_t first = upload->rows > begin ? upload->rows : begin, last = upload->sent < end ? upload->sent : end;
 		if (first < last)
-			result = texture_send(device, upload->texture, mip.mip, &mip.image, first - begin, last - begin);
+			result = texture_send(device, upload->texture, &mip, first - begin, last - begin);
 	} while (result == STILB_OK && render_upload_next(upload, &mip));
 	return result;
 }
 
-stilb_result render_texture_too_large(const render_device *device, uint32_t width, uint32_t height,
-                                      const stilb_image *image)
-{
-	return stilb_fail(STILB_ERROR_ARGUMENT,
-	                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", device->gpu->name,
-	                  width, height, image->width, image->height);
-}
-
-static stilb_result texture_image(render_device *device, const stilb_image *image, stilb_gpu_format format,
-                                  stilb_gpu_image *out)
+static stilb_result texture_image(render_device *device, const render_array_kind *kind, stilb_gpu_image *out)
 {
 	stilb_gpu_image_desc desc = {.name = "texture",
-	                             .extent = {.format = format,
-	                                        .width = image->width,
-	                                        .height = image->height,
+	                             .channels = render_texture_channels(kind->format),
+	                             .extent = {.format = kind->format,
+	                                        .width = kind->width,
+	                                        .height = kind->height,
 	                                        .depth = 1,
 	                                        .layers = 1,
 	                                        .mips = 1,
@@ -172,24 +149,30 @@ static stilb_result texture_image(render_device *device, const stilb_image *imag
 	return stilb_gpu_image_create(device->gpu, &desc, out);
 }
 
-stilb_result render_device_texture_create(render_device *device, uint32_t index, const stilb_image *image, bool mips)
+stilb_result render_device_texture_check(const render_device *device, const render_texture_shape *shape)
 {
-	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES && image->channels == 4);
-	render_device_texture *texture = &device->textures[index];
-	STILB_ASSERT(texture->image.id == 0 && texture->set.id == 0 && "a released index");
-	STILB_ASSERT(image->format != STILB_IMAGE_U16_SRGB && !stilb_image_format_is_blocks(image->format));
-	stilb_gpu_format format = render_texture_format(image->format);
 	const char *name = stilb_gpu_name(device->gpu);
-	uint32_t most = stilb_gpu_limits_get(device->gpu)->image_side;
-	if (!(device->gpu->formats[format] & GPU_FORMAT_LINEAR))
+	uint32_t most = stilb_gpu_limits_get(device->gpu)->image_side, fault = device->gpu->faults.image_side;
+	most = fault > 0 && fault < most ? fault : most;
+	if (!(device->gpu->formats[render_texture_format(shape->format)] & GPU_FORMAT_LINEAR))
 		return stilb_fail(STILB_ERROR_ARGUMENT,
 		                  "GPU '%s' cannot filter textures of %s; use an image of 8-bit codes or 16-bit floats", name,
-		                  image->format == STILB_IMAGE_F32_LINEAR ? "32-bit floats" : "this format");
-	if (image->width > most || image->height > most)
-		return render_texture_too_large(device, most, most, image);
+		                  shape->format == STILB_IMAGE_F32_LINEAR ? "32-bit floats" : "this format");
+	if (shape->width > most || shape->height > most)
+		return stilb_fail(STILB_ERROR_ARGUMENT,
+		                  "GPU '%s' has textures of up to %ux%u pixels, not %ux%u; use a smaller image", name, most,
+		                  most, shape->width, shape->height);
+	return STILB_OK;
+}
+
+stilb_result render_device_texture_create(render_device *device, uint32_t index, const render_texture_shape *shape)
+{
+	STILB_ASSERT(index > 0 && index < STILB_RENDER_MAX_TEXTURES);
+	render_device_texture *texture = &device->textures[index];
+	STILB_ASSERT(texture->image.id == 0 && texture->set.id == 0 && "a released index");
 	stilb_result result;
-	if (mips) {
-		render_array_kind kind = {image->width, image->height, format};
+	render_array_kind kind = {shape->width, shape->height, render_texture_format(shape->format), shape->levels};
+	if (shape->mapped) {
 		uint32_t array;
 		uint16_t layer;
 		result = render_array_take(device, &kind, &array, &layer);
@@ -197,13 +180,13 @@ stilb_result render_device_texture_create(render_device *device, uint32_t index,
 			*texture =
 				(render_device_texture){.image = device->arrays.items[array].image, .array = array + 1, .layer = layer};
 	} else {
-		result = texture_image(device, image, format, &texture->image);
+		result = texture_image(device, &kind, &texture->image);
 	}
-	texture->mips = mips ? render_mip_count(image->width, image->height) : 1;
 	if (result == STILB_ERROR_MEMORY)
-		return stilb_fail(result, "no memory for a texture of %ux%u pixels on '%s'", image->width, image->height, name);
+		return stilb_fail(result, "no memory for a texture of %ux%u pixels on '%s'", shape->width, shape->height,
+		                  stilb_gpu_name(device->gpu));
 	uint32_t set;
-	if (result == STILB_OK && !mips) {
+	if (result == STILB_OK && !shape->mapped) {
 		result = render_device_texture_set(device, index, &set);
 		if (result != STILB_OK) {
 			stilb_gpu_image_destroy(device->gpu, texture->image);

@@ -31,7 +31,7 @@ static stilb_result program_once(render_device *device, const stilb_gpu_program_
 }
 
 /* What a program reads of vertices: input number s is stream number s of the table. */
-static void program_vertices(const render_device *device, render_surface surface, stilb_gpu_program_desc *desc)
+void render_program_vertices(const render_device *device, render_surface surface, stilb_gpu_program_desc *desc)
 {
 	static const stilb_gpu_format floats[] = {STILB_GPU_NONE, STILB_GPU_R32_F, STILB_GPU_RG32_F, STILB_GPU_RGB32_F,
 	                                          STILB_GPU_RGBA32_F};
@@ -126,19 +126,28 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 	}
 	/* Channels of what has no texture show places on textures, too. */
 	bool places = channel > 0 && surface == RENDER_SURFACE_PLAIN;
-	program_vertices(device, places ? RENDER_SURFACE_TEXTURE : surface, &desc);
+	render_program_vertices(device, places ? RENDER_SURFACE_TEXTURE : surface, &desc);
 	program_formulas(device, choice, detail, drawn, &desc);
 	return program_once(device, &desc, &choice->programs[detail][surface][drawn]);
+}
+
+/* The function of programs for these bits; NULL: there is none. The caller holds the lock. */
+static const render_function *program_function(const render_device *device, uint64_t bits)
+{
+	uint32_t index = render_maps_function(bits);
+	return index > 0 ? device->programs.functions[index] : NULL;
 }
 
 /* The program of meshes with maps that a key stands for. */
 static stilb_result program_maps(render_device *device, render_formula_programs *choice, uint64_t key,
                                  stilb_gpu_program *program)
 {
-	uint32_t bits = (uint32_t)(key >> 5), detail = key >> 3 & 3u, drawn = key & 7u;
+	uint64_t bits = key >> 5;
+	uint32_t detail = key >> 3 & 3u, drawn = key & 7u;
+	const render_function *function = program_function(device, bits);
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
-	bool layers = bits & RENDER_MAPS_LAYERS && !depth;
+	bool layers = bits & RENDER_MAPS_LAYERS && (!depth || function);
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
 	render_surface inputs = reads ? RENDER_SURFACE_TEXTURE : RENDER_SURFACE_PLAIN;
@@ -167,9 +176,19 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
 		desc.fragment = render_channel_maps_fragment[coverage][extras];
 	}
-	program_vertices(device, inputs, &desc);
+	if (function && reads) {
+		render_function_kind kind = channel > 0 ? RENDER_FUNCTION_CHANNEL
+		                            : depth     ? RENDER_FUNCTION_DEPTH
+		                            : through   ? RENDER_FUNCTION_THROUGH
+		                                        : RENDER_FUNCTION_MAPS;
+		desc.name = function->own.name;
+		desc.vertex = channel > 0 ? render_function_channel_vertex[device->packed][extras]
+		                          : render_function_vertex[layers][device->packed][extras];
+		desc.fragment = render_function_code(&function->own, kind, layers, gloss, coverage, extras);
+	}
+	render_program_vertices(device, inputs, &desc);
 	program_formulas(device, choice, detail, drawn, &desc);
-	program_constant(&desc, 9, bits);
+	program_constant(&desc, 9, (uint32_t)bits);
 	program_constant(&desc, 10, (uint32_t)device->anisotropy);
 	return stilb_gpu_program_create(device->gpu, &desc, program);
 }
@@ -368,6 +387,9 @@ static stilb_result choice_find_maps(render_device *device, render_formula_progr
 			*program = choice->maps[m].program;
 			return STILB_OK;
 		}
+	*program = (stilb_gpu_program){0};
+	if (render_maps_function(key >> 5) > 0 && !program_function(device, key >> 5))
+		return STILB_OK; /* a thread that prepares programs has found it just before it went */
 	if (!render_reserve((void **)&choice->maps, &choice->map_capacity, choice->map_count + 1, sizeof *choice->maps))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for another kind of surface");
 	stilb_result result = program_maps(device, choice, key, program);
@@ -382,11 +404,38 @@ stilb_result render_programs_maps(render_device *device, render_formula_programs
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = choice_find_maps(device, choice, key, program);
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? choice_compile(device, choice, *program) : result;
+	return result == STILB_OK && program->id != 0 ? choice_compile(device, choice, *program) : result;
+}
+
+/* Destroys the choice's programs of a function. The caller holds the lock. */
+static void choice_drop_function(render_device *device, render_formula_programs *choice, uint32_t index)
+{
+	uint32_t kept = 0;
+	for (uint32_t m = 0; m < choice->map_count; m++) {
+		if (render_maps_function(choice->maps[m].key >> 5) == index)
+			stilb_gpu_program_destroy(device->gpu, choice->maps[m].program);
+		else
+			choice->maps[kept++] = choice->maps[m];
+	}
+	choice->map_count = kept;
+}
+
+void render_programs_set_function(render_device *device, uint32_t index, render_function *function)
+{
+	render_programs *programs = &device->programs;
+	STILB_ASSERT(index > 0 && index < RENDER_MAX_FUNCTIONS);
+	pthread_mutex_lock(&programs->lock);
+	render_function *old = programs->functions[index];
+	STILB_ASSERT(!old != !function);
+	for (uint32_t c = 0; old && c < programs->choice_count; c++)
+		choice_drop_function(device, programs->choices[c], index);
+	programs->functions[index] = function;
+	pthread_mutex_unlock(&programs->lock);
+	render_function_free(old);
 }
 
 /* Makes the programs of one kind of maps, which must not be left out. */
-static stilb_result prepare_maps(render_device *device, render_formula_programs *choice, uint32_t kinds, uint32_t bits)
+static stilb_result prepare_maps(render_device *device, render_formula_programs *choice, uint32_t kinds, uint64_t bits)
 {
 	choice_drawn drawn = choice_drawn_of(device, choice);
 	stilb_result result = STILB_OK;
@@ -407,7 +456,7 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
-		uint32_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
+		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
 		if (!(extras ? maps->extras : maps->plain))
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
@@ -448,6 +497,9 @@ stilb_result render_programs_create(render_device *device)
 	programs->lock_made = pthread_mutex_init(&programs->lock, NULL) == 0;
 	if (!programs->lock_made)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the lock of programs");
+	programs->functions = calloc(RENDER_MAX_FUNCTIONS, sizeof(*programs->functions));
+	if (!programs->functions)
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the table of surface functions");
 	stilb_gpu_format picture = render_picture_format(device);
 	stilb_result result = STILB_OK;
 	for (uint32_t kind = 0; kind < RENDER_FLATS && result == STILB_OK; kind++) {
@@ -468,6 +520,9 @@ void render_programs_destroy(render_device *device)
 		free(programs->choices[c]);
 	}
 	free(programs->choices);
+	for (uint32_t i = 0; programs->functions && i < RENDER_MAX_FUNCTIONS; i++)
+		render_function_free(programs->functions[i]);
+	free(programs->functions);
 	if (programs->lock_made)
 		pthread_mutex_destroy(&programs->lock);
 }

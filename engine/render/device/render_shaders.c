@@ -129,6 +129,42 @@ static const uint32_t maps_depth_extras_frag[] =
 #include "maps_depth_extras.frag.inc"
 	;
 
+static const uint32_t function_vert[] =
+#include "function.vert.inc"
+	;
+static const uint32_t function_extras_vert[] =
+#include "function_extras.vert.inc"
+	;
+static const uint32_t function_packed_vert[] =
+#include "function_packed.vert.inc"
+	;
+static const uint32_t function_packed_extras_vert[] =
+#include "function_packed_extras.vert.inc"
+	;
+static const uint32_t function_layers_vert[] =
+#include "function_layers.vert.inc"
+	;
+static const uint32_t function_layers_extras_vert[] =
+#include "function_layers_extras.vert.inc"
+	;
+static const uint32_t function_layers_packed_vert[] =
+#include "function_layers_packed.vert.inc"
+	;
+static const uint32_t function_layers_packed_extras_vert[] =
+#include "function_layers_packed_extras.vert.inc"
+	;
+static const uint32_t function_channel_vert[] =
+#include "function_channel.vert.inc"
+	;
+static const uint32_t function_extras_channel_vert[] =
+#include "function_extras_channel.vert.inc"
+	;
+static const uint32_t function_packed_channel_vert[] =
+#include "function_packed_channel.vert.inc"
+	;
+static const uint32_t function_packed_extras_channel_vert[] =
+#include "function_packed_extras_channel.vert.inc"
+	;
 static const uint32_t mesh_channel_vert[] =
 #include "mesh_channel.vert.inc"
 	;
@@ -299,6 +335,20 @@ const stilb_gpu_shader render_channel_mesh_fragment[RENDER_SURFACES] = {
 const stilb_gpu_shader render_channel_maps_fragment[2][2] = {
 	{SHADER(maps_channel_frag), SHADER(maps_extras_channel_frag)},
 	{SHADER(maps_coverage_channel_frag), SHADER(maps_coverage_extras_channel_frag)},
+};
+const stilb_gpu_shader render_function_vertex[2][2][2] = {
+	{
+		{SHADER(function_vert), SHADER(function_extras_vert)},
+		{SHADER(function_packed_vert), SHADER(function_packed_extras_vert)},
+	},
+	{
+		{SHADER(function_layers_vert), SHADER(function_layers_extras_vert)},
+		{SHADER(function_layers_packed_vert), SHADER(function_layers_packed_extras_vert)},
+	},
+};
+const stilb_gpu_shader render_function_channel_vertex[2][2] = {
+	{SHADER(function_channel_vert), SHADER(function_extras_channel_vert)},
+	{SHADER(function_packed_channel_vert), SHADER(function_packed_extras_channel_vert)},
 };
 const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
 

@@ -27,15 +27,25 @@ bool render_dump_surface_textures(const render_resources *resources, uint32_t ma
 	return slot;
 }
 
+uint32_t render_dump_surface_function(const render_resources *resources, uint32_t material)
+{
+	uint32_t index;
+	const render_maps_slot *slot = dump_slot(resources, material, &index);
+	return slot ? render_maps_function(slot->bits) : 0;
+}
+
 void render_dump_surface_put(const render_resources *resources, uint32_t material, const uint32_t *places,
-                             render_dump_surface *out)
+                             const uint16_t *functions, render_dump_surface *out)
 {
 	uint32_t index = 0, textures[RENDER_MAPS];
 	const render_maps_slot *slot = dump_slot(resources, material, &index);
 	STILB_ASSERT(slot);
 	render_dump_surface_textures(resources, material, textures);
-	out->record = ((const render_maps_stored *)resources->heaps[RENDER_HEAP_MAPS].data)[index].record;
-	out->bits = slot->bits;
+	const render_maps_stored *stored = (const render_maps_stored *)resources->heaps[RENDER_HEAP_MAPS].data + index;
+	out->record = stored->record;
+	out->bits = (uint32_t)slot->bits;
+	out->function = functions[render_maps_function(slot->bits)];
+	memcpy(out->parameters, stored->parameters, sizeof out->parameters);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
 		out->textures[i] = textures[i] ? places[textures[i]] + 1 : 0;
 	memcpy(out->samplers, slot->samplers, sizeof slot->samplers);
@@ -64,7 +74,7 @@ static bool dump_is_finite(const float *values, size_t count)
 	return finite;
 }
 
-static const char *dump_surface_mistake(const render_dump_surface *surface, uint32_t textures)
+static const char *dump_surface_mistake(const render_dump_surface *surface, uint32_t textures, uint32_t functions)
 {
 	static const uint8_t zero[sizeof surface->unused] = {0};
 	const render_maps_record *record = &surface->record;
@@ -85,6 +95,10 @@ static const char *dump_surface_mistake(const render_dump_surface *surface, uint
 		if (surface->samplers[i] >= RENDER_MAPS_SAMPLERS)
 			return "a map's sampler is unknown";
 	}
+	if (surface->function > functions || !dump_is_finite(surface->parameters[0], STILB_SCENE_PARAMETERS * 4))
+		return "its function is not there, or a parameter is not finite";
+	if (surface->also_unused != 0)
+		return "its unused bytes are not zero";
 	return memcmp(surface->unused, zero, sizeof zero) != 0 ? "its unused bytes are not zero" : NULL;
 }
 
@@ -127,7 +141,7 @@ stilb_result render_dump_check_surfaces(const stilb_render_dump *dump)
 		return stilb_fail(STILB_ERROR_FILE, "header: %llu surfaces, but materials have %llu",
 		                  (unsigned long long)dump->header->surfaces, (unsigned long long)count);
 	for (uint64_t s = 0; s < count; s++) {
-		const char *mistake = dump_surface_mistake(&dump->surfaces[s], dump->header->textures);
+		const char *mistake = dump_surface_mistake(&dump->surfaces[s], dump->header->textures, dump->header->functions);
 		if (mistake)
 			return stilb_fail(STILB_ERROR_FILE, "surface %llu: %s", (unsigned long long)s, mistake);
 	}
@@ -150,22 +164,27 @@ static render_mips_kind dump_mips_kind(const render_dump_surface *surface, uint3
 render_texture_way render_dump_texture_way(const stilb_render_dump *dump, uint32_t texture)
 {
 	render_texture_way way = {0};
-	bool color = dump->textures[texture].format == STILB_IMAGE_U8_SRGB;
+	const render_dump_texture *stored = &dump->textures[texture];
+	stilb_image_format format = (stilb_image_format)stored->format;
+	bool spreads = format != STILB_IMAGE_U8_SRGB && !stilb_image_format_is_blocks(format) && stored->levels == 1;
 	for (uint64_t s = 0; s < dump->header->surfaces; s++)
 		for (uint32_t i = 0; i < RENDER_MAPS; i++) {
 			if (dump->surfaces[s].textures[i] != texture + 1)
 				continue;
 			way.mips = true;
-			way.kind = way.kind == RENDER_MIPS_MEANS && !color ? dump_mips_kind(&dump->surfaces[s], i) : way.kind;
+			way.kind = way.kind == RENDER_MIPS_MEANS && spreads ? dump_mips_kind(&dump->surfaces[s], i) : way.kind;
 		}
 	return way;
 }
 
-render_maps render_dump_surface_get(const render_dump_surface *from, const stilb_render_texture *textures)
+render_maps render_dump_surface_get(const stilb_render *render, const render_dump_surface *from,
+                                    const stilb_render_texture *textures, const uint32_t *functions)
 {
 	render_maps maps = {.record = from->record, .bits = from->bits};
 	for (uint32_t i = 0; i < RENDER_MAPS; i++)
 		maps.textures[i] = from->textures[i] ? textures[from->textures[i] - 1].id : 0;
 	memcpy(maps.samplers, from->samplers, sizeof maps.samplers);
+	memcpy(maps.parameters, from->parameters, sizeof maps.parameters);
+	render_function_name(render, from->function ? functions[from->function - 1] : 0, &maps);
 	return maps;
 }

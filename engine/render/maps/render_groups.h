@@ -26,27 +26,28 @@ typedef struct render_keyed {
 typedef struct render_class {
 	render_keyed head;
 	struct render_class_key {
-		uint32_t bits;               /* RENDER_MAPS_... without _EXTRAS */
-		uint32_t alone;              /* 1 + index of the maps of a material that is alone; else 0 */
+		uint64_t bits;               /* RENDER_MAPS_... without _EXTRAS */
+		uint32_t alone, zero;        /* 1 + index of the maps of a material that is alone; else 0 */
 		uint32_t sizes[RENDER_MAPS]; /* width - 1, and height - 1 in the high 16 bits; 0 if there is no map */
-		uint8_t formats[RENDER_MAPS], samplers[RENDER_MAPS], unused[2];
+		uint8_t formats[RENDER_MAPS], samplers[RENDER_MAPS], unused[6];
 	} key;
 } render_class;
 
 typedef struct render_group {
 	render_keyed head;
 	struct render_group_key {
-		uint32_t bits, alone;         /* as of its class */
+		uint64_t bits; /* as of its class */
+		uint32_t alone, zero;
 		uint32_t arrays[RENDER_MAPS]; /* render_array.serial; 0: there is no map */
-		uint8_t samplers[RENDER_MAPS], unused[1];
+		uint8_t samplers[RENDER_MAPS], unused[5];
 	} key;
 	uint32_t class;
 	bool retired;  /* it is among the resources that wait to be released */
 	uint64_t left; /* the last frame, as render_resources.frame counts, in which a living material left it */
 } render_group;
 
-static_assert(sizeof(struct render_class_key) == 8 + 4 * RENDER_MAPS + 32, "no padding");
-static_assert(sizeof(struct render_group_key) == 8 + 4 * RENDER_MAPS + 16, "no padding");
+static_assert(sizeof(struct render_class_key) == 16 + 4 * RENDER_MAPS + 36, "no padding");
+static_assert(sizeof(struct render_group_key) == 16 + 4 * RENDER_MAPS + 20, "no padding");
 
 /* In the place of the class of a group that blends: its draws are not ordered by class. */
 #define RENDER_CLASS_BLENDS (1u << 31)

@@ -123,6 +123,7 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 	maps_specular(surface, maps.bits, record);
 	if (maps.bits & RENDER_MAPS_LAYERS)
 		maps_of_layers(surface, record);
+	memcpy(maps.parameters, surface->parameters, sizeof maps.parameters);
 	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
 		const stilb_scene_map *map = &surface->maps[i];
 		render_maps_place *place = &record->places[i];
@@ -142,17 +143,17 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 	(RENDER_MAPS_TWO | RENDER_MAPS_COAT_TWO | RENDER_MAPS_SPREAD | RENDER_MAPS_COAT_SPREAD |                           \
 	 1u << STILB_SCENE_MAP_NORMAL | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL)
 
-uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool depth)
+uint64_t render_maps_program_bits(uint64_t bits, bool extras, bool sides, bool depth)
 {
 	if (extras)
 		bits |= RENDER_MAPS_EXTRAS;
 	else
-		bits &= ~MAPS_OF_TANGENTS; /* there are none */
+		bits &= ~(uint64_t)MAPS_OF_TANGENTS; /* there are none */
 	if (!sides)
-		bits &= ~RENDER_MAPS_ONE_SIDED; /* everything is */
-	if (!depth)
-		return bits;
-	uint32_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
+		bits &= ~(uint64_t)RENDER_MAPS_ONE_SIDED; /* everything is */
+	if (!depth || (bits & RENDER_MAPS_MASK && render_maps_function(bits) > 0))
+		return bits; /* a function may make alpha of anything */
+	uint64_t kept = RENDER_MAPS_BLEND | RENDER_MAPS_ONE_SIDED;
 	if (bits & RENDER_MAPS_MASK)
 		kept |= RENDER_MAPS_MASK | RENDER_MAPS_EXTRAS | RENDER_MAPS_LAYERS | 1u << STILB_SCENE_MAP_COLOR;
 	return bits & kept;
@@ -161,8 +162,13 @@ uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool d
 uint64_t render_maps_hash(const render_maps *maps)
 {
 	uint64_t hash = stilb_hash_fnv1a64(STILB_FNV1A64_START, &maps->record, sizeof maps->record);
-	hash = stilb_hash_fnv1a64(hash, &maps->bits, sizeof maps->bits);
-	return stilb_hash_fnv1a64(hash, maps->samplers, sizeof maps->samplers);
+	uint32_t bits = (uint32_t)maps->bits; /* without the function's index, which depends on what there was before */
+	hash = stilb_hash_fnv1a64(hash, &bits, sizeof bits);
+	hash = stilb_hash_fnv1a64(hash, maps->samplers, sizeof maps->samplers);
+	if (maps->function_hash == 0)
+		return hash;
+	hash = stilb_hash_fnv1a64(hash, &maps->function_hash, sizeof maps->function_hash);
+	return stilb_hash_fnv1a64(hash, maps->parameters, sizeof maps->parameters);
 }
 
 /* ---- extras ------------------------------------------------------------------------------------------------------ */

@@ -45,6 +45,7 @@ static_assert(STILB_SCENE_MAPS == RENDER_MAPS && STILB_SCENE_MAP_EMISSION + 1 ==
 #define RENDER_MAPS_SPREAD (1u << 29)   /* the map of normals is of RENDER_MIPS_NORMALS or _TWO */
 #define RENDER_MAPS_COAT_SPREAD (1u << 30)
 #define RENDER_MAPS_EXTRAS (1u << 31) /* of the mesh: its vertices have extras. No material has it */
+#define RENDER_MAPS_FUNCTION_SHIFT 32 /* above: the index of its function (render_functions.h); 0: there is none */
 
 /* How a map lies on the surface. */
 typedef struct render_maps_place {
@@ -73,31 +74,40 @@ typedef struct render_maps_record {
 
 static_assert(sizeof(render_maps_record) == 128 + 32 * RENDER_MAPS, "std430: vec4s");
 
+static inline uint32_t render_maps_function(uint64_t bits)
+{
+	return (uint32_t)(bits >> RENDER_MAPS_FUNCTION_SHIFT);
+}
+
 /* With what the device knows alone: so it lies in its heap. */
 typedef struct render_maps_stored {
 	render_maps_record record;
-	float layers[RENDER_MAPS], unused; /* of the images of its group (render_groups.h) */
+	float layers[RENDER_MAPS], unused;           /* of the images of its group (render_groups.h) */
+	float parameters[STILB_SCENE_PARAMETERS][4]; /* of its function */
 } render_maps_stored;
 
-static_assert(sizeof(render_maps_stored) == 672, "std430: MAPS_PARTS vec4s");
+static_assert(sizeof(render_maps_stored) == 736, "std430: MAPS_PARTS vec4s");
 
 /* What is made of a surface. */
 typedef struct render_maps {
 	render_maps_record record;
-	uint32_t bits;                  /* RENDER_MAPS_... */
+	uint64_t bits; /* RENDER_MAPS_... */
+	float parameters[STILB_SCENE_PARAMETERS][4];
+	uint64_t function_hash;         /* render_function.hash; 0: there is none */
 	uint32_t textures[RENDER_MAPS]; /* stilb_render_texture.id; 0: none */
 	uint8_t samplers[RENDER_MAPS];  /* wrap_u + 3 wrap_v + 9 nearest: below RENDER_MAPS_SAMPLERS */
 } render_maps;
 
 #define RENDER_MAPS_SAMPLERS 18u
 
-/* Without textures. channels: of the textures of normals and of the coat's normals; 0: there is none. [any-thread] */
+/* Without textures and function. channels: of the textures of normals and of the coat's normals; 0: there is none.
+ * [any-thread] */
 render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channels, uint32_t coat_channels);
 
 /* What the program of a draw is compiled for: its maps' bits; whether its vertices have extras; whether triangles are
  * seen from both sides; whether depth alone is drawn, where RENDER_MAPS_BLEND stands for a draw that is left out, and 0
  * for one that needs nothing of its maps. [any-thread] */
-uint32_t render_maps_program_bits(uint32_t bits, bool extras, bool sides, bool depth);
+uint64_t render_maps_program_bits(uint64_t bits, bool extras, bool sides, bool depth);
 
 /* What the stream hash has of them. [any-thread] */
 uint64_t render_maps_hash(const render_maps *maps);
@@ -105,7 +115,7 @@ uint64_t render_maps_hash(const render_maps *maps);
 /* The entry of a material's maps. */
 typedef struct render_maps_slot {
 	uint64_t hash;
-	uint32_t bits;
+	uint64_t bits;
 	uint32_t group; /* 1 + that which its material is in; 0: none */
 	uint32_t textures[RENDER_MAPS];
 	uint8_t samplers[RENDER_MAPS];
@@ -141,28 +151,45 @@ void render_extras_unpack(const render_extra *packed, size_t count, stilb_scene_
 /* How many mips a picture of that size has, down to one texel. */
 uint32_t render_mip_count(uint32_t width, uint32_t height);
 
-/* What mips hold. A texel is the mean of those of the mip before that it covers, in light; where that has an odd
- * number, of three in a row by how much of each. */
+/* Texels of so many levels of such a picture. */
+uint64_t render_mip_texels(uint32_t width, uint32_t height, uint32_t levels);
+
+/* A table is asked for sRGB codes: at least 255 * 12.92 steps, so that a step has one border at most. */
+#define RENDER_MIPS_STEPS 4096u
+
+/* What mips hold. */
 typedef enum render_mips_kind {
 	RENDER_MIPS_MEANS,
-	/* In the place of alpha, which nothing reads of a map of normals: 1 - the spread of the normals, [0, 1], which
-	 * shade_gltf_widened takes. */
+	/* Means; and in the place of alpha, which nothing reads of a map of normals: 1 - the spread of the normals, [0, 1],
+	 * which shade_gltf_widened takes. */
 	RENDER_MIPS_NORMALS,
 	RENDER_MIPS_NORMALS_TWO, /* of a map of two channels, red and alpha: in the place of green */
 } render_mips_kind;
 
-typedef struct render_mips_desc {
-	const stilb_image *image; /* of four channels */
+/* How light becomes codes of a format, and those of 8 bits light. */
+typedef struct render_mips_codes {
+	stilb_image_format format;
 	render_mips_kind kind;
-	stilb_render_specular_aa spread; /* how the normals' variance becomes a spread; not OFF */
-	stilb_job_pool *pool;            /* whose threads help, the caller is its owner; NULL: the caller works alone */
-} render_mips_desc;
+	stilb_render_specular_aa spread; /* how the normals' variance becomes a spread */
+	float variances[256]; /* U8 and a kind of normals: of the normals of a texel, by the code of its spread */
+	/* U8_SRGB: the light from which on a code is that or more; of code 0: below all; [256]: above all. */
+	float borders[257];
+	uint8_t first[RENDER_MIPS_STEPS + 1]; /* the code of light i / RENDER_MIPS_STEPS */
+	float lights[2][256];                 /* U8: of red, green and blue; of alpha */
+} render_mips_codes;
 
-/* Makes all mips but the first, from larger to smaller, each tightly packed in the picture's format. *bytes: of all.
- * NULL: there are none, *bytes is 0; or no memory, *bytes is not 0. [any-thread] */
-void *render_mips_make(const render_mips_desc *desc, size_t *bytes);
+/* spread: not OFF for a kind of normals, whose formats are not U8_SRGB. */
+void render_mips_codes_make(stilb_image_format format, render_mips_kind kind, stilb_render_specular_aa spread,
+                            render_mips_codes *codes);
 
-/* Writes "no spread" where mips of that kind have it: what the picture itself has. [any-thread] */
-void render_mips_prepare(stilb_image *image, render_mips_kind kind);
+/* Writes "no spread" where mips of that kind have it: what the picture itself has. Four channels. [any-thread] */
+void render_mips_prepare(const stilb_image *image, render_mips_kind kind);
+
+/* Makes rows begin .. end - 1 of the mip `to` after `from`: pictures of four channels in the format of codes, no
+ * U16_SRGB and no blocks. A texel is the mean of those that it covers, in light; where `from` has an odd number, of
+ * three in a row by how much of each. pool: whose threads help, the caller is its owner; NULL: the caller works alone.
+ * [any-thread] */
+void render_mips_rows(const render_mips_codes *codes, const stilb_image *from, uint32_t begin, uint32_t end,
+                      stilb_job_pool *pool, const stilb_image *to);
 
 #endif

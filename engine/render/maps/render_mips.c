@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the table by which codes of sRGB are found: at least 255 * 12.92, so that a step has one border at most. */
-#define MIPS_STEPS 4096u
 #define MIPS_BLOCK 256u /* texels that are made at once */
 #define MIPS_BLOCK_FROM (2 * MIPS_BLOCK + 1)
 #define MIPS_SLICE 16384u /* texels of a job, or a few more: some 0.1 ms */
@@ -23,6 +21,14 @@ uint32_t render_mip_count(uint32_t width, uint32_t height)
 	uint32_t side = width > height ? width : height;
 	STILB_ASSERT(side > 0);
 	return 32u - (uint32_t)__builtin_clz(side);
+}
+
+uint64_t render_mip_texels(uint32_t width, uint32_t height, uint32_t levels)
+{
+	uint64_t texels = 0;
+	for (uint32_t l = 0; l < levels; l++)
+		texels += (uint64_t)(width >> l ? width >> l : 1) * (height >> l ? height >> l : 1);
+	return texels;
 }
 
 /* Which texels of a row or column of `from` a texel of the next mip covers: `count` from `first` on, each by its
@@ -43,18 +49,6 @@ static mips_taps mips_taps_of(uint32_t from, uint32_t texel)
 	float whole = (float)from;
 	return (mips_taps){2 * texel, 3, {(float)(to - texel) / whole, (float)to / whole, (float)(texel + 1) / whole}};
 }
-
-/* How light becomes codes of a format, and those of 8 bits light. */
-typedef struct mips_codes {
-	stilb_image_format format;
-	render_mips_kind kind;
-	stilb_render_specular_aa spread;
-	float variances[256]; /* U8 and a kind of normals: of the normals of a texel, by the code of its spread */
-	/* U8_SRGB: the light from which on a code is that or more; of code 0: below all; [256]: above all. */
-	float borders[257];
-	uint8_t first[MIPS_STEPS + 1]; /* the code of light i / MIPS_STEPS */
-	float lights[2][256];          /* U8: of red, green and blue; of alpha */
-} mips_codes;
 
 /* ---- the spread of normals --------------------------------------------------------------------------------------- */
 
@@ -85,7 +79,7 @@ static uint32_t mips_spread_channel(render_mips_kind kind)
 }
 
 /* The mean of the normals of a texel, of which these are the four channels. */
-static stilb_vec3 mips_normal(const mips_codes *codes, const float texel[4])
+static stilb_vec3 mips_normal(const render_mips_codes *codes, const float texel[4])
 {
 	bool two = codes->kind == RENDER_MIPS_NORMALS_TWO;
 	stilb_vec3 code = two ? stilb_vec3_make(texel[0], texel[3], shade_gltf_normal_z(texel[0], texel[3]))
@@ -101,16 +95,18 @@ static stilb_vec3 mips_normal(const mips_codes *codes, const float texel[4])
 
 /* ---- codes ------------------------------------------------------------------------------------------------------- */
 
-static void mips_codes_make(const render_mips_desc *desc, mips_codes *codes)
+void render_mips_codes_make(stilb_image_format format, render_mips_kind kind, stilb_render_specular_aa spread,
+                            render_mips_codes *codes)
 {
+	STILB_ASSERT(kind == RENDER_MIPS_MEANS ||
+	             (spread != STILB_RENDER_SPECULAR_AA_OFF && format != STILB_IMAGE_U8_SRGB));
+	codes->kind = kind;
+	codes->spread = spread;
+	for (uint32_t c = 0; c < 256 && kind != RENDER_MIPS_MEANS; c++)
+		codes->variances[c] = mips_variance(spread, (float)(255 - c) / 255.0f);
 	uint32_t code = 0;
-	stilb_image_format format = desc->image->format;
 	bool color = format == STILB_IMAGE_U8_SRGB;
 	codes->format = format;
-	codes->kind = desc->kind;
-	codes->spread = desc->spread;
-	for (uint32_t c = 0; c < 256 && desc->kind != RENDER_MIPS_MEANS; c++)
-		codes->variances[c] = mips_variance(desc->spread, (float)(255 - c) / 255.0f);
 	codes->borders[0] = -INFINITY;
 	codes->borders[256] = INFINITY;
 	for (uint32_t c = 0; c < 256 && (color || format == STILB_IMAGE_U8_LINEAR); c++) {
@@ -121,18 +117,18 @@ static void mips_codes_make(const render_mips_desc *desc, mips_codes *codes)
 		return;
 	for (uint32_t c = 1; c < 256; c++)
 		codes->borders[c] = shade_srgb_to_linear(((float)c - 0.5f) / 255.0f);
-	for (uint32_t i = 0; i <= MIPS_STEPS; i++) {
-		while ((float)i / MIPS_STEPS >= codes->borders[code + 1])
+	for (uint32_t i = 0; i <= RENDER_MIPS_STEPS; i++) {
+		while ((float)i / RENDER_MIPS_STEPS >= codes->borders[code + 1])
 			code++;
 		codes->first[i] = (uint8_t)code;
 	}
 }
 
 /* The code whose light is nearest in codes. light: 0 or more, and 1 or hardly more. */
-static uint8_t mips_srgb(const mips_codes *codes, float light)
+static uint8_t mips_srgb(const render_mips_codes *codes, float light)
 {
-	uint32_t at = (uint32_t)(light * MIPS_STEPS);
-	uint32_t code = codes->first[at < MIPS_STEPS ? at : MIPS_STEPS];
+	uint32_t at = (uint32_t)(light * RENDER_MIPS_STEPS);
+	uint32_t code = codes->first[at < RENDER_MIPS_STEPS ? at : RENDER_MIPS_STEPS];
 	return (uint8_t)(code + (light >= codes->borders[code + 1]));
 }
 
@@ -147,7 +143,7 @@ static uint32_t mips_round(float value)
 }
 
 /* Writes `count` values of light, four channels a texel. */
-static void mips_write(const mips_codes *codes, const float *light, size_t count, uint8_t *out)
+static void mips_write(const render_mips_codes *codes, const float *light, size_t count, uint8_t *out)
 {
 	uint16_t *words = (uint16_t *)(void *)out;
 	switch (codes->format) {
@@ -177,7 +173,7 @@ static void mips_write(const mips_codes *codes, const float *light, size_t count
 }
 
 /* The light of `count` texels in a row. */
-static void mips_read(const mips_codes *codes, const stilb_image *row, uint32_t count, float *light)
+static void mips_read(const render_mips_codes *codes, const stilb_image *row, uint32_t count, float *light)
 {
 	const uint8_t *in = row->pixels;
 	bool bytes = codes->format == STILB_IMAGE_U8_SRGB || codes->format == STILB_IMAGE_U8_LINEAR;
@@ -195,14 +191,15 @@ static void mips_read(const mips_codes *codes, const stilb_image *row, uint32_t 
 /* A mip that is being made of the one before it. */
 typedef struct mips_level {
 	const stilb_image *from;
-	const mips_codes *codes;
+	const render_mips_codes *codes;
 	uint32_t width;
+	uint32_t row; /* the first that is made now */
 	size_t texel; /* bytes of a texel, of `from` too */
 	uint8_t *out;
 } mips_level;
 
 /* Puts the mean normals in the place of `count` texels in a row; the fourth number is 0. */
-static void mips_to_normals(const mips_codes *codes, uint32_t count, float *texels)
+static void mips_to_normals(const render_mips_codes *codes, uint32_t count, float *texels)
 {
 	for (uint32_t i = 0; i < 4 * count; i += 4) {
 		stilb_vec3 n = mips_normal(codes, texels + i);
@@ -270,13 +267,13 @@ static void mips_add_spread(const mips_level *level, uint32_t y, uint32_t x, uin
 	}
 }
 
-/* Writes rows begin .. end - 1 of the mip. */
+/* Writes rows begin .. end - 1 of the mip, counted from level->row. */
 static void mips_rows(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	const mips_level *level = context;
 	float sum[4 * MIPS_BLOCK_FROM], texels[4 * MIPS_BLOCK];
 	(void)worker;
-	for (uint32_t y = begin; y < end; y++)
+	for (uint32_t y = level->row + begin; y < level->row + end; y++)
 		for (uint32_t x = 0; x < level->width; x += MIPS_BLOCK) {
 			uint32_t count = level->width - x < MIPS_BLOCK ? level->width - x : MIPS_BLOCK;
 			uint32_t first = mips_column_means(level, false, y, x, count, sum);
@@ -288,52 +285,21 @@ static void mips_rows(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 		}
 }
 
-/* Fills *mip with the mip after `from`, whose pixels lie at `out`. */
-static void mips_next(const stilb_image *from, const mips_codes *codes, uint8_t *out, stilb_job_pool *pool,
-                      stilb_image *mip)
+void render_mips_rows(const render_mips_codes *codes, const stilb_image *from, uint32_t begin, uint32_t end,
+                      stilb_job_pool *pool, const stilb_image *to)
 {
-	*mip = *from;
-	mip->width = from->width > 1 ? from->width / 2 : 1;
-	mip->height = from->height > 1 ? from->height / 2 : 1;
-	mip->pixels = out;
-	mips_level level = {from, codes, mip->width, stilb_image_size(from) / from->width / from->height, out};
-	uint32_t grain = MIPS_SLICE / mip->width + 1;
-	if (pool && mip->height > grain)
-		stilb_job_parallel_for(pool, mip->height, grain, mips_rows, &level, 0);
+	STILB_ASSERT(from->channels == 4 && from->format == codes->format && to->format == codes->format);
+	STILB_ASSERT(from->format != STILB_IMAGE_U16_SRGB && !stilb_image_format_is_blocks(from->format));
+	STILB_ASSERT(to->width == (from->width > 1 ? from->width / 2 : 1) && begin <= end && end <= to->height);
+	mips_level level = {from, codes, to->width, begin, stilb_image_size(from) / from->width / from->height, to->pixels};
+	uint32_t grain = MIPS_SLICE / to->width + 1, rows = end - begin;
+	if (pool && rows > grain)
+		stilb_job_parallel_for(pool, rows, grain, mips_rows, &level, 0);
 	else
-		mips_rows(0, mip->height, 0, &level);
+		mips_rows(0, rows, 0, &level);
 }
 
-void *render_mips_make(const render_mips_desc *desc, size_t *bytes)
-{
-	const stilb_image *image = desc->image;
-	STILB_ASSERT(image->channels == 4 && image->format != STILB_IMAGE_U16_SRGB);
-	STILB_ASSERT(!stilb_image_format_is_blocks(image->format));
-	STILB_ASSERT(desc->kind == RENDER_MIPS_MEANS ||
-	             (desc->spread != STILB_RENDER_SPECULAR_AA_OFF && image->format != STILB_IMAGE_U8_SRGB));
-	size_t texel = stilb_image_size(image) / image->width / image->height;
-	uint32_t count = render_mip_count(image->width, image->height);
-	*bytes = 0;
-	for (uint32_t m = 1; m < count; m++)
-		*bytes += texel * (image->width >> m ? image->width >> m : 1) * (image->height >> m ? image->height >> m : 1);
-	if (*bytes == 0)
-		return NULL;
-	uint8_t *mips = stilb_memory_alloc(*bytes, 1), *out = mips;
-	if (!mips)
-		return NULL;
-	mips_codes codes;
-	mips_codes_make(desc, &codes);
-	stilb_image from = *image, mip;
-	for (uint32_t m = 1; m < count; m++) {
-		mips_next(&from, &codes, out, desc->pool, &mip);
-		out += stilb_image_size(&mip);
-		from = mip;
-	}
-	STILB_ASSERT(out == mips + *bytes);
-	return mips;
-}
-
-void render_mips_prepare(stilb_image *image, render_mips_kind kind)
+void render_mips_prepare(const stilb_image *image, render_mips_kind kind)
 {
 	STILB_ASSERT(image->channels == 4);
 	if (kind == RENDER_MIPS_MEANS)

@@ -1,6 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Meshes whose material has a surface (scene/scene_surface.h).
+// Meshes whose material has a surface (scene/scene_surface.h). MAPS_FUNCTION: that has a function of the program's, too
+// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn.
+#include "surface.glsl"
+#ifdef MAPS_FUNCTION
+#define discard surface_functions_must_not_discard_but_return_alpha_0
+#include "surface_function.glsl" // the program's, which stilb_surface() puts there
+#undef discard
+#endif
 #include "mesh.glsl"
 #include "maps_color.glsl"
 #include "../../shading/shade_gltf.h"
@@ -20,7 +27,12 @@ layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
 layout(constant_id = 10) const uint max_anisotropy = 1u; // of the samplers
 
+#ifndef MAPS_DEPTH
 layout(location = 0) out vec4 color;
+#endif
+#ifdef MAPS_FUNCTION
+FUNCTION_INPUTS(in)
+#endif
 
 #ifdef MAPS_COVERAGE
 layout(constant_id = 8) const uint samples = 4u; // of a pixel
@@ -154,16 +166,6 @@ LayerTexels layer_texels_here(uint record)
 }
 #endif
 
-// specular: SPECULAR the highlight's reflectance, else the dielectric's.
-shade_gltf_base base_here(uint record, vec3 base_color, vec4 reflection, vec3 specular)
-{
-	float roughness = record_part(record, 1u).w;
-	if (specular_workflow)
-		return shade_gltf_specular(base_color, specular * reflection.xyz, (1.0 - roughness) * reflection.w);
-	float metalness = record_part(record, 2u).w * reflection.z;
-	return shade_gltf_metallic(base_color, metalness, roughness * reflection.y, specular);
-}
-
 // The unit normal on the side that is seen. mapped: there is a map of it, whose texel and scale these are. flat_normal:
 // as of is_turned_over.
 vec3 normal_here(bool mapped, vec3 texel, float scale, vec3 flat_normal, vec3 to_camera)
@@ -218,19 +220,139 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 }
 #endif
 
-#ifdef MESH_CHANNEL
-Channels channels_here(uint record, Texels texels, vec4 base_color, vec3 n)
+// The reflectance of the dielectric, or of SPECULAR the highlight's factor.
+#ifdef MAPS_LAYERS
+vec3 specular_here(uint record, LayerTexels texels)
 {
-	float alpha = masked || blends ? base_color.w : 1.0;
+	vec3 specular = record_part(record, 1u).xyz;
+	if (has_layer_map(3u) || has_layer_map(4u))
+		specular = clamp(min(specular * texels.specular_color, 1.0) *
+			(record_part(record, 4u).w * texels.specular), 0.0, 1.0);
+	return specular;
+}
+#else
+vec3 specular_here(uint record)
+{
+	return record_part(record, 1u).xyz;
+}
+#endif
+
+// The surface by factors and texels. base_color: as it stands, which masks are compared with. specular: specular_here.
+Surface surface_here(uint record, vec4 base_color, Texels texels, vec3 specular, vec3 n)
+{
+	Surface surface;
+	float roughness = record_part(record, 1u).w;
+	bool glows = !both_sides || gl_FrontFacing;
+	surface.color = clamp(base_color.xyz, 0.0, 1.0); // what reflects more than it gets would make light
+	surface.alpha = base_color.w;
+	surface.specular = specular_workflow ? specular * texels.reflection.xyz : specular;
+	surface.metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
+	surface.roughness =
+		specular_workflow ? 1.0 - (1.0 - roughness) * texels.reflection.w : roughness * texels.reflection.y;
+	surface.occlusion = shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y);
+	surface.normal = n;
+	surface.emission = glows ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
+	return surface;
+}
+
+#ifdef MAPS_FUNCTION
+float share_or_none(float share)
+{
+	return share > 0.0 ? min(share, 1.0) : 0.0; // also of NaN
+}
+
+vec3 shares_or_none(vec3 shares)
+{
+	return vec3(share_or_none(shares.x), share_or_none(shares.y), share_or_none(shares.z));
+}
+
+float radiance_or_none(float radiance)
+{
+	return radiance > 0.0 ? min(radiance, 1e30) : 0.0;
+}
+
+vec4 surface_parameter(int number)
+{
+	return function_parameters[clamp(number, 0, 3)];
+}
+
+// What the program's function makes of the surface; a surface that it leaves alone keeps its bits.
+Surface surface_by_function(Surface before, vec3 flat_normal, vec3 to_camera)
+{
+	SurfacePoint point;
+	point.position = world_position;
+	point.local = function_local;
+	point.normal = normal_here(false, vec3(0.5, 0.5, 1.0), 1.0, flat_normal, to_camera);
+	point.to_viewer = to_camera;
+	point.uv = function_uv.xy;
+	point.uv1 = function_uv.zw;
+	point.color = surface_color;
+	point.time = function_view.w;
+	point.front = gl_FrontFacing;
+	Surface after = surface_function(before, point);
+	after.color = shares_or_none(after.color);
+	after.alpha = after.alpha > 0.0 ? after.alpha : 0.0;
+	after.specular = shares_or_none(after.specular);
+	after.metalness = share_or_none(after.metalness);
+	after.roughness = share_or_none(after.roughness);
+	after.occlusion = share_or_none(after.occlusion);
+	after.emission = vec3(
+		radiance_or_none(after.emission.x), radiance_or_none(after.emission.y), radiance_or_none(after.emission.z));
+	if (after.normal != before.normal) {
+		float square = dot(after.normal, after.normal);
+		bool sound = square > 1e-30 && square < 1e30;
+		after.normal = sound ? bent_normal(after.normal * inversesqrt(square), to_camera) : before.normal;
+	}
+	return after;
+}
+#endif
+
+shade_gltf_base base_of(Surface surface)
+{
+	if (!specular_workflow)
+		return shade_gltf_metallic(surface.color, surface.metalness, surface.roughness, surface.specular);
+	shade_gltf_base base = shade_gltf_specular(surface.color, surface.specular, 0.0);
+	base.roughness = surface.roughness;
+	return base;
+}
+
+#ifdef MESH_CHANNEL
+Channels channels_here(Surface surface)
+{
+	float alpha = masked || blends ? clamp(surface.alpha, 0.0, 1.0) : 1.0;
 	float square = dot(channel_tangent, channel_tangent);
 	vec3 tangent = square > 0.0 ? channel_tangent * inversesqrt(square) : vec3(0.0);
 	if (unlit)
-		return Channels(base_color.xyz, n, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
-	vec3 emission = !both_sides || gl_FrontFacing ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
-	float metalness = specular_workflow ? 0.0 : record_part(record, 2u).w * texels.reflection.z;
-	return Channels(base_color.xyz, n, tangent, emission,
-		base_here(record, base_color.xyz, texels.reflection, vec3(0.0)).roughness, metalness,
-		shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y), alpha, channel_uv);
+		return Channels(
+			surface.color, surface.normal, tangent, vec3(0.0), 0.0, 0.0, 1.0, alpha, channel_uv);
+	float metalness = specular_workflow ? 0.0 : surface.metalness;
+	return Channels(surface.color, surface.normal, tangent, surface.emission, surface.roughness, metalness,
+		surface.occlusion, alpha, channel_uv);
+}
+#endif
+
+#ifndef MAPS_DEPTH
+// What the surface sends to the viewer. spread: of the normals that its own is the mean of.
+#ifdef MAPS_LAYERS
+vec3 radiance_here(Surface surface, float spread, Material stored, LayerTexels texels, vec3 flat_normal,
+	vec3 to_camera)
+#else
+vec3 radiance_here(Surface surface, float spread, Material stored, vec3 to_camera)
+#endif
+{
+	if (unlit)
+		return surface.color;
+	shade_gltf_base base = base_of(surface);
+	if (widens)
+		base.roughness = widened(base.roughness, spread, record_part(stored.ids.y, 3u).x);
+	shade_material material = material_with(stored, base.diffuse, base.specular, base.roughness);
+#ifdef MAPS_LAYERS
+	float metalness = specular_workflow ? 0.0 : clamp(surface.metalness, 0.0, 1.0);
+	layers = layers_here(stored.ids.y, texels, surface.color * (1.0 - metalness), flat_normal, to_camera);
+	return layered_radiance(material, surface.emission, surface.occlusion, surface.normal, to_camera);
+#else
+	return lit_radiance_open(material, surface.emission, surface.occlusion, surface.normal, to_camera);
+#endif
 }
 #endif
 
@@ -247,12 +369,27 @@ void main()
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
 	vec4 raw = raw_color(record);
+#ifdef MAPS_FUNCTION
+	vec4 base_color = raw * function_color;
+	vec3 to_camera = normalize(function_view.xyz - world_position);
+#else
 	vec4 base_color = raw * record_part(record, 0u);
+	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
+#endif
 	Texels texels = texels_here(record);
+	vec3 n = normal_here(map_normal, texels.normal, record_part(record, 3u).x, flat_normal, to_camera);
 #ifdef MAPS_LAYERS
 	LayerTexels layer_texels = layer_texels_here(record);
+	Surface surface = surface_here(record, base_color, texels, specular_here(record, layer_texels), n);
+#else
+	Surface surface = surface_here(record, base_color, texels, specular_here(record), n);
 #endif
-#ifdef MAPS_COVERAGE
+#ifdef MAPS_FUNCTION
+	surface = surface_by_function(surface, flat_normal, to_camera);
+#endif
+#if defined(MAPS_COVERAGE) && defined(MAPS_FUNCTION)
+	int covered = covered_samples(surface.alpha, 1.0, record_part(record, 3u).z);
+#elif defined(MAPS_COVERAGE)
 	int covered = covered_samples(raw.w, record_part(record, 0u).w, record_part(record, 3u).z);
 #endif
 	if (detail_kind == DETAIL_FADE && is_faded_out(material_word))
@@ -262,44 +399,23 @@ void main()
 		discard;
 	gl_SampleMask[0] = covered;
 #else
-	if (masked && base_color.w < record_part(record, 3u).z)
+	if (masked && surface.alpha < record_part(record, 3u).z)
 		discard;
 #endif
-	vec3 to_camera = normalize(push.view.camera_position.xyz - world_position);
-	vec3 n = normal_here(map_normal, texels.normal, record_part(record, 3u).x, flat_normal, to_camera);
-	base_color = clamp(base_color, 0.0, 1.0); // what reflects more than it gets would make light
+#ifndef MAPS_DEPTH
 #ifdef MESH_CHANNEL
-	color = channel_color(channels_here(record, texels, base_color, n), index);
-	return;
-#endif
-	vec3 radiance = base_color.xyz;
-	if (!unlit) {
-#ifdef MAPS_LAYERS
-		vec3 dielectric = record_part(record, 1u).xyz;
-		if (has_layer_map(3u) || has_layer_map(4u))
-			dielectric = clamp(min(dielectric * layer_texels.specular_color, 1.0) *
-				(record_part(record, 4u).w * layer_texels.specular), 0.0, 1.0);
-		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection, dielectric);
+	color = channel_color(channels_here(surface), index);
 #else
-		shade_gltf_base base = base_here(record, base_color.xyz, texels.reflection, record_part(record, 1u).xyz);
-#endif
-		if (widens)
-			base.roughness = widened(base.roughness, texels.spread, record_part(record, 3u).x);
-		shade_material material = material_with(stored, base.diffuse, base.specular, base.roughness);
-		bool glows = !both_sides || gl_FrontFacing;
-		vec3 emission = glows ? record_part(record, 2u).xyz * texels.emission : vec3(0.0);
-		float open = shade_gltf_occlusion(texels.occlusion, record_part(record, 3u).y);
 #ifdef MAPS_LAYERS
-		float metalness = specular_workflow ? 0.0 : clamp(record_part(record, 2u).w * texels.reflection.z, 0.0, 1.0);
-		layers = layers_here(record, layer_texels, base_color.xyz * (1.0 - metalness), flat_normal, to_camera);
-		radiance = layered_radiance(material, emission, open, n, to_camera);
+	vec3 radiance = radiance_here(surface, texels.spread, stored, layer_texels, flat_normal, to_camera);
 #else
-		radiance = lit_radiance_open(material, emission, open, n, to_camera);
+	vec3 radiance = radiance_here(surface, texels.spread, stored, to_camera);
 #endif
-	}
 	if (detail_kind == DETAIL_SHOW)
-		radiance = level_color(material_word, n, to_camera);
+		radiance = level_color(material_word, surface.normal, to_camera);
 	color = picture_color(radiance, index);
 	if (blends)
-		color *= base_color.w;
+		color *= clamp(surface.alpha, 0.0, 1.0);
+#endif
+#endif
 }

@@ -37,6 +37,15 @@ float map_layer(uint record, uint map)
 	layout(location = 10) way vec2 occlusion_place; \
 	layout(location = 11) way vec2 emission_place;
 
+// MESH_FUNCTION of a vertex shader, MAPS_FUNCTION of a fragment shader: materials with a function (surface.glsl). What
+// the function is given of the material and of the view comes by the vertices, too, so that it has derivatives.
+#define FUNCTION_INPUTS(way) \
+	layout(location = 24) way vec4 function_uv; /* both */ \
+	layout(location = 25) way vec3 function_local; \
+	layout(location = 26) flat way vec4 function_parameters[4]; \
+	layout(location = 30) flat way vec4 function_color; /* the factor of color and alpha */ \
+	layout(location = 31) flat way vec4 function_view;  /* the viewer's place, time */
+
 // MAPS_LAYERS: programs of materials with RENDER_MAPS_LAYERS, and the places of the maps that they alone have: number i
 // is that of map 5 + i.
 #ifdef MAPS_LAYERS

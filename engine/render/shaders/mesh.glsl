@@ -26,12 +26,12 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Li
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
-// As render_maps_stored, of which each has 42: color; specular, roughness; emission, metalness; scale of normals,
+// As render_maps_stored, of which each has 46: color; specular, roughness; emission, metalness; scale of normals,
 // occlusion, cutoff, ior; coat, its roughness, scale of its normals, weight of specular; sheen, its roughness; brushed,
 // cosine and sine of its turn, transmission; absorption, thickness; for each map two rows of its transform, behind the
-// first which uv it lies on; for each map its layer.
+// first which uv it lies on; for each map its layer; four parameters of a function.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Maps { vec4 parts[]; };
-#define MAPS_PARTS 42u
+#define MAPS_PARTS 46u
 
 // As render_extra, of which each has three: tangent, sign; uv; colour. As render_extra_place.
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };
@@ -52,7 +52,8 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	Maps maps;
 	Extras extras;
 	ExtraPlaces extra_places;
-	uvec2 padding;
+	float time; // seconds, for functions of surfaces
+	float padding;
 };
 
 // The heap of vertices (render_vertex.h). Packed, three of these for each: position's x and y; its z, the normal; uv.

@@ -63,6 +63,10 @@ layout(location = 12) centroid out vec4 channel_uv;      // both
 layout(location = 13) centroid out vec3 channel_tangent; // as the transform leaves it; 0: there is none
 #endif
 
+#ifdef MESH_FUNCTION
+FUNCTION_INPUTS(out)
+#endif
+
 #ifdef MESH_EXTRAS
 layout(location = 5) centroid out vec4 surface_color;
 layout(location = 6) centroid out vec3 world_tangent; // on the side of the normal that winding makes, as world_normal
@@ -181,6 +185,15 @@ void main()
 #ifndef MESH_EXTRAS
 	channel_tangent = vec3(0.0);
 #endif
+#endif
+#ifdef MESH_FUNCTION
+	function_uv = vec4(t, second);
+	function_local = place;
+	uint record = push.materials.materials[drawn == 3u ? 0u : row.material].ids.y;
+	for (uint i = 0u; i < 4u; i++)
+		function_parameters[i] = record_part(record, 42u + i);
+	function_color = record_part(record, 0u);
+	function_view = vec4(push.view.camera_position.xyz, push.view.time);
 #endif
 	gl_Position = push.view.view_projection * vec4(world_position, 1.0);
 }

@@ -156,13 +156,15 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id)
 	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in format %u; there are 1..4 and 0..%d", id,
 		                  image->channels, (unsigned)image->format, STILB_IMAGE_FORMAT_COUNT - 1);
-	if (stilb_image_format_is_blocks(image->format))
-		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: it is made of blocks; decode it by stilb_image_decode",
-		                  id);
+	uint32_t channels = stilb_image_format_channels(image->format);
+	if (channels > 0 && image->channels != channels)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "texture %u: %u channels in blocks that have %u", id, image->channels,
+		                  channels);
 	return STILB_OK;
 }
 
-stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id)
+stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t function_count,
+                                 uint32_t id)
 {
 	const char *mistake = stilb_scene_surface_mistake(surface);
 	if (mistake)
@@ -171,7 +173,20 @@ stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t te
 		if (surface->maps[i].texture > texture_count)
 			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
 			                  surface->maps[i].texture - 1, stilb_scene_map_names[i]);
+	if (surface->function > function_count)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no function %u", id, surface->function - 1);
 	return STILB_OK;
+}
+
+stilb_result scene_check_function(const stilb_scene_function *function, uint32_t id)
+{
+	const char *mistake = stilb_scene_function_mistake(function);
+	if (id >= STILB_SCENE_MAX_FUNCTIONS)
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface function %u: a scene has at most %u", id,
+		                  STILB_SCENE_MAX_FUNCTIONS);
+	return mistake ? stilb_fail(STILB_ERROR_ARGUMENT, "surface function %u, '%.63s': %s", id,
+	                            function->name ? function->name : "", mistake)
+	               : STILB_OK;
 }
 
 stilb_result scene_check_material(const stilb_scene_material *m, uint32_t id)
@@ -226,14 +241,4 @@ stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to)
 	copy_values(to->groups, from->groups, from->group_count * sizeof *to->groups);
 	copy_values(to->cluster_indices, from->cluster_indices, from->cluster_index_count * sizeof *to->cluster_indices);
 	return STILB_OK;
-}
-
-stilb_result scene_copy_image(const stilb_image *from, stilb_image *to)
-{
-	stilb_result result = stilb_image_create(to, from->width, from->height, from->channels, from->format);
-	if (result == STILB_OK)
-		memcpy(to->pixels, from->pixels, stilb_image_size(from));
-	else
-		*to = (stilb_image){0};
-	return result;
 }

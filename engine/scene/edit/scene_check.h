@@ -38,11 +38,12 @@ stilb_result scene_check_texture(const stilb_image *image, uint32_t id);
 /* Does not look whether its texture and its surface exist. */
 stilb_result scene_check_material(const stilb_scene_material *material, uint32_t id);
 
-/* Its textures are below texture_count. */
-stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t id);
+/* Its textures are below texture_count, its function is below function_count. */
+stilb_result scene_check_surface(const stilb_scene_surface *surface, uint32_t texture_count, uint32_t function_count,
+                                 uint32_t id);
+stilb_result scene_check_function(const stilb_scene_function *function, uint32_t id);
 
-/* Copies. STILB_ERROR_MEMORY; *to is {0} then. */
+/* A copy. STILB_ERROR_MEMORY; *to is {0} then. */
 stilb_result scene_copy_mesh(const stilb_scene_mesh *from, stilb_scene_mesh *to);
-stilb_result scene_copy_image(const stilb_image *from, stilb_image *to);
 
 #endif

@@ -2,6 +2,7 @@
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/edit/scene_node.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <math.h>
@@ -148,20 +149,31 @@ static bool edit_is_stale(const stilb_scene *scene, uint32_t model)
 	return false;
 }
 
+static void edit_refit(stilb_scene *scene, uint32_t model)
+{
+	stilb_sphere sphere = edit_fit(scene, model);
+	if (!edit_sphere_is_near(sphere))
+		sphere = (stilb_sphere){0.0f, 0.0f, 0.0f, INFINITY}; /* seen from everywhere */
+	edit_set_bounds(scene, model, sphere);
+}
+
+void scene_edit_refit(stilb_scene *scene, uint32_t model)
+{
+	edit_model *own = &scene->edits->models[model];
+	STILB_ASSERT(own->next == EDIT_IN_USE);
+	own->measured = 0;
+	if (!isnan(own->radius))
+		edit_refit(scene, model);
+}
+
 void scene_edit_settle(stilb_scene *scene)
 {
 	stilb_scene_edits *edits = scene->edits;
 	if (edits->stale_count == 0)
 		return;
-	for (uint32_t m = 0; m < scene->model_count; m++) {
-		bool placed = edits->models[m].next == EDIT_IN_USE && !isnan(edits->models[m].radius);
-		if (!placed || !edit_is_stale(scene, m))
-			continue;
-		stilb_sphere sphere = edit_fit(scene, m);
-		if (!edit_sphere_is_near(sphere))
-			sphere = (stilb_sphere){0.0f, 0.0f, 0.0f, INFINITY}; /* seen from everywhere */
-		edit_set_bounds(scene, m, sphere);
-	}
+	for (uint32_t m = 0; m < scene->model_count; m++)
+		if (edits->models[m].next == EDIT_IN_USE && !isnan(edits->models[m].radius) && edit_is_stale(scene, m))
+			edit_refit(scene, m);
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_stale[m] = false;
 	edits->stale_count = 0;
@@ -304,6 +316,7 @@ stilb_result stilb_scene_add_model(stilb_scene *scene, const stilb_mat4 *transfo
 	edits->models[model].next = EDIT_IN_USE;
 	edits->models[model].hidden = false;
 	edits->models[model].measured = 0;
+	edits->models[model].figure = 0;
 	scene->revisions.models++;
 	edit_set_bounds(scene, model, sphere);
 	*id = model;
@@ -326,6 +339,8 @@ stilb_result stilb_scene_remove_model(stilb_scene *scene, uint32_t id)
 		scene->part_mesh[p] = scene->part_material[p] = STILB_SCENE_NONE;
 	}
 	scene_edit_detach(scene, id);
+	if (edits->models[id].figure)
+		scene_play_forget_model(scene, edits->models[id].figure, id);
 	scene->bounds.radius[id] = edits->models[id].radius = (float)NAN;
 	scene_edit_moved(scene, id);
 	uint32_t *bucket = &edits->free_models[(end - first) % EDIT_BUCKETS];

@@ -6,10 +6,10 @@
  * Ids.         stay what they are until the thing is removed; the id may then be given to a new one. Models and
  *              resources of a scene that was opened or built can be edited like those that were added here. A mesh or
  *              material is removed after the models that name it, a surface after the materials, a texture after
- *              both.
+ *              both, a function after the surfaces.
  * Arrays.      A model that is hidden or removed has a NaN as the radius of its bounds, so that no view sees it; the
- *              parts of a removed model name STILB_SCENE_NONE. A removed mesh, material, surface or texture is all
- *              zeros. The arrays may move: no pointer into them outlives an edit.
+ *              parts of a removed model name STILB_SCENE_NONE. A removed mesh, material, surface, function or texture
+ *              is all zeros. The arrays may move: no pointer into them outlives an edit.
  * Bounds       follow the edits: those of a model that was added or moved enclose the spheres around its meshes.
  * Mistakes.    STILB_ERROR_ARGUMENT with a line that names what is wrong, or STILB_ERROR_MEMORY: then the scene is as
  *              it was.
@@ -97,6 +97,14 @@ stilb_result stilb_scene_set_surface(stilb_scene *scene, uint32_t id, const stil
 /* STILB_ERROR_ARGUMENT also if a material names it. */
 stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id);
 
+/* What surfaces name as their function; mistakes are those that stilb_scene_function_mistake finds. A program that
+ * edits its function sets surfaces to a new one and removes the old one. One that does not fit the device's shaders is
+ * an error of the next frame, once, as of stilb_render_update_scene; its materials are shown without it. */
+stilb_result stilb_scene_add_function(stilb_scene *scene, const stilb_scene_function *function, uint32_t *id);
+
+/* STILB_ERROR_ARGUMENT also if a surface names it. */
+stilb_result stilb_scene_remove_function(stilb_scene *scene, uint32_t id);
+
 stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *image, uint32_t *id);
 
 /* Replaces a texture by one of any size; one of the same size and format takes its place on the device. */
@@ -117,6 +125,7 @@ stilb_result stilb_scene_set_lights(stilb_scene *scene, const stilb_scene_light 
 /* Vertices first .. first + count - 1 of a mesh. */
 typedef struct stilb_scene_vertices {
 	uint32_t mesh, first, count;
+	bool extras; /* the same of its extras, if it has some */
 } stilb_scene_vertices;
 
 /* Ids in the order of their first change. Models are in scene->moved. Valid until the next edit. */
@@ -124,7 +133,8 @@ typedef struct stilb_scene_changes {
 	const uint32_t *meshes;    /* [mesh_count] added, replaced or removed */
 	const uint32_t *materials; /* [material_count] added, changed or removed */
 	const uint32_t *textures;  /* [texture_count] added, replaced or removed */
-	uint32_t mesh_count, material_count, texture_count;
+	const uint32_t *functions; /* [function_count] added or removed */
+	uint32_t mesh_count, material_count, texture_count, function_count;
 	const stilb_scene_vertices *vertices; /* [vertices_count] of meshes that are not among the above */
 	uint32_t vertices_count;
 } stilb_scene_changes;

@@ -17,6 +17,8 @@ stilb_scene_changes stilb_scene_changes_read(stilb_scene *scene)
 		.material_count = edits->materials.changed_count,
 		.textures = edits->textures.changed,
 		.texture_count = edits->textures.changed_count,
+		.functions = edits->functions.changed,
+		.function_count = edits->functions.changed_count,
 		.vertices = edits->ranges,
 		.vertices_count = edits->range_count,
 	};

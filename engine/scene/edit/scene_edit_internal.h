@@ -2,6 +2,7 @@
 #ifndef STILB_SCENE_EDIT_INTERNAL_H
 #define STILB_SCENE_EDIT_INTERNAL_H
 
+#include "jobs/job.h"
 #include "scene/edit/scene_edit.h"
 
 #define EDIT_IN_USE UINT32_MAX /* in place of the next free id */
@@ -32,6 +33,7 @@ typedef struct edit_model {
 	float radius;        /* of its bounds, also while it is hidden; NaN: it was removed, or its node is too far away */
 	uint32_t next;       /* as edit_ids.next */
 	uint32_t slot;       /* as edit_ids.slot, in scene->moved */
+	uint32_t figure;     /* 1 + the figure whose model it is (scene_play.h); 0: none's */
 	bool hidden;         /* by the program */
 	stilb_sphere sphere; /* around the spheres of its meshes, in the space of parts that have one transform */
 	uint64_t measured;   /* stilb_scene_edits.measures when `sphere` was made; 0: never, or for other parts */
@@ -48,6 +50,7 @@ typedef struct edit_nodes {
 	uint32_t *order;       /* [order_count] nodes, a parent before its children; STILB_SCENE_NONE: one was removed */
 	uint32_t *end;         /* [order_count] where in order the subtree ends that begins here */
 	uint32_t *position;    /* where a node stands in order */
+	uint32_t *figure;      /* 1 + the figure whose node it is (scene_play.h); 0: none's */
 	uint32_t order_count, hole_count;
 	bool unordered;        /* order, end and position are to be made anew */
 	uint32_t *first_child; /* while they are made: 1 + a node */
@@ -59,11 +62,12 @@ typedef struct edit_nodes {
 } edit_nodes;
 
 typedef struct stilb_scene_edits {
-	edit_ids meshes, materials, surfaces, textures;
+	edit_ids meshes, materials, surfaces, textures, functions;
 	edit_nodes nodes;
 	stilb_sphere *mesh_sphere; /* [meshes.capacity] around a mesh's vertices; radius NaN: not computed yet */
 	bool unmeasured;           /* a mesh in use may have no sphere yet */
 	uint64_t measures;         /* 1 + the changes of meshes so far: spheres of models made before them may be wrong */
+	uint32_t *mesh_figure;     /* [meshes.capacity] 1 + the figure whose posed mesh it is; 0: none's */
 	bool *mesh_stale;          /* [meshes.capacity] models that show it have the bounds of the mesh before */
 	uint32_t stale_count;      /* meshes of which that is true */
 
@@ -121,5 +125,17 @@ void scene_edit_node_changed(edit_nodes *nodes, uint32_t node);
 
 /* The new bounds of models that show a mesh whose vertices have changed. */
 void scene_edit_settle(stilb_scene *scene);
+
+/* Gives the nodes that have changed, and all that hangs on them, their new places: stilb_scene_update_nodes without
+ * posed meshes. Needs edits. */
+void scene_edit_update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker);
+
+/* All vertices of a mesh without coarser levels have changed, tangents too, and lie in this box. Its models are to be
+ * fitted anew by scene_edit_refit; those of which the caller does not know are when changes are read. */
+void scene_edit_mesh_posed(stilb_scene *scene, uint32_t mesh, const float low[3], const float high[3],
+                           uint32_t model_count);
+
+/* Gives a model bounds for the meshes that it shows now, and lists it. */
+void scene_edit_refit(stilb_scene *scene, uint32_t model);
 
 #endif

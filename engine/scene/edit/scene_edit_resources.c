@@ -1,6 +1,7 @@
 /* Meshes, materials, textures and lights that come, change and go. */
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <math.h>
@@ -78,11 +79,12 @@ static stilb_result edit_give_back(edit_ids *ids, uint32_t count, uint32_t id, c
 static stilb_result edit_reserve_mesh(stilb_scene *scene)
 {
 	stilb_scene_edits *edits = scene->edits;
-	edit_array arrays[EDIT_IDS_ARRAYS + 3] = {
+	edit_array arrays[EDIT_IDS_ARRAYS + 4] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->meshes, sizeof *scene->meshes, 0},
 		[EDIT_IDS_ARRAYS + 1] = {(void **)&edits->mesh_sphere, sizeof *edits->mesh_sphere, 0},
-		[EDIT_IDS_ARRAYS + 2] = {(void **)&edits->mesh_stale, sizeof *edits->mesh_stale, 0}};
-	return edit_reserve(&edits->meshes, arrays, 3, scene->mesh_count);
+		[EDIT_IDS_ARRAYS + 2] = {(void **)&edits->mesh_stale, sizeof *edits->mesh_stale, 0},
+		[EDIT_IDS_ARRAYS + 3] = {(void **)&edits->mesh_figure, sizeof *edits->mesh_figure, 0}};
+	return edit_reserve(&edits->meshes, arrays, 4, scene->mesh_count);
 }
 
 /* Lists a mesh as wholly changed, which its ranges no longer say anything about. */
@@ -123,8 +125,18 @@ stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *me
 	scene->revisions.geometry++;
 	scene->meshes[*id] = copy;
 	scene->edits->mesh_sphere[*id].radius = (float)NAN;
+	scene->edits->mesh_figure[*id] = 0;
 	scene->edits->unmeasured = true;
 	return STILB_OK;
+}
+
+/* A mesh that was a figure's is the program's now. */
+static void edit_mesh_take(stilb_scene *scene, uint32_t id)
+{
+	uint32_t *figure = &scene->edits->mesh_figure[id];
+	if (*figure)
+		scene_play_forget_mesh(scene, *figure, id);
+	*figure = 0;
 }
 
 stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_scene_mesh *mesh)
@@ -140,6 +152,7 @@ stilb_result stilb_scene_set_mesh(stilb_scene *scene, uint32_t id, const stilb_s
 		result = scene_copy_mesh(mesh, &copy);
 	if (result != STILB_OK)
 		return result;
+	edit_mesh_take(scene, id);
 	stilb_scene_mesh_finish(&scene->meshes[id]);
 	scene->meshes[id] = copy;
 	edit_mesh_changed(scene->edits, id);
@@ -167,6 +180,7 @@ static void edit_range_add(stilb_scene_edits *edits, stilb_scene_vertices range)
 	stilb_scene_vertices *last = edits->range_count > 0 ? &edits->ranges[edits->range_count - 1] : NULL;
 	if (last && last->mesh == range.mesh && last->first <= end && range.first <= last->first + last->count) {
 		uint32_t last_end = last->first + last->count;
+		last->extras |= range.extras;
 		last->first = last->first < range.first ? last->first : range.first;
 		last->count = (last_end > end ? last_end : end) - last->first;
 		return;
@@ -200,11 +214,31 @@ stilb_result stilb_scene_set_vertices(stilb_scene *scene, uint32_t id, uint32_t 
 		stilb_scene_mesh_drop_levels(mesh);
 		edit_mesh_changed(scene->edits, id);
 	} else {
-		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count});
+		edit_range_add(scene->edits, (stilb_scene_vertices){id, first, count, false});
 	}
 	edit_mesh_stale(scene->edits, id);
 	scene->revisions.geometry++;
 	return STILB_OK;
+}
+
+void scene_edit_mesh_posed(stilb_scene *scene, uint32_t mesh, const float low[3], const float high[3],
+                           uint32_t model_count)
+{
+	stilb_scene_edits *edits = scene->edits;
+	const stilb_scene_mesh *posed = &scene->meshes[mesh];
+	STILB_ASSERT(posed->level_count == 0 && posed->cluster_count == 0);
+	float center[3], square = 0.0f;
+	for (int i = 0; i < 3; i++) {
+		center[i] = 0.5f * low[i] + 0.5f * high[i];
+		square += (high[i] - center[i]) * (high[i] - center[i]);
+	}
+	edit_range_add(edits, (stilb_scene_vertices){mesh, 0, posed->vertex_count, posed->extras});
+	scene->revisions.geometry++;
+	bool usable = square < 1e36f && fabsf(center[0]) + fabsf(center[1]) + fabsf(center[2]) < SCENE_FAR;
+	if (!usable || edits->meshes.users[mesh] > model_count)
+		edit_mesh_stale(edits, mesh);
+	if (usable)
+		edits->mesh_sphere[mesh] = (stilb_sphere){center[0], center[1], center[2], sqrtf(square) * 1.00001f};
 }
 
 stilb_result stilb_scene_remove_mesh(stilb_scene *scene, uint32_t id)
@@ -214,6 +248,7 @@ stilb_result stilb_scene_remove_mesh(stilb_scene *scene, uint32_t id)
 		result = edit_give_back(&scene->edits->meshes, scene->mesh_count, id, "part");
 	if (result != STILB_OK)
 		return result;
+	edit_mesh_take(scene, id);
 	edit_mesh_changed(scene->edits, id); /* without its ranges */
 	scene->revisions.geometry++;
 	stilb_scene_mesh_finish(&scene->meshes[id]);
@@ -297,17 +332,21 @@ stilb_result stilb_scene_remove_material(stilb_scene *scene, uint32_t id)
 
 static stilb_result edit_surface_check(const stilb_scene *scene, const stilb_scene_surface *surface, uint32_t id)
 {
-	stilb_result result = scene_check_surface(surface, UINT32_MAX, id); /* which textures there are is asked below */
+	stilb_result result = scene_check_surface(surface, UINT32_MAX, UINT32_MAX, id); /* which there are is asked below */
 	for (int i = 0; result == STILB_OK && i < STILB_SCENE_MAPS; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		if (texture && !scene_edit_has(&scene->edits->textures, scene->texture_count, texture - 1))
 			return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no texture %u for its map %s", id,
 			                  texture - 1, stilb_scene_map_names[i]);
 	}
+	uint32_t function = surface->function;
+	if (result == STILB_OK && function &&
+	    !scene_edit_has(&scene->edits->functions, scene->function_count, function - 1))
+		return stilb_fail(STILB_ERROR_ARGUMENT, "surface %u: there is no function %u", id, function - 1);
 	return result;
 }
 
-/* Replaces a surface, and counts who names which texture. */
+/* Replaces a surface, and counts who names which texture and function. */
 static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_surface *surface)
 {
 	stilb_scene_surface *at = &scene->surfaces[id];
@@ -318,6 +357,11 @@ static void edit_surface_put(stilb_scene *scene, uint32_t id, const stilb_scene_
 		if (surface->maps[i].texture)
 			users[surface->maps[i].texture - 1]++;
 	}
+	users = scene->edits->functions.users;
+	if (at->function)
+		users[at->function - 1]--;
+	if (surface->function)
+		users[surface->function - 1]++;
 	*at = *surface;
 	for (uint32_t m = 0; scene->edits->surfaces.users[id] > 0 && m < scene->material_count; m++)
 		if (scene->materials[m].surface == id + 1)
@@ -364,6 +408,38 @@ stilb_result stilb_scene_remove_surface(stilb_scene *scene, uint32_t id)
 		result = edit_give_back(&scene->edits->surfaces, scene->surface_count, id, "material");
 	if (result == STILB_OK)
 		edit_surface_put(scene, id, &(stilb_scene_surface){0});
+	return result;
+}
+
+/* ---- functions of surfaces --------------------------------------------------------------------------------------- */
+
+stilb_result stilb_scene_add_function(stilb_scene *scene, const stilb_scene_function *function, uint32_t *id)
+{
+	STILB_ASSERT(function && id);
+	stilb_scene_function copy, own = *function; /* it may be one of the scene's, whose array moves */
+	stilb_result result = scene_edit_begin(scene);
+	edit_array arrays[EDIT_IDS_ARRAYS + 1] = {
+		[EDIT_IDS_ARRAYS] = {(void **)&scene->functions, sizeof *scene->functions, 0}};
+	if (result == STILB_OK)
+		result = scene_check_function(&own, edit_next(&scene->edits->functions, scene->function_count));
+	if (result == STILB_OK)
+		result = edit_reserve(&scene->edits->functions, arrays, 1, scene->function_count);
+	if (result == STILB_OK)
+		result = stilb_scene_function_copy(&own, &copy);
+	if (result != STILB_OK)
+		return result;
+	*id = edit_take(&scene->edits->functions, &scene->function_count);
+	scene->functions[*id] = copy;
+	return STILB_OK;
+}
+
+stilb_result stilb_scene_remove_function(stilb_scene *scene, uint32_t id)
+{
+	stilb_result result = scene_edit_begin(scene);
+	if (result == STILB_OK)
+		result = edit_give_back(&scene->edits->functions, scene->function_count, id, "surface");
+	if (result == STILB_OK)
+		stilb_scene_function_finish(&scene->functions[id]);
 	return result;
 }
 
@@ -414,7 +490,7 @@ stilb_result stilb_scene_add_texture(stilb_scene *scene, const stilb_image *imag
 	if (result == STILB_OK)
 		result = edit_reserve(&scene->edits->textures, arrays, 1, scene->texture_count);
 	if (result == STILB_OK)
-		result = scene_copy_image(&own, &copy);
+		result = stilb_image_copy(&own, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	*id = edit_take(&scene->edits->textures, &scene->texture_count);
@@ -434,7 +510,7 @@ stilb_result stilb_scene_set_texture(stilb_scene *scene, uint32_t id, const stil
 	if (result == STILB_OK)
 		result = scene_check_texture(image, id);
 	if (result == STILB_OK)
-		result = scene_copy_image(image, &copy);
+		result = stilb_image_copy(image, false, &copy);
 	if (result != STILB_OK)
 		return result;
 	stilb_image_finish(&scene->textures[id]);

@@ -7,7 +7,7 @@
 
 /* ---- arrays ------------------------------------------------------------------------------------------------------ */
 
-#define EDIT_MOST_ARRAYS 16
+#define EDIT_MOST_ARRAYS 20
 
 bool scene_edit_grow(const edit_array *arrays, uint32_t array_count, uint32_t count, uint32_t needed,
                      uint32_t *capacity)
@@ -88,6 +88,7 @@ static void edit_nodes_make(edit_nodes *nodes, uint32_t count, bool *failed)
 		.changed = edit_zeros(failed, count, sizeof *nodes->changed),
 		.slot = edit_zeros(failed, count, sizeof *nodes->slot),
 		.marks = edit_zeros(failed, count, sizeof *nodes->marks),
+		.figure = edit_zeros(failed, count, sizeof *nodes->figure),
 	};
 }
 
@@ -95,7 +96,7 @@ static void edit_nodes_finish(edit_nodes *nodes)
 {
 	void *arrays[] = {nodes->next,    nodes->children, nodes->first_model, nodes->order,
 	                  nodes->end,     nodes->position, nodes->first_child, nodes->sibling,
-	                  nodes->changed, nodes->slot,     nodes->marks};
+	                  nodes->changed, nodes->slot,     nodes->marks,       nodes->figure};
 	for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
 		free(arrays[i]);
 }
@@ -108,8 +109,10 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_ids_finish(&edits->materials);
 	edit_ids_finish(&edits->surfaces);
 	edit_ids_finish(&edits->textures);
+	edit_ids_finish(&edits->functions);
 	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
+	free(edits->mesh_figure);
 	free(edits->mesh_stale);
 	free(edits->models);
 	free(edits->ranges);
@@ -128,8 +131,10 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edit_ids_make(&edits->materials, "material", scene->material_count, &failed);
 	edit_ids_make(&edits->surfaces, "surface", scene->surface_count, &failed);
 	edit_ids_make(&edits->textures, "texture", scene->texture_count, &failed);
+	edit_ids_make(&edits->functions, "surface function", scene->function_count, &failed);
 	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
+	edits->mesh_figure = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_figure);
 	edits->mesh_stale = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_stale);
 	edits->model_capacity = scene->model_count;
 	edits->part_capacity = scene->part_count;
@@ -179,10 +184,13 @@ stilb_result scene_edit_begin(stilb_scene *scene)
 		if (scene->materials[m].surface)
 			edits->surfaces.users[scene->materials[m].surface - 1]++;
 	}
-	for (uint32_t s = 0; s < scene->surface_count; s++)
+	for (uint32_t s = 0; s < scene->surface_count; s++) {
 		for (int i = 0; i < STILB_SCENE_MAPS; i++)
 			if (scene->surfaces[s].maps[i].texture)
 				edits->textures.users[scene->surfaces[s].maps[i].texture - 1]++;
+		if (scene->surfaces[s].function)
+			edits->functions.users[scene->surfaces[s].function - 1]++;
+	}
 	for (uint32_t m = 0; m < scene->mesh_count; m++)
 		edits->mesh_sphere[m].radius = (float)NAN;
 	for (uint32_t m = 0; m < scene->model_count; m++)
@@ -223,6 +231,6 @@ void stilb_scene_changes_clear(stilb_scene *scene)
 	if (!edits)
 		return;
 	edits->meshes.changed_count = edits->materials.changed_count = edits->textures.changed_count = 0;
-	edits->surfaces.changed_count = 0;
+	edits->surfaces.changed_count = edits->functions.changed_count = 0;
 	edits->range_count = 0;
 }

@@ -3,6 +3,7 @@
 
 #include "scene/edit/scene_check.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <stdio.h>
@@ -67,6 +68,7 @@ static stilb_result node_reserve(stilb_scene *scene)
 		{(void **)&nodes->changed, sizeof *nodes->changed, 0},
 		{(void **)&nodes->slot, sizeof *nodes->slot, 0},
 		{(void **)&nodes->marks, sizeof *nodes->marks, 0},
+		{(void **)&nodes->figure, sizeof *nodes->figure, 0},
 	};
 	if (nodes->first_free || all->count < nodes->capacity)
 		return STILB_OK;
@@ -119,7 +121,7 @@ stilb_result stilb_scene_add_node(stilb_scene *scene, uint32_t parent, const sti
 	else
 		all->count++;
 	nodes->next[node] = EDIT_IN_USE;
-	nodes->children[node] = nodes->first_model[node] = 0;
+	nodes->children[node] = nodes->first_model[node] = nodes->figure[node] = 0;
 	all->parent[node] = parent;
 	all->pose[node] = *pose;
 	all->local[node] = stilb_scene_pose_matrix(pose);
@@ -171,6 +173,9 @@ stilb_result stilb_scene_remove_node(stilb_scene *scene, uint32_t id)
 		return result;
 	edit_nodes *nodes = &scene->edits->nodes;
 	uint32_t parent = scene->nodes.parent[id];
+	if (nodes->figure[id])
+		scene_play_forget_node(scene, nodes->figure[id], id);
+	nodes->figure[id] = 0;
 	if (parent != STILB_SCENE_NONE)
 		nodes->children[parent]--;
 	if (!nodes->unordered) {

@@ -5,6 +5,7 @@
 
 #include "profiler/prof.h"
 #include "scene/edit/scene_edit_internal.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 
 #include <string.h>
@@ -174,7 +175,7 @@ static uint32_t update_find_ranges(edit_nodes *nodes, uint32_t *range_count)
 	return total;
 }
 
-/* Lists the models of a range of the order as moved. True if there are any. */
+/* Lists the models of a range of the order as moved, and its figures as to be posed. True if there are any. */
 static bool update_list_models(stilb_scene *scene, uint32_t begin, uint32_t end)
 {
 	const stilb_scene_edits *edits = scene->edits;
@@ -182,6 +183,9 @@ static bool update_list_models(stilb_scene *scene, uint32_t begin, uint32_t end)
 	for (uint32_t position = begin; position < end; position++) {
 		uint32_t n = edits->nodes.order[position];
 		uint32_t first = n == STILB_SCENE_NONE ? 0 : edits->nodes.first_model[n];
+		uint32_t figure = n == STILB_SCENE_NONE ? 0 : edits->nodes.figure[n];
+		if (figure)
+			scene->figures->figures[figure - 1].posing = true;
 		for (uint32_t m = first; m; m = edits->models[m - 1].next_on_node) {
 			any = true;
 			if (!edits->models[m - 1].hidden)
@@ -222,11 +226,10 @@ static void update_mounts(stilb_scene *scene, uint32_t range_count)
 	}
 }
 
-void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
+void scene_edit_update_places(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
 {
-	STILB_ASSERT(scene);
-	edit_nodes *nodes = scene->edits ? &scene->edits->nodes : NULL;
-	if (!nodes || nodes->changed_count == 0)
+	edit_nodes *nodes = &scene->edits->nodes;
+	if (nodes->changed_count == 0)
 		return;
 	PROFILE("scene nodes");
 	uint32_t range_count;
@@ -251,4 +254,13 @@ void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t
 	scene->revisions.places += any;
 	update_mounts(scene, range_count);
 	nodes->changed_count = 0;
+}
+
+void stilb_scene_update_nodes(stilb_scene *scene, stilb_job_pool *pool, uint32_t worker)
+{
+	STILB_ASSERT(scene);
+	if (scene->edits)
+		scene_edit_update_places(scene, pool, worker);
+	if (scene->figures)
+		scene_play_pose(scene, pool, worker);
 }

@@ -4,7 +4,8 @@
  *
  * Life cycle.  For each request an importer begins as {0}: gltf_import, or Assimp reads the file ->
  *              importer_load_textures -> importer_list_nodes -> importer_add_meshes -> importer_add_materials ->
- *              importer_add_view. Then importer_tell_losses -> the scene is sent -> everything is freed.
+ *              importer_add_view -> importer_add_animation. Then importer_tell_losses -> the scene is sent ->
+ *              everything is freed.
  * Errors.      Files hold anything: every index, count and number of Assimp's is checked before use. Messages are
  *              reasons without the file's name.
  * Threads.     The process's main thread, but for importer_decode and the decoding of textures.
@@ -17,6 +18,7 @@
 
 #include <assimp/scene.h>
 #include <limits.h>
+#include <math.h>
 
 /* A node of the hierarchy of transforms in Assimp's scene. */
 typedef struct importer_node {
@@ -33,9 +35,11 @@ typedef struct importer_texture {
 	float stored_mean[4]; /* mean of its values as stored, codes scaled to [0, 1]: for maps of numbers, not colours.
 	                         The fourth is alpha's */
 	char trouble[256];    /* why it could not be loaded */
-	bool warned[2];       /* the user was warned of the trouble, as data and as a colour */
-	stilb_image_format format; /* of its image, once that is taken */
-	uint32_t taken[2];         /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
+	uint32_t file_width, file_height; /* of the file's picture, before importer_mend_sides */
+	uint64_t mended;                  /* values that were NaN or infinite */
+	bool warned[2];                   /* the user was warned of the trouble, as data and as a colour */
+	stilb_image_format format;        /* of its image, once that is taken */
+	uint32_t taken[2]; /* 1 + the scene's texture of it, as data and as a colour; 0: it is not needed as that */
 
 	int file;                       /* the descriptor of its file until it is read, or -1 */
 	importer_bytes inside;          /* its file inside of the scene's file, not owned, or {0} */
@@ -56,12 +60,16 @@ typedef enum importer_loss {
 	IMPORTER_LOSS_LINES,
 	IMPORTER_LOSS_POSITIONS,
 	IMPORTER_LOSS_TRIANGLES,
-	IMPORTER_LOSS_MORPHS,
-	IMPORTER_LOSS_SKINS,
+	IMPORTER_LOSS_INFINITE,
 	IMPORTER_LOSS_ANIMATIONS,
 	IMPORTER_LOSS_BAD_DEFORMS,
 	IMPORTER_LOSS_BAD_SKINS,
 	IMPORTER_LOSS_BAD_ANIMATIONS,
+	IMPORTER_LOSS_INFLUENCES,
+	IMPORTER_LOSS_NAMESAKES,
+	IMPORTER_LOSS_STRAYS,
+	IMPORTER_LOSS_REPEATS,
+	IMPORTER_LOSS_MESH_FRAMES,
 	IMPORTER_LOSS_SCENES,
 	IMPORTER_LOSS_CAMERAS,
 	IMPORTER_LOSS_LIGHTS,
@@ -91,12 +99,16 @@ typedef struct importer {
 	importer_texture *textures; /* [texture_count], in the order in which materials name them */
 	uint32_t texture_count;
 
+	struct importer_motion *motion; /* importer_motion.h; NULL: before importer_add_meshes, and of glTF 2.0 */
+	bool joins; /* something changes the shapes of meshes: we join vertices that are the same, not Assimp */
+
 	bool *colored; /* [materials of Assimp's + 1]: a mesh with colours of vertices shows it */
 	importer_lost lost[IMPORTER_LOSSES];
 	stilb_scene *scene; /* the result; from importer_add_meshes or gltf_add_meshes on */
 } importer;
 
 #define IMPORTER_MAX_NODES 4000000u
+#define IMPORTER_MOVING_MOST (1ull << 28) /* numbers of all clips, skins and morph targets of a file, 1 GiB */
 
 /* Sends a warning for the user: something of the file is lost, but the scene is read. */
 void importer_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -133,7 +145,11 @@ bool importer_is_format(const struct aiScene *scene, const char *begins);
  * what of it is not shown. STILB_ERROR_FILE, STILB_ERROR_MEMORY. */
 stilb_result importer_read(importer *import);
 
-/* importer_nodes.c: fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
+/* importer_nodes.c: a stilb_mat4, which is column-major, of a matrix of Assimp's, which is row-major. */
+stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m);
+bool importer_is_finite(const stilb_mat4 *m);
+
+/* Fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
  * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
  * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);
@@ -147,6 +163,12 @@ const importer_node *importer_find_node(const importer *import, const struct aiS
 static inline stilb_vec3 importer_vector(const struct aiVector3D *v)
 {
 	return stilb_vec3_make(v->x, v->y, v->z);
+}
+
+/* False: a coordinate is NaN or infinite. */
+static inline bool importer_is_point(const struct aiVector3D *v)
+{
+	return isfinite(v->x) && isfinite(v->y) && isfinite(v->z);
 }
 
 /* A point of the node's space in the world. */
@@ -165,6 +187,13 @@ stilb_result importer_make_tangents(stilb_scene_mesh *mesh, const stilb_scene_ma
  * has no pixels. */
 void importer_load_textures(importer *import);
 void importer_free_textures(importer *import);
+
+/* importer_mend.c: values of a picture of floats that are NaN or infinite become 0. How many. */
+uint64_t importer_mend_values(stilb_image *image);
+
+/* Halves a picture of stilb_image_create_shared, by means of four values as they are stored, until a scene can hold it.
+ * STILB_ERROR_MEMORY; then it may be smaller than before. */
+stilb_result importer_mend_sides(stilb_image *image);
 
 /* importer_material.c: true if the material of Assimp's has a map of normals that is shown. */
 bool importer_material_has_normals(const struct aiMaterial *material);

@@ -33,10 +33,11 @@ static void assimp_lose_mesh(importer *import, const struct aiMesh *mesh)
 		lines = mesh->mFaces[f].mNumIndices < 3;
 	if (lines)
 		importer_lose(import, IMPORTER_LOSS_LINES, mesh->mName.data);
-	if (mesh->mNumBones > 0)
-		importer_lose(import, IMPORTER_LOSS_SKINS, mesh->mName.data);
-	if (mesh->mNumAnimMeshes > 0)
-		importer_lose(import, IMPORTER_LOSS_MORPHS, mesh->mName.data);
+	bool finite = true;
+	for (uint32_t v = 0; mesh->mVertices && v < mesh->mNumVertices && finite; v++)
+		finite = importer_is_point(&mesh->mVertices[v]);
+	if (!finite)
+		importer_lose(import, IMPORTER_LOSS_INFINITE, mesh->mName.data);
 }
 
 /* Counts what the scene holds before parts of it are dropped. */
@@ -46,8 +47,6 @@ static void assimp_lose(importer *import)
 	bool spikes = from->mFlags & AI_SCENE_FLAGS_INCOMPLETE && from->mNumMeshes == 1 && from->mMeshes[0]->mNumBones > 0;
 	for (uint32_t m = 0; m < from->mNumMeshes && !spikes; m++)
 		assimp_lose_mesh(import, from->mMeshes[m]);
-	for (uint32_t a = 0; a < from->mNumAnimations; a++)
-		importer_lose(import, IMPORTER_LOSS_ANIMATIONS, from->mAnimations[a]->mName.data);
 	if (spikes)
 		importer_warn("it has no meshes: spikes stand for its nodes");
 }
@@ -65,6 +64,16 @@ static bool assimp_shares(const struct aiScene *scene)
 	return found;
 }
 
+/* True if meshes have bones or morph targets. Assimp 5.2 joins vertices also if bones move them apart, and leaves bones
+ * whose vertices are all joined to others with vertices that they do not move. */
+static bool assimp_deforms(const struct aiScene *scene)
+{
+	for (uint32_t m = 0; m < scene->mNumMeshes; m++)
+		if (scene->mMeshes[m]->mNumBones > 0 || scene->mMeshes[m]->mNumAnimMeshes > 0)
+			return true;
+	return false;
+}
+
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 stilb_result importer_read(importer *import)
@@ -72,8 +81,7 @@ stilb_result importer_read(importer *import)
 	unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_SortByPType |
 	                 aiProcess_GenSmoothNormals | aiProcess_GenUVCoords | aiProcess_TransformUVCoords |
 	                 aiProcess_FlipUVs | aiProcess_RemoveComponent | aiProcess_ImproveCacheLocality;
-	/* These parts of a file are dropped: Stilb does not use them, they take time, and they may be damaged. */
-	int dropped = aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TANGENTS_AND_BITANGENTS;
+	int dropped = aiComponent_TANGENTS_AND_BITANGENTS; /* they are made anew */
 	const char *dot = strrchr(import->path, '.');
 	/* Assimp gives Blender's meshes smooth normals, also those that are flat: made anew, edges of a box are sharp. */
 	if (dot && strcasecmp(dot, ".blend") == 0)
@@ -87,6 +95,9 @@ stilb_result importer_read(importer *import)
 		return assimp_refuse(import->path, aiGetErrorString());
 	assimp_lose(import);
 	import->shares = assimp_shares(import->from);
+	import->joins = assimp_deforms(import->from);
+	if (import->joins)
+		steps &= ~(unsigned)(aiProcess_JoinIdenticalVertices | aiProcess_ImproveCacheLocality);
 	import->from = aiApplyPostProcessing(import->from, steps); /* frees the scene if it fails */
 	return import->from ? STILB_OK : assimp_refuse(import->path, aiGetErrorString());
 }

@@ -3,7 +3,7 @@
  * descriptor 3 (scene_stream.h); it may use BYTES of memory, and SECONDS for each request. Started by scene_import.c
  * only.
  */
-#include "scene/importer/importer.h"
+#include "scene/importer/importer_motion.h"
 
 #include "image/image_import.h"
 #include "scene/importer/gltf/gltf.h"
@@ -78,8 +78,8 @@ static void importer_send(scene_message_kind kind, stilb_result result, const ch
 /* Reads the file by Assimp and converts it. */
 static stilb_result importer_convert_foreign(importer *import)
 {
-	static stilb_result (*const steps[])(importer *) = {importer_list_nodes, importer_add_meshes,
-	                                                    importer_add_materials, importer_add_view};
+	static stilb_result (*const steps[])(importer *) = {
+		importer_list_nodes, importer_add_meshes, importer_add_materials, importer_add_view, importer_add_animation};
 	stilb_result result = importer_read(import);
 	if (result != STILB_OK)
 		return result;
@@ -118,6 +118,7 @@ static void importer_finish(importer *import)
 	importer_free_textures(import);
 	free(import->colored);
 	free(import->nodes);
+	importer_motion_finish(import->motion);
 	stilb_scene_destroy(import->scene);
 	if (import->from)
 		aiReleaseImport(import->from);
@@ -130,7 +131,8 @@ static void importer_send_shape(const stilb_image *picture, int file)
 	                         .width = picture->width,
 	                         .height = picture->height,
 	                         .channels = picture->channels,
-	                         .format = picture->format};
+	                         .format = picture->format,
+	                         .levels = stilb_image_level_count(picture)};
 	if (!scene_stream_write_message(importer_stream.file, &message, file))
 		_exit(1); /* Stilb is gone */
 }

@@ -1,4 +1,4 @@
-#include "scene/importer/importer.h"
+#include "scene/importer/importer_motion.h"
 #include "shading/shade_srgb.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ static bool mesh_is_triangle(const struct aiMesh *mesh, const struct aiFace *fac
 	if (face->mNumIndices != 3)
 		return false; /* a point or a line; Assimp splits larger polygons into triangles */
 	for (int i = 0; i < 3; i++)
-		if (face->mIndices[i] >= mesh->mNumVertices)
+		if (face->mIndices[i] >= mesh->mNumVertices || !importer_is_point(&mesh->mVertices[face->mIndices[i]]))
 			return false;
 	return true;
 }
@@ -222,12 +222,12 @@ static mesh_sides mesh_find_sides(const stilb_scene_mesh *mesh)
 #define MESH_CLOSED 0.02 /* of mesh_sides.volume: of more, which way is out is clear; a sphere has 0.09 */
 
 /* Makes triangles and normals face the same way where they say the opposite: some files, and some of Assimp's readers,
- * have one of the two wrong. Outwards is right, else what the normals say. */
-static void mesh_settle_sides(stilb_scene_mesh *mesh)
+ * have one of the two wrong. Outwards is right, else what the normals say. True: the normals are turned around. */
+static bool mesh_settle_sides(stilb_scene_mesh *mesh)
 {
 	mesh_sides sides = mesh_find_sides(mesh);
 	if (!(sides.agree < -0.5))
-		return;
+		return false;
 	bool triangles_are_right = sides.volume > MESH_CLOSED;
 	for (uint32_t v = 0; triangles_are_right && v < mesh->vertex_count; v++)
 		for (int k = 0; k < 3; k++)
@@ -237,6 +237,7 @@ static void mesh_settle_sides(stilb_scene_mesh *mesh)
 		mesh->indices[i + 1] = mesh->indices[i + 2];
 		mesh->indices[i + 2] = second;
 	}
+	return triangles_are_right;
 }
 
 /* Vertices without a normal get that of the first of their triangles. triangles: of mesh_triangles, > 0. */
@@ -275,8 +276,9 @@ static void mesh_read_color(const importer *import, const struct aiColor4D *from
 	}
 }
 
-/* Adds what the mesh's material needs of vertices. source: for each vertex that of the file; NULL: it is the same. */
-static stilb_result mesh_add_extras(importer *import, const struct aiMesh *from, const uint32_t *source,
+/* Adds what the mesh's material needs of vertices. *source: for each vertex that of the file; NULL: it is the same. It
+ * is another array where vertices had to be split. */
+static stilb_result mesh_add_extras(importer *import, const struct aiMesh *from, uint32_t **source,
                                     stilb_scene_mesh *mesh)
 {
 	uint32_t materials = import->from->mNumMaterials;
@@ -288,22 +290,35 @@ static stilb_result mesh_add_extras(importer *import, const struct aiMesh *from,
 		return STILB_OK;
 	stilb_result result = scene_mesh_add_extras(mesh);
 	for (uint32_t v = 0; result == STILB_OK && colors && v < mesh->vertex_count; v++)
-		mesh_read_color(import, &from->mColors[0][source ? source[v] : v], mesh->extras[v].color);
+		mesh_read_color(import, &from->mColors[0][*source ? (*source)[v] : v], mesh->extras[v].color);
 	import->colored[material] |= colors;
+	if (result != STILB_OK || !normals)
+		return result;
 	stilb_scene_map as_it_is = {.to_u = {1, 0, 0}, .to_v = {0, 1, 0}};
-	return result == STILB_OK && normals ? importer_make_tangents(mesh, &as_it_is, NULL) : result;
+	uint32_t *split = NULL;
+	result = importer_make_tangents(mesh, &as_it_is, &split);
+	if (result != STILB_OK)
+		return result;
+	for (uint32_t v = 0; *source && v < mesh->vertex_count; v++)
+		split[v] = (*source)[split[v]];
+	free(*source);
+	*source = split;
+	return STILB_OK;
 }
 
-/* Converts one of Assimp's meshes, with triangles > 0 of mesh_triangles. */
-static stilb_result mesh_add(importer *import, const struct aiMesh *from, uint32_t triangles, stilb_scene_mesh *mesh)
+/* Converts mesh m of Assimp's, with triangles > 0 of mesh_triangles, into mesh `place` of the scene. */
+static stilb_result mesh_add(importer *import, uint32_t m, uint32_t triangles, uint32_t place)
 {
+	const struct aiMesh *from = import->from->mMeshes[m];
+	stilb_scene_mesh *mesh = &import->scene->meshes[place];
 	uint32_t *source = NULL;
 	stilb_result result =
 		import->shares ? mesh_convert_shared(from, triangles, mesh, &source) : mesh_convert(from, triangles, mesh);
+	bool flipped = result == STILB_OK && mesh_settle_sides(mesh);
 	if (result == STILB_OK)
-		mesh_settle_sides(mesh);
+		result = mesh_add_extras(import, from, &source, mesh);
 	if (result == STILB_OK)
-		result = mesh_add_extras(import, from, source, mesh);
+		result = importer_read_deform(import, m, source, flipped, place, mesh);
 	free(source);
 	return result;
 }
@@ -391,9 +406,11 @@ stilb_result importer_add_meshes(importer *import)
 		result = scene_create(plan.models, plan.parts, plan.meshes, materials, &import->scene);
 	if (result == STILB_OK)
 		result = scene_add_names(import->scene);
+	if (result == STILB_OK)
+		result = importer_plan_skins(import, plan.place, plan.meshes);
 	for (uint32_t m = 0; result == STILB_OK && m < from->mNumMeshes; m++) {
 		if (plan.place[m] != IMPORTER_NO_MESH)
-			result = mesh_add(import, from->mMeshes[m], plan.triangles[m], &import->scene->meshes[plan.place[m]]);
+			result = mesh_add(import, m, plan.triangles[m], plan.place[m]);
 		importer_advance_meshes(import, m + 1, from->mNumMeshes);
 	}
 	if (result == STILB_OK)

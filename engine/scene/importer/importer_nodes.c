@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A stilb_mat4, which is column-major, of a matrix of Assimp's, which is row-major. */
-static stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m)
+stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m)
 {
 	return (stilb_mat4){.m = {m->a1, m->b1, m->c1, m->d1, m->a2, m->b2, m->c2, m->d2, m->a3, m->b3, m->c3, m->d3, m->a4,
 	                          m->b4, m->c4, m->d4}};
 }
 
-static bool importer_is_finite(const stilb_mat4 *m)
+bool importer_is_finite(const stilb_mat4 *m)
 {
 	bool finite = true;
 	for (int i = 0; i < 16; i++)

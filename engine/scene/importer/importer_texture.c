@@ -1,6 +1,7 @@
 /* Loads textures that lie in the scene's file itself or in files of their own. */
 #include "scene/importer/importer.h"
 
+#include "image/image_import.h"
 #include "shading/shade_srgb.h"
 
 #include <pthread.h>
@@ -52,7 +53,7 @@ static stilb_result texture_from_inside(importer_texture *texture)
 	if (texture->inside.size == 0)
 		return stilb_fail(STILB_ERROR_FILE, "it is empty");
 	snprintf(called, sizeof called, "%s.%s", texture->name, texture->hint);
-	return importer_decode(called, &texture->inside, 0, &texture->image);
+	return importer_decode(called, &texture->inside, STILB_IMAGE_IMPORT_BLOCKS, &texture->image);
 }
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
@@ -86,9 +87,8 @@ static float texture_average_channel(const stilb_image *image, int channel, floa
 }
 
 /* The means of a picture of 8-bit codes. */
-static void texture_average_codes(importer_texture *texture)
+static void texture_average_codes(importer_texture *texture, const stilb_image *image)
 {
-	const stilb_image *image = &texture->image;
 	STILB_ASSERT(image->format == STILB_IMAGE_U8_SRGB && image->pixels);
 	for (int i = 0; i < 4; i++) {
 		int channel = texture_channel(image, i);
@@ -117,12 +117,11 @@ static void texture_add_row(const stilb_image *image, uint32_t y, const float *l
 		}
 }
 
-/* Sets the means of a loaded texture. STILB_ERROR_MEMORY. */
-static stilb_result texture_average(importer_texture *texture)
+/* Sets a texture's means to those of these texels. STILB_ERROR_MEMORY. */
+static stilb_result texture_average_of(importer_texture *texture, const stilb_image *image)
 {
-	const stilb_image *image = &texture->image;
 	if (image->format == STILB_IMAGE_U8_SRGB) {
-		texture_average_codes(texture);
+		texture_average_codes(texture, image);
 		return STILB_OK;
 	}
 	double count = (double)image->width * (double)image->height, sum[4] = {0}, stored[4] = {0};
@@ -142,6 +141,19 @@ static stilb_result texture_average(importer_texture *texture)
 	return STILB_OK;
 }
 
+/* Sets the means of a loaded texture. STILB_ERROR_MEMORY. */
+static stilb_result texture_average(importer_texture *texture)
+{
+	stilb_image texels;
+	if (!stilb_image_format_is_blocks(texture->image.format))
+		return texture_average_of(texture, &texture->image);
+	stilb_result result = stilb_image_decode(&texture->image, &texels);
+	if (result == STILB_OK)
+		result = texture_average_of(texture, &texels);
+	stilb_image_finish(&texels);
+	return result;
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 static void texture_load(importer_texture *texture)
@@ -157,10 +169,18 @@ static void texture_load(importer_texture *texture)
 	else if (!importer_bytes_read(texture->file, &bytes))
 		result = stilb_fail(STILB_ERROR_FILE, "it cannot be read, or is too large");
 	else
-		result = bytes.size ? importer_decode(texture->name, &bytes, 0, &texture->image)
+		result = bytes.size ? importer_decode(texture->name, &bytes, STILB_IMAGE_IMPORT_BLOCKS, &texture->image)
 		                    : stilb_fail(STILB_ERROR_FILE, "the file is empty");
 	texture->file = -1;
 	importer_bytes_free(&bytes);
+	if (result == STILB_OK) {
+		/* What it is used for, not what its file says, makes it data. */
+		texture->image.format = stilb_image_format_as_color(texture->image.format);
+		texture->file_width = texture->image.width;
+		texture->file_height = texture->image.height;
+		texture->mended = importer_mend_values(&texture->image);
+		result = importer_mend_sides(&texture->image);
+	}
 	if (result == STILB_OK)
 		result = texture_average(texture);
 	if (result == STILB_OK)
@@ -226,6 +246,20 @@ static void texture_list(importer *import, const struct aiMaterial *material, en
 	}
 }
 
+/* Tells what was changed of a texture that was loaded. */
+static void texture_tell(const importer_texture *texture)
+{
+	const stilb_image *image = &texture->image;
+	if (!image->pixels)
+		return;
+	if (texture->mended > 0)
+		importer_warn("texture '%s': %llu of its values are NaN or infinite, and count as 0", texture->name,
+		              (unsigned long long)texture->mended);
+	if (image->width != texture->file_width || image->height != texture->file_height)
+		importer_warn("texture '%s': of its %u x %u pixels %u x %u are kept: a side has 16384 at most", texture->name,
+		              texture->file_width, texture->file_height, image->width, image->height);
+}
+
 #define TEXTURE_THREADS 16
 
 void importer_load_textures(importer *import)
@@ -255,6 +289,8 @@ void importer_decode_textures(importer *import)
 	texture_work(&queue);
 	for (unsigned i = 0; i < started; i++)
 		pthread_join(threads[i], NULL);
+	for (uint32_t i = 0; i < import->texture_count; i++)
+		texture_tell(&import->textures[i]);
 }
 
 void importer_free_textures(importer *import)
@@ -287,14 +323,6 @@ uint32_t importer_texture_of(importer *import, const char *name, const char *mat
 
 /* ---- into the scene ---------------------------------------------------------------------------------------------- */
 
-/* The format of the same codes as data. */
-static stilb_image_format texture_data_format(stilb_image_format format)
-{
-	return format == STILB_IMAGE_U8_SRGB    ? STILB_IMAGE_U8_LINEAR
-	       : format == STILB_IMAGE_U16_SRGB ? STILB_IMAGE_U16_LINEAR
-	                                        : format;
-}
-
 /* Moves the picture of a number of importer_texture_number into the scene, or copies it if it is there with the other
  * meaning, and puts the scene's number in its place. */
 static stilb_result texture_take(importer *import, uint32_t *number)
@@ -308,14 +336,12 @@ static stilb_result texture_take(importer *import, uint32_t *number)
 	stilb_result result = STILB_OK;
 	STILB_ASSERT((*number - 1) / 2 < import->texture_count);
 	if (texture->taken[color] == 0 && texture->taken[!color] > 0) {
-		const stilb_image *other = &scene->textures[texture->taken[!color] - 1];
-		result = stilb_image_create_shared(&made, other->width, other->height, other->channels, texture->format);
-		if (result == STILB_OK)
-			memcpy(made.pixels, other->pixels, stilb_image_size(other));
+		result = stilb_image_copy(&scene->textures[texture->taken[!color] - 1], true, &made);
+		made.format = texture->format;
 	}
 	if (result == STILB_OK && texture->taken[color] == 0) {
 		texture->format = made.format;
-		made.format = color ? made.format : texture_data_format(made.format);
+		made.format = color ? made.format : stilb_image_format_as_data(made.format);
 		scene->textures[scene->texture_count++] = made;
 		texture->image = (stilb_image){0};
 		texture->taken[color] = scene->texture_count;

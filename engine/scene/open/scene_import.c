@@ -490,6 +490,8 @@ stilb_result scene_importer_picture(scene_importer *importer, const char *path, 
 	if (result == STILB_OK)
 		result = import_listen(&request, SCENE_MESSAGE_PICTURE, &message);
 	STILB_ASSERT(result != STILB_OK || (request.pictures && request.picture_count == 1));
+	if (result == STILB_OK && stilb_image_format_is_blocks(request.pictures[0].format))
+		result = stilb_fail(STILB_ERROR_FILE, "its import sent a picture in blocks, which nobody asked for");
 	if (result == STILB_OK && light && !import_is_light(&request.pictures[0]))
 		result = stilb_fail(STILB_ERROR_FILE, "its import sent a picture that is not three channels of light");
 	if (result == STILB_OK) {

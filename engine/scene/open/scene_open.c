@@ -2,6 +2,7 @@
 #include "profiler/prof.h"
 #include "scene/open/scene_builtin.h"
 #include "scene/open/scene_import.h"
+#include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
 #include "shading/shade_tonemap.h"
 
@@ -42,6 +43,15 @@ stilb_result stilb_scene_open(const char *name, stilb_scene **scene)
 	return stilb_scene_open_with(name, &(stilb_scene_open_options){0}, scene);
 }
 
+/* Makes figure 0, whose skins may put its meshes where they were not: a camera that was to see all is set again. */
+static stilb_result scene_open_figures(stilb_scene *scene)
+{
+	stilb_result result = scene_play_begin(scene);
+	if (result == STILB_OK && scene->figures && scene->framed)
+		scene->camera = stilb_scene_frame(scene, STILB_SCENE_FRAME_YAW, STILB_SCENE_FRAME_PITCH, 1.0f);
+	return result;
+}
+
 /* The scene in a file. A name that is no file is STILB_ERROR_ARGUMENT. */
 static stilb_result scene_open_file(const char *path, const stilb_scene_open_options *options, stilb_scene **scene)
 {
@@ -57,8 +67,13 @@ static stilb_result scene_open_file(const char *path, const stilb_scene_open_opt
 		return stilb_fail(STILB_ERROR_ARGUMENT, "'%s': no such file, and no built-in scene (%s)", path,
 		                  stilb_scene_builtin_names());
 	stilb_result result = scene_import_within(path, &limits, scene);
-	if (result != STILB_OK)
+	if (result == STILB_OK)
+		result = scene_open_figures(*scene);
+	if (result != STILB_OK) {
+		stilb_scene_destroy(*scene);
+		*scene = NULL;
 		return result;
+	}
 	(*scene)->camera.tone = SHADE_TONE_NEUTRAL;
 	for (uint32_t i = 0; i < (*scene)->camera_count; i++)
 		(*scene)->cameras[i].camera.tone = SHADE_TONE_NEUTRAL;

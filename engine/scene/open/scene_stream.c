@@ -3,6 +3,7 @@
 #include "scene/edit/scene_check.h"
 #include "scene/open/scene_stream_bytes.h"
 #include "scene/open/scene_stream_rest.h"
+#include "scene/scene_animation.h"
 #include "scene/scene_internal.h"
 #include "shading/shade_tonemap.h"
 
@@ -18,9 +19,9 @@
 
 void scene_stream_version(char text[static 64])
 {
-	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
+	snprintf(text, 64, "stilb %s scene %zu %zu %zu %zu %zu %zu %zu", STILB_VERSION, sizeof(stilb_scene),
 	         sizeof(stilb_scene_material), sizeof(stilb_scene_surface), sizeof(stilb_scene_vertex),
-	         sizeof(stilb_scene_vertex_extra), sizeof(scene_message));
+	         sizeof(stilb_scene_vertex_extra), sizeof(stilb_scene_deform), sizeof(scene_message));
 }
 
 /* A buffer for the one descriptor of a message, aligned as its header needs. */
@@ -100,15 +101,11 @@ stilb_result scene_stream_take_picture(scene_stream *stream, const scene_message
 	if (file < 0)
 		result = stilb_fail(STILB_ERROR_FILE, "a picture came without its pixels");
 	if (result == STILB_OK)
-		result =
-			stilb_image_receive(file, message->width, message->height, message->channels, message->format, picture);
+		result = stilb_image_receive(file, message->width, message->height, message->channels, message->format,
+		                             message->levels, picture);
 	if (file >= 0)
 		close(file);
-	if (result == STILB_OK && stilb_image_format_is_blocks(picture->format)) {
-		stilb_image_finish(picture);
-		result = stilb_fail(STILB_ERROR_FILE, "a picture came in blocks, which nobody asked for");
-	}
-	if (result == STILB_OK && !scene_stream_count(stream, stilb_image_size(picture))) {
+	if (result == STILB_OK && !scene_stream_count(stream, stilb_image_levels_size(picture))) {
 		stilb_image_finish(picture);
 		result = stilb_fail(STILB_ERROR_FILE, "its pictures are too large together");
 	}
@@ -224,6 +221,7 @@ static void stream_settle_surface(stilb_scene_surface *surface)
 		stream_settle_bool(&surface->maps[i].nearest);
 	stream_settle_bool(&surface->one_sided);
 	stream_settle_bool(&surface->unlit);
+	surface->function = 0; /* files have none */
 }
 
 static stilb_result stream_read_into(scene_stream *stream, stilb_scene *scene)

@@ -60,6 +60,7 @@ typedef struct scene_message {
 	uint32_t flags;                   /* of HELLO; of OPEN 1: the process warns itself if the file is refused */
 	uint32_t width, height, channels; /* of PICTURE */
 	stilb_image_format format;        /* of PICTURE */
+	uint32_t levels;                  /* of PICTURE: mip levels */
 	char text[SCENE_MESSAGE_TEXT];    /* ends with 0 */
 } scene_message;
 

@@ -57,13 +57,14 @@ static stilb_result stream_get_variants(scene_stream *stream, stilb_scene *scene
 
 /* What a stilb_scene_deform has besides its arrays. */
 typedef struct stream_deform {
-	uint32_t mesh, influences, targets, normals;
+	uint32_t mesh, influences, targets, normals, tangents;
 } stream_deform;
 
 static bool stream_put_deform(int file, const stilb_scene *scene, const stilb_scene_deform *deform)
 {
 	scene_animation_array arrays[SCENE_DEFORM_ARRAYS];
-	stream_deform head = {deform->mesh, deform->influences, deform->targets, deform->normals ? 1 : 0};
+	stream_deform head = {deform->mesh, deform->influences, deform->targets, deform->normals ? 1 : 0,
+	                      deform->tangents ? 1 : 0};
 	stilb_scene_deform copy = *deform;
 	bool good = scene_stream_put(file, &head, sizeof head);
 	scene_deform_arrays(&copy, scene->meshes[deform->mesh].vertex_count, arrays);
@@ -105,7 +106,7 @@ static stilb_result stream_get_deform(scene_stream *stream, const stilb_scene *s
 	stilb_scene_deform made = {.mesh = head.mesh, .influences = head.influences, .targets = head.targets};
 	if ((uint64_t)vertices * head.influences > STREAM_MAX_MOVING || 3ull * vertices * head.targets > STREAM_MAX_MOVING)
 		return scene_stream_wrong("animation");
-	stilb_result result = scene_deform_create(&made, vertices, head.normals > 0);
+	stilb_result result = scene_deform_create(&made, vertices, head.normals > 0, head.tangents > 0);
 	*deform = made;
 	if (result != STILB_OK)
 		return result;

@@ -356,7 +356,10 @@ static const struct {
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, bits), 0, "surface 0: a map's texture"},
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, textures), 9, "surface 0: a map's texture"},
 	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, samplers), 18, "surface 0: a map's sampler"},
-	{RENDER_DUMP_SURFACES, sizeof(render_dump_surface) - 4, 1u << 24, "surface 0: its unused"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, samplers) + 12, 1u << 24, "surface 0: its unused"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, also_unused), 1, "surface 0: its unused"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, function), 1, "surface 0: its function is not there"},
+	{RENDER_DUMP_SURFACES, offsetof(render_dump_surface, parameters) + 60, 0x7fc00000, "or a parameter is not finite"},
 };
 
 static void damaged_ones_are_refused(void **state)

@@ -235,8 +235,6 @@ typedef struct gltf_place {
 } gltf_place;
 gltf_place gltf_node_place(gltf *from, uint32_t item);
 
-#define GLTF_MOVING_MOST (1ull << 28) /* numbers of all clips, skins and morph targets of a file, 1 GiB */
-
 /* gltf_deform.c: reads the skin and the morph targets of a primitive. source: for each vertex of the mesh that of the
  * file; packed: the joints and weights that were compressed with it, or {0}. What is damaged is counted as lost.
  * STILB_ERROR_MEMORY. name: of the mesh. */

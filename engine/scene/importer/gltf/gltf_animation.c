@@ -34,8 +34,8 @@ static stilb_result animation_reserve(void **at, uint64_t *room, uint64_t needed
 /* Counts numbers that are about to be read. */
 static stilb_result animation_count(animation_reader *reader, uint64_t numbers)
 {
-	if (numbers > GLTF_MOVING_MOST - reader->from->moving)
-		return stilb_fail(STILB_ERROR_FILE, "it has more than %llu numbers that move", GLTF_MOVING_MOST);
+	if (numbers > IMPORTER_MOVING_MOST - reader->from->moving)
+		return stilb_fail(STILB_ERROR_FILE, "it has more than %llu numbers that move", IMPORTER_MOVING_MOST);
 	reader->from->moving += numbers;
 	return STILB_OK;
 }
@@ -213,10 +213,19 @@ static stilb_result animation_dress_node(animation_reader *reader, uint32_t n)
 
 /* ---- clips ------------------------------------------------------------------------------------------------------- */
 
+/* Makes a rotation unit that comes as integers, whose length may be off by 1 / 32767: rotations are mixed by their
+ * weights. */
+static void animation_settle_rotation(float q[4])
+{
+	float square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+	for (int i = 0; square > 0.0f && i < 4; i++)
+		q[i] /= sqrtf(square);
+}
+
 /* Appends all numbers of an accessor to an array, once: *first is where they are. components: as gltf_accessor_open
- * has it; *count: numbers. */
+ * has it; turns: they are rotations; *count: numbers. */
 static stilb_result animation_append(animation_reader *reader, uint32_t index, uint32_t components, bool times,
-                                     uint32_t *first, uint64_t *count)
+                                     bool turns, uint32_t *first, uint64_t *count)
 {
 	stilb_scene_animation *made = &reader->made;
 	uint32_t *known = times ? &reader->time_of[index] : &reader->value_of[index];
@@ -238,6 +247,8 @@ static stilb_result animation_append(animation_reader *reader, uint32_t index, u
 		for (uint64_t i = 0; result == STILB_OK && i < accessor.count; i++) {
 			float *out = *numbers + *used + i * accessor.components;
 			gltf_accessor_read(&accessor, i, out);
+			if (turns && accessor.type != 5126)
+				animation_settle_rotation(out);
 			for (uint32_t k = 0; k < accessor.components; k++)
 				sum += out[k] * 0.0f; /* NaN for NaN and infinity */
 			ascends &= out[0] >= last;
@@ -276,9 +287,11 @@ static stilb_result animation_read_sampler(animation_reader *reader, uint32_t sa
 		return gltf_json_check(json);
 	if (input == GLTF_NONE || output == GLTF_NONE || channel->interpolation == STILB_SCENE_INTERPOLATIONS)
 		return stilb_fail(STILB_ERROR_FILE, "a sampler has no input or output, or an unknown interpolation");
-	stilb_result result = animation_append(reader, input, 1u << 0, true, &channel->first_time, &keys);
+	stilb_result result = animation_append(reader, input, 1u << 0, true, false, &channel->first_time, &keys);
+	bool turns = channel->path == STILB_SCENE_PATH_ROTATION && channel->interpolation != STILB_SCENE_CUBIC;
 	if (result == STILB_OK)
-		result = animation_append(reader, output, components[channel->path], false, &channel->first_value, &numbers);
+		result =
+			animation_append(reader, output, components[channel->path], false, turns, &channel->first_value, &numbers);
 	uint64_t each = (uint64_t)channel->width * (channel->interpolation == STILB_SCENE_CUBIC ? 3 : 1);
 	if (result == STILB_OK && (keys == 0 || numbers != keys * each))
 		result = stilb_fail(STILB_ERROR_FILE, "accessor %u has %llu numbers for %llu keys of %llu", output,
@@ -360,8 +373,10 @@ static stilb_result animation_add_clips(animation_reader *reader)
 				return result;
 			continue;
 		}
-		if (clip.channel_count == 0)
+		if (clip.channel_count == 0) {
+			importer_lose(from->import, IMPORTER_LOSS_ANIMATIONS, name);
 			continue;
+		}
 		snprintf(clip.name, sizeof clip.name, "%.63s", name);
 		made->channel_count += clip.channel_count;
 		made->clips[made->clip_count++] = clip;

@@ -135,18 +135,33 @@ static stilb_result deform_read_targets(const deform_reader *reader, uint32_t ta
 		result = deform_read_attribute(reader, at, "POSITION", deform->positions + first);
 		if (result == STILB_OK && deform->normals)
 			result = deform_read_attribute(reader, at, "NORMAL", deform->normals + first);
+		if (result == STILB_OK && deform->tangents)
+			result = deform_read_attribute(reader, at, "TANGENT", deform->tangents + first);
 	}
 	return result;
 }
 
-/* The number of targets; *normals: one of them changes normals. */
-static uint32_t deform_count_targets(const deform_reader *reader, uint32_t targets, bool *normals)
+/* True if the mesh has the tangents of the file. Those that were made here, where the file has none, or no normals, are
+ * no base for what a target adds. glTF 2.0, 3.7.2.1 and 3.7.2.2. */
+static bool deform_has_tangents(const deform_reader *reader, const stilb_scene_mesh *mesh)
+{
+	gltf_json *json = &reader->from->json;
+	bool found = false;
+	for (uint32_t v = 0; mesh->extras && v < mesh->vertex_count && !found; v++)
+		found = mesh->extras[v].tangent[3] != 0.0f;
+	return found && gltf_json_member(json, reader->names, "TANGENT") != GLTF_NONE &&
+	       gltf_json_member(json, reader->names, "NORMAL") != GLTF_NONE;
+}
+
+/* The number of targets; *normals, *tangents: one of them changes these. */
+static uint32_t deform_count_targets(const deform_reader *reader, uint32_t targets, bool *normals, bool *tangents)
 {
 	gltf_json *json = &reader->from->json;
 	uint32_t count = 0;
-	*normals = false;
+	*normals = *tangents = false;
 	for (uint32_t at = gltf_json_first(json, targets); at != GLTF_NONE; at = gltf_json_after(json, targets, at)) {
 		*normals |= gltf_json_member(json, at, "NORMAL") != GLTF_NONE;
+		*tangents |= gltf_json_member(json, at, "TANGENT") != GLTF_NONE;
 		count++;
 	}
 	return count;
@@ -154,18 +169,20 @@ static uint32_t deform_count_targets(const deform_reader *reader, uint32_t targe
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
-static stilb_result deform_read(deform_reader *reader, uint32_t sets, uint32_t targets)
+static stilb_result deform_read(deform_reader *reader, uint32_t sets, uint32_t targets, const stilb_scene_mesh *mesh)
 {
-	bool normals;
+	bool normals, tangents;
 	stilb_scene_deform *deform = reader->deform;
-	*deform = (stilb_scene_deform){.influences = 4 * sets, .targets = deform_count_targets(reader, targets, &normals)};
-	uint64_t numbers =
-		(uint64_t)reader->vertex_count * (2ull * deform->influences + (normals ? 6ull : 3ull) * deform->targets);
-	if (numbers > GLTF_MOVING_MOST - reader->from->moving)
+	*deform = (stilb_scene_deform){.influences = 4 * sets,
+	                               .targets = deform_count_targets(reader, targets, &normals, &tangents)};
+	tangents = tangents && deform_has_tangents(reader, mesh);
+	uint64_t each = 3ull * (1u + normals + tangents); /* numbers of a target for a vertex */
+	uint64_t numbers = reader->vertex_count * (2ull * deform->influences + each * deform->targets);
+	if (numbers > IMPORTER_MOVING_MOST - reader->from->moving)
 		return stilb_fail(STILB_ERROR_FILE, "%u morph targets of %u vertices are too many", deform->targets,
 		                  reader->vertex_count);
 	reader->from->moving += numbers;
-	stilb_result result = scene_deform_create(deform, reader->vertex_count, normals);
+	stilb_result result = scene_deform_create(deform, reader->vertex_count, normals, tangents);
 	for (uint32_t set = 0; result == STILB_OK && set < sets; set++)
 		result = deform_read_set(reader, set);
 	return result == STILB_OK ? deform_read_targets(reader, targets) : result;
@@ -190,7 +207,7 @@ stilb_result gltf_deform_read(gltf *from, const uint32_t *source, const gltf_acc
 	for (uint32_t v = 0; v < reader.vertex_count; v++)
 		reader.file_count = source[v] >= reader.file_count ? source[v] + 1 : reader.file_count;
 	if (result == STILB_OK)
-		result = deform_read(&reader, sets, targets);
+		result = deform_read(&reader, sets, targets, &part->mesh);
 	if (result == STILB_OK)
 		return STILB_OK;
 	scene_deform_finish(&part->deform);

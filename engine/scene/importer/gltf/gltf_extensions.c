@@ -50,15 +50,6 @@ static void extensions_tell(gltf *from, uint32_t array, const char *key, bool (*
 		importer_warn("%s: %s", words, line);
 }
 
-static void extensions_lose(gltf *from, gltf_list_kind list, importer_loss loss)
-{
-	for (uint32_t i = 0; i < from->lists[list].count; i++) {
-		char name[96];
-		gltf_name(from, list, i, name);
-		importer_lose(from->import, loss, name);
-	}
-}
-
 void gltf_tell_extensions(gltf *from)
 {
 	gltf_json *json = &from->json;
@@ -69,6 +60,4 @@ void gltf_tell_extensions(gltf *from)
 	                "it requires extensions that are not shown, so it looks other than it should");
 	extensions_tell(from, used, NULL, extensions_are_read, "it uses extensions that are not shown");
 	extensions_tell(from, gltf_json_array(json, variants, "variants"), "name", NULL, "its materials have variants");
-	extensions_lose(from, GLTF_ANIMATIONS, IMPORTER_LOSS_ANIMATIONS);
-	extensions_lose(from, GLTF_SKINS, IMPORTER_LOSS_SKINS);
 }

@@ -37,6 +37,7 @@ typedef struct primitive_reader {
 	uint32_t triangles;
 	uint32_t low, high;    /* the range of vertices that corners names; low > high: there are none */
 	bool leaves_triangles; /* some have vertices that do not exist */
+	bool leaves_infinite;  /* some have coordinates that are NaN or infinite */
 } primitive_reader;
 
 /* The numbers that an attribute's elements must have. */
@@ -161,8 +162,24 @@ static uint64_t primitive_corner(uint32_t mode, uint64_t t, uint32_t k)
 	return 3 * t + k;
 }
 
-/* Lists the corners of the triangles, without those whose vertices do not exist, and those of strips and fans that have
- * a vertex twice: these turn a strip's corner. */
+static bool primitive_is_finite(const primitive_reader *reader, uint64_t v)
+{
+	float p[3];
+	gltf_accessor_read(&reader->attributes[PRIMITIVE_POSITIONS], v, p);
+	return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+static bool primitive_all_are_finite(const primitive_reader *reader)
+{
+	const gltf_accessor *positions = &reader->attributes[PRIMITIVE_POSITIONS];
+	bool finite = true;
+	for (uint64_t v = 0; v < positions->count && finite; v++)
+		finite = primitive_is_finite(reader, v);
+	return finite;
+}
+
+/* Lists the corners of the triangles, without those whose vertices do not exist or lie nowhere, and those of strips and
+ * fans that have a vertex twice: these turn a strip's corner. */
 static stilb_result primitive_list_corners(primitive_reader *reader)
 {
 	bool indexed = reader->indices.components > 0, list = reader->mode == PRIMITIVE_TRIANGLES;
@@ -170,6 +187,7 @@ static stilb_result primitive_list_corners(primitive_reader *reader)
 			 count = indexed ? reader->indices.count : vertices;
 	uint64_t triangles = list ? count / 3 : count > 2 ? count - 2 : 0;
 	uint32_t kept = 0;
+	bool finite = primitive_all_are_finite(reader);
 	reader->low = UINT32_MAX;
 	reader->corners = malloc((3 * triangles + 1) * sizeof *reader->corners);
 	if (!reader->corners)
@@ -185,6 +203,11 @@ static stilb_result primitive_list_corners(primitive_reader *reader)
 		bool flat = !list && (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]);
 		reader->leaves_triangles |= most >= vertices;
 		if (flat || most >= vertices)
+			continue;
+		bool lies = finite || (primitive_is_finite(reader, corner[0]) && primitive_is_finite(reader, corner[1]) &&
+		                       primitive_is_finite(reader, corner[2]));
+		reader->leaves_infinite |= !lies;
+		if (!lies)
 			continue;
 		reader->high = most > reader->high ? most : reader->high;
 		reader->low = least < reader->low ? least : reader->low;
@@ -408,10 +431,10 @@ stilb_result gltf_primitive_convert(gltf *from, uint32_t mesh, uint32_t primitiv
 		result = gltf_deform_read(from, reader.source, reader.packed, name, part);
 	if (reader.leaves_triangles)
 		importer_lose(import, IMPORTER_LOSS_TRIANGLES, name);
+	if (reader.leaves_infinite)
+		importer_lose(import, IMPORTER_LOSS_INFINITE, name);
 	if (part->mesh.index_count > 0 && gltf_json_member(json, names, "COLOR_0") != GLTF_NONE)
 		gltf_show_materials(from, primitive, part->material, GLTF_SHOWN_COLORED);
-	if (gltf_json_member(json, primitive, "targets") != GLTF_NONE)
-		importer_lose(import, IMPORTER_LOSS_MORPHS, name);
 	primitive_finish(&reader);
 	if (result != STILB_OK)
 		stilb_scene_mesh_finish(&part->mesh);
