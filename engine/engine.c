@@ -224,6 +224,7 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 		if (scene)
 			stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
 		result = scene ? stilb_cull_create(scene, &cull) : STILB_OK;
+		stilb_render_set_textures(engine->render, engine_textures_now(engine));
 		if (result == STILB_OK)
 			result = stilb_render_set_scene(engine->render, scene);
 	}

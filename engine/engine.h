@@ -152,6 +152,16 @@ typedef struct stilb_engine_choice {
 	uint32_t initial;         /* what the window's button Default chooses */
 } stilb_engine_choice;
 
+/* When the textures of a scene are there. LATER: frames show a texture's mean color until it is. In a window they spend
+ * some milliseconds each on what is left; headless each does as much of it as any other, so that its picture depends on
+ * its number alone. Once all are there, pictures are those of WAIT, bit for bit. A texture that is edited on its way
+ * begins anew; edits of others are there with the next frame, as always. */
+typedef enum stilb_engine_textures {
+	STILB_ENGINE_TEXTURES_AUTO, /* LATER in a window, the engine's or the program's; WAIT headless */
+	STILB_ENGINE_TEXTURES_WAIT, /* stilb_engine_set_scene makes and copies them all */
+	STILB_ENGINE_TEXTURES_LATER,
+} stilb_engine_textures;
+
 typedef struct stilb_engine_desc {
 	uint32_t workers;       /* threads besides the main thread, 0..STILB_JOB_MAX_WORKERS */
 	stilb_cull_method cull; /* how visible models are found */
@@ -176,6 +186,7 @@ typedef struct stilb_engine_desc {
 	uint32_t samples;        /* of multisampling: 1, 4, or 0 for the device's own choice */
 	uint32_t max_anisotropy; /* stilb_render_desc.max_anisotropy */
 	stilb_render_specular_aa specular_aa;
+	stilb_engine_textures textures;
 	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE
 	 * .. STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */
 	float scale;
@@ -258,10 +269,10 @@ void stilb_engine_destroy(stilb_engine *engine);
 stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene);
 
 /* Makes a scene ready for stilb_engine_set_scene beside the frames, which go on with the scene that is shown: a thread
- * of the engine's makes what is needed, pipelines included, and each frame copies some 16 MiB of it to the device. The
- * scene may not change until it is set, another one is given, or this returns from NULL, which gives it up. May be set
- * at any time: set_scene then makes haste with what is left. An error of the scene's is set_scene's to return.
- * STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
+ * of the engine's makes what is needed, pipelines included, and each frame copies some 16 MiB of it to the device;
+ * textures that come later are made when it is set. The scene may not change until it is set, another one is given, or
+ * this returns from NULL, which gives it up. May be set at any time: set_scene then makes haste with what is left. An
+ * error of the scene's is set_scene's to return. STILB_ERROR_MEMORY, STILB_ERROR_THREAD. */
 stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene);
 
 /* A camera beside the scene's own, culled, recorded and drawn in the same frames, into an image of its own of linear
@@ -311,6 +322,7 @@ typedef struct stilb_engine_times {
 typedef struct stilb_engine_report {
 	uint64_t frame; /* frames drawn so far, this one included */
 	stilb_engine_times times;
+	uint32_t textures_left; /* of the scene: not yet there (stilb_engine_textures) */
 	uint32_t visible;       /* number of models that the scene's own camera sees; render.draws are of all cameras */
 	stilb_cull_method cull; /* the method by which they were found; never AUTO */
 	stilb_render_stats render;

@@ -164,7 +164,6 @@ typedef struct engine_playing {
 	float pace_before; /* while they were paused: 0, or the one to go on with */
 } engine_playing;
 
-
 #define ENGINE_STEP (1.0 / 60.0) /* seconds that a step of what plays takes */
 
 struct stilb_engine {
@@ -242,6 +241,9 @@ bool engine_cameras_own(const stilb_engine *engine, double *x, double *y, uint32
 
 /* The view of a scene, but for what depends on the picture's size. */
 stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *scene);
+
+/* How the textures of a scene come that is set or made ready now. */
+stilb_render_textures engine_textures_now(const stilb_engine *engine);
 
 /* Ends it without its outcome being used, and sets it to NULL, which is accepted. */
 void engine_prepare_drop(engine_prepare **prepare);

@@ -142,6 +142,15 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 	return view;
 }
 
+stilb_render_textures engine_textures_now(const stilb_engine *engine)
+{
+	bool watched = engine->window || engine->desc.surface;
+	stilb_engine_textures textures = engine->desc.textures;
+	if (textures == STILB_ENGINE_TEXTURES_WAIT || (textures == STILB_ENGINE_TEXTURES_AUTO && !watched))
+		return STILB_RENDER_TEXTURES_AT_ONCE;
+	return watched ? STILB_RENDER_TEXTURES_SPARE : STILB_RENDER_TEXTURES_EVEN;
+}
+
 /* ---- a scene ----------------------------------------------------------------------------------------------------- */
 
 stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene)
@@ -152,6 +161,7 @@ stilb_result stilb_engine_prepare(stilb_engine *engine, stilb_scene *scene)
 	if (!scene)
 		return STILB_OK;
 	stilb_scene_changes_read(scene); /* bounds that follow from changed meshes */
+	stilb_render_set_textures(engine->render, engine_textures_now(engine));
 	stilb_render_view view = engine_view_of(engine, scene);
 	return prepare_start(engine, scene, &view, &engine->prepare);
 }

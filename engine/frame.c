@@ -331,6 +331,7 @@ stilb_result stilb_engine_frame(stilb_engine *engine, stilb_engine_report *repor
 		if (engine->dumpable)
 			stilb_render_size(engine->render, &engine->culled_size[0], &engine->culled_size[1]);
 		engine->report.visible = engine->visible[0].count;
+		engine->report.textures_left = stilb_render_textures_left(engine->render);
 		engine->report.cull = engine->visible[0].method;
 		engine->report.render = stilb_render_stats_get(engine->render);
 		engine->report.times.gpu = engine->report.render.gpu_ms;

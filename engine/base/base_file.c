@@ -349,7 +349,7 @@ static int file_flush(stilb_file *file)
 	errno = 0;
 	if (ferror(file->stream) || fflush(file->stream) != 0)
 		return errno ? errno : ENOSPC;
-	return file->temporary && fsync(fileno(file->stream)) != 0 ? errno : 0;
+	return file->temporary && !file->unsynced && fsync(fileno(file->stream)) != 0 ? errno : 0;
 }
 
 /* Makes the rename durable: without it a power cut may bring the old file back. A failure is ignored: some file systems
@@ -374,7 +374,8 @@ static int file_move_into_place(stilb_file *file)
 		return errno;
 	free(file->temporary); /* there is no such file any more, so file_release must not remove it */
 	file->temporary = NULL;
-	file_sync_folder(file->target);
+	if (!file->unsynced)
+		file_sync_folder(file->target);
 	return 0;
 }
 

@@ -33,6 +33,7 @@ typedef struct stilb_file {
 	char *path;      /* as given */
 	char *target;    /* path with links resolved, the place of the bytes; NULL when written directly */
 	char *temporary; /* the name written to until commit; NULL when written directly */
+	bool unsynced;   /* set by who opened it: commit does not wait for the disk, and a power cut may leave anything */
 } stilb_file;
 
 /* STILB_ERROR_ARGUMENT when path cannot become a file here: empty, a directory, a missing folder, no permission.

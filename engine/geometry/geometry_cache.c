@@ -1,22 +1,17 @@
 /* Levels of meshes on disk. */
-#include "base/base_file.h"
+#include "base/base_cache.h"
 #include "geometry/geometry_plan.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* Counts up with every change of what levels are made of the same mesh, or of the file. */
 #define CACHE_VERSION 11u
-#define CACHE_ENDING ".levels"
-#define CACHE_NAME ((size_t)2 * 16 + sizeof CACHE_ENDING)
+
+static const stilb_cache cache_levels = {"levels", ".levels", STILB_GEOMETRY_CACHE_BYTES};
 
 typedef struct cache_header {
 	char magic[8];
@@ -29,126 +24,41 @@ typedef struct cache_header {
 
 static const char cache_magic[8] = "STILBLV";
 
-/* ---- keys and names ---------------------------------------------------------------------------------------------- */
-
-/* Four sums over words in turn, so that the processor need not wait for one product before it begins the next. Each
- * step can be undone, so that two contents which differ in one word have different sums. */
-typedef struct cache_hash {
-	uint64_t lanes[4];
-} cache_hash;
-
-#define CACHE_HASH_BLOCK 32u
-
-static uint64_t cache_mix(uint64_t sum, uint64_t word)
-{
-	sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
-	return sum ^ sum >> 32;
-}
-
-static cache_hash cache_hash_start(void)
-{
-	return (cache_hash){{1, 2, 3, 4}};
-}
-
-static void cache_add(cache_hash *hash, const void *data, size_t size)
-{
-	const unsigned char *from = data;
-	uint64_t words[4];
-	cache_hash sums = *hash;
-	sums.lanes[0] = cache_mix(sums.lanes[0], size);
-	for (size_t left = size; left > 0;) {
-		size_t part = left < CACHE_HASH_BLOCK ? left : CACHE_HASH_BLOCK;
-		if (part < CACHE_HASH_BLOCK)
-			memset(words, 0, sizeof words);
-		memcpy(words, from, part);
-		for (int k = 0; k < 4; k++)
-			sums.lanes[k] = cache_mix(sums.lanes[k], words[k]);
-		from += part;
-		left -= part;
-	}
-	*hash = sums;
-}
-
-/* Each bit of the sums has a part in both numbers. */
-static void cache_hash_end(const cache_hash *hash, uint64_t key[2])
-{
-	key[0] = key[1] = 0;
-	for (int k = 0; k < 4; k++) {
-		key[0] = cache_mix(key[0], hash->lanes[k]);
-		key[1] = cache_mix(key[1], hash->lanes[3 - k]);
-	}
-}
+/* ---- keys -------------------------------------------------------------------------------------------------------- */
 
 /* What levels depend on of the streams, but for values. */
-static void cache_add_streams(cache_hash *hash, const stilb_scene_streams *table, const float *weights)
+static void cache_add_streams(stilb_cache_hash *hash, const stilb_scene_streams *table, const float *weights)
 {
 	for (uint32_t s = 0; s < table->count; s++) {
 		const stilb_scene_stream *stream = &table->streams[s];
 		const uint32_t numbers[4] = {stream->kind, stream->components, stream->offset, stream->seam};
-		cache_add(hash, stream->name, strlen(stream->name) + 1);
-		cache_add(hash, numbers, sizeof numbers);
-		cache_add(hash, &weights[s], sizeof weights[s]);
+		stilb_cache_hash_add(hash, stream->name, strlen(stream->name) + 1);
+		stilb_cache_hash_add(hash, numbers, sizeof numbers);
+		stilb_cache_hash_add(hash, &weights[s], sizeof weights[s]);
 	}
 }
 
 void geometry_cache_key(const stilb_scene_streams *table, const void *vertices, const float *weights,
                         const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
 {
-	cache_hash hash = cache_hash_start();
+	stilb_cache_hash hash = stilb_cache_hash_start();
 	const uint32_t numbers[8] = {CACHE_VERSION,       mesh->vertex_count,   mesh->index_count, desc->least,
 	                             desc->cluster_least, desc->locked ? 1 : 0, table->count,      mesh->extras ? 1 : 0};
-	cache_add(&hash, numbers, sizeof numbers);
-	cache_add(&hash, &desc->ratio, sizeof desc->ratio);
+	stilb_cache_hash_add(&hash, numbers, sizeof numbers);
+	stilb_cache_hash_add(&hash, &desc->ratio, sizeof desc->ratio);
 	cache_add_streams(&hash, table, weights);
-	cache_add(&hash, vertices, (size_t)mesh->vertex_count * table->size);
+	stilb_cache_hash_add(&hash, vertices, (size_t)mesh->vertex_count * table->size);
 	if (mesh->extras)
-		cache_add(&hash, mesh->extras, (size_t)mesh->vertex_count * sizeof *mesh->extras);
-	cache_add(&hash, mesh->indices, mesh->index_count * sizeof *mesh->indices);
+		stilb_cache_hash_add(&hash, mesh->extras, (size_t)mesh->vertex_count * sizeof *mesh->extras);
+	stilb_cache_hash_add(&hash, mesh->indices, mesh->index_count * sizeof *mesh->indices);
 	if (desc->locked)
-		cache_add(&hash, desc->locked, mesh->vertex_count);
-	cache_hash_end(&hash, key);
+		stilb_cache_hash_add(&hash, desc->locked, mesh->vertex_count);
+	stilb_cache_hash_end(&hash, key);
 }
 
 static void cache_key(const stilb_scene_mesh *mesh, const stilb_geometry_levels_desc *desc, uint64_t key[2])
 {
 	geometry_cache_key(&stilb_scene_vertex_streams, mesh->vertices, desc->weights, mesh, desc, key);
-}
-
-/* Makes a folder, unless it is there. */
-static bool cache_folder_make(const char *path)
-{
-	return mkdir(path, 0700) == 0 || errno == EEXIST;
-}
-
-/* The folder; with `make` it exists then. False: there can be none. */
-static bool cache_folder(char path[PATH_MAX], bool make)
-{
-	const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME"), *within = "";
-	if (!base || base[0] != '/') { /* relative paths are to be ignored: XDG Base Directory Specification */
-		base = home;
-		within = "/.cache";
-	}
-	if (!base || base[0] != '/')
-		return false;
-	const char *const parts[] = {within, "/stilb", "/levels"};
-	size_t length = (size_t)snprintf(path, PATH_MAX, "%s", base);
-	for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-		if (length + strlen(parts[i]) + CACHE_NAME + 2 > PATH_MAX)
-			return false;
-		length += (size_t)snprintf(path + length, PATH_MAX - length, "%s", parts[i]);
-		if (make && !cache_folder_make(path))
-			return false;
-	}
-	return true;
-}
-
-static bool cache_path(const uint64_t key[2], bool make, char path[PATH_MAX])
-{
-	if (!cache_folder(path, make))
-		return false;
-	size_t length = strlen(path);
-	return snprintf(path + length, PATH_MAX - length, "/%016llx%016llx%s", (unsigned long long)key[0],
-	                (unsigned long long)key[1], CACHE_ENDING) < (int)(PATH_MAX - length);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -276,16 +186,15 @@ static bool cache_read_plan(FILE *stream, const cache_header *header, geometry_p
 /* Reads the plan of a mesh. False: there is none that is sound. */
 static bool cache_read(const stilb_scene_mesh *mesh, const uint64_t key[2], geometry_plan *plan)
 {
-	char path[PATH_MAX];
-	FILE *stream;
 	*plan = (geometry_plan){0};
-	if (!cache_path(key, false, path) || access(path, R_OK) != 0 || stilb_file_read_open(path, &stream) != STILB_OK)
+	FILE *stream = stilb_cache_open(&cache_levels, key);
+	if (!stream)
 		return false;
 	cache_header header;
 	bool read = cache_read_header(stream, mesh, key, &header) && cache_read_plan(stream, &header, plan);
 	fclose(stream);
 	if (read)
-		utimensat(AT_FDCWD, path, NULL, 0); /* it was used last; if that cannot be noted, it goes sooner */
+		stilb_cache_used(&cache_levels, key);
 	else
 		geometry_plan_finish(plan);
 	return read;
@@ -293,74 +202,10 @@ static bool cache_read(const stilb_scene_mesh *mesh, const uint64_t key[2], geom
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-typedef struct cache_file {
-	char name[CACHE_NAME];
-	struct timespec used;
-	uint64_t size;
-} cache_file;
-
-static int by_use(const void *a, const void *b)
-{
-	const cache_file *l = a, *r = b;
-	if (l->used.tv_sec != r->used.tv_sec)
-		return l->used.tv_sec < r->used.tv_sec ? -1 : 1;
-	if (l->used.tv_nsec != r->used.tv_nsec)
-		return l->used.tv_nsec < r->used.tv_nsec ? -1 : 1;
-	return strcmp(l->name, r->name);
-}
-
-/* Lists the cache's files. *count of them; free the list. NULL: there are none, or there is no memory. */
-static cache_file *cache_list(DIR *folder, size_t *count)
-{
-	cache_file *files = NULL;
-	size_t room = 0;
-	*count = 0;
-	for (const struct dirent *entry; (entry = readdir(folder));) {
-		size_t length = strlen(entry->d_name);
-		struct stat status;
-		if (length + 1 != CACHE_NAME || strcmp(entry->d_name + 32, CACHE_ENDING) != 0 ||
-		    fstatat(dirfd(folder), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(status.st_mode))
-			continue;
-		if (*count == room) {
-			room = room * 2 + 64;
-			cache_file *more = realloc(files, room * sizeof *files);
-			if (!more)
-				break;
-			files = more;
-		}
-		cache_file *file = &files[(*count)++];
-		*file = (cache_file){.used = status.st_mtim, .size = (uint64_t)status.st_size};
-		memcpy(file->name, entry->d_name, length + 1);
-	}
-	return files;
-}
-
-/* Removes the files that were not used for longest, until the rest has at most this many bytes. */
-static void cache_trim(uint64_t most)
-{
-	char path[PATH_MAX];
-	DIR *folder = cache_folder(path, false) ? opendir(path) : NULL;
-	if (!folder)
-		return;
-	size_t count;
-	uint64_t sum = 0;
-	cache_file *files = cache_list(folder, &count);
-	for (size_t i = 0; i < count; i++)
-		sum += files[i].size;
-	if (sum > most)
-		qsort(files, count, sizeof *files, by_use);
-	for (size_t i = 0; i < count && sum > most; i++)
-		if (unlinkat(dirfd(folder), files[i].name, 0) == 0)
-			sum -= files[i].size;
-	free(files);
-	closedir(folder);
-}
-
 static void cache_write(const uint64_t key[2], const geometry_plan *plan)
 {
-	char path[PATH_MAX];
 	stilb_file file;
-	if (!cache_path(key, true, path) || stilb_file_open(&file, path) != STILB_OK)
+	if (!stilb_cache_begin(&cache_levels, key, &file))
 		return;
 	cache_header header = {.version = CACHE_VERSION,
 	                       .endian = 1,
@@ -381,10 +226,7 @@ static void cache_write(const uint64_t key[2], const geometry_plan *plan)
 	bool written = stilb_file_write(&file, &header, sizeof header) == 0;
 	for (size_t i = 0; i < GEOMETRY_PLAN_PARTS && written; i++)
 		written = parts[i].size == 0 || stilb_file_write(&file, parts[i].data, parts[i].size) == 0;
-	if (written)
-		stilb_file_commit(&file); /* a full disk costs the next run its time, and nothing else */
-	stilb_file_finish(&file);
-	cache_trim(STILB_GEOMETRY_CACHE_BYTES);
+	stilb_cache_end(&cache_levels, &file, written);
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */

@@ -52,7 +52,8 @@ stilb_result stilb_geometry_levels(stilb_scene_mesh *mesh, const stilb_geometry_
  * Levels are kept in files, one a mesh, under a hash of the mesh's values and of all settings: in the folder
  * stilb/levels of $XDG_CACHE_HOME, else of $HOME/.cache. A file is whole or not there. One that is damaged, or was
  * written by somebody else, is as good as none: sizes, checksum and every number in it are checked before it is used.
- * A full disk, a folder that cannot be written, or neither of the two variables only cost the time of the next run. */
+ * A full disk, a folder that cannot be written, neither of the two variables, or STILB_CACHE=off in the environment
+ * only cost the time of the next run. */
 
 #define STILB_GEOMETRY_CACHE_BYTES ((uint64_t)1 << 30) /* files that were not used for longest go beyond this */
 #define STILB_GEOMETRY_CACHE_LEAST 2000u /* triangles; what takes about as long to make as to read is not kept */

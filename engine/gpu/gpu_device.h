@@ -43,6 +43,7 @@ typedef struct stilb_gpu_listed {
 	char api_version[32]; /* "1.3.230" */
 	const char *type;     /* "discrete GPU", "integrated GPU", "virtual GPU", "software", "other" */
 	const char *missing;  /* NULL: it can run Stilb; else the first feature that it lacks */
+	bool bc;              /* stilb_gpu_limits.bc */
 } stilb_gpu_listed;
 
 /* The version that the Vulkan loader offers: "1.3.239". In a static buffer. [main-thread] */

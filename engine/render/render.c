@@ -123,6 +123,18 @@ void stilb_render_destroy(stilb_render *render)
 	free(render);
 }
 
+void stilb_render_set_textures(stilb_render *render, stilb_render_textures textures)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	atomic_store_explicit(&render->textures, (int)textures, memory_order_relaxed); /* partner: render_textures_mode */
+}
+
+uint32_t stilb_render_textures_left(const stilb_render *render)
+{
+	STILB_ASSERT_OWNER(render->owner);
+	return render->scene.loading ? render->scene.loading->left : 0;
+}
+
 void stilb_render_set_pool(stilb_render *render, stilb_job_pool *pool)
 {
 	STILB_ASSERT_OWNER(render->owner);

@@ -249,6 +249,23 @@ void stilb_render_impostor_destroy(stilb_render *render, stilb_render_impostor i
  * sent while the scene is set. [main-thread] */
 stilb_result stilb_render_set_scene(stilb_render *render, const stilb_scene *scene);
 
+/* When the textures of a scene are made: with it, or while frames are drawn, which show a texture's mean color until it
+ * is there. Then each stilb_render_update_scene, of which there is one a frame, makes a part of what is left,
+ * and each frame copies some 16 MiB. */
+typedef enum stilb_render_textures {
+	STILB_RENDER_TEXTURES_AT_ONCE,
+	STILB_RENDER_TEXTURES_EVEN,  /* as many texels a frame as always: what a frame shows depends on its number alone */
+	STILB_RENDER_TEXTURES_SPARE, /* as many as go into 4 ms */
+} stilb_render_textures;
+
+/* For scenes that are set or made ready from now on; AT_ONCE at first. While it is not AT_ONCE the pictures of textures
+ * must live as long as the scene is shown, unless edits tell that they have gone. A texture that is edited on its way
+ * begins anew, one that is removed is given up; edits of others are made at once. With AT_ONCE the next update makes
+ * all that is left. [main-thread] */
+void stilb_render_set_textures(stilb_render *render, stilb_render_textures textures);
+/* How many textures of the scene are on their way. [main-thread] */
+uint32_t stilb_render_textures_left(const stilb_render *render);
+
 /* Makes a scene ready beside the frames, for stilb_render_show_scene: creates what it needs, while each frame copies
  * some 16 MiB of it to the device, until all is there. Meanwhile frames go on, and the scene must not change. `pace` is
  * called every millisecond or so with the share that is on the device, 0..1, and says how fast to go; who is in a hurry

@@ -14,6 +14,7 @@
 #include "render/render_panorama.h"
 #include "render/render_resources.h"
 #include "render/rows/render_rows.h"
+#include "render/textures/render_loading.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -384,6 +385,10 @@ typedef struct render_scene_texture {
 	bool mapped, mips;         /* a surface has named it; so it was made with mips */
 	bool as_normals, as_other; /* a surface has named it as a map of normals; as another map */
 	render_mips_kind kind;
+	bool arrived;                /* it has taken its stand-in's place; materials do not know yet */
+	uint8_t loading;             /* render_loading_state; if not DONE `texture` is a stand-in */
+	stilb_render_texture coming; /* COPIED: that which takes its place */
+	stilb_image picture;         /* WAITS, MADE: the scene's, not owned */
 	stilb_image refused; /* during an update that is made again: the image that the device does not take, not owned */
 } render_scene_texture;
 
@@ -394,7 +399,7 @@ typedef struct render_scene_function_entry {
 } render_scene_function_entry;
 
 /* Handles of the resources of the scene that was set, by id in the scene; {0}: there is none with this id. */
-typedef struct render_scene {
+struct render_scene {
 	bool refused;                           /* an image of a texture */
 	stilb_render_mesh *meshes;              /* [mesh_count] */
 	stilb_render_material *materials;       /* [material_count] */
@@ -406,7 +411,8 @@ typedef struct render_scene {
 	uint32_t impostor_count, impostor_capacity;
 	uint64_t impostors_removed; /* stilb_scene.impostors_removed of these */
 	render_places places;       /* of its parts */
-} render_scene;
+	render_loading *loading;    /* NULL: no texture ever was one that is loaded */
+};
 
 /* Frees the arrays of handles and destroys nothing, since that needs the device; leaves {0}. */
 void render_scene_finish(render_scene *scene);
@@ -423,7 +429,7 @@ void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_s
 stilb_result render_scene_mesh(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
 /* A part may not name a mesh that was removed. */
 stilb_result render_scene_check_parts(const stilb_scene *scene, const render_scene *tables);
-/* Makes a texture that is not drawn before render_resources_hurry. */
+/* Makes a texture that is not drawn before render_resources_hurry; or begins one that comes later. */
 stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
                                           uint32_t id);
 stilb_result render_scene_function(stilb_render *render, render_scene *tables, const stilb_scene *scene, uint32_t id);
@@ -479,20 +485,27 @@ typedef struct render_blend_item {
 /* The draws of a class of groups in a pass. */
 typedef struct render_order_class {
 	uint32_t class;
-	uint32_t draws, runs; /* how many; then where the next draw goes, and the first run */
-	uint32_t end;         /* of the runs */
-	render_run open;      /* the run that draws of its state join; count 0: none so far */
+	uint32_t draws;       /* how many; then where the next one goes */
+	uint32_t first, last; /* 1 + those of its runs that are complete, in render_order_memory.moved; 0: none so far */
+	render_run open;      /* the run that draws of its state join, without its count; state 0: none so far */
 } render_order_class;
+
+/* A run of a class, and 1 + the next one; 0: none. */
+typedef struct render_order_run {
+	render_run run;
+	uint32_t next;
+} render_order_run;
 
 /* Memory of render_maps_order, kept from pass to pass. */
 typedef struct render_order_memory {
 	uint32_t *places;            /* [place_capacity] by class: 1 + its place in `classes`; between passes 0 */
 	render_order_class *classes; /* [count] in the order in which they come first */
 	uint32_t *of;                /* by run: place of its class; UINT32_MAX: it stays */
-	render_run *moved;           /* [runs] */
+	render_order_run *moved;     /* [moved_count], runs of classes in the order in which they were complete */
 	render_blend_item *items;
 	uint32_t place_capacity, capacity, of_capacity, moved_capacity, item_capacity;
 	uint32_t count, draws, runs, stretches; /* of all classes */
+	uint32_t moved_count;
 } render_order_memory;
 
 /* Frees it. */
@@ -508,6 +521,7 @@ struct stilb_render {
 	render_resources resources;
 	render_scene scene;
 	stilb_job_pool *pool;       /* stilb_render_set_pool; NULL: none */
+	atomic_int textures;        /* stilb_render_textures; relaxed: what is made by it is handed over by other means */
 	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */
@@ -520,6 +534,13 @@ struct stilb_render {
 	void *sort_items; /* [sort_capacity] scratch memory of render_sort */
 	uint64_t sort_capacity;
 };
+
+/* How textures of scenes come now. [any-thread] */
+static inline stilb_render_textures render_textures_mode(const stilb_render *render)
+{
+	/* partner: stilb_render_set_textures */
+	return (stilb_render_textures)atomic_load_explicit(&render->textures, memory_order_relaxed);
+}
 
 /* Forgets the frame's passes. */
 void render_passes_rewind(stilb_render *render);

@@ -4,7 +4,7 @@
 #include "base/base.h"
 #include "base/base_contract.h"
 #include "profiler/prof.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +16,7 @@
 #define SUM_COST 20000.0   /* of a row of sums */
 #define TABLE_COST 40000.0 /* of a row of the table */
 #define LAMPS_COST 1000000.0
+#define FIND_COST 500000.0 /* of looking for the gloss on disk */
 
 bool render_panorama_is_good(const stilb_image *panorama)
 {
@@ -177,6 +178,13 @@ static void stage_fill(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	render_panorama_fill_rows(context, begin, end);
 }
 
+static void stage_find(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	(void)begin, (void)end, (void)worker;
+	render_panorama_work *work = context;
+	work->kept = render_panorama_cache_find(work);
+}
+
 /* Rows of a stage, which each reads what the stages before it wrote, and their cost. */
 typedef struct panorama_stage {
 	stilb_job_range_fn *run;
@@ -184,7 +192,7 @@ typedef struct panorama_stage {
 	double cost;
 } panorama_stage;
 
-#define LIGHT_STAGES 5u
+#define LIGHT_STAGES 6u
 #define STAGES (LIGHT_STAGES + PANORAMA_GLOSS_STAGES)
 
 static void stage_gloss(uint32_t begin, uint32_t end, uint32_t worker, void *context)
@@ -203,6 +211,7 @@ static panorama_stage stage_of(const render_panorama_work *work, uint32_t stage)
 		{stage_lamps, 1, 1, LAMPS_COST},
 		{stage_sum, PANORAMA_DOWN, 16, SUM_COST},
 		{stage_fill, RENDER_PANORAMA_ROWS, 8, TABLE_COST},
+		{stage_find, 1, 1, FIND_COST},
 	};
 	if (stage < LIGHT_STAGES)
 		return stages[stage];
@@ -295,6 +304,8 @@ static stilb_result panorama_take(render_panorama *out, render_panorama_memory m
 		out->key = 0;
 		return result;
 	}
+	if (!work->kept)
+		render_panorama_cache_keep(work);
 	out->key = work->key;
 	out->pixels = work->map.pixels;
 	out->width = work->width;

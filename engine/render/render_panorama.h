@@ -18,6 +18,8 @@
  *            highlights the surface's formula shapes, so that nothing counts twice. Its first mip has the cells'
  *            resolution, 0.7 degrees. Beside it the table by n.v and roughness (numeric_dfg.h), which is of no panorama
  *            and is made once.
+ * Disk.      Cube and table are kept by a hash of the cells (stilb/panoramas of base_cache.h, 64 MiB, 1 MiB each), with
+ *            a checksum, and are the bits that are made. STILB_CACHE=off in the environment: they are not.
  * Slices.    The work is cut into rows of stages. It may be done at once, or a slice of some milliseconds a frame,
  *            while what was made before stays in use. Neither that nor the workers change a bit of the result.
  * Cost.      Of the time and the memory, and how far the light is from the exact one: docs/rendering.md.

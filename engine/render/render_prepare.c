@@ -38,10 +38,10 @@ static uint64_t prepare_mesh_bytes(const stilb_render *render, const stilb_scene
 	return mesh->vertex_count * vertex + indices * index;
 }
 
-/* As the device takes it, with mips if there shall be some. */
+/* As the device takes it, with mips if there shall be some; 0 of one that comes later, while the scene is shown. */
 static uint64_t prepare_texture_bytes(const stilb_render *render, const stilb_image *image, bool mapped)
 {
-	if (!image->pixels)
+	if (!image->pixels || render_textures_mode(render) != STILB_RENDER_TEXTURES_AT_ONCE)
 		return 0;
 	render_texture_shape shape = render_texture_shape_of(render->device, image, mapped);
 	return render_texture_shape_bytes(&shape);
@@ -136,7 +136,8 @@ stilb_result stilb_render_prepare_scene(stilb_render *render, const stilb_scene 
 		render_resources_expect(&render->resources, more);
 		result = prepare_fill(&p);
 		render_resources_expect(&render->resources, NULL);
-		render_resources_expect_no_textures(render);
+		if (!prepared->tables.loading)
+			render_resources_expect_no_textures(render);
 	}
 	if (result == STILB_OK)
 		*out = prepared;

@@ -8,6 +8,7 @@
 
 void render_scene_finish(render_scene *scene)
 {
+	render_loading_drop(scene);
 	free(scene->meshes);
 	free(scene->materials);
 	free(scene->textures);
@@ -20,6 +21,7 @@ void render_scene_finish(render_scene *scene)
 void render_scene_destroy(stilb_render *render, render_scene *scene)
 {
 	render_places_finish(render, &scene->places, false);
+	render_loading_finish(render, scene);
 	for (uint32_t i = 0; i < scene->impostor_count; i++)
 		stilb_render_impostor_destroy(render, scene->impostors[i]);
 	for (uint32_t i = 0; i < scene->mesh_count; i++)
@@ -204,7 +206,14 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	if (image->pixels && image->pixels == now->refused.pixels && image->width == now->refused.width &&
 	    image->height == now->refused.height)
 		return STILB_OK;
-	if (now->texture.id && image->pixels && now->width == next.width && now->height == next.height &&
+	bool loads = now->loading != RENDER_LOADING_DONE;
+	if (image->pixels && (way.later || loads)) {
+		*replaced = true;
+		now->kind = kind;
+		result = render_loading_begin(render, tables, image, id);
+		return result == STILB_ERROR_ARGUMENT ? shown_texture_refuse(tables, image, id) : result;
+	}
+	if (now->texture.id && !loads && image->pixels && now->width == next.width && now->height == next.height &&
 	    now->format == next.format && now->levels == next.levels && (now->mips || !now->mapped) && now->kind == kind)
 		return render_texture_write(render, now->texture, image, kind);
 	way.mips = next.mips = next.mapped = now->mapped;
@@ -217,6 +226,7 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 		return shown_texture_refuse(tables, image, id);
 	if (result != STILB_OK)
 		return result;
+	render_loading_cancel(render, tables, id);
 	stilb_render_texture_destroy(render, now->texture);
 	*now = next;
 	*replaced = true;
@@ -226,8 +236,9 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 stilb_result render_scene_texture_patient(stilb_render *render, render_scene *tables, const stilb_scene *scene,
                                           uint32_t id)
 {
-	bool replaced;
-	return shown_texture_set(render, tables, scene, id, (render_texture_way){.patient = true}, &replaced);
+	bool replaced, later = render_textures_mode(render) != STILB_RENDER_TEXTURES_AT_ONCE;
+	return shown_texture_set(render, tables, scene, id, (render_texture_way){.patient = true, .later = later},
+	                         &replaced);
 }
 
 /* Replaces a function; one without code is none. On failure there is none, either; one that the device does not take
@@ -282,7 +293,8 @@ stilb_result render_scene_check_parts(const stilb_scene *scene, const render_sce
 
 static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, render_scene *tables)
 {
-	bool replaced;
+	bool replaced, later = render_textures_mode(render) != STILB_RENDER_TEXTURES_AT_ONCE;
+	render_texture_way way = {.pool = render->pool, .later = later};
 	stilb_result result = render_scene_fit(tables, scene);
 	if (result == STILB_OK)
 		render_scene_mark(render, tables, scene);
@@ -293,14 +305,15 @@ static stilb_result shown_fill(stilb_render *render, const stilb_scene *scene, r
 	uint64_t queued = 0;
 	for (uint32_t i = 0; i < scene->texture_count && result == STILB_OK; i++) {
 		const stilb_image *image = &scene->textures[i];
-		result = shown_texture_set(render, tables, scene, i, (render_texture_way){.pool = render->pool}, &replaced);
-		queued += stilb_image_levels_size(image);
+		result = shown_texture_set(render, tables, scene, i, way, &replaced);
+		queued += later ? 0 : stilb_image_levels_size(image);
 		if (result == STILB_OK && queued >= RENDER_UPLOAD_QUEUED) {
 			result = render_resources_send(render);
 			queued = 0;
 		}
 	}
-	render_resources_expect_no_textures(render);
+	if (!later)
+		render_resources_expect_no_textures(render);
 	for (uint32_t i = 0; i < scene->function_count && result == STILB_OK; i++)
 		result = render_scene_function(render, tables, scene, i);
 	for (uint32_t i = 0; i < scene->material_count && result == STILB_OK; i++)
@@ -338,6 +351,31 @@ void render_scene_replace(stilb_render *render, render_scene *next)
 }
 
 /* ---- what has changed in it -------------------------------------------------------------------------------------- */
+
+/* True if the material shows a texture that has arrived. */
+static bool shown_material_awaits(const render_scene *tables, const stilb_scene *scene, uint32_t id)
+{
+	const stilb_scene_surface *surface = shown_material_surface(scene, id);
+	uint32_t texture = scene->materials[id].diffuse_texture;
+	bool awaits = texture && tables->textures[texture - 1].arrived;
+	for (uint32_t i = 0; surface && i < RENDER_MAPS; i++)
+		awaits |= surface->maps[i].texture && tables->textures[surface->maps[i].texture - 1].arrived;
+	return awaits;
+}
+
+/* Textures that are on their way go on; materials show those that have arrived. */
+static stilb_result shown_load(stilb_render *render, const stilb_scene *scene)
+{
+	render_scene *tables = &render->scene;
+	uint32_t arrived;
+	stilb_result loaded = render_loading_advance(render, tables, &arrived), result = STILB_OK;
+	for (uint32_t m = 0; m < scene->material_count && arrived > 0 && result == STILB_OK; m++)
+		if (shown_material_awaits(tables, scene, m))
+			result = render_scene_material(render, tables, scene, m);
+	for (uint32_t t = 0; t < tables->texture_count && arrived > 0 && result == STILB_OK; t++)
+		tables->textures[t].arrived = false;
+	return result == STILB_OK ? loaded : result;
+}
 
 /* True if the material shows the texture. */
 static bool shown_material_names(const stilb_scene *scene, uint32_t id, uint32_t texture)
@@ -469,7 +507,7 @@ stilb_result stilb_render_update_scene(stilb_render *render, const stilb_scene *
 	result = result == STILB_OK ? functions : result;
 	if (result == STILB_OK && render->scene.refused)
 		shown_forget_refused(&render->scene);
-	return result;
+	return result == STILB_OK ? shown_load(render, scene) : result;
 }
 
 stilb_render_mesh stilb_render_scene_mesh(const stilb_render *render, uint32_t id)

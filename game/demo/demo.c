@@ -11,6 +11,7 @@
 typedef struct demo {
 	live_options options;
 	uint64_t models, seed, cameras;
+	uint64_t figures;           /* that walk between the models */
 	bool animate;               /* a tenth of the models moves */
 	int view;                   /* a stilb_scene_stress_view */
 	int light;                  /* a stilb_scene_stress_light, as the flag chose it */
@@ -91,6 +92,12 @@ static stilb_result demo_start(void *user, live_run *run)
 	demo_place(d, 0, place);
 	stilb_engine_set_place(run->engine, place);
 	stilb_result result = stilb_scene_create_stress((uint32_t)d->models, d->seed, &d->scene);
+	if (result == STILB_OK && d->figures > 0)
+		result = stilb_scene_stress_add_figures(d->scene, (uint32_t)d->figures);
+	/* Smaller than a thumb at arm's length they are posed less often; joints below two milliradians stand still. */
+	stilb_scene_rates rates = {.angle = 0.06f, .still = 0.002f};
+	if (result == STILB_OK && d->figures > 0 && run->options->picture.detail != STILB_RENDER_DETAIL_OFF)
+		result = stilb_scene_set_rates(d->scene, &rates);
 	if (result != STILB_OK)
 		return result;
 	demo_look(d, run->engine);
@@ -127,6 +134,18 @@ static void demo_title(void *user, const live_run *run, char title[static 256])
 	         workers, workers == 1 ? "" : "s", run->report.times.frame);
 }
 
+static void demo_finish(void *user)
+{
+	const demo *d = user;
+	if (!d->scene || d->figures == 0)
+		return;
+	stilb_scene_play_counts counts = stilb_scene_play_counts_of(d->scene);
+	fprintf(live_message_stream(&d->options),
+	        "figures: %" PRIu64 "; in the last frame %" PRIu32 " got poses of %" PRIu64 " channels, %" PRIu64
+	        " channels stood still, %" PRIu32 " figures waited (--lod off: none)\n",
+	        d->figures, counts.sampled, counts.channels, counts.still, counts.waiting);
+}
+
 int demo_command(int argc, char **argv)
 {
 	static const live_program program = {
@@ -138,6 +157,7 @@ int demo_command(int argc, char **argv)
 		.update = demo_update,
 		.act = demo_act,
 		.title = demo_title,
+		.finish = demo_finish,
 	};
 	static const live_help help = {
 		"stilb demo: the stress test. Each model is a sphere over a ground tile, each with its own material.",
@@ -150,6 +170,8 @@ int demo_command(int argc, char **argv)
 		{"--models", FLAG_NUMBER, &d.models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
 		{"--seed", FLAG_NUMBER, &d.seed, "N", "of the random sizes and colours, 0..2^64-1 (1)", 0, UINT64_MAX, NULL},
 		{"--animate", FLAG_SWITCH, &d.animate, NULL, "move a tenth of the models each frame", 0, 0, NULL},
+		{"--figures", FLAG_NUMBER, &d.figures, "N", "figures with skins that walk between them, 0..100000 (0)", 0,
+	     100000, NULL},
 		{"--view", FLAG_CHOICE, &d.view, "all|half|few", "how many models the camera sees (all)", 0, 0, demo_views},
 		{"--cameras", FLAG_NUMBER, &d.cameras, "N",
 	     "cameras around the scene, each in a tile of the picture, 1..16 (1)", 1, STILB_ENGINE_MAX_CAMERAS + 1, NULL},

@@ -44,6 +44,8 @@ static void live_add_run(live_options *o, flag_rows *table)
 	     "how frames get to the window: fifo, mailbox (the newest) or immediate (fifo)", 0, 0, live_present_choices},
 		{"--no-present", FLAG_SWITCH, &o->no_present, NULL, "draw the frames, but do not show them", 0, 0, NULL},
 		{"--cull", FLAG_CHOICE, &o->cull, "METHOD", "auto, octree or flat (auto)", 0, 0, live_cull_choices},
+		{"--wait-textures", FLAG_SWITCH, &o->wait_textures, NULL,
+	     "draw no frame without all textures, as without a window", 0, 0, NULL},
 		{"--watch-shaders", FLAG_SWITCH, &o->watch_shaders, NULL, "show shaders anew as soon as their files change", 0,
 	     0, NULL},
 		{"--no-watch-shaders", FLAG_SWITCH, &o->no_watch_shaders, NULL,
@@ -405,6 +407,8 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.max_anisotropy = (uint32_t)o->picture.max_anisotropy;
 	desc.specular_aa = (stilb_render_specular_aa)o->picture.specular_aa;
 	desc.scale = o->scale;
+	if (o->wait_textures || o->screenshot || o->dump)
+		desc.textures = STILB_ENGINE_TEXTURES_WAIT;
 	desc.window = !o->headless && o->picture.device != STILB_RENDER_DEVICE_NULL;
 	desc.present = !o->no_present;
 	desc.presentation = (stilb_gpu_presentation)o->present;

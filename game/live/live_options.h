@@ -27,7 +27,7 @@ typedef struct live_options {
 	uint64_t pictures; /* > 0: end after so many frames, and save each under --screenshot's name with a number */
 	uint32_t workers, size[2];
 	int cull, ui_aa, present; /* values of the engine's enumerations */
-	bool watch_shaders, no_watch_shaders;
+	bool watch_shaders, no_watch_shaders, wait_textures;
 	bool headless, no_present, overlay, inspector, clips, keys, times, no_profile, invert_y;
 	float sensitivity; /* of the right stick */
 	float scale;       /* stilb_engine_desc.scale */

@@ -202,20 +202,27 @@ static bool offline_write_stats(const offline_options *o, const offline_result *
 	return false;
 }
 
+/* True if the run has made a picture; one of a row is enough, at whatever point of the next it was stopped. */
+static bool offline_has_picture(const offline_options *o, const offline_result *result)
+{
+	return o->frames ? result->frames > 0 : result->progress.camera_rays > 0;
+}
+
 static int offline_finish(const offline_options *o, const offline_result *result)
 {
+	bool picture = offline_has_picture(o, result);
 	if (result->message[0])
 		stilb_log("%s", result->message);
 	if (result->code == EXIT_REFUSED)
 		return EXIT_REFUSED;
-	if (result->code == EXIT_DONE && result->progress.camera_rays == 0)
-		stilb_log("stopped before the first sample; there is no picture");
+	if (result->code == EXIT_DONE && !picture)
+		stilb_log("stopped before the first %s; there is no picture", o->frames ? "frame was done" : "sample");
 	else if (result->code == EXIT_DONE)
 		offline_report_print(o, result);
 	bool stats = offline_write_stats(o, result);
 	if (o->trace && result->code == EXIT_DONE)
 		fprintf(offline_message_stream(o), "trace: %s\n", o->trace);
-	bool whole = stats && (result->progress.camera_rays > 0 || !o->output);
+	bool whole = stats && (picture || !o->output);
 	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
 

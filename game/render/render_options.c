@@ -300,8 +300,10 @@ static bool options_frames(offline_options *o)
 	int end = 0;
 	if (!o->frames)
 		return true;
-	bool good = sscanf(o->frames, "%" SCNu32 "..%" SCNu32 "%n", &o->frame_first, &o->frame_last, &end) == 2 &&
-	            o->frames[end] == '\0' && !strchr(o->frames, '-');
+	/* Digits alone, and no more of them than sscanf can hold: it takes signs, and wraps where a number is too large. */
+	bool good = strspn(o->frames, "0123456789.") == strlen(o->frames) &&
+	            sscanf(o->frames, "%9" SCNu32 "..%9" SCNu32 "%n", &o->frame_first, &o->frame_last, &end) == 2 &&
+	            o->frames[end] == '\0';
 	if (good && o->frame_first <= o->frame_last && o->frame_last < RENDER_MOST_FRAMES)
 		return true;
 	stilb_log("--frames: '%s' is no A..B; give two numbers in 0..%u, the smaller one first, as 0..29", o->frames,

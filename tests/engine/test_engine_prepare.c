@@ -17,10 +17,11 @@
 #define HEIGHT 64
 #define SIDE 2100u /* of a texture, pixels: 16.8 MiB with four channels, which take more than one frame */
 
-static stilb_engine *make_engine(void)
+static stilb_engine *make_engine_with(stilb_engine_textures textures)
 {
 	stilb_engine *engine;
 	stilb_engine_desc desc = stilb_engine_desc_default();
+	desc.textures = textures;
 	desc.workers = 1;
 	desc.width = WIDTH;
 	desc.height = HEIGHT;
@@ -29,6 +30,11 @@ static stilb_engine *make_engine(void)
 	if (stilb_engine_create(&desc, &engine) != STILB_OK)
 		fail_msg("%s", stilb_error_message());
 	return engine;
+}
+
+static stilb_engine *make_engine(void)
+{
+	return make_engine_with(STILB_ENGINE_TEXTURES_AUTO);
 }
 
 /* The script's scene, and in it a sheet that shows a large texture of random rows. */
@@ -229,6 +235,34 @@ static void an_error_is_told(void **state)
 	stilb_scene_destroy(small);
 }
 
+/* Headless, textures are waited for unless they shall come later; then the frames before the last look different, and
+ * the scene may be taken away meanwhile. */
+static void textures_come_later(void **state)
+{
+	world *w = *state;
+	static const stilb_engine_textures all[] = {STILB_ENGINE_TEXTURES_AUTO, STILB_ENGINE_TEXTURES_WAIT,
+	                                            STILB_ENGINE_TEXTURES_LATER};
+	for (int i = 0; i < 3; i++) {
+		bool later = all[i] == STILB_ENGINE_TEXTURES_LATER;
+		stilb_engine *engine = make_engine_with(all[i]);
+		stilb_engine_report report;
+		assert_int_equal(stilb_engine_set_scene(engine, w->scenes[0]), STILB_OK);
+		seen first = draw(engine);
+		assert_int_equal(first.stream, w->looks[0].stream);
+		assert_int_equal(same(first, w->looks[0]), !later || PREPARE_DEVICE != STILB_RENDER_DEVICE_VULKAN);
+		for (uint32_t frames = 0, left = 1; left > 0; frames++) {
+			assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+			left = report.textures_left;
+			assert_true(frames < 20 && (left == 0 || later) && (left > 0 || !later || frames > 0));
+		}
+		assert_true(same(draw(engine), w->looks[0]));
+		assert_int_equal(stilb_engine_set_scene(engine, w->scenes[1]), STILB_OK);
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		assert_int_equal(report.textures_left > 0, later);
+		stilb_engine_destroy(engine);
+	}
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
@@ -238,6 +272,7 @@ int main(void)
 #endif
 		cmocka_unit_test(at_any_moment),
 		cmocka_unit_test(an_error_is_told),
+		cmocka_unit_test(textures_come_later),
 	};
 	return cmocka_run_group_tests(tests, set_up, tear_down);
 }

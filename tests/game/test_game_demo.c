@@ -459,9 +459,20 @@ static void test_interrupt_ends_it_well(void **state)
 
 #define FRESH_TEST(name) cmocka_unit_test_setup(name, picture_fresh)
 
+/* What GPUs do with textures of blocks. */
+static void test_info_of_blocks(void **state)
+{
+	(void)state;
+	stilb_good("info");
+	bool software = strstr(run.out, ", software, ");
+	assert_said(run.out, software ? "\n     compressed textures: BC1, BC3, BC4, BC5; BC7 is decoded"
+	                              : "\n     compressed textures: ");
+}
+
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
+		FRESH_TEST(test_info_of_blocks),
 		FRESH_TEST(test_same_picture_and_draws),
 		FRESH_TEST(test_same_picture_and_draws_while_models_move),
 		FRESH_TEST(test_same_picture_and_draws_with_samples),

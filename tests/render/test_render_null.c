@@ -381,8 +381,9 @@ static void spy_view(const stilb_gpu_pass *row)
 	const stilb_render_view *view = &spy.views[pass->view];
 	render_push push;
 	memcpy(&push, row->constants, sizeof push);
-	const render_view_data *data = (const render_view_data *)(uintptr_t)push.view; /* of this device an address here */
-	spy.wrong += data->added[0] != view->shading.roughness || data->added[2] != view->shading.wrap;
+	const render_view_data *data = (const void *)(uintptr_t)push.view.rest; /* of this device an address here */
+	spy.wrong += push.view.added[0] != view->shading.roughness || push.view.added[2] != view->shading.wrap;
+	spy.wrong += memcmp(data->view_projection, &view->view_projection, sizeof data->view_projection) != 0;
 	spy.passes[spy.pass_count] = pass;
 	spy.hash = reference_hash_pass(spy.hash, view);
 }

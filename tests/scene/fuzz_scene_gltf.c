@@ -112,14 +112,18 @@ static const char *const seeds[] = {
 	"\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}]}",
 	SEED_ASSET SEED_BUFFER
 	",\"nodes\":[{\"mesh\":0,\"skin\":0,\"weights\":[0.5,1],\"children\":[1]},{\"rotation\":[0,0,0,1]}],\"meshes\":[{"
-	"\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":1,\"WEIGHTS_0\":2,\"JOINTS_1\":1,\"WEIGHTS_1\":2},"
-	"\"material\":0,\"targets\":[{\"POSITION\":0,\"NORMAL\":0},{\"POSITION\":0}],\"extensions\":{"
-	"\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0,1]}]}}}]}],\"materials\":[{},{}],"
+	"\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"TANGENT\":6,\"JOINTS_0\":1,\"WEIGHTS_0\":2,"
+    "\"JOINTS_1\":1,\"WEIGHTS_1\":2},"
+	"\"material\":0,\"targets\":[{\"POSITION\":0,\"NORMAL\":0,\"TANGENT\":0},{\"POSITION\":0}],\"extensions\":{"
+	"\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0,1]}]}}}]}],\"materials\":[{"
+    "\"normalTexture\":{"
+	"\"index\":0}},{}],\"textures\":[{\"source\":0}],\"images\":[{\"bufferView\":1,\"mimeType\":\"image/png\"}],"
 	"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,"
 	"\"componentType\":5121,\"count\":3,\"type\":\"VEC4\"},{\"bufferView\":1,\"componentType\":5123,\"count\":3,"
 	"\"type\":\"VEC4\",\"normalized\":true},{\"componentType\":5126,\"count\":1,\"type\":\"MAT4\"},{\"bufferView\":1,"
 	"\"byteOffset\":8,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\"},{\"bufferView\":1,\"componentType\":5126,"
-	"\"count\":2,\"type\":\"VEC4\"}],\"skins\":[{\"joints\":[1],\"skeleton\":0,\"inverseBindMatrices\":3}],"
+	"\"count\":2,\"type\":\"VEC4\"},{\"bufferView\":1,\"componentType\":5121,\"count\":3,\"type\":\"VEC4\","
+	"\"normalized\":true}],\"skins\":[{\"joints\":[1],\"skeleton\":0,\"inverseBindMatrices\":3}],"
 	"\"animations\":[{\"samplers\":[{\"input\":4,\"output\":5},{\"input\":4,\"output\":4,\"interpolation\":\"STEP\"}],"
 	"\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"rotation\"}},{\"sampler\":1,\"target\":{\"node\":0,"
 	"\"path\":\"weights\"}}]}],\"extensions\":{\"KHR_materials_variants\":{\"variants\":[{\"name\":\"a\"},{}]}}}",

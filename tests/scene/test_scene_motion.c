@@ -740,6 +740,117 @@ static void damaged_targets_are_left_out(void **state)
 	}
 }
 
+/* ---- any damage -------------------------------------------------------------------------------------------------- */
+
+#define ROUNDS (TEST_ASAN ? 3000u : 20000u)
+
+static uint64_t random_index;
+
+static uint32_t below(uint32_t bound)
+{
+	return (uint32_t)(stilb_random_u64(9, random_index++) % bound);
+}
+
+static float wrong_number(void)
+{
+	static const float numbers[] = {0.0f, -1.0f, 1e-30f, 1e30f, 3e38f, NAN, INFINITY, -INFINITY};
+	return numbers[below(8)];
+}
+
+static uint32_t wrong_index(void)
+{
+	static const uint32_t numbers[] = {0, 3, 5, 6, 7, 1000, 0x7fffffff, UINT32_MAX};
+	return numbers[below(8)];
+}
+
+/* All that the scenes of this test have, with some numbers wrong: what comes out can be used, whatever it is. */
+static void random_damage_is_survived(void **state)
+{
+	(void)state;
+	uint32_t moving = 0;
+	for (uint32_t round = 0; round < ROUNDS; round++) {
+		made m;
+		made_targets t;
+		make(&m);
+		add_targets(&m, &t);
+		struct aiMaterial material = {0}, *materials[] = {&material};
+		struct aiVertexWeight weights[2][6];
+		for (uint32_t v = 0; v < 6; v++)
+			weights[0][v] = weights[1][v] = (struct aiVertexWeight){v, 0.5f};
+		struct aiBone right = bone_of("right", weights[0], 6, 1), tip = bone_of("tip", weights[1], 6, 2);
+		struct aiMesh plain = m.mesh;
+		plain.mNumAnimMeshes = 0;
+		m.mesh.mBones = (struct aiBone *[]){&right, &tip};
+		m.mesh.mNumBones = 2;
+		m.mesh.mTextureCoords[0] = m.uvs;
+		m.meshes[1] = &plain;
+		m.scene.mNumMeshes = 2;
+		m.shown[1] = 1;
+		m.left.mNumMeshes = 2;
+		m.scene.mMaterials = materials;
+		m.scene.mNumMaterials = 1;
+		has_normal_maps = below(2) > 0;
+		struct aiVectorKey places[] = {{0, {1, 2, 3}}, {10, {4, 5, 6}}};
+		struct aiQuatKey turns[] = {{0, {.w = 1}}, {10, {.y = 1}}};
+		struct aiNodeAnim channel = {.mNodeName = NAMED("tip"),
+		                             .mPositionKeys = places,
+		                             .mNumPositionKeys = 2,
+		                             .mRotationKeys = turns,
+		                             .mNumRotationKeys = 2};
+		struct aiNodeAnim root = channel;
+		root.mNodeName = m.root.mName;
+		m.animation.mChannels = (struct aiNodeAnim *[]){&channel, &root};
+		m.animation.mNumChannels = 2;
+		uint32_t both[] = {1, 0};
+		double keyed[] = {0.5, 0.125};
+		struct aiMeshMorphKey keys[] = {{.mTime = 0},
+		                                {.mTime = 25, .mValues = both, .mWeights = keyed, .mNumValuesAndWeights = 2}};
+		struct aiMeshMorphAnim morph = {.mName = NAMED("left"), .mNumKeys = 2, .mKeys = keys};
+		m.animation.mMorphMeshChannels = (struct aiMeshMorphAnim *[]){&morph};
+		m.animation.mNumMorphMeshChannels = 1;
+		uint32_t *const indices[] = {&weights[0][3].mVertexId,
+		                             &weights[1][0].mVertexId,
+		                             &m.corners[0][1],
+		                             &m.corners[1][2],
+		                             &m.shown[0],
+		                             &m.shown[1],
+		                             &m.mesh.mMaterialIndex,
+		                             &both[0],
+		                             &both[1],
+		                             &plain.mMaterialIndex};
+		float *const numbers[] = {
+			&weights[0][2].mWeight,    &weights[1][5].mWeight, &right.mOffsetMatrix.a4,   &tip.mOffsetMatrix.b2,
+			&m.positions[1].x,         &m.positions[4].z,      &m.normals[2].y,           &m.uvs[3].x,
+			&t.positions[1].y,         &t.others[2].z,         &t.normals[3].x,           &t.first.mWeight,
+			&places[1].mValue.y,       &turns[1].mValue.w,     &m.tip.mTransformation.a4, &m.right.mTransformation.b2,
+			&m.root.mTransformation.c3};
+		double *const times[] = {&places[0].mTime, &places[1].mTime, &turns[1].mTime,
+		                         &keys[1].mTime,   &keyed[0],        &m.animation.mTicksPerSecond};
+		for (uint32_t n = below(3); n > 0; n--)
+			*indices[below(10)] = wrong_index();
+		for (uint32_t n = below(3); n > 0; n--)
+			*numbers[below(17)] = wrong_number();
+		for (uint32_t n = below(2); n > 0; n--)
+			*times[below(6)] = (double)wrong_number();
+		if (below(8) == 0)
+			t.second.mNumVertices = below(6);
+		if (below(8) == 0)
+			m.tip.mName = m.right.mName;
+		stilb_result result = importer_list_nodes(&m.import);
+		if (result == STILB_OK)
+			result = importer_add_meshes(&m.import);
+		if (result == STILB_OK)
+			result = importer_add_animation(&m.import);
+		if (result != STILB_OK && !strstr(stilb_error_message(), "no triangles") &&
+		    !strstr(stilb_error_message(), "of its root is NaN or infinite"))
+			fail_msg("round %u: %s", round, stilb_error_message());
+		assert_true(result != STILB_OK || scene_is_sound(m.import.scene));
+		moving += result == STILB_OK && m.import.scene->animation;
+		finish(&m);
+	}
+	assert_true(moving > ROUNDS / 2);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -757,6 +868,7 @@ int main(void)
 		cmocka_unit_test(targets_are_differences),
 		cmocka_unit_test(weights_of_targets_are_played),
 		cmocka_unit_test(damaged_targets_are_left_out),
+		cmocka_unit_test(random_damage_is_survived),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

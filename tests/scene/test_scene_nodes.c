@@ -61,6 +61,16 @@ static void nodes_follow_their_parents(void **state)
 	free(import.nodes);
 }
 
+static void a_root_is_somewhere(void **state)
+{
+	(void)state;
+	importer import;
+	struct aiNode root = moved(INFINITY);
+	assert_int_equal(list(&import, &root), STILB_ERROR_FILE);
+	assert_non_null(strstr(stilb_error_message(), "the transform of its root is NaN or infinite"));
+	free(import.nodes);
+}
+
 #define MANY 3000 /* more than the list has room for at first */
 
 static void without_memory_there_is_no_hierarchy(void **state)
@@ -164,6 +174,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nodes_follow_their_parents),
+		cmocka_unit_test(a_root_is_somewhere),
 		cmocka_unit_test(without_memory_there_is_no_hierarchy),
 		cmocka_unit_test(y_is_up),
 	};

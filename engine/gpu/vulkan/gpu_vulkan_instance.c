@@ -367,7 +367,10 @@ static void gpu_describe(VkPhysicalDevice gpu, stilb_gpu_listed *out)
 		properties.pNext = &driver;
 		vkGetPhysicalDeviceProperties2(gpu, &properties);
 	}
+	VkPhysicalDeviceFeatures features;
+	vkGetPhysicalDeviceFeatures(gpu, &features);
 	*out = (stilb_gpu_listed){
+		.bc = features.textureCompressionBC,
 		.type = gpu_vulkan_gpu_type_text(properties.properties.deviceType),
 		.missing = gpu_missing(gpu),
 	};

@@ -5,20 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-/* As the shader's buffer. */
+/* As the shader's buffer, of a floor and of a map. */
 typedef struct backdrop_data {
-	float ahead[4], across[4], down[4];
-	float camera[4];
-	float color[4];
-	float floor_radius[4];
-	float sky[4], ground[4]; /* [3] of the sky: 1: these two are shown, else 0 */
 	float covered[STILB_SCENE_FLOOR_SIDE][STILB_SCENE_FLOOR_SIDE];
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
-	uint32_t size[2];  /* of the panorama; 0: it is not shown */
-	float turn[2];     /* sine and cosine of its rotation */
-	uint64_t panorama; /* its texels */
 } backdrop_data;
 
+static_assert(sizeof(render_backdrop_push) == STILB_GPU_MAX_CONSTANTS, "std430");
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
 
@@ -83,52 +76,56 @@ void render_backdrop_clear(const stilb_render_view *view, float color[4])
 
 /* ---- a frame ----------------------------------------------------------------------------------------------------- */
 
-static void backdrop_write(const render_device *device, const stilb_render_view *view, const render_panorama *panorama,
-                           backdrop_data *out)
+/* The buffer of the next backdrop of the frame. */
+static stilb_result backdrop_buffer(render_device *device, render_buffer **buffer)
+{
+	*buffer = &render_slot_now(device)->backdrops[device->frame.backdrops++];
+	STILB_ASSERT(device->frame.backdrops <= STILB_RENDER_MAX_PASSES);
+	return (*buffer)->mapped ? STILB_OK
+	                         : render_buffer_make(device, "backdrop", sizeof(backdrop_data), STILB_GPU_MEMORY_WRITE,
+	                                              STILB_GPU_BUFFER_ADDRESS, *buffer);
+}
+
+static void backdrop_write_floor(const stilb_render_view *view, backdrop_data *data, render_backdrop_push *push)
 {
 	const stilb_scene_backdrop *from = &view->backdrop;
-	backdrop_axis(view->view_projection.m, 3, out->ahead); /* a unit row: where the camera looks */
-	backdrop_axis(view->view_projection.m, 0, out->across);
-	backdrop_axis(view->view_projection.m, 1, out->down);
-	memcpy(out->camera, view->camera_position, sizeof view->camera_position);
-	memcpy(out->color, from->color, sizeof from->color);
-	memset(out->floor_radius, 0, sizeof out->floor_radius);
-	if (from->kind == STILB_SCENE_BACKDROP_COLOR) {
-		memcpy(out->floor_radius, from->floor->center, sizeof from->floor->center);
-		out->floor_radius[3] = from->floor->radius;
-		memcpy(out->covered, from->floor->covered, sizeof out->covered);
-		return;
-	}
-	memset(out->size, 0, sizeof out->size);
-	memcpy(out->sky, view->surroundings.sky, sizeof view->surroundings.sky);
-	memcpy(out->ground, view->surroundings.ground, sizeof view->surroundings.ground);
-	out->sky[3] = from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS && !panorama ? 1.0f : 0.0f;
-	out->ground[3] = 0.0f;
-	if (out->sky[3] > 0.0f)
-		return;
-	if (from->kind == STILB_SCENE_BACKDROP_SURROUNDINGS) {
-		out->size[0] = panorama->width;
-		out->size[1] = panorama->height;
-		out->turn[0] = sinf(view->surroundings.rotation);
-		out->turn[1] = cosf(view->surroundings.rotation);
-		out->panorama = device->panorama.address + sizeof(render_panorama_table);
-		return;
-	}
-	for (size_t i = 0; i < sizeof out->map / sizeof *out->map; i++)
-		memcpy(out->map[i], from->map + 3 * i, sizeof(float[3]));
+	memcpy(push->camera, view->camera_position, sizeof view->camera_position);
+	memcpy(push->color, from->color, sizeof from->color);
+	memcpy(push->floor_radius, from->floor->center, sizeof from->floor->center);
+	push->floor_radius[3] = from->floor->radius;
+	memcpy(data->covered, from->floor->covered, sizeof data->covered);
 }
 
 stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
-                                   const render_panorama *panorama, uint64_t *address)
+                                   const render_panorama *panorama, render_backdrop_push *push)
 {
-	render_buffer *buffer = &render_slot_now(device)->backdrops[device->frame.backdrops++];
-	STILB_ASSERT(device->frame.backdrops <= STILB_RENDER_MAX_PASSES && render_backdrop_is_drawn(view, panorama));
-	stilb_result result = STILB_OK;
-	if (!buffer->mapped)
-		result = render_buffer_make(device, "backdrop", sizeof(backdrop_data), STILB_GPU_MEMORY_WRITE,
-		                            STILB_GPU_BUFFER_ADDRESS, buffer);
-	if (result == STILB_OK)
-		backdrop_write(device, view, panorama, buffer->mapped);
-	*address = buffer->address;
-	return result;
+	STILB_ASSERT(render_backdrop_is_drawn(view, panorama));
+	render_backdrop_kind kind = render_backdrop_kind_of(view, panorama);
+	*push = (render_backdrop_push){.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)}};
+	backdrop_axis(view->view_projection.m, 3, push->ahead); /* a unit row: where the camera looks */
+	backdrop_axis(view->view_projection.m, 0, push->across);
+	backdrop_axis(view->view_projection.m, 1, push->down);
+	if (kind == RENDER_BACKDROP_SKY) {
+		memcpy(push->color, view->surroundings.sky, sizeof view->surroundings.sky);
+		memcpy(push->floor_radius, view->surroundings.ground, sizeof view->surroundings.ground);
+		return STILB_OK;
+	}
+	if (kind == RENDER_BACKDROP_PANORAMA) {
+		push->size[0] = panorama->width;
+		push->size[1] = panorama->height;
+		push->panorama = device->panorama.address + sizeof(render_panorama_table);
+		return STILB_OK;
+	}
+	render_buffer *buffer;
+	stilb_result result = backdrop_buffer(device, &buffer);
+	if (result != STILB_OK)
+		return result;
+	backdrop_data *data = buffer->mapped;
+	push->data = buffer->address;
+	if (kind == RENDER_BACKDROP_FLOOR)
+		backdrop_write_floor(view, data, push);
+	else
+		for (size_t i = 0; i < sizeof data->map / sizeof *data->map; i++)
+			memcpy(data->map[i], view->backdrop.map + 3 * i, sizeof(float[3]));
+	return STILB_OK;
 }

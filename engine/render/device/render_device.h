@@ -32,35 +32,62 @@ typedef struct render_buffer {
 	void *mapped;
 } render_buffer;
 
-/* A view as the shaders read it (shaders/mesh.glsl). */
+/* A view as the shaders read it (shaders/mesh.glsl): what is in a buffer, and what is in constants. */
 typedef struct render_view_data {
 	float view_projection[16];
-	float camera_position[4];
 	float sky[4];
 	float ground[4];
-	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
-	uint64_t lights;
-	uint32_t light_count;
-	float pixels;      /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
-	uint64_t panorama; /* of device.panorama: its table */
-	float turn[2];     /* sine and cosine of its rotation */
-	uint64_t maps, extras, extra_places; /* of the heaps of these */
-	float time, padding;                 /* seconds, for functions of surfaces */
+	uint64_t extras, extra_places; /* of the heaps of these */
+	float time, padding[3];        /* seconds, for functions of surfaces */
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 192, "std430");
+static_assert(sizeof(render_view_data) == 128, "std430");
+
+typedef struct render_view_push {
+	float camera_position[4];
+	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
+	float turn[2];  /* sine and cosine of the panorama's rotation */
+	uint32_t light_count;
+	float pixels; /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
+	uint64_t lights, maps; /* the heap of these */
+	uint64_t panorama;     /* of device.panorama: its table */
+	uint64_t rest;         /* render_view_data */
+} render_view_push;
 
 /* Constants of scene passes (shaders/mesh.glsl). With STILB_RENDER_MATERIALS_BIND `materials` is that of one material,
  * and each run has its own. */
 typedef struct render_push {
-	uint64_t view, rows, materials, vertices, frame_rows;
+	render_view_push view;
+	uint64_t rows, materials, vertices, frame_rows;
 } render_push;
+
+static_assert(sizeof(render_push) == 112, "std430");
 
 /* Constants of 2D passes (shaders/flat.vert). */
 typedef struct render_push_2d {
 	float scale[2]; /* pixels to clip space */
 	uint64_t rows;
 } render_push_2d;
+
+/* What a backdrop that is more than a colour shows. */
+typedef enum render_backdrop_kind {
+	RENDER_BACKDROP_FLOOR, /* a colour, and a floor that models darken */
+	RENDER_BACKDROP_SKY,   /* sky and ground */
+	RENDER_BACKDROP_PANORAMA,
+	RENDER_BACKDROP_MAP,
+	RENDER_BACKDROPS,
+} render_backdrop_kind;
+
+/* Constants of shaders/backdrop.frag. */
+typedef struct render_backdrop_push {
+	float ahead[4], across[4], down[4];
+	float camera[4];         /* of a floor */
+	float color[4];          /* of a floor; of a sky that above */
+	float floor_radius[4];   /* of a floor its center and radius; of a sky the ground's colour */
+	float turn[2];           /* of a panorama: sine and cosine of its rotation */
+	uint32_t size[2];        /* of a panorama */
+	uint64_t data, panorama; /* of a floor and a map: backdrop_data; a panorama's texels */
+} render_backdrop_push;
 
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
@@ -170,7 +197,7 @@ typedef struct render_programs {
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
-	stilb_gpu_program flats[RENDER_FLATS], backdrop, resolve, behind, behind_half;
+	stilb_gpu_program flats[RENDER_FLATS], backdrops[RENDER_BACKDROPS], resolve, behind, behind_half;
 	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
 	struct render_function **functions;       /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
@@ -376,7 +403,7 @@ void render_program_vertices(const render_device *device, render_surface surface
 /* Compiles what turns light into the picture. tone: also RENDER_TONE_...; placed: of an image with a place in it.
  * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
-stilb_result render_programs_backdrop(render_device *device);
+stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind);
 /* What copies the light behind draws with transmission. */
 stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
@@ -433,8 +460,17 @@ stilb_result render_until(render_device *device);
 bool render_backdrop_is_drawn(const stilb_render_view *view, const render_panorama *panorama);
 /* The radiance that the light is cleared to: of the backdrop, or of the sky or the ground. */
 void render_backdrop_clear(const stilb_render_view *view, float color[4]);
-/* Writes it to the slot's memory; *address: where. */
+/* What it shows. panorama: the view's is made. */
+static inline render_backdrop_kind render_backdrop_kind_of(const stilb_render_view *view, bool panorama)
+{
+	if (view->backdrop.kind == STILB_SCENE_BACKDROP_COLOR)
+		return RENDER_BACKDROP_FLOOR;
+	if (view->backdrop.kind == STILB_SCENE_BACKDROP_SURROUNDINGS)
+		return panorama ? RENDER_BACKDROP_PANORAMA : RENDER_BACKDROP_SKY;
+	return RENDER_BACKDROP_MAP;
+}
+/* Sets its constants, and writes the rest of it to the slot's memory. */
 stilb_result render_backdrop_write(render_device *device, const stilb_render_view *view,
-                                   const render_panorama *panorama, uint64_t *address);
+                                   const render_panorama *panorama, render_backdrop_push *push);
 
 #endif

@@ -77,8 +77,9 @@ static float frame_pixels(const stilb_render_view *view, uint32_t height)
 	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
 }
 
-/* Writes the stream's view to the slot's array; returns its address. height: of the picture, pixels. */
-static uint64_t frame_write_view(render_device *device, const render_stream *stream, uint32_t height)
+/* Writes the stream's view to the slot's array, and returns what passes have of it as constants. height: of the
+ * picture, pixels. */
+static render_view_push frame_write_view(render_device *device, const render_stream *stream, uint32_t height)
 {
 	const render_slot *slot = render_slot_now(device);
 	const stilb_render_view *view = stream->view;
@@ -86,25 +87,24 @@ static uint64_t frame_write_view(render_device *device, const render_stream *str
 	STILB_ASSERT(index < STILB_RENDER_MAX_PASSES);
 	render_view_data *out = (render_view_data *)slot->views.mapped + index;
 	memcpy(out->view_projection, view->view_projection.m, sizeof out->view_projection);
-	frame_copy3(out->camera_position, view->camera_position);
 	frame_copy3(out->sky, view->surroundings.sky);
 	frame_copy3(out->ground, view->surroundings.ground);
-	out->added[0] = view->shading.roughness;
-	out->added[1] = view->shading.anisotropy;
-	out->added[2] = view->shading.wrap;
-	out->added[3] = view->shading.specular;
-	out->lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light);
-	out->light_count = stream->light_count;
-	out->pixels = frame_pixels(view, height);
-	out->panorama = stream->panorama ? device->panorama.address : 0;
-	out->turn[0] = sinf(view->surroundings.rotation);
-	out->turn[1] = cosf(view->surroundings.rotation);
-	out->maps = device->heaps[RENDER_HEAP_MAPS].address;
 	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
 	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
 	out->time = view->time;
-	out->padding = 0.0f;
-	return slot->views.address + index * sizeof(render_view_data);
+	memset(out->padding, 0, sizeof out->padding);
+	render_view_push push = {
+		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
+		.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},
+		.light_count = stream->light_count,
+		.pixels = frame_pixels(view, height),
+		.lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light),
+		.maps = device->heaps[RENDER_HEAP_MAPS].address,
+		.panorama = stream->panorama ? device->panorama.address : 0,
+		.rest = slot->views.address + index * sizeof(render_view_data),
+	};
+	frame_copy3(push.camera_position, view->camera_position);
+	return push;
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
@@ -355,20 +355,21 @@ static stilb_result frame_end_scene(render_device *device)
 static stilb_result frame_backdrop(render_device *device, const render_stream *stream,
                                    const render_frame_target *target)
 {
-	uint64_t address;
-	stilb_result result = render_programs_backdrop(device);
+	render_backdrop_push push;
+	render_backdrop_kind kind = render_backdrop_kind_of(stream->view, stream->panorama);
+	stilb_result result = render_programs_backdrop(device, kind);
 	if (result == STILB_OK)
-		result = render_backdrop_write(device, stream->view, stream->panorama, &address);
+		result = render_backdrop_write(device, stream->view, stream->panorama, &push);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = {
 		.name = "backdrop",
 		.kind = STILB_GPU_PASS_FULLSCREEN,
 		.color_count = 1,
-		.program = device->programs.backdrop.id,
+		.program = device->programs.backdrops[kind].id,
 		.color = {{.image = target->samples ? target->samples : target->color, .load = STILB_GPU_LOAD_DISCARD}},
 	};
-	row_constants(&row, &address, sizeof address);
+	row_constants(&row, &push, sizeof push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
 }

@@ -181,7 +181,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		                            : depth     ? RENDER_FUNCTION_DEPTH
 		                            : through   ? RENDER_FUNCTION_THROUGH
 		                                        : RENDER_FUNCTION_MAPS;
-		desc.name = function->own.name;
+		desc.name = function->program;
 		desc.vertex = channel > 0 ? render_function_channel_vertex[device->packed][extras]
 		                          : render_function_vertex[layers][device->packed][extras];
 		desc.fragment = render_function_code(&function->own, kind, layers, gloss, coverage, extras);
@@ -225,16 +225,18 @@ static stilb_result program_screen(render_device *device, const char *name, stil
 
 /* ---- the backdrop, the tone map ---------------------------------------------------------------------------------- */
 
-stilb_result render_programs_backdrop(render_device *device)
+stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind)
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program *program = &device->programs.backdrops[kind];
+	stilb_gpu_program_desc desc = {.name = "backdrop", .fragment = render_backdrop_fragment};
+	program_constant(&desc, 0, kind);
 	pthread_mutex_lock(&device->programs.lock);
-	stilb_result result =
-		program_screen(device, "backdrop", render_backdrop_fragment, NULL, 0, &device->programs.backdrop);
+	stilb_result result = program_once(device, &desc, program);
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, device->programs.backdrop, &color, 1,
-	                                                      STILB_GPU_NONE, device->samples)
-	                          : result;
+	return result == STILB_OK
+	           ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, device->samples)
+	           : result;
 }
 
 stilb_result render_programs_behind(render_device *device)
@@ -481,8 +483,12 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = prepare_all_maps(device, view, choice, kinds, maps);
 	if (result != STILB_OK || render_view_is_depth(view))
 		return result;
+	/* Of surroundings with a panorama sky and ground are shown until that is made. */
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)
-		result = render_programs_backdrop(device);
+		result = render_programs_backdrop(device, render_backdrop_kind_of(view, false));
+	if (result == STILB_OK && view->backdrop.kind == STILB_SCENE_BACKDROP_SURROUNDINGS &&
+	    render_panorama_is_good(&view->surroundings.panorama))
+		result = render_programs_backdrop(device, RENDER_BACKDROP_PANORAMA);
 	/* Both: which one frames need may change with the size and the cameras beside. */
 	if (result == STILB_OK)
 		result = render_programs_tone(device, render_view_tone(view), false);

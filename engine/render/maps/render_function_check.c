@@ -66,6 +66,7 @@ stilb_result render_function_make(render_device *device, const stilb_scene_funct
 		return result;
 	}
 	function->hash = render_function_hash(from);
+	memcpy(function->program, name, sizeof name);
 	*out = function;
 	return STILB_OK;
 }

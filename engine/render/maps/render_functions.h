@@ -19,7 +19,8 @@ struct render_device;
 
 typedef struct render_function {
 	stilb_scene_function own;
-	uint64_t hash; /* render_function_hash */
+	uint64_t hash;                                /* render_function_hash */
+	char program[STILB_SCENE_FUNCTION_NAME + 32]; /* "surface function NAME", of its programs, for messages */
 } render_function;
 
 /* The kinds of fragment shaders that a function comes as, in the order of stilb_scene_function.codes: MAPS by layers,

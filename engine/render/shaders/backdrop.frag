@@ -13,23 +13,30 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Te
 
 // As backdrop_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Backdrop {
-	vec4 ahead;          // direction at the picture's middle, and what a step of 1 in clip space adds to it
-	vec4 across;
-	vec4 down;
-	vec4 camera;
-	vec4 shown_color;
-	vec4 floor_radius;   // its center; w: 0: there is no floor, the map is shown
-	vec4 sky; // w: 1: it and the ground are shown
-	vec4 ground;
 	float covered[SIDE * SIDE];
 	vec4 map[WIDTH * HEIGHT];
-	uvec2 size; // of the panorama in texels; 0: it is not shown
-	vec2 turn;  // sine and cosine of its rotation
-	Texels panorama;
 };
 
+// What is shown, as render_backdrop_kind: the code of the rest is left out, since software devices compute every
+// branch.
+#define FLOOR 0u
+#define SKY 1u
+#define PANORAMA 2u
+#define MAP 3u
+layout(constant_id = 0) const uint kind = MAP;
+
+// As render_backdrop_push. Constants, which software devices load at once, and buffers lane by lane.
 layout(push_constant, std430) uniform Push {
+	vec4 ahead; // direction at the picture's middle, and what a step of 1 in clip space adds to it
+	vec4 across;
+	vec4 down;
+	vec4 camera;       // of a floor
+	vec4 shown_color;  // of a floor; of a sky that above
+	vec4 floor_radius; // of a floor its center; of a sky that below
+	vec2 turn;         // of the panorama: sine and cosine of its rotation
+	uvec2 size;        // in texels
 	Backdrop backdrop;
+	Texels panorama;
 } push;
 
 layout(location = 0) in vec2 uv; // of the picture, 0..1
@@ -56,13 +63,13 @@ vec3 map_at(vec3 direction)
 vec3 panorama_at(vec3 direction)
 {
 	const float PI = 3.14159265;
-	vec2 turn = push.backdrop.turn;
-	uvec2 size = push.backdrop.size;
+	vec2 turn = push.turn;
+	uvec2 size = push.size;
 	float right = turn.y * direction.x - turn.x * direction.z;
 	float back = turn.x * direction.x + turn.y * direction.z;
 	uint x = uint(clamp(atan(right, -back) / (2.0 * PI) + 0.5, 0.0, 1.0) * float(size.x));
 	uint y = uint(acos(clamp(direction.y, -1.0, 1.0)) / PI * float(size.y));
-	uvec2 bits = push.backdrop.panorama.texels[min(y, size.y - 1) * size.x + min(x, size.x - 1)];
+	uvec2 bits = push.panorama.texels[min(y, size.y - 1) * size.x + min(x, size.x - 1)];
 	return vec3(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y).x);
 }
 
@@ -74,8 +81,8 @@ float covered(int x, int z)
 // The share of the light above the floor that models take away where the ray meets it; 0 where it does not.
 float shadow_at(vec3 direction)
 {
-	vec4 center = push.backdrop.floor_radius;
-	vec4 camera = push.backdrop.camera;
+	vec4 center = push.floor_radius;
+	vec4 camera = push.camera;
 	float above = camera.y - center.y;
 	if (above <= 0.0 || direction.y >= 0.0)
 		return 0.0;
@@ -93,16 +100,15 @@ float shadow_at(vec3 direction)
 
 void main()
 {
-	vec4 across = push.backdrop.across, down = push.backdrop.down;
 	vec2 clip = uv * 2.0 - 1.0;
-	vec3 direction = normalize(push.backdrop.ahead.xyz + clip.x * across.xyz + clip.y * down.xyz);
+	vec3 direction = normalize(push.ahead.xyz + clip.x * push.across.xyz + clip.y * push.down.xyz);
 	vec3 radiance;
-	if (push.backdrop.floor_radius.w > 0.0)
-		radiance = push.backdrop.shown_color.rgb * (1.0 - shadow_at(direction));
-	else if (push.backdrop.sky.w > 0.0)
-		radiance = mix(push.backdrop.ground.rgb, push.backdrop.sky.rgb,
+	if (kind == FLOOR)
+		radiance = push.shown_color.rgb * (1.0 - shadow_at(direction));
+	else if (kind == SKY)
+		radiance = mix(push.floor_radius.rgb, push.shown_color.rgb,
 			clamp(direction.y / max(fwidth(direction.y), 1e-9) + 0.5, 0.0, 1.0)); // an edge one pixel wide
-	else if (push.backdrop.size.x > 0)
+	else if (kind == PANORAMA)
 		radiance = panorama_at(direction);
 	else
 		radiance = map_at(direction);

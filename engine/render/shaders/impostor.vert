@@ -75,5 +75,5 @@ void main()
 	material_word = row.material;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material_word |= detail << DETAIL_MATERIAL_SHIFT;
-	gl_Position = push.view.view_projection * vec4(world_plate, 1.0);
+	gl_Position = push.view.rest.view_projection * vec4(world_plate, 1.0);
 }

@@ -82,6 +82,6 @@ vec3 place_of(Pictures p)
 
 float depth_of(vec3 place)
 {
-	vec4 clip = push.view.view_projection * vec4(place, 1.0);
+	vec4 clip = push.view.rest.view_projection * vec4(place, 1.0);
 	return clip.z / clip.w;
 }

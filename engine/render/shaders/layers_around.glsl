@@ -8,7 +8,7 @@ vec3 around_mirrored(float roughness, vec3 n, vec3 v)
 	return gloss_mirrored(n, v, roughness) * (dfg.x + dfg.y);
 #else
 	shade_material white = {vec3(0.0), vec3(1.0), roughness, 0.0, 0.0};
-	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
+	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
 	return lights_gloss && !lights_panorama ? sky_highlight(white, sky, n, v) : vec3(0.0);
 #endif
 }
@@ -16,7 +16,7 @@ vec3 around_mirrored(float roughness, vec3 n, vec3 v)
 // What the surroundings send to a surface that reflects evenly, over pi.
 vec3 around_even(vec3 n)
 {
-	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
+	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
 	shade_material white = {vec3(1.0), vec3(0.0), 1.0, 0.0, 0.0};
 	return lights_panorama ? shade_lambert(vec3(1.0)) * panorama_irradiance(n) : shade_surface_sky(white, sky, n);
 }
@@ -54,7 +54,7 @@ vec3 around_highlight(shade_material material, bool brushed, shade_frame frame, 
 		return panorama_brushed(material, frame, v);
 	return panorama_highlight(material, frame.n, v);
 #else
-	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
+	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
 	bool mirrors = lights_gloss && !lights_panorama && brdf != SHADE_BRDF_LAMBERT && brdf != SHADE_BRDF_WRAPPED;
 	return mirrors ? sky_highlight(material, sky, frame.n, v) : vec3(0.0);
 #endif

@@ -25,6 +25,9 @@ const bool lights_one = (lights & 1024u) != 0;  // the list has one light
 
 Material stored_material(uint index)
 {
+#ifdef MAPS_HANDED_ON
+	return Material(vec4(0.0), vec4(vec3(0.0), record_rest.y), vec4(vec3(0.0), record_rest.z), uvec4(0u));
+#endif
 	return push.materials.materials[drawn == 3u ? 0u : index];
 }
 
@@ -206,7 +209,7 @@ vec3 sky_highlight(shade_material material, shade_sky sky, vec3 n, vec3 v)
 vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 n, vec3 to_camera)
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
-	shade_sky sky = {push.view.sky.xyz, push.view.ground.xyz};
+	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 	if (lights_panorama)

@@ -15,15 +15,36 @@ const bool two_channels = (maps >> 20 & 1u) != 0;
 const bool widens = (maps >> 29 & 1u) != 0; // mips of normals hold their spread
 const bool together = (maps >> 21 & 1u) != 0; // all lie at the first one's place
 
+// Of materials without layers the vertices hand on what pixels read of the record and of the material, because software
+// devices load from a buffer lane by lane.
+#ifndef MAPS_LAYERS
+#define MAPS_RECORD(way) \
+	layout(location = 14) flat way vec4 record_first[4]; /* its first parts */ \
+	layout(location = 18) flat way vec4 record_layers;   /* of the first maps */ \
+	layout(location = 19) flat way vec3 record_rest;     /* the fifth map's; the material's anisotropy and wrap */
+#ifndef MESH_MAPS
+MAPS_RECORD(in)
+#define MAPS_HANDED_ON
+#endif
+#endif
+
 // Part `part` of a record.
 vec4 record_part(uint record, uint part)
 {
+#ifdef MAPS_HANDED_ON
+	if (part < 4u)
+		return record_first[part];
+#endif
 	return push.view.maps.parts[record * MAPS_PARTS + part];
 }
 
 // The layer of its image that map number `map` is.
 float map_layer(uint record, uint map)
 {
+#ifdef MAPS_HANDED_ON
+	if (map < 5u)
+		return map < 4u ? record_layers[map] : record_rest.x;
+#endif
 	return record_part(record, 38u + map / 4u)[map % 4u];
 }
 

@@ -38,22 +38,27 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Ext
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer ExtraPlaces { uvec2 places[]; };
 
 // As render_view_data.
-layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer View {
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ViewRest {
 	mat4 view_projection;
-	vec4 camera_position;
 	vec4 sky;
 	vec4 ground;
-	vec4 added; // to every material's roughness, anisotropy, wrap, specular
-	Lights lights;
-	uint light_count;
-	float pixels; // of the picture's height that a length of 1 at a distance of 1 has
-	Panorama panorama;
-	vec2 turn; // sine and cosine of its rotation
-	Maps maps;
 	Extras extras;
 	ExtraPlaces extra_places;
 	float time; // seconds, for functions of surfaces
-	float padding;
+};
+
+// As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
+// once.
+struct View {
+	vec4 camera_position;
+	vec4 added; // to every material's roughness, anisotropy, wrap, specular
+	vec2 turn;  // sine and cosine of the panorama's rotation
+	uint light_count;
+	float pixels; // of the picture's height that a length of 1 at a distance of 1 has
+	Lights lights;
+	Maps maps;
+	Panorama panorama;
+	ViewRest rest;
 };
 
 // The heap of vertices (render_vertex.h). Packed, three of these for each: position's x and y; its z, the normal; uv.
@@ -64,6 +69,7 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Ver
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vertices { vec4 halves[]; };
 #endif
 
+// As render_push.
 layout(push_constant, std430) uniform Push {
 	View view;
 	Rows rows;

@@ -27,6 +27,9 @@ layout(location = 3) centroid out vec2 surface_uv;
 #include "maps.glsl"
 layout(constant_id = 1) const uint drawn = 0;
 MAPS_PLACES(out)
+#ifndef MAPS_LAYERS
+MAPS_RECORD(out)
+#endif
 #ifdef MAPS_LAYERS
 LAYER_PLACES(out)
 layout(location = 22) flat out float model_scale; // metres for a metre of the mesh's space
@@ -42,7 +45,14 @@ vec2 map_place(uint record, uint map, vec2 uv, vec2 second)
 
 void write_places(uint index, vec2 uv, vec2 second)
 {
-	uint record = push.materials.materials[drawn == 3u ? 0u : index].ids.y;
+	uint material = drawn == 3u ? 0u : index, record = push.materials.materials[material].ids.y;
+#ifndef MAPS_LAYERS
+	for (uint i = 0u; i < 4u; i++)
+		record_first[i] = record_part(record, i);
+	record_layers = record_part(record, 38u);
+	record_rest = vec3(map_layer(record, 4u), push.materials.materials[material].specular_anisotropy.w,
+		push.materials.materials[material].emission_wrap.w);
+#endif
 #ifdef MAPS_LAYERS
 	uint first = uint(max(findLSB(maps & 0x7fffu), 0));
 	for (uint i = 0u; i < LAYER_MAPS; i++)
@@ -82,10 +92,10 @@ vec3 unit_or_zero(vec3 v)
 // matrix of the model.
 vec2 write_extra(uint mesh, vec3 x, vec3 y, vec3 z)
 {
-	uvec2 place = push.view.extra_places.places[mesh];
+	uvec2 place = push.view.rest.extra_places.places[mesh];
 	uint at = (place.y & 0x7fffffffu) + ((uint(gl_VertexIndex) - place.x) >> (place.y >> 31));
-	uvec2 tangent = push.view.extras.parts[3u * at], uv_bits = push.view.extras.parts[3u * at + 1u];
-	uvec2 halves = push.view.extras.parts[3u * at + 2u];
+	uvec2 tangent = push.view.rest.extras.parts[3u * at], uv_bits = push.view.rest.extras.parts[3u * at + 1u];
+	uvec2 halves = push.view.rest.extras.parts[3u * at + 2u];
 	vec3 t = shade_direction_from_octahedral(unpackSnorm2x16(tangent.x));
 	// Where the transform mirrors, the normal below points to the other side: so does what is beside it.
 	float side = dot(cross(x, y), z) < 0.0 ? -1.0 : 1.0;
@@ -193,7 +203,7 @@ void main()
 	for (uint i = 0u; i < 4u; i++)
 		function_parameters[i] = record_part(record, 42u + i);
 	function_color = record_part(record, 0u);
-	function_view = vec4(push.view.camera_position.xyz, push.view.time);
+	function_view = vec4(push.view.camera_position.xyz, push.view.rest.time);
 #endif
-	gl_Position = push.view.view_projection * vec4(world_position, 1.0);
+	gl_Position = push.view.rest.view_projection * vec4(world_position, 1.0);
 }

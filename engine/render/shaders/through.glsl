@@ -27,7 +27,7 @@ vec3 through_around(vec3 toward, float roughness)
 	if (lights_panorama)
 		return panorama_irradiance(toward) / SHADE_PI;
 	float exponent = shade_exponent_about_r(shade_exponent_from_alpha(shade_alpha_from_roughness(roughness)));
-	return shade_hemisphere_radiance(toward.y, exponent, push.view.sky.xyz, push.view.ground.xyz);
+	return shade_hemisphere_radiance(toward.y, exponent, push.view.rest.sky.xyz, push.view.rest.ground.xyz);
 #endif
 }
 
@@ -87,7 +87,7 @@ vec3 seen_through(shade_material material, vec3 n, vec3 v)
 	if (is_solid && layers.thickness > 0.0) {
 		float ior = max(layers.ior, 1.0);
 		vec3 leaves = world_position + refract(-v, n, 1.0 / ior) * layers.thickness;
-		vec4 clip = push.view.view_projection * vec4(leaves, 1.0);
+		vec4 clip = push.view.rest.view_projection * vec4(leaves, 1.0);
 		toward = normalize(leaves - push.view.camera_position.xyz);
 		place = clip.w > 0.0 ? clip.xy / clip.w * 0.5 + 0.5 : vec2(-1.0);
 		depth = clip.w > 0.0 ? clip.z / clip.w : 1.0;

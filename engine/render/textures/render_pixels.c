@@ -212,18 +212,18 @@ stilb_result render_pixels_begin(const render_device *device, const stilb_image 
 	render_texture_shape shape = render_texture_shape_of(device, image, way.mapped);
 	*work = (render_pixels_work){
 		.from = *image, .shape = shape, .kind = way.kind, .to = {.levels = shape.levels, .given = shape.given}};
-	stilb_result result = stilb_image_create(&work->to.image, shape.width, shape.height, shape.channels, shape.format);
-	if (result != STILB_OK)
-		return result;
-	uint64_t mips = render_texture_shape_bytes(&shape) - stilb_image_size(&work->to.image);
+	stilb_image *made = &work->to.image; /* not stilb_image_create, which clears pages that are written step by step */
+	*made = (stilb_image){shape.width, shape.height, shape.channels, shape.format, NULL, 0};
+	uint64_t size = stilb_image_size(made), mips = render_texture_shape_bytes(&shape) - size;
+	made->pixels = stilb_memory_alloc(size, 1);
 	work->to.mips = mips > 0 ? stilb_memory_alloc(mips, 1) : NULL;
-	work->level = work->to.image;
-	work->left = render_mip_texels(shape.width, shape.height, shape.levels);
-	if (mips > 0 && !work->to.mips) {
+	if (!made->pixels || (mips > 0 && !work->to.mips)) {
 		render_pixels_finish(&work->to);
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the mips of a texture of %ux%u pixels", image->width,
+		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture of %ux%u pixels", image->width,
 		                  image->height);
 	}
+	work->level = *made;
+	work->left = render_mip_texels(shape.width, shape.height, shape.levels);
 	if (shape.levels > shape.given)
 		render_mips_codes_make(shape.format, way.kind, way.spread, &work->codes);
 	return STILB_OK;

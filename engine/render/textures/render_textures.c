@@ -65,13 +65,34 @@ stilb_result render_texture_write(stilb_render *render, stilb_render_texture tex
 	return result;
 }
 
+stilb_result render_texture_create_made(stilb_render *render, const render_texture_shape *shape, render_pixels pixels,
+                                        bool patient, stilb_render_texture *out)
+{
+	render_resources *resources = &render->resources;
+	uint32_t index;
+	stilb_result result;
+	*out = (stilb_render_texture){0};
+	stilb_lock_take(&resources->lock);
+	if (!texture_add(resources, pixels, patient, &index)) {
+		result = render_resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
+	} else {
+		result = render_device_texture_create(render->device, index, shape);
+		if (result == STILB_OK)
+			out->id = render_handle_make(resources->textures[index], index);
+		else
+			texture_drop(resources, index);
+	}
+	stilb_lock_give(&resources->lock);
+	if (result != STILB_OK)
+		render_pixels_finish(&pixels);
+	return result;
+}
+
 stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out)
 {
 	STILB_ASSERT(image && out);
-	render_resources *resources = &render->resources;
 	render_pixels pixels;
-	uint32_t index;
 	*out = (stilb_render_texture){0};
 	if (image->channels < 1 || image->channels > 4 || (uint32_t)image->format >= STILB_IMAGE_FORMAT_COUNT)
 		return stilb_fail(STILB_ERROR_ARGUMENT, "a texture of %u channels in format %u: there are 1..4 and 0..%d",
@@ -89,21 +110,8 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	if (result == STILB_OK)
 		result = render_pixels_make(render->device, image, (render_pixels_way){way.mips, way.kind, render->specular_aa},
 		                            way.pool, &pixels);
-	if (result != STILB_OK)
-		return result;
-	stilb_lock_take(&resources->lock);
-	if (!texture_add(resources, pixels, way.patient, &index))
-		result = render_resource_no_memory(resources, RENDER_RESOURCE_TEXTURE);
-	else {
-		result = render_device_texture_create(render->device, index, &shape);
-		if (result == STILB_OK)
-			out->id = render_handle_make(resources->textures[index], index);
-		else
-			texture_drop(resources, index);
-	}
-	stilb_lock_give(&resources->lock);
-	if (result != STILB_OK)
-		render_pixels_finish(&pixels);
+	if (result == STILB_OK)
+		result = render_texture_create_made(render, &shape, pixels, way.patient, out);
 	return result;
 }
 

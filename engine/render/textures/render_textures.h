@@ -76,10 +76,11 @@ stilb_result render_pixels_make(const render_device *device, const stilb_image *
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* How a texture is made: with mips, which samplers of maps read, of a kind; with a patient upload. pool: whose threads
- * help to make mips, its owner is the caller; NULL: none. */
+/* How a texture is made: with mips, which samplers of maps read, of a kind; with a patient upload; of a scene, later:
+ * while frames are drawn (render_loading.h). pool: whose threads help to make mips, its owner is the caller; NULL:
+ * none. */
 typedef struct render_texture_way {
-	bool patient, mips;
+	bool patient, mips, later;
 	render_mips_kind kind;
 	stilb_job_pool *pool;
 } render_texture_way;
@@ -87,6 +88,10 @@ typedef struct render_texture_way {
 /* stilb_render_texture_create in that way. */
 stilb_result render_texture_create(stilb_render *render, const stilb_image *image, render_texture_way way,
                                    stilb_render_texture *out);
+
+/* A texture of pixels that were made, which it takes over, also on failure. Errors as stilb_render_texture_create. */
+stilb_result render_texture_create_made(stilb_render *render, const render_texture_shape *shape, render_pixels pixels,
+                                        bool patient, stilb_render_texture *out);
 
 /* Writes an image of the texture's size, format and kind of mips into it; the next frame copies it, after the draws of
  * the frames before it. STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay */

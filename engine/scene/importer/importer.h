@@ -149,8 +149,8 @@ stilb_result importer_read(importer *import);
 stilb_mat4 importer_matrix(const struct aiMatrix4x4 *m);
 bool importer_is_finite(const stilb_mat4 *m);
 
-/* Fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out,
- * with their children, and counted in bad_nodes. STILB_ERROR_FILE: no root, or more than IMPORTER_MAX_NODES;
+/* Fills nodes from Assimp's hierarchy. Nodes whose transform to the world is not finite are left out, with their
+ * children, and counted in bad_nodes. STILB_ERROR_FILE: no root, one of NaN, or more than IMPORTER_MAX_NODES nodes;
  * STILB_ERROR_MEMORY. */
 stilb_result importer_list_nodes(importer *import);
 

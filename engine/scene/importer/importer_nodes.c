@@ -33,6 +33,8 @@ stilb_result importer_list_nodes(importer *import)
 	import->nodes[0].node = import->from->mRootNode;
 	stilb_mat4 root = importer_matrix(&import->from->mRootNode->mTransformation);
 	import->nodes[0].to_world = import->nodes[0].local = stilb_mat4_multiply(import->world.to_world, root);
+	if (!importer_is_finite(&import->nodes[0].local))
+		return stilb_fail(STILB_ERROR_FILE, "the transform of its root is NaN or infinite");
 	import->nodes[0].parent = STILB_SCENE_NONE;
 	import->node_count = 1;
 	for (uint32_t i = 0; i < import->node_count; i++) {

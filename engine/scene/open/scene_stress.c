@@ -147,10 +147,9 @@ static stilb_scene_light stress_lamp(stilb_scene_light_kind kind, stilb_scene_li
 
 void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light light)
 {
-	STILB_ASSERT(scene && scene->lights && scene->part_count == 2 * scene->model_count &&
-	             "a scene of stilb_scene_create_stress");
+	STILB_ASSERT(scene && scene->lights && scene->stress_models > 0 && "a scene of stilb_scene_create_stress");
 	STILB_ASSERT((unsigned)light < STILB_SCENE_STRESS_LIGHT_COUNT);
-	float side = (float)stress_side(scene->model_count);
+	float side = (float)stress_side(scene->stress_models);
 	stilb_vec3 sun = stilb_vec3_normalize(stilb_vec3_make(-0.62f, 0.68f, 0.38f));
 	stilb_scene_light lights[STILB_SCENE_STRESS_LIGHT_COUNT] = {
 		[STILB_SCENE_STRESS_LIGHT_SUN] = {.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
@@ -185,6 +184,7 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 		return result;
 	}
 	scene->seed = seed;
+	scene->stress_models = model_count;
 	uint32_t side = stress_side(model_count);
 	for (uint32_t m = 0; m < model_count; m++)
 		stress_add_model(scene, m, side);
@@ -199,12 +199,12 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 
 void stilb_scene_animate(stilb_scene *scene, double seconds)
 {
-	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
+	STILB_ASSERT(scene && scene->stress_models > 0 && "a scene of stilb_scene_create_stress");
 	STILB_ASSERT(isfinite(seconds));
 	scene->revisions.places++;
 	if (!scene->edits)
 		scene->moved_count = 0;
-	for (uint32_t m = 0; m < scene->model_count; m += 10) {
+	for (uint32_t m = 0; m < scene->stress_models; m += 10) {
 		double phase = seconds * 2.0 + 0.7 * (double)(m % 97);
 		stress_place_sphere(scene, m, STRESS_BOB_HEIGHT * 0.5f * (1.0f - (float)cos(phase)));
 		if (scene->edits)
@@ -280,8 +280,8 @@ static double stress_visible_share(const stilb_scene *scene, const stilb_scene_c
 {
 	stilb_mat4 matrix = stilb_scene_camera_matrix(camera, aspect);
 	stilb_frustum frustum = stilb_frustum_from_matrix(&matrix);
-	uint32_t step = scene->model_count / 16384 | 1, tested = 0, visible = 0;
-	for (uint32_t m = 0; m < scene->model_count; m += step, tested++) {
+	uint32_t step = scene->stress_models / 16384 | 1, tested = 0, visible = 0;
+	for (uint32_t m = 0; m < scene->stress_models; m += step, tested++) {
 		bool inside = true;
 		for (int p = 0; p < 6; p++) {
 			stilb_plane plane = frustum.planes[p];
@@ -296,10 +296,10 @@ static double stress_visible_share(const stilb_scene *scene, const stilb_scene_c
 
 stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_scene_stress_view view, float aspect)
 {
-	STILB_ASSERT(scene && scene->part_count == 2 * scene->model_count && "a scene of stilb_scene_create_stress");
+	STILB_ASSERT(scene && scene->stress_models > 0 && "a scene of stilb_scene_create_stress");
 	STILB_ASSERT((unsigned)view <= STILB_SCENE_VIEW_FEW);
 	STILB_ASSERT(aspect > 0.0f);
-	float half_side = (float)stress_side(scene->model_count) + 1.0f; /* with a margin of 1 m */
+	float half_side = (float)stress_side(scene->stress_models) + 1.0f; /* with a margin of 1 m */
 	float pitch = stress_pitch[view];
 	stress_stand all = stress_stand_all(pitch, half_side, aspect);
 	float far_z = 4.0f * (all.distance + fabsf(all.up) + half_side);

@@ -45,6 +45,7 @@ static stilb_result play_make(const stilb_scene *scene, play_figure *figure)
 		.nodes = malloc((a->node_count + 1ull) * sizeof *figure->nodes),
 		.models = malloc((shared->model_count + 1ull) * sizeof *figure->models),
 		.meshes = calloc(shared->posed_count + 1ull, sizeof *figure->meshes),
+		.places = calloc(shared->carrier_count > 0 ? a->node_count : 1, sizeof *figure->places),
 		.joints = calloc(a->joint_count + 1ull, sizeof *figure->joints),
 		.weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
 		.shown_weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
@@ -52,8 +53,8 @@ static stilb_result play_make(const stilb_scene *scene, play_figure *figure)
 		.row = calloc((size_t)shared->value_count + shared->target_count + 1, sizeof *figure->row),
 		.cursors = calloc(shared->most_tracks + 1ull, sizeof *figure->cursors),
 	};
-	if (!figure->nodes || !figure->models || !figure->meshes || !figure->joints || !figure->weights ||
-	    !figure->shown_weights || !figure->turned || !figure->row || !figure->cursors) {
+	if (!figure->nodes || !figure->models || !figure->meshes || !figure->places || !figure->joints ||
+	    !figure->weights || !figure->shown_weights || !figure->turned || !figure->row || !figure->cursors) {
 		scene_play_free_figure(figure);
 		return play_memory();
 	}
@@ -386,6 +387,7 @@ static uint32_t play_move_all(stilb_scene *scene, double seconds)
 {
 	stilb_scene_figures *all = scene->figures;
 	uint32_t due = 0;
+	all->counts = (stilb_scene_play_counts){0};
 	for (uint32_t f = 0; f < all->count; f++) {
 		play_figure *figure = &all->figures[f];
 		bool moved = figure->fresh, ended;
@@ -395,10 +397,16 @@ static uint32_t play_move_all(stilb_scene *scene, double seconds)
 			if (ended)
 				play_keep_end(all, f, p);
 		}
-		figure->fresh = false;
-		if (moved && figure->play_count > 0)
+		figure->behind |= moved && figure->play_count > 0;
+		if (figure->behind && (figure->fresh || scene_play_is_due(scene, f)))
 			all->due[due++] = f;
+		all->counts.waiting += figure->behind;
+		figure->fresh = false;
 	}
+	all->calls++;
+	all->counts.figures = all->in_use;
+	all->counts.sampled = due;
+	all->counts.waiting -= due;
 	return due;
 }
 

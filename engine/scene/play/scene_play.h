@@ -106,6 +106,34 @@ stilb_result stilb_scene_sweep(stilb_scene *scene, uint32_t clip);
 /* True if poses write the vertices of this mesh: nothing may be made of them that is to last. [any-thread] */
 bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh);
 
+/* ---- hordes ------------------------------------------------------------------------------------------------------ */
+
+/* What is saved on figures that look small from scene->camera; {0}: nothing. Which figure is posed when depends on the
+ * number of calls of stilb_scene_advance and on the camera alone. */
+typedef struct stilb_scene_rates {
+	/* Radians, >= 0: a figure whose models are seen within a smaller angle is posed in each second call, below half of
+	 * it in each fourth, below a quarter in each eighth. Times move on in each. */
+	float angle;
+	/* Radians, >= 0: a node whose turn by a radian would move all that hangs on it by less than this keeps the pose
+	 * that it has. */
+	float still;
+} stilb_scene_rates;
+
+/* Finite, >= 0. STILB_ERROR_ARGUMENT also if nothing of the scene moves. */
+stilb_result stilb_scene_set_rates(stilb_scene *scene, const stilb_scene_rates *rates);
+
+/* Of the last stilb_scene_advance. */
+typedef struct stilb_scene_play_counts {
+	uint32_t figures;  /* that there are */
+	uint32_t sampled;  /* that got poses */
+	uint32_t waiting;  /* that will, since they look small */
+	uint64_t channels; /* sampled */
+	uint64_t still;    /* left out, since what they move looks small */
+} stilb_scene_play_counts;
+
+/* All 0 if nothing of the scene moves. [any-thread] */
+stilb_scene_play_counts stilb_scene_play_counts_of(const stilb_scene *scene);
+
 /* ---- more figures ------------------------------------------------------------------------------------------------ */
 
 /* Adds a figure in the pose that the file has, which plays nothing, on a new node with this pose, in *figure. Lights

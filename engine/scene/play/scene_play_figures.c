@@ -9,6 +9,7 @@ void scene_play_free_figure(play_figure *figure)
 	free(figure->nodes);
 	free(figure->models);
 	free(figure->meshes);
+	free(figure->places);
 	free(figure->joints);
 	free(figure->weights);
 	free(figure->shown_weights);
@@ -31,7 +32,9 @@ static void play_unshare(const stilb_scene *scene, play_shared *shared)
 	free(shared->order);
 	free(shared->clips);
 	free(shared->tracks);
+	free(shared->reach);
 	free(shared->moved);
+	free(shared->carriers);
 	free(shared->rests);
 	free(shared->posed);
 	*shared = (play_shared){0};

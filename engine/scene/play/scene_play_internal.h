@@ -67,10 +67,15 @@ typedef struct play_shared {
 	play_track *tracks;     /* [track_count] */
 	play_rest *rests;       /* [animation->deform_count] {0}: no node shows it deformed */
 	play_posed *posed;      /* [posed_count] by ascending node */
+	/* For rates, made when they are set: how far from it what hangs on a node lies at rest, metres,
+	 * [animation->node_count], and a sphere about the place's origin around a figure at rest. */
+	float *reach, radius;
 	uint32_t first_model, model_count; /* of figure 0, all that nodes show; others have as many */
 	uint32_t most_tracks;              /* of a clip */
 	uint32_t *moved;                   /* [moved_count] nodes of the animation that clips can move */
 	uint32_t moved_count;
+	uint32_t *carriers; /* [carrier_count] nodes that are joints, or above joints, ascending */
+	uint32_t carrier_count;
 } play_shared;
 
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
@@ -94,6 +99,7 @@ typedef struct play_figure {
 	uint32_t *nodes;         /* [animation->node_count] of the scene; STILB_SCENE_NONE: removed */
 	uint32_t *models;        /* [shared->model_count] of the scene; STILB_SCENE_NONE: removed */
 	play_mesh *meshes;       /* [shared->posed_count] */
+	stilb_mat4 *places;      /* [animation->node_count] of carriers, to the figure's place; unused without one */
 	play_rows *joints;       /* [animation->joint_count] from the mesh at rest to the figure's place */
 	float *weights;          /* [animation->weight_count] of morph targets */
 	float *shown_weights;    /* the same, of the pose that its meshes have */
@@ -102,8 +108,11 @@ typedef struct play_figure {
 	play_cursor *cursors;    /* [most_tracks] */
 	stilb_scene_play *plays; /* [play_count] */
 	uint32_t play_count;
-	bool fresh;  /* its plays are to be shown even if their times stand still */
-	bool posing; /* its weights may have changed since its meshes were posed */
+	bool behind;             /* its times have moved since it was posed */
+	float least;             /* metres: nodes that reach less far keep their poses */
+	uint32_t sampled, still; /* channels in the last call */
+	bool fresh;              /* its plays are to be shown even if their times stand still */
+	bool posing;             /* its weights may have changed since its meshes were posed */
 } play_figure;
 
 /* A mesh to pose. Meshes are posed in chunks, each a job's. */
@@ -128,6 +137,9 @@ typedef struct stilb_scene_figures {
 	play_figure *figures; /* [count], room for capacity */
 	uint32_t count, capacity, first_free;
 	uint32_t in_use;
+	stilb_scene_rates rates;
+	uint32_t calls; /* of stilb_scene_advance */
+	stilb_scene_play_counts counts;
 	/* While figures are sampled or posed; there is room for all of them. */
 	uint32_t *due;   /* the figures that it concerns */
 	play_work *work; /* [work_count] their meshes */
@@ -147,6 +159,9 @@ static inline uint32_t play_chunks(const play_rest *rest)
 
 /* scene_play_shared.c: what clips and meshes need. STILB_ERROR_MEMORY; scene_play_finish frees what was made. */
 stilb_result scene_play_share(const stilb_scene *scene, play_shared *shared);
+
+/* scene_play_rates.c: the figure is to be sampled in this call; if not, it waits. */
+bool scene_play_is_due(const stilb_scene *scene, uint32_t figure);
 
 /* scene_play_sample.c: gives the figures of due[0 .. count - 1] the poses of their plays, and lists their nodes as
  * changed. */

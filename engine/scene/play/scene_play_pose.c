@@ -1,5 +1,5 @@
-/* Vertices of posed meshes: morph targets first, then skins. Joints come to the space of their figure's place, so that
- * a figure far from the origin loses no digits. */
+/* Vertices of posed meshes: morph targets first, then skins. Joints are in the space of their figure's place, so that a
+ * figure far from the origin loses no digits, and one that is moved as a whole is not posed again. */
 #include "profiler/prof.h"
 #include "scene/play/scene_play_internal.h"
 
@@ -14,11 +14,11 @@
 static bool pose_invert(const stilb_mat4 *matrix, stilb_mat4 *inverse)
 {
 	double m[12], cofactor[3][3];
-	for (int column = 0; column < 4; column++)
-		for (int row = 0; row < 3; row++)
+	for (size_t column = 0; column < 4; column++)
+		for (size_t row = 0; row < 3; row++)
 			m[3 * column + row] = (double)matrix->m[4 * column + row];
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
+	for (size_t i = 0; i < 3; i++)
+		for (size_t j = 0; j < 3; j++) {
 			const double *a = &m[3 * ((i + 1) % 3)], *b = &m[3 * ((i + 2) % 3)];
 			cofactor[i][j] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
 		}
@@ -26,9 +26,9 @@ static bool pose_invert(const stilb_mat4 *matrix, stilb_mat4 *inverse)
 	*inverse = stilb_mat4_identity();
 	if (!(fabs(determinant) > 1e-60))
 		return false;
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		double move = 0.0;
-		for (int j = 0; j < 3; j++) {
+		for (size_t j = 0; j < 3; j++) {
 			inverse->m[4 * j + i] = (float)(cofactor[i][j] / determinant);
 			move -= cofactor[i][j] / determinant * m[9 + j];
 		}
@@ -49,19 +49,39 @@ static inline void pose_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb
 	}
 }
 
-/* Brings the joints of a skin up to date. True if one of them has changed. */
-static bool pose_joints(const stilb_scene *scene, play_figure *figure, const stilb_scene_skin *skin,
-                        const stilb_mat4 *from_world)
+/* Brings the places of joints, and of what is above them, in the space of the figure's place up to date. They are the
+ * products of the matrices below it: the same bits wherever the figure stands. A node that the program has hung
+ * elsewhere comes there by way of the world; one that it has removed stays where it was. */
+static void pose_places(const stilb_scene *scene, play_figure *figure)
 {
-	bool changed = false;
+	const play_shared *shared = &scene->figures->shared;
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	for (uint32_t i = 0; i < shared->carrier_count; i++) {
+		uint32_t n = shared->carriers[i], own = figure->nodes[n], above = scene->animation->nodes[n].parent;
+		if (own == STILB_SCENE_NONE)
+			continue;
+		stilb_mat4 from_world;
+		uint32_t hangs = nodes->parent[own];
+		if (above == STILB_SCENE_NONE && hangs == figure->place)
+			figure->places[n] = nodes->local[own];
+		else if (above != STILB_SCENE_NONE && hangs == figure->nodes[above])
+			pose_multiply(&figure->places[above], &nodes->local[own], &figure->places[n]);
+		else if (pose_invert(&nodes->to_world[figure->place], &from_world))
+			pose_multiply(&from_world, &nodes->to_world[own], &figure->places[n]);
+	}
+}
+
+/* Brings the joints of a skin up to date. True if one of them has changed. */
+static bool pose_joints(const stilb_scene *scene, play_figure *figure, const stilb_scene_skin *skin)
+{
+	bool changed = false, placed = figure->place != STILB_SCENE_NONE;
 	for (uint32_t j = skin->first_joint; j < skin->first_joint + skin->joint_count; j++) {
-		uint32_t node = figure->nodes[scene->animation->joints[j]];
+		uint32_t n = scene->animation->joints[j], node = figure->nodes[n];
 		if (node == STILB_SCENE_NONE)
 			continue; /* it was removed, and stays where it was */
 		stilb_mat4 joint;
-		pose_multiply(&scene->nodes.to_world[node], &scene->animation->inverse_binds[j], &joint);
-		if (from_world)
-			pose_multiply(from_world, &joint, &joint);
+		pose_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
+		              &joint);
 		play_rows rows;
 		for (size_t i = 0; i < 12; i++)
 			rows.m[i] = joint.m[4 * (i % 4) + i / 4];
@@ -78,12 +98,10 @@ static void pose_figure(const stilb_scene *scene, play_figure *figure)
 {
 	const play_shared *shared = &scene->figures->shared;
 	const stilb_scene_animation *animation = scene->animation;
-	stilb_mat4 from_world;
-	bool placed = figure->place != STILB_SCENE_NONE, known = true;
-	if (placed)
-		known = pose_invert(&scene->nodes.to_world[figure->place], &from_world);
+	if (figure->place != STILB_SCENE_NONE)
+		pose_places(scene, figure);
 	for (uint32_t s = 0; s < animation->skin_count; s++)
-		figure->turned[s] = known && pose_joints(scene, figure, &animation->skins[s], placed ? &from_world : NULL);
+		figure->turned[s] = pose_joints(scene, figure, &animation->skins[s]);
 	for (uint32_t i = 0; i < shared->posed_count; i++) {
 		const play_posed *posed = &shared->posed[i];
 		const stilb_scene_rest *node = &animation->nodes[posed->node];
@@ -144,7 +162,7 @@ static void pose_morph(const play_rest *rest, const stilb_scene_deform *deform, 
 	size_t from = 3 * (size_t)first;
 	for (uint32_t s = 0; s < streams; s++)
 		memcpy(to->streams[s], play_stream(rest, s, first),
-		       (count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES * sizeof(float));
+		       (size_t)((count + PLAY_LANES - 1) / PLAY_LANES) * PLAY_LANES * sizeof(float));
 	pose_add(to->streams + PLAY_POSITION, deform->positions + from, deform, weights, rest->vertex_count, count);
 	if (deform->normals) {
 		pose_add(to->streams + PLAY_NORMAL, deform->normals + from, deform, weights, rest->vertex_count, count);

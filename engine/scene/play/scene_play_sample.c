@@ -222,28 +222,39 @@ static inline void sample_turn(const float *const from[4], const float *const to
 
 /* ---- a figure ---------------------------------------------------------------------------------------------------- */
 
-static void sample_rotations(const stilb_scene_animation *animation, const play_shared *shared, const uint32_t *order,
-                             uint32_t count, const play_cursor *cursors, float *row, float *sums, float weight)
+/* Channels of rotations, `lanes` of them. */
+static void sample_rotations(const stilb_scene_animation *animation, const play_shared *shared,
+                             const uint32_t channels[4], uint32_t lanes, const play_figure *figure, float weight)
 {
-	for (uint32_t first = 0; first < count; first += 4) {
-		const float *from[4], *to[4];
-		float out[4][4];
-		sample_lanes share;
-		uint32_t lanes = count - first < 4 ? count - first : 4;
-		for (uint32_t i = 0; i < 4; i++) {
-			uint32_t c = order[first + (i < lanes ? i : 0)];
-			const play_cursor *at = &cursors[shared->channels[c].track];
-			const float *values = animation->values + animation->channels[c].first_value;
-			from[i] = values + 4 * (size_t)at->key;
-			to[i] = values + 4 * (size_t)at->next;
-			share[i] = at->share;
-		}
-		sample_turn(from, to, share, out);
-		for (uint32_t i = 0; i < lanes; i++) {
-			uint32_t target = shared->channels[order[first + i]].target;
-			sample_add(row + shared->targets[target].first, &sums[target], sample_load(out[i]), weight, true);
-		}
+	float *sums = figure->row + shared->value_count, out[4][4];
+	const float *from[4], *to[4];
+	sample_lanes share;
+	for (uint32_t i = 0; i < 4; i++) {
+		uint32_t c = channels[i < lanes ? i : 0];
+		const play_cursor *at = &figure->cursors[shared->channels[c].track];
+		const float *values = animation->values + animation->channels[c].first_value;
+		from[i] = values + 4 * (size_t)at->key;
+		to[i] = values + 4 * (size_t)at->next;
+		share[i] = at->share;
 	}
+	sample_turn(from, to, share, out);
+	for (uint32_t i = 0; i < lanes; i++) {
+		uint32_t target = shared->channels[channels[i]].target;
+		sample_add(figure->row + shared->targets[target].first, &sums[target], sample_load(out[i]), weight, true);
+	}
+}
+
+/* Lists the channels that are to be sampled: all, or those of nodes that reach far enough. */
+static uint32_t sample_next(const stilb_scene_animation *animation, const play_shared *shared, const uint32_t *order,
+                            uint32_t *at, uint32_t end, float least, uint32_t channels[4])
+{
+	uint32_t count = 0;
+	while (*at < end && count < 4) {
+		uint32_t c = order[(*at)++];
+		if (least <= 0.0f || shared->reach[animation->channels[c].node] >= least)
+			channels[count++] = c;
+	}
+	return count;
 }
 
 static void sample_play(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
@@ -253,14 +264,23 @@ static void sample_play(const stilb_scene_animation *animation, const play_share
 	const stilb_scene_clip *from = &animation->clips[play->clip];
 	const uint32_t *order = shared->order + from->first_channel;
 	float *row = figure->row, *sums = row + shared->value_count;
+	uint32_t channels[4], at = 0, count;
 	for (uint32_t t = 0; t < clip->track_count; t++)
 		figure->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
-	sample_rotations(animation, shared, order, clip->rotation_count, figure->cursors, row, sums, play->weight);
-	for (uint32_t i = clip->rotation_count; i < from->channel_count; i++) {
-		uint32_t c = order[i], target = shared->channels[c].target;
-		sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
-		               row + shared->targets[target].first, &sums[target], play->weight);
+	while ((count = sample_next(animation, shared, order, &at, clip->rotation_count, figure->least, channels)) > 0) {
+		sample_rotations(animation, shared, channels, count, figure, play->weight);
+		figure->sampled += count;
 	}
+	at = clip->rotation_count;
+	while ((count = sample_next(animation, shared, order, &at, from->channel_count, figure->least, channels)) > 0) {
+		figure->sampled += count;
+		for (uint32_t i = 0; i < count; i++) {
+			uint32_t c = channels[i], target = shared->channels[c].target;
+			sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
+			               row + shared->targets[target].first, &sums[target], play->weight);
+		}
+	}
+	figure->still += from->channel_count;
 }
 
 /* The mean of what the plays have added and, for weights below 1, of what the file has. */
@@ -348,6 +368,7 @@ static void sample_figure(stilb_scene *scene, play_figure *figure)
 	float *sums = figure->row + shared->value_count;
 	for (uint32_t t = 0; t < shared->target_count; t++)
 		sums[t] = SAMPLE_UNTOUCHED;
+	figure->sampled = figure->still = 0;
 	for (uint32_t p = 0; p < figure->play_count; p++)
 		sample_play(animation, shared, figure, &figure->plays[p]);
 	for (uint32_t t = 0, end; t < shared->target_count; t = end) {
@@ -378,6 +399,9 @@ static void sample_list(stilb_scene *scene, play_figure *figure)
 			scene_edit_node_changed(nodes, own);
 	}
 	figure->posing = true;
+	figure->behind = false;
+	scene->figures->counts.channels += figure->sampled;
+	scene->figures->counts.still += figure->still - figure->sampled;
 }
 
 void scene_play_sample(stilb_scene *scene, uint32_t count, stilb_job_pool *pool, uint32_t worker)

@@ -175,6 +175,31 @@ static stilb_result share_posed(const stilb_scene *scene, play_shared *shared)
 	return result;
 }
 
+/* Lists the nodes that are joints of skins, or above these. */
+static stilb_result share_carriers(const stilb_scene_animation *animation, play_shared *shared)
+{
+	bool *carries = calloc(animation->node_count + 1ull, sizeof *carries);
+	uint32_t count = 0;
+	for (uint32_t p = 0; carries && p < shared->posed_count; p++) {
+		if (shared->posed[p].skin == STILB_SCENE_NONE)
+			continue;
+		const stilb_scene_skin *skin = &animation->skins[shared->posed[p].skin];
+		for (uint32_t j = 0; j < skin->joint_count; j++)
+			carries[animation->joints[skin->first_joint + j]] = true;
+	}
+	for (uint32_t n = animation->node_count; carries && n-- > 0;) {
+		count += carries[n];
+		if (carries[n] && animation->nodes[n].parent != STILB_SCENE_NONE)
+			carries[animation->nodes[n].parent] = true;
+	}
+	shared->carriers = carries ? malloc((count + 1ull) * sizeof *shared->carriers) : NULL;
+	for (uint32_t n = 0; shared->carriers && n < animation->node_count; n++)
+		if (carries[n])
+			shared->carriers[shared->carrier_count++] = n;
+	free(carries);
+	return shared->carriers ? STILB_OK : share_memory();
+}
+
 /* ---- all --------------------------------------------------------------------------------------------------------- */
 
 /* How many parts the first models of all nodes have. */
@@ -213,5 +238,6 @@ stilb_result scene_play_share(const stilb_scene *scene, play_shared *shared)
 	}
 	free(seen);
 	free(known);
-	return good ? share_posed(scene, shared) : share_memory();
+	stilb_result result = good ? share_posed(scene, shared) : share_memory();
+	return result == STILB_OK ? share_carriers(a, shared) : result;
 }

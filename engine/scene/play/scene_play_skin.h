@@ -179,33 +179,33 @@ PLAY_INLINE void play_carry(const play_lanes m[12], play_lanes position[3], play
                             bool tangents)
 {
 	play_lanes at[3], n[3], rest[3], c[9];
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		at[i] = m[4 * i] * position[0] + m[4 * i + 1] * position[1] + m[4 * i + 2] * position[2] + m[4 * i + 3];
-		int a = 4 * ((i + 1) % 3), b = 4 * ((i + 2) % 3);
-		for (int k = 0; k < 3; k++) /* cofactors of row i */
+		size_t a = 4 * ((i + 1) % 3), b = 4 * ((i + 2) % 3);
+		for (size_t k = 0; k < 3; k++) /* cofactors of row i */
 			c[3 * i + k] = m[a + (k + 1) % 3] * m[b + (k + 2) % 3] - m[a + (k + 2) % 3] * m[b + (k + 1) % 3];
 	}
 	play_lanes determinant = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
 	play_mask mirrored = determinant < 0.0f;
 	play_lanes side = determinant - determinant + 1.0f, minus = -side;
 	play_choose(&mirrored, &minus, &side);
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		n[i] = (c[3 * i] * normal[0] + c[3 * i + 1] * normal[1] + c[3 * i + 2] * normal[2]) * side;
 		rest[i] = normal[i];
 	}
 	play_unit(n, rest);
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		position[i] = at[i];
 		normal[i] = n[i];
 	}
 	if (!tangents)
 		return;
-	for (int i = 0; i < 3; i++) {
+	for (size_t i = 0; i < 3; i++) {
 		n[i] = m[4 * i] * tangent[0] + m[4 * i + 1] * tangent[1] + m[4 * i + 2] * tangent[2];
 		rest[i] = tangent[i];
 	}
 	play_unit(n, rest);
-	for (int i = 0; i < 3; i++)
+	for (size_t i = 0; i < 3; i++)
 		tangent[i] = n[i];
 	tangent[3] = tangent[3] * side; /* a matrix that mirrors turns the bitangent round */
 }

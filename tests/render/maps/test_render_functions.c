@@ -193,6 +193,36 @@ static void functions_are_given_maps(void **state)
 	stage_close(&s);
 }
 
+/* Channels show what the function has made of each member. */
+static void channels_show_what_functions_make(void **state)
+{
+	(void)state;
+	stage s = stage_open((stilb_render_desc){0}, 0);
+	square q;
+	square_make(&q, 1.0f);
+	stilb_scene_surface surface = probed(surface_matt(), PROBE_REST, 0.25f, 0.5f, 0.75f);
+	show_probe(&s, &q, &surface);
+	s.view.show = STILB_RENDER_SHOW_METALNESS;
+	assert_shows(&s, 0.25, 0.25, 0.25, HALF);
+	s.view.show = STILB_RENDER_SHOW_ROUGHNESS;
+	assert_shows(&s, 0.5, 0.5, 0.5, HALF);
+	s.view.show = STILB_RENDER_SHOW_OCCLUSION;
+	assert_shows(&s, 0.75, 0.75, 0.75, HALF);
+	surface = probed(surface_matt(), PROBE_EMISSION, 0.5f, 2.0f, 0.0f);
+	show_probe(&s, &q, &surface);
+	s.view.show = STILB_RENDER_SHOW_EMISSION;
+	assert_shows(&s, 0.5, 2, 0, 2 * HALF);
+	surface = probed(surface_matt(), PROBE_ALPHA, 0, 1, 0); /* 1 at this time; blending is left out */
+	surface.alpha = STILB_SCENE_BLEND;
+	show_probe(&s, &q, &surface);
+	s.view.time = 0.75f;
+	s.view.show = STILB_RENDER_SHOW_ALPHA;
+	assert_shows(&s, 1, 1, 1, HALF);
+	s.view.time = 0.25f;
+	assert_shows(&s, 0, 0, 0, HALF);
+	stage_close(&s);
+}
+
 static void time_and_parameters(void **state)
 {
 	(void)state;
@@ -826,13 +856,13 @@ int main(void)
 	if (reference_no_driver())
 		return 77;
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(functions_change_members),     cmocka_unit_test(functions_are_given_places),
-		cmocka_unit_test(functions_are_given_maps),     cmocka_unit_test(time_and_parameters),
-		cmocka_unit_test(masks_by_functions),           cmocka_unit_test(alpha_with_samples),
-		cmocka_unit_test(functions_come_and_go),        cmocka_unit_test(functions_batch),
-		cmocka_unit_test(renderers_share_a_scene),      cmocka_unit_test(broken_code_is_refused),
-		cmocka_unit_test(other_interfaces_are_refused), cmocka_unit_test(dumps_hold_functions),
-		cmocka_unit_test(identity_keeps_bits),
+		cmocka_unit_test(functions_change_members), cmocka_unit_test(functions_are_given_places),
+		cmocka_unit_test(functions_are_given_maps), cmocka_unit_test(channels_show_what_functions_make),
+		cmocka_unit_test(time_and_parameters),      cmocka_unit_test(masks_by_functions),
+		cmocka_unit_test(alpha_with_samples),       cmocka_unit_test(functions_come_and_go),
+		cmocka_unit_test(functions_batch),          cmocka_unit_test(renderers_share_a_scene),
+		cmocka_unit_test(broken_code_is_refused),   cmocka_unit_test(other_interfaces_are_refused),
+		cmocka_unit_test(dumps_hold_functions),     cmocka_unit_test(identity_keeps_bits),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -570,6 +570,31 @@ static void surfaces_are_released_in_turns(void **state)
 	stage_close(&s);
 }
 
+/* A renderer that ends while a texture is being made leaves nothing: the address sanitizer sees what it does. */
+static void ends_while_textures_are_made(void **state)
+{
+	(void)state;
+	for (uint32_t frames = 0; frames < 4; frames++) {
+		stage s = stage_open((stilb_render_desc){.device = STILB_RENDER_DEVICE_NULL}, 0);
+		stilb_render_set_textures(s.render, STILB_RENDER_TEXTURES_EVEN);
+		stilb_image image = image_random(2300, 1500, STILB_IMAGE_U8_SRGB);
+		stilb_scene_surface surface = surface_unlit();
+		surface.maps[STILB_SCENE_MAP_COLOR].texture = 1;
+		square q;
+		square_make(&q, 1.0f);
+		stage_show_square(&s, &q, &surface, &image, 1);
+		for (uint32_t f = 0; f < frames; f++) {
+			stilb_scene_changes changes = stilb_scene_changes_read(s.scene);
+			assert_int_equal(stilb_render_update_scene(s.render, s.scene, &changes), STILB_OK);
+			stage_frame(&s);
+		}
+		assert_int_equal(s.render->scene.textures[0].loading == RENDER_LOADING_MADE, frames == 1);
+		assert_int_equal(stilb_render_textures_left(s.render), 1);
+		stilb_image_finish(&image);
+		stage_close(&s);
+	}
+}
+
 /* ---- array images ------------------------------------------------------------------------------------------------ */
 
 static uint32_t arrays_alive(const render_arrays *arrays)
@@ -940,6 +965,7 @@ int main(void)
 		cmocka_unit_test(patient_uploads_count_mips),
 		cmocka_unit_test(new_textures_are_made_once),
 		cmocka_unit_test(surfaces_are_released_in_turns),
+		cmocka_unit_test(ends_while_textures_are_made),
 		cmocka_unit_test(arrays_grow_and_shrink),
 		cmocka_unit_test(draws_share_images),
 		cmocka_unit_test(groups_outlive_changes),

@@ -1,13 +1,16 @@
 /*
  * The animated files of Debian's package assimp-testmodels, corner by corner of all their triangles, beside what
  * Assimp's own data say in double precision: the importer loses no bone, no key and no axis on the way. This test reads
- * the files by Assimp itself, as nothing else outside of the import process does.
+ * the files by Assimp itself, as nothing else outside of the import process does. And a file with a morph target, which
+ * none of these has: Assimp writes it.
  */
 #include "scene/edit/scene_node.h"
 #include "scene/play/scene_play.h"
 #include "scene/scene_internal.h"
+#include "support/folder.h"
 #include "support/test.h"
 
+#include <assimp/cexport.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -410,12 +413,101 @@ static void files_move_as_assimp_says(void **state)
 	assert_true(files > 40 && clips > 70);
 }
 
+/* ---- morph targets ----------------------------------------------------------------------------------------------- */
+
+#define PLACE(x, y)                                                                                                    \
+	{                                                                                                                  \
+		.a1 = 1, .b2 = 1, .c3 = 1, .d4 = 1, .a4 = x, .b4 = y                                                           \
+	}
+
+/* Writes a square at (2, 3) whose last corner a target moves by 5 and turns up. */
+static void write_morph(const char *name)
+{
+	struct aiVector3D corners[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, moved[4];
+	struct aiVector3D normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, turned[4];
+	uint32_t indices[2][3] = {{0, 1, 2}, {0, 2, 3}};
+	struct aiFace faces[2] = {{3, indices[0]}, {3, indices[1]}};
+	memcpy(moved, corners, sizeof moved);
+	memcpy(turned, normals, sizeof turned);
+	moved[3].z = 5;
+	turned[3] = (struct aiVector3D){0, 1, 0};
+	struct aiAnimMesh target = {.mVertices = moved, .mNormals = turned, .mNumVertices = 4, .mWeight = 0.25f};
+	strcpy(target.mName.data, "bent");
+	target.mName.length = 4;
+	struct aiMesh mesh = {.mPrimitiveTypes = aiPrimitiveType_TRIANGLE,
+	                      .mNumVertices = 4,
+	                      .mNumFaces = 2,
+	                      .mVertices = corners,
+	                      .mNormals = normals,
+	                      .mFaces = faces,
+	                      .mNumAnimMeshes = 1,
+	                      .mAnimMeshes = (struct aiAnimMesh *[]){&target}};
+	struct aiNode root = {.mTransformation = PLACE(0, 0)}, node = {.mTransformation = PLACE(2, 3)};
+	strcpy(node.mName.data, "thing");
+	node.mName.length = 5;
+	node.mParent = &root;
+	node.mMeshes = (uint32_t[]){0};
+	node.mNumMeshes = 1;
+	root.mChildren = (struct aiNode *[]){&node};
+	root.mNumChildren = 1;
+	struct aiMaterial material = {0};
+	struct aiScene scene = {.mRootNode = &root,
+	                        .mMeshes = (struct aiMesh *[]){&mesh},
+	                        .mNumMeshes = 1,
+	                        .mMaterials = (struct aiMaterial *[]){&material},
+	                        .mNumMaterials = 1};
+	assert_int_equal(aiExportScene(&scene, "fbxa", name, 0), aiReturn_SUCCESS);
+}
+
+static void a_file_of_fbx_has_a_morph_target(void **state)
+{
+	(void)state;
+	stilb_scene *scene;
+	write_morph("test.fbx");
+	if (stilb_scene_open_with("test.fbx", &(stilb_scene_open_options){.quiet = true}, &scene) != STILB_OK)
+		fail_msg("%s", stilb_error_message());
+	remove("test.fbx");
+	const stilb_scene_animation *a = scene->animation;
+	assert_non_null(a);
+	assert_true(a->deform_count == 1 && a->deforms[0].targets == 1 && a->weight_count == 1 && a->weights[0] == 0.0f);
+	uint32_t node = 0;
+	while (a->nodes[node].weight_count == 0)
+		node++;
+	static const float weights[] = {0, 1, 0.5f, -1};
+	for (size_t w = 0; w < sizeof weights / sizeof *weights; w++) {
+		assert_int_equal(stilb_scene_set_weights(scene, 0, node, &weights[w], 1), STILB_OK);
+		stilb_scene_update_nodes(scene, NULL, 0);
+		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[0]];
+		assert_int_equal(mesh->vertex_count, 4);
+		const float *place = scene->part_transform[0].m;
+		for (uint32_t v = 0; v < 4; v++) {
+			const stilb_scene_vertex *vertex = &mesh->vertices[v];
+			bool moves = vertex->position[0] == 0.0f && vertex->position[1] == 1.0f;
+			float up = 1.0f - weights[w], side = weights[w], length = moves ? sqrtf(up * up + side * side) : 1.0f;
+			assert_true(fabsf(vertex->position[2] - (moves ? 5.0f * weights[w] : 0.0f)) < 1e-5f);
+			assert_true(fabsf(vertex->normal[1] - (moves ? side / length : 0.0f)) < 1e-5f);
+			assert_true(fabsf(vertex->normal[2] - (moves ? up / length : 1.0f)) < 1e-5f);
+		}
+		assert_true(fabsf(place[12] / place[0] - 2.0f) < 1e-5f && fabsf(place[13] / place[5] - 3.0f) < 1e-5f);
+	}
+	stilb_scene_destroy(scene);
+}
+
+static int group_end(void **state)
+{
+	(void)state;
+	return folder_remove();
+}
+
 int main(void)
 {
 	if (access(MODELS, R_OK) != 0) {
 		printf("skipped: no " MODELS "; install assimp-testmodels\n");
 		return 77;
 	}
-	const struct CMUnitTest tests[] = {cmocka_unit_test(files_move_as_assimp_says)};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(files_move_as_assimp_says),
+		cmocka_unit_test(a_file_of_fbx_has_a_morph_target),
+	};
+	return cmocka_run_group_tests(tests, folder_make, group_end);
 }

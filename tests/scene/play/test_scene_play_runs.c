@@ -144,6 +144,63 @@ static void figures_stand_where_they_are_put(void **state)
 	}
 }
 
+/* Wherever a figure stands, 10 km away too, and whoever moves it, its meshes have the bits that figure 0's have. */
+static void places_change_no_bit_of_a_shape(void **state)
+{
+	(void)state;
+	moving_write(&files[0], 650);
+	stilb_scene *scene = open_scene();
+	uint32_t figures[2] = {0};
+	stilb_scene_pose place = {{9123.25f, -77.7f, 1234.5f}, {0.6f, 0, 0.8f, 0}, {1.25f, 0.5f, -2}};
+	stilb_scene_play play = stilb_scene_play_make(0);
+	assert_int_equal(stilb_scene_add_figure(scene, &place, &figures[1]), STILB_OK);
+	for (int f = 0; f < 2; f++)
+		assert_int_equal(stilb_scene_set_plays(scene, figures[f], &play, 1), STILB_OK);
+	for (int frame = 0; frame < 20; frame++) {
+		place.translation[0] += 1.1f;
+		assert_int_equal(
+			stilb_scene_set_node_pose(scene, stilb_scene_figure_node(scene, figures[1], STILB_SCENE_NONE), &place),
+			STILB_OK);
+		step(scene, frame % 2 ? FRAME : 0.0);
+		for (uint32_t p = 0; p < scene->figures->shared.posed_count; p++) {
+			const stilb_scene_mesh *own = &scene->meshes[scene->figures->figures[0].meshes[p].mesh];
+			const stilb_scene_mesh *far = &scene->meshes[scene->figures->figures[figures[1]].meshes[p].mesh];
+			assert_memory_equal(own->vertices, far->vertices, own->vertex_count * sizeof *own->vertices);
+			assert_memory_equal(own->extras, far->extras, own->vertex_count * sizeof *own->extras);
+		}
+	}
+	stilb_scene_destroy(scene);
+}
+
+/* Hung elsewhere, a joint is where its new parent takes it. */
+static void joints_can_hang_elsewhere(void **state)
+{
+	(void)state;
+	moving_write(&files[0], 660);
+	stilb_scene *rest = open_rest(), *scene = open_scene();
+	stilb_scene_pose place = {{7, -2, 3}, {0, 0.6f, 0, 0.8f}, {1, 2, 1}};
+	uint32_t figure, joint = rest->animation->joints[2];
+	assert_int_equal(stilb_scene_add_figure(scene, &place, &figure), STILB_OK);
+	uint32_t node = stilb_scene_figure_node(scene, figure, joint);
+	step(scene, 0.0);
+	/* It goes below the world, to where it is already: nothing of what is shown changes. */
+	stilb_mat4 where = scene->nodes.to_world[node];
+	assert_int_equal(stilb_scene_set_node_parent(scene, node, STILB_SCENE_NONE), STILB_OK);
+	assert_int_equal(stilb_scene_set_node_matrix(scene, node, &where), STILB_OK);
+	step(scene, 0.0);
+	stilb_mat4 stands = stilb_scene_pose_matrix(&place);
+	play_errors errors = {0};
+	play_compare(rest, scene, figure, &stands, NULL, 0, files[0].name, &errors);
+	play_assert(&errors, files[0].name);
+	uint64_t shown = hash_shown(scene);
+	where.m[12] += 1.0f; /* and then away */
+	assert_int_equal(stilb_scene_set_node_matrix(scene, node, &where), STILB_OK);
+	step(scene, 0.0);
+	assert_true(hash_shown(scene) != shown);
+	stilb_scene_destroy(rest);
+	stilb_scene_destroy(scene);
+}
+
 /* A figure that the program adds, plays and takes apart. */
 static void change_something(stilb_scene *scene, uint32_t *figures, uint32_t *count)
 {
@@ -403,6 +460,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pauses_and_steps_equal_running),
 		cmocka_unit_test(figures_stand_where_they_are_put),
+		cmocka_unit_test(places_change_no_bit_of_a_shape),
+		cmocka_unit_test(joints_can_hang_elsewhere),
 		cmocka_unit_test(figures_come_and_go_while_they_play),
 		cmocka_unit_test(clips_have_any_length),
 		cmocka_unit_test(files_have_many_nodes),

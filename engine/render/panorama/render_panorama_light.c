@@ -1,6 +1,6 @@
 /* The light of a panorama's cells: the lamps among them, and the irradiance of the rest by the normal. */
 #include "base/base_contract.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <math.h>
 #include <stdlib.h>

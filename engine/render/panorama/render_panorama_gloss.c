@@ -1,6 +1,6 @@
 /* What highlights mirror of a panorama: a cube of its cells without the lamps, and the table beside it. */
 #include "numeric/numeric_dfg.h"
-#include "render/render_panorama_work.h"
+#include "render/panorama/render_panorama_work.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,6 +32,8 @@ uint32_t render_panorama_gloss_rows(const render_panorama_work *work, uint32_t s
 	                                                    20000.0, 3000.0,   7500.0,   530000.0};
 	bool slow = stage == GLOSS_TABLE - 1 && work->row < GLOSS_SLOW;
 	*cost = slow ? SLOW_COST : costs[stage];
+	if (work->kept)
+		return 0;
 	if (stage == 0)
 		return PANORAMA_DOWN;
 	if (stage < GLOSS_TABLE)

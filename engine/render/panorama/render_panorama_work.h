@@ -38,6 +38,8 @@ struct render_panorama_work {
 	uint16_t (*cube)[4];                     /* [RENDER_PANORAMA_CUBE] */
 	uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* render_panorama's */
 	bool dfg_shown;                          /* it is complete */
+	uint64_t cells_key[2];                   /* of the cache, from the gloss's first stage on */
+	bool kept;                               /* cube and dfg came from the cache: no stage of the gloss is left */
 	stilb_numeric_prefilter *gloss;
 };
 
@@ -74,6 +76,12 @@ static inline panorama_overlap panorama_overlap_of(uint32_t i, uint32_t texels, 
 void render_panorama_find_lamps(render_panorama_work *work);
 void render_panorama_sum_rows(render_panorama_work *work, uint32_t begin, uint32_t end);  /* of DOWN */
 void render_panorama_fill_rows(render_panorama_work *work, uint32_t begin, uint32_t end); /* of RENDER_PANORAMA_ROWS */
+
+/* render_panorama_cache.c: the cube and the table by what they are made of, the cells without the lamps, in the folder
+ * stilb/panoramas (base_cache.h). Sets cells_key and reads both; false: they are not there, and of any values. */
+bool render_panorama_cache_find(render_panorama_work *work);
+/* Keeps them, complete. */
+void render_panorama_cache_keep(const render_panorama_work *work);
 
 /* render_panorama_gloss.c, stages of the work after those: the cells' radiance, the cube's stages, the table. */
 #define PANORAMA_GLOSS_STAGES (STILB_NUMERIC_PREFILTER_STAGES + 2u)
