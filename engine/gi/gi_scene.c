@@ -12,6 +12,7 @@
 #include "gi/integrate/gi_backdrop.h"
 
 #include "profiler/prof.h"
+#include "scene/play/scene_play.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -583,11 +584,19 @@ static stilb_result gi_scene_fill(stilb_gi_scene *gi, const stilb_scene *scene, 
 	return STILB_OK;
 }
 
+/* Counts the changes of meshes but for poses, which leave them as many vertices and the same corners. */
+static uint64_t shapes_of(const stilb_scene *scene)
+{
+	STILB_ASSERT(scene->revisions.poses <= scene->revisions.geometry);
+	return scene->revisions.geometry - scene->revisions.poses;
+}
+
 static stilb_result gi_scene_make(stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
                                   const mesh_plan *plan)
 {
 	gi->movable = desc->movable;
-	gi->geometry = scene->revisions.geometry;
+	gi->geometry = shapes_of(scene);
+	gi->poses = scene->revisions.poses;
 	stilb_result result = gi_scene_fill(gi, scene, desc, plan);
 	if (result == STILB_OK)
 		result = gi_scene_lights_make(gi, scene);
@@ -704,7 +713,7 @@ static bool update_sieve(const stilb_gi_scene *gi, const stilb_scene *scene, uin
 static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, const stilb_gi_scene_desc *desc,
                         const mesh_plan *plan)
 {
-	if (gi->broken || gi->movable != desc->movable || gi->geometry != scene->revisions.geometry ||
+	if (gi->broken || gi->movable != desc->movable || gi->geometry != shapes_of(scene) ||
 	    gi->part_count != scene->part_count || gi->mesh_count != plan->meshes)
 		return false;
 	for (uint32_t i = 0; i < gi->part_count; i++) {
@@ -722,23 +731,38 @@ static bool update_fits(const stilb_gi_scene *gi, const stilb_scene *scene, cons
 	return true;
 }
 
-/* Fills in all parts, and makes the copies of those that have moved anew. *moved: room for all parts; gets those that
- * rays shall see elsewhere, or no more, or again. */
+/* Makes the mesh of a part that is there anew, unless another part's turn has done so. */
+static void update_mesh(stilb_gi_scene *gi, const stilb_scene *scene, const part_plan *plan, uint32_t part)
+{
+	stilb_mat4 identity = stilb_mat4_identity();
+	gi_mesh *mesh = &gi->meshes[plan->mesh];
+	if (!mesh->fresh)
+		mesh_fill(mesh, &scene->meshes[scene->part_mesh[part]],
+		          plan->instance ? &identity : &scene->part_transform[part]);
+	mesh->fresh = true;
+}
+
+/* Fills in all parts, and makes the meshes anew that have other poses, and the copies of parts that have moved. *moved:
+ * room for all parts; gets those that rays shall see elsewhere, or otherwise, or no more, or again. */
 static uint32_t update_parts(stilb_gi_scene *gi, const stilb_scene *scene, const mesh_plan *plan, uint32_t *moved)
 {
 	uint32_t count = 0;
+	for (uint32_t i = 0; i < gi->mesh_count; i++)
+		gi->meshes[i].fresh = false;
 	for (uint32_t i = 0; i < gi->part_count; i++) {
 		const gi_part *part = &gi->parts[i];
 		const part_plan *to = &plan->parts[i];
 		bool there = to->shown || to->instance, hidden = part->hidden;
 		bool same = !there || is_same_place(&part->to_world, &scene->part_transform[i]);
-		if (!same && !to->instance)
-			mesh_fill(&gi->meshes[to->mesh], &scene->meshes[scene->part_mesh[i]], &scene->part_transform[i]);
+		bool posed = there && stilb_scene_mesh_pose(scene, scene->part_mesh[i]) > gi->poses;
+		if (posed || (!same && !to->instance))
+			update_mesh(gi, scene, to, i);
 		part_set(gi, scene, to, i);
-		if (!same || hidden != part->hidden)
+		if (!same || posed || hidden != part->hidden)
 			moved[count++] = i;
 	}
 	box_of_parts(gi);
+	gi->poses = scene->revisions.poses;
 	return count;
 }
 

@@ -123,8 +123,11 @@ stilb_result stilb_gi_scene_create(const stilb_scene *scene, const stilb_gi_scen
  * isa and memory stay as they were.
  * What it costs: after other materials, lights or surroundings nothing is built. In a movable scene, after models were
  * moved, hidden or shown, only the top of the tree is, and the triangles of those parts that are no instances; 10,000
- * parts take some milliseconds. All else, as models and meshes that come, go or change, and surfaces that rays begin or
- * cease to go through (alpha, one_sided), is built anew.
+ * parts take some milliseconds. After poses (scene_play.h) the trees of the meshes that have other ones are built, too,
+ * from all their triangles: 0.2 us each, on one thread for a mesh of less than 4,096. In a scene that is not movable
+ * one tree has all triangles and is built whole, but nothing else is unless a model has moved as well. All else, as
+ * models and meshes that come, go or change, and surfaces that rays begin or cease to go through (alpha, one_sided), is
+ * built anew.
  * After an error only update, which then builds all of it, and destroy may follow. Errors: as of create.
  * [main-thread], the one that created it. */
 stilb_result stilb_gi_scene_update(stilb_gi_scene *gi_scene, const stilb_scene *scene, const stilb_gi_scene_desc *desc);

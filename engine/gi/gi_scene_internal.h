@@ -30,6 +30,7 @@ typedef struct gi_mesh {
 	uint32_t source;        /* index in the scene of the mesh that it was made of; STILB_SCENE_NONE: of none */
 	bool colored;           /* the vertices have colours */
 	bool sieved;            /* some part of it has gi_part.sieve */
+	bool fresh;             /* the update that runs has made it anew, with its place in the arrays */
 	float low[3], high[3];  /* box around its triangles; low > high: there are none */
 } gi_mesh;
 
@@ -99,9 +100,9 @@ struct stilb_gi_scene {
 	uint32_t emitter_count; /* triangles of parts that are lights, those that do not glow included */
 	/* What it was made of, and how, for updates. */
 	gi_found found;
-	bool movable, broken;                                 /* broken: the last update failed */
-	uint64_t geometry;                                    /* the scene's count of changes of its meshes */
-	uint64_t lights_hash;                                 /* of all that lights were made of */
+	bool movable, broken;     /* broken: the last update failed */
+	uint64_t geometry, poses; /* the scene's counts of changes of its meshes: without those by poses, and these */
+	uint64_t lights_hash;     /* of all that lights were made of */
 	uint32_t lacking[STILB_SCENE_MAX_FUNCTIONS / 32 + 1]; /* by id, a bit each: that a function is left out was told */
 };
 
@@ -112,8 +113,9 @@ struct stilb_gi_intersector {
 	const char *name;
 	stilb_result (*create)(const stilb_gi_scene *gi, const stilb_gi_scene_desc *desc, gi_tracer *tracer,
 	                       stilb_gi_scene_info *info);
-	/* After these parts of a movable scene have moved, been hidden or shown again; meshes that are not shared, and
-	 * lights, have been made anew. Only destroy may follow an error. */
+	/* After these parts have moved, been hidden or shown again, or have a mesh with gi_mesh.fresh, of which all parts
+	 * are among them; in a scene that is not movable meshes alone are others. Lights have been made anew. Only destroy
+	 * may follow an error. */
 	stilb_result (*update)(const stilb_gi_scene *gi, const uint32_t *moved, uint32_t moved_count,
 	                       const stilb_gi_scene_desc *desc, gi_tracer *tracer, stilb_gi_scene_info *info);
 	void (*destroy)(gi_tracer *tracer);

@@ -315,6 +315,7 @@ typedef struct stilb_scene_revisions {
 	uint64_t materials; /* with their textures */
 	uint64_t textures;  /* their pixels alone */
 	uint64_t lights, surroundings, camera;
+	uint64_t poses; /* of geometry those that moved vertices of posed meshes alone: stilb_scene_mesh_pose */
 } stilb_scene_revisions;
 
 typedef struct stilb_scene {

@@ -7,6 +7,8 @@
  * Movable.  Then every mesh has a tree of its own, and the scene's tree holds instances alone: also of the meshes of
  *           one part, which are in world space and stay where they are. A move builds the scene's tree again, and the
  *           trees of meshes that were made anew.
+ * Poses.    A mesh of which only the vertices are others gets its tree anew, or, in a scene that is not movable, the
+ *           tree in which it lies: by the same steps as at first, so that it is the same tree as one built now.
  * Robust.   The tree's robust mode: no ray passes between two triangles that share an edge.
  */
 #include "gi/trace/gi_embree.h"
@@ -459,7 +461,9 @@ static void embree_show(embree *state, const stilb_gi_scene *gi, uint32_t id)
 		return;
 	}
 	if (!part->instance && !state->movable) {
-		STILB_ASSERT(!before);
+		STILB_ASSERT((!before || mesh->fresh) && "where nothing moves");
+		if (before)
+			rtcDetachGeometry(state->scene, id);
 		embree_attach_mesh(state, state->scene, mesh, id);
 		return;
 	}
@@ -534,17 +538,18 @@ static stilb_result embree_update(const stilb_gi_scene *gi, const uint32_t *move
                                   const stilb_gi_scene_desc *desc, gi_tracer *tracer, stilb_gi_scene_info *info)
 {
 	embree *state = tracer->state;
-	STILB_ASSERT(state->movable && state->parts == gi->parts && "parts that move are instances");
+	STILB_ASSERT(state->parts == gi->parts && "parts stay where they are");
 	uint64_t begin = stilb_time_ns();
 	state->desc = desc;
-	for (uint32_t i = 0; i < moved_count && !embree_is_given_up(state); i++) {
-		const gi_part *part = &gi->parts[moved[i]];
-		if (!part->instance && state->shared[part->mesh]) { /* its triangles are in the world, and new ones */
-			rtcReleaseScene(state->shared[part->mesh]);
-			state->shared[part->mesh] = NULL;
-		}
-		embree_show(state, gi, moved[i]);
+	for (uint32_t i = 0; i < moved_count; i++) {
+		uint32_t mesh = gi->parts[moved[i]].mesh;
+		if (!gi->meshes[mesh].fresh || !state->shared[mesh])
+			continue;
+		rtcReleaseScene(state->shared[mesh]);
+		state->shared[mesh] = NULL;
 	}
+	for (uint32_t i = 0; i < moved_count && !embree_is_given_up(state); i++)
+		embree_show(state, gi, moved[i]);
 	return embree_build(state, begin, tracer, info);
 }
 

@@ -68,6 +68,7 @@ typedef struct stilb_scene_edits {
 	bool unmeasured;           /* a mesh in use may have no sphere yet */
 	uint64_t measures;         /* 1 + the changes of meshes so far: spheres of models made before them may be wrong */
 	uint32_t *mesh_figure;     /* [meshes.capacity] 1 + the figure whose posed mesh it is; 0: none's */
+	uint64_t *mesh_pose;       /* [meshes.capacity] revisions.poses after it got its last one; 0: it had none */
 	bool *mesh_stale;          /* [meshes.capacity] models that show it have the bounds of the mesh before */
 	uint32_t stale_count;      /* meshes of which that is true */
 

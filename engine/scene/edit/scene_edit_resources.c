@@ -79,12 +79,13 @@ static stilb_result edit_give_back(edit_ids *ids, uint32_t count, uint32_t id, c
 static stilb_result edit_reserve_mesh(stilb_scene *scene)
 {
 	stilb_scene_edits *edits = scene->edits;
-	edit_array arrays[EDIT_IDS_ARRAYS + 4] = {
+	edit_array arrays[EDIT_IDS_ARRAYS + 5] = {
 		[EDIT_IDS_ARRAYS] = {(void **)&scene->meshes, sizeof *scene->meshes, 0},
 		[EDIT_IDS_ARRAYS + 1] = {(void **)&edits->mesh_sphere, sizeof *edits->mesh_sphere, 0},
 		[EDIT_IDS_ARRAYS + 2] = {(void **)&edits->mesh_stale, sizeof *edits->mesh_stale, 0},
-		[EDIT_IDS_ARRAYS + 3] = {(void **)&edits->mesh_figure, sizeof *edits->mesh_figure, 0}};
-	return edit_reserve(&edits->meshes, arrays, 4, scene->mesh_count);
+		[EDIT_IDS_ARRAYS + 3] = {(void **)&edits->mesh_figure, sizeof *edits->mesh_figure, 0},
+		[EDIT_IDS_ARRAYS + 4] = {(void **)&edits->mesh_pose, sizeof *edits->mesh_pose, 0}};
+	return edit_reserve(&edits->meshes, arrays, 5, scene->mesh_count);
 }
 
 /* Lists a mesh as wholly changed, which its ranges no longer say anything about. */
@@ -126,6 +127,7 @@ stilb_result stilb_scene_add_mesh(stilb_scene *scene, const stilb_scene_mesh *me
 	scene->meshes[*id] = copy;
 	scene->edits->mesh_sphere[*id].radius = (float)NAN;
 	scene->edits->mesh_figure[*id] = 0;
+	scene->edits->mesh_pose[*id] = 0;
 	scene->edits->unmeasured = true;
 	return STILB_OK;
 }
@@ -234,6 +236,7 @@ void scene_edit_mesh_posed(stilb_scene *scene, uint32_t mesh, const float low[3]
 	}
 	edit_range_add(edits, (stilb_scene_vertices){mesh, 0, posed->vertex_count, posed->extras});
 	scene->revisions.geometry++;
+	edits->mesh_pose[mesh] = ++scene->revisions.poses;
 	bool usable = square < 1e36f && fabsf(center[0]) + fabsf(center[1]) + fabsf(center[2]) < SCENE_FAR;
 	if (!usable || edits->meshes.users[mesh] > model_count)
 		edit_mesh_stale(edits, mesh);

@@ -113,6 +113,7 @@ void scene_edit_finish(stilb_scene_edits *edits)
 	edit_nodes_finish(&edits->nodes);
 	free(edits->mesh_sphere);
 	free(edits->mesh_figure);
+	free(edits->mesh_pose);
 	free(edits->mesh_stale);
 	free(edits->models);
 	free(edits->ranges);
@@ -135,6 +136,7 @@ static stilb_scene_edits *edit_make(const stilb_scene *scene)
 	edit_nodes_make(&edits->nodes, scene->nodes.count, &failed);
 	edits->mesh_sphere = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_sphere);
 	edits->mesh_figure = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_figure);
+	edits->mesh_pose = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_pose);
 	edits->mesh_stale = edit_zeros(&failed, scene->mesh_count, sizeof *edits->mesh_stale);
 	edits->model_capacity = scene->model_count;
 	edits->part_capacity = scene->part_count;

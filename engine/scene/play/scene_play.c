@@ -495,6 +495,12 @@ bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh)
 	return scene->figures && scene->edits->mesh_figure[mesh] > 0;
 }
 
+uint64_t stilb_scene_mesh_pose(const stilb_scene *scene, uint32_t mesh)
+{
+	STILB_ASSERT(scene && mesh < scene->mesh_count);
+	return scene->figures && scene->edits ? scene->edits->mesh_pose[mesh] : 0;
+}
+
 uint32_t stilb_scene_figure_count(const stilb_scene *scene)
 {
 	STILB_ASSERT(scene);

@@ -106,6 +106,10 @@ stilb_result stilb_scene_sweep(stilb_scene *scene, uint32_t clip);
 /* True if poses write the vertices of this mesh: nothing may be made of them that is to last. [any-thread] */
 bool stilb_scene_mesh_is_posed(const stilb_scene *scene, uint32_t mesh);
 
+/* scene->revisions.poses as it was when this mesh got its last pose, so that a reader finds those that have another one
+ * than it knows; 0: it never had one. [any-thread] */
+uint64_t stilb_scene_mesh_pose(const stilb_scene *scene, uint32_t mesh);
+
 /* ---- hordes ------------------------------------------------------------------------------------------------------ */
 
 /* What is saved on figures that look small from scene->camera; {0}: nothing. Which figure is posed when depends on the
