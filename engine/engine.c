@@ -99,6 +99,7 @@ static stilb_result engine_create_render(stilb_engine *engine)
 		.height = desc->height,
 		.samples = desc->samples,
 		.max_anisotropy = desc->max_anisotropy,
+		.specular_aa = desc->specular_aa,
 		.context_count = desc->workers + 1,
 		.validate = desc->validate,
 		.keep_textures = desc->keep_textures,

@@ -185,6 +185,7 @@ typedef struct stilb_engine_desc {
 	uint32_t width, height;  /* of the picture, pixels, 1..16384 */
 	uint32_t samples;        /* of multisampling: 1, 4, or 0 for the device's own choice */
 	uint32_t max_anisotropy; /* stilb_render_desc.max_anisotropy */
+	stilb_render_specular_aa specular_aa;
 	stilb_engine_textures textures;
 	/* The scene is drawn in so many times the picture's width and height, and filtered linearly: STILB_ENGINE_MIN_SCALE
 	 * .. STILB_ENGINE_MAX_SCALE; 0: 1. Windows over it, and text, are always as fine as the picture. */

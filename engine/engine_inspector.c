@@ -243,7 +243,8 @@ static float inspector_lobe(const stilb_render_shading *shading, float values[IN
 	for (int i = 0; i < INSPECTOR_LOBE_POINTS; i++) {
 		float angle = SHADE_PI * ((float)i + 0.5f) / INSPECTOR_LOBE_POINTS;
 		stilb_vec3 v = stilb_vec3_make(-cosf(angle), sinf(angle), 0);
-		values[i] = shade_surface_brdf_cos(model, material, frame, l, v)[0];
+		shade_material seen = shade_surface_seen(model, material, v[1]);
+		values[i] = shade_surface_brdf_cos(model, seen, frame, l, v)[0];
 		most = fmaxf(most, values[i]);
 	}
 	return most;

@@ -53,6 +53,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	STILB_ASSERT(render_size_is_valid(desc->width, desc->height) && "1..16384 pixels a side");
 	STILB_ASSERT(desc->samples == 0 || desc->samples == 1 || desc->samples == 4);
 	STILB_ASSERT(desc->max_anisotropy <= 16);
+	STILB_ASSERT((uint32_t)desc->specular_aa <= STILB_RENDER_SPECULAR_AA_OFF);
 	STILB_ASSERT(desc->context_count >= 1);
 	STILB_ASSERT((uint32_t)desc->device <= STILB_RENDER_DEVICE_NULL &&
 	             (uint32_t)desc->output <= STILB_RENDER_OUTPUT_LINEAR);
@@ -66,6 +67,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	memset(render, 0, sizeof *render);
 	stilb_owner_take(&render->owner);
 	render->output = desc->output;
+	render->specular_aa = desc->specular_aa;
 	render->memory[RENDER_MEMORY_COMMANDS].element = sizeof(render_command);
 	render->memory[RENDER_MEMORY_COMMANDS].first_capacity = RENDER_FIRST_COMMANDS;
 	render->memory[RENDER_MEMORY_ROWS].element = sizeof(render_row);

@@ -100,6 +100,14 @@ typedef enum stilb_render_output {
 	STILB_RENDER_OUTPUT_LINEAR,  /* linear radiance in W sr^-1 m^-2, 16-bit float */
 } stilb_render_output;
 
+/* What a highlight has of normals that a pixel is too large to show: mips of maps of normals hold how far the normals
+ * below a texel spread, and the roughness is widened by it (shade_gltf_widened). */
+typedef enum stilb_render_specular_aa {
+	STILB_RENDER_SPECULAR_AA_VMF,     /* as a von Mises-Fisher lobe: shade_filter_convolution */
+	STILB_RENDER_SPECULAR_AA_TOKSVIG, /* shade_filter_variance */
+	STILB_RENDER_SPECULAR_AA_OFF,     /* nothing: highlights far away are too sharp, and sparkle */
+} stilb_render_specular_aa;
+
 /* Zero-initialised it means: Vulkan, indirect replay, indexed materials, display output, best GPU, no window, samples
  * chosen by the GPU. Sizes and context_count must be set. */
 typedef struct stilb_render_desc {
@@ -116,6 +124,7 @@ typedef struct stilb_render_desc {
 	 * before it blurs, 1..16, at most the GPU's; 1: mips alone. 0: 8 on a GPU, 1 on a software device, where 8 costs a
 	 * read five times as much. */
 	uint32_t max_anisotropy;
+	stilb_render_specular_aa specular_aa;
 	uint32_t context_count; /* threads that may record: the pool's workers + 1 for its caller; >= 1 */
 	bool validate;          /* use the Vulkan validation layer, with synchronization checks */
 	bool keep_textures;     /* keep a copy of all pixels: stilb_render_dump_save needs it */

@@ -34,14 +34,14 @@ stilb_render_dump_info stilb_render_dump_info_get(const stilb_render_dump *dump)
  * smallest possible resource is created, so that the others get the ids of the file. */
 
 static stilb_result upload_texture(stilb_render *render, const render_dump_texture *texture, const uint8_t *pixels,
-                                   bool mips, stilb_render_texture *out)
+                                   render_texture_way way, stilb_render_texture *out)
 {
 	stilb_image_format format = (stilb_image_format)texture->format;
 	stilb_image image = {texture->width, texture->height, 4, format, (void *)pixels, 0};
 	uint32_t channels = stilb_image_format_channels(format);
 	image.channels = channels > 0 ? channels : 4;
 	image = stilb_image_view_levels(&image, texture->levels);
-	return render_texture_create(render, &image, (render_texture_way){.mips = mips}, out);
+	return render_texture_create(render, &image, way, out);
 }
 
 static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render *render, stilb_render_texture *textures)
@@ -54,9 +54,9 @@ static stilb_result upload_textures(const stilb_render_dump *dump, stilb_render 
 	for (uint32_t t = 0; t < dump->header->textures && result == STILB_OK; t++) {
 		const render_dump_texture *texture = &dump->textures[t];
 		for (; next < texture->id && result == STILB_OK; next++)
-			result = upload_texture(render, &none, white, false, &textures[t]);
+			result = upload_texture(render, &none, white, (render_texture_way){0}, &textures[t]);
 		if (result == STILB_OK)
-			result = upload_texture(render, texture, pixels, render_dump_texture_is_mapped(dump, t), &textures[t]);
+			result = upload_texture(render, texture, pixels, render_dump_texture_way(dump, t), &textures[t]);
 		STILB_ASSERT(result != STILB_OK || ((textures[t].id & RENDER_INDEX_MASK) == texture->id && "a new renderer"));
 		next++;
 		pixels += render_dump_fill(render_dump_pixel_bytes(texture));

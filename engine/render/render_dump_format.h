@@ -323,8 +323,8 @@ render_extra *render_dump_extras_put(const render_resources *resources, uint32_t
 /* Checks surfaces and extras of a file whose other parts are sound. STILB_ERROR_FILE; the message is the reason alone.
  */
 stilb_result render_dump_check_surfaces(const stilb_render_dump *dump);
-/* True if a surface names the texture at this position of the table. */
-bool render_dump_texture_is_mapped(const stilb_render_dump *dump, uint32_t texture);
+/* How to make the texture at this position of the table: with mips if a surface names it, of the kind that it needs. */
+render_texture_way render_dump_texture_way(const stilb_render_dump *dump, uint32_t texture);
 /* The surface in a renderer whose textures and functions are these, by position. */
 render_maps render_dump_surface_get(const stilb_render *render, const render_dump_surface *from,
                                     const stilb_render_texture *textures, const uint32_t *functions);

@@ -382,7 +382,9 @@ typedef struct render_scene_texture {
 	stilb_render_texture texture;
 	uint32_t width, height, levels; /* of its picture */
 	stilb_image_format format;
-	bool mapped, mips;           /* a surface has named it; so it was made with mips */
+	bool mapped, mips;         /* a surface has named it; so it was made with mips */
+	bool as_normals, as_other; /* a surface has named it as a map of normals; as another map */
+	render_mips_kind kind;
 	bool arrived;                /* it has taken its stand-in's place; materials do not know yet */
 	uint8_t loading;             /* render_loading_state; if not DONE `texture` is a stand-in */
 	stilb_render_texture coming; /* COPIED: that which takes its place */
@@ -513,6 +515,7 @@ struct stilb_render {
 	stilb_owner owner; /* the main thread */
 	render_device *device;
 	stilb_render_output output;
+	stilb_render_specular_aa specular_aa;
 	stilb_render_context *contexts;
 	uint32_t context_count;
 	render_resources resources;

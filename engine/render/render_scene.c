@@ -69,9 +69,26 @@ static void shown_mark_textures(render_scene *tables, const stilb_scene_surface 
 	for (uint32_t i = 0; i < RENDER_MAPS; i++) {
 		uint32_t texture = surface->maps[i].texture;
 		STILB_ASSERT(texture == 0 || (tables->textures && texture <= tables->texture_count));
-		if (texture)
-			tables->textures[texture - 1].mapped = true;
+		if (texture == 0)
+			continue;
+		render_scene_texture *named = &tables->textures[texture - 1];
+		bool normals = i == STILB_SCENE_MAP_NORMAL || i == STILB_SCENE_MAP_CLEARCOAT_NORMAL;
+		named->mapped = true;
+		named->as_normals |= normals;
+		named->as_other |= !normals;
 	}
+}
+
+/* What the texture's mips shall hold: the spread of normals where no map needs all channels, and mips are made. */
+static render_mips_kind shown_texture_kind(const stilb_render *render, const render_scene_texture *texture,
+                                           const stilb_image *image)
+{
+	render_texture_shape shape = render_texture_shape_of(render->device, image, true);
+	bool data = stilb_image_format_as_data(image->format) == image->format;
+	if (!texture->as_normals || texture->as_other || !data || stilb_image_format_is_blocks(shape.format) ||
+	    shape.given > 1 || render->specular_aa == STILB_RENDER_SPECULAR_AA_OFF)
+		return RENDER_MIPS_MEANS;
+	return image->channels == 2 ? RENDER_MIPS_NORMALS_TWO : RENDER_MIPS_NORMALS;
 }
 
 void render_scene_mark(stilb_render *render, render_scene *tables, const stilb_scene *scene)
@@ -130,6 +147,10 @@ static render_maps shown_maps(const stilb_render *render, const render_scene *ta
 		if (maps.textures[i] == 0)
 			maps.bits &= ~(uint64_t)(i == STILB_SCENE_MAP_NORMAL ? 1u << i | RENDER_MAPS_TWO : 1u << i);
 	}
+	if (maps.bits >> STILB_SCENE_MAP_NORMAL & 1u && tables->textures[normals - 1].kind != RENDER_MIPS_MEANS)
+		maps.bits |= RENDER_MAPS_SPREAD;
+	if (maps.bits >> STILB_SCENE_MAP_CLEARCOAT_NORMAL & 1u && tables->textures[coat - 1].kind != RENDER_MIPS_MEANS)
+		maps.bits |= RENDER_MAPS_COAT_SPREAD;
 	render_function_name(render, surface->function ? tables->functions[surface->function - 1].index : 0, &maps);
 	return maps;
 }
@@ -178,6 +199,7 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	const stilb_image *image = &scene->textures[id];
 	render_scene_texture *now = &tables->textures[id], next = {.width = image->width, .height = image->height};
 	stilb_result result = STILB_OK;
+	render_mips_kind kind = shown_texture_kind(render, now, image);
 	next.format = image->format;
 	next.levels = stilb_image_level_count(image);
 	*replaced = false;
@@ -187,13 +209,17 @@ static stilb_result shown_texture_set(stilb_render *render, render_scene *tables
 	bool loads = now->loading != RENDER_LOADING_DONE;
 	if (image->pixels && (way.later || loads)) {
 		*replaced = true;
+		now->kind = kind;
 		result = render_loading_begin(render, tables, image, id);
 		return result == STILB_ERROR_ARGUMENT ? shown_texture_refuse(tables, image, id) : result;
 	}
 	if (now->texture.id && !loads && image->pixels && now->width == next.width && now->height == next.height &&
-	    now->format == next.format && now->levels == next.levels && (now->mips || !now->mapped))
-		return render_texture_write(render, now->texture, image);
+	    now->format == next.format && now->levels == next.levels && (now->mips || !now->mapped) && now->kind == kind)
+		return render_texture_write(render, now->texture, image, kind);
 	way.mips = next.mips = next.mapped = now->mapped;
+	way.kind = next.kind = kind;
+	next.as_normals = now->as_normals;
+	next.as_other = now->as_other;
 	if (image->pixels)
 		result = render_texture_create(render, image, way, &next.texture);
 	if (result == STILB_ERROR_ARGUMENT)
@@ -374,7 +400,7 @@ static stilb_result shown_update_texture(stilb_render *render, const stilb_scene
 	return result;
 }
 
-/* Gives the textures that a changed material's surface names mips, if they have none; all are marked. */
+/* Gives the textures that a changed material's surface names mips, if they have none or other ones; all are marked. */
 static stilb_result shown_update_mips(stilb_render *render, const stilb_scene *scene, uint32_t material)
 {
 	render_scene *tables = &render->scene;
@@ -382,7 +408,10 @@ static stilb_result shown_update_mips(stilb_render *render, const stilb_scene *s
 	stilb_result result = STILB_OK;
 	for (uint32_t i = 0; surface && i < RENDER_MAPS && result == STILB_OK; i++) {
 		uint32_t texture = surface->maps[i].texture;
-		if (texture && tables->textures[texture - 1].texture.id && !tables->textures[texture - 1].mips)
+		if (texture == 0 || !tables->textures[texture - 1].texture.id)
+			continue;
+		const render_scene_texture *named = &tables->textures[texture - 1];
+		if (!named->mips || named->kind != shown_texture_kind(render, named, &scene->textures[texture - 1]))
 			result = shown_update_texture(render, scene, texture - 1);
 	}
 	return result;

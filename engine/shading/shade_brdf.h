@@ -11,6 +11,7 @@
 #define SHADE_BRDF_H
 
 #include "shade_diffuse.h"
+#include "shade_energy.h"
 #include "shade_frame.h"
 #include "shade_minimalist.h"
 #include "shade_model.h"
@@ -81,6 +82,15 @@ SHADE_FN vec3 shade_brdf_cos(shade_brdf_model model, shade_brdf_parameters p, sh
 	if (model.kind == SHADE_BRDF_PHONG_MODIFIED)
 		return p.specular * shade_phong_modified(shade_sin2_r(frame.n, l, v), a.n_dot_l, shade_exponent_about_r(n));
 	return shade_microfacet_cos(model, p, frame, a, l, v);
+}
+
+/* What the model's highlight leaves of the diffuse light at the viewer's angle: 1 but for microfacets with a Fresnel
+ * term, shade_diffuse_left. A material without a highlight has all of it left; that is the caller's to know. */
+SHADE_FN float shade_brdf_diffuse_left(shade_brdf_model model, float n_dot_v, float roughness)
+{
+	if (model.kind != SHADE_BRDF_MICROFACET || model.f == SHADE_F_NONE)
+		return 1.0f;
+	return shade_diffuse_left(n_dot_v, roughness);
 }
 
 #include "glsl_end.h"

@@ -8,8 +8,8 @@
  *
  *   vec2 place = shade_dfg_place(n_dot_v, roughness);
  *   vec2 dfg = texture(table, shade_dfg_texel(place, 64.0f)).rg;
- *   vec3 toward = shade_environment_direction(n, v, roughness);
- *   vec3 light = textureLod(cube, toward, shade_environment_mip(roughness, mips)).rgb;
+ *   shade_environment_look look = shade_environment_look_of(n, v, roughness);
+ *   vec3 light = textureLod(cube, look.toward, shade_environment_mip(look.roughness, mips)).rgb;
  *   vec3 radiance = light * shade_environment_reflectance(f0, dfg);
  *
  * Roughness is perceptual, [0, 1]; unit vectors: n is the normal, v points to the viewer; n_dot_v in [0, 1]. The lobe
@@ -79,18 +79,41 @@ SHADE_FN float shade_environment_roughness(float mip, float mips)
 	return mip / (mips - 1.0f);
 }
 
-/* Where to look the cube up, unit: between the normal and the mirrored viewer, since shadowing makes a rough lobe lean
- * to the normal. n.v >= 0. The share of the mirrored direction, (1 - alpha) / (1 + 1.25 alpha (1 - n.v)), is our fit to
- * the mean direction of what the lobe reflects: with it the mean is met to 0.06 (root of the mean square over n.v and
- * roughness, 0.15 at most), by the mirrored direction to 0.41 (0.89). Source of the idea: Lagarde and de Rousiers,
- * "Moving Frostbite to Physically Based Rendering" (2014), 4.9.3, whose own share is right to 0.08 and too low for
- * small roughness. */
+/* Where the middle of the lobe is, unit: between the normal and the mirrored viewer, since shadowing makes a rough lobe
+ * lean to the normal. n.v >= 0. The share of the mirrored direction, (1 - alpha) / (1 + 1.25 alpha (1 - n.v)), is our
+ * fit to the mean direction of what the lobe reflects: with it the mean is met to 0.06 (root of the mean square over
+ * n.v and roughness, 0.15 at most), by the mirrored direction to 0.41 (0.89). Source of the idea: Lagarde and de
+ * Rousiers, "Moving Frostbite to Physically Based Rendering" (2014), 4.9.3, whose own share is right to 0.08 and too
+ * low for small roughness. */
 SHADE_FN vec3 shade_environment_direction(vec3 n, vec3 v, float roughness)
 {
 	float alpha = shade_alpha_from_roughness(roughness);
 	float n_dot_v = max(dot(n, v), 0.0f);
 	float share = (1.0f - alpha) / (1.0f + 1.25f * alpha * (1.0f - n_dot_v));
 	return normalize(mix(n, reflect(-v, n), share));
+}
+
+/* Where to look the cube up: a direction, unit, and the roughness whose mip to take. */
+SHADE_STRUCT(shade_environment_look)
+{
+	vec3 toward;
+	float roughness;
+};
+
+/* The cube's lobes are round, as seen along the normal. At a slant the real one is long in the plane of normal and
+ * viewer, where it keeps its width, and narrow across it: facets that tilt sideways turn the mirrored direction by n.v
+ * times as much. A round lobe as narrow as that about the mirrored direction is nearer to it than one as wide as it is
+ * long, for a smooth surface; a rough one, which the horizon cuts off, is met by the wide one about the lobe's middle.
+ * Our fit goes from the first at alpha 0 to the second from alpha 1 / 1.7 on. n.v >= 0. */
+SHADE_FN shade_environment_look shade_environment_look_of(vec3 n, vec3 v, float roughness)
+{
+	float alpha = shade_alpha_from_roughness(roughness);
+	float n_dot_v = clamp(dot(n, v), 0.0f, 1.0f);
+	float slim = max(1.0f - 1.7f * alpha, 0.0f);
+	vec3 middle = shade_environment_direction(n, v, roughness);
+	shade_environment_look look = {normalize(mix(middle, reflect(-v, n), slim)),
+	                               roughness * sqrt(1.0f - slim * (1.0f - n_dot_v))};
+	return look;
 }
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */

@@ -123,6 +123,17 @@ SHADE_FN vec3 shade_gltf_turned(vec3 local, vec3 tangent, float sign, vec3 norma
 	return select(square > SHADE_GLTF_NORMAL_MIN, n / sqrt(max(square, SHADE_GLTF_NORMAL_MIN)), normal);
 }
 
+/* The roughness of a surface whose facets have `roughness` about normals that spread themselves, [0, 1] both. spread:
+ * the alpha of a lobe of normals, of shade_filter_convolution for an alpha of 0; widths of lobes are added as squares.
+ * Where normals do not spread, the roughness as it is. Source: Karis, "Normal map filtering using vMF (part 3)" (2018):
+ * alpha'^2 = alpha^2 + 2 / sharpness. */
+SHADE_FN float shade_gltf_widened(float roughness, float spread)
+{
+	float alpha = roughness * roughness;
+	float widened = sqrt(sqrt(min(alpha * alpha + spread * spread, 1.0f)));
+	return select(spread > 0.0f, widened, roughness);
+}
+
 /* ---- the rest ---------------------------------------------------------------------------------------------------- */
 
 /* The share of even light that arrives. texel, strength: [0, 1]. */

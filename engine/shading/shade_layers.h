@@ -5,7 +5,8 @@
  * Each function named ..._cos is a BSDF times n.l, sr^-1, of a layer alone. From the inside to the outside, with b the
  * base's own, e what it emits, of n, v, l (unit, away from the surface) and the factors of the material:
  *
- *   b                                             shade_surface.h, with color times 1 - transmission as diffuse colour,
+ *   b                                             shade_surface.h, with color times 1 - transmission as diffuse colour
+ *                                                 and shade_brdf_diffuse_left,
  *       + tint transmission shade_thin_cos        where l is on the other side,
  *   s = b * shade_sheen_left + sheen * shade_sheen_cos,
  *   c = s * (1 - share) + share * shade_coat_cos, share = shade_coat_share; e is times 1 - share, too.
@@ -68,6 +69,15 @@ SHADE_FN float shade_sheen_albedo(float n_dot_v, float roughness)
 	return min(shade_sheen_albedo_raw(n_dot_v, roughness), 1.0f);
 }
 
+/* The fit with a margin for its error, at least the lobe's albedo: what keeps sheen from making light. Straight ahead,
+ * where the fit is above that, there is no margin. */
+SHADE_FN float shade_sheen_most(float n_dot_v, float roughness)
+{
+	float raw = shade_sheen_albedo_raw(n_dot_v, roughness);
+	float c2 = clamp(n_dot_v * n_dot_v, 0.0f, 1.0f);
+	return raw + 0.0235f * (1.0f - c2 * c2) * max(raw, 1.0f);
+}
+
 /* D of cloth: (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), densest where fibres stand across. Source: Estevez and Kulla,
  * "Production Friendly Microfacet Sheen BRDF" (2017), eq. 2. */
 SHADE_FN float shade_d_sheen(float sin2_h, float roughness)
@@ -80,13 +90,13 @@ SHADE_FN float shade_d_sheen(float sin2_h, float roughness)
 
 /* The sheen's D V n.l, with V = 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze, "Distribution-based BRDFs"
  * (2007), eq. 5; 0 if l or v is below the surface. As it stands the lobe of smooth sheen reflects up to four times what
- * arrives at grazing angles: there it is divided by that. */
+ * arrives at grazing angles: there it is divided by shade_sheen_most. */
 SHADE_FN float shade_sheen_cos(float roughness, vec3 n, vec3 l, vec3 v)
 {
 	shade_angles a = shade_angles_of(n, l, v);
 	float between = max(a.n_dot_l + a.n_dot_v - a.n_dot_l * a.n_dot_v, SHADE_COSINE_EPSILON);
 	float lobe = shade_d_sheen(min(a.sin2_h, 1.0f), roughness) * a.n_dot_l / (4.0f * between);
-	float above = max(shade_sheen_albedo_raw(a.n_dot_v, roughness), 1.0f);
+	float above = max(shade_sheen_most(a.n_dot_v, roughness), 1.0f);
 	return select(a.n_dot_l > 0.0f && a.n_dot_v > 0.0f, lobe / above, 0.0f);
 }
 
@@ -107,7 +117,7 @@ SHADE_FN vec3 shade_sheen_direction(vec3 n, vec3 v, float roughness)
  * Physically Based Shading at Imageworks" (2017), of the viewer's angle alone. */
 SHADE_FN float shade_sheen_left(vec3 color, float n_dot_v, float roughness)
 {
-	return 1.0f - max(color[0], max(color[1], color[2])) * shade_sheen_albedo(n_dot_v, roughness);
+	return 1.0f - max(color[0], max(color[1], color[2])) * min(shade_sheen_most(n_dot_v, roughness), 1.0f);
 }
 
 /* ---- transmission ------------------------------------------------------------------------------------------------ */

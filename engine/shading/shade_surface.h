@@ -23,6 +23,17 @@ SHADE_STRUCT(shade_material)
 	float wrap;
 };
 
+/* The material as it is seen at this cosine between normal and viewer: the highlight takes of its diffuse light
+ * (shade_brdf_diffuse_left). What all functions below are given. */
+SHADE_FN shade_material shade_surface_seen(shade_brdf_model model, shade_material material, float n_dot_v)
+{
+	shade_material seen = material;
+	float strongest = max(material.specular[0], max(material.specular[1], material.specular[2]));
+	if (strongest > 0.0f)
+		seen.diffuse = material.diffuse * shade_brdf_diffuse_left(model, n_dot_v, material.roughness);
+	return seen;
+}
+
 /* Diffuse share of the BRDF times n.l, per channel, sr^-1. It is wrapped by material.wrap, and by nothing for
  * SHADE_BRDF_LAMBERT. */
 SHADE_FN vec3 shade_surface_diffuse_cos(shade_brdf_model model, shade_material material, vec3 n, vec3 l)

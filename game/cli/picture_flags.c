@@ -13,6 +13,7 @@
 
 const char *const picture_replay_choices[] = {"indirect", "direct", "secondary", NULL};
 const char *const picture_materials_choices[] = {"index", "bind", "pipeline", NULL};
+const char *const picture_specular_aa_choices[] = {"vmf", "toksvig", "off", NULL};
 const char *const picture_device_choices[] = {"vulkan", "null", NULL};
 static const char *const picture_studio_choices[] = {"auto", "on", "off", NULL};
 
@@ -58,6 +59,9 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--msaa", FLAG_NUMBER, &p->samples, "1|4", "samples per pixel (4 on a GPU, 1 in software)", 1, 4, NULL},
 		{"--max-anisotropy", FLAG_NUMBER, &p->max_anisotropy, "1..16",
 	     "sharpness of textures seen at a slant (8 on a GPU, 1 in software)", 1, 16, NULL},
+		{"--specular-aa", FLAG_CHOICE, &p->specular_aa, "MODE",
+	     "highlights of bumps that are too small to be seen: vmf, toksvig or off (vmf)", 0, 0,
+	     picture_specular_aa_choices},
 	};
 	const flag range[] = {
 		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,

@@ -27,6 +27,7 @@ typedef enum picture_studio {
 
 typedef struct picture_flags {
 	int device, replay, materials;               /* a stilb_render_device_kind, _replay_mode and _materials */
+	int specular_aa;                             /* a stilb_render_specular_aa */
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
@@ -44,7 +45,7 @@ typedef struct picture_flags {
 typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
-	PICTURE_SAMPLES,  /* --msaa, --max-anisotropy */
+	PICTURE_SAMPLES,  /* --msaa, --max-anisotropy, --specular-aa */
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
 	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
 	PICTURE_POSE,     /* --animation, --at: what of a file's scene plays */
@@ -55,10 +56,11 @@ typedef enum picture_flags_group {
 	PICTURE_ADDED,    /* what is added to the materials: frames alone have it */
 } picture_flags_group;
 
-/* The words that --replay, --materials and --device accept, in the order of the engine's enumerations;
+/* The words that --replay, --materials, --specular-aa and --device accept, in the order of the engine's enumerations;
  * NULL-terminated. */
 extern const char *const picture_replay_choices[];
 extern const char *const picture_materials_choices[];
+extern const char *const picture_specular_aa_choices[];
 extern const char *const picture_device_choices[];
 
 picture_flags picture_flags_default(void);

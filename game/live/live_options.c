@@ -405,6 +405,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.height = o->size[1];
 	desc.samples = (uint32_t)o->picture.samples;
 	desc.max_anisotropy = (uint32_t)o->picture.max_anisotropy;
+	desc.specular_aa = (stilb_render_specular_aa)o->picture.specular_aa;
 	desc.scale = o->scale;
 	if (o->wait_textures || o->screenshot || o->dump)
 		desc.textures = STILB_ENGINE_TEXTURES_WAIT;

@@ -1,5 +1,5 @@
-/* Clips in an engine: frames move them by their number, a pause and steps come to the same poses, keys and the window of
- * clips do what they say, and the program's own poses count. */
+/* Clips in an engine: frames move them by their number, a pause and steps come to the same poses, keys and the window
+ * of clips do what they say, and the program's own poses count. */
 #include "engine.h"
 #include "scene/play/scene_play.h"
 #include "support/test.h"

@@ -187,6 +187,7 @@ static const char *const refusals[][2] = {
 	{"demo --frames 0", "1..1000000"},
 	{"demo --msaa 2", "1 or 4"},
 	{"demo --max-anisotropy 17", "1..16"},
+	{"view --specular-aa on", "vmf, toksvig, off"},
 	{"demo --view sideways", "all, half, few"},
 	{"demo --device none", "vulkan, null"},
 	{"demo --gpu {}", "--gpu"},

@@ -147,6 +147,7 @@ static stilb_vec3 expected_radiance(const reference_hit *hit, const stilb_render
 	shade_sky sky = {vec_of(scene->surroundings.sky), vec_of(scene->surroundings.ground)};
 	stilb_vec3 n = vec_of_dvec(hit->normal);
 	stilb_vec3 v = vec_of_dvec(dvec_unit(dvec_mad(camera.position, -1.0, hit->position)));
+	material = shade_surface_seen(model, material, stilb_vec3_dot(n, v));
 	shade_frame frame = shade_frame_from_tangent(n, stilb_vec3_make(n[2], 0.0f, -n[0]));
 	stilb_vec3 radiance = shade_surface_sky(material, sky, n) + vec_of(scene->materials[hit->part].emission);
 	for (uint32_t i = first_listed; i < first_listed + listed; i++)

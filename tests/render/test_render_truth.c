@@ -769,13 +769,13 @@ static void gloss_under_panoramas_is_as_traced(void **state)
 		double rms[2], worst[2]; /* bounds of metal and dielectric */
 		bool surface;
 	} cases[] = {
-		{"smooth", PANORAMA_SMOOTH, 0.2f, {0.02, 0.02}, {0.05, 0.05}, false},
-		{"smooth", PANORAMA_SMOOTH, 0.5f, {0.02, 0.02}, {0.06, 0.05}, false},
-		{"smooth", PANORAMA_SMOOTH, 0.8f, {0.02, 0.02}, {0.05, 0.05}, false},
-		{"day", PANORAMA_EVEN, 0.5f, {0.025, 0.02}, {0.09, 0.07}, false},
-		{"sun", PANORAMA_SUN, 0.2f, {0.02, 0.02}, {0.2, 0.2}, false}, /* noise: with 2,048 samples 0.02 and 0.054 */
-		{"sun", PANORAMA_SUN, 0.5f, {0.02, 0.02}, {0.05, 0.05}, true},
-		{"sun", PANORAMA_SUN, 0.8f, {0.02, 0.02}, {0.05, 0.05}, false},
+		{"smooth", PANORAMA_SMOOTH, 0.2f, {0.01, 0.01}, {0.03, 0.03}, false},
+		{"smooth", PANORAMA_SMOOTH, 0.5f, {0.01, 0.01}, {0.03, 0.03}, false},
+		{"smooth", PANORAMA_SMOOTH, 0.8f, {0.01, 0.01}, {0.03, 0.03}, false},
+		{"day", PANORAMA_EVEN, 0.5f, {0.0125, 0.01}, {0.05, 0.06}, false},
+		{"sun", PANORAMA_SUN, 0.2f, {0.0125, 0.0125}, {0.2, 0.2}, false}, /* noise */
+		{"sun", PANORAMA_SUN, 0.5f, {0.01, 0.01}, {0.05, 0.05}, true},
+		{"sun", PANORAMA_SUN, 0.8f, {0.01, 0.01}, {0.05, 0.05}, false},
 	};
 	static picture live, traced;
 	const char *folder = getenv("STILB_TRUTH_PICTURES"), *wanted = getenv("STILB_TRUTH_SAMPLES");

@@ -2,6 +2,8 @@
  * from, in double, and the direction of gloss against the lobe's mean by quadrature. */
 #include "numeric/numeric_quadrature.h"
 #include "shading/shade_environment.h"
+#include "shading/shade_frame.h"
+#include "shading/shade_sampling.h"
 #include "support/shade_proof.h"
 
 /* ---- cubes ------------------------------------------------------------------------------------------------------- */
@@ -125,6 +127,28 @@ static void reflectance_has_its_formula(void **state)
 	assert_true(isfinite(shade_environment_reflectance(stilb_vec3_make(1.0f, 1.0f, 1.0f), empty)[0]));
 }
 
+/* Smooth lobes shrink by n.v, about the mirrored direction; rough ones stay, about their middle. */
+static void looks_are_narrow_at_a_slant(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 6};
+	for (int i = 0; i < 500; i++) {
+		stilb_vec3 n = shade_proof_random_direction(&random), v = shade_proof_random_above(&random, n);
+		float roughness = shade_proof_uniform(&random);
+		double c = (double)stilb_vec3_dot(n, v), alpha = fmax((double)(roughness * roughness), 1e-3);
+		double slim = fmax(1.0 - 1.7 * alpha, 0.0), d[3], length = 0.0;
+		stilb_vec3 middle = shade_environment_direction(n, v, roughness);
+		shade_environment_look look = shade_environment_look_of(n, v, roughness);
+		for (int k = 0; k < 3; k++) {
+			d[k] = (double)middle[k] * (1.0 - slim) + slim * (2.0 * c * (double)n[k] - (double)v[k]);
+			length += d[k] * d[k];
+		}
+		length = sqrt(length);
+		SHADE_PROOF_NEAR3(look.toward, d[0] / length, d[1] / length, d[2] / length, 0.0, 2e-6);
+		SHADE_PROOF_NEAR(look.roughness, (double)roughness * sqrt(1.0 - slim * (1.0 - c)), 0.0, 2e-6);
+	}
+}
+
 /* ---- properties -------------------------------------------------------------------------------------------------- */
 
 typedef struct mean_lobe {
@@ -194,6 +218,50 @@ static void direction_meets_the_mean(void **state)
 	assert_true(sqrt(mirrored / 42.0) > 0.35);
 }
 
+/* The share of a lobe that sees a lamp, a round one of this direction. The lobe is GGX of v about n: facets as v sees
+ * them, each weighed by the shadowing of the light. Where v is n it is the cube's. */
+static double lamp_share(stilb_vec3 n, stilb_vec3 v, float alpha, stilb_vec3 lamp)
+{
+	shade_frame frame = shade_frame_from_normal(n);
+	stilb_vec3 local = shade_frame_to_local(frame, v);
+	double lit = 0.0, all = 0.0;
+	for (int i = 0; i < 1024; i++) {
+		stilb_vec2 u = {((float)i + 0.5f) / 1024.0f, (float)fmod(0.6180339887 * i, 1.0)};
+		stilb_vec3 sampled = shade_sample_ggx_visible((shade_alphas){alpha, alpha}, local, u).direction;
+		float z = sampled[2];
+		stilb_vec3 l = shade_frame_to_world(frame, sampled);
+		double weight = z > 0.0f ? 2.0 * (double)(z * shade_v1_smith_ggx(z, alpha)) : 0.0;
+		all += weight;
+		lit += stilb_vec3_dot(l, lamp) > 0.95f ? weight : 0.0;
+	}
+	return lit / fmax(all, 1e-9);
+}
+
+/* Lamps about the mirrored direction, seen at a slant: the look is nearer to the lobe than the wide one that the cube
+ * has of this roughness, about the lobe's middle. */
+static void looks_are_nearer_to_the_lobe(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 8};
+	stilb_vec3 n = stilb_vec3_make(0.0f, 0.0f, 1.0f);
+	double narrow = 0.0, wide = 0.0;
+	for (int i = 0; i < 300; i++) {
+		float roughness = shade_proof_range(&random, 0.2f, 0.65f), c = shade_proof_range(&random, 0.1f, 0.6f);
+		stilb_vec3 v = stilb_vec3_make(sqrtf(1.0f - c * c), 0.0f, c), mirrored = stilb_vec3_make(-v[0], 0.0f, c);
+		stilb_vec3 lamp = stilb_vec3_normalize(mirrored + shade_proof_random_direction(&random) * 0.6f);
+		double truth = lamp_share(n, v, shade_alpha_from_roughness(roughness), lamp);
+		shade_environment_look look = shade_environment_look_of(n, v, roughness);
+		stilb_vec3 middle = shade_environment_direction(n, v, roughness);
+		narrow +=
+			pow(lamp_share(look.toward, look.toward, shade_alpha_from_roughness(look.roughness), lamp) - truth, 2.0);
+		wide += pow(lamp_share(middle, middle, shade_alpha_from_roughness(roughness), lamp) - truth, 2.0);
+	}
+	narrow = sqrt(narrow / 300);
+	wide = sqrt(wide / 300);
+	print_message("lamps by the look: %.3f off, by the wide lobe %.3f\n", narrow, wide);
+	assert_true(narrow < 0.8 * wide);
+}
+
 static void reflectance_is_at_most_one(void **state)
 {
 	(void)state;
@@ -212,10 +280,11 @@ int main(void)
 	const struct CMUnitTest exactness[] = {
 		cmocka_unit_test(places_are_those_of_vulkan),  cmocka_unit_test(roughness_has_its_mip),
 		cmocka_unit_test(direction_is_between),        cmocka_unit_test(places_have_their_formula),
-		cmocka_unit_test(reflectance_has_its_formula),
+		cmocka_unit_test(reflectance_has_its_formula), cmocka_unit_test(looks_are_narrow_at_a_slant),
 	};
 	const struct CMUnitTest properties[] = {
 		cmocka_unit_test(direction_meets_the_mean),
+		cmocka_unit_test(looks_are_nearer_to_the_lobe),
 		cmocka_unit_test(reflectance_is_at_most_one),
 	};
 	return SHADE_PROOF_RUN(exactness, properties);

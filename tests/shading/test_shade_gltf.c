@@ -121,6 +121,22 @@ static void normals_are_turned(void **state)
 	SHADE_PROOF_NEAR3(shade_gltf_turned(stilb_vec3_make(0, 1, 0), (stilb_vec3){0}, 1.0f, up), 0.0, 0.0, 1.0, 0.0, 0.0);
 }
 
+/* alpha^2 is the sum of both squares, at most 1; without a spread the roughness comes back bit by bit. */
+static void lobes_are_widened(void **state)
+{
+	(void)state;
+	shade_proof_random random = {.seed = 5};
+	for (int k = 0; k < 1000; k++) {
+		float roughness = shade_proof_range(&random, 0.0f, 1.0f), spread = shade_proof_range(&random, 0.0f, 1.0f);
+		double alpha2 = pow((double)roughness, 4) + (double)spread * (double)spread;
+		SHADE_PROOF_NEAR(shade_gltf_widened(roughness, spread), pow(fmin(alpha2, 1.0), 0.25), 1e-6, 0.0);
+		SHADE_PROOF_NEAR(shade_gltf_widened(roughness, 0.0f), (double)roughness, 0.0, 0.0);
+		assert_true(shade_gltf_widened(roughness, spread) >= roughness * (1.0f - 1e-6f));
+	}
+	SHADE_PROOF_NEAR(shade_gltf_widened(1.0f, 1.0f), 1.0, 0.0, 0.0);
+	SHADE_PROOF_NEAR(shade_gltf_widened(0.5f, 0.25f), pow(0.125, 0.25), 1e-6, 0.0);
+}
+
 static void occlusion_by_strength(void **state)
 {
 	(void)state;
@@ -149,7 +165,8 @@ int main(void)
 	const struct CMUnitTest exactness[] = {
 		cmocka_unit_test(reflectance_of_an_index),  cmocka_unit_test(workflows_in_double),
 		cmocka_unit_test(reflectances_are_unmixed), cmocka_unit_test(normals_of_texels),
-		cmocka_unit_test(normals_are_turned),       cmocka_unit_test(occlusion_by_strength),
+		cmocka_unit_test(normals_are_turned),       cmocka_unit_test(lobes_are_widened),
+		cmocka_unit_test(occlusion_by_strength),
 	};
 	const struct CMUnitTest properties[] = {cmocka_unit_test(nothing_is_added)};
 	return SHADE_PROOF_RUN(exactness, properties);

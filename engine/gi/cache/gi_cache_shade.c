@@ -52,32 +52,35 @@ static void want_branch(gi_batch *batch, uint32_t sample, stilb_vec3 origin, sti
 }
 
 /* Diffuse indirect light where no record is valid: one path estimates it. */
-static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
+static void want_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, stilb_vec3 diffuse,
+                         const float numbers[8])
 {
 	stilb_vec2 u = {numbers[GI_DIMENSION_DIRECTION], numbers[GI_DIMENSION_DIRECTION + 1]};
 	shade_sample chosen = shade_sample_cosine(u);
 	stilb_vec3 direction = shade_frame_to_world(shade_frame_from_normal(surface->normal), chosen.direction);
 	if (stilb_vec3_dot(direction, surface->geometric) <= 0.0f)
 		return;
-	cache_branch wanted = {.weight = surface->diffuse};
+	cache_branch wanted = {.weight = diffuse};
 	want_branch(batch, sample, gi_surface_ray_origin(surface, surface->geometric), direction,
 	            numbers[GI_DIMENSION_CHANCE], &wanted);
 }
 
-static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, const float numbers[8])
+/* diffuse: gi_bsdf.diffuse. */
+static void sample_diffuse(gi_batch *batch, uint32_t sample, const gi_surface *surface, stilb_vec3 diffuse,
+                           const float numbers[8])
 {
 	gi_cache *cache = batch->view->cache;
 	stilb_vec3 irradiance;
 	if (!gi_cache_find(cache, surface, &irradiance)) {
 		if (batch->view->settings.cache.mode == STILB_GI_CACHE_FROZEN) {
-			want_diffuse(batch, sample, surface, numbers);
+			want_diffuse(batch, sample, surface, diffuse, numbers);
 			return;
 		}
 		gi_cache_record record = gi_cache_gather(cache, batch->worker, surface, batch->points[sample]);
 		gi_cache_add(cache, &record); /* if there is no memory for it, it is used for this sample only */
 		irradiance = record.irradiance;
 	}
-	batch->radiance[sample] += surface->diffuse * SHADE_INV_PI * irradiance;
+	batch->radiance[sample] += diffuse * SHADE_INV_PI * irradiance;
 }
 
 /* Adds one ray for the highlight. Its direction's density is the highlight's alone, since bsdf->share, the probability
@@ -136,7 +139,7 @@ static void sample_surface(gi_batch *batch, uint32_t sample, gi_surface *surface
 	if (!indirect_only)
 		want_direct(batch, sample, surface, &bsdf, numbers);
 	if (view->settings.depth > 1 && gi_cache_wants(surface))
-		sample_diffuse(batch, sample, surface, numbers);
+		sample_diffuse(batch, sample, surface, bsdf.diffuse, numbers);
 }
 
 static void sample_start(gi_batch *batch, uint32_t sample)

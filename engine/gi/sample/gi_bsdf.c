@@ -154,6 +154,8 @@ static __attribute__((noinline)) void layered_make(const shade_brdf_model *model
 	}
 	bsdf.frame = shade_frame_from_tangent(n, tangent);
 	bsdf.local = shade_frame_to_local(bsdf.frame, to_viewer);
+	if (shows_highlight(&bsdf))
+		bsdf.diffuse *= shade_brdf_diffuse_left(*model, bsdf.local[2], surface->roughness);
 	lobes_make(&bsdf, surface);
 	*out = bsdf;
 }
@@ -330,6 +332,8 @@ gi_bsdf gi_bsdf_make(const shade_brdf_model *model, gi_surface *surface, stilb_v
 	bsdf.model = *model;
 	bsdf.highlight = (shade_brdf_parameters){
 		.specular = specular, .roughness = surface->roughness, .anisotropy = surface->anisotropy};
+	if (bsdf.diffuse[0] + bsdf.diffuse[1] + bsdf.diffuse[2] > 0.0f)
+		bsdf.diffuse *= shade_brdf_diffuse_left(*model, bsdf.local[2], surface->roughness);
 	bsdf.share = highlight_share(&bsdf);
 	bsdf.layers = NULL;
 	return bsdf;

@@ -18,7 +18,7 @@ typedef struct gi_bsdf {
 	stilb_vec3 geometric;   /* the triangle's normal, on the viewer's side */
 	stilb_vec3 to_viewer;   /* in world space, and */
 	stilb_vec3 local;       /* in the frame's coordinates */
-	stilb_vec3 diffuse;     /* reflectance */
+	stilb_vec3 diffuse;     /* reflectance, less what the highlight takes at the viewer's angle */
 	shade_brdf_model model; /* the highlight's model */
 	shade_brdf_parameters highlight;
 	float share; /* probability that gi_bsdf_sample_direction samples the highlight, [0, 1]; 0: there is none */

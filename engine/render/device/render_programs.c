@@ -189,6 +189,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	render_program_vertices(device, inputs, &desc);
 	program_formulas(device, choice, detail, drawn, &desc);
 	program_constant(&desc, 9, (uint32_t)bits);
+	program_constant(&desc, 10, (uint32_t)device->anisotropy);
 	return stilb_gpu_program_create(device->gpu, &desc, program);
 }
 

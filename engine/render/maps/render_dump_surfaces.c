@@ -150,13 +150,31 @@ stilb_result render_dump_check_surfaces(const stilb_render_dump *dump)
 
 /* ---- playing ----------------------------------------------------------------------------------------------------- */
 
-bool render_dump_texture_is_mapped(const stilb_render_dump *dump, uint32_t texture)
+/* The kind of mips that a surface's map needs. */
+static render_mips_kind dump_mips_kind(const render_dump_surface *surface, uint32_t map)
 {
-	bool named = false;
-	for (uint64_t s = 0; s < dump->header->surfaces && !named; s++)
-		for (uint32_t i = 0; i < RENDER_MAPS; i++)
-			named |= dump->surfaces[s].textures[i] == texture + 1;
-	return named;
+	bool coat = map == STILB_SCENE_MAP_CLEARCOAT_NORMAL;
+	uint32_t spread = coat ? RENDER_MAPS_COAT_SPREAD : RENDER_MAPS_SPREAD;
+	if ((map != STILB_SCENE_MAP_NORMAL && !coat) || !(surface->bits & spread))
+		return RENDER_MIPS_MEANS;
+	return surface->bits & (coat ? RENDER_MAPS_COAT_TWO : RENDER_MAPS_TWO) ? RENDER_MIPS_NORMALS_TWO
+	                                                                       : RENDER_MIPS_NORMALS;
+}
+
+render_texture_way render_dump_texture_way(const stilb_render_dump *dump, uint32_t texture)
+{
+	render_texture_way way = {0};
+	const render_dump_texture *stored = &dump->textures[texture];
+	stilb_image_format format = (stilb_image_format)stored->format;
+	bool spreads = format != STILB_IMAGE_U8_SRGB && !stilb_image_format_is_blocks(format) && stored->levels == 1;
+	for (uint64_t s = 0; s < dump->header->surfaces; s++)
+		for (uint32_t i = 0; i < RENDER_MAPS; i++) {
+			if (dump->surfaces[s].textures[i] != texture + 1)
+				continue;
+			way.mips = true;
+			way.kind = way.kind == RENDER_MIPS_MEANS && spreads ? dump_mips_kind(&dump->surfaces[s], i) : way.kind;
+		}
+	return way;
 }
 
 render_maps render_dump_surface_get(const stilb_render *render, const render_dump_surface *from,

@@ -140,7 +140,8 @@ render_maps render_maps_make(const stilb_scene_surface *surface, uint32_t channe
 }
 
 #define MAPS_OF_TANGENTS                                                                                               \
-	(RENDER_MAPS_TWO | RENDER_MAPS_COAT_TWO | 1u << STILB_SCENE_MAP_NORMAL | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL)
+	(RENDER_MAPS_TWO | RENDER_MAPS_COAT_TWO | RENDER_MAPS_SPREAD | RENDER_MAPS_COAT_SPREAD |                           \
+	 1u << STILB_SCENE_MAP_NORMAL | 1u << STILB_SCENE_MAP_CLEARCOAT_NORMAL)
 
 uint64_t render_maps_program_bits(uint64_t bits, bool extras, bool sides, bool depth)
 {

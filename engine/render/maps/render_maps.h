@@ -42,8 +42,10 @@ static_assert(STILB_SCENE_MAPS == RENDER_MAPS && STILB_SCENE_MAP_EMISSION + 1 ==
 #define RENDER_MAPS_THROUGH (1u << 26)  /* transmission */
 #define RENDER_MAPS_SOLID (1u << 27)    /* besides _THROUGH: it has a thickness */
 #define RENDER_MAPS_COAT_TWO (1u << 28) /* as _TWO, of the coat */
-#define RENDER_MAPS_EXTRAS (1u << 29)   /* of the mesh: its vertices have extras */
-#define RENDER_MAPS_FUNCTION_SHIFT 32   /* above: the index of its function (render_functions.h); 0: there is none */
+#define RENDER_MAPS_SPREAD (1u << 29)   /* the map of normals is of RENDER_MIPS_NORMALS or _TWO */
+#define RENDER_MAPS_COAT_SPREAD (1u << 30)
+#define RENDER_MAPS_EXTRAS (1u << 31) /* of the mesh: its vertices have extras. No material has it */
+#define RENDER_MAPS_FUNCTION_SHIFT 32 /* above: the index of its function (render_functions.h); 0: there is none */
 
 /* How a map lies on the surface. */
 typedef struct render_maps_place {
@@ -155,16 +157,33 @@ uint64_t render_mip_texels(uint32_t width, uint32_t height, uint32_t levels);
 /* A table is asked for sRGB codes: at least 255 * 12.92 steps, so that a step has one border at most. */
 #define RENDER_MIPS_STEPS 4096u
 
+/* What mips hold. */
+typedef enum render_mips_kind {
+	RENDER_MIPS_MEANS,
+	/* Means; and in the place of alpha, which nothing reads of a map of normals: 1 - the spread of the normals, [0, 1],
+	 * which shade_gltf_widened takes. */
+	RENDER_MIPS_NORMALS,
+	RENDER_MIPS_NORMALS_TWO, /* of a map of two channels, red and alpha: in the place of green */
+} render_mips_kind;
+
 /* How light becomes codes of a format, and those of 8 bits light. */
 typedef struct render_mips_codes {
 	stilb_image_format format;
+	render_mips_kind kind;
+	stilb_render_specular_aa spread; /* how the normals' variance becomes a spread */
+	float variances[256]; /* U8 and a kind of normals: of the normals of a texel, by the code of its spread */
 	/* U8_SRGB: the light from which on a code is that or more; of code 0: below all; [256]: above all. */
 	float borders[257];
 	uint8_t first[RENDER_MIPS_STEPS + 1]; /* the code of light i / RENDER_MIPS_STEPS */
 	float lights[2][256];                 /* U8: of red, green and blue; of alpha */
 } render_mips_codes;
 
-void render_mips_codes_make(stilb_image_format format, render_mips_codes *codes);
+/* spread: not OFF for a kind of normals, whose formats are not U8_SRGB. */
+void render_mips_codes_make(stilb_image_format format, render_mips_kind kind, stilb_render_specular_aa spread,
+                            render_mips_codes *codes);
+
+/* Writes "no spread" where mips of that kind have it: what the picture itself has. Four channels. [any-thread] */
+void render_mips_prepare(const stilb_image *image, render_mips_kind kind);
 
 /* Makes rows begin .. end - 1 of the mip `to` after `from`: pictures of four channels in the format of codes, no
  * U16_SRGB and no blocks. A texel is the mean of those that it covers, in light; where `from` has an odd number, of

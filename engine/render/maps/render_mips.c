@@ -4,6 +4,8 @@
 
 #include "base/base_contract.h"
 #include "image/image.h"
+#include "shading/shade_gltf.h"
+#include "shading/shade_normal_filter.h"
 #include "shading/shade_srgb.h"
 
 #include <math.h>
@@ -48,8 +50,60 @@ static mips_taps mips_taps_of(uint32_t from, uint32_t texel)
 	return (mips_taps){2 * texel, 3, {(float)(to - texel) / whole, (float)to / whole, (float)(texel + 1) / whole}};
 }
 
-void render_mips_codes_make(stilb_image_format format, render_mips_codes *codes)
+/* ---- the spread of normals --------------------------------------------------------------------------------------- */
+
+/* Variances below this are rounding: of equal normals the mean is as long as they are. */
+#define MIPS_VARIANCE_MIN 1e-6f
+
+/* From the spherical variance of the normals below a texel to their spread, [0, 1], and back. */
+static float mips_spread(stilb_render_specular_aa how, float variance)
 {
+	shade_mean_direction mean = {.variance = variance};
+	if (!(variance > MIPS_VARIANCE_MIN))
+		return 0.0f;
+	return how == STILB_RENDER_SPECULAR_AA_VMF ? shade_filter_convolution(mean, 0.0f).alpha
+	                                           : shade_filter_variance(mean, 0.0f).alpha;
+}
+
+static float mips_variance(stilb_render_specular_aa how, float spread)
+{
+	float inverse_sharpness = shade_filter_inverse_sharpness(spread);
+	return how == STILB_RENDER_SPECULAR_AA_VMF ? shade_vmf_variance(inverse_sharpness)
+	                                           : inverse_sharpness / (1.0f + inverse_sharpness);
+}
+
+/* The channel that holds 1 - the spread. */
+static uint32_t mips_spread_channel(render_mips_kind kind)
+{
+	return kind == RENDER_MIPS_NORMALS ? 3 : 1;
+}
+
+/* The mean of the normals of a texel, of which these are the four channels. */
+static stilb_vec3 mips_normal(const render_mips_codes *codes, const float texel[4])
+{
+	bool two = codes->kind == RENDER_MIPS_NORMALS_TWO;
+	stilb_vec3 code = two ? stilb_vec3_make(texel[0], texel[3], shade_gltf_normal_z(texel[0], texel[3]))
+	                      : stilb_vec3_make(texel[0], texel[1], texel[2]);
+	float left = texel[mips_spread_channel(codes->kind)];
+	float variance = 0.0f;
+	if (codes->format == STILB_IMAGE_U8_LINEAR)
+		variance = codes->variances[(uint32_t)(left * 255.0f + 0.5f)];
+	else if (left < 1.0f)
+		variance = mips_variance(codes->spread, left > 0.0f ? 1.0f - left : 1.0f);
+	return shade_gltf_normal(code, 1.0f) * (1.0f - variance);
+}
+
+/* ---- codes ------------------------------------------------------------------------------------------------------- */
+
+void render_mips_codes_make(stilb_image_format format, render_mips_kind kind, stilb_render_specular_aa spread,
+                            render_mips_codes *codes)
+{
+	STILB_ASSERT(kind == RENDER_MIPS_MEANS ||
+	             (spread != STILB_RENDER_SPECULAR_AA_OFF && format != STILB_IMAGE_U8_SRGB));
+	codes->kind = kind;
+	codes->spread = spread;
+	for (uint32_t c = 0; c < 256 && kind != RENDER_MIPS_MEANS; c++)
+		codes->variances[c] = mips_variance(spread, (float)(255 - c) / 255.0f);
 	uint32_t code = 0;
 	bool color = format == STILB_IMAGE_U8_SRGB;
 	codes->format = format;
@@ -144,9 +198,19 @@ typedef struct mips_level {
 	uint8_t *out;
 } mips_level;
 
-/* The light that `count` texels from (x, y) on cover, as means down the columns of level->from. Returns the number of
- * the first column. */
-static uint32_t mips_column_means(const mips_level *level, uint32_t y, uint32_t x, uint32_t count, float *sum)
+/* Puts the mean normals in the place of `count` texels in a row; the fourth number is 0. */
+static void mips_to_normals(const render_mips_codes *codes, uint32_t count, float *texels)
+{
+	for (uint32_t i = 0; i < 4 * count; i += 4) {
+		stilb_vec3 n = mips_normal(codes, texels + i);
+		texels[i] = n[0], texels[i + 1] = n[1], texels[i + 2] = n[2], texels[i + 3] = 0.0f;
+	}
+}
+
+/* The light that `count` texels from (x, y) on cover, or their normals, as means down the columns of level->from.
+ * Returns the number of the first column. */
+static uint32_t mips_column_means(const mips_level *level, bool normals, uint32_t y, uint32_t x, uint32_t count,
+                                  float *sum)
 {
 	const stilb_image *from = level->from;
 	float row[4 * MIPS_BLOCK_FROM];
@@ -161,6 +225,8 @@ static uint32_t mips_column_means(const mips_level *level, uint32_t y, uint32_t 
 		size_t place = (size_t)(down.first + t) * from->width + left.first;
 		part.pixels = (uint8_t *)from->pixels + place * level->texel;
 		mips_read(level->codes, &part, columns, row);
+		if (normals)
+			mips_to_normals(level->codes, columns, row);
 		for (uint32_t i = 0; i < 4 * columns; i++)
 			sum[i] = (t > 0 ? sum[i] : 0.0f) + down.weights[t] * row[i];
 	}
@@ -188,6 +254,19 @@ static void mips_row_means(uint32_t from, uint32_t x, uint32_t count, uint32_t f
 	}
 }
 
+/* Writes the spread of the normals into `count` texels whose means are made. sum: scratch, of MIPS_BLOCK_FROM. */
+static void mips_add_spread(const mips_level *level, uint32_t y, uint32_t x, uint32_t count, float *sum, float *texels)
+{
+	float normals[4 * MIPS_BLOCK];
+	uint32_t first = mips_column_means(level, true, y, x, count, sum);
+	mips_row_means(level->from->width, x, count, first, sum, normals);
+	uint32_t channel = mips_spread_channel(level->codes->kind);
+	for (uint32_t i = 0; i < 4 * count; i += 4) {
+		stilb_vec3 mean = stilb_vec3_make(normals[i], normals[i + 1], normals[i + 2]);
+		texels[i + channel] = 1.0f - mips_spread(level->codes->spread, 1.0f - sqrtf(stilb_vec3_dot(mean, mean)));
+	}
+}
+
 /* Writes rows begin .. end - 1 of the mip, counted from level->row. */
 static void mips_rows(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
@@ -197,8 +276,10 @@ static void mips_rows(uint32_t begin, uint32_t end, uint32_t worker, void *conte
 	for (uint32_t y = level->row + begin; y < level->row + end; y++)
 		for (uint32_t x = 0; x < level->width; x += MIPS_BLOCK) {
 			uint32_t count = level->width - x < MIPS_BLOCK ? level->width - x : MIPS_BLOCK;
-			uint32_t first = mips_column_means(level, y, x, count, sum);
+			uint32_t first = mips_column_means(level, false, y, x, count, sum);
 			mips_row_means(level->from->width, x, count, first, sum, texels);
+			if (level->codes->kind != RENDER_MIPS_MEANS)
+				mips_add_spread(level, y, x, count, sum, texels);
 			mips_write(level->codes, texels, 4 * (size_t)count,
 			           level->out + ((size_t)y * level->width + x) * level->texel);
 		}
@@ -216,4 +297,20 @@ void render_mips_rows(const render_mips_codes *codes, const stilb_image *from, u
 		stilb_job_parallel_for(pool, rows, grain, mips_rows, &level, 0);
 	else
 		mips_rows(0, rows, 0, &level);
+}
+
+void render_mips_prepare(const stilb_image *image, render_mips_kind kind)
+{
+	STILB_ASSERT(image->channels == 4);
+	if (kind == RENDER_MIPS_MEANS)
+		return;
+	size_t texels = (size_t)image->width * image->height, size = stilb_image_size(image) / texels / 4;
+	uint16_t half = stilb_image_half_from_float(1.0f), most = UINT16_MAX;
+	float one = 1.0f;
+	const void *value = image->format == STILB_IMAGE_F32_LINEAR   ? (const void *)&one
+	                    : image->format == STILB_IMAGE_F16_LINEAR ? (const void *)&half
+	                                                              : &most; /* of 8 bits its first byte */
+	uint8_t *out = (uint8_t *)image->pixels + mips_spread_channel(kind) * size;
+	for (size_t i = 0; i < texels; i++, out += 4 * size)
+		memcpy(out, value, size);
 }

@@ -5,7 +5,7 @@ vec3 around_mirrored(float roughness, vec3 n, vec3 v)
 {
 #ifdef LIT_GLOSS
 	vec2 dfg = gloss_shares(n, v, roughness);
-	return gloss_light(shade_environment_direction(n, v, roughness), roughness) * (dfg.x + dfg.y);
+	return gloss_mirrored(n, v, roughness) * (dfg.x + dfg.y);
 #else
 	shade_material white = {vec3(0.0), vec3(1.0), roughness, 0.0, 0.0};
 	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
@@ -69,6 +69,7 @@ vec3 layered_radiance(shade_material material, vec3 emission, float open, vec3 n
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_frame frame = frame_here(n);
+	material = shade_surface_seen(model, material, dot(n, v));
 	if (lets_through)
 		material.diffuse *= 1.0 - layers.transmission;
 	layers.roughness = material.roughness;

@@ -170,6 +170,15 @@ vec3 gloss_light(vec3 toward, float roughness)
 	return textureLod(panorama_cube, panorama_own(toward), shade_environment_mip(roughness, MIPS)).xyz;
 }
 
+// That of a highlight's lobe. Other models than microfacets have lobes that stay as round as the cube's.
+vec3 gloss_mirrored(vec3 n, vec3 v, float roughness)
+{
+	if (brdf != SHADE_BRDF_MICROFACET)
+		return gloss_light(shade_environment_direction(n, v, roughness), roughness);
+	shade_environment_look look = shade_environment_look_of(n, v, roughness);
+	return gloss_light(look.toward, look.roughness);
+}
+
 // What share of that light a highlight sends on.
 vec3 gloss_reflectance(shade_material material, vec2 dfg)
 {
@@ -183,8 +192,7 @@ vec3 gloss_reflectance(shade_material material, vec2 dfg)
 vec3 panorama_highlight(shade_material material, vec3 n, vec3 v)
 {
 	vec2 dfg = gloss_shares(n, v, material.roughness);
-	vec3 light = gloss_light(shade_environment_direction(n, v, material.roughness), material.roughness);
-	return light * gloss_reflectance(material, dfg);
+	return gloss_mirrored(n, v, material.roughness) * gloss_reflectance(material, dfg);
 }
 #endif
 
@@ -202,6 +210,7 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
+	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
 	if (lights_panorama)
 		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
@@ -231,6 +240,16 @@ vec3 bent_normal(vec3 n, vec3 to_camera)
 {
 	float lacking = 1e-3 - dot(n, to_camera);
 	return lacking > 0.0 ? normalize(n + to_camera * lacking) : n;
+}
+
+// The normal of a map, turned so far that the mirrored viewer is above the triangle, as rays have it (gi_surface.c): a
+// smooth surface would mirror what is behind it. flat_normal: the triangle's, of any length, on any side.
+vec3 lifted_normal(vec3 n, vec3 flat_normal, vec3 to_camera)
+{
+	float square = dot(flat_normal, flat_normal), side = dot(flat_normal, to_camera);
+	vec3 mirrored = reflect(-to_camera, n), up = flat_normal * (sign(side) * inversesqrt(max(square, 1e-30)));
+	float lacking = 1e-3 - dot(mirrored, up);
+	return lacking > 0.0 && square > 0.0 ? normalize(normalize(mirrored + up * lacking) + to_camera) : n;
 }
 
 // True if the interpolated normal n is on the other side than the one of the triangle that is seen. flat_normal: the

@@ -25,6 +25,8 @@ layout(set = 1, binding = 2) uniform sampler2DArray normal_map;
 layout(set = 1, binding = 3) uniform sampler2DArray occlusion_map;
 layout(set = 1, binding = 4) uniform sampler2DArray emission_map;
 
+layout(constant_id = 10) const uint max_anisotropy = 1u; // of the samplers
+
 #ifndef MAPS_DEPTH
 layout(location = 0) out vec4 color;
 #endif
@@ -74,25 +76,47 @@ layout(location = 13) centroid in vec3 channel_tangent;
 #include "channel.glsl"
 #endif
 
+// How far the normals spread of which a texel of a map is the mean: where RENDER_MIPS_NORMALS and _TWO have it. A mip
+// is chosen by the longer side of the pixel's footprint, and its texels are squares: of a footprint that is narrower,
+// variances being about as the squares of sides, (1 + ratio^2) / 2 of the variance is left. Anisotropic filters take
+// mips for a side that is shorter by as much. place: in texels.
+float spread_of(vec4 texel, bool two, vec2 place)
+{
+	vec2 right = dFdx(place), down = dFdy(place);
+	float one = dot(right, right), other = dot(down, down), most = float(max_anisotropy * max_anisotropy);
+	float ratio2 = min(most * min(one, other) / max(max(one, other), 1e-20), 1.0);
+	return clamp(1.0 - (two ? texel.y : texel.w), 0.0, 1.0) * sqrt(0.5 + 0.5 * ratio2);
+}
+
+// A roughness, widened by that spread under a map's scale of normals, which slopes are multiplied by.
+float widened(float roughness, float spread, float scale)
+{
+	return shade_gltf_widened(roughness, min(spread * abs(scale), 1.0));
+}
+
 // What the maps hold here. What is missing is 1, but for the normal, which is that of the surface.
 struct Texels {
 	vec4 reflection;
 	vec3 normal;
+	float spread; // of the normals below it
 	float occlusion;
 	vec3 emission;
 };
 
 Texels texels_here(uint record)
 {
-	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 1.0, vec3(1.0));
+	Texels texels = Texels(vec4(1.0), vec3(0.5, 0.5, 1.0), 0.0, 1.0, vec3(1.0));
 	if (map_reflection)
 		texels.reflection = clamp(
 			texture(reflection_map, vec3(together ? first_place : reflection_place, map_layer(record, 1u))), 0.0, 1.0);
 	if (map_normal) {
-		vec4 texel = texture(normal_map, vec3(together ? first_place : normal_place, map_layer(record, 2u)));
+		vec2 place = together ? first_place : normal_place;
+		vec4 texel = texture(normal_map, vec3(place, map_layer(record, 2u)));
 		texels.normal = texel.xyz;
 		if (two_channels) // the second one of two is alpha
 			texels.normal = vec3(texel.xw, shade_gltf_normal_z(texel.x, texel.w));
+		if (widens)
+			texels.spread = spread_of(texel, two_channels, place * vec2(textureSize(normal_map, 0).xy));
 	}
 	if (map_occlusion)
 		texels.occlusion =
@@ -113,6 +137,7 @@ Texels texels_here(uint record)
 struct LayerTexels {
 	float coat, coat_roughness;
 	vec3 coat_normal;
+	float coat_spread;
 	float specular;
 	vec3 specular_color;
 	vec3 sheen_color;
@@ -128,6 +153,8 @@ LayerTexels layer_texels_here(uint record)
 	texels.coat_roughness = LAYER_TEXEL(coat_roughness_map, 1u).y;
 	vec4 normal = LAYER_TEXEL(coat_normal_map, 2u);
 	texels.coat_normal = coat_two_channels ? vec3(normal.xw, shade_gltf_normal_z(normal.x, normal.w)) : normal.xyz;
+	vec2 coat_place = (together ? first_place : layer_places[2]) * vec2(textureSize(coat_normal_map, 0).xy);
+	texels.coat_spread = coat_widens ? spread_of(normal, coat_two_channels, coat_place) : 0.0;
 	texels.specular = LAYER_TEXEL(specular_map, 3u).w;
 	texels.specular_color = LAYER_TEXEL(specular_color_map, 4u).xyz;
 	texels.sheen_color = LAYER_TEXEL(sheen_color_map, 5u).xyz;
@@ -153,7 +180,8 @@ vec3 normal_here(bool mapped, vec3 texel, float scale, vec3 flat_normal, vec3 to
 #endif
 	if (both_sides && is_turned_over(own, flat_normal, to_camera))
 		n = -n;
-	return both_sides || mapped ? bent_normal(n, to_camera) : n;
+	n = both_sides || mapped ? bent_normal(n, to_camera) : n;
+	return mapped ? lifted_normal(n, flat_normal, to_camera) : n;
 }
 
 #ifdef MAPS_LAYERS
@@ -165,6 +193,8 @@ Layers layers_here(uint record, LayerTexels texels, vec3 tint, vec3 flat_normal,
 	Layers layers;
 	layers.coat = clamp(coat.x * texels.coat, 0.0, 1.0);
 	layers.coat_roughness = clamp(coat.y * texels.coat_roughness, 0.0, 1.0);
+	if (coat_widens)
+		layers.coat_roughness = widened(layers.coat_roughness, texels.coat_spread, coat.z);
 	layers.coat_n = normal_here(has_layer_map(2u), texels.coat_normal, coat.z, flat_normal, to_camera);
 	layers.sheen = clamp(sheen.xyz * texels.sheen_color, 0.0, 1.0);
 	layers.sheen_roughness = clamp(sheen.w * texels.sheen_roughness, 0.0, 1.0);
@@ -302,16 +332,19 @@ Channels channels_here(Surface surface)
 #endif
 
 #ifndef MAPS_DEPTH
-// What the surface sends to the viewer.
+// What the surface sends to the viewer. spread: of the normals that its own is the mean of.
 #ifdef MAPS_LAYERS
-vec3 radiance_here(Surface surface, Material stored, LayerTexels texels, vec3 flat_normal, vec3 to_camera)
+vec3 radiance_here(Surface surface, float spread, Material stored, LayerTexels texels, vec3 flat_normal,
+	vec3 to_camera)
 #else
-vec3 radiance_here(Surface surface, Material stored, vec3 to_camera)
+vec3 radiance_here(Surface surface, float spread, Material stored, vec3 to_camera)
 #endif
 {
 	if (unlit)
 		return surface.color;
 	shade_gltf_base base = base_of(surface);
+	if (widens)
+		base.roughness = widened(base.roughness, spread, record_part(stored.ids.y, 3u).x);
 	shade_material material = material_with(stored, base.diffuse, base.specular, base.roughness);
 #ifdef MAPS_LAYERS
 	float metalness = specular_workflow ? 0.0 : clamp(surface.metalness, 0.0, 1.0);
@@ -327,7 +360,11 @@ void main()
 {
 	// Derivatives, also those by which textures are filtered, come before pixels are dropped: on GPUs the pixels beside
 	// one that was dropped have none.
-	vec3 flat_normal = both_sides ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
+	bool needs_flat = both_sides || map_normal;
+#ifdef MAPS_LAYERS
+	needs_flat = needs_flat || has_layer_map(2u);
+#endif
+	vec3 flat_normal = needs_flat ? cross(dFdx(middle_position), dFdy(middle_position)) : vec3(0.0);
 	uint index = material_of_word(material_word);
 	Material stored = stored_material(index);
 	uint record = stored.ids.y;
@@ -370,9 +407,9 @@ void main()
 	color = channel_color(channels_here(surface), index);
 #else
 #ifdef MAPS_LAYERS
-	vec3 radiance = radiance_here(surface, stored, layer_texels, flat_normal, to_camera);
+	vec3 radiance = radiance_here(surface, texels.spread, stored, layer_texels, flat_normal, to_camera);
 #else
-	vec3 radiance = radiance_here(surface, stored, to_camera);
+	vec3 radiance = radiance_here(surface, texels.spread, stored, to_camera);
 #endif
 	if (detail_kind == DETAIL_SHOW)
 		radiance = level_color(material_word, surface.normal, to_camera);

@@ -12,6 +12,7 @@ const bool blends = (maps >> 16 & 1u) != 0;
 const bool unlit = (maps >> 18 & 1u) != 0;
 const bool specular_workflow = (maps >> 19 & 1u) != 0;
 const bool two_channels = (maps >> 20 & 1u) != 0;
+const bool widens = (maps >> 29 & 1u) != 0; // mips of normals hold their spread
 const bool together = (maps >> 21 & 1u) != 0; // all lie at the first one's place
 
 // Of materials without layers the vertices hand on what pixels read of the record and of the material, because software
@@ -77,6 +78,7 @@ const bool is_brushed = (maps >> 25 & 1u) != 0;
 const bool lets_through = (maps >> 26 & 1u) != 0;
 const bool is_solid = (maps >> 27 & 1u) != 0;
 const bool coat_two_channels = (maps >> 28 & 1u) != 0;
+const bool coat_widens = (maps >> 30 & 1u) != 0;
 
 // True if there is map 5 + layer.
 bool has_layer_map(uint layer)

@@ -111,7 +111,11 @@ static stilb_result loading_stand_in(const render_texture_shape *shape, const fl
 
 stilb_result render_loading_begin(stilb_render *render, render_scene *tables, const stilb_image *image, uint32_t id)
 {
-	render_scene_texture *now = &tables->textures[id], next = {.mapped = now->mapped, .mips = now->mapped};
+	render_scene_texture *now = &tables->textures[id], next = {.mapped = now->mapped,
+	                                                           .mips = now->mapped,
+	                                                           .kind = now->kind,
+	                                                           .as_normals = now->as_normals,
+	                                                           .as_other = now->as_other};
 	render_texture_shape shape = render_texture_shape_of(render->device, image, now->mapped);
 	stilb_image stand_in = {0};
 	float mean[4];
@@ -125,7 +129,8 @@ stilb_result render_loading_begin(stilb_render *render, render_scene *tables, co
 	if (result == STILB_OK)
 		result = loading_stand_in(&shape, mean, &stand_in);
 	if (result == STILB_OK)
-		result = render_texture_create(render, &stand_in, (render_texture_way){.mips = now->mapped}, &next.texture);
+		result = render_texture_create(render, &stand_in, (render_texture_way){.mips = now->mapped, .kind = now->kind},
+		                               &next.texture);
 	stilb_image_finish(&stand_in);
 	if (result != STILB_OK)
 		return result;
@@ -223,7 +228,9 @@ static bool loading_start(const stilb_render *render, render_scene *tables, stil
 		return false;
 	loading->made = loading->next++;
 	render_scene_texture *texture = &tables->textures[loading->made];
-	*result = render_pixels_begin(render->device, &texture->picture, texture->mapped, &loading->work);
+	*result =
+		render_pixels_begin(render->device, &texture->picture,
+	                        (render_pixels_way){texture->mapped, texture->kind, render->specular_aa}, &loading->work);
 	if (*result == STILB_OK)
 		texture->loading = RENDER_LOADING_MADE;
 	return *result == STILB_OK;

@@ -206,11 +206,12 @@ void render_pixels_finish(render_pixels *pixels)
 	pixels->mips = NULL;
 }
 
-stilb_result render_pixels_begin(const render_device *device, const stilb_image *image, bool mapped,
+stilb_result render_pixels_begin(const render_device *device, const stilb_image *image, render_pixels_way way,
                                  render_pixels_work *work)
 {
-	render_texture_shape shape = render_texture_shape_of(device, image, mapped);
-	*work = (render_pixels_work){.from = *image, .shape = shape, .to = {.levels = shape.levels, .given = shape.given}};
+	render_texture_shape shape = render_texture_shape_of(device, image, way.mapped);
+	*work = (render_pixels_work){
+		.from = *image, .shape = shape, .kind = way.kind, .to = {.levels = shape.levels, .given = shape.given}};
 	stilb_image *made = &work->to.image; /* not stilb_image_create, which clears pages that are written step by step */
 	*made = (stilb_image){shape.width, shape.height, shape.channels, shape.format, NULL, 0};
 	uint64_t size = stilb_image_size(made), mips = render_texture_shape_bytes(&shape) - size;
@@ -224,7 +225,7 @@ stilb_result render_pixels_begin(const render_device *device, const stilb_image 
 	work->level = *made;
 	work->left = render_mip_texels(shape.width, shape.height, shape.levels);
 	if (shape.levels > shape.given)
-		render_mips_codes_make(shape.format, &work->codes);
+		render_mips_codes_make(shape.format, way.kind, way.spread, &work->codes);
 	return STILB_OK;
 }
 
@@ -240,6 +241,18 @@ static void pixels_next(render_pixels_work *work)
 	work->row = 0;
 }
 
+/* Texels of a map of normals that the picture gives do not spread. */
+static void pixels_prepare(const render_pixels_work *work, uint32_t rows)
+{
+	if (work->kind == RENDER_MIPS_MEANS)
+		return;
+	stilb_image part = work->level;
+	STILB_ASSERT(!stilb_image_format_is_blocks(part.format));
+	part.pixels = (uint8_t *)part.pixels + stilb_image_size(&part) / part.height * work->row;
+	part.height = rows;
+	render_mips_prepare(&part, work->kind);
+}
+
 stilb_result render_pixels_step(render_pixels_work *work, uint64_t texels, stilb_job_pool *pool)
 {
 	texels = texels < work->left ? texels : work->left;
@@ -252,6 +265,7 @@ stilb_result render_pixels_step(render_pixels_work *work, uint64_t texels, stilb
 			stilb_image from = stilb_image_level(&work->from, work->number);
 			if (!convert(&from, &work->level, work->row, work->row + rows, pool))
 				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the pixels of a texture");
+			pixels_prepare(work, rows);
 		} else {
 			render_mips_rows(&work->codes, &work->before, work->row, work->row + rows, pool, &work->level);
 		}
@@ -264,11 +278,11 @@ stilb_result render_pixels_step(render_pixels_work *work, uint64_t texels, stilb
 	return STILB_OK;
 }
 
-stilb_result render_pixels_make(const render_device *device, const stilb_image *image, bool mapped,
+stilb_result render_pixels_make(const render_device *device, const stilb_image *image, render_pixels_way way,
                                 stilb_job_pool *pool, render_pixels *pixels)
 {
 	render_pixels_work work;
-	stilb_result result = render_pixels_begin(device, image, mapped, &work);
+	stilb_result result = render_pixels_begin(device, image, way, &work);
 	*pixels = (render_pixels){0};
 	if (result != STILB_OK)
 		return result;

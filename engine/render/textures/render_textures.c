@@ -38,13 +38,14 @@ static void texture_drop(render_resources *resources, uint32_t index)
 	resources->live--;
 }
 
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image)
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
+                                  render_mips_kind kind)
 {
 	render_resources *resources = &render->resources;
 	uint32_t index = texture.id & RENDER_INDEX_MASK;
 	render_pixels pixels;
-	bool mapped = render->device->textures[index].array > 0;
-	stilb_result result = render_pixels_make(render->device, image, mapped, render->pool, &pixels);
+	render_pixels_way way = {render->device->textures[index].array > 0, kind, render->specular_aa};
+	stilb_result result = render_pixels_make(render->device, image, way, render->pool, &pixels);
 	if (result != STILB_OK)
 		return result;
 	stilb_lock_take(&resources->lock);
@@ -107,7 +108,8 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 	render_texture_shape shape = render_texture_shape_of(render->device, image, way.mips);
 	stilb_result result = render_device_texture_check(render->device, &shape);
 	if (result == STILB_OK)
-		result = render_pixels_make(render->device, image, way.mips, way.pool, &pixels);
+		result = render_pixels_make(render->device, image, (render_pixels_way){way.mips, way.kind, render->specular_aa},
+		                            way.pool, &pixels);
 	if (result == STILB_OK)
 		result = render_texture_create_made(render, &shape, pixels, way.patient, out);
 	return result;

@@ -52,26 +52,36 @@ typedef struct render_pixels_work {
 	uint64_t left;             /* texels to be made; 0: done, `to` is whole */
 	stilb_image level, before; /* that is being made, from row `row` on; the one before */
 	uint32_t number, row;
+	render_mips_kind kind;
 	render_mips_codes codes;
 } render_pixels_work;
 
+/* For maps, and what their mips hold: a kind of normals is for shapes of texels alone. spread: as of
+ * render_mips_codes. */
+typedef struct render_pixels_way {
+	bool mapped;
+	render_mips_kind kind;
+	stilb_render_specular_aa spread;
+} render_pixels_way;
+
 /* STILB_ERROR_MEMORY; there is nothing to be freed then. Else work->to is for render_pixels_finish. */
-stilb_result render_pixels_begin(const render_device *device, const stilb_image *image, bool mapped,
+stilb_result render_pixels_begin(const render_device *device, const stilb_image *image, render_pixels_way way,
                                  render_pixels_work *work);
 /* Makes so many texels, or a few more, if as many are left. pool: whose threads help, its owner is the caller; NULL:
  * none. STILB_ERROR_MEMORY. */
 stilb_result render_pixels_step(render_pixels_work *work, uint64_t texels, stilb_job_pool *pool);
 /* All at once. *pixels is {0} after an error. */
-stilb_result render_pixels_make(const render_device *device, const stilb_image *image, bool mapped,
+stilb_result render_pixels_make(const render_device *device, const stilb_image *image, render_pixels_way way,
                                 stilb_job_pool *pool, render_pixels *pixels);
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* How a texture is made: with mips, which samplers of maps read; with a patient upload; of a scene, later: while frames
- * are drawn (render_loading.h). pool: whose threads help to
- * make mips, its owner is the caller; NULL: none. */
+/* How a texture is made: with mips, which samplers of maps read, of a kind; with a patient upload; of a scene, later:
+ * while frames are drawn (render_loading.h). pool: whose threads help to make mips, its owner is the caller; NULL:
+ * none. */
 typedef struct render_texture_way {
 	bool patient, mips, later;
+	render_mips_kind kind;
 	stilb_job_pool *pool;
 } render_texture_way;
 
@@ -83,9 +93,10 @@ stilb_result render_texture_create(stilb_render *render, const stilb_image *imag
 stilb_result render_texture_create_made(stilb_render *render, const render_texture_shape *shape, render_pixels pixels,
                                         bool patient, stilb_render_texture *out);
 
-/* Writes an image of the texture's size and format into it; the next frame copies it, after the draws of the frames
- * before it. STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay */
-stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image);
+/* Writes an image of the texture's size, format and kind of mips into it; the next frame copies it, after the draws of
+ * the frames before it. STILB_ERROR_MEMORY: nothing has changed. [main-thread], between frames or before replay */
+stilb_result render_texture_write(stilb_render *render, stilb_render_texture texture, const stilb_image *image,
+                                  render_mips_kind kind);
 
 /* Announces a texture of such an image with mips: those of one size and format then lie in as few images as can be. */
 void render_resources_expect_texture(stilb_render *render, const stilb_image *image);

@@ -80,6 +80,7 @@ static stilb_vec3 expected(const stilb_scene_surface *s, shade_brdf_model model,
 		material.anisotropy = brushed[1];
 		model.ndf = SHADE_NDF_GGX_ANISOTROPIC;
 	}
+	material.diffuse *= shade_brdf_diffuse_left(model, stilb_vec3_dot(n, v), base.roughness);
 	material.diffuse *= 1.0f - s->transmission * texel(s, STILB_SCENE_MAP_TRANSMISSION, 0);
 	stilb_vec3 sent = shade_surface_lit(model, material, frame, seen, false, stilb_vec3_make(0, 0, 0), v);
 	stilb_vec3 sheen = vector(s->sheen_color) * texel3(s, STILB_SCENE_MAP_SHEEN_COLOR);

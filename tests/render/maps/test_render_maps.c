@@ -1,8 +1,11 @@
 /* Surfaces on the device, against closed forms: texels, wraps, transforms and both uv, factors, normals, occlusion,
  * emission, colours of vertices, one-sided and unlit ones, and edits; the same bits in all modes; under the validation
  * layer. */
-#include "render/maps/maps_stage.h"
+#include "shading/shade_brdf.h"
+#include "shading/shade_gltf.h"
 #include "shading/shade_srgb.h"
+
+#include "maps_stage.h" /* names a type as these name variables */
 
 #define HALF 1e-3 /* a half float is off by 2^-11 of the value */
 
@@ -628,6 +631,148 @@ static void a_texture_gets_mips_later(void **state)
 	stage_close(&s);
 }
 
+/* ---- the spread of normals --------------------------------------------------------------------------------------- */
+
+/* Four normals by turns, each this far from the surface's own; a pixel covers hundreds of them. */
+static stilb_image bumps_of(double angle, uint32_t channels)
+{
+	stilb_image image;
+	assert_int_equal(stilb_image_create(&image, 512, 512, channels, STILB_IMAGE_U8_LINEAR), STILB_OK);
+	for (uint32_t i = 0; i < 512 * 512; i++) {
+		uint8_t *out = (uint8_t *)image.pixels + (size_t)i * channels;
+		double x = (i % 2 ? 1 : -1) * sin(angle) * sqrt(0.5), y = (i / 512 % 2 ? 1 : -1) * sin(angle) * sqrt(0.5);
+		out[0] = (uint8_t)(127.5 + 127.5 * x + 0.5);
+		out[1] = (uint8_t)(127.5 + 127.5 * y + 0.5);
+		if (channels > 2)
+			out[2] = (uint8_t)(127.5 + 127.5 * cos(angle) + 0.5);
+		if (channels > 3)
+			out[3] = (uint8_t)i; /* nothing of a map of normals */
+	}
+	return image;
+}
+
+/* The largest difference of two pictures, as a share of the largest value. */
+static double apart_of(const stilb_image *a, const stilb_image *b)
+{
+	double most = 0.0, largest = 0.0;
+	for (uint32_t i = 0; i < STAGE_SIDE * STAGE_SIDE; i++) {
+		double x = picture_value(a, i % STAGE_SIDE, i / STAGE_SIDE, 0);
+		double y = picture_value(b, i % STAGE_SIDE, i / STAGE_SIDE, 0);
+		most = fmax(most, fabs(x - y));
+		largest = fmax(largest, fmax(x, y));
+	}
+	return most / largest;
+}
+
+static stage spread_stage(stilb_render_specular_aa aa)
+{
+	static const stilb_scene_light sun = {
+		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0, -1, 0}, .intensity = {1, 1, 1}};
+	stage s = stage_open((stilb_render_desc){.specular_aa = aa}, 0);
+	s.view.lights = &sun;
+	s.view.light_count = 1;
+	s.view.shading.brdf = SHADE_BRDF_MICROFACET;
+	return s;
+}
+
+static stilb_image spread_picture(stage *s, square *q, const stilb_scene_surface *surface, const stilb_image *map)
+{
+	stage_show_square(s, q, surface, map, map ? 1 : 0);
+	return stage_picture(s);
+}
+
+/* Bumps that are too small to be seen look like a rougher surface; without widening, like a smooth one. */
+static void small_bumps_are_rough(void **state)
+{
+	(void)state;
+	double angle = 0.25;
+	float spread = (float)sqrt(2.0 * (1.0 - cos(angle))); /* 1 / sharpness is the variance, of narrow lobes */
+	square q;
+	square_make(&q, 1.0f);
+	for (int turn = 0; turn < 6; turn++) { /* even: base; odd: coat. Then two channels, then four and half as steep */
+		bool coat = turn % 2;
+		stilb_image map = bumps_of(angle, turn / 2 == 0 ? 3 : turn / 2 == 1 ? 2 : 4);
+		stage with = spread_stage(STILB_RENDER_SPECULAR_AA_VMF), without = spread_stage(STILB_RENDER_SPECULAR_AA_OFF);
+		float scale = turn / 2 == 2 ? 0.5f : 1.0f, *roughness;
+		stilb_scene_surface surface = stilb_scene_surface_make();
+		roughness = coat ? &surface.clearcoat_roughness : &surface.roughness;
+		surface.metalness = coat ? 0.0f : 1.0f;
+		surface.clearcoat = coat ? 1.0f : 0.0f;
+		*roughness = 0.3f;
+		stilb_image smooth = spread_picture(&with, &q, &surface, NULL);
+		*roughness = shade_gltf_widened(0.3f, spread * scale);
+		stilb_image want = spread_picture(&with, &q, &surface, NULL);
+		*roughness = 0.3f;
+		surface.normal_scale = surface.clearcoat_normal_scale = scale;
+		surface.maps[coat ? STILB_SCENE_MAP_CLEARCOAT_NORMAL : STILB_SCENE_MAP_NORMAL].texture = 1;
+		stilb_image got = spread_picture(&with, &q, &surface, &map), off = spread_picture(&without, &q, &surface, &map);
+		double near = apart_of(&got, &want), far = apart_of(&smooth, &want), left = apart_of(&off, &smooth);
+		if (!(near < 0.03 && far > 0.1 + 4.0 * near && left < 0.1))
+			fail_msg("turn %d: %.4f from the rougher one, which is %.4f from the smooth one; off: %.4f", turn, near,
+			         far, left);
+		stilb_image *pictures[] = {&smooth, &want, &got, &off, &map};
+		for (int i = 0; i < 5; i++)
+			stilb_image_finish(pictures[i]);
+		stage_close(&with);
+		stage_close(&without);
+	}
+}
+
+/* A flat map is drawn with the same bits whether normals widen or not. */
+static void flat_maps_change_no_bit(void **state)
+{
+	(void)state;
+	stilb_image flat, pictures[2];
+	square q;
+	square_make(&q, 1.0f);
+	assert_int_equal(stilb_image_create(&flat, 100, 60, 3, STILB_IMAGE_U8_LINEAR), STILB_OK);
+	for (uint32_t i = 0; i < 100 * 60 * 3; i++)
+		((uint8_t *)flat.pixels)[i] = i % 3 == 0 ? 141 : i % 3 == 1 ? 120 : 254;
+	for (int turn = 0; turn < 2; turn++) {
+		stage s = spread_stage(turn ? STILB_RENDER_SPECULAR_AA_OFF : STILB_RENDER_SPECULAR_AA_VMF);
+		stilb_scene_surface surface = stilb_scene_surface_make();
+		surface.roughness = 0.37f;
+		surface.maps[STILB_SCENE_MAP_NORMAL].texture = 1;
+		pictures[turn] = spread_picture(&s, &q, &surface, &flat);
+		stage_close(&s);
+	}
+	assert_memory_equal(pictures[0].pixels, pictures[1].pixels, stilb_image_size(&pictures[0]));
+	stilb_image_finish(&pictures[0]);
+	stilb_image_finish(&pictures[1]);
+	stilb_image_finish(&flat);
+}
+
+/* A map of normals whose alpha another map reads keeps it, and does not widen; from an edit on, too. */
+static void shared_maps_do_not_widen(void **state)
+{
+	(void)state;
+	stilb_image map = bumps_of(0.25, 4);
+	stage s = spread_stage(STILB_RENDER_SPECULAR_AA_VMF);
+	square q;
+	square_make(&q, 1.0f);
+	for (uint32_t i = 0; i < 512 * 512; i++)
+		((uint8_t *)map.pixels)[4 * i + 3] = 128;
+	stilb_scene_surface surface = stilb_scene_surface_make();
+	surface.metalness = 1.0f;
+	surface.roughness = 0.3f;
+	stilb_image smooth = spread_picture(&s, &q, &surface, NULL);
+	surface.maps[STILB_SCENE_MAP_NORMAL].texture = 1;
+	stilb_image rough = spread_picture(&s, &q, &surface, &map);
+	surface.maps[STILB_SCENE_MAP_SHEEN_ROUGHNESS].texture = 1; /* which shows nothing: there is no sheen */
+	assert_int_equal(stilb_scene_set_surface(s.scene, 0, &surface), STILB_OK);
+	stilb_scene_material material = s.scene->materials[0];
+	assert_int_equal(stilb_scene_set_material(s.scene, 0, &material), STILB_OK);
+	update(&s);
+	stilb_image shared = stage_picture(&s), again = spread_picture(&s, &q, &surface, &map);
+	assert_true(apart_of(&smooth, &rough) > 0.2);
+	assert_true(apart_of(&smooth, &shared) < 0.1); /* half a code more makes the mean tilt */
+	assert_memory_equal(shared.pixels, again.pixels, stilb_image_size(&again));
+	stilb_image *pictures[] = {&smooth, &rough, &shared, &again, &map};
+	for (int i = 0; i < 5; i++)
+		stilb_image_finish(pictures[i]);
+	stage_close(&s);
+}
+
 /* ---- all modes --------------------------------------------------------------------------------------------------- */
 
 #define CELLS 6u
@@ -705,6 +850,9 @@ int main(void)
 		cmocka_unit_test(one_sided_ones_have_no_back),
 		cmocka_unit_test(edits),
 		cmocka_unit_test(a_texture_gets_mips_later),
+		cmocka_unit_test(small_bumps_are_rough),
+		cmocka_unit_test(flat_maps_change_no_bit),
+		cmocka_unit_test(shared_maps_do_not_widen),
 		cmocka_unit_test(the_same_bits_in_all_modes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,13 +37,14 @@ static double step(stilb_image_format format, double value)
 
 /* All mips of a picture but the first, from larger to smaller, to be freed; made a few rows at a time if a pool helps.
  * *bytes: of all. */
-static uint8_t *mips_of(const stilb_image *image, stilb_job_pool *pool, size_t *bytes)
+static uint8_t *mips_of_kind(const stilb_image *image, render_mips_kind kind, stilb_render_specular_aa aa,
+                             stilb_job_pool *pool, size_t *bytes)
 {
 	size_t texel = stilb_image_size(image) / image->width / image->height;
 	uint32_t count = render_mip_count(image->width, image->height);
 	uint64_t texels = render_mip_texels(image->width, image->height, count) - (uint64_t)image->width * image->height;
 	render_mips_codes codes;
-	render_mips_codes_make(image->format, &codes);
+	render_mips_codes_make(image->format, kind, aa, &codes);
 	uint8_t *mips = malloc(texels * texel + 1);
 	stilb_image from = *image, to = from;
 	assert_non_null(mips);
@@ -59,6 +60,11 @@ static uint8_t *mips_of(const stilb_image *image, stilb_job_pool *pool, size_t *
 	*bytes = texels * texel;
 	assert_ptr_equal(to.pixels, mips + *bytes);
 	return mips;
+}
+
+static uint8_t *mips_of(const stilb_image *image, stilb_job_pool *pool, size_t *bytes)
+{
+	return mips_of_kind(image, RENDER_MIPS_MEANS, STILB_RENDER_SPECULAR_AA_VMF, pool, bytes);
 }
 
 static void assert_mip(const stilb_image *from, const uint8_t *mip, uint32_t width, uint32_t height)
@@ -161,6 +167,120 @@ static void mips_are_the_same_with_help(void **state)
 		stilb_image_finish(&image);
 	}
 	stilb_job_pool_destroy(pool);
+}
+
+/* Puts a normal into a texel of four channels. */
+static void normal_put(const stilb_image *image, size_t texel, dvec n, render_mips_kind kind)
+{
+	bool two = kind == RENDER_MIPS_NORMALS_TWO;
+	double x = 0.5 + 0.5 * n.x, y = 0.5 + 0.5 * n.y, z = 0.5 + 0.5 * n.z;
+	const double values[4] = {x, two ? x : y, two ? x : z, two ? y : 0.3 /* what a file may have there */};
+	for (size_t c = 0; c < 4; c++) {
+		size_t i = 4 * texel + c;
+		if (image->format == STILB_IMAGE_F32_LINEAR)
+			((float *)image->pixels)[i] = (float)values[c];
+		else if (image->format == STILB_IMAGE_F16_LINEAR)
+			((uint16_t *)image->pixels)[i] = stilb_image_half_from_float((float)values[c]);
+		else if (image->format == STILB_IMAGE_U16_LINEAR)
+			((uint16_t *)image->pixels)[i] = (uint16_t)(values[c] * 65535.0 + 0.5);
+		else
+			((uint8_t *)image->pixels)[i] = (uint8_t)(values[c] * 255.0 + 0.5);
+	}
+}
+
+/* The spread of normals whose mean has this length: of the lobe with that mean, coth(k) - 1 / k = length, alpha^2 =
+ * 2 / k; of Toksvig alpha^2 = 2 (1 - length) / length. */
+static double spread_of_length(double length, stilb_render_specular_aa aa)
+{
+	double low = 1e-3, high = 1e7;
+	if (aa == STILB_RENDER_SPECULAR_AA_TOKSVIG)
+		return fmin(sqrt(2.0 * (1.0 - length) / length), 1.0);
+	for (int i = 0; i < 200; i++) {
+		double k = sqrt(low * high);
+		if (1.0 / tanh(k) - 1.0 / k < length)
+			low = k;
+		else
+			high = k;
+	}
+	return fmin(sqrt(2.0 / low), 1.0);
+}
+
+/* 8 x 4 normals around a tilted axis, in cones of rising angles: what the spread of all mips is, in every format. */
+static void mips_hold_the_spread_of_cones(void **state)
+{
+	(void)state;
+	static const stilb_image_format formats[] = {STILB_IMAGE_U8_LINEAR, STILB_IMAGE_U16_LINEAR, STILB_IMAGE_F16_LINEAR,
+	                                             STILB_IMAGE_F32_LINEAR};
+	static const double finest[] = {1.0 / 255, 1.0 / 65535, 1.0 / 2048, 1e-4};
+	for (uint32_t k = 0; k < 4 * 2 * 2 * 6; k++) {
+		uint32_t format = k % 4, cone = k / 16;
+		render_mips_kind kind = k / 4 % 2 ? RENDER_MIPS_NORMALS_TWO : RENDER_MIPS_NORMALS;
+		stilb_render_specular_aa aa = (stilb_render_specular_aa)(k / 8 % 2);
+		/* Of two channels z is made, so the mean of a tilted cone is another one. */
+		double angle = 0.02 * pow(2.0, cone), tilt = kind == RENDER_MIPS_NORMALS ? 0.3 : 0.0;
+		stilb_image image;
+		assert_int_equal(stilb_image_create(&image, 8, 4, 4, formats[format]), STILB_OK);
+		for (uint32_t i = 0; i < 32; i++) {
+			double turn = REFERENCE_PI * (0.25 + 0.5 * (i % 2 + 2 * (i / 8 % 2))), x = sin(angle) * cos(turn);
+			dvec n = {x * cos(tilt) + cos(angle) * sin(tilt), sin(angle) * sin(turn),
+			          cos(angle) * cos(tilt) - x * sin(tilt)};
+			normal_put(&image, i, n, kind);
+		}
+		size_t bytes, size = stilb_image_size(&image) / 32;
+		stilb_image copy = image;
+		assert_int_equal(stilb_image_create(&copy, 8, 4, 4, formats[format]), STILB_OK);
+		memcpy(copy.pixels, image.pixels, 32 * size);
+		render_mips_prepare(&image, kind);
+		uint8_t *mips = mips_of_kind(&image, kind, aa, NULL, &bytes), *means;
+		means = mips_of(&copy, NULL, &bytes);
+		assert_true(mips && means && bytes / size == 8 + 2 + 1);
+		uint32_t channel = kind == RENDER_MIPS_NORMALS ? 3 : 1;
+		double want = spread_of_length(cos(angle), aa), code = finest[format];
+		for (size_t i = 0; i < 4 * (bytes / size); i++) {
+			double got = decoded(formats[format], mips, i);
+			if (i % 4 == channel) /* a normal's own codes are off by half a step each */
+				assert_near("a spread", 1.0 - got, want, 0.51 * code + code * 0.8 + 1e-3 * want);
+			else /* the others are means as they always were */
+				assert_near("a mean", got, decoded(formats[format], means, i), 0.0);
+		}
+		for (size_t i = channel; i < 128; i += 4)
+			assert_near("no spread", decoded(formats[format], image.pixels, i), 1.0, 0.0);
+		free(mips);
+		free(means);
+		stilb_image_finish(&image);
+		stilb_image_finish(&copy);
+	}
+}
+
+/* Flat and evenly tilted maps spread nowhere, also of odd sizes. Normals all around have no mean: the widest spread. */
+static void mips_of_flat_maps_do_not_spread(void **state)
+{
+	(void)state;
+	for (uint32_t k = 0; k < 4 * 3; k++) {
+		stilb_image_format format = k % 4 == 0   ? STILB_IMAGE_U8_LINEAR
+		                            : k % 4 == 1 ? STILB_IMAGE_U16_LINEAR
+		                            : k % 4 == 2 ? STILB_IMAGE_F16_LINEAR
+		                                         : STILB_IMAGE_F32_LINEAR;
+		stilb_image image;
+		size_t bytes;
+		assert_int_equal(stilb_image_create(&image, 13, 6, 4, format), STILB_OK);
+		for (uint32_t i = 0; i < 13 * 6; i++) {
+			dvec n = k / 4 == 0 ? (dvec){0, 0, 1} : dvec_unit((dvec){0.3, -0.5, 0.8});
+			if (k / 4 == 2)
+				n = i % 13 == 12 || i / 13 > 3 ? n : (dvec){i % 2 ? 1 : -1, 0, 0};
+			normal_put(&image, i, n, RENDER_MIPS_NORMALS);
+		}
+		render_mips_prepare(&image, RENDER_MIPS_NORMALS);
+		uint8_t *mips = mips_of_kind(&image, RENDER_MIPS_NORMALS, STILB_RENDER_SPECULAR_AA_VMF, NULL, &bytes);
+		assert_non_null(mips);
+		size_t texels = bytes / (stilb_image_size(&image) / (13 * 6));
+		for (size_t i = 0; i < texels && k / 4 < 2; i++)
+			assert_near("a flat texel", decoded(format, mips, 4 * i + 3), 1.0, 0.0);
+		if (k / 4 == 2)
+			assert_near("normals all around", decoded(format, mips, 3), 0.0, 1e-2);
+		free(mips);
+		stilb_image_finish(&image);
+	}
 }
 
 /* ---- extras ------------------------------------------------------------------------------------------------------ */
@@ -833,6 +953,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		test_one_thread(mips_are_means),
+		test_one_thread(mips_hold_the_spread_of_cones),
+		test_one_thread(mips_of_flat_maps_do_not_spread),
 		test_one_thread(extras_are_packed),
 		cmocka_unit_test(surfaces_become_records),
 		cmocka_unit_test(layers_become_bits),

@@ -28,8 +28,11 @@
 	X(11, shade_surface_highlight_cos, 1e-5f, 1e-6f)                                                                   \
 	X(12, shade_surface_sky, 1e-5f, 1e-6f)                                                                             \
 	X(13, shade_surface_lit, 1e-5f, 1e-6f)                                                                             \
-	X(14, shade_surface_light, 1e-4f, 1e-4f)
-#define SHADE_CASES_BRDF_COUNT 15
+	X(14, shade_surface_light, 1e-4f, 1e-4f)                                                                           \
+	X(15, shade_diffuse_left, 1e-4f, 1e-5f)                                                                            \
+	X(16, shade_brdf_diffuse_left, 1e-4f, 1e-5f)                                                                       \
+	X(17, shade_surface_seen, 1e-4f, 1e-5f)
+#define SHADE_CASES_BRDF_COUNT 18
 
 /* A surface under one light, by parts. */
 SHADE_FN vec4 shade_case_surface(int row, shade_brdf_model model, shade_material material, shade_frame frame, vec3 l,
@@ -78,6 +81,10 @@ SHADE_FN vec4 shade_case_brdf_model(int row, vec4 a, vec4 b)
 		return vec4(shade_microfacet_cos(model, p, frame, shade_angles_of(n, l, v), l, v), 0.0f);
 	shade_reflectance share = shade_limit_to_one(vec3(a), vec3(b));
 	shade_material material = {share.diffuse, share.specular, p.roughness, p.anisotropy, p.wrap};
+	if (row == 16)
+		return vec4(shade_brdf_diffuse_left(model, a[2], b[3]), 0.0f, 0.0f, 0.0f);
+	if (row == 17)
+		return vec4(shade_surface_seen(model, material, a[2]).diffuse, 0.0f);
 	if (row == 8)
 		return vec4(shade_surface_brdf_cos(model, material, frame, l, v), 0.0f);
 	return shade_case_surface(row, model, material, frame, l, v);
@@ -98,6 +105,8 @@ SHADE_FN vec4 shade_case_brdf(int row, vec4 a, vec4 b)
 		return vec4(share.specular, 0.0f);
 	if (row == 4)
 		return vec4(shade_frame_to_local(shade_frame_from_normal(n), w), 0.0f);
+	if (row == 15)
+		return vec4(shade_diffuse_left(a[0], b[0]), 0.0f, 0.0f, 0.0f);
 	if (row == 5)
 		return vec4(shade_frame_to_world(shade_frame_from_tangent(n, w), vec3(b)), 0.0f);
 	return shade_case_brdf_model(row, a, b);

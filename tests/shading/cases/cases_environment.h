@@ -17,8 +17,9 @@
 	X(4, shade_dfg_place, 1e-5f, 1e-6f)                                                                                \
 	X(5, shade_dfg_from_place, 1e-5f, 1e-6f)                                                                           \
 	X(6, shade_energy_compensation, 1e-5f, 1e-6f)                                                                      \
-	X(7, shade_environment_reflectance, 1e-5f, 1e-6f)
-#define SHADE_CASES_ENVIRONMENT_COUNT 8
+	X(7, shade_environment_reflectance, 1e-5f, 1e-6f)                                                                  \
+	X(8, shade_environment_look_of, 1e-5f, 1e-5f)
+#define SHADE_CASES_ENVIRONMENT_COUNT 9
 
 SHADE_FN vec4 shade_case_cubes(int row, vec4 a)
 {
@@ -41,6 +42,10 @@ SHADE_FN vec4 shade_case_environment(int row, vec4 a, vec4 b)
 	vec3 n = shade_case_direction(a[0], a[1]);
 	if (row == 3)
 		return vec4(shade_environment_direction(n, shade_case_above(n, a[2], a[3]), b[0]), 0.0f);
+	if (row == 8) {
+		shade_environment_look look = shade_environment_look_of(n, shade_case_above(n, a[2], a[3]), b[0]);
+		return vec4(look.toward, look.roughness);
+	}
 	vec2 place = shade_dfg_place(a[0] * a[0], a[1]);
 	if (row == 4) {
 		vec2 texel = shade_dfg_texel(place, 2.0f + floor(b[0] * 62.0f));

@@ -19,8 +19,9 @@
 	X(7, shade_gltf_normal_z, 1e-5f, 2e-6f)                                                                            \
 	X(8, shade_gltf_turned, 1e-5f, 2e-6f)                                                                              \
 	X(9, shade_gltf_occlusion, 1e-5f, 1e-6f)                                                                           \
-	X(10, shade_gltf_unmixed, 1e-4f, 1e-5f)
-#define SHADE_CASES_GLTF_COUNT 11
+	X(10, shade_gltf_unmixed, 1e-4f, 1e-5f)                                                                            \
+	X(11, shade_gltf_widened, 1e-5f, 1e-6f)
+#define SHADE_CASES_GLTF_COUNT 12
 
 SHADE_FN vec4 shade_case_gltf_base(shade_gltf_base base, bool of_diffuse)
 {
@@ -49,6 +50,8 @@ SHADE_FN vec4 shade_case_gltf(int row, vec4 a, vec4 b)
 		shade_gltf_color found = shade_gltf_unmixed(mixed.diffuse, mixed.specular);
 		return vec4(found.color, found.metalness);
 	}
+	if (row == 11)
+		return vec4(shade_gltf_widened(a[0], select(a[1] < 0.1f, 0.0f, a[1])), 0.0f, 0.0f, 0.0f);
 	if (row == 9)
 		return vec4(shade_gltf_occlusion(a[0], a[1]), 0.0f, 0.0f, 0.0f);
 	vec3 normal = shade_case_direction(a[0], a[1]);

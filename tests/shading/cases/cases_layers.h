@@ -20,8 +20,9 @@
 	X(8, shade_facet_left, 1e-5f, 1e-6f)                                                                               \
 	X(9, shade_thin_cos, 2e-4f, 1e-5f)                                                                                 \
 	X(10, shade_gltf_brushed, 1e-5f, 1e-6f)                                                                            \
-	X(11, shade_sheen_direction, 1e-5f, 1e-5f)
-#define SHADE_CASES_LAYERS_COUNT 12
+	X(11, shade_sheen_direction, 1e-5f, 1e-5f)                                                                         \
+	X(12, shade_sheen_most, 1e-4f, 1e-6f)
+#define SHADE_CASES_LAYERS_COUNT 13
 
 SHADE_FN float shade_case_layers_of_two(int row, vec3 f0, float roughness, vec3 l, vec3 v)
 {
@@ -43,6 +44,8 @@ SHADE_FN vec4 shade_case_layers(int row, vec4 a, vec4 b)
 		return vec4(shade_coat_share(a[0], a[1]), 0.0f, 0.0f, 0.0f);
 	if (row == 3)
 		return vec4(shade_sheen_albedo_raw(a[0], roughness), 0.0f, 0.0f, 0.0f);
+	if (row == 12)
+		return vec4(shade_sheen_most(a[0], roughness), 0.0f, 0.0f, 0.0f);
 	if (row == 4)
 		return vec4(shade_sheen_albedo(a[0], roughness), 0.0f, 0.0f, 0.0f);
 	if (row == 5)
