@@ -32,11 +32,8 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT);
 	bare_view view = {0};
 	memcpy(view.view_projection, matrix.m, sizeof view.view_projection);
-	memcpy(view.camera_position, scene->camera.position, 3 * sizeof(float));
 	memcpy(view.sky, scene->surroundings.sky, 3 * sizeof(float));
 	memcpy(view.ground, scene->surroundings.ground, 3 * sizeof(float));
-	view.lights = frame->view.address + offsetof(bare_view, sun);
-	view.light_count = scene->light_count; /* 1: the stress test's sun */
 	view.sun[3] = STILB_SCENE_LIGHT_DIRECTIONAL;
 	memcpy(&view.sun[4], scene->lights[0].direction, 3 * sizeof(float));
 	memcpy(&view.sun[8], scene->lights[0].intensity, 3 * sizeof(float));
@@ -135,9 +132,16 @@ static void tone_map(const bare *b, VkCommandBuffer commands)
 	vkCmdEndRendering(commands);
 }
 
-static void draw_all(const bare *b, const bare_frame *frame, uint32_t draws)
+static void draw_all(const bare *b, const bare_frame *frame, const stilb_scene *scene, uint32_t draws)
 {
-	bare_push push = {frame->view.address, frame->rows.address, b->materials.address, 0, 0};
+	bare_push push = {
+		.light_count = scene->light_count, /* 1: the stress test's sun */
+		.lights = frame->view.address + offsetof(bare_view, sun),
+		.view = frame->view.address,
+		.rows = frame->rows.address,
+		.materials = b->materials.address,
+	};
+	memcpy(push.camera_position, scene->camera.position, 3 * sizeof(float));
 	vkCmdBindPipeline(frame->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->pipeline);
 	vkCmdPushConstants(frame->commands, b->layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);
@@ -204,7 +208,7 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 	bare_check(vkBeginCommandBuffer(frame->commands, &begin), "vkBeginCommandBuffer");
 	take_targets(b, frame->commands);
 	begin_rendering(b, frame->commands, &b->light, scene->surroundings.sky);
-	draw_all(b, frame, scene->part_count);
+	draw_all(b, frame, scene, scene->part_count);
 	vkCmdEndRendering(frame->commands);
 	tone_map(b, frame->commands);
 	copy_picture(b, frame);

@@ -38,16 +38,20 @@ typedef struct bare_material {
 
 typedef struct bare_view {
 	float view_projection[16];
-	float camera_position[4], sky[4], ground[4];
-	float added[4];         /* all 0: nothing added to the materials' colours */
-	VkDeviceAddress lights; /* of sun */
-	uint32_t light_count;
-	float unused;
+	float sky[4], ground[4];
+	VkDeviceAddress extras[2]; /* not read */
+	float time, unused[3];
 	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
 typedef struct bare_push {
-	VkDeviceAddress view, rows, materials, vertices, frame_rows; /* the last two are not read */
+	float camera_position[4];
+	float added[4]; /* all 0: nothing added to the materials' colours */
+	float turn[2];
+	uint32_t light_count;
+	float pixels;
+	VkDeviceAddress lights, maps, panorama, view;
+	VkDeviceAddress rows, materials, vertices, frame_rows; /* the last two are not read */
 } bare_push;
 
 typedef struct bare_buffer {
