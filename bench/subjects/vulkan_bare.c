@@ -32,11 +32,8 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 	stilb_mat4 matrix = stilb_scene_camera_matrix(&scene->camera, (float)RECORD_WIDTH / (float)RECORD_HEIGHT);
 	bare_view view = {0};
 	memcpy(view.view_projection, matrix.m, sizeof view.view_projection);
-	memcpy(view.camera_position, scene->camera.position, 3 * sizeof(float));
 	memcpy(view.sky, scene->surroundings.sky, 3 * sizeof(float));
 	memcpy(view.ground, scene->surroundings.ground, 3 * sizeof(float));
-	view.lights = frame->view.address + offsetof(bare_view, sun);
-	view.light_count = scene->light_count; /* 1: the stress test's sun */
 	view.sun[3] = STILB_SCENE_LIGHT_DIRECTIONAL;
 	memcpy(&view.sun[4], scene->lights[0].direction, 3 * sizeof(float));
 	memcpy(&view.sun[8], scene->lights[0].intensity, 3 * sizeof(float));
@@ -45,15 +42,23 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 
 /* ---- commands ---------------------------------------------------------------------------------------------------- */
 
-static void draw_all(const bare *b, const bare_frame *frame, uint32_t draws)
+static void draw_all(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
-	bare_push push = {frame->view.address, frame->rows.address, b->materials.address, 0, 0};
+	bare_push push = {
+		.light_count = scene->light_count, /* 1: the stress test's sun */
+		.lights = frame->view.address + offsetof(bare_view, sun),
+		.view = frame->view.address,
+		.rows = frame->rows.address,
+		.materials = b->materials.address,
+	};
+	memcpy(push.camera_position, scene->camera.position, 3 * sizeof(float));
 	vkCmdBindPipeline(frame->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->pipeline);
 	vkCmdPushConstants(frame->commands, b->layout, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
 	                   sizeof push, &push);
 	vkCmdBindVertexBuffers(frame->commands, 0, 1, &b->vertices.buffer, &(VkDeviceSize){0});
 	vkCmdBindIndexBuffer(frame->commands, b->indices.buffer, 0, VK_INDEX_TYPE_UINT32);
-	vkCmdDrawIndexedIndirect(frame->commands, frame->indirect.buffer, 0, draws, sizeof(VkDrawIndexedIndirectCommand));
+	vkCmdDrawIndexedIndirect(frame->commands, frame->indirect.buffer, 0, scene->part_count,
+	                         sizeof(VkDrawIndexedIndirectCommand));
 }
 
 static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene *scene)
@@ -62,7 +67,7 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 	write_draws(b, frame, scene);
 	write_view(frame, scene);
 	bare_frame_begin(b, frame, scene->surroundings.sky);
-	draw_all(b, frame, scene->part_count);
+	draw_all(b, frame, scene);
 	bare_frame_end(b, frame);
 }
 

@@ -36,18 +36,24 @@ typedef struct bare_material {
 	float emission[3], wrap, unused[4];
 } bare_material;
 
+/* What is read of a view in a buffer. */
 typedef struct bare_view {
 	float view_projection[16];
-	float camera_position[4], sky[4], ground[4];
-	float added[4];         /* all 0: nothing added to the materials' colours */
-	VkDeviceAddress lights; /* of sun */
-	uint32_t light_count;
-	float unused;
-	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
+	float sky[4], ground[4];
+	VkDeviceAddress extras, extra_places; /* not read */
+	float time, unused[3];                /* not read */
+	float sun[20];                        /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
+/* And in constants. */
 typedef struct bare_push {
-	VkDeviceAddress view, rows, materials, vertices, frame_rows; /* the last two are not read */
+	float camera_position[4];
+	float added[4]; /* all 0: nothing added to the materials' colours */
+	float turn[2];  /* of a panorama: not read */
+	uint32_t light_count;
+	float pixels;                                          /* not read */
+	VkDeviceAddress lights, maps, panorama, view;          /* lights: of sun; maps, panorama: not read */
+	VkDeviceAddress rows, materials, vertices, frame_rows; /* the last two are not read */
 } bare_push;
 
 typedef struct bare_buffer {
