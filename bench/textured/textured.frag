@@ -29,7 +29,9 @@ layout(set = 0, binding = 5) uniform samplerCube panorama_cube;
 layout(set = 0, binding = 6) uniform sampler2D gloss_table;
 layout(set = 0, binding = 7) uniform sampler2D irradiance_map;
 layout(set = 0, binding = 9, std430) readonly buffer Table { vec4 at[]; } irradiance;
-#ifdef TEXTURED_ADDRESS
+#ifdef TEXTURED_FETCHED
+#define IRRADIANCE(i) texelFetch(irradiance_map, ivec2((i) % 256, (i) / 256), 0).xyz
+#elif defined(TEXTURED_ADDRESS)
 #define IRRADIANCE(i) Parts(material.table).at[i].xyz
 #else
 #define IRRADIANCE(i) irradiance.at[i].xyz

@@ -2,6 +2,8 @@
 //   TEXTURED_ARRAYS   maps are layers of arrays
 //   TEXTURED_ADDRESS  the table of irradiance is read by its address, not as a storage buffer
 //   TEXTURED_SAMPLED  it is an image that a sampler interpolates (no habit of the engine's)
+//   TEXTURED_FETCHED  it is an image of which four texels are read (no habit of the engine's)
+//   TEXTURED_VIEW     vertices read the view's matrix and the transform by address, not as constants
 //   TEXTURED_HANDED   vertices read the material by its address and hand it on to pixels
 //   TEXTURED_EXTRAS   vertices read tangent and colour by address, packed, and hand the colour on
 //   TEXTURED_SIDES    pixels find out which side of the triangle they are on
@@ -25,4 +27,5 @@ layout(set = 0, binding = 8, std140) uniform Material {
 	uvec2 table;
 	uvec2 record; // of these four parts
 	uvec2 extras; // as render_extra has them
+	uvec2 view;   // of a copy of the constants
 } material;

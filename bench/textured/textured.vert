@@ -22,9 +22,17 @@ layout(location = 4) out vec2 place;
 
 void main()
 {
+#ifdef TEXTURED_VIEW
+	Parts view = Parts(material.view);
+	mat4 view_projection = mat4(view.at[0], view.at[1], view.at[2], view.at[3]);
+	vec4 transform[3] = vec4[3](view.at[4], view.at[5], view.at[6]);
+#else
+	mat4 view_projection = push.view_projection;
+	vec4 transform[3] = push.transform;
+#endif
 	vec4 p = vec4(position, 1.0);
-	world_position = vec3(dot(push.transform[0], p), dot(push.transform[1], p), dot(push.transform[2], p));
-	vec3 x = push.transform[0].xyz, y = push.transform[1].xyz, z = push.transform[2].xyz;
+	world_position = vec3(dot(transform[0], p), dot(transform[1], p), dot(transform[2], p));
+	vec3 x = transform[0].xyz, y = transform[1].xyz, z = transform[2].xyz;
 	world_normal = normalize(vec3(dot(cross(y, z), normal), dot(cross(z, x), normal), dot(cross(x, y), normal)));
 #ifdef TEXTURED_EXTRAS
 	Pairs extras = Pairs(material.extras);
@@ -43,5 +51,5 @@ void main()
 		parts[i] = Parts(material.record).at[i];
 #endif
 	place = uv;
-	gl_Position = push.view_projection * vec4(world_position, 1.0);
+	gl_Position = view_projection * vec4(world_position, 1.0);
 }

@@ -18,6 +18,9 @@ static const uint32_t address_frag[] =
 static const uint32_t sampled_frag[] =
 #include "textured_sampled.frag.inc"
 	;
+static const uint32_t fetched_frag[] =
+#include "textured_fetched.frag.inc"
+	;
 static const uint32_t handed_frag[] =
 #include "textured_handed.frag.inc"
 	;
@@ -33,6 +36,9 @@ static const uint32_t habits_frag[] =
 static const uint32_t straight_vert[] =
 #include "textured.vert.inc"
 	;
+static const uint32_t view_vert[] =
+#include "textured_view.vert.inc"
+	;
 static const uint32_t handed_vert[] =
 #include "textured_handed.vert.inc"
 	;
@@ -42,7 +48,9 @@ static const uint32_t extras_vert[] =
 static const uint32_t habits_vert[] =
 #include "textured_habits.vert.inc"
 	;
-/* Variants that change pixels alone. */
+/* Variants that change pixels alone, or vertices. */
+#define view_frag straight_frag
+#define fetched_vert straight_vert
 #define arrays_vert straight_vert
 #define address_vert straight_vert
 #define sampled_vert straight_vert
@@ -73,6 +81,7 @@ static void make_buffers(textured_bare *b)
 	render_extras_pack(mesh->extras, mesh->vertex_count, b->packed.mapped);
 	b->material =
 		bare_make_buffer(&b->bare, sizeof(textured_material), BY_ADDRESS | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+	b->view = bare_make_buffer(&b->bare, sizeof b->push, BY_ADDRESS);
 	textured_material material = {
 		.roughness = surface->roughness,
 		.metalness = surface->metalness,
@@ -82,6 +91,7 @@ static void make_buffers(textured_bare *b)
 		.table = b->table.address,
 		.record = b->material.address,
 		.extras = b->packed.address,
+		.view = b->view.address,
 	};
 	for (int i = 0; i < 3; i++) {
 		material.color[i] = surface->color[i];
@@ -96,6 +106,7 @@ static void make_buffers(textured_bare *b)
 	for (int row = 0; row < 3; row++)
 		for (int column = 0; column < 4; column++)
 			b->push.transform[row][column] = scene->part_transform[0].m[4 * column + row];
+	memcpy(b->view.mapped, &b->push, sizeof b->push);
 }
 
 /* ---- the set ----------------------------------------------------------------------------------------------------- */
@@ -284,6 +295,7 @@ void textured_bare_close(textured_bare *b)
 		bare_free_image(&b->bare, &b->images[i]);
 	bare_free_buffer(&b->bare, &b->extras);
 	bare_free_buffer(&b->bare, &b->packed);
+	bare_free_buffer(&b->bare, &b->view);
 	bare_free_buffer(&b->bare, &b->table);
 	bare_free_buffer(&b->bare, &b->material);
 	vkDestroySampler(device, b->samplers[0], NULL);

@@ -35,7 +35,7 @@ typedef struct textured_push {
 typedef struct textured_material {
 	float color[4], specular[3], roughness, emission[3], metalness, normal_scale, occlusion, unused[2];
 	float turn[2];
-	VkDeviceAddress table, record, extras;
+	VkDeviceAddress table, record, extras, view, rest;
 } textured_material;
 
 typedef struct textured_bare {
@@ -43,8 +43,9 @@ typedef struct textured_bare {
 	const stilb_scene *scene;
 	textured_push push;
 	bare_image images[TEXTURED_IMAGES];
-	bare_buffer extras, packed, table, material; /* extras: as the scene has them; packed: as the engine's shaders do */
-	VkSampler samplers[2];                       /* clamped, repeated */
+	bare_buffer extras, packed; /* as the scene has them, as the engine's shaders do */
+	bare_buffer table, material, view;
+	VkSampler samplers[2]; /* clamped, repeated */
 	VkDescriptorSetLayout set_layout;
 	VkDescriptorPool pool;
 	VkDescriptorSet set;

@@ -15,9 +15,11 @@
 	X(ARRAYS, arrays, "bare-arrays", "vulkan-bare, but maps are layers of arrays")                                     \
 	X(ADDRESS, address, "bare-address", "vulkan-bare, but the table of irradiance is read by its address")             \
 	X(SAMPLED, sampled, "bare-sampled", "vulkan-bare, but that table is an image")                                     \
+	X(FETCHED, fetched, "bare-fetched", "vulkan-bare, but that table is an image of which four texels are read")       \
+	X(VIEW, view, "bare-view", "vulkan-bare, but vertices read the view and the transform by address")                 \
 	X(HANDED, handed, "bare-handed", "vulkan-bare, but vertices read the material by its address and hand it on")      \
 	X(EXTRAS, extras, "bare-extras", "vulkan-bare, but vertices read tangent and colour by address")                   \
 	X(SIDES, sides, "bare-sides", "vulkan-bare, but pixels find out which side they are on")                           \
-	X(HABITS, habits, "bare-habits", "vulkan-bare with all of these but the image, as the engine has them")
+	X(HABITS, habits, "bare-habits", "vulkan-bare with all of these but the images, as the engine has them")
 
 #endif
