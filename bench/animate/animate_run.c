@@ -219,7 +219,8 @@ static void run(const bench_child *child, uint32_t figures, uint32_t joints, uin
 		bench_child_fail("no worker starts");
 	stilb_scene *scene = make_scene(figures, joints, vertices);
 	frame(scene, 0.0, NULL);
-	times one = {INFINITY, INFINITY, INFINITY, INFINITY}, two = one;
+	double never = (double)INFINITY;
+	times one = {never, never, never, never}, two = one;
 	double copy = (double)INFINITY, still = (double)INFINITY;
 	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 1e9);
 	for (int i = 0; i < 4 || bench_child_now_ns() < end; i++) {

@@ -66,6 +66,7 @@ static bool image_jpeg_ends(const unsigned char *data, size_t size)
 static image_outcome image_decode_foreign(const char *format, const void *data, size_t size, image_load *load,
                                           image_message *message)
 {
+	STILB_ASSERT(format);
 	if (strcmp(format, "jpeg") == 0 && !image_jpeg_ends(data, size)) {
 		snprintf(message->text, sizeof message->text, "the file is cut off");
 		return IMAGE_OUTCOME_CODEC;

@@ -83,6 +83,8 @@ static void shown_mark_textures(render_scene *tables, const stilb_scene_surface 
 static render_mips_kind shown_texture_kind(const stilb_render *render, const render_scene_texture *texture,
                                            const stilb_image *image)
 {
+	if (!image->pixels) /* it was removed */
+		return RENDER_MIPS_MEANS;
 	render_texture_shape shape = render_texture_shape_of(render->device, image, true);
 	bool data = stilb_image_format_as_data(image->format) == image->format;
 	if (!texture->as_normals || texture->as_other || !data || stilb_image_format_is_blocks(shape.format) ||

@@ -259,6 +259,7 @@ static stilb_result view_start(void *user, live_run *run)
 static void view_update(void *user, const stilb_engine_update *update)
 {
 	view *v = user;
+	view_rays_give_way(v);
 	view_move(v, update);
 	view_show_inset(v);
 	if (v->detail && stilb_geometry_detail_give(v->detail, v->scene))
@@ -363,6 +364,8 @@ static void view_title(void *user, const live_run *run, char title[static 256])
 	else if (v->coming.scene)
 		snprintf(title, 256, "Stilb: copying %.120s to the device, %.0f %%; Esc gives it up", name,
 		         100.0 * (double)stilb_engine_prepared(v->run->engine));
+	else if (v->rays.on && v->rays.plays)
+		snprintf(title, 256, "Stilb: %.120s, playing; path traced when paused", name);
 	else if (v->rays.shown)
 		snprintf(title, 256, "Stilb: %.120s, path traced", name);
 	else

@@ -138,6 +138,13 @@ void view_rays_hold(view *v)
 	v->rays.held = true;
 }
 
+void view_rays_give_way(view *v)
+{
+	v->rays.plays = v->scene && stilb_scene_play_counts_of(v->scene).sampled > 0;
+	if (v->rays.plays)
+		view_rays_hold(v);
+}
+
 /* After edits, which view_rays_hold came before: brings the tracer up to date. */
 static void rays_take_edits(view *v, const view_seen *seen)
 {
@@ -313,6 +320,10 @@ static void rays_in_window(view *v)
 		view_rays_hold(v);
 		snprintf(text, sizeof text, "%s is of frames alone", name);
 		stilb_engine_caption(v->run->engine, text);
+		return;
+	}
+	if (rays->plays) {
+		stilb_engine_caption(v->run->engine, "playing; path traced when paused");
 		return;
 	}
 	rays_take_edits(v, &seen);

@@ -1,9 +1,9 @@
 /*
  * view_rays: the path tracer in place of the frames of `stilb view`, or beside them, to the right of a divider.
  *
- * While what is seen changes, frames show it: they are sharp at once, and rays would have to begin anew for each. When
- * it has been still for a moment rays take over, coarse at first. In a window they run beside the frames, on the same
- * workers; without one, frames wait for them.
+ * While what is seen changes, and while a clip plays, frames show it: they are sharp at once, and rays would have to
+ * begin anew for each. When it has been still for a moment rays take over, coarse at first. In a window they run beside
+ * the frames, on the same workers; without one, frames wait for them.
  *
  * Threads.  [main-thread]
  */
@@ -27,6 +27,7 @@ typedef struct view_rays {
 	float from;          /* where the divider is, as a share of the width: frames are left of it */
 	view_trace *trace;   /* of the scene; NULL: none */
 	bool held;           /* the scene may be edited */
+	bool plays;          /* a clip has moved the scene in this frame */
 	uint64_t begun_ns;   /* when the trace began, and then the picture */
 	view_seen seen;      /* in the last frame */
 	uint64_t changed_ns; /* when that was other than in the frame before */
@@ -55,6 +56,10 @@ void view_rays_begin(view_rays *rays);
 
 /* Turns rays on, or off. What they have found stays meanwhile, and goes on if nothing has changed. */
 void view_rays_switch(view *v);
+
+/* First in each frame, when clips have given nodes their poses and nothing that rays read follows from them yet: rays
+ * read nothing of the scene while one plays. */
+void view_rays_give_way(view *v);
 
 /* In each frame, after the camera was moved. STILB_ERROR_..., only without a window: the picture cannot be traced. */
 stilb_result view_rays_frame(view *v, uint64_t frame);

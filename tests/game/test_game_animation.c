@@ -486,6 +486,22 @@ static void frames_and_rays_show_the_same_pose(void **state)
 	}
 }
 
+/* Rays of a run without a window follow the clip to the frame that is saved. */
+static void rays_beside_frames_follow_clips(void **state)
+{
+	(void)state;
+	write_model("moving.gltf", rest, true, false);
+	stilb_good("render moving.gltf --animation slide --at 0.75 -o r.exr --spp 3 --quiet " SIZE);
+	stilb_good(
+		"view moving.gltf --animation slide --at 0.5 --frames 16 --split 0 --spp 3 --screenshot v.exr " HEADLESS SIZE);
+	picture traced = load("r.exr"), viewed = load("v.exr");
+	for (int i = 0; i < WIDTH * HEIGHT * 3; i++) { /* the frame's numbers are halves */
+		float want = traced.value[i / 3 / WIDTH][i / 3 % WIDTH][i % 3];
+		float got = viewed.value[i / 3 / WIDTH][i / 3 % WIDTH][i % 3];
+		assert_true(fabsf(got - want) < fmaxf(want, 1.0f / 16384) / 1024);
+	}
+}
+
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest rays[] = {
@@ -503,6 +519,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest frames[] = {
 		cmocka_unit_test_setup(frames_of_view_are_times, folder_fresh),
 		cmocka_unit_test_setup(frames_and_rays_show_the_same_pose, folder_fresh),
+		cmocka_unit_test_setup(rays_beside_frames_follow_clips, folder_fresh),
 	};
 	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_animation")) {
 		fprintf(stderr, "usage: %s PATH-OF-STILB [view]\n", argv[0]);

@@ -508,7 +508,12 @@ static void test_triangles_left_out(void **state)
 	assert_int_equal(stat_int("scene.invalid"), 0);
 	write_text("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nf 1 2 3\nf 1 2 4\n");
 	assert_int_equal(stilb_code(no_display, "render nan.obj --size 8x8 --spp 1 -o a.png --stats a.json"), 0);
-	assert_said(run.err, "'nan.obj': 1 triangle is left out: a coordinate is NaN");
+	assert_said(run.err, "nan.obj: triangles with a coordinate that is NaN or infinite are left out: 1 mesh");
+	read_stats("a.json");
+	assert_int_equal(stat_int("scene.triangles"), 1);
+	write_text("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e11 0 1\nf 1 2 3\nf 1 2 4\n");
+	assert_int_equal(stilb_code(no_display, "render far.obj --size 8x8 --spp 1 -o a.png --stats a.json"), 0);
+	assert_said(run.err, "'far.obj': 1 triangle is left out: a coordinate is NaN");
 	read_stats("a.json");
 	assert_int_equal(stat_int("scene.invalid"), 1);
 }

@@ -292,6 +292,39 @@ static void rays_take_over(void **state)
 	assert_int_equal(run.code, 0);
 }
 
+/* A triangle that a clip moves to the right in a second, again and again. */
+#define SLIDING                                                                                                        \
+	"{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"scene\":0,\"nodes\":[{\"mesh\":0}],"              \
+	"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"animations\":[{\"name\":\"slide\","           \
+	"\"samplers\":["                                                                                                   \
+	"{\"input\":1,\"output\":2}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}]}],"   \
+	"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[-1,-1,0],"         \
+	"\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"SCALAR\",\"min\":[0],"           \
+	"\"max\":[1]},{\"bufferView\":2,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}],\"bufferViews\":["          \
+	"{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":8},"                              \
+	"{\"buffer\":0,\"byteOffset\":44,\"byteLength\":24}],\"buffers\":[{\"byteLength\":68,\"uri\":"                     \
+	"\"data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8A"                              \
+	"AAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAA=\"}]}"
+
+/* Rays wait while a clip plays, say so, and come when it is paused; it plays on, and they wait again. */
+static void rays_wait_for_clips(void **state)
+{
+	(void)state;
+	write_text("a.gltf", SLIDING);
+	open_window("view a.gltf --size 160x120 --workers 1 --gamepad off", "Stilb: a.gltf");
+	x11_server_type(display, window, XK_t);
+	for (int i = 0; i < 2; i++) {
+		assert_true(x11_server_await(display, "Stilb: a.gltf, playing; path traced when paused") == window);
+		x11_server_type(display, window, XK_space);
+		assert_true(x11_server_await(display, "Stilb: a.gltf, path traced") == window);
+		x11_server_type(display, window, XK_space);
+	}
+	XCloseDisplay(display);
+	kill(run.pid, SIGINT);
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+}
+
 /* Keys, a click, and a file that the scene names: its number of triangles grows. */
 static void keys_clicks_and_materials(void **state)
 {
@@ -331,6 +364,7 @@ int main(int argc, char **argv)
 		cmocka_unit_test_setup_teardown(files_come_and_go, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(a_full_disk_is_told, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(rays_take_over, folder_fresh, run_end),
+		cmocka_unit_test_setup_teardown(rays_wait_for_clips, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(keys_clicks_and_materials, folder_fresh, run_end),
 		cmocka_unit_test_setup_teardown(the_first_must_open, folder_fresh, run_end),
 	};

@@ -95,7 +95,7 @@ static const char *dump_surface_mistake(const render_dump_surface *surface, uint
 		if (surface->samplers[i] >= RENDER_MAPS_SAMPLERS)
 			return "a map's sampler is unknown";
 	}
-	if (surface->function > functions || !dump_is_finite(surface->parameters[0], STILB_SCENE_PARAMETERS * 4))
+	if (surface->function > functions || !dump_is_finite(surface->parameters[0], (size_t)STILB_SCENE_PARAMETERS * 4))
 		return "its function is not there, or a parameter is not finite";
 	if (surface->also_unused != 0)
 		return "its unused bytes are not zero";

@@ -139,12 +139,13 @@ static stilb_result figure_mesh(stilb_scene_mesh *mesh, stilb_scene_deform *defo
 		result = scene_deform_create(deform, mesh->vertex_count, false, false);
 	for (uint32_t j = 0; result == STILB_OK && j < JOINTS; j++) {
 		for (uint32_t v = 0; v < FIGURE_SIDES * FIGURE_RINGS; v++) {
-			float along = (float)(v / FIGURE_SIDES) / (float)(FIGURE_RINGS - 1);
-			figure_vertex(mesh, deform, j, v, along, 1.0f, (float)(v % FIGURE_SIDES) / (float)FIGURE_SIDES);
+			uint32_t ring = v / FIGURE_SIDES, side = v % FIGURE_SIDES;
+			float along = (float)ring / (float)(FIGURE_RINGS - 1);
+			figure_vertex(mesh, deform, j, v, along, 1.0f, (float)side / (float)FIGURE_SIDES);
 		}
 		figure_vertex(mesh, deform, j, FIGURE_SIDES * FIGURE_RINGS, 0.0f, 0.0f, 0.0f);
 		figure_vertex(mesh, deform, j, FIGURE_SIDES * FIGURE_RINGS + 1, 1.0f, 0.0f, 0.0f);
-		figure_triangles(mesh->indices + (size_t)j * 3 * LIMB_TRIANGLES, j * LIMB_VERTICES,
+		figure_triangles(mesh->indices + (size_t)3 * LIMB_TRIANGLES * j, j * LIMB_VERTICES,
 		                 figure_joints[j].end[1] > figure_joints[j].at[1]);
 	}
 	return result;
@@ -251,11 +252,11 @@ static stilb_result figure_first(stilb_scene *scene)
 static stilb_scene_pose figure_place(const stilb_scene *scene, uint32_t figure, uint32_t count)
 {
 	uint64_t side = (uint64_t)ceil(sqrt((double)scene->stress_models)) + 1;
-	uint64_t corner = (uint64_t)figure * (side * side) / count;
+	uint64_t corner = (uint64_t)figure * (side * side) / count, row = corner / side, column = corner % side;
 	stilb_scene_pose pose = stilb_scene_pose_identity();
 	float half = 3.14159265f * stilb_random_float(scene->seed + 1, figure);
-	pose.translation[0] = STILB_SCENE_TILE * ((float)(corner % side) - 0.5f * (float)(side - 1));
-	pose.translation[2] = STILB_SCENE_TILE * ((float)(corner / side) - 0.5f * (float)(side - 1));
+	pose.translation[0] = STILB_SCENE_TILE * ((float)column - 0.5f * (float)(side - 1));
+	pose.translation[2] = STILB_SCENE_TILE * ((float)row - 0.5f * (float)(side - 1));
 	pose.rotation[1] = sinf(half);
 	pose.rotation[3] = cosf(half);
 	return pose;

@@ -22,7 +22,7 @@ static void rates_reach(const stilb_scene *scene, play_shared *shared, stilb_mat
 				continue;
 			uint32_t v = (uint32_t)(k / rest->influences), joint = first + rest->joints[k];
 			const float *bind = a->inverse_binds[joint].m;
-			float at[3], square = 0.0f;
+			float at[3] = {0}, square = 0.0f;
 			stilb_mat4 to = stilb_mat4_multiply(places[a->joints[joint]], *(const stilb_mat4 *)bind);
 			for (int c = 0; c < 3; c++)
 				at[c] = to.m[c] * *play_stream(rest, PLAY_POSITION, v) +
