@@ -42,97 +42,7 @@ static void write_view(const bare_frame *frame, const stilb_scene *scene)
 
 /* ---- commands ---------------------------------------------------------------------------------------------------- */
 
-#define COLOR_STAGE VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT
-#define DEPTH_STAGES (VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT)
-#define COPY_STAGE VK_PIPELINE_STAGE_2_COPY_BIT
-
-static void image_barrier(VkCommandBuffer commands, const VkImageMemoryBarrier2 *barrier)
-{
-	VkImageMemoryBarrier2 whole = *barrier;
-	whole.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
-	whole.subresourceRange.levelCount = whole.subresourceRange.layerCount = 1;
-	vkCmdPipelineBarrier2(commands, &(VkDependencyInfo){.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-	                                                    .imageMemoryBarrierCount = 1,
-	                                                    .pImageMemoryBarriers = &whole});
-}
-
-/* An image of colours is drawn into next, by a pass that discards its contents, once `reader` no longer reads it. */
-static void take_color(VkCommandBuffer commands, VkImage image, VkPipelineStageFlags2 reader)
-{
-	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE | reader,
-	                                                 .srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-	                                                 .dstStageMask = COLOR_STAGE,
-	                                                 .dstAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-	                                                 .newLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-	                                                 .image = image,
-	                                                 .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT});
-}
-
-/* Barriers: this frame's drawing waits until the previous frame no longer uses the render targets, and discards their
- * contents. */
-static void take_targets(const bare *b, VkCommandBuffer commands)
-{
-	take_color(commands, b->light.image, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
-	image_barrier(commands, &(VkImageMemoryBarrier2){
-								.srcStageMask = DEPTH_STAGES,
-								.srcAccessMask = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
-								.dstStageMask = DEPTH_STAGES,
-								.dstAccessMask = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
-	                                             VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
-								.newLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-								.image = b->depth.image,
-								.subresourceRange.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT,
-							});
-}
-
-/* sky: the radiance that `image` is cleared to, with the depth; NULL: it is not, and there is no depth. */
-static void begin_rendering(const bare *b, VkCommandBuffer commands, const bare_image *image, const float *sky)
-{
-	VkRenderingAttachmentInfo color = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = image->view,
-		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.loadOp = sky ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-		.storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-	};
-	if (sky)
-		color.clearValue = (VkClearValue){.color.float32 = {sky[0], sky[1], sky[2], 1.0f}};
-	VkRenderingAttachmentInfo depth = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-		.imageView = b->depth.view,
-		.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-		.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
-		.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
-	};
-	VkRenderingInfo rendering = {
-		.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-		.renderArea.extent = {RECORD_WIDTH, RECORD_HEIGHT},
-		.layerCount = 1,
-		.colorAttachmentCount = 1,
-		.pColorAttachments = &color,
-		.pDepthAttachment = sky ? &depth : NULL,
-	};
-	vkCmdBeginRendering(commands, &rendering);
-}
-
-/* Makes the picture of the light. */
-static void tone_map(const bare *b, VkCommandBuffer commands)
-{
-	image_barrier(commands, &(VkImageMemoryBarrier2){.srcStageMask = COLOR_STAGE,
-	                                                 .srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-	                                                 .dstStageMask = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-	                                                 .dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
-	                                                 .oldLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-	                                                 .newLayout = VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL,
-	                                                 .image = b->light.image,
-	                                                 .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT});
-	take_color(commands, b->color.image, COPY_STAGE);
-	begin_rendering(b, commands, &b->color, NULL);
-	bare_tone_draw(b, commands);
-	vkCmdEndRendering(commands);
-}
-
-static void draw_all(const bare *b, const bare_frame *frame, const stilb_scene *scene, uint32_t draws)
+static void draw_all(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
 	bare_push push = {
 		.light_count = scene->light_count, /* 1: the stress test's sun */
@@ -147,73 +57,18 @@ static void draw_all(const bare *b, const bare_frame *frame, const stilb_scene *
 	                   sizeof push, &push);
 	vkCmdBindVertexBuffers(frame->commands, 0, 1, &b->vertices.buffer, &(VkDeviceSize){0});
 	vkCmdBindIndexBuffer(frame->commands, b->indices.buffer, 0, VK_INDEX_TYPE_UINT32);
-	vkCmdDrawIndexedIndirect(frame->commands, frame->indirect.buffer, 0, draws, sizeof(VkDrawIndexedIndirectCommand));
-}
-
-static void copy_picture(const bare *b, const bare_frame *frame)
-{
-	image_barrier(frame->commands, &(VkImageMemoryBarrier2){
-									   .srcStageMask = COLOR_STAGE,
-									   .srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
-									   .dstStageMask = COPY_STAGE,
-									   .dstAccessMask = VK_ACCESS_2_TRANSFER_READ_BIT,
-									   .oldLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL,
-									   .newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-									   .image = b->color.image,
-									   .subresourceRange.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT,
-								   });
-	VkBufferImageCopy region = {
-		.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-		.imageExtent = {RECORD_WIDTH, RECORD_HEIGHT, 1},
-	};
-	vkCmdCopyImageToBuffer(frame->commands, b->color.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, frame->picture.buffer,
-	                       1, &region);
-	VkMemoryBarrier2 to_host = {
-		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-		.srcStageMask = COPY_STAGE,
-		.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-		.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
-		.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT,
-	};
-	vkCmdPipelineBarrier2(frame->commands, &(VkDependencyInfo){.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-	                                                           .memoryBarrierCount = 1,
-	                                                           .pMemoryBarriers = &to_host});
-}
-
-static void submit(const bare *b, const bare_frame *frame)
-{
-	VkCommandBufferSubmitInfo commands = {
-		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
-		.commandBuffer = frame->commands,
-	};
-	VkSubmitInfo2 info = {
-		.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-		.commandBufferInfoCount = 1,
-		.pCommandBufferInfos = &commands,
-	};
-	bare_check(vkQueueSubmit2(b->queue, 1, &info, frame->done), "vkQueueSubmit2");
+	vkCmdDrawIndexedIndirect(frame->commands, frame->indirect.buffer, 0, scene->part_count,
+	                         sizeof(VkDrawIndexedIndirectCommand));
 }
 
 static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene *scene)
 {
-	VkCommandBufferBeginInfo begin = {
-		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
-	};
-	bare_check(vkWaitForFences(b->device, 1, &frame->done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-	bare_check(vkResetFences(b->device, 1, &frame->done), "vkResetFences");
-	bare_check(vkResetCommandPool(b->device, frame->pool, 0), "vkResetCommandPool");
+	bare_frame_wait(b, frame);
 	write_draws(b, frame, scene);
 	write_view(frame, scene);
-	bare_check(vkBeginCommandBuffer(frame->commands, &begin), "vkBeginCommandBuffer");
-	take_targets(b, frame->commands);
-	begin_rendering(b, frame->commands, &b->light, scene->surroundings.sky);
-	draw_all(b, frame, scene, scene->part_count);
-	vkCmdEndRendering(frame->commands);
-	tone_map(b, frame->commands);
-	copy_picture(b, frame);
-	bare_check(vkEndCommandBuffer(frame->commands), "vkEndCommandBuffer");
-	submit(b, frame);
+	bare_frame_begin(b, frame, scene->surroundings.sky);
+	draw_all(b, frame, scene);
+	bare_frame_end(b, frame);
 }
 
 /* ---- the program ------------------------------------------------------------------------------------------------- */
@@ -222,7 +77,7 @@ static void draw_frame(const bare *b, const bare_frame *frame, const stilb_scene
 static uint64_t picture_sum(const bare *b, const bare_frame *frame)
 {
 	size_t pixels = (size_t)RECORD_WIDTH * RECORD_HEIGHT;
-	bare_check(vkWaitForFences(b->device, 1, &frame->done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+	bare_frame_wait(b, frame);
 	unsigned char *rgb = record_alloc(pixels, 3);
 	for (size_t i = 0; i < pixels; i++)
 		memcpy(rgb + 3 * i, (const unsigned char *)frame->picture.mapped + 4 * i, 3);

@@ -36,21 +36,23 @@ typedef struct bare_material {
 	float emission[3], wrap, unused[4];
 } bare_material;
 
+/* What is read of a view in a buffer. */
 typedef struct bare_view {
 	float view_projection[16];
 	float sky[4], ground[4];
-	VkDeviceAddress extras[2]; /* not read */
-	float time, unused[3];
-	float sun[20]; /* no part of the shaders' view: a light, which stands behind it */
+	VkDeviceAddress extras, extra_places; /* not read */
+	float time, unused[3];                /* not read */
+	float sun[20];                        /* no part of the shaders' view: a light, which stands behind it */
 } bare_view;
 
+/* And in constants. */
 typedef struct bare_push {
 	float camera_position[4];
 	float added[4]; /* all 0: nothing added to the materials' colours */
-	float turn[2];
+	float turn[2];  /* of a panorama: not read */
 	uint32_t light_count;
-	float pixels;
-	VkDeviceAddress lights, maps, panorama, view;
+	float pixels;                                          /* not read */
+	VkDeviceAddress lights, maps, panorama, view;          /* lights: of sun; maps, panorama: not read */
 	VkDeviceAddress rows, materials, vertices, frame_rows; /* the last two are not read */
 } bare_push;
 
@@ -102,13 +104,22 @@ typedef struct bare {
 	bare_buffer vertices, indices, materials;
 	bare_mesh *meshes;
 	bare_frame frames[BARE_FRAMES];
+	uint32_t width, height;
+	bool dither; /* of the picture */
 } bare;
+
+/* What a pipeline reads of vertices. */
+typedef struct bare_vertices {
+	uint32_t binding_count, attribute_count;
+	const VkVertexInputBindingDescription *bindings;
+	const VkVertexInputAttributeDescription *attributes;
+} bare_vertices;
 
 /* A pipeline; without `vertices` one triangle over the picture, and no depth. */
 typedef struct bare_program {
 	const uint32_t *codes[2]; /* SPIR-V: vertex, fragment */
 	size_t sizes[2];
-	bool vertices;
+	const bare_vertices *vertices;
 	VkFormat format;
 	VkPipelineLayout layout;
 	uint32_t width, height;
@@ -133,9 +144,16 @@ bare_buffer bare_make_buffer(bare *b, VkDeviceSize size, VkBufferUsageFlags usag
 void bare_free_buffer(bare *b, bare_buffer *buffer);
 bare_image bare_make_image(bare *b, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
                            VkImageAspectFlags aspect);
+/* Memory of its own for an image. */
+VkDeviceMemory bare_image_memory(bare *b, VkImage image);
 void bare_free_image(bare *b, bare_image *image);
 /* Creates the scene's meshes and materials, targets of this size in pixels, the pipeline and the frames. */
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height);
+/* A frame: bare_frame_wait, then write what it reads; bare_frame_begin, whose rendering begins with the radiance `sky`;
+ * draws; bare_frame_end, which tone maps, copies the picture into frame->picture and submits. */
+void bare_frame_wait(const bare *b, const bare_frame *frame);
+void bare_frame_begin(const bare *b, const bare_frame *frame, const float sky[3]);
+void bare_frame_end(const bare *b, const bare_frame *frame);
 /* Waits for the device and destroys everything. */
 void bare_close(bare *b);
 

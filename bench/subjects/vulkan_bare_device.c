@@ -134,6 +134,15 @@ void bare_free_buffer(bare *b, bare_buffer *buffer)
 	vkFreeMemory(b->device, buffer->memory, NULL);
 }
 
+VkDeviceMemory bare_image_memory(bare *b, VkImage image)
+{
+	VkMemoryRequirements needs;
+	vkGetImageMemoryRequirements(b->device, image, &needs);
+	VkDeviceMemory memory = allocate(b, needs, false);
+	bare_check(vkBindImageMemory(b->device, image, memory, 0), "vkBindImageMemory");
+	return memory;
+}
+
 bare_image bare_make_image(bare *b, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
                            VkImageAspectFlags aspect)
 {
@@ -149,11 +158,8 @@ bare_image bare_make_image(bare *b, uint32_t width, uint32_t height, VkFormat fo
 		.usage = usage,
 	};
 	bare_image made = {0};
-	VkMemoryRequirements needs;
 	bare_check(vkCreateImage(b->device, &info, NULL, &made.image), "vkCreateImage");
-	vkGetImageMemoryRequirements(b->device, made.image, &needs);
-	made.memory = allocate(b, needs, false);
-	bare_check(vkBindImageMemory(b->device, made.image, made.memory, 0), "vkBindImageMemory");
+	made.memory = bare_image_memory(b, made.image);
 	VkImageViewCreateInfo view = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
 		.image = made.image,

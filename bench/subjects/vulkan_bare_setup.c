@@ -88,17 +88,15 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 	     .module = make_shader(b, program->codes[1], program->sizes[1]),
 	     .pName = "main"},
 	};
-	VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
-	const VkVertexInputAttributeDescription attributes[2] = {
-		{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
-		{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
-	};
+	static const bare_vertices none = {0};
+	bool has_vertices = program->vertices;
+	const bare_vertices *vertices = has_vertices ? program->vertices : &none;
 	VkPipelineVertexInputStateCreateInfo vertex_input = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-		.vertexBindingDescriptionCount = program->vertices ? 1 : 0,
-		.pVertexBindingDescriptions = &binding,
-		.vertexAttributeDescriptionCount = program->vertices ? 2 : 0,
-		.pVertexAttributeDescriptions = attributes,
+		.vertexBindingDescriptionCount = vertices->binding_count,
+		.pVertexBindingDescriptions = vertices->bindings,
+		.vertexAttributeDescriptionCount = vertices->attribute_count,
+		.pVertexAttributeDescriptions = vertices->attributes,
 	};
 	VkPipelineInputAssemblyStateCreateInfo assembly = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
@@ -115,7 +113,7 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 	};
 	VkPipelineRasterizationStateCreateInfo rasterization = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-		.cullMode = program->vertices ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
+		.cullMode = has_vertices ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE,
 		.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
 		.lineWidth = 1.0f,
 	};
@@ -125,8 +123,8 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 	};
 	VkPipelineDepthStencilStateCreateInfo depth = {
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-		.depthTestEnable = program->vertices,
-		.depthWriteEnable = program->vertices,
+		.depthTestEnable = has_vertices,
+		.depthWriteEnable = has_vertices,
 		.depthCompareOp = VK_COMPARE_OP_GREATER, /* reversed depth: near is 1 */
 	};
 	VkPipelineColorBlendAttachmentState no_blending = {.colorWriteMask = 0xf};
@@ -139,7 +137,7 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 		.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
 		.colorAttachmentCount = 1,
 		.pColorAttachmentFormats = &program->format,
-		.depthAttachmentFormat = program->vertices ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_UNDEFINED,
+		.depthAttachmentFormat = has_vertices ? VK_FORMAT_D32_SFLOAT : VK_FORMAT_UNDEFINED,
 	};
 	VkGraphicsPipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
@@ -165,9 +163,15 @@ VkPipeline bare_make_pipeline(const bare *b, const bare_program *program)
 
 static void make_pipeline(bare *b, uint32_t width, uint32_t height)
 {
+	static const VkVertexInputBindingDescription binding = {.stride = sizeof(stilb_scene_vertex)};
+	static const VkVertexInputAttributeDescription attributes[2] = {
+		{.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, position)},
+		{.location = 1, .format = VK_FORMAT_R32G32B32_SFLOAT, .offset = offsetof(stilb_scene_vertex, normal)},
+	};
+	static const bare_vertices vertices = {1, 2, &binding, attributes};
 	bare_program program = {.codes = {vertex_code, fragment_code},
 	                        .sizes = {sizeof vertex_code, sizeof fragment_code},
-	                        .vertices = true,
+	                        .vertices = &vertices,
 	                        .format = VK_FORMAT_R16G16B16A16_SFLOAT,
 	                        .layout = b->layout,
 	                        .width = width,
@@ -214,6 +218,8 @@ static void free_frame(bare *b, bare_frame *frame)
 
 void bare_prepare(bare *b, const stilb_scene *scene, uint32_t width, uint32_t height)
 {
+	b->width = width;
+	b->height = height;
 	make_meshes(b, scene);
 	make_materials(b, scene);
 	b->color = bare_make_image(b, width, height, VK_FORMAT_R8G8B8A8_SRGB,

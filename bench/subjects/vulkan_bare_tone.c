@@ -9,7 +9,7 @@ static const uint32_t tone_fragment_code[] =
 #include "tone.frag.inc"
 	;
 
-/* What the fragment shader is given: no exposure, no dither. */
+/* What the fragment shader is given: no exposure. */
 typedef struct tone_push {
 	float exposure;
 	uint32_t dither;
@@ -85,7 +85,7 @@ void bare_tone_make(bare *b, uint32_t width, uint32_t height)
 
 void bare_tone_draw(const bare *b, VkCommandBuffer commands)
 {
-	tone_push push = {1.0f, 0};
+	tone_push push = {1.0f, b->dither};
 	vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->tone.pipeline);
 	vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, b->tone.layout, 0, 1, &b->tone.set, 0, NULL);
 	vkCmdPushConstants(commands, b->tone.layout, VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof push, &push);
