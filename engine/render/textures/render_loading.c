@@ -29,7 +29,7 @@ static stilb_result loading_mean(const stilb_image *image, float mean[4])
 	if (!light)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a row of a texture");
 	for (uint32_t r = 0; r < rows; r++) {
-		stilb_image_row_to_light(&from, (uint32_t)((2 * (uint64_t)r + 1) * from.height / (2 * rows)), light);
+		stilb_image_row_to_light(&from, (uint32_t)((2 * (uint64_t)r + 1) * from.height / (2ull * rows)), light);
 		for (uint32_t x = 0; x < from.width; x++)
 			for (uint32_t c = 0; c < channels; c++) /* NaN counts as 0 */
 				sum[c] += (double)fminf(fmaxf(light[x * channels + c], 0.0f), LOADING_BRIGHTEST);

@@ -138,6 +138,7 @@ static stilb_result figure_mesh(stilb_scene_mesh *mesh, stilb_scene_deform *defo
 	if (result == STILB_OK)
 		result = scene_deform_create(deform, mesh->vertex_count, false, false);
 	for (uint32_t j = 0; result == STILB_OK && j < JOINTS; j++) {
+		uint32_t first_index = 3u * LIMB_TRIANGLES * j;
 		for (uint32_t v = 0; v < FIGURE_SIDES * FIGURE_RINGS; v++) {
 			uint32_t ring = v / FIGURE_SIDES, side = v % FIGURE_SIDES;
 			float along = (float)ring / (float)(FIGURE_RINGS - 1);
@@ -145,7 +146,7 @@ static stilb_result figure_mesh(stilb_scene_mesh *mesh, stilb_scene_deform *defo
 		}
 		figure_vertex(mesh, deform, j, FIGURE_SIDES * FIGURE_RINGS, 0.0f, 0.0f, 0.0f);
 		figure_vertex(mesh, deform, j, FIGURE_SIDES * FIGURE_RINGS + 1, 1.0f, 0.0f, 0.0f);
-		figure_triangles(mesh->indices + (size_t)3 * LIMB_TRIANGLES * j, j * LIMB_VERTICES,
+		figure_triangles(mesh->indices + first_index, j * LIMB_VERTICES,
 		                 figure_joints[j].end[1] > figure_joints[j].at[1]);
 	}
 	return result;

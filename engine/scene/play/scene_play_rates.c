@@ -55,7 +55,7 @@ stilb_result stilb_scene_set_rates(stilb_scene *scene, const stilb_scene_rates *
 		return stilb_fail(STILB_ERROR_ARGUMENT, "rates: angles %g and %g must be finite and at least 0",
 		                  (double)rates->angle, (double)rates->still);
 	if (!all->shared.reach) {
-		stilb_mat4 *places = malloc((scene->animation->node_count + 1ull) * sizeof *places);
+		stilb_mat4 *places = calloc(scene->animation->node_count + 1ull, sizeof *places);
 		all->shared.reach = calloc(scene->animation->node_count + 1ull, sizeof *all->shared.reach);
 		if (places && all->shared.reach)
 			rates_reach(scene, &all->shared, places);
