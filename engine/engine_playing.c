@@ -26,9 +26,10 @@ void stilb_engine_step(stilb_engine *engine, double seconds)
 void engine_playing_pause(stilb_engine *engine)
 {
 	engine_playing *playing = &engine->playing;
-	float pace = playing->pace;
-	playing->pace = pace == 0.0f ? playing->pace_before : 0.0f;
-	playing->pace_before = pace == 0.0f ? playing->pace : pace;
-	if (playing->pace == 0.0f && pace == 0.0f)
-		playing->pace = playing->pace_before = 1.0f;
+	if (playing->pace != 0.0f) {
+		playing->pace_before = playing->pace;
+		playing->pace = 0.0f;
+	} else {
+		playing->pace = playing->pace_before != 0.0f ? playing->pace_before : 1.0f;
+	}
 }

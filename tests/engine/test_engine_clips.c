@@ -309,6 +309,23 @@ static void figures_that_look_small_wait(void **state)
 	stage_close(&s);
 }
 
+/* A lamp in a figure's hand is moved however small the figure looks; so is all between it and the hips, and no more. */
+static void what_carries_a_light_never_stands_still(void **state)
+{
+	(void)state;
+	stage s = stage_open(0, NULL, NULL);
+	stilb_scene_rates rates = {.still = 1e3f};
+	assert_int_equal(stilb_scene_attach_light(s.scene, 0, stilb_scene_figure_node(s.scene, 0, 5)), STILB_OK);
+	assert_int_equal(stilb_scene_set_rates(s.scene, &rates), STILB_OK);
+	stage_frame(&s);
+	assert_true(stilb_scene_play_counts_of(s.scene).still == 0); /* other plays take hold in all nodes */
+	stage_frame(&s);
+	stilb_scene_play_counts counts = stilb_scene_play_counts_of(s.scene);
+	assert_int_equal(counts.channels, FIGURES * 5); /* hand, arm, chest, and two channels of the hips */
+	assert_int_equal(counts.channels + counts.still, FIGURES * 12);
+	stage_close(&s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -320,6 +337,7 @@ int main(void)
 		cmocka_unit_test(the_window_of_clips_starts_and_ends_one),
 		cmocka_unit_test(poses_of_the_program_count),
 		cmocka_unit_test(figures_that_look_small_wait),
+		cmocka_unit_test(what_carries_a_light_never_stands_still),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

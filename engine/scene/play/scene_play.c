@@ -398,7 +398,10 @@ static uint32_t play_move_all(stilb_scene *scene, double seconds)
 				play_keep_end(all, f, p);
 		}
 		figure->behind |= moved && figure->play_count > 0;
-		if (figure->behind && (figure->fresh || scene_play_is_due(scene, f)))
+		bool sampled = figure->behind && scene_play_is_due(scene, f);
+		if (figure->fresh) /* other plays take hold at once, and in all nodes */
+			figure->least = 0.0f;
+		if (sampled || (figure->behind && figure->fresh))
 			all->due[due++] = f;
 		all->counts.waiting += figure->behind;
 		figure->fresh = false;

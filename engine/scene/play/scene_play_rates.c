@@ -4,8 +4,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* How far what hangs on nodes reaches: from a joint to the vertices that it or one below it carries, from a node to the
- * models on those below it. Parents come before children. */
+/* A node, and those above it, never stand still. */
+static void rates_always(const stilb_scene_animation *a, play_shared *shared, uint32_t node)
+{
+	for (; node != STILB_SCENE_NONE; node = a->nodes[node].parent)
+		shared->reach[node] = INFINITY;
+}
+
+/* How far what hangs on nodes reaches: from a joint to the vertices that it or one below it carries. What carries
+ * models without a skin, lights or cameras always moves, and figures with such models never wait: their size is not
+ * known here. Parents come before children. */
 static void rates_reach(const stilb_scene *scene, play_shared *shared, stilb_mat4 *places)
 {
 	const stilb_scene_animation *a = scene->animation;
@@ -38,11 +46,21 @@ static void rates_reach(const stilb_scene *scene, play_shared *shared, stilb_mat
 			}
 		}
 	}
-	for (uint32_t n = 0; n < a->node_count; n++) /* what carries models and no skin always moves */
-		for (uint32_t up = n;
-		     a->nodes[n].model_count > 0 && a->nodes[n].skin == STILB_SCENE_NONE && up != STILB_SCENE_NONE;
-		     up = a->nodes[up].parent)
-			shared->reach[up] = INFINITY;
+	for (uint32_t n = 0; n < a->node_count; n++) {
+		bool shows = a->nodes[n].model_count > 0 && a->nodes[n].skin == STILB_SCENE_NONE;
+		if (shows) {
+			shared->radius = INFINITY;
+			rates_always(a, shared, n);
+		}
+		if (a->nodes[n].weight_count > 0) /* of morph targets, which no joint carries */
+			shared->reach[n] = INFINITY;
+	}
+	for (uint32_t i = 0; scene->light_mounts && i < scene->light_count; i++)
+		if (scene->light_mounts[i].node > 0 && scene->light_mounts[i].node <= a->node_count)
+			rates_always(a, shared, scene->light_mounts[i].node - 1);
+	for (uint32_t i = 0; scene->camera_mounts && i < scene->camera_count; i++)
+		if (scene->camera_mounts[i].node > 0 && scene->camera_mounts[i].node <= a->node_count)
+			rates_always(a, shared, scene->camera_mounts[i].node - 1);
 }
 
 stilb_result stilb_scene_set_rates(stilb_scene *scene, const stilb_scene_rates *rates)

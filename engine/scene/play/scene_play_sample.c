@@ -264,23 +264,24 @@ static void sample_play(const stilb_scene_animation *animation, const play_share
 	const stilb_scene_clip *from = &animation->clips[play->clip];
 	const uint32_t *order = shared->order + from->first_channel;
 	float *row = figure->row, *sums = row + shared->value_count;
-	uint32_t channels[4], at = 0, count;
+	uint32_t channels[4], at = 0, count, sampled = 0;
 	for (uint32_t t = 0; t < clip->track_count; t++)
 		figure->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
 	while ((count = sample_next(animation, shared, order, &at, clip->rotation_count, figure->least, channels)) > 0) {
 		sample_rotations(animation, shared, channels, count, figure, play->weight);
-		figure->sampled += count;
+		sampled += count;
 	}
 	at = clip->rotation_count;
 	while ((count = sample_next(animation, shared, order, &at, from->channel_count, figure->least, channels)) > 0) {
-		figure->sampled += count;
+		sampled += count;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t c = channels[i], target = shared->channels[c].target;
 			sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
 			               row + shared->targets[target].first, &sums[target], play->weight);
 		}
 	}
-	figure->still += from->channel_count;
+	figure->sampled += sampled;
+	figure->still += from->channel_count - sampled;
 }
 
 /* The mean of what the plays have added and, for weights below 1, of what the file has. */
@@ -401,7 +402,7 @@ static void sample_list(stilb_scene *scene, play_figure *figure)
 	figure->posing = true;
 	figure->behind = false;
 	scene->figures->counts.channels += figure->sampled;
-	scene->figures->counts.still += figure->still - figure->sampled;
+	scene->figures->counts.still += figure->still;
 }
 
 void scene_play_sample(stilb_scene *scene, uint32_t count, stilb_job_pool *pool, uint32_t worker)
