@@ -1,8 +1,10 @@
-/* A pose as a matrix, where there are many. Inside scene/. */
+/* Poses and products of matrices, where there are many. Inside scene/. */
 #ifndef STILB_SCENE_POSE_H
 #define STILB_SCENE_POSE_H
 
 #include "scene/scene.h"
+
+#include <string.h>
 
 /* stilb_scene_pose_matrix. False: the sum of its elements' squares is not within 1e36. */
 static inline bool scene_pose_matrix(const stilb_scene_pose *pose, stilb_mat4 *matrix)
@@ -23,6 +25,18 @@ static inline bool scene_pose_matrix(const stilb_scene_pose *pose, stilb_mat4 *m
 		matrix->m[4 * c + 3] = c == 3 ? 1.0f : 0.0f;
 	}
 	return sum[0] + sum[1] + sum[2] + sum[3] < 1e36f;
+}
+
+/* The sums of stilb_mat4_multiply, in the same order. */
+static inline void scene_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb_mat4 *product)
+{
+	stilb_vec4 columns[4];
+	memcpy(columns, a->m, sizeof columns);
+	for (size_t i = 0; i < 4; i++) {
+		const float *v = &b->m[4 * i];
+		stilb_vec4 sum = ((columns[0] * v[0] + columns[1] * v[1]) + columns[2] * v[2]) + columns[3] * v[3];
+		memcpy(&product->m[4 * i], &sum, sizeof sum);
+	}
 }
 
 #endif

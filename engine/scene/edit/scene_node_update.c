@@ -7,6 +7,7 @@
 #include "scene/edit/scene_edit_internal.h"
 #include "scene/play/scene_play_internal.h"
 #include "scene/scene_internal.h"
+#include "scene/scene_pose.h"
 
 #include <string.h>
 
@@ -55,18 +56,6 @@ static void order_make(const stilb_scene_nodes *all, edit_nodes *nodes)
 
 /* ---- places ------------------------------------------------------------------------------------------------------ */
 
-/* The sums of stilb_mat4_multiply, in the same order. */
-static inline void update_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb_mat4 *product)
-{
-	stilb_vec4 columns[4];
-	memcpy(columns, a->m, sizeof columns);
-	for (size_t i = 0; i < 4; i++) {
-		const float *v = &b->m[4 * i];
-		stilb_vec4 sum = ((columns[0] * v[0] + columns[1] * v[1]) + columns[2] * v[2]) + columns[3] * v[3];
-		memcpy(&product->m[4 * i], &sum, sizeof sum);
-	}
-}
-
 static inline void update_node(stilb_scene *scene, uint32_t position)
 {
 	const stilb_scene_edits *edits = scene->edits;
@@ -77,7 +66,7 @@ static inline void update_node(stilb_scene *scene, uint32_t position)
 	if (all->parent[n] == STILB_SCENE_NONE)
 		all->to_world[n] = all->local[n];
 	else
-		update_multiply(&all->to_world[all->parent[n]], &all->local[n], &all->to_world[n]);
+		scene_multiply(&all->to_world[all->parent[n]], &all->local[n], &all->to_world[n]);
 	for (uint32_t m = edits->nodes.first_model[n]; m; m = edits->models[m - 1].next_on_node)
 		scene_edit_place_model(scene, m - 1, &all->to_world[n]);
 }

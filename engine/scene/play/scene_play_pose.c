@@ -2,6 +2,7 @@
  * figure far from the origin loses no digits, and one that is moved as a whole is not posed again. */
 #include "profiler/prof.h"
 #include "scene/play/scene_play_internal.h"
+#include "scene/scene_pose.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,18 +38,6 @@ static bool pose_invert(const stilb_mat4 *matrix, stilb_mat4 *inverse)
 	return true;
 }
 
-/* The sums of stilb_mat4_multiply. */
-static inline void pose_multiply(const stilb_mat4 *a, const stilb_mat4 *b, stilb_mat4 *product)
-{
-	stilb_vec4 columns[4];
-	memcpy(columns, a->m, sizeof columns);
-	for (size_t i = 0; i < 4; i++) {
-		const float *v = &b->m[4 * i];
-		stilb_vec4 sum = ((columns[0] * v[0] + columns[1] * v[1]) + columns[2] * v[2]) + columns[3] * v[3];
-		memcpy(&product->m[4 * i], &sum, sizeof sum);
-	}
-}
-
 /* Brings the places of joints, and of what is above them, in the space of the figure's place up to date. They are the
  * products of the matrices below it: the same bits wherever the figure stands. A node that the program has hung
  * elsewhere comes there by way of the world; one that it has removed stays where it was. */
@@ -65,9 +54,9 @@ static void pose_places(const stilb_scene *scene, play_figure *figure)
 		if (above == STILB_SCENE_NONE && hangs == figure->place)
 			figure->places[n] = nodes->local[own];
 		else if (above != STILB_SCENE_NONE && hangs == figure->nodes[above])
-			pose_multiply(&figure->places[above], &nodes->local[own], &figure->places[n]);
+			scene_multiply(&figure->places[above], &nodes->local[own], &figure->places[n]);
 		else if (pose_invert(&nodes->to_world[figure->place], &from_world))
-			pose_multiply(&from_world, &nodes->to_world[own], &figure->places[n]);
+			scene_multiply(&from_world, &nodes->to_world[own], &figure->places[n]);
 	}
 }
 
@@ -80,7 +69,7 @@ static bool pose_joints(const stilb_scene *scene, play_figure *figure, const sti
 		if (node == STILB_SCENE_NONE)
 			continue; /* it was removed, and stays where it was */
 		stilb_mat4 joint;
-		pose_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
+		scene_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
 		              &joint);
 		play_rows rows;
 		for (size_t i = 0; i < 12; i++)
