@@ -2,6 +2,16 @@
 #ifndef GI_CASES_H
 #define GI_CASES_H
 
+/* Scenes that are rendered beside the plain path tracer: X(NAME, TITLE). */
+#define GI_ROWS(X)                                                                                                     \
+	X("cornell", "the Cornell box")                                                                                    \
+	X("open-sky", "bumpy spheres under an even sky and a small sun")                                                   \
+	X("panorama", "balls in a dim panorama with a bright window")                                                      \
+	X("door", "a room that is lit through a door")                                                                     \
+	X("metals", "metals from smooth to rough, two lamps, a dim sky")                                                   \
+	X("lights", "1,000 emitting triangles and 1,000 points")                                                           \
+	X("foliage", "leaves cut out of a texture, sun and sky")
+
 #define GI_CASES(X)                                                                                                    \
 	X("build", "building the BVH of 1,037,244 triangles: with Stilb's workers, and with Embree's threads", build)      \
 	X("move", "a model of 1,037,244 triangles and 1,000 of 10,000 small ones moved: a scene made anew, and an update", \
@@ -9,9 +19,6 @@
 	X("primary", "camera rays with their surface data, beside rtcIntersect16 on the same rays", rate)                  \
 	X("path", "diffuse paths, beside Embree alone on the same rays", path)                                             \
 	X("sobol", "path tracing with Owen-scrambled Sobol points, beside independent random numbers", samples)            \
-	X("efficiency",                                                                                                    \
-	  "Cornell box with 64 samples for each pixel: 1 / (mean square error x seconds), beside the baseline",            \
-	  efficiency)                                                                                                      \
 	X("cache-time", "Cornell box by irradiance cache on one thread: time for an RMSE of 0.0112", cache_time)           \
 	X("cache-0.25s", "indirect light in 0.25 s: error of irradiance cache and path tracer", equal_time)                \
 	X("cache-1s", "indirect light in 1 s: error of irradiance cache and path tracer", equal_time)                      \

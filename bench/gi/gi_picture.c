@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define PIXELS ((size_t)GI_RUN_SIDE * GI_RUN_SIDE)
 #define FLOATS (3 * PIXELS)
@@ -11,13 +12,22 @@
 #define LEFT_OUT_AROUND 2
 #define REFERENCE_SEED 0x5eed
 
+gi_run_clock gi_run_now(void)
+{
+	struct timespec cpu;
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+	return (gi_run_clock){1e-9 * (double)bench_child_now_ns(), (double)cpu.tv_sec + 1e-9 * (double)cpu.tv_nsec};
+}
+
 gi_run_picture gi_run_render(const gi_run_world *world, const stilb_gi_settings *settings)
 {
 	stilb_gi_render *render;
 	gi_run_check(stilb_gi_render_create(world->gi, settings, world->pool, &render), "a render");
-	uint64_t begin = bench_child_now_ns();
+	gi_run_clock begin = gi_run_now();
 	gi_run_check(stilb_gi_render_run(render), "rendering");
-	gi_run_picture picture = {.seconds = 1e-9 * (double)(bench_child_now_ns() - begin)};
+	gi_run_clock end = gi_run_now();
+	gi_run_picture picture = {.seconds = end.seconds - begin.seconds,
+	                          .cpu_seconds = end.cpu_seconds - begin.cpu_seconds};
 	stilb_gi_progress progress;
 	stilb_gi_render_progress(render, &progress);
 	picture.rays = progress.rays;
@@ -104,9 +114,9 @@ void gi_run_reference_write(const char *path, uint32_t samples)
 	gi_run_world_finish(&world);
 }
 
-static void leave_out(bool *left_out, const float *rgb)
+void gi_run_leave_out(bool *left_out, const float *rgb, uint32_t pixels)
 {
-	int side = (int)GI_RUN_SIDE, around = LEFT_OUT_AROUND;
+	int side = (int)pixels, around = LEFT_OUT_AROUND;
 	for (int y = 0; y < side; y++)
 		for (int x = 0; x < side; x++) {
 			if (rgb[3 * (size_t)(y * side + x)] <= VISIBLE_LIGHT)
@@ -130,7 +140,7 @@ gi_run_reference gi_run_reference_read(const char *path)
 	reference.left_out = calloc(PIXELS, sizeof(bool));
 	if (!reference.left_out)
 		bench_child_fail("no memory for a picture");
-	leave_out(reference.left_out, reference.all);
+	gi_run_leave_out(reference.left_out, reference.all, GI_RUN_SIDE);
 	return reference;
 }
 

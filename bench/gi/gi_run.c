@@ -1,5 +1,6 @@
 /* The program of the suite `gi`: its cases that compare techniques of the offline renderer (engine/gi), and main. */
 #include "bench/gi/gi_run.h"
+#include "bench/gi/gi_cases.h"
 
 #include "base/base.h"
 #include "profiler/prof.h"
@@ -7,8 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define EFFICIENCY_SAMPLES 64u
 
 void gi_run_check(stilb_result result, const char *what)
 {
@@ -125,41 +124,6 @@ static double tally_seconds(const tally *t)
 static double tally_rmse(const tally *t)
 {
 	return sqrt(t->square / t->count);
-}
-
-static double tally_efficiency(const tally *t)
-{
-	return 1.0 / (t->square / t->count * tally_seconds(t));
-}
-
-static void run_efficiency(const bench_child *child)
-{
-	gi_run_reference reference = gi_run_reference_read(child->argument);
-	uint32_t threads = bench_child_cpu_count();
-	gi_run_world world = cornell(threads - 1);
-	gi_plain *plain = gi_plain_make(world.scene);
-	stilb_gi_settings settings = gi_run_cornell(world.scene);
-	settings.samples = EFFICIENCY_SAMPLES;
-	settings.seed = 1 + 1000 * child->round;
-	tally own = {0}, base = {0};
-	while (own.count == 0 || own.seconds + base.seconds < child->seconds) {
-		settings.seed++;
-		gi_run_picture a = gi_run_render(&world, &settings), b = gi_plain_render(plain, &settings, threads);
-		tally_add(&own, &a, &reference, false);
-		tally_add(&base, &b, &reference, false);
-	}
-	if (fabs(own.bias / own.count) > 0.3 || fabs(base.bias / base.count) > 0.3)
-		bench_child_fail("wrong result: the means differ from the reference's by %.2f and %.2f %%",
-		                 own.bias / own.count, base.bias / base.count);
-	bench_child_metric("stilb", tally_efficiency(&own));
-	bench_child_metric("baseline", tally_efficiency(&base));
-	bench_child_metric("ratio", tally_efficiency(&own) / tally_efficiency(&base));
-	bench_child_metric("stilb-seconds", tally_seconds(&own));
-	bench_child_metric("stilb-rmse", tally_rmse(&own));
-	bench_child_metric("baseline-seconds", tally_seconds(&base));
-	bench_child_metric("baseline-rmse", tally_rmse(&base));
-	gi_plain_finish(plain);
-	gi_run_world_finish(&world);
 }
 
 static stilb_gi_settings cache_settings(const gi_run_world *world)
@@ -356,6 +320,13 @@ static bool is_case(const bench_child *child, const char *name)
 	return strcmp(child->case_name, name) == 0;
 }
 
+static bool is_row(const bench_child *child)
+{
+#define ROW(NAME, TITLE) is_case(child, NAME) ||
+	return GI_ROWS(ROW) false;
+#undef ROW
+}
+
 int main(int argc, char **argv)
 {
 	bench_child child = bench_child_args(argc, argv);
@@ -375,8 +346,6 @@ int main(int argc, char **argv)
 		run_sobol(&child);
 	else if (is_case(&child, "workers"))
 		run_workers(&child);
-	else if (is_case(&child, "efficiency"))
-		run_efficiency(&child);
 	else if (is_case(&child, "cache-time"))
 		run_cache_time(&child);
 	else if (is_case(&child, "cache-0.25s"))
@@ -387,6 +356,8 @@ int main(int argc, char **argv)
 		run_hessian(&child);
 	else if (is_case(&child, "pathtracer"))
 		run_pathtracer(&child);
+	else if (is_row(&child))
+		gi_run_row(&child);
 	else
 		return BENCH_CHILD_SKIP;
 	return 0;

@@ -36,9 +36,14 @@ void gi_run_world_finish(gi_run_world *world);
 /* Linear Rec.709, three floats for each pixel, row 0 at the top. */
 typedef struct gi_run_picture {
 	float *rgb;
-	double seconds;
+	double seconds, cpu_seconds; /* cpu_seconds: of all threads */
 	uint64_t rays, records;
 } gi_run_picture;
+
+typedef struct gi_run_clock {
+	double seconds, cpu_seconds; /* cpu_seconds: of this process */
+} gi_run_clock;
+gi_run_clock gi_run_now(void);
 
 /* Renders a picture and times it, without building the scene. */
 gi_run_picture gi_run_render(const gi_run_world *world, const stilb_gi_settings *settings);
@@ -67,12 +72,16 @@ typedef struct gi_run_error {
 } gi_run_error;
 gi_run_error gi_run_compare(const gi_run_reference *reference, const float *rgb, bool indirect);
 
-/* ---- the baseline ------------------------------------------------------------------------------------------------ */
+/* Marks the pixels within 2 pixels of a radiance above 4 (a visible light) in a picture of side x side pixels. */
+void gi_run_leave_out(bool *left_out, const float *rgb, uint32_t side);
+
+/* ---- the plain path tracer --------------------------------------------------------------------------------------- */
 
 /*
- * A plain path tracer: one path at a time, PCG32 numbers, one light sample at every hit, power heuristic, Russian
- * roulette from the third bounce. Only for diffuse and emitting triangles. Embree builds the scene with its own
- * threads.
+ * What a few pages of C do on Embree: one path at a time, Owen-scrambled Sobol points, one light asked at every hit,
+ * power heuristic, Russian roulette from the third bounce. Only for what the rows have: diffuse surfaces and GGX
+ * highlights of constants, cut-out textures, emitting triangles, points, one sun, two colours or a panorama around.
+ * The scene must outlive it. Embree builds the tree with its own threads.
  */
 typedef struct gi_plain gi_plain;
 gi_plain *gi_plain_make(const stilb_scene *scene);
@@ -80,6 +89,10 @@ void gi_plain_finish(gi_plain *plain);
 gi_run_picture gi_plain_render(const gi_plain *plain, const stilb_gi_settings *settings, uint32_t threads);
 
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
+
+/* The scene of a row, by the case's name. */
+stilb_scene *gi_run_row_scene(const char *name);
+void gi_run_row(const bench_child *child);
 
 void gi_run_build(const bench_child *child);
 
