@@ -7,6 +7,7 @@
 	X("cornell", "the Cornell box")                                                                                    \
 	X("open-sky", "bumpy spheres under an even sky and a small sun")                                                   \
 	X("panorama", "balls in a dim panorama with a bright window")                                                      \
+	X("mixed", "the same with a sun, a lamp and a point")                                                              \
 	X("door", "a room that is lit through a door")                                                                     \
 	X("metals", "metals from smooth to rough, two lamps, a dim sky")                                                   \
 	X("lights", "1,000 emitting triangles and 1,000 points")                                                           \

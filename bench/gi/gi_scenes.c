@@ -166,6 +166,20 @@ static void panorama(stilb_scene_build *build)
 	look(build, vec(0.5f, 3.0f, 6.5f), vec(0, 0.5f, 0), 0.8f);
 }
 
+/* The same with a sun, a lamp and a point: something of every group of lights. */
+static void mixed(stilb_scene_build *build)
+{
+	panorama(build);
+	stilb_vec3 down = stilb_vec3_normalize(vec(-0.6f, -1.0f, 0.3f));
+	stilb_scene_build_light(build, &(stilb_scene_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+	                                                    .direction = {down[0], down[1], down[2]},
+	                                                    .intensity = {1.0f, 0.9f, 0.8f}});
+	stilb_scene_build_light(build, &(stilb_scene_light){.kind = STILB_SCENE_LIGHT_POINT,
+	                                                    .position = {-1.0f, 2.0f, 2.5f},
+	                                                    .intensity = {1.0f, 0.8f, 0.5f}});
+	lamp(build, 10.0f, vec(2, 3, -2), vec(0.7f, 0, 0), vec(0, 0, 0.7f));
+}
+
 /* Two rooms, 4 x 3 x 4 m each; the lamp is in the one behind the door. */
 static void door(stilb_scene_build *build)
 {
@@ -303,7 +317,8 @@ stilb_scene *gi_run_row_scene(const char *name)
 	static const struct {
 		const char *name;
 		void (*make)(stilb_scene_build *build);
-	} own[] = {{"panorama", panorama}, {"door", door}, {"metals", metals}, {"lights", lights}, {"foliage", foliage}};
+	} own[] = {{"panorama", panorama}, {"mixed", mixed},   {"door", door},
+	           {"metals", metals},     {"lights", lights}, {"foliage", foliage}};
 	stilb_scene *scene = NULL;
 	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
 		if (strcmp(name, own[i].name) == 0) {

@@ -64,19 +64,25 @@ static gi_point numbered(uint64_t stream, uint32_t i)
 	return (gi_point){.hash = stream, .index = i, .count = 1};
 }
 
-/* One light sample's estimate of the irradiance (colour channel 0) of a receiver at position with this normal. */
+/* The estimate of the irradiance (colour channel 0) of a receiver at position with this normal, of one light sample of
+ * each group. */
 static double contribution(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, gi_point point)
 {
 	float u[8];
-	gi_light_sample sample;
+	double sum = 0.0;
 	gi_sample_8(&sampler, point, 8, u);
-	if (!gi_light_sample_at(lights, position, normal, u[4], (stilb_vec2){u[2], u[3]}, &sample))
-		return 0.0;
-	float cosine = stilb_vec3_dot(normal, sample.direction);
-	return cosine > 0.0f ? (double)(sample.radiance[0] * cosine / sample.pdf) : 0.0;
+	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
+		gi_light_sample sample;
+		if (!gi_light_is_asked(lights, group, true) ||
+		    !gi_light_sample_at(lights, group, position, normal, u[4], (stilb_vec2){u[2], u[3]}, &sample))
+			continue;
+		float cosine = stilb_vec3_dot(normal, sample.direction);
+		sum += cosine > 0.0f ? (double)(sample.radiance[0] * cosine / sample.pdf) : 0.0;
+	}
+	return sum;
 }
 
-/* Irradiance as the mean of count light samples. */
+/* Irradiance as the mean of count such estimates. */
 static double irradiance(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t count)
 {
 	double sum = 0.0;
@@ -379,7 +385,8 @@ static void density_of_a_sample_is_that_of_its_direction(void **state)
 		stilb_vec2 u = {shade_proof_uniform(&random), shade_proof_uniform(&random)};
 		stilb_vec3 normal = shade_sample_sphere((stilb_vec2){shade_proof_uniform(&random), u[0]}).direction;
 		gi_light_sample sample;
-		if (!gi_light_sample_at(&lights, position, normal, shade_proof_uniform(&random), u, &sample))
+		gi_light_group group = (gi_light_group)(i % GI_LIGHT_GROUPS);
+		if (!gi_light_sample_at(&lights, group, position, normal, shade_proof_uniform(&random), u, &sample))
 			continue;
 		assert_true(sample.pdf > 0.0f && isfinite(sample.pdf));
 		SHADE_PROOF_NEAR(length_of(sample.direction), 1.0, 1e-6, 0.0);
@@ -387,7 +394,7 @@ static void density_of_a_sample_is_that_of_its_direction(void **state)
 			deltas++;
 		} else if (isinf(sample.distance)) {
 			skies++;
-			SHADE_PROOF_NEAR(gi_environment_pdf(&lights, position, normal, sample.direction), sample.pdf, 1e-4, 1e-6);
+			SHADE_PROOF_NEAR(gi_environment_pdf(&lights, normal, sample.direction, true), sample.pdf, 1e-4, 1e-6);
 		} else {
 			float distance = sample.distance;
 			int emitter = emitter_at(emitters, position, sample.direction, &distance);
@@ -504,11 +511,11 @@ static void lights_add_up(void **state)
 	sum += irradiance(&rest, position, normal, 16384);
 	SHADE_PROOF_NEAR(irradiance(&lights, position, normal, 65536), sum, 1e-2, 0.0);
 	gi_lights_destroy(&rest);
-	/* Two suns and the sky alone: each is a group of its own. */
+	/* Two suns, of which one is asked, and the sky. */
 	scene.light_count = 2;
 	scene.lights = &points[2];
 	rest = lights_of(&scene, NULL, 0);
-	assert_int_equal(rest.distant_count, 3);
+	assert_int_equal(rest.sun_count, 2);
 	SHADE_PROOF_NEAR(irradiance(&rest, position, normal, 65536), 2.0 * 0.8 + 1.0 * 0.8 + 0.5 * M_PI, 1e-3, 0.0);
 	gi_lights_destroy(&rest);
 	gi_lights_destroy(&lights);
@@ -594,7 +601,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	stilb_scene scene = {.light_count = 1, .lights = &light};
 	gi_light_sample sample;
 	gi_lights lights = lights_of(&scene, NULL, 0);
-	assert_true(gi_light_sample_at(&lights, vec(0, 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+	assert_true(
+		gi_light_sample_at(&lights, GI_LIGHT_PLACED, vec(0, 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(sample.delta && sample.pdf == 1.0f && sample.distance == 5.0f);
 	SHADE_PROOF_NEAR(sample.radiance[1], 20.0 / 25.0, 1e-6, 0.0);
 	SHADE_PROOF_NEAR(sample.direction[0], 0.6, 1e-6, 0.0);
@@ -611,7 +619,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	for (float angle = 0.0f; angle < 0.6f; angle += 0.01f) { /* full, then falling without a step, then nothing */
 		stilb_vec3 position = vec(2.0f * tanf(angle), 0.0f, 0.0f);
 		double intensity = 0.0;
-		if (gi_light_sample_at(&lights, position, up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample))
+		if (gi_light_sample_at(&lights, GI_LIGHT_PLACED, position, up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample))
 			intensity = (double)(sample.radiance[0] * sample.distance * sample.distance);
 		if (angle < 0.295f)
 			SHADE_PROOF_NEAR(intensity, 8.0, 1e-5, 0.0);
@@ -622,17 +630,49 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	}
 	/* The intensity falls as t^2 (3 - 2 t), with t from 1 at cos_inner to 0 at cos_outer; here t = 1/4. */
 	float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer));
-	assert_true(
-		gi_light_sample_at(&lights, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+	assert_true(gi_light_sample_at(&lights, GI_LIGHT_PLACED, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f,
+	                               (stilb_vec2){0.5f, 0.5f}, &sample));
 	SHADE_PROOF_NEAR(sample.radiance[0] * sample.distance * sample.distance, 8.0 * 0.15625, 1e-4, 0.0);
 	gi_lights_destroy(&lights);
 
 	light = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.6f, -0.8f}, .intensity = {1.0f, 2.0f, 3.0f}};
 	lights = lights_of(&scene, NULL, 0);
-	assert_true(gi_light_sample_at(&lights, vec(9, 9, 9), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+	assert_true(gi_light_sample_at(&lights, GI_LIGHT_SUNS, vec(9, 9, 9), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(sample.delta && sample.pdf == 1.0f && isinf(sample.distance) && sample.radiance[2] == 3.0f);
 	SHADE_PROOF_NEAR(sample.direction[2], 0.8, 1e-6, 0.0);
+	gi_lights_destroy(&lights);
+}
+
+/* Of three suns each is chosen as often as its samples say, by Pearson's chi-square over independent numbers, which must
+ * be within four standard deviations; and together they give the sum. */
+static void suns_are_chosen_with_their_probabilities(void **state)
+{
+	(void)state;
+	stilb_scene_light suns[3] = {{.direction = {0.0f, -1.0f, 0.0f}, .intensity = {1.0f, 1.0f, 1.0f}},
+	                             {.direction = {0.0f, -0.6f, -0.8f}, .intensity = {4.0f, 4.0f, 4.0f}},
+	                             {.direction = {0.8f, 0.6f, 0.0f}, .intensity = {9.0f, 9.0f, 9.0f}}};
+	stilb_scene scene = {.light_count = 3, .lights = suns};
+	enum { COUNT = 30000 };
+	for (int i = 0; i < 3; i++)
+		suns[i].kind = STILB_SCENE_LIGHT_DIRECTIONAL;
+	gi_lights lights = lights_of(&scene, NULL, 0);
+	shade_proof_random random = {.seed = 9};
+	uint32_t seen[3] = {0};
+	double chance[3] = {0.0}, chi = 0.0;
+	for (uint32_t k = 0; k < COUNT; k++) {
+		gi_light_sample sample;
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_SUNS, vec(0, 0, 0), vec(0, 1, 0), shade_proof_uniform(&random),
+		                               (stilb_vec2){0.5f, 0.5f}, &sample));
+		int sun = sample.radiance[0] == 1.0f ? 0 : sample.radiance[0] == 4.0f ? 1 : 2;
+		seen[sun]++;
+		chance[sun] = (double)sample.pdf;
+	}
+	SHADE_PROOF_NEAR(chance[0] + chance[1] + chance[2], 1.0, 1e-6, 0.0);
+	for (int i = 0; i < 3; i++)
+		chi += (seen[i] - chance[i] * COUNT) * (seen[i] - chance[i] * COUNT) / (chance[i] * COUNT);
+	assert_true(chi < 2.0 + 4.0 * sqrt(2.0 * 2.0));
+	SHADE_PROOF_NEAR(irradiance(&lights, vec(0, 0, 0), vec(0, 1, 0), 1 << 14), 1.0 + 4.0 * 0.6, 1e-3, 0.0);
 	gi_lights_destroy(&lights);
 }
 
@@ -710,13 +750,27 @@ static void raised_horizon_leaves_a_squared_cosine(void **state)
 		double sum = 0.0;
 		for (uint32_t i = 0; i < 1 << 17; i++) {
 			gi_light_sample sample;
-			if (gi_light_sample_at(&lights, vec(0, 0, 0), up, 0.5f, gi_sample_2d(&sampler, numbered(29, i), 0),
-			                       &sample) &&
+			if (gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), up, 0.5f,
+			                       gi_sample_2d(&sampler, numbered(29, i), 0), &sample) &&
 			    (double)sample.direction[1] > sin(a))
 				sum += (double)(sample.radiance[0] * sample.direction[1] / sample.pdf);
 		}
 		SHADE_PROOF_NEAR(sum / (1 << 17), M_PI * cos(a) * cos(a), 1e-3, 0.0);
 	}
+	gi_lights_destroy(&lights);
+}
+
+/* Surroundings of two colours are asked only where nobody says that rays find them, and their density says the same. */
+static void an_even_sky_is_left_to_rays(void **state)
+{
+	(void)state;
+	stilb_scene scene = {.surroundings = {.sky = {1.0f, 1.0f, 1.0f}}};
+	stilb_vec3 up = vec(0.0f, 1.0f, 0.0f), slant = vec(0.6f, 0.8f, 0.0f);
+	gi_lights lights = lights_of(&scene, NULL, 0);
+	assert_true(gi_light_is_asked(&lights, GI_LIGHT_AROUND, true));
+	assert_false(gi_light_is_asked(&lights, GI_LIGHT_AROUND, false));
+	SHADE_PROOF_NEAR(gi_environment_pdf(&lights, up, slant, true), 0.8 / M_PI, 1e-6, 0.0);
+	assert_true(gi_environment_pdf(&lights, up, slant, false) == 0.0f);
 	gi_lights_destroy(&lights);
 }
 
@@ -751,7 +805,7 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	for (uint32_t i = 0; i < 16384; i++) {
 		gi_light_sample sample;
 		stilb_vec2 u = gi_sample_2d(&sampler, numbered(31, i), 0);
-		assert_true(gi_light_sample_at(&lights, vec(0, 0, 0), vec(0, 1, 0), 0.5f, u, &sample));
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), vec(0, 1, 0), 0.5f, u, &sample));
 		shade_sh basis = shade_sh_basis(sample.direction);
 		for (int k = 0; k < 9; k++)
 			sh[k] += (double)(basis.c[k] * sample.radiance[0] / sample.pdf) / 16384.0;
@@ -815,8 +869,8 @@ static void map_is_chosen_by_its_brightness(void **state)
 	for (uint32_t i = 0; i < count; i++) {
 		gi_light_sample sample;
 		stilb_vec2 u = gi_sample_2d(&sampler, numbered(37, i), 0);
-		assert_true(gi_light_sample_at(&lights, o, up, 0.5f, u, &sample));
-		SHADE_PROOF_NEAR(gi_environment_pdf(&lights, o, up, sample.direction), sample.pdf, 1e-5, 0.0);
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, o, up, 0.5f, u, &sample));
+		SHADE_PROOF_NEAR(gi_environment_pdf(&lights, up, sample.direction, false), sample.pdf, 1e-5, 0.0);
 		stilb_vec3 radiance = gi_environment_radiance(&lights, sample.direction);
 		assert_true(radiance[0] == sample.radiance[0] && radiance[2] == sample.radiance[2]);
 		double u_at = atan2((double)sample.direction[0], -(double)sample.direction[2]) / (2.0 * M_PI) + 0.5;
@@ -833,7 +887,7 @@ static void map_is_chosen_by_its_brightness(void **state)
 			double d[3], solid = 2.0 * M_PI / W * (cos(M_PI * y / H) - cos(M_PI * (y + 1.0) / H));
 			stilb_numeric_latlong_direction((x + 0.5) / W, (y + 0.5) / H, d);
 			double share =
-				solid * (double)gi_environment_pdf(&lights, o, up, vec((float)d[0], (float)d[1], (float)d[2]));
+				solid * (double)gi_environment_pdf(&lights, up, vec((float)d[0], (float)d[1], (float)d[2]), false);
 			whole += share;
 			SHADE_PROOF_NEAR(chosen[y * W + x], share, 0.0, 40.0 / count);
 		}
@@ -857,7 +911,7 @@ static void maps_with_odd_numbers_are_read_as_light(void **state)
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	for (uint32_t i = 0; i < 100; i++) {
 		gi_light_sample sample;
-		assert_true(gi_light_sample_at(&lights, vec(0, 0, 0), vec(0, 1, 0), 0.5f,
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), vec(0, 1, 0), 0.5f,
 		                               (stilb_vec2){stilb_random_float(1, i), stilb_random_float(2, i)}, &sample));
 		assert_true(isfinite(sample.radiance[0]) && sample.radiance[0] > 0.0f && isfinite(sample.pdf));
 	}
@@ -865,9 +919,8 @@ static void maps_with_odd_numbers_are_read_as_light(void **state)
 	for (int i = 0; i < 32; i++)
 		texels[i] = NAN;
 	lights = lights_of(&scene, NULL, 0);
-	gi_light_sample sample;
-	assert_false(gi_light_sample_at(&lights, vec(0, 0, 0), vec(0, 1, 0), 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
-	assert_true(gi_environment_pdf(&lights, vec(0, 0, 0), vec(0, 1, 0), vec(0, 1, 0)) == 0.0f);
+	assert_false(gi_light_is_asked(&lights, GI_LIGHT_AROUND, true));
+	assert_true(gi_environment_pdf(&lights, vec(0, 1, 0), vec(0, 1, 0), true) == 0.0f);
 	gi_lights_destroy(&lights);
 	stilb_image_finish(&scene.surroundings.panorama);
 
@@ -923,10 +976,9 @@ static void lights_that_give_nothing_are_never_asked(void **state)
 		triangle(vec(0, 1, 0), vec(1, 1, 0), vec(0, 1, 1), 0.0f),                  /* black */
 		triangle(vec(0, 1e30f, 0), vec(1e30f, 1e30f, 0), vec(0, 1e30f, 1e30f), 1), /* its area is no number */
 	};
-	gi_light_sample sample;
 	gi_lights lights = lights_of(&scene, emitters, 4);
-	assert_int_equal(lights.placed_count + lights.distant_count, 0);
-	assert_false(gi_light_sample_at(&lights, vec(0, 0, 0), vec(0, 1, 0), 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++)
+		assert_false(gi_light_is_asked(&lights, group, true));
 	for (uint32_t i = 0; i < 4; i++)
 		assert_true(gi_light_pdf(&lights, vec(0, 0, 0), vec(0, 1, 0), i, 1.0f) == 0.0f);
 	gi_lights_destroy(&lights);
@@ -979,10 +1031,12 @@ int main(void)
 		cmocka_unit_test(lights_add_up),
 		cmocka_unit_test(samples_fill_solid_angles_evenly),
 		cmocka_unit_test(lights_without_a_size_follow_their_formulas),
+		cmocka_unit_test(suns_are_chosen_with_their_probabilities),
 		cmocka_unit_test(listed_lights_with_a_size_follow_their_formulas),
 		cmocka_unit_test(lights_with_a_face_count_once),
 		cmocka_unit_test(raised_horizon_leaves_a_squared_cosine),
 		cmocka_unit_test(hemisphere_of_sky_has_its_closed_form),
+		cmocka_unit_test(an_even_sky_is_left_to_rays),
 		cmocka_unit_test(a_turned_map_is_a_shifted_one),
 		cmocka_unit_test(map_is_chosen_by_its_brightness),
 		cmocka_unit_test(maps_with_odd_numbers_are_read_as_light),

@@ -144,18 +144,20 @@ static stilb_vec3 found_by_bsdf(const gi_view *view, const first_vertex *vertex)
 	bool hit = gi_is_hit(&ray);
 	if (hit)
 		gi_surface_at(view->scene, &ray, &surface);
-	return chosen.weight * gi_direct_found(view, 0.0f, vertex->bsdf.frame.n, &ray, hit ? &surface : NULL);
+	return chosen.weight * gi_direct_found(view, (gi_direct_left){.pdf = 0.0f}, &ray, hit ? &surface : NULL);
 }
 
-/* By asking a light alone. */
+/* By asking lights alone. */
 static stilb_vec3 found_by_light(const gi_view *view, const first_vertex *vertex)
 {
-	gi_ray shadow;
-	stilb_vec3 direct;
-	if (!gi_direct_ask(view, &vertex->bsdf, vertex->origin, vertex->numbers, false, &shadow, &direct))
-		return (stilb_vec3){0};
-	view->scene->tracer.occluded(&view->scene->tracer, &shadow, 1);
-	return shadow.t_max >= 0.0f ? direct : (stilb_vec3){0};
+	gi_ray shadows[GI_LIGHT_GROUPS];
+	stilb_vec3 direct[GI_LIGHT_GROUPS], sum = {0};
+	uint32_t count =
+		gi_direct_ask(view, &vertex->bsdf, vertex->origin, vertex->numbers, GI_DIRECT_ALONE, shadows, direct);
+	view->scene->tracer.occluded(&view->scene->tracer, shadows, count);
+	for (uint32_t i = 0; i < count; i++)
+		sum += shadows[i].t_max >= 0.0f ? direct[i] : (stilb_vec3){0};
+	return sum;
 }
 
 /* By both, weighed: what the path does, without what is seen of the lights themselves. Into samples. */

@@ -27,9 +27,10 @@ typedef struct gi_cache_worker {
 	gi_ray_hit rays[GI_BATCH];
 	gi_point points[GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH];
-	stilb_vec3 left[GI_BATCH];   /* what glass on the ray leaves of that; set in scenes that light goes through */
-	gi_ray shadows[GI_BATCH];    /* [shadow_count] id: index of the ray at whose end it starts */
-	stilb_vec3 direct[GI_BATCH]; /* [shadow_count] radiance that counts if the shadow ray is not occluded */
+	stilb_vec3 left[GI_BATCH]; /* what glass on the ray leaves of that; set in scenes that light goes through */
+	gi_ray shadows[GI_LIGHT_GROUPS * GI_BATCH]; /* [shadow_count] id: index of the ray at whose end it starts */
+	/* [shadow_count] radiance that counts if the shadow ray is not occluded */
+	stilb_vec3 direct[GI_LIGHT_GROUPS * GI_BATCH];
 	uint32_t shadow_count;
 	/* The rays that go on as paths: copies of ray and point, the radiance that the path finds, the index in rays. */
 	gi_ray_hit path_rays[GI_BATCH];

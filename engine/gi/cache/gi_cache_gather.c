@@ -47,11 +47,11 @@ static void trace_cells(const gi_cache *cache, gi_cache_worker *worker, const gi
 	gi_counter_add(&worker->traced, further);
 }
 
-/* Takes the indirect light where ray i ends from the cache, and adds a shadow ray for the direct light there to the
+/* Takes the indirect light where ray i ends from the cache, and adds shadow rays for the direct light there to the
  * worker's list. False: no record covers that point, so a path must find both. */
 static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker, uint32_t i)
 {
-	STILB_ASSERT(worker->shadow_count < GI_BATCH);
+	STILB_ASSERT(worker->shadow_count + GI_LIGHT_GROUPS <= GI_LIGHT_GROUPS * GI_BATCH);
 	const gi_view *view = cache->view;
 	const gi_ray_hit *ray = &worker->rays[i];
 	gi_surface surface;
@@ -64,12 +64,12 @@ static bool reflected_from_cache(const gi_cache *cache, gi_cache_worker *worker,
 
 	float numbers[8];
 	gi_sample_8(&view->sampler, worker->points[i], GI_DIMENSION_OF(1), numbers);
-	gi_ray *shadow = &worker->shadows[worker->shadow_count];
-	if (gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, surface.geometric), numbers, false, shadow,
-	                  &worker->direct[worker->shadow_count])) {
-		shadow->id = i;
-		worker->shadow_count++;
-	}
+	gi_ray *shadows = &worker->shadows[worker->shadow_count];
+	uint32_t asked = gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, surface.geometric), numbers,
+	                               GI_DIRECT_ALONE, shadows, &worker->direct[worker->shadow_count]);
+	for (uint32_t k = 0; k < asked; k++)
+		shadows[k].id = i;
+	worker->shadow_count += asked;
 	return true;
 }
 

@@ -17,18 +17,15 @@
 
 /* A branch: a further ray of a sample, for light that the cache does not hold. */
 typedef struct cache_branch {
-	stilb_vec3 weight; /* factor on the light that the surface at its end reflects */
-	stilb_vec3 shown;  /* factor on the light that the surface at its end emits */
-	/* normal of the surface that it left, and the density of its direction: for the weight, by multiple importance
-	 * sampling (MIS), of the emission that it finds */
-	stilb_vec3 normal;
-	float pdf;
-	uint32_t target; /* index in the batch of the sample that it belongs to */
+	stilb_vec3 weight;   /* factor on the light that the surface at its end reflects */
+	stilb_vec3 shown;    /* factor on the light that the surface at its end emits */
+	gi_direct_left left; /* for the weight, by multiple importance sampling (MIS), of the emission that it finds */
+	uint32_t target;     /* index in the batch of the sample that it belongs to */
 } cache_branch;
 
 typedef struct cache_scratch {
-	gi_ray shadows[GI_BATCH];
-	stilb_vec3 direct[GI_BATCH];
+	gi_ray shadows[GI_LIGHT_GROUPS * GI_BATCH];
+	stilb_vec3 direct[GI_LIGHT_GROUPS * GI_BATCH];
 	cache_branch branches[BRANCHES * GI_BATCH];
 	gi_ray_hit rays[BRANCHES * GI_BATCH];
 	gi_point points[BRANCHES * GI_BATCH];
@@ -98,8 +95,8 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 	stilb_vec3 diffuse = bsdf->diffuse * (SHADE_INV_PI * n_dot_l / chosen.pdf);
 	if (gi_bsdf_is_layered(bsdf))
 		diffuse = (stilb_vec3){0};
-	gi_direct_left left = gi_direct_leave(bsdf, &chosen);
-	cache_branch wanted = {.weight = chosen.weight - diffuse, .normal = left.normal, .pdf = left.pdf};
+	cache_branch wanted = {.weight = chosen.weight - diffuse,
+	                       .left = gi_direct_leave(bsdf, &chosen, GI_DIRECT_WITH_HIGHLIGHT)};
 	if (batch->view->settings.only != STILB_GI_ONLY_INDIRECT)
 		wanted.shown = chosen.weight;
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
@@ -110,15 +107,16 @@ static void want_highlight(gi_batch *batch, uint32_t sample, const gi_surface *s
 static void want_direct(gi_batch *batch, uint32_t sample, const gi_surface *surface, const gi_bsdf *bsdf,
                         const float numbers[8])
 {
-	STILB_ASSERT(((const cache_scratch *)batch->scratch)->shadow_count < GI_BATCH);
 	cache_scratch *scratch = batch->scratch;
-	uint32_t i = scratch->shadow_count;
+	STILB_ASSERT(scratch->shadow_count + GI_LIGHT_GROUPS <= GI_LIGHT_GROUPS * GI_BATCH);
+	gi_ray *shadows = &scratch->shadows[scratch->shadow_count];
 	stilb_vec3 origin = gi_surface_ray_origin(surface, surface->geometric);
-	if (!gi_direct_ask(batch->view, bsdf, origin, numbers, bsdf->share > 0.0f, &scratch->shadows[i],
-	                   &scratch->direct[i]))
-		return;
-	scratch->shadows[i].id = sample;
-	scratch->shadow_count++;
+	gi_direct_beside beside = bsdf->share > 0.0f ? GI_DIRECT_WITH_HIGHLIGHT : GI_DIRECT_ALONE;
+	uint32_t asked =
+		gi_direct_ask(batch->view, bsdf, origin, numbers, beside, shadows, &scratch->direct[scratch->shadow_count]);
+	for (uint32_t k = 0; k < asked; k++)
+		shadows[k].id = sample;
+	scratch->shadow_count += asked;
 }
 
 static void sample_surface(gi_batch *batch, uint32_t sample, gi_surface *surface)
@@ -183,7 +181,7 @@ static stilb_vec3 branch_found(const gi_view *view, const cache_branch *branch, 
 	bool hit = gi_is_hit(ray);
 	if (hit)
 		gi_surface_at(view->scene, ray, &surface);
-	return branch->shown * gi_direct_found(view, branch->pdf, branch->normal, ray, hit ? &surface : NULL);
+	return branch->shown * gi_direct_found(view, branch->left, ray, hit ? &surface : NULL);
 }
 
 static void trace_branches(gi_batch *batch)

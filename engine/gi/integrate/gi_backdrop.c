@@ -1,5 +1,6 @@
 #include "gi/integrate/gi_backdrop.h"
 
+#include "gi/gi_vector.h"
 #include "gi/trace/gi_ray.h"
 #include "profiler/prof.h"
 #include "scene/scene_light_shade.h"
@@ -157,31 +158,37 @@ static void floor_ask(const gi_batch *batch, uint32_t i, floor_rays *asked)
 	const gi_backdrop *backdrop = view->scene->backdrop;
 	stilb_vec3 at, up = stilb_vec3_make(0.0f, 1.0f, 0.0f);
 	float numbers[GI_DIMENSIONS_VERTEX], share = floor_meet(backdrop->scene.floor, &batch->rays[i].ray, &at);
-	gi_light_sample light;
 	if (!(share > 0.0f))
 		return;
 	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
-	if (!gi_light_sample_at(gi_view_lights(view), at, up, numbers[GI_DIMENSION_CHOICE], u, &light))
-		return;
-	float sent = fmaxf(light.direction[1], 0.0f) * shade_luminance(light.radiance) / light.pdf;
 	float unblocked = floor_unblocked(backdrop, at);
-	if (!(sent > 0.0f && unblocked > 0.0f))
-		return;
-	asked->rays[asked->count] = gi_ray_make(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
-	asked->rays[asked->count].id = i;
-	asked->dark[asked->count++] = share * sent / unblocked;
+	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
+		const gi_lights *lights = gi_view_lights(view);
+		gi_light_sample light;
+		if (!gi_light_is_asked(lights, group, true) ||
+		    !gi_light_sample_at(lights, group, at, up, numbers[GI_DIMENSION_CHOICE], u, &light))
+			continue;
+		float sent = fmaxf(light.direction[1], 0.0f) * shade_luminance(light.radiance) / light.pdf;
+		if (!(sent > 0.0f && unblocked > 0.0f))
+			continue;
+		STILB_ASSERT(asked->count < BACKDROP_RAYS);
+		asked->rays[asked->count] = gi_ray_make(at, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+		asked->rays[asked->count].id = i;
+		asked->dark[asked->count++] = share * sent / unblocked;
+	}
 }
 
 static void floor_flush(gi_batch *batch, floor_rays *asked)
 {
 	const gi_tracer *tracer = &batch->view->scene->tracer;
+	stilb_vec3 color = gi_vector(batch->view->scene->backdrop->scene.color);
 	tracer->occluded(tracer, asked->rays, asked->count);
 	batch->rays_traced += asked->count;
 	batch->shadow_rays += asked->count;
 	for (uint32_t r = 0; r < asked->count; r++)
 		if (asked->rays[r].t_max < 0.0f)
-			batch->radiance[asked->rays[r].id] *= 1.0f - asked->dark[r];
+			batch->radiance[asked->rays[r].id] -= color * asked->dark[r];
 	asked->count = 0;
 }
 
@@ -193,7 +200,7 @@ static void floor_shade(gi_batch *batch)
 		if (gi_is_hit(&batch->rays[i]))
 			continue;
 		floor_ask(batch, i, &asked);
-		if (asked.count == BACKDROP_RAYS)
+		if (asked.count + GI_LIGHT_GROUPS > BACKDROP_RAYS)
 			floor_flush(batch, &asked);
 	}
 	floor_flush(batch, &asked);

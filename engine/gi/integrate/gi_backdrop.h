@@ -25,7 +25,7 @@ bool gi_backdrop_is_nothing(const gi_backdrop *backdrop);
  * channel, which are not of light; but nothing is nothing for all of them.
  *
  * The floor shows its color times 1 - blocked / unblocked, both of the irradiance that it would get: unblocked is a
- * closed form, and blocked is estimated by one light, as gi_light_sample_at chooses it, and one shadow ray. So the mean
+ * closed form, and blocked is estimated by one light of each group (gi_light.h) and a shadow ray to it. So the mean
  * of many samples has no bias, and a single one may be negative. */
 void gi_backdrop_shade(gi_batch *batch);
 

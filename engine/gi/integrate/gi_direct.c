@@ -34,63 +34,80 @@ typedef struct direct_side {
 	bool layered;
 } direct_side;
 
-/* Always inline: most surfaces have one side, and what that leaves is compiled apart. */
-static inline __attribute__((always_inline)) bool direct_ask_from(const gi_view *view, const gi_bsdf *bsdf,
-                                                                  direct_side side, const float numbers[8],
-                                                                  bool weighed, gi_ray *shadow, stilb_vec3 *direct)
+/* Asks one group. False: the light sends nothing. */
+static inline __attribute__((always_inline)) bool direct_ask_group(const gi_view *view, const gi_bsdf *bsdf,
+                                                                   const direct_side *side, const float numbers[8],
+                                                                   gi_light_group group, gi_direct_beside beside,
+                                                                   gi_ray *shadow, stilb_vec3 *direct)
 {
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
-	if (!gi_light_sample_at(gi_view_lights(view), side.origin, side.normal, side.choice, u, &light))
+	if (!gi_light_sample_at(gi_view_lights(view), group, side->origin, side->normal, side->choice, u, &light))
 		return false;
-	if (side.layered && gi_bsdf_is_beyond(bsdf, light.direction) != (stilb_vec3_dot(side.normal, bsdf->frame.n) < 0.0f))
+	if (side->layered &&
+	    gi_bsdf_is_beyond(bsdf, light.direction) != (stilb_vec3_dot(side->normal, bsdf->frame.n) < 0.0f))
 		return false; /* the other side asks there */
 	stilb_vec3 sent = gi_bsdf_cos(bsdf, light.direction) * light.radiance;
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))
 		return false;
-	float pdf = light.pdf * side.chance, weight = 1.0f / pdf;
-	if (weighed && !light.delta)
+	float pdf = light.pdf * side->chance, weight = 1.0f / pdf;
+	if (beside != GI_DIRECT_ALONE && !light.delta)
 		weight *= mis_weight(pdf, gi_bsdf_pdf(bsdf, light.direction));
 	*direct = sent * weight;
-	*shadow = gi_ray_make(side.origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+	*shadow = gi_ray_make(side->origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
 	return true;
 }
 
-static __attribute__((noinline)) bool direct_ask_layered(const gi_view *view, const gi_bsdf *bsdf, direct_side side,
-                                                         const float numbers[8], bool weighed, gi_ray *shadow,
-                                                         stilb_vec3 *direct)
+/* Always inline: most surfaces have one side, and what that leaves is compiled apart. */
+static inline __attribute__((always_inline)) uint32_t direct_ask_from(const gi_view *view, const gi_bsdf *bsdf,
+                                                                      direct_side side, const float numbers[8],
+                                                                      gi_direct_beside beside, gi_ray *shadows,
+                                                                      stilb_vec3 *direct)
 {
-	return gi_direct_side(bsdf, &side.origin, &side.normal, &side.choice, &side.chance) &&
-	       direct_ask_from(view, bsdf, side, numbers, weighed, shadow, direct);
+	uint32_t count = 0;
+	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++)
+		if (gi_light_is_asked(gi_view_lights(view), group, beside != GI_DIRECT_WITH_RAY))
+			count += direct_ask_group(view, bsdf, &side, numbers, group, beside, &shadows[count], &direct[count]);
+	return count;
 }
 
-bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
-                   gi_ray *shadow, stilb_vec3 *direct)
+static __attribute__((noinline)) uint32_t direct_ask_layered(const gi_view *view, const gi_bsdf *bsdf, direct_side side,
+                                                             const float numbers[8], gi_direct_beside beside,
+                                                             gi_ray *shadows, stilb_vec3 *direct)
+{
+	if (!gi_direct_side(bsdf, &side.origin, &side.normal, &side.choice, &side.chance))
+		return 0;
+	return direct_ask_from(view, bsdf, side, numbers, beside, shadows, direct);
+}
+
+uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8],
+                       gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct)
 {
 	STILB_ASSERT(bsdf->share >= 0.0f && bsdf->share <= 1.0f);
 	float choice = numbers[GI_DIMENSION_CHOICE];
 	if (gi_bsdf_is_layered(bsdf))
-		return direct_ask_layered(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, true}, numbers,
-		                          weighed, shadow, direct);
-	return direct_ask_from(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, false}, numbers, weighed,
-	                       shadow, direct);
+		return direct_ask_layered(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, true}, numbers, beside,
+		                          shadows, direct);
+	return direct_ask_from(view, bsdf, (direct_side){origin, bsdf->frame.n, choice, 1.0f, false}, numbers, beside,
+	                       shadows, direct);
 }
 
-stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
-                           const gi_surface *surface)
+stilb_vec3 gi_direct_found(const gi_view *view, gi_direct_left left, const gi_ray_hit *ray, const gi_surface *surface)
 {
 	STILB_ASSERT(surface ? gi_is_hit(ray) : !gi_is_hit(ray));
 	const gi_lights *lights = gi_view_lights(view);
-	stilb_vec3 origin = gi_ray_origin(&ray->ray), direction = gi_ray_direction(&ray->ray);
 	if (!surface) {
-		stilb_vec3 radiance = gi_environment_radiance(lights, direction);
-		return pdf > 0.0f ? radiance * mis_weight(pdf, gi_environment_pdf(lights, origin, normal, direction))
-		                  : radiance;
+		stilb_vec3 direction = gi_ray_direction(&ray->ray), radiance = gi_environment_radiance(lights, direction);
+		if (left.pdf == 0.0f)
+			return radiance;
+		bool even_sky = left.beside != GI_DIRECT_WITH_RAY;
+		return radiance * mis_weight(left.pdf, gi_environment_pdf(lights, left.normal, direction, even_sky));
 	}
 	const gi_part *part = &view->scene->parts[surface->part];
-	if (pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
+	if (left.pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)
 		return surface->emission;
 	STILB_ASSERT(surface->part == ray->hit.part && surface->triangle == ray->hit.triangle);
-	float asked = gi_light_pdf(lights, origin, normal, part->first_light + surface->triangle, ray->ray.t_max);
-	return surface->emission * mis_weight(pdf, asked);
+	float asked = gi_light_pdf(lights, gi_ray_origin(&ray->ray), left.normal, part->first_light + surface->triangle,
+	                           ray->ray.t_max);
+	return surface->emission * mis_weight(left.pdf, asked);
 }

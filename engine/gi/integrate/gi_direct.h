@@ -8,13 +8,22 @@
 #include "gi/integrate/gi_integrator.h"
 #include "gi/sample/gi_bsdf.h"
 
-/* Samples one light. *direct: radiance that the surface reflects towards its viewer if nothing is on the shadow ray
- * *shadow, which the caller passes to gi_tracer.occluded. False: the sampled light contributes nothing.
- * origin: gi_surface_ray_origin, on the viewer's side. numbers: gi_sample_8 of the vertex. weighed: gi_direct_found
- * will count light that the path's next ray hits, so *direct gets its weight by multiple importance sampling (MIS)
- * against gi_bsdf_pdf, the density of that ray. */
-bool gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8], bool weighed,
-                   gi_ray *shadow, stilb_vec3 *direct);
+/* Who else finds the light that is asked for. */
+typedef enum gi_direct_beside {
+	GI_DIRECT_ALONE, /* nobody: asking has to find all of it */
+	/* The path's next ray, which may go wherever the surface reflects: it finds an even sky alone. */
+	GI_DIRECT_WITH_RAY,
+	/* A ray that follows the highlight alone, though all that it finds counts: the sky is asked, too. */
+	GI_DIRECT_WITH_HIGHLIGHT,
+} gi_direct_beside;
+
+/* Samples one light of each group. direct[i]: radiance that the surface reflects towards its viewer if nothing is on
+ * the shadow ray shadows[i], which the caller passes to gi_tracer.occluded; returns how many there are, at most
+ * GI_LIGHT_GROUPS. origin: gi_surface_ray_origin, on the viewer's side. numbers: gi_sample_8 of the vertex. Unless it
+ * is alone, gi_direct_found will count light that a ray hits, so direct gets its weight by multiple importance sampling
+ * (MIS) against gi_bsdf_pdf, the density of that ray. */
+uint32_t gi_direct_ask(const gi_view *view, const gi_bsdf *bsdf, stilb_vec3 origin, const float numbers[8],
+                       gi_direct_beside beside, gi_ray *shadows, stilb_vec3 *direct);
 
 /* From which side a layered surface asks a light. False: from none. origin, normal: those of the viewer's side before,
  * of the side that is asked afterwards; choice: the number that decides, [0, 1), and another such number afterwards;
@@ -23,25 +32,25 @@ bool gi_direct_side(const gi_bsdf *bsdf, stilb_vec3 *origin, stilb_vec3 *normal,
 
 /* What gi_direct_found needs to know of a direction that gi_bsdf_sample_direction chose. */
 typedef struct gi_direct_left {
-	stilb_vec3 normal;
-	float pdf;
+	stilb_vec3 normal; /* of the surface that the ray left */
+	float pdf;         /* 0: no light was asked there, and all that the ray finds counts in full */
+	gi_direct_beside beside;
 } gi_direct_left;
 
-static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_sample *chosen)
+static inline gi_direct_left gi_direct_leave(const gi_bsdf *bsdf, const gi_bsdf_sample *chosen, gi_direct_beside beside)
 {
 	const gi_layers *layers = gi_bsdf_layers(bsdf);
 	if (!layers)
-		return (gi_direct_left){bsdf->frame.n, chosen->pdf};
+		return (gi_direct_left){bsdf->frame.n, chosen->pdf, beside};
 	/* The density of asking is times the side's chance, and only its quotient with the other density counts. */
 	bool beyond = stilb_vec3_dot(bsdf->geometric, chosen->direction) < 0.0f;
 	float chance = beyond ? layers->lobes.ask_beyond : layers->lobes.ask;
-	return (gi_direct_left){beyond ? -bsdf->frame.n : bsdf->frame.n, chance > 0.0f ? chosen->pdf / chance : 0.0f};
+	return (gi_direct_left){beyond ? -bsdf->frame.n : bsdf->frame.n, chance > 0.0f ? chosen->pdf / chance : 0.0f,
+	                        beside};
 }
 
-/* Emission that a traced ray found: of surface, or of the surroundings if surface is NULL, which it is for a miss.
- * pdf: the density with which the ray's direction was chosen at a surface of this normal, for the MIS weight against
- * gi_direct_ask; 0: no light was sampled by gi_direct_ask at that surface, and emission counts in full. */
-stilb_vec3 gi_direct_found(const gi_view *view, float pdf, stilb_vec3 normal, const gi_ray_hit *ray,
-                           const gi_surface *surface);
+/* Emission that a traced ray found, with its MIS weight against gi_direct_ask: of surface, or of the surroundings if
+ * surface is NULL, which it is for a miss. */
+stilb_vec3 gi_direct_found(const gi_view *view, gi_direct_left left, const gi_ray_hit *ray, const gi_surface *surface);
 
 #endif

@@ -23,8 +23,8 @@ typedef struct hit {
 	uint32_t vertex; /* reflections between it and the camera; 0: the camera ray's hit */
 } hit;
 
-/* Light that reaches the hit from one sampled light and is reflected to the viewer, if no ray can hit that light; else
- * 0: it is found by the rays of `gathered`. */
+/* Light that reaches the hit from one sampled light of each group and is reflected to the viewer, if no ray can hit that
+ * light; else 0: it is found by the rays of `gathered`. */
 static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 {
 	STILB_ASSERT(at->vertex < batch->view->settings.depth);
@@ -38,22 +38,26 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	stilb_vec2 place = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	stilb_vec3 position = at->surface.position, normal = at->surface.normal, geometric = at->surface.geometric;
 	float choice = numbers[GI_DIMENSION_CHOICE], chance = 1.0f;
-	gi_light_sample light;
 	if (gi_bsdf_is_layered(&at->bsdf) && !gi_direct_side(&at->bsdf, &position, &normal, &choice, &chance))
 		return none;
 	if (stilb_vec3_dot(normal, at->surface.normal) < 0.0f)
 		geometric = -geometric;
-	if (!gi_light_sample_at(lights, position, normal, choice, place, &light) || !light.delta ||
-	    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
-		return none;
-	stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
-	gi_ray shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
-	gi_through_occluded(view->scene, &shadow, &light.radiance, 1);
-	batch->rays_traced++;
-	batch->shadow_rays++;
-	if (shadow.t_max < 0.0f)
-		return none;
-	return gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / (light.pdf * chance);
+	stilb_vec3 sum = none;
+	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
+		gi_light_sample light;
+		if (!gi_light_is_asked(lights, group, false) ||
+		    !gi_light_sample_at(lights, group, position, normal, choice, place, &light) || !light.delta ||
+		    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
+			continue;
+		stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);
+		gi_ray shadow = gi_ray_make(origin, light.direction, light.distance, numbers[GI_DIMENSION_CHANCE]);
+		gi_through_occluded(view->scene, &shadow, &light.radiance, 1);
+		batch->rays_traced++;
+		batch->shadow_rays++;
+		if (shadow.t_max >= 0.0f)
+			sum += gi_bsdf_cos(&at->bsdf, light.direction) * light.radiance / (light.pdf * chance);
+	}
+	return sum;
 }
 
 static stilb_vec3 radiance_along(gi_batch *batch, const gi_ray_hit *ray, gi_point point, uint32_t vertex);

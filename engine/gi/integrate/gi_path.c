@@ -96,23 +96,27 @@ static bool path_found(const path_wave *wave, uint32_t i, gi_surface *surface)
 		gi_surface_at(wave->view->scene, ray, surface);
 	if (wave->bounce >= wave->emission_from)
 		wave->radiance[path->slot] +=
-			path->throughput * gi_direct_found(wave->view, path->pdf, path->normal, ray, hit ? surface : NULL);
+			path->throughput * gi_direct_found(wave->view,
+		                                       (gi_direct_left){path->normal, path->pdf, GI_DIRECT_WITH_RAY}, ray,
+		                                       hit ? surface : NULL);
 	if (hit && wave->vertex == 0 && wave->emission_from == 0)
 		wave->radiance[path->slot] += surface->unlit;
 	return hit && wave->bounce < wave->depth && reflects(surface);
 }
 
-/* Samples a light and adds its shadow ray to the wave. */
-static void path_ask_light(path_wave *wave, const path_state *path, const path_vertex *vertex)
+/* Samples lights and adds their shadow rays to the wave. */
+static void path_ask_lights(path_wave *wave, const path_state *path, const path_vertex *vertex)
 {
-	STILB_ASSERT(wave->shadow_count < GI_BATCH);
-	gi_ray *shadow = &wave->shadows[wave->shadow_count];
+	STILB_ASSERT(wave->shadow_count + GI_LIGHT_GROUPS <= GI_LIGHT_GROUPS * GI_BATCH);
+	gi_ray *shadows = &wave->shadows[wave->shadow_count];
 	stilb_vec3 *direct = &wave->direct[wave->shadow_count];
-	if (!gi_direct_ask(wave->view, &vertex->bsdf, vertex->origin, vertex->numbers, true, shadow, direct))
-		return;
-	*direct *= path->throughput;
-	shadow->id = path->slot;
-	wave->shadow_count++;
+	uint32_t count =
+		gi_direct_ask(wave->view, &vertex->bsdf, vertex->origin, vertex->numbers, GI_DIRECT_WITH_RAY, shadows, direct);
+	for (uint32_t i = 0; i < count; i++) {
+		direct[i] *= path->throughput;
+		shadows[i].id = path->slot;
+	}
+	wave->shadow_count += count;
 }
 
 /* Chooses the path's next ray. False: the path ends here; the shadow ray that it has added at this vertex is still
@@ -127,7 +131,7 @@ static bool path_go_on(const path_wave *wave, const path_vertex *vertex, path_st
 	path->throughput *= next.weight;
 	if (wave->bounce + 1 >= ROULETTE_BOUNCE && !roulette(wave->view, path, numbers[GI_DIMENSION_ROULETTE]))
 		return false;
-	gi_direct_left left = gi_direct_leave(&vertex->bsdf, &next);
+	gi_direct_left left = gi_direct_leave(&vertex->bsdf, &next, GI_DIRECT_WITH_RAY);
 	path->pdf = left.pdf;
 	path->normal = left.normal;
 	*ray = gi_ray_hit_make_by(gi_bsdf_origin(&vertex->bsdf, vertex->origin, next.direction), next.direction,
@@ -162,7 +166,7 @@ static uint32_t wave_shade_some(path_wave *wave, uint32_t first, uint32_t count,
 	}
 	if (wave->bounce + 1 >= wave->direct_from)
 		for (uint32_t k = 0; k < live; k++)
-			path_ask_light(wave, &wave->paths[vertices[k].path], &vertices[k]);
+			path_ask_lights(wave, &wave->paths[vertices[k].path], &vertices[k]);
 	for (uint32_t k = 0; k < live; k++) {
 		wave->paths[kept] = wave->paths[vertices[k].path];
 		kept += path_go_on(wave, &vertices[k], &wave->paths[kept], &wave->rays[kept]);
@@ -259,9 +263,9 @@ static void wave_run(path_wave *wave)
 
 typedef struct path_scratch {
 	gi_ray_hit rays[GI_BATCH];
-	gi_ray shadows[GI_BATCH];
 	path_state paths[GI_BATCH];
-	stilb_vec3 direct[GI_BATCH];
+	gi_ray shadows[GI_LIGHT_GROUPS * GI_BATCH];
+	stilb_vec3 direct[GI_LIGHT_GROUPS * GI_BATCH];
 	stilb_vec3 radiance[GI_BATCH]; /* for split */
 } path_scratch;
 

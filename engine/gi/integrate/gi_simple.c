@@ -27,8 +27,8 @@ const gi_integrator gi_integrator_color = {.shade = color_shade};
 /* ---- direct ------------------------------------------------------------------------------------------------------ */
 
 typedef struct direct_scratch {
-	gi_ray shadows[GI_BATCH];   /* id: index of the sample */
-	stilb_vec3 light[GI_BATCH]; /* radiance to add if nothing is on the shadow ray */
+	gi_ray shadows[GI_LIGHT_GROUPS * GI_BATCH];   /* id: index of the sample */
+	stilb_vec3 light[GI_LIGHT_GROUPS * GI_BATCH]; /* radiance to add if nothing is on the shadow ray */
 	uint32_t count;
 } direct_scratch;
 
@@ -46,19 +46,19 @@ static stilb_vec3 direct_in_highlight(gi_batch *batch, const gi_bsdf *bsdf, cons
 	                                    numbers[GI_DIMENSION_CHANCE]);
 	gi_surface found;
 	stilb_vec3 weight = chosen.weight;
-	gi_direct_left left = gi_direct_leave(bsdf, &chosen);
+	gi_direct_left left = gi_direct_leave(bsdf, &chosen, GI_DIRECT_WITH_RAY);
 	if (!view->settings.no_shadows)
 		weight *= gi_through_intersect(view->scene, &ray, &batch->rays_traced);
 	if (gi_is_hit(&ray))
 		gi_surface_at(view->scene, &ray, &found);
-	return weight * gi_direct_found(view, left.pdf, left.normal, &ray, gi_is_hit(&ray) ? &found : NULL);
+	return weight * gi_direct_found(view, left, &ray, gi_is_hit(&ray) ? &found : NULL);
 }
 
 /* Light that sample i sees without a shadow ray: emission, and what the highlight's own ray finds. Adds a shadow ray
- * for one sampled light to scratch. */
+ * for each sampled light to scratch. */
 static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t i)
 {
-	STILB_ASSERT(scratch->count < GI_BATCH);
+	STILB_ASSERT(scratch->count + GI_LIGHT_GROUPS <= GI_LIGHT_GROUPS * GI_BATCH);
 	const gi_view *view = batch->view;
 	const gi_ray_hit *ray = &batch->rays[i];
 	stilb_vec3 direction = gi_ray_direction(&ray->ray);
@@ -72,12 +72,13 @@ static stilb_vec3 direct_seen(gi_batch *batch, direct_scratch *scratch, uint32_t
 	float numbers[GI_DIMENSIONS_VERTEX];
 	gi_sample_8(&view->sampler, batch->points[i], GI_DIMENSION_OF(0), numbers);
 	bool highlight = bsdf.share > 0.0f;
-	gi_ray *shadow = &scratch->shadows[scratch->count];
-	if (gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, -direction), numbers, highlight, shadow,
-	                  &scratch->light[scratch->count])) {
-		shadow->id = i;
-		scratch->count++;
-	}
+	gi_ray *shadows = &scratch->shadows[scratch->count];
+	uint32_t asked =
+		gi_direct_ask(view, &bsdf, gi_surface_ray_origin(&surface, -direction), numbers,
+	                  highlight ? GI_DIRECT_WITH_RAY : GI_DIRECT_ALONE, shadows, &scratch->light[scratch->count]);
+	for (uint32_t k = 0; k < asked; k++)
+		shadows[k].id = i;
+	scratch->count += asked;
 	stilb_vec3 seen = surface.emission + surface.unlit;
 	return highlight ? seen + direct_in_highlight(batch, &bsdf, &surface, numbers) : seen;
 }

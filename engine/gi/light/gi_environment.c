@@ -181,14 +181,6 @@ bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal,
 	return environment->map ? sample_map(environment, u, sample) : sample_two_colours(environment, normal, u, sample);
 }
 
-float gi_environment_importance(const gi_environment *environment, stilb_vec3 normal)
-{
-	if (environment->map)
-		return SHADE_PI * environment->mean;
-	float above = 0.5f + 0.5f * normal[1];
-	return SHADE_PI * (above * gi_brightness(environment->sky) + (1.0f - above) * gi_brightness(environment->ground));
-}
-
 float gi_environment_density(const gi_environment *environment, stilb_vec3 normal, stilb_vec3 direction)
 {
 	if (environment->map)

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BELOW_ONE 0.99999994f /* the largest float below 1 */
-#define SUN_FACING_MIN 0.02f  /* least cosine at the surface, for choosing; the same as FACING_MIN of gi_light_tree.c */
+#define SUN_FACING_MIN 0.02f /* least cosine at the surface, for choosing; the same as FACING_MIN of gi_light_tree.c */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
@@ -62,8 +61,8 @@ static gi_light_node shape_node(const gi_light_shape *shape)
 	return node;
 }
 
-/* Shapes and lights with a position become leaves of the tree, numbered shapes first; directional lights and the
- * environment are listed apart. */
+/* Shapes and lights with a position become leaves of the tree, numbered shapes first; directional lights are listed
+ * apart. */
 static void make_choice(gi_lights *lights, gi_light_node *leaves)
 {
 	uint32_t count = 0;
@@ -75,14 +74,12 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 	}
 	for (uint32_t i = 0; i < lights->listed_count; i++) {
 		if (lights->listed[i].light.kind == STILB_SCENE_LIGHT_DIRECTIONAL) {
-			lights->distant[lights->distant_count++] = i;
+			lights->suns[lights->sun_count++] = i;
 			continue;
 		}
 		leaves[count] = gi_light_listed_node(&lights->listed[i]);
 		leaves[count++].light = lights->shape_count + i;
 	}
-	if (lights->environment->mean > 0.0f)
-		lights->distant[lights->distant_count++] = GI_LIGHT_ENVIRONMENT;
 	lights->placed_count = count;
 	for (uint32_t i = 0; i < lights->shape_count; i++)
 		lights->leaf_of[i] = GI_LIGHT_LEAF;
@@ -107,8 +104,8 @@ static bool lights_are_sound(const gi_lights *lights)
 		if (leaf != GI_LIGHT_LEAF && (leaf >= nodes || lights->nodes[leaf].light != i))
 			return false;
 	}
-	for (uint32_t i = 0; i < lights->distant_count; i++)
-		if (lights->distant[i] != GI_LIGHT_ENVIRONMENT && lights->distant[i] >= lights->listed_count)
+	for (uint32_t i = 0; i < lights->sun_count; i++)
+		if (lights->suns[i] >= lights->listed_count)
 			return false;
 	return true;
 }
@@ -122,7 +119,7 @@ static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emit
 	size_t listed = scene->light_count, placed = listed + emitter_count;
 	gi_light_node *leaves = stilb_memory_alloc(placed, sizeof *leaves);
 	lights->listed = stilb_memory_alloc(listed, sizeof *lights->listed);
-	lights->distant = stilb_memory_alloc(listed + 1, sizeof *lights->distant);
+	lights->suns = stilb_memory_alloc(listed, sizeof *lights->suns);
 	size_t glows = 0;
 	for (uint32_t i = 0; i < emitter_count; i++)
 		glows += emitters[i].glow.maps.surface ? 1 : 0;
@@ -131,7 +128,7 @@ static stilb_result lights_fill(const stilb_scene *scene, const gi_emitter *emit
 	lights->shape_of = stilb_memory_alloc(emitter_count, sizeof *lights->shape_of);
 	lights->leaf_of = stilb_memory_alloc(emitter_count, sizeof *lights->leaf_of);
 	lights->nodes = stilb_memory_alloc(2 * placed, sizeof *lights->nodes);
-	if (leaves && lights->listed && lights->distant && lights->glows && lights->shapes && lights->shape_of &&
+	if (leaves && lights->listed && lights->suns && lights->glows && lights->shapes && lights->shape_of &&
 	    lights->leaf_of && lights->nodes) {
 		copy_listed(scene, faces, lights);
 		make_shapes(emitters, emitter_count, lights);
@@ -170,7 +167,7 @@ void gi_lights_destroy(gi_lights *lights)
 	if (!lights->shares_environment)
 		gi_environment_destroy(lights->environment);
 	free(lights->listed);
-	free(lights->distant);
+	free(lights->suns);
 	free(lights->glows);
 	free(lights->shapes);
 	free(lights->shape_of);
@@ -179,97 +176,33 @@ void gi_lights_destroy(gi_lights *lights)
 	*lights = (gi_lights){0};
 }
 
-/* ---- which light ------------------------------------------------------------------------------------------------- */
+/* ---- suns -------------------------------------------------------------------------------------------------------- */
 
-/* Estimate of the irradiance that a distant light (a directional one, or the environment) gives to a surface. */
-static float distant_importance(const gi_lights *lights, uint32_t distant, stilb_vec3 normal)
+/* Estimate of the irradiance that a directional light gives to a surface. */
+static float sun_importance(const gi_lights *lights, uint32_t sun, stilb_vec3 normal)
 {
-	STILB_ASSERT(distant < lights->distant_count);
-	if (lights->distant[distant] == GI_LIGHT_ENVIRONMENT)
-		return gi_environment_importance(lights->environment, normal);
-	const stilb_scene_light *sun = &lights->listed[lights->distant[distant]].light;
-	float facing = -stilb_vec3_dot(gi_vector(sun->direction), normal);
-	return gi_brightness(gi_vector(sun->intensity)) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
+	const stilb_scene_light *light = &lights->listed[lights->suns[sun]].light;
+	float facing = -stilb_vec3_dot(gi_vector(light->direction), normal);
+	return gi_brightness(gi_vector(light->intensity)) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
 
-static uint32_t group_count(const gi_lights *lights)
+/* Half of the probability is shared equally, since nothing is known of what hides them, half by estimated irradiance. */
+static uint32_t choose_sun(const gi_lights *lights, stilb_vec3 normal, float u, float *probability)
 {
-	return lights->distant_count + (lights->placed_count > 0);
-}
-
-/* Lights are chosen in groups: all lights with a position are one, each distant light is another. Half of the
- * probability is shared equally, since nothing is known of what occludes them, half by estimated irradiance. */
-static float group_importance(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
-{
-	STILB_ASSERT(group < group_count(lights));
-	if (lights->placed_count == 0)
-		return distant_importance(lights, group, normal);
-	return group == 0 ? gi_light_node_importance(&lights->nodes[0], position, normal)
-	                  : distant_importance(lights, group - 1, normal);
-}
-
-#define GROUPS_KEPT 8
-
-typedef struct group_sum {
-	float all;      /* sum of the importances of all groups */
-	uint32_t count; /* number of groups with importance above 0 */
-	float kept[GROUPS_KEPT];
-} group_sum;
-
-static group_sum sum_groups(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal)
-{
-	group_sum sum;
-	sum.all = 0.0f;
-	sum.count = 0;
-	for (uint32_t group = 0; group < group_count(lights); group++) {
-		float importance = group_importance(lights, group, position, normal);
-		sum.all += importance;
-		sum.count += importance > 0.0f;
-		if (group < GROUPS_KEPT)
-			sum.kept[group] = importance;
-	}
-	return sum;
-}
-
-static float group_probability(const gi_lights *lights, const group_sum *sum, uint32_t group, stilb_vec3 position,
-                               stilb_vec3 normal)
-{
-	float importance = group < GROUPS_KEPT ? sum->kept[group] : group_importance(lights, group, position, normal);
-	return importance > 0.0f ? 0.5f / (float)sum->count + 0.5f * importance / sum->all : 0.0f;
-}
-
-/* Chooses a group by *u in [0, 1). *u becomes its position in the group's share of [0, 1), stretched to [0, 1) again,
- * for the next choice. */
-static uint32_t choose_group(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float *u,
-                             float *probability)
-{
-	uint32_t groups = group_count(lights);
+	STILB_ASSERT(lights->sun_count > 0);
 	*probability = 1.0f;
-	if (groups == 1)
-		return 0;
-	group_sum sum = sum_groups(lights, position, normal);
+	float all = 0.0f;
+	for (uint32_t sun = 0; sun < lights->sun_count && lights->sun_count > 1; sun++)
+		all += sun_importance(lights, sun, normal);
 	uint32_t chosen = 0;
-	for (uint32_t group = 0; group < groups; group++) {
-		float chance = group_probability(lights, &sum, group, position, normal);
-		if (chance == 0.0f)
-			continue;
-		chosen = group;
-		*probability = chance;
-		if (*u < chance)
+	for (uint32_t sun = 0; sun < lights->sun_count && lights->sun_count > 1; sun++) {
+		chosen = sun;
+		*probability = 0.5f / (float)lights->sun_count + 0.5f * sun_importance(lights, sun, normal) / all;
+		if (u < *probability)
 			break;
-		*u -= chance;
+		u -= *probability;
 	}
-	float left = *u / *probability; /* may be 1 or more, by rounding */
-	*u = left < BELOW_ONE ? left : BELOW_ONE;
-	return chosen;
-}
-
-static float probability_of_group(const gi_lights *lights, uint32_t group, stilb_vec3 position, stilb_vec3 normal)
-{
-	if (group_count(lights) == 1)
-		return 1.0f;
-	group_sum sum = sum_groups(lights, position, normal);
-	return group_probability(lights, &sum, group, position, normal);
+	return lights->suns[chosen];
 }
 
 /* ---- the interface ----------------------------------------------------------------------------------------------- */
@@ -290,26 +223,31 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
 	return found;
 }
 
-bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
-                        gi_light_sample *sample)
+bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool even_sky)
 {
+	if (group == GI_LIGHT_PLACED)
+		return lights->placed_count > 0;
+	if (group == GI_LIGHT_SUNS)
+		return lights->sun_count > 0;
+	return lights->environment->mean > 0.0f && (lights->environment->map || even_sky);
+}
+
+bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, stilb_vec3 position, stilb_vec3 normal,
+                        float u_choice, stilb_vec2 u, gi_light_sample *sample)
+{
+	STILB_ASSERT(gi_light_is_asked(lights, group, true));
 	STILB_ASSERT(u_choice >= 0.0f && u_choice < 1.0f);
 	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
-	if (group_count(lights) == 0)
-		return false;
+	if (group == GI_LIGHT_PLACED)
+		return sample_placed(lights, position, normal, u_choice, u, sample);
+	if (group == GI_LIGHT_AROUND)
+		return gi_environment_sample(lights->environment, normal, u, sample);
 	float probability;
-	uint32_t group = choose_group(lights, position, normal, &u_choice, &probability);
-	bool found;
-	if (lights->placed_count > 0 && group == 0) {
-		found = sample_placed(lights, position, normal, u_choice, u, sample);
-	} else {
-		uint32_t distant = lights->distant[group - (lights->placed_count > 0)];
-		found = distant == GI_LIGHT_ENVIRONMENT ? gi_environment_sample(lights->environment, normal, u, sample)
-		                                        : gi_light_listed_sample(&lights->listed[distant], position, u, sample);
-	}
-	if (found)
-		sample->pdf *= probability;
-	return found;
+	uint32_t sun = choose_sun(lights, normal, u_choice, &probability);
+	if (!gi_light_listed_sample(&lights->listed[sun], position, u, sample))
+		return false;
+	sample->pdf *= probability;
+	return true;
 }
 
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance)
@@ -319,16 +257,14 @@ float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 norm
 	if (lights->leaf_of[shape] == GI_LIGHT_LEAF)
 		return 0.0f;
 	return gi_light_shape_density(&lights->shapes[shape], position, distance) *
-	       gi_light_tree_probability(lights->nodes, position, normal, lights->leaf_of[shape]) *
-	       probability_of_group(lights, 0, position, normal);
+	       gi_light_tree_probability(lights->nodes, position, normal, lights->leaf_of[shape]);
 }
 
-float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 direction)
+float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool even_sky)
 {
-	if (!(lights->environment->mean > 0.0f))
+	if (!gi_light_is_asked(lights, GI_LIGHT_AROUND, even_sky))
 		return 0.0f;
-	return probability_of_group(lights, group_count(lights) - 1, position, normal) *
-	       gi_environment_density(lights->environment, normal, direction);
+	return gi_environment_density(lights->environment, normal, direction);
 }
 
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction)

@@ -1,9 +1,11 @@
 /*
  * gi_light: all light sources of a scene: emitting triangles, the list of lights, the surroundings. [any-thread]
  *
- * gi_light_sample_at can find each direction from which emitted light arrives, in exactly one way. If a ray finds such
- * a direction by chance instead, gi_light_pdf (it hit an emitter) or gi_environment_pdf (it hit nothing) tells with
- * which density gi_light_sample_at chooses it: multiple importance sampling needs that.
+ * Lights are asked in groups, each with a ray of its own: which of several groups to ask would be one more guess, whose
+ * noise costs more than the rays. All groups together can find each direction from which emitted light arrives, in
+ * exactly one way. If a ray finds such a direction by chance instead, gi_light_pdf (it hit an emitter) or
+ * gi_environment_pdf (it hit nothing) tells with which density gi_light_sample_at chooses it: multiple importance
+ * sampling needs that.
  */
 #ifndef STILB_GI_LIGHT_H
 #define STILB_GI_LIGHT_H
@@ -20,7 +22,12 @@ typedef struct gi_emitter {
 	gi_glow glow;
 } gi_emitter;
 
-#define GI_LIGHT_ENVIRONMENT UINT32_MAX
+typedef enum gi_light_group {
+	GI_LIGHT_PLACED, /* those that have a position: one of them is asked */
+	GI_LIGHT_SUNS,   /* the directional lights of the list: one of them is asked */
+	GI_LIGHT_AROUND, /* the surroundings */
+	GI_LIGHT_GROUPS,
+} gi_light_group;
 
 typedef struct gi_lights {
 	struct gi_light_shape *shapes; /* one for each emitting triangle, or for two that make a rectangle */
@@ -32,9 +39,8 @@ typedef struct gi_lights {
 	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
 	uint32_t placed_count;       /* lights that have a position: the tree's leaves */
 	uint32_t *leaf_of;           /* [shape_count] index in nodes */
-	/* Indices in listed of directional lights; the last is GI_LIGHT_ENVIRONMENT, if it is not black. */
-	uint32_t *distant;
-	uint32_t distant_count;
+	uint32_t *suns;              /* indices in listed of directional lights */
+	uint32_t sun_count;
 	struct gi_environment *environment; /* never NULL; black if there are no surroundings */
 	bool shares_environment;            /* with other gi_lights, which own it */
 } gi_lights;
@@ -58,22 +64,27 @@ typedef struct gi_light_sample {
 	float distance;       /* t_max for the shadow ray: to just before the light; +infinity for distant lights */
 	/* towards the surface, W sr^-1 m^-2; of a light without a size: irradiance on a surface that faces it, W m^-2 */
 	stilb_vec3 radiance;
-	/* per steradian, including the choice of the light; of a light without a size: the probability of that choice */
+	/* per steradian, including the choice in the group; of a light without a size: the probability of that choice */
 	float pdf;
 	bool delta; /* a light of the list: no ray can hit it, so its MIS weight is 1 */
 } gi_light_sample;
 
-/* Samples one light. False: it sends nothing to this point. u_choice and u in [0, 1). position: the origin of the
- * shadow ray. normal: of the surface, unit, on the lit side. */
-bool gi_light_sample_at(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, float u_choice, stilb_vec2 u,
-                        gi_light_sample *sample);
+/* True if there is something to ask in the group. even_sky: surroundings of two colours, too. These are asked by the
+ * density that rays from a matt surface have anyway, so who sends such rays leaves them to those. */
+bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool even_sky);
+
+/* Samples one light of a group that has any. False: it sends nothing to this point. u_choice and u in [0, 1). position:
+ * the origin of the shadow ray. normal: of the surface, unit, on the lit side. */
+bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, stilb_vec3 position, stilb_vec3 normal,
+                        float u_choice, stilb_vec2 u, gi_light_sample *sample);
 
 /* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray from position that hit
  * the front of emitter `light`, < emitter_count, at this distance. */
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance);
 
-/* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray that hit nothing. */
-float gi_environment_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, stilb_vec3 direction);
+/* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray that hit nothing; 0 if
+ * gi_light_is_asked with this even_sky says that it does not. */
+float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool even_sky);
 
 /* Radiance of the surroundings from a unit direction. */
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction);
