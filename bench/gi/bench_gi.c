@@ -29,6 +29,12 @@ static const bench_metric samples_metrics[] = {
 	{"sobol", "Msamples/s", false, NULL}, {"random", "Msamples/s", false, NULL}, {"ratio", "x", false, NULL}};
 static const bench_metric workers_metrics[] = {
 	{"one", "Msamples/s", false, NULL}, {"two", "Msamples/s", false, NULL}, {"ratio", "x", false, NULL}};
+static const bench_metric choice_metrics[] = {{"tree-rmse", "of mean", true, NULL},
+                                              {"uniform-rmse", "of mean", true, NULL},
+                                              {"ideal-rmse", "of mean", true, NULL},
+                                              {"slower", "x", true, NULL},
+                                              {"ratio", "x", true, NULL},
+                                              {"ratio-ideal", "x", true, NULL}};
 static const bench_metric row_metrics[] = {{"stilb", "1/s", false, NULL},
                                            {"plain", "1/s", false, NULL},
                                            {"ratio", "x", false, NULL},
@@ -77,6 +83,8 @@ static const goal goals[] = {
 	{"primary", "ratio", "rays/s / rtcIntersect16 alone", 0.8, false},
 	{"path", "ratio", "rays/s / Embree alone on the same rays", 0.75, false},
 	{"sobol", "ratio", "samples/s, Owen-scrambled Sobol / independent numbers", 0.95, false},
+	{"choice", "ratio", "RMSE at equal time, light tree / uniform choice", 0.5, true},
+	{"choice", "ratio-ideal", "RMSE at equal samples, light tree / ideal choice", 1.1, true},
 	{"cache-time", "seconds", "seconds (Radiance's rpict: 25.4 on another machine)", 1.3, true},
 	{"cache-time", "rmse", "RMSE", .01117, true},
 	{"cache-time", "bias", "bias, %", 0.3, true},

@@ -20,6 +20,8 @@
 	X("primary", "camera rays with their surface data, beside rtcIntersect16 on the same rays", rate)                  \
 	X("path", "diffuse paths, beside Embree alone on the same rays", path)                                             \
 	X("sobol", "path tracing with Owen-scrambled Sobol points, beside independent random numbers", samples)            \
+	X("choice", "which of 1,000 triangles and 1,000 points to ask: the light tree, any, the best by brute force",      \
+	  choice)                                                                                                          \
 	X("cache-time", "Cornell box by irradiance cache on one thread: time for an RMSE of 0.0112", cache_time)           \
 	X("cache-0.25s", "indirect light in 0.25 s: error of irradiance cache and path tracer", equal_time)                \
 	X("cache-1s", "indirect light in 1 s: error of irradiance cache and path tracer", equal_time)                      \

@@ -356,6 +356,8 @@ int main(int argc, char **argv)
 		run_hessian(&child);
 	else if (is_case(&child, "pathtracer"))
 		run_pathtracer(&child);
+	else if (is_case(&child, "choice"))
+		gi_run_choice(&child);
 	else if (is_row(&child))
 		gi_run_row(&child);
 	else

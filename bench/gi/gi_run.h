@@ -94,6 +94,8 @@ gi_run_picture gi_plain_render(const gi_plain *plain, const stilb_gi_settings *s
 stilb_scene *gi_run_row_scene(const char *name);
 void gi_run_row(const bench_child *child);
 
+void gi_run_choice(const bench_child *child);
+
 void gi_run_build(const bench_child *child);
 
 void gi_run_move(const bench_child *child);

@@ -118,10 +118,16 @@ float gi_maps_alpha(const gi_maps *maps, const gi_place *place)
 {
 	if (maps->surface->alpha == STILB_SCENE_OPAQUE)
 		return 1.0f;
-	float alpha = maps->surface->color[3] * place->color[3];
+	return gi_maps_alpha_at(maps, place->uv[maps->surface->maps[STILB_SCENE_MAP_COLOR].set], place->color[3]);
+}
+
+float gi_maps_alpha_at(const gi_maps *maps, stilb_vec2 uv, float alpha)
+{
+	STILB_ASSERT(maps->surface->alpha != STILB_SCENE_OPAQUE);
+	alpha *= maps->surface->color[3];
 	const stilb_scene_map *map = &maps->surface->maps[STILB_SCENE_MAP_COLOR];
 	if (gi_maps_have(maps, STILB_SCENE_MAP_COLOR))
-		alpha *= gi_texture_alpha(&maps->textures[map->texture - 1], map, place->uv[map->set]);
+		alpha *= gi_texture_alpha(&maps->textures[map->texture - 1], map, uv);
 	if (maps->surface->alpha == STILB_SCENE_MASK)
 		return alpha < maps->surface->cutoff ? 0.0f : 1.0f;
 	return fminf(fmaxf(alpha, 0.0f), 1.0f);

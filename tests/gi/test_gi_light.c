@@ -644,8 +644,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	gi_lights_destroy(&lights);
 }
 
-/* Of three suns each is chosen as often as its samples say, by Pearson's chi-square over independent numbers, which must
- * be within four standard deviations; and together they give the sum. */
+/* Of three suns each is chosen as often as its samples say, by Pearson's chi-square over independent numbers, which
+ * must be within four standard deviations; and together they give the sum. */
 static void suns_are_chosen_with_their_probabilities(void **state)
 {
 	(void)state;

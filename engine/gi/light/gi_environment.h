@@ -30,7 +30,8 @@ void gi_environment_destroy(gi_environment *environment);
 
 stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direction);
 
-/* Samples a direction: fills sample's direction, distance, radiance and pdf. False: it is black there. u in [0, 1)^2. */
+/* Samples a direction: fills sample's direction, distance, radiance and pdf. False: it is black there.
+ * u in [0, 1)^2. */
 bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample);
 
 /* The density of gi_environment_sample for a direction, per steradian. */

@@ -186,7 +186,8 @@ static float sun_importance(const gi_lights *lights, uint32_t sun, stilb_vec3 no
 	return gi_brightness(gi_vector(light->intensity)) * (facing > SUN_FACING_MIN ? facing : SUN_FACING_MIN);
 }
 
-/* Half of the probability is shared equally, since nothing is known of what hides them, half by estimated irradiance. */
+/* Half of the probability is shared equally, since nothing is known of what hides them, half by estimated
+ * irradiance. */
 static uint32_t choose_sun(const gi_lights *lights, stilb_vec3 normal, float u, float *probability)
 {
 	STILB_ASSERT(lights->sun_count > 0);
