@@ -65,8 +65,8 @@ stilb_vec3 gi_maps_emission(const gi_maps *maps, const gi_place *place);
 /* Share of the point that is there, [0, 1]: 1 or 0 of MASK. */
 float gi_maps_alpha(const gi_maps *maps, const gi_place *place);
 
-/* The same of a surface that is not OPAQUE, by what it needs of the place: the uv of the colour's map, and the vertices'
- * alpha. */
+/* The same of a surface that is not OPAQUE, by what it needs of the place: the uv of the colour's map, and the
+ * vertices' alpha. */
 float gi_maps_alpha_at(const gi_maps *maps, stilb_vec2 uv, float alpha);
 
 static inline bool gi_maps_have(const gi_maps *maps, stilb_scene_map_kind kind)

@@ -23,8 +23,8 @@ typedef struct hit {
 	uint32_t vertex; /* reflections between it and the camera; 0: the camera ray's hit */
 } hit;
 
-/* Light that reaches the hit from one sampled light of each group and is reflected to the viewer, if no ray can hit that
- * light; else 0: it is found by the rays of `gathered`. */
+/* Light that reaches the hit from one sampled light of each group and is reflected to the viewer, if no ray can hit
+ * that light; else 0: it is found by the rays of `gathered`. */
 static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 {
 	STILB_ASSERT(at->vertex < batch->view->settings.depth);

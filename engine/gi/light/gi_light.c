@@ -85,8 +85,8 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
 		lights->leaf_of[i] = GI_LIGHT_LEAF;
 	if (count == 0)
 		return;
-	gi_light_tree_build(lights->nodes, leaves, count);
-	for (uint32_t i = 0; i < 2 * count - 1; i++)
+	lights->node_count = gi_light_tree_build(lights->nodes, leaves, count);
+	for (uint32_t i = 0; i < lights->node_count; i++)
 		if (lights->nodes[i].child == GI_LIGHT_LEAF && lights->nodes[i].light < lights->shape_count)
 			lights->leaf_of[lights->nodes[i].light] = i;
 }
@@ -95,13 +95,12 @@ static void make_choice(gi_lights *lights, gi_light_node *leaves)
  * For STILB_CHECK. */
 static bool lights_are_sound(const gi_lights *lights)
 {
-	uint32_t nodes = lights->placed_count > 0 ? 2 * lights->placed_count - 1 : 0;
 	for (uint32_t i = 0; i < lights->emitter_count; i++)
 		if (lights->shape_of[i] >= lights->shape_count)
 			return false;
 	for (uint32_t i = 0; i < lights->shape_count; i++) {
 		uint32_t leaf = lights->leaf_of[i];
-		if (leaf != GI_LIGHT_LEAF && (leaf >= nodes || lights->nodes[leaf].light != i))
+		if (leaf != GI_LIGHT_LEAF && (leaf >= lights->node_count || lights->nodes[leaf].light != i))
 			return false;
 	}
 	for (uint32_t i = 0; i < lights->sun_count; i++)

@@ -37,9 +37,10 @@ typedef struct gi_lights {
 	struct gi_light_listed *listed; /* the lights of the scene's list that shine and have no face */
 	uint32_t listed_count;
 	struct gi_light_node *nodes; /* tree of the lights that have a position: gi_light_tree.h */
-	uint32_t placed_count;       /* lights that have a position: the tree's leaves */
-	uint32_t *leaf_of;           /* [shape_count] index in nodes */
-	uint32_t *suns;              /* indices in listed of directional lights */
+	uint32_t node_count;
+	uint32_t placed_count; /* lights that have a position: the tree's leaves */
+	uint32_t *leaf_of;     /* [shape_count] index in nodes */
+	uint32_t *suns;        /* indices in listed of directional lights */
 	uint32_t sun_count;
 	struct gi_environment *environment; /* never NULL; black if there are no surroundings */
 	bool shares_environment;            /* with other gi_lights, which own it */

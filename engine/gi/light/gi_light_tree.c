@@ -151,28 +151,61 @@ static uint32_t part(gi_light_node *leaves, uint32_t count, uint32_t level)
 	return first == 0 || first == count ? count / 2 : first;
 }
 
-/* Builds the subtree at nodes[at] from leaves; *used is the first free node. */
-static void build(gi_light_node *nodes, uint32_t at, gi_light_node *leaves, uint32_t count, uint32_t level,
-                  uint32_t *used)
+/* A run of leaves that one child will hold. */
+typedef struct leaf_run {
+	gi_light_node *leaves;
+	uint32_t count, level;
+} leaf_run;
+
+/* Cuts the run of the most leaves in two, until there are as many runs as a node has children, or nothing to cut. */
+static uint32_t cut(leaf_run *runs)
 {
-	STILB_ASSERT(count >= 1);
+	uint32_t count = 1;
+	for (; count < GI_LIGHT_CHILDREN; count++) {
+		leaf_run *most = runs;
+		for (uint32_t i = 1; i < count; i++)
+			if (runs[i].count > most->count)
+				most = &runs[i];
+		if (most->count == 1)
+			break;
+		uint32_t first = part(most->leaves, most->count, most->level++);
+		runs[count] = (leaf_run){most->leaves + first, most->count - first, most->level};
+		most->count = first;
+	}
+	return count;
+}
+
+/* Builds the subtree at nodes[at] from leaves; *used is the first free node. */
+static void build(gi_light_node *nodes, uint32_t at, leaf_run from, uint32_t *used)
+{
+	STILB_ASSERT(from.count >= 1);
 	uint32_t parent = nodes[at].parent;
-	if (count == 1) {
-		nodes[at] = leaves[0];
+	if (from.count == 1) {
+		nodes[at] = from.leaves[0];
 		nodes[at].parent = parent;
 		nodes[at].child = GI_LIGHT_LEAF;
+		nodes[at].child_count = 0;
 		for (int i = 0; i < 3; i++)
 			nodes[at].sum[i] = nodes[at].axis[i] * (nodes[at].power - nodes[at].lamps);
 		finish(&nodes[at]);
 		return;
 	}
-	uint32_t child = *used, first = part(leaves, count, level);
-	*used += 2;
-	nodes[at].child = child;
-	nodes[child].parent = nodes[child + 1].parent = at;
-	build(nodes, child, leaves, first, level + 1, used);
-	build(nodes, child + 1, leaves + first, count - first, level + 1, used);
-	join(&nodes[at], &nodes[child], &nodes[child + 1]);
+	leaf_run runs[GI_LIGHT_CHILDREN] = {from};
+	uint32_t child = *used, count = cut(runs);
+	*used += count;
+	for (uint32_t i = 0; i < count; i++) {
+		nodes[child + i].parent = at;
+		build(nodes, child + i, runs[i], used);
+	}
+	gi_light_node all = nodes[child];
+	for (uint32_t i = 1; i < count; i++) {
+		gi_light_node before = all;
+		join(&all, &before, &nodes[child + i]);
+	}
+	all.parent = parent;
+	all.child = child;
+	all.child_count = count;
+	nodes[at] = all;
 }
 
 /* Children know their parent and lie in its box. For STILB_CHECK. */
@@ -180,7 +213,7 @@ static bool tree_is_sound(const gi_light_node *nodes, uint32_t count)
 {
 	for (uint32_t i = 0; i < count; i++) {
 		const gi_light_node *parent = &nodes[nodes[i].parent];
-		if (nodes[i].parent >= count || (i > 0 && parent->child != i && parent->child + 1 != i))
+		if (nodes[i].parent >= count || (i > 0 && i - parent->child >= parent->child_count))
 			return false;
 		for (int axis = 0; axis < 3; axis++)
 			if (nodes[i].low[axis] < parent->low[axis] || nodes[i].high[axis] > parent->high[axis])
@@ -189,36 +222,55 @@ static bool tree_is_sound(const gi_light_node *nodes, uint32_t count)
 	return true;
 }
 
-void gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t leaf_count)
+uint32_t gi_light_tree_build(gi_light_node *nodes, gi_light_node *leaves, uint32_t leaf_count)
 {
 	STILB_ASSERT(leaf_count >= 1);
 	uint32_t used = 1;
 	nodes[0] = (gi_light_node){.parent = 0};
-	build(nodes, 0, leaves, leaf_count, 0, &used);
-	STILB_ASSERT(used == 2 * leaf_count - 1);
+	build(nodes, 0, (leaf_run){leaves, leaf_count, 0}, &used);
+	STILB_ASSERT(used <= 2 * leaf_count - 1);
 	STILB_CHECK(tree_is_sound(nodes, used));
+	return used;
 }
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
+
+/* The importance of each child, and their sum. */
+static float children_importance(const gi_light_node *nodes, const gi_light_node *node, stilb_vec3 position,
+                                 stilb_vec3 normal, float importance[GI_LIGHT_CHILDREN])
+{
+	float sum = 0.0f;
+	for (uint32_t i = 0; i < node->child_count; i++) {
+		importance[i] = gi_light_node_importance(&nodes[node->child + i], position, normal);
+		sum += importance[i];
+	}
+	return sum;
+}
 
 uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, float u,
                               float *probability)
 {
 	STILB_ASSERT(u >= 0.0f && u < 1.0f);
 	uint32_t at = 0;
-	float chance = 1.0f;
+	float chance = 1.0f, importance[GI_LIGHT_CHILDREN];
 	while (nodes[at].child != GI_LIGHT_LEAF) {
-		uint32_t child = nodes[at].child;
-		float first = gi_light_node_importance(&nodes[child], position, normal);
-		float second = gi_light_node_importance(&nodes[child + 1], position, normal);
-		if (!(first + second > 0.0f))
+		float sum = children_importance(nodes, &nodes[at], position, normal, importance), rest = u * sum;
+		if (!(sum > 0.0f))
 			return GI_LIGHT_LEAF;
-		float share = first / (first + second);
-		bool take_first = u < share;
-		chance *= take_first ? share : 1.0f - share;
-		u = take_first ? u / share : (u - share) / (1.0f - share);
+		uint32_t chosen = GI_LIGHT_CHILDREN;
+		float before = 0.0f; /* of the sum, rest lies beyond it */
+		for (uint32_t i = 0; i < nodes[at].child_count && !(chosen < GI_LIGHT_CHILDREN && rest < before); i++) {
+			if (!(importance[i] > 0.0f))
+				continue;
+			if (chosen < GI_LIGHT_CHILDREN)
+				rest -= importance[chosen];
+			chosen = i;
+			before = importance[i];
+		}
+		chance *= importance[chosen] / sum;
+		u = rest / importance[chosen]; /* may be 1 or more, by rounding */
 		u = u < BELOW_ONE ? u : BELOW_ONE;
-		at = take_first ? child : child + 1;
+		at = nodes[at].child + chosen;
 	}
 	*probability = chance;
 	return at;
@@ -227,15 +279,13 @@ uint32_t gi_light_tree_choose(const gi_light_node *nodes, stilb_vec3 position, s
 float gi_light_tree_probability(const gi_light_node *nodes, stilb_vec3 position, stilb_vec3 normal, uint32_t leaf)
 {
 	STILB_ASSERT(nodes[leaf].child == GI_LIGHT_LEAF);
-	float chance = 1.0f;
+	float chance = 1.0f, importance[GI_LIGHT_CHILDREN];
 	for (uint32_t at = leaf; at != 0; at = nodes[at].parent) {
-		uint32_t child = nodes[nodes[at].parent].child;
-		float first = gi_light_node_importance(&nodes[child], position, normal);
-		float second = gi_light_node_importance(&nodes[child + 1], position, normal);
-		if (!(first + second > 0.0f))
+		const gi_light_node *parent = &nodes[nodes[at].parent];
+		float sum = children_importance(nodes, parent, position, normal, importance);
+		if (!(sum > 0.0f))
 			return 0.0f;
-		float share = first / (first + second);
-		chance *= at == child ? share : 1.0f - share;
+		chance *= importance[at - parent->child] / sum;
 	}
 	return chance;
 }
