@@ -191,8 +191,8 @@ struct stilb_engine {
 	stilb_render_target targets[ENGINE_MAX_VIEWS];
 	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
-	engine_last lasts[ENGINE_MAX_VIEWS]; /* by view */
-	bool shows_velocity;                 /* the image that the program shows is of velocities */
+	engine_last lasts[ENGINE_MAX_VIEWS];          /* by view */
+	bool shows_velocity;                          /* the image that the program shows is of velocities */
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
 	uint32_t pass_count;

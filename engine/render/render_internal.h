@@ -67,12 +67,12 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHTS_END 64u       /* some have a falloff that is not physical */
-#define RENDER_LIGHTS_GLOSS 128u    /* highlights mirror sky and ground */
-#define RENDER_LIGHTS_PANORAMA 256u /* the panorama's light in place of sky and ground */
-#define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
-#define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
-#define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
+#define RENDER_LIGHTS_END 64u        /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u     /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u  /* the panorama's light in place of sky and ground */
+#define RENDER_LIGHTS_SIDES 512u     /* no light, but stilb_render_view.both_sides */
+#define RENDER_LIGHTS_ONE 1024u      /* there is exactly one */
+#define RENDER_LIGHTS_DEPTH 2048u    /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
 #define RENDER_LIGHTS_VELOCITY 4096u /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
 /* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
 #define RENDER_LIGHTS_CHANNEL_SHIFT 13u

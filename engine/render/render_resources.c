@@ -210,8 +210,8 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
-	    !resources->centers || !resources->lasts || !resources->groups.items || !resources->group_classes || !resources->classes.items ||
-	    !resources->lock_made || (keep_pictures && !resources->pictures))
+	    !resources->centers || !resources->lasts || !resources->groups.items || !resources->group_classes ||
+	    !resources->classes.items || !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }

@@ -204,14 +204,14 @@ struct render_resources {
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
 	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_CENTER: see render_mesh_center */
 	render_last *lasts;       /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_LAST */
-	bool keeps_last;          /* the last frame shows velocities: render_mesh_write keeps where vertices were. Main thread's */
-	uint64_t drawn;           /* frames that the device got so far. Main thread's */
-	bool morph;               /* stilb_render_desc.morph */
-	render_layout layout;     /* of the heap of vertices */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
+	bool keeps_last; /* the last frame shows velocities: render_mesh_write keeps where vertices were. Main thread's */
+	uint64_t drawn;  /* frames that the device got so far. Main thread's */
+	bool morph;      /* stilb_render_desc.morph */
+	render_layout layout;   /* of the heap of vertices */
+	uint32_t *materials;    /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
 	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its group */
-	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
-	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
+	render_maps_slot *maps; /* [RENDER_MAX_MAPS] */
+	uint32_t *textures;     /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	render_table groups;     /* of render_group */
 	uint32_t *group_classes; /* [RENDER_MAX_MAPS] class of a group, or RENDER_CLASS_BLENDS */

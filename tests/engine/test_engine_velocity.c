@@ -36,8 +36,8 @@ typedef struct stage {
 	uint32_t frame;
 	bool walks, plays, jumps; /* the camera, the figures, model 0 in the first frames */
 	moment now, before;
-	uint32_t hidden;          /* a material that draws no velocity; STILB_SCENE_NONE: none */
-	bool levels;              /* models but the first are not drawn in full: they do not count */
+	uint32_t hidden; /* a material that draws no velocity; STILB_SCENE_NONE: none */
+	bool levels;     /* models but the first are not drawn in full: they do not count */
 } stage;
 
 static void moment_free(moment *m)
@@ -71,12 +71,15 @@ static moment moment_of(const stage *s)
 /* A point in clip space. */
 static void moment_project(const moment *m, uint32_t part, const double local[3], double clip[4])
 {
-	const float *t = m->parts[part].m, *p = m->view_projection.m;
-	double world[3];
+	double world[4] = {0, 0, 0, 1};
 	for (int r = 0; r < 3; r++)
-		world[r] = (double)t[r] * local[0] + (double)t[4 + r] * local[1] + (double)t[8 + r] * local[2] + (double)t[12 + r];
-	for (int r = 0; r < 4; r++)
-		clip[r] = (double)p[r] * world[0] + (double)p[4 + r] * world[1] + (double)p[8 + r] * world[2] + (double)p[12 + r];
+		for (int c = 0; c < 4; c++)
+			world[r] += (double)m->parts[part].m[4 * c + r] * (c < 3 ? local[c] : 1.0);
+	for (int r = 0; r < 4; r++) {
+		clip[r] = 0.0;
+		for (int c = 0; c < 4; c++)
+			clip[r] += (double)m->view_projection.m[4 * c + r] * world[c];
+	}
 }
 
 /* ---- the truth --------------------------------------------------------------------------------------------------- */
@@ -492,11 +495,8 @@ static void pictures_stay(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(all_that_moves),
-		cmocka_unit_test(figures_alone),
-		cmocka_unit_test(masks_and_blends),
-		cmocka_unit_test(impostors_move),
-		cmocka_unit_test(pictures_stay),
+		cmocka_unit_test(all_that_moves), cmocka_unit_test(figures_alone), cmocka_unit_test(masks_and_blends),
+		cmocka_unit_test(impostors_move), cmocka_unit_test(pictures_stay),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -94,7 +94,7 @@ typedef struct render_backdrop_push {
 	uint64_t data, panorama; /* of a floor and a map: backdrop_data; a panorama's texels */
 } render_backdrop_push;
 
-/* Constants of shaders/velocity_far.frag. */
+/* Constants of shaders/velocity/velocity_far.frag. */
 typedef struct render_velocity_push {
 	float ahead[4], across[4], down[4];
 	float camera[4];
@@ -148,7 +148,7 @@ extern const stilb_gpu_shader render_maps_vertex[2][2][2]; /* [1: with layers][1
 extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
 extern const stilb_gpu_shader render_through_fragment[2][2]; /* of draws with transmission: [1: see _mesh_fragment] */
 extern const stilb_gpu_shader render_behind_fragment[2], render_behind_half_fragment; /* [1: several samples] */
-extern const stilb_gpu_shader render_maps_depth[2][2]; /* [1: velocities] */
+extern const stilb_gpu_shader render_maps_depth[2][2];                                /* [1: velocities] */
 /* Of materials with a function, whose fragment shaders come with it: as render_maps_vertex; as render_channel_vertex of
  * maps. */
 extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_channel_vertex[2][2];
@@ -266,8 +266,8 @@ typedef struct render_frame_target {
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
 	uint16_t velocity, velocity_depth; /* of one sample a pixel; 0: no view has asked for them so far */
-	bool drawn;                     /* a pass has drawn into it */
-	bool transparent;               /* the backdrop is nothing, and alpha counts */
+	bool drawn;                        /* a pass has drawn into it */
+	bool transparent;                  /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
 	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
 	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */

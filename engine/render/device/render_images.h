@@ -20,8 +20,8 @@
 /* What is shown: rgba8_srgb, or with output linear rgba16_f. Written by the tone map and 2D passes. */
 #define STILB_RENDER_IMAGE_PICTURE "picture"
 
-/* Pixels from the pixel's middle to where what it shows was in the frame before, x to the right, y down: by the movement
- * of the camera, of models and of vertices. rg16_f, one sample a pixel; at most 32,768 either way. Written by passes
+/* Pixels from the pixel's middle to where what it shows was in the frame before, x to the right, y down: by movement of
+ * the camera, of models and of vertices. rg16_f, one sample a pixel; at most 32,768 either way. Written by passes
  * whose view has `last`, of what does not blend; where nothing is, of what is infinitely far away. An output. */
 #define STILB_RENDER_IMAGE_VELOCITY "velocity"
 /* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */

@@ -252,11 +252,9 @@ stilb_result render_programs_velocity(render_device *device)
 	stilb_gpu_format color = STILB_GPU_RG16_F;
 	stilb_gpu_program *program = &device->programs.velocity_far;
 	pthread_mutex_lock(&device->programs.lock);
-	stilb_result result =
-		program_screen(device, "velocity far away", render_velocity_far_fragment, NULL, 0, program);
+	stilb_result result = program_screen(device, "velocity far away", render_velocity_far_fragment, NULL, 0, program);
 	pthread_mutex_unlock(&device->programs.lock);
-	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1)
-	                          : result;
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
 }
 
 stilb_result render_programs_behind(render_device *device)

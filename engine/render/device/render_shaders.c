@@ -378,7 +378,8 @@ const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
 };
 
 const stilb_gpu_shader render_depth_fragment[2] = {SHADER(depth_frag), SHADER(velocity_frag)};
-const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_depth_frag), SHADER(impostor_velocity_frag)};
+const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_depth_frag),
+                                                            SHADER(impostor_velocity_frag)};
 const stilb_gpu_shader render_velocity_far_fragment = SHADER(velocity_far_frag);
 const stilb_gpu_shader render_backdrop_fragment = SHADER(backdrop_frag);
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);

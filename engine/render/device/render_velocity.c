@@ -34,8 +34,7 @@ stilb_result render_velocity_begin(render_device *device, const render_stream *s
 	if (result != STILB_OK)
 		return result;
 	target->velocity = velocity_image(device, target, STILB_RENDER_IMAGE_VELOCITY, STILB_GPU_RG16_F, true);
-	target->velocity_depth =
-		velocity_image(device, target, STILB_RENDER_IMAGE_VELOCITY_DEPTH, STILB_GPU_D32_F, false);
+	target->velocity_depth = velocity_image(device, target, STILB_RENDER_IMAGE_VELOCITY_DEPTH, STILB_GPU_D32_F, false);
 	render_velocity_push push = {.half_size = {0.5f * (float)target->width, 0.5f * (float)target->height},
 	                             .last = view + offsetof(render_view_data, last_view_projection)};
 	render_backdrop_axes(stream->view, push.ahead, push.across, push.down);

@@ -151,8 +151,8 @@ static void place_keep(render_place_last *last, const render_scene *tables, cons
 }
 
 /* Makes the last places as long as a table of `capacity` rows; the scene's parts from `first` on have not moved. */
-static bool places_fit_last(render_places *places, const render_scene *tables, const stilb_scene *scene,
-                            uint32_t first, uint32_t capacity)
+static bool places_fit_last(render_places *places, const render_scene *tables, const stilb_scene *scene, uint32_t first,
+                            uint32_t capacity)
 {
 	render_place_last *last = realloc(places->last, (size_t)capacity * sizeof *last);
 	if (!last)
@@ -325,8 +325,8 @@ static stilb_result places_fit(stilb_render *render, const stilb_scene *scene, u
 {
 	render_places *places = &render->scene.places;
 	uint32_t capacity = places->rows->capacity;
-	bool fits = !(needs & RENDER_PLACES_STRETCHES) || places->stretches ||
-	            places_fit_stretches(places, scene, 0, capacity);
+	bool fits =
+		!(needs & RENDER_PLACES_STRETCHES) || places->stretches || places_fit_stretches(places, scene, 0, capacity);
 	fits = fits && (!(needs & RENDER_PLACES_LAST) || places->last ||
 	                places_fit_last(places, &render->scene, scene, 0, capacity));
 	return fits ? STILB_OK : places_no_memory(scene);

@@ -86,7 +86,7 @@ typedef struct render_places {
 	float *stretches;  /* [rows->capacity] by part: render_place_stretch; NULL: nobody has asked for them so far */
 	render_place_last *last; /* [rows->capacity] by part; NULL: nobody has asked for them so far */
 	uint8_t *states;         /* [state_capacity] by model: render_place_state */
-	uint32_t *moving;  /* [moving_count] the models that do not rest */
+	uint32_t *moving;        /* [moving_count] the models that do not rest */
 	uint32_t state_capacity; /* models beyond it rest */
 	uint32_t moving_count, moving_capacity;
 } render_places;
@@ -106,8 +106,9 @@ void render_places_finish(stilb_render *render, render_places *places, bool show
 stilb_result render_places_note(render_places *places, const stilb_scene *scene);
 
 /* Brings the places up to date for the frame, before its draws of the scene; does nothing from its second call on.
- * needs: RENDER_PLACES_..., which stay up to date from then on. *rows: so many rows of the frame are needed for what moves; if there are any,
- * render_places_move follows. STILB_ERROR_MEMORY, STILB_ERROR_ARGUMENT as render_places_make. [main-thread] */
+ * needs: RENDER_PLACES_..., which stay up to date from then on. *rows: so many rows of the frame are needed for what
+ * moves; if there are any, render_places_move follows. STILB_ERROR_MEMORY, STILB_ERROR_ARGUMENT as render_places_make.
+ * [main-thread] */
 stilb_result render_places_frame(stilb_render *render, const stilb_scene *scene, uint32_t needs, uint32_t *rows);
 
 /* Writes these `count` rows. rows: where, the one with index `first` among the frame's. [main-thread] */
@@ -170,8 +171,9 @@ static inline float render_place_stretch(const stilb_mat4 *transform)
 
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 
-/* Writes the upper three rows of the matrix, then material, mesh and last. stream: with non-temporal stores. Without loops:
- * gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of 4.1). */
+/* Writes the upper three rows of the matrix, then material, mesh and last. stream: with non-temporal stores. Without
+ * loops: gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of
+ * 4.1). */
 static inline void render_row_write(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
                                     uint32_t last, bool stream)
 {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Meshes whose material has a surface (scene/scene_surface.h). MAPS_FUNCTION: that has a function of the program's, too
-// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn; MESH_VELOCITY, with MAPS_DEPTH: where velocities are.
+// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn; with MESH_VELOCITY: where velocities are, too.
 #include "surface.glsl"
 #ifdef MAPS_FUNCTION
 #define discard surface_functions_must_not_discard_but_return_alpha_0

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 // The velocity of what is seen where no model is: infinitely far away, or on the floor of a studio.
-#include "velocity.glsl"
+#include "../velocity.glsl"
 
 const float REACH = 2.0; // as STILB_SCENE_FLOOR_REACH
 
