@@ -124,7 +124,15 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+	/* Without AVX-512 Embree 3.13 makes a stream of the packet, whose rays all count unless they end before they begin. */
+	float t_max[16];
+	for (int i = 0; i < 16; i++) {
+		t_max[i] = rays->ray.t_max[i];
+		rays->ray.t_max[i] = valid[i] ? t_max[i] : -INFINITY;
+	}
 	rtcIntersect16(valid, state->scene, &context, gi_embree_ray_hit16(rays));
+	for (int i = 0; i < 16; i++)
+		rays->ray.t_max[i] = valid[i] ? rays->ray.t_max[i] : t_max[i];
 }
 
 /* gi_tracer.occluded, in packets of sixteen rays. Embree's streams (rtcOccluded1M) sort the rays first, which costs
