@@ -24,6 +24,7 @@ static void play_unshare(const stilb_scene *scene, play_shared *shared)
 {
 	for (uint32_t d = 0; shared->rests && d < scene->animation->deform_count; d++) {
 		free(shared->rests[d].streams);
+		free(shared->rests[d].starts);
 		free(shared->rests[d].weights);
 		free(shared->rests[d].joints);
 	}

@@ -35,11 +35,13 @@ typedef struct play_clip {
 /* What a mesh is at rest, and what carries its vertices. Streams hold a number of each vertex, and arrays have room for
  * vertices to the next eight. */
 typedef struct play_rest {
-	float *streams;   /* [PLAY_STREAMS][stride], or [PLAY_STREAMS_PLAIN][stride] of a mesh without extras */
-	float *weights;   /* [stride * influences] of sum 1; NULL: no skin moves it */
-	uint16_t *joints; /* [stride * influences] */
-	bool tangents;    /* the mesh has extras */
-	uint32_t vertex_count, stride, influences;
+	float *streams; /* [PLAY_STREAMS][stride], or [PLAY_STREAMS_PLAIN][stride] of a mesh without extras */
+	/* What carries it: play_skin has the same. NULL: no skin does. */
+	uint32_t *starts;
+	uint16_t *joints;
+	float *weights;
+	bool tangents; /* the mesh has extras */
+	uint32_t vertex_count, stride;
 } play_rest;
 
 /* Streams of a mesh at rest: numbers of positions, normals and uv, then of tangents. */

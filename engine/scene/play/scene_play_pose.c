@@ -70,7 +70,7 @@ static bool pose_joints(const stilb_scene *scene, play_figure *figure, const sti
 			continue; /* it was removed, and stays where it was */
 		stilb_mat4 joint;
 		scene_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
-		              &joint);
+		               &joint);
 		play_rows rows;
 		for (size_t i = 0; i < 12; i++)
 			rows.m[i] = joint.m[4 * (i % 4) + i / 4];
@@ -175,9 +175,9 @@ static play_skin pose_block(const play_rest *rest, const play_rows *joints, cons
 {
 	play_skin skin = {
 		.joints = joints,
-		.weights = joints ? rest->weights + (size_t)first * rest->influences : NULL,
-		.indices = joints ? rest->joints + (size_t)first * rest->influences : NULL,
-		.influences = rest->influences,
+		.starts = joints ? rest->starts + first / PLAY_LANES : NULL,
+		.indices = rest->joints,
+		.weights = rest->weights,
 		.count = count,
 		.vertices = mesh->vertices + first,
 		.extras = rest->tangents ? mesh->extras + first : NULL,
