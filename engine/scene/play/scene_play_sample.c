@@ -5,6 +5,9 @@
 
 #include <math.h>
 #include <string.h>
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
 #define SAMPLE_SLICE 512u      /* channels that a job takes at least */
 #define SAMPLE_UNTOUCHED -1.0f /* in place of the sum of weights: nothing replaces it */
@@ -155,7 +158,11 @@ static inline sample_lanes sample_select(sample_mask mask, sample_lanes a, sampl
 
 static inline sample_lanes sample_root(sample_lanes x)
 {
+#if defined(__x86_64__)
+	return (sample_lanes)_mm_sqrt_ps((__m128)x);
+#else
 	return (sample_lanes){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
+#endif
 }
 
 /* sin(x) for 0 <= x <= pi / 2, to 6e-9: Abramowitz and Stegun, 4.3.97 with its coefficients. */
@@ -189,23 +196,26 @@ static inline void sample_shares(sample_lanes cosine, sample_lanes share, sample
 	*b = sample_select(wide, sample_sin(share * angle) / sine, share);
 }
 
-/* Columns x, y, z, w of four quaternions. */
-static inline void sample_transpose(const float *const from[4], sample_lanes to[4])
+/* Rows become columns. */
+static inline void sample_transpose(sample_lanes q[4])
 {
-	sample_lanes q[4];
-	for (int i = 0; i < 4; i++)
-		memcpy(&q[i], from[i], sizeof q[i]);
-	for (int k = 0; k < 4; k++)
-		to[k] = (sample_lanes){q[0][k], q[1][k], q[2][k], q[3][k]};
+	sample_lanes a = __builtin_shufflevector(q[0], q[1], 0, 4, 1, 5),
+				 b = __builtin_shufflevector(q[2], q[3], 0, 4, 1, 5);
+	sample_lanes c = __builtin_shufflevector(q[0], q[1], 2, 6, 3, 7),
+				 d = __builtin_shufflevector(q[2], q[3], 2, 6, 3, 7);
+	q[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
+	q[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+	q[2] = __builtin_shufflevector(c, d, 0, 1, 4, 5);
+	q[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
 }
 
-/* The rotations between four pairs, on the shorter way: Shoemake, "Animating rotation with quaternion curves", 1985. */
-static inline void sample_turn(const float *const from[4], const float *const to[4], sample_lanes share,
-                               float out[4][4])
+/* The rotations between four pairs, on the shorter way: Shoemake, "Animating rotation with quaternion curves", 1985.
+ * a becomes them. */
+static inline void sample_turn(sample_lanes a[4], sample_lanes b[4], sample_lanes share)
 {
-	sample_lanes a[4], b[4], dot, of_a, of_b;
-	sample_transpose(from, a);
-	sample_transpose(to, b);
+	sample_lanes dot, of_a, of_b;
+	sample_transpose(a);
+	sample_transpose(b);
 	dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 	sample_mask far = dot < 0.0f;
 	sample_shares(sample_select(far, -dot, dot), share, &of_a, &of_b);
@@ -213,11 +223,9 @@ static inline void sample_turn(const float *const from[4], const float *const to
 	/* On a key it is that key, whatever rounding makes of the shares. */
 	of_a = sample_select(share == 0.0f, sample_all(1.0f), of_a);
 	of_b = sample_select(share == 0.0f, sample_all(0.0f), of_b);
-	for (int k = 0; k < 4; k++) {
-		sample_lanes q = of_a * a[k] + of_b * b[k];
-		for (int i = 0; i < 4; i++)
-			out[i][k] = q[i];
-	}
+	for (int k = 0; k < 4; k++)
+		a[k] = of_a * a[k] + of_b * b[k];
+	sample_transpose(a);
 }
 
 /* ---- a figure ---------------------------------------------------------------------------------------------------- */
@@ -226,21 +234,20 @@ static inline void sample_turn(const float *const from[4], const float *const to
 static void sample_rotations(const stilb_scene_animation *animation, const play_shared *shared,
                              const uint32_t channels[4], uint32_t lanes, const play_figure *figure, float weight)
 {
-	float *sums = figure->row + shared->value_count, out[4][4];
-	const float *from[4], *to[4];
-	sample_lanes share;
+	float *sums = figure->row + shared->value_count;
+	sample_lanes from[4], to[4], share;
 	for (uint32_t i = 0; i < 4; i++) {
 		uint32_t c = channels[i < lanes ? i : 0];
 		const play_cursor *at = &figure->cursors[shared->channels[c].track];
 		const float *values = animation->values + animation->channels[c].first_value;
-		from[i] = values + 4 * (size_t)at->key;
-		to[i] = values + 4 * (size_t)at->next;
+		from[i] = sample_load(values + 4 * (size_t)at->key);
+		to[i] = sample_load(values + 4 * (size_t)at->next);
 		share[i] = at->share;
 	}
-	sample_turn(from, to, share, out);
+	sample_turn(from, to, share);
 	for (uint32_t i = 0; i < lanes; i++) {
 		uint32_t target = shared->channels[channels[i]].target;
-		sample_add(figure->row + shared->targets[target].first, &sums[target], sample_load(out[i]), weight, true);
+		sample_add(figure->row + shared->targets[target].first, &sums[target], from[i], weight, true);
 	}
 }
 
@@ -293,12 +300,16 @@ static inline stilb_vec4 sample_mean(const float *from, float weight, stilb_vec4
 	return weight > 1.0f ? sum * (1.0f / weight) : sum + (1.0f - weight) * rest;
 }
 
-/* Makes a quaternion that is unit but for its last digits more so: if these were always off to the same side, chains of
- * many joints would grow or shrink. One step of Newton's, whose error is measured in double. */
+/* Makes a quaternion that is unit but for 1e-4 so: if the last digits were always off to the same side, chains of many
+ * joints would grow or shrink. One step of Newton's, whose error is measured in double. */
 static inline stilb_vec4 sample_settle_length(stilb_vec4 q)
 {
-	double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
-	return q + q * (float)(0.5 * (1.0 - ((x * x + y * y) + (z * z + w * w))));
+	typedef float two __attribute__((vector_size(8)));
+	typedef double wide __attribute__((vector_size(16)));
+	wide low = __builtin_convertvector((two){q[0], q[1]}, wide),
+		 high = __builtin_convertvector((two){q[2], q[3]}, wide);
+	wide squares = low * low + high * high;
+	return q + q * (float)(0.5 * (1.0 - (squares[0] + squares[1])));
 }
 
 /* The same of a rotation; what cancels leaves `before`. */
@@ -308,7 +319,9 @@ static inline stilb_vec4 sample_mean_turn(const float *from, float weight, stilb
 	if (weight < 1.0f)
 		sum += (sample_dot(sum, rest) < 0.0f ? weight - 1.0f : 1.0f - weight) * rest;
 	float square = sample_dot(sum, sum);
-	return square > 1e-12f && square < 1e30f ? sample_settle_length(sum * (1.0f / sqrtf(square))) : before;
+	if (!(square > 1e-12f && square < 1e30f))
+		return before;
+	return sample_settle_length(fabsf(square - 1.0f) < 1e-4f ? sum : sum * (1.0f / sqrtf(square)));
 }
 
 static void sample_mean_weights(const float *from, float weight, const float *rest, uint32_t count, float *out)
@@ -316,13 +329,6 @@ static void sample_mean_weights(const float *from, float weight, const float *re
 	float scale = weight > 1.0f ? 1.0f / weight : 1.0f, share = weight < 1.0f ? 1.0f - weight : 0.0f;
 	for (uint32_t k = 0; k < count; k++)
 		out[k] = share > 0.0f ? from[k] + share * rest[k] : from[k] * scale;
-}
-
-static inline void sample_put(stilb_vec4 value, float out[3])
-{
-	out[0] = value[0];
-	out[1] = value[1];
-	out[2] = value[2];
 }
 
 /* Gives a node what the targets first .. end - 1 have; places that are too far away are left out. */
@@ -334,31 +340,32 @@ static inline void sample_node(const stilb_scene_animation *animation, const pla
 	const float *sums = figure->row + shared->value_count;
 	if (own == STILB_SCENE_NONE)
 		return;
-	stilb_scene_pose pose = nodes->pose[own];
+	float *pose = nodes->pose[own].translation, *scale = nodes->pose[own].scale;
+	stilb_vec4 t = sample_load(pose), q = sample_load(pose + 3), s = {scale[0], scale[1], scale[2]};
 	bool moved = false;
-	for (uint32_t t = first; t < end; t++) {
-		const play_target *target = &shared->targets[t];
+	for (uint32_t i = first; i < end; i++) {
+		const play_target *target = &shared->targets[i];
 		const float *from = figure->row + target->first;
-		if (sums[t] < 0.0f)
+		if (sums[i] < 0.0f)
 			continue;
 		moved |= target->path != STILB_SCENE_PATH_WEIGHTS;
-		if (target->path == STILB_SCENE_PATH_TRANSLATION) {
-			sample_put(sample_mean(from, sums[t], sample_load(rest->translation)), pose.translation);
-		} else if (target->path == STILB_SCENE_PATH_ROTATION) {
-			stilb_vec4 before = sample_load(pose.rotation);
-			*(sample_four *)pose.rotation = sample_mean_turn(from, sums[t], sample_load(rest->rotation), before);
-		} else if (target->path == STILB_SCENE_PATH_SCALE) {
-			sample_put(sample_mean(from, sums[t], (stilb_vec4){rest->scale[0], rest->scale[1], rest->scale[2], 0.0f}),
-			           pose.scale);
-		} else {
-			sample_mean_weights(from, sums[t], animation->weights + rest->first_weight, target->width,
+		if (target->path == STILB_SCENE_PATH_TRANSLATION)
+			t = sample_mean(from, sums[i], sample_load(rest->translation));
+		else if (target->path == STILB_SCENE_PATH_ROTATION)
+			q = sample_mean_turn(from, sums[i], sample_load(rest->rotation), q);
+		else if (target->path == STILB_SCENE_PATH_SCALE)
+			s = sample_mean(from, sums[i], (stilb_vec4){rest->scale[0], rest->scale[1], rest->scale[2]});
+		else
+			sample_mean_weights(from, sums[i], animation->weights + rest->first_weight, target->width,
 			                    figure->weights + rest->first_weight);
-		}
 	}
 	stilb_mat4 local;
-	if (!moved || !scene_pose_matrix(&pose, &local))
+	if (!moved || !scene_pose_columns(t, q, s, &local))
 		return;
-	nodes->pose[own] = pose;
+	*(sample_four *)pose = t; /* its fourth lane is overwritten by the rotation */
+	*(sample_four *)(pose + 3) = q;
+	for (int i = 0; i < 3; i++)
+		scale[i] = s[i];
 	nodes->local[own] = local;
 }
 
