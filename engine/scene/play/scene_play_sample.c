@@ -4,12 +4,13 @@
 #include "scene/scene_pose.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
 
-#define SAMPLE_SLICE 512u      /* channels that a job takes at least */
+#define SAMPLE_SLICE 1024u     /* channels that a job takes at least */
 #define SAMPLE_UNTOUCHED -1.0f /* in place of the sum of weights: nothing replaces it */
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
@@ -232,13 +233,13 @@ static inline void sample_turn(sample_lanes a[4], sample_lanes b[4], sample_lane
 
 /* Channels of rotations, `lanes` of them. */
 static void sample_rotations(const stilb_scene_animation *animation, const play_shared *shared,
-                             const uint32_t channels[4], uint32_t lanes, const play_figure *figure, float weight)
+                             const uint32_t channels[4], uint32_t lanes, const play_scratch *scratch, float weight)
 {
-	float *sums = figure->row + shared->value_count;
+	float *sums = scratch->row + shared->value_count;
 	sample_lanes from[4], to[4], share;
 	for (uint32_t i = 0; i < 4; i++) {
 		uint32_t c = channels[i < lanes ? i : 0];
-		const play_cursor *at = &figure->cursors[shared->channels[c].track];
+		const play_cursor *at = &scratch->cursors[shared->channels[c].track];
 		const float *values = animation->values + animation->channels[c].first_value;
 		from[i] = sample_load(values + 4 * (size_t)at->key);
 		to[i] = sample_load(values + 4 * (size_t)at->next);
@@ -247,7 +248,7 @@ static void sample_rotations(const stilb_scene_animation *animation, const play_
 	sample_turn(from, to, share);
 	for (uint32_t i = 0; i < lanes; i++) {
 		uint32_t target = shared->channels[channels[i]].target;
-		sample_add(figure->row + shared->targets[target].first, &sums[target], from[i], weight, true);
+		sample_add(scratch->row + shared->targets[target].first, &sums[target], from[i], weight, true);
 	}
 }
 
@@ -265,17 +266,17 @@ static uint32_t sample_next(const stilb_scene_animation *animation, const play_s
 }
 
 static void sample_play(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
-                        const stilb_scene_play *play)
+                        const stilb_scene_play *play, const play_scratch *scratch)
 {
 	const play_clip *clip = &shared->clips[play->clip];
 	const stilb_scene_clip *from = &animation->clips[play->clip];
 	const uint32_t *order = shared->order + from->first_channel;
-	float *row = figure->row, *sums = row + shared->value_count;
+	float *row = scratch->row, *sums = row + shared->value_count;
 	uint32_t channels[4], at = 0, count, sampled = 0;
 	for (uint32_t t = 0; t < clip->track_count; t++)
-		figure->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
+		scratch->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
 	while ((count = sample_next(animation, shared, order, &at, clip->rotation_count, figure->least, channels)) > 0) {
-		sample_rotations(animation, shared, channels, count, figure, play->weight);
+		sample_rotations(animation, shared, channels, count, scratch, play->weight);
 		sampled += count;
 	}
 	at = clip->rotation_count;
@@ -283,7 +284,7 @@ static void sample_play(const stilb_scene_animation *animation, const play_share
 		sampled += count;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t c = channels[i], target = shared->channels[c].target;
-			sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
+			sample_channel(&animation->channels[c], animation->values, &scratch->cursors[shared->channels[c].track],
 			               row + shared->targets[target].first, &sums[target], play->weight);
 		}
 	}
@@ -332,12 +333,13 @@ static void sample_mean_weights(const float *from, float weight, const float *re
 }
 
 /* Gives a node what the targets first .. end - 1 have; places that are too far away are left out. */
-static inline void sample_node(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
-                               uint32_t first, uint32_t end, stilb_scene_nodes *nodes)
+static inline void sample_node(const stilb_scene_animation *animation, const play_shared *shared,
+                               const play_figure *figure, const play_scratch *scratch, uint32_t first, uint32_t end,
+                               stilb_scene_nodes *nodes)
 {
 	uint32_t n = shared->targets[first].node, own = figure->nodes[n];
 	const stilb_scene_rest *rest = &animation->nodes[n];
-	const float *sums = figure->row + shared->value_count;
+	const float *sums = scratch->row + shared->value_count;
 	if (own == STILB_SCENE_NONE)
 		return;
 	float *pose = nodes->pose[own].translation, *scale = nodes->pose[own].scale;
@@ -345,7 +347,7 @@ static inline void sample_node(const stilb_scene_animation *animation, const pla
 	bool moved = false;
 	for (uint32_t i = first; i < end; i++) {
 		const play_target *target = &shared->targets[i];
-		const float *from = figure->row + target->first;
+		const float *from = scratch->row + target->first;
 		if (sums[i] < 0.0f)
 			continue;
 		moved |= target->path != STILB_SCENE_PATH_WEIGHTS;
@@ -369,21 +371,35 @@ static inline void sample_node(const stilb_scene_animation *animation, const pla
 	nodes->local[own] = local;
 }
 
-static void sample_figure(stilb_scene *scene, play_figure *figure)
+/* True if the nodes that clips can move hang on one another as in the file: the places of all follow from the topmost
+ * ones. */
+static bool sample_is_whole(const stilb_scene *scene, const play_figure *figure)
+{
+	const play_shared *shared = &scene->figures->shared;
+	for (uint32_t i = shared->top_count; i < shared->moved_count; i++) {
+		uint32_t n = shared->moved[i], own = figure->nodes[n], above = figure->nodes[scene->animation->nodes[n].parent];
+		if (own == STILB_SCENE_NONE || above == STILB_SCENE_NONE || scene->nodes.parent[own] != above)
+			return false;
+	}
+	return true;
+}
+
+static void sample_figure(stilb_scene *scene, play_figure *figure, const play_scratch *scratch)
 {
 	const play_shared *shared = &scene->figures->shared;
 	const stilb_scene_animation *animation = scene->animation;
-	float *sums = figure->row + shared->value_count;
+	float *sums = scratch->row + shared->value_count;
 	for (uint32_t t = 0; t < shared->target_count; t++)
 		sums[t] = SAMPLE_UNTOUCHED;
 	figure->sampled = figure->still = 0;
 	for (uint32_t p = 0; p < figure->play_count; p++)
-		sample_play(animation, shared, figure, &figure->plays[p]);
+		sample_play(animation, shared, figure, &figure->plays[p], scratch);
 	for (uint32_t t = 0, end; t < shared->target_count; t = end) {
 		for (end = t + 1; end < shared->target_count && shared->targets[end].node == shared->targets[t].node;)
 			end++;
-		sample_node(animation, shared, figure, t, end, &scene->nodes);
+		sample_node(animation, shared, figure, scratch, t, end, &scene->nodes);
 	}
+	figure->whole = sample_is_whole(scene, figure);
 }
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
@@ -391,17 +407,40 @@ static void sample_figure(stilb_scene *scene, play_figure *figure)
 static void sample_range(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	stilb_scene *scene = context;
-	(void)worker;
+	stilb_scene_figures *all = scene->figures;
 	for (uint32_t i = begin; i < end; i++)
-		sample_figure(scene, &scene->figures->figures[scene->figures->due[i]]);
+		sample_figure(scene, &all->figures[all->due[i]], &all->scratch[worker]);
 }
 
-/* Lists the nodes that the clips of a figure can move as changed. */
+bool scene_play_reserve_scratch(stilb_scene_figures *all, uint32_t threads)
+{
+	if (threads <= all->scratch_count)
+		return true;
+	play_scratch *grown = realloc(all->scratch, threads * sizeof *grown);
+	if (!grown)
+		return false;
+	all->scratch = grown;
+	while (all->scratch_count < threads) {
+		size_t numbers = (size_t)all->shared.value_count + all->shared.target_count;
+		play_scratch *scratch = &grown[all->scratch_count];
+		scratch->row = calloc(numbers + 1, sizeof *scratch->row);
+		scratch->cursors = calloc(all->shared.most_tracks + 1ull, sizeof *scratch->cursors);
+		if (!scratch->row || !scratch->cursors) {
+			free(scratch->row);
+			free(scratch->cursors);
+			return false;
+		}
+		all->scratch_count++;
+	}
+	return true;
+}
+
+/* Lists the nodes that the clips of a figure can move, or those from which their places follow, as changed. */
 static void sample_list(stilb_scene *scene, play_figure *figure)
 {
 	const play_shared *shared = &scene->figures->shared;
 	edit_nodes *nodes = &scene->edits->nodes;
-	for (uint32_t i = 0; i < shared->moved_count; i++) {
+	for (uint32_t i = 0; i < (figure->whole ? shared->top_count : shared->moved_count); i++) {
 		uint32_t own = figure->nodes[shared->moved[i]];
 		if (own != STILB_SCENE_NONE)
 			scene_edit_node_changed(nodes, own);
@@ -417,10 +456,11 @@ void scene_play_sample(stilb_scene *scene, uint32_t count, stilb_job_pool *pool,
 	PROFILE("scene clips");
 	stilb_scene_figures *all = scene->figures;
 	uint32_t grain = SAMPLE_SLICE / (all->shared.target_count + 1) + 1;
-	if (pool && count > grain)
+	/* Without memory for the other threads this one does it alone. */
+	if (pool && count > grain && scene_play_reserve_scratch(all, stilb_job_pool_worker_count(pool) + 1))
 		stilb_job_parallel_for(pool, count, grain, sample_range, scene, worker);
 	else
-		sample_range(0, count, worker, scene);
+		sample_range(0, count, 0, scene);
 	for (uint32_t i = 0; i < count; i++)
 		sample_list(scene, &all->figures[all->due[i]]);
 }

@@ -12,6 +12,25 @@ static stilb_result share_memory(void)
 
 /* ---- clips ------------------------------------------------------------------------------------------------------- */
 
+/* True if channels move the node. seen: of share_targets. */
+static bool share_moves(const uint32_t *seen, uint32_t node)
+{
+	const uint32_t *at = seen + node * (size_t)STILB_SCENE_PATHS;
+	return at[STILB_SCENE_PATH_TRANSLATION] > 0 || at[STILB_SCENE_PATH_ROTATION] > 0 || at[STILB_SCENE_PATH_SCALE] > 0;
+}
+
+/* Puts the moved nodes that hang on no other of them first. */
+static void share_tops(const stilb_scene_animation *animation, play_shared *shared, const uint32_t *seen)
+{
+	for (uint32_t i = 0; i < shared->moved_count; i++) {
+		uint32_t node = shared->moved[i], parent = animation->nodes[node].parent;
+		if (parent != STILB_SCENE_NONE && share_moves(seen, parent))
+			continue;
+		shared->moved[i] = shared->moved[shared->top_count];
+		shared->moved[shared->top_count++] = node;
+	}
+}
+
 /* Lists what channels replace. seen: [node_count * STILB_SCENE_PATHS], all 0; then 1 + the target. */
 static void share_targets(const stilb_scene_animation *animation, play_shared *shared, uint32_t *seen)
 {
@@ -35,6 +54,7 @@ static void share_targets(const stilb_scene_animation *animation, play_shared *s
 		if (moved)
 			shared->moved[shared->moved_count++] = n;
 	}
+	share_tops(animation, shared, seen);
 	for (uint32_t c = 0; c < animation->channel_count; c++) {
 		const stilb_scene_channel *channel = &animation->channels[c];
 		shared->channels[c].target = seen[channel->node * (size_t)STILB_SCENE_PATHS + channel->path] - 1;
