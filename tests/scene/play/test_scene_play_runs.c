@@ -201,6 +201,48 @@ static void joints_can_hang_elsewhere(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* Each node is where its parent and its own matrix take it. */
+static void assert_placed(const stilb_scene *scene)
+{
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	for (uint32_t n = 0; n < nodes->count; n++) {
+		if (scene->edits->nodes.next[n] != EDIT_IN_USE)
+			continue;
+		stilb_mat4 world = nodes->local[n];
+		if (nodes->parent[n] != STILB_SCENE_NONE)
+			world = stilb_mat4_multiply(nodes->to_world[nodes->parent[n]], nodes->local[n]);
+		for (int i = 0; i < 16; i++)
+			assert_true(fabsf(world.m[i] - nodes->to_world[n].m[i]) <= 1e-5f * (1.0f + fabsf(world.m[i])));
+	}
+}
+
+/* A joint that clips move goes below another node, and clips still move it there, and all that hangs on it. */
+static void clips_move_what_hangs_elsewhere(void **state)
+{
+	(void)state;
+	moving_write(&files[0], 661);
+	stilb_scene *scene = open_scene();
+	const play_shared *shared = &scene->figures->shared;
+	stilb_scene_pose place = {{7, -2, 3}, {0, 0.6f, 0, 0.8f}, {1, 2, 1}};
+	stilb_scene_play play = stilb_scene_play_make(0);
+	uint32_t figure, hook, moves = 0;
+	assert_int_equal(stilb_scene_add_figure(scene, &place, &figure), STILB_OK);
+	assert_int_equal(stilb_scene_add_node(scene, STILB_SCENE_NONE, &place, &hook), STILB_OK);
+	assert_int_equal(stilb_scene_set_plays(scene, figure, &play, 1), STILB_OK);
+	assert_true(shared->top_count > 0 && shared->top_count < shared->moved_count);
+	uint32_t node = stilb_scene_figure_node(scene, figure, shared->moved[shared->top_count]);
+	for (int frame = 0; frame < 12; frame++) {
+		if (frame == 4 || frame == 8)
+			assert_int_equal(stilb_scene_set_node_parent(scene, node, frame == 4 ? hook : STILB_SCENE_NONE), STILB_OK);
+		stilb_mat4 before = scene->nodes.to_world[node];
+		step(scene, (double)scene->animation->clips[0].duration / 13.0);
+		moves += memcmp(&before, &scene->nodes.to_world[node], sizeof before) != 0;
+		assert_placed(scene);
+	}
+	assert_true(moves > 6);
+	stilb_scene_destroy(scene);
+}
+
 /* A figure that the program adds, plays and takes apart. */
 static void change_something(stilb_scene *scene, uint32_t *figures, uint32_t *count)
 {
@@ -462,6 +504,7 @@ int main(void)
 		cmocka_unit_test(figures_stand_where_they_are_put),
 		cmocka_unit_test(places_change_no_bit_of_a_shape),
 		cmocka_unit_test(joints_can_hang_elsewhere),
+		cmocka_unit_test(clips_move_what_hangs_elsewhere),
 		cmocka_unit_test(figures_come_and_go_while_they_play),
 		cmocka_unit_test(clips_have_any_length),
 		cmocka_unit_test(files_have_many_nodes),
