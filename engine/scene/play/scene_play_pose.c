@@ -210,8 +210,8 @@ static void pose_chunk(stilb_scene *scene, const play_work *work, uint32_t chunk
 	play_box *box = &all->boxes[chunk];
 	*box = (play_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 	pose_morphed morphed;
-	for (; first < end; first += POSE_BLOCK) {
-		uint32_t count = end - first < POSE_BLOCK ? end - first : POSE_BLOCK;
+	for (uint32_t block = deform->targets > 0 ? POSE_BLOCK : PLAY_CHUNK; first < end; first += block) {
+		uint32_t count = end - first < block ? end - first : block;
 		play_skin skin = pose_block(rest, joints, mesh, first, count);
 		if (deform->targets > 0)
 			pose_morph(rest, deform, figure->weights + animation->nodes[posed->node].first_weight, first, &morphed,
