@@ -110,6 +110,15 @@ static void share_clips(const stilb_scene_animation *animation, play_shared *sha
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
+/* Numbers at a cache line's begin: no eight of them lie in two lines. NULL: no memory. */
+static float *share_zeros(size_t count)
+{
+	float *zeros = stilb_memory_alloc(count, sizeof *zeros);
+	if (zeros)
+		memset(zeros, 0, count * sizeof *zeros);
+	return zeros;
+}
+
 /* What the influences of a vertex are divided by; 0: it has none, and follows joint 0. */
 static double share_sum(const stilb_scene_deform *deform, uint32_t vertex)
 {
@@ -167,7 +176,7 @@ static bool share_skin(const stilb_scene_deform *deform, play_rest *rest)
 		return false;
 	rest->starts[eights] = (uint32_t)count;
 	rest->joints = malloc(count * sizeof *rest->joints);
-	rest->weights = calloc(count * PLAY_LANES, sizeof *rest->weights);
+	rest->weights = share_zeros(count * PLAY_LANES);
 	for (uint32_t e = 0; rest->joints && rest->weights && e < eights; e++)
 		share_eight(deform, rest->vertex_count, e * PLAY_LANES, rest->joints + rest->starts[e],
 		            rest->weights + (size_t)rest->starts[e] * PLAY_LANES);
@@ -197,8 +206,7 @@ static stilb_result share_rest(const stilb_scene *scene, const stilb_scene_defor
 	*rest = (play_rest){.vertex_count = mesh->vertex_count,
 	                    .stride = (mesh->vertex_count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES,
 	                    .tangents = mesh->extras};
-	rest->streams =
-		calloc((size_t)(rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN) * rest->stride, sizeof *rest->streams);
+	rest->streams = share_zeros((size_t)(rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN) * rest->stride);
 	if (!rest->streams)
 		return share_memory();
 	share_streams(mesh, rest);
