@@ -13,41 +13,29 @@
 
 /* ---- times ------------------------------------------------------------------------------------------------------- */
 
+/* CPU times of the busier thread, and of all. */
 typedef struct times {
 	double sample, nodes, pose, all; /* ns */
-	double pose_cpu;                 /* of all threads */
+	double pose_cpu;
+	double clock;
 } times;
-
-/* The time of this thread alone, which other programs do not lengthen; with a pool the clock's. */
-static uint64_t now_ns(const stilb_job_pool *pool)
-{
-	struct timespec now;
-	clock_gettime(pool ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &now);
-	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
-static uint64_t process_ns(void)
-{
-	struct timespec now;
-	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
 
 static times frame(stilb_scene *scene, double step, stilb_job_pool *pool)
 {
 	times t;
-	uint64_t start = now_ns(pool);
+	uint64_t begin = bench_child_now_ns();
+	animate_cpu start = animate_cpu_now();
 	stilb_scene_advance(scene, step, pool, 0);
-	uint64_t sampled = now_ns(pool);
+	t.sample = animate_busier_ns(start);
+	animate_cpu sampled = animate_cpu_now();
 	scene_edit_update_places(scene, pool, 0);
-	uint64_t placed = now_ns(pool), worked = process_ns();
+	t.nodes = animate_busier_ns(sampled);
+	animate_cpu placed = animate_cpu_now();
 	stilb_scene_update_nodes(scene, pool, 0);
-	uint64_t posed = now_ns(pool);
-	t.sample = (double)(sampled - start);
-	t.nodes = (double)(placed - sampled);
-	t.pose = (double)(posed - placed);
-	t.all = (double)(posed - start);
-	t.pose_cpu = (double)(process_ns() - worked);
+	t.pose = animate_busier_ns(placed);
+	t.pose_cpu = (double)(animate_cpu_now().all_ns - placed.all_ns);
+	t.all = animate_busier_ns(start);
+	t.clock = (double)(bench_child_now_ns() - begin);
 	stilb_scene_changes_clear(scene);
 	return t;
 }
@@ -59,6 +47,7 @@ static void keep_least(times *least, times t)
 	least->pose = fmin(least->pose, t.pose);
 	least->all = fmin(least->all, t.all);
 	least->pose_cpu = fmin(least->pose_cpu, t.pose_cpu);
+	least->clock = fmin(least->clock, t.clock);
 }
 
 /* Copies the mesh at rest over all posed ones, as many bytes as poses write. */
@@ -75,12 +64,12 @@ static void copy_meshes(uint32_t begin, uint32_t end, uint32_t worker, void *con
 /* The CPU time of all threads. */
 static double copy_all(stilb_scene *scene, uint32_t figures, stilb_job_pool *pool)
 {
-	uint64_t start = process_ns();
+	animate_cpu start = animate_cpu_now();
 	if (pool)
 		stilb_job_parallel_for(pool, figures, 1, copy_meshes, scene, 0);
 	else
 		copy_meshes(0, figures, 0, scene);
-	return (double)(process_ns() - start);
+	return (double)(animate_cpu_now().all_ns - start.all_ns);
 }
 
 /* What a copy of all bytes that a pose reads and writes takes, for one that reads and writes a vertex: the joints of
@@ -118,7 +107,7 @@ static void run(const bench_child *child, uint32_t figures, uint32_t joints, uin
 	stilb_scene *scene = animate_scene(figures, joints, vertices, torn);
 	frame(scene, 0.0, NULL);
 	double never = (double)INFINITY;
-	times one = {never, never, never, never, never}, two = one;
+	times one = {never, never, never, never, never, never}, two = one;
 	double copy = never, copy_two = never, still = never;
 	uint64_t end = bench_child_now_ns() + (uint64_t)(child->seconds * 1e9);
 	for (int i = 0; i < 4 || bench_child_now_ns() < end; i++) {
@@ -130,14 +119,14 @@ static void run(const bench_child *child, uint32_t figures, uint32_t joints, uin
 			bench_child_fail("two threads make other poses than one");
 		copy = fmin(copy, copy_all(scene, figures, NULL));
 		copy_two = fmin(copy_two, copy_all(scene, figures, pool));
-		still = fmin(still, frame(scene, 0.0, pool).all);
+		still = fmin(still, frame(scene, 0.0, pool).clock);
 	}
 	double count = (double)figures * joints;
 	bench_child_metric("channel", one.sample / count / ANIMATE_CHANNELS);
 	bench_child_metric("joint", one.sample / count);
 	bench_child_metric("two", one.sample / two.sample);
 	bench_child_metric("nodes", one.nodes / count);
-	bench_child_metric("frame", two.all * 1e-6);
+	bench_child_metric("frame", two.clock * 1e-6);
 	bench_child_metric("still", still * 1e-3);
 	if (vertices > 0) {
 		bench_child_metric("vertex", one.pose / figures / vertices);

@@ -142,3 +142,24 @@ stilb_scene *animate_scene(uint32_t figures, uint32_t joints, uint32_t vertices,
 	}
 	return scene;
 }
+
+/* ---- time -------------------------------------------------------------------------------------------------------- */
+
+static uint64_t clock_ns(clockid_t clock)
+{
+	struct timespec now;
+	clock_gettime(clock, &now);
+	return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+animate_cpu animate_cpu_now(void)
+{
+	return (animate_cpu){clock_ns(CLOCK_THREAD_CPUTIME_ID), clock_ns(CLOCK_PROCESS_CPUTIME_ID)};
+}
+
+double animate_busier_ns(animate_cpu since)
+{
+	animate_cpu now = animate_cpu_now();
+	uint64_t own = now.own_ns - since.own_ns, all = now.all_ns - since.all_ns, other = all > own ? all - own : 0;
+	return (double)(own > other ? own : other);
+}
