@@ -1,6 +1,6 @@
 /* The subject `device` of the suite `animate`: the same vertices carried by a compute shader, on the device that the
- * engine would take. A frame begins with the joints in the CPU's memory and ends with the vertices in the device's. All of
- * them are compared with those that jobs make. */
+ * engine would take. A frame begins with the joints in the CPU's memory and ends with the vertices in the device's. All
+ * of them are compared with those that jobs make. */
 #include "bench/animate/animate_cases.h"
 #include "bench/animate/animate_scene.h"
 #include "bench/harness/bench_child.h"

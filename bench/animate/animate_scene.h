@@ -22,8 +22,8 @@ typedef struct animate_cpu {
 
 animate_cpu animate_cpu_now(void);
 
-/* Since then: the longer one of this thread's time and that of the other, if there are two. So long it would take by the
- * clock on a machine with nothing else to do, but for times in which both wait. */
+/* Since then: the longer one of this thread's time and that of the other, if there are two. So long it would take by
+ * the clock on a machine with nothing else to do, but for times in which both wait. */
 double animate_busier_ns(animate_cpu since);
 
 #endif

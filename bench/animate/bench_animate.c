@@ -21,14 +21,12 @@ static const bench_case cases[] = {
 static const bench_subject subjects[] = {
 	{.name = "stilb",
      .program = "stilb-bench-animate",
-     .note =
-         "CPU times of the busier of the threads, but for frame and still; channel, joint: sampling on one thread, "
-         "joint: "
-         "its three channels; two: of two threads beside one; nodes: their places, a joint; frame: all of it on two "
-         "threads, by the clock; still: a frame in which nothing moves; vertex: posing on one thread; copy: a copy of "
-         "a "
-         "vertex's 32 bytes into the same meshes; jobs: a vertex on two threads, cpu: of both together; limit: that in "
-         "which two threads copy as many bytes as a pose reads and writes; share: limit / cpu"},
+     .note = "CPU times of the busier of the threads, but for frame and still; channel, joint: sampling on one "
+             "thread, joint: its three channels; two: of two threads beside one; nodes: their places, a joint; "
+             "frame: all of it on two threads, by the clock; still: a frame in which nothing moves; vertex: posing "
+             "on one thread; copy: a copy of a vertex's 32 bytes into the same meshes; jobs: a vertex on two "
+             "threads, cpu: of both together; limit: that in which two threads copy as many bytes as a pose reads "
+             "and writes; share: limit / cpu"},
 	{.name = "device",
      .program = "stilb-bench-animate-device",
      .note = "cpu: the same vertices by a compute shader on the device that the engine would take, until they "
