@@ -221,9 +221,8 @@ static inline void sample_turn(sample_lanes a[4], sample_lanes b[4], sample_lane
 	sample_mask far = dot < 0.0f;
 	sample_shares(sample_select(far, -dot, dot), share, &of_a, &of_b);
 	of_b = sample_select(far, -of_b, of_b);
-	/* On a key it is that key, whatever rounding makes of the shares. */
+	/* On a key it is that key, whatever rounding makes of the share; that of the other is 0 then. */
 	of_a = sample_select(share == 0.0f, sample_all(1.0f), of_a);
-	of_b = sample_select(share == 0.0f, sample_all(0.0f), of_b);
 	for (int k = 0; k < 4; k++)
 		a[k] = of_a * a[k] + of_b * b[k];
 	sample_transpose(a);

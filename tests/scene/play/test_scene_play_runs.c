@@ -243,6 +243,55 @@ static void clips_move_what_hangs_elsewhere(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* The reach of a joint is the distance of the farthest vertex that it, or a joint below it, carries. */
+static void joints_reach_what_they_carry(void **state)
+{
+	(void)state;
+	moving_write(&(moving_file){"skin", ALL | MOVING_NORMALS, 8, 1, 0, 6, 0, 1, 1}, 662);
+	stilb_scene *rest = open_rest(), *scene = open_scene();
+	const stilb_scene_animation *a = scene->animation;
+	const play_shared *shared = &scene->figures->shared;
+	stilb_mat4 *places = calloc(a->node_count, sizeof *places);
+	float *reach = calloc(a->node_count, sizeof *reach);
+	assert_true(places && reach);
+	assert_int_equal(stilb_scene_set_rates(scene, &(stilb_scene_rates){0}), STILB_OK);
+	for (uint32_t n = 0; n < a->node_count; n++)
+		places[n] = a->nodes[n].parent == STILB_SCENE_NONE
+		                ? a->nodes[n].local
+		                : stilb_mat4_multiply(places[a->nodes[n].parent], a->nodes[n].local);
+	for (uint32_t p = 0; p < shared->posed_count; p++) {
+		const stilb_scene_deform *deform = &a->deforms[shared->posed[p].deform];
+		const stilb_scene_skin *skin = &a->skins[shared->posed[p].skin];
+		for (uint32_t k = 0; k < rest->meshes[deform->mesh].vertex_count * deform->influences; k++) {
+			const float *at = rest->meshes[deform->mesh].vertices[k / deform->influences].position;
+			uint32_t joint = skin->first_joint + deform->joints[k];
+			stilb_mat4 to = stilb_mat4_multiply(places[a->joints[joint]], a->inverse_binds[joint]);
+			for (uint32_t n = a->joints[joint]; n != STILB_SCENE_NONE && deform->weights[k] > 0.0f;
+			     n = a->nodes[n].parent) {
+				float square = 0.0f;
+				for (int i = 0; i < 3; i++) {
+					float x = to.m[i] * at[0] + to.m[4 + i] * at[1] + to.m[8 + i] * at[2] + to.m[12 + i] -
+					          places[n].m[12 + i];
+					square += x * x;
+				}
+				reach[n] = fmaxf(reach[n], sqrtf(square));
+			}
+		}
+	}
+	uint32_t checked = 0;
+	for (uint32_t n = 0; n < a->node_count; n++) {
+		if (isinf(shared->reach[n]))
+			continue;
+		assert_true(fabsf(shared->reach[n] - reach[n]) <= 1e-5f * reach[n]);
+		checked += reach[n] > 0.0f;
+	}
+	assert_true(checked >= 3);
+	free(places);
+	free(reach);
+	stilb_scene_destroy(rest);
+	stilb_scene_destroy(scene);
+}
+
 /* A figure that the program adds, plays and takes apart. */
 static void change_something(stilb_scene *scene, uint32_t *figures, uint32_t *count)
 {
@@ -505,6 +554,7 @@ int main(void)
 		cmocka_unit_test(places_change_no_bit_of_a_shape),
 		cmocka_unit_test(joints_can_hang_elsewhere),
 		cmocka_unit_test(clips_move_what_hangs_elsewhere),
+		cmocka_unit_test(joints_reach_what_they_carry),
 		cmocka_unit_test(figures_come_and_go_while_they_play),
 		cmocka_unit_test(clips_have_any_length),
 		cmocka_unit_test(files_have_many_nodes),
