@@ -243,6 +243,33 @@ static void clips_move_what_hangs_elsewhere(void **state)
 	stilb_scene_destroy(scene);
 }
 
+static bool is_moved(const play_shared *shared, uint32_t node)
+{
+	bool moved = false;
+	for (uint32_t i = 0; i < shared->moved_count; i++)
+		moved |= shared->moved[i] == node;
+	return moved;
+}
+
+/* Nodes from which the places of all that clips move follow: those that hang on none that clips move. */
+static void places_follow_from_the_topmost(void **state)
+{
+	(void)state;
+	uint32_t below = 0;
+	for (uint64_t seed = 670; seed < 682; seed++) {
+		moving_write(&files[2], seed);
+		stilb_scene *scene = open_scene();
+		const play_shared *shared = &scene->figures->shared;
+		for (uint32_t i = 0; i < shared->moved_count; i++) {
+			uint32_t parent = scene->animation->nodes[shared->moved[i]].parent;
+			assert_true((i < shared->top_count) == !is_moved(shared, parent));
+			below += i < shared->top_count && parent != STILB_SCENE_NONE;
+		}
+		stilb_scene_destroy(scene);
+	}
+	assert_true(below > 3);
+}
+
 /* The reach of a joint is the distance of the farthest vertex that it, or a joint below it, carries. */
 static void joints_reach_what_they_carry(void **state)
 {
@@ -554,6 +581,7 @@ int main(void)
 		cmocka_unit_test(places_change_no_bit_of_a_shape),
 		cmocka_unit_test(joints_can_hang_elsewhere),
 		cmocka_unit_test(clips_move_what_hangs_elsewhere),
+		cmocka_unit_test(places_follow_from_the_topmost),
 		cmocka_unit_test(joints_reach_what_they_carry),
 		cmocka_unit_test(figures_come_and_go_while_they_play),
 		cmocka_unit_test(clips_have_any_length),
