@@ -30,7 +30,7 @@ static const bench_subject subjects[] = {
 	{.name = "device",
      .program = "stilb-bench-animate-device",
      .note = "cpu: the same vertices by a compute shader on the device that the engine would take, until they "
-             "are in its memory; 250 of the figures"},
+             "are in its memory; 100 of the figures"},
 	{.name = "trees",
      .program = "stilb-bench-animate-trees",
      .note = "frame: the trees that rays need after 1,000 of the figures were posed, on two threads; two: of these "
