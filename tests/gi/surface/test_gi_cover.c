@@ -102,9 +102,11 @@ static void masks_cut_texels_out(void **state)
 	(void)state;
 	stilb_image image = checkers();
 	stilb_scene_surface surface = checked(STILB_SCENE_MASK);
-	maps_square square;
-	maps_square_make(&square, 1.0f);
 	for (int i = 0; i < 16; i++) {
+		bool second = __builtin_parity((unsigned)i); /* by the second uv; the first ones run the other way then */
+		maps_square square;
+		maps_square_make(&square, second ? -1.0f : 1.0f);
+		surface.maps[STILB_SCENE_MAP_COLOR].set = second;
 		bool brute = i & 1, movable = i & 2, behind = i & 4;
 		const stilb_mat4 *place = i & 8 ? &elsewhere : &here;
 		const stilb_gi_intersector *intersector = brute ? &stilb_gi_brute : &stilb_gi_embree;
