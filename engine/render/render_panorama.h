@@ -10,7 +10,7 @@
  *            two axes: surfaces are lit by shade_distant_share, without interpolation, and the surface's formula shapes
  *            its highlight. Of more than eight the brightest are. Their cells are left out of the table.
  * Table.     [129][256] irradiance by the normal, in the panorama's latitude and longitude, poles and the middle column
- *            included, interpolated between four. The light of a cell is spread evenly over its width; a row of cells
+ *            included, interpolated between four. Programs with highlights read it as an image, others by its address. The light of a cell is spread evenly over its width; a row of cells
  *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
@@ -53,10 +53,11 @@ typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMN
 #define RENDER_PANORAMA_BYTES(width, height)                                                                           \
 	(sizeof(render_panorama_table) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
 
-/* What devices are sent for highlights, half floats. */
+/* What devices are sent as images. */
 typedef struct render_panorama_gloss {
-	const uint16_t (*cube)[4];                     /* [CUBE] in the order of numeric_prefilter.h */
-	const uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG]; NULL: it was shown before */
+	const uint16_t (*cube)[4];                     /* [CUBE] half floats in the order of numeric_prefilter.h */
+	const uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG] half floats; NULL: it was shown before */
+	const render_panorama_table *light;            /* the table */
 } render_panorama_gloss;
 
 typedef struct render_panorama_work render_panorama_work; /* of one that is being made */

@@ -184,7 +184,7 @@ typedef struct render_formula_programs {
 
 /* True if they draw depth alone. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
-/* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
+/* True if their highlights mirror the panorama: they read the pass's three images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
 /* What the tone map shows besides SHADE_TONE_...: channels in the place of light (stilb_scene_channel_kind). */
@@ -259,12 +259,12 @@ typedef struct render_frame_target {
 
 /* The frame that is being made. */
 typedef struct render_frame {
-	uint16_t picture;   /* resource of the plan */
-	bool begun;         /* the plan has been begun */
-	bool ended;         /* all scene passes are there, and what makes the picture of them */
-	bool shown;         /* picture has content: of targets, or of 2D passes */
-	uint16_t cube, dfg; /* resources of the plan: render_device's; 0: no pass reads them */
-	uint32_t views;     /* of slot.views that are in use */
+	uint16_t picture;          /* resource of the plan */
+	bool begun;                /* the plan has been begun */
+	bool ended;                /* all scene passes are there, and what makes the picture of them */
+	bool shown;                /* picture has content: of targets, or of 2D passes */
+	uint16_t cube, dfg, light; /* resources of the plan: render_device's; 0: no pass reads them */
+	uint32_t views;            /* of slot.views that are in use */
 	uint32_t backdrops;
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
 	uint32_t target_count;
@@ -291,6 +291,7 @@ typedef struct render_device {
 	render_buffer heaps[RENDER_HEAPS];
 	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
 	stilb_gpu_image cube, next_cube;       /* render_panorama_gloss.cube; likewise */
+	stilb_gpu_image light, next_light;     /* and .light */
 	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */

@@ -427,7 +427,7 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 		row->color[0].clear[3] = 1.0f;
 }
 
-/* The two images that programs read for the panorama's gloss. */
+/* The three images that programs read of a panorama. */
 static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 {
 	render_frame *frame = &device->frame;
@@ -444,14 +444,21 @@ static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 		                                .width = RENDER_PANORAMA_DFG,
 		                                .height = RENDER_PANORAMA_DFG,
 		                                .owned = device->dfg.id};
+		stilb_gpu_plan_image_row light = {.name = "panorama light",
+		                                  .format = STILB_GPU_RGBA32_F,
+		                                  .width = RENDER_PANORAMA_COLUMNS,
+		                                  .height = RENDER_PANORAMA_ROWS,
+		                                  .owned = device->light.id};
 		frame->cube = stilb_gpu_plan_image(device->plan, &cube);
 		frame->dfg = stilb_gpu_plan_image(device->plan, &dfg);
+		frame->light = stilb_gpu_plan_image(device->plan, &light);
 	}
-	row->use_count = 2;
+	row->use_count = 3;
 	row->uses[0] = (stilb_gpu_use){
 		.resource = frame->cube, .how = STILB_GPU_USE_SAMPLED, .slot = 0, .sampler = device->cube_sampler.id};
 	row->uses[1] =
 		(stilb_gpu_use){.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
+	row->uses[2] = (stilb_gpu_use){.resource = frame->light, .how = STILB_GPU_USE_SAMPLED, .slot = 2};
 }
 
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */

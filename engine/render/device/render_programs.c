@@ -112,7 +112,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
 		.fragment = depth ? program_depth_code(detail, surface) : render_mesh_fragment[gloss][surface],
-		.samplers = gloss ? 2 : 0,
+		.samplers = gloss ? 3 : 0,
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
@@ -162,7 +162,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs)
 	                         : render_maps_depth[extras],
-		.samplers = (uint8_t)(2 * gloss + through),
+		.samplers = (uint8_t)(3 * gloss + through),
 		.set_items = !reads                      ? 0
 	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
 	                                             : RENDER_MAPS_PLAIN,
