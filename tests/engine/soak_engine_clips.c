@@ -1,8 +1,8 @@
 /*
  * A long run of clips in an engine: frames play a file with a skin and morph targets, and figures of the stress test;
- * figures come, change what they play, and go; the file is opened again and again and swapped with the other scene while
- * both play. Memory must not grow: `cmake --build --preset release --target soak-clips` draws an hour of frames on the
- * null device. "vulkan" draws them, small.
+ * figures come, change what they play, and go; the file is opened again and again and swapped with the other scene,
+ * while both play. Memory must not grow: `cmake --build --preset release --target soak-clips` draws an hour of frames
+ * on the null device. "vulkan" draws them, small.
  */
 #include "engine.h"
 #include "scene/edit/scene_node.h"
