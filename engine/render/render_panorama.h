@@ -11,8 +11,8 @@
  *            its highlight. Of more than eight the brightest are. Their cells are left out of the table.
  * Table.     [129][256] irradiance by the normal, in the panorama's latitude and longitude, poles and the middle column
  *            included, interpolated between four. The light of a cell is spread evenly over its width; a row of cells
- *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact. Programs
- *            with highlights read it as an image, others by its address.
+ *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
+ *            Programs with highlights read it as an image, others by its address.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
  * Gloss.     A cube for highlights (numeric_prefilter.h), made of the cells: like the table it lacks the lamps, whose
