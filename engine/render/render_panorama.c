@@ -264,7 +264,6 @@ static void panorama_give_up(render_panorama *panorama)
 	render_panorama_gloss_end(panorama->next);
 	free(panorama->next->cells);
 	free(panorama->next->sums);
-	free(panorama->next->table);
 	free(panorama->next);
 	panorama->next = NULL;
 }
@@ -280,12 +279,11 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 	work->height = map->height < RENDER_PANORAMA_HEIGHT ? map->height : RENDER_PANORAMA_HEIGHT;
 	work->cells = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->cells);
 	work->sums = stilb_memory_alloc(PANORAMA_DOWN, sizeof *work->sums);
-	work->table = stilb_memory_alloc(1, sizeof *work->table);
 	if (!out->dfg)
 		out->dfg = stilb_memory_alloc(RENDER_PANORAMA_DFG, sizeof *out->dfg);
 	work->dfg = out->dfg;
 	work->dfg_shown = out->dfg_shown;
-	if (work->cells && work->sums && work->table && work->dfg)
+	if (work->cells && work->sums && work->dfg)
 		work->light = memory.make(memory.user, RENDER_PANORAMA_BYTES(work->width, work->height));
 	if (!work->light || !render_panorama_gloss_begin(work)) {
 		panorama_give_up(out);
@@ -298,7 +296,12 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 static stilb_result panorama_take(render_panorama *out, render_panorama_memory memory)
 {
 	const render_panorama_work *work = out->next;
-	render_panorama_gloss gloss = {.cube = work->cube, .dfg = out->dfg_shown ? NULL : work->dfg, .light = work->table};
+	render_panorama_gloss gloss = {.cube = work->cube,
+	                               .dfg = out->dfg_shown ? NULL : work->dfg,
+	                               .light = work->light,
+	                               .texels = (const uint16_t(*)[4])work->texels,
+	                               .width = work->width,
+	                               .height = work->height};
 	stilb_result result = memory.show(memory.user, &gloss);
 	out->dfg_shown |= result == STILB_OK;
 	if (result != STILB_OK) {

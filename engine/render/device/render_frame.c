@@ -359,6 +359,20 @@ static stilb_result frame_end_scene(render_device *device)
 	return result == STILB_OK && shows && device->until[0] == '\0' ? render_show_image(device, &device->shown) : result;
 }
 
+/* The resource of the panorama's texels. */
+static uint16_t frame_texels(render_device *device, const render_stream *stream)
+{
+	render_frame *frame = &device->frame;
+	stilb_gpu_plan_image_row row = {.name = "panorama",
+	                                .format = STILB_GPU_RGBA16_F,
+	                                .width = stream->panorama->width,
+	                                .height = stream->panorama->height,
+	                                .owned = device->texels.id};
+	if (frame->texels == 0)
+		frame->texels = stilb_gpu_plan_image(device->plan, &row);
+	return frame->texels;
+}
+
 /* What is seen where no model is. */
 static stilb_result frame_backdrop(render_device *device, const render_stream *stream,
                                    const render_frame_target *target)
@@ -377,6 +391,10 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 		.program = device->programs.backdrops[kind].id,
 		.color = {{.image = target->samples ? target->samples : target->color, .load = STILB_GPU_LOAD_DISCARD}},
 	};
+	if (kind == RENDER_BACKDROP_PANORAMA) {
+		row.uses[0] = (stilb_gpu_use){.resource = frame_texels(device, stream), .how = STILB_GPU_USE_SAMPLED};
+		row.use_count = 1;
+	}
 	row_constants(&row, &push, sizeof push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;

@@ -237,7 +237,9 @@ stilb_result render_programs_backdrop(render_device *device, render_backdrop_kin
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
 	stilb_gpu_program *program = &device->programs.backdrops[kind];
-	stilb_gpu_program_desc desc = {.name = "backdrop", .fragment = render_backdrop_fragment};
+	bool panorama = kind == RENDER_BACKDROP_PANORAMA;
+	stilb_gpu_program_desc desc = {
+		.name = "backdrop", .fragment = render_backdrop_fragment[panorama], .samplers = panorama};
 	program_constant(&desc, 0, kind);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_once(device, &desc, program);

@@ -393,7 +393,6 @@ void render_panorama_fill_rows(render_panorama_work *work, uint32_t begin, uint3
 		}
 		for (uint32_t j = 0; j < RENDER_PANORAMA_COLUMNS; j++)
 			for (int c = 0; c < 4; c++)
-				(*work->table)[y][j][c] = c < 3 ? fmaxf(sums[c][j], 0.0f) : 0.0f;
-		memcpy((*work->light)[y], (*work->table)[y], sizeof(*work->table)[y]);
+				(*work->light)[y][j][c] = c < 3 ? fmaxf(sums[c][j], 0.0f) : 0.0f;
 	}
 }

@@ -28,8 +28,7 @@ struct render_panorama_work {
 	stilb_image map; /* its pixels are valid during a call of render_panorama_update alone */
 	uint64_t key;
 	uint32_t stage, row;          /* the next of its rows */
-	render_panorama_table *light; /* in the device's memory, which is slow to read: a copy of `table` */
-	render_panorama_table *table;
+	render_panorama_table *light;
 	uint16_t (*texels)[4];  /* [height][width] */
 	uint32_t width, height; /* of the texels */
 	uint32_t lamp_count;
