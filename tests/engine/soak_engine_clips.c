@@ -19,7 +19,7 @@
 #define HOUR_FRAMES 216000ul
 
 static const char usage[] = "usage: soak_engine_clips [FRAMES [null|vulkan]]\n\n"
-							"  Draws FRAMES (216000, at least 30000) and prints the memory in use every 3000. Exit "
+							"  Draws FRAMES (216000, at least 120000) and prints the memory in use every 3000. Exit "
 							"status 0: it did not grow in\n"
 							"  the second half, when all arrays have their largest size; 1: it did.\n";
 
@@ -187,7 +187,7 @@ int main(int argc, char **argv)
 {
 	unsigned long frames = argc > 1 ? strtoul(argv[1], NULL, 10) : HOUR_FRAMES;
 	bool draws = argc > 2 && strcmp(argv[2], "vulkan") == 0;
-	if (argc > 3 || frames < 10 * ROUND || (argc > 2 && !draws && strcmp(argv[2], "null") != 0)) {
+	if (argc > 3 || frames < 40 * ROUND || (argc > 2 && !draws && strcmp(argv[2], "null") != 0)) {
 		fputs(usage, stderr);
 		return 2;
 	}
