@@ -628,7 +628,7 @@ static void forget_touches(stilb_gpu_plan *plan)
 	uint32_t used = 0;
 	for (uint32_t row = 0; row < plan->row_count; row++)
 		used += spans[row].count;
-	if (!plan->changed && plan->touch_count <= 2 * used + 4096)
+	if (!plan->changed && plan->touch_count <= 2 * used + 512)
 		return;
 	plan->touch_count = 0;
 	memset(spans, 0, plan->row_count * sizeof *spans);

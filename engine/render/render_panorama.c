@@ -296,7 +296,12 @@ static bool panorama_begin(render_panorama *out, const stilb_image *map, uint64_
 static stilb_result panorama_take(render_panorama *out, render_panorama_memory memory)
 {
 	const render_panorama_work *work = out->next;
-	render_panorama_gloss gloss = {work->cube, out->dfg_shown ? NULL : work->dfg};
+	render_panorama_gloss gloss = {.cube = work->cube,
+	                               .dfg = out->dfg_shown ? NULL : work->dfg,
+	                               .light = work->light,
+	                               .texels = (const uint16_t(*)[4])work->texels,
+	                               .width = work->width,
+	                               .height = work->height};
 	stilb_result result = memory.show(memory.user, &gloss);
 	out->dfg_shown |= result == STILB_OK;
 	if (result != STILB_OK) {

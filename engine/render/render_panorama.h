@@ -12,6 +12,7 @@
  * Table.     [129][256] irradiance by the normal, in the panorama's latitude and longitude, poles and the middle column
  *            included, interpolated between four. The light of a cell is spread evenly over its width; a row of cells
  *            shines from the row's mean sine and cosine, so that rows which the horizon does not cut are exact.
+ *            Programs with highlights read it as an image, others by its address.
  * Texels.    Three half floats, each the mean of what it covers where there are more than 2048 x 1024; values above
  *            65504 are that.
  * Gloss.     A cube for highlights (numeric_prefilter.h), made of the cells: like the table it lacks the lamps, whose
@@ -49,14 +50,17 @@ typedef struct render_panorama_lamp {
 /* W m^-2; the fourth is 0. */
 typedef float render_panorama_table[RENDER_PANORAMA_ROWS][RENDER_PANORAMA_COLUMNS][4];
 
-/* What devices read: the table, then texels [height][width][4], half floats of which the fourth is 0. */
+/* What is made for devices: the table, then the texels. */
 #define RENDER_PANORAMA_BYTES(width, height)                                                                           \
 	(sizeof(render_panorama_table) + (size_t)(width) * (height) * sizeof(uint16_t[4]))
 
-/* What devices are sent for highlights, half floats. */
+/* What devices are sent as images. */
 typedef struct render_panorama_gloss {
-	const uint16_t (*cube)[4];                     /* [CUBE] in the order of numeric_prefilter.h */
-	const uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG]; NULL: it was shown before */
+	const uint16_t (*cube)[4];                     /* [CUBE] half floats in the order of numeric_prefilter.h */
+	const uint16_t (*dfg)[RENDER_PANORAMA_DFG][2]; /* [DFG] half floats; NULL: it was shown before */
+	const render_panorama_table *light;            /* the table */
+	const uint16_t (*texels)[4];                   /* [height][width] half floats of which the fourth is 0 */
+	uint32_t width, height;
 } render_panorama_gloss;
 
 typedef struct render_panorama_work render_panorama_work; /* of one that is being made */
@@ -72,8 +76,8 @@ typedef struct render_panorama {
 	render_panorama_work *next; /* NULL: none is being made */
 } render_panorama;
 
-/* Where the bytes that devices read are made. make: memory of this size for the next panorama, aligned to 16, which is
- * only written, once: it may be slow to read; NULL: there is none; the one before stays. show: the next panorama is
+/* Where the bytes that devices read are made. make: memory of this size for the next panorama, aligned to 16; NULL:
+ * there is none; the one before stays. show: the next panorama is
  * complete and takes the place of the one before, with this gloss, which is valid during the call; on failure, which
  * stilb_render_replay returns, none does. */
 typedef struct render_panorama_memory {

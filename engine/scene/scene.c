@@ -397,6 +397,8 @@ bool scene_is_placed_often(const stilb_scene *scene)
 {
 	uint64_t placed = 0;
 	for (uint32_t part = 0; part < scene->part_count; part++) {
+		if (scene->part_mesh[part] == STILB_SCENE_NONE)
+			continue; /* it was removed */
 		const stilb_scene_mesh *mesh = &scene->meshes[scene->part_mesh[part]];
 		placed += mesh->vertex_count > mesh->index_count ? mesh->vertex_count : mesh->index_count;
 	}

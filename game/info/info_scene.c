@@ -214,8 +214,8 @@ static void info_print_animation(FILE *out, const stilb_scene_animation *a)
 		        morphed == 1 ? "" : "es");
 	fprintf(out, "\n");
 	for (uint32_t c = 0; c < a->clip_count; c++)
-		fprintf(out, "    animation '%s': %.3f s, %u channel%s\n", a->clips[c].name, (double)a->clips[c].duration,
-		        a->clips[c].channel_count, info_s(a->clips[c].channel_count));
+		fprintf(out, "    animation %u '%s': %.3f s, %u channel%s\n", c + 1, a->clips[c].name,
+		        (double)a->clips[c].duration, a->clips[c].channel_count, info_s(a->clips[c].channel_count));
 }
 
 static void info_print_scene(FILE *out, const char *name, const info_contents *c)

@@ -1,5 +1,6 @@
 /* Cameras that frame a scene: closed cases, and the promise on projected vertices for every direction and shape; the
  * exposure that is metered, against closed forms. */
+#include "scene/edit/scene_edit.h"
 #include "scene/scene_build.h"
 #include "scene/scene_internal.h"
 #include "scene/scene_look.h"
@@ -244,12 +245,32 @@ static void meters_what_is_seen(void **state)
 	assert_stops(metered_once(&spot, NULL, 0), log2(M_PI / 10.0));
 }
 
+/* Models that are gone are not framed. */
+static void frames_what_is_left(void **state)
+{
+	(void)state;
+	static const float corners[4][3] = {{4, 6, 0}, {6, 6, 0}, {6, 8, 0}, {4, 8, 0}};
+	stilb_scene *scene = scene_of(corners, 4);
+	stilb_scene_camera before = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f), after;
+	stilb_scene_build_part part = {0, 0};
+	stilb_mat4 far = stilb_mat4_scale_translate(1.0f, 100.0f, 0.0f, 0.0f);
+	uint32_t model;
+	assert_int_equal(stilb_scene_add_model(scene, &far, &part, 1, &model), STILB_OK);
+	after = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f);
+	assert_true(fabsf(after.position[2] - before.position[2]) > 10.0f);
+	assert_int_equal(stilb_scene_remove_model(scene, model), STILB_OK);
+	after = stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f);
+	assert_memory_equal(after.position, before.position, sizeof after.position);
+	stilb_scene_destroy(scene);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(square_from_the_front),      cmocka_unit_test(near_faces_decide),
 		cmocka_unit_test(fills_from_every_direction), cmocka_unit_test(nothing_to_fill),
 		cmocka_unit_test(meters_the_light),           cmocka_unit_test(meters_what_is_seen),
+		cmocka_unit_test(frames_what_is_left),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

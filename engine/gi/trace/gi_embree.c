@@ -126,7 +126,7 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-	/* Without AVX-512 Embree 3.13 makes a stream of the packet, whose rays all count unless they end before they begin. */
+	/* Without AVX-512 Embree 3.13 makes a stream of the packet, whose rays count unless they end before they begin. */
 	float t_max[16];
 	for (int i = 0; i < 16; i++) {
 		t_max[i] = rays->ray.t_max[i];

@@ -11,7 +11,7 @@ typedef struct backdrop_data {
 	float map[STILB_SCENE_BACKDROP_HEIGHT * STILB_SCENE_BACKDROP_WIDTH][4];
 } backdrop_data;
 
-static_assert(sizeof(render_backdrop_push) == STILB_GPU_MAX_CONSTANTS, "std430");
+static_assert(sizeof(render_backdrop_push) == 112, "std430");
 static_assert(STILB_SCENE_FLOOR_SIDE == 64 && STILB_SCENE_BACKDROP_HEIGHT == 32 && STILB_SCENE_BACKDROP_WIDTH == 64,
               "as in backdrop.frag");
 
@@ -113,12 +113,8 @@ stilb_result render_backdrop_write(render_device *device, const stilb_render_vie
 		memcpy(push->floor_radius, view->surroundings.ground, sizeof view->surroundings.ground);
 		return STILB_OK;
 	}
-	if (kind == RENDER_BACKDROP_PANORAMA) {
-		push->size[0] = panorama->width;
-		push->size[1] = panorama->height;
-		push->panorama = device->panorama.address + sizeof(render_panorama_table);
+	if (kind == RENDER_BACKDROP_PANORAMA)
 		return STILB_OK;
-	}
 	render_buffer *buffer;
 	stilb_result result = backdrop_buffer(device, &buffer);
 	if (result != STILB_OK)

@@ -151,6 +151,7 @@ void render_device_destroy(render_device *device)
 	stilb_gpu_plan_destroy(device->plan);
 	render_programs_destroy(device);
 	stilb_gpu_destroy(device->gpu); /* and all that is there */
+	free(device->next_panorama);
 	free(device->textures);
 	if (device->maps)
 		munmap(device->maps, RENDER_MAX_MAPS * sizeof *device->maps);

@@ -86,12 +86,11 @@ typedef enum render_backdrop_kind {
 /* Constants of shaders/backdrop.frag. */
 typedef struct render_backdrop_push {
 	float ahead[4], across[4], down[4];
-	float camera[4];         /* of a floor */
-	float color[4];          /* of a floor; of a sky that above */
-	float floor_radius[4];   /* of a floor its center and radius; of a sky the ground's colour */
-	float turn[2];           /* of a panorama: sine and cosine of its rotation */
-	uint32_t size[2];        /* of a panorama */
-	uint64_t data, panorama; /* of a floor and a map: backdrop_data; a panorama's texels */
+	float camera[4];       /* of a floor */
+	float color[4];        /* of a floor; of a sky that above */
+	float floor_radius[4]; /* of a floor its center and radius; of a sky the ground's colour */
+	float turn[2];         /* of a panorama: sine and cosine of its rotation */
+	uint64_t data;         /* of a floor and a map: backdrop_data */
 } render_backdrop_push;
 
 /* Constants of shaders/velocity/velocity_far.frag. */
@@ -161,7 +160,8 @@ extern const stilb_gpu_shader render_channel_maps_fragment[2][2];   /* as render
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
 /* Where depth alone is drawn. [1: velocities, too] */
 extern const stilb_gpu_shader render_depth_fragment[2], render_impostor_depth_fragment[2], render_velocity_far_fragment;
-extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
+extern const stilb_gpu_shader render_backdrop_fragment[2]; /* [1: of a panorama] */
+extern const stilb_gpu_shader render_resolve_fragment, render_tone_fragment;
 
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
 typedef enum render_formula {
@@ -200,7 +200,7 @@ typedef struct render_formula_programs {
 /* True if they draw depth alone, or velocities with it. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
 bool render_formulas_are_velocity(const render_formula_programs *programs);
-/* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
+/* True if their highlights mirror the panorama: they read the pass's three images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
 /* What the tone map shows besides SHADE_TONE_...: channels in the place of light (stilb_scene_channel_kind). */
@@ -277,12 +277,13 @@ typedef struct render_frame_target {
 
 /* The frame that is being made. */
 typedef struct render_frame {
-	uint16_t picture;   /* resource of the plan */
-	bool begun;         /* the plan has been begun */
-	bool ended;         /* all scene passes are there, and what makes the picture of them */
-	bool shown;         /* picture has content: of targets, or of 2D passes */
-	uint16_t cube, dfg; /* resources of the plan: render_device's; 0: no pass reads them */
-	uint32_t views;     /* of slot.views that are in use */
+	uint16_t picture;          /* resource of the plan */
+	bool begun;                /* the plan has been begun */
+	bool ended;                /* all scene passes are there, and what makes the picture of them */
+	bool shown;                /* picture has content: of targets, or of 2D passes */
+	uint16_t cube, dfg, light; /* resources of the plan: render_device's; 0: no pass reads them */
+	uint16_t texels;           /* likewise */
+	uint32_t views;            /* of slot.views that are in use */
 	uint32_t backdrops;
 	uint32_t list_count, own_lists, run_count; /* own_lists: those of features */
 	uint32_t target_count;
@@ -307,9 +308,12 @@ typedef struct render_device {
 	render_slot slots[STILB_GPU_FRAMES];
 	uint32_t slot;
 	render_buffer heaps[RENDER_HEAPS];
-	render_buffer panorama, next_panorama; /* RENDER_PANORAMA_BYTES: shown, and being made; {0}: none */
-	stilb_gpu_image cube, next_cube;       /* render_panorama_gloss.cube; likewise */
-	stilb_gpu_image dfg;                   /* of all panoramas; {0}: none so far */
+	render_buffer panorama;            /* the table of the panorama that is shown; {0}: none */
+	void *next_panorama;               /* RENDER_PANORAMA_BYTES of the one that is being made; NULL: none */
+	stilb_gpu_image cube, next_cube;   /* render_panorama_gloss.cube: shown, and being made; {0}: none */
+	stilb_gpu_image light, next_light; /* and .light */
+	stilb_gpu_image texels;            /* and .texels, shown */
+	stilb_gpu_image dfg;               /* of all panoramas; {0}: none so far */
 	stilb_gpu_sampler cube_sampler;
 	render_device_texture *textures; /* [STILB_RENDER_MAX_TEXTURES] */
 	render_arrays arrays;

@@ -359,6 +359,20 @@ static stilb_result frame_end_scene(render_device *device)
 	return result == STILB_OK && shows && device->until[0] == '\0' ? render_show_image(device, &device->shown) : result;
 }
 
+/* The resource of the panorama's texels. */
+static uint16_t frame_texels(render_device *device, const render_stream *stream)
+{
+	render_frame *frame = &device->frame;
+	stilb_gpu_plan_image_row row = {.name = "panorama",
+	                                .format = STILB_GPU_RGBA16_F,
+	                                .width = stream->panorama->width,
+	                                .height = stream->panorama->height,
+	                                .owned = device->texels.id};
+	if (frame->texels == 0)
+		frame->texels = stilb_gpu_plan_image(device->plan, &row);
+	return frame->texels;
+}
+
 /* What is seen where no model is. */
 static stilb_result frame_backdrop(render_device *device, const render_stream *stream,
                                    const render_frame_target *target)
@@ -377,6 +391,10 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 		.program = device->programs.backdrops[kind].id,
 		.color = {{.image = target->samples ? target->samples : target->color, .load = STILB_GPU_LOAD_DISCARD}},
 	};
+	if (kind == RENDER_BACKDROP_PANORAMA) {
+		row.uses[0] = (stilb_gpu_use){.resource = frame_texels(device, stream), .how = STILB_GPU_USE_SAMPLED};
+		row.use_count = 1;
+	}
 	row_constants(&row, &push, sizeof push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	return STILB_OK;
@@ -434,7 +452,7 @@ static void frame_attach(const render_stream *stream, const render_frame_target 
 		row->color[0].clear[3] = 1.0f;
 }
 
-/* The two images that programs read for the panorama's gloss. */
+/* The three images that programs read of a panorama. */
 static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 {
 	render_frame *frame = &device->frame;
@@ -451,14 +469,21 @@ static void frame_gloss(render_device *device, stilb_gpu_pass *row)
 		                                .width = RENDER_PANORAMA_DFG,
 		                                .height = RENDER_PANORAMA_DFG,
 		                                .owned = device->dfg.id};
+		stilb_gpu_plan_image_row light = {.name = "panorama light",
+		                                  .format = STILB_GPU_RGBA32_F,
+		                                  .width = RENDER_PANORAMA_COLUMNS,
+		                                  .height = RENDER_PANORAMA_ROWS,
+		                                  .owned = device->light.id};
 		frame->cube = stilb_gpu_plan_image(device->plan, &cube);
 		frame->dfg = stilb_gpu_plan_image(device->plan, &dfg);
+		frame->light = stilb_gpu_plan_image(device->plan, &light);
 	}
-	row->use_count = 2;
+	row->use_count = 3;
 	row->uses[0] = (stilb_gpu_use){
 		.resource = frame->cube, .how = STILB_GPU_USE_SAMPLED, .slot = 0, .sampler = device->cube_sampler.id};
 	row->uses[1] =
 		(stilb_gpu_use){.resource = frame->dfg, .how = STILB_GPU_USE_SAMPLED, .slot = 1, .sampler = device->linear.id};
+	row->uses[2] = (stilb_gpu_use){.resource = frame->light, .how = STILB_GPU_USE_SAMPLED, .slot = 2};
 }
 
 /* The surfaces that the stream's draws have, but for maps, as of render_programs_choose. */

@@ -118,7 +118,7 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
 		.fragment = depth ? program_depth_code(detail, surface, velocity) : render_mesh_fragment[gloss][surface],
-		.samplers = gloss ? 2 : 0,
+		.samplers = gloss ? 3 : 0,
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
 		.depth_write = true,
@@ -169,7 +169,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
 	                : !reads ? program_depth_code(detail, inputs, velocity)
 	                         : render_maps_depth[velocity][extras],
-		.samplers = (uint8_t)(2 * gloss + through),
+		.samplers = (uint8_t)(3 * gloss + through),
 		.set_items = !reads                      ? 0
 	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
 	                                             : RENDER_MAPS_PLAIN,
@@ -237,7 +237,9 @@ stilb_result render_programs_backdrop(render_device *device, render_backdrop_kin
 {
 	stilb_gpu_format color = STILB_GPU_RGBA16_F;
 	stilb_gpu_program *program = &device->programs.backdrops[kind];
-	stilb_gpu_program_desc desc = {.name = "backdrop", .fragment = render_backdrop_fragment};
+	bool panorama = kind == RENDER_BACKDROP_PANORAMA;
+	stilb_gpu_program_desc desc = {
+		.name = "backdrop", .fragment = render_backdrop_fragment[panorama], .samplers = panorama};
 	program_constant(&desc, 0, kind);
 	pthread_mutex_lock(&device->programs.lock);
 	stilb_result result = program_once(device, &desc, program);

@@ -263,6 +263,9 @@ static const uint32_t flat_picture_frag[] =
 static const uint32_t backdrop_frag[] =
 #include "backdrop.frag.inc"
 	;
+static const uint32_t backdrop_panorama_frag[] =
+#include "backdrop_panorama.frag.inc"
+	;
 static const uint32_t resolve_frag[] =
 #include "resolve.frag.inc"
 	;
@@ -381,6 +384,6 @@ const stilb_gpu_shader render_depth_fragment[2] = {SHADER(depth_frag), SHADER(ve
 const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_depth_frag),
                                                             SHADER(impostor_velocity_frag)};
 const stilb_gpu_shader render_velocity_far_fragment = SHADER(velocity_far_frag);
-const stilb_gpu_shader render_backdrop_fragment = SHADER(backdrop_frag);
+const stilb_gpu_shader render_backdrop_fragment[2] = {SHADER(backdrop_frag), SHADER(backdrop_panorama_frag)};
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
 const stilb_gpu_shader render_tone_fragment = SHADER(tone_frag);

@@ -27,7 +27,7 @@ typedef struct panorama_sums {
 struct render_panorama_work {
 	stilb_image map; /* its pixels are valid during a call of render_panorama_update alone */
 	uint64_t key;
-	uint32_t stage, row; /* the next of its rows */
+	uint32_t stage, row;          /* the next of its rows */
 	render_panorama_table *light;
 	uint16_t (*texels)[4];  /* [height][width] */
 	uint32_t width, height; /* of the texels */

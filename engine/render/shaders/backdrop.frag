@@ -8,9 +8,6 @@ const int SIDE = 64; // of the floor's cells, as STILB_SCENE_FLOOR_SIDE
 const float REACH = 2.0; // as STILB_SCENE_FLOOR_REACH
 const float SHADOW = 0.8; // how dark the floor is where nothing reaches it: some light always does
 
-// Half floats, row after row.
-layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Texels { uvec2 texels[]; };
-
 // As backdrop_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Backdrop {
 	float covered[SIDE * SIDE];
@@ -18,14 +15,17 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ba
 };
 
 // What is shown, as render_backdrop_kind: the code of the rest is left out, since software devices compute every
-// branch.
+// branch. BACKDROP_PANORAMA: a panorama, which alone has an image.
 #define FLOOR 0u
 #define SKY 1u
-#define PANORAMA 2u
 #define MAP 3u
 layout(constant_id = 0) const uint kind = MAP;
 
-// As render_backdrop_push. Constants, which software devices load at once, and buffers lane by lane.
+#ifdef BACKDROP_PANORAMA
+layout(set = 0, binding = 0) uniform sampler2D panorama;
+#endif
+
+// As render_backdrop_push. Constants and texels, which software devices load at once, and buffers lane by lane.
 layout(push_constant, std430) uniform Push {
 	vec4 ahead; // direction at the picture's middle, and what a step of 1 in clip space adds to it
 	vec4 across;
@@ -34,9 +34,7 @@ layout(push_constant, std430) uniform Push {
 	vec4 shown_color;  // of a floor; of a sky that above
 	vec4 floor_radius; // of a floor its center; of a sky that below
 	vec2 turn;         // of the panorama: sine and cosine of its rotation
-	uvec2 size;        // in texels
 	Backdrop backdrop;
-	Texels panorama;
 } push;
 
 layout(location = 0) in vec2 uv; // of the picture, 0..1
@@ -59,19 +57,20 @@ vec3 map_at(vec3 direction)
 		mix(texel(column, row + 1), texel(column + 1, row + 1), part.x), part.y);
 }
 
+#ifdef BACKDROP_PANORAMA
 // The texel that rays see, too (gi_environment.c).
 vec3 panorama_at(vec3 direction)
 {
 	const float PI = 3.14159265;
 	vec2 turn = push.turn;
-	uvec2 size = push.size;
+	ivec2 size = textureSize(panorama, 0);
 	float right = turn.y * direction.x - turn.x * direction.z;
 	float back = turn.x * direction.x + turn.y * direction.z;
-	uint x = uint(clamp(atan(right, -back) / (2.0 * PI) + 0.5, 0.0, 1.0) * float(size.x));
-	uint y = uint(acos(clamp(direction.y, -1.0, 1.0)) / PI * float(size.y));
-	uvec2 bits = push.panorama.texels[min(y, size.y - 1) * size.x + min(x, size.x - 1)];
-	return vec3(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y).x);
+	int x = int(clamp(atan(right, -back) / (2.0 * PI) + 0.5, 0.0, 1.0) * float(size.x));
+	int y = int(acos(clamp(direction.y, -1.0, 1.0)) / PI * float(size.y));
+	return texelFetch(panorama, min(ivec2(x, y), size - 1), 0).xyz;
 }
+#endif
 
 float covered(int x, int z)
 {
@@ -102,15 +101,17 @@ void main()
 {
 	vec2 clip = uv * 2.0 - 1.0;
 	vec3 direction = normalize(push.ahead.xyz + clip.x * push.across.xyz + clip.y * push.down.xyz);
+#ifdef BACKDROP_PANORAMA
+	color = vec4(panorama_at(direction), 1.0);
+#else
 	vec3 radiance;
 	if (kind == FLOOR)
 		radiance = push.shown_color.rgb * (1.0 - shadow_at(direction));
 	else if (kind == SKY)
 		radiance = mix(push.floor_radius.rgb, push.shown_color.rgb,
 			clamp(direction.y / max(fwidth(direction.y), 1e-9) + 0.5, 0.0, 1.0)); // an edge one pixel wide
-	else if (kind == PANORAMA)
-		radiance = panorama_at(direction);
 	else
 		radiance = map_at(direction);
 	color = vec4(radiance, 1.0);
+#endif
 }

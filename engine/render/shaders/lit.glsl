@@ -128,34 +128,47 @@ vec3 panorama_own(vec3 d)
 	return vec3(turn.y * d.x - turn.x * d.z, d.y, turn.x * d.x + turn.y * d.z);
 }
 
+const int PANORAMA_COLUMNS = 256; // as RENDER_PANORAMA_COLUMNS and _ROWS
+const int PANORAMA_ROWS = 129;
+
+// LIT_GLOSS: programs whose highlights mirror the panorama; they alone have its images. Software devices read texels at
+// once, and a table by its address lane by lane.
+#ifdef LIT_GLOSS
+layout(set = 0, binding = 0) uniform samplerCube panorama_cube; // without its lamps
+layout(set = 0, binding = 1) uniform sampler2D gloss_table;
+layout(set = 0, binding = 2) uniform sampler2D panorama_light;
+
+vec3 panorama_entry(int column, int row)
+{
+	return texelFetch(panorama_light, ivec2(column, row), 0).xyz;
+}
+#else
+vec3 panorama_entry(int column, int row)
+{
+	return push.view.panorama.table[row * PANORAMA_COLUMNS + column].xyz;
+}
+#endif
+
 // The panorama's irradiance at a normal, between four of the table; its lamps are lights of the list.
 vec3 panorama_irradiance(vec3 n)
 {
-	const int COLUMNS = 256; // as RENDER_PANORAMA_COLUMNS and _ROWS
-	const int ROWS = 129;
 	vec3 own = panorama_own(n);
 	float right = own.x;
 	float back = own.z;
 	float longitude = right == 0.0 && back == 0.0 ? 0.0 : atan(right, -back);
-	float x = clamp(longitude / (2.0 * SHADE_PI) + 0.5, 0.0, 1.0) * float(COLUMNS);
-	float y = atan(length(vec2(right, back)), n.y) / SHADE_PI * float(ROWS - 1);
+	float x = clamp(longitude / (2.0 * SHADE_PI) + 0.5, 0.0, 1.0) * float(PANORAMA_COLUMNS);
+	float y = atan(length(vec2(right, back)), n.y) / SHADE_PI * float(PANORAMA_ROWS - 1);
 	int column = int(floor(x));
-	int row = clamp(int(floor(y)), 0, ROWS - 2);
-	int left = row * COLUMNS + column % COLUMNS;
-	int next = row * COLUMNS + (column + 1) % COLUMNS;
+	int row = clamp(int(floor(y)), 0, PANORAMA_ROWS - 2);
+	int left = column % PANORAMA_COLUMNS;
+	int next = (column + 1) % PANORAMA_COLUMNS;
 	float across = x - float(column);
-	vec3 above = mix(push.view.panorama.table[left].xyz, push.view.panorama.table[next].xyz, across);
-	left += COLUMNS;
-	next += COLUMNS;
-	vec3 below = mix(push.view.panorama.table[left].xyz, push.view.panorama.table[next].xyz, across);
+	vec3 above = mix(panorama_entry(left, row), panorama_entry(next, row), across);
+	vec3 below = mix(panorama_entry(left, row + 1), panorama_entry(next, row + 1), across);
 	return mix(above, below, y - float(row));
 }
 
-// LIT_GLOSS: programs whose highlights mirror the panorama; they alone have these images.
 #ifdef LIT_GLOSS
-layout(set = 0, binding = 0) uniform samplerCube panorama_cube; // without its lamps
-layout(set = 0, binding = 1) uniform sampler2D gloss_table;
-
 // A place of the table: what a lobe reflects of a white environment is f0 x + y.
 vec2 gloss_shares(vec3 n, vec3 v, float roughness)
 {

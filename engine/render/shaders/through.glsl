@@ -1,6 +1,6 @@
 // What is seen through a surface: the picture so far, or the surroundings. Inside of layers_around.glsl.
 #ifdef LIT_GLOSS
-layout(set = 0, binding = 2) uniform sampler2D behind;
+layout(set = 0, binding = 3) uniform sampler2D behind;
 #else
 layout(set = 0, binding = 0) uniform sampler2D behind;
 #endif

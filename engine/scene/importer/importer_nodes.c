@@ -19,6 +19,18 @@ bool importer_is_finite(const stilb_mat4 *m)
 	return finite;
 }
 
+/* The node that a child hangs on. Assimp 5.2 lists all bones of Half-Life's models as children of one node, and says in
+ * mParent alone on which of them each hangs; their transforms are relative to that. */
+static uint32_t nodes_find_parent(const importer *import, uint32_t lister, const struct aiNode *child)
+{
+	if (child->mParent == import->nodes[lister].node || !importer_is_format(import->from, "Quake Mesh"))
+		return lister;
+	for (uint32_t i = import->node_count; --i > lister;)
+		if (import->nodes[i].node == child->mParent)
+			return i;
+	return lister;
+}
+
 /* Lists the nodes breadth first; the list itself is the queue of nodes whose children are still to be added. Without
  * recursion no hierarchy is too deep. */
 stilb_result importer_list_nodes(importer *import)
@@ -39,7 +51,6 @@ stilb_result importer_list_nodes(importer *import)
 	import->node_count = 1;
 	for (uint32_t i = 0; i < import->node_count; i++) {
 		const struct aiNode *node = import->nodes[i].node;
-		stilb_mat4 to_world = import->nodes[i].to_world;
 		if ((uint64_t)import->node_count + node->mNumChildren > IMPORTER_MAX_NODES)
 			return stilb_fail(STILB_ERROR_FILE, "it has more than %u nodes", IMPORTER_MAX_NODES);
 		while (import->node_count + node->mNumChildren > capacity) {
@@ -53,7 +64,9 @@ stilb_result importer_list_nodes(importer *import)
 			if (!node->mChildren[c])
 				continue; /* Assimp 5.2 leaves holes in the hierarchy of .raw */
 			stilb_mat4 own = importer_matrix(&node->mChildren[c]->mTransformation);
-			importer_node child = {node->mChildren[c], stilb_mat4_multiply(to_world, own), i, own};
+			uint32_t parent = nodes_find_parent(import, i, node->mChildren[c]);
+			stilb_mat4 to_world = stilb_mat4_multiply(import->nodes[parent].to_world, own);
+			importer_node child = {node->mChildren[c], to_world, parent, own};
 			if (importer_is_finite(&child.to_world))
 				import->nodes[import->node_count++] = child;
 			else

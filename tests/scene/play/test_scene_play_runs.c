@@ -377,6 +377,10 @@ static void figures_come_and_go_while_they_play(void **state)
 		assert_int_equal(stilb_scene_set_plays(scene, 0, plays, 2), STILB_OK);
 		for (int frame = 0; frame < 400; frame++) {
 			change_something(scene, figures, &count);
+			if (frame % 50 == 13) { /* it is framed meanwhile, for all that a clip does */
+				assert_int_equal(stilb_scene_sweep(scene, moving_below(2)), STILB_OK);
+				assert_true(isfinite(stilb_scene_frame(scene, 0.4f, -0.3f, 1.5f).position[0]));
+			}
 			step(scene, frame % 5 ? FRAME : 0.0);
 			if (frame % 20 == 0) {
 				uint32_t playing;
