@@ -1,6 +1,7 @@
 /* stilb render: a picture by ray tracing. The work runs on a thread of its own (render_work.h); this file starts it,
  * shows its progress on the terminal and in the window of --preview, and reports the result. */
 #include "game/commands.h"
+#include "render_merge.h"
 #include "render_options.h"
 #include "render_progress.h"
 #include "render_report.h"
@@ -251,6 +252,8 @@ static int offline_main(const offline_options *o)
 int offline_command(int argc, char **argv)
 {
 	static offline_options options;
+	if (offline_merge_is_asked(argc, argv))
+		return offline_merge(argc, argv);
 	flags_result parsed = offline_options_parse(&options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;

@@ -37,6 +37,9 @@ typedef struct offline_options {
 	int show;           /* stilb_scene_surface_channel, or RENDER_NOT_GIVEN */
 	picture_flags picture;
 	rays_flags light;
+	const char *part; /* of --part, "I/N"; NULL: the whole picture */
+	uint32_t part_index, part_of;
+	bool merge; /* of --help alone: render_merge.h reads it */
 	bool preview, resume, dry_run, force, show_records;
 } offline_options;
 
@@ -53,6 +56,10 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv);
 /* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
  * one line on stderr. Starts nothing and writes nothing. */
 bool offline_options_check(const offline_options *o);
+
+/* Refuses what gives other bits, or makes no sense, where many machines render one picture, after one line on stderr.
+ * how: what asked for them, "--part". */
+bool offline_options_share_check(const offline_options *o, const char *how);
 
 /* The settings for a scene and its camera. They point to strings of *o. */
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene);

@@ -205,6 +205,8 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, rays_integrators[s->integrator]),
 	        s->width, s->height, samples, flags_choice(sampler, offline_samplers[s->sampler]), result->workers,
 	        result->workers == 1 ? "" : "s", result->scene.isa);
+	if (o->part)
+		fprintf(out, "part %" PRIu32 " of %" PRIu32 "\n", o->part_index, o->part_of);
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);
 	fprintf(out, "%s rays in %.2f s: %s rays/s\n", rays, progress->seconds, rate);
@@ -214,7 +216,7 @@ void offline_report_print(const offline_options *o, const offline_result *result
 		fprintf(out, "%" PRIu32 " of %" PRIu32 " pictures were written\n", result->frames,
 		        o->frame_last - o->frame_first + 1);
 	else if (result->saved)
-		fprintf(out, "picture: %s\n", o->output);
+		fprintf(out, "%s: %s\n", o->part ? "part" : "picture", o->output);
 	if (result->stopped && result->checkpointed)
 		fprintf(out, "stopped at %.0f %%; the same command with --resume continues it\n", 100.0 * progress->done);
 }

@@ -3,6 +3,7 @@
 #include "base/base_contract.h"
 #include "base/base_file.h"
 #include "engine.h"
+#include "gi/gi_farm.h"
 #include "job_prof/job_prof.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"
@@ -227,6 +228,9 @@ static bool work_build(work_pieces *p)
 	p->result->prepared = true;
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
 		return false;
+	const offline_options *o = p->options;
+	if (o->part && !work_good(p, stilb_gi_farm_share(p->render, o->part_index, o->part_of)))
+		return false;
 	p->result->build_s = work_seconds_since(start);
 	return true;
 }
@@ -311,8 +315,11 @@ static void work_save(work_pieces *p)
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_WRITING);
 	bool picture = p->result->progress.camera_rays > 0;
-	if (p->output && picture) {
-		p->result->saved = stilb_gi_render_save(p->render, p->output) == STILB_OK;
+	if (p->options->part && p->result->stopped) {
+		p->result->saved = false; /* what a part lacks could not be told in a picture */
+	} else if (p->output && (picture || p->options->part)) {
+		p->result->saved = (p->options->part ? stilb_gi_farm_save_part(p->render, p->output)
+		                                     : stilb_gi_render_save(p->render, p->output)) == STILB_OK;
 		if (!p->result->saved)
 			work_fail(p, EXIT_FAILED);
 	}

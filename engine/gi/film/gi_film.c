@@ -156,6 +156,20 @@ void gi_film_resolve(gi_film *film, size_t index)
 	atomic_store_explicit(&film->samples[index], pixel->samples, memory_order_release);
 }
 
+stilb_gi_film gi_film_planes(const gi_film *film)
+{
+	/* radiance is _Atomic float, as stilb_gi_render_preview reads it during a run; now nobody writes it, so the caller
+	 * may read it as plain floats. */
+	return (stilb_gi_film){.width = film->width,
+	                       .height = film->height,
+	                       .radiance = (const float *)film->radiance,
+	                       .albedo = film->albedo,
+	                       .normal = film->normal,
+	                       .depth = film->depth,
+	                       .variance = film->variance,
+	                       .samples = (const uint32_t *)film->samples};
+}
+
 double gi_film_error(const gi_film *film)
 {
 	STILB_ASSERT(film->pixels);
