@@ -4,33 +4,26 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define FILM_FIREFLY_RANGE 1.0f /* luminance at which a sample's weight is half, if bright samples weigh less */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
-
-static void *film_zeroed(size_t count, size_t size)
-{
-	void *memory = stilb_memory_alloc(count, size);
-	if (memory)
-		memset(memory, 0, count * size);
-	return memory;
-}
 
 stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted)
 {
 	STILB_ASSERT(film && width > 0 && height > 0);
 	size_t count = (size_t)width * height;
 	*film = (gi_film){.width = width, .height = height};
-	film->pixels = film_zeroed(count, sizeof *film->pixels);
-	film->weights = weighted ? film_zeroed(count, sizeof *film->weights) : NULL;
-	film->radiance = film_zeroed(count, sizeof(float[3]));
-	film->samples = film_zeroed(count, sizeof *film->samples);
-	film->albedo = film_zeroed(count, sizeof(float[3]));
-	film->normal = film_zeroed(count, sizeof(float[3]));
-	film->depth = film_zeroed(count, sizeof *film->depth);
-	film->variance = film_zeroed(count, sizeof(float[3]));
+	/* So much memory comes as pages that are zero and not there until they are touched: a large picture begins at once,
+	 * and a part of it takes a part of the memory. Huge pages would each hold pixels of every part. */
+	film->pixels = calloc(count, sizeof *film->pixels);
+	film->weights = weighted ? calloc(count, sizeof *film->weights) : NULL;
+	film->radiance = calloc(count, sizeof(float[3]));
+	film->samples = calloc(count, sizeof *film->samples);
+	film->albedo = calloc(count, sizeof(float[3]));
+	film->normal = calloc(count, sizeof(float[3]));
+	film->depth = calloc(count, sizeof *film->depth);
+	film->variance = calloc(count, sizeof(float[3]));
 	bool whole = film->pixels && film->radiance && film->samples && film->albedo && film->normal && film->depth &&
 	             film->variance && (film->weights || !weighted);
 	if (!whole) {
