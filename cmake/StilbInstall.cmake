@@ -19,6 +19,9 @@ endif()
 # ---- what libraries start or load by themselves: base_part.c finds it here ----
 install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb)
+if(TARGET stilb-farm-mpi)
+	install(TARGETS stilb-farm-mpi LIBRARY DESTINATION lib/stilb)
+endif()
 install(TARGETS stilb-scene-import RUNTIME DESTINATION lib/stilb)
 if(NOT PROJECT_IS_TOP_LEVEL) # the same places relative to the headers below
 	set_target_properties(stilb-scene-import PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/stilb)

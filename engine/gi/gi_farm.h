@@ -7,8 +7,8 @@
  *              -> stilb_gi_render_run on all of them -> the first one has the picture
  *
  * Same bits.   A picture of parts has the bits of one that one machine made, by whatever parts and in whatever order
- *              they are merged. The irradiance cache's overture depends on the whole picture, and every machine computes
- *              all of it, so that a part depends on no other; settings.cache.save and load share it.
+ *              they are merged. The irradiance cache's overture depends on the whole picture, and every machine
+ *              computes all of it, so that a part depends on no other; settings.cache.save and load share it.
  * Threads.     [main-thread] of the render, but what a stilb_farm_work has.
  */
 #ifndef GI_FARM_H
@@ -52,8 +52,8 @@ typedef struct stilb_gi_farm_merged {
 } stilb_gi_farm_merged;
 
 /* Puts a picture together from all its parts, in any order, and writes it as stilb_gi_render_save does: the same file
- * as one machine's. STILB_ERROR_ARGUMENT: a part is missing, there twice, or of another picture; STILB_ERROR_FILE: one is
- * damaged, or the picture cannot be written; STILB_ERROR_MEMORY. count >= 1. [any-thread] */
+ * as one machine's. STILB_ERROR_ARGUMENT: a part is missing, there twice, or of another picture; STILB_ERROR_FILE: one
+ * is damaged, or the picture cannot be written; STILB_ERROR_MEMORY. count >= 1. [any-thread] */
 stilb_result stilb_gi_farm_merge(const char *const *paths, uint32_t count, const char *output,
                                  stilb_gi_farm_merged *merged);
 

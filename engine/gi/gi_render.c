@@ -395,7 +395,8 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 
 static tile_grid unit_grid(stilb_gi_render *render)
 {
-	return (tile_grid){.render = render, .block = 1, .target = render->view.settings.samples, .tile = GI_UNIT};
+	return (tile_grid){
+		.render = render, .block = 1, .target = render->view.settings.samples, .tile = render->units.side};
 }
 
 /* Renders all samples of the unit that it lacks. False: the render is ending before they are done. */
@@ -403,7 +404,7 @@ static bool unit_render(const tile_grid *grid, gi_render_worker *worker, uint32_
 {
 	PROFILE("gi.unit");
 	gi_unit_place place = gi_unit_place_of(&grid->render->units, unit);
-	grid_tile tile = {place.x, place.y, GI_UNIT};
+	grid_tile tile = {place.x, place.y, grid->tile};
 	worker->added = false;
 	bool whole = tile_gather(grid, worker, &tile);
 	if (worker->added)
@@ -537,14 +538,14 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 /* The pass to render next: the last one if it was cut short, else a new one; NULL: nothing is left to do. */
 static stilb_gi_pass *pass_next(stilb_gi_render *render)
 {
-	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
-		return &render->passes[render->pass_count - 1];
+	bool cut = render->pass_count > 0 && !render->passes[render->pass_count - 1].finished;
 	stilb_gi_pass next;
-	if (!pass_plan(render, &next))
+	if (!cut && !pass_plan(render, &next))
 		return NULL;
 	stilb_lock_take(&render->lock);
-	stilb_gi_pass *pass = &render->passes[render->pass_count++];
-	*pass = next;
+	if (!cut)
+		render->passes[render->pass_count++] = next;
+	stilb_gi_pass *pass = &render->passes[render->pass_count - 1];
 	snprintf(render->stage, sizeof render->stage, "pass %u", render->pass_count);
 	stilb_lock_give(&render->lock);
 	return pass;
@@ -771,6 +772,34 @@ static double share_done(const stilb_gi_render *render, const stilb_gi_progress 
 	return progress->finished ? 1.0 : fmin(done, 1.0);
 }
 
+/* Pixels of every block-th row and column. */
+static double block_pixels(const stilb_gi_render *render, uint32_t block)
+{
+	return (double)parts_of(render->film.width, block) * parts_of(render->film.height, block);
+}
+
+/* Samples that a pass adds: in the first round, the coarser blocks' pixels have them. */
+static double pass_samples(const stilb_gi_render *render, const stilb_gi_pass *pass)
+{
+	bool finer = pass->first_sample == 0 && pass > render->passes;
+	double before = finer ? block_pixels(render, 2 * pass->block) : 0.0;
+	return (block_pixels(render, pass->block) - before) * pass->sample_count;
+}
+
+static double pass_share(const stilb_gi_render *render, uint64_t samples)
+{
+	STILB_ASSERT_LOCKED(&render->lock);
+	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
+	if (!last || last->finished)
+		return last ? 1.0 : 0.0;
+	double there = (double)samples, wanted = pass_samples(render, last);
+	if (render->feed.take)
+		wanted = (render->share_pixels ? (double)render->share_pixels : block_pixels(render, 1)) * last->sample_count;
+	for (uint32_t i = 0; !render->feed.take && i + 1 < render->pass_count; i++)
+		there -= pass_samples(render, &render->passes[i]);
+	return fmax(0.0, fmin(there / wanted, 1.0));
+}
+
 static void progress_of_passes(const stilb_gi_render *render, stilb_gi_progress *progress)
 {
 	STILB_ASSERT_LOCKED(&render->lock);
@@ -806,6 +835,7 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	snprintf(progress->stage, sizeof progress->stage, "%s", render->stage);
 	progress_of_passes(render, progress);
 	progress->done = share_done(render, progress, totals.samples);
+	progress->pass_done = pass_share(render, totals.samples);
 	stilb_lock_give(&render->lock);
 }
 

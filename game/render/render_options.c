@@ -355,6 +355,14 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 	return FLAGS_OK;
 }
 
+void offline_options_be_guest(offline_options *o)
+{
+	o->output = o->stats = o->trace = o->cache_save = NULL;
+	o->checkpoint[0] = '\0';
+	o->preview = o->resume = false;
+	o->guest = true;
+}
+
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 #define RENDER_OUTPUTS 5
@@ -495,7 +503,7 @@ bool offline_options_check(const offline_options *o)
 		stilb_log("no scene; give one: stilb render SCENE -o FILE, a file or one of %s", stilb_scene_builtin_names());
 		return false;
 	}
-	if (!o->output && !o->dry_run && !o->preview) {
+	if (!o->output && !o->dry_run && !o->preview && !o->guest) {
 		stilb_log("no output; give -o FILE.exr, -o FILE.png or --preview");
 		return false;
 	}

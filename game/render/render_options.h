@@ -40,6 +40,7 @@ typedef struct offline_options {
 	const char *part; /* of --part, "I/N"; NULL: the whole picture */
 	uint32_t part_index, part_of;
 	bool merge; /* of --help alone: render_merge.h reads it */
+	bool guest; /* one of the ranks of mpirun that write nothing */
 	bool preview, resume, dry_run, force, show_records;
 } offline_options;
 
@@ -52,6 +53,9 @@ extern const char *const offline_cache_radii[];
 /* Sets the defaults, which depend on the integrator, and reads the flags; prints the help or the error instead, as
  * flags_parse returns. A flag that the integrator has no use for is one line on stderr, not an error. */
 flags_result offline_options_parse(offline_options *o, int argc, char **argv);
+
+/* Takes out all that a rank other than 0 has no use for: its outputs, the window. After parse. */
+void offline_options_be_guest(offline_options *o);
 
 /* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
  * one line on stderr. Starts nothing and writes nothing. */

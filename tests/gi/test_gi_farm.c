@@ -28,11 +28,11 @@ static uint64_t hash_of(const char *path)
 static void units_cover_and_spread(void **state)
 {
 	(void)state;
-	const uint32_t sizes[][2] = {{1, 1}, {8, 8}, {9, 1}, {37, 21}, {640, 360}, {3000, 17}, {17, 3000}};
+	const uint32_t sizes[][2] = {{1, 1}, {8, 8}, {9, 1}, {37, 21}, {640, 360}, {3000, 17}, {17, 3000}, {500, 300}};
 	for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
 		gi_units units;
 		uint32_t width = sizes[k][0], height = sizes[k][1];
-		assert_true(gi_units_create(width, height, &units));
+		assert_true(gi_units_create(width, height, 1u << k, &units));
 		uint8_t *seen = calloc(width, height);
 		uint64_t pixels = 0;
 		for (uint32_t u = 0; u < units.count; u++) {
@@ -46,12 +46,13 @@ static void units_cover_and_spread(void **state)
 		for (uint32_t i = 0; i < width * height; i++)
 			assert_int_equal(seen[i], 1);
 		assert_int_equal(pixels, width * height);
+		assert_int_equal(units.side, k < 4 ? 16 : k < 6 ? 8 : 4);
 		assert_int_equal(gi_unit_pixels(&units, 0, units.count), pixels);
 		free(seen);
 		free(units.order);
 	}
 	gi_units units;
-	assert_true(gi_units_create(640, 360, &units));
+	assert_true(gi_units_create(640, 360, 16, &units));
 	for (uint32_t first = 0; first + 64 <= units.count; first += 13) {
 		uint32_t quarters[4] = {0};
 		for (uint32_t u = first; u < first + 64; u++) {
@@ -149,7 +150,7 @@ static void more_parts_than_units(void **state)
 	char paths[7][32];
 	const char *order[7];
 	stilb_gi_farm_merged merged;
-	make_parts(&settings, 7, paths); /* of 2 units */
+	make_parts(&settings, 7, paths); /* of 1 or 2 units */
 	for (int i = 0; i < 7; i++)
 		order[i] = paths[i];
 	assert_int_equal(stilb_gi_farm_merge(order, 7, "merged.exr", &merged), STILB_OK);

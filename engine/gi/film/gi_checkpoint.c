@@ -63,7 +63,7 @@ static void checkpoint_write_hashed(stilb_file *file, uint64_t *hash, const void
 /* The units of the render's share. */
 static stilb_result write_share(const stilb_gi_render *render, stilb_file *file, uint64_t *hash)
 {
-	uint32_t size = gi_unit_size(&render->film);
+	uint32_t size = gi_unit_size(&render->units, &render->film);
 	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
 	void *result = stilb_memory_alloc(1, size);
 	if (!result)
@@ -209,7 +209,7 @@ static stilb_result read_film(checkpoint_reader *reader, const gi_film *shape)
 
 static stilb_result read_share(checkpoint_reader *reader, const stilb_gi_render *render)
 {
-	uint32_t size = gi_unit_size(&render->film);
+	uint32_t size = gi_unit_size(&render->units, &render->film);
 	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
 	if (reader->left != (uint64_t)range.count * size + sizeof reader->hash)
 		return resume_damaged(reader);
@@ -276,7 +276,7 @@ static void take_film(gi_film *film, gi_film *loaded)
 /* The units were read from a file whose hash is right, so their numbers are taken as they are. */
 static void take_share(stilb_gi_render *render, const char *share)
 {
-	uint32_t size = gi_unit_size(&render->film);
+	uint32_t size = gi_unit_size(&render->units, &render->film);
 	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
 	for (uint32_t i = 0; i < range.count; i++)
 		gi_unit_set(&render->units, &render->film, range.first + i, 0, UINT32_MAX, share + (size_t)i * size);

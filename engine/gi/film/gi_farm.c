@@ -28,7 +28,7 @@ stilb_result stilb_gi_farm_begin(stilb_gi_render *render)
 		                                        "many machines needs a frozen one");
 	if (render->units.order)
 		return STILB_OK;
-	return gi_units_create(settings->width, settings->height, &render->units)
+	return gi_units_create(settings->width, settings->height, settings->samples, &render->units)
 	           ? STILB_OK
 	           : stilb_fail(STILB_ERROR_MEMORY, "out of memory for the units of a picture");
 }
@@ -72,7 +72,7 @@ stilb_farm_work stilb_gi_farm_work(stilb_gi_render *render)
 		gi_identity_make(render, GI_IDENTITY_PART, render->identity);
 	return (stilb_farm_work){.identity = render->identity ? render->identity->text : NULL,
 	                         .unit_count = render->units.count,
-	                         .unit_size = gi_unit_size(&render->film),
+	                         .unit_size = gi_unit_size(&render->units, &render->film),
 	                         .state = work_state,
 	                         .get = work_get,
 	                         .set = work_set,
@@ -222,12 +222,12 @@ static stilb_result merge_begin(const stilb_farm_part *part, merge_picture *merg
 	if (!merge_settings(part->identity, merge))
 		return stilb_fail(STILB_ERROR_FILE, "'%s' is no part of a picture of this version; make it again", part->path);
 	const stilb_gi_settings *settings = &merge->settings;
-	if (!gi_units_create(settings->width, settings->height, &merge->units))
+	if (!gi_units_create(settings->width, settings->height, settings->samples, &merge->units))
 		result = stilb_fail(STILB_ERROR_MEMORY, "out of memory for the units of a picture");
 	if (result == STILB_OK)
 		result = gi_film_create(&merge->film, settings->width, settings->height, settings->firefly_weight);
-	if (result == STILB_OK &&
-	    (part->head.unit_count != merge->units.count || part->head.unit_size != gi_unit_size(&merge->film)))
+	if (result == STILB_OK && (part->head.unit_count != merge->units.count ||
+	                           part->head.unit_size != gi_unit_size(&merge->units, &merge->film)))
 		result = stilb_fail(STILB_ERROR_FILE, "'%s' is damaged; make this part again", part->path);
 	merge->picture.settings = settings;
 	merge->picture.film = &merge->film;

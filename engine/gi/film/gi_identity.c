@@ -51,7 +51,7 @@ void gi_identity_make(const stilb_gi_render *render, gi_identity_kind kind, gi_i
 	}
 	identity_line(identity, "cache.load %016" PRIx64 "\n", hash_file(render->view.settings.cache.load));
 	if (!part && render->share_of > 0)
-		identity_line(identity, "part %u/%u\n", render->share_index, render->share_of);
+		identity_line(identity, "part %u/%u of %u units\n", render->share_index, render->share_of, render->units.count);
 	if (!part)
 		return;
 	identity_line(identity, "alpha %s\n", gi_backdrop_is_nothing(scene->backdrop) ? "yes" : "no");

@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define UNIT_PIXELS ((size_t)GI_UNIT * GI_UNIT)
+#define UNIT_BATCH 1024u /* samples that are computed together, GI_BATCH */
+#define UNIT_LEAST 4u
+#define UNIT_MOST 16u
 
 static_assert(sizeof(gi_film_pixel) % 8 == 0 && sizeof(gi_film_weight) % 8 == 0, "results are whole numbers of words");
 
@@ -29,13 +31,21 @@ static void code_place(uint32_t code, uint32_t column_bits, uint32_t row_bits, u
 	}
 }
 
-bool gi_units_create(uint32_t width, uint32_t height, gi_units *units)
+static size_t unit_pixels(const gi_units *units)
 {
-	STILB_ASSERT(width > 0 && height > 0 && units);
-	uint32_t columns = (width + GI_UNIT - 1) / GI_UNIT, rows = (height + GI_UNIT - 1) / GI_UNIT;
+	return (size_t)units->side * units->side;
+}
+
+bool gi_units_create(uint32_t width, uint32_t height, uint32_t samples, gi_units *units)
+{
+	STILB_ASSERT(width > 0 && height > 0 && samples > 0 && units);
+	uint32_t side = UNIT_LEAST;
+	while (side < UNIT_MOST && side * side * samples < UNIT_BATCH)
+		side *= 2;
+	uint32_t columns = (width + side - 1) / side, rows = (height + side - 1) / side;
 	uint32_t column_bits = bits_for(columns), row_bits = bits_for(rows), count = 0;
 	STILB_ASSERT(column_bits + row_bits < 32);
-	*units = (gi_units){.width = width, .height = height, .columns = columns, .count = columns * rows};
+	*units = (gi_units){.width = width, .height = height, .side = side, .columns = columns, .count = columns * rows};
 	units->order = malloc(units->count * sizeof *units->order);
 	if (!units->order)
 		return false;
@@ -52,9 +62,10 @@ bool gi_units_create(uint32_t width, uint32_t height, gi_units *units)
 gi_unit_place gi_unit_place_of(const gi_units *units, uint32_t unit)
 {
 	STILB_ASSERT(unit < units->count);
-	uint32_t x = units->order[unit] % units->columns * GI_UNIT, y = units->order[unit] / units->columns * GI_UNIT;
+	uint32_t side = units->side;
+	uint32_t x = units->order[unit] % units->columns * side, y = units->order[unit] / units->columns * side;
 	uint32_t right = units->width - x, below = units->height - y;
-	return (gi_unit_place){x, y, right < GI_UNIT ? right : GI_UNIT, below < GI_UNIT ? below : GI_UNIT};
+	return (gi_unit_place){x, y, right < side ? right : side, below < side ? below : side};
 }
 
 uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count)
@@ -67,19 +78,19 @@ uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count)
 	return pixels;
 }
 
-uint32_t gi_unit_size(const gi_film *film)
+uint32_t gi_unit_size(const gi_units *units, const gi_film *film)
 {
-	return (uint32_t)(UNIT_PIXELS * (sizeof *film->pixels + (film->weights ? sizeof *film->weights : 0)));
+	return (uint32_t)(unit_pixels(units) * (sizeof *film->pixels + (film->weights ? sizeof *film->weights : 0)));
 }
 
 void gi_unit_get(const gi_units *units, const gi_film *film, uint32_t unit, void *result)
 {
 	gi_unit_place place = gi_unit_place_of(units, unit);
 	gi_film_pixel *pixels = result;
-	gi_film_weight *weights = (gi_film_weight *)(pixels + UNIT_PIXELS);
-	memset(result, 0, gi_unit_size(film));
+	gi_film_weight *weights = (gi_film_weight *)(pixels + unit_pixels(units));
+	memset(result, 0, gi_unit_size(units, film));
 	for (uint32_t row = 0; row < place.height; row++) {
-		size_t from = (size_t)(place.y + row) * film->width + place.x, to = (size_t)row * GI_UNIT;
+		size_t from = (size_t)(place.y + row) * film->width + place.x, to = (size_t)row * units->side;
 		memcpy(&pixels[to], &film->pixels[from], place.width * sizeof *pixels);
 		if (film->weights)
 			memcpy(&weights[to], &film->weights[from], place.width * sizeof *weights);
@@ -103,15 +114,15 @@ bool gi_unit_set(const gi_units *units, gi_film *film, uint32_t unit, uint32_t l
 {
 	gi_unit_place place = gi_unit_place_of(units, unit);
 	const gi_film_pixel *pixels = result;
-	const gi_film_weight *weights = (const gi_film_weight *)(pixels + UNIT_PIXELS);
+	const gi_film_weight *weights = (const gi_film_weight *)(pixels + unit_pixels(units));
 	for (uint32_t row = 0; row < place.height; row++)
 		for (uint32_t x = 0; x < place.width; x++) {
-			const gi_film_pixel *pixel = &pixels[row * GI_UNIT + x];
+			const gi_film_pixel *pixel = &pixels[(size_t)row * units->side + x];
 			if (pixel->samples < least || pixel->samples > most || pixel->hits > pixel->samples)
 				return false;
 		}
 	for (uint32_t row = 0; row < place.height; row++) {
-		size_t to = (size_t)(place.y + row) * film->width + place.x, from = (size_t)row * GI_UNIT;
+		size_t to = (size_t)(place.y + row) * film->width + place.x, from = (size_t)row * units->side;
 		memcpy(&film->pixels[to], &pixels[from], place.width * sizeof *pixels);
 		if (film->weights)
 			memcpy(&film->weights[to], &weights[from], place.width * sizeof *weights);

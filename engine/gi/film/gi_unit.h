@@ -11,30 +11,29 @@
 
 #include "gi/film/gi_film.h"
 
-/* Side of a unit, pixels: 64 pixels fill a batch at 16 samples. docs/many-machines.md measures other sizes. */
-#define GI_UNIT 8u
-
 typedef struct gi_units {
 	uint32_t width, height; /* of the picture, pixels */
+	uint32_t side;          /* of a unit, pixels */
 	uint32_t count;
 	uint32_t columns; /* units side by side */
 	uint32_t *order;  /* [count] row * columns + column of each unit */
 } gi_units;
 
 typedef struct gi_unit_place {
-	uint32_t x, y, width, height; /* pixels; smaller than GI_UNIT at the right and lower edge */
+	uint32_t x, y, width, height; /* pixels; smaller than a unit at the right and lower edge */
 } gi_unit_place;
 
-/* False: no memory. free(units->order) ends it. */
-bool gi_units_create(uint32_t width, uint32_t height, gi_units *units);
+/* Units of a picture with so many samples a pixel: as small as fills a batch, 4 to 16 pixels, so that many machines end
+ * at about the same time (docs/many-machines.md). False: no memory. free(units->order) ends it. */
+bool gi_units_create(uint32_t width, uint32_t height, uint32_t samples, gi_units *units);
 
 gi_unit_place gi_unit_place_of(const gi_units *units, uint32_t unit);
 
 /* Pixels of so many units from `first` on. */
 uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count);
 
-/* Bytes of a unit's result: its pixels' sums, row by row, and then their weights, each padded to GI_UNIT squared. */
-uint32_t gi_unit_size(const gi_film *film);
+/* Bytes of a unit's result: its pixels' sums, row by row, and then their weights, each padded to a whole unit. */
+uint32_t gi_unit_size(const gi_units *units, const gi_film *film);
 
 void gi_unit_get(const gi_units *units, const gi_film *film, uint32_t unit, void *result);
 
