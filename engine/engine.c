@@ -5,6 +5,7 @@
 #include "image/image.h"
 #include "job_prof/job_prof.h"
 #include "profiler/prof.h"
+#include "render/device/render_images.h"
 #include "render/render_dump.h"
 
 #include <stdlib.h>
@@ -248,6 +249,8 @@ stilb_result stilb_engine_set_scene(stilb_engine *engine, stilb_scene *scene)
 	engine->culled_size[0] = 0;
 	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
 		engine->visible[v].count = 0; /* they are of the scene before */
+	for (uint32_t v = 0; v < ENGINE_MAX_VIEWS; v++)
+		engine->lasts[v].known = false;
 	engine->panorama = scene ? scene->surroundings.panorama.pixels : NULL;
 	engine->dumpable = false; /* the views have the lights of the scene before */
 	return STILB_OK;
@@ -378,6 +381,7 @@ void stilb_engine_remove_feature(stilb_engine *engine, const void *user)
 void stilb_engine_show_image(stilb_engine *engine, const stilb_render_shown *shown)
 {
 	STILB_ASSERT_OWNER(engine->owner);
+	engine->shows_velocity = shown && shown->name && strstr(shown->name, STILB_RENDER_IMAGE_VELOCITY);
 	stilb_render_show_image(engine->render, shown);
 }
 

@@ -179,6 +179,8 @@ typedef struct stilb_engine_desc {
 	stilb_render_shading shading;
 	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
 	stilb_render_show show;     /* what pictures show at first */
+	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.
+	                  They also have it while they show it (stilb_engine_show_image) */
 
 	/* All strings are the caller's and live until the engine is destroyed. */
 	const char *gpu;         /* a number or a part of a name as `stilb info` prints them; NULL: the best */

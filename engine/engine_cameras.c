@@ -123,6 +123,10 @@ static void camera_view(stilb_engine *engine, uint32_t number, const stilb_scene
 		view->tone = camera->tone;
 	}
 	view->target = target;
+	engine_last *last = &engine->lasts[number];
+	if (!last->known || strcmp(last->name, engine->target_names[number]) != 0)
+		last->view_projection = view->view_projection; /* it has not moved so far */
+	view->last = engine->desc.velocity || engine->shows_velocity ? &last->view_projection : NULL;
 }
 
 void engine_cameras_frame(stilb_engine *engine)
@@ -146,6 +150,16 @@ void engine_cameras_frame(stilb_engine *engine)
 		engine->passes[c + 1] = (stilb_render_pass){.name = name, .view = c + 1, .order = c + 1};
 	}
 	engine->view_count = engine->pass_count = engine->camera_count + 1;
+}
+
+void engine_cameras_drawn(stilb_engine *engine)
+{
+	for (uint32_t v = 0; v < engine->view_count; v++) {
+		engine_last *last = &engine->lasts[v];
+		last->known = true;
+		memcpy(last->name, engine->target_names[v], sizeof last->name);
+		last->view_projection = engine->views[v].view_projection;
+	}
 }
 
 /* ---- what lies under a point ------------------------------------------------------------------------------------- */

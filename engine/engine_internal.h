@@ -156,6 +156,13 @@ typedef struct engine_camera {
 	char name[STILB_RENDER_TARGET_NAME + 1];
 } engine_camera;
 
+/* How a view saw the frame before. */
+typedef struct engine_last {
+	bool known;
+	char name[STILB_RENDER_TARGET_NAME + 1]; /* of its camera; "": the scene's own */
+	stilb_mat4 view_projection;
+} engine_last;
+
 /* How the clips of the scene play. */
 typedef struct engine_playing {
 	double seconds;    /* the engine's time up to which they have played */
@@ -184,6 +191,8 @@ struct stilb_engine {
 	stilb_render_target targets[ENGINE_MAX_VIEWS];
 	char target_names[ENGINE_MAX_VIEWS][STILB_RENDER_TARGET_NAME + 1];
 	stilb_cull_visible visible[ENGINE_MAX_VIEWS]; /* the models that each view sees in this frame */
+	engine_last lasts[ENGINE_MAX_VIEWS];          /* by view */
+	bool shows_velocity;                          /* the image that the program shows is of velocities */
 	uint32_t view_count;
 	stilb_render_pass passes[STILB_RENDER_MAX_PASSES]; /* [pass_count] of the scene, and after them the overlay's */
 	uint32_t pass_count;
@@ -229,6 +238,8 @@ void engine_pick_forget(const stilb_engine *engine, const stilb_scene_changes *c
 
 /* Fills the tables of views, targets and passes for this frame, which has a scene. */
 void engine_cameras_frame(stilb_engine *engine);
+/* The device has got the frame. */
+void engine_cameras_drawn(stilb_engine *engine);
 
 /* The ray through a point of the picture, pixels, from the camera that is shown there. False: none is. */
 bool engine_cameras_ray(const stilb_engine *engine, double x, double y, stilb_scene_ray *ray);

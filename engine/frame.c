@@ -298,6 +298,8 @@ static stilb_result frame_stages(stilb_engine *engine, stilb_engine_times *times
 		result = replay(engine);
 	if (result == STILB_OK)
 		engine_value_frame(engine);
+	if (result == STILB_OK && engine->scene)
+		engine_cameras_drawn(engine);
 	frame_clock(&clock, &times->replay);
 	times->pad = engine_input_latency(engine);
 	if (result == STILB_OK && engine->desc.present)

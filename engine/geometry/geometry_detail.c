@@ -161,7 +161,7 @@ static void detail_set(stilb_scene *scene, uint32_t id, const stilb_scene_mesh *
 	bool current = stilb_scene_impostors_are_current(scene);
 	stilb_scene_set_mesh(scene, id, mesh); /* without memory it stays as it is */
 	if (current)
-		scene->impostors_geometry = scene->revisions.geometry;
+		scene->impostors_geometry = stilb_scene_impostors_revision(scene);
 }
 
 bool stilb_geometry_detail_give(stilb_geometry_detail *detail, stilb_scene *scene)

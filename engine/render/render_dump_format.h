@@ -47,7 +47,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 11u
+#define RENDER_DUMP_VERSION 12u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -203,7 +203,7 @@ static_assert(sizeof(render_dump_header) == 152 && sizeof(render_dump_view) == 1
                   sizeof(render_dump_backdrop) == 40 && sizeof(stilb_scene_vertex) == 32,
               "the table above");
 
-static_assert(sizeof(render_dump_surface) == 760 && sizeof(render_dump_function) == 184, "no padding");
+static_assert(sizeof(render_dump_surface) == 760 && sizeof(render_dump_function) == 200, "no padding");
 
 typedef enum render_dump_part {
 	RENDER_DUMP_HEADER,

@@ -67,14 +67,15 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHTS_END 64u       /* some have a falloff that is not physical */
-#define RENDER_LIGHTS_GLOSS 128u    /* highlights mirror sky and ground */
-#define RENDER_LIGHTS_PANORAMA 256u /* the panorama's light in place of sky and ground */
-#define RENDER_LIGHTS_SIDES 512u    /* no light, but stilb_render_view.both_sides */
-#define RENDER_LIGHTS_ONE 1024u     /* there is exactly one */
-#define RENDER_LIGHTS_DEPTH 2048u   /* nothing is lit: depth alone is drawn. Besides it, _SIDES */
+#define RENDER_LIGHTS_END 64u        /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u     /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u  /* the panorama's light in place of sky and ground */
+#define RENDER_LIGHTS_SIDES 512u     /* no light, but stilb_render_view.both_sides */
+#define RENDER_LIGHTS_ONE 1024u      /* there is exactly one */
+#define RENDER_LIGHTS_DEPTH 2048u    /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
+#define RENDER_LIGHTS_VELOCITY 4096u /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
 /* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
-#define RENDER_LIGHTS_CHANNEL_SHIFT 12u
+#define RENDER_LIGHTS_CHANNEL_SHIFT 13u
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
@@ -472,6 +473,12 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 /* render_stream.light_bits of a view that shows a panorama with so many lamps, or none. *count: the lights that frames
  * show, the panorama's lamps included. */
 uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count);
+
+/* As render_light_bits, of what draws the view's velocities. */
+static inline uint32_t render_velocity_bits(const stilb_render_view *view)
+{
+	return RENDER_LIGHTS_DEPTH | RENDER_LIGHTS_VELOCITY | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
+}
 
 /* A draw that blends. */
 typedef struct render_blend_item {

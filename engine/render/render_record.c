@@ -321,7 +321,7 @@ static inline void record_write(stilb_render_context *context, record_what what,
 /* The same with a row of the frame. */
 static inline void record_write_by_hand(stilb_render_context *context, record_what what, const stilb_mat4 *transform)
 {
-	render_row_write(context->row++, transform, what.material, what.mesh, context->stream_rows);
+	render_row_write(context->row++, transform, what.material, what.mesh, 0, context->stream_rows);
 	record_write(context, what, context->row_index++ | RENDER_ROW_FRAME);
 }
 
@@ -602,8 +602,9 @@ typedef struct record_pass_view {
 	record_pass pass;
 	render_detail_view view;
 	const stilb_render_view *seen;
-	uint16_t *history;  /* [part_count] */
-	uint8_t *impostors; /* [impostor_model_count] NULL: none are drawn */
+	const stilb_mat4 *last; /* of the view */
+	uint16_t *history;      /* [part_count] */
+	uint8_t *impostors;     /* [impostor_model_count] NULL: none are drawn */
 } record_pass_view;
 
 /* The state of a mesh in full becomes that of its level. If that has 16 bit indices, each level has. */
@@ -817,6 +818,9 @@ static void record_impostor(const record_pass_view *recorded, stilb_render_conte
 	record_what what = record_full(context, impostor->mesh, impostor->material);
 	what.detail = detail << RENDER_DETAIL_SHIFT;
 	record_put_by_hand(context, what, transform, kind);
+	uint32_t last = render_place_last_row(&recorded->pass.render->scene.places, scene->first_part[model]);
+	if (last != 0 && !context->failed)
+		context->row[-1].last = last; /* of the row that was just written */
 }
 
 /* Records a model that fades between its impostor and its meshes, each in the coarsest level that it may have. */
@@ -985,19 +989,19 @@ static void record_reserve(stilb_render *render, const record_passes *all)
 		render_device_grow(render->device, memory, RENDER_MEMORY_COMMANDS, (uint32_t)parts, 0);
 }
 
-/* Brings the scene's rows up to date. levels: some may be drawn. */
-static stilb_result record_rows(stilb_render *render, const stilb_scene *scene, bool levels, stilb_job_pool *pool,
+/* Brings the scene's rows up to date. needs: RENDER_PLACES_.... */
+static stilb_result record_rows(stilb_render *render, const stilb_scene *scene, uint32_t needs, stilb_job_pool *pool,
                                 uint32_t worker)
 {
 	PROFILE("rows");
 	uint32_t count, first;
-	stilb_result result = render_places_frame(render, scene, levels, &count);
+	stilb_result result = render_places_frame(render, scene, needs, &count);
 	if (result != STILB_OK || count == 0)
 		return result;
 	render_row *rows = render_claim(render, RENDER_MEMORY_ROWS, count, &first);
 	if (!rows || first > RENDER_MAX_ROWS - count)
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the rows of %u parts that move", count);
-	render_places_move(render, scene, rows, first, pool, worker);
+	render_places_move(render, scene, rows, first, count, pool, worker);
 	return STILB_OK;
 }
 
@@ -1008,6 +1012,7 @@ static stilb_result record_prepare(stilb_render *render, const stilb_scene *scen
 	STILB_ASSERT(asked->pass < STILB_RENDER_MAX_PASSES);
 	*recorded = (record_pass_view){.pass = {render, scene, asked->visible, asked->visible_count, asked->pass}};
 	const stilb_render_view *view = asked->view;
+	recorded->last = view ? view->last : NULL;
 	if (!view || asked->visible_count == 0)
 		return STILB_OK;
 	STILB_ASSERT((uint32_t)view->detail.mode <= STILB_RENDER_DETAIL_MORPH && view->show < STILB_RENDER_SHOWS);
@@ -1033,18 +1038,20 @@ static stilb_result record_prepare(stilb_render *render, const stilb_scene *scen
 static stilb_result record_begin(stilb_render *render, const stilb_scene *scene, record_passes *all,
                                  stilb_job_pool *pool, uint32_t worker)
 {
-	bool any = false, levels = false;
+	bool any = false;
+	uint32_t needs = 0;
 	for (uint32_t p = 0; p < all->count; p++) {
 		any |= all->passes[p].pass.visible_count > 0;
-		levels |= (bool)all->passes[p].seen;
+		needs |= (all->passes[p].seen ? RENDER_PLACES_STRETCHES : 0) | (all->passes[p].last ? RENDER_PLACES_LAST : 0);
 	}
-	STILB_ASSERT(!any || (scene && render->scene.mesh_count == scene->mesh_count &&
-	                      render->scene.material_count == scene->material_count));
+	bool rows = any || (scene && needs & RENDER_PLACES_LAST); /* where all is now is needed in the next frame */
+	STILB_ASSERT(!rows || (scene && render->scene.mesh_count == scene->mesh_count &&
+	                       render->scene.material_count == scene->material_count));
 	stilb_result result = STILB_OK;
-	if (any) {
+	if (any)
 		record_reserve(render, all);
-		result = record_rows(render, scene, levels, pool, worker);
-	}
+	if (rows)
+		result = record_rows(render, scene, needs, pool, worker);
 	all->first_segment[0] = 0;
 	for (uint32_t p = 0; p < all->count && result == STILB_OK; p++) {
 		const record_pass *pass = &all->passes[p].pass;

@@ -168,6 +168,7 @@ static void *table_reserve(size_t size)
 #define TABLE_LEVELS (STILB_RENDER_MAX_MESHES * sizeof(render_levels *))
 #define TABLE_MATERIALS (STILB_RENDER_MAX_MATERIALS * sizeof(uint32_t))
 #define TABLE_CENTERS (STILB_RENDER_MAX_MESHES * sizeof(float[3]))
+#define TABLE_LASTS (STILB_RENDER_MAX_MESHES * sizeof(render_last))
 #define TABLE_MAPS (RENDER_MAX_MAPS * sizeof(render_maps_slot))
 #define TABLE_TEXTURES (STILB_RENDER_MAX_TEXTURES * sizeof(uint32_t))
 #define TABLE_GROUPS (RENDER_MAX_MAPS * sizeof(render_group))
@@ -184,6 +185,7 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 		.textures = table_reserve(TABLE_TEXTURES),
 		.maps = table_reserve(TABLE_MAPS),
 		.centers = table_reserve(TABLE_CENTERS),
+		.lasts = table_reserve(TABLE_LASTS),
 		.group_classes = table_reserve(TABLE_GROUP_CLASSES),
 		.groups = {table_reserve(TABLE_GROUPS), sizeof(render_group), sizeof(struct render_group_key), {0}},
 		.classes = {table_reserve(TABLE_CLASSES), sizeof(render_class), sizeof(struct render_class_key), {0}},
@@ -201,14 +203,15 @@ stilb_result render_resources_create(render_resources *resources, bool keep_pict
 	              [RENDER_HEAP_MATERIALS] = {.element = sizeof(render_material)},
 	              [RENDER_HEAP_MAPS] = {.element = sizeof(render_maps_stored)},
 	              [RENDER_HEAP_EXTRAS] = {.element = sizeof(render_extra)},
+	              [RENDER_HEAP_LAST] = {.element = sizeof(float[3])},
 	              [RENDER_HEAP_EXTRA_PLACES] = {.element = sizeof(render_extra_place)}},
 	};
 	resources->lock_made = stilb_lock_init(&resources->lock);
 	if (keep_pictures)
 		resources->pictures = calloc(STILB_RENDER_MAX_TEXTURES, sizeof *resources->pictures);
 	if (!resources->meshes || !resources->levels || !resources->materials || !resources->textures || !resources->maps ||
-	    !resources->centers || !resources->groups.items || !resources->group_classes || !resources->classes.items ||
-	    !resources->lock_made || (keep_pictures && !resources->pictures))
+	    !resources->centers || !resources->lasts || !resources->groups.items || !resources->group_classes ||
+	    !resources->classes.items || !resources->lock_made || (keep_pictures && !resources->pictures))
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for the tables of meshes and materials");
 	return STILB_OK;
 }
@@ -229,6 +232,7 @@ void render_resources_destroy(render_resources *resources)
 	table_free(resources->textures, TABLE_TEXTURES);
 	table_free(resources->maps, TABLE_MAPS);
 	table_free(resources->centers, TABLE_CENTERS);
+	table_free(resources->lasts, TABLE_LASTS);
 	table_free(resources->groups.items, TABLE_GROUPS);
 	table_free(resources->group_classes, TABLE_GROUP_CLASSES);
 	table_free(resources->classes.items, TABLE_CLASSES);
@@ -312,6 +316,8 @@ static mesh_ranges mesh_ranges_of(const render_resources *resources, uint32_t in
 	const render_mesh_slot *mesh = &resources->meshes[index];
 	const render_levels *levels = resources->levels[index];
 	mesh_ranges ranges = {.heap = {[RENDER_HEAP_EXTRAS] = mesh_extras(resources, index)}};
+	if (mesh->flags & RENDER_MESH_LAST)
+		ranges.heap[RENDER_HEAP_LAST] = (render_range){resources->lasts[index].first, mesh->vertex_count};
 	if (levels) {
 		ranges.heap[RENDER_HEAP_VERTICES] = (render_range){levels->first_vertex, levels->heap_vertices};
 		for (int narrow = 0; narrow < 2; narrow++)
@@ -485,6 +491,31 @@ void render_mesh_name(stilb_render *render, stilb_render_mesh mesh, uint32_t nam
 	slot->name = name;
 }
 
+/* Keeps where all vertices of a mesh are, before some are written for the first time since the last frame. False: no
+ * memory. */
+static bool mesh_keep_last(render_resources *resources, uint32_t index)
+{
+	render_mesh_slot *slot = &resources->meshes[index];
+	render_last *last = &resources->lasts[index];
+	render_heap *heap = &resources->heaps[RENDER_HEAP_LAST];
+	const render_heap *vertices = &resources->heaps[RENDER_HEAP_VERTICES];
+	bool kept = slot->flags & RENDER_MESH_LAST;
+	if (kept && last->drawn == resources->drawn)
+		return true;
+	if (kept ? !render_ranges_add(&heap->dirty, (render_range){last->first, slot->vertex_count})
+	         : !heap_take(heap, slot->vertex_count, resources->live, &last->first))
+		return false;
+	slot->flags |= RENDER_MESH_LAST;
+	last->drawn = resources->drawn;
+	const uint8_t *from = vertices->data + (size_t)slot->vertex_offset * vertices->element;
+	uint8_t *to = heap->data + (size_t)last->first * heap->element;
+	STILB_ASSERT(!resources->layout.attributes[0].octahedral && resources->layout.attributes[0].components == 3);
+	from += resources->layout.attributes[0].to;
+	for (uint32_t v = 0; v < slot->vertex_count; v++, from += vertices->element, to += heap->element)
+		memcpy(to, from, sizeof(float[3]));
+	return true;
+}
+
 stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uint32_t first, uint32_t count,
                                const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras)
 {
@@ -496,7 +527,8 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
 	stilb_lock_take(&resources->lock);
 	render_heap *heap = &resources->heaps[RENDER_HEAP_VERTICES];
 	render_range range = {(uint32_t)slot->vertex_offset + first, count};
-	bool listed = render_ranges_add(&heap->dirty, range);
+	bool listed = !resources->keeps_last || mesh_keep_last(resources, mesh.id & RENDER_INDEX_MASK);
+	listed = listed && render_ranges_add(&heap->dirty, range);
 	if (listed) {
 		heap_copy_vertices(resources, range.first, vertices, count, false);
 		slot->flags &= ~RENDER_MESH_CENTER;
@@ -918,8 +950,10 @@ void render_resources_sent(stilb_render *render, bool submitted)
 	STILB_ASSERT_OWNER(render->owner);
 	render_resources *resources = &render->resources;
 	stilb_lock_take(&resources->lock);
-	if (submitted)
+	if (submitted) {
 		render_uploads_sent(resources);
+		resources->drawn++;
+	}
 	for (uint32_t u = 0; u < resources->upload_count; u++)
 		resources->uploads[u].sent = 0;
 	for (int h = 0; h < RENDER_HEAPS && !submitted; h++) {

@@ -61,10 +61,17 @@ typedef struct render_mesh_slot {
 #define RENDER_MESH_WIDE 2u   /* its indices have 32 bits; of one with levels: those of the mesh in full */
 #define RENDER_MESH_EXTRAS 4u /* its vertices have extras */
 #define RENDER_MESH_CENTER 8u /* render_resources.centers has its middle */
+#define RENDER_MESH_LAST 16u  /* render_resources.lasts has where its vertices were */
 
 static_assert(sizeof(render_level) == 16 && sizeof(render_mesh_slot) == 32, "two slots in a cache line");
 
 typedef struct render_clusters render_clusters; /* render_clusters.h */
+
+/* Where the vertices of a mesh were. */
+typedef struct render_last {
+	uint32_t first; /* of its range in RENDER_HEAP_LAST */
+	uint64_t drawn; /* render_resources.drawn when they were written: in a later frame they have not moved */
+} render_last;
 
 /* How the levels of a mesh morph to the next: see render_detail_morph. */
 typedef struct render_morph {
@@ -154,6 +161,7 @@ typedef enum render_heap_kind {
 	RENDER_HEAP_MATERIALS,
 	RENDER_HEAP_MAPS,         /* render_maps_stored, by index */
 	RENDER_HEAP_EXTRAS,       /* render_extra */
+	RENDER_HEAP_LAST,         /* three floats a vertex: where it was in the frame before; of meshes that move alone */
 	RENDER_HEAP_EXTRA_PLACES, /* render_extra_place, by mesh; as long as the last mesh with extras needs it */
 	RENDER_HEAPS,
 } render_heap_kind;
@@ -195,12 +203,15 @@ struct render_resources {
 	render_mesh_slot *meshes; /* [STILB_RENDER_MAX_MESHES] */
 	render_levels **levels;   /* [STILB_RENDER_MAX_MESHES] NULL: it has none */
 	float (*centers)[3];      /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_CENTER: see render_mesh_center */
-	bool morph;               /* stilb_render_desc.morph */
-	render_layout layout;     /* of the heap of vertices */
-	uint32_t *materials;      /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
+	render_last *lasts;       /* [STILB_RENDER_MAX_MESHES] of meshes with RENDER_MESH_LAST */
+	bool keeps_last; /* the last frame shows velocities: render_mesh_write keeps where vertices were. Main thread's */
+	uint64_t drawn;  /* frames that the device got so far. Main thread's */
+	bool morph;      /* stilb_render_desc.morph */
+	render_layout layout;   /* of the heap of vertices */
+	uint32_t *materials;    /* [STILB_RENDER_MAX_MATERIALS]: high 8 bits generation, low 22 texture, 0: none; bit 23:
 	                             RENDER_STATE_IMPOSTOR; bit 22: RENDER_STATE_MAPS, and the low ones are its group */
-	render_maps_slot *maps;   /* [RENDER_MAX_MAPS] */
-	uint32_t *textures;       /* [STILB_RENDER_MAX_TEXTURES]: generation */
+	render_maps_slot *maps; /* [RENDER_MAX_MAPS] */
+	uint32_t *textures;     /* [STILB_RENDER_MAX_TEXTURES]: generation */
 
 	render_table groups;     /* of render_group */
 	uint32_t *group_classes; /* [RENDER_MAX_MAPS] class of a group, or RENDER_CLASS_BLENDS */
@@ -295,6 +306,18 @@ stilb_result render_mesh_write(stilb_render *render, stilb_render_mesh mesh, uin
                                const stilb_scene_vertex *vertices, const stilb_scene_vertex_extra *extras);
 stilb_result render_material_write(stilb_render *render, stilb_render_material material,
                                    const stilb_scene_material *from, stilb_render_texture texture);
+
+/* True if the vertices of the mesh with this index have moved in the frame that is recorded, and where they were is
+ * known; *shift: as of render_last_row. */
+static inline bool render_mesh_last(const render_resources *resources, uint32_t index, uint32_t *shift)
+{
+	const render_mesh_slot *slot = &resources->meshes[index];
+	const render_last *last = &resources->lasts[index];
+	if (!(slot->flags & RENDER_MESH_LAST) || last->drawn != resources->drawn)
+		return false;
+	*shift = last->first - (uint32_t)slot->vertex_offset;
+	return true;
+}
 
 /* The middle of the box around the vertices of the mesh with this index, in its space: [3]. It is found when it is
  * first asked for and after render_mesh_write, some nanoseconds a vertex: only draws that blend need it. The caller

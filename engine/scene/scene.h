@@ -347,7 +347,7 @@ typedef struct stilb_scene {
 	uint32_t
 		*model_impostor; /* [impostor_model_count] of the first models: 1 + the one that shows the model in the space
 	                             of its first part, 0: none; models beyond have none */
-	uint64_t impostors_geometry, impostors_materials; /* the revisions that they show */
+	uint64_t impostors_geometry, impostors_materials; /* the revisions that they show (scene_impostor.h) */
 	uint64_t impostors_removed;                       /* how often all of them were */
 
 	/* Models whose bounds, transforms, meshes or materials have changed since the last frame; the engine sets the count

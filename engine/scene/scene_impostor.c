@@ -41,7 +41,7 @@ void stilb_scene_impostor_finish(stilb_scene_impostor *impostor)
 
 bool stilb_scene_impostors_are_current(const stilb_scene *scene)
 {
-	return scene->impostors_geometry == scene->revisions.geometry &&
+	return scene->impostors_geometry == stilb_scene_impostors_revision(scene) &&
 	       scene->impostors_materials == scene->revisions.materials;
 }
 
@@ -71,7 +71,7 @@ stilb_result stilb_scene_add_impostor(stilb_scene *scene, stilb_scene_impostor *
 	scene->impostors = more;
 	*id = scene->impostor_count++;
 	scene->impostors[*id] = *impostor;
-	scene->impostors_geometry = scene->revisions.geometry;
+	scene->impostors_geometry = stilb_scene_impostors_revision(scene);
 	scene->impostors_materials = scene->revisions.materials;
 	*impostor = (stilb_scene_impostor){0};
 	return STILB_OK;

@@ -73,7 +73,14 @@ stilb_result stilb_scene_set_impostor(stilb_scene *scene, uint32_t model, uint32
 /* Removes all. [one-writer] */
 void stilb_scene_remove_impostors(stilb_scene *scene);
 
-/* True if meshes and materials are still those that the scene's impostors show. [any-thread] */
+/* Of the meshes that impostors show: stilb_scene.impostors_geometry while they are current. Poses do not count, since
+ * what is posed is its own mesh and rarely has an impostor, which would show one pose alone. [any-thread] */
+static inline uint64_t stilb_scene_impostors_revision(const stilb_scene *scene)
+{
+	return scene->revisions.geometry - scene->revisions.poses;
+}
+
+/* True if meshes, but for poses, and materials are still those that the scene's impostors show. [any-thread] */
 bool stilb_scene_impostors_are_current(const stilb_scene *scene);
 
 #pragma GCC visibility pop

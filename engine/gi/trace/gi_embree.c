@@ -4,6 +4,7 @@
  *
  * Build.    Embree starts no threads here: the pool's workers help, one pinned job each (gi_embree_team). A worker that
  *           comes late finds the build done and returns at once, so none waits for another to arrive.
+ * Small.    Trees of few triangles are built side by side, each by one thread.
  * Movable.  Then every mesh has a tree of its own, and the scene's tree holds instances alone: also of the meshes of
  *           one part, which are in world space and stay where they are. A move builds the scene's tree again, and the
  *           trees of meshes that were made anew.
@@ -31,6 +32,7 @@ typedef struct embree {
 	gi_embree_team *team;
 	RTCScene scene;
 	RTCScene *shared; /* [mesh_count] tree of a mesh that instances show, else NULL */
+	uint32_t *small;  /* [mesh_count] meshes whose trees are built side by side */
 	uint32_t mesh_count;
 	const stilb_gi_scene *gi;
 	const gi_part *parts;
@@ -124,7 +126,15 @@ static void embree_intersect16(const gi_tracer *tracer, const int *valid, gi_ray
 	struct RTCIntersectContext context;
 	rtcInitIntersectContext(&context);
 	context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+	/* Without AVX-512 Embree 3.13 makes a stream of the packet, whose rays all count unless they end before they begin. */
+	float t_max[16];
+	for (int i = 0; i < 16; i++) {
+		t_max[i] = rays->ray.t_max[i];
+		rays->ray.t_max[i] = valid[i] ? t_max[i] : -INFINITY;
+	}
 	rtcIntersect16(valid, state->scene, &context, gi_embree_ray_hit16(rays));
+	for (int i = 0; i < 16; i++)
+		rays->ray.t_max[i] = valid[i] ? rays->ray.t_max[i] : t_max[i];
 }
 
 /* gi_tracer.occluded, in packets of sixteen rays. Embree's streams (rtcOccluded1M) sort the rays first, which costs
@@ -420,15 +430,55 @@ static void embree_attach_mesh(embree *state, RTCScene scene, const gi_mesh *mes
 	embree_attach(scene, geometry, id);
 }
 
-/* Builds the tree of a mesh of its own, unless it is there. */
-static void embree_share(embree *state, const gi_mesh *mesh, uint32_t index)
+/* A slice of the small trees: one after the other, by a team of this thread alone, which wakes no other. */
+static void embree_commit_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
-	STILB_ASSERT(index < state->mesh_count);
-	if (state->shared[index])
-		return;
-	state->shared[index] = embree_scene(state);
-	embree_attach_mesh(state, state->shared[index], mesh, 0);
-	embree_commit(state, state->shared[index], mesh->triangle_count);
+	PROFILE("gi.build");
+	embree *state = context;
+	gi_embree_team *team = gi_embree_team_create(1);
+	(void)worker;
+	if (!team)
+		embree_on_error(state, RTC_ERROR_OUT_OF_MEMORY, NULL);
+	for (uint32_t i = begin; i < end && team && !embree_is_given_up(state); i++) {
+		RTCScene scene = state->shared[state->small[i]];
+		rtcSetSceneProgressMonitorFunction(scene, state->desc->give_up ? embree_on_progress : NULL, state);
+		if (!gi_embree_team_commit(team, scene))
+			embree_on_error(state, RTC_ERROR_OUT_OF_MEMORY, NULL);
+	}
+	gi_embree_team_destroy(team);
+}
+
+/* True if the part is an instance of a mesh that has no tree yet. */
+static bool embree_lacks_tree(const embree *state, const stilb_gi_scene *gi, const gi_part *part)
+{
+	STILB_ASSERT(part->mesh < state->mesh_count);
+	return (part->instance || state->movable) && !part->hidden && gi->meshes[part->mesh].triangle_count > 0 &&
+	       !state->shared[part->mesh];
+}
+
+/* Builds the trees of the meshes that parts are instances of, those that are not there. parts: their indices; NULL: all
+ * from 0 on. */
+static void embree_share(embree *state, const stilb_gi_scene *gi, const uint32_t *parts, uint32_t count)
+{
+	const stilb_gi_scene_desc *desc = state->desc;
+	uint32_t small = 0;
+	for (uint32_t i = 0; i < count && !embree_is_given_up(state); i++) {
+		const gi_part *part = &gi->parts[parts ? parts[i] : i];
+		if (!embree_lacks_tree(state, gi, part))
+			continue;
+		const gi_mesh *mesh = &gi->meshes[part->mesh];
+		state->shared[part->mesh] = embree_scene(state);
+		embree_attach_mesh(state, state->shared[part->mesh], mesh, 0);
+		if (mesh->triangle_count < EMBREE_ALONE)
+			state->small[small++] = part->mesh;
+		else
+			embree_commit(state, state->shared[part->mesh], mesh->triangle_count);
+	}
+	stilb_job_group group = {0};
+	if (small == 1 ||
+	    stilb_job_submit_array(desc->pool, small, 1, embree_commit_slice, state, &group, desc->caller) != 0)
+		embree_commit_slice(0, small, 0, state);
+	stilb_job_wait(desc->pool, &group, desc->caller);
 }
 
 /* Gives an instance of a part its tree and its place. */
@@ -467,7 +517,6 @@ static void embree_show(embree *state, const stilb_gi_scene *gi, uint32_t id)
 		embree_attach_mesh(state, state->scene, mesh, id);
 		return;
 	}
-	embree_share(state, mesh, part->mesh);
 	if (!before) {
 		embree_attach_instance(state, part, id);
 		return;
@@ -505,14 +554,17 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 		return result;
 	embree *state = calloc(1, sizeof *state);
 	RTCScene *shared = calloc((size_t)gi->mesh_count + 1, sizeof *shared);
+	uint32_t *small = calloc((size_t)gi->mesh_count + 1, sizeof *small);
 	bool *attached = calloc((size_t)gi->part_count + 1, sizeof *attached);
-	if (!state || !shared || !attached) {
+	if (!state || !shared || !small || !attached) {
 		free(state);
 		free(shared);
+		free(small);
 		free(attached);
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for a scene of %u meshes", gi->mesh_count);
 	}
 	*state = (embree){.shared = shared,
+	                  .small = small,
 	                  .mesh_count = gi->mesh_count,
 	                  .gi = gi,
 	                  .parts = gi->parts,
@@ -528,6 +580,7 @@ static stilb_result embree_create(const stilb_gi_scene *gi, const stilb_gi_scene
 	if (result != STILB_OK)
 		return result;
 	state->scene = embree_scene(state);
+	embree_share(state, gi, NULL, gi->part_count);
 	for (uint32_t i = 0; i < gi->part_count && !embree_is_given_up(state); i++)
 		embree_show(state, gi, i);
 	return embree_build(state, begin, tracer, info);
@@ -548,6 +601,7 @@ static stilb_result embree_update(const stilb_gi_scene *gi, const uint32_t *move
 		rtcReleaseScene(state->shared[mesh]);
 		state->shared[mesh] = NULL;
 	}
+	embree_share(state, gi, moved, moved_count);
 	for (uint32_t i = 0; i < moved_count && !embree_is_given_up(state); i++)
 		embree_show(state, gi, moved[i]);
 	return embree_build(state, begin, tracer, info);
@@ -567,6 +621,7 @@ static void embree_destroy(gi_tracer *tracer)
 		rtcReleaseDevice(state->device);
 	gi_embree_team_destroy(state->team);
 	free(state->shared);
+	free(state->small);
 	free(state->attached);
 	free(state);
 	*tracer = (gi_tracer){0};

@@ -29,6 +29,13 @@ static void backdrop_axis(const float matrix[16], size_t row, float out[4])
 	out[3] = 0.0f;
 }
 
+void render_backdrop_axes(const stilb_render_view *view, float ahead[4], float across[4], float down[4])
+{
+	backdrop_axis(view->view_projection.m, 3, ahead); /* a unit row: where the camera looks */
+	backdrop_axis(view->view_projection.m, 0, across);
+	backdrop_axis(view->view_projection.m, 1, down);
+}
+
 /* Which of the two colours a view shows at the corners of its picture. */
 typedef struct backdrop_sides {
 	bool sky, ground;
@@ -38,9 +45,7 @@ static backdrop_sides backdrop_sides_of(const stilb_render_view *view)
 {
 	float ahead[4], across[4], down[4];
 	backdrop_sides sides = {false, false};
-	backdrop_axis(view->view_projection.m, 3, ahead);
-	backdrop_axis(view->view_projection.m, 0, across);
-	backdrop_axis(view->view_projection.m, 1, down);
+	render_backdrop_axes(view, ahead, across, down);
 	for (int corner = 0; corner < 4; corner++) {
 		float height = ahead[1] + (corner & 1 ? across[1] : -across[1]) + (corner & 2 ? down[1] : -down[1]);
 		sides.sky |= height >= 0.0f;
@@ -102,9 +107,7 @@ stilb_result render_backdrop_write(render_device *device, const stilb_render_vie
 	STILB_ASSERT(render_backdrop_is_drawn(view, panorama));
 	render_backdrop_kind kind = render_backdrop_kind_of(view, panorama);
 	*push = (render_backdrop_push){.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)}};
-	backdrop_axis(view->view_projection.m, 3, push->ahead); /* a unit row: where the camera looks */
-	backdrop_axis(view->view_projection.m, 0, push->across);
-	backdrop_axis(view->view_projection.m, 1, push->down);
+	render_backdrop_axes(view, push->ahead, push->across, push->down);
 	if (kind == RENDER_BACKDROP_SKY) {
 		memcpy(push->color, view->surroundings.sky, sizeof view->surroundings.sky);
 		memcpy(push->floor_radius, view->surroundings.ground, sizeof view->surroundings.ground);

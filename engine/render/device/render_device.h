@@ -38,10 +38,15 @@ typedef struct render_view_data {
 	float sky[4];
 	float ground[4];
 	uint64_t extras, extra_places; /* of the heaps of these */
-	float time, padding[3];        /* seconds, for functions of surfaces */
+	float time;                    /* seconds, for functions of surfaces */
+	float half_size[2];            /* of what is drawn into, pixels */
+	float padding;
+	float last_view_projection[16]; /* for velocities alone */
+	uint64_t last_vertices;         /* the heap of these */
+	uint64_t also_padding;
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 128, "std430");
+static_assert(sizeof(render_view_data) == 208, "std430");
 
 typedef struct render_view_push {
 	float camera_position[4];
@@ -89,6 +94,15 @@ typedef struct render_backdrop_push {
 	uint64_t data, panorama; /* of a floor and a map: backdrop_data; a panorama's texels */
 } render_backdrop_push;
 
+/* Constants of shaders/velocity/velocity_far.frag. */
+typedef struct render_velocity_push {
+	float ahead[4], across[4], down[4];
+	float camera[4];
+	float floor_radius[4]; /* center and radius of a studio's floor; radius 0: there is none */
+	float half_size[2];    /* of the picture, pixels */
+	uint64_t last;         /* render_view_data.last_view_projection */
+} render_velocity_push;
+
 /* Constants of shaders/resolve.frag and tone.frag. */
 typedef struct render_tone_push {
 	float exposure;                   /* factor of radiance */
@@ -134,7 +148,7 @@ extern const stilb_gpu_shader render_maps_vertex[2][2][2]; /* [1: with layers][1
 extern const stilb_gpu_shader render_maps_fragment[2][2][2][2];
 extern const stilb_gpu_shader render_through_fragment[2][2]; /* of draws with transmission: [1: see _mesh_fragment] */
 extern const stilb_gpu_shader render_behind_fragment[2], render_behind_half_fragment; /* [1: several samples] */
-extern const stilb_gpu_shader render_maps_depth[2];
+extern const stilb_gpu_shader render_maps_depth[2][2];                                /* [1: velocities] */
 /* Of materials with a function, whose fragment shaders come with it: as render_maps_vertex; as render_channel_vertex of
  * maps. */
 extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_channel_vertex[2][2];
@@ -145,7 +159,8 @@ extern const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES];
 extern const stilb_gpu_shader render_channel_mesh_fragment[RENDER_SURFACES];
 extern const stilb_gpu_shader render_channel_maps_fragment[2][2];   /* as render_maps_fragment[0] */
 extern const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2]; /* [0: vertex shader, 1: fragment shader] */
-extern const stilb_gpu_shader render_depth_fragment, render_impostor_depth_fragment; /* where depth alone is drawn */
+/* Where depth alone is drawn. [1: velocities, too] */
+extern const stilb_gpu_shader render_depth_fragment[2], render_impostor_depth_fragment[2], render_velocity_far_fragment;
 extern const stilb_gpu_shader render_backdrop_fragment, render_resolve_fragment, render_tone_fragment;
 
 /* The formulas that a program is compiled with, in the order of the shaders' specialization constants 2, 3, .... */
@@ -182,8 +197,9 @@ typedef struct render_formula_programs {
 	uint32_t map_count, map_capacity;
 } render_formula_programs;
 
-/* True if they draw depth alone. */
+/* True if they draw depth alone, or velocities with it. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
+bool render_formulas_are_velocity(const render_formula_programs *programs);
 /* True if their highlights mirror the panorama: they read the pass's two images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
@@ -197,7 +213,7 @@ typedef struct render_programs {
 	bool lock_made;
 	render_formula_programs **choices; /* [choice_count] each stays where it is */
 	uint32_t choice_count, choice_capacity;
-	stilb_gpu_program flats[RENDER_FLATS], backdrops[RENDER_BACKDROPS], resolve, behind, behind_half;
+	stilb_gpu_program flats[RENDER_FLATS], backdrops[RENDER_BACKDROPS], resolve, behind, behind_half, velocity_far;
 	stilb_gpu_program tones[2][RENDER_TONES]; /* [1: of an image with a place in the picture] */
 	struct render_function **functions;       /* [RENDER_MAX_FUNCTIONS] NULL: there is none with this index */
 	stilb_gpu_program shows[3][4]; /* of floats, several samples, integers; by channels - 1; of the main thread */
@@ -229,8 +245,9 @@ typedef struct render_device_maps {
  * materials. */
 #define RENDER_BINDINGS (RENDER_PROGRAM_KINDS * RENDER_SURFACES * 2 * 2)
 
-/* Of a frame: up to three for each pass (render_through.c), one that shows nothing, and those of features. */
-#define RENDER_MAX_LISTS (3u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
+/* Of a frame: for each pass up to three (render_through.c) and one of velocities, one that shows nothing, and those of
+ * features. */
+#define RENDER_MAX_LISTS (4u * STILB_RENDER_MAX_PASSES + 1u + STILB_RENDER_MAX_FEATURES)
 
 /* The draws of a pass. */
 typedef struct render_list {
@@ -248,8 +265,9 @@ typedef struct render_frame_target {
 	bool main;                      /* these are the main images */
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
-	bool drawn;                     /* a pass has drawn into it */
-	bool transparent;               /* the backdrop is nothing, and alpha counts */
+	uint16_t velocity, velocity_depth; /* of one sample a pixel; 0: no view has asked for them so far */
+	bool drawn;                        /* a pass has drawn into it */
+	bool transparent;                  /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
 	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
 	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */
@@ -404,6 +422,8 @@ void render_program_vertices(const render_device *device, render_surface surface
  * [any-thread] */
 stilb_result render_programs_tone(render_device *device, uint32_t tone, bool placed);
 stilb_result render_programs_backdrop(render_device *device, render_backdrop_kind kind);
+/* What draws velocities where no model is. [any-thread] */
+stilb_result render_programs_velocity(render_device *device);
 /* What copies the light behind draws with transmission. */
 stilb_result render_programs_behind(render_device *device);
 /* The kinds of maps that materials have. */
@@ -433,6 +453,13 @@ stilb_result render_through_copy(render_device *device, const struct render_stre
 stilb_result render_through_use(render_device *device, const render_frame_target *target, uint16_t slot,
                                 stilb_gpu_use *use);
 
+/* ---- render_velocity.c: where things were in the frame before ---------------------------------------------------- */
+
+/* Begins the target's image of velocities, unless it is there: with those of what is infinitely far away. view: the
+ * address of its render_view_data. */
+stilb_result render_velocity_begin(render_device *device, const struct render_stream *stream, uint64_t view,
+                                   render_frame_target *target);
+
 /* ---- render_target.c: what scene passes draw into ---------------------------------------------------------------- */
 
 /* The frame's images for a view's target, or NULL: for the main ones; made when they are first asked for. */
@@ -460,6 +487,8 @@ stilb_result render_until(render_device *device);
 bool render_backdrop_is_drawn(const stilb_render_view *view, const render_panorama *panorama);
 /* The radiance that the light is cleared to: of the backdrop, or of the sky or the ground. */
 void render_backdrop_clear(const stilb_render_view *view, float color[4]);
+/* Directions of the view: at the picture's middle, of length 1, and what a step of 1 in clip space adds to it. */
+void render_backdrop_axes(const stilb_render_view *view, float ahead[4], float across[4], float down[4]);
 /* What it shows. panorama: the view's is made. */
 static inline render_backdrop_kind render_backdrop_kind_of(const stilb_render_view *view, bool panorama)
 {

@@ -3,6 +3,7 @@
 #include "render/render_internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- features ---------------------------------------------------------------------------------------------------- */
@@ -77,9 +78,10 @@ static float frame_pixels(const stilb_render_view *view, uint32_t height)
 	return 0.5f * (float)height * sqrtf(m[1] * m[1] + m[5] * m[5] + m[9] * m[9]);
 }
 
-/* Writes the stream's view to the slot's array, and returns what passes have of it as constants. height: of the
- * picture, pixels. */
-static render_view_push frame_write_view(render_device *device, const render_stream *stream, uint32_t height)
+/* Writes the stream's view to the slot's array, and returns what passes have of it as constants. width, height: of what
+ * they draw into, pixels. */
+static render_view_push frame_write_view(render_device *device, const render_stream *stream, uint32_t width,
+                                         uint32_t height)
 {
 	const render_slot *slot = render_slot_now(device);
 	const stilb_render_view *view = stream->view;
@@ -92,7 +94,13 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->extras = device->heaps[RENDER_HEAP_EXTRAS].address;
 	out->extra_places = device->heaps[RENDER_HEAP_EXTRA_PLACES].address;
 	out->time = view->time;
-	memset(out->padding, 0, sizeof out->padding);
+	out->half_size[0] = 0.5f * (float)width;
+	out->half_size[1] = 0.5f * (float)height;
+	out->padding = 0.0f;
+	memcpy(out->last_view_projection, view->last ? view->last->m : view->view_projection.m,
+	       sizeof out->last_view_projection);
+	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
+	out->also_padding = 0;
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
 		.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},
@@ -374,14 +382,13 @@ static stilb_result frame_backdrop(render_device *device, const render_stream *s
 	return STILB_OK;
 }
 
-/* The row of a pass that draws list number `list`. */
-static stilb_gpu_pass frame_row(render_device *device, const render_stream *stream, uint32_t list)
+/* The row of a pass that draws list number `list`. what: comes behind the pass's name. */
+static stilb_gpu_pass frame_row(render_device *device, const render_stream *stream, uint32_t list, const char *what)
 {
 	char *name = device->lists[list].name;
-	const char *given = stream->pass->name ? stream->pass->name : "pass";
-	size_t length = strnlen(given, sizeof device->lists[list].name - 1);
-	memcpy(name, given, length);
-	name[length] = '\0';
+	int room = (int)(sizeof device->lists[list].name - 1 - strlen(what));
+	snprintf(name, sizeof device->lists[list].name, "%.*s%s", room, stream->pass->name ? stream->pass->name : "pass",
+	         what);
 	return (stilb_gpu_pass){.name = name, .kind = STILB_GPU_PASS_DRAWS, .draws = list};
 }
 
@@ -509,7 +516,7 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 			result = frame_list(device, stream, part, choice, &list);
 		if (result != STILB_OK)
 			return result;
-		stilb_gpu_pass row = frame_row(device, stream, list);
+		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
 		if (render_formulas_are_gloss(choice))
 			frame_gloss(device, &row);
@@ -521,6 +528,33 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 		target->drawn = true;
 	} while (part.end < stream->run_count && result == STILB_OK);
 	return result;
+}
+
+/* Adds the row of a scene pass that draws velocities. */
+static stilb_result frame_velocity(render_device *device, const render_stream *stream, render_frame_target *target,
+                                   const render_push *push)
+{
+	bool begun = target->velocity != 0;
+	uint32_t list;
+	render_stream moved = *stream;
+	render_formula_programs *choice;
+	moved.light_bits = render_velocity_bits(stream->view);
+	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.light_bits, stream->kinds,
+	                                             frame_surfaces(stream), &choice);
+	if (result == STILB_OK)
+		result = render_velocity_begin(device, stream, push->view.rest, target);
+	if (result == STILB_OK)
+		result = frame_list(device, &moved, (frame_part){0, stream->run_count}, choice, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, " velocity");
+	row.color_count = 1;
+	row.color[0] = (stilb_gpu_attachment){.image = target->velocity, .load = STILB_GPU_LOAD_KEEP};
+	row.depth = (stilb_gpu_attachment){.image = target->velocity_depth,
+	                                   .load = begun ? STILB_GPU_LOAD_KEEP : STILB_GPU_LOAD_CLEAR};
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	return STILB_OK;
 }
 
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
@@ -539,13 +573,15 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 		return result;
 	const render_slot *slot = render_slot_now(device);
 	render_push push = {
-		.view = frame_write_view(device, stream, target->height),
+		.view = frame_write_view(device, stream, target->width, target->height),
 		.rows = stream->rows ? stream->rows->address : 0,
 		.frame_rows = slot->memory[RENDER_MEMORY_ROWS].address,
 		.materials = device->heaps[RENDER_HEAP_MATERIALS].address,
 		.vertices = device->heaps[RENDER_HEAP_VERTICES].address,
 	};
-	return frame_rows(device, stream, choice, target, backdrop, &push);
+	if (view->last && target->color != 0)
+		result = frame_velocity(device, stream, target, &push);
+	return result == STILB_OK ? frame_rows(device, stream, choice, target, backdrop, &push) : result;
 }
 
 static stilb_result frame_2d(render_device *device, const render_stream *stream)
@@ -558,7 +594,7 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 	result = frame_list(device, stream, (frame_part){0, stream->run_count}, NULL, &list);
 	if (result != STILB_OK)
 		return result;
-	stilb_gpu_pass row = frame_row(device, stream, list);
+	stilb_gpu_pass row = frame_row(device, stream, list, "");
 	row.color_count = 1;
 	row.color[0] = (stilb_gpu_attachment){
 		.image = frame->picture,

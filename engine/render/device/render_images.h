@@ -20,9 +20,15 @@
 /* What is shown: rgba8_srgb, or with output linear rgba16_f. Written by the tone map and 2D passes. */
 #define STILB_RENDER_IMAGE_PICTURE "picture"
 
+/* Pixels from the pixel's middle to where what it shows was in the frame before, x to the right, y down: by movement of
+ * the camera, of models and of vertices. rg16_f, one sample a pixel; at most 32,768 either way. Written by passes
+ * whose view has `last`, of what does not blend; where nothing is, of what is infinitely far away. An output. */
+#define STILB_RENDER_IMAGE_VELOCITY "velocity"
+/* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */
+#define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
+
 /* Reserved: nothing writes these yet. */
 #define STILB_RENDER_IMAGE_NORMAL "normal"         /* rg16_s: the shading normal, octahedral */
-#define STILB_RENDER_IMAGE_VELOCITY "velocity"     /* rg16_f: pixels from this frame's place to the last one's */
 #define STILB_RENDER_IMAGE_ID "id"                 /* r32_ui: model + 1; 0: none */
 #define STILB_RENDER_IMAGE_AMBIENT "ambient"       /* rgba16_f: radiance of light from all around */
 #define STILB_RENDER_IMAGE_REFLECTION "reflection" /* rgba16_f: radiance of mirrored light */

@@ -59,6 +59,11 @@ bool render_formulas_are_depth(const render_formula_programs *programs)
 	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_DEPTH;
 }
 
+bool render_formulas_are_velocity(const render_formula_programs *programs)
+{
+	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_VELOCITY;
+}
+
 bool render_formulas_are_gloss(const render_formula_programs *programs)
 {
 	uint32_t brdf = programs->formulas[RENDER_FORMULA_BRDF];
@@ -82,13 +87,13 @@ static void program_channel(stilb_gpu_program_desc *desc, uint32_t channel)
 	desc->blend = counts ? STILB_GPU_BLEND_ADD : STILB_GPU_BLEND_NONE;
 }
 
-/* The shader of draws into depth alone: most need none. */
-static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface)
+/* The shader of draws into depth, which without velocities most need not. */
+static stilb_gpu_shader program_depth_code(uint32_t detail, render_surface surface, bool velocity)
 {
 	if (surface == RENDER_SURFACE_IMPOSTOR)
-		return render_impostor_depth_fragment;
+		return render_impostor_depth_fragment[velocity];
 	bool fades = render_state_of_detail(detail) == RENDER_STATE_FADE;
-	return fades ? render_depth_fragment : (stilb_gpu_shader){0};
+	return fades || velocity ? render_depth_fragment[velocity] : (stilb_gpu_shader){0};
 }
 
 /* What all programs of meshes are compiled for. */
@@ -107,11 +112,12 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 {
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), gloss = render_formulas_are_gloss(choice);
+	bool velocity = render_formulas_are_velocity(choice);
 	uint32_t channel = formulas_channel(choice);
 	stilb_gpu_program_desc desc = {
 		.name = surface_names[surface],
 		.vertex = render_mesh_vertex[device->packed][surface],
-		.fragment = depth ? program_depth_code(detail, surface) : render_mesh_fragment[gloss][surface],
+		.fragment = depth ? program_depth_code(detail, surface, velocity) : render_mesh_fragment[gloss][surface],
 		.samplers = gloss ? 2 : 0,
 		.set_items = surface != RENDER_SURFACE_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER, /* reversed: near is 1 */
@@ -147,6 +153,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	const render_function *function = program_function(device, bits);
 	bool sides = (choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_SIDES) != 0;
 	bool depth = render_formulas_are_depth(choice), extras = bits & RENDER_MAPS_EXTRAS;
+	bool velocity = render_formulas_are_velocity(choice);
 	bool layers = bits & RENDER_MAPS_LAYERS && (!depth || function);
 	bool blends = bits & RENDER_MAPS_BLEND, reads = !depth || bits & RENDER_MAPS_MASK;
 	bool coverage = bits & RENDER_MAPS_MASK && device->samples > 1, gloss = render_formulas_are_gloss(choice);
@@ -160,8 +167,8 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 			reads ? render_maps_vertex[layers][device->packed][extras] : render_mesh_vertex[device->packed][inputs],
 		.fragment = through  ? render_through_fragment[gloss][extras]
 	                : !depth ? render_maps_fragment[layers][gloss][coverage][extras]
-	                : !reads ? program_depth_code(detail, inputs)
-	                         : render_maps_depth[extras],
+	                : !reads ? program_depth_code(detail, inputs, velocity)
+	                         : render_maps_depth[velocity][extras],
 		.samplers = (uint8_t)(2 * gloss + through),
 		.set_items = !reads                      ? 0
 	                 : bits & RENDER_MAPS_LAYERS ? RENDER_MAPS
@@ -178,6 +185,7 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 	}
 	if (function && reads) {
 		render_function_kind kind = channel > 0 ? RENDER_FUNCTION_CHANNEL
+		                            : velocity  ? RENDER_FUNCTION_VELOCITY
 		                            : depth     ? RENDER_FUNCTION_DEPTH
 		                            : through   ? RENDER_FUNCTION_THROUGH
 		                                        : RENDER_FUNCTION_MAPS;
@@ -237,6 +245,16 @@ stilb_result render_programs_backdrop(render_device *device, render_backdrop_kin
 	return result == STILB_OK
 	           ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, device->samples)
 	           : result;
+}
+
+stilb_result render_programs_velocity(render_device *device)
+{
+	stilb_gpu_format color = STILB_GPU_RG16_F;
+	stilb_gpu_program *program = &device->programs.velocity_far;
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_screen(device, "velocity far away", render_velocity_far_fragment, NULL, 0, program);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, *program, &color, 1, STILB_GPU_NONE, 1) : result;
 }
 
 stilb_result render_programs_behind(render_device *device)
@@ -303,9 +321,9 @@ static render_formula_programs *choice_find(render_programs *programs, const uin
 static stilb_result choice_compile(render_device *device, const render_formula_programs *choice,
                                    stilb_gpu_program program)
 {
-	stilb_gpu_format color = STILB_GPU_RGBA16_F;
-	bool depth = render_formulas_are_depth(choice);
-	return stilb_gpu_program_prepare(device->gpu, program, &color, depth ? 0 : 1, STILB_GPU_D32_F,
+	bool depth = render_formulas_are_depth(choice), velocity = render_formulas_are_velocity(choice);
+	stilb_gpu_format color = velocity ? STILB_GPU_RG16_F : STILB_GPU_RGBA16_F;
+	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
 	                                 depth ? 1 : device->samples);
 }
 
@@ -454,7 +472,7 @@ static stilb_result prepare_maps(render_device *device, render_formula_programs 
 static stilb_result prepare_all_maps(render_device *device, const stilb_render_view *view,
                                      render_formula_programs *choice, uint32_t kinds, const render_known_maps *maps)
 {
-	bool depth = render_view_is_depth(view);
+	bool depth = render_formulas_are_depth(choice);
 	stilb_result result = STILB_OK;
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
@@ -463,7 +481,7 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);
-		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && render_view_is_lit(view))
+		if (result == STILB_OK && bits & RENDER_MAPS_THROUGH && !depth && render_view_is_lit(view))
 			result = render_programs_behind(device);
 	}
 	return result;
@@ -481,7 +499,9 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 	stilb_result result = render_programs_choose(device, &view->shading, light_bits, kinds, surfaces, &choice);
 	if (result == STILB_OK)
 		result = prepare_all_maps(device, view, choice, kinds, maps);
-	if (result != STILB_OK || render_view_is_depth(view))
+	if (result == STILB_OK && render_formulas_are_velocity(choice))
+		result = render_programs_velocity(device);
+	if (result != STILB_OK || render_formulas_are_depth(choice))
 		return result;
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */
 	if (view->backdrop.kind != STILB_SCENE_BACKDROP_NOTHING)

@@ -225,6 +225,22 @@ static const uint32_t impostor_depth_frag[] =
 #include "impostor_depth.frag.inc"
 	;
 
+static const uint32_t velocity_frag[] =
+#include "velocity.frag.inc"
+	;
+static const uint32_t maps_velocity_frag[] =
+#include "maps_velocity.frag.inc"
+	;
+static const uint32_t maps_velocity_extras_frag[] =
+#include "maps_velocity_extras.frag.inc"
+	;
+static const uint32_t impostor_velocity_frag[] =
+#include "impostor_velocity.frag.inc"
+	;
+static const uint32_t velocity_far_frag[] =
+#include "velocity_far.frag.inc"
+	;
+
 static const uint32_t flat_vert[] =
 #include "flat.vert.inc"
 	;
@@ -350,7 +366,10 @@ const stilb_gpu_shader render_function_channel_vertex[2][2] = {
 	{SHADER(function_channel_vert), SHADER(function_extras_channel_vert)},
 	{SHADER(function_packed_channel_vert), SHADER(function_packed_extras_channel_vert)},
 };
-const stilb_gpu_shader render_maps_depth[2] = {SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)};
+const stilb_gpu_shader render_maps_depth[2][2] = {
+	{SHADER(maps_depth_frag), SHADER(maps_depth_extras_frag)},
+	{SHADER(maps_velocity_frag), SHADER(maps_velocity_extras_frag)},
+};
 
 const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
 	[RENDER_FLAT_PLAIN] = {SHADER(flat_vert), SHADER(flat_frag)},
@@ -358,8 +377,10 @@ const stilb_gpu_shader render_flat_shaders[RENDER_FLATS][2] = {
 	[RENDER_FLAT_PICTURE] = {SHADER(flat_picture_vert), SHADER(flat_picture_frag)},
 };
 
-const stilb_gpu_shader render_depth_fragment = SHADER(depth_frag);
-const stilb_gpu_shader render_impostor_depth_fragment = SHADER(impostor_depth_frag);
+const stilb_gpu_shader render_depth_fragment[2] = {SHADER(depth_frag), SHADER(velocity_frag)};
+const stilb_gpu_shader render_impostor_depth_fragment[2] = {SHADER(impostor_depth_frag),
+                                                            SHADER(impostor_velocity_frag)};
+const stilb_gpu_shader render_velocity_far_fragment = SHADER(velocity_far_frag);
 const stilb_gpu_shader render_backdrop_fragment = SHADER(backdrop_frag);
 const stilb_gpu_shader render_resolve_fragment = SHADER(resolve_frag);
 const stilb_gpu_shader render_tone_fragment = SHADER(tone_frag);

@@ -20,13 +20,14 @@ static stilb_result function_check_output(const stilb_gpu_shader *shader, render
 static stilb_result function_check_code(render_device *device, const stilb_scene_function *from, const char *name,
                                         uint32_t code)
 {
-	render_function_kind kind = code >= RENDER_FUNCTION_DEPTH     ? RENDER_FUNCTION_DEPTH
+	render_function_kind kind = code >= RENDER_FUNCTION_VELOCITY  ? RENDER_FUNCTION_VELOCITY
+	                            : code >= RENDER_FUNCTION_DEPTH   ? RENDER_FUNCTION_DEPTH
 	                            : code >= RENDER_FUNCTION_CHANNEL ? RENDER_FUNCTION_CHANNEL
 	                            : code >= RENDER_FUNCTION_THROUGH ? RENDER_FUNCTION_THROUGH
 	                                                              : RENDER_FUNCTION_MAPS;
 	bool extras = code & 1u, channel = kind == RENDER_FUNCTION_CHANNEL, through = kind == RENDER_FUNCTION_THROUGH;
-	bool layers =
-		through || (kind == RENDER_FUNCTION_MAPS && code & 8u) || (kind == RENDER_FUNCTION_DEPTH && code & 2u);
+	bool depth = kind == RENDER_FUNCTION_DEPTH || kind == RENDER_FUNCTION_VELOCITY;
+	bool layers = through || (kind == RENDER_FUNCTION_MAPS && code & 8u) || (depth && code & 2u);
 	bool gloss = (kind == RENDER_FUNCTION_MAPS && code & 4u) || (through && code & 2u);
 	stilb_gpu_program_desc desc = {
 		.name = name,

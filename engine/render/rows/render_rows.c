@@ -54,9 +54,9 @@ void render_rows_finish(stilb_render *render)
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* Writes the row of a part; one of a removed model has none. */
+/* Writes the row of a part; one of a removed model has none. last: of render_row. */
 static inline void rows_put(render_row *row, const render_scene *tables, const stilb_scene *scene, uint32_t part,
-                            bool stream)
+                            uint32_t last, bool stream)
 {
 	if (scene->part_mesh[part] == STILB_SCENE_NONE)
 		return;
@@ -64,7 +64,7 @@ static inline void rows_put(render_row *row, const render_scene *tables, const s
 	STILB_ASSERT(transform->m[3] == 0.0f && transform->m[7] == 0.0f && transform->m[11] == 0.0f);
 	STILB_ASSERT(transform->m[15] == 1.0f && "the transform is affine");
 	render_row_write(row, transform, tables->materials[scene->part_material[part]].id & RENDER_INDEX_MASK,
-	                 tables->meshes[scene->part_mesh[part]].id & RENDER_INDEX_MASK, stream);
+	                 tables->meshes[scene->part_mesh[part]].id & RENDER_INDEX_MASK, last, stream);
 }
 
 static void rows_put_all(render_rows *rows, const render_scene *tables, const stilb_scene *scene)
@@ -73,7 +73,7 @@ static void rows_put_all(render_rows *rows, const render_scene *tables, const st
 	STILB_ASSERT(scene->part_count <= rows->capacity);
 	bool stream = scene->part_count > RENDER_CACHED_ROWS;
 	for (uint32_t p = 0; p < scene->part_count; p++)
-		rows_put(&rows->data[p], tables, scene, p, stream);
+		rows_put(&rows->data[p], tables, scene, p, 0, stream);
 	render_row_drain();
 }
 
@@ -109,6 +109,7 @@ void render_places_finish(stilb_render *render, render_places *places, bool show
 		rows_free(render, places->rows);
 	free(places->words);
 	free(places->stretches);
+	free(places->last);
 	free(places->states);
 	free(places->moving);
 	*places = (render_places){0};
@@ -138,6 +139,31 @@ static bool places_fit_stretches(render_places *places, const stilb_scene *scene
 	return true;
 }
 
+/* The transform and mesh of a part as they are now. */
+static void place_keep(render_place_last *last, const render_scene *tables, const stilb_scene *scene, uint32_t part)
+{
+	uint32_t mesh = scene->part_mesh[part];
+	const float *m = scene->part_transform[part].m;
+	last->mesh = mesh == STILB_SCENE_NONE ? 0 : 1 + (tables->meshes[mesh].id & RENDER_INDEX_MASK);
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 4; c++)
+			last->transform[4 * r + c] = m[4 * c + r];
+}
+
+/* Makes the last places as long as a table of `capacity` rows; the scene's parts from `first` on have not moved. */
+static bool places_fit_last(render_places *places, const render_scene *tables, const stilb_scene *scene, uint32_t first,
+                            uint32_t capacity)
+{
+	render_place_last *last = realloc(places->last, (size_t)capacity * sizeof *last);
+	if (!last)
+		return false;
+	memset(last + first, 0, (capacity - first) * sizeof *last);
+	for (uint32_t p = first; p < scene->part_count; p++)
+		place_keep(&last[p], tables, scene, p);
+	places->last = last;
+	return true;
+}
+
 static stilb_result places_no_memory(const stilb_scene *scene)
 {
 	return stilb_fail(STILB_ERROR_MEMORY, "no memory for the places of %u models", scene->model_count);
@@ -154,7 +180,8 @@ static stilb_result places_grow(stilb_render *render, const stilb_scene *scene)
 	if (result != STILB_OK)
 		return result;
 	if ((places->words && !places_fit_words(places, before, rows->capacity)) ||
-	    (places->stretches && !places_fit_stretches(places, scene, 0, rows->capacity))) {
+	    (places->stretches && !places_fit_stretches(places, scene, 0, rows->capacity)) ||
+	    (places->last && !places_fit_last(places, &render->scene, scene, before, rows->capacity))) {
 		rows_free(render, rows);
 		return places_no_memory(scene);
 	}
@@ -221,7 +248,7 @@ static uint32_t places_age(render_places *places, const render_scene *tables, co
 			continue;
 		}
 		for (uint32_t p = first; p < end; p++) {
-			rows_put(&places->rows->data[p], tables, scene, p, false);
+			rows_put(&places->rows->data[p], tables, scene, p, 0, false);
 			places->words[p] = p;
 		}
 	}
@@ -233,10 +260,31 @@ static uint32_t places_age(render_places *places, const render_scene *tables, co
 typedef struct rows_job {
 	const render_scene *tables;
 	const stilb_scene *scene;
+	const render_resources *resources;
 	render_row *rows; /* of the frame, from the one with index `first` on */
 	uint32_t first;
+	uint32_t parts; /* that move: behind their rows come those of their last places, if these are kept */
 	bool stream;
 } rows_job;
+
+/* Writes where a part that has moved was in the frame before, unless another mesh is there now, and keeps where it is.
+ * number: of the part among those that move. Returns render_row.last. */
+static uint32_t rows_put_last(const rows_job *job, uint32_t number, uint32_t part, bool moved)
+{
+	render_place_last *last = &job->tables->places.last[part], before = *last;
+	uint32_t row = job->parts + number;
+	place_keep(last, job->tables, job->scene, part);
+	last->row = 0;
+	if (!moved || last->mesh == 0 || before.mesh != last->mesh)
+		return 0;
+	render_last_row *out = (render_last_row *)(void *)(job->rows + row);
+	uint32_t shift = 0;
+	bool vertices = render_mesh_last(job->resources, last->mesh - 1, &shift);
+	*out = (render_last_row){.shift = shift, .vertices = vertices};
+	memcpy(out->transform, before.transform, sizeof out->transform);
+	last->row = 1 + job->first + row;
+	return last->row;
+}
 
 static void rows_slice(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
@@ -247,9 +295,11 @@ static void rows_slice(uint32_t begin, uint32_t end, uint32_t worker, void *cont
 	const uint32_t *first_part = job->scene->first_part;
 	for (uint32_t i = begin; i < end; i++) {
 		uint32_t model = places->moving[i];
+		bool moved = places->states[model] == RENDER_PLACE_MOVED;
 		for (uint32_t p = first_part[model]; p < first_part[model + 1]; p++) {
-			rows_put(job->rows + ((places->words[p] & (RENDER_MAX_ROWS - 1)) - job->first), job->tables, job->scene, p,
-			         job->stream);
+			uint32_t number = (places->words[p] & (RENDER_MAX_ROWS - 1)) - job->first;
+			uint32_t last = places->last ? rows_put_last(job, number, p, moved) : 0;
+			rows_put(job->rows + number, job->tables, job->scene, p, last, job->stream);
 			if (places->stretches)
 				places->stretches[p] = render_place_stretch(&job->scene->part_transform[p]);
 		}
@@ -270,28 +320,40 @@ static stilb_result places_settle(stilb_render *render, const stilb_scene *scene
 	return result;
 }
 
-stilb_result render_places_frame(stilb_render *render, const stilb_scene *scene, bool stretches, uint32_t *rows)
+/* Makes what frames need besides the rows. */
+static stilb_result places_fit(stilb_render *render, const stilb_scene *scene, uint32_t needs)
+{
+	render_places *places = &render->scene.places;
+	uint32_t capacity = places->rows->capacity;
+	bool fits =
+		!(needs & RENDER_PLACES_STRETCHES) || places->stretches || places_fit_stretches(places, scene, 0, capacity);
+	fits = fits && (!(needs & RENDER_PLACES_LAST) || places->last ||
+	                places_fit_last(places, &render->scene, scene, 0, capacity));
+	return fits ? STILB_OK : places_no_memory(scene);
+}
+
+stilb_result render_places_frame(stilb_render *render, const stilb_scene *scene, uint32_t needs, uint32_t *rows)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	render_places *places = &render->scene.places;
 	*rows = 0;
-	if (scene->part_count == 0 || (render->shown_rows && (!stretches || places->stretches)))
+	render->resources.keeps_last = needs & RENDER_PLACES_LAST;
+	if (scene->part_count == 0)
 		return STILB_OK;
 	stilb_result result = render->shown_rows ? STILB_OK : places_settle(render, scene);
-	if (result == STILB_OK && stretches && !places->stretches &&
-	    !places_fit_stretches(places, scene, 0, places->rows->capacity))
-		result = places_no_memory(scene);
+	if (result == STILB_OK)
+		result = places_fit(render, scene, needs);
 	if (result != STILB_OK || render->shown_rows)
 		return result;
 	if (places->moving_count > 0)
-		*rows = places_age(places, &render->scene, scene);
+		*rows = places_age(places, &render->scene, scene) * (places->last ? 2u : 1u);
 	if (*rows == 0)
 		render->shown_rows = places->rows;
 	return STILB_OK;
 }
 
 void render_places_move(stilb_render *render, const stilb_scene *scene, render_row *rows, uint32_t first,
-                        stilb_job_pool *pool, uint32_t worker)
+                        uint32_t count, stilb_job_pool *pool, uint32_t worker)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	const render_places *places = &render->scene.places;
@@ -301,7 +363,16 @@ void render_places_move(stilb_render *render, const stilb_scene *scene, render_r
 		for (uint32_t p = scene->first_part[model]; p < scene->first_part[model + 1]; p++)
 			places->words[p] = word++;
 	}
-	rows_job job = {&render->scene, scene, rows, first, word - (RENDER_ROW_FRAME | first) > RENDER_CACHED_ROWS};
+	uint32_t parts = word - (RENDER_ROW_FRAME | first);
+	STILB_ASSERT(count == parts * (places->last ? 2u : 1u));
+	(void)count;
+	rows_job job = {.tables = &render->scene,
+	                .scene = scene,
+	                .resources = &render->resources,
+	                .rows = rows,
+	                .first = first,
+	                .parts = parts,
+	                .stream = parts > RENDER_CACHED_ROWS};
 	stilb_job_parallel_for(pool, places->moving_count, ROWS_GRAIN, rows_slice, &job, worker);
 	render->shown_rows = places->rows;
 }

@@ -9,6 +9,8 @@
  * Changes.  Which models have moved is what the scene lists (stilb_scene.moved), as it does those that show another
  *           mesh or material, or whose mesh was replaced: render_places_note takes the list, at any time before the
  *           frame's first pass of the scene; render_places_frame, when that pass begins, reads the transforms.
+ * Velocity. For frames that show velocities each part's place in the frame before is kept by the CPU, too. A row of the
+ *           frame whose part has just moved then names another one, that has it.
  * Growth.   A scene that outgrows its table gets another one, written in full; the old one is kept until the frames in
  *           flight are done. */
 #ifndef STILB_RENDER_ROWS_H
@@ -30,10 +32,19 @@ typedef struct render_row {
 	float transform[12];
 	uint32_t material;
 	uint32_t mesh; /* index; for the stream hash, dumps and the extras of vertices */
-	uint32_t unused[2];
+	uint32_t last; /* 1 + the index among the frame's rows of its render_last_row; 0: it has not moved in this frame */
+	uint32_t unused;
 } render_row;
 
-static_assert(sizeof(render_row) == 64, "a row is a cache line");
+/* Where a part was in the frame before, in the place of a row. */
+typedef struct render_last_row {
+	float transform[12];
+	uint32_t shift;    /* what leads, modulo 2^32, from a vertex's index to its last place in RENDER_HEAP_LAST */
+	uint32_t vertices; /* 1: they have moved, too; else 0, and shift does not matter */
+	uint32_t unused[2];
+} render_last_row;
+
+static_assert(sizeof(render_row) == 64 && sizeof(render_last_row) == sizeof(render_row), "a row is a cache line");
 
 /* The word by which a draw names its row: an index into the frame's rows, with RENDER_ROW_FRAME, or into the scene's
  * table. */
@@ -57,13 +68,25 @@ typedef enum render_place_state {
 	RENDER_PLACE_SETTLED, /* in the frame before the last */
 } render_place_state;
 
+/* Where a part was in the frame before. */
+typedef struct render_place_last {
+	float transform[12];
+	uint32_t mesh; /* index + 1; another one has come since: it is not the same part */
+	uint32_t row;  /* render_row.last, while the part has a row of the frame */
+} render_place_last;
+
+/* What frames need of places besides the rows. */
+#define RENDER_PLACES_STRETCHES 1u
+#define RENDER_PLACES_LAST 2u /* for velocities */
+
 /* The places of a scene's parts. {0} is empty. */
 typedef struct render_places {
 	render_rows *rows; /* NULL: no part so far */
 	uint32_t *words;   /* [rows->capacity] by part: its word; NULL: none has ever moved, it is the part's number */
 	float *stretches;  /* [rows->capacity] by part: render_place_stretch; NULL: nobody has asked for them so far */
-	uint8_t *states;   /* [state_capacity] by model: render_place_state */
-	uint32_t *moving;  /* [moving_count] the models that do not rest */
+	render_place_last *last; /* [rows->capacity] by part; NULL: nobody has asked for them so far */
+	uint8_t *states;         /* [state_capacity] by model: render_place_state */
+	uint32_t *moving;        /* [moving_count] the models that do not rest */
 	uint32_t state_capacity; /* models beyond it rest */
 	uint32_t moving_count, moving_capacity;
 } render_places;
@@ -83,13 +106,14 @@ void render_places_finish(stilb_render *render, render_places *places, bool show
 stilb_result render_places_note(render_places *places, const stilb_scene *scene);
 
 /* Brings the places up to date for the frame, before its draws of the scene; does nothing from its second call on.
- * stretches: they are needed, too. *rows: so many rows of the frame are needed for what moves; if there are any,
- * render_places_move follows. STILB_ERROR_MEMORY, STILB_ERROR_ARGUMENT as render_places_make. [main-thread] */
-stilb_result render_places_frame(stilb_render *render, const stilb_scene *scene, bool stretches, uint32_t *rows);
+ * needs: RENDER_PLACES_..., which stay up to date from then on. *rows: so many rows of the frame are needed for what
+ * moves; if there are any, render_places_move follows. STILB_ERROR_MEMORY, STILB_ERROR_ARGUMENT as render_places_make.
+ * [main-thread] */
+stilb_result render_places_frame(stilb_render *render, const stilb_scene *scene, uint32_t needs, uint32_t *rows);
 
-/* Writes these rows. rows: where, the one with index `first` among the frame's. [main-thread] */
+/* Writes these `count` rows. rows: where, the one with index `first` among the frame's. [main-thread] */
 void render_places_move(stilb_render *render, const stilb_scene *scene, render_row *rows, uint32_t first,
-                        stilb_job_pool *pool, uint32_t worker);
+                        uint32_t count, stilb_job_pool *pool, uint32_t worker);
 
 /* When a frame has begun: frees the tables that no frame in flight uses. [main-thread] */
 void render_rows_frame(stilb_render *render);
@@ -101,6 +125,13 @@ void render_rows_finish(stilb_render *render);
 static inline uint32_t render_place_word(const uint32_t *words, uint32_t part)
 {
 	return words ? words[part] : part;
+}
+
+/* render_row.last of a part that is drawn by a row of its own, as impostors are. */
+static inline uint32_t render_place_last_row(const render_places *places, uint32_t part)
+{
+	bool frame = places->last && places->words && places->words[part] & RENDER_ROW_FRAME;
+	return frame ? places->last[part].row : 0;
 }
 
 /* ---- stretches --------------------------------------------------------------------------------------------------- */
@@ -140,12 +171,13 @@ static inline float render_place_stretch(const stilb_mat4 *transform)
 
 #if defined(__SSE2__) && !defined(__SANITIZE_THREAD__)
 
-/* Writes the upper three rows of the matrix, then material and mesh. stream: with non-temporal stores. Without loops:
- * gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of 4.1). */
+/* Writes the upper three rows of the matrix, then material, mesh and last. stream: with non-temporal stores. Without
+ * loops: gcc 12 turns a loop of loads into a copy of the matrix through the stack (measured: 5.0 ns a draw instead of
+ * 4.1). */
 static inline void render_row_write(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    bool stream)
+                                    uint32_t last, bool stream)
 {
-	__m128i ids = _mm_set_epi32(0, 0, (int32_t)mesh, (int32_t)material);
+	__m128i ids = _mm_set_epi32(0, (int32_t)last, (int32_t)mesh, (int32_t)material);
 	__m128 x = _mm_loadu_ps(transform->m), y = _mm_loadu_ps(transform->m + 4);
 	__m128 z = _mm_loadu_ps(transform->m + 8), w = _mm_loadu_ps(transform->m + 12);
 	_MM_TRANSPOSE4_PS(x, y, z, w); /* columns to rows */
@@ -169,7 +201,7 @@ static inline void render_row_drain(void)
 }
 #else
 static inline void render_row_write(render_row *row, const stilb_mat4 *transform, uint32_t material, uint32_t mesh,
-                                    bool stream)
+                                    uint32_t last, bool stream)
 {
 	(void)stream;
 	for (int r = 0; r < 3; r++)
@@ -177,7 +209,8 @@ static inline void render_row_write(render_row *row, const stilb_mat4 *transform
 			row->transform[4 * r + c] = transform->m[4 * c + r];
 	row->material = material;
 	row->mesh = mesh;
-	row->unused[0] = row->unused[1] = 0;
+	row->last = last;
+	row->unused = 0;
 }
 
 static inline void render_row_drain(void)

@@ -19,4 +19,5 @@
 	layout(location = 14) flat way vec3 direction_c; \
 	layout(location = 15) flat way vec3 tile_a; \
 	layout(location = 16) flat way vec3 tile_b; \
-	layout(location = 17) flat way vec3 tile_c;
+	layout(location = 17) flat way vec3 tile_c; \
+	layout(location = 18) flat way vec4 moved[3]; /* rows: from the world now to the world in the frame before */

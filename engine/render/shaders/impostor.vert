@@ -19,6 +19,21 @@ vec2 reach(shade_frame frame, vec3 box, float far)
 	return vec2(dot(abs(frame.t), box), dot(abs(frame.b), box)) * (far / max(far - height, 0.05));
 }
 
+layout(constant_id = 6) const uint formula_lights = 0u; // RENDER_FORMULA_LIGHTS
+
+// Row i of the matrix from where points of the model are to where they were. Needs normal_x, normal_y, normal_z.
+vec4 moved_row(Row row, uint i)
+{
+	vec4 place = vec4(float(i == 0u), float(i == 1u), float(i == 2u), 0.0);
+	if (row.last == 0u)
+		return place;
+	vec4 was = push.frame_rows.rows[row.last - 1u].transform[i];
+	vec3 now = vec3(row.transform[0].w, row.transform[1].w, row.transform[2].w);
+	vec3 turn = vec3(dot(was.xyz, vec3(normal_x.x, normal_y.x, normal_z.x)),
+		dot(was.xyz, vec3(normal_x.y, normal_y.y, normal_z.y)), dot(was.xyz, vec3(normal_x.z, normal_y.z, normal_z.z)));
+	return vec4(turn, was.w - dot(turn, now));
+}
+
 // A rectangle about the model that faces the camera, in the model's space; lengths are in radii of the sphere. Planes
 // and lines stay what they are under any affine transform.
 void main()
@@ -75,5 +90,7 @@ void main()
 	material_word = row.material;
 	if (detail_kind == DETAIL_FADE || detail_kind == DETAIL_SHOW)
 		material_word |= detail << DETAIL_MATERIAL_SHIFT;
+	for (uint i = 0u; i < 3u; i++)
+		moved[i] = (formula_lights & LIGHTS_VELOCITY) != 0u ? moved_row(row, i) : vec4(0.0);
 	gl_Position = push.view.rest.view_projection * vec4(world_plate, 1.0);
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Meshes whose material has a surface (scene/scene_surface.h). MAPS_FUNCTION: that has a function of the program's, too
-// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn.
+// (surface.glsl); MAPS_DEPTH: of these where depth alone is drawn; with MESH_VELOCITY: where velocities are, too.
 #include "surface.glsl"
 #ifdef MAPS_FUNCTION
 #define discard surface_functions_must_not_discard_but_return_alpha_0
@@ -29,6 +29,10 @@ layout(constant_id = 10) const uint max_anisotropy = 1u; // of the samplers
 
 #ifndef MAPS_DEPTH
 layout(location = 0) out vec4 color;
+#endif
+#ifdef MESH_VELOCITY
+#include "velocity.glsl"
+layout(location = 4) in vec3 last_clip;
 #endif
 #ifdef MAPS_FUNCTION
 FUNCTION_INPUTS(in)
@@ -417,5 +421,8 @@ void main()
 	if (blends)
 		color *= clamp(surface.alpha, 0.0, 1.0);
 #endif
+#endif
+#ifdef MESH_VELOCITY
+	velocity = velocity_from(last_clip, vec2(push.view.rest.half_width, push.view.rest.half_height));
 #endif
 }

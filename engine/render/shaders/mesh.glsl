@@ -37,6 +37,9 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Ma
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Extras { uvec2 parts[]; };
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer ExtraPlaces { uvec2 places[]; };
 
+// Where vertices were in the frame before, three numbers each.
+layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer LastVertices { float numbers[]; };
+
 // As render_view_data.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer ViewRest {
 	mat4 view_projection;
@@ -45,6 +48,9 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	Extras extras;
 	ExtraPlaces extra_places;
 	float time; // seconds, for functions of surfaces
+	float half_width, half_height; // of what is drawn into, pixels
+	mat4 last_view_projection;     // of the frame before, for velocities alone
+	LastVertices last_vertices;
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
@@ -83,6 +89,9 @@ Row row_of(uint word)
 	Rows rows = (word & ROW_FRAME) != 0u ? push.frame_rows : push.rows;
 	return rows.rows[word & (ROW_FRAME - 1u)];
 }
+
+// Of render_stream.light_bits: velocities are drawn (velocity.glsl).
+#define LIGHTS_VELOCITY 4096u
 
 // What the high bits of a draw's row word mean (render_internal.h, RENDER_DETAIL_SHIFT).
 #define DETAIL_NONE 0u

@@ -15,6 +15,9 @@ layout(location = 0) centroid out vec3 world_position;
 layout(location = 23) out vec3 middle_position; // in the pixel's middle, also where that is beside the triangle
 layout(location = 1) centroid out vec3 world_normal;
 layout(location = 2) flat out uint material;
+layout(location = 4) out vec3 last_clip; // x, y, w of where the point was in the frame before; for velocities alone
+
+layout(constant_id = 6) const uint formula_lights = 0u; // RENDER_FORMULA_LIGHTS
 
 #ifdef MESH_TEXTURE
 layout(location = 2) in vec2 uv;
@@ -124,6 +127,20 @@ vec3 morph_normal_of(uint code)
 }
 #endif
 
+// Where the point `now`, which lies at `local` in the mesh's space, was in the world in the frame before.
+vec3 last_position(Row row, vec3 local, vec3 now)
+{
+	if (row.last == 0u)
+		return now;
+	Row was = push.frame_rows.rows[row.last - 1u];
+	uint at = 3u * (uint(gl_VertexIndex) + was.material);
+	LastVertices vertices = push.view.rest.last_vertices;
+	if (was.mesh != 0u) /* its vertices have moved, too */
+		local = vec3(vertices.numbers[at], vertices.numbers[at + 1u], vertices.numbers[at + 2u]);
+	vec4 p = vec4(local, 1.0);
+	return vec3(dot(was.transform[0], p), dot(was.transform[1], p), dot(was.transform[2], p));
+}
+
 void main()
 {
 	uint word = uint(gl_InstanceIndex);
@@ -206,4 +223,6 @@ void main()
 	function_view = vec4(push.view.camera_position.xyz, push.view.rest.time);
 #endif
 	gl_Position = push.view.rest.view_projection * vec4(world_position, 1.0);
+	if ((formula_lights & LIGHTS_VELOCITY) != 0u)
+		last_clip = (push.view.rest.last_view_projection * vec4(last_position(row, place, world_position), 1.0)).xyw;
 }

@@ -6,7 +6,8 @@ struct Row {
 	vec4 transform[3]; // rows of the affine transform, model to world; a 2D draw has its clip rectangle in the first
 	uint material;
 	uint mesh; // where the vertices have extras
-	uint unused[2];
+	uint last; // 1 + the row, of the frame's, that says where it was in the frame before: Last; 0: where it is
+	uint unused;
 };
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Rows { Row rows[]; };

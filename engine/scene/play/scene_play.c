@@ -50,11 +50,9 @@ static stilb_result play_make(const stilb_scene *scene, play_figure *figure)
 		.weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
 		.shown_weights = calloc(a->weight_count + 1ull, sizeof *figure->weights),
 		.turned = calloc(a->skin_count + 1ull, sizeof *figure->turned),
-		.row = calloc((size_t)shared->value_count + shared->target_count + 1, sizeof *figure->row),
-		.cursors = calloc(shared->most_tracks + 1ull, sizeof *figure->cursors),
 	};
 	if (!figure->nodes || !figure->models || !figure->meshes || !figure->places || !figure->joints ||
-	    !figure->weights || !figure->shown_weights || !figure->turned || !figure->row || !figure->cursors) {
+	    !figure->weights || !figure->shown_weights || !figure->turned) {
 		scene_play_free_figure(figure);
 		return play_memory();
 	}
@@ -170,7 +168,7 @@ static stilb_result play_begin(stilb_scene *scene)
 	if (result == STILB_OK)
 		result = scene_edit_begin(scene);
 	if (result == STILB_OK)
-		result = play_reserve(all);
+		result = scene_play_reserve_scratch(all, 1) ? play_reserve(all) : play_memory();
 	if (result == STILB_OK)
 		result = play_make(scene, &all->figures[0]);
 	if (result != STILB_OK)

@@ -14,8 +14,6 @@ void scene_play_free_figure(play_figure *figure)
 	free(figure->weights);
 	free(figure->shown_weights);
 	free(figure->turned);
-	free(figure->row);
-	free(figure->cursors);
 	free(figure->plays);
 	*figure = (play_figure){0};
 }
@@ -24,6 +22,7 @@ static void play_unshare(const stilb_scene *scene, play_shared *shared)
 {
 	for (uint32_t d = 0; shared->rests && d < scene->animation->deform_count; d++) {
 		free(shared->rests[d].streams);
+		free(shared->rests[d].starts);
 		free(shared->rests[d].weights);
 		free(shared->rests[d].joints);
 	}
@@ -47,6 +46,11 @@ void scene_play_finish(stilb_scene *scene)
 		return;
 	for (uint32_t f = 0; f < all->count; f++)
 		scene_play_free_figure(&all->figures[f]);
+	for (uint32_t i = 0; i < all->scratch_count; i++) {
+		free(all->scratch[i].row);
+		free(all->scratch[i].cursors);
+	}
+	free(all->scratch);
 	play_unshare(scene, &all->shared);
 	free(all->figures);
 	free(all->due);

@@ -35,11 +35,13 @@ typedef struct play_clip {
 /* What a mesh is at rest, and what carries its vertices. Streams hold a number of each vertex, and arrays have room for
  * vertices to the next eight. */
 typedef struct play_rest {
-	float *streams;   /* [PLAY_STREAMS][stride], or [PLAY_STREAMS_PLAIN][stride] of a mesh without extras */
-	float *weights;   /* [stride * influences] of sum 1; NULL: no skin moves it */
-	uint16_t *joints; /* [stride * influences] */
-	bool tangents;    /* the mesh has extras */
-	uint32_t vertex_count, stride, influences;
+	float *streams; /* [PLAY_STREAMS][stride], or [PLAY_STREAMS_PLAIN][stride] of a mesh without extras */
+	/* What carries it: play_skin has the same. NULL: no skin does. */
+	uint32_t *starts;
+	uint16_t *joints;
+	float *weights;
+	bool tangents; /* the mesh has extras */
+	uint32_t vertex_count, stride;
 } play_rest;
 
 /* Streams of a mesh at rest: numbers of positions, normals and uv, then of tangents. */
@@ -72,8 +74,8 @@ typedef struct play_shared {
 	float *reach, radius;
 	uint32_t first_model, model_count; /* of figure 0, all that nodes show; others have as many */
 	uint32_t most_tracks;              /* of a clip */
-	uint32_t *moved;                   /* [moved_count] nodes of the animation that clips can move */
-	uint32_t moved_count;
+	uint32_t *moved; /* [moved_count] nodes of the animation that clips can move; first those that hang on no other */
+	uint32_t moved_count, top_count;
 	uint32_t *carriers; /* [carrier_count] nodes that are joints, or above joints, ascending */
 	uint32_t carrier_count;
 } play_shared;
@@ -104,8 +106,6 @@ typedef struct play_figure {
 	float *weights;          /* [animation->weight_count] of morph targets */
 	float *shown_weights;    /* the same, of the pose that its meshes have */
 	bool *turned;            /* [animation->skin_count] while it is posed: a joint of the skin has changed */
-	float *row;              /* [value_count + target_count] sums of the targets' values, and of their weights */
-	play_cursor *cursors;    /* [most_tracks] */
 	stilb_scene_play *plays; /* [play_count] */
 	uint32_t play_count;
 	bool behind;             /* its times have moved since it was posed */
@@ -113,7 +113,14 @@ typedef struct play_figure {
 	uint32_t sampled, still; /* channels in the last call */
 	bool fresh;              /* its plays are to be shown even if their times stand still */
 	bool posing;             /* its weights may have changed since its meshes were posed */
+	bool whole;              /* all that clips move hangs where the file has it */
 } play_figure;
+
+/* What a thread needs to sample a figure. */
+typedef struct play_scratch {
+	float *row;           /* [value_count + target_count] sums of the targets' values, and of their weights */
+	play_cursor *cursors; /* [most_tracks] */
+} play_scratch;
 
 /* A mesh to pose. Meshes are posed in chunks, each a job's. */
 typedef struct play_work {
@@ -145,6 +152,8 @@ typedef struct stilb_scene_figures {
 	play_work *work; /* [work_count] their meshes */
 	play_box *boxes; /* of chunks of vertices */
 	uint32_t work_count;
+	play_scratch *scratch; /* [scratch_count] of threads, by their index; one at least */
+	uint32_t scratch_count;
 	play_skin_fn *skin; /* of this CPU */
 	uint32_t swept_count;
 	play_box swept[STILB_SCENE_SWEEP]; /* [swept_count] around all models, at times of a clip */
@@ -166,6 +175,9 @@ bool scene_play_is_due(const stilb_scene *scene, uint32_t figure);
 /* scene_play_sample.c: gives the figures of due[0 .. count - 1] the poses of their plays, and lists their nodes as
  * changed. */
 void scene_play_sample(stilb_scene *scene, uint32_t count, stilb_job_pool *pool, uint32_t worker);
+
+/* The same file: scratch for so many threads. False: no memory; there is as much as before. */
+bool scene_play_reserve_scratch(stilb_scene_figures *all, uint32_t threads);
 
 /* scene_play_pose.c: gives posed meshes whose joints or weights have changed their vertices, and their models bounds.
  * Nodes have their places. */

@@ -70,7 +70,7 @@ static bool pose_joints(const stilb_scene *scene, play_figure *figure, const sti
 			continue; /* it was removed, and stays where it was */
 		stilb_mat4 joint;
 		scene_multiply(placed ? &figure->places[n] : &scene->nodes.to_world[node], &scene->animation->inverse_binds[j],
-		              &joint);
+		               &joint);
 		play_rows rows;
 		for (size_t i = 0; i < 12; i++)
 			rows.m[i] = joint.m[4 * (i % 4) + i / 4];
@@ -175,9 +175,9 @@ static play_skin pose_block(const play_rest *rest, const play_rows *joints, cons
 {
 	play_skin skin = {
 		.joints = joints,
-		.weights = joints ? rest->weights + (size_t)first * rest->influences : NULL,
-		.indices = joints ? rest->joints + (size_t)first * rest->influences : NULL,
-		.influences = rest->influences,
+		.starts = joints ? rest->starts + first / PLAY_LANES : NULL,
+		.indices = rest->joints,
+		.weights = rest->weights,
 		.count = count,
 		.vertices = mesh->vertices + first,
 		.extras = rest->tangents ? mesh->extras + first : NULL,
@@ -210,8 +210,8 @@ static void pose_chunk(stilb_scene *scene, const play_work *work, uint32_t chunk
 	play_box *box = &all->boxes[chunk];
 	*box = (play_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 	pose_morphed morphed;
-	for (; first < end; first += POSE_BLOCK) {
-		uint32_t count = end - first < POSE_BLOCK ? end - first : POSE_BLOCK;
+	for (uint32_t block = deform->targets > 0 ? POSE_BLOCK : PLAY_CHUNK; first < end; first += block) {
+		uint32_t count = end - first < block ? end - first : block;
 		play_skin skin = pose_block(rest, joints, mesh, first, count);
 		if (deform->targets > 0)
 			pose_morph(rest, deform, figure->weights + animation->nodes[posed->node].first_weight, first, &morphed,

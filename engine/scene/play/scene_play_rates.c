@@ -25,10 +25,13 @@ static void rates_reach(const stilb_scene *scene, play_shared *shared, stilb_mat
 		const play_posed *posed = &shared->posed[i];
 		const play_rest *rest = &shared->rests[posed->deform];
 		uint32_t first = posed->skin == STILB_SCENE_NONE ? 0 : a->skins[posed->skin].first_joint;
-		for (size_t k = 0; posed->skin != STILB_SCENE_NONE && k < (size_t)rest->vertex_count * rest->influences; k++) {
+		uint32_t eights = posed->skin == STILB_SCENE_NONE ? 0 : rest->stride / PLAY_LANES, eight = 0;
+		for (size_t k = 0; eights > 0 && k < (size_t)rest->starts[eights] * PLAY_LANES; k++) {
 			if (rest->weights[k] <= 0.0f)
 				continue;
-			uint32_t v = (uint32_t)(k / rest->influences), joint = first + rest->joints[k];
+			while (rest->starts[eight + 1] <= k / PLAY_LANES)
+				eight++;
+			uint32_t v = eight * PLAY_LANES + (uint32_t)(k % PLAY_LANES), joint = first + rest->joints[k / PLAY_LANES];
 			const float *bind = a->inverse_binds[joint].m;
 			float at[3] = {0}, square = 0.0f;
 			stilb_mat4 to = stilb_mat4_multiply(places[a->joints[joint]], *(const stilb_mat4 *)bind);

@@ -4,9 +4,13 @@
 #include "scene/scene_pose.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
 
-#define SAMPLE_SLICE 512u      /* channels that a job takes at least */
+#define SAMPLE_SLICE 1024u     /* channels that a job takes at least */
 #define SAMPLE_UNTOUCHED -1.0f /* in place of the sum of weights: nothing replaces it */
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
@@ -155,7 +159,11 @@ static inline sample_lanes sample_select(sample_mask mask, sample_lanes a, sampl
 
 static inline sample_lanes sample_root(sample_lanes x)
 {
+#if defined(__x86_64__)
+	return (sample_lanes)_mm_sqrt_ps((__m128)x);
+#else
 	return (sample_lanes){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
+#endif
 }
 
 /* sin(x) for 0 <= x <= pi / 2, to 6e-9: Abramowitz and Stegun, 4.3.97 with its coefficients. */
@@ -189,58 +197,57 @@ static inline void sample_shares(sample_lanes cosine, sample_lanes share, sample
 	*b = sample_select(wide, sample_sin(share * angle) / sine, share);
 }
 
-/* Columns x, y, z, w of four quaternions. */
-static inline void sample_transpose(const float *const from[4], sample_lanes to[4])
+/* Rows become columns. */
+static inline void sample_transpose(sample_lanes q[4])
 {
-	sample_lanes q[4];
-	for (int i = 0; i < 4; i++)
-		memcpy(&q[i], from[i], sizeof q[i]);
-	for (int k = 0; k < 4; k++)
-		to[k] = (sample_lanes){q[0][k], q[1][k], q[2][k], q[3][k]};
+	sample_lanes a = __builtin_shufflevector(q[0], q[1], 0, 4, 1, 5),
+				 b = __builtin_shufflevector(q[2], q[3], 0, 4, 1, 5);
+	sample_lanes c = __builtin_shufflevector(q[0], q[1], 2, 6, 3, 7),
+				 d = __builtin_shufflevector(q[2], q[3], 2, 6, 3, 7);
+	q[0] = __builtin_shufflevector(a, b, 0, 1, 4, 5);
+	q[1] = __builtin_shufflevector(a, b, 2, 3, 6, 7);
+	q[2] = __builtin_shufflevector(c, d, 0, 1, 4, 5);
+	q[3] = __builtin_shufflevector(c, d, 2, 3, 6, 7);
 }
 
-/* The rotations between four pairs, on the shorter way: Shoemake, "Animating rotation with quaternion curves", 1985. */
-static inline void sample_turn(const float *const from[4], const float *const to[4], sample_lanes share,
-                               float out[4][4])
+/* The rotations between four pairs, on the shorter way: Shoemake, "Animating rotation with quaternion curves", 1985.
+ * a becomes them. */
+static inline void sample_turn(sample_lanes a[4], sample_lanes b[4], sample_lanes share)
 {
-	sample_lanes a[4], b[4], dot, of_a, of_b;
-	sample_transpose(from, a);
-	sample_transpose(to, b);
+	sample_lanes dot, of_a, of_b;
+	sample_transpose(a);
+	sample_transpose(b);
 	dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 	sample_mask far = dot < 0.0f;
 	sample_shares(sample_select(far, -dot, dot), share, &of_a, &of_b);
 	of_b = sample_select(far, -of_b, of_b);
-	/* On a key it is that key, whatever rounding makes of the shares. */
+	/* On a key it is that key, whatever rounding makes of the share; that of the other is 0 then. */
 	of_a = sample_select(share == 0.0f, sample_all(1.0f), of_a);
-	of_b = sample_select(share == 0.0f, sample_all(0.0f), of_b);
-	for (int k = 0; k < 4; k++) {
-		sample_lanes q = of_a * a[k] + of_b * b[k];
-		for (int i = 0; i < 4; i++)
-			out[i][k] = q[i];
-	}
+	for (int k = 0; k < 4; k++)
+		a[k] = of_a * a[k] + of_b * b[k];
+	sample_transpose(a);
 }
 
 /* ---- a figure ---------------------------------------------------------------------------------------------------- */
 
 /* Channels of rotations, `lanes` of them. */
 static void sample_rotations(const stilb_scene_animation *animation, const play_shared *shared,
-                             const uint32_t channels[4], uint32_t lanes, const play_figure *figure, float weight)
+                             const uint32_t channels[4], uint32_t lanes, const play_scratch *scratch, float weight)
 {
-	float *sums = figure->row + shared->value_count, out[4][4];
-	const float *from[4], *to[4];
-	sample_lanes share;
+	float *sums = scratch->row + shared->value_count;
+	sample_lanes from[4], to[4], share;
 	for (uint32_t i = 0; i < 4; i++) {
 		uint32_t c = channels[i < lanes ? i : 0];
-		const play_cursor *at = &figure->cursors[shared->channels[c].track];
+		const play_cursor *at = &scratch->cursors[shared->channels[c].track];
 		const float *values = animation->values + animation->channels[c].first_value;
-		from[i] = values + 4 * (size_t)at->key;
-		to[i] = values + 4 * (size_t)at->next;
+		from[i] = sample_load(values + 4 * (size_t)at->key);
+		to[i] = sample_load(values + 4 * (size_t)at->next);
 		share[i] = at->share;
 	}
-	sample_turn(from, to, share, out);
+	sample_turn(from, to, share);
 	for (uint32_t i = 0; i < lanes; i++) {
 		uint32_t target = shared->channels[channels[i]].target;
-		sample_add(figure->row + shared->targets[target].first, &sums[target], sample_load(out[i]), weight, true);
+		sample_add(scratch->row + shared->targets[target].first, &sums[target], from[i], weight, true);
 	}
 }
 
@@ -258,17 +265,17 @@ static uint32_t sample_next(const stilb_scene_animation *animation, const play_s
 }
 
 static void sample_play(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
-                        const stilb_scene_play *play)
+                        const stilb_scene_play *play, const play_scratch *scratch)
 {
 	const play_clip *clip = &shared->clips[play->clip];
 	const stilb_scene_clip *from = &animation->clips[play->clip];
 	const uint32_t *order = shared->order + from->first_channel;
-	float *row = figure->row, *sums = row + shared->value_count;
+	float *row = scratch->row, *sums = row + shared->value_count;
 	uint32_t channels[4], at = 0, count, sampled = 0;
 	for (uint32_t t = 0; t < clip->track_count; t++)
-		figure->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
+		scratch->cursors[t] = sample_find(animation->times, &shared->tracks[clip->first_track + t], play->time);
 	while ((count = sample_next(animation, shared, order, &at, clip->rotation_count, figure->least, channels)) > 0) {
-		sample_rotations(animation, shared, channels, count, figure, play->weight);
+		sample_rotations(animation, shared, channels, count, scratch, play->weight);
 		sampled += count;
 	}
 	at = clip->rotation_count;
@@ -276,7 +283,7 @@ static void sample_play(const stilb_scene_animation *animation, const play_share
 		sampled += count;
 		for (uint32_t i = 0; i < count; i++) {
 			uint32_t c = channels[i], target = shared->channels[c].target;
-			sample_channel(&animation->channels[c], animation->values, &figure->cursors[shared->channels[c].track],
+			sample_channel(&animation->channels[c], animation->values, &scratch->cursors[shared->channels[c].track],
 			               row + shared->targets[target].first, &sums[target], play->weight);
 		}
 	}
@@ -293,12 +300,16 @@ static inline stilb_vec4 sample_mean(const float *from, float weight, stilb_vec4
 	return weight > 1.0f ? sum * (1.0f / weight) : sum + (1.0f - weight) * rest;
 }
 
-/* Makes a quaternion that is unit but for its last digits more so: if these were always off to the same side, chains of
- * many joints would grow or shrink. One step of Newton's, whose error is measured in double. */
+/* Makes a quaternion that is unit but for 1e-4 so: if the last digits were always off to the same side, chains of many
+ * joints would grow or shrink. One step of Newton's, whose error is measured in double. */
 static inline stilb_vec4 sample_settle_length(stilb_vec4 q)
 {
-	double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
-	return q + q * (float)(0.5 * (1.0 - ((x * x + y * y) + (z * z + w * w))));
+	typedef float two __attribute__((vector_size(8)));
+	typedef double wide __attribute__((vector_size(16)));
+	wide low = __builtin_convertvector((two){q[0], q[1]}, wide),
+		 high = __builtin_convertvector((two){q[2], q[3]}, wide);
+	wide squares = low * low + high * high;
+	return q + q * (float)(0.5 * (1.0 - (squares[0] + squares[1])));
 }
 
 /* The same of a rotation; what cancels leaves `before`. */
@@ -308,7 +319,9 @@ static inline stilb_vec4 sample_mean_turn(const float *from, float weight, stilb
 	if (weight < 1.0f)
 		sum += (sample_dot(sum, rest) < 0.0f ? weight - 1.0f : 1.0f - weight) * rest;
 	float square = sample_dot(sum, sum);
-	return square > 1e-12f && square < 1e30f ? sample_settle_length(sum * (1.0f / sqrtf(square))) : before;
+	if (!(square > 1e-12f && square < 1e30f))
+		return before;
+	return sample_settle_length(fabsf(square - 1.0f) < 1e-4f ? sum : sum * (1.0f / sqrtf(square)));
 }
 
 static void sample_mean_weights(const float *from, float weight, const float *rest, uint32_t count, float *out)
@@ -318,65 +331,74 @@ static void sample_mean_weights(const float *from, float weight, const float *re
 		out[k] = share > 0.0f ? from[k] + share * rest[k] : from[k] * scale;
 }
 
-static inline void sample_put(stilb_vec4 value, float out[3])
-{
-	out[0] = value[0];
-	out[1] = value[1];
-	out[2] = value[2];
-}
-
 /* Gives a node what the targets first .. end - 1 have; places that are too far away are left out. */
-static inline void sample_node(const stilb_scene_animation *animation, const play_shared *shared, play_figure *figure,
-                               uint32_t first, uint32_t end, stilb_scene_nodes *nodes)
+static inline void sample_node(const stilb_scene_animation *animation, const play_shared *shared,
+                               const play_figure *figure, const play_scratch *scratch, uint32_t first, uint32_t end,
+                               stilb_scene_nodes *nodes)
 {
 	uint32_t n = shared->targets[first].node, own = figure->nodes[n];
 	const stilb_scene_rest *rest = &animation->nodes[n];
-	const float *sums = figure->row + shared->value_count;
+	const float *sums = scratch->row + shared->value_count;
 	if (own == STILB_SCENE_NONE)
 		return;
-	stilb_scene_pose pose = nodes->pose[own];
+	float *pose = nodes->pose[own].translation, *scale = nodes->pose[own].scale;
+	stilb_vec4 t = sample_load(pose), q = sample_load(pose + 3), s = {scale[0], scale[1], scale[2]};
 	bool moved = false;
-	for (uint32_t t = first; t < end; t++) {
-		const play_target *target = &shared->targets[t];
-		const float *from = figure->row + target->first;
-		if (sums[t] < 0.0f)
+	for (uint32_t i = first; i < end; i++) {
+		const play_target *target = &shared->targets[i];
+		const float *from = scratch->row + target->first;
+		if (sums[i] < 0.0f)
 			continue;
 		moved |= target->path != STILB_SCENE_PATH_WEIGHTS;
-		if (target->path == STILB_SCENE_PATH_TRANSLATION) {
-			sample_put(sample_mean(from, sums[t], sample_load(rest->translation)), pose.translation);
-		} else if (target->path == STILB_SCENE_PATH_ROTATION) {
-			stilb_vec4 before = sample_load(pose.rotation);
-			*(sample_four *)pose.rotation = sample_mean_turn(from, sums[t], sample_load(rest->rotation), before);
-		} else if (target->path == STILB_SCENE_PATH_SCALE) {
-			sample_put(sample_mean(from, sums[t], (stilb_vec4){rest->scale[0], rest->scale[1], rest->scale[2], 0.0f}),
-			           pose.scale);
-		} else {
-			sample_mean_weights(from, sums[t], animation->weights + rest->first_weight, target->width,
+		if (target->path == STILB_SCENE_PATH_TRANSLATION)
+			t = sample_mean(from, sums[i], sample_load(rest->translation));
+		else if (target->path == STILB_SCENE_PATH_ROTATION)
+			q = sample_mean_turn(from, sums[i], sample_load(rest->rotation), q);
+		else if (target->path == STILB_SCENE_PATH_SCALE)
+			s = sample_mean(from, sums[i], (stilb_vec4){rest->scale[0], rest->scale[1], rest->scale[2]});
+		else
+			sample_mean_weights(from, sums[i], animation->weights + rest->first_weight, target->width,
 			                    figure->weights + rest->first_weight);
-		}
 	}
 	stilb_mat4 local;
-	if (!moved || !scene_pose_matrix(&pose, &local))
+	if (!moved || !scene_pose_columns(t, q, s, &local))
 		return;
-	nodes->pose[own] = pose;
+	*(sample_four *)pose = t; /* its fourth lane is overwritten by the rotation */
+	*(sample_four *)(pose + 3) = q;
+	for (int i = 0; i < 3; i++)
+		scale[i] = s[i];
 	nodes->local[own] = local;
 }
 
-static void sample_figure(stilb_scene *scene, play_figure *figure)
+/* True if the nodes that clips can move hang on one another as in the file: the places of all follow from the topmost
+ * ones. */
+static bool sample_is_whole(const stilb_scene *scene, const play_figure *figure)
+{
+	const play_shared *shared = &scene->figures->shared;
+	for (uint32_t i = shared->top_count; i < shared->moved_count; i++) {
+		uint32_t n = shared->moved[i], own = figure->nodes[n], above = figure->nodes[scene->animation->nodes[n].parent];
+		if (own == STILB_SCENE_NONE || above == STILB_SCENE_NONE || scene->nodes.parent[own] != above)
+			return false;
+	}
+	return true;
+}
+
+static void sample_figure(stilb_scene *scene, play_figure *figure, const play_scratch *scratch)
 {
 	const play_shared *shared = &scene->figures->shared;
 	const stilb_scene_animation *animation = scene->animation;
-	float *sums = figure->row + shared->value_count;
+	float *sums = scratch->row + shared->value_count;
 	for (uint32_t t = 0; t < shared->target_count; t++)
 		sums[t] = SAMPLE_UNTOUCHED;
 	figure->sampled = figure->still = 0;
 	for (uint32_t p = 0; p < figure->play_count; p++)
-		sample_play(animation, shared, figure, &figure->plays[p]);
+		sample_play(animation, shared, figure, &figure->plays[p], scratch);
 	for (uint32_t t = 0, end; t < shared->target_count; t = end) {
 		for (end = t + 1; end < shared->target_count && shared->targets[end].node == shared->targets[t].node;)
 			end++;
-		sample_node(animation, shared, figure, t, end, &scene->nodes);
+		sample_node(animation, shared, figure, scratch, t, end, &scene->nodes);
 	}
+	figure->whole = sample_is_whole(scene, figure);
 }
 
 /* ---- all --------------------------------------------------------------------------------------------------------- */
@@ -384,17 +406,40 @@ static void sample_figure(stilb_scene *scene, play_figure *figure)
 static void sample_range(uint32_t begin, uint32_t end, uint32_t worker, void *context)
 {
 	stilb_scene *scene = context;
-	(void)worker;
+	stilb_scene_figures *all = scene->figures;
 	for (uint32_t i = begin; i < end; i++)
-		sample_figure(scene, &scene->figures->figures[scene->figures->due[i]]);
+		sample_figure(scene, &all->figures[all->due[i]], &all->scratch[worker]);
 }
 
-/* Lists the nodes that the clips of a figure can move as changed. */
+bool scene_play_reserve_scratch(stilb_scene_figures *all, uint32_t threads)
+{
+	if (threads <= all->scratch_count)
+		return true;
+	play_scratch *grown = realloc(all->scratch, threads * sizeof *grown);
+	if (!grown)
+		return false;
+	all->scratch = grown;
+	while (all->scratch_count < threads) {
+		size_t numbers = (size_t)all->shared.value_count + all->shared.target_count;
+		play_scratch *scratch = &grown[all->scratch_count];
+		scratch->row = calloc(numbers + 1, sizeof *scratch->row);
+		scratch->cursors = calloc(all->shared.most_tracks + 1ull, sizeof *scratch->cursors);
+		if (!scratch->row || !scratch->cursors) {
+			free(scratch->row);
+			free(scratch->cursors);
+			return false;
+		}
+		all->scratch_count++;
+	}
+	return true;
+}
+
+/* Lists the nodes that the clips of a figure can move, or those from which their places follow, as changed. */
 static void sample_list(stilb_scene *scene, play_figure *figure)
 {
 	const play_shared *shared = &scene->figures->shared;
 	edit_nodes *nodes = &scene->edits->nodes;
-	for (uint32_t i = 0; i < shared->moved_count; i++) {
+	for (uint32_t i = 0; i < (figure->whole ? shared->top_count : shared->moved_count); i++) {
 		uint32_t own = figure->nodes[shared->moved[i]];
 		if (own != STILB_SCENE_NONE)
 			scene_edit_node_changed(nodes, own);
@@ -410,10 +455,11 @@ void scene_play_sample(stilb_scene *scene, uint32_t count, stilb_job_pool *pool,
 	PROFILE("scene clips");
 	stilb_scene_figures *all = scene->figures;
 	uint32_t grain = SAMPLE_SLICE / (all->shared.target_count + 1) + 1;
-	if (pool && count > grain)
+	/* Without memory for the other threads this one does it alone. */
+	if (pool && count > grain && scene_play_reserve_scratch(all, stilb_job_pool_worker_count(pool) + 1))
 		stilb_job_parallel_for(pool, count, grain, sample_range, scene, worker);
 	else
-		sample_range(0, count, worker, scene);
+		sample_range(0, count, 0, scene);
 	for (uint32_t i = 0; i < count; i++)
 		sample_list(scene, &all->figures[all->due[i]]);
 }

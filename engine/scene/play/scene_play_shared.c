@@ -12,6 +12,25 @@ static stilb_result share_memory(void)
 
 /* ---- clips ------------------------------------------------------------------------------------------------------- */
 
+/* True if channels move the node. seen: of share_targets. */
+static bool share_moves(const uint32_t *seen, uint32_t node)
+{
+	const uint32_t *at = seen + node * (size_t)STILB_SCENE_PATHS;
+	return at[STILB_SCENE_PATH_TRANSLATION] > 0 || at[STILB_SCENE_PATH_ROTATION] > 0 || at[STILB_SCENE_PATH_SCALE] > 0;
+}
+
+/* Puts the moved nodes that hang on no other of them first. */
+static void share_tops(const stilb_scene_animation *animation, play_shared *shared, const uint32_t *seen)
+{
+	for (uint32_t i = 0; i < shared->moved_count; i++) {
+		uint32_t node = shared->moved[i], parent = animation->nodes[node].parent;
+		if (parent != STILB_SCENE_NONE && share_moves(seen, parent))
+			continue;
+		shared->moved[i] = shared->moved[shared->top_count];
+		shared->moved[shared->top_count++] = node;
+	}
+}
+
 /* Lists what channels replace. seen: [node_count * STILB_SCENE_PATHS], all 0; then 1 + the target. */
 static void share_targets(const stilb_scene_animation *animation, play_shared *shared, uint32_t *seen)
 {
@@ -35,6 +54,7 @@ static void share_targets(const stilb_scene_animation *animation, play_shared *s
 		if (moved)
 			shared->moved[shared->moved_count++] = n;
 	}
+	share_tops(animation, shared, seen);
 	for (uint32_t c = 0; c < animation->channel_count; c++) {
 		const stilb_scene_channel *channel = &animation->channels[c];
 		shared->channels[c].target = seen[channel->node * (size_t)STILB_SCENE_PATHS + channel->path] - 1;
@@ -90,20 +110,77 @@ static void share_clips(const stilb_scene_animation *animation, play_shared *sha
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
-/* Weights of sum 1 for the influences of each vertex; one without any follows joint 0. */
-static void share_weights(const stilb_scene_deform *deform, play_rest *rest)
+/* Numbers at a cache line's begin: no eight of them lie in two lines. NULL: no memory. */
+static float *share_zeros(size_t count)
 {
-	for (uint32_t v = 0; v < rest->vertex_count; v++) {
-		const float *from = deform->weights + (size_t)v * deform->influences;
-		float *to = rest->weights + (size_t)v * deform->influences;
-		double sum = 0.0;
-		for (uint32_t i = 0; i < deform->influences; i++)
-			sum += (double)from[i];
-		for (uint32_t i = 0; i < deform->influences; i++)
-			to[i] = sum > 0.0 ? (float)((double)from[i] / sum) : i == 0 ? 1.0f : 0.0f;
-		if (!(sum > 0.0))
-			rest->joints[(size_t)v * deform->influences] = 0;
+	float *zeros = stilb_memory_alloc(count, sizeof *zeros);
+	if (zeros)
+		memset(zeros, 0, count * sizeof *zeros);
+	return zeros;
+}
+
+/* What the influences of a vertex are divided by; 0: it has none, and follows joint 0. */
+static double share_sum(const stilb_scene_deform *deform, uint32_t vertex)
+{
+	double sum = 0.0;
+	for (uint32_t i = 0; i < deform->influences; i++)
+		sum += (double)deform->weights[(size_t)vertex * deform->influences + i];
+	return sum;
+}
+
+/* The place of a joint in the list of an eight, to the end of which it is added if it is not there. */
+static uint32_t share_joint(uint16_t *joints, uint32_t *count, uint16_t joint)
+{
+	uint32_t at = 0;
+	while (at < *count && joints[at] != joint)
+		at++;
+	joints[at] = joint;
+	*count += at == *count;
+	return at;
+}
+
+/* Lists the joints that carry eight vertices from `first` on, and what each weighs for them, if it is to be kept.
+ * joints: of room for all influences of eight vertices. Returns their number. */
+static uint32_t share_eight(const stilb_scene_deform *deform, uint32_t vertex_count, uint32_t first, uint16_t *joints,
+                            float *weights)
+{
+	uint32_t count = 0;
+	for (uint32_t v = first; v < vertex_count && v < first + PLAY_LANES; v++) {
+		double sum = share_sum(deform, v);
+		for (uint32_t i = 0; i < deform->influences; i++) {
+			size_t from = (size_t)v * deform->influences + i;
+			double weight = sum > 0.0 ? (double)deform->weights[from] / sum : i == 0 ? 1.0 : 0.0;
+			if (weight == 0.0)
+				continue;
+			uint32_t at = share_joint(joints, &count, sum > 0.0 ? deform->joints[from] : 0);
+			if (weights)
+				weights[at * PLAY_LANES + (v - first)] += (float)weight;
+		}
 	}
+	return count;
+}
+
+/* The joints of each eight vertices. */
+static bool share_skin(const stilb_scene_deform *deform, play_rest *rest)
+{
+	uint32_t eights = rest->stride / PLAY_LANES;
+	uint16_t *joints = malloc((size_t)deform->influences * PLAY_LANES * sizeof *joints);
+	rest->starts = malloc((eights + 1ull) * sizeof *rest->starts);
+	size_t count = 0;
+	for (uint32_t e = 0; joints && rest->starts && e < eights; e++) {
+		rest->starts[e] = (uint32_t)count;
+		count += share_eight(deform, rest->vertex_count, e * PLAY_LANES, joints, NULL);
+	}
+	free(joints);
+	if (!joints || !rest->starts || count > UINT32_MAX)
+		return false;
+	rest->starts[eights] = (uint32_t)count;
+	rest->joints = malloc(count * sizeof *rest->joints);
+	rest->weights = share_zeros(count * PLAY_LANES);
+	for (uint32_t e = 0; rest->joints && rest->weights && e < eights; e++)
+		share_eight(deform, rest->vertex_count, e * PLAY_LANES, rest->joints + rest->starts[e],
+		            rest->weights + (size_t)rest->starts[e] * PLAY_LANES);
+	return rest->joints && rest->weights;
 }
 
 /* Numbers of vertices become streams. */
@@ -128,21 +205,12 @@ static stilb_result share_rest(const stilb_scene *scene, const stilb_scene_defor
 	const stilb_scene_mesh *mesh = &scene->meshes[deform->mesh];
 	*rest = (play_rest){.vertex_count = mesh->vertex_count,
 	                    .stride = (mesh->vertex_count + PLAY_LANES - 1) / PLAY_LANES * PLAY_LANES,
-	                    .influences = deform->influences,
 	                    .tangents = mesh->extras};
-	size_t influences = (size_t)rest->stride * rest->influences;
-	rest->streams =
-		calloc((size_t)(rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN) * rest->stride, sizeof *rest->streams);
-	rest->weights = influences > 0 ? calloc(influences, sizeof *rest->weights) : NULL;
-	rest->joints = influences > 0 ? calloc(influences, sizeof *rest->joints) : NULL;
-	if (!rest->streams || (influences > 0 && (!rest->weights || !rest->joints)))
+	rest->streams = share_zeros((size_t)(rest->tangents ? PLAY_STREAMS : PLAY_STREAMS_PLAIN) * rest->stride);
+	if (!rest->streams)
 		return share_memory();
 	share_streams(mesh, rest);
-	if (influences > 0) {
-		memcpy(rest->joints, deform->joints, (size_t)rest->vertex_count * rest->influences * sizeof *rest->joints);
-		share_weights(deform, rest);
-	}
-	return STILB_OK;
+	return deform->influences == 0 || share_skin(deform, rest) ? STILB_OK : share_memory();
 }
 
 /* Lists the meshes that poses change, and keeps them as they are at rest. shared->posed has room for the parts of the

@@ -27,11 +27,12 @@ typedef struct play_rows {
 /* Vertices to carry. Streams hold a number of each vertex, and can be read to the end of the last eight. */
 typedef struct play_skin {
 	const float *position[3], *normal[3], *uv[2];
-	const float *tangent[4];          /* NULL: there are none */
-	const play_rows *joints;          /* of the skin; NULL: the vertices stay where they are */
-	const float *weights;             /* [count to the next eight][influences], of sum 1 */
-	const uint16_t *indices;          /* the same of joints */
-	uint32_t influences, count;       /* influences: a multiple of 4 */
+	const float *tangent[4]; /* NULL: there are none */
+	const play_rows *joints; /* of the skin; NULL: the vertices stay where they are */
+	const uint32_t *starts;  /* [eights + 1] where the joints of each eight vertices begin; one at least */
+	const uint16_t *indices; /* [starts[eights]] these joints */
+	const float *weights;    /* [starts[eights]][8] what each weighs for the eight; their sum is 1 */
+	uint32_t count;
 	stilb_scene_vertex *vertices;     /* [count] out */
 	stilb_scene_vertex_extra *extras; /* [count] out: the tangents alone */
 	float low[3], high[3];            /* out: their box */
@@ -102,64 +103,49 @@ PLAY_INLINE void play_transpose(play_lanes r[8])
 	}
 }
 
-/* Rows of four, of the vertices i and i + 4 side by side, become columns. */
-PLAY_INLINE void play_transpose_four(const play_lanes r[4], play_lanes to[4])
-{
-	play_lanes a = PLAY_PAIR(r[0], r[1]), b = PLAY_PAIR_HIGH(r[0], r[1]);
-	play_lanes c = PLAY_PAIR(r[2], r[3]), d = PLAY_PAIR_HIGH(r[2], r[3]);
-	to[0] = PLAY_FOUR(a, c);
-	to[1] = PLAY_FOUR_HIGH(a, c);
-	to[2] = PLAY_FOUR(b, d);
-	to[3] = PLAY_FOUR_HIGH(b, d);
-}
-
-/* The matrices of eight vertices: element [4 * row + column] of each. */
+/* The matrices of eight vertices: element [4 * row + column] of each. Neighbours share most of their joints, so that
+ * it pays to go through the joints of all eight: a lane that one does not carry adds zeros, and nothing is gathered. */
 PLAY_INLINE void play_blend(const play_skin *skin, uint32_t first, play_lanes m[12])
 {
-	play_lanes upper[8];
-	play_half lower[8];
-	for (uint32_t v = 0; v < PLAY_LANES; v++) {
-		const float *weights = skin->weights + (size_t)(first + v) * skin->influences;
-		const uint16_t *indices = skin->indices + (size_t)(first + v) * skin->influences;
-		play_lanes rows, sum = {0};
-		play_half row, rest = {0};
-		for (uint32_t i = 0; i < 4; i++) {
-			rows = *(const play_lanes_at *)skin->joints[indices[i]].m;
-			row = *(const play_half_at *)(skin->joints[indices[i]].m + 8);
-			sum += weights[i] * rows;
-			rest += weights[i] * row;
-		}
-		for (uint32_t i = 4; i < skin->influences; i++) {
-			if (weights[i] == 0.0f)
-				continue;
-			rows = *(const play_lanes_at *)skin->joints[indices[i]].m;
-			row = *(const play_half_at *)(skin->joints[indices[i]].m + 8);
-			sum += weights[i] * rows;
-			rest += weights[i] * row;
-		}
-		upper[v] = sum;
-		lower[v] = rest;
+	uint32_t at = skin->starts[first / PLAY_LANES], end = skin->starts[first / PLAY_LANES + 1];
+	const float *joint = skin->joints[skin->indices[at]].m;
+	play_lanes weight = *(const play_lanes_at *)(skin->weights + (size_t)at * PLAY_LANES);
+	for (int i = 0; i < 12; i++)
+		m[i] = weight * joint[i];
+	while (++at < end) {
+		joint = skin->joints[skin->indices[at]].m;
+		weight = *(const play_lanes_at *)(skin->weights + (size_t)at * PLAY_LANES);
+		for (int i = 0; i < 12; i++)
+			m[i] += weight * joint[i];
 	}
-	play_transpose(upper);
-	for (int i = 0; i < 8; i++)
-		m[i] = upper[i];
-	play_lanes pairs[4];
-	for (int i = 0; i < 4; i++)
-		pairs[i] = __builtin_shufflevector(lower[i], lower[i + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-	play_transpose_four(pairs, m + 8);
 }
 
+/* Where the mask is set, b becomes a. */
 PLAY_INLINE void play_choose(const play_mask *mask, const play_lanes *a, play_lanes *b)
 {
+#if defined(__AVX__)
+	__m256 chosen = _mm256_blendv_ps((__m256)*b, (__m256)*a, (__m256)*mask);
+	memcpy(b, &chosen, sizeof chosen);
+#else
 	play_mask x, y;
 	memcpy(&x, a, sizeof x);
 	memcpy(&y, b, sizeof y);
 	y = (x & *mask) | (y & ~*mask);
 	memcpy(b, &y, sizeof y);
+#endif
 }
 
-/* Makes directions unit; those without a length become the others. */
-PLAY_INLINE void play_unit(play_lanes v[3], const play_lanes other[3])
+/* Changes the sign where the mask has that of a number. */
+PLAY_INLINE void play_turn(const play_mask *signs, play_lanes *x)
+{
+	play_mask bits;
+	memcpy(&bits, x, sizeof bits);
+	bits ^= *signs;
+	memcpy(x, &bits, sizeof bits);
+}
+
+/* Makes directions unit, turned round where `signs` says so; those without a length become the others. */
+PLAY_INLINE void play_unit(play_lanes v[3], const play_mask *signs, const play_lanes other[3])
 {
 	play_lanes square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
 	play_mask good = (square > 1e-36f) & (square < 1e36f);
@@ -167,6 +153,7 @@ PLAY_INLINE void play_unit(play_lanes v[3], const play_lanes other[3])
 	play_choose(&good, &square, &scale);
 	play_root(&scale);
 	scale = 1.0f / scale;
+	play_turn(signs, &scale);
 	for (int i = 0; i < 3; i++) {
 		play_lanes unit = v[i] * scale;
 		v[i] = other[i];
@@ -186,14 +173,12 @@ PLAY_INLINE void play_carry(const play_lanes m[12], play_lanes position[3], play
 			c[3 * i + k] = m[a + (k + 1) % 3] * m[b + (k + 2) % 3] - m[a + (k + 2) % 3] * m[b + (k + 1) % 3];
 	}
 	play_lanes determinant = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
-	play_mask mirrored = determinant < 0.0f;
-	play_lanes side = determinant - determinant + 1.0f, minus = -side;
-	play_choose(&mirrored, &minus, &side);
+	play_mask mirrored = (determinant < 0.0f) & INT32_MIN, none = {0};
 	for (size_t i = 0; i < 3; i++) {
-		n[i] = (c[3 * i] * normal[0] + c[3 * i + 1] * normal[1] + c[3 * i + 2] * normal[2]) * side;
+		n[i] = c[3 * i] * normal[0] + c[3 * i + 1] * normal[1] + c[3 * i + 2] * normal[2];
 		rest[i] = normal[i];
 	}
-	play_unit(n, rest);
+	play_unit(n, &mirrored, rest);
 	for (size_t i = 0; i < 3; i++) {
 		position[i] = at[i];
 		normal[i] = n[i];
@@ -204,66 +189,78 @@ PLAY_INLINE void play_carry(const play_lanes m[12], play_lanes position[3], play
 		n[i] = m[4 * i] * tangent[0] + m[4 * i + 1] * tangent[1] + m[4 * i + 2] * tangent[2];
 		rest[i] = tangent[i];
 	}
-	play_unit(n, rest);
+	play_unit(n, &none, rest);
 	for (size_t i = 0; i < 3; i++)
 		tangent[i] = n[i];
-	tangent[3] = tangent[3] * side; /* a matrix that mirrors turns the bitangent round */
+	play_turn(&mirrored, &tangent[3]); /* a matrix that mirrors turns the bitangent round */
 }
 
 /* Writes eight vertices, or those that there are. */
-PLAY_INLINE void play_write(play_skin *skin, uint32_t first, const play_lanes position[3], const play_lanes normal[3],
-                            const play_lanes tangent[4])
+PLAY_INLINE void play_write(play_skin *skin, uint32_t first, uint32_t count, const play_lanes position[3],
+                            const play_lanes normal[3], const play_lanes tangent[4], bool tangents)
 {
-	uint32_t count = skin->count - first < PLAY_LANES ? skin->count - first : PLAY_LANES;
 	play_lanes rows[8] = {position[0], position[1], position[2], normal[0], normal[1], normal[2]};
 	play_load(skin->uv[0] + first, &rows[6]);
 	play_load(skin->uv[1] + first, &rows[7]);
 	play_transpose(rows);
 	for (uint32_t v = 0; v < count; v++)
 		*(play_lanes_at *)skin->vertices[first + v].position = rows[v];
-	for (uint32_t v = 0; skin->tangent[0] && v < count; v++)
+	for (uint32_t v = 0; tangents && v < count; v++)
 		for (int i = 0; i < 4; i++)
 			skin->extras[first + v].tangent[i] = tangent[i][v];
 }
 
 static_assert(sizeof(stilb_scene_vertex) == sizeof(play_lanes), "a vertex is position, normal and uv");
 
-/* Adds eight positions to a box, the first one again for those that are too many. */
+/* Adds eight positions to a box, the first one again for those that are too many. NaN are left out. */
 PLAY_INLINE void play_enclose(const play_lanes position[3], uint32_t count, play_lanes low[3], play_lanes high[3])
 {
 	for (int i = 0; i < 3; i++) {
 		play_lanes p = position[i];
 		for (uint32_t v = count; v < PLAY_LANES; v++)
 			p[v] = p[0];
+#if defined(__AVX__)
+		low[i] = (play_lanes)_mm256_min_ps((__m256)p, (__m256)low[i]);
+		high[i] = (play_lanes)_mm256_max_ps((__m256)p, (__m256)high[i]);
+#else
 		play_mask below = p<low[i], above = p> high[i];
 		play_choose(&below, &p, &low[i]);
 		play_choose(&above, &p, &high[i]);
+#endif
 	}
+}
+
+/* Carries eight vertices, or those that there are, and adds them to a box. */
+PLAY_INLINE void play_eight(play_skin *skin, uint32_t first, uint32_t count, bool tangents, play_lanes low[3],
+                            play_lanes high[3])
+{
+	play_lanes m[12], position[3], normal[3], tangent[4] = {{0}};
+	for (int i = 0; i < 3; i++) {
+		play_load(skin->position[i] + first, &position[i]);
+		play_load(skin->normal[i] + first, &normal[i]);
+	}
+	for (int i = 0; tangents && i < 4; i++)
+		play_load(skin->tangent[i] + first, &tangent[i]);
+	if (skin->joints) {
+		play_blend(skin, first, m);
+		play_carry(m, position, normal, tangent, tangents);
+	}
+	play_write(skin, first, count, position, normal, tangent, tangents);
+	play_enclose(position, count, low, high);
 }
 
 PLAY_INLINE void play_skin_run(play_skin *skin, bool tangents)
 {
 	play_lanes low[3], high[3];
+	uint32_t first = 0;
 	for (int i = 0; i < 3; i++) {
 		low[i] = (play_lanes){INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
 		high[i] = -low[i];
 	}
-	for (uint32_t first = 0; first < skin->count; first += PLAY_LANES) {
-		play_lanes m[12], position[3], normal[3], tangent[4] = {{0}};
-		uint32_t count = skin->count - first < PLAY_LANES ? skin->count - first : PLAY_LANES;
-		for (int i = 0; i < 3; i++) {
-			play_load(skin->position[i] + first, &position[i]);
-			play_load(skin->normal[i] + first, &normal[i]);
-		}
-		for (int i = 0; tangents && i < 4; i++)
-			play_load(skin->tangent[i] + first, &tangent[i]);
-		if (skin->joints) {
-			play_blend(skin, first, m);
-			play_carry(m, position, normal, tangent, tangents);
-		}
-		play_write(skin, first, position, normal, tangent);
-		play_enclose(position, count, low, high);
-	}
+	for (; skin->count - first >= PLAY_LANES; first += PLAY_LANES)
+		play_eight(skin, first, PLAY_LANES, tangents, low, high);
+	if (first < skin->count) /* apart, so that above the vertices stay in registers */
+		play_eight(skin, first, skin->count - first, tangents, low, high);
 	for (int i = 0; i < 3; i++) {
 		skin->low[i] = low[i][0];
 		skin->high[i] = high[i][0];

@@ -266,7 +266,7 @@ static bool stripe_is_there(uint32_t x, double time)
 	return at - floor(at) >= 0.5;
 }
 
-/* A mask by the function, seen and where depth alone is drawn; opaque materials do not look at alpha. */
+/* A mask by the function, seen and where depth alone or velocities are drawn; opaque materials do not look at alpha. */
 static void masks_by_functions(void **state)
 {
 	(void)state;
@@ -302,6 +302,22 @@ static void masks_by_functions(void **state)
 		for (uint32_t i = 0; i < STAGE_SIDE * STAGE_SIDE; i++) {
 			bool there = !masked || stripe_is_there(i % STAGE_SIDE, 0.25);
 			assert_near("a depth", (double)((const float *)bytes)[i], there ? 0.05 / 4.0 : 0.0, 1e-6);
+		}
+		stilb_gpu_read_end(gpu, ticket);
+		stilb_mat4 last = s.view.view_projection; /* the camera was half a metre aside */
+		for (int r = 0; r < 4; r++)
+			last.m[12 + r] += 0.5f * last.m[r];
+		s.view.target = NULL;
+		s.view.last = &last;
+		stage_frame(&s);
+		plan = stilb_render_plan(s.render);
+		uint16_t image = stilb_gpu_plan_find(plan, "velocity");
+		assert_int_equal(stilb_gpu_read_begin(gpu, plan, image, 0, 0, &ticket), STILB_OK);
+		assert_int_equal(stilb_gpu_read_get(gpu, ticket, true, &bytes, &frame), STILB_OK);
+		for (uint32_t i = 0; i < STAGE_SIDE * STAGE_SIDE; i++) {
+			bool there = !masked || stripe_is_there(i % STAGE_SIDE, 0.25);
+			uint32_t size = ((const uint16_t *)bytes)[2 * i] & 0x7fffu;
+			assert_true(there ? size > 0x3800 : size < 0x1400); /* half a pixel; a thousandth */
 		}
 		stilb_gpu_read_end(gpu, ticket);
 		stage_close(&s);

@@ -201,6 +201,124 @@ static void joints_can_hang_elsewhere(void **state)
 	stilb_scene_destroy(scene);
 }
 
+/* Each node is where its parent and its own matrix take it. */
+static void assert_placed(const stilb_scene *scene)
+{
+	const stilb_scene_nodes *nodes = &scene->nodes;
+	for (uint32_t n = 0; n < nodes->count; n++) {
+		if (scene->edits->nodes.next[n] != EDIT_IN_USE)
+			continue;
+		stilb_mat4 world = nodes->local[n];
+		if (nodes->parent[n] != STILB_SCENE_NONE)
+			world = stilb_mat4_multiply(nodes->to_world[nodes->parent[n]], nodes->local[n]);
+		for (int i = 0; i < 16; i++)
+			assert_true(fabsf(world.m[i] - nodes->to_world[n].m[i]) <= 1e-5f * (1.0f + fabsf(world.m[i])));
+	}
+}
+
+/* A joint that clips move goes below another node, and clips still move it there, and all that hangs on it. */
+static void clips_move_what_hangs_elsewhere(void **state)
+{
+	(void)state;
+	moving_write(&files[0], 661);
+	stilb_scene *scene = open_scene();
+	const play_shared *shared = &scene->figures->shared;
+	stilb_scene_pose place = {{7, -2, 3}, {0, 0.6f, 0, 0.8f}, {1, 2, 1}};
+	stilb_scene_play play = stilb_scene_play_make(0);
+	uint32_t figure, hook, moves = 0;
+	assert_int_equal(stilb_scene_add_figure(scene, &place, &figure), STILB_OK);
+	assert_int_equal(stilb_scene_add_node(scene, STILB_SCENE_NONE, &place, &hook), STILB_OK);
+	assert_int_equal(stilb_scene_set_plays(scene, figure, &play, 1), STILB_OK);
+	assert_true(shared->top_count > 0 && shared->top_count < shared->moved_count);
+	uint32_t node = stilb_scene_figure_node(scene, figure, shared->moved[shared->top_count]);
+	for (int frame = 0; frame < 12; frame++) {
+		if (frame == 4 || frame == 8)
+			assert_int_equal(stilb_scene_set_node_parent(scene, node, frame == 4 ? hook : STILB_SCENE_NONE), STILB_OK);
+		stilb_mat4 before = scene->nodes.to_world[node];
+		step(scene, (double)scene->animation->clips[0].duration / 13.0);
+		moves += memcmp(&before, &scene->nodes.to_world[node], sizeof before) != 0;
+		assert_placed(scene);
+	}
+	assert_true(moves > 6);
+	stilb_scene_destroy(scene);
+}
+
+static bool is_moved(const play_shared *shared, uint32_t node)
+{
+	bool moved = false;
+	for (uint32_t i = 0; i < shared->moved_count; i++)
+		moved |= shared->moved[i] == node;
+	return moved;
+}
+
+/* Nodes from which the places of all that clips move follow: those that hang on none that clips move. */
+static void places_follow_from_the_topmost(void **state)
+{
+	(void)state;
+	uint32_t below = 0;
+	for (uint64_t seed = 670; seed < 682; seed++) {
+		moving_write(&files[2], seed);
+		stilb_scene *scene = open_scene();
+		const play_shared *shared = &scene->figures->shared;
+		for (uint32_t i = 0; i < shared->moved_count; i++) {
+			uint32_t parent = scene->animation->nodes[shared->moved[i]].parent;
+			assert_true((i < shared->top_count) == !is_moved(shared, parent));
+			below += i < shared->top_count && parent != STILB_SCENE_NONE;
+		}
+		stilb_scene_destroy(scene);
+	}
+	assert_true(below > 3);
+}
+
+/* The reach of a joint is the distance of the farthest vertex that it, or a joint below it, carries. */
+static void joints_reach_what_they_carry(void **state)
+{
+	(void)state;
+	moving_write(&(moving_file){"skin", ALL | MOVING_NORMALS, 8, 1, 0, 6, 0, 1, 1}, 662);
+	stilb_scene *rest = open_rest(), *scene = open_scene();
+	const stilb_scene_animation *a = scene->animation;
+	const play_shared *shared = &scene->figures->shared;
+	stilb_mat4 *places = calloc(a->node_count, sizeof *places);
+	float *reach = calloc(a->node_count, sizeof *reach);
+	assert_true(places && reach);
+	assert_int_equal(stilb_scene_set_rates(scene, &(stilb_scene_rates){0}), STILB_OK);
+	for (uint32_t n = 0; n < a->node_count; n++)
+		places[n] = a->nodes[n].parent == STILB_SCENE_NONE
+		                ? a->nodes[n].local
+		                : stilb_mat4_multiply(places[a->nodes[n].parent], a->nodes[n].local);
+	for (uint32_t p = 0; p < shared->posed_count; p++) {
+		const stilb_scene_deform *deform = &a->deforms[shared->posed[p].deform];
+		const stilb_scene_skin *skin = &a->skins[shared->posed[p].skin];
+		for (uint32_t k = 0; k < rest->meshes[deform->mesh].vertex_count * deform->influences; k++) {
+			const float *at = rest->meshes[deform->mesh].vertices[k / deform->influences].position;
+			uint32_t joint = skin->first_joint + deform->joints[k];
+			stilb_mat4 to = stilb_mat4_multiply(places[a->joints[joint]], a->inverse_binds[joint]);
+			for (uint32_t n = a->joints[joint]; n != STILB_SCENE_NONE && deform->weights[k] > 0.0f;
+			     n = a->nodes[n].parent) {
+				float square = 0.0f;
+				for (int i = 0; i < 3; i++) {
+					float x = to.m[i] * at[0] + to.m[4 + i] * at[1] + to.m[8 + i] * at[2] + to.m[12 + i] -
+					          places[n].m[12 + i];
+					square += x * x;
+				}
+				reach[n] = fmaxf(reach[n], sqrtf(square));
+			}
+		}
+	}
+	uint32_t checked = 0;
+	for (uint32_t n = 0; n < a->node_count; n++) {
+		if (isinf(shared->reach[n]))
+			continue;
+		assert_true(fabsf(shared->reach[n] - reach[n]) <= 1e-5f * reach[n]);
+		checked += reach[n] > 0.0f;
+	}
+	assert_true(checked >= 3);
+	free(places);
+	free(reach);
+	stilb_scene_destroy(rest);
+	stilb_scene_destroy(scene);
+}
+
 /* A figure that the program adds, plays and takes apart. */
 static void change_something(stilb_scene *scene, uint32_t *figures, uint32_t *count)
 {
@@ -462,6 +580,9 @@ int main(void)
 		cmocka_unit_test(figures_stand_where_they_are_put),
 		cmocka_unit_test(places_change_no_bit_of_a_shape),
 		cmocka_unit_test(joints_can_hang_elsewhere),
+		cmocka_unit_test(clips_move_what_hangs_elsewhere),
+		cmocka_unit_test(places_follow_from_the_topmost),
+		cmocka_unit_test(joints_reach_what_they_carry),
 		cmocka_unit_test(figures_come_and_go_while_they_play),
 		cmocka_unit_test(clips_have_any_length),
 		cmocka_unit_test(files_have_many_nodes),
