@@ -54,6 +54,28 @@ static void test_what_does_not_fit(void **state)
 	assert_int_equal(folder_entries(), 4);
 }
 
+/* A copy of the program with a byte more is another build. */
+static void test_another_build(void **state)
+{
+	(void)state;
+	static char block[1 << 20], kept[PATH_MAX];
+	FILE *from = fopen(stilb_path, "rb"), *to = fopen("stilb", "wb");
+	assert_true(from && to);
+	for (size_t got; (got = fread(block, 1, sizeof block, from)) > 0;)
+		assert_int_equal(fwrite(block, 1, got, to), got);
+	fputc('x', to);
+	fclose(from);
+	assert_int_equal(fclose(to), 0);
+	assert_int_equal(chmod("stilb", 0700), 0);
+	stilb_good(SMALL "--part 1/2 -o 1.part");
+	snprintf(kept, sizeof kept, "%s", stilb_path);
+	snprintf(stilb_path, sizeof stilb_path, "./stilb");
+	int code = stilb_code(no_display, SMALL "--part 2/2 -o 2.part");
+	snprintf(stilb_path, sizeof stilb_path, "%s", kept);
+	assert_int_equal(code, 0);
+	refused("render --merge 1.part 2.part -o a.exr", "'2.part' was made by another build of the program than '1.part'");
+}
+
 static void test_what_no_part_can_do(void **state)
 {
 	(void)state;
@@ -99,6 +121,7 @@ int main(int argc, char **argv)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup(test_parts_are_the_picture, folder_fresh),
 		cmocka_unit_test_setup(test_what_does_not_fit, folder_fresh),
+		cmocka_unit_test_setup(test_another_build, folder_fresh),
 		cmocka_unit_test_setup(test_what_no_part_can_do, folder_fresh),
 		cmocka_unit_test_setup(test_a_part_resumes, folder_fresh),
 	};
