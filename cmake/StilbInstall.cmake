@@ -19,6 +19,9 @@ endif()
 # ---- what libraries start or load by themselves: base_part.c finds it here ----
 install(TARGETS stilb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS stilb-image-oiio LIBRARY DESTINATION lib/stilb)
+if(TARGET stilb-farm-mpi)
+	install(TARGETS stilb-farm-mpi LIBRARY DESTINATION lib/stilb)
+endif()
 install(TARGETS stilb-scene-import RUNTIME DESTINATION lib/stilb)
 if(NOT PROJECT_IS_TOP_LEVEL) # the same places relative to the headers below
 	set_target_properties(stilb-scene-import PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/stilb)
@@ -111,7 +114,7 @@ stilb_component(engine "${PROJECT_DESCRIPTION}"
 	MODULES engine debug ui render gpu culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
-	MODULES gi
+	MODULES gi farm
 	REQUIRES stilb-scene stilb-jobs stilb-profiler LIBS -lembree3 -ltbb -lstdc++)
 
 # ---- the shared library ----
@@ -131,7 +134,7 @@ set(shared_definitions STILB_PROF_SHARED)
 if(NOT STILB_PROFILE)
 	list(APPEND shared_definitions STILB_PROFILE_OFF)
 endif()
-set(modules engine debug ui render gpu culling input window gi numeric geometry scene image base jobs profiler-shared)
+set(modules engine debug ui render gpu culling input window gi farm numeric geometry scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
 target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-geometry stilb-flags # for the libraries of others that these need

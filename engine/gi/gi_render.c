@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 #define TILE 16u              /* side of a tile, in points of the pass's grid (pixels where block is 1) */
 #define SMALLEST_TILE 4u      /* side of a tile where TILE would give too few tiles for the workers */
@@ -24,6 +25,7 @@
 #define OVERTURE_SHARE 0.5    /* of the time limit, for filling the irradiance cache before the picture */
 #define WATCH_NS 50000000u    /* between two calls of the watcher */
 #define FIRST_SAMPLES 16u     /* of each pixel in the first round of a progressive render: see first_samples */
+#define UNIT_WAIT_NS 500000   /* before a feed that has no unit now is asked again */
 #define SLICE_BATCH 128u      /* samples in a batch at most where loops are cut into slices: about a millisecond */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
@@ -136,6 +138,8 @@ void stilb_gi_render_destroy(stilb_gi_render *render)
 		free(render->workers[i].scratch);
 	free(render->workers);
 	gi_film_finish(&render->film);
+	free(render->units.order);
+	free(render->identity);
 	stilb_lock_finish(&render->lock);
 	free(render);
 }
@@ -387,6 +391,89 @@ static void tiles_render(uint32_t begin, uint32_t end, uint32_t worker, void *co
 	}
 }
 
+/* ---- units ------------------------------------------------------------------------------------------------------- */
+
+static tile_grid unit_grid(stilb_gi_render *render)
+{
+	return (tile_grid){
+		.render = render, .block = 1, .target = render->view.settings.samples, .tile = render->units.side};
+}
+
+/* Renders all samples of the unit that it lacks. False: the render is ending before they are done. */
+static bool unit_render(const tile_grid *grid, gi_render_worker *worker, uint32_t unit)
+{
+	PROFILE("gi.unit");
+	gi_unit_place place = gi_unit_place_of(&grid->render->units, unit);
+	grid_tile tile = {place.x, place.y, grid->tile};
+	worker->added = false;
+	bool whole = tile_gather(grid, worker, &tile);
+	if (worker->added)
+		tile_resolve(grid, &tile);
+	return whole;
+}
+
+/* stilb_job_range_fn: each slice takes units from the feed until there are none, so that no thread waits for the units
+ * of another. */
+static void units_render(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	tile_grid *grid = context;
+	stilb_gi_render *render = grid->render;
+	const stilb_farm_feed *feed = &render->feed;
+	STILB_ASSERT(begin < end && worker < render->worker_count);
+	(void)begin;
+	(void)end;
+	while (!is_ending(render)) {
+		uint32_t unit;
+		stilb_farm_taken taken = feed->take(feed->user, &unit);
+		if (taken == STILB_FARM_NO_MORE)
+			return;
+		if (taken == STILB_FARM_LATER) {
+			nanosleep(&(struct timespec){.tv_nsec = UNIT_WAIT_NS}, NULL);
+			if (worker == 0)
+				watch(render);
+		} else if (unit_render(grid, &render->workers[worker], unit)) {
+			feed->done(feed->user, unit);
+		} else {
+			feed->back(feed->user, unit);
+			break;
+		}
+	}
+	atomic_store_explicit(&render->cut, true, memory_order_relaxed); /* see struct stilb_gi_render */
+}
+
+/* The pass over units: the last one, or one after those that a checkpoint of a render without a feed has brought. */
+static stilb_gi_pass *units_pass(stilb_gi_render *render, uint32_t samples)
+{
+	STILB_ASSERT_LOCKED(&render->lock);
+	stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
+	if (last && !last->finished && last->block == 1 && last->first_sample == 0 && last->sample_count == samples)
+		return last;
+	STILB_ASSERT(render->pass_count < STILB_GI_MAX_PASSES);
+	last = &render->passes[render->pass_count++];
+	*last = (stilb_gi_pass){.block = 1, .sample_count = samples};
+	return last;
+}
+
+/* The one pass of a render that has a feed: all samples of each unit that the feed gives. */
+static stilb_gi_end units_run(stilb_gi_render *render)
+{
+	tile_grid grid = unit_grid(render);
+	uint64_t begun = stilb_time_ns();
+	stilb_lock_take(&render->lock);
+	stilb_gi_pass *pass = units_pass(render, grid.target);
+	snprintf(render->stage, sizeof render->stage, "units");
+	stilb_lock_give(&render->lock);
+	atomic_store_explicit(&render->cut, false, memory_order_relaxed); /* see struct stilb_gi_render */
+	atomic_store_explicit(&render->share_next, 0, memory_order_relaxed);
+	stilb_job_parallel_for(render->pool, render->worker_count, 1, units_render, &grid, render->caller);
+	bool cut = atomic_load_explicit(&render->cut, memory_order_relaxed);
+	stilb_lock_take(&render->lock);
+	pass->finished = !cut;
+	pass->seconds += (double)(stilb_time_ns() - begun) * 1e-9;
+	stilb_lock_give(&render->lock);
+	return cut ? STILB_GI_END_STOPPED : STILB_GI_END_SAMPLES;
+}
+
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
 
 static double seconds_spent(const stilb_gi_render *render)
@@ -451,14 +538,14 @@ static bool pass_plan(const stilb_gi_render *render, stilb_gi_pass *next)
 /* The pass to render next: the last one if it was cut short, else a new one; NULL: nothing is left to do. */
 static stilb_gi_pass *pass_next(stilb_gi_render *render)
 {
-	if (render->pass_count > 0 && !render->passes[render->pass_count - 1].finished)
-		return &render->passes[render->pass_count - 1];
+	bool cut = render->pass_count > 0 && !render->passes[render->pass_count - 1].finished;
 	stilb_gi_pass next;
-	if (!pass_plan(render, &next))
+	if (!cut && !pass_plan(render, &next))
 		return NULL;
 	stilb_lock_take(&render->lock);
-	stilb_gi_pass *pass = &render->passes[render->pass_count++];
-	*pass = next;
+	if (!cut)
+		render->passes[render->pass_count++] = next;
+	stilb_gi_pass *pass = &render->passes[render->pass_count - 1];
 	snprintf(render->stage, sizeof render->stage, "pass %u", render->pass_count);
 	stilb_lock_give(&render->lock);
 	return pass;
@@ -623,7 +710,9 @@ stilb_result stilb_gi_render_run(stilb_gi_render *render)
 	PROFILE("gi.render");
 	run_begin(render);
 	stilb_result result = overture_run(render);
-	stilb_gi_end end = result == STILB_OK ? passes_run(render) : STILB_GI_END_NOT;
+	stilb_gi_end end = result != STILB_OK  ? STILB_GI_END_NOT
+	                   : render->feed.take ? units_run(render)
+	                                       : passes_run(render);
 	run_end(render, end);
 	if (end_is_final(end) && render->cache_fill)
 		result = gi_cache_fill_save(render->cache_fill);
@@ -650,6 +739,11 @@ void stilb_gi_render_stop(stilb_gi_render *render)
 gi_render_totals gi_render_totals_of(const stilb_gi_render *render)
 {
 	gi_render_totals totals = render->resumed;
+	totals.samples += atomic_load_explicit(&render->others.samples, memory_order_relaxed);
+	totals.rays += atomic_load_explicit(&render->others.rays, memory_order_relaxed);
+	totals.camera_rays += atomic_load_explicit(&render->others.camera_rays, memory_order_relaxed);
+	totals.shadow_rays += atomic_load_explicit(&render->others.shadow_rays, memory_order_relaxed);
+	totals.bad_samples += atomic_load_explicit(&render->others.bad_samples, memory_order_relaxed);
 	for (uint32_t i = 0; i < render->worker_count; i++) {
 		const gi_render_counters *counters = &render->workers[i].counters; /* relaxed: see gi_render_counters */
 		totals.samples += atomic_load_explicit(&counters->samples, memory_order_relaxed);
@@ -667,7 +761,8 @@ static double share_done(const stilb_gi_render *render, const stilb_gi_progress 
 {
 	STILB_ASSERT_LOCKED(&render->lock);
 	const stilb_gi_settings *settings = &render->view.settings;
-	double done = (double)samples / ((double)settings->width * settings->height * settings->samples);
+	double pixels = render->share_pixels ? (double)render->share_pixels : (double)settings->width * settings->height;
+	double done = (double)samples / (pixels * settings->samples);
 	if (render->cache_fill)
 		done = 0.5 * (render->overture_done + done); /* the overture counts as half of the work */
 	if (settings->seconds > 0.0)
@@ -675,6 +770,34 @@ static double share_done(const stilb_gi_render *render, const stilb_gi_progress 
 	if (settings->error > 0.0f && render->estimate < HUGE_VAL && render->estimate > 0.0)
 		done = fmax(done, pow((double)settings->error / render->estimate, 2.0));
 	return progress->finished ? 1.0 : fmin(done, 1.0);
+}
+
+/* Pixels of every block-th row and column. */
+static double block_pixels(const stilb_gi_render *render, uint32_t block)
+{
+	return (double)parts_of(render->film.width, block) * parts_of(render->film.height, block);
+}
+
+/* Samples that a pass adds: in the first round, the coarser blocks' pixels have them. */
+static double pass_samples(const stilb_gi_render *render, const stilb_gi_pass *pass)
+{
+	bool finer = pass->first_sample == 0 && pass > render->passes;
+	double before = finer ? block_pixels(render, 2 * pass->block) : 0.0;
+	return (block_pixels(render, pass->block) - before) * pass->sample_count;
+}
+
+static double pass_share(const stilb_gi_render *render, uint64_t samples)
+{
+	STILB_ASSERT_LOCKED(&render->lock);
+	const stilb_gi_pass *last = render->pass_count ? &render->passes[render->pass_count - 1] : NULL;
+	if (!last || last->finished)
+		return last ? 1.0 : 0.0;
+	double there = (double)samples, wanted = pass_samples(render, last);
+	if (render->feed.take)
+		wanted = (render->share_pixels ? (double)render->share_pixels : block_pixels(render, 1)) * last->sample_count;
+	for (uint32_t i = 0; !render->feed.take && i + 1 < render->pass_count; i++)
+		there -= pass_samples(render, &render->passes[i]);
+	return fmax(0.0, fmin(there / wanted, 1.0));
 }
 
 static void progress_of_passes(const stilb_gi_render *render, stilb_gi_progress *progress)
@@ -712,6 +835,7 @@ void stilb_gi_render_progress(stilb_gi_render *render, stilb_gi_progress *progre
 	snprintf(progress->stage, sizeof progress->stage, "%s", render->stage);
 	progress_of_passes(render, progress);
 	progress->done = share_done(render, progress, totals.samples);
+	progress->pass_done = pass_share(render, totals.samples);
 	stilb_lock_give(&render->lock);
 }
 
@@ -727,15 +851,5 @@ stilb_gi_film stilb_gi_render_film(const stilb_gi_render *render)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
-	const gi_film *film = &render->film;
-	/* radiance is _Atomic float, as stilb_gi_render_preview reads it during a run; now nobody writes it, so the caller
-	 * may read it as plain floats. */
-	return (stilb_gi_film){.width = film->width,
-	                       .height = film->height,
-	                       .radiance = (const float *)film->radiance,
-	                       .albedo = film->albedo,
-	                       .normal = film->normal,
-	                       .depth = film->depth,
-	                       .variance = film->variance,
-	                       .samples = (const uint32_t *)film->samples};
+	return gi_film_planes(&render->film);
 }

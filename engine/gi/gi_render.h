@@ -309,6 +309,9 @@ typedef struct stilb_gi_progress {
 	/* The passes begun so far, in order. */
 	uint32_t pass_count;
 	stilb_gi_pass passes[STILB_GI_MAX_PASSES];
+	/* Share of the pixels of the last of them that have its samples, [0, 1]: an estimate while it runs, by the samples
+	 * that are there. */
+	double pass_done;
 } stilb_gi_progress;
 
 /* Fills progress with the state of the moment; the counts of samples and rays may lack the batches (at most 1024

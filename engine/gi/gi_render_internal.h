@@ -5,10 +5,12 @@
 #define GI_RENDER_INTERNAL_H
 
 #include "base/base_contract.h"
+#include "farm/farm.h"
 #include "gi/cache/gi_cache_fill.h"
 #include "gi/film/gi_camera.h"
 #include "gi/film/gi_film.h"
 #include "gi/film/gi_primary.h"
+#include "gi/film/gi_unit.h"
 #include "gi/integrate/gi_integrator.h"
 
 /* Counters of one thread. That thread alone adds; stilb_gi_render_progress reads at any time. All accesses are relaxed:
@@ -58,6 +60,17 @@ struct stilb_gi_render {
 	uint32_t window;          /* tiles of a slice's loop at most, about as many as fit; 0: none is known */
 	gi_render_totals resumed; /* counted before the checkpoint that was resumed */
 	bool overture_finished;   /* the irradiance cache is filled */
+
+	/* Of renders that are shared by machines (gi_farm.h); units.order is NULL in others. */
+	gi_units units;
+	stilb_farm_feed feed;           /* take NULL: run goes in passes over the whole picture */
+	struct gi_identity *identity;   /* NULL until stilb_gi_farm_work makes it */
+	uint32_t share_index, share_of; /* of a part; 0: the whole picture */
+	uint64_t share_pixels;          /* 0: all of the picture */
+	gi_render_counters others;      /* of other machines */
+	/* The next unit of the share, counted from its first. Set by run before its loop, taken by the workers. Relaxed: no
+	 * other data goes with it. */
+	_Atomic uint32_t share_next;
 
 	/* Asks run to return: set by any thread, read by all workers before each batch, cleared when run returns. Relaxed:
 	 * no other data goes with it, and a worker that sees it late renders one more batch. */

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 stilb_gi_settings stilb_gi_settings_default(const stilb_scene *scene)
@@ -192,6 +193,47 @@ gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index)
 		break;
 	}
 	return setting;
+}
+
+/* The index of a name among those of a FIELD_NAME; UINT32_MAX: it is none of them. */
+static uint32_t field_named(const field *f, const char *text)
+{
+	for (uint32_t i = 0; i <= (uint32_t)f->high; i++)
+		if (strcmp(f->names[i], text) == 0)
+			return i;
+	return UINT32_MAX;
+}
+
+bool gi_settings_put(stilb_gi_settings *settings, uint32_t index, const char *text)
+{
+	STILB_ASSERT(settings && text && index < gi_settings_count());
+	const field *f = &FIELDS[index];
+	char *at = (char *)settings + f->offset, *end = NULL;
+	uint64_t integer = f->kind == FIELD_U32 || f->kind == FIELD_U64 ? strtoull(text, &end, 10) : 0;
+	double number = f->kind == FIELD_DOUBLE ? strtod(text, &end) : 0.0;
+	float single = f->kind == FIELD_FLOAT ? strtof(text, &end) : 0.0f;
+	uint32_t small = f->kind == FIELD_NAME ? field_named(f, text) : (uint32_t)integer;
+	if ((end && (end == text || *end)) || text[0] == '\0')
+		return false;
+	switch (f->kind) {
+	case FIELD_U32:
+	case FIELD_NAME:
+		memcpy(at, &small, sizeof small);
+		return f->kind == FIELD_NAME ? small != UINT32_MAX : integer <= UINT32_MAX;
+	case FIELD_U64:
+		memcpy(at, &integer, sizeof integer);
+		return true;
+	case FIELD_FLOAT:
+		memcpy(at, &single, sizeof single);
+		return true;
+	case FIELD_DOUBLE:
+		memcpy(at, &number, sizeof number);
+		return true;
+	case FIELD_BOOL:
+		break;
+	}
+	*(bool *)at = strcmp(text, "yes") == 0;
+	return *(bool *)at || strcmp(text, "no") == 0;
 }
 
 /* ---- ranges ------------------------------------------------------------------------------------------------------ */

@@ -29,4 +29,7 @@ uint32_t gi_settings_count(void);
 /* index < gi_settings_count(). The file names of the irradiance cache are not in the table. */
 gi_setting gi_settings_get(const stilb_gi_settings *settings, uint32_t index);
 
+/* Sets the field from a text that gi_settings_get wrote; its range is not checked. False: it is no such text. */
+bool gi_settings_put(stilb_gi_settings *settings, uint32_t index, const char *text);
+
 #endif

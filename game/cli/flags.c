@@ -176,6 +176,7 @@ static flags_result parse_value(const flag *f, const char *value)
 		return parse_list(f, value);
 	case FLAG_SWITCH:
 	case FLAG_WORD:
+	case FLAG_WORDS:
 	case FLAG_TITLE:
 		break;
 	}
@@ -187,7 +188,7 @@ static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
 {
 	nearest_word nearest = nearest_begin(word, strcspn(word, "="));
 	for (size_t i = 0; i < flag_count; i++)
-		if (flags[i].kind != FLAG_WORD && flags[i].kind != FLAG_TITLE)
+		if (flags[i].name[0] == '-')
 			nearest_try(&nearest, flags[i].name);
 	if (nearest.best)
 		stilb_log("unknown flag '%s'; did you mean '%s'? --help lists them all", word, nearest.best);
@@ -196,11 +197,16 @@ static int refuse_flag(const flag *flags, size_t flag_count, const char *word)
 	return 0;
 }
 
-/* Stores a word that is no flag in the row of kind FLAG_WORD. Returns 1, the number of arguments used, or 0 when it is
- * refused. */
+/* Stores a word that is no flag in the row of kind FLAG_WORD or FLAG_WORDS. Returns 1, the number of arguments used, or
+ * 0 when it is refused. */
 static int parse_word(const flag *flags, size_t flag_count, const char *word)
 {
 	for (size_t i = 0; i < flag_count; i++) {
+		if (flags[i].kind == FLAG_WORDS && word[0] != '\0') {
+			flag_words *words = flags[i].value;
+			words->words[words->count++] = word;
+			return 1;
+		}
 		if (flags[i].kind != FLAG_WORD || word[0] == '\0')
 			continue;
 		const char **value = flags[i].value;
@@ -257,6 +263,8 @@ static bool flag_is_sound(const flag *f)
 		return f->name && !f->value;
 	case FLAG_WORD:
 		return f->name && f->value;
+	case FLAG_WORDS:
+		return f->name && f->value && ((const flag_words *)f->value)->words;
 	case FLAG_SWITCH:
 		return f->name && f->name[0] == '-' && f->value && !f->argument && f->help;
 	case FLAG_CHOICE:
@@ -335,7 +343,7 @@ void flags_print(const flag *flags, size_t flag_count)
 		char left[64];
 		if (flags[i].kind == FLAG_TITLE)
 			printf("%s%s:\n", i > 0 ? "\n" : "", flags[i].name);
-		if (flags[i].kind == FLAG_WORD || flags[i].kind == FLAG_TITLE)
+		if (flags[i].name[0] != '-')
 			continue;
 		snprintf(left, sizeof left, "%s %s", flags[i].name, flags[i].argument ? flags[i].argument : "");
 		printf("  %-28s %s\n", left, flags[i].help);

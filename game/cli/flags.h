@@ -1,7 +1,7 @@
 /*
  * flags: reads a command line by a table with one row for each flag. `--flag value` and `--flag=value` mean the same,
  * and of a flag that is given twice the last value counts. A word that is neither a flag nor the value of one goes to
- * the row of kind FLAG_WORD, wherever it stands.
+ * the row of kind FLAG_WORD, wherever it stands, or each to that of kind FLAG_WORDS.
  *
  *   uint64_t frames = 120;
  *   bool headless = false;
@@ -34,6 +34,7 @@ typedef enum flag_kind {
 	FLAG_AMOUNT,  /* float in [low, high] */
 	FLAG_LIST,    /* flag_list: from low to high numbers with commas between, high <= FLAG_LIST_MAX */
 	FLAG_WORD,    /* const char *, a word without a flag, at most one; `name` is what messages call it: "scene" */
+	FLAG_WORDS,   /* flag_words, all words without a flag; not beside FLAG_WORD */
 	FLAG_TITLE,   /* not a flag: `name` is a heading that --help prints above the flags after it */
 } flag_kind;
 
@@ -45,6 +46,12 @@ typedef struct flag_list {
 	uint32_t count; /* 0: the flag was not given */
 	float numbers[FLAG_LIST_MAX];
 } flag_list;
+
+/* Words that stand without a flag, in their order. The caller gives memory for as many as there are arguments. */
+typedef struct flag_words {
+	uint32_t count;
+	const char **words;
+} flag_words;
 
 typedef struct flag {
 	const char *name; /* with its dashes */
@@ -89,7 +96,7 @@ const char *flags_choice(char text[FLAG_CHOICE_SIZE], const char *choice);
 
 /* Prints the flags for --help on stdout: a line for each flag, for each FLAG_TITLE a heading, after an empty line if
  * it is not the first.
- * FLAG_WORD is left out; the command's own text names it. */
+ * FLAG_WORD and FLAG_WORDS are left out; the command's own text names them. */
 void flags_print(const flag *flags, size_t flag_count);
 
 /* The exit codes of every subcommand: done; failed while it ran; refused before it started. */

@@ -1,6 +1,7 @@
 /* stilb render: a picture by ray tracing. The work runs on a thread of its own (render_work.h); this file starts it,
  * shows its progress on the terminal and in the window of --preview, and reports the result. */
 #include "game/commands.h"
+#include "render_merge.h"
 #include "render_options.h"
 #include "render_progress.h"
 #include "render_report.h"
@@ -21,6 +22,29 @@
 #define RENDER_MANY_RAYS 1e10     /* --integrator montecarlo needs --force for more: they take minutes to hours */
 
 static volatile sig_atomic_t offline_interrupted;
+
+static volatile sig_atomic_t offline_continued;
+
+static void offline_on_continue(int signal_number)
+{
+	(void)signal_number;
+	offline_continued = 1;
+}
+
+/* Where ranks work together, the host decides when they end. mpirun sends SIGCONT to all when a rank has died or Ctrl-C
+ * was pressed, a second later SIGTERM and another second later SIGKILL: the first is the hint to write a checkpoint. */
+static void offline_catch_crew_signals(bool guest)
+{
+	struct sigaction ignore = {.sa_handler = SIG_IGN}, again = {.sa_handler = offline_on_continue};
+	if (guest) {
+		sigaction(SIGINT, &ignore, NULL);
+		sigaction(SIGTERM, &ignore, NULL);
+		sigaction(SIGHUP, &ignore, NULL);
+	} else {
+		sigaction(SIGCONT, &again, NULL);
+		sigaction(SIGPIPE, &ignore, NULL); /* mpirun, which prints what we write, may be gone */
+	}
+}
 
 static void offline_on_signal(int signal_number)
 {
@@ -129,11 +153,16 @@ static void offline_attend(const offline_options *o, offline_work *work, offline
 		uint64_t now = stilb_time_ns();
 		if (offline_interrupted || window->closed)
 			offline_work_stop(work);
-		else if (between > 0 && now - checkpoint_ns >= between) {
+		else if (offline_continued || (between > 0 && now - checkpoint_ns >= between)) {
+			if (offline_continued)
+				stilb_log("SIGCONT: writing '%s'; if mpirun ends this job, the same command with --resume continues it",
+				          o->checkpoint);
+			offline_continued = 0;
 			offline_work_checkpoint(work);
 			checkpoint_ns = now;
 		}
-		offline_progress_show(&progress, stage, &at);
+		if (!o->guest)
+			offline_progress_show(&progress, stage, &at);
 		if (window->viewer && !window->closed) {
 			offline_progress_words(&progress, stage, &at, words, sizeof words);
 			offline_window_refresh(window, work);
@@ -142,7 +171,7 @@ static void offline_attend(const offline_options *o, offline_work *work, offline
 			offline_sleep(RENDER_TICK);
 		}
 	}
-	if (progress.terminal)
+	if (progress.terminal && !o->guest)
 		offline_progress_clear();
 }
 
@@ -226,35 +255,68 @@ static int offline_finish(const offline_options *o, const offline_result *result
 	return result->code == EXIT_DONE && !whole ? EXIT_FAILED : result->code;
 }
 
+/* A guest's troubles are the host's to tell. */
+static void offline_say_nothing(void *user, const char *line)
+{
+	(void)user;
+	(void)line;
+}
+
 static int offline_main(const offline_options *o)
 {
 	offline_work *work;
 	offline_window window = {0};
+	static offline_crew crew;
+	if (!offline_crew_join(&crew))
+		return EXIT_FAILED;
 	offline_catch_signals();
-	if (offline_work_start(o, &work) != STILB_OK) {
+	if (crew.many)
+		offline_catch_crew_signals(o->guest);
+	if (offline_work_start(o, &crew, &work) != STILB_OK) {
 		offline_result failed = {.code = EXIT_FAILED};
 		snprintf(failed.message, sizeof failed.message, "%s", stilb_error_message());
-		return offline_finish(o, &failed);
+		int code = offline_finish(o, &failed);
+		offline_crew_leave(&crew, code);
+		return code;
 	}
 	if (o->preview)
 		offline_window_open(&window, o);
 	offline_attend(o, work, &window);
 	offline_result result = offline_work_join(work);
-	int code = offline_finish(o, &result);
+	int code = o->guest ? EXIT_DONE : offline_finish(o, &result);
 	fflush(stdout);
+	offline_crew_leave(&crew, code);
 	offline_linger(&window, &result);
 	offline_window_finish(&window);
 	stilb_prof_shutdown(); /* after the window, whose renderer has a lane in the profile */
 	return code;
 }
 
+/* Refuses a part of a picture that all ranks of mpirun would compute together. */
+static bool offline_part_is_alone(const offline_options *o)
+{
+	if (o->part)
+		stilb_log("--part is for machines that do not talk to each other; leave it out, or mpirun");
+	return !o->part;
+}
+
 int offline_command(int argc, char **argv)
 {
 	static offline_options options;
+	if (offline_merge_is_asked(argc, argv))
+		return offline_merge(argc, argv);
+	bool guest = offline_crew_is_guest();
+	if (guest)
+		stilb_log_set(offline_say_nothing, NULL);
 	flags_result parsed = offline_options_parse(&options, argc, argv);
 	if (parsed == FLAGS_HELP)
 		return EXIT_DONE;
+	if (guest)
+		offline_options_be_guest(&options);
 	if (parsed == FLAGS_REFUSED || !offline_options_check(&options))
+		return EXIT_REFUSED;
+	if (stilb_farm_link_is_asked() &&
+	    (!offline_options_share_check(&options, "mpirun") || !offline_part_is_alone(&options)))
 		return EXIT_REFUSED;
 	if (options.dry_run)
 		return offline_dry_run(&options);

@@ -268,6 +268,11 @@ static void options_table(offline_options *o, flag_rows *table)
 	     NULL},
 		{"--cache-save", FLAG_TEXT, &o->cache_save, "FILE", "save the records", 0, 0, NULL},
 
+		{"Many machines", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
+		{"--part", FLAG_TEXT, &o->part, "I/N", "render share I of N of the picture, to -o FILE.part", 0, 0, NULL},
+		{"--merge", FLAG_SWITCH, &o->merge, NULL, "make the picture of all its parts, which stand in place of SCENE", 0,
+	     0, NULL},
+
 		{"The run", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--resume", FLAG_SWITCH, &o->resume, NULL, "continue from OUTPUT.checkpoint, if there is one", 0, 0, NULL},
 		{"--checkpoint", FLAG_AMOUNT, &o->checkpoint_s, "S", "seconds between checkpoints; 0: only on Ctrl-C (60)", 0,
@@ -311,6 +316,24 @@ static bool options_frames(offline_options *o)
 	return false;
 }
 
+#define RENDER_MOST_PARTS 1000000u
+
+/* Reads --part. Returns false after a line if it is no share. */
+static bool options_part(offline_options *o)
+{
+	int end = 0;
+	if (!o->part)
+		return true;
+	bool good = strspn(o->part, "0123456789/") == strlen(o->part) &&
+	            sscanf(o->part, "%9" SCNu32 "/%9" SCNu32 "%n", &o->part_index, &o->part_of, &end) == 2 &&
+	            o->part[end] == '\0';
+	if (good && o->part_index >= 1 && o->part_index <= o->part_of && o->part_of <= RENDER_MOST_PARTS)
+		return true;
+	stilb_log("--part: '%s' is no I/N; give 1/4, 2/4, 3/4 and 4/4 for four parts, %u at most", o->part,
+	          RENDER_MOST_PARTS);
+	return false;
+}
+
 flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 {
 	flag_rows table = {0};
@@ -325,11 +348,19 @@ flags_result offline_options_parse(offline_options *o, int argc, char **argv)
 		return result;
 	if (!options_show(o, flags, count, argc, argv))
 		return FLAGS_REFUSED;
-	if (!options_frames(o))
+	if (!options_frames(o) || !options_part(o))
 		return FLAGS_REFUSED;
 	options_complete(o, flags, count, argc, argv);
 	options_say_unused(o, flags, count, argc, argv);
 	return FLAGS_OK;
+}
+
+void offline_options_be_guest(offline_options *o)
+{
+	o->output = o->stats = o->trace = o->cache_save = NULL;
+	o->checkpoint[0] = '\0';
+	o->preview = o->resume = false;
+	o->guest = true;
 }
 
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
@@ -396,7 +427,7 @@ static bool options_files_check(const offline_options *o)
 		if (others[i])
 			result = stilb_file_check(others[i]);
 	if (result == STILB_OK && o->output)
-		result = stilb_image_path_check(o->output);
+		result = o->part ? stilb_file_check(o->output) : stilb_image_path_check(o->output);
 	if (result != STILB_OK)
 		stilb_log("%s", stilb_error_message());
 	return result == STILB_OK;
@@ -436,13 +467,43 @@ static bool options_motion_check(const offline_options *o)
 	return false;
 }
 
+/* What many machines cannot share: `how` is the flag or the command that asks for them. */
+bool offline_options_share_check(const offline_options *o, const char *how)
+{
+	if (o->seconds > 0.0f)
+		stilb_log("--time ends each machine's work elsewhere; with %s give --spp", how);
+	else if (o->error > 0.0f)
+		stilb_log("--error looks at the whole picture, which no machine has; with %s give --spp", how);
+	else if (o->light.integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE && o->cache == STILB_GI_CACHE_LIVE)
+		stilb_log("--cache live gives other bits in every run; with %s leave it out, and --overture off", how);
+	else if (o->frames)
+		stilb_log("--frames: with %s give each machine frames of its own instead", how);
+	else if (o->shutter > 0.0f)
+		stilb_log("--shutter: a blurred picture is of many poses and cannot be shared; leave out %s", how);
+	else
+		return true;
+	return false;
+}
+
+static bool options_part_check(const offline_options *o)
+{
+	const char *dot = o->output ? strrchr(o->output, '.') : NULL;
+	if (!o->part)
+		return true;
+	if (!dot || strcmp(dot, ".part") != 0 || stilb_file_is_stdout(o->output))
+		stilb_log("--part makes no picture; give -o FILE.part, and --merge the parts");
+	else
+		return offline_options_share_check(o, "--part");
+	return false;
+}
+
 bool offline_options_check(const offline_options *o)
 {
 	if (!o->scene) {
 		stilb_log("no scene; give one: stilb render SCENE -o FILE, a file or one of %s", stilb_scene_builtin_names());
 		return false;
 	}
-	if (!o->output && !o->dry_run && !o->preview) {
+	if (!o->output && !o->dry_run && !o->preview && !o->guest) {
 		stilb_log("no output; give -o FILE.exr, -o FILE.png or --preview");
 		return false;
 	}
@@ -461,7 +522,7 @@ bool offline_options_check(const offline_options *o)
 		return false;
 	}
 	return picture_flags_check(&o->picture) && options_lens_check(o) && options_motion_check(o) &&
-	       options_files_check(o);
+	       options_part_check(o) && options_files_check(o);
 }
 
 /* ---- settings ---------------------------------------------------------------------------------------------------- */

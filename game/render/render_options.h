@@ -37,6 +37,10 @@ typedef struct offline_options {
 	int show;           /* stilb_scene_surface_channel, or RENDER_NOT_GIVEN */
 	picture_flags picture;
 	rays_flags light;
+	const char *part; /* of --part, "I/N"; NULL: the whole picture */
+	uint32_t part_index, part_of;
+	bool merge; /* of --help alone: render_merge.h reads it */
+	bool guest; /* one of the ranks of mpirun that write nothing */
 	bool preview, resume, dry_run, force, show_records;
 } offline_options;
 
@@ -50,9 +54,16 @@ extern const char *const offline_cache_radii[];
  * flags_parse returns. A flag that the integrator has no use for is one line on stderr, not an error. */
 flags_result offline_options_parse(offline_options *o, int argc, char **argv);
 
+/* Takes out all that a rank other than 0 has no use for: its outputs, the window. After parse. */
+void offline_options_be_guest(offline_options *o);
+
 /* Checks what the table of flags cannot express: flags that contradict each other, and the files. Returns false after
  * one line on stderr. Starts nothing and writes nothing. */
 bool offline_options_check(const offline_options *o);
+
+/* Refuses what gives other bits, or makes no sense, where many machines render one picture, after one line on stderr.
+ * how: what asked for them, "--part". */
+bool offline_options_share_check(const offline_options *o, const char *how);
 
 /* The settings for a scene and its camera. They point to strings of *o. */
 stilb_gi_settings offline_options_settings(const offline_options *o, const stilb_scene *scene);

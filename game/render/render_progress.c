@@ -65,10 +65,17 @@ void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t si
 	STILB_ASSERT(size >= 64);
 	uint32_t samples = at->samples > 0 ? at->samples : progress_pass_samples(at);
 	const char *many = samples == 1 ? "" : "s";
-	if (at->samples > 0)
+	const stilb_gi_pass *last = at->pass_count > 0 ? &at->passes[at->pass_count - 1] : NULL;
+	uint32_t more = last && !last->finished && last->block == 1 ? last->first_sample + last->sample_count : 0;
+	int share = (int)(at->pass_done * 100.0);
+	if (at->samples > 0 && more > at->samples && share > 0)
+		snprintf(text, size, "%" PRIu32 " sample%s a pixel, %" PRIu32 " in %d %% of them", samples, many, more, share);
+	else if (at->samples > 0)
 		snprintf(text, size, "%" PRIu32 " sample%s a pixel", samples, many);
 	else if (at->block > 0)
 		snprintf(text, size, "%" PRIu32 " sample%s in 1 of %" PRIu32 " pixels", samples, many, at->block * at->block);
+	else if (more > 0 && share > 0)
+		snprintf(text, size, "%" PRIu32 " sample%s in %d %% of the pixels", more, more == 1 ? "" : "s", share);
 	else
 		snprintf(text, size, "the first pixels");
 }

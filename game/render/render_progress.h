@@ -25,7 +25,8 @@ void offline_progress_begin(offline_progress *progress);
 /* Draws the bar or prints the line if it is time to. */
 void offline_progress_show(offline_progress *progress, offline_stage stage, const stilb_gi_progress *at);
 
-/* Writes the number of samples so far: "12 samples a pixel", or in the coarse passes "16 samples in 1 of 64 pixels".
+/* Writes which pixels have how many samples: "16 samples a pixel, 32 in 42 % of them", in the coarse passes "16 samples
+ * in 1 of 64 pixels", in a picture of parts "64 samples in 42 % of the pixels".
  * size is that of text, at least 64. */
 void offline_progress_samples(const stilb_gi_progress *at, char *text, size_t size);
 

@@ -156,6 +156,7 @@ static void report_put_run(stilb_json *json, const offline_options *o, const off
 	stilb_json_int(json, "bad_samples", (int64_t)progress->bad_samples);
 	stilb_json_double(json, "mrays_per_s", report_rate(progress) * 1e-6);
 	stilb_json_int(json, "workers", result->workers);
+	stilb_json_int(json, "ranks", result->ranks > 0 ? result->ranks : 1);
 	stilb_json_string(json, "isa", result->scene.isa);
 	jobs_json_put(json, &result->jobs);
 	report_put_settings(json, &result->settings);
@@ -205,6 +206,10 @@ void offline_report_print(const offline_options *o, const offline_result *result
 	fprintf(out, "%s, %ux%u, %s (%s); %u worker%s, %s\n", flags_choice(integrator, rays_integrators[s->integrator]),
 	        s->width, s->height, samples, flags_choice(sampler, offline_samplers[s->sampler]), result->workers,
 	        result->workers == 1 ? "" : "s", result->scene.isa);
+	if (result->shares[0])
+		fprintf(out, "%s\n", result->shares);
+	if (o->part)
+		fprintf(out, "part %" PRIu32 " of %" PRIu32 "\n", o->part_index, o->part_of);
 	if (s->integrator == STILB_GI_INTEGRATOR_IRRADIANCE_CACHE)
 		fprintf(out, "%" PRIu32 " records in the cache\n", progress->records);
 	fprintf(out, "%s rays in %.2f s: %s rays/s\n", rays, progress->seconds, rate);
@@ -214,7 +219,7 @@ void offline_report_print(const offline_options *o, const offline_result *result
 		fprintf(out, "%" PRIu32 " of %" PRIu32 " pictures were written\n", result->frames,
 		        o->frame_last - o->frame_first + 1);
 	else if (result->saved)
-		fprintf(out, "picture: %s\n", o->output);
+		fprintf(out, "%s: %s\n", o->part ? "part" : "picture", o->output);
 	if (result->stopped && result->checkpointed)
 		fprintf(out, "stopped at %.0f %%; the same command with --resume continues it\n", 100.0 * progress->done);
 }

@@ -3,6 +3,7 @@
 #include "base/base_contract.h"
 #include "base/base_file.h"
 #include "engine.h"
+#include "gi/gi_farm.h"
 #include "job_prof/job_prof.h"
 #include "profiler/prof.h"
 #include "profiler/prof_snapshot.h"
@@ -21,6 +22,7 @@
 
 struct offline_work {
 	const offline_options *options;
+	offline_crew *crew;
 	stilb_owner owner; /* the thread that started the work */
 	pthread_t thread;
 	offline_result result; /* written by the thread; read after it has ended */
@@ -36,6 +38,7 @@ struct offline_work {
 typedef struct work_pieces {
 	offline_work *work;
 	const offline_options *options;
+	offline_crew *crew;
 	offline_result *result;
 	stilb_job_pool *pool;
 	stilb_scene *scene;
@@ -153,7 +156,7 @@ static bool work_pool(work_pieces *p)
 {
 	stilb_job_pool_desc desc = stilb_job_pool_desc_default();
 	uint32_t asked = p->options->workers;
-	p->result->workers = asked == FLAG_WORKERS_AUTO ? stilb_job_cpu_count() : asked;
+	p->result->workers = asked == FLAG_WORKERS_AUTO ? offline_crew_threads(p->crew) : asked;
 	desc.worker_count = p->result->workers - 1; /* the work's thread renders as well */
 	desc.affinity = STILB_JOB_AFFINITY_NONE;    /* the machine may be shared: the kernel places the threads */
 	desc.hooks = stilb_job_prof_hooks("worker");
@@ -227,6 +230,11 @@ static bool work_build(work_pieces *p)
 	p->result->prepared = true;
 	if (!work_good(p, stilb_gi_render_create(p->gi_scene, &p->result->settings, p->pool, &p->render)))
 		return false;
+	const offline_options *o = p->options;
+	if (o->part && !work_good(p, stilb_gi_farm_share(p->render, o->part_index, o->part_of)))
+		return false;
+	if (p->crew->many && !work_good(p, stilb_gi_farm_begin(p->render)))
+		return false;
 	p->result->build_s = work_seconds_since(start);
 	return true;
 }
@@ -256,7 +264,9 @@ static void work_checkpoint(work_pieces *p)
 	PROFILE("checkpoint");
 	if (!p->options->checkpoint[0])
 		return;
+	offline_crew_hold(p->crew);
 	p->result->checkpointed = stilb_gi_render_checkpoint(p->render, p->options->checkpoint) == STILB_OK;
+	offline_crew_release(p->crew);
 	if (p->result->checkpointed || p->warned)
 		return;
 	p->warned = true;
@@ -273,6 +283,10 @@ static void work_render(work_pieces *p)
 	while (!work_is_stopped(p->work)) {
 		if (stilb_gi_render_run(p->render) != STILB_OK) {
 			work_fail(p, EXIT_FAILED);
+			break;
+		}
+		if (offline_crew_trouble(p->crew, p->result->message, sizeof p->result->message)) {
+			p->result->code = EXIT_REFUSED;
 			break;
 		}
 		stilb_gi_render_progress(p->render, &p->result->progress);
@@ -311,12 +325,17 @@ static void work_save(work_pieces *p)
 	uint64_t start = stilb_time_ns();
 	work_enter(p->work, RENDER_WRITING);
 	bool picture = p->result->progress.camera_rays > 0;
-	if (p->output && picture) {
-		p->result->saved = stilb_gi_render_save(p->render, p->output) == STILB_OK;
+	if (picture && p->result->stopped)
+		work_checkpoint(p); /* first: mpirun gives a process that it ends some seconds at most */
+	if (p->options->part && p->result->stopped) {
+		p->result->saved = false; /* what a part lacks could not be told in a picture */
+	} else if (p->output && (picture || p->options->part)) {
+		p->result->saved = (p->options->part ? stilb_gi_farm_save_part(p->render, p->output)
+		                                     : stilb_gi_render_save(p->render, p->output)) == STILB_OK;
 		if (!p->result->saved)
 			work_fail(p, EXIT_FAILED);
 	}
-	if (picture && (p->result->stopped || (p->output && !p->result->saved)))
+	if (picture && !p->result->stopped && p->output && !p->result->saved)
 		work_checkpoint(p);
 	else if (p->result->progress.finished && p->options->checkpoint[0])
 		unlink(p->options->checkpoint);
@@ -400,23 +419,34 @@ static void work_finish(work_pieces *p)
 	stilb_job_pool_destroy(p->pool);
 }
 
+/* Meets the other ranks, also if this one is not ready, so that the host hears why. */
+static bool work_crew(work_pieces *p, bool ready)
+{
+	p->result->ranks = p->crew->many ? p->crew->link.count : 0;
+	return work_good(p, offline_crew_begin(p->crew, p->render, p->result->workers, ready ? NULL : p->result->message));
+}
+
 /* The function of the work's thread. In the profile, the whole work is one frame. */
 static void *work_main(void *data)
 {
 	offline_work *work = data;
-	work_pieces pieces = {.work = work, .options = work->options, .result = &work->result};
+	work_pieces pieces = {.work = work, .options = work->options, .crew = work->crew, .result = &work->result};
 	stilb_prof_thread_begin("render");
 	stilb_prof_frame_mark();
-	if (work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces)) {
+	bool ready = work_pool(&pieces) && work_open(&pieces) && work_build(&pieces) && work_resume(&pieces);
+	if (work_crew(&pieces, ready) && ready) {
 		pieces.output = work->options->output ? strdup(work->options->output) : NULL;
 		if (work->options->frames) {
 			work_frames(&pieces);
 		} else {
 			work_render_frame(&pieces, 0.0);
-			work_save(&pieces);
+			if (pieces.result->code != EXIT_REFUSED) /* a rank that does not belong */
+				work_save(&pieces);
 		}
 	}
 	free(pieces.output);
+	offline_crew_shares(work->crew, work->result.shares, sizeof work->result.shares);
+	offline_crew_end(work->crew);
 	stilb_prof_frame_mark();
 	if (work->options->trace && pieces.render)
 		work_trace(&pieces);
@@ -440,7 +470,7 @@ static int work_create_thread(offline_work *work)
 	return error;
 }
 
-stilb_result offline_work_start(const offline_options *options, offline_work **out)
+stilb_result offline_work_start(const offline_options *options, offline_crew *crew, offline_work **out)
 {
 	*out = NULL;
 	offline_work *work = calloc(1, sizeof *work);
@@ -448,6 +478,7 @@ stilb_result offline_work_start(const offline_options *options, offline_work **o
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory to render with");
 	stilb_owner_take(&work->owner);
 	work->options = options;
+	work->crew = crew;
 	pthread_mutex_init(&work->lock, NULL);
 	stilb_prof_ring_events_set(WORK_RING_EVENTS);
 	stilb_prof_record_set(options->trace);

@@ -4,7 +4,7 @@
  *
  *   offline_work *work;
  *   stilb_gi_progress progress;
- *   if (offline_work_start(&options, &work) == STILB_OK) {
+ *   if (offline_work_start(&options, &crew, &work) == STILB_OK) {
  *       while (offline_work_look(work, &progress) != RENDER_DONE)
  *           ...                                           show the progress, sleep
  *       offline_result result = offline_work_join(work);
@@ -15,6 +15,7 @@
 #ifndef STILB_RENDER_WORK_H
 #define STILB_RENDER_WORK_H
 
+#include "render_crew.h"
 #include "render_options.h"
 
 #include "jobs/job.h"
@@ -37,7 +38,9 @@ typedef struct offline_result {
 	bool stopped;                   /* the render ended before it was finished */
 	uint32_t frames;                /* pictures of --frames that were written */
 	bool saved, checkpointed;       /* the picture was written; the last checkpoint was written */
-	uint32_t workers;               /* threads that rendered */
+	uint32_t workers;               /* threads that rendered here */
+	uint32_t ranks;                 /* machines that rendered; 0: this one alone */
+	char shares[256];               /* who of these rendered how much, in words */
 	double open_s, build_s, save_s; /* seconds of the stages */
 	bool metered;                   /* the exposure in settings is metered */
 	uint64_t import_bytes;          /* the most memory of the import process at once; 0: unknown */
@@ -47,9 +50,9 @@ typedef struct offline_result {
 	stilb_job_pool_stats jobs;
 } offline_result;
 
-/* Starts the thread. *options must stay valid and unchanged until offline_work_join returns.
- * STILB_ERROR_THREAD, STILB_ERROR_MEMORY: *work is NULL. */
-stilb_result offline_work_start(const offline_options *options, offline_work **work);
+/* Starts the thread, which renders with the crew. *crew and *options must stay valid, and *options unchanged, until
+ * offline_work_join returns. STILB_ERROR_THREAD, STILB_ERROR_MEMORY: *work is NULL. */
+stilb_result offline_work_start(const offline_options *options, offline_crew *crew, offline_work **work);
 
 /* Returns the present stage. *progress is {0} before rendering begins. */
 offline_stage offline_work_look(offline_work *work, stilb_gi_progress *progress);

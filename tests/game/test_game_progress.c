@@ -29,6 +29,17 @@ static void test_samples_in_words(void **state)
 	assert_string_equal(said(&at), "1 sample a pixel");
 	at.samples = 64;
 	assert_string_equal(said(&at), "64 samples a pixel");
+	at.passes[at.pass_count++] = (stilb_gi_pass){.block = 1, .first_sample = 64, .sample_count = 64};
+	assert_string_equal(said(&at), "64 samples a pixel");
+	at.pass_done = 0.429;
+	assert_string_equal(said(&at), "64 samples a pixel, 128 in 42 % of them");
+	at.passes[at.pass_count - 1].finished = true;
+	at.samples = 128;
+	assert_string_equal(said(&at), "128 samples a pixel");
+	at = (stilb_gi_progress){.pass_count = 1, .passes = {{.block = 1, .sample_count = 200}}};
+	assert_string_equal(said(&at), "the first pixels");
+	at.pass_done = 0.07;
+	assert_string_equal(said(&at), "200 samples in 7 % of the pixels");
 }
 
 static void test_a_line_of_progress(void **state)

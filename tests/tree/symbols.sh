@@ -15,6 +15,7 @@ prefixes_of() {
 	shading) echo shade ;;
 	culling) echo cull ;;
 	bench-harness) echo bench gnuplot ;; # with a file of game/cli
+	bench-farm-sim) echo farm ;;
 	*) echo "$1" ;;
 	esac
 }

@@ -2,72 +2,21 @@
  * gi_checkpoint: writes and reads checkpoints, files from which another process continues a render.
  *
  * The file: a line that identifies the format; the length of a text and the text, with a line "name value" for
- * everything that must be the same; checkpoint_state; the film's sums; and the FNV-1a hash of all that. Byte order
- * and floats are the machine's.
+ * everything that must be the same; checkpoint_state; the film's sums, of a share of the picture (gi_farm.h) those of
+ * its units alone; and the FNV-1a hash of all that. Byte order and floats are the machine's.
  */
 #include "gi/gi_render_internal.h"
 
 #include "base/base_file.h"
-#include "gi/gi_scene_hash.h"
-#include "gi/gi_settings.h"
+#include "gi/film/gi_identity.h"
 #include "profiler/prof.h"
 
-#include <errno.h>
-#include <inttypes.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #define CHECKPOINT_MAGIC "stilb gi checkpoint 1\n"
-#define CHECKPOINT_MAX_TEXT 16384u
-
-/* ---- what must be the same --------------------------------------------------------------------------------------- */
-
-/* FNV-1a of a file that the render reads; 0 if there is none. */
-static uint64_t hash_file(const char *path)
-{
-	FILE *stream;
-	if (!path || stilb_file_read_open(path, &stream) != STILB_OK)
-		return 0;
-	char part[4096];
-	uint64_t hash = STILB_FNV1A64_START;
-	for (size_t got; (got = fread(part, 1, sizeof part, stream)) > 0;)
-		hash = stilb_hash_fnv1a64(hash, part, got);
-	fclose(stream);
-	return hash;
-}
-
-typedef struct checkpoint_text {
-	uint32_t length;
-	char text[CHECKPOINT_MAX_TEXT];
-} checkpoint_text;
-
-static void __attribute__((format(printf, 2, 3))) text_line(checkpoint_text *text, const char *format, ...)
-{
-	va_list arguments;
-	va_start(arguments, format);
-	int length = vsnprintf(text->text + text->length, sizeof text->text - text->length, format, arguments);
-	va_end(arguments);
-	text->length += (uint32_t)length;
-	STILB_ASSERT(text->length < sizeof text->text);
-}
-
-static void text_make(const stilb_gi_render *render, checkpoint_text *text)
-{
-	const stilb_gi_scene *scene = render->view.scene;
-	text->length = 0;
-	text_line(text, "version %s\n", STILB_VERSION);
-	text_line(text, "isa %s\n", scene->info.isa);
-	text_line(text, "scene %016" PRIx64 "\n", gi_scene_hash(scene));
-	for (uint32_t i = 0; i < gi_settings_count(); i++) {
-		gi_setting setting = gi_settings_get(&render->view.settings, i);
-		if (setting.role == GI_SETTING_SAMPLE)
-			text_line(text, "%s %s\n", setting.name, setting.value);
-	}
-	text_line(text, "cache.load %016" PRIx64 "\n", hash_file(render->view.settings.cache.load));
-}
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
@@ -111,19 +60,35 @@ static void checkpoint_write_hashed(stilb_file *file, uint64_t *hash, const void
 	stilb_file_write(file, data, size); /* its failure is reported by stilb_file_commit later */
 }
 
+/* The units of the render's share. */
+static stilb_result write_share(const stilb_gi_render *render, stilb_file *file, uint64_t *hash)
+{
+	uint32_t size = gi_unit_size(&render->units, &render->film);
+	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
+	void *result = stilb_memory_alloc(1, size);
+	if (!result)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", file->path);
+	for (uint32_t i = 0; i < range.count; i++) {
+		gi_unit_get(&render->units, &render->film, range.first + i, result);
+		checkpoint_write_hashed(file, hash, result, size);
+	}
+	free(result);
+	return STILB_OK;
+}
+
 stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const char *path)
 {
 	STILB_ASSERT_OWNER(render->owner);
 	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
 	STILB_ASSERT(path);
 	PROFILE("gi.checkpoint");
-	checkpoint_text text;
+	gi_identity text;
 	checkpoint_state state;
 	stilb_file file;
 	stilb_result result = stilb_file_open(&file, path);
 	if (result != STILB_OK)
 		return result;
-	text_make(render, &text);
+	gi_identity_make(render, GI_IDENTITY_CHECKPOINT, &text);
 	state_make(render, &state);
 	uint64_t hash = STILB_FNV1A64_START;
 	const gi_film *film = &render->film;
@@ -131,9 +96,17 @@ stilb_result stilb_gi_render_checkpoint(const stilb_gi_render *render, const cha
 	checkpoint_write_hashed(&file, &hash, &text.length, sizeof text.length);
 	checkpoint_write_hashed(&file, &hash, text.text, text.length);
 	checkpoint_write_hashed(&file, &hash, &state, sizeof state);
-	checkpoint_write_hashed(&file, &hash, film->pixels, film_pixels(film) * sizeof *film->pixels);
-	if (film->weights)
-		checkpoint_write_hashed(&file, &hash, film->weights, film_pixels(film) * sizeof *film->weights);
+	if (render->share_of > 0) {
+		result = write_share(render, &file, &hash);
+	} else {
+		checkpoint_write_hashed(&file, &hash, film->pixels, film_pixels(film) * sizeof *film->pixels);
+		if (film->weights)
+			checkpoint_write_hashed(&file, &hash, film->weights, film_pixels(film) * sizeof *film->weights);
+	}
+	if (result != STILB_OK) {
+		stilb_file_finish(&file);
+		return result;
+	}
 	stilb_file_write(&file, &hash, sizeof hash);
 	return stilb_file_commit(&file);
 }
@@ -146,6 +119,7 @@ typedef struct checkpoint_reader {
 	uint64_t hash, left; /* left: bytes of the file that are not read yet */
 	checkpoint_state state;
 	gi_film film; /* the film's sums as read; of this struct only pixels and weights are set */
+	char *share;  /* of a share, its units in their place */
 } checkpoint_reader;
 
 static stilb_result resume_fail(const checkpoint_reader *reader, const char *why)
@@ -167,32 +141,22 @@ static bool checkpoint_read_hashed(checkpoint_reader *reader, void *data, size_t
 	return true;
 }
 
-/* Length of the text up to the first of the characters in ends. */
-static int text_word(const char *line, const char *ends)
-{
-	return (int)strcspn(line, ends);
-}
-
 /* Fails with the name of the first line that differs between two texts. */
 static stilb_result resume_differs(const checkpoint_reader *reader, const char *theirs, const char *ours)
 {
-	while (*theirs && *ours) {
-		int their_length = text_word(theirs, "\n"), our_length = text_word(ours, "\n");
-		if (their_length != our_length || memcmp(theirs, ours, (size_t)our_length) != 0)
-			break;
-		theirs += their_length + (theirs[their_length] == '\n');
-		ours += our_length + (ours[our_length] == '\n');
-	}
-	int name = text_word(ours, " \n");
-	if (!*ours || strncmp(theirs, ours, (size_t)name) != 0 || theirs[name] != ' ')
+	stilb_farm_difference d;
+	bool differ = stilb_farm_differ(theirs, ours, &d);
+	if (differ && strncmp(d.name, "part ", 5) == 0)
+		return stilb_fail(STILB_ERROR_FILE, "cannot resume from '%s': it is of %s%.*s", reader->path,
+		                  d.a ? "part " : "the whole picture", d.a_length, d.a ? d.a : "");
+	if (!differ || !d.a || !d.b)
 		return resume_fail(reader, "it was made by another version");
-	if (strncmp(ours, "scene", 5) == 0)
+	if (strncmp(d.name, "scene ", 6) == 0)
 		return resume_fail(reader, "it belongs to another scene");
-	if (strncmp(ours, "cache.load", 10) == 0)
+	if (strncmp(d.name, "cache.load ", 11) == 0)
 		return resume_fail(reader, "the loaded irradiance cache is another one");
-	const char *their_value = theirs + name + 1, *our_value = ours + name + 1;
 	return stilb_fail(STILB_ERROR_FILE, "cannot resume from '%s': it was made with %.*s %.*s, not %.*s", reader->path,
-	                  name, ours, text_word(their_value, "\n"), their_value, text_word(our_value, "\n"), our_value);
+	                  d.name_length, d.name, d.a_length, d.a, d.b_length, d.b);
 }
 
 static stilb_result read_text(checkpoint_reader *reader, const stilb_gi_render *render)
@@ -200,12 +164,12 @@ static stilb_result read_text(checkpoint_reader *reader, const stilb_gi_render *
 	char magic[sizeof CHECKPOINT_MAGIC - 1];
 	if (!checkpoint_read_hashed(reader, magic, sizeof magic) || memcmp(magic, CHECKPOINT_MAGIC, sizeof magic) != 0)
 		return resume_fail(reader, "it is not a checkpoint of this version");
-	checkpoint_text theirs, ours;
+	gi_identity theirs, ours;
 	if (!checkpoint_read_hashed(reader, &theirs.length, sizeof theirs.length) || theirs.length >= sizeof theirs.text ||
 	    !checkpoint_read_hashed(reader, theirs.text, theirs.length))
 		return resume_damaged(reader);
 	theirs.text[theirs.length] = '\0';
-	text_make(render, &ours);
+	gi_identity_make(render, GI_IDENTITY_CHECKPOINT, &ours);
 	if (theirs.length == ours.length && memcmp(theirs.text, ours.text, ours.length) == 0)
 		return STILB_OK;
 	return resume_differs(reader, theirs.text, ours.text);
@@ -243,6 +207,21 @@ static stilb_result read_film(checkpoint_reader *reader, const gi_film *shape)
 	return whole ? STILB_OK : resume_damaged(reader);
 }
 
+static stilb_result read_share(checkpoint_reader *reader, const stilb_gi_render *render)
+{
+	uint32_t size = gi_unit_size(&render->units, &render->film);
+	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
+	if (reader->left != (uint64_t)range.count * size + sizeof reader->hash)
+		return resume_damaged(reader);
+	reader->share = stilb_memory_alloc(range.count, size);
+	if (!reader->share)
+		return stilb_fail(STILB_ERROR_MEMORY, "cannot resume from '%s': out of memory", reader->path);
+	bool whole = checkpoint_read_hashed(reader, reader->share, (size_t)range.count * size);
+	uint64_t hash = reader->hash, written = 0;
+	whole = whole && checkpoint_read_hashed(reader, &written, sizeof written) && written == hash;
+	return whole ? STILB_OK : resume_damaged(reader);
+}
+
 static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *render)
 {
 	struct stat info;
@@ -255,7 +234,7 @@ static stilb_result read_all(checkpoint_reader *reader, const stilb_gi_render *r
 	if (!checkpoint_read_hashed(reader, &reader->state, sizeof reader->state) ||
 	    !state_is_possible(&reader->state, &render->film))
 		return resume_damaged(reader);
-	return read_film(reader, &render->film);
+	return render->share_of > 0 ? read_share(reader, render) : read_film(reader, &render->film);
 }
 
 /* ---- going on ---------------------------------------------------------------------------------------------------- */
@@ -294,6 +273,15 @@ static void take_film(gi_film *film, gi_film *loaded)
 		gi_film_resolve(film, i);
 }
 
+/* The units were read from a file whose hash is right, so their numbers are taken as they are. */
+static void take_share(stilb_gi_render *render, const char *share)
+{
+	uint32_t size = gi_unit_size(&render->units, &render->film);
+	stilb_farm_range range = stilb_farm_share(render->units.count, render->share_index, render->share_of);
+	for (uint32_t i = 0; i < range.count; i++)
+		gi_unit_set(&render->units, &render->film, range.first + i, 0, UINT32_MAX, share + (size_t)i * size);
+}
+
 stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 {
 	STILB_ASSERT_OWNER(render->owner);
@@ -309,7 +297,10 @@ stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 	result = read_all(&reader, render);
 	fclose(reader.stream);
 	if (result == STILB_OK) {
-		take_film(&render->film, &reader.film);
+		if (reader.share)
+			take_share(render, reader.share);
+		else
+			take_film(&render->film, &reader.film);
 		stilb_lock_take(&render->lock);
 		take_passes(render, &reader.state);
 		render->seconds = reader.state.seconds;
@@ -318,5 +309,6 @@ stilb_result stilb_gi_render_resume(stilb_gi_render *render, const char *path)
 		stilb_lock_give(&render->lock);
 	}
 	gi_film_finish(&reader.film);
+	free(reader.share);
 	return result;
 }

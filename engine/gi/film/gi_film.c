@@ -4,33 +4,26 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define FILM_FIREFLY_RANGE 1.0f /* luminance at which a sample's weight is half, if bright samples weigh less */
 
 /* ---- life -------------------------------------------------------------------------------------------------------- */
-
-static void *film_zeroed(size_t count, size_t size)
-{
-	void *memory = stilb_memory_alloc(count, size);
-	if (memory)
-		memset(memory, 0, count * size);
-	return memory;
-}
 
 stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool weighted)
 {
 	STILB_ASSERT(film && width > 0 && height > 0);
 	size_t count = (size_t)width * height;
 	*film = (gi_film){.width = width, .height = height};
-	film->pixels = film_zeroed(count, sizeof *film->pixels);
-	film->weights = weighted ? film_zeroed(count, sizeof *film->weights) : NULL;
-	film->radiance = film_zeroed(count, sizeof(float[3]));
-	film->samples = film_zeroed(count, sizeof *film->samples);
-	film->albedo = film_zeroed(count, sizeof(float[3]));
-	film->normal = film_zeroed(count, sizeof(float[3]));
-	film->depth = film_zeroed(count, sizeof *film->depth);
-	film->variance = film_zeroed(count, sizeof(float[3]));
+	/* So much memory comes as pages that are zero and not there until they are touched: a large picture begins at once,
+	 * and a part of it takes a part of the memory. Huge pages would each hold pixels of every part. */
+	film->pixels = calloc(count, sizeof *film->pixels);
+	film->weights = weighted ? calloc(count, sizeof *film->weights) : NULL;
+	film->radiance = calloc(count, sizeof(float[3]));
+	film->samples = calloc(count, sizeof *film->samples);
+	film->albedo = calloc(count, sizeof(float[3]));
+	film->normal = calloc(count, sizeof(float[3]));
+	film->depth = calloc(count, sizeof *film->depth);
+	film->variance = calloc(count, sizeof(float[3]));
 	bool whole = film->pixels && film->radiance && film->samples && film->albedo && film->normal && film->depth &&
 	             film->variance && (film->weights || !weighted);
 	if (!whole) {
@@ -154,6 +147,20 @@ void gi_film_resolve(gi_film *film, size_t index)
 	film->depth[index] = pixel->hits ? (float)(pixel->depth / pixel->hits) : INFINITY;
 	/* Release: pairs with film_shown's acquire: who sees the new count of samples sees radiance as well. */
 	atomic_store_explicit(&film->samples[index], pixel->samples, memory_order_release);
+}
+
+stilb_gi_film gi_film_planes(const gi_film *film)
+{
+	/* radiance is _Atomic float, as stilb_gi_render_preview reads it during a run; now nobody writes it, so the caller
+	 * may read it as plain floats. */
+	return (stilb_gi_film){.width = film->width,
+	                       .height = film->height,
+	                       .radiance = (const float *)film->radiance,
+	                       .albedo = film->albedo,
+	                       .normal = film->normal,
+	                       .depth = film->depth,
+	                       .variance = film->variance,
+	                       .samples = (const uint32_t *)film->samples};
 }
 
 double gi_film_error(const gi_film *film)

@@ -69,6 +69,9 @@ double gi_film_error(const gi_film *film);
  * pixels are written. */
 void gi_film_coverage(const gi_film *film, float *share);
 
+/* The planes, to be read while nobody writes pixels. */
+stilb_gi_film gi_film_planes(const gi_film *film);
+
 /* The body of stilb_gi_render_preview. */
 void gi_film_preview(const gi_film *film, float *rgb);
 

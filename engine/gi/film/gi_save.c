@@ -1,4 +1,5 @@
 /* gi_save: the picture as a file: .exr has all planes unchanged, .hdr the radiance, .png the picture as displayed. */
+#include "gi/film/gi_picture.h"
 #include "gi/gi_render_internal.h"
 #include "gi/gi_settings.h"
 #include "gi/integrate/gi_backdrop.h"
@@ -37,16 +38,16 @@ static void save_attribute(save_attributes *attributes, const char *name, const 
 
 /* Writes all settings, those of the display (GI_SETTING_VIEW) only if the file is for display, and nothing about the
  * run itself, so that a picture is the same file whether its render ran through or was stopped and continued. */
-static void save_settings(const stilb_gi_render *render, bool display, save_attributes *attributes)
+static void save_settings(const gi_picture *picture, bool display, save_attributes *attributes)
 {
 	attributes->count = 0;
 	for (uint32_t i = 0; i < gi_settings_count(); i++) {
-		gi_setting setting = gi_settings_get(&render->view.settings, i);
+		gi_setting setting = gi_settings_get(picture->settings, i);
 		if (display || setting.role != GI_SETTING_VIEW)
 			save_attribute(attributes, setting.name, setting.value);
 	}
-	save_attribute(attributes, "environment", render->view.scene->surroundings);
-	save_attribute(attributes, "isa", render->view.scene->info.isa);
+	save_attribute(attributes, "environment", picture->surroundings);
+	save_attribute(attributes, "isa", picture->isa);
 }
 
 /* ---- .png -------------------------------------------------------------------------------------------------------- */
@@ -77,9 +78,9 @@ void stilb_gi_display(const float *rgb, size_t pixels, float exposure, uint32_t 
 }
 
 /* What the settings make of the picture for display. rgb: is changed. */
-static void save_codes(const stilb_gi_render *render, float *rgb, size_t pixels, uint8_t *srgb)
+static void save_codes(const gi_picture *picture, float *rgb, size_t pixels, uint8_t *srgb)
 {
-	const stilb_gi_settings *settings = &render->view.settings;
+	const stilb_gi_settings *settings = picture->settings;
 	bool channel = settings->integrator == STILB_GI_INTEGRATOR_CHANNEL;
 	if (gi_shows_data(settings))
 		gi_data_to_light(rgb, pixels);
@@ -89,19 +90,19 @@ static void save_codes(const stilb_gi_render *render, float *rgb, size_t pixels,
 
 /* The picture for display with alpha, of what is shown before nothing: rgb, whose radiance is a mean over all samples,
  * is made the mean over those that hit something. srgb: [pixels][4]. */
-static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *srgb)
+static bool save_with_alpha(const gi_picture *picture, float *rgb, uint8_t *srgb)
 {
-	size_t pixels = (size_t)render->film.width * render->film.height;
+	size_t pixels = (size_t)picture->film->width * picture->film->height;
 	float *share = stilb_memory_alloc(pixels, sizeof *share);
 	uint8_t *opaque = stilb_memory_alloc(pixels, 3);
 	bool good = share && opaque;
 	if (good)
-		gi_film_coverage(&render->film, share);
+		gi_film_coverage(picture->film, share);
 	for (size_t i = 0; good && i < pixels; i++)
 		for (size_t c = 0; c < 3 && share[i] > 0.0f; c++)
 			rgb[3 * i + c] /= share[i];
 	if (good)
-		save_codes(render, rgb, pixels, opaque);
+		save_codes(picture, rgb, pixels, opaque);
 	for (size_t i = 0; good && i < pixels; i++) {
 		memcpy(srgb + 4 * i, opaque + 3 * i, 3);
 		srgb[4 * i + 3] = (uint8_t)(share[i] * 255.0f + 0.5f);
@@ -113,11 +114,11 @@ static bool save_with_alpha(const stilb_gi_render *render, float *rgb, uint8_t *
 
 /* A pixel without samples shows a pixel near it, as in stilb_gi_render_preview, so that a progressive picture that was
  * stopped has no holes. */
-static stilb_result save_display(const stilb_gi_render *render, const char *path)
+static stilb_result save_display(const gi_picture *picture, const char *path)
 {
-	const gi_film *film = &render->film;
+	const gi_film *film = picture->film;
 	size_t pixels = (size_t)film->width * film->height;
-	bool alpha = gi_backdrop_is_nothing(render->view.scene->backdrop);
+	bool alpha = picture->transparent;
 	stilb_image image;
 	stilb_result result = stilb_image_create(&image, film->width, film->height, alpha ? 4 : 3, STILB_IMAGE_U8_SRGB);
 	if (result != STILB_OK)
@@ -127,11 +128,11 @@ static stilb_result save_display(const stilb_gi_render *render, const char *path
 	if (good)
 		gi_film_preview(film, rgb);
 	if (good && alpha)
-		good = save_with_alpha(render, rgb, image.pixels);
+		good = save_with_alpha(picture, rgb, image.pixels);
 	else if (good)
-		save_codes(render, rgb, pixels, image.pixels);
+		save_codes(picture, rgb, pixels, image.pixels);
 	save_attributes attributes;
-	save_settings(render, true, &attributes);
+	save_settings(picture, true, &attributes);
 	result = good ? stilb_image_save_with(&image, path, attributes.list, attributes.count)
 	              : stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	free(rgb);
@@ -167,21 +168,21 @@ static void save_channels(const stilb_gi_film *film, float *counts, const float 
 	channels[14] = (stilb_image_channel){.name = "A", .values = share, .stride = 1};
 }
 
-static stilb_result save_layers(const stilb_gi_render *render, const char *path)
+static stilb_result save_layers(const gi_picture *picture, const char *path)
 {
-	stilb_gi_film film = stilb_gi_render_film(render);
-	bool alpha = gi_backdrop_is_nothing(render->view.scene->backdrop);
+	stilb_gi_film film = gi_film_planes(picture->film);
+	bool alpha = picture->transparent;
 	size_t pixels = (size_t)film.width * film.height;
 	float *counts = stilb_memory_alloc(alpha ? 2 * pixels : pixels, sizeof *counts);
 	if (!counts)
 		return stilb_fail(STILB_ERROR_MEMORY, "cannot write '%s': out of memory", path);
 	float *share = alpha ? counts + pixels : NULL;
 	if (alpha)
-		gi_film_coverage(&render->film, share);
+		gi_film_coverage(picture->film, share);
 	stilb_image_channel channels[SAVE_CHANNELS];
 	save_attributes attributes;
 	save_channels(&film, counts, share, channels);
-	save_settings(render, false, &attributes);
+	save_settings(picture, false, &attributes);
 	stilb_image_layers layers = {.width = film.width,
 	                             .height = film.height,
 	                             .channel_count = SAVE_CHANNELS - !alpha,
@@ -195,28 +196,42 @@ static stilb_result save_layers(const stilb_gi_render *render, const char *path)
 
 /* ---- .hdr -------------------------------------------------------------------------------------------------------- */
 
-static stilb_result save_light(const stilb_gi_render *render, const char *path)
+static stilb_result save_light(const gi_picture *picture, const char *path)
 {
-	stilb_gi_film film = stilb_gi_render_film(render);
+	stilb_gi_film film = gi_film_planes(picture->film);
 	stilb_image image = {.width = film.width,
 	                     .height = film.height,
 	                     .channels = 3,
 	                     .format = STILB_IMAGE_F32_LINEAR,
 	                     .pixels = (float *)film.radiance}; /* is only read */
 	save_attributes attributes;
-	save_settings(render, false, &attributes);
+	save_settings(picture, false, &attributes);
 	return stilb_image_save_with(&image, path, attributes.list, attributes.count);
 }
 
-stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
+stilb_result gi_picture_save(const gi_picture *picture, const char *path)
 {
-	STILB_ASSERT(render && path);
+	STILB_ASSERT(picture && path);
 	PROFILE("gi.save");
 	stilb_result result = stilb_image_path_check(path);
 	if (result != STILB_OK)
 		return result;
 	if (!stilb_image_path_is_light(path))
-		return save_display(render, path);
+		return save_display(picture, path);
 	const char *dot = strrchr(path, '.');
-	return strcasecmp(dot, ".exr") == 0 ? save_layers(render, path) : save_light(render, path);
+	return strcasecmp(dot, ".exr") == 0 ? save_layers(picture, path) : save_light(picture, path);
+}
+
+stilb_result stilb_gi_render_save(const stilb_gi_render *render, const char *path)
+{
+	STILB_ASSERT(render && path);
+	STILB_ASSERT_OWNER(render->owner);
+	STILB_ASSERT(render->begun_ns == 0 && "run does not run");
+	const stilb_gi_scene *scene = render->view.scene;
+	gi_picture picture = {.settings = &render->view.settings,
+	                      .film = &render->film,
+	                      .surroundings = scene->surroundings,
+	                      .isa = scene->info.isa,
+	                      .transparent = gi_backdrop_is_nothing(scene->backdrop)};
+	return gi_picture_save(&picture, path);
 }

@@ -1,0 +1,227 @@
+/* mpirun stilb render: ranks make one picture, the same file as that of one process; ranks that do not belong are
+ * refused by name; ranks that die, signals and full disks leave a checkpoint. With the argument "long" the tests that
+ * take seconds. Skipped, with the reason, where Open MPI is missing. */
+#include "support/stilb_program.h"
+
+static const char mpirun_path[] = "/usr/bin/mpirun";
+
+/* Open MPI runs as root only if both of the first are there; tests run in containers, as root. */
+static const char *const environment[] = {
+	"DISPLAY", "WAYLAND_DISPLAY", "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "PMIX_MCA_gds=hash",
+	NULL};
+
+/* Starts mpirun with the words of a line; @ is the program stilb with "render". */
+static void ranks_start(const char *line)
+{
+	char copy[2048], *rest = NULL;
+	const char *words[64] = {mpirun_path, "--oversubscribe"};
+	size_t count = 2;
+	snprintf(copy, sizeof copy, "%s", line);
+	for (char *word = strtok_r(copy, " ", &rest); word && count < 62; word = strtok_r(NULL, " ", &rest)) {
+		words[count++] = strcmp(word, "@") == 0 ? stilb_path : word;
+		if (strcmp(word, "@") == 0)
+			words[count++] = "render";
+	}
+	assert_true(program_start(&run, words, environment, -1));
+}
+
+static int ranks(const char *line)
+{
+	ranks_start(line);
+	program_wait(&run);
+	return run.code;
+}
+
+#define PICTURE "cornell --size 72x48 --spp 8"
+
+static void test_same_bits_from_any_ranks(void **state)
+{
+	(void)state;
+	stilb_good("render " PICTURE " -o whole.exr");
+	static const char *const counts[] = {"1 --workers", "2 --workers", "3 --workers", "5 --workers"};
+	for (int i = 0; i < 4; i++) {
+		char line[256];
+		snprintf(line, sizeof line, "-n %.1s @ " PICTURE " -o ranks.exr --workers %d --stats s.json", counts[i],
+		         1 + i % 2);
+		if (ranks(line) != 0)
+			print_error("%s\n%s", line, run.err);
+		assert_int_equal(run.code, 0);
+		assert_true(same_file("whole.exr", "ranks.exr"));
+		read_stats("s.json");
+		assert_int_equal(stat_int("ranks"), atoi(counts[i]));
+		assert_true(stat_int("camera_rays") >= 72 * 48 * 8); /* of all ranks */
+		assert_true(i == 0 || strstr(run.out, " ranks rendered "));
+	}
+	/* The cache's overture is computed by each, and is the same. */
+	stilb_good("render " PICTURE " -o whole.png --integrator irradiance-cache --cache-rays 64");
+	assert_int_equal(ranks("-n 2 @ " PICTURE " -o ranks.png --integrator irradiance-cache --cache-rays 64"), 0);
+	assert_true(same_file("whole.png", "ranks.png"));
+	assert_int_equal(folder_entries(), 5);
+}
+
+static void refused(const char *line, const char *said)
+{
+	assert_int_equal(ranks(line), 2);
+	assert_said(run.err, said);
+	const char *again = strstr(run.err, "stilb: "); /* one rank complains, once */
+	assert_non_null(again);
+	assert_null(strstr(again + 1, "stilb: "));
+}
+
+static void test_ranks_that_do_not_belong(void **state)
+{
+	(void)state;
+	refused("-n 2 @ " PICTURE " -o a.exr --time 3", "--time");
+	refused("-n 2 @ " PICTURE " -o a.part --part 1/2", "--part is for machines that do not talk");
+	refused("-n 1 @ " PICTURE " -o a.exr : -n 1 @ " PICTURE " -o a.exr --isa sse2", "rank 1 (");
+	assert_said(run.err, "has isa sse2, not");
+	refused("-n 2 @ " PICTURE " -o a.exr : -n 1 @ " PICTURE " -o a.exr --depth 3", "rank 2 (");
+	assert_said(run.err, "has depth 3, not 64 as rank 0");
+	assert_int_equal(mkdir("here", 0700), 0);
+	FILE *file = fopen("here/a.obj", "w");
+	fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+	fclose(file);
+	refused("-n 1 -wdir here @ a.obj --size 320x320 -o a.exr --quiet : -n 1 @ a.obj --size 320x320 -o a.exr --quiet",
+	        "rank 1 (");
+	assert_said(run.err, "a.obj");
+	assert_said(run.err, "no such file");
+	refused("-n 2 @ none.obj --size 8x8 -o a.exr", "none.obj"); /* rank 0 itself */
+	assert_int_equal(access("a.exr", F_OK), -1);
+	remove("here/a.obj");
+}
+
+/* ---- ends before the end ----------------------------------------------------------------------------------------- */
+
+#define SLOW "cornell --size 96x96 --spp 300 --workers 1 -o slow.exr"
+
+/* The process of a rank below that process, or 0. */
+static pid_t rank_of(pid_t parent, int rank)
+{
+	char wanted[64], path[300];
+	static char text[65536];
+	snprintf(wanted, sizeof wanted, "OMPI_COMM_WORLD_RANK=%d", rank);
+	DIR *dir = opendir("/proc");
+	pid_t found = 0;
+	for (struct dirent *entry; !found && (entry = readdir(dir));) {
+		int above = 0;
+		snprintf(path, sizeof path, "/proc/%s/stat", entry->d_name);
+		FILE *file = atoi(entry->d_name) > 0 ? fopen(path, "r") : NULL;
+		if (!file)
+			continue;
+		int got = fscanf(file, "%*d (%*[^)]) %*c %d", &above);
+		fclose(file);
+		snprintf(path, sizeof path, "/proc/%s/environ", entry->d_name);
+		file = got == 1 && above == parent ? fopen(path, "r") : NULL;
+		size_t size = file ? fread(text, 1, sizeof text - 1, file) : 0;
+		if (file)
+			fclose(file);
+		text[size] = '\0';
+		for (char *at = text; at < text + size && !found; at += strlen(at) + 1)
+			found = strcmp(at, wanted) == 0 ? atoi(entry->d_name) : 0;
+	}
+	closedir(dir);
+	return found;
+}
+
+static void pause_s(double seconds)
+{
+	nanosleep(&(struct timespec){(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)}, NULL);
+}
+
+/* Starts three ranks, waits until they render, and returns the process of one. */
+static pid_t slow_start(int rank)
+{
+	ranks_start("-n 3 @ " SLOW);
+	pid_t process = 0;
+	for (int i = 0; i < 200 && !process; i++) {
+		pause_s(0.05);
+		process = rank_of(run.pid, rank);
+	}
+	assert_true(process > 0);
+	pause_s(0.8);
+	return process;
+}
+
+static void goes_on_with(const char *count)
+{
+	char line[256];
+	snprintf(line, sizeof line, "-n %s @ " SLOW " --resume", count);
+	assert_int_equal(access("slow.exr.checkpoint", F_OK), 0);
+	assert_int_equal(ranks(line), 0);
+	assert_null(strstr(run.err, "there is no")); /* it has gone on, not begun anew */
+	assert_true(same_file("whole.exr", "slow.exr"));
+	assert_int_equal(access("slow.exr.checkpoint", F_OK), -1);
+	assert_int_equal(folder_entries(), 2);
+}
+
+static void whole_make(void)
+{
+	stilb_good("render " SLOW);
+	assert_int_equal(rename("slow.exr", "whole.exr"), 0);
+}
+
+static void test_a_rank_that_dies(void **state)
+{
+	(void)state;
+	whole_make();
+	kill(slow_start(1), SIGKILL);
+	program_wait(&run);
+	assert_int_not_equal(run.code, 0);
+	assert_said(run.err, "--resume continues it");
+	goes_on_with("2");
+}
+
+static void test_ctrl_c(void **state)
+{
+	(void)state;
+	whole_make();
+	slow_start(0);
+	kill(run.pid, SIGINT); /* to mpirun: its ranks are in process groups of their own */
+	program_wait(&run);
+	assert_said(run.err, "--resume continues it");
+	pause_s(1.0); /* ranks may outlive mpirun a little */
+	goes_on_with("1");
+	kill(slow_start(0), SIGTERM); /* to the host alone */
+	program_wait(&run);
+	assert_int_equal(run.code, 0);
+	assert_said(run.out, "--resume continues it");
+	goes_on_with("3");
+}
+
+/* A picture that cannot be written is kept as a checkpoint. */
+static void test_full_disk(void **state)
+{
+	(void)state;
+	assert_int_equal(symlink("/dev/full", "full.exr"), 0);
+	assert_int_equal(ranks("-n 2 @ " PICTURE " -o full.exr"), 1);
+	assert_said(run.err, "full.exr");
+	assert_int_equal(access("full.exr.checkpoint", F_OK), 0);
+}
+
+int main(int argc, char **argv)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup(test_same_bits_from_any_ranks, folder_fresh),
+		cmocka_unit_test_setup(test_ranks_that_do_not_belong, folder_fresh),
+	};
+	const struct CMUnitTest slow[] = {
+		cmocka_unit_test_setup(test_a_rank_that_dies, folder_fresh),
+		cmocka_unit_test_setup(test_ctrl_c, folder_fresh),
+		cmocka_unit_test_setup(test_full_disk, folder_fresh),
+	};
+	if (access(mpirun_path, X_OK) != 0) {
+		printf("skipped: there is no %s; install openmpi-bin\n", mpirun_path);
+		return 77;
+	}
+	if (argc > 2 && access(argv[2], R_OK) != 0) {
+		printf("skipped: there is no '%s': this build was configured without libopenmpi-dev\n", argv[2]);
+		return 77;
+	}
+	if (!folder_enter(argc > 1 ? argv[1] : NULL, "game_mpi")) {
+		fprintf(stderr, "usage: %s PATH-OF-STILB PATH-OF-MODULE [long]\n", argv[0]);
+		return 2;
+	}
+	if (argc > 3)
+		return cmocka_run_group_tests(slow, NULL, folder_leave);
+	return cmocka_run_group_tests(tests, NULL, folder_leave);
+}
