@@ -34,7 +34,7 @@ static stilb_result function_check_code(render_device *device, const stilb_scene
 		.vertex = channel ? render_function_channel_vertex[device->packed][extras]
 	                      : render_function_vertex[layers][device->packed][extras],
 		.fragment = {.words = from->codes[code].words, .bytes = from->codes[code].bytes},
-		.samplers = (uint8_t)(2 * gloss + through),
+		.samplers = (uint8_t)(3 * gloss + through),
 		.set_items = layers ? RENDER_MAPS : RENDER_MAPS_PLAIN,
 		.depth = STILB_GPU_COMPARE_GREATER,
 	};
