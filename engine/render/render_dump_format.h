@@ -1,5 +1,5 @@
 /*
- * The bytes of a frame dump, version 11. Inside render/.
+ * The bytes of a frame dump, version 12. Inside render/.
  *
  * Little endian, IEEE 754 floats; all padding is in named members and zero. There is no table of contents: the offset
  * of each part and the length of the file follow from the header's counts, and a file of any other length is refused.

@@ -515,7 +515,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 11"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 12"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
