@@ -78,7 +78,7 @@ static float choice_ask(const gi_lights *lights, choice_kind kind, const choice_
 	uint32_t count = choice_lights(lights);
 	bool found;
 	if (kind == CHOICE_TREE) {
-		found = gi_light_sample_at(lights, GI_LIGHT_PLACED, at->position, at->normal, u[2], place, &sample);
+		found = gi_light_sample_at(lights, GI_LIGHT_PLACED, true, at->position, at->normal, u[2], place, &sample);
 	} else {
 		float all = kind == CHOICE_IDEAL ? sums[count - 1] : 1.0f;
 		uint32_t light = kind == CHOICE_IDEAL ? choice_find(sums, count, u[2] * all) : (uint32_t)(u[2] * (float)count);

@@ -163,7 +163,7 @@ static void samples(void **state)
 	contract_breaks("first % 8 == 0", (gi_sample_8(&sampler, point, 4, numbers), 0));
 	contract_breaks("i < n", gi_sampler_branch(&sampler, point, 8, 5, 5));
 	contract_breaks("u_choice < 1.0f",
-	                gi_light_sample_at(&fixture.gi->lights, GI_LIGHT_PLACED, (stilb_vec3){0},
+	                gi_light_sample_at(&fixture.gi->lights, GI_LIGHT_PLACED, true, (stilb_vec3){0},
 	                                   stilb_vec3_make(0.0f, 1.0f, 0.0f), 1.0f, (stilb_vec2){0.5f, 0.5f}, &light));
 	contract_breaks("light < lights->emitter_count",
 	                gi_light_pdf(&fixture.gi->lights, (stilb_vec3){0}, (stilb_vec3){0}, 1000, 1.0f));

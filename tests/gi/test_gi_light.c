@@ -1,6 +1,7 @@
 /* gi_light: what arrives from lights against closed forms; densities against what is chosen; what bad input does. */
 #include "support/shade_proof.h"
 
+#include "gi/gi_vector.h"
 #include "gi/light/gi_environment.h"
 #include "gi/light/gi_light_shape.h"
 #include "gi/light/gi_light_tree.h"
@@ -74,7 +75,7 @@ static double contribution(const gi_lights *lights, stilb_vec3 position, stilb_v
 	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
 		gi_light_sample sample;
 		if (!gi_light_is_asked(lights, group, true) ||
-		    !gi_light_sample_at(lights, group, position, normal, u[4], (stilb_vec2){u[2], u[3]}, &sample))
+		    !gi_light_sample_at(lights, group, true, position, normal, u[4], (stilb_vec2){u[2], u[3]}, &sample))
 			continue;
 		float cosine = stilb_vec3_dot(normal, sample.direction);
 		sum += cosine > 0.0f ? (double)(sample.radiance[0] * cosine / sample.pdf) : 0.0;
@@ -386,7 +387,7 @@ static void density_of_a_sample_is_that_of_its_direction(void **state)
 		stilb_vec3 normal = shade_sample_sphere((stilb_vec2){shade_proof_uniform(&random), u[0]}).direction;
 		gi_light_sample sample;
 		gi_light_group group = (gi_light_group)(i % GI_LIGHT_GROUPS);
-		if (!gi_light_sample_at(&lights, group, position, normal, shade_proof_uniform(&random), u, &sample))
+		if (!gi_light_sample_at(&lights, group, true, position, normal, shade_proof_uniform(&random), u, &sample))
 			continue;
 		assert_true(sample.pdf > 0.0f && isfinite(sample.pdf));
 		SHADE_PROOF_NEAR(length_of(sample.direction), 1.0, 1e-6, 0.0);
@@ -607,7 +608,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	gi_light_sample sample;
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	assert_true(
-		gi_light_sample_at(&lights, GI_LIGHT_PLACED, vec(0, 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+		gi_light_sample_at(&lights, GI_LIGHT_PLACED, true, vec(0, 0, 0), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(sample.delta && sample.pdf == 1.0f && sample.distance == 5.0f);
 	SHADE_PROOF_NEAR(sample.radiance[1], 20.0 / 25.0, 1e-6, 0.0);
 	SHADE_PROOF_NEAR(sample.direction[0], 0.6, 1e-6, 0.0);
@@ -624,7 +625,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	for (float angle = 0.0f; angle < 0.6f; angle += 0.01f) { /* full, then falling without a step, then nothing */
 		stilb_vec3 position = vec(2.0f * tanf(angle), 0.0f, 0.0f);
 		double intensity = 0.0;
-		if (gi_light_sample_at(&lights, GI_LIGHT_PLACED, position, up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample))
+		if (gi_light_sample_at(&lights, GI_LIGHT_PLACED, true, position, up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample))
 			intensity = (double)(sample.radiance[0] * sample.distance * sample.distance);
 		if (angle < 0.295f)
 			SHADE_PROOF_NEAR(intensity, 8.0, 1e-5, 0.0);
@@ -635,7 +636,7 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	}
 	/* The intensity falls as t^2 (3 - 2 t), with t from 1 at cos_inner to 0 at cos_outer; here t = 1/4. */
 	float quarter = acosf(light.cos_outer + 0.25f * (light.cos_inner - light.cos_outer));
-	assert_true(gi_light_sample_at(&lights, GI_LIGHT_PLACED, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f,
+	assert_true(gi_light_sample_at(&lights, GI_LIGHT_PLACED, true, vec(2.0f * tanf(quarter), 0, 0), up, 0.5f,
 	                               (stilb_vec2){0.5f, 0.5f}, &sample));
 	SHADE_PROOF_NEAR(sample.radiance[0] * sample.distance * sample.distance, 8.0 * 0.15625, 1e-4, 0.0);
 	gi_lights_destroy(&lights);
@@ -643,7 +644,8 @@ static void lights_without_a_size_follow_their_formulas(void **state)
 	light = (stilb_scene_light){
 		.kind = STILB_SCENE_LIGHT_DIRECTIONAL, .direction = {0.0f, -0.6f, -0.8f}, .intensity = {1.0f, 2.0f, 3.0f}};
 	lights = lights_of(&scene, NULL, 0);
-	assert_true(gi_light_sample_at(&lights, GI_LIGHT_SUNS, vec(9, 9, 9), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
+	assert_true(
+		gi_light_sample_at(&lights, GI_LIGHT_SUNS, true, vec(9, 9, 9), up, 0.5f, (stilb_vec2){0.5f, 0.5f}, &sample));
 	assert_true(sample.delta && sample.pdf == 1.0f && isinf(sample.distance) && sample.radiance[2] == 3.0f);
 	SHADE_PROOF_NEAR(sample.direction[2], 0.8, 1e-6, 0.0);
 	gi_lights_destroy(&lights);
@@ -667,8 +669,8 @@ static void suns_are_chosen_with_their_probabilities(void **state)
 	double chance[3] = {0.0}, chi = 0.0;
 	for (uint32_t k = 0; k < COUNT; k++) {
 		gi_light_sample sample;
-		assert_true(gi_light_sample_at(&lights, GI_LIGHT_SUNS, vec(0, 0, 0), vec(0, 1, 0), shade_proof_uniform(&random),
-		                               (stilb_vec2){0.5f, 0.5f}, &sample));
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_SUNS, true, vec(0, 0, 0), vec(0, 1, 0),
+		                               shade_proof_uniform(&random), (stilb_vec2){0.5f, 0.5f}, &sample));
 		int sun = sample.radiance[0] == 1.0f ? 0 : sample.radiance[0] == 4.0f ? 1 : 2;
 		seen[sun]++;
 		chance[sun] = (double)sample.pdf;
@@ -755,7 +757,7 @@ static void raised_horizon_leaves_a_squared_cosine(void **state)
 		double sum = 0.0;
 		for (uint32_t i = 0; i < 1 << 17; i++) {
 			gi_light_sample sample;
-			if (gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), up, 0.5f,
+			if (gi_light_sample_at(&lights, GI_LIGHT_AROUND, true, vec(0, 0, 0), up, 0.5f,
 			                       gi_sample_2d(&sampler, numbered(29, i), 0), &sample) &&
 			    (double)sample.direction[1] > sin(a))
 				sum += (double)(sample.radiance[0] * sample.direction[1] / sample.pdf);
@@ -810,7 +812,7 @@ static void hemisphere_of_sky_has_its_closed_form(void **state)
 	for (uint32_t i = 0; i < 16384; i++) {
 		gi_light_sample sample;
 		stilb_vec2 u = gi_sample_2d(&sampler, numbered(31, i), 0);
-		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), vec(0, 1, 0), 0.5f, u, &sample));
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, true, vec(0, 0, 0), vec(0, 1, 0), 0.5f, u, &sample));
 		shade_sh basis = shade_sh_basis(sample.direction);
 		for (int k = 0; k < 9; k++)
 			sh[k] += (double)(basis.c[k] * sample.radiance[0] / sample.pdf) / 16384.0;
@@ -866,37 +868,40 @@ static void map_is_chosen_by_its_brightness(void **state)
 	texels[3 * (3 * W + 20) + 1] = 1e5f;
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	stilb_vec3 o = {0}, up = vec(0.0f, 1.0f, 0.0f);
-	double whole = 0.0, chosen[W * H] = {0.0};
+	float mean = lights.environment->mean;
+	double whole[2] = {0.0, 0.0}, chosen[2][W * H] = {{0.0}};
 	shade_sh_rgb want;
 	assert_int_equal(stilb_numeric_sh_project_map(&scene.surroundings.panorama, &want), STILB_OK);
 	double have[9] = {0.0};
 	uint32_t count = 65536;
-	for (uint32_t i = 0; i < count; i++) {
+	for (uint32_t i = 0; i < 2 * count; i++) {
 		gi_light_sample sample;
-		stilb_vec2 u = gi_sample_2d(&sampler, numbered(37, i), 0);
-		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, o, up, 0.5f, u, &sample));
-		SHADE_PROOF_NEAR(gi_environment_pdf(&lights, up, sample.direction, false), sample.pdf, 1e-5, 0.0);
+		bool all = i < count;
+		stilb_vec2 u = gi_sample_2d(&sampler, numbered(37, i % count), 0);
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, all, o, up, 0.5f, u, &sample));
+		SHADE_PROOF_NEAR(gi_environment_pdf(&lights, up, sample.direction, all), sample.pdf, 1e-5, 0.0);
+		assert_true(all || gi_brightness(sample.radiance) > mean);
 		stilb_vec3 radiance = gi_environment_radiance(&lights, sample.direction);
 		assert_true(radiance[0] == sample.radiance[0] && radiance[2] == sample.radiance[2]);
 		double u_at = atan2((double)sample.direction[0], -(double)sample.direction[2]) / (2.0 * M_PI) + 0.5;
 		double v_at = acos((double)sample.direction[1]) / M_PI;
-		chosen[(int)(v_at * H) * W + (int)fmin(u_at * W, W - 1)] += 1.0 / count;
+		chosen[all][(int)(v_at * H) * W + (int)fmin(u_at * W, W - 1)] += 1.0 / count;
 		shade_sh basis = shade_sh_basis(sample.direction);
-		for (int k = 0; k < 9; k++)
+		for (int k = 0; all && k < 9; k++)
 			have[k] += (double)(basis.c[k] * sample.radiance[1] / sample.pdf) / count;
 	}
 	for (int k = 0; k < 9; k++)
 		SHADE_PROOF_NEAR(have[k], want.g.c[k], 2e-3, 2e-3 * (double)want.g.c[0]);
-	for (uint32_t y = 0; y < H; y++)
-		for (uint32_t x = 0; x < W; x++) {
-			double d[3], solid = 2.0 * M_PI / W * (cos(M_PI * y / H) - cos(M_PI * (y + 1.0) / H));
-			stilb_numeric_latlong_direction((x + 0.5) / W, (y + 0.5) / H, d);
-			double share =
-				solid * (double)gi_environment_pdf(&lights, up, vec((float)d[0], (float)d[1], (float)d[2]), false);
-			whole += share;
-			SHADE_PROOF_NEAR(chosen[y * W + x], share, 0.0, 40.0 / count);
-		}
-	SHADE_PROOF_NEAR(whole, 1.0, 1e-5, 0.0);
+	for (uint32_t i = 0; i < 2 * W * H; i++) {
+		uint32_t all = i / (W * H), y = i / W % H, x = i % W;
+		double d[3], solid = 2.0 * M_PI / W * (cos(M_PI * y / H) - cos(M_PI * (y + 1.0) / H));
+		stilb_numeric_latlong_direction((x + 0.5) / W, (y + 0.5) / H, d);
+		double share = solid * (double)gi_environment_pdf(&lights, up, vec((float)d[0], (float)d[1], (float)d[2]), all);
+		whole[all] += share;
+		SHADE_PROOF_NEAR(chosen[all][y * W + x], share, 0.0, 40.0 / count);
+	}
+	SHADE_PROOF_NEAR(whole[0], 1.0, 1e-5, 0.0);
+	SHADE_PROOF_NEAR(whole[1], 1.0, 1e-5, 0.0);
 	gi_lights_destroy(&lights);
 	stilb_image_finish(&scene.surroundings.panorama);
 }
@@ -916,7 +921,7 @@ static void maps_with_odd_numbers_are_read_as_light(void **state)
 	gi_lights lights = lights_of(&scene, NULL, 0);
 	for (uint32_t i = 0; i < 100; i++) {
 		gi_light_sample sample;
-		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, vec(0, 0, 0), vec(0, 1, 0), 0.5f,
+		assert_true(gi_light_sample_at(&lights, GI_LIGHT_AROUND, true, vec(0, 0, 0), vec(0, 1, 0), 0.5f,
 		                               (stilb_vec2){stilb_random_float(1, i), stilb_random_float(2, i)}, &sample));
 		assert_true(isfinite(sample.radiance[0]) && sample.radiance[0] > 0.0f && isfinite(sample.pdf));
 	}
@@ -964,7 +969,7 @@ static void no_memory_is_an_error(void **state)
 		failures += result != STILB_OK;
 	} while (result != STILB_OK);
 	allocations_left = -1;
-	assert_int_equal(failures, 11);
+	assert_int_equal(failures, 13);
 	gi_lights_destroy(&lights);
 	stilb_image_finish(&scene.surroundings.panorama);
 }

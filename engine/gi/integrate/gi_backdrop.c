@@ -167,7 +167,7 @@ static void floor_ask(const gi_batch *batch, uint32_t i, floor_rays *asked)
 		const gi_lights *lights = gi_view_lights(view);
 		gi_light_sample light;
 		if (!gi_light_is_asked(lights, group, true) ||
-		    !gi_light_sample_at(lights, group, at, up, numbers[GI_DIMENSION_CHOICE], u, &light))
+		    !gi_light_sample_at(lights, group, true, at, up, numbers[GI_DIMENSION_CHOICE], u, &light))
 			continue;
 		float sent = fmaxf(light.direction[1], 0.0f) * shade_luminance(light.radiance) / light.pdf;
 		if (!(sent > 0.0f && unblocked > 0.0f))

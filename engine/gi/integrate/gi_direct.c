@@ -42,7 +42,8 @@ static inline __attribute__((always_inline)) bool direct_ask_group(const gi_view
 {
 	stilb_vec2 u = {numbers[GI_DIMENSION_LIGHT], numbers[GI_DIMENSION_LIGHT + 1]};
 	gi_light_sample light;
-	if (!gi_light_sample_at(gi_view_lights(view), group, side->origin, side->normal, side->choice, u, &light))
+	if (!gi_light_sample_at(gi_view_lights(view), group, beside != GI_DIRECT_WITH_RAY, side->origin, side->normal,
+	                        side->choice, u, &light))
 		return false;
 	if (side->layered &&
 	    gi_bsdf_is_beyond(bsdf, light.direction) != (stilb_vec3_dot(side->normal, bsdf->frame.n) < 0.0f))
@@ -100,8 +101,8 @@ stilb_vec3 gi_direct_found(const gi_view *view, gi_direct_left left, const gi_ra
 		stilb_vec3 direction = gi_ray_direction(&ray->ray), radiance = gi_environment_radiance(lights, direction);
 		if (left.pdf == 0.0f)
 			return radiance;
-		bool even_sky = left.beside != GI_DIRECT_WITH_RAY;
-		return radiance * mis_weight(left.pdf, gi_environment_pdf(lights, left.normal, direction, even_sky));
+		bool all = left.beside != GI_DIRECT_WITH_RAY;
+		return radiance * mis_weight(left.pdf, gi_environment_pdf(lights, left.normal, direction, all));
 	}
 	const gi_part *part = &view->scene->parts[surface->part];
 	if (left.pdf == 0.0f || part->first_light == GI_NO_LIGHT || !surface->front)

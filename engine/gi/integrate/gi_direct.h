@@ -11,7 +11,8 @@
 /* Who else finds the light that is asked for. */
 typedef enum gi_direct_beside {
 	GI_DIRECT_ALONE, /* nobody: asking has to find all of it */
-	/* The path's next ray, which may go wherever the surface reflects: it finds an even sky alone. */
+	/* The path's next ray, which may go wherever the surface reflects: it finds what is around alone where that is no
+	 * brighter than its mean. */
 	GI_DIRECT_WITH_RAY,
 	/* A ray that follows the highlight alone, though all that it finds counts: the sky is asked, too. */
 	GI_DIRECT_WITH_HIGHLIGHT,

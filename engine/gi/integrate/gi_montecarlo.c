@@ -46,7 +46,7 @@ static stilb_vec3 light_of_list(gi_batch *batch, const hit *at)
 	for (gi_light_group group = 0; group < GI_LIGHT_GROUPS; group++) {
 		gi_light_sample light;
 		if (!gi_light_is_asked(lights, group, false) ||
-		    !gi_light_sample_at(lights, group, position, normal, choice, place, &light) || !light.delta ||
+		    !gi_light_sample_at(lights, group, false, position, normal, choice, place, &light) || !light.delta ||
 		    stilb_vec3_dot(geometric, light.direction) <= 0.0f)
 			continue;
 		stilb_vec3 origin = gi_surface_ray_origin(&at->surface, light.direction);

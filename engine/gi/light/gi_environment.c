@@ -54,28 +54,33 @@ stilb_vec3 gi_environment_at(const gi_environment *environment, stilb_vec3 direc
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */
 
-/* Makes the tables for sampling: cumulative sums of brightness along each row (columns), and over the rows, weighted by
- * their solid angles (rows), each divided by its total, so that they end with 1. */
-static void sum_up(gi_environment *environment)
+static float weight_of(const gi_environment_choice *choice, stilb_vec3 radiance)
+{
+	return fmaxf(gi_brightness(radiance) - choice->floor, 0.0f);
+}
+
+/* Makes the tables for sampling: cumulative sums of weights along each row (columns), and over the rows, weighted by
+ * their solid angles (rows), each divided by its total, so that they end with 1. Returns the integral of weights. */
+static double sum_up(const gi_environment *environment, gi_environment_choice *choice)
 {
 	uint32_t width = environment->width, height = environment->height;
 	double total = 0.0;
 	for (uint32_t y = 0; y < height; y++) {
-		float *columns = environment->columns + (size_t)y * width;
+		float *columns = choice->columns + (size_t)y * width;
 		double row = 0.0;
 		for (uint32_t x = 0; x < width; x++) {
-			row += (double)gi_brightness(texel_radiance(environment, x, y));
+			row += (double)weight_of(choice, texel_radiance(environment, x, y));
 			columns[x] = (float)row;
 		}
 		for (uint32_t x = 0; x < width && row > 0.0; x++)
 			columns[x] = (float)((double)columns[x] / row);
 		total += row * (2.0 * M_PI / width) * (cos(M_PI * y / height) - cos(M_PI * (y + 1.0) / height));
-		environment->rows[y] = (float)total;
+		choice->rows[y] = (float)total;
 	}
 	for (uint32_t y = 0; y < height && total > 0.0; y++)
-		environment->rows[y] = (float)((double)environment->rows[y] / total);
-	environment->density = total > 0.0 ? (float)(1.0 / total) : 0.0f;
-	environment->mean = (float)(total / (4.0 * M_PI));
+		choice->rows[y] = (float)((double)choice->rows[y] / total);
+	choice->density = total > 0.0 ? (float)(1.0 / total) : 0.0f;
+	return total;
 }
 
 static stilb_result use_map(const stilb_image *map, float rotation, gi_environment *environment)
@@ -91,12 +96,19 @@ static stilb_result use_map(const stilb_image *map, float rotation, gi_environme
 	environment->channels = map->channels;
 	environment->sine = sinf(rotation);
 	environment->cosine = cosf(rotation);
-	environment->rows = stilb_memory_alloc(map->height, sizeof(float));
-	environment->columns = stilb_memory_alloc((size_t)map->height * map->width, sizeof(float));
-	if (!environment->rows || !environment->columns)
-		return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment map of %u x %u texels", map->width,
-		                  map->height);
-	sum_up(environment);
+	for (int i = 0; i < 2; i++) {
+		gi_environment_choice *choice = &environment->choices[i];
+		choice->rows = stilb_memory_alloc(map->height, sizeof(float));
+		choice->columns = stilb_memory_alloc((size_t)map->height * map->width, sizeof(float));
+		if (!choice->rows || !choice->columns)
+			return stilb_fail(STILB_ERROR_MEMORY, "no memory for an environment map of %u x %u texels", map->width,
+			                  map->height);
+		double total = sum_up(environment, choice);
+		if (i > 0)
+			break;
+		environment->mean = (float)(total / (4.0 * M_PI));
+		environment->choices[1].floor = environment->mean;
+	}
 	return STILB_OK;
 }
 
@@ -124,8 +136,10 @@ void gi_environment_destroy(gi_environment *environment)
 {
 	if (!environment)
 		return;
-	free(environment->rows);
-	free(environment->columns);
+	for (int i = 0; i < 2; i++) {
+		free(environment->choices[i].rows);
+		free(environment->choices[i].columns);
+	}
 	free(environment);
 }
 
@@ -149,18 +163,19 @@ static uint32_t find(const float *shares, uint32_t count, float *u)
 	return low;
 }
 
-static bool sample_map(const gi_environment *environment, stilb_vec2 u, gi_light_sample *sample)
+static bool sample_map(const gi_environment *environment, const gi_environment_choice *choice, stilb_vec2 u,
+                       gi_light_sample *sample)
 {
 	float across = u[0], down = u[1];
-	uint32_t y = find(environment->rows, environment->height, &down);
-	uint32_t x = find(environment->columns + (size_t)y * environment->width, environment->width, &across);
+	uint32_t y = find(choice->rows, environment->height, &down);
+	uint32_t x = find(choice->columns + (size_t)y * environment->width, environment->width, &across);
 	double top = cos(M_PI * y / environment->height), bottom = cos(M_PI * (y + 1.0) / environment->height);
 	float height = (float)(top + (bottom - top) * (double)down);
 	float sine = sqrtf(fmaxf(1.0f - height * height, 0.0f));
 	float phi = 2.0f * SHADE_PI * (((float)x + across) / (float)environment->width - 0.5f);
 	sample->direction = from_map(environment, stilb_vec3_make(sine * sinf(phi), height, -sine * cosf(phi)));
 	sample->radiance = texel_radiance(environment, x, y);
-	sample->pdf = gi_brightness(sample->radiance) * environment->density;
+	sample->pdf = weight_of(choice, sample->radiance) * choice->density;
 	return sample->pdf > 0.0f;
 }
 
@@ -174,17 +189,29 @@ static bool sample_two_colours(const gi_environment *environment, stilb_vec3 nor
 	return gi_brightness(sample->radiance) > 0.0f;
 }
 
-bool gi_environment_sample(const gi_environment *environment, stilb_vec3 normal, stilb_vec2 u, gi_light_sample *sample)
+bool gi_environment_is_sampled(const gi_environment *environment, bool all)
 {
-	sample->distance = INFINITY;
-	sample->delta = false;
-	return environment->map ? sample_map(environment, u, sample) : sample_two_colours(environment, normal, u, sample);
+	return environment->map ? environment->choices[!all].density > 0.0f : all && environment->mean > 0.0f;
 }
 
-float gi_environment_density(const gi_environment *environment, stilb_vec3 normal, stilb_vec3 direction)
+bool gi_environment_sample(const gi_environment *environment, bool all, stilb_vec3 normal, stilb_vec2 u,
+                           gi_light_sample *sample)
 {
-	if (environment->map)
-		return gi_brightness(gi_environment_at(environment, direction)) * environment->density;
+	STILB_ASSERT(gi_environment_is_sampled(environment, all));
+	sample->distance = INFINITY;
+	sample->delta = false;
+	return environment->map ? sample_map(environment, &environment->choices[!all], u, sample)
+	                        : sample_two_colours(environment, normal, u, sample);
+}
+
+float gi_environment_density(const gi_environment *environment, bool all, stilb_vec3 normal, stilb_vec3 direction)
+{
+	if (!gi_environment_is_sampled(environment, all))
+		return 0.0f;
+	if (environment->map) {
+		const gi_environment_choice *choice = &environment->choices[!all];
+		return weight_of(choice, gi_environment_at(environment, direction)) * choice->density;
+	}
 	float cosine = stilb_vec3_dot(normal, direction);
 	return cosine > 0.0f ? cosine * SHADE_INV_PI : 0.0f;
 }

@@ -223,25 +223,25 @@ static bool sample_placed(const gi_lights *lights, stilb_vec3 position, stilb_ve
 	return found;
 }
 
-bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool even_sky)
+bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool all)
 {
 	if (group == GI_LIGHT_PLACED)
 		return lights->placed_count > 0;
 	if (group == GI_LIGHT_SUNS)
 		return lights->sun_count > 0;
-	return lights->environment->mean > 0.0f && (lights->environment->map || even_sky);
+	return gi_environment_is_sampled(lights->environment, all);
 }
 
-bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, stilb_vec3 position, stilb_vec3 normal,
+bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, bool all, stilb_vec3 position, stilb_vec3 normal,
                         float u_choice, stilb_vec2 u, gi_light_sample *sample)
 {
-	STILB_ASSERT(gi_light_is_asked(lights, group, true));
+	STILB_ASSERT(gi_light_is_asked(lights, group, all));
 	STILB_ASSERT(u_choice >= 0.0f && u_choice < 1.0f);
 	STILB_ASSERT(u[0] >= 0.0f && u[0] < 1.0f && u[1] >= 0.0f && u[1] < 1.0f);
 	if (group == GI_LIGHT_PLACED)
 		return sample_placed(lights, position, normal, u_choice, u, sample);
 	if (group == GI_LIGHT_AROUND)
-		return gi_environment_sample(lights->environment, normal, u, sample);
+		return gi_environment_sample(lights->environment, all, normal, u, sample);
 	float probability;
 	uint32_t sun = choose_sun(lights, normal, u_choice, &probability);
 	if (!gi_light_listed_sample(&lights->listed[sun], position, u, sample))
@@ -260,11 +260,9 @@ float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 norm
 	       gi_light_tree_probability(lights->nodes, position, normal, lights->leaf_of[shape]);
 }
 
-float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool even_sky)
+float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool all)
 {
-	if (!gi_light_is_asked(lights, GI_LIGHT_AROUND, even_sky))
-		return 0.0f;
-	return gi_environment_density(lights->environment, normal, direction);
+	return gi_environment_density(lights->environment, all, normal, direction);
 }
 
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction)

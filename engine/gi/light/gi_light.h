@@ -70,13 +70,14 @@ typedef struct gi_light_sample {
 	bool delta; /* a light of the list: no ray can hit it, so its MIS weight is 1 */
 } gi_light_sample;
 
-/* True if there is something to ask in the group. even_sky: surroundings of two colours, too. These are asked by the
- * density that rays from a matt surface have anyway, so who sends such rays leaves them to those. */
-bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool even_sky);
+/* True if there is something to ask in the group. all: asking finds all that is around; else rays that the surface
+ * reflects find it as well, and what they find anyway is left to them: two colours, and of a panorama what is no
+ * brighter than its mean. */
+bool gi_light_is_asked(const gi_lights *lights, gi_light_group group, bool all);
 
 /* Samples one light of a group that has any. False: it sends nothing to this point. u_choice and u in [0, 1). position:
- * the origin of the shadow ray. normal: of the surface, unit, on the lit side. */
-bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, stilb_vec3 position, stilb_vec3 normal,
+ * the origin of the shadow ray. normal: of the surface, unit, on the lit side. all: as of gi_light_is_asked. */
+bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, bool all, stilb_vec3 position, stilb_vec3 normal,
                         float u_choice, stilb_vec2 u, gi_light_sample *sample);
 
 /* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray from position that hit
@@ -84,8 +85,8 @@ bool gi_light_sample_at(const gi_lights *lights, gi_light_group group, stilb_vec
 float gi_light_pdf(const gi_lights *lights, stilb_vec3 position, stilb_vec3 normal, uint32_t light, float distance);
 
 /* The density, per steradian, with which gi_light_sample_at chooses the direction of a ray that hit nothing; 0 if
- * gi_light_is_asked with this even_sky says that it does not. */
-float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool even_sky);
+ * gi_light_is_asked with this `all` says that it does not. */
+float gi_environment_pdf(const gi_lights *lights, stilb_vec3 normal, stilb_vec3 direction, bool all);
 
 /* Radiance of the surroundings from a unit direction. */
 stilb_vec3 gi_environment_radiance(const gi_lights *lights, stilb_vec3 direction);

@@ -182,8 +182,8 @@ static void sampled_light_is_the_maps(void **state)
 		for (int k = 0; k < SAMPLES; k++) {
 			gi_light_sample sample;
 			stilb_vec2 u = {shade_proof_uniform(&random), shade_proof_uniform(&random)};
-			if (!gi_light_sample_at(&world.gi->lights, GI_LIGHT_PLACED, from, down, shade_proof_uniform(&random), u,
-			                        &sample))
+			if (!gi_light_sample_at(&world.gi->lights, GI_LIGHT_PLACED, true, from, down, shade_proof_uniform(&random),
+			                        u, &sample))
 				continue;
 			double value = (double)(sample.radiance[0] * -sample.direction[2] / sample.pdf);
 			sum += value / SAMPLES;
