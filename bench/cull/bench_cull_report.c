@@ -1,6 +1,8 @@
 /* The suite `cull`: its table, its goals (bounds of the measured times), each met or missed, and its picture. */
 #include "bench/cull/bench_cull.h"
 
+#include <string.h>
+
 #define COUNT(ARRAY) (sizeof(ARRAY) / sizeof *(ARRAY))
 #define FLAT "stilb-flat-avx512"
 #define OCTREE "stilb-octree"
@@ -76,14 +78,23 @@ static const char *verdict(bool met)
 	return met ? "met" : "MISSED";
 }
 
+/* The times of a subject in a case; of FLAT on a CPU without AVX-512 those of the widest that there is. NULL: none. */
+static const bench_row *times_of(const bench_results *results, const char *on, const char *subject)
+{
+	static const char *const narrower[] = {"stilb-flat-avx2", "stilb-flat-scalar"};
+	const bench_row *row = bench_find(results, on, subject, "p50");
+	for (size_t i = 0; i < COUNT(narrower) && !row && strcmp(subject, FLAT) == 0; i++)
+		row = bench_find(results, on, narrower[i], "p50");
+	return row;
+}
+
 static void print_ratio(FILE *out, const bench_results *results, const ratio_goal *g)
 {
-	const bench_row *our = bench_find(results, g->on, g->ours, "p50"),
-					*their = bench_find(results, g->on, g->theirs, "p50");
+	const bench_row *our = times_of(results, g->on, g->ours), *their = times_of(results, g->on, g->theirs);
 	bench_ratio ratio;
-	if (!our || !their || !bench_paired_ratio(results, their, our, &ratio))
+	if (!our || !their || our == their || !bench_paired_ratio(results, their, our, &ratio))
 		return;
-	fprintf(out, "  %-10s %-18s %9.4g us, %-18s / this %7.3g [%.3g-%.3g]", g->on, g->ours, our->median, g->theirs,
+	fprintf(out, "  %-10s %-18s %9.4g us, %-18s / this %7.3g [%.3g-%.3g]", g->on, our->name, our->median, their->name,
 	        ratio.median, ratio.min, ratio.max);
 	if (g->least > 0.0)
 		fprintf(out, ", goal >= %.3g  %s", g->least, verdict(ratio.median >= g->least));
@@ -93,8 +104,8 @@ static void print_ratio(FILE *out, const bench_results *results, const ratio_goa
 /* The automatic choice may take at most a tenth longer than the better of flat and octree. */
 static void print_choice(FILE *out, const bench_results *results, const char *on)
 {
-	const bench_row *our = bench_find(results, on, "stilb-auto", "p50"), *flat = bench_find(results, on, FLAT, "p50"),
-					*octree = bench_find(results, on, OCTREE, "p50");
+	const bench_row *our = times_of(results, on, "stilb-auto"), *flat = times_of(results, on, FLAT),
+					*octree = times_of(results, on, OCTREE);
 	bench_ratio ratio;
 	if (!our || !flat || !octree)
 		return;
@@ -127,7 +138,7 @@ void bench_cull_goals(FILE *out, const bench_results *results)
 	for (size_t i = 0; i < COUNT(ratio_goals); i++)
 		print_ratio(out, results, &ratio_goals[i]);
 	for (size_t i = 0; i < COUNT(time_goals); i++) {
-		const bench_row *row = bench_find(results, time_goals[i].on, time_goals[i].subject, "p50");
+		const bench_row *row = times_of(results, time_goals[i].on, time_goals[i].subject);
 		if (row)
 			fprintf(out, "  %-10s %-18s %9.4g us [%.4g-%.4g], goal <= %.3g us  %s\n", time_goals[i].on, row->name,
 			        row->median, row->min, row->max, time_goals[i].most, verdict(row->median <= time_goals[i].most));
