@@ -366,7 +366,7 @@ static void rays_say_cut(const view *v, const stilb_gi_progress *at)
 	FILE *out = live_message_stream(&v->options);
 	offline_progress_samples(at, samples, sizeof samples);
 	if (at->pass_count > 0)
-		fprintf(out, "rays stopped early: the picture has %s of %u\n", samples, rays_settings(v).samples);
+		fprintf(out, "rays stopped early: of %u samples the picture has %s\n", rays_settings(v).samples, samples);
 	else
 		fputs("rays stopped before they began: the picture shows frames alone\n", out);
 	fflush(out);
