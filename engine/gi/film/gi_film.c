@@ -18,7 +18,7 @@ stilb_result gi_film_create(gi_film *film, uint32_t width, uint32_t height, bool
 	 * and a part of it takes a part of the memory. Huge pages would each hold pixels of every part. */
 	film->pixels = calloc(count, sizeof *film->pixels);
 	film->weights = weighted ? calloc(count, sizeof *film->weights) : NULL;
-	film->radiance = calloc(count, sizeof(float[3]));
+	film->radiance = calloc(3 * count, sizeof *film->radiance);
 	film->samples = calloc(count, sizeof *film->samples);
 	film->albedo = calloc(count, sizeof(float[3]));
 	film->normal = calloc(count, sizeof(float[3]));

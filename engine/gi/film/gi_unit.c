@@ -73,7 +73,7 @@ uint64_t gi_unit_pixels(const gi_units *units, uint32_t first, uint32_t count)
 	uint64_t pixels = 0;
 	for (uint32_t i = 0; i < count; i++) {
 		gi_unit_place place = gi_unit_place_of(units, first + i);
-		pixels += place.width * place.height;
+		pixels += (uint64_t)place.width * place.height;
 	}
 	return pixels;
 }

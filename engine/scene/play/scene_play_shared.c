@@ -175,7 +175,7 @@ static bool share_skin(const stilb_scene_deform *deform, play_rest *rest)
 	if (!joints || !rest->starts || count > UINT32_MAX)
 		return false;
 	rest->starts[eights] = (uint32_t)count;
-	rest->joints = malloc(count * sizeof *rest->joints);
+	rest->joints = malloc((count + 1) * sizeof *rest->joints); /* also where there is no vertex */
 	rest->weights = share_zeros(count * PLAY_LANES);
 	for (uint32_t e = 0; rest->joints && rest->weights && e < eights; e++)
 		share_eight(deform, rest->vertex_count, e * PLAY_LANES, rest->joints + rest->starts[e],
