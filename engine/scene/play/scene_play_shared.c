@@ -195,7 +195,7 @@ static void share_streams(const stilb_scene_mesh *mesh, play_rest *rest)
 		}
 		for (int i = 0; i < 2; i++)
 			to[(size_t)(PLAY_UV + i) * rest->stride] = vertex->uv[i];
-		for (int i = 0; rest->tangents && i < 4; i++)
+		for (int i = 0; rest->tangents && mesh->extras && i < 4; i++)
 			to[(size_t)(PLAY_TANGENT + i) * rest->stride] = mesh->extras[v].tangent[i];
 	}
 }
