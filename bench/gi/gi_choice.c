@@ -56,19 +56,6 @@ static void choice_ideal(const gi_lights *lights, const choice_point *at, float 
 	}
 }
 
-static uint32_t choice_find(const float *sums, uint32_t count, float u)
-{
-	uint32_t low = 0, high = count - 1;
-	while (low < high) {
-		uint32_t middle = (low + high) / 2;
-		if (sums[middle] > u)
-			high = middle;
-		else
-			low = middle + 1;
-	}
-	return low;
-}
-
 /* One sample of the irradiance and its shadow ray. */
 static float choice_ask(const gi_lights *lights, choice_kind kind, const choice_point *at, const float *sums,
                         const float u[3], gi_ray *shadow)
@@ -81,7 +68,7 @@ static float choice_ask(const gi_lights *lights, choice_kind kind, const choice_
 		found = gi_light_sample_at(lights, GI_LIGHT_PLACED, true, at->position, at->normal, u[2], place, &sample);
 	} else {
 		float all = kind == CHOICE_IDEAL ? sums[count - 1] : 1.0f;
-		uint32_t light = kind == CHOICE_IDEAL ? choice_find(sums, count, u[2] * all) : (uint32_t)(u[2] * (float)count);
+		uint32_t light = kind == CHOICE_IDEAL ? gi_run_find(sums, count, u[2] * all) : (uint32_t)(u[2] * (float)count);
 		found = choice_sample_light(lights, light, at->position, place, &sample);
 		sample.pdf *=
 			kind == CHOICE_IDEAL ? (sums[light] - (light ? sums[light - 1] : 0.0f)) / all : 1.0f / (float)count;

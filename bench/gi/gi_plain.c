@@ -92,19 +92,6 @@ static stilb_vec2 next_2d(numbers *of)
 	return (stilb_vec2){(float)(x >> 8) * 0x1p-24f, (float)(y >> 8) * 0x1p-24f};
 }
 
-static uint32_t find(const float *sums, uint32_t count, float u)
-{
-	uint32_t low = 0, high = count - 1;
-	while (low < high) {
-		uint32_t middle = (low + high) / 2;
-		if (sums[middle] > u)
-			high = middle;
-		else
-			low = middle + 1;
-	}
-	return low;
-}
-
 /* ---- the scene --------------------------------------------------------------------------------------------------- */
 
 static stilb_vec3 vector(const float v[3])
@@ -361,7 +348,7 @@ static float light_sample(const gi_plain *plain, const light *l, stilb_vec3 posi
 	}
 	if (!l->listed && l->area == 0.0f) {
 		const stilb_image *map = &plain->from->surroundings.panorama;
-		uint32_t texel = find(plain->texels, map->width * map->height, u[0]), row = texel / map->width;
+		uint32_t texel = gi_run_find(plain->texels, map->width * map->height, u[0]), row = texel / map->width;
 		float before = texel ? plain->texels[texel - 1] : 0.0f;
 		float across = fminf((u[0] - before) / (plain->texels[texel] - before), 0.999999f);
 		float y = row_height(map, row) + (row_height(map, row + 1) - row_height(map, row)) * u[1];
@@ -393,7 +380,7 @@ static stilb_vec3 direct(const gi_plain *plain, const vertex *at, float choice, 
 	float distance;
 	if (plain->light_count == 0)
 		return (stilb_vec3){0};
-	const light *l = &plain->lights[find(plain->choice, plain->light_count, choice)];
+	const light *l = &plain->lights[gi_run_find(plain->choice, plain->light_count, choice)];
 	float pdf = light_sample(plain, l, at->position, u, &direction, &distance, &radiance);
 	stilb_vec3 sent = pdf > 0.0f ? reflected(at, direction) * radiance : (stilb_vec3){0};
 	if (!(sent[0] + sent[1] + sent[2] > 0.0f))

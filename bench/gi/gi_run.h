@@ -88,6 +88,20 @@ gi_plain *gi_plain_make(const stilb_scene *scene);
 void gi_plain_finish(gi_plain *plain);
 gi_run_picture gi_plain_render(const gi_plain *plain, const stilb_gi_settings *settings, uint32_t threads);
 
+/* The first of count > 0 ascending sums that is above u; the last, if none is. */
+static inline uint32_t gi_run_find(const float *sums, uint32_t count, float u)
+{
+	uint32_t low = 0, high = count - 1;
+	while (low < high) {
+		uint32_t middle = (low + high) / 2;
+		if (sums[middle] > u)
+			high = middle;
+		else
+			low = middle + 1;
+	}
+	return low;
+}
+
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
 
 /* The scene of a row, by the case's name. */

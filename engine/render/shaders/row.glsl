@@ -6,7 +6,7 @@ struct Row {
 	vec4 transform[3]; // rows of the affine transform, model to world; a 2D draw has its clip rectangle in the first
 	uint material;
 	uint mesh; // where the vertices have extras
-	uint last; // 1 + the row, of the frame's, that says where it was in the frame before: Last; 0: where it is
+	uint last; // 1 + the row, of the frame's, that has where it was in the frame before; 0: it has not moved
 	uint unused;
 };
 
