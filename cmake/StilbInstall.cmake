@@ -41,6 +41,7 @@ set(headers
 	window/window.h
 	input/input.h input/input_actions.h input/input_camera.h input/input_control.h input/input_pad.h
 	culling/cull.h
+	light/light.h
 	gpu/gpu.h gpu/gpu_device.h gpu/gpu_format.h gpu/gpu_plan.h
 	render/render.h
 	ui/ui_draw.h
@@ -111,7 +112,7 @@ stilb_component(geometry "Coarser levels and impostors of meshes"
 	MODULES geometry
 	REQUIRES stilb-scene stilb-jobs stilb-profiler)
 stilb_component(engine "${PROJECT_DESCRIPTION}"
-	MODULES engine debug ui render gpu culling input window
+	MODULES engine debug ui render light gpu culling input window
 	REQUIRES stilb-scene stilb-jobs stilb-profiler glfw3 vulkan hidapi-hidraw)
 stilb_component(gi "Pictures of scenes by ray tracing"
 	MODULES gi farm
@@ -134,7 +135,7 @@ set(shared_definitions STILB_PROF_SHARED)
 if(NOT STILB_PROFILE)
 	list(APPEND shared_definitions STILB_PROFILE_OFF)
 endif()
-set(modules engine debug ui render gpu culling input window gi farm numeric geometry scene image base jobs profiler-shared)
+set(modules engine debug ui render light gpu culling input window gi farm numeric geometry scene image base jobs profiler-shared)
 list(TRANSFORM modules REPLACE "(.+)" "$<TARGET_OBJECTS:stilb-\\1>" OUTPUT_VARIABLE objects)
 add_library(stilb-shared SHARED ${objects})
 target_link_libraries(stilb-shared PRIVATE stilb-engine stilb-gi stilb-geometry stilb-flags # for the libraries of others that these need

@@ -1,0 +1,210 @@
+/* Builds a view's lists: the lights that reach it, the cells of each, and from these the lights of each cell. */
+#include "light/light.h"
+#include "light/light_lists.h"
+#include "profiler/prof.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const light_kernels *light_kernels_for(stilb_isa isa)
+{
+	STILB_ASSERT(isa < STILB_ISA_COUNT);
+	(void)isa;
+	return &light_kernels_scalar;
+}
+
+void light_spread(light_build *build, uint32_t count, stilb_job_range_fn *fn)
+{
+	bool parallel =
+		build->pool && (uint64_t)build->count * light_units(&build->scratch->view) >= build->scratch->serial_below;
+	if (parallel)
+		stilb_job_parallel_for(build->pool, count, 1, fn, build, build->worker);
+	else
+		fn(0, count, 0, build);
+}
+
+/* Makes room for `count` elements of which the array holds none. What is more than half as large again is given back.
+ * */
+static bool lists_reserve(uint32_t **array, uint32_t *capacity, uint64_t count)
+{
+	uint64_t least = count + LIGHT_LANES;
+	if (*array && *capacity >= least && *capacity <= least + least / 4 + 1024)
+		return true;
+	free(*array);
+	*capacity = 0;
+	uint64_t room = least + least / 8;
+	*array = room < UINT32_MAX ? stilb_memory_alloc((size_t)room, sizeof **array) : NULL;
+	*capacity = *array ? (uint32_t)room : 0;
+	return *array;
+}
+
+/* Writes the lists of unit begin .. end - 1. */
+static void light_job_lists(uint32_t begin, uint32_t end, uint32_t worker, void *context)
+{
+	PROFILE("light.lists");
+	(void)worker;
+	const light_build *build = context;
+	struct light_scratch *scratch = build->scratch;
+	stilb_light_lists *lists = build->lists;
+	const light_view *view = &scratch->view;
+	uint32_t blocks = light_blocks(view);
+	for (uint32_t number = begin; number < end; number++) {
+		const light_unit *unit = &scratch->units[number];
+		uint32_t *cursors = scratch->counters + (size_t)number * blocks * LIGHT_BLOCK_CELLS;
+		uint32_t slice = number / light_bands(view), row = number % light_bands(view) * LIGHT_BLOCK;
+		uint32_t id = (uint32_t)unit->first_id, at = 0;
+		for (uint32_t r = 0; r < LIGHT_BLOCK && row + r < view->rows; r++) {
+			uint32_t *starts = lists->starts + (size_t)view->columns * (row + r + (size_t)view->rows * slice);
+			for (uint32_t c = 0; c < view->columns; c++) {
+				uint32_t *cursor = cursors + (c / LIGHT_BLOCK) * LIGHT_BLOCK_CELLS + r * LIGHT_BLOCK + c % LIGHT_BLOCK;
+				uint32_t length = *cursor;
+				*cursor = starts[c] = id;
+				id += length;
+			}
+		}
+		for (uint32_t s = 0; s < unit->segment_count; s++) {
+			light_segment segment = unit->segments[s];
+			scratch->kernels->fill(unit->masks + at, unit->lights + at, segment.count,
+			                       cursors + (size_t)segment.block * LIGHT_BLOCK_CELLS, lists->ids);
+			at += segment.count;
+		}
+		STILB_ASSERT(id == unit->first_id + unit->id_count);
+	}
+}
+
+/* Finds the lights and their cells for an irradiance that a light may send where it is left out; *pairs: of light and
+ * cell; *longest: list. */
+static stilb_result build_find(light_build *build, double irradiance, uint64_t *pairs, uint32_t *longest)
+{
+	build->irradiance = irradiance;
+	stilb_result result = light_reaching_find(build);
+	if (result == STILB_OK)
+		result = light_units_fill(build);
+	*pairs = 0;
+	*longest = 0;
+	for (uint32_t u = 0; result == STILB_OK && u < light_units(&build->scratch->view); u++) {
+		light_unit *unit = &build->scratch->units[u];
+		unit->first_id = *pairs;
+		*pairs += unit->id_count;
+		*longest = unit->longest > *longest ? unit->longest : *longest;
+	}
+	return result;
+}
+
+/* Lamps whose light does not end. */
+static uint32_t build_endless(const light_build *build)
+{
+	uint32_t endless = 0;
+	for (uint32_t i = 0; i < build->lists->everywhere_count; i++)
+		endless += build->lights[build->scratch->everywhere[i]].kind != STILB_SCENE_LIGHT_DIRECTIONAL;
+	return endless;
+}
+
+/* With a tolerance, the lists without one say how many lights a cell has at most, and each may send as large a part of
+ * it where it is left out. */
+static stilb_result build_masks(light_build *build, uint64_t *pairs)
+{
+	const stilb_light_grid *grid = build->grid;
+	uint64_t all = 0;
+	uint32_t longest;
+	stilb_result result = build_find(build, 0.0, &all, &longest);
+	*pairs = all;
+	if (result != STILB_OK || !(grid->tolerance > 0.0f))
+		return result;
+	uint64_t endless = build_endless(build), most = longest + endless;
+	if (most == 0)
+		return STILB_OK;
+	all += endless * build->lists->columns * build->lists->rows * build->lists->slices;
+	double share = (double)grid->tolerance / ((double)grid->peak * (double)most);
+	result = build_find(build, share, pairs, &longest);
+	all -= *pairs + (uint64_t)build_endless(build) * build->lists->columns * build->lists->rows * build->lists->slices;
+	build->lists->left_out = all < UINT32_MAX ? (uint32_t)all : UINT32_MAX;
+	return result;
+}
+
+/* Writes the lists. */
+static stilb_result build_write(light_build *build, uint64_t pairs)
+{
+	struct light_scratch *scratch = build->scratch;
+	stilb_light_lists *lists = build->lists;
+	uint64_t cells = (uint64_t)lists->columns * lists->rows * lists->slices;
+	if (!lists_reserve(&lists->lights, &scratch->light_capacity, lists->light_count) ||
+	    !lists_reserve(&lists->starts, &scratch->start_capacity, cells + 1) ||
+	    !lists_reserve(&lists->ids, &scratch->id_capacity, pairs))
+		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory for %llu pairs of light and cell",
+		                  (unsigned long long)pairs);
+	lists->id_count = (uint32_t)pairs;
+	lists->starts[cells] = (uint32_t)pairs;
+	memcpy(lists->lights, scratch->everywhere, lists->everywhere_count * sizeof *lists->lights);
+	memcpy(lists->lights + lists->everywhere_count, scratch->reaching.index,
+	       scratch->reaching.count * sizeof *lists->lights);
+	light_spread(build, light_units(&scratch->view), light_job_lists);
+	return STILB_OK;
+}
+
+static void lists_clear(stilb_light_lists *lists)
+{
+	lists->light_count = lists->everywhere_count = lists->id_count = lists->left_out = 0;
+	lists->columns = lists->rows = lists->slices = 0;
+}
+
+/* Finds the instruction set on the first call. */
+static stilb_result scratch_make(stilb_light_lists *lists)
+{
+	stilb_isa isa;
+	stilb_result result = stilb_cpu_isa(&isa);
+	if (result != STILB_OK)
+		return result;
+	lists->scratch = calloc(1, sizeof *lists->scratch);
+	if (!lists->scratch)
+		return stilb_fail(STILB_ERROR_MEMORY, "light lists: no memory");
+	lists->scratch->kernels = light_kernels_for(isa);
+	lists->scratch->serial_below = LIGHT_SERIAL_BELOW;
+	return STILB_OK;
+}
+
+stilb_result stilb_light_lists_build(stilb_light_lists *lists, const stilb_light_grid *grid,
+                                     const stilb_scene_light *lights, uint32_t count, const uint32_t *candidates,
+                                     uint32_t candidate_count, stilb_job_pool *pool, uint32_t worker)
+{
+	PROFILE("light");
+	STILB_ASSERT(lists && grid && (lights || count == 0));
+	STILB_ASSERT(!pool || worker <= stilb_job_pool_worker_count(pool));
+	light_build build = {.lists = lists,
+	                     .grid = grid,
+	                     .lights = lights,
+	                     .candidates = candidates,
+	                     .count = candidates ? candidate_count : count,
+	                     .pool = pool,
+	                     .worker = worker};
+	uint64_t pairs;
+	lists_clear(lists);
+	stilb_result result = lists->scratch ? STILB_OK : scratch_make(lists);
+	build.scratch = lists->scratch;
+	if (result == STILB_OK)
+		result = light_view_make(&build.scratch->view, grid, lists);
+	if (result == STILB_OK)
+		result = build_masks(&build, &pairs);
+	if (result == STILB_OK)
+		result = build_write(&build, pairs);
+	if (result != STILB_OK)
+		lists_clear(lists);
+	return result;
+}
+
+void stilb_light_lists_finish(stilb_light_lists *lists)
+{
+	if (!lists)
+		return;
+	if (lists->scratch) {
+		light_view_finish(&lists->scratch->view);
+		light_reaching_finish(lists->scratch);
+		light_units_finish(lists->scratch);
+	}
+	free(lists->scratch);
+	free(lists->lights);
+	free(lists->starts);
+	free(lists->ids);
+	*lists = (stilb_light_lists){0};
+}
