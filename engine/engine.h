@@ -177,8 +177,9 @@ typedef struct stilb_engine_desc {
 	stilb_render_materials materials;
 	stilb_render_output output;
 	stilb_render_shading shading;
-	stilb_render_detail detail; /* which levels of meshes are drawn; {0}: every mesh in full */
-	stilb_render_show show;     /* what pictures show at first */
+	stilb_render_detail detail;     /* which levels of meshes are drawn; {0}: every mesh in full */
+	stilb_render_lighting lighting; /* how pixels find their lights, at first */
+	stilb_render_show show;         /* what pictures show at first */
 	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.
 	                  They also have it while they show it (stilb_engine_show_image) */
 

@@ -123,6 +123,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.backdrop = scene->backdrop,
 		.lights = scene->lights,
 		.light_count = scene->light_count,
+		.lighting = engine->desc.lighting,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,

@@ -19,6 +19,31 @@ stilb_mat4 stilb_mat4_multiply(stilb_mat4 a, stilb_mat4 b)
 	return product;
 }
 
+/* The determinant of what is left of m without row `row` and column `column`, with the sign of its place. */
+static double mat4_cofactor(const stilb_mat4 *m, int row, int column)
+{
+	double a[3][3];
+	for (int c = 0; c < 3; c++)
+		for (int r = 0; r < 3; r++)
+			a[c][r] = (double)m->m[4 * (c + (c >= column)) + r + (r >= row)];
+	double minor = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+	               a[1][0] * (a[0][1] * a[2][2] - a[0][2] * a[2][1]) +
+	               a[2][0] * (a[0][1] * a[1][2] - a[0][2] * a[1][1]);
+	return (row + column) % 2 == 0 ? minor : -minor;
+}
+
+stilb_mat4 stilb_mat4_inverse(const stilb_mat4 *m)
+{
+	stilb_mat4 inverse = {0};
+	double determinant = 0.0;
+	for (int r = 0; r < 4; r++)
+		determinant += (double)m->m[r] * mat4_cofactor(m, r, 0);
+	for (int c = 0; c < 4 && determinant != 0.0; c++)
+		for (int r = 0; r < 4; r++)
+			inverse.m[4 * c + r] = (float)(mat4_cofactor(m, c, r) / determinant);
+	return inverse;
+}
+
 stilb_mat4 stilb_mat4_scale_translate(float scale, float x, float y, float z)
 {
 	stilb_mat4 matrix = {.m = {[0] = scale, [5] = scale, [10] = scale, [12] = x, [13] = y, [14] = z, [15] = 1.0f}};

@@ -79,6 +79,9 @@ stilb_mat4 stilb_mat4_identity(void);
 /* The product a * b, which applies b first, then a. */
 stilb_mat4 stilb_mat4_multiply(stilb_mat4 a, stilb_mat4 b);
 
+/* The inverse, computed in double by cofactors; of a matrix without one all zeros. [any-thread] */
+stilb_mat4 stilb_mat4_inverse(const stilb_mat4 *m);
+
 /* Scales by `scale` along all axes, then translates by (x, y, z) metres. */
 stilb_mat4 stilb_mat4_scale_translate(float scale, float x, float y, float z);
 

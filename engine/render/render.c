@@ -28,6 +28,10 @@ const char *const stilb_render_show_words[] = {
 #undef RENDER_SHOW_WORDS
 		NULL};
 
+#define RENDER_LIGHTING_NAME(id, name, words) #name,
+const char *const stilb_render_lighting_names[] = {STILB_RENDER_LIGHTINGS(RENDER_LIGHTING_NAME) NULL};
+#undef RENDER_LIGHTING_NAME
+
 const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",
                                                  [STILB_RENDER_DETAIL_POP] = "pop",
                                                  [STILB_RENDER_DETAIL_FADE] = "fade",
@@ -75,6 +79,7 @@ stilb_result stilb_render_create(const stilb_render_desc *desc, stilb_render **o
 	render->memory[RENDER_MEMORY_VERTICES_2D].element = sizeof(stilb_render_vertex_2d);
 	render->memory[RENDER_MEMORY_INDICES_2D].element = sizeof(uint32_t);
 	render->memory[RENDER_MEMORY_LIGHTS].element = sizeof(render_light);
+	render->memory[RENDER_MEMORY_LIGHT_LISTS].element = sizeof(float[4]);
 	stilb_result result = render_contexts_create(render, desc->context_count);
 	if (result == STILB_OK)
 		result = render_resources_create(&render->resources, desc->keep_textures, !desc->float_vertices);
@@ -120,6 +125,7 @@ void stilb_render_destroy(stilb_render *render)
 	render_resources_destroy(&render->resources);
 	free(render->sort_items);
 	render_order_finish(&render->order);
+	stilb_light_lists_finish(&render->lists);
 	free(render);
 }
 

@@ -375,6 +375,26 @@ extern const char *const stilb_render_show_words[];
 /* The identifiers of stilb_render_detail_mode, NULL-terminated. */
 extern const char *const stilb_render_detail_names[];
 
+/* How a pixel finds the lights that reach it; all ways show the same picture. Lights that end somewhere are those whose
+ * falloff is not PHYSICAL, but for DIRECTIONAL ones.
+ *   DEFERRED  for pictures of one sample a pixel, and the first pass into a target; else as AUTO. What the images of
+ *             surfaces cannot hold is drawn after them as AUTO draws it: surfaces that blend, those with layers, and
+ *             those with a function of the program's. */
+#define STILB_RENDER_LIGHTINGS(X)                                                                                      \
+	X(AUTO, auto, "clustered if more than eight lights end somewhere, else forward")                                   \
+	X(FORWARD, forward, "each pixel asks every light of the scene")                                                    \
+	X(CLUSTERED, clustered, "the view is cut into cells, and a pixel asks the lights that reach its cell")             \
+	X(DEFERRED, deferred, "surfaces are drawn first, and lights ask the pixels that show them")
+
+#define STILB_RENDER_LIGHTING_ENUM(id, ...) STILB_RENDER_LIGHTING_##id,
+typedef enum stilb_render_lighting {
+	STILB_RENDER_LIGHTINGS(STILB_RENDER_LIGHTING_ENUM) STILB_RENDER_LIGHTING_WAYS
+} stilb_render_lighting;
+#undef STILB_RENDER_LIGHTING_ENUM
+
+/* Their identifiers, NULL-terminated; the index is the stilb_render_lighting. */
+extern const char *const stilb_render_lighting_names[];
+
 /* What scene passes draw into, in place of the picture's own images: for a second camera, or for what a light sees. Its
  * images are the frame's, in its plan, where features find them by name. Passes whose views point to the same target
  * draw into the same images; of these the first pass says exposure, tone map and backdrop. */
@@ -413,6 +433,7 @@ typedef struct stilb_render_view {
 		*lights; /* [light_count] without a mistake (stilb_scene_light_mistake); none casts a shadow;
 	                                  BAKED ones are left out. Read during stilb_render_replay. */
 	uint32_t light_count;
+	stilb_render_lighting lighting;
 	/* The panorama in place of sky and ground if it has floats; read during stilb_render_replay, which makes what the
 	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
 	 * may go unnoticed. One panorama a frame, that of the first view with one. */

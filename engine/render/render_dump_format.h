@@ -47,7 +47,7 @@
 #include "scene/scene_streams.h"
 
 #define RENDER_DUMP_MAGIC "STILBDMP"
-#define RENDER_DUMP_VERSION 12u
+#define RENDER_DUMP_VERSION 13u
 #define RENDER_DUMP_BYTE_ORDER 0x01020304u /* a little-endian file has the bytes 4 3 2 1 */
 #define RENDER_DUMP_MAX_VIEWS 64u
 
@@ -79,7 +79,7 @@ typedef struct render_dump_view {
 	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
 	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
 	float time;                                  /* seconds, for functions of surfaces */
-	uint32_t unused;
+	uint32_t lighting;                           /* stilb_render_lighting */
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */

@@ -198,8 +198,9 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",
 			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->both_sides);
-		if (!isfinite(view->time) || view->unused != 0)
-			return load_refuse(name, "view %u: its time is not finite, or its unused bytes are not zero", v);
+		if (!isfinite(view->time) || view->lighting >= STILB_RENDER_LIGHTING_WAYS)
+			return load_refuse(name, "view %u: its time is not finite, or way %u of lighting unknown", v,
+			                   view->lighting);
 		lights += view->lights;
 	}
 	if (lights != dump->header->lights)

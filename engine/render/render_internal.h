@@ -7,6 +7,7 @@
 
 #include "base/base_contract.h"
 #include "gpu/gpu_internal.h"
+#include "light/light.h"
 #include "profiler/prof.h"
 #include "render/device/render_device.h"
 #include "render/maps/render_functions.h"
@@ -74,8 +75,10 @@ static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits 
 #define RENDER_LIGHTS_ONE 1024u      /* there is exactly one */
 #define RENDER_LIGHTS_DEPTH 2048u    /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
 #define RENDER_LIGHTS_VELOCITY 4096u /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
+#define RENDER_LIGHTS_LISTS 8192u    /* lights that end somewhere are found by lists (render_lights.c) */
+#define RENDER_LIGHTS_GBUFFER 16384u /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
 /* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
-#define RENDER_LIGHTS_CHANNEL_SHIFT 13u
+#define RENDER_LIGHTS_CHANNEL_SHIFT 15u
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
@@ -106,6 +109,7 @@ typedef enum render_memory_kind {
 	RENDER_MEMORY_VERTICES_2D,
 	RENDER_MEMORY_INDICES_2D,
 	RENDER_MEMORY_LIGHTS,
+	RENDER_MEMORY_LIGHT_LISTS,
 	RENDER_MEMORY_KINDS,
 } render_memory_kind;
 
@@ -345,6 +349,25 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
 
 /* ---- devices ----------------------------------------------------------------------------------------------------- */
 
+/* The lights of a view in the frame's memory: elements first .. first + count - 1. First come the panorama's lamps, then
+ * lights that end nowhere, then the others, each kind in the scene's order. With RENDER_LIGHTS_LISTS these are only
+ * those that the view has, and of the others a pixel asks those in the list of its cell. */
+typedef struct render_view_lights {
+	uint32_t first, count;
+	uint32_t everywhere; /* so many of them are asked by every pixel; without lists `count` */
+	uint32_t bits;       /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among the view's lights */
+	uint32_t lists;      /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies */
+	uint32_t grid[2];    /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
+} render_view_lights;
+
+/* The lists of a view's cells as shaders read them (lists.glsl): this; then for each cell where its list begins, and once
+ * more where the last one ends; then the lists, of places among the lights that do not reach everywhere. */
+typedef struct render_light_lists {
+	float depth_plane[4]; /* as of stilb_light_lists */
+	float slice_scale, slice_bias, padding[2];
+	uint32_t words[];
+} render_light_lists;
+
 /* A stream: one pass as the device gets it, with its draws in their final order. */
 typedef struct render_stream {
 	const stilb_render_pass *pass;
@@ -356,9 +379,7 @@ typedef struct render_stream {
 	uint64_t draws;          /* of all runs together */
 	uint64_t states;         /* bitwise or of all runs' states */
 	uint32_t kinds;          /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
-	uint32_t first_light; /* the view's lights: elements first_light .. first_light + light_count - 1 of the memory */
-	uint32_t light_count;
-	uint32_t light_bits;             /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among them */
+	render_view_lights lights;       /* the view's */
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
 } render_stream;
 
@@ -470,9 +491,32 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 	return channel == 0 ? view->tone : tones[stilb_scene_channel_kind_of((stilb_scene_surface_channel)(channel - 1))];
 }
 
-/* render_stream.light_bits of a view that shows a panorama with so many lamps, or none. *count: the lights that frames
- * show, the panorama's lamps included. */
-uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count);
+/* ---- device/render_deferred.c ---- */
+
+/* True if the view's first pass into its target leaves lights to a later pass. */
+bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);
+/* True if surfaces with these RENDER_MAPS_... can be lit later. */
+bool render_maps_are_deferred(uint64_t bits);
+/* Of the programs that draw surfaces of a view with these bits. */
+uint32_t render_gbuffer_bits(uint32_t light_bits);
+/* Adds the images of surfaces to a row that draws the target's radiance. */
+void render_deferred_attach(render_device *device, render_frame_target *target, stilb_gpu_pass *row);
+/* Adds the row of the lights that choice stands for. */
+stilb_result render_deferred_lights(render_device *device, const render_frame_target *target,
+                                    render_formula_programs *choice, const render_push *push);
+
+/* ---- render_lights.c ---- */
+
+/* render_view_lights.bits of a view that shows a panorama with so many lamps, or none. */
+uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps);
+
+/* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
+const render_panorama *render_view_panorama(const stilb_render *render, const stilb_render_view *view);
+
+/* Writes the lights of the views that passes show to the frame's memory, before it is placed. placed: by pass. */
+stilb_result render_lights_place(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
+                                 const stilb_render_view *views, render_view_lights placed[STILB_RENDER_MAX_PASSES],
+                                 stilb_job_pool *pool, uint32_t worker);
 
 /* As render_light_bits, of what draws the view's velocities. */
 static inline uint32_t render_velocity_bits(const stilb_render_view *view)
@@ -532,6 +576,7 @@ struct stilb_render {
 	render_rows *shown_rows;    /* the scene's, of which the last frame's draws are; NULL: it has none of a scene yet */
 	render_rows *replaced_rows; /* tables of scenes before, which frames in flight may use */
 	render_panorama panorama;   /* of the last frame that showed one */
+	stilb_light_lists lists;    /* scratch memory of render_lights_place */
 	render_memory memory[RENDER_MEMORY_KINDS];
 	render_pass_lists passes[STILB_RENDER_MAX_PASSES];
 	uint32_t replayed[STILB_RENDER_MAX_PASSES]; /* this frame's passes in the order of their replay */

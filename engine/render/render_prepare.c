@@ -208,8 +208,7 @@ stilb_result stilb_render_prepare_view(stilb_render *render, const stilb_render_
 	render_known_maps maps;
 	stilb_result result = prepare_known_maps(&render->resources, &maps);
 	for (uint32_t lamps = 0; lamps < (panorama ? PREPARE_LAMPS : 1u) && result == STILB_OK; lamps++) {
-		uint32_t count;
-		made[lamps] = render_light_bits(view, panorama, lamps, &count);
+		made[lamps] = render_light_bits(view, panorama, lamps);
 		bool known = false;
 		for (uint32_t i = 0; i < lamps; i++)
 			known |= made[i] == made[lamps];

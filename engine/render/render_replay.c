@@ -102,13 +102,14 @@ stilb_result render_order(stilb_render *render, const stilb_render_pass *pass, r
 static void replay_keep_view(render_pass_lists *lists, const render_stream *stream)
 {
 	const stilb_scene_surroundings *around = &stream->view->surroundings;
+	uint32_t lamps = stream->lights.count > 0 && stream->panorama ? stream->panorama->lamp_count : 0;
 	lists->shading = stream->view->shading;
 	memcpy(lists->sky, around->sky, sizeof lists->sky);
 	memcpy(lists->ground, around->ground, sizeof lists->ground);
 	lists->glossy = around->glossy;
 	lists->both_sides = stream->view->both_sides;
-	lists->first_light = stream->first_light;
-	lists->light_count = stream->light_count - (stream->panorama ? stream->panorama->lamp_count : 0);
+	lists->first_light = stream->lights.first + lamps;
+	lists->light_count = stream->lights.count - lamps;
 	lists->panorama = stream->panorama ? stream->panorama->key : 0;
 	lists->rotation = stream->panorama ? around->rotation : 0.0f;
 }
@@ -148,122 +149,6 @@ static uint64_t replay_other_bytes(const stilb_render *render)
 		bytes += (uint64_t)atomic_load_explicit(&render->memory[kind].next, memory_order_relaxed) *
 		         render->memory[kind].element;
 	return bytes;
-}
-
-static void replay_write_light(render_light *out, const stilb_scene_light *light)
-{
-	bool round = light->kind == STILB_SCENE_LIGHT_SPHERE || light->kind == STILB_SCENE_LIGHT_DISK;
-	STILB_ASSERT(!stilb_scene_light_mistake(light));
-	*out = (render_light){.kind = (float)((uint32_t)light->kind + 8 * (uint32_t)light->falloff),
-	                      .cos_inner = light->cos_inner,
-	                      .cos_outer = light->cos_outer,
-	                      .radius = round ? light->radius : 0.0f,
-	                      .reach = light->reach};
-	memcpy(out->position, light->position, sizeof out->position);
-	memcpy(out->direction, light->direction, sizeof out->direction);
-	memcpy(out->intensity, light->intensity, sizeof out->intensity);
-	memcpy(out->half_x, light->half_x, sizeof out->half_x);
-	memcpy(out->half_y, light->half_y, sizeof out->half_y);
-}
-
-/* The lights of a pass in the frame's memory: elements first .. first + count - 1. bits: render_stream.light_bits. */
-typedef struct replay_lights {
-	uint32_t first, count, bits;
-} replay_lights;
-
-/* RENDER_LIGHTS_GLOSS or 0. A panorama lights in place of sky and ground, and is mirrored without it. */
-static uint32_t replay_gloss(const stilb_render_view *view, bool panorama)
-{
-	return view->surroundings.glossy && !panorama && render_view_is_lit(view) ? RENDER_LIGHTS_GLOSS : 0;
-}
-
-uint32_t render_light_bits(const stilb_render_view *view, bool panorama, uint32_t lamps, uint32_t *count)
-{
-	if (render_view_is_depth(view)) {
-		*count = 0;
-		return RENDER_LIGHTS_DEPTH | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
-	}
-	uint32_t channel = render_view_channel(view);
-	if (channel > 0) {
-		*count = 0;
-		return channel << RENDER_LIGHTS_CHANNEL_SHIFT | (view->both_sides ? RENDER_LIGHTS_SIDES : 0);
-	}
-	uint32_t bits = (view->both_sides ? RENDER_LIGHTS_SIDES : 0) | (panorama ? RENDER_LIGHTS_PANORAMA : 0) |
-	                replay_gloss(view, panorama) | (lamps > 0 ? 1u << STILB_SCENE_LIGHT_DIRECTIONAL : 0);
-	*count = lamps;
-	for (uint32_t i = 0; i < view->light_count; i++) {
-		const stilb_scene_light *light = &view->lights[i];
-		if (light->use == STILB_SCENE_LIGHT_BAKED)
-			continue;
-		(*count)++;
-		bits |= 1u << light->kind;
-		bits |= light->falloff != STILB_SCENE_LIGHT_PHYSICAL ? RENDER_LIGHTS_END : 0;
-	}
-	return bits | (*count == 1 ? RENDER_LIGHTS_ONE : 0);
-}
-
-/* Writes the lights, then the panorama's lamps. */
-static void replay_write_lights(render_light *out, const stilb_render_view *view, const render_panorama *panorama)
-{
-	for (uint32_t i = 0; i < view->light_count; i++)
-		if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED)
-			replay_write_light(out++, &view->lights[i]);
-	for (uint32_t i = 0; panorama && i < panorama->lamp_count; i++, out++) {
-		const render_panorama_lamp *lamp = &panorama->lamps[i];
-		*out = (render_light){.kind = STILB_SCENE_LIGHT_DIRECTIONAL};
-		render_panorama_turn(lamp->direction, view->surroundings.rotation, out->direction);
-		for (int c = 0; c < 3; c++)
-			out->direction[c] = -out->direction[c];
-		memcpy(out->intensity, lamp->irradiance, sizeof out->intensity);
-		render_panorama_turn(lamp->half_x, view->surroundings.rotation, out->half_x);
-		render_panorama_turn(lamp->half_y, view->surroundings.rotation, out->half_y);
-	}
-}
-
-/* True if both views have the same lights. */
-static bool replay_lights_are_same(const stilb_render_view *a, const stilb_render_view *b)
-{
-	return a->lights == b->lights && a->light_count == b->light_count && a->both_sides == b->both_sides &&
-	       render_view_is_depth(a) == render_view_is_depth(b) && render_view_channel(a) == render_view_channel(b) &&
-	       a->surroundings.panorama.pixels == b->surroundings.panorama.pixels &&
-	       a->surroundings.rotation == b->surroundings.rotation;
-}
-
-/* What the frame needs of the view's panorama; NULL: it has none, or another than the frame. */
-static const render_panorama *replay_panorama(const stilb_render *render, const stilb_render_view *view)
-{
-	bool shows = !render_view_is_depth(view) && render_panorama_shows(&render->panorama, &view->surroundings.panorama);
-	return shows ? &render->panorama : NULL;
-}
-
-/* Copies the lights of the views that passes show, without those that are only baked, to the frame's memory, before it
- * is placed. Views of neighbouring passes that have the same list share it. */
-static stilb_result replay_place_lights(stilb_render *render, const stilb_render_pass *passes, uint32_t pass_count,
-                                        const stilb_render_view *views, replay_lights placed[STILB_RENDER_MAX_PASSES])
-{
-	const stilb_render_view *last = NULL;
-	replay_lights now = {0};
-	for (uint32_t p = 0; p < pass_count; p++) {
-		const stilb_render_view *view = passes[p].kind == STILB_RENDER_PASS_SCENE ? &views[passes[p].view] : NULL;
-		placed[p] = (replay_lights){0};
-		if (!view)
-			continue;
-		if (!last || !replay_lights_are_same(view, last)) {
-			const render_panorama *panorama = replay_panorama(render, view);
-			now = (replay_lights){0};
-			now.bits = render_light_bits(view, panorama, panorama ? panorama->lamp_count : 0, &now.count);
-			now.bits &= ~RENDER_LIGHTS_GLOSS; /* views with the same lights may differ in it */
-			render_light *out =
-				now.count > 0 ? render_claim(render, RENDER_MEMORY_LIGHTS, now.count, &now.first) : NULL;
-			if (now.count > 0 && !out)
-				return stilb_fail(STILB_ERROR_MEMORY, "no memory for the frame's %u lights", now.count);
-			if (out)
-				replay_write_lights(out, view, panorama);
-		}
-		placed[p] = now;
-		last = view;
-	}
-	return STILB_OK;
 }
 
 static void *replay_make_panorama(void *user, size_t bytes)
@@ -334,10 +219,10 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 	render_device *device = render->device;
 	device->stats = (stilb_render_stats){.gpu_ms = device->stats.gpu_ms, .recorded_bytes = replay_other_bytes(render)};
 	render->state = RENDER_FRAME_REPLAYED;
-	replay_lights lights[STILB_RENDER_MAX_PASSES];
+	render_view_lights lights[STILB_RENDER_MAX_PASSES];
 	stilb_result result = replay_update_panorama(render, views, view_count, pool, worker);
 	if (result == STILB_OK)
-		result = replay_place_lights(render, passes, pass_count, views, lights);
+		result = render_lights_place(render, passes, pass_count, views, lights, pool, worker);
 	if (result == STILB_OK)
 		result = render_memory_place(render);
 	if (result == STILB_OK)
@@ -349,12 +234,8 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		uint32_t index = render->replayed[p];
 		const stilb_render_pass *pass = &passes[index];
 		const stilb_render_view *view = pass->kind == STILB_RENDER_PASS_SCENE ? &views[pass->view] : NULL;
-		const render_panorama *panorama = view ? replay_panorama(render, view) : NULL;
-		render_stream stream = {.view = view,
-		                        .first_light = lights[index].first,
-		                        .light_count = lights[index].count,
-		                        .panorama = panorama,
-		                        .light_bits = lights[index].bits | (view ? replay_gloss(view, panorama) : 0)};
+		render_stream stream = {
+			.view = view, .panorama = view ? render_view_panorama(render, view) : NULL, .lights = lights[index]};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)

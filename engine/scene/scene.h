@@ -375,6 +375,7 @@ typedef struct stilb_scene {
 	 * front alone. True of files, whose triangles do not all face outwards. It costs what is drawn of back sides. */
 	bool both_sides;
 	uint64_t seed;                           /* of the stress test, else 0 */
+	uint32_t stress_lamps;                   /* of the stress test its lamps, lights 1 .. stress_lamps */
 	uint32_t stress_models;                  /* of the stress test its spheres over tiles, the first models; else 0 */
 	struct stilb_scene_edits *edits;         /* of scene_edit.h; NULL: there was none */
 	struct stilb_scene_animation *animation; /* of scene_animation.h; NULL: nothing of the file moves */
@@ -495,7 +496,8 @@ stilb_scene_camera stilb_scene_stress_camera(const stilb_scene *scene, stilb_sce
 	X(SPHERE, sphere, "a sphere above the middle")                                                                     \
 	X(DISK, disk, "a disk there, which faces down")                                                                    \
 	X(WINDOWED, windowed, "the sphere, ending softly at the border")                                                   \
-	X(SUBTRACTED, subtracted, "the sphere, ending with an edge")
+	X(SUBTRACTED, subtracted, "the sphere, ending with an edge")                                                       \
+	X(NIGHT, night, "a moon and a dark sky")
 
 #define STILB_SCENE_STRESS_LIGHT_ENUM(id, ...) STILB_SCENE_STRESS_LIGHT_##id,
 typedef enum stilb_scene_stress_light {
@@ -509,6 +511,17 @@ extern const char *const stilb_scene_stress_light_names[];
 /* Puts a light into the list of a scene of stilb_scene_create_stress, in place of the one before; at first it is SUN.
  * [one-writer] */
 void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light light);
+
+#define STILB_SCENE_MAX_LAMPS 1000000u
+
+/* Adds count lamps, 1..STILB_SCENE_MAX_LAMPS, to the lights of a scene of stilb_scene_create_stress that has none, and
+ * makes the other one NIGHT. They hang over the tiles, coloured and placed by the scene's seed, and end softly at a
+ * reach by which some eight light a point: points, small spheres, and spots that face down. STILB_ERROR_MEMORY: nothing
+ * has changed. [one-writer] */
+stilb_result stilb_scene_stress_add_lamps(stilb_scene *scene, uint32_t count);
+
+/* Moves these lamps: a quarter goes in circles, and the spots swing. seconds as of stilb_scene_animate. [one-writer] */
+void stilb_scene_stress_move_lamps(stilb_scene *scene, double seconds);
 
 /* Moves the spheres of models 0, 10, 20, ... of a scene of stilb_scene_create_stress up and down, and lists these
  * models in moved. seconds, finite, is the time since the start, not the step: the same time gives the same bits.

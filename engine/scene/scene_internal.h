@@ -21,6 +21,8 @@ stilb_result scene_add_cameras(stilb_scene *scene, uint32_t count);
 stilb_result scene_add_names(stilb_scene *scene);
 
 stilb_result scene_add_lights(stilb_scene *scene, uint32_t count);
+/* HSV to RGB: hue and saturation in [0, 1], value any, as a clamped ramp for each channel. */
+void scene_stress_color(float hue, float saturation, float value, float rgb[3]);
 
 /* scene_variant.c: room for so many variants, all names "" and all materials 0. STILB_ERROR_MEMORY. */
 stilb_result scene_add_variants(stilb_scene *scene, uint32_t count);

@@ -63,6 +63,11 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 	     "highlights of bumps that are too small to be seen: vmf, toksvig or off (vmf)", 0, 0,
 	     picture_specular_aa_choices},
 	};
+	const flag lighting[] = {
+		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
+	     "how pixels find their lights, the same picture each way: auto, forward, clustered or deferred (auto)", 0, 0,
+	     stilb_render_lighting_names},
+	};
 	const flag range[] = {
 		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
 	     0, NULL},
@@ -83,6 +88,8 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		flag_rows_add(table, detail, sizeof detail / sizeof *detail);
 	if (group == PICTURE_IMAGE)
 		flag_rows_add(table, image, sizeof image / sizeof *image);
+	if (group == PICTURE_LIGHTING)
+		flag_rows_add(table, lighting, sizeof lighting / sizeof *lighting);
 	if (group == PICTURE_DETAIL || group == PICTURE_IMAGE)
 		flag_rows_add(table, range, sizeof range / sizeof *range);
 	if (group == PICTURE_COMMANDS)

@@ -12,9 +12,10 @@ typedef struct demo {
 	live_options options;
 	uint64_t models, seed, cameras;
 	uint64_t figures;           /* that walk between the models */
+	uint64_t lamps;             /* over the tiles */
 	bool animate;               /* a tenth of the models moves */
 	int view;                   /* a stilb_scene_stress_view */
-	int light;                  /* a stilb_scene_stress_light, as the flag chose it */
+	int light;                  /* a stilb_scene_stress_light, as the flag chose it; below 0: it was not given */
 	stilb_engine_choice lights; /* and as the user chooses it in the materials' window */
 	stilb_scene *scene;
 	live_run *run;
@@ -94,6 +95,8 @@ static stilb_result demo_start(void *user, live_run *run)
 	stilb_result result = stilb_scene_create_stress((uint32_t)d->models, d->seed, &d->scene);
 	if (result == STILB_OK && d->figures > 0)
 		result = stilb_scene_stress_add_figures(d->scene, (uint32_t)d->figures);
+	if (result == STILB_OK && d->lamps > 0)
+		result = stilb_scene_stress_add_lamps(d->scene, (uint32_t)d->lamps);
 	/* Smaller than a thumb at arm's length they are posed less often; joints below two milliradians stand still. */
 	stilb_scene_rates rates = {.angle = 0.06f, .still = 0.002f};
 	if (result == STILB_OK && d->figures > 0 && run->options->picture.detail != STILB_RENDER_DETAIL_OFF)
@@ -109,6 +112,8 @@ static void demo_update(void *user, const stilb_engine_update *update)
 {
 	demo *d = user;
 	stilb_scene_stress_set_light(d->scene, (stilb_scene_stress_light)d->lights.chosen);
+	if (d->lamps > 0)
+		stilb_scene_stress_move_lamps(d->scene, update->seconds);
 	if (d->animate)
 		stilb_scene_animate(d->scene, update->seconds);
 	if (d->cameras > 1)
@@ -164,7 +169,7 @@ int demo_command(int argc, char **argv)
 		"frames, 1..1000000 (headless 120, in software 30; in a window endless)",
 		&demo_keys,
 	};
-	demo d = {.options = live_options_default(), .models = 10000, .seed = 1, .cameras = 1};
+	demo d = {.options = live_options_default(), .models = 10000, .seed = 1, .cameras = 1, .light = -1};
 	const flag own[] = {
 		{"The scene", FLAG_TITLE, NULL, NULL, NULL, 0, 0, NULL},
 		{"--models", FLAG_NUMBER, &d.models, "N", "models, 1..4000000 (10000)", 1, STILB_SCENE_MAX_MODELS, NULL},
@@ -175,7 +180,10 @@ int demo_command(int argc, char **argv)
 		{"--view", FLAG_CHOICE, &d.view, "all|half|few", "how many models the camera sees (all)", 0, 0, demo_views},
 		{"--cameras", FLAG_NUMBER, &d.cameras, "N",
 	     "cameras around the scene, each in a tile of the picture, 1..16 (1)", 1, STILB_ENGINE_MAX_CAMERAS + 1, NULL},
-		{"--light-model", FLAG_CHOICE, &d.light, "NAME", "the sun, the sky alone, or a kind of lamp (sun)", 0, 0,
+		{"--lights", FLAG_NUMBER, &d.lamps, "N",
+	     "coloured lamps that hang over the tiles, move and swing, 0..1000000 (0)", 0, STILB_SCENE_MAX_LAMPS, NULL},
+		{"--light-model", FLAG_CHOICE, &d.light, "NAME",
+	     "the sun, the sky alone, a kind of lamp, or night (sun; night with --lights)", 0, 0,
 	     stilb_scene_stress_light_names},
 	};
 	flags_result parsed = live_options_parse(&d.options, &help, own, sizeof own / sizeof *own, argc, argv);
@@ -183,6 +191,8 @@ int demo_command(int argc, char **argv)
 		return EXIT_DONE;
 	if (parsed == FLAGS_REFUSED || !live_options_check(&d.options))
 		return EXIT_REFUSED;
+	if (d.light < 0)
+		d.light = d.lamps > 0 ? STILB_SCENE_STRESS_LIGHT_NIGHT : STILB_SCENE_STRESS_LIGHT_SUN;
 	d.lights = (stilb_engine_choice){"Light", stilb_scene_stress_light_names, STILB_SCENE_STRESS_LIGHT_COUNT,
 	                                 (uint32_t)d.light, 0};
 	live_run run = {.options = &d.options, .program = &program, .user = &d, .light = &d.lights};

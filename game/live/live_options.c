@@ -68,6 +68,7 @@ static void live_add_run(live_options *o, flag_rows *table)
 	picture_flags_add(&o->picture, PICTURE_DETAIL, table);
 	picture_flags_add(&o->picture, PICTURE_TONE, table);
 	flag_rows_add(table, materials, 1);
+	picture_flags_add(&o->picture, PICTURE_LIGHTING, table);
 	picture_flags_add(&o->picture, PICTURE_BRDF, table);
 	picture_flags_add(&o->picture, PICTURE_ADDED, table);
 }
@@ -418,6 +419,7 @@ stilb_engine_desc live_options_engine(const live_options *o)
 	desc.shaders = o->shaders;
 	desc.shading = picture_flags_shading(&o->picture, o->brdf);
 	desc.detail = picture_flags_detail(&o->picture);
+	desc.lighting = (stilb_render_lighting)o->picture.lighting;
 	picture_shown image;
 	picture_flags_show(&o->picture, &desc.show, &image);
 	bool gamepad = live_parse_gamepad(o->gamepad, &desc.gamepad, &desc.gamepad_recording);

@@ -228,7 +228,7 @@ static void test_bad_files(void **state)
 	assert_bad("bad.dump", "stream hash");
 	for (uint32_t version = 0; version <= 13; version++) {
 		char reason[80];
-		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 12; 'stilb demo --dump",
+		snprintf(reason, sizeof reason, "header: version %u, but this program reads version 13; 'stilb demo --dump",
 		         version);
 		copy_file("good.dump", "bad.dump", size);
 		forge("bad.dump", 8, version);

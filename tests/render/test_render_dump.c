@@ -515,7 +515,7 @@ static const struct damage {
 	const char *reason;
 } damages[] = {
 	{RENDER_DUMP_HEADER, HEADER(magic), 0x54495453, "not a frame dump"},
-	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 12"},
+	{RENDER_DUMP_HEADER, HEADER(version), 1, "version 1, but this program reads version 13"},
 	{RENDER_DUMP_HEADER, HEADER(byte_order), 0x04030201, "byte order"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 100000000, "truncated"},
 	{RENDER_DUMP_HEADER, HEADER(file_size), 200, "continues after its last byte, 200"},
@@ -549,7 +549,8 @@ static const struct damage {
 	{RENDER_DUMP_VIEWS, VIEW(target), 2, "view 0: target 2, but there are 1"},
 	{RENDER_DUMP_VIEWS, VIEW(exposure), 0x7fc00000, "view 0: its exposure is not within 100 stops"},
 	{RENDER_DUMP_VIEWS, VIEW(time), 0x7fc00000, "view 0: its time is not finite"},
-	{RENDER_DUMP_VIEWS, VIEW(unused), 1, "view 0: its time is not finite, or its unused bytes"},
+	{RENDER_DUMP_VIEWS, VIEW(lighting), STILB_RENDER_LIGHTING_WAYS,
+     "view 0: its time is not finite, or way 3 of lighting unknown"},
 	{RENDER_DUMP_LIGHTS, 96, 6, "light 1: its kind is unknown"},
 	{RENDER_DUMP_LIGHTS, offsetof(render_dump_light, unused), 1, "light 0: its unused bytes are not zero"},
 	{RENDER_DUMP_LIGHTS, 96 + offsetof(render_dump_light, half_x), 0x40000000, "light 1: its sides and its direction"},

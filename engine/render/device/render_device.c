@@ -201,6 +201,7 @@ static const struct {
 	[RENDER_MEMORY_VERTICES_2D] = {"2D vertices", STILB_GPU_BUFFER_VERTICES, STILB_GPU_MEMORY_WRITE},
 	[RENDER_MEMORY_INDICES_2D] = {"2D indices", STILB_GPU_BUFFER_INDICES, STILB_GPU_MEMORY_WRITE},
 	[RENDER_MEMORY_LIGHTS] = {"lights", STILB_GPU_BUFFER_ADDRESS, STILB_GPU_MEMORY_WRITE},
+	[RENDER_MEMORY_LIGHT_LISTS] = {"lists of lights", STILB_GPU_BUFFER_ADDRESS, STILB_GPU_MEMORY_WRITE},
 };
 
 stilb_result render_device_grow(render_device *device, render_memory *memory, uint32_t kind, uint32_t capacity,

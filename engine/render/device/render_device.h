@@ -44,19 +44,22 @@ typedef struct render_view_data {
 	float last_view_projection[16]; /* for velocities alone */
 	uint64_t last_vertices;         /* the heap of these */
 	uint64_t also_padding;
+	float from_clip[16]; /* clip space to the world */
 } render_view_data;
 
-static_assert(sizeof(render_view_data) == 208, "std430");
+static_assert(sizeof(render_view_data) == 272, "std430");
 
 typedef struct render_view_push {
 	float camera_position[4];
-	float added[4]; /* added to every material's roughness, anisotropy, wrap and specular */
-	float turn[2];  /* sine and cosine of the panorama's rotation */
-	uint32_t light_count;
-	float pixels; /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
+	float added[4];       /* added to every material's roughness, anisotropy, wrap and specular */
+	float turn[2];        /* sine and cosine of the panorama's rotation */
+	uint32_t light_count; /* that every pixel asks */
+	float pixels;         /* of the picture's height that a length of 1 has at a distance of 1; of parallel views any */
 	uint64_t lights, maps; /* the heap of these */
 	uint64_t panorama;     /* of device.panorama: its table */
 	uint64_t rest;         /* render_view_data */
+	uint64_t lists;        /* render_light_lists */
+	uint32_t grid[2];      /* of render_view_lights */
 } render_view_push;
 
 /* Constants of scene passes (shaders/mesh.glsl). With STILB_RENDER_MATERIALS_BIND `materials` is that of one material,
@@ -66,7 +69,7 @@ typedef struct render_push {
 	uint64_t rows, materials, vertices, frame_rows;
 } render_push;
 
-static_assert(sizeof(render_push) == 112, "std430");
+static_assert(sizeof(render_push) == 128, "std430");
 
 /* Constants of 2D passes (shaders/flat.vert). */
 typedef struct render_push_2d {
@@ -152,6 +155,9 @@ extern const stilb_gpu_shader render_maps_depth[2][2];                          
  * maps. */
 extern const stilb_gpu_shader render_function_vertex[2][2][2], render_function_channel_vertex[2][2];
 
+/* Of surfaces that are lit later, as render_mesh_fragment and [gloss][extras]; and of the pass that does. */
+extern const stilb_gpu_shader render_gbuffer_mesh_fragment[2][RENDER_SURFACES], render_gbuffer_maps_fragment[2][2];
+extern const stilb_gpu_shader render_deferred_fragment;
 /* Of channels in the place of light. Impostors keep their vertex shader. */
 enum { RENDER_CHANNEL_MESH, RENDER_CHANNEL_MAPS, RENDER_CHANNEL_MAPS_EXTRAS, RENDER_CHANNEL_VERTICES };
 extern const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES]; /* [1: packed] */
@@ -194,12 +200,16 @@ typedef struct render_formula_programs {
 	/* Bit kind * RENDER_SURFACES + surface: made and compiled. Release when that is done, acquire by who needs them. */
 	_Atomic uint32_t ready;
 	render_maps_program *maps; /* [map_count] under the lock of programs */
+	stilb_gpu_program
+		deferred; /* under the lock: of passes over the picture with these lights; {0}: not needed so far */
 	uint32_t map_count, map_capacity;
 } render_formula_programs;
 
 /* True if they draw depth alone, or velocities with it. */
 bool render_formulas_are_depth(const render_formula_programs *programs);
 bool render_formulas_are_velocity(const render_formula_programs *programs);
+/* True if they draw surfaces whose lights come later. */
+bool render_formulas_are_gbuffer(const render_formula_programs *programs);
 /* True if their highlights mirror the panorama: they read the pass's three images of it (render_device_gloss). */
 bool render_formulas_are_gloss(const render_formula_programs *programs);
 
@@ -223,7 +233,7 @@ typedef struct render_programs {
 
 /* What a frame in flight has of its own. */
 typedef struct render_slot {
-	render_buffer memory[5];                          /* by render_memory_kind */
+	render_buffer memory[6];                          /* by render_memory_kind */
 	render_buffer views;                              /* render_view_data[STILB_RENDER_MAX_PASSES] */
 	render_buffer backdrops[STILB_RENDER_MAX_PASSES]; /* what shaders/backdrop.frag reads; {0}: not needed so far */
 } render_slot;
@@ -258,6 +268,9 @@ typedef struct render_list {
 	char name[64];      /* of its row */
 } render_list;
 
+#define RENDER_GBUFFER_IMAGES 3u                                                 /* besides radiance and depth */
+extern const stilb_gpu_format render_gbuffer_formats[1 + RENDER_GBUFFER_IMAGES]; /* behind that of radiance */
+
 /* The images of a stilb_render_target in a frame. */
 typedef struct render_frame_target {
 	const stilb_render_target
@@ -265,9 +278,10 @@ typedef struct render_frame_target {
 	bool main;                      /* these are the main images */
 	uint16_t color, samples, depth; /* resources of the plan; 0: it has none. samples: with several a pixel */
 	uint16_t behind;                /* as of render_through.c; 0: no pass has needed it so far */
-	uint16_t velocity, velocity_depth; /* of one sample a pixel; 0: no view has asked for them so far */
-	bool drawn;                        /* a pass has drawn into it */
-	bool transparent;                  /* the backdrop is nothing, and alpha counts */
+	uint16_t velocity, velocity_depth;        /* of one sample a pixel; 0: no view has asked for them so far */
+	uint16_t surfaces[RENDER_GBUFFER_IMAGES]; /* in the order of gbuffer.glsl; 0: as those */
+	bool drawn;                               /* a pass has drawn into it */
+	bool transparent;                         /* the backdrop is nothing, and alpha counts */
 	uint32_t width, height;
 	uint32_t tone;    /* SHADE_TONE_... or RENDER_TONE_... */
 	uint32_t channel; /* 1 + the one that is shown in the place of light; 0: none */
@@ -414,6 +428,8 @@ void render_programs_destroy(render_device *device);
  * each. [any-thread] */
 stilb_result render_programs_choose(render_device *device, const stilb_render_shading *wanted, uint32_t light_bits,
                                     uint32_t kinds, uint32_t surfaces, render_formula_programs **chosen);
+/* Makes choice->deferred and compiles it, unless it is there. [any-thread] */
+stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice);
 /* The program of that choice and key; made and compiled unless it is there. {0}: its function has been destroyed
  * meanwhile. [any-thread] */
 stilb_result render_programs_maps(render_device *device, render_formula_programs *choice, uint64_t key,

@@ -99,16 +99,20 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->padding = 0.0f;
 	memcpy(out->last_view_projection, view->last ? view->last->m : view->view_projection.m,
 	       sizeof out->last_view_projection);
+	stilb_mat4 from_clip = stilb_mat4_inverse(&view->view_projection);
+	memcpy(out->from_clip, from_clip.m, sizeof out->from_clip);
 	out->last_vertices = device->heaps[RENDER_HEAP_LAST].address;
 	out->also_padding = 0;
 	render_view_push push = {
 		.added = {view->shading.roughness, view->shading.anisotropy, view->shading.wrap, view->shading.specular},
 		.turn = {sinf(view->surroundings.rotation), cosf(view->surroundings.rotation)},
-		.light_count = stream->light_count,
+		.light_count = stream->lights.everywhere,
 		.pixels = frame_pixels(view, height),
-		.lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->first_light * sizeof(render_light),
+		.lights = slot->memory[RENDER_MEMORY_LIGHTS].address + stream->lights.first * sizeof(render_light),
 		.maps = device->heaps[RENDER_HEAP_MAPS].address,
 		.panorama = stream->panorama ? device->panorama.address : 0,
+		.lists = slot->memory[RENDER_MEMORY_LIGHT_LISTS].address + stream->lights.lists * sizeof(float[4]),
+		.grid = {stream->lights.grid[0], stream->lights.grid[1]},
 		.rest = slot->views.address + index * sizeof(render_view_data),
 	};
 	frame_copy3(push.camera_position, view->camera_position);
@@ -173,6 +177,13 @@ static stilb_gpu_binding list_bind_flats(render_device *device, uint32_t binding
 	};
 }
 
+/* Which of a stream's draws a list has. */
+typedef enum frame_draws {
+	FRAME_DRAWS_ALL,
+	FRAME_DRAWS_DEFERRED, /* those of surfaces that deferred lighting can hold */
+	FRAME_DRAWS_OTHERS,
+} frame_draws;
+
 /* A list that is being made. */
 typedef struct list_maker {
 	render_device *device;
@@ -181,6 +192,7 @@ typedef struct list_maker {
 	uint16_t places[RENDER_BINDINGS]; /* 1 + where a binding is in the list */
 	uint32_t count;                   /* of its bindings */
 	bool depth;                       /* depth alone is drawn */
+	frame_draws draws;
 } list_maker;
 
 /* maps: as of render_list.maps. */
@@ -251,7 +263,11 @@ static stilb_result list_run(list_maker *maker, const render_run *from, stilb_gp
 	const render_device *device = maker->device;
 	uint64_t bits = from->state & RENDER_STATE_MAPS && maker->choice ? list_maps_bits(maker, from->state) : 0;
 	*run = (stilb_gpu_run){.first = from->first, .count = from->count};
-	*drawn = true;
+	bool deferred = !(from->state & RENDER_STATE_MAPS) ||
+	                render_maps_are_deferred(device->maps[render_state_group(from->state)].bits);
+	*drawn = maker->draws == FRAME_DRAWS_ALL || deferred == (maker->draws == FRAME_DRAWS_DEFERRED);
+	if (!*drawn)
+		return STILB_OK;
 	if (maker->depth && bits & RENDER_MAPS_BLEND) {
 		*drawn = false;
 		return STILB_OK;
@@ -282,7 +298,7 @@ typedef struct frame_part {
 } frame_part;
 
 /* Makes the list of a part of a stream's draws; returns its number among the frame's. choice: of scene passes. */
-static stilb_result frame_list(render_device *device, const render_stream *stream, frame_part part,
+static stilb_result frame_list(render_device *device, const render_stream *stream, frame_part part, frame_draws draws,
                                render_formula_programs *choice, uint32_t *number)
 {
 	render_frame *frame = &device->frame;
@@ -293,8 +309,11 @@ static stilb_result frame_list(render_device *device, const render_stream *strea
 		return stilb_fail(STILB_ERROR_MEMORY, "no memory for %u runs of draws", part.end - part.first);
 	render_list *list = &device->lists[frame->list_count++];
 	uint32_t made = 0;
-	list_maker maker = {
-		.device = device, .list = list, .choice = choice, .depth = stream->light_bits & RENDER_LIGHTS_DEPTH};
+	list_maker maker = {.device = device,
+	                    .list = list,
+	                    .choice = choice,
+	                    .depth = stream->lights.bits & RENDER_LIGHTS_DEPTH,
+	                    .draws = draws};
 	bool bind = choice && !maker.depth && device->materials == STILB_RENDER_MATERIALS_BIND;
 	uint64_t materials = device->heaps[RENDER_HEAP_MATERIALS].address;
 	stilb_gpu_run *out = part.end > part.first ? device->runs + frame->run_count : NULL;
@@ -522,8 +541,9 @@ static frame_part frame_part_from(const render_device *device, const render_stre
 
 /* Adds the rows of a scene pass: one, or with transmission up to three and the copies between. push: their
  * constants. */
-static stilb_result frame_rows(render_device *device, const render_stream *stream, render_formula_programs *choice,
-                               render_frame_target *target, bool backdrop, const render_push *push)
+static stilb_result frame_rows(render_device *device, const render_stream *stream, frame_draws draws,
+                               render_formula_programs *choice, render_frame_target *target, bool backdrop,
+                               const render_push *push)
 {
 	frame_part part = {0};
 	stilb_result result = STILB_OK;
@@ -538,9 +558,11 @@ static stilb_result frame_rows(render_device *device, const render_stream *strea
 		if (through)
 			result = render_through_copy(device, stream, target);
 		if (result == STILB_OK)
-			result = frame_list(device, stream, part, choice, &list);
+			result = frame_list(device, stream, part, draws, choice, &list);
 		if (result != STILB_OK)
 			return result;
+		if (draws == FRAME_DRAWS_OTHERS && device->draws[list].run_count == 0)
+			continue;
 		stilb_gpu_pass row = frame_row(device, stream, list, "");
 		frame_attach(stream, target, backdrop, &row);
 		if (render_formulas_are_gloss(choice))
@@ -563,13 +585,13 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	uint32_t list;
 	render_stream moved = *stream;
 	render_formula_programs *choice;
-	moved.light_bits = render_velocity_bits(stream->view);
-	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.light_bits, stream->kinds,
+	moved.lights.bits = render_velocity_bits(stream->view);
+	stilb_result result = render_programs_choose(device, &stream->view->shading, moved.lights.bits, stream->kinds,
 	                                             frame_surfaces(stream), &choice);
 	if (result == STILB_OK)
 		result = render_velocity_begin(device, stream, push->view.rest, target);
 	if (result == STILB_OK)
-		result = frame_list(device, &moved, (frame_part){0, stream->run_count}, choice, &list);
+		result = frame_list(device, &moved, (frame_part){0, stream->run_count}, FRAME_DRAWS_ALL, choice, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " velocity");
@@ -582,6 +604,32 @@ static stilb_result frame_velocity(render_device *device, const render_stream *s
 	return STILB_OK;
 }
 
+/* Adds the rows of a scene pass whose lights are deferred: its surfaces, the lights, and the draws that are lit at once.
+ * choice: of these. */
+static stilb_result frame_deferred(render_device *device, const render_stream *stream, render_formula_programs *choice,
+                                   render_frame_target *target, bool backdrop, const render_push *push)
+{
+	render_formula_programs *surfaces;
+	stilb_result result =
+		render_programs_choose(device, &stream->view->shading, render_gbuffer_bits(stream->lights.bits), stream->kinds,
+	                           frame_surfaces(stream), &surfaces);
+	uint32_t list;
+	if (result == STILB_OK)
+		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_DEFERRED, surfaces, &list);
+	if (result != STILB_OK)
+		return result;
+	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
+	frame_attach(stream, target, backdrop, &row);
+	render_deferred_attach(device, target, &row);
+	if (render_formulas_are_gloss(surfaces))
+		frame_gloss(device, &row);
+	row_constants(&row, push, sizeof *push);
+	stilb_gpu_plan_pass(device->plan, &row);
+	target->drawn = true;
+	result = render_deferred_lights(device, target, choice, push);
+	return result == STILB_OK ? frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push) : result;
+}
+
 static stilb_result frame_scene(render_device *device, const render_stream *stream)
 {
 	const stilb_render_view *view = stream->view;
@@ -591,7 +639,7 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	                render_backdrop_is_drawn(view, stream->panorama);
 	uint32_t surfaces = frame_surfaces(stream);
 	stilb_result result =
-		render_programs_choose(device, &view->shading, stream->light_bits, stream->kinds, surfaces, &choice);
+		render_programs_choose(device, &view->shading, stream->lights.bits, stream->kinds, surfaces, &choice);
 	if (result == STILB_OK && !target->drawn)
 		result = frame_first(device, stream, target, backdrop);
 	if (result != STILB_OK)
@@ -606,7 +654,11 @@ static stilb_result frame_scene(render_device *device, const render_stream *stre
 	};
 	if (view->last && target->color != 0)
 		result = frame_velocity(device, stream, target, &push);
-	return result == STILB_OK ? frame_rows(device, stream, choice, target, backdrop, &push) : result;
+	if (result != STILB_OK)
+		return result;
+	return render_view_is_deferred(device, view) && !target->drawn
+	           ? frame_deferred(device, stream, choice, target, backdrop, &push)
+	           : frame_rows(device, stream, FRAME_DRAWS_ALL, choice, target, backdrop, &push);
 }
 
 static stilb_result frame_2d(render_device *device, const render_stream *stream)
@@ -616,7 +668,7 @@ static stilb_result frame_2d(render_device *device, const render_stream *stream)
 	stilb_result result = frame_end_scene(device);
 	if (result != STILB_OK || (frame->shown && stream->draws == 0))
 		return result;
-	result = frame_list(device, stream, (frame_part){0, stream->run_count}, NULL, &list);
+	result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_ALL, NULL, &list);
 	if (result != STILB_OK)
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, "");

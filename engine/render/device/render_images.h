@@ -27,8 +27,15 @@
 /* The depth by which that was decided, as "depth"; d32_f, one sample a pixel. */
 #define STILB_RENDER_IMAGE_VELOCITY_DEPTH "velocity depth"
 
+/* With lighting DEFERRED, of the surfaces that are lit so (gbuffer.glsl), rgba16_u, one sample a pixel; of a target with
+ * another name NAME " normal", .... They hold anything where none is.
+ * normal: the shading normal on the octahedral map, x and y; anisotropy; these three times 0.5, plus 0.5; wrap.
+ * diffuse: diffuse reflectance, roughness. specular: specular reflectance at normal incidence, 1. */
+#define STILB_RENDER_IMAGE_NORMAL "normal"
+#define STILB_RENDER_IMAGE_DIFFUSE "diffuse"
+#define STILB_RENDER_IMAGE_SPECULAR "specular"
+
 /* Reserved: nothing writes these yet. */
-#define STILB_RENDER_IMAGE_NORMAL "normal"         /* rg16_s: the shading normal, octahedral */
 #define STILB_RENDER_IMAGE_ID "id"                 /* r32_ui: model + 1; 0: none */
 #define STILB_RENDER_IMAGE_AMBIENT "ambient"       /* rgba16_f: radiance of light from all around */
 #define STILB_RENDER_IMAGE_REFLECTION "reflection" /* rgba16_f: radiance of mirrored light */

@@ -64,6 +64,11 @@ bool render_formulas_are_velocity(const render_formula_programs *programs)
 	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_VELOCITY;
 }
 
+bool render_formulas_are_gbuffer(const render_formula_programs *programs)
+{
+	return programs->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_GBUFFER;
+}
+
 bool render_formulas_are_gloss(const render_formula_programs *programs)
 {
 	uint32_t brdf = programs->formulas[RENDER_FORMULA_BRDF];
@@ -124,6 +129,8 @@ static stilb_result program_mesh(render_device *device, render_formula_programs 
 		.depth_write = true,
 		.cull_back = !sides && surface != RENDER_SURFACE_IMPOSTOR,
 	};
+	if (render_formulas_are_gbuffer(choice))
+		desc.fragment = render_gbuffer_mesh_fragment[gloss][surface];
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.fragment = render_channel_mesh_fragment[surface];
@@ -178,6 +185,8 @@ static stilb_result program_maps(render_device *device, render_formula_programs 
 		.blend = blends ? STILB_GPU_BLEND_PREMULTIPLIED : STILB_GPU_BLEND_NONE,
 		.cull_back = !sides || bits & RENDER_MAPS_ONE_SIDED,
 	};
+	if (render_formulas_are_gbuffer(choice))
+		desc.fragment = render_gbuffer_maps_fragment[gloss][extras];
 	if (channel > 0) {
 		program_channel(&desc, channel);
 		desc.vertex = render_channel_vertex[device->packed][RENDER_CHANNEL_MAPS + extras];
@@ -324,6 +333,9 @@ static stilb_result choice_compile(render_device *device, const render_formula_p
                                    stilb_gpu_program program)
 {
 	bool depth = render_formulas_are_depth(choice), velocity = render_formulas_are_velocity(choice);
+	if (render_formulas_are_gbuffer(choice))
+		return stilb_gpu_program_prepare(device->gpu, program, render_gbuffer_formats, 1 + RENDER_GBUFFER_IMAGES,
+		                                 STILB_GPU_D32_F, 1);
 	stilb_gpu_format color = velocity ? STILB_GPU_RG16_F : STILB_GPU_RGBA16_F;
 	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
 	                                 depth ? 1 : device->samples);
@@ -398,6 +410,21 @@ stilb_result render_programs_choose(render_device *device, const stilb_render_sh
 			atomic_fetch_or_explicit(&choice->ready, 1u << v, memory_order_release); /* see ready */
 	}
 	return result;
+}
+
+stilb_result render_programs_deferred(render_device *device, render_formula_programs *choice)
+{
+	stilb_gpu_format color = STILB_GPU_RGBA16_F;
+	stilb_gpu_program_desc desc = {.name = "deferred lights",
+	                               .fragment = render_deferred_fragment,
+	                               .samplers = 1 + RENDER_GBUFFER_IMAGES,
+	                               .blend = STILB_GPU_BLEND_ADD};
+	program_formulas(device, choice, 0, RENDER_DRAWN_ALL, &desc);
+	pthread_mutex_lock(&device->programs.lock);
+	stilb_result result = program_once(device, &desc, &choice->deferred);
+	pthread_mutex_unlock(&device->programs.lock);
+	return result == STILB_OK ? stilb_gpu_program_prepare(device->gpu, choice->deferred, &color, 1, STILB_GPU_NONE, 1)
+	                          : result;
 }
 
 /* Finds the program of a key among the choice's, or makes it. */
@@ -479,7 +506,8 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 	for (uint32_t m = 0; m < 2 * maps->count && result == STILB_OK; m++) {
 		bool extras = m % 2 == 1;
 		uint64_t bits = render_maps_program_bits(maps->bits[m / 2], extras, view->both_sides, depth);
-		if (!(extras ? maps->extras : maps->plain))
+		if (!(extras ? maps->extras : maps->plain) ||
+		    (render_formulas_are_gbuffer(choice) && !render_maps_are_deferred(bits)))
 			continue;
 		if (!depth || (bits != 0 && !(bits & RENDER_MAPS_BLEND)))
 			result = prepare_maps(device, choice, kinds, bits);
@@ -487,6 +515,19 @@ static stilb_result prepare_all_maps(render_device *device, const stilb_render_v
 			result = render_programs_behind(device);
 	}
 	return result;
+}
+
+/* Makes what deferred lighting needs besides the programs of a choice. */
+static stilb_result prepare_deferred(render_device *device, const stilb_render_view *view,
+                                     render_formula_programs *choice, uint32_t kinds, uint32_t surfaces,
+                                     const render_known_maps *maps)
+{
+	uint32_t bits = render_gbuffer_bits(choice->formulas[RENDER_FORMULA_LIGHTS]);
+	render_formula_programs *gbuffer;
+	stilb_result result = render_programs_choose(device, &view->shading, bits, kinds, surfaces, &gbuffer);
+	if (result == STILB_OK)
+		result = prepare_all_maps(device, view, gbuffer, kinds, maps);
+	return result == STILB_OK ? render_programs_deferred(device, choice) : result;
 }
 
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,
@@ -503,6 +544,8 @@ stilb_result render_device_prepare(render_device *device, const stilb_render_vie
 		result = prepare_all_maps(device, view, choice, kinds, maps);
 	if (result == STILB_OK && render_formulas_are_velocity(choice))
 		result = render_programs_velocity(device);
+	if (result == STILB_OK && render_view_is_deferred(device, view) && !render_formulas_are_depth(choice))
+		result = prepare_deferred(device, view, choice, kinds, surfaces, maps);
 	if (result != STILB_OK || render_formulas_are_depth(choice))
 		return result;
 	/* Of surroundings with a panorama sky and ground are shown until that is made. */

@@ -113,6 +113,39 @@ static const uint32_t through_gloss_frag[] =
 static const uint32_t through_extras_gloss_frag[] =
 #include "through_extras_gloss.frag.inc"
 	;
+static const uint32_t mesh_gbuffer_frag[] =
+#include "mesh_gbuffer.frag.inc"
+	;
+static const uint32_t mesh_texture_gbuffer_frag[] =
+#include "mesh_texture_gbuffer.frag.inc"
+	;
+static const uint32_t mesh_gloss_gbuffer_frag[] =
+#include "mesh_gloss_gbuffer.frag.inc"
+	;
+static const uint32_t mesh_texture_gloss_gbuffer_frag[] =
+#include "mesh_texture_gloss_gbuffer.frag.inc"
+	;
+static const uint32_t impostor_gbuffer_frag[] =
+#include "impostor_gbuffer.frag.inc"
+	;
+static const uint32_t impostor_gloss_gbuffer_frag[] =
+#include "impostor_gloss_gbuffer.frag.inc"
+	;
+static const uint32_t maps_gbuffer_frag[] =
+#include "maps_gbuffer.frag.inc"
+	;
+static const uint32_t maps_extras_gbuffer_frag[] =
+#include "maps_extras_gbuffer.frag.inc"
+	;
+static const uint32_t maps_gloss_gbuffer_frag[] =
+#include "maps_gloss_gbuffer.frag.inc"
+	;
+static const uint32_t maps_extras_gloss_gbuffer_frag[] =
+#include "maps_extras_gloss_gbuffer.frag.inc"
+	;
+static const uint32_t deferred_frag[] =
+#include "deferred.frag.inc"
+	;
 static const uint32_t behind_frag[] =
 #include "behind.frag.inc"
 	;
@@ -340,6 +373,23 @@ const stilb_gpu_shader render_through_fragment[2][2] = {
 	{SHADER(through_frag), SHADER(through_extras_frag)},
 	{SHADER(through_gloss_frag), SHADER(through_extras_gloss_frag)},
 };
+const stilb_gpu_shader render_gbuffer_mesh_fragment[2][RENDER_SURFACES] = {
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gbuffer_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gbuffer_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gbuffer_frag),
+	},
+	{
+		[RENDER_SURFACE_PLAIN] = SHADER(mesh_gloss_gbuffer_frag),
+		[RENDER_SURFACE_TEXTURE] = SHADER(mesh_texture_gloss_gbuffer_frag),
+		[RENDER_SURFACE_IMPOSTOR] = SHADER(impostor_gloss_gbuffer_frag),
+	},
+};
+const stilb_gpu_shader render_gbuffer_maps_fragment[2][2] = {
+	{SHADER(maps_gbuffer_frag), SHADER(maps_extras_gbuffer_frag)},
+	{SHADER(maps_gloss_gbuffer_frag), SHADER(maps_extras_gloss_gbuffer_frag)},
+};
+const stilb_gpu_shader render_deferred_fragment = SHADER(deferred_frag);
 const stilb_gpu_shader render_behind_fragment[2] = {SHADER(behind_frag), SHADER(behind_samples_frag)};
 const stilb_gpu_shader render_behind_half_fragment = SHADER(behind_half_frag);
 const stilb_gpu_shader render_channel_vertex[2][RENDER_CHANNEL_VERTICES] = {

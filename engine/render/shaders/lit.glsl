@@ -22,6 +22,7 @@ const bool lights_gloss = (lights & 128u) != 0; // highlights mirror sky and gro
 const bool lights_panorama = (lights & 256u) != 0; // its light in place of theirs
 const bool both_sides = (lights & 512u) != 0;   // triangles are seen from behind, too
 const bool lights_one = (lights & 1024u) != 0;  // the list has one light
+const bool lights_lists = (lights & 8192u) != 0; // lights that end somewhere are found by lists
 
 Material stored_material(uint index)
 {
@@ -75,6 +76,14 @@ shade_light light_of(uint index)
 		half_y_radius.xyz, direction_reach.w);
 }
 
+// MESH_GBUFFER: programs that leave the light of lights to a pass over the picture (deferred.frag), and write what that
+// needs of the surface.
+#ifdef MESH_GBUFFER
+#include "gbuffer.glsl"
+GBUFFER_OUTPUTS
+GbufferSurface gbuffer = gbuffer_none(); // of this pixel
+#endif
+
 // LIT_LAYERS: programs of surfaces with layers.
 #ifdef LIT_LAYERS
 #include "layers.glsl"
@@ -110,7 +119,28 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 #endif
 }
 
-// What the lights of the view's list send to v.
+// Where the list of the cell that has the point that is lit begins and ends, among the words of the lists.
+uvec2 list_here()
+{
+#ifdef LIT_PROJECTED // the point may lie beside the pixel that shows it
+	vec4 clip = push.view.rest.view_projection * vec4(world_position, 1.0);
+	vec2 pixel = (clip.xy / clip.w + 1.0) * vec2(push.view.rest.half_width, push.view.rest.half_height);
+#else
+	vec2 pixel = gl_FragCoord.xy;
+#endif
+	uvec2 grid = push.view.grid, tiles = uvec2(grid.x & 0xffffu, grid.x >> 16);
+	uint slices = grid.y >> 8;
+	uvec2 tile = min(uvec2(max(pixel, 0.0)) >> (grid.y & 0xffu), tiles - 1u);
+	vec4 plane = push.view.lists.depth_plane;
+	vec4 scale = push.view.lists.slice;
+	float depth = max(dot(plane.xyz, world_position) + plane.w, 1e-30);
+	uint slice = min(uint(max(log2(depth) * scale.x + scale.y, 0.0)), slices - 1u);
+	uint cell = tile.x + tiles.x * (tile.y + tiles.y * slice);
+	uint first = tiles.x * tiles.y * slices + 1u;
+	return first + uvec2(push.view.lists.words[cell], push.view.lists.words[cell + 1u]);
+}
+
+// What the view's lights send to v.
 vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame frame, vec3 v)
 {
 	if (lights_one) // with a loop, even of one turn, frames take software devices some 3 % longer
@@ -118,6 +148,11 @@ vec3 from_lights(shade_brdf_model model, shade_material material, shade_frame fr
 	vec3 radiance = vec3(0.0);
 	for (uint i = 0; (lights & 63u) != 0 && i < push.view.light_count; i++)
 		radiance += from_light(light_of(i), model, material, frame, v);
+	if (lights_lists) {
+		uvec2 list = list_here();
+		for (uint i = list.x; i < list.y; i++)
+			radiance += from_light(light_of(push.view.light_count + push.view.lists.words[i]), model, material, frame, v);
+	}
 	return radiance;
 }
 
@@ -223,8 +258,14 @@ vec3 lit_radiance_open(shade_material material, vec3 emission, float open, vec3 
 {
 	shade_brdf_model model = {brdf, ndf, g, f};
 	shade_sky sky = {push.view.rest.sky.xyz, push.view.rest.ground.xyz};
+#ifdef MESH_GBUFFER
+	gbuffer = GbufferSurface(material, n);
+	material = shade_surface_seen(model, material, dot(n, to_camera));
+	vec3 radiance = vec3(0.0);
+#else
 	material = shade_surface_seen(model, material, dot(n, to_camera));
 	vec3 radiance = from_lights(model, material, frame_here(n), to_camera);
+#endif
 	if (lights_panorama)
 		radiance += shade_lambert(material.diffuse) * panorama_irradiance(n) * open;
 	else
@@ -296,7 +337,11 @@ vec3 level_color(uint word, vec3 n, vec3 to_camera)
 // A draw's radiance as the picture has it. material: its index.
 vec4 picture_color(vec3 radiance, uint material)
 {
-	if ((drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1)
-		radiance = vec3(0.0);
-	return vec4(radiance, 1.0);
+	bool black = (drawn == 1u || drawn == 2u) && (material & 1) != drawn - 1;
+#ifdef MESH_GBUFFER
+	if (black || detail_kind == DETAIL_SHOW)
+		gbuffer = gbuffer_none();
+	gbuffer_write(gbuffer);
+#endif
+	return vec4(black ? vec3(0.0) : radiance, 1.0);
 }

@@ -23,6 +23,13 @@ struct Light {
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Lights { Light lights[]; };
 
+// As render_light_lists: for each cell where its list begins, and one more; then the lists.
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer LightLists {
+	vec4 depth_plane;
+	vec4 slice; // scale, bias
+	uint words[];
+};
+
 // Irradiance by the normal, in latitude and longitude, as render_panorama.table.
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Panorama { vec4 table[]; };
 
@@ -51,6 +58,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	float half_width, half_height; // of what is drawn into, pixels
 	mat4 last_view_projection;     // of the frame before, for velocities alone
 	LastVertices last_vertices;
+	mat4 from_clip; // clip space to the world
 };
 
 // As render_view_push: what pixels read of a view. Software devices load from a buffer lane by lane, from constants at
@@ -65,6 +73,8 @@ struct View {
 	Maps maps;
 	Panorama panorama;
 	ViewRest rest;
+	LightLists lists;
+	uvec2 grid; // of cells: columns | rows << 16; log2 of a tile's pixels | slices << 8
 };
 
 // The heap of vertices (render_vertex.h). Packed, three of these for each: position's x and y; its z, the normal; uv.

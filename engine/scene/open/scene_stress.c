@@ -30,8 +30,7 @@ static float stress_random(uint64_t seed, uint32_t model, enum stress_stream str
 	return low + (high - low) * stilb_random_float(seed, (uint64_t)model * STRESS_STREAMS + stream);
 }
 
-/* HSV to RGB, all in [0, 1], as a clamped ramp for each channel. */
-static void stress_color(float hue, float saturation, float value, float rgb[3])
+void scene_stress_color(float hue, float saturation, float value, float rgb[3])
 {
 	STILB_ASSERT(hue >= 0.0f && hue <= 1.0f);
 	for (int i = 0; i < 3; i++) {
@@ -53,9 +52,9 @@ static float stress_roughness(float exponent)
 static stilb_scene_material stress_sphere_material(uint64_t seed, uint32_t model)
 {
 	float diffuse[3], specular[3];
-	stress_color(stress_random(seed, model, STRESS_SPHERE_HUE, 0.0f, 1.0f),
-	             stress_random(seed, model, STRESS_SPHERE_SATURATION, 0.45f, 0.9f),
-	             stress_random(seed, model, STRESS_SPHERE_VALUE, 0.35f, 0.85f), diffuse);
+	scene_stress_color(stress_random(seed, model, STRESS_SPHERE_HUE, 0.0f, 1.0f),
+	                   stress_random(seed, model, STRESS_SPHERE_SATURATION, 0.45f, 0.9f),
+	                   stress_random(seed, model, STRESS_SPHERE_VALUE, 0.35f, 0.85f), diffuse);
 	specular[0] = specular[1] = specular[2] = stress_random(seed, model, STRESS_SPHERE_SPECULAR, 0.03f, 0.25f);
 	float exponent = exp2f(stress_random(seed, model, STRESS_SPHERE_GLOSS, 4.0f, 8.0f));
 	return stilb_scene_material_make(diffuse, specular, stress_roughness(exponent));
@@ -65,8 +64,8 @@ static stilb_scene_material stress_tile_material(uint64_t seed, uint32_t model)
 {
 	float diffuse[3];
 	const float specular[3] = {0.02f, 0.02f, 0.02f};
-	stress_color(stress_random(seed, model, STRESS_TILE_HUE, 0.0f, 1.0f), 0.18f,
-	             stress_random(seed, model, STRESS_TILE_VALUE, 0.18f, 0.5f), diffuse);
+	scene_stress_color(stress_random(seed, model, STRESS_TILE_HUE, 0.0f, 1.0f), 0.18f,
+	                   stress_random(seed, model, STRESS_TILE_VALUE, 0.18f, 0.5f), diffuse);
 	return stilb_scene_material_make(diffuse, specular, stress_roughness(16.0f));
 }
 
@@ -145,6 +144,8 @@ static stilb_scene_light stress_lamp(stilb_scene_light_kind kind, stilb_scene_li
 	};
 }
 
+static const float stress_sky[3] = {0.30f, 0.42f, 0.62f}, stress_ground[3] = {0.10f, 0.09f, 0.08f}; /* by day */
+
 void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light light)
 {
 	STILB_ASSERT(scene && scene->lights && scene->stress_models > 0 && "a scene of stilb_scene_create_stress");
@@ -160,9 +161,20 @@ void stilb_scene_stress_set_light(stilb_scene *scene, stilb_scene_stress_light l
 		[STILB_SCENE_STRESS_LIGHT_WINDOWED] = stress_lamp(STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_WINDOWED, side),
 		[STILB_SCENE_STRESS_LIGHT_SUBTRACTED] =
 			stress_lamp(STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_SUBTRACTED, side),
+		[STILB_SCENE_STRESS_LIGHT_NIGHT] = {.kind = STILB_SCENE_LIGHT_DIRECTIONAL,
+	                                        .direction = {-sun[0], -sun[1], -sun[2]},
+	                                        .intensity = {0.06f, 0.08f, 0.12f}},
 	};
+	bool none = light == STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
+	lights[STILB_SCENE_STRESS_LIGHT_HEMISPHERE] = lights[STILB_SCENE_STRESS_LIGHT_SUN]; /* before lamps: dark */
+	memset(lights[STILB_SCENE_STRESS_LIGHT_HEMISPHERE].intensity, 0, sizeof lights->intensity);
+	float day = light == STILB_SCENE_STRESS_LIGHT_NIGHT ? 0.03f : 1.0f;
+	for (int c = 0; c < 3; c++) {
+		scene->surroundings.sky[c] = day * stress_sky[c];
+		scene->surroundings.ground[c] = day * stress_ground[c];
+	}
 	scene->lights[0] = lights[light];
-	scene->light_count = light != STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
+	scene->light_count = scene->stress_lamps > 0 ? 1 + scene->stress_lamps : !none;
 	scene->surroundings.glossy = light == STILB_SCENE_STRESS_LIGHT_HEMISPHERE;
 }
 
@@ -189,7 +201,6 @@ stilb_result stilb_scene_create_stress(uint32_t model_count, uint64_t seed, stil
 	for (uint32_t m = 0; m < model_count; m++)
 		stress_add_model(scene, m, side);
 	scene->first_part[model_count] = 2 * model_count;
-	scene->surroundings = (stilb_scene_surroundings){.sky = {0.30f, 0.42f, 0.62f}, .ground = {0.10f, 0.09f, 0.08f}};
 	stilb_scene_stress_set_light(scene, STILB_SCENE_STRESS_LIGHT_SUN);
 	scene->camera = stilb_scene_stress_camera(scene, STILB_SCENE_VIEW_ALL, 16.0f / 9.0f);
 	STILB_CHECK(scene_is_sound(scene));
