@@ -7,7 +7,6 @@ layout(location = 0) out vec4 color;
 
 vec3 world_position;
 
-#define LIT_PROJECTED
 #include "lit.glsl"
 #ifdef MESH_CHANNEL
 #include "channel.glsl"

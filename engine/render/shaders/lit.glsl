@@ -122,15 +122,9 @@ vec3 from_light(shade_light light, shade_brdf_model model, shade_material materi
 // Where the list of the cell that has the point that is lit begins and ends, among the words of the lists.
 uvec2 list_here()
 {
-#ifdef LIT_PROJECTED // the point may lie beside the pixel that shows it
-	vec4 clip = push.view.rest.view_projection * vec4(world_position, 1.0);
-	vec2 pixel = (clip.xy / clip.w + 1.0) * vec2(push.view.rest.half_width, push.view.rest.half_height);
-#else
-	vec2 pixel = gl_FragCoord.xy;
-#endif
 	uvec2 grid = push.view.grid, tiles = uvec2(grid.x & 0xffffu, grid.x >> 16);
 	uint slices = grid.y >> 8;
-	uvec2 tile = min(uvec2(max(pixel, 0.0)) >> (grid.y & 0xffu), tiles - 1u);
+	uvec2 tile = uvec2(gl_FragCoord.xy) >> (grid.y & 0xffu);
 	vec4 plane = push.view.lists.depth_plane;
 	vec4 scale = push.view.lists.slice;
 	float depth = max(dot(plane.xyz, world_position) + plane.w, 1e-30);

@@ -321,7 +321,7 @@ static void surfaces_of_every_kind(void **state)
 
 /* ---- impostors --------------------------------------------------------------------------------------------------- */
 
-/* What an impostor shows lies beside the pixel's ray: its cell is that of the point that is lit. */
+/* Of an impostor the point is lit that its pictures show, which lies before its plate or behind it. */
 static void an_impostor(void **state)
 {
 	(void)state;
