@@ -412,6 +412,7 @@ static void test_light_choices(void **state)
 		{"disk", STILB_SCENE_LIGHT_DISK, STILB_SCENE_LIGHT_PHYSICAL},
 		{"windowed", STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_WINDOWED},
 		{"subtracted", STILB_SCENE_LIGHT_SPHERE, STILB_SCENE_LIGHT_SUBTRACTED},
+		{"night", STILB_SCENE_LIGHT_DIRECTIONAL, STILB_SCENE_LIGHT_PHYSICAL},
 		{"sun", STILB_SCENE_LIGHT_DIRECTIONAL, STILB_SCENE_LIGHT_PHYSICAL},
 	};
 	stilb_scene *scene = make(50, 1);
@@ -427,11 +428,60 @@ static void test_light_choices(void **state)
 		assert_null(stilb_scene_light_mistake(scene->lights));
 		assert_int_equal(scene->lights[0].kind, wanted[i].kind);
 		assert_int_equal(scene->lights[0].falloff, wanted[i].falloff);
-		assert_true(scene->lights[0].intensity[0] > scene->lights[0].intensity[2]);
+		bool night = light == STILB_SCENE_STRESS_LIGHT_NIGHT; /* blue and dim */
+		assert_int_equal(scene->lights[0].intensity[0] > scene->lights[0].intensity[2], !night);
+		assert_int_equal(scene->surroundings.sky[2] < 0.1f, night);
 	}
 	assert_null(stilb_scene_stress_light_names[STILB_SCENE_STRESS_LIGHT_COUNT]);
 	assert_memory_equal(&first, scene->lights, sizeof first);
 	stilb_scene_destroy(scene);
+}
+
+/* Lamps are over the field, coloured, without a mistake, of three kinds, some eight over each point; a moment gives the
+ * same bits whatever came before, and what moves at it does so in each kind's way. */
+static void test_lamps(void **state)
+{
+	(void)state;
+	enum { LAMPS = 240 };
+	stilb_scene *scene = make(10000, 3), *other = make(10000, 3);
+	assert_int_equal(stilb_scene_stress_add_lamps(scene, LAMPS), STILB_OK);
+	assert_int_equal(stilb_scene_stress_add_lamps(other, LAMPS), STILB_OK);
+	assert_int_equal(scene->light_count, 1 + LAMPS);
+	double area = 0.0;
+	uint32_t kinds[STILB_SCENE_LIGHT_KINDS] = {0}, moved = 0, swung = 0;
+	stilb_scene_light *before = calloc(LAMPS, sizeof *before);
+	assert_non_null(before);
+	memcpy(before, scene->lights + 1, LAMPS * sizeof *before);
+	for (int i = 0; i < 40; i++)
+		stilb_scene_stress_move_lamps(other, 0.31 * i);
+	stilb_scene_stress_move_lamps(other, 2.5);
+	stilb_scene_stress_move_lamps(scene, 2.5);
+	assert_memory_equal(scene->lights, other->lights, (1 + LAMPS) * sizeof *scene->lights);
+	for (uint32_t i = 0; i < LAMPS; i++) {
+		const stilb_scene_light *lamp = &scene->lights[1 + i];
+		assert_null(stilb_scene_light_mistake(lamp));
+		float field = 100.0f + 0.4f * lamp->reach; /* circles may leave it */
+		assert_true(fabsf(before[i].position[0]) <= field && fabsf(before[i].position[2]) <= field);
+		assert_true(lamp->position[1] > 1.0f && lamp->position[1] < lamp->reach);
+		assert_true(lamp->falloff == STILB_SCENE_LIGHT_WINDOWED);
+		area += 3.14159265 * (double)lamp->reach * (double)lamp->reach;
+		kinds[lamp->kind]++;
+		moved += memcmp(lamp->position, before[i].position, sizeof lamp->position) != 0;
+		swung += memcmp(lamp->direction, before[i].direction, sizeof lamp->direction) != 0;
+	}
+	assert_true(fabs(area / 200.0 / 200.0 - 8.0) < 0.5);
+	assert_int_equal(kinds[STILB_SCENE_LIGHT_SPOT], LAMPS / 4);
+	assert_int_equal(kinds[STILB_SCENE_LIGHT_SPHERE], LAMPS / 4);
+	assert_int_equal(kinds[STILB_SCENE_LIGHT_POINT], LAMPS / 2);
+	assert_int_equal(moved, LAMPS / 4);
+	assert_int_equal(swung, LAMPS / 4);
+	stilb_scene_stress_set_light(scene, STILB_SCENE_STRESS_LIGHT_HEMISPHERE); /* none but the lamps */
+	assert_int_equal(scene->light_count, 1 + LAMPS);
+	assert_float_equal(scene->lights[0].intensity[1], 0.0f, 0.0f);
+	assert_null(stilb_scene_light_mistake(scene->lights));
+	free(before);
+	stilb_scene_destroy(scene);
+	stilb_scene_destroy(other);
 }
 
 /* ---- bounds and animation ---------------------------------------------------------------------------------------- */
@@ -632,6 +682,7 @@ int main(void)
 		cmocka_unit_test(test_lights),
 		cmocka_unit_test(test_light_choices),
 		cmocka_unit_test(test_bounds),
+		cmocka_unit_test(test_lamps),
 		cmocka_unit_test(test_animate_moves_a_tenth),
 		cmocka_unit_test(test_animate_is_a_function_of_time),
 		cmocka_unit_test(test_view_all_sees_everything),
