@@ -442,6 +442,19 @@ void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show)
 	engine->desc.show = show;
 }
 
+stilb_render_lighting stilb_engine_lighting(const stilb_engine *engine)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	return engine->desc.lighting;
+}
+
+void stilb_engine_set_lighting(stilb_engine *engine, stilb_render_lighting lighting)
+{
+	STILB_ASSERT_OWNER(engine->owner);
+	STILB_ASSERT(lighting < STILB_RENDER_LIGHTING_WAYS);
+	engine->desc.lighting = lighting;
+}
+
 uint32_t stilb_engine_libraries(stilb_engine_library libraries[STILB_ENGINE_LIBRARIES])
 {
 	STILB_ASSERT(libraries);

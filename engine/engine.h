@@ -97,6 +97,8 @@ enum {
 	STILB_ENGINE_IMAGE_PART_BACK,            /* the one before */
 	STILB_ENGINE_SHOW,                       /* pictures show the next of stilb_render_show, which a toast names */
 	STILB_ENGINE_SHOW_BACK,                  /* the one before */
+	STILB_ENGINE_LIGHTING,                   /* pixels find their lights in the next way of stilb_render_lighting */
+	STILB_ENGINE_LIGHTING_BACK,              /* the one before */
 	STILB_ENGINE_VALUE,     /* show the linear light under the pointer, or hide it; channels always show it */
 	STILB_ENGINE_CLIPS,     /* open or close the animation's window */
 	STILB_ENGINE_STEP,      /* move what plays on by 1/60 s */
@@ -179,6 +181,7 @@ typedef struct stilb_engine_desc {
 	stilb_render_shading shading;
 	stilb_render_detail detail;     /* which levels of meshes are drawn; {0}: every mesh in full */
 	stilb_render_lighting lighting; /* how pixels find their lights, at first */
+	stilb_render_deferred deferred; /* see stilb_render_view */
 	stilb_render_show show;         /* what pictures show at first */
 	bool velocity; /* frames have the image "velocity" (gpu_plan.h finds it): where each pixel was in the frame before.
 	                  They also have it while they show it (stilb_engine_show_image) */
@@ -508,6 +511,10 @@ void stilb_engine_set_shading(stilb_engine *engine, const stilb_render_shading *
  * shown yet is compiled in that frame. */
 stilb_render_show stilb_engine_shows(const stilb_engine *engine);
 void stilb_engine_set_shows(stilb_engine *engine, stilb_render_show show);
+
+/* Likewise how pixels find their lights. */
+stilb_render_lighting stilb_engine_lighting(const stilb_engine *engine);
+void stilb_engine_set_lighting(stilb_engine *engine, stilb_render_lighting lighting);
 
 /* To be called after another BRDF or normal distribution was chosen; *before is the shading before the choice. Wrapped
  * light and anisotropic GGX look different from the others only if materials have wrap or anisotropy: choosing one of

@@ -90,6 +90,16 @@ static void images_step_show(stilb_engine *engine, int step)
 	engine_overlay_tell(engine, text);
 }
 
+/* Likewise how pixels find their lights. */
+static void images_step_lighting(stilb_engine *engine, int step)
+{
+	char text[128];
+	int next = ((int)engine->desc.lighting + step + STILB_RENDER_LIGHTING_WAYS) % STILB_RENDER_LIGHTING_WAYS;
+	engine->desc.lighting = (stilb_render_lighting)next;
+	snprintf(text, sizeof text, "lights %s: %s", stilb_render_lighting_names[next], stilb_render_lighting_words[next]);
+	engine_overlay_tell(engine, text);
+}
+
 void engine_images_act(stilb_engine *engine, const stilb_input_state *input)
 {
 	const stilb_gpu_plan *plan = stilb_render_plan(engine->render);
@@ -97,6 +107,9 @@ void engine_images_act(stilb_engine *engine, const stilb_input_state *input)
 	int show = images_direction(input, STILB_ENGINE_SHOW, STILB_ENGINE_SHOW_BACK);
 	if (show != 0)
 		images_step_show(engine, show);
+	int lighting = images_direction(input, STILB_ENGINE_LIGHTING, STILB_ENGINE_LIGHTING_BACK);
+	if (lighting != 0)
+		images_step_lighting(engine, lighting);
 	int step = images_direction(input, STILB_ENGINE_IMAGE, STILB_ENGINE_IMAGE_BACK);
 	int part = images_direction(input, STILB_ENGINE_IMAGE_PART, STILB_ENGINE_IMAGE_PART_BACK);
 	if ((step == 0 && part == 0) || stilb_gpu_plan_steps(plan, &steps) == 0)

@@ -69,6 +69,12 @@ static const stilb_input_action engine_actions[] = {
 		STILB_INPUT_ACTIONS] = {.name = "next channel", .typed = "c", .help = "next, previous channel of materials"},
 	[STILB_ENGINE_SHOW_BACK -
 		STILB_INPUT_ACTIONS] = {.name = "channel before", .typed = "C", .help = "next, previous channel of materials"},
+	[STILB_ENGINE_LIGHTING - STILB_INPUT_ACTIONS] = {.name = "next lighting",
+                                                     .typed = "l",
+                                                     .help = "the next way of lighting, the one before"},
+	[STILB_ENGINE_LIGHTING_BACK - STILB_INPUT_ACTIONS] = {.name = "lighting before",
+                                                          .typed = "L",
+                                                          .help = "the next way of lighting, the one before"},
 	[STILB_ENGINE_VALUE -
 		STILB_INPUT_ACTIONS] = {.name = "value", .typed = "x", .help = "show or hide the light under the pointer"},
 	[STILB_ENGINE_CLIPS - STILB_INPUT_ACTIONS] = {.name = "animation",

@@ -124,6 +124,7 @@ stilb_render_view engine_view_of(const stilb_engine *engine, const stilb_scene *
 		.lights = scene->lights,
 		.light_count = scene->light_count,
 		.lighting = engine->desc.lighting,
+		.deferred = engine->desc.deferred,
 		.shading = engine->shading,
 		.both_sides = scene->both_sides,
 		.impostors = scene->impostor_count > 0,

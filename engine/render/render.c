@@ -28,9 +28,14 @@ const char *const stilb_render_show_words[] = {
 #undef RENDER_SHOW_WORDS
 		NULL};
 
-#define RENDER_LIGHTING_NAME(id, name, words) #name,
-const char *const stilb_render_lighting_names[] = {STILB_RENDER_LIGHTINGS(RENDER_LIGHTING_NAME) NULL};
-#undef RENDER_LIGHTING_NAME
+#define RENDER_NAME(id, name, words) #name,
+#define RENDER_WORDS(id, name, words) words,
+const char *const stilb_render_lighting_names[] = {STILB_RENDER_LIGHTINGS(RENDER_NAME) NULL};
+const char *const stilb_render_lighting_words[] = {STILB_RENDER_LIGHTINGS(RENDER_WORDS) NULL};
+const char *const stilb_render_coverage_names[] = {STILB_RENDER_COVERAGES(RENDER_NAME) NULL};
+const char *const stilb_render_gbuffer_names[] = {STILB_RENDER_GBUFFERS(RENDER_NAME) NULL};
+#undef RENDER_NAME
+#undef RENDER_WORDS
 
 const char *const stilb_render_detail_names[] = {[STILB_RENDER_DETAIL_OFF] = "off",
                                                  [STILB_RENDER_DETAIL_POP] = "pop",

@@ -394,6 +394,43 @@ typedef enum stilb_render_lighting {
 
 /* Their identifiers, NULL-terminated; the index is the stilb_render_lighting. */
 extern const char *const stilb_render_lighting_names[];
+/* And their words for users. */
+extern const char *const stilb_render_lighting_words[];
+
+/* Which pixels a light of deferred lighting asks. */
+#define STILB_RENDER_COVERAGES(X)                                                                                      \
+	X(CELLS, cells, "a pixel is written once, with the lights that reach its cell of the view")                        \
+	X(SCREEN, screen, "a pixel is written once, with all lights")                                                      \
+	X(RECTANGLES, rectangles, "each light is added within the rectangle that holds its reach")
+
+#define STILB_RENDER_COVERAGE_ENUM(id, ...) STILB_RENDER_COVERAGE_##id,
+typedef enum stilb_render_coverage {
+	STILB_RENDER_COVERAGES(STILB_RENDER_COVERAGE_ENUM) STILB_RENDER_COVERAGE_WAYS
+} stilb_render_coverage;
+#undef STILB_RENDER_COVERAGE_ENUM
+
+/* Of RECTANGLES so many lights have one; those behind them are asked by every pixel. */
+#define STILB_RENDER_MAX_RECTANGLES 1024u
+
+/* What deferred lighting keeps of surfaces. */
+#define STILB_RENDER_GBUFFERS(X)                                                                                       \
+	X(WIDE, wide, "24 bytes a pixel: 16 bits a number, and depth")                                                     \
+	X(RGBA8, rgba8, "12 bytes a pixel: 8 bits a number, depth in 16, the normal as x and y as the camera sees them")
+
+#define STILB_RENDER_GBUFFER_ENUM(id, ...) STILB_RENDER_GBUFFER_##id,
+typedef enum stilb_render_gbuffer {
+	STILB_RENDER_GBUFFERS(STILB_RENDER_GBUFFER_ENUM) STILB_RENDER_GBUFFER_KINDS
+} stilb_render_gbuffer;
+#undef STILB_RENDER_GBUFFER_ENUM
+
+typedef struct stilb_render_deferred {
+	stilb_render_coverage coverage;
+	stilb_render_gbuffer gbuffer;
+} stilb_render_deferred;
+
+/* Identifiers of these, NULL-terminated; the index is the enumeration's. */
+extern const char *const stilb_render_coverage_names[];
+extern const char *const stilb_render_gbuffer_names[];
 
 /* What scene passes draw into, in place of the picture's own images: for a second camera, or for what a light sees. Its
  * images are the frame's, in its plan, where features find them by name. Passes whose views point to the same target
@@ -434,6 +471,7 @@ typedef struct stilb_render_view {
 	                                  BAKED ones are left out. Read during stilb_render_replay. */
 	uint32_t light_count;
 	stilb_render_lighting lighting;
+	stilb_render_deferred deferred; /* how, if lighting is DEFERRED */
 	/* The panorama in place of sky and ground if it has floats; read during stilb_render_replay, which makes what the
 	 * frames need of it when another one comes (some ten milliseconds on the pool): pixels that were changed in place
 	 * may go unnoticed. One panorama a frame, that of the first view with one. */

@@ -245,7 +245,9 @@ static void upload_tables(stilb_render_dump *dump, uint32_t width, uint32_t heig
 		view->tone = from->tone;
 		view->dither = from->dither;
 		view->time = from->time;
-		view->lighting = (stilb_render_lighting)from->lighting;
+		view->lighting = (stilb_render_lighting)(from->lighting & 0xff);
+		view->deferred.coverage = (stilb_render_coverage)(from->lighting >> 8 & 0xff);
+		view->deferred.gbuffer = (stilb_render_gbuffer)(from->lighting >> 16);
 		view->target = from->target > 0 ? &dump->target_table[from->target - 1] : NULL;
 		render_dump_backdrop_get(dump, v, view);
 	}

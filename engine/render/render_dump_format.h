@@ -79,7 +79,7 @@ typedef struct render_dump_view {
 	uint32_t tone, dither;                       /* SHADE_TONE_..., 0 or 1: those of stilb_render_view */
 	uint32_t target;                             /* 0: none, else 1 + its position in the table of targets */
 	float time;                                  /* seconds, for functions of surfaces */
-	uint32_t lighting;                           /* stilb_render_lighting */
+	uint32_t lighting;                           /* stilb_render_lighting, of _deferred.coverage << 8, .gbuffer << 16 */
 } render_dump_view;
 
 /* The members of stilb_scene_light; a dump has no scene, so there is no face. */

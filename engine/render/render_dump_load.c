@@ -181,6 +181,12 @@ static stilb_result load_check_header(const stilb_render_dump *dump, const char 
 	return STILB_OK;
 }
 
+static bool load_lighting_is_known(uint32_t lighting)
+{
+	return (lighting & 0xff) < STILB_RENDER_LIGHTING_WAYS && (lighting >> 8 & 0xff) < STILB_RENDER_COVERAGE_WAYS &&
+	       lighting >> 16 < STILB_RENDER_GBUFFER_KINDS;
+}
+
 static stilb_result load_check_views(const stilb_render_dump *dump, const char *name)
 {
 	uint64_t lights = 0;
@@ -198,7 +204,7 @@ static stilb_result load_check_views(const stilb_render_dump *dump, const char *
 		    view->f >= SHADE_F_COUNT || view->glossy > 1 || view->both_sides > 1)
 			return load_refuse(name, "view %u: unknown shading: model %u, D %u, G %u, F %u, glossy %u, both sides %u",
 			                   v, view->brdf, view->ndf, view->g, view->f, view->glossy, view->both_sides);
-		if (!isfinite(view->time) || view->lighting >= STILB_RENDER_LIGHTING_WAYS)
+		if (!isfinite(view->time) || !load_lighting_is_known(view->lighting))
 			return load_refuse(name, "view %u: its time is not finite, or way %u of lighting unknown", v,
 			                   view->lighting);
 		lights += view->lights;

@@ -314,7 +314,8 @@ static void save_put_views(const save_job *job)
 		out->tone = view->tone;
 		out->dither = view->dither;
 		out->time = view->time;
-		out->lighting = view->lighting;
+		out->lighting =
+			(uint32_t)view->lighting | (uint32_t)view->deferred.coverage << 8 | (uint32_t)view->deferred.gbuffer << 16;
 		uint32_t target = view->target ? save_target(job, view->target) : job->header.targets;
 		out->target = target < job->header.targets ? 1 + target : 0;
 		save_put_shading(out, &view->shading);

@@ -68,17 +68,18 @@ typedef struct render_light {
 static_assert(sizeof(render_light) == 80, "std430");
 static_assert(STILB_SCENE_LIGHT_KINDS <= 6, "see render_light.kind and the bits below");
 
-#define RENDER_LIGHTS_END 64u        /* some have a falloff that is not physical */
-#define RENDER_LIGHTS_GLOSS 128u     /* highlights mirror sky and ground */
-#define RENDER_LIGHTS_PANORAMA 256u  /* the panorama's light in place of sky and ground */
-#define RENDER_LIGHTS_SIDES 512u     /* no light, but stilb_render_view.both_sides */
-#define RENDER_LIGHTS_ONE 1024u      /* there is exactly one */
-#define RENDER_LIGHTS_DEPTH 2048u    /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
-#define RENDER_LIGHTS_VELOCITY 4096u /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
-#define RENDER_LIGHTS_LISTS 8192u    /* lights that end somewhere are found by lists (render_lights.c) */
-#define RENDER_LIGHTS_GBUFFER 16384u /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
+#define RENDER_LIGHTS_END 64u         /* some have a falloff that is not physical */
+#define RENDER_LIGHTS_GLOSS 128u      /* highlights mirror sky and ground */
+#define RENDER_LIGHTS_PANORAMA 256u   /* the panorama's light in place of sky and ground */
+#define RENDER_LIGHTS_SIDES 512u      /* no light, but stilb_render_view.both_sides */
+#define RENDER_LIGHTS_ONE 1024u       /* there is exactly one */
+#define RENDER_LIGHTS_DEPTH 2048u     /* nothing is lit: depth alone is drawn. Besides it, _SIDES and _VELOCITY */
+#define RENDER_LIGHTS_VELOCITY 4096u  /* besides _DEPTH: velocities are drawn, too (shaders/velocity.glsl) */
+#define RENDER_LIGHTS_LISTS 8192u     /* lights that end somewhere are found by lists (render_lights.c) */
+#define RENDER_LIGHTS_GBUFFER 16384u  /* surfaces are drawn, and lights left to a later pass (render_deferred.c) */
+#define RENDER_LIGHTS_GBUFFER8 32768u /* besides _GBUFFER, and of the passes that light: surfaces are in 8 bits */
 /* From this bit on: nothing is lit, but 1 + a channel is shown. Besides it, _SIDES. */
-#define RENDER_LIGHTS_CHANNEL_SHIFT 15u
+#define RENDER_LIGHTS_CHANNEL_SHIFT 16u
 
 /* 1 + the stilb_scene_surface_channel that programs for these bits show; 0: light. */
 static inline uint32_t render_lights_channel(uint32_t bits)
@@ -354,7 +355,8 @@ static inline uint32_t render_binds_between(stilb_render_materials materials, ui
  * those that the view has, and of the others a pixel asks those in the list of its cell. */
 typedef struct render_view_lights {
 	uint32_t first, count;
-	uint32_t everywhere; /* so many of them are asked by every pixel; without lists `count` */
+	uint32_t endless;    /* so many of them end nowhere */
+	uint32_t everywhere; /* so many of them are asked by every pixel: with lists the endless ones, else all */
 	uint32_t bits;       /* RENDER_LIGHTS_..., and 1 << stilb_scene_light_kind for each kind among the view's lights */
 	uint32_t lists;      /* element of RENDER_MEMORY_LIGHT_LISTS where render_light_lists lies */
 	uint32_t grid[2];    /* columns | rows << 16, of tiles; log2 of a tile's pixels | slices << 8 */
@@ -380,6 +382,7 @@ typedef struct render_stream {
 	uint64_t states;         /* bitwise or of all runs' states */
 	uint32_t kinds;          /* 1 << render_state_detail of the runs, and of those that passes like it will soon have */
 	render_view_lights lights;       /* the view's */
+	const render_light *written;     /* [lights.count] these, in the frame's memory */
 	const render_panorama *panorama; /* of the view; NULL: sky and ground */
 } render_stream;
 
@@ -497,13 +500,17 @@ static inline uint32_t render_view_tone(const stilb_render_view *view)
 bool render_view_is_deferred(const render_device *device, const stilb_render_view *view);
 /* True if surfaces with these RENDER_MAPS_... can be lit later. */
 bool render_maps_are_deferred(uint64_t bits);
-/* Of the programs that draw surfaces of a view with these bits. */
-uint32_t render_gbuffer_bits(uint32_t light_bits);
+/* Of the programs that draw the view's surfaces, and of the passes that light them. light_bits: the view's. */
+uint32_t render_gbuffer_bits(const stilb_render_view *view, uint32_t light_bits);
+uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits);
 /* Adds the images of surfaces to a row that draws the target's radiance. */
-void render_deferred_attach(render_device *device, render_frame_target *target, stilb_gpu_pass *row);
-/* Adds the row of the lights that choice stands for. */
-stilb_result render_deferred_lights(render_device *device, const render_frame_target *target,
-                                    render_formula_programs *choice, const render_push *push);
+void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
+                            stilb_gpu_pass *row);
+/* render_view_data.far of the view. */
+float render_deferred_far(const stilb_render_view *view);
+/* Adds the rows of the stream's lights. */
+stilb_result render_deferred_lights(render_device *device, const struct render_stream *stream,
+                                    const render_frame_target *target, const render_push *push);
 
 /* ---- render_lights.c ---- */
 

@@ -104,12 +104,16 @@ static stilb_result lights_claim(stilb_render *render, const stilb_render_view *
 static stilb_result lights_place_all(stilb_render *render, const stilb_render_view *view,
                                      const render_panorama *panorama, render_view_lights *lights)
 {
-	uint32_t count = 0;
-	for (uint32_t i = 0; i < view->light_count; i++)
-		count += view->lights[i].use != STILB_SCENE_LIGHT_BAKED;
+	uint32_t count = 0, ending = 0;
+	for (uint32_t i = 0; i < view->light_count; i++) {
+		bool shown = view->lights[i].use != STILB_SCENE_LIGHT_BAKED;
+		count += shown;
+		ending += shown && light_ends(&view->lights[i]);
+	}
 	render_light *out;
 	stilb_result result = lights_claim(render, view, panorama, count, lights, &out);
 	lights->everywhere = lights->count;
+	lights->endless = lights->count - ending;
 	for (int ends = 0; ends < 2 && result == STILB_OK && count > 0; ends++)
 		for (uint32_t i = 0; i < view->light_count; i++)
 			if (view->lights[i].use != STILB_SCENE_LIGHT_BAKED && light_ends(&view->lights[i]) == (bool)ends)
@@ -181,7 +185,7 @@ static stilb_result lights_place_lists(stilb_render *render, const stilb_render_
 		return result;
 	for (uint32_t i = 0; i < lists->light_count; i++)
 		lights_write(out++, &view->lights[lists->lights[i]]);
-	lights->everywhere = lights->count - lists->light_count + lists->everywhere_count;
+	lights->endless = lights->everywhere = lights->count - lists->light_count + lists->everywhere_count;
 	lights->grid[0] = lists->columns | lists->rows << 16;
 	lights->grid[1] = (uint32_t)__builtin_ctz(grid.tile) | lists->slices << 8;
 	return lists_write(render, lists, lights);

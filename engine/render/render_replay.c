@@ -235,7 +235,11 @@ stilb_result stilb_render_replay(stilb_render *render, const stilb_render_pass *
 		const stilb_render_pass *pass = &passes[index];
 		const stilb_render_view *view = pass->kind == STILB_RENDER_PASS_SCENE ? &views[pass->view] : NULL;
 		render_stream stream = {
-			.view = view, .panorama = view ? render_view_panorama(render, view) : NULL, .lights = lights[index]};
+			.view = view,
+			.panorama = view ? render_view_panorama(render, view) : NULL,
+			.lights = lights[index],
+			.written = (const render_light *)render->memory[RENDER_MEMORY_LIGHTS].data + lights[index].first,
+		};
 		result = replay_pass(render, pass, &render->passes[index], &stream);
 	}
 	if (result == STILB_OK)

@@ -67,6 +67,11 @@ static void picture_add_drawing(picture_flags *p, picture_flags_group group, fla
 		{"--lighting", FLAG_CHOICE, &p->lighting, "WAY",
 	     "how pixels find their lights, the same picture each way: auto, forward, clustered or deferred (auto)", 0, 0,
 	     stilb_render_lighting_names},
+		{"--light-coverage", FLAG_CHOICE, &p->coverage, "WAY",
+	     "of --lighting deferred, the pixels that a light asks: cells, screen or rectangles (cells)", 0, 0,
+	     stilb_render_coverage_names},
+		{"--gbuffer", FLAG_CHOICE, &p->gbuffer, "WAY",
+	     "of --lighting deferred, how surfaces are kept: wide or rgba8 (wide)", 0, 0, stilb_render_gbuffer_names},
 	};
 	const flag range[] = {
 		{"--show-range", FLAG_TEXT, &p->show_range, "LOW,HIGH", "values of that image shown black and white (0,1)", 0,
@@ -332,6 +337,21 @@ bool picture_flags_are_transparent(const picture_flags *p)
 	return p->background && strcmp(p->background, "transparent") == 0;
 }
 
+/* Of --lighting deferred and what goes with it. */
+static bool picture_check_lighting(const picture_flags *p)
+{
+	bool deferred = p->lighting == STILB_RENDER_LIGHTING_DEFERRED;
+	if (deferred && p->samples > 1) {
+		stilb_log("--lighting deferred has one sample a pixel; leave out --msaa, or light in another way");
+		return false;
+	}
+	if (!deferred && (p->coverage != 0 || p->gbuffer != 0)) {
+		stilb_log("%s is of --lighting deferred; give that, too", p->coverage != 0 ? "--light-coverage" : "--gbuffer");
+		return false;
+	}
+	return true;
+}
+
 bool picture_flags_check(const picture_flags *p)
 {
 	float stops;
@@ -339,6 +359,8 @@ bool picture_flags_check(const picture_flags *p)
 		stilb_log("--msaa: %" PRIu64 " samples are not possible; give 1 or 4", p->samples);
 		return false;
 	}
+	if (!picture_check_lighting(p))
+		return false;
 	if (!(p->detail_error >= PICTURE_ERROR_LEAST)) {
 		stilb_log("--lod-error: %g pixels are not possible; give 0.01..%d, or --lod off", (double)p->detail_error,
 		          PICTURE_ERROR_MOST);

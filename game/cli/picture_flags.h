@@ -28,7 +28,7 @@ typedef enum picture_studio {
 typedef struct picture_flags {
 	int device, replay, materials;               /* a stilb_render_device_kind, _replay_mode and _materials */
 	int specular_aa;                             /* a stilb_render_specular_aa */
-	int lighting;                                /* a stilb_render_lighting */
+	int lighting, coverage, gbuffer;             /* a stilb_render_lighting, _coverage and _gbuffer */
 	uint64_t samples;                            /* 0 if not given */
 	uint64_t max_anisotropy;                     /* 0 if not given */
 	int brdf, ndf, g, f;                         /* a SHADE_BRDF_, _NDF_, _G_ and _F_, or PICTURE_NOT_GIVEN */
@@ -47,7 +47,7 @@ typedef enum picture_flags_group {
 	PICTURE_COMMANDS, /* --replay, --materials: how frames are drawn; the same pixels each way */
 	PICTURE_DEVICE,   /* --device, --gpu, --validate */
 	PICTURE_SAMPLES,  /* --msaa, --max-anisotropy, --specular-aa */
-	PICTURE_LIGHTING, /* --lighting: the same pixels each way */
+	PICTURE_LIGHTING, /* --lighting, --light-coverage, --gbuffer: the same picture each way */
 	PICTURE_DETAIL,   /* --lod, --lod-error, --show, --show-range: what frames show, and how finely */
 	PICTURE_IMAGE,    /* --show and --show-range for images of the plan alone */
 	PICTURE_POSE,     /* --animation, --at: what of a file's scene plays */

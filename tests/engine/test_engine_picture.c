@@ -218,6 +218,28 @@ static void keys_go_through_the_channels(void **state)
 	stress_engine_destroy(engine);
 }
 
+/* L goes through the ways of lighting; the pictures of all are the same but for deferred's rounding. */
+static void keys_go_through_the_ways_of_lighting(void **state)
+{
+	(void)state;
+	stilb_engine *engine = make_engine(STILB_RENDER_OUTPUT_DISPLAY);
+	stilb_input_state next = {0}, back = {0};
+	next.actions[STILB_ENGINE_LIGHTING] = 1;
+	back.actions[STILB_ENGINE_LIGHTING_BACK] = 1;
+	for (int i = 1; i <= STILB_RENDER_LIGHTING_WAYS; i++) {
+		stilb_engine_report report;
+		assert_int_equal(stilb_engine_frame(engine, &report), STILB_OK);
+		engine_images_act(engine, &next);
+		assert_int_equal(stilb_engine_lighting(engine), i % STILB_RENDER_LIGHTING_WAYS);
+	}
+	engine_images_act(engine, &back);
+	assert_int_equal(stilb_engine_lighting(engine), STILB_RENDER_LIGHTING_WAYS - 1);
+	stilb_engine_set_lighting(engine, STILB_RENDER_LIGHTING_FORWARD);
+	assert_int_equal(stilb_engine_lighting(engine), STILB_RENDER_LIGHTING_FORWARD);
+	assert_int_equal(stilb_engine_validation_messages(engine), 0);
+	stress_engine_destroy(engine);
+}
+
 int main(void)
 {
 	struct CMUnitTest tests[] = {
@@ -225,6 +247,7 @@ int main(void)
 		cmocka_unit_test(radiance_as_it_is),
 		cmocka_unit_test(value_under_the_pointer),
 		cmocka_unit_test(keys_go_through_the_channels),
+		cmocka_unit_test(keys_go_through_the_ways_of_lighting),
 	};
 	return cmocka_run_group_tests(tests, make_radiance, NULL);
 }

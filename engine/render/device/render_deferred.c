@@ -4,11 +4,16 @@
 #include "render/device/render_images.h"
 #include "render/render_internal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-const stilb_gpu_format render_gbuffer_formats[1 + RENDER_GBUFFER_IMAGES] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_U,
-                                                                            STILB_GPU_RGBA16_U, STILB_GPU_RGBA16_U};
+#define DEFERRED_FAR 1000.0f /* metres, of views that end nowhere */
+
+const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES] = {
+	[STILB_RENDER_GBUFFER_WIDE] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA16_U, STILB_GPU_RGBA16_U, STILB_GPU_RGBA16_U},
+	[STILB_RENDER_GBUFFER_RGBA8] = {STILB_GPU_RGBA16_F, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U, STILB_GPU_RGBA8_U},
+};
 static const char *const deferred_images[RENDER_GBUFFER_IMAGES] = {
 	STILB_RENDER_IMAGE_NORMAL, STILB_RENDER_IMAGE_DIFFUSE, STILB_RENDER_IMAGE_SPECULAR};
 
@@ -22,47 +27,157 @@ bool render_maps_are_deferred(uint64_t bits)
 	return !(bits & (RENDER_MAPS_BLEND | RENDER_MAPS_LAYERS | RENDER_MAPS_THROUGH)) && render_maps_function(bits) == 0;
 }
 
-uint32_t render_gbuffer_bits(uint32_t light_bits)
+static uint32_t deferred_narrow(const stilb_render_view *view)
 {
-	return (light_bits & (RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS)) | RENDER_LIGHTS_GBUFFER;
+	return view->deferred.gbuffer == STILB_RENDER_GBUFFER_RGBA8 ? RENDER_LIGHTS_GBUFFER8 : 0;
 }
 
-void render_deferred_attach(render_device *device, render_frame_target *target, stilb_gpu_pass *row)
+uint32_t render_gbuffer_bits(const stilb_render_view *view, uint32_t light_bits)
 {
+	uint32_t around = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_PANORAMA | RENDER_LIGHTS_GLOSS;
+	return (light_bits & around) | RENDER_LIGHTS_GBUFFER | deferred_narrow(view);
+}
+
+uint32_t render_deferred_bits(const stilb_render_view *view, uint32_t light_bits)
+{
+	bool lists = view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
+	uint32_t unread = RENDER_LIGHTS_SIDES | RENDER_LIGHTS_GLOSS | RENDER_LIGHTS_ONE | (lists ? 0 : RENDER_LIGHTS_LISTS);
+	return (light_bits & ~unread) | deferred_narrow(view);
+}
+
+float render_deferred_far(const stilb_render_view *view)
+{
+	/* Clip z and w are rows 2 and 3 of the matrix; where z is 0 is far. Along the view by a depth of 1 they change so: */
+	const float *m = view->view_projection.m;
+	float along = m[3] * m[3] + m[7] * m[7] + m[11] * m[11];
+	float slope = m[2] * m[3] + m[6] * m[7] + m[10] * m[11];
+	float at =
+		m[2] * view->camera_position[0] + m[6] * view->camera_position[1] + m[10] * view->camera_position[2] + m[14];
+	float far = along > 0.0f ? -at * sqrtf(along) / slope : 0.0f;
+	return far > 0.0f && isfinite(far) ? far : DEFERRED_FAR;
+}
+
+void render_deferred_attach(render_device *device, const stilb_render_view *view, render_frame_target *target,
+                            stilb_gpu_pass *row)
+{
+	const stilb_gpu_format *formats = render_gbuffer_formats[view->deferred.gbuffer];
 	for (uint32_t i = 0; i < RENDER_GBUFFER_IMAGES; i++) {
 		char name[STILB_GPU_MAX_NAME + 1];
 		snprintf(name, sizeof name, "%s%s%s", target->main ? "" : target->from->name, target->main ? "" : " ",
 		         deferred_images[i]);
-		target->surfaces[i] =
-			stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){.name = name,
-		                                                                   .format = render_gbuffer_formats[1 + i],
-		                                                                   .width = target->width,
-		                                                                   .height = target->height});
+		target->surfaces[i] = stilb_gpu_plan_image(device->plan, &(stilb_gpu_plan_image_row){.name = name,
+		                                                                                     .format = formats[1 + i],
+		                                                                                     .width = target->width,
+		                                                                                     .height = target->height});
 		row->color[1 + i] = (stilb_gpu_attachment){.image = target->surfaces[i], .load = STILB_GPU_LOAD_DISCARD};
 	}
 	row->color_count = 1 + RENDER_GBUFFER_IMAGES;
 }
 
-stilb_result render_deferred_lights(render_device *device, const render_frame_target *target,
-                                    render_formula_programs *choice, const render_push *push)
+/* ---- lights ------------------------------------------------------------------------------------------------------ */
+
+/* Where x / w or y / w of clip space lies for a sphere: the planes through the eye that touch it. row: of x or y, w: of
+ * w. The distance of the centre c from the plane row - t w is r: (a - t b)^2 = r^2 |row - t w|^2. */
+static bool deferred_span(const double row[4], const double w[4], const double center[3], double radius, double span[2])
 {
-	stilb_result result = render_programs_deferred(device, choice);
-	if (result != STILB_OK)
-		return result;
+	double a = row[3], b = w[3], A = 0.0, B = 0.0, C = 0.0;
+	for (int i = 0; i < 3; i++) {
+		a += row[i] * center[i];
+		b += w[i] * center[i];
+		A += row[i] * row[i];
+		B += row[i] * w[i];
+		C += w[i] * w[i];
+	}
+	double square = radius * radius, q = b * b - square * C, half = a * b - square * B;
+	double root = half * half - q * (a * a - square * A);
+	span[0] = -1.0;
+	span[1] = 1.0;
+	if (b < 0.0 && q > 0.0)
+		return false; /* behind the viewer */
+	if (!(q > 0.0) || !(root >= 0.0))
+		return true; /* around the viewer */
+	span[0] = fmax((half - sqrt(root)) / q, -1.0);
+	span[1] = fmin((half + sqrt(root)) / q, 1.0);
+	return span[0] < span[1];
+}
+
+/* The rectangle of pixels, of a picture of this size, that a light with a reach may light. False: none. */
+static bool deferred_rectangle(const stilb_mat4 *matrix, const render_light *light, uint32_t width, uint32_t height,
+                               uint16_t area[4])
+{
+	const uint32_t sizes[2] = {width, height};
+	double rows[4][4], center[3];
+	for (int r = 0; r < 4; r++)
+		for (int c = 0; c < 4; c++)
+			rows[r][c] = (double)matrix->m[4 * c + r];
+	for (int i = 0; i < 3; i++)
+		center[i] = (double)light->position[i];
+	for (int axis = 0; axis < 2; axis++) {
+		double span[2], size = (double)sizes[axis];
+		if (!deferred_span(rows[axis], rows[3], center, (double)light->reach * 1.0001, span))
+			return false;
+		double first = floor((span[0] * 0.5 + 0.5) * size), end = ceil((span[1] * 0.5 + 0.5) * size);
+		if (!(first < end))
+			return false;
+		area[axis] = (uint16_t)first;
+		area[2 + axis] = (uint16_t)(end - first);
+	}
+	return true;
+}
+
+/* Adds a row that adds the light of lights first .. first + count - 1 of the push's. area: NULL: to the whole picture. */
+static void deferred_row(render_device *device, const render_frame_target *target, stilb_gpu_program program,
+                         const render_push *push, uint32_t first, uint32_t count, const uint16_t area[4])
+{
 	stilb_gpu_pass row = {
 		.name = "lights",
 		.kind = STILB_GPU_PASS_FULLSCREEN,
-		.program = choice->deferred.id,
+		.program = program.id,
 		.color_count = 1,
 		.color = {{.image = target->color, .load = STILB_GPU_LOAD_KEEP}},
 		.use_count = 1 + RENDER_GBUFFER_IMAGES,
 		.uses = {{.resource = target->depth, .how = STILB_GPU_USE_SAMPLED}},
 		.constant_bytes = sizeof *push,
 	};
+	render_push own = *push;
+	own.view.lights += first * sizeof(render_light);
+	own.view.light_count = count;
 	for (uint16_t i = 0; i < RENDER_GBUFFER_IMAGES; i++)
 		row.uses[1 + i] =
 			(stilb_gpu_use){.resource = target->surfaces[i], .how = STILB_GPU_USE_SAMPLED, .slot = (uint16_t)(1 + i)};
-	memcpy(row.constants, push, sizeof *push);
+	if (area)
+		memcpy(row.area, area, sizeof row.area);
+	memcpy(row.constants, &own, sizeof own);
 	stilb_gpu_plan_pass(device->plan, &row);
+}
+
+stilb_result render_deferred_lights(render_device *device, const render_stream *stream,
+                                    const render_frame_target *target, const render_push *push)
+{
+	render_formula_programs *choice;
+	const stilb_render_view *view = stream->view;
+	const render_view_lights *lights = &stream->lights;
+	stilb_result result =
+		render_programs_choose(device, &view->shading, render_deferred_bits(view, lights->bits), 0, 0, &choice);
+	if (result == STILB_OK)
+		result = render_programs_deferred(device, choice);
+	if (result != STILB_OK || lights->count == 0)
+		return result;
+	bool rectangles = view->deferred.coverage == STILB_RENDER_COVERAGE_RECTANGLES;
+	uint32_t ending = lights->count - lights->endless;
+	uint32_t each = !rectangles ? 0 : ending < STILB_RENDER_MAX_RECTANGLES ? ending : STILB_RENDER_MAX_RECTANGLES;
+	bool cells = view->deferred.coverage == STILB_RENDER_COVERAGE_CELLS;
+	uint32_t whole = cells ? lights->everywhere : rectangles ? lights->endless : lights->count;
+	if (whole > 0 || cells)
+		deferred_row(device, target, choice->deferred, push, 0, whole, NULL);
+	const render_light *written = stream->written;
+	for (uint32_t i = 0; i < each; i++) {
+		uint16_t area[4];
+		if (deferred_rectangle(&view->view_projection, &written[lights->endless + i], target->width, target->height,
+		                       area))
+			deferred_row(device, target, choice->deferred, push, lights->endless + i, 1, area);
+	}
+	if (each < ending && rectangles)
+		deferred_row(device, target, choice->deferred, push, lights->endless + each, ending - each, NULL);
 	return STILB_OK;
 }

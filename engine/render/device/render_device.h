@@ -37,10 +37,10 @@ typedef struct render_view_data {
 	float view_projection[16];
 	float sky[4];
 	float ground[4];
-	uint64_t extras, extra_places; /* of the heaps of these */
-	float time;                    /* seconds, for functions of surfaces */
-	float half_size[2];            /* of what is drawn into, pixels */
-	float padding;
+	uint64_t extras, extra_places;  /* of the heaps of these */
+	float time;                     /* seconds, for functions of surfaces */
+	float half_size[2];             /* of what is drawn into, pixels */
+	float far;                      /* the largest depth that surfaces in 8 bits have, metres */
 	float last_view_projection[16]; /* for velocities alone */
 	uint64_t last_vertices;         /* the heap of these */
 	uint64_t also_padding;
@@ -268,8 +268,9 @@ typedef struct render_list {
 	char name[64];      /* of its row */
 } render_list;
 
-#define RENDER_GBUFFER_IMAGES 3u                                                 /* besides radiance and depth */
-extern const stilb_gpu_format render_gbuffer_formats[1 + RENDER_GBUFFER_IMAGES]; /* behind that of radiance */
+#define RENDER_GBUFFER_IMAGES 3u /* besides radiance and depth */
+/* By stilb_render_gbuffer: behind that of radiance. */
+extern const stilb_gpu_format render_gbuffer_formats[STILB_RENDER_GBUFFER_KINDS][1 + RENDER_GBUFFER_IMAGES];
 
 /* The images of a stilb_render_target in a frame. */
 typedef struct render_frame_target {

@@ -96,7 +96,7 @@ static render_view_push frame_write_view(render_device *device, const render_str
 	out->time = view->time;
 	out->half_size[0] = 0.5f * (float)width;
 	out->half_size[1] = 0.5f * (float)height;
-	out->padding = 0.0f;
+	out->far = render_deferred_far(view);
 	memcpy(out->last_view_projection, view->last ? view->last->m : view->view_projection.m,
 	       sizeof out->last_view_projection);
 	stilb_mat4 from_clip = stilb_mat4_inverse(&view->view_projection);
@@ -610,9 +610,9 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
                                    render_frame_target *target, bool backdrop, const render_push *push)
 {
 	render_formula_programs *surfaces;
+	uint32_t bits = render_gbuffer_bits(stream->view, stream->lights.bits);
 	stilb_result result =
-		render_programs_choose(device, &stream->view->shading, render_gbuffer_bits(stream->lights.bits), stream->kinds,
-	                           frame_surfaces(stream), &surfaces);
+		render_programs_choose(device, &stream->view->shading, bits, stream->kinds, frame_surfaces(stream), &surfaces);
 	uint32_t list;
 	if (result == STILB_OK)
 		result = frame_list(device, stream, (frame_part){0, stream->run_count}, FRAME_DRAWS_DEFERRED, surfaces, &list);
@@ -620,13 +620,13 @@ static stilb_result frame_deferred(render_device *device, const render_stream *s
 		return result;
 	stilb_gpu_pass row = frame_row(device, stream, list, " surfaces");
 	frame_attach(stream, target, backdrop, &row);
-	render_deferred_attach(device, target, &row);
+	render_deferred_attach(device, stream->view, target, &row);
 	if (render_formulas_are_gloss(surfaces))
 		frame_gloss(device, &row);
 	row_constants(&row, push, sizeof *push);
 	stilb_gpu_plan_pass(device->plan, &row);
 	target->drawn = true;
-	result = render_deferred_lights(device, target, choice, push);
+	result = render_deferred_lights(device, stream, target, push);
 	return result == STILB_OK ? frame_rows(device, stream, FRAME_DRAWS_OTHERS, choice, target, backdrop, push) : result;
 }
 

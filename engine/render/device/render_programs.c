@@ -328,14 +328,20 @@ static render_formula_programs *choice_find(render_programs *programs, const uin
 	return choice;
 }
 
+static const stilb_gpu_format *formulas_gbuffer_formats(const render_formula_programs *choice)
+{
+	bool narrow = choice->formulas[RENDER_FORMULA_LIGHTS] & RENDER_LIGHTS_GBUFFER8;
+	return render_gbuffer_formats[narrow ? STILB_RENDER_GBUFFER_RGBA8 : STILB_RENDER_GBUFFER_WIDE];
+}
+
 /* Compiles a program of the choice. */
 static stilb_result choice_compile(render_device *device, const render_formula_programs *choice,
                                    stilb_gpu_program program)
 {
 	bool depth = render_formulas_are_depth(choice), velocity = render_formulas_are_velocity(choice);
 	if (render_formulas_are_gbuffer(choice))
-		return stilb_gpu_program_prepare(device->gpu, program, render_gbuffer_formats, 1 + RENDER_GBUFFER_IMAGES,
-		                                 STILB_GPU_D32_F, 1);
+		return stilb_gpu_program_prepare(device->gpu, program, formulas_gbuffer_formats(choice),
+		                                 1 + RENDER_GBUFFER_IMAGES, STILB_GPU_D32_F, 1);
 	stilb_gpu_format color = velocity ? STILB_GPU_RG16_F : STILB_GPU_RGBA16_F;
 	return stilb_gpu_program_prepare(device->gpu, program, &color, depth && !velocity ? 0 : 1, STILB_GPU_D32_F,
 	                                 depth ? 1 : device->samples);
@@ -522,12 +528,15 @@ static stilb_result prepare_deferred(render_device *device, const stilb_render_v
                                      render_formula_programs *choice, uint32_t kinds, uint32_t surfaces,
                                      const render_known_maps *maps)
 {
-	uint32_t bits = render_gbuffer_bits(choice->formulas[RENDER_FORMULA_LIGHTS]);
-	render_formula_programs *gbuffer;
-	stilb_result result = render_programs_choose(device, &view->shading, bits, kinds, surfaces, &gbuffer);
+	uint32_t light_bits = choice->formulas[RENDER_FORMULA_LIGHTS];
+	render_formula_programs *gbuffer, *lights;
+	stilb_result result = render_programs_choose(device, &view->shading, render_gbuffer_bits(view, light_bits), kinds,
+	                                             surfaces, &gbuffer);
 	if (result == STILB_OK)
 		result = prepare_all_maps(device, view, gbuffer, kinds, maps);
-	return result == STILB_OK ? render_programs_deferred(device, choice) : result;
+	if (result == STILB_OK)
+		result = render_programs_choose(device, &view->shading, render_deferred_bits(view, light_bits), 0, 0, &lights);
+	return result == STILB_OK ? render_programs_deferred(device, lights) : result;
 }
 
 stilb_result render_device_prepare(render_device *device, const stilb_render_view *view, uint32_t light_bits,

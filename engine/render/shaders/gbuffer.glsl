@@ -1,11 +1,56 @@
-// What images hold of the surface that each pixel shows, for passes over the picture that light it: "normal", its shading
-// normal, octahedral, anisotropy, wrap; "diffuse" and roughness; "specular" (device/render_images.h).
+// What images hold of the surface that each pixel shows, for passes over the picture that light it
+// (device/render_images.h). Wide: its normal, octahedral, anisotropy and wrap; diffuse and roughness; specular. In 8 bits:
+// depth in 16, the normal's x and y as the viewer sees it; diffuse and roughness; specular and anisotropy.
 #include "../../shading/shade_impostor.h"
 
 struct GbufferSurface {
 	shade_material material; // as it stands, not as it is seen (shade_surface_seen)
 	vec3 normal;             // unit
 };
+
+const bool gbuffer_narrow = (lights & 32768u) != 0; // RENDER_LIGHTS_GBUFFER8
+
+// Axes across a pixel's ray, whose unit direction is ahead: to the right of the picture, and down.
+struct GbufferAxes {
+	vec3 right, down;
+};
+
+GbufferAxes gbuffer_axes(vec3 ahead)
+{
+	mat4 m = push.view.rest.view_projection;
+	vec3 right = vec3(m[0].x, m[1].x, m[2].x);
+	right = normalize(right - ahead * dot(right, ahead));
+	return GbufferAxes(right, cross(ahead, right));
+}
+
+// A normal's x and y on these, 0 .. 1; its z, towards the viewer, is what is left of 1. On the camera's own axes z could
+// be below 0, at the silhouettes of what is beside the middle of the picture.
+vec2 gbuffer_seen(vec3 n, vec3 ahead)
+{
+	GbufferAxes axes = gbuffer_axes(ahead);
+	return vec2(dot(n, axes.right), dot(n, axes.down)) * 0.5 + 0.5;
+}
+
+vec3 gbuffer_unseen(vec2 seen, vec3 ahead)
+{
+	GbufferAxes axes = gbuffer_axes(ahead);
+	vec2 xy = seen * 2.0 - 1.0;
+	float z = sqrt(max(1.0 - dot(xy, xy), 0.0));
+	return normalize(axes.right * xy.x + axes.down * xy.y - ahead * z);
+}
+
+// A depth along the view as two numbers of 8 bits, and back.
+vec2 gbuffer_depth_codes(float depth)
+{
+	float code = floor(clamp(depth / push.view.rest.far, 0.0, 1.0) * 65535.0 + 0.5), high = floor(code / 256.0);
+	return vec2(high, code - 256.0 * high) / 255.0;
+}
+
+float gbuffer_depth(vec2 codes)
+{
+	vec2 code = floor(codes * 255.0 + 0.5);
+	return (code.x * 256.0 + code.y) / 65535.0 * push.view.rest.far;
+}
 
 // What reflects nothing.
 GbufferSurface gbuffer_none()
@@ -21,14 +66,19 @@ GbufferSurface gbuffer_none()
 	void gbuffer_write(GbufferSurface surface) \
 	{ \
 		shade_material m = surface.material; \
-		vec2 place = shade_octahedral_from_direction(surface.normal); \
-		gbuffer_normal = vec4(vec3(place, m.anisotropy) * 0.5 + 0.5, m.wrap); \
+		float turned = m.anisotropy * 0.5 + 0.5; \
 		gbuffer_diffuse = vec4(m.diffuse, m.roughness); \
-		gbuffer_specular = vec4(m.specular, 1.0); \
+		gbuffer_specular = vec4(m.specular, gbuffer_narrow ? turned : 1.0); \
+		gbuffer_normal = gbuffer_narrow ? vec4(gbuffer_depth_codes(1.0 / gl_FragCoord.w), gbuffer_seen(surface.normal, normalize(world_position - push.view.camera_position.xyz))) \
+			: vec4(shade_octahedral_from_direction(surface.normal) * 0.5 + 0.5, turned, m.wrap); \
 	}
 
-GbufferSurface gbuffer_surface(vec4 normal, vec4 diffuse, vec4 specular)
+// ahead: the unit direction of the pixel's ray.
+GbufferSurface gbuffer_surface(vec4 normal, vec4 diffuse, vec4 specular, vec3 ahead)
 {
+	if (gbuffer_narrow)
+		return GbufferSurface(
+			shade_material(diffuse.xyz, specular.xyz, diffuse.w, specular.w * 2.0 - 1.0, 0.0), gbuffer_unseen(normal.zw, ahead));
 	vec3 place = normal.xyz * 2.0 - 1.0;
 	return GbufferSurface(shade_material(diffuse.xyz, specular.xyz, diffuse.w, place.z, normal.w),
 		shade_direction_from_octahedral(place.xy));

@@ -56,6 +56,7 @@ layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Vi
 	ExtraPlaces extra_places;
 	float time; // seconds, for functions of surfaces
 	float half_width, half_height; // of what is drawn into, pixels
+	float far;                     // the largest depth that surfaces in 8 bits have, metres
 	mat4 last_view_projection;     // of the frame before, for velocities alone
 	LastVertices last_vertices;
 	mat4 from_clip; // clip space to the world
